@@ -7,7 +7,7 @@ use flank::params::FlankParams;
 use flank::plan::plan_flank;
 use flank::ruled_surface::{RuledSurface, Side};
 use glam::DVec3;
-use task::{Cancel, Progress};
+use task::Task;
 
 fn bezier(points: [[f64; 3]; 4]) -> GuideCurve {
     GuideCurve::Bezier { points: points.map(DVec3::from).to_vec() }
@@ -28,8 +28,7 @@ fn flank(criterion: &mut Criterion) {
     {
         for (places, grid) in [("100 x 50 places", [100, 50]), ("400 x 250 places", [400, 250])] {
             let params = FlankParams { grid, ..FlankParams::default() };
-            let plan =
-                || plan_flank(&surface, &cutter, &params, &Progress::silent(), &Cancel::default()).expect("a plan");
+            let plan = || plan_flank(&surface, &cutter, &params, &Task::default()).expect("a plan");
             group.bench_function(format!("a plan for a {name}, {places}"), |b| b.iter(plan));
         }
     }

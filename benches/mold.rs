@@ -6,7 +6,7 @@ use import::{ImportOptions, import_file};
 use mold::cutter::{Cutter, CutterLibrary};
 use mold::height_field::{HeightField, closing, regions};
 use sparkpath::workspaces::mold::job::uncut::{UncutParams, uncut};
-use task::{Cancel, Progress};
+use task::Task;
 
 fn library(cutters: &[&str]) -> CutterLibrary {
     CutterLibrary { cutter: cutters.iter().map(|c| c.parse::<Cutter>().expect("a cutter")).collect() }
@@ -29,9 +29,9 @@ fn divided(mesh: &Mesh) -> Mesh {
 }
 
 fn molds(criterion: &mut Criterion) {
-    let (progress, cancel) = (Progress::silent(), Cancel::default());
+    let task = Task::default();
     let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/molds/c_fillets.stl");
-    let mesh = import_file(&file, &ImportOptions::default(), &progress, &cancel).expect("the mold").mesh;
+    let mesh = import_file(&file, &ImportOptions::default(), &task).expect("the mold").mesh;
     let fine = divided(&divided(&mesh));
     let mut group = criterion.benchmark_group("mold");
     group.sample_size(10);
@@ -42,16 +42,16 @@ fn molds(criterion: &mut Criterion) {
         if let Some(spacing) = spacing {
             (params.layers.is_fixed, params.layers.spacing_mm) = (true, spacing);
         }
-        group.bench_function(name, |b| b.iter(|| uncut(mesh, &params, &progress, &cancel).expect("an answer")));
+        group.bench_function(name, |b| b.iter(|| uncut(mesh, &params, &task).expect("an answer")));
     };
     of("31k triangles, three flat cutters, layers as needed", &mesh, &flats, None);
     of("31k triangles, three flat cutters, some 26 layers", &mesh, &flats, Some(0.5));
     of("31k triangles, flat and ball cutters", &mesh, &mixed, None);
     of("495k triangles, three flat cutters", &fine, &flats, None);
     let heights = |mesh: &Mesh, step: f64| {
-        let field = HeightField::raster(mesh, step, &cancel).expect("a field");
-        let left = closing(&field, &library(&flats), &cancel).expect("what is left");
-        regions(&field, &left, 0.02, &cancel).expect("regions")
+        let field = HeightField::raster(mesh, step, &task.cancel).expect("a field");
+        let left = closing(&field, &library(&flats), &task.cancel).expect("what is left");
+        regions(&field, &left, 0.02, &task.cancel).expect("regions")
     };
     group.bench_function("the yardstick: plain closing at 0.05 mm", |b| b.iter(|| heights(&mesh, 0.05)));
     group.bench_function("a glance: closing at 0.2 mm", |b| b.iter(|| heights(&mesh, 0.2)));

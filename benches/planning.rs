@@ -12,36 +12,35 @@ use geometry::exact::ExactMesh;
 use glam::DVec3;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::job::plan::{PlanInputs, run};
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 use wheel::electrode::{EntrySide, make_electrodes};
 use wheel::find_channel::find_channel;
 use wheel::options::BliskOptions;
 use wheel::parametric::{MeshResolution, ParametricBlisk};
 
 fn planning(criterion: &mut Criterion) {
-    let (progress, cancel) = (Progress::silent(), Cancel::default());
+    let task = Task::default();
     let job = PlanJob::demonstration();
     let mesh = ParametricBlisk::demonstration().mesh(&MeshResolution::default()).expect("the demonstration blisk");
     let options = BliskOptions::default();
     let mut group = criterion.benchmark_group("planning");
     group.sample_size(10);
-    group.bench_function("find channel", |b| b.iter(|| find_channel(&mesh, &options, &progress, &cancel)));
-    let channel = find_channel(&mesh, &options, &progress, &cancel).expect("its channel");
+    group.bench_function("find channel", |b| b.iter(|| find_channel(&mesh, &options, &task)));
+    let channel = find_channel(&mesh, &options, &task).expect("its channel");
     let blisk = mesh.in_frame(&channel.frame);
     let exact = ExactMesh::new(&blisk).expect("its surface");
-    let electrodes = || make_electrodes(&channel, &exact, &job.electrode, EntrySide::PlusX, &progress, &cancel);
+    let electrodes = || make_electrodes(&channel, &exact, &job.electrode, EntrySide::PlusX, &task);
     group.bench_function("make electrode", |b| b.iter(electrodes));
     let electrode = electrodes().expect("its electrode").remove(0);
     let region = electrode.mesh.bounds().grown(8.0);
-    let build = || DistanceField::build(&blisk, &exact, region, 0.25, &progress, &cancel);
+    let build = || DistanceField::build(&blisk, &exact, region, 0.25, &task);
     group.bench_function("distance field", |b| b.iter(build));
     let field = build().expect("its field");
 
     // One clearance evaluation of 1,500 samples against one exact distance between the meshes.
     let body = ExactMesh::new(&electrode.mesh).expect("its surface");
-    let own_field =
-        DistanceField::build(&electrode.mesh, &body, electrode.mesh.bounds().grown(1.0), 0.35, &progress, &cancel)
-            .expect("its field");
+    let own_field = DistanceField::build(&electrode.mesh, &body, electrode.mesh.bounds().grown(1.0), 0.35, &task)
+        .expect("its field");
     let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), &Cancel::default())
         .expect("not cancelled");
     let stride = samples.len() / 1500;
@@ -70,7 +69,7 @@ fn planning(criterion: &mut Criterion) {
         b.iter(|| points.iter().filter_map(|&p| field.value(p)).sum::<f64>());
     });
     let inputs = PlanInputs { blisk: mesh.into(), own_electrode: None, job };
-    group.bench_function("whole demonstration plan", |b| b.iter(|| run(&inputs, &progress, &cancel)));
+    group.bench_function("whole demonstration plan", |b| b.iter(|| run(&inputs, &task)));
     group.finish();
 }
 

@@ -8,7 +8,7 @@ use feed::verify::{Verifier, VerifyOptions};
 use geometry::frame::{Cylindrical, Frame};
 use geometry::mesh::Mesh;
 use glam::DVec3;
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 use wheel::channel::Surface;
 
 const GAP: f64 = 0.1;
@@ -105,7 +105,7 @@ fn verification(c: &mut Criterion) {
         let path = path(300, slip);
         let run = || {
             let surface = |_: DVec3| Surface::Elsewhere;
-            verifier.verify(&path, &surface, &options, &Progress::silent(), &Cancel::default())
+            verifier.verify(&path, &surface, &options, &Task::default())
         };
         if let Ok(certificate) = run() {
             let (pairs, least) = (certificate.pair_intervals(), certificate.least().distance);

@@ -22,7 +22,7 @@ use std::sync::OnceLock;
 
 use common::{curved_blisk, easy_blisk, mesh};
 use import::write_stl;
-use task::Progress;
+use task::Task;
 use tempfile::TempDir;
 use wheel::parametric::ParametricBlisk;
 
@@ -268,7 +268,7 @@ fn an_electrode_in_w_is_told_from_a_collision() {
     let (blisk, csv, right) = (path("part.stl"), path("out/path_1.csv"), path("out/electrode_1.stl"));
     let path = nc::path_csv::read_path_csv(&std::fs::read_to_string(&csv).unwrap()).unwrap();
     let options = import::ImportOptions { units: import::Units::Mm, ..Default::default() };
-    let electrode = import::import_file(Path::new(&right), &options, &Progress::silent(), &Default::default());
+    let electrode = import::import_file(Path::new(&right), &options, &Task::default());
     let in_w = folder.path().join("w.stl");
     write_stl(&in_w, &electrode.unwrap().mesh.in_frame(&path.frame)).unwrap();
     let verify = |electrode: &str, gap: &str| {

@@ -38,7 +38,7 @@ use nc::approved::Approved;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::job::plan::{PlanInputs, PlanJobError, PlanOutcome, prepare, run, run_feeds};
 use sparkpath::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 use wheel::channel::Surface;
 use wheel::electrode::{ElectrodeError, ElectrodeParams, EnterSide, EntrySide, make_electrodes};
 use wheel::find_channel::find_channel;
@@ -65,26 +65,26 @@ fn easy_inputs(job: PlanJob) -> PlanInputs {
 /// The easy blisk, made ready once.
 fn ready() -> &'static PreparedBlisk {
     static READY: OnceLock<PreparedBlisk> = OnceLock::new();
-    let make = || prepare(&easy_inputs(easy_job()), &Progress::silent(), &Cancel::default()).unwrap();
+    let make = || prepare(&easy_inputs(easy_job()), &Task::default()).unwrap();
     READY.get_or_init(make)
 }
 
 /// The feeds of a job on the easy blisk.
 fn plan_easy(job: PlanJob) -> PlanOutcome {
-    run_feeds(ready(), &easy_inputs(job), &Progress::silent(), &Cancel::default()).unwrap()
+    run_feeds(ready(), &easy_inputs(job), &Task::default()).unwrap()
 }
 
 /// The feeds alone, where copying motions and leftover do not matter.
 fn plan(blisk: Mesh, job: PlanJob) -> PlanOutcome {
     let inputs = PlanInputs { blisk: blisk.into(), own_electrode: None, job };
-    let (silent, never) = (Progress::silent(), Cancel::default());
-    run_feeds(&prepare(&inputs, &silent, &never).unwrap(), &inputs, &silent, &never).unwrap()
+    let task = Task::default();
+    run_feeds(&prepare(&inputs, &task).unwrap(), &inputs, &task).unwrap()
 }
 
 /// The whole plan.
 fn whole_plan(blisk: Mesh, job: PlanJob) -> PlanOutcome {
     let inputs = PlanInputs { blisk: blisk.into(), own_electrode: None, job };
-    run(&inputs, &Progress::silent(), &Cancel::default()).unwrap()
+    run(&inputs, &Task::default()).unwrap()
 }
 
 fn whole_easy_plan() -> &'static PlanOutcome {
@@ -211,7 +211,7 @@ fn moving_and_scaling_the_mesh_changes_nothing_in_w() {
     path.reference_point = b.reference_point;
     let options = VerifyOptions::default();
     let surface = |_| wheel::channel::Surface::Elsewhere;
-    let certificate = verifier.verify(&path, &surface, &options, &Progress::silent(), &Cancel::default()).unwrap();
+    let certificate = verifier.verify(&path, &surface, &options, &Task::default()).unwrap();
     let difference = certificate.least().distance - planned.certificate.least().distance;
     assert!(difference.abs() < 1e-3, "{difference}");
 }
@@ -256,20 +256,20 @@ fn a_searched_reduction_makes_a_thinner_electrode_that_comes_out_where_the_given
     assert!(electrode.electrode.volume_mm3 < jammed.electrodes[0].electrode.volume_mm3);
     let params = ElectrodeParams { circumferential_reduction_deg: [h, h], ..easy_job().electrode };
     let blisk = ExactMesh::new(&mesh(&easy_blisk()).in_frame(&outcome.channel.frame)).unwrap();
-    let (silent, cancel) = (Progress::silent(), Cancel::default());
-    let same = make_electrodes(&outcome.channel, &blisk, &params, EntrySide::MinusX, &silent, &cancel).unwrap();
+    let task = Task::default();
+    let same = make_electrodes(&outcome.channel, &blisk, &params, EntrySide::MinusX, &task).unwrap();
     assert!((same[0].volume_mm3 / electrode.electrode.volume_mm3 - 1.0).abs() < 1e-6);
 }
 
 #[test]
 fn a_searched_reduction_that_leaves_no_metal_is_an_answer_and_not_bad_input() {
-    let (job, silent, cancel) = (job_that_needs_h(), Progress::silent(), Cancel::default());
+    let (job, task) = (job_that_needs_h(), Task::default());
     let part = mesh(&easy_blisk());
-    let channel = Arc::new(find_channel(&part, &BliskOptions::default(), &silent, &cancel).unwrap());
+    let channel = Arc::new(find_channel(&part, &BliskOptions::default(), &task).unwrap());
     let blisk = Arc::new(part.in_frame(&channel.frame));
     let exact = ExactMesh::new(&blisk).unwrap();
-    let electrodes = make_electrodes(&channel, &exact, &job.electrode, EntrySide::MinusX, &silent, &cancel).unwrap();
-    let space = PlanningSpace::new(blisk, &exact, channel.clone(), job.plan.field_cell_mm, &silent, &cancel).unwrap();
+    let electrodes = make_electrodes(&channel, &exact, &job.electrode, EntrySide::MinusX, &task).unwrap();
+    let space = PlanningSpace::new(blisk, &exact, channel.clone(), job.plan.field_cell_mm, &task).unwrap();
     let settings = PlanSettings {
         plan: &job.plan,
         genetic: &job.genetic,
@@ -280,7 +280,7 @@ fn a_searched_reduction_that_leaves_no_metal_is_an_answer_and_not_bad_input() {
         observe: &|_, _| (),
     };
     let nothing = |_: f64| Err(ElectrodeError::NoMetal { x: 0.0, r: 60.0, available: 1.0, taken: 1.1 });
-    let plan = plan_feed(&space, &electrodes[0].clone().into(), &settings, &nothing, &silent, &cancel).unwrap();
+    let plan = plan_feed(&space, &electrodes[0].clone().into(), &settings, &nothing, &task).unwrap();
     let jam = plan.jam.unwrap();
     assert!(matches!(jam.cause, JamCause::NothingLeft { h } if h > 0.0 && h == plan.h), "{jam:?}");
     assert!(!plan.is_verified() && plan.verdict(&channel).contains("leaves no electrode"));
@@ -398,7 +398,7 @@ fn a_side_for_which_no_electrode_can_be_made_is_noted_and_the_other_tried() {
     // Asked for that side alone, it is an error that says why.
     job.electrode.enter = EnterSide::MinusX;
     let inputs = PlanInputs { blisk: mesh(&blisk).into(), own_electrode: None, job };
-    let error = run(&inputs, &Progress::silent(), &Cancel::default()).unwrap_err();
+    let error = run(&inputs, &Task::default()).unwrap_err();
     assert!(matches!(&error, PlanJobError::Electrode(_)) && why.contains(&error.to_string()), "{error}");
 }
 
@@ -472,7 +472,7 @@ fn channel_walls_lie_on_the_generators_own_surfaces() {
     let blisk = easy_blisk();
     let fine = MeshResolution { chord: 60, span: 8, edge: 10, ..Default::default() };
     let part = blisk.mesh(&fine).unwrap();
-    let channel = find_channel(&part, &BliskOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+    let channel = find_channel(&part, &BliskOptions::default(), &Task::default()).unwrap();
     assert_eq!((channel.blades, channel.shrouded), (24, true));
     // W may be turned about X against the generator's frame by whole pitches and by its own choice of middle.
     let reference = |wall: ChannelSide, p: DVec3| {
@@ -496,5 +496,5 @@ fn a_cancelled_plan_answers_nothing() {
     let cancel = Cancel::default();
     cancel.cancel();
     let inputs = PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job: easy_job() };
-    assert!(matches!(run(&inputs, &Progress::silent(), &cancel), Err(PlanJobError::Cancelled(_))));
+    assert!(matches!(run(&inputs, &Task::silent(&cancel)), Err(PlanJobError::Cancelled(_))));
 }

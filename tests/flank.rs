@@ -23,7 +23,7 @@ use sparkpath::workspaces::flank::document::{
 use sparkpath::workspaces::flank::export::{CL_FILE, CSV_FILE, ExportChoice, WrittenFlank, export};
 use sparkpath::workspaces::flank::inputs::{load, load_surface};
 use sparkpath::workspaces::flank::report::build::report;
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 use tempfile::TempDir;
 
 #[path = "flank/checks.rs"]
@@ -40,11 +40,11 @@ fn quick() -> FlankDocument {
 }
 
 fn loaded(document: &FlankDocument) -> FlankInput {
-    load(document, None, &Progress::silent(), &Cancel::default()).unwrap()
+    load(document, None, &Task::default()).unwrap()
 }
 
 fn run(input: &FlankInput) -> FlankResult {
-    flank(input, &Progress::silent(), &Cancel::default()).unwrap()
+    flank(input, &Task::default()).unwrap()
 }
 
 /// Both of the paper's surfaces with the paper's cone and every default.
@@ -65,7 +65,7 @@ fn planned() -> &'static [(FlankDocument, FlankResult); 2] {
 fn exported(document: &FlankDocument, result: &FlankResult) -> (TempDir, WrittenFlank) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let written = export(&out, (result, document), ExportChoice::ALL, &Progress::silent(), &Cancel::default());
+    let written = export(&out, (result, document), ExportChoice::ALL, &Task::default());
     let written = written.unwrap();
     (folder, written)
 }
@@ -285,7 +285,7 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     assert!(read(&folder, "report.html").contains("Check cutter fails."));
     let only_nc = ExportChoice { cl: false, nc: true, csv: false, report: false };
     let other = folder.path().join("other");
-    let written = export(&other, (&result, &document), only_nc, &Progress::silent(), &Cancel::default()).unwrap();
+    let written = export(&other, (&result, &document), only_nc, &Task::default()).unwrap();
     assert_eq!(written.files, ["flank.json", "report.html"], "the report says why there is no program");
 
     document.overrides = ["cutter", "coverage", "envelop"].map(FlankOverride::whatever).to_vec();
@@ -304,7 +304,7 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     std::fs::write(out.join("flank.tap"), before.replace("G93", "G94")).unwrap();
     std::fs::write(out.join("flank.nc"), "(of another program)").unwrap();
     let write = |result: &FlankResult, document: &FlankDocument| {
-        export(&out, (result, document), ExportChoice::ALL, &Progress::silent(), &Cancel::default()).unwrap()
+        export(&out, (result, document), ExportChoice::ALL, &Task::default()).unwrap()
     };
     let written = write(&blocked, &document);
     let told = [CSV_FILE, CL_FILE, "flank.ngc"].map(|name| format!("{name} of an earlier export was removed"));
@@ -334,7 +334,7 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     }
     std::fs::write(out.join(MANIFEST), "[[").unwrap();
     let (choice, cancel) = (ExportChoice::ALL, Cancel::default());
-    let refused = export(&out, (&blocked, &document), choice, &Progress::silent(), &cancel).unwrap_err();
+    let refused = export(&out, (&blocked, &document), choice, &Task::silent(&cancel)).unwrap_err();
     assert!(refused.contains("the manifest of the former export is damaged"), "{refused}");
 }
 
@@ -530,7 +530,7 @@ fn a_flank_of_a_mesh_is_milled_as_the_surface_that_it_was_made_from() {
     // One that there is not.
     let nc::flank_job::LoadedSurface::Face { number, .. } = &mut input.surface else { return };
     *number = 1000;
-    let said = flank(&input, &Progress::silent(), &Cancel::default()).unwrap_err().to_string();
+    let said = flank(&input, &Task::default()).unwrap_err().to_string();
     assert!(said.contains("no flank 1000"), "{said}");
 }
 
@@ -608,13 +608,13 @@ fn a_flank_that_cannot_be_is_answered_in_words_and_work_that_is_not_wanted_stops
     let mut input = loaded(&quick());
     let cancel = Cancel::default();
     cancel.cancel();
-    assert!(flank(&input, &Progress::silent(), &cancel).unwrap_err().is_cancelled());
+    assert!(flank(&input, &Task::silent(&cancel)).unwrap_err().is_cancelled());
     let line = |from: [f64; 3], to: [f64; 3]| GuideCurve::Bezier { points: vec![from.into(), to.into()] };
     input.surface = nc::flank_job::LoadedSurface::Guides {
         lower: line([0.0, 0.0, 0.0], [10.0, 0.0, 0.0]),
         upper: line([5.0, -5.0, 0.0], [5.0, 5.0, 0.0]),
     };
-    let said = flank(&input, &Progress::silent(), &Cancel::default()).unwrap_err().to_string();
+    let said = flank(&input, &Task::default()).unwrap_err().to_string();
     assert!(said.contains("cross or touch"), "{said}");
 }
 
@@ -636,7 +636,7 @@ fn a_part_without_a_unit_is_not_milled_in_inches_by_a_guess() {
     let read = |size, units| {
         box_without_unit(&file, size);
         let source = FlankSource::Mesh(MeshFlank { file: file.clone(), units, ..MeshFlank::default() });
-        load_surface(&source, &Progress::silent(), &Cancel::default())
+        load_surface(&source, &Task::default())
     };
     let length = |surface: &nc::flank_job::LoadedSurface| match surface {
         nc::flank_job::LoadedSurface::Face { mesh, .. } => mesh.bounds().size().x,

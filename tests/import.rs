@@ -13,7 +13,7 @@ use files::*;
 use geometry::mesh::{Bounds, Mesh};
 use glam::DVec3;
 use import::{Format, ImportOptions, Imported, Unit, Units, import_file, write_stl};
-use task::{Cancel, Progress};
+use task::Task;
 
 // ---- Ordinary files ----
 
@@ -53,7 +53,7 @@ fn what_is_written_reads_back() {
     assert!(!bytes.to_ascii_lowercase().starts_with(b"solid"));
     // The normal of the first triangle, which lies in the plane z = 0.
     assert_eq!(bytes[84..96], [0.0_f32, 0.0, -1.0].map(f32::to_le_bytes).concat());
-    let imported = import_file(&path, &ImportOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+    let imported = import_file(&path, &ImportOptions::default(), &Task::default()).unwrap();
     assert_eq!(imported.mesh, import(binary_stl(&part(), "")).mesh);
     assert!(imported.report.unit_certain, "the header says that it is in millimetres");
 
@@ -159,7 +159,7 @@ fn gltf_buffers_come_from_the_same_folder_only() {
     let import_with_uri = |uri: &str| {
         fs::write(&path, gltf_json(&part, &format!(r#","uri":"{uri}""#), "")).unwrap();
         let options = ImportOptions { units: Units::Mm, ..Default::default() };
-        import_file(&path, &options, &Progress::silent(), &Cancel::default())
+        import_file(&path, &options, &Task::default())
     };
     assert_eq!(import_with_uri("my%20part.bin").unwrap().mesh, import(binary_stl(&part, "")).mesh);
     let absolute = folder.path().join("secret.bin").display().to_string();

@@ -11,11 +11,11 @@ use mold::electrode::params::{ElectrodeParams, Stage};
 use mold::surface::SurfacePiece;
 use sparkpath::workspaces::mold::job::electrodes::electrodes;
 use sparkpath::workspaces::mold::job::uncut::{Uncut, UncutParams, uncut};
-use task::{Cancel, Progress};
+use task::Task;
 
 fn mold(name: &str) -> Mesh {
     let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/molds").join(name);
-    import_file(&file, &ImportOptions::default(), &Progress::silent(), &Cancel::default()).unwrap().mesh
+    import_file(&file, &ImportOptions::default(), &Task::default()).unwrap().mesh
 }
 
 fn library(cutters: &str) -> CutterLibrary {
@@ -24,7 +24,7 @@ fn library(cutters: &str) -> CutterLibrary {
 
 fn left(mesh: &Mesh, cutters: &str, step: Option<f64>) -> Uncut {
     let params = UncutParams { grid_step_mm: step, ..UncutParams::of(library(cutters)) };
-    uncut(mesh, &params, &Progress::silent(), &Cancel::default()).unwrap()
+    uncut(mesh, &params, &Task::default()).unwrap()
 }
 
 fn plan_area(left: &Uncut) -> f64 {
@@ -122,7 +122,7 @@ fn a_mold_turned_moved_split_and_scaled_keeps_the_same() {
         for cutter in &mut params.library.cutter {
             (cutter.diameter_mm, cutter.corner_mm) = (cutter.diameter_mm * SCALE, cutter.corner_mm * SCALE);
         }
-        let scaled = uncut(&large, &params, &Progress::silent(), &Cancel::default()).unwrap();
+        let scaled = uncut(&large, &params, &Task::default()).unwrap();
         assert_eq!(scaled.regions.len(), own.regions.len(), "{cutters}");
         let volume = scaled.found().volume_mm3 / SCALE.powi(3);
         assert!((volume / volumes[0] - 1.0).abs() < 0.01, "{cutters}: {volume} {volumes:?}");
@@ -142,7 +142,7 @@ fn more_cutters_never_leave_more_and_larger_ones_never_less() {
 
 fn designed(mesh: &Mesh, left: &Uncut, gap: f64) -> ElectrodeSet {
     let params = ElectrodeParams { stages: vec![Stage::finish(gap)], ..ElectrodeParams::default() };
-    electrodes(mesh, left, &params, &Progress::silent(), &Cancel::default()).unwrap()
+    electrodes(mesh, left, &params, &Task::default()).unwrap()
 }
 
 #[test]

@@ -42,9 +42,9 @@ pub(super) fn compare(
             lines(run).iter().for_each(|line| say!("{line}"));
         }
     };
-    let runs = job::compare(&prepared, &inputs, &wanted, &show, &session.progress, &session.cancel)?;
+    let runs = job::compare(&prepared, &inputs, &wanted, &show, &session.task)?;
     let comparison = job::comparison(runs, &inputs.job, files);
-    let written = job::write(out, &comparison, &session.cancel)?;
+    let written = job::write(out, &comparison, &session.task.cancel)?;
     super::terminal::finish();
     if session.json {
         say!("{}", comparison.json()?.trim_end());

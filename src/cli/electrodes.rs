@@ -101,10 +101,9 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     let mesh = &arguments.mold.mesh;
     let imported = session.import(mesh, arguments.mold.units)?;
     let name = mesh.display().to_string();
-    let uncut = find_uncut(&imported.mesh, &asked, &session.progress, &session.cancel)
-        .map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
-    let set = find_electrodes(&imported.mesh, &uncut, &params, &session.progress, &session.cancel)
-        .map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+    let uncut = find_uncut(&imported.mesh, &asked, &session.task).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+    let set =
+        find_electrodes(&imported.mesh, &uncut, &params, &session.task).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
     let file_name = mesh.file_name().map_or(name, |n| n.to_string_lossy().into_owned());
     let report = ElectrodesReport::of(&set, &file_name, asked.opening);
     let mut lines = lines(&set, &report);
@@ -116,7 +115,7 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
             lines.push(format!("no pictures in the report: {error}"));
             Vec::new()
         });
-        session.cancel.check()?;
+        session.task.check()?;
         let formats: Vec<ElectrodeFormat> = arguments.formats.iter().copied().map(ElectrodeFormat::from).collect();
         let (written, published) = export_electrodes(folder, (&set, &report), &sheet, &pictures, &formats)?;
         has_all_files = written.no_sheet.is_none();
@@ -177,8 +176,8 @@ fn pictures(
     let mut drawn = Vec::new();
     let (shapes, mold) = (electrode_shapes(set), Arc::new(RenderMesh::new(mesh)));
     for picture in electrode_pictures(set, &shapes, &mold, opening) {
-        session.progress.report("pictures", 0.0, &picture.caption);
-        let png = offscreen.png(&picture.scene, &picture.camera, PICTURE_SIZE, &session.cancel)?;
+        session.task.report("pictures", 0.0, &picture.caption);
+        let png = offscreen.png(&picture.scene, &picture.camera, PICTURE_SIZE, &session.task.cancel)?;
         drawn.push((picture.caption, png));
     }
     Ok(drawn)

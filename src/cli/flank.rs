@@ -22,23 +22,23 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
         ExportFolder::check(folder)?;
     }
     let Asked { document, notes } = arguments.asked(session)?;
-    let (progress, cancel) = (&session.progress, &session.cancel);
+    let task = &session.task;
     let machine = load_machine(&document, user_folder().as_deref())?;
     if let Some(file) = &arguments.save {
         write_flank(file, &document)?;
     }
     let in_unit = walls_unit(&document);
-    let walls = document.walls.as_ref().map(|walls| load_walls(walls, in_unit, progress, cancel)).transpose()?;
-    let surface = load_surface(&document.source, progress, cancel)?;
+    let walls = document.walls.as_ref().map(|walls| load_walls(walls, in_unit, task)).transpose()?;
+    let surface = load_surface(&document.source, task)?;
     if arguments.surface.list {
         return list(&surface.value, session);
     }
     let mut input = input(&document, surface, walls, machine);
     input.doubts.extend(notes);
     let start = Instant::now();
-    let result = plan(&input, progress, cancel).map_err(|e| anyhow::anyhow!("{}: {e}", document.name()))?;
+    let result = plan(&input, task).map_err(|e| anyhow::anyhow!("{}: {e}", document.name()))?;
     let seconds = start.elapsed().as_secs_f64();
-    session.cancel.check()?;
+    session.task.check()?;
     // What is let pass now is not let pass again however bad it gets.
     let remembered = FlankDocument { overrides: result.remembered(&document.overrides), ..document.clone() };
     if let Some(file) = arguments.save.as_ref().filter(|_| remembered != document) {
@@ -47,8 +47,7 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
     let mut lines = lines(&result);
     lines.push(format!("planned and checked in {seconds:.2} s"));
     if let Some(folder) = &arguments.out {
-        let written =
-            export(folder, (&result, &document), ExportChoice::ALL, progress, cancel).map_err(anyhow::Error::msg)?;
+        let written = export(folder, (&result, &document), ExportChoice::ALL, task).map_err(anyhow::Error::msg)?;
         lines.push(written.sentence());
     }
     super::terminal::finish();

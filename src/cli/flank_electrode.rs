@@ -85,15 +85,15 @@ fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<Electro
     let Some(mesh) = &asked.mesh else { anyhow::bail!("{}: it names no mesh; choose one and save it", file.display()) };
     let imported = session.import(mesh, asked.units)?;
     let (asked, mold) = (asked.of_part(&part_of(&imported)), imported.mesh);
-    let (progress, cancel) = (&session.progress, &session.cancel);
+    let task = &session.task;
     let question = UncutParams {
         opening: asked.opening,
         tolerance_mm: asked.tolerance_mm,
         ..UncutParams::of(asked.library.clone())
     };
     let wrong = |e: String| anyhow::anyhow!("{}: {e}", file.display());
-    let left = uncut(&mold, &question, progress, cancel).map_err(|e| wrong(e.to_string()))?;
-    let set = electrodes(&mold, &left, &asked.electrodes, progress, cancel).map_err(|e| wrong(e.to_string()))?;
+    let left = uncut(&mold, &question, task).map_err(|e| wrong(e.to_string()))?;
+    let set = electrodes(&mold, &left, &asked.electrodes, task).map_err(|e| wrong(e.to_string()))?;
     let found = set.electrodes.iter().find(|e| e.name == name);
     let names = || set.electrodes.iter().map(|e| e.name.clone()).collect();
     Ok(ElectrodePart::of_mold(found.ok_or_else(|| unknown(name, file, names()))?, &asked.name()))
@@ -106,10 +106,10 @@ fn of_job(name: &str, file: &Path, session: &Session) -> anyhow::Result<Electrod
     if job.blisk.mesh.is_none() {
         anyhow::bail!("{}: [blisk] mesh is missing", file.display());
     }
-    let (progress, cancel) = (&session.progress, &session.cancel);
-    let part = stages::load(&job, progress, cancel).map_err(anyhow::Error::msg)?;
-    let channel = stages::channel(&part, &job, progress, cancel).map_err(anyhow::Error::msg)?;
-    let made = stages::electrodes(&part, &channel, &job, progress, cancel).map_err(anyhow::Error::msg)?;
+    let task = &session.task;
+    let part = stages::load(&job, task).map_err(anyhow::Error::msg)?;
+    let channel = stages::channel(&part, &job, task).map_err(anyhow::Error::msg)?;
+    let made = stages::electrodes(&part, &channel, &job, task).map_err(anyhow::Error::msg)?;
     let found = name.parse::<usize>().ok().and_then(|n| Some((n, made.electrodes.get(n.checked_sub(1)?)?)));
     let names = || (1..=made.electrodes.len()).map(|n| n.to_string()).collect();
     let (number, electrode) = found.ok_or_else(|| unknown(name, file, names()))?;

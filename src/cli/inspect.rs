@@ -18,7 +18,7 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
     let options = options(arguments)?;
     let imported = session.import(&arguments.mesh, arguments.units)?;
     options.validate().map_err(|e| anyhow::anyhow!(as_arguments(&e)))?;
-    let found = inspect_blisk(&imported.mesh, &options, &session.progress, &session.cancel);
+    let found = inspect_blisk(&imported.mesh, &options, &session.task);
     let mut inspection = found.map_err(|e| anyhow::anyhow!(as_arguments(&e.to_string())))?;
     inspection.not_found.iter_mut().for_each(|problem| *problem = as_arguments(problem));
     let measured = match (&arguments.sections, &inspection.channel) {
@@ -51,9 +51,9 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
 fn measured(file: &Path, mesh: &Mesh, sides: [BladeSide; 2], session: &Session) -> anyhow::Result<CentrelineSummary> {
     let name = file.display();
     let sections = read_sections_file(file).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
-    let walls = NurbsWall::of_measured(&sections, &session.cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+    let walls = NurbsWall::of_measured(&sections, &session.task.cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
     let exact = ExactMesh::new(mesh)?;
-    CentrelineSummary::of_walls(&walls, sides, &exact, &session.cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))
+    CentrelineSummary::of_walls(&walls, sides, &exact, &session.task.cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))
 }
 
 /// `message` with the arguments of this command in place of the keys of a job file, which is not at hand here.

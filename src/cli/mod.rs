@@ -42,7 +42,7 @@ use ::render::colour::Theme;
 use feed::plan_params::Strategy;
 use feed::pose::Axis;
 use import::{ImportOptions, Imported, Units, import_file};
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 /// Plans, verifies and exports EDM electrode feed paths for shrouded blisks.
 #[derive(Debug, Parser)]
@@ -249,8 +249,7 @@ enum Answer {
 
 /// What a command works with.
 struct Session {
-    progress: Progress,
-    cancel: Cancel,
+    task: Task,
     json: bool,
     seed: Option<u64>,
 }
@@ -259,7 +258,7 @@ impl Session {
     /// Imports a mesh file.
     fn import(&self, path: &Path, units: Units) -> anyhow::Result<Imported> {
         let options = ImportOptions { units, ..Default::default() };
-        Ok(import_file(path, &options, &self.progress, &self.cancel)?)
+        Ok(import_file(path, &options, &self.task)?)
     }
 }
 
@@ -303,8 +302,8 @@ pub fn run() -> ExitCode {
     if let Err(error) = handled {
         return report(&anyhow::Error::new(Internal(error.to_string())), arguments.json);
     }
-    let session =
-        Session { progress: terminal::progress(arguments.json), cancel, json: arguments.json, seed: arguments.seed };
+    let task = Task { progress: terminal::progress(arguments.json), cancel };
+    let session = Session { task, json: arguments.json, seed: arguments.seed };
     // A panic is a fault of the program: it ends as one line and exit code 1, like any other.
     std::panic::set_hook(Box::new(|_| {}));
     let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| dispatch(&arguments, &session)));

@@ -14,7 +14,7 @@ use crate::workspaces::blisk::report::{InputFile, Report};
 use files::ExportFolder;
 use import::Units;
 use nc::post::Post;
-use task::Cancel;
+use task::{Cancel, Task};
 use wheel::electrode::Sizing;
 use wheel::parametric::{MeshResolution, ParametricBlisk};
 
@@ -69,13 +69,14 @@ fn finish(inputs: PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sessi
     // What would stop the results should be found out before the work.
     Post::named(&inputs.job.export.post)?;
     ExportFolder::check(out)?;
-    let Session { progress, cancel, .. } = session;
+    let task = &session.task;
     let (prepared, inputs) = ready(inputs, session)?;
-    let outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), progress, cancel)?;
-    let stopped = finish_as_far_as_possible(&outcome, &inputs, prepared.blisk(), progress, cancel)?.stopped;
+    let outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), task)?;
+    let stopped = finish_as_far_as_possible(&outcome, &inputs, prepared.blisk(), task)?.stopped;
     // What was certified before the work was stopped is written all the same.
-    let writing = if stopped.is_some() { &Cancel::default() } else { cancel };
-    let (report, written) = export::export(out, &outcome, &inputs, files, progress, writing)?;
+    let cancel = if stopped.is_some() { Cancel::default() } else { task.cancel.clone() };
+    let writing = Task { cancel, ..task.clone() };
+    let (report, written) = export::export(out, &outcome, &inputs, files, &writing)?;
     super::terminal::finish();
     if session.json {
         say!("{}", report.json()?);
@@ -92,7 +93,7 @@ fn finish(inputs: PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sessi
 /// The blisk of `inputs` made ready for planning, and `inputs` with the sizes that are found where the job leaves them
 /// open.
 pub(super) fn ready(inputs: PlanInputs, session: &Session) -> anyhow::Result<(PreparedBlisk, PlanInputs)> {
-    let prepared = prepare(&inputs, &session.progress, &session.cancel)?;
+    let prepared = prepare(&inputs, &session.task)?;
     let inputs = match inputs.job.electrode.size {
         Sizing::Given => inputs,
         Sizing::Auto => auto(&prepared, &inputs, session)?,
@@ -102,7 +103,7 @@ pub(super) fn ready(inputs: PlanInputs, session: &Session) -> anyhow::Result<(Pr
 
 /// The job with the size that is found for it, which is said.
 fn auto(prepared: &PreparedBlisk, inputs: &PlanInputs, session: &Session) -> anyhow::Result<PlanInputs> {
-    let (sized, row) = auto_sized(prepared, inputs, &session.progress, &session.cancel)?;
+    let (sized, row) = auto_sized(prepared, inputs, &session.task)?;
     super::terminal::finish();
     if !session.json {
         let [low, high] = sized.job.electrode.circumferential_reduction_deg;

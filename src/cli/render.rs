@@ -65,9 +65,9 @@ pub(super) fn render(arguments: &RenderArguments, session: &Session) -> anyhow::
         (_, Some(project)) => anyhow::bail!("{}: a project is drawn by itself; give it alone", project.display()),
         (meshes, None) => of_meshes(meshes, arguments, session)?,
     };
-    session.cancel.check()?;
-    let png = offscreen.png(&scene, &camera, arguments.size, &session.cancel)?;
-    session.cancel.check()?;
+    session.task.check()?;
+    let png = offscreen.png(&scene, &camera, arguments.size, &session.task.cancel)?;
+    session.task.check()?;
     write_bytes(&arguments.png, &png)?;
     super::terminal::finish();
     let ([width, height], adapter) = (arguments.size, offscreen.adapter());
@@ -140,15 +140,15 @@ fn of_project(file: &Path, arguments: &RenderArguments, session: &Session) -> an
     if let Some(seed) = session.seed {
         job.genetic.seed = seed;
     }
-    let (progress, cancel) = (&session.progress, &session.cancel);
+    let task = &session.task;
     let message = |e: String| anyhow::anyhow!("{}: {e}", file.display());
     job.validate().map_err(message)?;
-    let part = stages::load(&job, progress, cancel).map_err(anyhow::Error::msg)?;
-    let found = stages::channel(&part, &job, progress, cancel).map_err(message)?;
+    let part = stages::load(&job, task).map_err(anyhow::Error::msg)?;
+    let found = stages::channel(&part, &job, task).map_err(message)?;
     let shown = if arguments.node.is_some() || arguments.swept {
         planned(arguments, &part, job, session)?
     } else {
-        let made = stages::electrodes(&part, &found, &job, progress, cancel).map_err(message)?;
+        let made = stages::electrodes(&part, &found, &job, task).map_err(message)?;
         let count = made.electrodes.len();
         let electrode = made.electrodes.into_iter().nth(index(arguments)).ok_or_else(|| no_such(arguments, count))?;
         Shown { electrode, track: None, swept: None }
@@ -219,7 +219,7 @@ fn read_project(file: &Path) -> anyhow::Result<PlanJob> {
 fn planned(arguments: &RenderArguments, part: &Part, job: PlanJob, session: &Session) -> anyhow::Result<Shown> {
     let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
     let (prepared, inputs) = super::plan::ready(inputs, session)?;
-    let outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), &session.progress, &session.cancel)?;
+    let outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), &session.task)?;
     let count = outcome.electrodes.len();
     let chosen = outcome.electrodes.get(index(arguments)).ok_or_else(|| no_such(arguments, count))?;
     let (electrode, plan) = (chosen.electrode.clone(), &chosen.plan);
@@ -231,10 +231,7 @@ fn planned(arguments: &RenderArguments, part: &Part, job: PlanJob, session: &Ses
         let verdict = plan.verdict(&outcome.channel);
         anyhow::anyhow!("--node {node}: the electrode has nodes 0 to {last}; it {verdict}")
     })?;
-    let swept = arguments
-        .swept
-        .then(|| swept_shape(&electrode, &whole, FINE, &session.progress, &session.cancel))
-        .transpose()?;
+    let swept = arguments.swept.then(|| swept_shape(&electrode, &whole, FINE, &session.task)).transpose()?;
     Ok(Shown { electrode, track: Some(Track::standing(station)), swept })
 }
 

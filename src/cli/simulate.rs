@@ -51,7 +51,7 @@ pub(super) fn simulate(
         ExportFolder::write_all(folder, SIMULATE, &[])?;
     }
     let (prepared, inputs) = super::plan::ready(inputs, session)?;
-    let outcome = run_finished(&prepared, &inputs, &session.progress, &session.cancel)?;
+    let outcome = run_finished(&prepared, &inputs, &session.task)?;
     let answers = answers(&outcome);
     let (json, text) = (serde_json::to_string_pretty(&answers)?, text(&answers));
     if let Some(folder) = out {

@@ -9,7 +9,7 @@ use crate::workspaces::blisk::job::sizing::{SizeRow, SizingRange, size as size_j
 /// Sizes the electrodes of the job in the file `job_file` for up to `parts` parts and prints the table.
 pub(super) fn size(job_file: &Path, parts: usize, session: &Session) -> anyhow::Result<Answer> {
     let (inputs, _) = super::plan::load(job_file, session)?;
-    let prepared = prepare(&inputs, &session.progress, &session.cancel)?;
+    let prepared = prepare(&inputs, &session.task)?;
     let range = SizingRange { from: 1, to: parts };
     let show = |row: &SizeRow| {
         if !session.json {
@@ -21,7 +21,7 @@ pub(super) fn size(job_file: &Path, parts: usize, session: &Session) -> anyhow::
         super::terminal::finish();
         say!("parts  enter  low deg  high deg  thickness mm  volume mm3  certified mm");
     }
-    let rows = size_job(&prepared, &inputs, range, &show, &session.progress, &session.cancel)?;
+    let rows = size_job(&prepared, &inputs, range, &show, &session.task)?;
     super::terminal::finish();
     if session.json {
         say!("{}", serde_json::to_string_pretty(&rows)?);

@@ -78,8 +78,8 @@ pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Re
     let params = arguments.mold.params()?;
     let mesh = &arguments.mold.mesh;
     let imported = session.import(mesh, arguments.mold.units)?;
-    let found = find_uncut(&imported.mesh, &params, &session.progress, &session.cancel)
-        .map_err(|e| anyhow::anyhow!("{}: {e}", mesh.display()))?;
+    let found =
+        find_uncut(&imported.mesh, &params, &session.task).map_err(|e| anyhow::anyhow!("{}: {e}", mesh.display()))?;
     let report = UncutReport::of(&found);
     let text = report.text();
     let json = serde_json::to_string_pretty(&serde_json::json!({

@@ -119,20 +119,21 @@ fn certify(
     session: &Session,
 ) -> anyhow::Result<Certificate> {
     let Inputs { blisk, path, .. } = inputs;
-    let verifier = Verifier::new(&blisk.in_frame(&path.frame), electrode_in_w, path.reference_point, &session.cancel)?;
+    let verifier =
+        Verifier::new(&blisk.in_frame(&path.frame), electrode_in_w, path.reference_point, &session.task.cancel)?;
     let verifier = match travel {
         Some(travel) => verifier.within(travel),
         None => verifier,
     };
     let finder = channel.map(|c| SurfaceFinder::new(c.clone().into())).transpose()?;
     let surface_of = |p| finder.as_ref().map_or(Surface::Elsewhere, |f| f.surface_of(p));
-    Ok(verifier.verify(path, &surface_of, options, &session.progress, &session.cancel)?)
+    Ok(verifier.verify(path, &surface_of, options, &session.task)?)
 }
 
 /// The channel that the path's frame belongs to, for naming surfaces: none if the blisk's channels are not found
 /// or the path was made in another frame, which is no obstacle to verifying it.
 fn channel_of(blisk: &Mesh, path: &FeedPath, session: &Session) -> Option<Channel> {
-    let channel = find_channel(blisk, &BliskOptions::default(), &session.progress, &session.cancel).ok()?;
+    let channel = find_channel(blisk, &BliskOptions::default(), &session.task).ok()?;
     let same =
         (channel.frame.z - path.frame.z).length() < 1e-4 && (channel.frame.origin - path.frame.origin).length() < 1e-3;
     same.then_some(channel)

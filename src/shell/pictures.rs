@@ -20,7 +20,7 @@ impl Pictures {
     pub fn write(&mut self, path: &Path, scene: Scene, camera: Camera, scheduler: &Scheduler) {
         let (mut memo, file) = (Memo::new(scheduler, Lane::Quick, "Picture"), path.to_owned());
         memo.restart(&path.to_owned(), Priority::Normal, move |work| {
-            draw(&file, &scene, &camera, &work.cancel).map_err(|e| format!("{}: {e}", file.display()))
+            draw(&file, &scene, &camera, &work.task.cancel).map_err(|e| format!("{}: {e}", file.display()))
         });
         self.0.push(memo);
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use task::{Cancel, Doing, Lane, Memo, Priority, Progress, Refusal, Scheduler};
+use task::{Doing, Lane, Memo, Priority, Refusal, Scheduler, Task};
 
 use super::context::Context;
 use super::news::EventKind;
@@ -21,9 +21,9 @@ impl<T: Send + Sync + 'static> Opening<T> {
     }
 
     /// Reads a document; what was being read is given up.
-    pub fn begin(&mut self, read: impl Fn(&Progress, &Cancel) -> Result<T, String> + Send + 'static) {
+    pub fn begin(&mut self, read: impl FnOnce(&Task) -> Result<T, String> + Send + 'static) {
         self.number += 1;
-        self.memo.restart(&self.number, Priority::Shown, move |work| read(&work.progress, &work.cancel));
+        self.memo.restart(&self.number, Priority::Shown, move |work| read(&work.task));
     }
 
     /// What has been read; says why something was not.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::find_channel::find_channel;
 use wheel::options::BliskOptions;
 
@@ -11,7 +11,7 @@ use super::{easy_blisk, mesh, part, sparkpath, text};
 /// The walls of the easy blisk as a probe would have measured them, each point `off` mm along the radius.
 fn table(off: f64) -> String {
     let mesh = mesh(&easy_blisk());
-    let channel = find_channel(&mesh, &BliskOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+    let channel = find_channel(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
     let mut table = "section,side,x,y,z\n".to_owned();
     for v in (0..channel.low.nv).step_by(4) {
         for (side, wall) in [("low", &channel.low), ("high", &channel.high)] {

@@ -11,7 +11,7 @@ use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
 use sparkpath::workspaces::blisk::job::plan::{PlanInputs, PlanOutcome, kept, replay};
 use sparkpath::workspaces::blisk::report::build::report;
-use task::{Cancel, Progress};
+use task::Task;
 
 use super::{curved_blisk, easy_blisk, easy_job, mesh, plan, plan_easy, threads};
 
@@ -57,7 +57,7 @@ fn a_path_of_nurbs_is_taken_up_again_with_the_same_path() {
         let inputs = PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job };
         let blisk = inputs.blisk.in_frame(&channel.frame);
         let exact = ExactMesh::new(&blisk).unwrap();
-        replay(&inputs, channel, &blisk, &exact, &kept, &Progress::silent(), &Cancel::default()).unwrap()
+        replay(&inputs, channel, &blisk, &exact, &kept, &Task::default()).unwrap()
     };
     let path = |o: &PlanOutcome| o.electrodes[0].plan.path.as_ref().unwrap().path.digest();
     let same = again(job());

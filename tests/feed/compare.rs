@@ -9,7 +9,7 @@ use sparkpath::workspaces::blisk::job::plan::{PlanInputs, PlanJobError, prepare,
 use sparkpath::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use sparkpath::workspaces::blisk::report::Smoothness;
 use sparkpath::workspaces::blisk::report::comparison::{Comparison, Run};
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 use crate::common::{easy_blisk, mesh};
 use crate::easy_job;
@@ -31,17 +31,17 @@ fn timeless(mut runs: Vec<Run>) -> Vec<Run> {
 
 #[test]
 fn every_strategy_has_one_run_with_the_figures_of_its_plan() {
-    let (inputs, silent, never) = (inputs(), Progress::silent(), Cancel::default());
-    let prepared = prepare(&inputs, &silent, &never).unwrap();
+    let (inputs, task) = (inputs(), Task::default());
+    let prepared = prepare(&inputs, &task).unwrap();
     let shown = Mutex::new(Vec::new());
     let show = |run: &Run| shown.lock().unwrap().push(run.strategy);
-    let runs = compare(&prepared, &inputs, &Strategy::ALL, &show, &silent, &never).unwrap();
+    let runs = compare(&prepared, &inputs, &Strategy::ALL, &show, &task).unwrap();
     assert_eq!(runs.iter().map(|r| r.strategy).collect::<Vec<_>>(), Strategy::ALL);
     assert_eq!(shown.into_inner().unwrap(), Strategy::ALL);
     assert!(runs.iter().all(|r| r.electrodes.len() == 1), "{:?}", runs.iter().map(|r| &r.failure).collect::<Vec<_>>());
 
     // In another order: no run leaves anything to the next.
-    let again = compare(&prepared, &inputs, &[Strategy::MaxMinDistance, Strategy::Genetic], &|_| (), &silent, &never);
+    let again = compare(&prepared, &inputs, &[Strategy::MaxMinDistance, Strategy::Genetic], &|_| (), &task);
     let again = timeless(again.unwrap());
     let before = timeless(runs.clone());
     assert!(again.iter().all(|run| before.contains(run)));
@@ -55,8 +55,8 @@ fn every_strategy_has_one_run_with_the_figures_of_its_plan() {
 fn figures_are_those_of_a_plan(prepared: &PreparedBlisk, inputs: &PlanInputs, runs: &[Run], strategy: Strategy) {
     let mut inputs = inputs.clone();
     inputs.job.plan.strategy = strategy;
-    let (silent, never) = (Progress::silent(), Cancel::default());
-    let plan = &run_prepared(prepared, &inputs, &|_, _, _| (), &silent, &never).unwrap().electrodes[0].plan;
+    let task = Task::default();
+    let plan = &run_prepared(prepared, &inputs, &|_, _, _| (), &task).unwrap().electrodes[0].plan;
     let planned = plan.path.as_ref().unwrap();
     let found = &runs.iter().find(|r| r.strategy == strategy).unwrap().electrodes[0];
     assert!(found.certified && found.certified_clearance_mm == Some(planned.certificate.certified()));
@@ -95,11 +95,11 @@ fn files_name_every_strategy(comparison: &Comparison) {
 
 #[test]
 fn a_comparison_stops_when_told_to() {
-    let (inputs, silent) = (inputs(), Progress::silent());
-    let prepared = prepare(&inputs, &silent, &Cancel::default()).unwrap();
+    let inputs = inputs();
+    let prepared = prepare(&inputs, &Task::default()).unwrap();
     let cancel = Cancel::default();
     let stop = |_: &Run| cancel.cancel();
     let wanted = [Strategy::FreeTravel, Strategy::Genetic];
-    let answer = compare(&prepared, &inputs, &wanted, &stop, &silent, &cancel);
+    let answer = compare(&prepared, &inputs, &wanted, &stop, &Task::silent(&cancel));
     assert!(matches!(answer, Err(PlanJobError::Cancelled(_))));
 }

@@ -96,7 +96,7 @@ fn it_is_the_same_on_any_number_of_threads() {
 fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
     const TOO_LITTLE: f64 = 0.05;
     let inputs = easy_inputs(coarse_job(TOO_LITTLE));
-    let outcome = run_prepared(ready(), &inputs, &|_, _, _| (), &Progress::silent(), &Cancel::default()).unwrap();
+    let outcome = run_prepared(ready(), &inputs, &|_, _, _| (), &Task::default()).unwrap();
     let jam = only(&outcome).plan.jam.expect("it jams");
     assert!(matches!(jam.cause, JamCause::Contact(_)), "{jam:?}");
     let opening = jam.opening.expect("what would help was looked for");
@@ -114,7 +114,7 @@ fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
     let shown = std::sync::Mutex::new(Vec::new());
     let found = |row: &_| shown.lock().unwrap().push(Clone::clone(row));
     let range = SizingRange { from: 1, to: 1 };
-    let rows = size(ready(), &base, range, &found, &Progress::silent(), &Cancel::default()).unwrap();
+    let rows = size(ready(), &base, range, &found, &Task::default()).unwrap();
     assert!(!rows.is_empty());
     let row = &rows[0];
     assert_eq!(*shown.lock().unwrap(), rows, "no row is shown that is thrown away");
@@ -123,7 +123,7 @@ fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
     let mut job = coarse_job(0.0);
     job.electrode.circumferential_reduction_deg = row.reduction_deg;
     let inputs = easy_inputs(job);
-    let plan = run_feeds(ready(), &inputs, &Progress::silent(), &Cancel::default()).unwrap();
+    let plan = run_feeds(ready(), &inputs, &Task::default()).unwrap();
     assert!(plan.is_verified());
     assert_eq!(only(&plan).electrode.least_thickness_mm, row.least_thickness_mm);
     let thicker =
@@ -135,7 +135,7 @@ fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
 fn a_glance_tells_what_the_plan_will_say_where_that_is_clear() {
     let look = |reduction| {
         let inputs = easy_inputs(job_with(Strategy::Global, reduction));
-        live_way(ready(), &inputs, 0, &Progress::silent(), &Cancel::default()).unwrap()
+        live_way(ready(), &inputs, 0, &Task::default()).unwrap()
     };
     let out = look(2.0);
     assert!(out.way.margin.is_some_and(|w| w > 0.0) && out.way.jam.is_none());
@@ -149,6 +149,6 @@ fn cancelling_ends_a_global_plan() {
     let cancel = Cancel::default();
     cancel.cancel();
     let inputs = easy_inputs(job_with(Strategy::Global, 2.0));
-    let ended = run_prepared(ready(), &inputs, &|_, _, _| (), &Progress::silent(), &cancel);
+    let ended = run_prepared(ready(), &inputs, &|_, _, _| (), &Task::silent(&cancel));
     assert!(matches!(ended, Err(PlanJobError::Cancelled(_))));
 }

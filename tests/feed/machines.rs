@@ -11,7 +11,7 @@ use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
 use sparkpath::workspaces::blisk::document::machine_file::{BUILT_IN, machine_table, read_machine};
 use sparkpath::workspaces::blisk::document::project_file::ProjectFile;
 use sparkpath::workspaces::blisk::job::plan::{PlanOutcome, kept};
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::parametric::ParametricBlisk;
 
 fn machine(name: &str) -> MachineParams {
@@ -37,7 +37,6 @@ fn simulated(blisk: &Mesh, outcome: &PlanOutcome, machine: &MachineParams, chann
     let blisk = blisk.in_frame(&outcome.channel.frame);
     let electrode = &outcome.electrodes[0];
     let planned = electrode.plan.path.as_ref().unwrap();
-    let never = Cancel::default();
     let scenario = Scenario {
         blisk: &blisk,
         channels: outcome.channel.blades,
@@ -46,9 +45,9 @@ fn simulated(blisk: &Mesh, outcome: &PlanOutcome, machine: &MachineParams, chann
         feed: (&planned.path, &planned.certificate),
         copying: None,
         machine,
-        model: &read_machine(&machine.name, &Progress::silent(), &never).unwrap(),
+        model: &read_machine(&machine.name, &Task::default()).unwrap(),
     };
-    simulate(&scenario, &SimulationOptions::of(channels), &Progress::silent(), &never).unwrap()
+    simulate(&scenario, &SimulationOptions::of(channels), &Task::default()).unwrap()
 }
 
 #[test]

@@ -15,7 +15,7 @@ use feed::verify::Verifier;
 use geometry::distance_field::DistanceField;
 use geometry::exact::ExactMesh;
 use geometry::spline::EndCondition;
-use task::{Cancel, Progress};
+use task::Task;
 
 use super::{easy_blisk, easy_job, easy_plan, mesh};
 
@@ -29,15 +29,15 @@ fn spoiled(nodes: &[Node]) -> Vec<Node> {
 
 pub fn a_spoiled_path_is_repaired_without_another_search() {
     let (outcome, job) = (easy_plan(), easy_job());
-    let (silent, cancel) = (Progress::silent(), Cancel::default());
+    let task = Task::default();
     let electrode = &outcome.electrodes[0].electrode;
     let o = electrode.reference_point;
     let blisk = Arc::new(mesh(&easy_blisk()).in_frame(&outcome.channel.frame));
     let exact = ExactMesh::new(&blisk).unwrap();
     let channel = outcome.channel.clone();
-    let space = PlanningSpace::new(blisk.clone(), &exact, channel, job.plan.field_cell_mm, &silent, &cancel).unwrap();
+    let space = PlanningSpace::new(blisk.clone(), &exact, channel, job.plan.field_cell_mm, &task).unwrap();
     let (body, region) = (ExactMesh::new(&electrode.mesh).unwrap(), electrode.mesh.bounds().grown(1.1));
-    let own = DistanceField::build(&electrode.mesh, &body, region, 0.35, &silent, &cancel).unwrap();
+    let own = DistanceField::build(&electrode.mesh, &body, region, 0.35, &task).unwrap();
     let outside = Outside::new(&blisk, &electrode.mesh, o);
     let bodies = Bodies {
         blisk: &space.field,
@@ -48,7 +48,7 @@ pub fn a_spoiled_path_is_repaired_without_another_search() {
         side: electrode.enters_from,
         samples: SamplesOf::Prepared,
     };
-    let samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), &cancel).unwrap();
+    let samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), &task.cancel).unwrap();
     let model = ClearanceModel::new(bodies, samples, space.edges.clone());
     let axes = job.machine.axes;
     let weights = job.plan.weights.normalised(&axes.axes()[1..]);
@@ -73,7 +73,7 @@ pub fn a_spoiled_path_is_repaired_without_another_search() {
     };
 
     // Against exact distances, not against the fields that were climbed.
-    let verifier = Verifier::new(&blisk, &electrode.mesh, o, &cancel).unwrap();
+    let verifier = Verifier::new(&blisk, &electrode.mesh, o, &task.cancel).unwrap();
     let least = |nodes: &[Node]| {
         let curves = AxisCurves::through(nodes, EndCondition::NotAKnot).unwrap();
         let until = nodes[nodes.len() - 1].s;
@@ -82,7 +82,7 @@ pub fn a_spoiled_path_is_repaired_without_another_search() {
     };
     let nodes = spoiled(&outcome.electrodes[0].plan.nodes);
     assert!(least(&nodes) < 0.08, "{} mm: nothing to mend", least(&nodes));
-    let repaired = problem(job.machine.limits()).repaired(&nodes, &cancel).unwrap().expect("a free curve");
+    let repaired = problem(job.machine.limits()).repaired(&nodes, &task.cancel).unwrap().expect("a free curve");
     assert!(least(&repaired) > 0.1 - 0.004, "{} mm", least(&repaired));
     assert_eq!(repaired[0].pose, Pose::FINAL);
     assert!(repaired.windows(2).all(|w| w[0].s < w[1].s));
@@ -91,7 +91,7 @@ pub fn a_spoiled_path_is_repaired_without_another_search() {
 
     // What the axes cannot reach is not repaired.
     let narrow = job.machine.limits().with(Axis::X, [-1.0, 1.0]);
-    assert_eq!(problem(narrow).repaired(&nodes, &cancel), Ok(None));
-    cancel.cancel();
-    assert!(problem(job.machine.limits()).repaired(&nodes, &cancel).is_err());
+    assert_eq!(problem(narrow).repaired(&nodes, &task.cancel), Ok(None));
+    task.cancel.cancel();
+    assert!(problem(job.machine.limits()).repaired(&nodes, &task.cancel).is_err());
 }

@@ -47,11 +47,11 @@ fn ways_found(seeds: Range<u64>) -> usize {
         job.electrode.circumferential_reduction_deg = [reduction; 2];
         job.electrode.enter = if rng.random() { EnterSide::MinusX } else { EnterSide::PlusX };
         let mut inputs = PlanInputs { blisk: mesh.into(), own_electrode: None, job };
-        let (silent, never) = (Progress::silent(), Cancel::default());
-        let ready = prepare(&inputs, &silent, &never).unwrap();
+        let task = Task::default();
+        let ready = prepare(&inputs, &task).unwrap();
         let mut finds = |strategy: Strategy| {
             inputs.job.plan.strategy = strategy;
-            match run_feeds(&ready, &inputs, &silent, &never) {
+            match run_feeds(&ready, &inputs, &task) {
                 Ok(outcome) => outcome.is_verified(),
                 // No electrode can be made at all, which is the same for every strategy.
                 Err(PlanJobError::Electrode(_)) => false,

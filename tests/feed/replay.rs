@@ -5,7 +5,7 @@ use geometry::exact::ExactMesh;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::kept_plan::{KeptElectrode, KeptPlan};
 use sparkpath::workspaces::blisk::job::plan::{PlanInputs, PlanJobError, PlanOutcome, kept, replay, run};
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::electrode::EntrySide;
 
 use super::{easy_blisk, easy_job, easy_plan, mesh};
@@ -20,7 +20,7 @@ fn taken_up(kept: &KeptPlan, job: PlanJob) -> Result<PlanOutcome, PlanJobError> 
     let channel = &easy_plan().channel;
     let blisk = inputs.blisk.in_frame(&channel.frame);
     let exact = ExactMesh::new(&blisk).unwrap();
-    replay(&inputs, channel, &blisk, &exact, kept, &Progress::silent(), &Cancel::default())
+    replay(&inputs, channel, &blisk, &exact, kept, &Task::default())
 }
 
 pub fn the_plan_itself_is_taken_up_with_the_same_path() {
@@ -67,7 +67,7 @@ pub fn a_job_that_cannot_be_planned_can_neither_be_taken_up() {
     let mut job = easy_job();
     job.verify.tolerance_mm = 0.999 * job.electrode.spark_gap_mm;
     let inputs = PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job: job.clone() };
-    let planned = run(&inputs, &Progress::silent(), &Cancel::default());
+    let planned = run(&inputs, &Task::default());
     for answer in [planned, taken_up(&easy_kept(), job)] {
         let error = answer.map(|o| o.is_verified()).unwrap_err();
         assert!(matches!(&error, PlanJobError::Job(why) if why.contains("tolerance_mm")), "{error}");

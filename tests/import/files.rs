@@ -3,7 +3,7 @@
 use geometry::mesh::Mesh;
 use glam::DVec3;
 use import::{Format, ImportError, ImportOptions, Imported, Units, import_bytes};
-use task::{Cancel, Progress};
+use task::Task;
 
 /// The box `[0, size]` with outward triangles.
 pub fn cuboid(size: DVec3) -> Mesh {
@@ -109,7 +109,7 @@ pub fn every_format(mesh: &Mesh) -> [(Format, Vec<u8>); 5] {
 }
 
 pub fn import_with(bytes: &[u8], options: &ImportOptions) -> Result<Imported, ImportError> {
-    import_bytes("part.mesh", bytes, options, &Progress::silent(), &Cancel::default())
+    import_bytes("part.mesh", bytes, options, &Task::default())
 }
 
 pub fn import(bytes: impl AsRef<[u8]>) -> Imported {

@@ -5,7 +5,7 @@ use std::path::Path;
 use geometry::mesh::Mesh;
 use glam::DVec3;
 use import::{ImportError, ImportLimits, ImportOptions, import_bytes, import_file};
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 use super::files::*;
 
@@ -26,7 +26,7 @@ fn lying_lengths_are_refused_by_arithmetic() {
     let mut stl = binary_stl(&part(), "solid?");
     stl.truncate(184);
     stl[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
-    let text = import_bytes("part.stl", &stl, &ImportOptions::default(), &Progress::silent(), &Cancel::default());
+    let text = import_bytes("part.stl", &stl, &ImportOptions::default(), &Task::default());
     assert_mentions(&text.unwrap_err().to_string(), &["4294967295 triangles", "214748364834 bytes", "184"]);
 
     let json = gltf(&part(), "");
@@ -91,7 +91,7 @@ fn limits_hold() {
 fn truncated_files_say_so() {
     let part = part();
     let stl = binary_stl(&part, "");
-    let text = import_bytes("cut.stl", &stl[..300], &ImportOptions::default(), &Progress::silent(), &Cancel::default());
+    let text = import_bytes("cut.stl", &stl[..300], &ImportOptions::default(), &Task::default());
     assert_mentions(&text.unwrap_err().to_string(), &["cut.stl", "cut off"]);
     let text = ascii_stl(&part);
     let within = text.find("vertex").unwrap() + text[text.find("vertex").unwrap()..].find('\n').unwrap();
@@ -117,7 +117,7 @@ fn nothing_is_no_mesh() {
 fn folders_and_missing_files_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     let import = |path: &Path| {
-        let error = import_file(path, &ImportOptions::default(), &Progress::silent(), &Cancel::default());
+        let error = import_file(path, &ImportOptions::default(), &Task::default());
         error.unwrap_err().to_string()
     };
     assert_mentions(&import(folder.path()), &["a folder"]);
@@ -129,7 +129,7 @@ fn a_cancelled_import_stops() {
     let cancel = Cancel::default();
     cancel.cancel();
     for (format, bytes) in every_format(&part()) {
-        let result = import_bytes("part", &bytes, &ImportOptions::default(), &Progress::silent(), &cancel);
+        let result = import_bytes("part", &bytes, &ImportOptions::default(), &Task::silent(&cancel));
         assert!(matches!(result, Err(ImportError::Cancelled(_))), "{format:?}");
     }
 }

@@ -4,7 +4,7 @@ use geometry::mesh::Mesh;
 use glam::DVec3;
 use import::{ImportLimits, ImportOptions, Units, import_bytes};
 use proptest::prelude::*;
-use task::{Cancel, Progress};
+use task::Task;
 
 use super::files::*;
 
@@ -13,7 +13,7 @@ fn survives(bytes: &[u8]) -> Result<(), TestCaseError> {
     let limits = ImportLimits { max_memory_bytes: 64 << 20, ..Default::default() };
     let options = ImportOptions { limits, ..Default::default() };
     for name in ["x", "x.stl", "x.obj", "x.gltf"] {
-        match import_bytes(name, bytes, &options, &Progress::silent(), &Cancel::default()) {
+        match import_bytes(name, bytes, &options, &Task::default()) {
             Ok(imported) => {
                 let mesh = &imported.mesh;
                 prop_assert!(mesh.vertices.iter().all(|p| p.is_finite() && p.abs().max_element() <= 1e6));

@@ -11,8 +11,7 @@ use nc::post::BUILT_IN;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::choice::MeshFrame;
 use sparkpath::workspaces::blisk::document::stage::Stage;
-use task::State;
-use task::{Cancel, Progress};
+use task::{State, Task};
 
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home, quick};
@@ -67,7 +66,7 @@ fn report(folder: &Path) -> serde_json::Value {
 }
 
 fn triangles(file: &Path) -> Vec<[glam::DVec3; 3]> {
-    let imported = import_file(file, &ImportOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+    let imported = import_file(file, &ImportOptions::default(), &Task::default()).unwrap();
     let mesh = imported.mesh;
     mesh.triangles.iter().map(|t| t.map(|i| mesh.vertices[i as usize])).collect()
 }

@@ -62,9 +62,9 @@ fn an_export_stops_when_its_release_is_taken_back() {
     let home = Home::new();
     let mut desk = released(&home);
     let until_told = || -> ExportWork {
-        Box::new(|_, _, _, _, _, cancel| {
+        Box::new(|_, _, _, _, task| {
             for _ in 0..3000 {
-                cancel.check().map_err(|e| e.to_string())?;
+                task.check().map_err(|e| e.to_string())?;
                 std::thread::sleep(Duration::from_millis(10));
             }
             Ok(vec!["written without a release".to_owned()])

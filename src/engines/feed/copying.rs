@@ -22,7 +22,7 @@ use super::quantise::quantise_path;
 use super::verify::{Verifier, VerifyError, VerifyOptions};
 use geometry::frame::Frame;
 use glam::DVec3;
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 use wheel::channel::Surface;
 use wheel::electrode::{Column, Electrode, ElectrodeParams};
 
@@ -185,8 +185,7 @@ pub fn copying_motion(
     wanted: CopyingExtent,
     settings: &CopyingSettings,
     surface_of: &(dyn Fn(DVec3) -> Surface + Sync),
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Copying, VerifyError> {
     if wanted.is_none() {
         return Ok(Copying::NotNeeded);
@@ -198,7 +197,7 @@ pub fn copying_motion(
     let least = settings.spark_gap - 0.5 * settings.verify.tolerance_mm;
     let limits = settings.machine.limits();
     let keeps = |pose: &Pose| limits.beyond(pose).is_none() && verifier.distance(pose).distance >= least;
-    let (reached, turns) = reachable(&wanted, &keeps, cancel)?;
+    let (reached, turns) = reachable(&wanted, &keeps, &task.cancel)?;
     let path = FeedPath {
         frame: settings.frame,
         reference_point: electrode.reference_point,
@@ -206,8 +205,8 @@ pub fn copying_motion(
         rows: rows_of(reached.outwards, &turns),
     };
     let path = quantise_path(&path);
-    let progress = progress.as_stage("copying motion");
-    let certificate = verifier.verify(&path, surface_of, settings.verify, &progress, cancel)?;
+    let task = task.as_stage("copying motion");
+    let certificate = verifier.verify(&path, surface_of, settings.verify, &task)?;
     Ok(Copying::Made(Box::new(CopyingMotion { path, certificate, wanted, reached, turns })))
 }
 

@@ -28,7 +28,7 @@ use super::sizing::Sizer;
 use super::smoothness::axis_smoothness;
 use super::verify::Verifier;
 use geometry::frame::Frame;
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::centreline::Centreline;
 use wheel::electrode::{Electrode, ElectrodeError, ElectrodeFace};
 
@@ -38,16 +38,14 @@ pub fn plan_feed(
     electrode: &Arc<Electrode>,
     settings: &PlanSettings,
     remake: &Remake,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<FeedPlan, PlanError> {
     settings.validate()?;
     let guide = match settings.plan.strategy {
-        Strategy::Centreline => Some(Guide::new(Centreline::of_channel(&space.channel, cancel)?, electrode)?),
+        Strategy::Centreline => Some(Guide::new(Centreline::of_channel(&space.channel, &task.cancel)?, electrode)?),
         _ => None,
     };
-    Planning { setup: SearchSetup { space, settings, turns: Turns::NONE, guide }, progress, cancel }
-        .plan(electrode, remake)
+    Planning { setup: SearchSetup { space, settings, turns: Turns::NONE, guide }, task }.plan(electrode, remake)
 }
 
 /// Electrode with its walls drawn in, and the prepared electrode that its clearances are computed with.
@@ -66,13 +64,11 @@ pub fn plan_drawn_in(
     space: &PlanningSpace,
     drawn_in: &DrawnIn,
     settings: &PlanSettings,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<FeedPlan, PlanError> {
     settings.validate()?;
     let &DrawnIn { prepared, turns, electrode } = drawn_in;
-    Planning { setup: SearchSetup { space, settings, turns, guide: None }, progress, cancel }
-        .plan_drawn_in(electrode, prepared)
+    Planning { setup: SearchSetup { space, settings, turns, guide: None }, task }.plan_drawn_in(electrode, prepared)
 }
 
 /// Preview of the extraction path of a prepared electrode: neither polished nor verified.
@@ -80,20 +76,18 @@ pub fn preview_path(
     space: &PlanningSpace,
     drawn_in: &DrawnIn,
     settings: &PlanSettings,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<PreviewPath, PlanError> {
     settings.validate()?;
     let &DrawnIn { prepared, turns, electrode } = drawn_in;
-    Planning { setup: SearchSetup { space, settings, turns, guide: None }, progress, cancel }
+    Planning { setup: SearchSetup { space, settings, turns, guide: None }, task }
         .preview_path(electrode, &prepared.model(space))
 }
 
 /// Plans one electrode.
 struct Planning<'a> {
     setup: SearchSetup<'a>,
-    progress: &'a Progress,
-    cancel: &'a Cancel,
+    task: &'a Task,
 }
 
 impl Planning<'_> {
@@ -139,7 +133,7 @@ impl Planning<'_> {
 
     /// Plans `electrode`, which is the prepared one with its walls drawn in by the turns of the setup.
     fn plan_drawn_in(&self, electrode: &Electrode, prepared: &PreparedElectrode) -> Result<FeedPlan, PlanError> {
-        let model = &prepared.model_of(electrode, self.setup.space, self.cancel)?;
+        let model = &prepared.model_of(electrode, self.setup.space, &self.task.cancel)?;
         let mut plan = self.nothing_yet(electrode, model);
         let genetic = GeneticParams { h: ReductionMode::Given, ..*self.setup.settings.genetic };
         self.search(&mut plan, model, &genetic, &Refinements::default(), 0)?;
@@ -158,7 +152,7 @@ impl Planning<'_> {
         let surface_of = |p: DVec3| self.setup.space.finder.surface_of(p);
         let plan = self.nothing_yet(electrode, model);
         let way = self.setup.with_problem(plan.ranges, model, &Refinements::default(), |problem| {
-            problem.preview_path(&self.setup.settings.plan.global, &surface_of, self.progress, self.cancel)
+            problem.preview_path(&self.setup.settings.plan.global, &surface_of, self.task)
         });
         Ok(way?)
     }
@@ -168,9 +162,9 @@ impl Planning<'_> {
         /// Tolerance of that angle, and the greatest angle tried (rad).
         const TOLERANCE: f64 = 0.001;
         const MOST: f64 = 0.05;
-        let Self { setup: SearchSetup { space, settings, .. }, progress, cancel } = *self;
-        let progress = &progress.as_stage("what would make it feasible");
-        let sizer = Sizer { space, electrode, model, settings, tolerance: TOLERANCE, most: MOST, progress, cancel };
+        let Self { setup: SearchSetup { space, settings, .. }, task } = *self;
+        let task = &task.as_stage("what would make it feasible");
+        let sizer = Sizer { space, electrode, model, settings, tolerance: TOLERANCE, most: MOST, task };
         sizer.opening(self.setup.turns)
     }
 
@@ -201,16 +195,16 @@ impl Planning<'_> {
         model: &ClearanceModel,
         genetic: &GeneticParams,
     ) -> Result<(), PlanError> {
-        let verifier = Verifier::new(&self.setup.space.blisk, &electrode.mesh, electrode.reference_point, self.cancel)?
-            .within(self.setup.settings.machine.limits());
+        let verifier =
+            Verifier::new(&self.setup.space.blisk, &electrode.mesh, electrode.reference_point, &self.task.cancel)?
+                .within(self.setup.settings.machine.limits());
         let mut refinements = Refinements::default();
         loop {
             let (curves, path) =
                 interpolated(&plan.nodes, electrode, self.setup.settings, self.setup.space.channel.frame)?;
             let started = Instant::now();
             let surface_of = |p: DVec3| self.setup.space.finder.surface_of(p);
-            let certificate =
-                verifier.verify(&path, &surface_of, self.setup.settings.verify, self.progress, self.cancel)?;
+            let certificate = verifier.verify(&path, &surface_of, self.setup.settings.verify, self.task)?;
             plan.verify_seconds += started.elapsed().as_secs_f64();
             let beyond = match certificate.travel() {
                 TravelVerdict::Beyond(beyond) => Some(beyond),
@@ -322,7 +316,7 @@ impl Planning<'_> {
         };
         let surface_of = |p: DVec3| self.setup.space.finder.surface_of(p);
         let outcome = self.setup.with_problem(plan.ranges, model, refinements, |problem| {
-            problem.search(&strategy, known, &surface_of, self.progress, self.cancel)
+            problem.search(&strategy, known, &surface_of, self.task)
         })?;
         plan.convergence.truncate(kept.saturating_sub(1));
         plan.convergence.extend(outcome.convergence);
@@ -351,10 +345,11 @@ impl Planning<'_> {
             match self.setup.settings.plan.strategy {
                 // What was learned may ask for more than a dent: the whole path gives way a little.
                 Strategy::Global if plan.rounds > 0 && !refinements.is_empty() => {
-                    let nodes = problem.polished(plan.nodes.clone(), &self.setup.settings.plan.global, self.cancel)?;
-                    problem.repaired(&nodes, self.cancel)
+                    let nodes =
+                        problem.polished(plan.nodes.clone(), &self.setup.settings.plan.global, &self.task.cancel)?;
+                    problem.repaired(&nodes, &self.task.cancel)
                 }
-                _ => problem.repaired(&plan.nodes, self.cancel),
+                _ => problem.repaired(&plan.nodes, &self.task.cancel),
             }
         })?;
         plan.search_seconds += started.elapsed().as_secs_f64();
@@ -370,14 +365,7 @@ impl Planning<'_> {
     fn prepared(&self, electrode: Arc<Electrode>) -> Result<PreparedElectrode, PlanError> {
         let PlanSettings { plan, genetic, spark_gap, .. } = *self.setup.settings;
         let most = if genetic.h == ReductionMode::Variable { genetic.h_max_deg.to_radians() } else { 0.0 };
-        PreparedElectrode::new(
-            self.setup.space,
-            electrode,
-            spark_gap + plan.margin_mm,
-            most,
-            self.progress,
-            self.cancel,
-        )
+        PreparedElectrode::new(self.setup.space, electrode, spark_gap + plan.margin_mm, most, self.task)
     }
 }
 

@@ -15,7 +15,7 @@ use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_convex_edge
 use geometry::distance_field::DistanceField;
 use geometry::exact::ExactMesh;
 use geometry::mesh::{Bounds, Mesh};
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 use wheel::channel::Channel;
 use wheel::electrode::Electrode;
 use wheel::surface_finder::SurfaceFinder;
@@ -50,13 +50,12 @@ impl PlanningSpace {
         exact: &ExactMesh,
         channel: Arc<Channel>,
         cell: f64,
-        progress: &Progress,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<Self, PlanError> {
         let finder = SurfaceFinder::new(channel.clone())?;
-        let field = DistanceField::build(&blisk, exact, Self::region(&channel), cell, progress, cancel)?;
-        let edges = sample_convex_edges(&blisk, field.bounds().grown(Self::RIMS), Self::EDGE_SPACING, cancel)?;
-        let walls = WallDistances::new(&finder, field.bounds(), cancel)?;
+        let field = DistanceField::build(&blisk, exact, Self::region(&channel), cell, task)?;
+        let edges = sample_convex_edges(&blisk, field.bounds().grown(Self::RIMS), Self::EDGE_SPACING, &task.cancel)?;
+        let walls = WallDistances::new(&finder, field.bounds(), &task.cancel)?;
         Ok(Self { blisk, channel, finder, field, walls, edges })
     }
 
@@ -93,15 +92,14 @@ impl PreparedElectrode {
         electrode: Arc<Electrode>,
         clearance: f64,
         most: f64,
-        progress: &Progress,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<Self, PlanError> {
         let exact = ExactMesh::new(&electrode.mesh)?;
         let region = electrode.mesh.bounds().grown(clearance + Bodies::AROUND);
-        let progress = progress.as_stage("electrode's distance field");
-        let distance = DistanceField::build(&electrode.mesh, &exact, region, Self::CELL, &progress, cancel)?;
+        let task = task.as_stage("electrode's distance field");
+        let distance = DistanceField::build(&electrode.mesh, &exact, region, Self::CELL, &task)?;
         let outside = Outside::new(&space.blisk, &electrode.mesh, electrode.reference_point);
-        let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), cancel)?;
+        let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), &task.cancel)?;
         if most > 0.0 {
             limit_to_reduced(&mut samples, &distance, most);
         }

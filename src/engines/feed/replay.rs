@@ -12,7 +12,7 @@ use super::problem::Node;
 use super::verify::Verifier;
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::electrode::Electrode;
 use wheel::surface_finder::SurfaceFinder;
 
@@ -38,17 +38,16 @@ pub fn replay_feed(
     nodes: &[Node],
     h: f64,
     settings: &PlanSettings,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<FeedPlan, PlanError> {
     settings.plan.validate()?;
     settings.machine.validate()?;
     let (curves, path) = interpolated(nodes, electrode, settings, around.frame)?;
     let started = Instant::now();
-    let verifier = Verifier::new(around.blisk, &electrode.mesh, electrode.reference_point, cancel)?
+    let verifier = Verifier::new(around.blisk, &electrode.mesh, electrode.reference_point, &task.cancel)?
         .within(settings.machine.limits());
     let surface_of = |p: DVec3| around.finder.surface_of(p);
-    let certificate = verifier.verify(&path, &surface_of, settings.verify, progress, cancel)?;
+    let certificate = verifier.verify(&path, &surface_of, settings.verify, task)?;
     Ok(FeedPlan {
         nodes: nodes.to_vec(),
         convergence: Vec::new(),

@@ -11,7 +11,7 @@ use super::interpolation::AxisCurves;
 use super::jam::{Jam, JamCause, JamContact};
 use super::pose::Pose;
 use super::problem::{Candidate, Convergence, Node, NodeTask, SearchOutcome, SearchProblem};
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 use wheel::channel::Surface;
 
 /// A strategy with its parameters.
@@ -90,11 +90,10 @@ impl SearchProblem<'_> {
         strategy: &StrategyParams,
         kept: &[Node],
         surface_of: &dyn Fn(DVec3) -> Surface,
-        progress: &Progress,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<SearchOutcome, Cancelled> {
         if let StrategyParams::Global(params) = strategy {
-            return self.widest_path(params, kept, surface_of, progress, cancel);
+            return self.widest_path(params, kept, surface_of, task);
         }
         let mut nodes = kept.to_vec();
         if nodes.is_empty() {
@@ -112,9 +111,9 @@ impl SearchProblem<'_> {
             if self.distance_outside(&last.pose) >= self.exit_clearance && nodes.len() > 1 {
                 return Ok(SearchOutcome { nodes, convergence, jam: None });
             }
-            progress.report("search", last.s / way.max(1e-9), &format!("node {}", nodes.len() - 1));
+            task.report("search", last.s / way.max(1e-9), &format!("node {}", nodes.len() - 1));
             (self.observe)(&nodes, &convergence);
-            match self.next_node(strategy, &nodes, attempt, cancel)? {
+            match self.next_node(strategy, &nodes, attempt, &task.cancel)? {
                 Some((node, trace)) if node.s <= limit => {
                     nodes.push(node);
                     convergence.push(trace);

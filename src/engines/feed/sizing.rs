@@ -10,7 +10,7 @@ use super::prepared::PlanningSpace;
 use super::probes::Turns;
 use super::problem::SearchProblem;
 use super::setup::{Refinements, SearchSetup};
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 use wheel::electrode::Electrode;
 
 /// Search for the least reductions of one electrode on one side.
@@ -28,9 +28,7 @@ pub struct Sizer<'a> {
     /// Greatest angle that is tried (rad).
     pub most: f64,
     /// Progress of the search.
-    pub progress: &'a Progress,
-    /// Cancellation of the search.
-    pub cancel: &'a Cancel,
+    pub task: &'a Task,
 }
 
 /// Reduction at which an extraction path was found.
@@ -134,7 +132,7 @@ impl Sizer<'_> {
     /// Extraction path searched for at `angle` (rad).
     fn searched(&self, angle: f64, turns: &dyn Fn(f64) -> Turns) -> Result<Option<Least>, PlanError> {
         self.with_margin(angle, turns, |problem| {
-            problem.path_with_few_poses(&self.params(), &Progress::silent(), self.cancel)
+            problem.path_with_few_poses(&self.params(), &Task::silent(&self.task.cancel))
         })
     }
 
@@ -152,7 +150,7 @@ impl Sizer<'_> {
         angle: f64,
         turns: &dyn Fn(f64) -> Turns,
     ) -> Result<Option<Least>, PlanError> {
-        self.with_margin(angle, turns, |problem| problem.warm_started_path(&self.params(), path, self.cancel))
+        self.with_margin(angle, turns, |problem| problem.warm_started_path(&self.params(), path, &self.task.cancel))
     }
 
     /// Path that `find` finds at `angle` (rad), if its clearance margin is sufficient.
@@ -162,7 +160,7 @@ impl Sizer<'_> {
         turns: &dyn Fn(f64) -> Turns,
         find: impl FnOnce(&SearchProblem) -> Result<Option<ExtractionPath>, Cancelled>,
     ) -> Result<Option<Least>, PlanError> {
-        self.progress.report("sizing", 0.0, &format!("{:.2} deg", angle.to_degrees()));
+        self.task.report("sizing", 0.0, &format!("{:.2} deg", angle.to_degrees()));
         let genetic = GeneticParams { h: ReductionMode::Given, ..*self.settings.genetic };
         let settings = PlanSettings { genetic: &genetic, ..*self.settings };
         let setup = SearchSetup { space: self.space, settings: &settings, turns: turns(angle), guide: None };

@@ -109,7 +109,7 @@ impl<'a> ClearanceGauge<'a> {
 mod tests {
     use super::*;
     use geometry::exact::ExactMesh;
-    use task::Progress;
+    use task::Task;
     use wheel::electrode::{ElectrodeParams, EntrySide, make_electrodes};
     use wheel::fixtures::exact_channel;
     use wheel::parametric::{MeshResolution, ParametricBlisk};
@@ -119,7 +119,7 @@ mod tests {
         let blisk = ParametricBlisk::demonstration();
         let channel = exact_channel(&blisk);
         let mesh = blisk.mesh(&MeshResolution::default()).unwrap().in_frame(&channel.frame);
-        let (silent, cancel) = (Progress::silent(), Cancel::default());
+        let task = Task::default();
         let exact = ExactMesh::new(&mesh).unwrap();
         let params = ElectrodeParams {
             circumferential_reduction_deg: [0.0, 1.0],
@@ -127,9 +127,9 @@ mod tests {
             radial_reduction_mm: 0.5,
             ..Default::default()
         };
-        let made = make_electrodes(&channel, &exact, &params, EntrySide::PlusX, &silent, &cancel).unwrap();
+        let made = make_electrodes(&channel, &exact, &params, EntrySide::PlusX, &task).unwrap();
         let finder = SurfaceFinder::new(channel.clone().into()).unwrap();
-        let gauge = ClearanceGauge::new(&made[0], &channel, &finder, &cancel).unwrap();
+        let gauge = ClearanceGauge::new(&made[0], &channel, &finder, &task.cancel).unwrap();
         let at = gauge.at(&Pose::FINAL);
         assert!((at.walls[0] - 0.15).abs() < 0.02, "{at:?}");
         assert!(at.walls[1] > 0.3, "one degree more");
@@ -143,7 +143,7 @@ mod tests {
         // Towards the hub by what is left there, and out of the ring.
         let lower = gauge.at(&Pose { z: -0.1, ..Pose::FINAL });
         assert!((lower.hub.unwrap() - (at.hub.unwrap() - 0.1)).abs() < 0.01);
-        let out = gauge.at_all(&[Pose { x: 500.0, ..Pose::FINAL }], &cancel).unwrap()[0];
+        let out = gauge.at_all(&[Pose { x: 500.0, ..Pose::FINAL }], &task.cancel).unwrap()[0];
         assert!(out.hub.is_none() && out.shroud.is_none() && out.walls[0] > 100.0);
     }
 }

@@ -17,7 +17,7 @@ use super::frustum_distance::{EXACT, nearest_on};
 use super::path::{FlankPath, FlankPose};
 use super::walls::Walls;
 use geometry::bvh::Bvh;
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 /// How exact clearances are near a touch (mm).
 pub const TOLERANCE: f64 = 1e-3;
@@ -133,14 +133,8 @@ impl GougeCheck {
 ///
 /// # Errors
 /// Cancelled.
-pub fn check(
-    path: &FlankPath,
-    cutter: &FlankCutter,
-    walls: &Walls,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<GougeCheck, FlankError> {
-    check_along(&|t| path.pose(t), cutter, walls, progress, cancel)
+pub fn check(path: &FlankPath, cutter: &FlankCutter, walls: &Walls, task: &Task) -> Result<GougeCheck, FlankError> {
+    check_along(&|t| path.pose(t), cutter, walls, task)
 }
 
 /// Checks straight moves without turns through `places` of the tip, as t from 0 to 1, in the same way.
@@ -151,8 +145,7 @@ pub fn check_moves(
     (places, axis): (&[DVec3], DVec3),
     cutter: &FlankCutter,
     walls: &Walls,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<GougeCheck, FlankError> {
     let [.., _, _] = places else { return Ok(GougeCheck::default()) };
     let pose = |t: f64| {
@@ -160,7 +153,7 @@ pub fn check_moves(
         let i = (along as usize).min(places.len() - 2);
         FlankPose { t, tip: places[i].lerp(places[i + 1], along - i as f64), axis }
     };
-    check_along(&pose, cutter, walls, progress, cancel)
+    check_along(&pose, cutter, walls, task)
 }
 
 /// Triangles, and how deep the points of each may lie in the tool (mm); none where nothing is said.
@@ -169,19 +162,13 @@ type Wall<'a> = (&'a Bvh, &'a [f64]);
 /// Where the cutter is at t from 0 to 1.
 type Motion<'a> = &'a (dyn Fn(f64) -> FlankPose + Sync);
 
-fn check_along(
-    motion: Motion,
-    cutter: &FlankCutter,
-    walls: &Walls,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<GougeCheck, FlankError> {
-    progress.report("gouge of neighbouring walls", 0.0, "");
+fn check_along(motion: Motion, cutter: &FlankCutter, walls: &Walls, task: &Task) -> Result<GougeCheck, FlankError> {
+    task.report("gouge of neighbouring walls", 0.0, "");
     let (flutes, holder) = tool_of(cutter);
-    let cutter_clearance = least(motion, &[flutes], (&walls.beside, &walls.allowed), cancel)?;
-    progress.report("gouge by the holder", 0.5, "");
-    let holder_clearance = least(motion, &holder, (&walls.whole, &[]), cancel)?;
-    progress.report("gouge by the holder", 1.0, "");
+    let cutter_clearance = least(motion, &[flutes], (&walls.beside, &walls.allowed), &task.cancel)?;
+    task.report("gouge by the holder", 0.5, "");
+    let holder_clearance = least(motion, &holder, (&walls.whole, &[]), &task.cancel)?;
+    task.report("gouge by the holder", 1.0, "");
     Ok(GougeCheck { cutter: cutter_clearance, holder: holder_clearance })
 }
 

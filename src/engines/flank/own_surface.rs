@@ -17,7 +17,7 @@ use super::deviation::{DesignGrid, GridPlace};
 use super::envelope;
 use super::gouge::{Frustum, ToolPart, tool_of};
 use super::path::{FlankPath, FlankPose};
-use task::{Cancel, Progress};
+use task::Task;
 
 /// How exact depths are (mm).
 pub const EXACT: f64 = 1e-3;
@@ -97,7 +97,7 @@ pub fn own_surface(
     path: &FlankPath,
     cutter: &FlankCutter,
     (grid, tolerance_mm): (&DesignGrid, f64),
-    (progress, cancel): (&Progress, &Cancel),
+    task: &Task,
 ) -> Result<OwnSurfaceCheck, FlankError> {
     const MOST: usize = 200_000;
     let size = grid.size();
@@ -106,13 +106,13 @@ pub fn own_surface(
         let wanted = "2 places at least both ways, and at most 200000 in all";
         return Err(FlankError::Parameter { name: "grid of the surface's own check", value: places as f64, wanted });
     }
-    progress.report("the tool against its own surface", 0.0, "");
+    task.report("the tool against its own surface", 0.0, "");
     let touching = cutter.above(path.below_mm)?;
     let moving = moving(grid, path, &touching);
     let (flutes, holder) = tool_of(cutter);
     let tool: Vec<(ToolPart, Frustum)> = std::iter::once(flutes).chain(holder).collect();
     let one = |(place, moving): (&GridPlace, &Option<f64>)| -> Result<Option<OwnGouge>, FlankError> {
-        cancel.check()?;
+        task.check()?;
         let (u, v, point) = (place.at.u, place.at.v, place.at.point);
         // Where the cutter stands nowhere over a place, nothing is expected.
         let expected_mm = moving.map_or(0.0, |moving| -moving).max(0.0);
@@ -124,7 +124,7 @@ pub fn own_surface(
     let found = found?;
     let gouges = || found.iter().take(grid.counted_places().len()).flatten();
     let worst = gouges().max_by(|a, b| a.excess_mm().total_cmp(&b.excess_mm())).copied();
-    progress.report("the tool against its own surface", 1.0, "");
+    task.report("the tool against its own surface", 1.0, "");
     Ok(OwnSurfaceCheck { grid: grid.counted_size(), tolerance_mm, count: gouges().count(), worst })
 }
 

@@ -14,7 +14,7 @@ use super::path::FlankPath;
 use super::refine::{is_better, is_settled, refine};
 use super::ruled_surface::RuledSurface;
 use super::warning::{self, PlanWarning};
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 /// Remark where the cutter touches all of the surface from the start.
 pub const WITHIN_ROUNDING: &str = "touches within rounding";
@@ -91,23 +91,22 @@ pub fn plan_flank(
     surface: &RuledSurface,
     cutter: &FlankCutter,
     params: &FlankParams,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<FlankPlan, FlankError> {
     params.validate()?;
     cutter.validate()?;
     let whole = cutter;
     let cutter = &whole.above(params.below_mm)?;
     let grid = DesignGrid::new(surface, params.grid);
-    progress.report("placing the cutter", 0.0, "");
-    let Start { locations, fit_mm, path: start } = covering_start(surface, cutter, params, &grid, cancel)?;
-    progress.report("evaluating every rank", 0.0, "");
-    let (chosen, ranks) = ranked(surface, &grid, &start, cutter, cancel)?;
+    task.report("placing the cutter", 0.0, "");
+    let Start { locations, fit_mm, path: start } = covering_start(surface, cutter, params, &grid, &task.cancel)?;
+    task.report("evaluating every rank", 0.0, "");
+    let (chosen, ranks) = ranked(surface, &grid, &start, cutter, &task.cancel)?;
     let heights = Heights::of(&start, cutter);
-    let refined = refined(surface, &grid, &chosen, (cutter, &heights), params, (progress, cancel))?;
-    progress.report("computing the swept envelope", 0.0, "");
+    let refined = refined(surface, &grid, &chosen, (cutter, &heights), params, task)?;
+    task.report("computing the swept envelope", 0.0, "");
     let path = |measured: Measured| -> Result<FlankPath, FlankError> {
-        cancel.check()?;
+        task.check()?;
         Ok(FlankPath::of(&grid, cutter, measured, (params.locations, params.below_mm)))
     };
     let (initial, chosen, refined) = (path(start)?, path(chosen)?, path(refined)?);
@@ -115,7 +114,7 @@ pub fn plan_flank(
     let mut plan =
         FlankPlan { cutter, params, locations, fit_mm, initial, ranks, chosen, refined, warnings: Vec::new() };
     plan.warnings = warning::of_plan(surface, &plan);
-    progress.report("computing the swept envelope", 1.0, "");
+    task.report("computing the swept envelope", 1.0, "");
     Ok(plan)
 }
 
@@ -162,23 +161,23 @@ fn refined(
     chosen: &Measured,
     (cutter, heights): (&FlankCutter, &Heights),
     params: &FlankParams,
-    control: (&Progress, &Cancel),
+    task: &Task,
 ) -> Result<Measured, FlankError> {
     if is_settled(params.objective, &chosen.deviation) {
         return Ok(chosen.clone());
     }
     if !is_fine(grid.size()) {
-        return refine(grid, chosen, (cutter, heights), (params.objective, params.rounds, 0.5), control);
+        return refine(grid, chosen, (cutter, heights), (params.objective, params.rounds, 0.5), task);
     }
     let coarse = DesignGrid::new(surface, COARSE);
     let near = Measured::new(&coarse, chosen.axis.clone(), cutter, None)
-        .and_then(|start| refine(&coarse, &start, (cutter, heights), (params.objective, params.rounds, 0.5), control))
+        .and_then(|start| refine(&coarse, &start, (cutter, heights), (params.objective, params.rounds, 0.5), task))
         .and_then(|near| Measured::new(grid, near.axis, cutter, Some(&chosen.feet)));
-    control.1.check()?;
+    task.check()?;
     let near = near.ok().filter(|near| is_better(params.objective, &near.deviation, &chosen.deviation));
     let near = near.filter(|near| near.covers_as(chosen) && heights.keeps_as(near, chosen));
     let start = near.as_ref().unwrap_or(chosen);
-    refine(grid, start, (cutter, heights), (params.objective, params.rounds.div_ceil(4), 0.05), control)
+    refine(grid, start, (cutter, heights), (params.objective, params.rounds.div_ceil(4), 0.05), task)
 }
 
 /// The location at `u0` by the method asked for.

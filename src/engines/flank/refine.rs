@@ -18,7 +18,7 @@ use super::envelope;
 use super::heights::Heights;
 use super::params::Objective;
 use super::path::FlankPath;
-use task::{Cancel, Progress};
+use task::Task;
 
 /// Merit function of a step: the sum over places of a function that approximates the objective.
 #[derive(Debug, Clone, Copy)]
@@ -95,12 +95,12 @@ pub fn refine(
     start: &Measured,
     (cutter, heights): (&FlankCutter, &Heights),
     (objective, rounds, soft): (Objective, usize, f64),
-    control: (&Progress, &Cancel),
+    task: &Task,
 ) -> Result<Measured, FlankError> {
     const TRIES: usize = 3;
     /// Excess over a bound that still counts as within (mm).
     const KEPT: f64 = 1e-6;
-    let mut answer = refine_standing(grid, start, (cutter, heights), (objective, rounds, soft), control)?;
+    let mut answer = refine_standing(grid, start, (cutter, heights), (objective, rounds, soft), task)?;
     let Objective::Bounded { mut overcut_mm, mut undercut_mm } = objective else { return Ok(answer) };
     let [least, most] = bounds_of(objective);
     let moving_of =
@@ -118,7 +118,7 @@ pub fn refine(
         overcut_mm = overcut_mm.map(|x| x - over);
         undercut_mm = undercut_mm.map(|x| x - under);
         let narrower = Objective::Bounded { overcut_mm, undercut_mm };
-        let next = refine_standing(grid, &answer, (cutter, heights), (narrower, rounds, 0.2), control)?;
+        let next = refine_standing(grid, &answer, (cutter, heights), (narrower, rounds, 0.2), task)?;
         let next_moving = moving_of(&next);
         if beyond_bounds(objective, &next_moving).max(beyond_bounds(objective, &next.deviation)) >= beyond {
             break;
@@ -134,7 +134,7 @@ fn refine_standing(
     start: &Measured,
     (cutter, heights): (&FlankCutter, &Heights),
     (objective, rounds, soft): (Objective, usize, f64),
-    (progress, cancel): (&Progress, &Cancel),
+    task: &Task,
 ) -> Result<Measured, FlankError> {
     const STAGE: usize = 8;
     /// Share by which the moving cutter's sum may differ from the standing one's.
@@ -150,8 +150,8 @@ fn refine_standing(
     let allowed = moving_difference(grid, start, cutter).max(trusted_share);
     let (mut trusted, mut checked, mut in_stage) = (start.clone(), 0, 0);
     for round in 0..rounds {
-        cancel.check()?;
-        progress.report("refining the path", round as f64 / rounds as f64, "");
+        task.check()?;
+        task.report("refining the path", round as f64 / rounds as f64, "");
         let (next, gained) = step(grid, &now, (cutter, heights), (&merit, &edges, &advance), &mut damping);
         in_stage += 1;
         if let Some(next) = next {

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::edges::{EdgeTable, NONE, half_ends};
 use geometry::mesh::{Mesh, normal_times_two_areas};
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 
 /// Removes triangles that have a vertex twice; returns their number.
 ///
@@ -22,12 +22,7 @@ pub(super) fn drop_collapsed(mesh: &mut Mesh) -> usize {
 /// Usually one of each set stays. Where that would open the surface, as at a fin without thickness or between two
 /// bodies that touch, those that face each other are removed together, which leaves its boundary as it is. If neither
 /// will do, all stay.
-pub(super) fn drop_duplicates(
-    mesh: &mut Mesh,
-    table: &EdgeTable,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<usize, Cancelled> {
+pub(super) fn drop_duplicates(mesh: &mut Mesh, table: &EdgeTable, task: &Task) -> Result<usize, Cancelled> {
     let sets = duplicate_sets(mesh, table);
     if sets.is_empty() {
         return Ok(0);
@@ -38,7 +33,7 @@ pub(super) fn drop_duplicates(
         let thinned = without(mesh, sets.iter().flat_map(|set| choose(mesh, set)));
         // A sheet that is all double would vanish: that is no fin, and better kept.
         let vanishes = 2 * thinned.triangles.len() < mesh.triangles.len() - extra;
-        let table = EdgeTable::of(&thinned, progress, cancel)?;
+        let table = EdgeTable::of(&thinned, task)?;
         if !vanishes && table.boundary_size(&thinned) <= before {
             let removed = mesh.triangles.len() - thinned.triangles.len();
             *mesh = thinned;
@@ -114,12 +109,7 @@ const ROUNDS: usize = 8;
 /// Such a triangle has a corner on its opposite edge. Taking it out would leave a crack that no two edges share; the
 /// exchange instead splits its neighbour at that corner and keeps the surface as closed as it was. No point of the
 /// surface moves by more than `height`.
-pub(super) fn exchange_slivers(
-    mesh: &mut Mesh,
-    height: f64,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Slivers, Cancelled> {
+pub(super) fn exchange_slivers(mesh: &mut Mesh, height: f64, task: &Task) -> Result<Slivers, Cancelled> {
     let mut result = Slivers::default();
     for _ in 0..ROUNDS {
         let low: Vec<u32> = lower_than(mesh, height);
@@ -127,7 +117,7 @@ pub(super) fn exchange_slivers(
         if low.is_empty() {
             break;
         }
-        let table = EdgeTable::of(mesh, progress, cancel)?;
+        let table = EdgeTable::of(mesh, task)?;
         let twins = table.twins();
         // Exchanged triangles have new edges that the table does not know: they rest until the next round, and so
         // does everything at their vertices.
@@ -189,12 +179,12 @@ mod tests {
     use super::*;
 
     fn table(mesh: &Mesh) -> EdgeTable {
-        EdgeTable::of(mesh, &Progress::silent(), &Cancel::default()).unwrap()
+        EdgeTable::of(mesh, &Task::default()).unwrap()
     }
 
     fn deduplicated(mut mesh: Mesh) -> (Mesh, usize) {
         let edges = table(&mesh);
-        let removed = drop_duplicates(&mut mesh, &edges, &Progress::silent(), &Cancel::default()).unwrap();
+        let removed = drop_duplicates(&mut mesh, &edges, &Task::default()).unwrap();
         (mesh, removed)
     }
 
@@ -249,7 +239,7 @@ mod tests {
         for points in 1..5 {
             let mut mesh = box_with_slivers(points);
             assert!(mesh.is_watertight());
-            let slivers = exchange_slivers(&mut mesh, 1e-9, &Progress::silent(), &Cancel::default()).unwrap();
+            let slivers = exchange_slivers(&mut mesh, 1e-9, &Task::default()).unwrap();
             assert_eq!(slivers.kept, 0, "{points} points");
             assert!(slivers.exchanged >= points);
             assert!(mesh.is_watertight());

@@ -2,7 +2,7 @@
 
 use super::source::tick;
 use geometry::mesh::Mesh;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 
 /// No half-edge.
 pub(super) const NONE: u32 = u32::MAX;
@@ -44,12 +44,12 @@ impl Edge<'_> {
 
 impl EdgeTable {
     /// Sorts the half-edges of `mesh`, by counting: linear in their number.
-    pub fn of(mesh: &Mesh, progress: &Progress, cancel: &Cancel) -> Result<Self, Cancelled> {
+    pub fn of(mesh: &Mesh, task: &Task) -> Result<Self, Cancelled> {
         const STAGE: &str = "finding edges";
         let count = mesh.triangles.len();
         let mut start = vec![0_u32; mesh.vertices.len() + 1];
         for (t, &[a, b, c]) in mesh.triangles.iter().enumerate() {
-            tick(progress, cancel, STAGE, t, 3 * count)?;
+            tick(task, STAGE, t, 3 * count)?;
             for low in [a.min(b), b.min(c), c.min(a)] {
                 start[low as usize + 1] += 1;
             }
@@ -60,7 +60,7 @@ impl EdgeTable {
         let mut next = start.clone();
         let mut entries = vec![(0, 0); 3 * count];
         for t in 0..count {
-            tick(progress, cancel, STAGE, count + t, 3 * count)?;
+            tick(task, STAGE, count + t, 3 * count)?;
             for half in 3 * t as u32..3 * t as u32 + 3 {
                 let (a, b) = half_ends(mesh, half);
                 let slot = &mut next[a.min(b) as usize];
@@ -69,7 +69,7 @@ impl EdgeTable {
             }
         }
         for v in 0..mesh.vertices.len() {
-            tick(progress, cancel, STAGE, count + v, count + mesh.vertices.len())?;
+            tick(task, STAGE, count + v, count + mesh.vertices.len())?;
             entries[start[v] as usize..start[v + 1] as usize].sort_unstable();
         }
         Ok(Self { start, entries })
@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn a_box_has_eighteen_edges_of_two_and_an_open_one_lacks_three_twins() {
         let mut mesh = Mesh::cuboid(DVec3::ONE);
-        let table = EdgeTable::of(&mesh, &Progress::silent(), &Cancel::default()).unwrap();
+        let table = EdgeTable::of(&mesh, &Task::default()).unwrap();
         assert_eq!(table.edges().count(), 18);
         assert!(table.is_watertight(&mesh) && table.boundary_size(&mesh) == 0);
         for (half, &twin) in table.twins().iter().enumerate() {
@@ -137,7 +137,7 @@ mod tests {
             assert!(table.contains(a, b) && table.contains(b, a));
         }
         mesh.triangles.remove(5);
-        let table = EdgeTable::of(&mesh, &Progress::silent(), &Cancel::default()).unwrap();
+        let table = EdgeTable::of(&mesh, &Task::default()).unwrap();
         assert!(!table.is_watertight(&mesh));
         assert_eq!(table.boundary_size(&mesh), 3);
         assert_eq!(table.twins().iter().filter(|&&t| t == NONE).count(), 3);

@@ -10,13 +10,31 @@ use gltf::json::validation::Checked;
 use gltf::json::{Root, accessor};
 
 use super::error::ImportError;
+use super::format::{Content, Likeness, MeshFormat};
 use super::gltf_buffers::{self, Buffers, REMEDY};
 use super::report::count;
 use super::source::{RawMesh, Source};
+use super::units::Unit;
 use super::weld::weld_exact;
 
+const UNIT: Option<(Unit, &str)> = Some((Unit::M, "the glTF standard"));
+/// glTF 2.0 as JSON.
+pub(super) static TEXT: MeshFormat = MeshFormat { likeness: like_text, read, unit: UNIT };
+/// glTF 2.0 in one binary file.
+pub(super) static BINARY: MeshFormat = MeshFormat { likeness: like_binary, read, unit: UNIT };
+
+fn like_text(content: &Content) -> Likeness {
+    let names_asset = || content.bytes.windows(7).any(|word| word == b"\"asset\"");
+    let is_object = content.text.is_some_and(|text| text.starts_with(b"{"));
+    Likeness::Likely.when(is_object && (content.ending == "gltf" || names_asset()))
+}
+
+fn like_binary(content: &Content) -> Likeness {
+    Likeness::Certain.when(content.bytes.starts_with(b"glTF"))
+}
+
 /// Reads a glTF or GLB file.
-pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
+fn read(source: &Source) -> Result<RawMesh, ImportError> {
     let container = gltf_buffers::split(source)?;
     // A two-byte element of an array can become a structure of some hundred bytes; objects are what costs.
     let objects = container.json.iter().filter(|&&b| b == b'{').count() as u64;
@@ -33,7 +51,7 @@ pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
         Reader { source, root: &root, buffers: &buffers, raw: RawMesh::default(), skipped: 0, posed: false };
     reader.read_scene()?;
     let mut raw = reader.finish();
-    raw.mesh = weld_exact(raw.mesh, source.progress, source.cancel)?;
+    raw.mesh = weld_exact(raw.mesh, source.task)?;
     raw.warnings.extend(container.warning);
     raw.attachments = buffers.into_attachments();
     Ok(raw)
@@ -81,7 +99,7 @@ impl Reader<'_> {
         let mut pending: Vec<(usize, DMat4)> = self.roots()?.into_iter().rev().map(|n| (n, DMat4::IDENTITY)).collect();
         let mut seen = vec![false; root.nodes.len()];
         while let Some((index, parent)) = pending.pop() {
-            self.source.cancel.check()?;
+            self.source.task.check()?;
             let place = || format!("node {index}");
             let Some(node) = root.nodes.get(index) else {
                 return Err(self.error(place(), "does not exist but is referred to"));
@@ -130,7 +148,7 @@ impl Reader<'_> {
             return Err(self.error(format!("mesh {index}"), "does not exist but a node refers to it"));
         };
         for (k, primitive) in mesh.primitives.iter().enumerate() {
-            self.source.cancel.check()?;
+            self.source.task.check()?;
             self.posed |= primitive.targets.is_some();
             let place = format!("mesh {index}, primitive {k}");
             match primitive.mode {

@@ -74,7 +74,7 @@ impl<'a> Buffers<'a> {
         let mut buffers = Self { contents: Vec::new(), external: Vec::new() };
         let mut total = source.bytes.len() as u64;
         for (i, buffer) in root.buffers.iter().enumerate() {
-            source.cancel.check()?;
+            source.task.check()?;
             let place = || format!("buffer {i}");
             let error = |problem: String| source.malformed(place(), problem, REMEDY);
             let uri = buffer.uri.as_deref();

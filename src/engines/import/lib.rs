@@ -1,4 +1,4 @@
-//! Floor 1: mesh files to meshes in millimetres, and back. Knows no blisk.
+//! Mesh files to meshes in millimetres, and back.
 //!
 //! [`import_file`] reads STL (binary and ASCII), OBJ, glTF and GLB, distinguished by their content. Whatever the bytes,
 //! it returns either a mesh and a report on it, or one clear line that names the file, the place and the remedy; it
@@ -14,7 +14,7 @@
 //!
 //! let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 //! let options = ImportOptions { units: Units::Inch, ..ImportOptions::default() };
-//! let imported = import_bytes("corner.obj", obj.as_bytes(), &options, &Progress::silent(), &Cancel::default())?;
+//! let imported = import_bytes("corner.obj", obj.as_bytes(), &options, &Task::default())?;
 //! assert!(imported.report.watertight);
 //! assert!((imported.mesh.volume() - 25.4_f64.powi(3) / 6.0).abs() < 1e-9);
 //! # Ok::<(), import::ImportError>(())
@@ -28,12 +28,12 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use geometry::mesh::Mesh;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 
 mod clean;
-mod detect;
 mod edges;
 mod error;
+mod format;
 mod glb;
 mod gltf;
 mod gltf_buffers;
@@ -48,8 +48,8 @@ mod stl;
 mod units;
 mod weld;
 
-pub use detect::{Format, detect};
 pub use error::ImportError;
+pub use format::{Format, MESH_ENDINGS, detect};
 pub use glb::glb_bytes;
 pub use holes::Hole;
 pub use limits::ImportLimits;
@@ -113,17 +113,12 @@ const BLOCK: usize = 4 << 20;
 ///
 /// # Errors
 /// See [`ImportError`]; the text of each is one line naming the file, the place in it and the remedy.
-pub fn import_file(
-    path: &Path,
-    options: &ImportOptions,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Imported, ImportError> {
+pub fn import_file(path: &Path, options: &ImportOptions, task: &Task) -> Result<Imported, ImportError> {
     options.validate()?;
     let name = error::one_line(&path.display().to_string());
-    let bytes = read_whole(path, &name, &options.limits, progress, cancel)?;
+    let bytes = read_whole(path, &name, &options.limits, task)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let source = Source { name: &name, bytes: &bytes, folder: Some(folder), limits: &options.limits, progress, cancel };
+    let source = Source { name: &name, bytes: &bytes, folder: Some(folder), limits: &options.limits, task };
     import(&source, options)
 }
 
@@ -133,27 +128,15 @@ pub fn import_file(
 ///
 /// # Errors
 /// As [`import_file`].
-pub fn import_bytes(
-    name: &str,
-    bytes: &[u8],
-    options: &ImportOptions,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Imported, ImportError> {
+pub fn import_bytes(name: &str, bytes: &[u8], options: &ImportOptions, task: &Task) -> Result<Imported, ImportError> {
     options.validate()?;
     let name = error::one_line(name);
     options.limits.check_file(&name, bytes.len() as u64)?;
-    let source = Source { name: &name, bytes, folder: None, limits: &options.limits, progress, cancel };
+    let source = Source { name: &name, bytes, folder: None, limits: &options.limits, task };
     import(&source, options)
 }
 
-fn read_whole(
-    path: &Path,
-    name: &str,
-    limits: &ImportLimits,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Vec<u8>, ImportError> {
+fn read_whole(path: &Path, name: &str, limits: &ImportLimits, task: &Task) -> Result<Vec<u8>, ImportError> {
     let unreadable = |source| ImportError::Unreadable { file: name.to_owned(), source };
     // Asked before opening, as opening a pipe would wait for ever.
     let about = std::fs::metadata(path).map_err(unreadable)?;
@@ -166,8 +149,8 @@ fn read_whole(
     let mut file = File::open(path).map_err(unreadable)?;
     let mut bytes = Vec::new();
     loop {
-        cancel.check()?;
-        progress.report("reading the file", bytes.len() as f64 / about.len().max(1) as f64, "");
+        task.check()?;
+        task.report("reading the file", bytes.len() as f64 / about.len().max(1) as f64, "");
         let read = file.by_ref().take(BLOCK as u64).read_to_end(&mut bytes).map_err(unreadable)?;
         if read == 0 {
             return Ok(bytes);
@@ -178,35 +161,27 @@ fn read_whole(
 }
 
 fn import(source: &Source, options: &ImportOptions) -> Result<Imported, ImportError> {
-    let (progress, cancel) = (source.progress, source.cancel);
+    let task = source.task;
     let format = detect(source.name, source.bytes)?;
-    let read = match format {
-        Format::StlBinary => stl::read_binary,
-        Format::StlAscii => stl::read_ascii,
-        Format::Obj => obj::read,
-        Format::Gltf | Format::Glb => gltf::read,
-    };
+    let about = format.about();
     let mut hasher = Sha256::new();
-    let (raw, hashed) = rayon::join(|| read(source), || hash(&mut hasher, source.bytes, cancel));
+    let (raw, hashed) = rayon::join(|| (about.read)(source), || hash(&mut hasher, source.bytes, &task.cancel));
     let RawMesh { mesh, warnings, note, attachments } = raw?;
     hashed?;
-    attachments.iter().try_for_each(|content| hash(&mut hasher, content, cancel))?;
+    attachments.iter().try_for_each(|content| hash(&mut hasher, content, &task.cancel))?;
     drop(attachments);
-    let declared = match format {
-        Format::Gltf | Format::Glb => Some((Unit::M, "the glTF standard")),
-        _ => units::declared_in(&note).map(|unit| (unit, "the file")),
-    };
+    let declared = about.unit.or_else(|| units::declared_in(&note).map(|unit| (unit, "the file")));
     let (given, size) = (options.units.given(), repair::largest_extent(&mesh));
     let unit = units::choose_with_care(given, declared, options.undeclared, size)
         .map_err(|guess| ImportError::UnitOpen { file: source.name.to_owned(), guess: guess.reason })?;
     let mesh = in_millimetres(source, mesh, unit.unit)?;
     let triangles_read = mesh.triangles.len();
-    let (mesh, repairs) = repair::repair(mesh, options.weld_tolerance_mm, progress, cancel)?;
+    let (mesh, repairs) = repair::repair(mesh, options.weld_tolerance_mm, task)?;
     if mesh.triangles.is_empty() {
         return Err(ImportError::NoTriangles { file: source.name.to_owned() });
     }
     let report = ImportReport::new(format, triangles_read, &mesh, unit, repairs, warnings);
-    progress.report("importing", 1.0, "");
+    task.report("importing", 1.0, "");
     let sha256 = hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
     Ok(Imported { mesh, report, sha256 })
 }

@@ -10,13 +10,36 @@ use glam::DVec3;
 use tobj::{LoadError, LoadOptions, Model};
 
 use super::error::{ImportError, excerpt};
+use super::format::{Content, Likeness, MeshFormat};
 use super::report::count;
 use super::source::{RawMesh, Source};
 use super::weld::weld_exact;
 use geometry::mesh::Mesh;
 
+/// Wavefront OBJ.
+pub(super) static TEXT: MeshFormat = MeshFormat { likeness, read, unit: None };
+
+fn likeness(content: &Content) -> Likeness {
+    let Some(text) = content.text else { return Likeness::No };
+    Likeness::Perhaps.when(begins_with_vertex(text) || content.ending == "obj" && !content.bytes.is_empty())
+}
+
+/// Whether a line gives a vertex and none before it is foreign to OBJ.
+fn begins_with_vertex(text: &[u8]) -> bool {
+    for line in text.split(|b| matches!(b, b'\n' | b'\r')) {
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
+        match words.next() {
+            Some(b"v") => return words.clone().count() >= 3,
+            None | Some(b"o" | b"g" | b"s" | b"vn" | b"vt" | b"f" | b"l" | b"p" | b"mtllib" | b"usemtl") => {}
+            Some(word) if word.starts_with(b"#") => {}
+            Some(_) => return false,
+        }
+    }
+    false
+}
+
 /// Reads an OBJ file. Polygons become fans, or are cut at their ears where a fan would fold over.
-pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
+fn read(source: &Source) -> Result<RawMesh, ImportError> {
     let mut lines = Lines::new(source);
     let no_materials = |_: &std::path::Path| Err(LoadError::OpenFileFailed);
     let (models, _) = tobj::load_obj_buf(&mut lines, &LoadOptions::default(), no_materials)
@@ -26,10 +49,10 @@ pub(super) fn read(source: &Source) -> Result<RawMesh, ImportError> {
         raw.warnings.push(format!("{} of fewer than three corners skipped.", count(lines.skipped, "face")));
     }
     for model in &models {
-        source.cancel.check()?;
+        source.task.check()?;
         append(&mut raw.mesh, model);
     }
-    raw.mesh = weld_exact(raw.mesh, source.progress, source.cancel)?;
+    raw.mesh = weld_exact(raw.mesh, source.task)?;
     Ok(raw)
 }
 
@@ -298,14 +321,14 @@ mod tests {
     use super::*;
     use crate::{ImportOptions, Unit, import_bytes};
     use geometry::mesh::Mesh;
-    use task::{Cancel, Progress};
+    use task::Task;
 
     #[test]
     fn what_is_written_is_read_as_it_was() {
         let mesh = Mesh::cuboid(DVec3::new(0.1, 1.0 / 3.0, 40.0)).mapped(|p| p - DVec3::new(7.7, 0.0, 1e-7));
         let bytes = obj_bytes("E 01\nf 1 1 1", &mesh).unwrap();
         let options = ImportOptions::default();
-        let read = import_bytes("e.obj", &bytes, &options, &Progress::silent(), &Cancel::default()).unwrap();
+        let read = import_bytes("e.obj", &bytes, &options, &Task::default()).unwrap();
         assert!(read.report.watertight && read.report.unit == Unit::Mm);
         let sorted = |mesh: &Mesh| {
             let mut corners: Vec<_> = mesh.iter_corners().map(|c| c.map(|p| p.to_array())).collect();

@@ -6,7 +6,7 @@ use super::edges::{EdgeTable, NONE, half_ends};
 use super::holes::Boundary;
 use super::source::tick;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 
 /// Findings about orientation, and the corrections made.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -56,10 +56,9 @@ pub(super) fn orient(
     mesh: &mut Mesh,
     table: &EdgeTable,
     boundary: &Boundary,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Orientation, Cancelled> {
-    let patches = Patches::find(mesh, &table.twins(), progress, cancel)?;
+    let patches = Patches::find(mesh, &table.twins(), task)?;
     let mut result = Orientation {
         parts: patches.count,
         one_sided: patches.one_sided.iter().filter(|&&x| x).count(),
@@ -67,7 +66,7 @@ pub(super) fn orient(
     };
     result.flipped = patches.flip.iter().filter(|&&flip| flip).count();
     let parts = measure(mesh, &patches, table, boundary);
-    let nesting = depths(mesh, &patches, &parts, cancel)?;
+    let nesting = depths(mesh, &patches, &parts, &task.cancel)?;
     result.nesting_unknown = nesting.is_none();
     let depths = nesting.unwrap_or_else(|| vec![0; parts.len()]);
     let mut turn = vec![false; parts.len()];
@@ -103,7 +102,7 @@ struct Patches {
 }
 
 impl Patches {
-    fn find(mesh: &Mesh, twins: &[u32], progress: &Progress, cancel: &Cancel) -> Result<Self, Cancelled> {
+    fn find(mesh: &Mesh, twins: &[u32], task: &Task) -> Result<Self, Cancelled> {
         let count = mesh.triangles.len();
         let mut patches = Self { count: 0, of: vec![NONE; count], flip: vec![false; count], one_sided: Vec::new() };
         let mut members: Vec<u32> = Vec::new();
@@ -118,7 +117,7 @@ impl Patches {
             let mut one_sided = false;
             let mut next = 0;
             while let Some(&t) = members.get(next) {
-                tick(progress, cancel, "turning triangles", done, count)?;
+                tick(task, "turning triangles", done, count)?;
                 (next, done) = (next + 1, done + 1);
                 for half in 3 * t..3 * t + 3 {
                     let twin = twins[half as usize];
@@ -272,10 +271,10 @@ mod tests {
 
     fn oriented(mesh: &Mesh) -> (Mesh, Orientation) {
         let mut mesh = mesh.clone();
-        let (progress, cancel) = (Progress::silent(), Cancel::default());
-        let table = EdgeTable::of(&mesh, &progress, &cancel).unwrap();
+        let task = Task::default();
+        let table = EdgeTable::of(&mesh, &task).unwrap();
         let boundary = trace(&mesh, &table);
-        let orientation = orient(&mut mesh, &table, &boundary, &progress, &cancel).unwrap();
+        let orientation = orient(&mut mesh, &table, &boundary, &task).unwrap();
         (mesh, orientation)
     }
 

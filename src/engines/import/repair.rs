@@ -8,7 +8,7 @@ use super::holes::{Hole, trace};
 use super::orient::{Orientation, orient};
 use super::weld::weld_near;
 use geometry::mesh::{Bounds, Mesh};
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 
 /// Cracks of exporters are about the last digit of their numbers wide, relative to the part's size.
 const WELD_RELATIVE_TO_SIZE: f64 = 1e-6;
@@ -50,38 +50,33 @@ pub(super) fn weld_tolerance(mesh: &Mesh) -> f64 {
 ///
 /// Vertices come out numbered in the order in which the triangles first use them. No step opens a surface that was
 /// closed; holes are reported, not filled.
-pub(super) fn repair(
-    mesh: Mesh,
-    tolerance: Option<f64>,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<(Mesh, Repairs), Cancelled> {
+pub(super) fn repair(mesh: Mesh, tolerance: Option<f64>, task: &Task) -> Result<(Mesh, Repairs), Cancelled> {
     let mut mesh = compact(mesh);
     let weld_tolerance = tolerance.unwrap_or_else(|| weld_tolerance(&mesh));
     let mut repairs = Repairs { weld_tolerance, ..Default::default() };
     repairs.collapsed = drop_collapsed(&mut mesh);
-    let mut table = EdgeTable::of(&mesh, progress, cancel)?;
+    let mut table = EdgeTable::of(&mesh, task)?;
     if weld_tolerance > 0.0 && !table.is_closed() {
-        mesh = weld_near(mesh, weld_tolerance, progress, cancel)?;
+        mesh = weld_near(mesh, weld_tolerance, task)?;
         repairs.collapsed += drop_collapsed(&mut mesh);
         repairs.welded_near = true;
-        table = EdgeTable::of(&mesh, progress, cancel)?;
+        table = EdgeTable::of(&mesh, task)?;
     }
-    repairs.duplicates = drop_duplicates(&mut mesh, &table, progress, cancel)?;
+    repairs.duplicates = drop_duplicates(&mut mesh, &table, task)?;
     if repairs.duplicates > 0 {
-        table = EdgeTable::of(&mesh, progress, cancel)?;
+        table = EdgeTable::of(&mesh, task)?;
     }
-    cancel.check()?;
+    task.check()?;
     let boundary = trace(&mesh, &table);
-    repairs.orientation = orient(&mut mesh, &table, &boundary, progress, cancel)?;
+    repairs.orientation = orient(&mut mesh, &table, &boundary, task)?;
     repairs.holes = boundary.holes;
-    cancel.check()?;
+    task.check()?;
     let height = HEIGHT_RELATIVE_TO_WELD * weld_tolerance;
-    repairs.slivers = exchange_slivers(&mut mesh, height, progress, cancel)?;
+    repairs.slivers = exchange_slivers(&mut mesh, height, task)?;
     if repairs.orientation.flipped + repairs.orientation.turned + repairs.slivers.exchanged > 0 {
-        table = EdgeTable::of(&mesh, progress, cancel)?;
+        table = EdgeTable::of(&mesh, task)?;
     }
-    cancel.check()?;
+    task.check()?;
     repairs.watertight = !mesh.triangles.is_empty() && table.is_watertight(&mesh);
     let branches = table.edges().filter(|edge| edge.halves().len() > 2);
     for edge in branches {

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde::Serialize;
 
-use super::detect::Format;
+use super::format::Format;
 use super::holes::Hole;
 use super::repair::Repairs;
 use super::units::{Unit, UnitChoice};

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::error::ImportError;
 use super::limits::ImportLimits;
 use geometry::mesh::Mesh;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 
 /// How many items a reader handles between two looks at the cancel flag: a few milliseconds of work.
 const ITEMS_PER_CHECK: usize = 1 << 14;
@@ -23,9 +23,7 @@ pub(super) struct Source<'a> {
     /// Limits of the import.
     pub limits: &'a ImportLimits,
     /// Where progress goes.
-    pub progress: &'a Progress,
-    /// Whether to stop.
-    pub cancel: &'a Cancel,
+    pub task: &'a Task,
 }
 
 /// Content of a file: coordinates as they stand in it, vertices as the format shares them.
@@ -71,7 +69,7 @@ impl<'a> Source<'a> {
 
     /// Reports progress and looks at the cancel flag every so many items of `total`.
     pub fn tick(&self, stage: &str, item: usize, total: usize) -> Result<(), Cancelled> {
-        tick(self.progress, self.cancel, stage, item, total)
+        tick(self.task, stage, item, total)
     }
 }
 
@@ -81,16 +79,10 @@ pub(super) fn without_mark(text: &[u8]) -> &[u8] {
 }
 
 /// Reports progress and looks at the cancel flag every so many items of `total`.
-pub(super) fn tick(
-    progress: &Progress,
-    cancel: &Cancel,
-    stage: &str,
-    item: usize,
-    total: usize,
-) -> Result<(), Cancelled> {
+pub(super) fn tick(task: &Task, stage: &str, item: usize, total: usize) -> Result<(), Cancelled> {
     if item.is_multiple_of(ITEMS_PER_CHECK) {
-        progress.report(stage, item as f64 / total.max(1) as f64, "");
-        cancel.check()?;
+        task.report(stage, item as f64 / total.max(1) as f64, "");
+        task.check()?;
     }
     Ok(())
 }

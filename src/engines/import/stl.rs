@@ -10,31 +10,60 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::error::{ImportError, excerpt};
+use super::format::{Content, Likeness, MeshFormat};
 use super::source::{RawMesh, Source};
 use super::weld::ExactWeld;
 use files::atomic::atomic_write;
 use geometry::mesh::{Mesh, unit_normal};
 
+/// Binary STL.
+pub(super) static BINARY: MeshFormat = MeshFormat { likeness: like_binary, read: read_binary, unit: None };
+/// ASCII STL.
+pub(super) static ASCII: MeshFormat = MeshFormat { likeness: like_ascii, read: read_ascii, unit: None };
+
+/// How many bytes may follow the last triangle of a binary file that is not named `.stl`.
+const STRAY_BYTES: u64 = 1024;
+
+/// A binary file may well open with the word "solid", but no text has such bytes where the number of triangles stands that
+/// its length comes out right.
+fn like_binary(content: &Content) -> Likeness {
+    let length = content.bytes.len() as u64;
+    let promised = promised_triangles(content.bytes).map(binary_length);
+    if promised == Some(length) {
+        return Likeness::Certain;
+    }
+    let has_strays = |n: u64| n > binary_length(0) && n < length && length - n <= STRAY_BYTES;
+    Likeness::Perhaps.when(content.ending == "stl" && content.text.is_none() || promised.is_some_and(has_strays))
+}
+
+fn like_ascii(content: &Content) -> Likeness {
+    const WORD: &[u8] = b"solid";
+    Likeness::Likely.when(content.text.is_some_and(|text| {
+        text.get(..WORD.len()).is_some_and(|start| start.eq_ignore_ascii_case(WORD))
+            && text.get(WORD.len()).is_none_or(u8::is_ascii_whitespace)
+    }))
+}
+
 /// Bytes before the first triangle.
-pub(super) const HEADER: usize = 84;
+const HEADER: usize = 84;
 /// Bytes of one triangle.
 const RECORD: usize = 50;
 /// Bytes of the free text that opens the header.
 const TITLE: usize = 80;
 
 /// Number of triangles that a binary header promises; `None` for fewer bytes than a header.
-pub(super) fn promised_triangles(bytes: &[u8]) -> Option<u32> {
+fn promised_triangles(bytes: &[u8]) -> Option<u32> {
     let count = bytes.get(TITLE..HEADER)?;
     Some(u32::from_le_bytes(count.try_into().ok()?))
 }
 
 /// Length of a binary file of so many triangles.
-pub(super) fn binary_length(triangles: u32) -> u64 {
+fn binary_length(triangles: u32) -> u64 {
     HEADER as u64 + RECORD as u64 * u64::from(triangles)
 }
 
 /// Reads a binary STL file; bytes after the last triangle are skipped with a warning.
-pub(super) fn read_binary(source: &Source) -> Result<RawMesh, ImportError> {
+fn read_binary(source: &Source) -> Result<RawMesh, ImportError> {
     let found = source.bytes.len() as u64;
     let Some(count) = promised_triangles(source.bytes) else {
         let problem = format!("the file ends after {found} bytes, within the header of {HEADER}");
@@ -76,7 +105,7 @@ fn point_at(record: &[u8], offset: usize) -> DVec3 {
 }
 
 /// Reads an ASCII STL file: any case, any white space, any number of solids.
-pub(super) fn read_ascii(source: &Source) -> Result<RawMesh, ImportError> {
+fn read_ascii(source: &Source) -> Result<RawMesh, ImportError> {
     let mut words = Words { bytes: source.text(), at: 0, line: 1 };
     let mut weld = ExactWeld::default();
     let mut triangles: Vec<[u32; 3]> = Vec::new();

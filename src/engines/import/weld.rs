@@ -8,7 +8,7 @@ use glam::{DVec3, I64Vec3};
 use super::edges::NONE;
 use super::source::tick;
 use geometry::mesh::Mesh;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 
 /// Gives equal points the same number; numbers go up in the order in which points first come.
 ///
@@ -42,11 +42,11 @@ impl ExactWeld {
 }
 
 /// `mesh` with equal vertices made one.
-pub(super) fn weld_exact(mesh: Mesh, progress: &Progress, cancel: &Cancel) -> Result<Mesh, Cancelled> {
+pub(super) fn weld_exact(mesh: Mesh, task: &Task) -> Result<Mesh, Cancelled> {
     let mut weld = ExactWeld::default();
     let mut number = Vec::with_capacity(mesh.vertices.len());
     for (i, &p) in mesh.vertices.iter().enumerate() {
-        tick(progress, cancel, "welding", i, mesh.vertices.len())?;
+        tick(task, "welding", i, mesh.vertices.len())?;
         number.push(weld.add(p));
     }
     let triangles = mesh.triangles.iter().map(|t| t.map(|v| number[v as usize])).collect();
@@ -57,7 +57,7 @@ pub(super) fn weld_exact(mesh: Mesh, progress: &Progress, cancel: &Cancel) -> Re
 ///
 /// Merging vertices maps closed surfaces onto closed surfaces (the boundary of the image is the image of the
 /// boundary), so this can close cracks but never opens one. Triangles may collapse; they are left for the caller.
-pub(super) fn weld_near(mesh: Mesh, tolerance: f64, progress: &Progress, cancel: &Cancel) -> Result<Mesh, Cancelled> {
+pub(super) fn weld_near(mesh: Mesh, tolerance: f64, task: &Task) -> Result<Mesh, Cancelled> {
     let width = CELL_WIDTH * tolerance;
     // Last vertex of each cell, and for each vertex the one before it in its cell.
     let mut last: HashMap<I64Vec3, u32> = HashMap::new();
@@ -65,7 +65,7 @@ pub(super) fn weld_near(mesh: Mesh, tolerance: f64, progress: &Progress, cancel:
     let mut vertices: Vec<DVec3> = Vec::new();
     let mut number = Vec::with_capacity(mesh.vertices.len());
     for (i, &p) in mesh.vertices.iter().enumerate() {
-        tick(progress, cancel, "welding", i, mesh.vertices.len())?;
+        tick(task, "welding", i, mesh.vertices.len())?;
         let near = cells_near(p / width, 1.0 / CELL_WIDTH)
             .filter_map(|cell| last.get(&cell).copied())
             .flat_map(|v| iter::successors(Some(v), |&v| Some(before[v as usize]).filter(|&v| v != NONE)))
@@ -110,7 +110,7 @@ mod tests {
             *p = -(-*p);
             p.x = if p.x == 0.0 { -0.0 } else { p.x };
         }
-        let mesh = weld_exact(parts, &Progress::silent(), &Cancel::default()).unwrap();
+        let mesh = weld_exact(parts, &Task::default()).unwrap();
         assert_eq!(mesh.vertices.len(), 8);
         assert!(mesh.is_watertight());
     }
@@ -124,10 +124,10 @@ mod tests {
         for (i, p) in parts.vertices.iter_mut().enumerate() {
             *p += 0.28 * tolerance * DVec3::new((i as f64).sin(), (i as f64 * 1.7).cos(), (i as f64 * 2.3).sin());
         }
-        let near = weld_near(parts.clone(), tolerance, &Progress::silent(), &Cancel::default()).unwrap();
+        let near = weld_near(parts.clone(), tolerance, &Task::default()).unwrap();
         assert_eq!(near.vertices.len(), 8);
         assert!(near.is_watertight());
-        let far = weld_near(parts, tolerance * 1e-3, &Progress::silent(), &Cancel::default()).unwrap();
+        let far = weld_near(parts, tolerance * 1e-3, &Task::default()).unwrap();
         assert!(far.vertices.len() > 30);
     }
 }

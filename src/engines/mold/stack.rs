@@ -16,7 +16,7 @@ use super::section::{Section, sections};
 use super::uncut_layer::uncut_with_holder;
 use super::warning::MoldWarning;
 use geometry::mesh::Mesh;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 
 /// Share of an outline set's extent in area up to which two ways to reckon its area agree.
 const SAME_AREA: f64 = 1e-9;
@@ -54,21 +54,20 @@ pub fn uncut_stack(
     cutters: &[&Cutter],
     others: Option<Others>,
     settings: &LayerSettings,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<UncutStack, Cancelled> {
     let flats: Vec<&Cutter> = cutters.iter().copied().filter(|c| c.kind() == CutterKind::Flat).collect();
     let reaches: Vec<f64> = flats.iter().filter_map(|c| wide_holder(c)).map(|(_, reach)| reach).collect();
     let mut shadows = Shadows::new(mesh);
-    let silhouette = silhouette(mesh, &mut shadows, cancel)?;
+    let silhouette = silhouette(mesh, &mut shadows, &task.cancel)?;
     let mut work = Work { mesh, flats, others, settings, shadows, silhouette, seen: Seen::default() };
     let FirstLayers { heights, floors } = first_layers(mesh, &reaches, settings);
     let mut layers: Vec<UncutLayer> = Vec::new();
     let mut wanted = heights;
     let mut round = 0;
     while !wanted.is_empty() {
-        progress.report("layers", 1.0 - 0.5f64.powi(round), &format!("{} layers", layers.len() + wanted.len()));
-        layers.extend(work.layers(&wanted, cancel)?);
+        task.report("layers", 1.0 - 0.5f64.powi(round), &format!("{} layers", layers.len() + wanted.len()));
+        layers.extend(work.layers(&wanted, &task.cancel)?);
         layers.sort_by(|a, b| a.z.total_cmp(&b.z));
         round += 1;
         wanted = if settings.is_fixed { Vec::new() } else { halves(&layers, &floors, settings) };
@@ -77,7 +76,7 @@ pub fn uncut_stack(
             break;
         }
     }
-    progress.report("layers", 1.0, &format!("{} layers", layers.len()));
+    task.report("layers", 1.0, &format!("{} layers", layers.len()));
     let Work { shadows, seen, .. } = work;
     Ok(UncutStack { warnings: seen.warnings(&layers), layers, invert: shadows.faces().clone() })
 }
@@ -252,7 +251,7 @@ mod tests {
 
     fn stack(mesh: &Mesh, cutters: &[Cutter], settings: &LayerSettings) -> UncutStack {
         let cutters: Vec<&Cutter> = cutters.iter().collect();
-        uncut_stack(mesh, &cutters, None, settings, &Progress::silent(), &Cancel::default()).unwrap()
+        uncut_stack(mesh, &cutters, None, settings, &Task::default()).unwrap()
     }
 
     fn found(mesh: &Mesh, cutters: &[Cutter]) -> (Vec<LayerRegion>, f64) {
@@ -398,7 +397,7 @@ mod tests {
         let mesh = Mesh::cuboid(DVec3::ONE);
         let cutter = Cutter::flat(1.0);
         let settings = LayerSettings::default();
-        assert_eq!(uncut_stack(&mesh, &[&cutter], None, &settings, &Progress::silent(), &cancel), Err(Cancelled));
+        assert_eq!(uncut_stack(&mesh, &[&cutter], None, &settings, &Task::silent(&cancel)), Err(Cancelled));
     }
 
     /// Every triangle in three, in another order.

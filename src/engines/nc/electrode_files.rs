@@ -240,7 +240,7 @@ mod tests {
     use import::{ImportOptions, import_file};
     use mold::electrode::check::CheckKind;
     use mold::electrode::overrides::{IdleOverride, Override};
-    use task::{Cancel, Progress};
+    use task::Task;
 
     fn written(folder: &std::path::Path, set: &ElectrodeSet, formats: &[ElectrodeFormat]) -> WrittenElectrodes {
         let mut folder = ExportFolder::open(folder, "electrodes").unwrap();
@@ -303,8 +303,7 @@ mod tests {
         assert_eq!(written.files.len(), 6);
         for file in &written.files {
             let electrode = set.electrodes.iter().find(|e| e.name == file.electrode).unwrap();
-            let read =
-                import_file(&file.path, &ImportOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+            let read = import_file(&file.path, &ImportOptions::default(), &Task::default()).unwrap();
             assert!(read.report.watertight, "{file:?}");
             assert_eq!(read.mesh.triangles.len(), electrode.mesh.triangles.len());
             let expected = match file.path.extension().and_then(|e| e.to_str()) {

@@ -4,7 +4,7 @@
 use std::sync::OnceLock;
 
 use glam::DVec3;
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 use super::approved::Approved;
 use feed::certificate::Certificate;
@@ -144,7 +144,7 @@ impl Scene {
             Some(travel) => verifier.within(travel),
             None => verifier,
         };
-        verifier.verify(path, &|_| Surface::HighWall, options, &Progress::silent(), &Cancel::default())
+        verifier.verify(path, &|_| Surface::HighWall, options, &Task::default())
     }
 
     /// The usual certificate of `path` on a machine without ends of travel.
@@ -205,7 +205,7 @@ impl Scene {
             model: bodies,
         };
         let options = SimulationOptions::of(channels.to_vec());
-        simulate(&scenario, &options, &Progress::silent(), &Cancel::default()).unwrap()
+        simulate(&scenario, &options, &Task::default()).unwrap()
     }
 }
 

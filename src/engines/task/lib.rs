@@ -1,7 +1,7 @@
 //! Long computations: how one says where it stands and is told to stop, and who makes what is asked for and remembers it.
 //!
-//! A job is a pure function of its inputs, a [`Progress`] and a [`Cancel`]; both may be shared between threads. A
-//! [`Memo`] runs such jobs on the two threads of a [`Scheduler`] and keeps what they answer.
+//! A job is a pure function of its inputs and a [`Task`], which may be shared between threads. A [`Memo`] runs such jobs
+//! on the two threads of a [`Scheduler`] and keeps what they answer.
 
 mod memo;
 mod scheduler;
@@ -63,11 +63,6 @@ impl Progress {
         Self(Arc::new(sink))
     }
 
-    /// Drops every report.
-    pub fn silent() -> Self {
-        Self::new(|_| {})
-    }
-
     /// The same for a part of the work, whose stages are all called `stage`.
     pub fn as_stage(&self, stage: &'static str) -> Self {
         let sink = self.0.clone();
@@ -77,5 +72,44 @@ impl Progress {
     /// Reports that `fraction` of `stage` is done.
     pub fn report(&self, stage: &str, fraction: f64, message: &str) {
         (self.0)(&Update { stage, fraction: fraction.clamp(0.0, 1.0), message });
+    }
+}
+
+impl Default for Progress {
+    /// Drops every report.
+    fn default() -> Self {
+        Self::new(|_| {})
+    }
+}
+
+/// What every job is given: where it reports to, and what tells it to stop. The default reports to nobody and is never
+/// told to stop.
+#[derive(Clone, Default)]
+pub struct Task {
+    /// Where the job says how far it is.
+    pub progress: Progress,
+    /// Looked at at least every 50 ms of work.
+    pub cancel: Cancel,
+}
+
+impl Task {
+    /// Reports to nobody and stops when `cancel` is raised.
+    pub fn silent(cancel: &Cancel) -> Self {
+        Self { progress: Progress::default(), cancel: cancel.clone() }
+    }
+
+    /// A part of the job, whose stages are all called `stage`.
+    pub fn as_stage(&self, stage: &'static str) -> Self {
+        Self { progress: self.progress.as_stage(stage), cancel: self.cancel.clone() }
+    }
+
+    /// Reports that `fraction` of `stage` is done.
+    pub fn report(&self, stage: &str, fraction: f64, message: &str) {
+        self.progress.report(stage, fraction, message);
+    }
+
+    /// `Err(Cancelled)` once the job is told to stop, for use with `?`.
+    pub fn check(&self) -> Result<(), Cancelled> {
+        self.cancel.check()
     }
 }

@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
 use crate::scheduler::{Job, JobId, Lane, Priority, Queue, Scheduler};
-use crate::{Cancel, Progress};
+use crate::{Cancel, Progress, Task};
 
 /// What is known of a key: the first of these that holds.
 ///
@@ -105,10 +105,8 @@ impl Doing {
 
 /// What work reports to, and what tells it to stop.
 pub struct Work<P> {
-    /// Where it says how far it is.
-    pub progress: Progress,
-    /// Looked at at least every 50 ms.
-    pub cancel: Cancel,
+    /// What the job is given.
+    pub task: Task,
     partial: Box<dyn Fn(P) + Send + Sync>,
 }
 
@@ -158,7 +156,7 @@ impl<V: Send + 'static, P: Send + 'static> Job for Attempt<V, P> {
         });
         let (to_us, theirs) = (sender.clone(), queue.clone());
         let partial = Box::new(move |found| say(&to_us, &theirs, (run, Said::Partial(found))));
-        let work = Work { progress, cancel: cancel.clone(), partial };
+        let work = Work { task: Task { progress, cancel: cancel.clone() }, partial };
         let result = match std::panic::catch_unwind(AssertUnwindSafe(|| make(&work))) {
             // Told to stop too late: what is done is done, and files may have been written.
             Ok(Ok(value)) => Ok(value),

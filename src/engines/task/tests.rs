@@ -58,7 +58,7 @@ fn wait<K: Clone + PartialEq, V: Send + 'static>(memo: &mut Memo<K, V, u32>, wok
 fn until_cancelled(begun: Sender<()>) -> impl Fn(&Work<u32>) -> Result<u32, String> + Send {
     move |work| {
         begun.send(()).unwrap();
-        while !work.cancel.is_cancelled() {
+        while !work.task.cancel.is_cancelled() {
             std::thread::yield_now();
         }
         Err("stopped".to_owned())
@@ -209,7 +209,7 @@ fn what_was_found_so_far_is_of_its_own_key_and_ends_with_the_value() {
     let finds = |result: Result<u32, String>| {
         move |work: &Work<u32>| {
             work.partial(1);
-            work.progress.report("half", 0.5, "x");
+            work.task.report("half", 0.5, "x");
             work.partial(2);
             result.clone()
         }
@@ -233,7 +233,7 @@ fn how_far_work_is_is_told_while_it_runs() {
     let may_go_on = Mutex::new(may_go_on);
     memo.ask(&1, Priority::Shown, move |work| {
         for (stage, fraction) in [("field", 0.25), ("search", 0.75)] {
-            work.progress.report(stage, fraction, "");
+            work.task.report(stage, fraction, "");
             work.partial((100.0 * fraction) as u32);
             may_go_on.lock().unwrap().recv().unwrap();
         }
@@ -360,9 +360,9 @@ fn what_is_more_wanted_is_done_in_the_midst_of_other_work_where_that_reports() {
         begun.send(()).unwrap();
         may_go_on.recv().unwrap();
         // What is asked of a thread of the pool is answered there: nothing is done in its midst.
-        rayon::scope(|scope| scope.spawn(|_| work.progress.report("pool", 0.2, "")));
+        rayon::scope(|scope| scope.spawn(|_| work.task.report("pool", 0.2, "")));
         note(2);
-        work.progress.report("half", 0.5, "");
+        work.task.report("half", 0.5, "");
         note(4);
         Ok(1)
     });
@@ -374,7 +374,7 @@ fn what_is_more_wanted_is_done_in_the_midst_of_other_work_where_that_reports() {
     });
     wanted.ask(&1, Priority::Shown, move |work| {
         // What is of the same priority, or of a lower one, waits.
-        work.progress.report("all", 1.0, "");
+        work.task.report("all", 1.0, "");
         note_wanted(3);
         Ok(2)
     });
@@ -396,8 +396,8 @@ fn what_is_cancelled_in_the_midst_of_other_work_leaves_that_alone_and_the_other_
         outer.ask(&1, Priority::Normal, move |work| {
             begins.send(()).unwrap();
             may_go_on.recv().unwrap();
-            work.progress.report("half", 0.5, "");
-            work.cancel.check().map(|()| 1).map_err(|e| e.to_string())
+            work.task.report("half", 0.5, "");
+            work.task.check().map(|()| 1).map_err(|e| e.to_string())
         });
         has_begun.recv().unwrap();
         inner.ask(&1, Priority::Shown, until_cancelled(begun));

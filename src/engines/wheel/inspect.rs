@@ -15,7 +15,7 @@ use geometry::exact::ExactMesh;
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
 use geometry::nurbs::FitError;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 
 /// Everything found in a mesh. What comes after the first thing not found is absent.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -93,12 +93,7 @@ impl ChannelSummary {
 ///
 /// # Errors
 /// Only when cancelled.
-pub fn inspect(
-    mesh: &Mesh,
-    options: &BliskOptions,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Inspection, Cancelled> {
+pub fn inspect(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Inspection, Cancelled> {
     let mut found = Inspection {
         triangles: mesh.triangles.len(),
         size_mm: if mesh.vertices.is_empty() { DVec3::ZERO } else { mesh.bounds().size() },
@@ -111,7 +106,7 @@ pub fn inspect(
         assumed: Vec::new(),
         not_found: Vec::new(),
     };
-    match fill(&mut found, mesh, options, progress, cancel) {
+    match fill(&mut found, mesh, options, task) {
         Err(BliskError::Cancelled(cancelled)) => return Err(cancelled),
         Err(error) => {
             found.axis = found.axis.or(error.axis());
@@ -122,27 +117,21 @@ pub fn inspect(
     Ok(found)
 }
 
-fn fill(
-    found: &mut Inspection,
-    mesh: &Mesh,
-    options: &BliskOptions,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<(), BliskError> {
+fn fill(found: &mut Inspection, mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<(), BliskError> {
     let (mesh, assumed) = prepared(mesh, options)?;
     found.assumed = assumed;
     found.watertight = mesh.is_watertight();
     found.volume_mm3 = mesh.volume();
-    let blisk = find_frame(&mesh, options, progress, cancel)?;
+    let blisk = find_frame(&mesh, options, task)?;
     found.axis = Some(blisk.axis);
     found.repetition = Some(blisk.repetition);
     found.assumed.extend(blisk.assumed.iter().cloned());
-    let channel = channel_of(&mesh, &blisk, options, found.assumed.clone(), progress, cancel)?;
+    let channel = channel_of(&mesh, &blisk, options, found.assumed.clone(), task)?;
     found.channel = Some(ChannelSummary::new(&channel));
     found.assumed = channel.assumed.clone();
-    progress.report("channel", 1.0, "centreline");
+    task.report("channel", 1.0, "centreline");
     let exact = ExactMesh::new(&mesh.in_frame(&channel.frame)).map_err(|e| BliskError::Mesh(e.to_string()))?;
-    match CentrelineSummary::new(&channel, &exact, cancel) {
+    match CentrelineSummary::new(&channel, &exact, &task.cancel) {
         Ok(line) => found.centreline = Some(line),
         Err(CentrelineError::Cancelled(cancelled)) => return Err(cancelled.into()),
         // Only one of the strategies needs it.
@@ -245,10 +234,11 @@ fn side_name(side: BladeSide) -> &'static str {
 mod tests {
     use super::*;
     use crate::fixtures::{TestBlisk, flange};
+    use task::Cancel;
 
     #[test]
     fn a_blisk_is_told_in_figures_and_a_flange_in_words() {
-        let look = |mesh| inspect(&mesh, &BliskOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+        let look = |mesh| inspect(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
         let part = TestBlisk::default();
         let found = look(part.mesh());
         assert!(found.watertight && found.not_found.is_empty(), "{found}");
@@ -270,7 +260,7 @@ mod tests {
     fn work_stops_when_told_to() {
         let cancel = Cancel::default();
         cancel.cancel();
-        let found = inspect(&TestBlisk::default().mesh(), &BliskOptions::default(), &Progress::silent(), &cancel);
+        let found = inspect(&TestBlisk::default().mesh(), &BliskOptions::default(), &Task::silent(&cancel));
         assert_eq!(found, Err(Cancelled));
     }
 }

@@ -18,7 +18,7 @@ use nc::approved::{Approved, NotApproved};
 use nc::path_csv::{PathCsvError, write_copying_csv, write_path_csv};
 use nc::post::{Post, PostError};
 use nc::program::{NcError, NcJob, NcProgram, is_program_for};
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 use wheel::channel::Channel;
 
 /// What the manifest of a folder calls an export of a plan.
@@ -64,18 +64,17 @@ pub fn export(
     outcome: &PlanOutcome,
     inputs: &PlanInputs,
     files: Vec<InputFile>,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<(Report, Vec<String>), PlanFilesError> {
     let post = Post::named(&inputs.job.export.post)?;
     ExportFolder::check(folder)?;
     let mut report = build::report(outcome, &inputs.job, files);
     match outcome.stopped() {
-        None => plan_pictures::add(&mut report, outcome, inputs, progress, cancel)?,
+        None => plan_pictures::add(&mut report, outcome, inputs, task)?,
         // Who stops the work does not wait for pictures.
         Some(_) => report.no_pictures = Some("the work was stopped".to_owned()),
     }
-    let written = write(folder, outcome, inputs, &post, &mut report, cancel)?;
+    let written = write(folder, outcome, inputs, &post, &mut report, &task.cancel)?;
     Ok((report, written))
 }
 
@@ -188,7 +187,7 @@ fn bodies_now(outcome: &PlanOutcome, job: &PlanJob, cancel: &Cancel) -> Result<O
     if !is_simulated || !job.export.files.nc || !outcome.may_be_approved() {
         return Ok(None);
     }
-    simulate::bodies_of(job, &Progress::silent(), cancel).map(Some).map_err(|error| match error {
+    simulate::bodies_of(job, &Task::silent(cancel)).map(Some).map_err(|error| match error {
         PlanJobError::Cancelled(cancelled) => cancelled.into(),
         other => PlanFilesError::Machine(other),
     })

@@ -33,7 +33,7 @@ use crate::workspaces::record::Hands;
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace};
 use nc::post::Post;
 use render::view::StandardView;
-use task::{Cancel, Progress, Scheduler, State};
+use task::{Scheduler, State, Task};
 
 /// How the name of a project ends.
 const ENDING: &str = ".sparkpath";
@@ -101,9 +101,9 @@ impl BliskWorkspace {
 
     /// Reads the part of `document`, which then takes the place of the present one.
     fn begin(&mut self, document: Document) {
-        self.opening.begin(move |progress, cancel| {
-            let part = stages::load(document.job(), progress, cancel)?;
-            Ok((document.clone(), Arc::new(part)))
+        self.opening.begin(move |task| {
+            let part = stages::load(document.job(), task)?;
+            Ok((document, Arc::new(part)))
         });
     }
 
@@ -252,7 +252,7 @@ impl BliskWorkspace {
         let name = path.to_string_lossy().into_owned();
         let job = job_as_json(self.desk.document.job());
         let field = Field::of(Stage::Plan).find(|f| f.pointer == "/machine/name");
-        let read = read_machine(&name, &Progress::silent(), &Cancel::default()).map_err(|e| e.to_string());
+        let read = read_machine(&name, &Task::default()).map_err(|e| e.to_string());
         let taken = read.and_then(|_| field.map_or(Err(String::new()), |f| with_value(&job, f, name.into())));
         match taken {
             Ok(job) => self.desk.edit("Machine Bodies", job, false),
@@ -262,8 +262,8 @@ impl BliskWorkspace {
 
     /// Writes the files of the released plan into `folder`, as the export dialog does; says why not if it cannot.
     pub fn export(&mut self, folder: &Path, cx: &mut Context) {
-        let write: ExportWork = Box::new(|folder, released, inputs, files, progress, cancel| {
-            let exported = export::export(folder, released.plan(), inputs, files, progress, cancel);
+        let write: ExportWork = Box::new(|folder, released, inputs, files, task| {
+            let exported = export::export(folder, released.plan(), inputs, files, task);
             exported.map(|(_, written)| written).map_err(|e| e.to_string())
         });
         if let Err(why) = self.desk.work.start_export(folder, write) {

@@ -14,7 +14,7 @@ use nc::cutter_locations::cl_text;
 use nc::flank_job::FlankResult;
 use nc::flank_program::FlankNc;
 use nc::program::is_program_for;
-use task::{Cancel, Progress};
+use task::Task;
 
 /// The file of cutter locations.
 pub const CL_FILE: &str = "flank.cl";
@@ -95,10 +95,9 @@ pub fn export(
     folder: &Path,
     (result, document): (&FlankResult, &FlankDocument),
     choice: ExportChoice,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<WrittenFlank, String> {
-    progress.report("files", 0.0, "");
+    task.report("files", 0.0, "");
     let approved = ApprovedFlank::new(result);
     let blocked = approved.as_ref().err().map(ToString::to_string);
     // All texts are made before any is written.
@@ -112,7 +111,7 @@ pub fn export(
     // Of a path that is blocked the report says why, whatever else was asked for.
     if choice.report || blocked.is_some() {
         let report = report(result, document);
-        let maps = deviation_maps(&result.plan, cancel).map_err(|e| e.to_string())?;
+        let maps = deviation_maps(&result.plan, &task.cancel).map_err(|e| e.to_string())?;
         let json = report.json().map_err(|e| format!("the report on a flank as JSON: {e}"))?;
         texts.push((JSON_FILE.to_owned(), json));
         texts.push((REPORT_FILE.to_owned(), report.html(&maps).map_err(|e| e.to_string())?));
@@ -124,13 +123,13 @@ pub fn export(
     }
     let mut out = ExportFolder::open(folder, EXPORT).map_err(|e| e.to_string())?.setting_aside(is_of_a_flank);
     for (name, text) in &texts {
-        cancel.check().map_err(|e| e.to_string())?;
+        task.check().map_err(|e| e.to_string())?;
         out.write(name, text.as_bytes()).map_err(|e| e.to_string())?;
     }
     let files: Vec<String> = texts.into_iter().map(|(name, _)| name).collect();
-    cancel.check().map_err(|e| e.to_string())?;
+    task.check().map_err(|e| e.to_string())?;
     let former = out.publish().map_err(|e| e.to_string())?.notes();
-    progress.report("files", 1.0, "");
+    task.report("files", 1.0, "");
     let failing = result.checks.iter().filter(|c| !c.holds && (blocked.is_none() || !c.is_overridden));
     let failing = failing.map(|c| c.kind.name()).collect();
     Ok(WrittenFlank { folder: folder.to_owned(), files, blocked, failing, former })

@@ -15,7 +15,7 @@ use geometry::mesh::Mesh;
 use import::{ImportOptions, Undeclared, Unit, Units, import_bytes, import_file};
 use nc::flank_job::{FlankInput, LoadedSurface};
 use nc::flank_program::{FlankNc, milling_post};
-use task::{Cancel, Progress};
+use task::Task;
 
 /// The largest file of points (bytes).
 const LARGEST_FILE: u64 = 16 << 20;
@@ -45,18 +45,13 @@ pub struct FlankLoadError(pub String);
 ///
 /// # Errors
 /// [`FlankLoadError`].
-pub fn load(
-    document: &FlankDocument,
-    user_folder: Option<&Path>,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<FlankInput, FlankLoadError> {
+pub fn load(document: &FlankDocument, user_folder: Option<&Path>, task: &Task) -> Result<FlankInput, FlankLoadError> {
     document.validate().map_err(|e| FlankLoadError(e.to_string()))?;
     // What is quick to find wrong comes first.
     let machine = load_machine(document, user_folder)?;
     let in_unit = walls_unit(document);
-    let walls = document.walls.as_ref().map(|walls| load_walls(walls, in_unit, progress, cancel)).transpose()?;
-    let surface = load_surface(&document.source, progress, cancel)?;
+    let walls = document.walls.as_ref().map(|walls| load_walls(walls, in_unit, task)).transpose()?;
+    let surface = load_surface(&document.source, task)?;
     Ok(input(document, surface, walls, machine))
 }
 
@@ -126,13 +121,8 @@ pub fn walls_unit(document: &FlankDocument) -> Unit {
 ///
 /// # Errors
 /// [`FlankLoadError`].
-pub fn load_walls(
-    walls: &WallsFile,
-    unit: Unit,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<FromFile<Arc<Mesh>>, FlankLoadError> {
-    import(&walls.file, (walls.units, Undeclared::Take(unit)), progress, cancel)
+pub fn load_walls(walls: &WallsFile, unit: Unit, task: &Task) -> Result<FromFile<Arc<Mesh>>, FlankLoadError> {
+    import(&walls.file, (walls.units, Undeclared::Take(unit)), task)
 }
 
 /// What the surface is made of. Of a mesh every face that could be milled is fitted: this is the long part. A mesh without a
@@ -140,11 +130,7 @@ pub fn load_walls(
 ///
 /// # Errors
 /// [`FlankLoadError`].
-pub fn load_surface(
-    source: &FlankSource,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<FromFile<LoadedSurface>, FlankLoadError> {
+pub fn load_surface(source: &FlankSource, task: &Task) -> Result<FromFile<LoadedSurface>, FlankLoadError> {
     match source {
         FlankSource::Demonstration { surface } => {
             let guides = surface.guides().map_err(|e| FlankLoadError(format!("{}: {e}", surface.name())))?;
@@ -154,7 +140,7 @@ pub fn load_surface(
             let (lower, upper) = (load_guide(lower)?, load_guide(upper)?);
             Ok(FromFile::certain(LoadedSurface::Guides { lower, upper }))
         }
-        FlankSource::Mesh(flank) => load_mesh(flank, progress, cancel),
+        FlankSource::Mesh(flank) => load_mesh(flank, task),
     }
 }
 
@@ -177,22 +163,18 @@ pub fn load_guide(guide: &GuideSource) -> Result<GuideCurve, FlankLoadError> {
     GuideCurve::from_csv(&text).map_err(|e| wrong(e.to_string()))
 }
 
-fn load_mesh(
-    flank: &MeshFlank,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<FromFile<LoadedSurface>, FlankLoadError> {
+fn load_mesh(flank: &MeshFlank, task: &Task) -> Result<FromFile<LoadedSurface>, FlankLoadError> {
     let (FromFile { value: mesh, doubts }, name) = match &flank.kept {
-        Some(kept) => (FromFile::certain(import_kept(kept, progress, cancel)?), kept.words()),
+        Some(kept) => (FromFile::certain(import_kept(kept, task)?), kept.words()),
         None => {
             let unit = (flank.units, Undeclared::RefuseOthers);
-            (import(&flank.file, unit, progress, cancel)?, flank.file.display().to_string())
+            (import(&flank.file, unit, task)?, flank.file.display().to_string())
         }
     };
-    progress.report("faces that could be milled", 0.0, "");
-    let candidates = flank_candidates(&mesh, &flank.fit, cancel);
+    task.report("faces that could be milled", 0.0, "");
+    let candidates = flank_candidates(&mesh, &flank.fit, &task.cancel);
     let candidates = candidates.map_err(|e| FlankLoadError(format!("{name}: {e}")))?;
-    progress.report("faces that could be milled", 1.0, "");
+    task.report("faces that could be milled", 1.0, "");
     let MeshFlank { candidate: number, is_own_wall, .. } = *flank;
     let surface = LoadedSurface::Face { mesh, candidates: Arc::new(candidates), number, is_own_wall };
     Ok(FromFile { value: surface, doubts })
@@ -201,20 +183,19 @@ fn load_mesh(
 fn import(
     file: &Path,
     (units, undeclared): (Units, Undeclared),
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<FromFile<Arc<Mesh>>, FlankLoadError> {
     let options = ImportOptions { units, undeclared, ..ImportOptions::default() };
-    let imported = import_file(file, &options, progress, cancel).map_err(|e| FlankLoadError(e.to_string()))?;
+    let imported = import_file(file, &options, task).map_err(|e| FlankLoadError(e.to_string()))?;
     let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
     let doubts = imported.report.unit_doubt().map(|doubt| format!("{name}: {doubt}")).into_iter().collect();
     Ok(FromFile { value: Arc::new(imported.mesh), doubts })
 }
 
 /// A mesh that a document holds, with the care that is taken of any file: it may have been read from one.
-fn import_kept(kept: &KeptMesh, progress: &Progress, cancel: &Cancel) -> Result<Arc<Mesh>, FlankLoadError> {
+fn import_kept(kept: &KeptMesh, task: &Task) -> Result<Arc<Mesh>, FlankLoadError> {
     let options = ImportOptions { units: Units::Mm, ..ImportOptions::default() };
     let name = format!("{}.obj", kept.name);
-    let imported = import_bytes(&name, kept.obj.as_bytes(), &options, progress, cancel);
+    let imported = import_bytes(&name, kept.obj.as_bytes(), &options, task);
     Ok(Arc::new(imported.map_err(|e| FlankLoadError(e.to_string()))?.mesh))
 }

@@ -436,7 +436,7 @@ mod tests {
     use flank::params::FlankParams;
     use flank::plan::plan_flank;
     use flank::ruled_surface::Side;
-    use task::{Cancel, Progress};
+    use task::Task;
 
     #[test]
     fn a_cutter_is_closed_and_has_the_volume_of_its_cone() {
@@ -477,7 +477,7 @@ mod tests {
         let surface = RuledSurface::from_guides(&guides.lower, &guides.upper, Side::Positive).unwrap();
         let params = FlankParams { grid: [21, 9], rounds: 2, ..FlankParams::default() };
         let cutter = FlankCutter::cone(1.0, 5.0, 20.0);
-        let plan = plan_flank(&surface, &cutter, &params, &Progress::silent(), &Cancel::default()).unwrap();
+        let plan = plan_flank(&surface, &cutter, &params, &Task::default()).unwrap();
         let shapes = FlankShapes::of(&surface, &plan);
         assert!(shapes.limit() >= shapes.greatest && shapes.limit() <= 2.0 * shapes.greatest);
         let poses = [plan.initial.pose(0.5), plan.chosen.pose(0.5), plan.refined.pose(0.5)];

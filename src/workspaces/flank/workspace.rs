@@ -95,9 +95,9 @@ impl FlankWorkspace {
 
     /// Reads the files of `document`, which then takes the place of the present flank.
     fn begin(&mut self, document: FlankDocument, file: Option<PathBuf>) {
-        self.opening.begin(move |progress, cancel| {
-            let loaded = Arc::new(FlankWork::read(&document, progress, cancel)?);
-            Ok(Incoming { document: document.clone(), file: file.clone(), loaded })
+        self.opening.begin(move |task| {
+            let loaded = Arc::new(FlankWork::read(&document, task)?);
+            Ok(Incoming { document, file, loaded })
         });
     }
 

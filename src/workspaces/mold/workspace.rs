@@ -399,10 +399,10 @@ impl Workspace for MoldWorkspace {
         match self.pending.take() {
             Some(Pending::Open(path)) => {
                 let Some(Incoming { params, file, .. }) = self.mold_at(&path, cx) else { return };
-                self.opening.begin(move |progress, cancel| {
-                    let part = params.mesh.as_ref().map(|mesh| read_part(mesh, params.units, progress, cancel));
+                self.opening.begin(move |task| {
+                    let part = params.mesh.as_ref().map(|mesh| read_part(mesh, params.units, task));
                     let part = part.transpose()?.map(Arc::new);
-                    Ok(Incoming { params: params.clone(), file: file.clone(), part })
+                    Ok(Incoming { params, file, part })
                 });
             }
             Some(Pending::Ask) => cx.ask(MoldPath::Open, ""),

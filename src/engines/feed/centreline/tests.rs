@@ -1,6 +1,6 @@
 use super::*;
 use geometry::exact::ExactMesh;
-use task::Progress;
+use task::Task;
 use wheel::centreline::Centreline;
 use wheel::electrode::{ElectrodeParams, EntrySide, make_electrodes};
 use wheel::fixtures::exact_channel;
@@ -11,11 +11,11 @@ fn guide() -> (Guide, Centreline) {
     let blisk = ParametricBlisk::demonstration();
     let channel = exact_channel(&blisk);
     let mesh = blisk.mesh(&MeshResolution::default()).unwrap().in_frame(&channel.frame);
-    let (silent, cancel) = (Progress::silent(), Cancel::default());
+    let task = Task::default();
     let params = ElectrodeParams { circumferential_reduction_deg: [2.0, 2.0], ..Default::default() };
     let exact = ExactMesh::new(&mesh).unwrap();
-    let mut electrodes = make_electrodes(&channel, &exact, &params, EntrySide::PlusX, &silent, &cancel).unwrap();
-    let line = Centreline::of_channel(&channel, &cancel).unwrap();
+    let mut electrodes = make_electrodes(&channel, &exact, &params, EntrySide::PlusX, &task).unwrap();
+    let line = Centreline::of_channel(&channel, &task.cancel).unwrap();
     (Guide::new(line.clone(), &electrodes.swap_remove(0)).unwrap(), line)
 }
 

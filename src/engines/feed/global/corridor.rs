@@ -7,7 +7,7 @@ use super::free_space::{Configuration, FreeSpace};
 use crate::clearance::Shortfall;
 use crate::pose::Pose;
 use crate::problem::SearchProblem;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 
 /// Numbers of poses and distance of nodes of a search.
 #[derive(Debug, Clone, Copy)]
@@ -97,11 +97,7 @@ impl<'a> Corridor<'a> {
     }
 
     /// Adds layers until the electrode is out; returns the path with the greatest clearance margin, or the dead end.
-    pub(super) fn explore(
-        mut self,
-        progress: &Progress,
-        cancel: &Cancel,
-    ) -> Result<Result<ExtractionPath, DeadEnd>, Cancelled> {
+    pub(super) fn explore(mut self, task: &Task) -> Result<Result<ExtractionPath, DeadEnd>, Cancelled> {
         let exit = self.problem.exit_clearance;
         let distance = exit - self.problem.distance_outside(&Pose::FINAL);
         let limit = 2.0 * distance + 50.0;
@@ -112,12 +108,12 @@ impl<'a> Corridor<'a> {
             if last > 0 && self.layers[last].iter().any(|w| self.problem.distance_outside(&w.pose) >= exit) {
                 return Ok(Ok(self.widest(|w| self.problem.distance_outside(&w.pose) >= exit)));
             }
-            progress.report(
+            task.report(
                 "search",
                 s / distance.max(1e-9),
                 &format!("{} mm, {} poses", s.round(), self.layers[last].len()),
             );
-            let tried = self.tried(s + step, cancel)?;
+            let tried = self.tried(s + step, &task.cancel)?;
             let layer = self.chosen(&tried);
             if !layer.is_empty() && s + step <= limit {
                 self.layers.push(layer);

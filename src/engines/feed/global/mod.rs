@@ -22,7 +22,7 @@ use super::problem::{Convergence, Node, SearchOutcome, SearchProblem};
 pub(super) use corridor::ExtractionPath;
 use corridor::{Corridor, DeadEnd, Effort, Waypoint};
 use free_space::FreeSpace;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 use wheel::channel::Surface;
 
 /// Parameters of the global strategy (`[plan.global]` of a job).
@@ -90,22 +90,21 @@ impl SearchProblem<'_> {
         params: &GlobalParams,
         known: &[Node],
         surface_of: &dyn Fn(DVec3) -> Surface,
-        progress: &Progress,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<SearchOutcome, Cancelled> {
         let near = if known.len() > 1 {
             let poses: Vec<(f64, Pose)> = known.iter().map(|n| (n.s, n.pose)).collect();
-            FreeSpace::new(self, params.room_mm).warm_started(&poses, cancel)?
+            FreeSpace::new(self, params.room_mm).warm_started(&poses, &task.cancel)?
         } else {
             None
         };
         let found = match near {
             Some(path) => Ok(path),
-            None => self.extraction_path(params, &Self::WIDENINGS, progress, cancel)?,
+            None => self.extraction_path(params, &Self::WIDENINGS, task)?,
         };
         match found {
             Ok(path) => {
-                let nodes = self.polished(self.nodes_along(&path), params, cancel)?;
+                let nodes = self.polished(self.nodes_along(&path), params, &task.cancel)?;
                 (self.observe)(&nodes, &[]);
                 Ok(SearchOutcome { convergence: unsearched(&nodes), nodes, jam: None })
             }
@@ -122,12 +121,11 @@ impl SearchProblem<'_> {
         &self,
         params: &GlobalParams,
         surface_of: &dyn Fn(DVec3) -> Surface,
-        progress: &Progress,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<PreviewPath, Cancelled> {
         const EFFORT: Effort = Effort { poses: 6, seeds: 12, step: 1.5 };
         let space = FreeSpace::quick(self, params.room_mm);
-        let found = Corridor::new(&space, EFFORT).explore(progress, cancel)?;
+        let found = Corridor::new(&space, EFFORT).explore(task)?;
         let nodes = |path: &ExtractionPath| path.par_iter().map(|w| self.plain_node(w)).collect::<Vec<_>>();
         Ok(match found {
             Ok(path) => PreviewPath { margin: path.last().map(|w| w.margin), nodes: nodes(&path), jam: None },
@@ -149,10 +147,9 @@ impl SearchProblem<'_> {
     pub(super) fn path_with_few_poses(
         &self,
         params: &GlobalParams,
-        progress: &Progress,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<Option<ExtractionPath>, Cancelled> {
-        Ok(self.extraction_path(params, &Self::WIDENINGS[..1], progress, cancel)?.ok())
+        Ok(self.extraction_path(params, &Self::WIDENINGS[..1], task)?.ok())
     }
 
     /// Warm-started path: the path near `path`, which is one of a similar electrode; none if there is none near.
@@ -171,8 +168,7 @@ impl SearchProblem<'_> {
         &self,
         params: &GlobalParams,
         widenings: &[f64],
-        progress: &Progress,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<Result<ExtractionPath, DeadEnd>, Cancelled> {
         let mut furthest: Option<DeadEnd> = None;
         for (i, share) in widenings.iter().enumerate() {
@@ -180,7 +176,7 @@ impl SearchProblem<'_> {
             let space = if i == 0 { FreeSpace::quick } else { FreeSpace::new }(self, params.room_mm);
             let poses = (share * params.poses as f64).round().max(2.0) as usize;
             let effort = Effort { poses, seeds: Self::SEEDS * poses, step: Self::STRIDE_RATIO * self.step };
-            match Corridor::new(&space, effort).explore(progress, cancel)? {
+            match Corridor::new(&space, effort).explore(task)? {
                 Ok(path) => return Ok(Ok(path)),
                 Err(end) if furthest.as_ref().is_none_or(|f| f.s < end.s) => furthest = Some(end),
                 Err(_) => {}

@@ -6,7 +6,7 @@ use crate::pose::Pose;
 use geometry::distance_field::{DistanceField, FieldError};
 use geometry::exact::{ExactMesh, ExactMeshError};
 use geometry::mesh::{Bounds, Mesh};
-use task::{Cancel, Progress};
+use task::Task;
 
 /// Accuracy of the least distance found (mm), beside the error of the distance field.
 pub(super) const RESOLUTION: f64 = 0.002;
@@ -81,11 +81,10 @@ impl Cutter {
         reference_point: DVec3,
         span_x: [f64; 2],
         motions: Vec<Vec<Pose>>,
-        progress: &Progress,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<Self, CutterError> {
         let (exact, bounds) = (ExactMesh::new(mesh)?, within(mesh, span_x));
-        let field = DistanceField::build(mesh, &exact, bounds.grown(REACH), CELL, progress, cancel)?;
+        let field = DistanceField::build(mesh, &exact, bounds.grown(REACH), CELL, task)?;
         let motions = motions.into_iter().filter(|poses| !poses.is_empty()).map(Motion::new).collect();
         Ok(Self { field, bounds, reference_point, motions })
     }
@@ -199,8 +198,7 @@ mod tests {
             Pose { a: -0.03, z: 0.7, ..Pose::FINAL },
             Pose { x: -5.0, y: 1.0, a: 0.02, c: 0.3, ..Pose::FINAL },
         ];
-        let cutter =
-            Cutter::new(&mesh, o, [-9.0, 9.0], vec![poses.clone()], &Progress::silent(), &Cancel::default()).unwrap();
+        let cutter = Cutter::new(&mesh, o, [-9.0, 9.0], vec![poses.clone()], &Task::default()).unwrap();
         let exact = ExactMesh::new(&mesh).unwrap();
         for i in 0..60 {
             let f = f64::from(i);

@@ -32,7 +32,7 @@ use geometry::distance_field::DistanceField;
 use geometry::exact::ExactMeshError;
 use geometry::frame::Cylindrical;
 use geometry::mesh::Mesh;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 use wheel::channel::{Channel, Surface};
 use wheel::electrode::walls::WallTable;
 use wheel::electrode::{Electrode, Junctions};
@@ -197,22 +197,22 @@ impl From<CutterError> for LeftoverError {
 ///
 /// # Errors
 /// If an electrode or the channel cannot be searched, or when cancelled.
-pub fn leftover(site: &Site, burns: &[Burn], progress: &Progress, cancel: &Cancel) -> Result<Leftover, LeftoverError> {
-    let progress = progress.as_stage("leftover");
+pub fn leftover(site: &Site, burns: &[Burn], task: &Task) -> Result<Leftover, LeftoverError> {
+    let task = task.as_stage("leftover");
     let mut cutters = Vec::with_capacity(burns.len());
     let [from, to] = site.channel.span_x();
     let span = [from - 1.0, to + 1.0];
     for burn in burns {
         let motions = vec![[&[Pose::FINAL], &burn.copying[..]].concat(), burn.feed.clone()];
         let electrode = burn.electrode;
-        cutters.push(Cutter::new(&electrode.mesh, electrode.reference_point, span, motions, &progress, cancel)?);
+        cutters.push(Cutter::new(&electrode.mesh, electrode.reference_point, span, motions, &task)?);
     }
     let removal = Removal { cutters, spark_gap: site.spark_gap };
     let passage = Passage::new(site.channel).ok_or(LeftoverError::NoWalls)?;
-    let patch = surface::patch(site, &passage, cancel)?;
-    let deviation = surface::deviations(&patch, &removal, least_deviation(site), &progress, cancel)?;
+    let patch = surface::patch(site, &passage, &task.cancel)?;
+    let deviation = surface::deviations(&patch, &removal, least_deviation(site), &task)?;
     let surfaces = surface::figures(&patch, &deviation, removal.most());
-    let stock = volume::stock(site.channel, &passage, &removal, &progress, cancel)?;
+    let stock = volume::stock(site.channel, &passage, &removal, &task)?;
     let deviation = Arc::new(deviation.into_iter().map(|d| d as f32).collect());
     let map = DeviationMap { mesh: Arc::new(patch.mesh), surfaces: patch.surfaces, deviation };
     Ok(Leftover { map, surfaces, stock })

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::{Layer, LeftoverError, Passage, Removal, Site, SurfaceFigures, TOLERANCE};
 use geometry::frame::Cylindrical;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 use wheel::channel::Surface;
 
 /// Longest edge of a triangle of the map (mm).
@@ -123,23 +123,17 @@ fn part(site: &Site, passage: &Passage, corners: [DVec3; 3]) -> Option<([DVec3; 
 
 /// Thickness of the stock left on every vertex (mm), negative where it is cut too deep. Once it is known to be `enough`
 /// or less no more is looked for.
-pub(super) fn deviations(
-    patch: &Patch,
-    removal: &Removal,
-    enough: f64,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Vec<f64>, Cancelled> {
+pub(super) fn deviations(patch: &Patch, removal: &Removal, enough: f64, task: &Task) -> Result<Vec<f64>, Cancelled> {
     let (done, all) = (AtomicUsize::new(0), patch.mesh.vertices.len());
     let batches: Vec<_> = patch
         .mesh
         .vertices
         .par_chunks(BATCH)
         .map(|batch| {
-            cancel.check()?;
+            task.check()?;
             let found: Vec<f64> = batch.iter().map(|&p| removal.deviation(p, enough)).collect();
             let done = done.fetch_add(batch.len(), Ordering::Relaxed) + batch.len();
-            progress.report("leftover", 0.7 * done as f64 / all as f64, "surfaces of the channel");
+            task.report("leftover", 0.7 * done as f64 / all as f64, "surfaces of the channel");
             Ok(found)
         })
         .collect();

@@ -53,12 +53,12 @@ fn unreduced() -> ElectrodeParams {
 }
 
 fn make(params: &ElectrodeParams) -> Vec<Electrode> {
-    let (progress, cancel) = (Progress::silent(), Cancel::default());
-    make_electrodes(&PART.channel, &PART.exact, params, EntrySide::MinusX, &progress, &cancel).unwrap()
+    let task = Task::default();
+    make_electrodes(&PART.channel, &PART.exact, params, EntrySide::MinusX, &task).unwrap()
 }
 
 fn left_by(burns: &[Burn]) -> Leftover {
-    leftover(&site(), burns, &Progress::silent(), &Cancel::default()).unwrap()
+    leftover(&site(), burns, &Task::default()).unwrap()
 }
 
 fn standing(electrodes: &[Electrode]) -> Leftover {
@@ -73,7 +73,7 @@ fn divided(params: &ElectrodeParams) -> Leftover {
     let burns: Vec<_> =
         electrodes.iter().map(|electrode| Burn { electrode, feed: Vec::new(), copying: Vec::new() }).collect();
     let site = Site { junctions: Junctions::of(&PART.channel, params).unwrap(), ..site() };
-    leftover(&site, &burns, &Progress::silent(), &Cancel::default()).unwrap()
+    leftover(&site, &burns, &Task::default()).unwrap()
 }
 
 /// Greatest deviation of the vertices near a surface that tells how far a point lies from it, away from hub, shroud
@@ -117,12 +117,12 @@ fn burns_that_only_meet_leave_a_ridge_and_none_where_they_overlap() {
 fn motion(electrode: &Electrode, params: &ElectrodeParams, axes: AxisSet) -> Copying {
     let (verify, machine) = (VerifyOptions::default(), MachineParams { axes, ..Default::default() });
     let settings = CopyingSettings { machine: &machine, verify: &verify, spark_gap: GAP, frame: PART.channel.frame };
-    let (progress, cancel) = (Progress::silent(), Cancel::default());
-    let verifier = Verifier::new(&PART.mesh, &electrode.mesh, electrode.reference_point, &cancel).unwrap();
+    let task = Task::default();
+    let verifier = Verifier::new(&PART.mesh, &electrode.mesh, electrode.reference_point, &task.cancel).unwrap();
     let verifier = verifier.within(machine.limits());
     let wanted = CopyingExtent::of(electrode, params, 0.0);
     let surface_of = |p: DVec3| PART.finder.surface_of(p);
-    copying_motion(electrode, &verifier, wanted, &settings, &surface_of, &progress, &cancel).unwrap()
+    copying_motion(electrode, &verifier, wanted, &settings, &surface_of, &task).unwrap()
 }
 
 fn made(copying: Copying) -> CopyingMotion {

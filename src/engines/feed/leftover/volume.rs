@@ -9,7 +9,7 @@ use super::cutter::RESOLUTION;
 use super::{Passage, Removal, Stock};
 use geometry::distance_field::DistanceField;
 use geometry::frame::Cylindrical;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 use wheel::channel::Channel;
 
 /// Distance between the planes of the rays along X (mm).
@@ -33,13 +33,7 @@ struct Passed {
 }
 
 /// Stock left between the walls.
-pub(super) fn stock(
-    channel: &Channel,
-    passage: &Passage,
-    removal: &Removal,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Stock, Cancelled> {
+pub(super) fn stock(channel: &Channel, passage: &Passage, removal: &Removal, task: &Task) -> Result<Stock, Cancelled> {
     let [from, to] = passage.span_x;
     let planes = ((to - from) / STEP_X).ceil().max(1.0) as usize;
     let dx = (to - from) / planes as f64;
@@ -49,7 +43,7 @@ pub(super) fn stock(
         let (hub, shroud) = channel.radii_at(x);
         let mut sum = Passed::default();
         for [bottom, top] in shells(hub, shroud) {
-            cancel.check()?;
+            task.check()?;
             let passed = ray(passage, removal, x, 0.5 * (bottom + top));
             let section = dx * (top - bottom);
             sum.channel += section * passed.channel;
@@ -59,7 +53,7 @@ pub(super) fn stock(
             }
         }
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        progress.report("leftover", 0.7 + 0.3 * done as f64 / planes as f64, "volume of the channel");
+        task.report("leftover", 0.7 + 0.3 * done as f64 / planes as f64, "volume of the channel");
         Ok(sum)
     };
     let sums: Vec<Result<Passed, Cancelled>> = (0..planes).into_par_iter().map(plane).collect();

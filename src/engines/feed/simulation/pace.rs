@@ -3,11 +3,11 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::tour::{Leg, Visit};
-use task::Progress;
+use task::Task;
 
 /// Counts the legs of all tests, which are done in parallel.
 pub(super) struct Pace<'a> {
-    progress: &'a Progress,
+    task: &'a Task,
     visits: &'a [Visit],
     legs: usize,
     done: AtomicUsize,
@@ -15,14 +15,14 @@ pub(super) struct Pace<'a> {
 
 impl<'a> Pace<'a> {
     /// Counter of `legs` tests, none of which is done.
-    pub fn new(progress: &'a Progress, visits: &'a [Visit], legs: usize) -> Self {
-        Self { progress, visits, legs: legs.max(1), done: AtomicUsize::new(0) }
+    pub fn new(task: &'a Task, visits: &'a [Visit], legs: usize) -> Self {
+        Self { task, visits, legs: legs.max(1), done: AtomicUsize::new(0) }
     }
 
     /// `body` is about to be tested on one of `legs`; says in which channel, if there are several.
     pub fn begin(&self, body: &str, leg: &Leg, legs: &[&Leg]) {
         let done = self.done.load(Ordering::Relaxed);
-        self.progress.report("simulation", done as f64 / self.legs as f64, &self.message(body, leg, legs));
+        self.task.report("simulation", done as f64 / self.legs as f64, &self.message(body, leg, legs));
     }
 
     /// A leg is done.
@@ -49,6 +49,7 @@ mod tests {
 
     use super::super::Phase;
     use super::*;
+    use task::Progress;
 
     #[test]
     fn the_channel_is_told_by_its_place_in_the_tour() {
@@ -57,7 +58,8 @@ mod tests {
         let (legs, said) = (visits.map(|v| leg(v.channel)), Arc::new(Mutex::new(Vec::new())));
         let sink = said.clone();
         let progress = Progress::new(move |u| sink.lock().unwrap().push((u.fraction, u.message.to_owned())));
-        let (all, pace) = (legs.each_ref(), Pace::new(&progress, &visits, 4));
+        let task = Task { progress, ..Task::default() };
+        let (all, pace) = (legs.each_ref(), Pace::new(&task, &visits, 4));
         pace.begin("chuck", &legs[1], &all);
         pace.end();
         pace.begin("chuck", &legs[2], &all);

@@ -16,31 +16,26 @@ use crate::path::FeedPath;
 use crate::pose::Pose;
 use crate::verify::pair::{Near, Pair, PairClearance, TOUCHING};
 use geometry::mesh::Mesh;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 
 /// Simulates the whole motion.
 ///
 /// # Errors
 /// [`Cancelled`]. A collision is an answer.
-pub fn simulate(
-    scenario: &Scenario,
-    options: &SimulationOptions,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Simulation, Cancelled> {
-    progress.report("simulation", 0.0, "bodies");
-    let bodies = Bodies::new(scenario, cancel)?;
+pub fn simulate(scenario: &Scenario, options: &SimulationOptions, task: &Task) -> Result<Simulation, Cancelled> {
+    task.report("simulation", 0.0, "bodies");
+    let bodies = Bodies::new(scenario, &task.cancel)?;
     let (visits, out_of_reach) = tour::visits(scenario, &options.channels);
-    let period_error = periodic::error_of(scenario.blisk, visits.iter().map(|v| v.turn), cancel)?;
-    let run = Run { scenario, options, bodies: &bodies, visits: &visits, period_error, cancel };
+    let period_error = periodic::error_of(scenario.blisk, visits.iter().map(|v| v.turn), &task.cancel)?;
+    let run = Run { scenario, options, bodies: &bodies, visits: &visits, period_error, task };
     let copies = run.copies()?;
-    progress.report("simulation", 0.0, "approach");
+    task.report("simulation", 0.0, "approach");
     let approach = run.approach(&copies)?;
     let mut pairs = Vec::new();
     // Without a feed there is nothing to say of any pair.
     if !scenario.feed.0.rows.is_empty() {
         pairs.extend(run.feed_pairs());
-        pairs.extend(run.all(&approach, &copies, progress)?);
+        pairs.extend(run.all(&approach, &copies)?);
     }
     pairs.sort_by(|p, q| (p.certified - p.required).total_cmp(&(q.certified - q.required)));
     let legs = tour::whole(&approach.poses, scenario.feed.0, scenario.copying.map(|c| c.0), &visits);
@@ -103,7 +98,7 @@ pub(super) struct Run<'a> {
     pub visits: &'a [Visit],
     /// Greatest distance of the blisk from itself turned to other channels (mm); none if its channels differ.
     pub period_error: Option<f64>,
-    pub cancel: &'a Cancel,
+    pub task: &'a Task,
 }
 
 impl<'a> Run<'a> {
@@ -126,7 +121,7 @@ impl<'a> Run<'a> {
     fn is_clear(&self, approach: &Approach, visits: &[Visit], copies: &[Option<Copies>]) -> Result<bool, Cancelled> {
         let legs = Legs::new(&approach.poses, &[], self.scenario.own_channel, visits);
         let tests: Vec<Test> = self.tests(&legs, copies).into_iter().filter(|test| !test.moving.on_table).collect();
-        let silent = Progress::silent();
+        let silent = Task::silent(&self.task.cancel);
         let pace = Pace::new(&silent, self.visits, 0);
         let results: Result<Vec<_>, Cancelled> = tests.par_iter().map(|test| self.test(test, &legs, &pace)).collect();
         Ok(results?.iter().flatten().all(PairReport::holds))
@@ -201,22 +196,17 @@ impl<'a> Run<'a> {
 
     /// Copies of every table for all channels, in the order of the bodies that stand still.
     pub fn copies(&self) -> Result<Vec<Option<Copies<'a>>>, Cancelled> {
-        let of = |table: &'a Mesh| Copies::new(table, self.visits, self.cancel);
+        let of = |table: &'a Mesh| Copies::new(table, self.visits, &self.task.cancel);
         let tables = self.bodies.obstacles.iter().map(|o| o.table.as_ref());
         tables.map(|table| table.map_or(Ok(None), of)).collect()
     }
 
     /// Reports on every pair of bodies.
-    pub fn all(
-        &self,
-        approach: &Approach,
-        copies: &[Option<Copies>],
-        progress: &Progress,
-    ) -> Result<Vec<PairReport>, Cancelled> {
+    pub fn all(&self, approach: &Approach, copies: &[Option<Copies>]) -> Result<Vec<PairReport>, Cancelled> {
         let paths = tour::paths(self.scenario.feed.0, self.scenario.copying.map(|c| c.0));
         let legs = Legs::new(&approach.poses, &paths, self.scenario.own_channel, self.visits);
         let tests = self.tests(&legs, copies);
-        let pace = Pace::new(progress, self.visits, tests.iter().map(Test::walked).sum());
+        let pace = Pace::new(self.task, self.visits, tests.iter().map(Test::walked).sum());
         let results: Result<Vec<_>, Cancelled> = tests.par_iter().map(|test| self.test(test, &legs, &pace)).collect();
         Ok(results?.into_iter().flatten().collect())
     }
@@ -293,7 +283,7 @@ impl<'a> Run<'a> {
         if let Some((copies, own)) = test.copies {
             known = self.over(own.iter(), &Pair { fixed: &copies.solid, ..pair }, test, None, pace)?;
             if let Some(Known { place, .. }) = &mut known {
-                let found = copies.visit_at(place.on_fixed, self.cancel)?;
+                let found = copies.visit_at(place.on_fixed, &self.task.cancel)?;
                 is_found = found.is_some();
                 if let Some((visit, on_body)) = found {
                     (place.channel, place.pose.a, place.on_fixed) = (visit.channel, place.pose.a + visit.turn, on_body);
@@ -351,7 +341,7 @@ impl<'a> Run<'a> {
 
     /// Whether two bodies touch in the final pose already: the one turns in the other, as in a bearing.
     fn are_joined(&self, pair: &Pair) -> Result<bool, Cancelled> {
-        let at_rest = pair.clearance(&[Pose::FINAL], None, self.cancel)?;
+        let at_rest = pair.clearance(&[Pose::FINAL], None, &self.task.cancel)?;
         Ok(at_rest.is_some_and(|clearance| clearance.least.distance <= TOUCHING))
     }
 
@@ -371,7 +361,7 @@ impl<'a> Run<'a> {
             let poses = bodies::relative(&leg.poses, test.moving, test.fixed);
             let before = known.as_ref().map(|k| k.clearance);
             pace.begin(&test.moving.name, leg, &legs);
-            let clearance = pair.clearance(&poses, before, self.cancel)?;
+            let clearance = pair.clearance(&poses, before, &self.task.cancel)?;
             pace.end();
             let Some(clearance) = clearance else { continue };
             let place = match known {
@@ -389,7 +379,7 @@ impl<'a> Run<'a> {
         let tour: Vec<&Leg> = if test.moving.on_table { legs.all.iter().collect() } else { test.legs.clone() };
         for leg in tour {
             let poses = bodies::relative(&leg.poses, test.moving, test.fixed);
-            if let Some(near) = pair.first_contact(&poses, self.cancel)? {
+            if let Some(near) = pair.first_contact(&poses, &self.task.cancel)? {
                 return Ok(Some(place(leg, &near)));
             }
         }

@@ -26,7 +26,7 @@ use geometry::triangle_distance::ClosestPoints;
 use interval::{Answer, Question};
 use motion::Motion;
 use nearest::Nearest;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 use wheel::channel::Surface;
 
 pub mod certificate;
@@ -165,10 +165,9 @@ pub fn verify(
     path: &FeedPath,
     surface_of: &(dyn Fn(DVec3) -> Surface + Sync),
     options: &VerifyOptions,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Certificate, VerifyError> {
-    Verifier::new(blisk, electrode, path.reference_point, cancel)?.verify(path, surface_of, options, progress, cancel)
+    Verifier::new(blisk, electrode, path.reference_point, &task.cancel)?.verify(path, surface_of, options, task)
 }
 
 /// The distance between the blisk and the electrode at `pose`. For more than one pose make a [`Verifier`].
@@ -247,10 +246,9 @@ impl Verifier {
         path: &FeedPath,
         surface_of: &(dyn Fn(DVec3) -> Surface + Sync),
         options: &VerifyOptions,
-        progress: &Progress,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<Certificate, VerifyError> {
-        let run = Run { body: self, path, surface_of, options, progress, cancel };
+        let run = Run { body: self, path, surface_of, options, task };
         run.check_path()?;
         options.validate(path.spark_gap)?;
         run.certificate()
@@ -288,8 +286,7 @@ struct Run<'a> {
     path: &'a FeedPath,
     surface_of: &'a (dyn Fn(DVec3) -> Surface + Sync),
     options: &'a VerifyOptions,
-    progress: &'a Progress,
-    cancel: &'a Cancel,
+    task: &'a Task,
 }
 
 impl Run<'_> {
@@ -357,8 +354,8 @@ impl Run<'_> {
     /// Sets the contacts of those rows to distance 0 where one body is inside the other.
     fn note_inside(&self, at_rows: &mut [Contact]) -> Result<(), Cancelled> {
         at_rows.par_iter_mut().enumerate().try_for_each(|(row, contact)| {
-            self.cancel.check()?;
-            if let Some(p) = self.body.one_inside_the_other(&contact.pose, self.cancel)? {
+            self.task.check()?;
+            if let Some(p) = self.body.one_inside_the_other(&contact.pose, &self.task.cancel)? {
                 *contact = self.contact(row, 0.0, ClosestPoints { distance: 0.0, first: p, second: p });
             }
             Ok(())
@@ -379,7 +376,7 @@ impl Run<'_> {
             let mut guess = None;
             let mut found = Vec::with_capacity(rows.len());
             for row in rows {
-                self.cancel.check()?;
+                self.task.check()?;
                 let nearest = self.body.nearest(&row.pose, guess);
                 guess = Some(nearest.triangles);
                 found.push(nearest);
@@ -426,7 +423,7 @@ impl Run<'_> {
     fn interval(&self, i: usize, question: &Question) -> Result<Answer, Cancelled> {
         let (from, to) = (&self.path.rows[i].pose, &self.path.rows[i + 1].pose);
         let motion = Motion::new(*from, *to, self.body.reference_point, self.body.reach);
-        interval::bound(&self.body.electrode, &self.body.blisk, &motion, question, self.cancel)
+        interval::bound(&self.body.electrode, &self.body.blisk, &motion, question, &self.task.cancel)
     }
 
     /// Closest points (both in W) at the fraction `t` of the way from a row to the next.
@@ -447,7 +444,7 @@ impl Run<'_> {
 
     fn report(&self, stage: &str, done: &AtomicUsize) {
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        self.progress.report(stage, done as f64 / self.path.rows.len() as f64, "");
+        self.task.report(stage, done as f64 / self.path.rows.len() as f64, "");
     }
 }
 

@@ -50,7 +50,7 @@ fn path(reference_point: DVec3, spark_gap: f64, poses: &[Pose]) -> FeedPath {
 
 fn certify_with(blisk: &Mesh, electrode: &Mesh, path: &FeedPath, options: &VerifyOptions) -> Certificate {
     let surface = |p: DVec3| if p.x < 0.0 { Surface::LowWall } else { Surface::HighWall };
-    verify(blisk, electrode, path, &surface, options, &Progress::silent(), &Cancel::default()).unwrap()
+    verify(blisk, electrode, path, &surface, options, &Task::default()).unwrap()
 }
 
 fn certify(blisk: &Mesh, electrode: &Mesh, path: &FeedPath) -> Certificate {
@@ -250,7 +250,7 @@ fn no_certificate_is_made_with_a_tolerance_of_half_the_gap_or_more() {
     let path = |gap: f64| path(DVec3::ZERO, gap, &[Pose { x: 30.0, ..Pose::FINAL }, Pose::FINAL]);
     let certified = |gap: f64, tolerance_mm: f64| {
         let options = VerifyOptions { tolerance_mm, ..VerifyOptions::default() };
-        verify(&block, &tool, &path(gap), &|_| Surface::Hub, &options, &Progress::silent(), &Cancel::default())
+        verify(&block, &tool, &path(gap), &|_| Surface::Hub, &options, &Task::default())
     };
     // 0.06 mm are kept, of which nobody shall say that they are 0.1 or 1 mm.
     assert!(!certified(0.1, 0.0).unwrap().holds() && certified(0.1, 0.0499).unwrap().holds());
@@ -326,7 +326,7 @@ fn a_path_beyond_the_travel_of_an_axis_is_not_verified() {
             None => verifier,
         };
         let (options, cancel) = (VerifyOptions::default(), Cancel::default());
-        let c = verifier.verify(&path, &|_| Surface::Hub, &options, &Progress::silent(), &cancel).unwrap();
+        let c = verifier.verify(&path, &|_| Surface::Hub, &options, &Task::silent(&cancel)).unwrap();
         (c.travel(), c.holds())
     };
     let unlimited = TravelLimits::UNLIMITED;
@@ -374,7 +374,7 @@ fn bad_input_is_refused_in_plain_words() {
     let (mesh, empty) = (Mesh::cuboid(DVec3::ONE), Mesh::default());
     let surface = |_: DVec3| Surface::Elsewhere;
     let run = |blisk: &Mesh, path: &FeedPath, options: &VerifyOptions| {
-        verify(blisk, &mesh, path, &surface, options, &Progress::silent(), &Cancel::default()).unwrap_err().to_string()
+        verify(blisk, &mesh, path, &surface, options, &Task::default()).unwrap_err().to_string()
     };
     let good = path(DVec3::ZERO, 0.1, &[Pose::FINAL]);
     let options = VerifyOptions::default();
@@ -388,7 +388,7 @@ fn bad_input_is_refused_in_plain_words() {
     assert!(run(&mesh, &path(DVec3::ZERO, -0.1, &[Pose::FINAL]), &options).contains("spark gap"));
     assert!(run(&mesh, &good, &VerifyOptions { resolution_mm: 0.0, ..options }).contains("resolution_mm is 0"));
     let other = Verifier::new(&mesh, &mesh, DVec3::X, &Cancel::default()).unwrap();
-    assert!(other.verify(&good, &surface, &options, &Progress::silent(), &Cancel::default()).is_err());
+    assert!(other.verify(&good, &surface, &options, &Task::default()).is_err());
 }
 
 #[test]
@@ -411,7 +411,7 @@ fn a_raised_flag_stops_the_work() {
     let cancel = Cancel::default();
     cancel.cancel();
     let path = path(DVec3::ZERO, 0.1, &[Pose { x: 5.0, ..Pose::FINAL }, Pose::FINAL]);
-    let verdict = verify(&hub, &pad, &path, &|_| Surface::Hub, &VerifyOptions::default(), &Progress::silent(), &cancel);
+    let verdict = verify(&hub, &pad, &path, &|_| Surface::Hub, &VerifyOptions::default(), &Task::silent(&cancel));
     assert_eq!(verdict.unwrap_err(), VerifyError::Cancelled(Cancelled));
 }
 

@@ -193,7 +193,7 @@ fn parameters_out_of_range_are_named() {
     assert!(planned(&surface, &bad, &usual()).unwrap_err().to_string().contains("taper_deg"));
     let cancel = Cancel::default();
     cancel.cancel();
-    let stopped = plan_flank(&surface, &cutter, &usual(), &Progress::silent(), &cancel);
+    let stopped = plan_flank(&surface, &cutter, &usual(), &Task::silent(&cancel));
     assert!(matches!(stopped, Err(FlankError::Cancelled(_))));
     let two = FlankParams { offset: OffsetMethod::TwoPoint, grid: [20, 10], rounds: 0, ..usual() };
     assert!(planned(&surface, &cutter, &two).unwrap().locations.iter().all(|l| l.touch == Touch::TwoPoints));

@@ -25,7 +25,7 @@ fn walls(mesh: &Mesh, surface: &RuledSurface, path: &FlankPath) -> Walls {
 }
 
 fn checked(path: &FlankPath, cutter: &FlankCutter, walls: &Walls) -> GougeCheck {
-    check(path, cutter, walls, &Progress::silent(), &Cancel::default()).unwrap()
+    check(path, cutter, walls, &Task::default()).unwrap()
 }
 
 #[test]

@@ -172,9 +172,9 @@ fn objectives_do_what_they_say() {
     let (surface, cutter, figures) = case(&reference, "cone_r1_a5_A");
     let (grid, start) = covered_start(&surface, &cutter, &figures, [40, 20]);
     let of = |objective| {
-        let (progress, cancel) = (Progress::silent(), Cancel::default());
+        let task = Task::default();
         let heights = Heights::of(&start, &cutter);
-        refine(&grid, &start, (&cutter, &heights), (objective, 80, 0.5), (&progress, &cancel)).unwrap().deviation
+        refine(&grid, &start, (&cutter, &heights), (objective, 80, 0.5), &task).unwrap().deviation
     };
     let (sum, rms) = (of(Objective::Sum), of(Objective::Rms));
     assert!(sum.sum < rms.sum && rms.rms < sum.rms, "{} {} {} {}", sum.sum, rms.sum, rms.rms, sum.rms);
@@ -188,12 +188,11 @@ fn objectives_do_what_they_say() {
 #[test]
 fn a_bound_on_overcut_holds_for_the_moving_cutter_too() {
     let objective = Objective::Bounded { overcut_mm: Some(0.0), undercut_mm: None };
-    let quiet = (Progress::silent(), Cancel::default());
     for name in ["cone_r1_a5_A", "cone_r1_a5_B"] {
         let (surface, cutter, figures) = case(&reference(), name);
         let (grid, start) = covered_start(&surface, &cutter, &figures, [40, 20]);
         let heights = Heights::of(&start, &cutter);
-        let path = refine(&grid, &start, (&cutter, &heights), (objective, 60, 0.5), (&quiet.0, &quiet.1)).unwrap();
+        let path = refine(&grid, &start, (&cutter, &heights), (objective, 60, 0.5), &Task::default()).unwrap();
         let moving = envelope::check(&grid, &path.axis, &cutter, (&path.deviation, &path.feet)).deviation;
         let worst = [moving.most_overcut, path.deviation.most_overcut];
         assert!(worst.iter().all(|e| *e > -1e-5), "{name}: {worst:?} {}", path.deviation.sum);

@@ -13,7 +13,7 @@ use super::params::{FlankParams, Objective, OffsetMethod};
 use super::plan::{FlankPlan, plan_flank};
 use super::ruled_surface::{RuledSurface, Side};
 use super::{FlankError, envelope};
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 mod bad_input;
 mod check_grid;
@@ -108,7 +108,7 @@ fn quick(name: &str) -> (RuledSurface, FlankPlan) {
 }
 
 fn planned(surface: &RuledSurface, cutter: &FlankCutter, params: &FlankParams) -> Result<FlankPlan, FlankError> {
-    plan_flank(surface, cutter, params, &Progress::silent(), &Cancel::default())
+    plan_flank(surface, cutter, params, &Task::default())
 }
 
 #[test]

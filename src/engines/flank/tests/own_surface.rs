@@ -36,7 +36,7 @@ fn omega() -> RuledSurface {
 
 fn checked(path: &FlankPath, cutter: &FlankCutter, surface: &RuledSurface, size: [usize; 2]) -> OwnSurfaceCheck {
     let grid = DesignGrid::new(surface, size);
-    own_surface(path, cutter, (&grid, 0.01), (&Progress::silent(), &Cancel::default())).unwrap()
+    own_surface(path, cutter, (&grid, 0.01), &Task::default()).unwrap()
 }
 
 /// The envelope beside a sweep by brute force along the normals, which knows nothing of envelopes.

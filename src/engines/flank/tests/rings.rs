@@ -87,9 +87,9 @@ fn a_frustum_is_touched_all_along_its_rulings_by_cylinder_and_cone() {
         }
         assert_eq!((plan.locations.len(), plan.locations[0].u0, plan.locations[80].u0), (81, 0.0, 1.0));
         close(plan.locations[0].tip, plan.locations[80].tip, 1e-12);
-        let control = (&Progress::silent(), &Cancel::default());
+        let task = Task::default();
         let grid = DesignGrid::new(&surface, [40, 5]);
-        let own = own_surface(&plan.chosen, &cutter, (&grid, 0.01), control).unwrap();
+        let own = own_surface(&plan.chosen, &cutter, (&grid, 0.01), &task).unwrap();
         assert!(own.holds(), "{}", own.text());
     }
 }

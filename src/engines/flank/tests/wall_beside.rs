@@ -39,7 +39,7 @@ fn checked(mesh: &Mesh, surface: &RuledSurface, cutter: &FlankCutter) -> GougeCh
     let params = FlankParams { grid: [20, 10], rounds: 0, below_mm: 0.0, ..FlankParams::default() };
     let path = planned(surface, cutter, &params).unwrap().initial;
     let walls = Walls::new(mesh, OwnTriangles::Near(0.01), (surface, &path), 0.01, &Cancel::default()).unwrap();
-    check(&path, cutter, &walls, &Progress::silent(), &Cancel::default()).unwrap()
+    check(&path, cutter, &walls, &Task::default()).unwrap()
 }
 
 #[test]

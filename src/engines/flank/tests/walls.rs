@@ -83,7 +83,7 @@ fn walls(mesh: &Mesh, own: OwnTriangles, (surface, plan): &(RuledSurface, FlankP
 }
 
 fn clearance(walls: &Walls, plan: &FlankPlan) -> Clearance {
-    check(&plan.chosen, &plan.cutter, walls, &Progress::silent(), &Cancel::default()).unwrap().cutter.unwrap()
+    check(&plan.chosen, &plan.cutter, walls, &Task::default()).unwrap().cutter.unwrap()
 }
 
 #[test]

@@ -10,7 +10,7 @@ use super::signs::{self, Passage};
 use super::{DistanceField, Handle, LocalTriangles, trilinear};
 use crate::exact::ExactMesh;
 use crate::mesh::{Bounds, Mesh};
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 
 /// Levels of leaves above single cells: the largest leaf spans `2^LEVELS` cells.
 const LEVELS: u32 = 3;
@@ -46,14 +46,7 @@ struct Block {
 impl DistanceField {
     /// The field of `mesh` (prepared as `exact`) over `region`, grown to whole leaves, with cells of about
     /// `cell` mm (0.2 suits parts of some 100 mm).
-    pub fn build(
-        mesh: &Mesh,
-        exact: &ExactMesh,
-        region: Bounds,
-        cell: f64,
-        progress: &Progress,
-        cancel: &Cancel,
-    ) -> Result<Self, FieldError> {
+    pub fn build(mesh: &Mesh, exact: &ExactMesh, region: Bounds, cell: f64, task: &Task) -> Result<Self, FieldError> {
         const STAGE: &str = "distance field";
         let root = cell * f64::from(1 << LEVELS);
         let roots_wanted = (region.size() / root).ceil().max(DVec3::ONE);
@@ -70,10 +63,10 @@ impl DistanceField {
         let rows: Vec<Vec<Block>> = (0..slabs)
             .into_par_iter()
             .map(|row| {
-                cancel.check()?;
+                task.check()?;
                 let blocks = (0..roots[0]).map(|i| builder.block([i, row % roots[1], row / roots[1]])).collect();
                 let n = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1;
-                progress.report(STAGE, n as f64 / slabs as f64, "");
+                task.report(STAGE, n as f64 / slabs as f64, "");
                 Ok(blocks)
             })
             .collect::<Result<_, Cancelled>>()?;
@@ -90,8 +83,8 @@ impl DistanceField {
             triangles,
         };
         let (leaves, lists) = field.assemble(roots, rows);
-        signs::settle(&mut field, exact, leaves, lists, cancel)?;
-        field.centres = field.distances_at_centres(cancel)?;
+        signs::settle(&mut field, exact, leaves, lists, &task.cancel)?;
+        field.centres = field.distances_at_centres(&task.cancel)?;
         Ok(field)
     }
 

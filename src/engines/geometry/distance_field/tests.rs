@@ -5,7 +5,7 @@ use super::DistanceField;
 use crate::exact::ExactMesh;
 use crate::fixtures::folded_box;
 use crate::mesh::{Bounds, Mesh};
-use task::{Cancel, Progress};
+use task::Task;
 
 /// A block with a notch: convex edges, and a concave corner that distances have a crease in.
 fn notched_block() -> Mesh {
@@ -23,7 +23,7 @@ fn notched_block() -> Mesh {
 
 fn field(mesh: &Mesh, region: Bounds) -> (DistanceField, ExactMesh) {
     let exact = ExactMesh::new(mesh).unwrap();
-    let field = DistanceField::build(mesh, &exact, region, 0.2, &Progress::silent(), &Cancel::default()).unwrap();
+    let field = DistanceField::build(mesh, &exact, region, 0.2, &Task::default()).unwrap();
     (field, exact)
 }
 
@@ -132,6 +132,6 @@ fn the_field_is_the_same_on_any_number_of_threads() {
 fn a_field_too_large_for_memory_is_refused() {
     let mesh = Mesh::cuboid(DVec3::splat(1e3));
     let exact = ExactMesh::new(&mesh).unwrap();
-    let answer = DistanceField::build(&mesh, &exact, mesh.bounds(), 0.2, &Progress::silent(), &Cancel::default());
+    let answer = DistanceField::build(&mesh, &exact, mesh.bounds(), 0.2, &Task::default());
     assert!(matches!(answer, Err(super::FieldError::TooLarge { .. })));
 }

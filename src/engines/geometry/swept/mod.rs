@@ -24,7 +24,7 @@ use super::exact::{ExactMesh, ExactMeshError};
 use super::mesh::{Bounds, Mesh};
 use lattice::Lattice;
 use motion::Motion;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 
 /// Why there is no swept surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -74,27 +74,21 @@ impl SweptSurface {
     ///
     /// # Errors
     /// If body or way are empty or not finite, or when cancelled.
-    pub fn new(
-        body: &Mesh,
-        placements: &[DAffine3],
-        cells: usize,
-        progress: &Progress,
-        cancel: &Cancel,
-    ) -> Result<Self, SweptError> {
+    pub fn new(body: &Mesh, placements: &[DAffine3], cells: usize, task: &Task) -> Result<Self, SweptError> {
         const STAGE: &str = "swept surface";
-        progress.report(STAGE, 0.0, "");
+        task.report(STAGE, 0.0, "");
         let exact = ExactMesh::new(body)?;
         let lattice = Lattice::around(&extent(body, placements)?, cells);
         // Far from the body its box will do; near it means where a vertex may begin.
         let region = body.bounds().grown(2.0 * lattice.cell);
-        let field = DistanceField::build(body, &exact, region, lattice.cell, &Progress::silent(), cancel)?;
+        let field = DistanceField::build(body, &exact, region, lattice.cell, &Task::silent(&task.cancel))?;
         let motion = Motion::new(body, field, placements);
-        progress.report(STAGE, 0.1, "");
-        let blocks = lattice.blocks(&motion, cancel)?;
-        progress.report(STAGE, 0.4, "");
+        task.report(STAGE, 0.1, "");
+        let blocks = lattice.blocks(&motion, &task.cancel)?;
+        task.report(STAGE, 0.4, "");
         let net = net::Net::new(&lattice, &blocks);
-        let mesh = place::placed(net, &lattice, &blocks, &motion, cancel)?;
-        progress.report(STAGE, 1.0, "");
+        let mesh = place::placed(net, &lattice, &blocks, &motion, &task.cancel)?;
+        task.report(STAGE, 1.0, "");
         Ok(Self { mesh, cell: lattice.cell })
     }
 }

@@ -5,7 +5,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use super::{SweptError, SweptSurface};
 use crate::exact::ExactMesh;
 use crate::mesh::Mesh;
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 /// A ball of radius 2 mm about the origin; its faces lie up to `sagitta` within it.
 fn ball() -> (Mesh, f64) {
@@ -32,7 +32,7 @@ fn ball() -> (Mesh, f64) {
 }
 
 fn sweep(body: &Mesh, placements: &[DAffine3], cells: usize) -> SweptSurface {
-    let swept = SweptSurface::new(body, placements, cells, &Progress::silent(), &Cancel::default()).unwrap();
+    let swept = SweptSurface::new(body, placements, cells, &Task::default()).unwrap();
     assert!(swept.mesh.is_watertight());
     swept
 }
@@ -154,7 +154,7 @@ fn the_surface_is_the_same_on_any_number_of_threads() {
 fn what_has_no_surface_is_refused() {
     let body = Mesh::cuboid(DVec3::ONE);
     let swept = |body: &Mesh, at: &[DAffine3], cancel: &Cancel| {
-        SweptSurface::new(body, at, 1000, &Progress::silent(), cancel).map(|s| s.mesh)
+        SweptSurface::new(body, at, 1000, &Task::silent(cancel)).map(|s| s.mesh)
     };
     let here = [DAffine3::IDENTITY];
     assert_eq!(swept(&body, &[], &Cancel::default()), Err(SweptError::NoWay));

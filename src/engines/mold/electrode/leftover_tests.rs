@@ -12,7 +12,7 @@ use super::setting::ElectrodeError;
 use super::tests::{GAP, cutters, mold, params, planned, region, ring};
 use crate::fixtures::rectangle;
 use geometry::mesh::Mesh;
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 /// A pocket with a slot of this width and length that leads out of it along X, both this deep.
 fn pocket_with_slot(width: f64, length: f64, depth: f64) -> Mesh {
@@ -107,7 +107,7 @@ fn checks_of_an_orbit_stop_when_they_are_told_to() {
     let everything = |_: DVec3| true;
     let milled = super::check::Milled { leaves: &everything, within: 0.05 };
     let asked = ElectrodeParams { stages: vec![stage], ..params(GAP) };
-    let found = plan(&mold, &[all], (&cutters(), &milled), &asked, &Progress::silent(), &cancel);
+    let found = plan(&mold, &[all], (&cutters(), &milled), &asked, &Task::silent(&cancel));
     assert!(matches!(found, Err(ElectrodeError::Cancelled(_))));
 }
 

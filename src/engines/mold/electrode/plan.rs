@@ -25,7 +25,7 @@ use crate::cutter::CutterLibrary;
 use crate::outline::Outline;
 use crate::plane;
 use geometry::mesh::Mesh;
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 /// Electrodes for `regions` of a mold that opens along +Z.
 ///
@@ -36,18 +36,17 @@ pub fn plan(
     regions: &[RegionToBurn],
     libraries: (&CutterLibrary, &Milled),
     params: &ElectrodeParams,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<ElectrodeSet, ElectrodeError> {
     params.validate()?;
-    let (made, parts) = plan_stages(mold, regions, libraries, (params, &params.stages, None), progress, cancel)?;
+    let (made, parts) = plan_stages(mold, regions, libraries, (params, &params.stages, None), task)?;
     if params.shape == Shape::Undersized {
         return Ok(made);
     }
     // Files of the net shape are those of an electrode without gap; it is the real one that has to come out.
     let stages: Vec<Stage> = params.stages.iter().map(net).collect();
     let like = Some((&made.electrodes[..], &parts));
-    let (filed, _) = plan_stages(mold, regions, libraries, (params, &stages, like), progress, cancel)?;
+    let (filed, _) = plan_stages(mold, regions, libraries, (params, &stages, like), task)?;
     Ok(told_of_real(filed, made))
 }
 
@@ -59,8 +58,7 @@ fn plan_stages(
     regions: &[RegionToBurn],
     (library, milled): (&CutterLibrary, &Milled),
     (params, stages, like): (&ElectrodeParams, &[Stage], Option<Real>),
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<(ElectrodeSet, Parts), ElectrodeError> {
     let cutters = params.cutters.as_ref().unwrap_or(library);
     let mut plans = region_plans(regions, params);
@@ -76,15 +74,15 @@ fn plan_stages(
     let mut made = vec![vec![1.0; regions.len()]; stages.len()];
     // The last stage, which burns everything, tells what the parts are.
     for (number, stage) in stages.iter().enumerate().rev() {
-        progress.report("electrodes", (1.0 - (number + 1) as f64 / stages.len() as f64) * 0.7, &stage.name);
+        task.report("electrodes", (1.0 - (number + 1) as f64 / stages.len() as f64) * 0.7, &stage.name);
         let is_last = number + 1 == stages.len();
         for &direction in &directions {
             let setting = Setting::new(mold, direction, stage)?;
             let here: Vec<usize> = (0..regions.len()).filter(|r| plans[*r].direction == direction).collect();
             let known = (&mut parts, like.map(|(_, parts)| parts));
             let found = (&mut plans[..], &mut made[number][..]);
-            let leaves = leaves(&setting, regions, (&here, number, is_last), (found, known), params, cancel)?;
-            let shared = shared(&setting, &leaves, regions, cutters, params, cancel)?;
+            let leaves = leaves(&setting, regions, (&here, number, is_last), (found, known), params, &task.cancel)?;
+            let shared = shared(&setting, &leaves, regions, cutters, params, &task.cancel)?;
             for group in &shared {
                 match assembled(&setting, &leaves, group, (number, params)) {
                     Ok(electrode) => electrodes.push(electrode),
@@ -100,11 +98,11 @@ fn plan_stages(
     electrodes.sort_by_key(|e| e.stage);
     plans.iter_mut().for_each(|plan| plan.left_out.sort_by_key(|left| left.stage));
     with_volumes(&mut electrodes, &volumes(regions, &plans, &parts, params, &made), (&parts, params));
-    into_families(mold, &mut electrodes, like.map(|(real, _)| real), (cutters, params, stages), cancel)?;
+    into_families(mold, &mut electrodes, like.map(|(real, _)| real), (cutters, params, stages), &task.cancel)?;
     let names = named(&mut electrodes, params, (regions, &plans, &parts));
-    progress.report("checks", 0.7, "");
-    let checks = checked((mold, milled), &electrodes, &mut plans, regions, (cutters, params, stages), cancel)?;
-    progress.report("checks", 1.0, "");
+    task.report("checks", 0.7, "");
+    let checks = checked((mold, milled), &electrodes, &mut plans, regions, (cutters, params, stages), &task.cancel)?;
+    task.report("checks", 1.0, "");
     Ok((ElectrodeSet { params: params.clone(), electrodes, checks, regions: plans, names }, parts))
 }
 

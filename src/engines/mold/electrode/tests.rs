@@ -21,7 +21,7 @@ use crate::outline::Outline;
 use crate::plane;
 use geometry::mesh::Mesh;
 use geometry::solid::{difference, prism};
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 pub(super) const GAP: f64 = 0.05;
 
@@ -78,7 +78,7 @@ pub(super) fn params(gap: f64) -> ElectrodeParams {
 pub(super) fn planned(mold: &Mesh, regions: &[RegionToBurn], params: &ElectrodeParams) -> ElectrodeSet {
     let everything = |_: DVec3| true;
     let milled = Milled { leaves: &everything, within: 0.05 };
-    plan(mold, regions, (&cutters(), &milled), params, &Progress::silent(), &Cancel::default()).unwrap()
+    plan(mold, regions, (&cutters(), &milled), params, &Task::default()).unwrap()
 }
 
 fn holds(findings: &[Finding], kind: CheckKind) -> bool {

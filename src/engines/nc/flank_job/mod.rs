@@ -33,7 +33,7 @@ use flank::plan::{FlankPlan, plan_flank};
 use flank::ruled_surface::{RuledSurface, Side};
 use flank::walls::{OwnTriangles, Walls};
 use geometry::mesh::Mesh;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 
 mod checks;
 mod clearances;
@@ -331,13 +331,13 @@ pub fn path_of(plan: &FlankPlan, choice: PathChoice) -> &FlankPath {
 ///
 /// # Errors
 /// [`FlankJobError`] if there is no path at all; cancelled.
-pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result<FlankResult, FlankJobError> {
+pub fn flank(input: &FlankInput, task: &Task) -> Result<FlankResult, FlankJobError> {
     let (surface, fit) = surface(input)?;
     let joinings = match &input.surface {
         LoadedSurface::Guides { lower, upper } => Joining::of(lower, upper)?,
         LoadedSurface::Face { .. } => Vec::new(),
     };
-    let plan = plan_flank(&surface, &input.cutter, &input.params, progress, cancel).map_err(|why| {
+    let plan = plan_flank(&surface, &input.cutter, &input.params, task).map_err(|why| {
         // A cutter that does not fit is what is to blame, wherever it showed.
         let misfit = input.cutter.fits(&surface, input.params.below_mm).err().filter(|misfit| *misfit != why);
         match (&why, misfit) {
@@ -353,29 +353,29 @@ pub fn flank(input: &FlankInput, progress: &Progress, cancel: &Cancel) -> Result
     let checked = grid.checked(path, &input.cutter.above(input.params.below_mm)?)?;
     let whole_tool = grid.for_whole_tool(&surface);
     let against = (&whole_tool, input.params.gouge_tolerance_mm);
-    let own_surface = own_surface(path, &input.cutter, against, (progress, cancel))?;
+    let own_surface = own_surface(path, &input.cutter, against, task)?;
     let [approach, retract] = leads(&surface, path, &input.milling);
-    let walls = walls(input, (&surface, path), fit.as_ref(), cancel)?;
-    let gouge = lesser_of(&walls, |wall| gouge::check(path, &input.cutter, wall, progress, cancel))?;
+    let walls = walls(input, (&surface, path), fit.as_ref(), &task.cancel)?;
+    let gouge = lesser_of(&walls, |wall| gouge::check(path, &input.cutter, wall, task))?;
     let gouge = gouge.map(|gouge| lesser(gouge, within_walls(input, &path.pose(0.0))));
     let moves = |from: FlankPose, lead: &[ToolPose]| -> Result<_, FlankError> {
         let places: Vec<DVec3> = std::iter::once(from.tip).chain(lead.iter().map(|p| p.tip)).collect();
         let way = (&places[..], from.axis);
-        let gouge = lesser_of(&walls, |wall| gouge::check_moves(way, &input.cutter, wall, progress, cancel))?;
+        let gouge = lesser_of(&walls, |wall| gouge::check_moves(way, &input.cutter, wall, task))?;
         let gouge = gouge.map(|gouge| lesser(gouge, within_walls(input, &from)));
-        Ok((gouge, own_gouge_of_moves(way, &input.cutter, against, cancel)?))
+        Ok((gouge, own_gouge_of_moves(way, &input.cutter, against, &task.cancel)?))
     };
     let inwards: Vec<ToolPose> = approach.iter().rev().copied().collect();
     let ((onto, onto_own), (off, off_own)) = (moves(path.pose(0.0), &inwards)?, moves(path.pose(1.0), &retract)?);
-    progress.report("positions of the machine", 0.0, "");
+    task.report("positions of the machine", 0.0, "");
     let milled = input.machine.as_ref().map(|machine| {
         let path = tool_path(path, &approach, &retract).map_err(|e| e.to_string())?;
-        milled(machine, &path, (&input.milling, &input.cutter), cancel)
+        milled(machine, &path, (&input.milling, &input.cutter), &task.cancel)
     });
-    cancel.check()?;
+    task.check()?;
     let chordal_deviation_mm =
         chordal_deviation(path, &input.milling, [&approach, &retract], (&input.cutter, milled.as_ref()));
-    progress.report("positions of the machine", 1.0, "");
+    task.report("positions of the machine", 1.0, "");
     let facts = FlankFacts {
         name: input.name.clone(),
         surface,

@@ -9,7 +9,7 @@ use super::{Column, Electrode, ElectrodeError, ElectrodeParams, EntrySide};
 use crate::channel::{Channel, ChannelWall};
 use geometry::exact::ExactMesh;
 use geometry::frame::Cylindrical;
-use task::{Cancel, Progress};
+use task::Task;
 
 /// Makes the electrodes of `channel`, in the order of burning: the part next to the side of entry first, and of each
 /// part the low column first.
@@ -23,18 +23,17 @@ pub fn make_electrodes(
     blisk: &ExactMesh,
     params: &ElectrodeParams,
     side: EntrySide,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Vec<Electrode>, ElectrodeError> {
     params.validate()?;
-    progress.report("electrode", 0.0, "boundary of the channel");
+    task.report("electrode", 0.0, "boundary of the channel");
     let boundary = Boundary::new(channel, blisk, params)?;
     let extent = burning_extent(channel, params);
     let ranges = part_ranges(extent, params, side)?;
     let mut planes: Vec<f64> = ranges.iter().flatten().copied().collect();
     planes.extend(edge_planes(channel, params, extent));
     planes.extend(runout(channel, extent, side));
-    let sections = boundary.sections(extent, &planes, cancel)?;
+    let sections = boundary.sections(extent, &planes, &task.cancel)?;
     let finisher = Finisher::new(&boundary, &sections);
     let mut electrodes = Vec::with_capacity(params.count());
     let columns: &[Option<Column>] =
@@ -42,13 +41,13 @@ pub fn make_electrodes(
     for &column in columns {
         let sections: Vec<_> = sections.iter().map(|s| column_of(s, column, params)).collect();
         for (part, &range) in ranges.iter().enumerate() {
-            progress.report("electrode", (electrodes.len() + 1) as f64 / (params.count() + 1) as f64, "surfaces");
+            task.report("electrode", (electrodes.len() + 1) as f64 / (params.count() + 1) as f64, "surfaces");
             let plan = Plan { channel, params, side, part, column, range, sections: &sections };
-            electrodes.push(body::build(&plan, &finisher, cancel)?);
+            electrodes.push(body::build(&plan, &finisher, &task.cancel)?);
         }
     }
     electrodes.sort_by_key(|e| e.part);
-    progress.report("electrode", 1.0, "");
+    task.report("electrode", 1.0, "");
     Ok(electrodes)
 }
 

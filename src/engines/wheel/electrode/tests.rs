@@ -8,7 +8,7 @@ use crate::fixtures::exact_channel;
 use crate::parametric::{MeshResolution, ParametricBlisk};
 use geometry::exact::ExactMesh;
 use geometry::frame::Cylindrical;
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 struct Part {
     channel: Channel,
@@ -35,7 +35,7 @@ fn unreduced() -> ElectrodeParams {
 }
 
 fn make(part: &Part, params: &ElectrodeParams, side: EntrySide) -> Result<Vec<Electrode>, ElectrodeError> {
-    make_electrodes(&part.channel, &part.blisk, params, side, &Progress::silent(), &Cancel::default())
+    make_electrodes(&part.channel, &part.blisk, params, side, &Task::default())
 }
 
 /// Vertices, edge midpoints and face centres of the faces that `wanted` picks.
@@ -240,11 +240,10 @@ fn what_leaves_no_metal_is_refused_with_the_place_and_the_room_there_is() {
     assert!(matches!(make(&FINE, &params, EntrySide::MinusX), Err(ElectrodeError::PartsTooShort { .. })));
     let params = ElectrodeParams { spark_gap_mm: f64::NAN, ..ElectrodeParams::default() };
     assert!(make(&FINE, &params, EntrySide::MinusX).unwrap_err().to_string().contains("spark_gap_mm"));
-    let cancel = Cancel::default();
-    cancel.cancel();
+    let task = Task::default();
+    task.cancel.cancel();
     let params = ElectrodeParams::default();
-    let progress = Progress::silent();
-    let stopped = make_electrodes(&FINE.channel, &FINE.blisk, &params, EntrySide::MinusX, &progress, &cancel);
+    let stopped = make_electrodes(&FINE.channel, &FINE.blisk, &params, EntrySide::MinusX, &task);
     assert_eq!(stopped, Err(ElectrodeError::Cancelled(Cancelled)));
 }
 

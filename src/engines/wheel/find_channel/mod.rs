@@ -18,7 +18,7 @@ use super::frame::{BliskFrame, find_frame, is_inside_out};
 use super::options::BliskOptions;
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 /// Finds the axis, the blades and the chosen channel of `mesh` (mm, closed, in any attitude).
 ///
@@ -28,16 +28,11 @@ use task::{Cancel, Progress};
 ///
 /// # Errors
 /// [`BliskError`] says what could not be found, why, and which key of the job file gives it by hand.
-pub fn find_channel(
-    mesh: &Mesh,
-    options: &BliskOptions,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Channel, BliskError> {
+pub fn find_channel(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Channel, BliskError> {
     let (mesh, mut assumed) = prepared(mesh, options)?;
-    let blisk = find_frame(&mesh, options, progress, cancel)?;
+    let blisk = find_frame(&mesh, options, task)?;
     assumed.extend(blisk.assumed.iter().cloned());
-    channel_of(&mesh, &blisk, options, assumed, progress, cancel)
+    channel_of(&mesh, &blisk, options, assumed, task)
 }
 
 /// The mesh with its normals outwards, and what was assumed for that.
@@ -57,25 +52,24 @@ pub(super) fn channel_of(
     blisk: &BliskFrame,
     options: &BliskOptions,
     mut assumed: Vec<String>,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Channel, BliskError> {
     let blades = blisk.repetition.blades;
     if options.channel >= blades {
         return Err(BliskError::NoSuchChannel { index: options.channel, blades });
     }
-    progress.report("channel", 0.0, "place");
-    let (frame, start) = place_channel(mesh, blisk, options, cancel)?;
+    task.report("channel", 0.0, "place");
+    let (frame, start) = place_channel(mesh, blisk, options, &task.cancel)?;
 
-    progress.report("channel", 0.3, "end walls");
+    task.report("channel", 0.3, "end walls");
     let slices = Slices::new(mesh.in_frame(&frame));
-    let tracer = Tracer { slices: &slices, pitch: TAU / blades as f64, options, cancel };
+    let tracer = Tracer { slices: &slices, pitch: TAU / blades as f64, options, cancel: &task.cancel };
     let lost = BliskError::LostWall { x: start.x, r: start.r };
     let gap = tracer.bladed_gap(start.x, start.r, &start.gap).ok_or(lost)?;
     let start = Place { gap, ..start };
     let Meridian { samples: meridian, shrouded } = tracer.meridian(start)?;
 
-    progress.report("channel", 0.6, "walls");
+    task.report("channel", 0.6, "walls");
     let finder = WallFinder { tracer: &tracer, meridian: &meridian, start };
     let [mut low, mut high] = finder.walls(options.wall_points_chord, options.wall_points_span)?;
     let throat = measure::throat(&low, &high);
@@ -83,7 +77,7 @@ pub(super) fn channel_of(
     [low.side, high.side] = sides;
     let faces_x = measure::faces_x(slices.mesh(), &meridian);
     assumed.extend(end_wall_assumptions(options, shrouded));
-    progress.report("channel", 1.0, "");
+    task.report("channel", 1.0, "");
     let index = options.channel;
     Ok(Channel { frame, blades, index, shrouded, meridian, low, high, throat, turning, faces_x, assumed })
 }

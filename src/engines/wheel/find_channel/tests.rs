@@ -10,7 +10,7 @@ use crate::options::{Auto, AxisChoice, AxisLine, AxisName};
 use geometry::exact::ExactMesh;
 
 fn find(mesh: &Mesh, options: &BliskOptions) -> Result<Channel, BliskError> {
-    find_channel(mesh, options, &Progress::silent(), &Cancel::default())
+    find_channel(mesh, options, &Task::default())
 }
 
 fn found(mesh: &Mesh) -> Channel {

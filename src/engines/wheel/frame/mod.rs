@@ -19,7 +19,7 @@ use super::error::BliskError;
 use super::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 /// The axis and period of a blisk.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,17 +59,12 @@ pub(super) fn is_inside_out(mesh: &Mesh) -> Result<bool, BliskError> {
 /// # Errors
 /// Says what is missing: the part covers no full turn, nothing repeats around any likely axis, or what repeats
 /// is no channel between blades. The error is that of the likeliest axis.
-pub(super) fn find_frame(
-    mesh: &Mesh,
-    options: &BliskOptions,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<BliskFrame, BliskError> {
+pub(super) fn find_frame(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<BliskFrame, BliskError> {
     let mut first_error = None;
     let candidates = candidate_axes(mesh, options);
     for (i, axis) in candidates.iter().enumerate() {
-        progress.report("axis and blades", i as f64 / candidates.len() as f64, "");
-        match about_axis(mesh, *axis, options, cancel) {
+        task.report("axis and blades", i as f64 / candidates.len() as f64, "");
+        match about_axis(mesh, *axis, options, &task.cancel) {
             Err(BliskError::Cancelled(c)) => return Err(c.into()),
             Err(error) => first_error = first_error.or(Some(error)),
             found => return found,

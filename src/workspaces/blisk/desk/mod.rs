@@ -273,7 +273,7 @@ impl BliskDesk {
         }
         let electrode = electrode.clone();
         self.coloured.ask(&key, Priority::Shown, move |work| {
-            clearance_at_vertices(&electrode, &exact, &pose, &work.cancel).map_err(|e| e.to_string())
+            clearance_at_vertices(&electrode, &exact, &pose, &work.task.cancel).map_err(|e| e.to_string())
         });
     }
 
@@ -293,7 +293,7 @@ impl BliskDesk {
         }
         let electrode = electrode.clone();
         self.swept.ask(&key, Priority::Shown, move |work| {
-            swept_shape(&electrode, &track, FINE, &work.progress, &work.cancel).map_err(|e| e.to_string())
+            swept_shape(&electrode, &track, FINE, &work.task).map_err(|e| e.to_string())
         });
     }
 

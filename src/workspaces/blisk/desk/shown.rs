@@ -82,7 +82,7 @@ impl BliskDesk {
         if let Some(key) = &wanted {
             let name = key.0.clone();
             self.bodies.ask(key, Priority::Shown, move |work| {
-                let model = read_machine(&name, &work.progress, &work.cancel).map_err(|e| e.to_string())?;
+                let model = read_machine(&name, &work.task).map_err(|e| e.to_string())?;
                 Ok(body_shapes(&model))
             });
         }

@@ -13,7 +13,7 @@ use crate::workspaces::blisk::report::comparison::{Comparison, Run, RunElectrode
 use feed::genetic::ReductionMode;
 use feed::plan_params::Strategy;
 use files::ExportFolder;
-use task::{Cancel, Progress};
+use task::{Cancel, Progress, Task};
 
 /// Plans every electrode of the job by each of `strategies` and shows `finished` each run as it ends. Electrodes are those
 /// that the job gives: none is drawn in further by the genetic search. A strategy that cannot be followed on this job says
@@ -26,14 +26,13 @@ pub fn compare(
     inputs: &PlanInputs,
     strategies: &[Strategy],
     finished: &(dyn Fn(&Run) + Sync),
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Vec<Run>, PlanJobError> {
     let mut runs = Vec::new();
     let mut first_error = None;
     for &strategy in strategies {
         let inputs = PlanInputs { job: job_for(&inputs.job, strategy), ..inputs.clone() };
-        let run = match run_feeds(prepared, &inputs, &named(progress, strategy), cancel) {
+        let run = match run_feeds(prepared, &inputs, &named(task, strategy)) {
             Ok(outcome) => run_of(strategy, &outcome),
             Err(PlanJobError::Cancelled(cancelled)) => return Err(cancelled.into()),
             Err(error) => {
@@ -60,13 +59,14 @@ pub fn job_for(job: &PlanJob, strategy: Strategy) -> PlanJob {
     job
 }
 
-/// `progress` with the strategy's name before every message.
-fn named(progress: &Progress, strategy: Strategy) -> Progress {
-    let progress = progress.clone();
-    Progress::new(move |update| {
+/// `task` with the strategy's name before every message.
+fn named(task: &Task, strategy: Strategy) -> Task {
+    let progress = task.progress.clone();
+    let named = Progress::new(move |update| {
         let message = format!("{}: {}", strategy.name(), update.message);
         progress.report(update.stage, update.fraction, &message);
-    })
+    });
+    Task { progress: named, cancel: task.cancel.clone() }
 }
 
 /// The figures of a plan that `strategy` made.
@@ -88,8 +88,7 @@ pub fn kept_run(
     now: &PlanJob,
     part: &Part,
     found: &FoundChannel,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<PlanOutcome, PlanJobError> {
     let blisk = |job: &PlanJob| BliskSection { mesh: None, ..job.blisk.clone() };
     if kept.plan.inputs != KeptPlan::inputs_of(&kept.job, &part.content()) || blisk(&kept.job) != blisk(now) {
@@ -97,7 +96,7 @@ pub fn kept_run(
     }
     let (blisk, own_electrode) = (part.mesh.clone(), part.own_electrode.clone());
     let inputs = PlanInputs { blisk, own_electrode, job: kept.job.clone() };
-    super::plan::replay(&inputs, &found.channel, &found.blisk, &found.exact, &kept.plan, progress, cancel)
+    super::plan::replay(&inputs, &found.channel, &found.blisk, &found.exact, &kept.plan, task)
 }
 
 /// The comparison of `runs` of `job`, whose meshes were read from `files`.

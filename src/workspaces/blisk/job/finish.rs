@@ -16,7 +16,7 @@ use feed::pose::Pose;
 use feed::simulation::Simulation;
 use feed::verify::Verifier;
 use geometry::mesh::Mesh;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 use wheel::channel::Channel;
 use wheel::electrode::Junctions;
 use wheel::surface_finder::SurfaceFinder;
@@ -63,14 +63,13 @@ pub fn finish<'a>(
     outcome: &'a PlanOutcome,
     inputs: &PlanInputs,
     blisk: &Mesh,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<&'a Finishing, PlanJobError> {
     match outcome.finishing() {
         // What was stopped stays so: an outcome is finished once.
         Some(known) => known.stopped.map_or(Ok(known), |_| Err(Cancelled.into())),
         None => {
-            let finishing = finishing(outcome, inputs, blisk, progress, cancel)?;
+            let finishing = finishing(outcome, inputs, blisk, task)?;
             let stopped = finishing.stopped.map(|_| Err(Cancelled.into()));
             stopped.unwrap_or_else(|| Ok(outcome.finished_by(finishing)))
         }
@@ -85,38 +84,26 @@ pub fn finish_as_far_as_possible<'a>(
     outcome: &'a PlanOutcome,
     inputs: &PlanInputs,
     blisk: &Mesh,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<&'a Finishing, PlanJobError> {
     match outcome.finishing() {
         Some(known) => Ok(known),
-        None => Ok(outcome.finished_by(finishing(outcome, inputs, blisk, progress, cancel)?)),
+        None => Ok(outcome.finished_by(finishing(outcome, inputs, blisk, task)?)),
     }
 }
 
-fn finishing(
-    outcome: &PlanOutcome,
-    inputs: &PlanInputs,
-    blisk: &Mesh,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Finishing, PlanJobError> {
+fn finishing(outcome: &PlanOutcome, inputs: &PlanInputs, blisk: &Mesh, task: &Task) -> Result<Finishing, PlanJobError> {
     let channel = &outcome.channel;
     let finder = SurfaceFinder::new(channel.clone())?;
     let junctions = match inputs.own_electrode {
         Some(_) => Junctions::default(),
         None => Junctions::of(channel, &inputs.job.electrode)?,
     };
-    Around { job: &inputs.job, blisk, channel, finder, junctions }.finishing(outcome, progress, cancel)
+    Around { job: &inputs.job, blisk, channel, finder, junctions }.finishing(outcome, task)
 }
 
 impl Around<'_> {
-    fn finishing(
-        &self,
-        outcome: &PlanOutcome,
-        progress: &Progress,
-        cancel: &Cancel,
-    ) -> Result<Finishing, PlanJobError> {
+    fn finishing(&self, outcome: &PlanOutcome, task: &Task) -> Result<Finishing, PlanJobError> {
         let mut finishing = Finishing {
             copying: Vec::new(),
             simulations: Vec::new(),
@@ -129,15 +116,15 @@ impl Around<'_> {
         }
         let mut clock = Clock::default();
         let electrodes = &outcome.electrodes;
-        let motion = |e| clock.time("copying motion", || copying(self, e, progress, cancel));
+        let motion = |e| clock.time("copying motion", || copying(self, e, task));
         finishing.copying = electrodes.iter().map(motion).collect::<Result<Vec<_>, _>>()?;
         let (motions, simulations) = (&finishing.copying, &mut finishing.simulations);
-        match clock.time("simulation", || simulate(self, electrodes, motions, simulations, progress, cancel)) {
+        match clock.time("simulation", || simulate(self, electrodes, motions, simulations, task)) {
             Ok(()) => {}
             Err(PlanJobError::Cancelled(_)) => finishing.stopped = Some("simulation of the whole motion"),
             Err(other) => return Err(other),
         }
-        finishing.leftover = match clock.time("leftover", || left_by(self, electrodes, motions, progress, cancel)) {
+        finishing.leftover = match clock.time("leftover", || left_by(self, electrodes, motions, task)) {
             Ok(left) => Ok(Arc::new(left)),
             Err(LeftoverError::Cancelled(_)) => {
                 finishing.stopped.get_or_insert("map of the residual stock");
@@ -151,12 +138,7 @@ impl Around<'_> {
     }
 }
 
-fn copying(
-    around: &Around,
-    outcome: &ElectrodeOutcome,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Copying, PlanJobError> {
+fn copying(around: &Around, outcome: &ElectrodeOutcome, task: &Task) -> Result<Copying, PlanJobError> {
     let (job, electrode) = (around.job, &outcome.electrode);
     let wanted = CopyingExtent::of(electrode, &job.electrode, outcome.plan.h);
     let machine = &job.machine.seen_from_w(electrode.enters_from);
@@ -166,19 +148,18 @@ fn copying(
         spark_gap: job.electrode.spark_gap_mm,
         frame: around.channel.frame,
     };
-    progress.report("copying motion", 0.0, "");
-    let verifier = Verifier::new(around.blisk, &electrode.mesh, electrode.reference_point, cancel)?;
+    task.report("copying motion", 0.0, "");
+    let verifier = Verifier::new(around.blisk, &electrode.mesh, electrode.reference_point, &task.cancel)?;
     let verifier = verifier.within(machine.limits());
     let surface_of = |p: DVec3| around.finder.surface_of(p);
-    Ok(copying_motion(electrode, &verifier, wanted, &settings, &surface_of, progress, cancel)?)
+    Ok(copying_motion(electrode, &verifier, wanted, &settings, &surface_of, task)?)
 }
 
 fn left_by(
     around: &Around,
     electrodes: &[ElectrodeOutcome],
     motions: &[Copying],
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Leftover, LeftoverError> {
     let poses = |path: &FeedPath| -> Vec<Pose> { path.rows.iter().map(|row| row.pose).collect() };
     let burns: Vec<Burn> = electrodes
@@ -202,5 +183,5 @@ fn left_by(
         junctions: around.junctions.clone(),
         proven,
     };
-    leftover(&site, &burns, progress, cancel)
+    leftover(&site, &burns, task)
 }

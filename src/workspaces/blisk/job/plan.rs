@@ -24,7 +24,7 @@ use feed::verify::VerifyError;
 use geometry::exact::{ExactMesh, ExactMeshError};
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 use wheel::channel::Channel;
 use wheel::electrode::{
     Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, Sizing, from_user_mesh, make_electrodes,
@@ -183,22 +183,17 @@ impl From<PlanError> for PlanJobError {
 ///
 /// # Errors
 /// [`PlanJobError`]; that there is no path is not one of them.
-pub fn run(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Result<PlanOutcome, PlanJobError> {
-    run_finished(&prepare(inputs, progress, cancel)?, inputs, progress, cancel)
+pub fn run(inputs: &PlanInputs, task: &Task) -> Result<PlanOutcome, PlanJobError> {
+    run_finished(&prepare(inputs, task)?, inputs, task)
 }
 
 /// The same on a blisk that was made ready before.
 ///
 /// # Errors
 /// As [`run`].
-pub fn run_finished(
-    prepared: &PreparedBlisk,
-    inputs: &PlanInputs,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<PlanOutcome, PlanJobError> {
-    let outcome = run_prepared(prepared, inputs, &|_, _, _| (), progress, cancel)?;
-    finish(&outcome, inputs, &prepared.space.blisk, progress, cancel)?;
+pub fn run_finished(prepared: &PreparedBlisk, inputs: &PlanInputs, task: &Task) -> Result<PlanOutcome, PlanJobError> {
+    let outcome = run_prepared(prepared, inputs, &|_, _, _| (), task)?;
+    finish(&outcome, inputs, &prepared.space.blisk, task)?;
     Ok(outcome)
 }
 
@@ -207,17 +202,17 @@ pub fn run_finished(
 /// # Errors
 /// If the machine or its bodies cannot be read, if there is no channel, or one that is too large or not all that are to be
 /// burnt, or when told to stop.
-pub fn prepare(inputs: &PlanInputs, progress: &Progress, cancel: &Cancel) -> Result<PreparedBlisk, PlanJobError> {
+pub fn prepare(inputs: &PlanInputs, task: &Task) -> Result<PreparedBlisk, PlanJobError> {
     let job = &inputs.job;
     job.validate().map_err(PlanJobError::Job)?;
     let mut clock = Clock::default();
-    simulate::check_machine(job, progress, cancel)?;
-    let channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, progress, cancel))?;
+    simulate::check_machine(job, task)?;
+    let channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, task))?;
     simulate::check_channels(job, &channel)?;
     let blisk = inputs.blisk.in_frame(&channel.frame);
     let exact = clock.time("exact mesh", || ExactMesh::new(&blisk))?;
     let cell = job.plan.field_cell_mm;
-    let mut prepared = PreparedBlisk::new(blisk.into(), exact.into(), channel.into(), cell, progress, cancel)?;
+    let mut prepared = PreparedBlisk::new(blisk.into(), exact.into(), channel.into(), cell, task)?;
     clock.0.append(&mut prepared.clock.0);
     prepared.clock = clock;
     Ok(prepared)
@@ -235,25 +230,19 @@ pub fn run_prepared(
     prepared: &PreparedBlisk,
     inputs: &PlanInputs,
     observe: &ObservePlan,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<PlanOutcome, PlanJobError> {
     let clock = prepared.clock.clone();
-    JobPlanner { inputs, prepared, observe, explain: true, progress, cancel, clock }.outcome()
+    JobPlanner { inputs, prepared, observe, explain: true, task, clock }.outcome()
 }
 
 /// The same without finding out what would open a way where there is none.
 ///
 /// # Errors
 /// As [`run_prepared`].
-pub fn run_feeds(
-    prepared: &PreparedBlisk,
-    inputs: &PlanInputs,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<PlanOutcome, PlanJobError> {
+pub fn run_feeds(prepared: &PreparedBlisk, inputs: &PlanInputs, task: &Task) -> Result<PlanOutcome, PlanJobError> {
     let clock = prepared.clock.clone();
-    JobPlanner { inputs, prepared, observe: &|_, _, _| (), explain: false, progress, cancel, clock }.outcome()
+    JobPlanner { inputs, prepared, observe: &|_, _, _| (), explain: false, task, clock }.outcome()
 }
 
 /// Adds up the times of stages by name.
@@ -281,8 +270,7 @@ struct JobPlanner<'a> {
     prepared: &'a PreparedBlisk,
     observe: &'a ObservePlan<'a>,
     explain: bool,
-    progress: &'a Progress,
-    cancel: &'a Cancel,
+    task: &'a Task,
     clock: Clock,
 }
 
@@ -361,7 +349,7 @@ impl JobPlanner<'_> {
             Strategy::Global => self.drawn_in(part, &electrode, &settings)?,
             _ => {
                 let remake = |h: f64| self.electrode(part, side, h);
-                plan_feed(&self.prepared.space, &electrode, &settings, &remake, self.progress, self.cancel)?
+                plan_feed(&self.prepared.space, &electrode, &settings, &remake, self.task)?
             }
         };
         self.clock.add("electrode field", plan.field_seconds);
@@ -375,17 +363,17 @@ impl JobPlanner<'_> {
     fn drawn_in(&self, part: usize, electrode: &Electrode, settings: &PlanSettings) -> Result<FeedPlan, PlanJobError> {
         let started = Instant::now();
         let which = (part, electrode.enters_from);
-        let (full, turns) = self.prepared.fullest(self.inputs, which, self.progress, self.cancel)?;
+        let (full, turns) = self.prepared.fullest(self.inputs, which, self.task)?;
         let field_seconds = started.elapsed().as_secs_f64();
         let space = &self.prepared.space;
         let drawn_in = DrawnIn { prepared: &full, turns, electrode };
-        let plan = plan_drawn_in(space, &drawn_in, settings, self.progress, self.cancel)?;
+        let plan = plan_drawn_in(space, &drawn_in, settings, self.task)?;
         Ok(FeedPlan { field_seconds, ..plan })
     }
 
     fn electrode(&self, part: usize, side: EntrySide, h: f64) -> Result<Electrode, ElectrodeError> {
         let PreparedBlisk { space, exact, .. } = self.prepared;
-        electrode_of(self.inputs, &space.channel, exact, (part, side, h), self.progress, self.cancel)
+        electrode_of(self.inputs, &space.channel, exact, (part, side, h), self.task)
     }
 }
 
@@ -396,17 +384,18 @@ pub(super) fn electrode_of(
     channel: &Channel,
     exact: &ExactMesh,
     (part, side, h): (usize, EntrySide, f64),
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Electrode, ElectrodeError> {
     let params = &inputs.job.electrode;
     let mut electrode = match &inputs.own_electrode {
-        Some(own) => from_user_mesh(own.in_frame(&channel.frame), channel, exact, params.spark_gap_mm, side, cancel)?,
+        Some(own) => {
+            from_user_mesh(own.in_frame(&channel.frame), channel, exact, params.spark_gap_mm, side, &task.cancel)?
+        }
         None => {
             let [low, high] = params.circumferential_reduction_deg;
             let circumferential_reduction_deg = [low + h.to_degrees(), high + h.to_degrees()];
             let params = ElectrodeParams { circumferential_reduction_deg, ..params.clone() };
-            let mut all = make_electrodes(channel, exact, &params, side, progress, cancel)?;
+            let mut all = make_electrodes(channel, exact, &params, side, task)?;
             // Electrodes are counted from the side of entry.
             let (along, column) = (part / params.columns, part % params.columns);
             let from_entry = if side == EntrySide::MinusX { along } else { params.parts - 1 - along };
@@ -440,8 +429,7 @@ pub fn replay(
     blisk: &Mesh,
     exact: &ExactMesh,
     kept: &KeptPlan,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<PlanOutcome, PlanJobError> {
     let job = &inputs.job;
     job.validate().map_err(PlanJobError::Job)?;
@@ -452,11 +440,11 @@ pub fn replay(
     let around = Surroundings { blisk, finder: &finder, frame: channel.frame };
     let mut electrodes = Vec::new();
     for (part, KeptElectrode { side, h, nodes }) in kept.electrodes.iter().enumerate() {
-        let make = || electrode_of(inputs, channel, exact, (part, *side, *h), progress, cancel);
+        let make = || electrode_of(inputs, channel, exact, (part, *side, *h), task);
         let electrode = clock.time("electrode", make)?;
         let machine = &job.machine.seen_from_w(*side);
         let settings = PlanSettings { machine, ..settings };
-        let plan = replay_feed(&around, &electrode, nodes, *h, &settings, progress, cancel)?;
+        let plan = replay_feed(&around, &electrode, nodes, *h, &settings, task)?;
         clock.add("certificate", plan.verify_seconds);
         electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new() });
     }

@@ -8,25 +8,19 @@ use crate::workspaces::blisk::report::{Report, StageTime};
 use crate::workspaces::blisk::scene::pictures::{PlanPicture, PlanToShow, plan_pictures};
 use files::report::Picture;
 use render::offscreen::{Offscreen, RenderError};
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 
 /// Puts the pictures of `outcome` into `report`, or the reason why there are none: a plan is good without them.
 ///
 /// # Errors
 /// [`Cancelled`], which is looked at while pictures are drawn.
-pub fn add(
-    report: &mut Report,
-    outcome: &PlanOutcome,
-    inputs: &PlanInputs,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<(), Cancelled> {
+pub fn add(report: &mut Report, outcome: &PlanOutcome, inputs: &PlanInputs, task: &Task) -> Result<(), Cancelled> {
     let started = Instant::now();
-    cancel.check()?;
+    task.check()?;
     if !inputs.job.export.draws_any() {
         return Ok(());
     }
-    match draw(outcome, inputs, progress, cancel) {
+    match draw(outcome, inputs, task) {
         Ok(pictures) => report.pictures = pictures,
         Err(RenderError::Cancelled(cancelled)) => return Err(cancelled),
         Err(error) => report.no_pictures = Some(error.to_string()),
@@ -35,13 +29,8 @@ pub fn add(
     Ok(())
 }
 
-fn draw(
-    outcome: &PlanOutcome,
-    inputs: &PlanInputs,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Vec<Picture>, RenderError> {
-    progress.report("pictures", 0.0, "");
+fn draw(outcome: &PlanOutcome, inputs: &PlanInputs, task: &Task) -> Result<Vec<Picture>, RenderError> {
+    task.report("pictures", 0.0, "");
     let mut offscreen = Offscreen::new()?;
     let plan = PlanToShow {
         blisk: &inputs.blisk,
@@ -50,13 +39,13 @@ fn draw(
         leftover: outcome.leftover().map(|left| &**left),
         spark_gap: inputs.job.electrode.spark_gap_mm,
     };
-    let pictures = plan_pictures(&plan, &inputs.job.export.pictures, progress, cancel)?;
+    let pictures = plan_pictures(&plan, &inputs.job.export.pictures, task)?;
     let count = pictures.len();
     let mut drawn = Vec::with_capacity(count);
     for (i, picture) in pictures.into_iter().enumerate() {
-        cancel.check()?;
-        progress.report("pictures", i as f64 / count as f64, &picture.title);
-        let png = offscreen.png(&picture.scene, &picture.camera, PICTURE_SIZE, cancel)?;
+        task.check()?;
+        task.report("pictures", i as f64 / count as f64, &picture.title);
+        let png = offscreen.png(&picture.scene, &picture.camera, PICTURE_SIZE, &task.cancel)?;
         drawn.push(finished(picture, png));
     }
     Ok(drawn)

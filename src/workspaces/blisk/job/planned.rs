@@ -16,7 +16,7 @@ use crate::workspaces::news::EventKind;
 use feed::problem::{Convergence, Node};
 use geometry::mesh::Mesh;
 use render::mesh::RenderMesh;
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::electrode::Electrode;
 
 /// What a plan has found so far.
@@ -58,11 +58,10 @@ impl Planned {
         ready: &PreparedBlisk,
         (part, job): (&Part, &PlanJob),
         found: &(dyn Fn(PartialPlan) + Sync),
-        progress: &Progress,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<Self, String> {
         let text = |e: PlanJobError| e.to_string();
-        simulate::check_machine(job, progress, cancel).map_err(text)?;
+        simulate::check_machine(job, task).map_err(text)?;
         simulate::check_channels(job, &ready.space.channel).map_err(text)?;
         // The shape of the electrode that is worked on is made once for each.
         let last: Mutex<Option<(Arc<Electrode>, Arc<RenderMesh>)>> = Mutex::default();
@@ -74,7 +73,7 @@ impl Planned {
             found(PartialPlan { electrode, shape, nodes: nodes.to_vec(), convergence: convergence.to_vec() });
         };
         let inputs = inputs_of(part, job);
-        let outcome = run_prepared(ready, &inputs, &observe, progress, cancel).map_err(text)?;
+        let outcome = run_prepared(ready, &inputs, &observe, task).map_err(text)?;
         Ok(Self::new(inputs, part, outcome))
     }
 
@@ -85,11 +84,10 @@ impl Planned {
     pub fn replay(
         kept: &KeptPlan,
         (part, channel, job): (&Part, &FoundChannel, &PlanJob),
-        progress: &Progress,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<Self, String> {
         let (inputs, FoundChannel { channel, blisk, exact, .. }) = (inputs_of(part, job), channel);
-        let outcome = replay(&inputs, channel, blisk, exact, kept, progress, cancel).map_err(|e| e.to_string())?;
+        let outcome = replay(&inputs, channel, blisk, exact, kept, task).map_err(|e| e.to_string())?;
         Ok(Self::new(inputs, part, outcome))
     }
 
@@ -134,9 +132,9 @@ impl Finished {
     ///
     /// # Errors
     /// One line for the user.
-    pub fn of(planned: &Planned, blisk: &Mesh, progress: &Progress, cancel: &Cancel) -> Result<Self, String> {
+    pub fn of(planned: &Planned, blisk: &Mesh, task: &Task) -> Result<Self, String> {
         let Planned { inputs, outcome, .. } = planned;
-        let finishing = finish(outcome, inputs, blisk, progress, cancel).map_err(|e| e.to_string())?;
+        let finishing = finish(outcome, inputs, blisk, task).map_err(|e| e.to_string())?;
         let left = &finishing.leftover;
         let collision = finishing.collision().map(|simulation| simulation.sentence());
         let said = left.as_ref().map(|left| left.sentence(&outcome.channel)).map_err(Clone::clone);

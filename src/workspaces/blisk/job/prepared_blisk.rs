@@ -8,7 +8,7 @@ use feed::prepared::PreparedElectrode;
 use feed::probes::Turns;
 use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::channel::Channel;
 use wheel::electrode::{ElectrodeParams, EnterSide, EntrySide, Sizing, own_turns};
 
@@ -51,11 +51,10 @@ impl PreparedBlisk {
         exact: Arc<ExactMesh>,
         channel: Arc<Channel>,
         cell: f64,
-        progress: &Progress,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<Self, PlanJobError> {
         let mut clock = Clock::default();
-        let build = || PlanningSpace::new(blisk, &exact, channel, cell, progress, cancel);
+        let build = || PlanningSpace::new(blisk, &exact, channel, cell, task);
         let space = clock.time("distance field", build)?;
         Ok(Self { exact, space, cell, clock, fullest: Mutex::default() })
     }
@@ -79,8 +78,7 @@ impl PreparedBlisk {
         &self,
         inputs: &PlanInputs,
         (part, side): (usize, EntrySide),
-        progress: &Progress,
-        cancel: &Cancel,
+        task: &Task,
     ) -> Result<(Arc<PreparedElectrode>, Turns), PlanJobError> {
         let mut full = inputs.clone();
         let mut drawn_in = [0.0; 2];
@@ -100,9 +98,9 @@ impl PreparedBlisk {
             let turns = turns(&prepared);
             return Ok((prepared, turns));
         }
-        let electrode = electrode_of(&full, &self.space.channel, &self.exact, (part, side, 0.0), progress, cancel)?;
+        let electrode = electrode_of(&full, &self.space.channel, &self.exact, (part, side, 0.0), task)?;
         let clearance = inputs.job.electrode.spark_gap_mm + margin;
-        let prepared = PreparedElectrode::new(&self.space, electrode.into(), clearance, most, progress, cancel)?;
+        let prepared = PreparedElectrode::new(&self.space, electrode.into(), clearance, most, task)?;
         let prepared = Arc::new(prepared);
         let mut kept = self.fullest.lock().unwrap_or_else(PoisonError::into_inner);
         if kept.len() == Self::KEPT {

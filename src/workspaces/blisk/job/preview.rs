@@ -8,7 +8,7 @@ use super::prepared_blisk::PreparedBlisk;
 use feed::global::PreviewPath;
 use feed::planner::{DrawnIn, preview_path};
 use render::mesh::RenderMesh;
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, EntrySide};
 
@@ -44,8 +44,7 @@ pub fn live_way(
     prepared: &PreparedBlisk,
     inputs: &PlanInputs,
     part: usize,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<LiveWay, PlanJobError> {
     let job = &inputs.job;
     job.validate().map_err(PlanJobError::Job)?;
@@ -54,9 +53,9 @@ pub fn live_way(
     let columns = if inputs.own_electrode.is_some() { 1 } else { job.electrode.columns };
     let sides = sides(job.electrode.enter, part / columns, job.electrode.parts);
     for &side in &sides {
-        let (full, turns) = prepared.fullest(inputs, (part, side), progress, cancel)?;
+        let (full, turns) = prepared.fullest(inputs, (part, side), task)?;
         let drawn_in = DrawnIn { prepared: &full, turns, electrode: full.electrode() };
-        let way = preview_path(&prepared.space, &drawn_in, &settings, progress, cancel)?;
+        let way = preview_path(&prepared.space, &drawn_in, &settings, task)?;
         let reach = |w: &PreviewPath| (w.margin.is_some(), w.nodes.last().map_or(0.0, |n| n.s));
         if best.as_ref().is_none_or(|b| reach(&b.way) < reach(&way)) {
             best = Some(LiveWay { side, way, other: None });
@@ -69,7 +68,7 @@ pub fn live_way(
         best.ok_or_else(|| PlanJobError::Job("the electrode cannot be retracted to either side".to_owned()))?;
     if sides.first() != Some(&best.side) {
         let (channel, which) = (&prepared.space.channel, (part, best.side, 0.0));
-        best.other = Some(Arc::new(electrode_of(inputs, channel, &prepared.exact, which, progress, cancel)?));
+        best.other = Some(Arc::new(electrode_of(inputs, channel, &prepared.exact, which, task)?));
     }
     Ok(best)
 }
@@ -91,15 +90,9 @@ impl Looked {
     ///
     /// # Errors
     /// One line for the user.
-    pub fn at(
-        prepared: &PreparedBlisk,
-        inputs: &PlanInputs,
-        part: usize,
-        progress: &Progress,
-        cancel: &Cancel,
-    ) -> Result<Self, String> {
+    pub fn at(prepared: &PreparedBlisk, inputs: &PlanInputs, part: usize, task: &Task) -> Result<Self, String> {
         let began = Instant::now();
-        let found = live_way(prepared, inputs, part, progress, cancel).map_err(|e| e.to_string())?;
+        let found = live_way(prepared, inputs, part, task).map_err(|e| e.to_string())?;
         let took = began.elapsed();
         let shape = found.other.as_ref().map(|electrode| Arc::new(RenderMesh::new(&electrode.mesh)));
         Ok(Self { shape, sentence: found.sentence(&prepared.space.channel), found, took })

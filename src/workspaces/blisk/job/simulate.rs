@@ -10,7 +10,7 @@ use crate::workspaces::blisk::document::machine_file::read_machine;
 use feed::copying::Copying;
 use feed::machine_model::MachineModel;
 use feed::simulation::{Scenario, Simulation, SimulationOptions, simulate as simulate_motion};
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::channel::Channel;
 
 /// Whether a program of this job may only be made after its whole motion was simulated: the machine has bodies, or other
@@ -23,16 +23,16 @@ pub fn is_needed(job: &PlanJob) -> bool {
 ///
 /// # Errors
 /// If its file cannot be read.
-pub fn bodies_of(job: &PlanJob, progress: &Progress, cancel: &Cancel) -> Result<MachineModel, PlanJobError> {
+pub fn bodies_of(job: &PlanJob, task: &Task) -> Result<MachineModel, PlanJobError> {
     match job.machine.has_bodies() {
-        true => Ok(read_machine(&job.machine.name, progress, cancel)?),
+        true => Ok(read_machine(&job.machine.name, task)?),
         false => Ok(MachineModel::default()),
     }
 }
 
 /// Finds out before the work whether the machine of `job`, with every body of it, can be read.
-pub fn check_machine(job: &PlanJob, progress: &Progress, cancel: &Cancel) -> Result<(), PlanJobError> {
-    bodies_of(job, progress, cancel).map(drop)
+pub fn check_machine(job: &PlanJob, task: &Task) -> Result<(), PlanJobError> {
+    bodies_of(job, task).map(drop)
 }
 
 /// Finds out before the work whether the channels that are burnt exist.
@@ -47,15 +47,14 @@ pub(super) fn simulate(
     electrodes: &[ElectrodeOutcome],
     motions: &[Copying],
     known: &mut Vec<Arc<Simulation>>,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<(), PlanJobError> {
     if !is_needed(around.job) {
         return Ok(());
     }
-    let model = bodies_of(around.job, progress, cancel)?;
+    let model = bodies_of(around.job, task)?;
     for (electrode, motion) in electrodes.iter().zip(motions) {
-        known.extend(of_electrode(around, electrode, motion, &model, progress, cancel)?);
+        known.extend(of_electrode(around, electrode, motion, &model, task)?);
     }
     Ok(())
 }
@@ -65,8 +64,7 @@ fn of_electrode(
     outcome: &ElectrodeOutcome,
     motion: &Copying,
     model: &MachineModel,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Option<Arc<Simulation>>, PlanJobError> {
     let channel = around.channel;
     let channels = &around.job.export.channels;
@@ -83,5 +81,5 @@ fn of_electrode(
         machine: &around.job.machine.seen_from_w(outcome.electrode.enters_from),
         model,
     };
-    Ok(Some(simulate_motion(&scenario, &SimulationOptions::of(channels), progress, cancel)?.into()))
+    Ok(Some(simulate_motion(&scenario, &SimulationOptions::of(channels), task)?.into()))
 }

@@ -12,7 +12,7 @@ use feed::plan_params::Strategy;
 use feed::prepared::PreparedElectrode;
 use feed::probes::Turns;
 use feed::sizing::{Least, Sizer};
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::channel::Surface;
 use wheel::electrode::{EnterSide, EntrySide, Sizing as SizeMode, own_turns};
 
@@ -98,8 +98,7 @@ pub fn size(
     inputs: &PlanInputs,
     range: SizingRange,
     found: &(dyn Fn(&SizeRow) + Sync),
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Vec<SizeRow>, PlanJobError> {
     if inputs.own_electrode.is_some() {
         return Err(PlanJobError::Job(
@@ -112,7 +111,7 @@ pub fn size(
     base.job.electrode.size = SizeMode::Given;
     base.job.electrode.circumferential_reduction_deg = [0.0; 2];
     base.job.validate().map_err(PlanJobError::Job)?;
-    let sizing = Sizing { prepared, base, found, progress, cancel };
+    let sizing = Sizing { prepared, base, found, task };
     let mut rows = Vec::new();
     for parts in range.from..=range.to {
         let single = parts == 1 && sizing.base.job.electrode.columns == 1;
@@ -130,15 +129,14 @@ pub fn size(
 pub fn auto_sized(
     prepared: &PreparedBlisk,
     inputs: &PlanInputs,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<(PlanInputs, Option<SizeRow>), PlanJobError> {
     let mut sized = inputs.clone();
     let electrode = &mut sized.job.electrode;
     let parts = electrode.parts;
     electrode.size = SizeMode::Given;
     let range = SizingRange { from: parts, to: parts };
-    let rows = size(prepared, &sized, range, &|_| (), progress, cancel)?;
+    let rows = size(prepared, &sized, range, &|_| (), task)?;
     let thickest = rows.into_iter().max_by(|a, b| a.least_thickness_mm.total_cmp(&b.least_thickness_mm));
     if let Some(row) = &thickest {
         sized.job.plan.strategy = Strategy::Global;
@@ -152,8 +150,7 @@ struct Sizing<'a> {
     prepared: &'a PreparedBlisk,
     base: PlanInputs,
     found: &'a (dyn Fn(&SizeRow) + Sync),
-    progress: &'a Progress,
-    cancel: &'a Cancel,
+    task: &'a Task,
 }
 
 impl Sizing<'_> {
@@ -232,7 +229,7 @@ impl Sizing<'_> {
     fn full(&self, parts: usize, number: usize, side: EntrySide) -> Result<Arc<PreparedElectrode>, PlanJobError> {
         let mut inputs = self.base.clone();
         inputs.job.electrode.parts = parts;
-        Ok(self.prepared.fullest(&inputs, (number, side), self.progress, self.cancel)?.0)
+        Ok(self.prepared.fullest(&inputs, (number, side), self.task)?.0)
     }
 
     /// What `work` finds with the sizer of `full`.
@@ -250,8 +247,7 @@ impl Sizing<'_> {
             settings: &settings,
             tolerance: TOLERANCE_DEG.to_radians(),
             most: MOST_DEG.to_radians(),
-            progress: self.progress,
-            cancel: self.cancel,
+            task: self.task,
         })?)
     }
 
@@ -272,7 +268,7 @@ impl Sizing<'_> {
             // To a thousandth, upwards: what is shown is what was planned.
             let reduction = turns.map(|t| ((t.to_degrees() + more) * 1e3).ceil() / 1e3);
             inputs.job.electrode.circumferential_reduction_deg = reduction;
-            let outcome = run_feeds(self.prepared, &inputs, self.progress, self.cancel)?;
+            let outcome = run_feeds(self.prepared, &inputs, self.task)?;
             if let Some(row) = row_of(&outcome, parts, enter, reduction) {
                 return Ok(Some(SizeRow { limit: limit_of(&outcome, limiting), raised_deg: more, ..row }));
             }

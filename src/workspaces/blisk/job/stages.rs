@@ -11,7 +11,7 @@ use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
 use import::{ImportOptions, ImportReport, Imported, Units, import_file};
 use render::mesh::RenderMesh;
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::centreline::{Centreline, CentrelineError};
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, EntrySide, from_user_mesh, make_electrodes};
@@ -94,21 +94,21 @@ impl Electrodes {
 ///
 /// # Errors
 /// One line naming file, place and remedy.
-pub fn load(job: &PlanJob, progress: &Progress, cancel: &Cancel) -> Result<Part, String> {
+pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
     let Some(path) = &job.blisk.mesh else { return demonstration() };
-    let blisk = import(path, job.blisk.units, progress, cancel)?;
+    let blisk = import(path, job.blisk.units, task)?;
     let mut files = vec![input_file("blisk", path, &blisk)];
     let own_electrode = match &job.electrode.mesh {
         None => None,
         Some(path) => {
-            let own = import(path, Units::Mm, progress, cancel)?;
+            let own = import(path, Units::Mm, task)?;
             files.push(input_file("electrode", path, &own));
             Some(Arc::new(own.mesh))
         }
     };
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let shape = Arc::new(RenderMesh::new(&blisk.mesh));
-    cancel.check().map_err(|e| e.to_string())?;
+    task.check().map_err(|e| e.to_string())?;
     Ok(Part { name, mesh: Arc::new(blisk.mesh), shape, report: Some(blisk.report), own_electrode, files })
 }
 
@@ -127,9 +127,9 @@ fn demonstration() -> Result<Part, String> {
     Ok(Part { name, mesh: Arc::new(mesh), shape, report: None, own_electrode: None, files: vec![file] })
 }
 
-fn import(path: &Path, units: Units, progress: &Progress, cancel: &Cancel) -> Result<Imported, String> {
+fn import(path: &Path, units: Units, task: &Task) -> Result<Imported, String> {
     let options = ImportOptions { units, ..Default::default() };
-    import_file(path, &options, progress, cancel).map_err(|e| e.to_string())
+    import_file(path, &options, task).map_err(|e| e.to_string())
 }
 
 /// What a report says of a mesh file.
@@ -153,7 +153,7 @@ const LINE_POINTS: usize = 200;
 ///
 /// # Errors
 /// One line for the user: what could not be found and how to give it by hand.
-pub fn channel(part: &Part, job: &PlanJob, progress: &Progress, cancel: &Cancel) -> Result<FoundChannel, String> {
+pub fn channel(part: &Part, job: &PlanJob, task: &Task) -> Result<FoundChannel, String> {
     if let Some(report) = part.report.as_ref().filter(|r| !r.watertight) {
         return Err(format!(
             "the surface is not closed ({} holes, {} edges of more than two triangles), so it has no inside and nothing can \
@@ -163,11 +163,11 @@ pub fn channel(part: &Part, job: &PlanJob, progress: &Progress, cancel: &Cancel)
     }
     job.blisk.options.validate()?;
     let text = |e: BliskError| e.to_string();
-    let channel = find_channel(&part.mesh, &job.blisk.options, progress, cancel).map_err(text)?;
+    let channel = find_channel(&part.mesh, &job.blisk.options, task).map_err(text)?;
     let blisk = part.mesh.in_frame(&channel.frame);
     let exact = ExactMesh::new(&blisk).map_err(|e| e.to_string())?;
     let mut shapes = channel_shapes(&blisk, &channel);
-    let centreline = match Centreline::of_channel(&channel, cancel) {
+    let centreline = match Centreline::of_channel(&channel, &task.cancel) {
         Ok(line) => Some(line),
         Err(CentrelineError::Cancelled(cancelled)) => return Err(cancelled.to_string()),
         // Only one of the strategies needs it, and says so.
@@ -183,17 +183,11 @@ pub fn channel(part: &Part, job: &PlanJob, progress: &Progress, cancel: &Cancel)
 ///
 /// # Errors
 /// One line for the user, of the side that is tried first.
-pub fn electrodes(
-    part: &Part,
-    found: &FoundChannel,
-    job: &PlanJob,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Electrodes, String> {
+pub fn electrodes(part: &Part, found: &FoundChannel, job: &PlanJob, task: &Task) -> Result<Electrodes, String> {
     job.electrode.validate().map_err(|e| e.to_string())?;
     let (mut notes, mut made) = (Vec::new(), Vec::new());
     for &side in job.electrode.enter.candidates() {
-        match on_side(part, found, job, side, progress, cancel) {
+        match on_side(part, found, job, side, task) {
             Ok(electrodes) => made.push((side, electrodes)),
             Err(error) => notes.push(error),
         }
@@ -218,16 +212,15 @@ fn on_side(
     found: &FoundChannel,
     job: &PlanJob,
     side: EntrySide,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Vec<Electrode>, String> {
     let (channel, exact, params) = (&found.channel, &found.exact, &job.electrode);
     let made = match &part.own_electrode {
         Some(own) => {
             let own = own.in_frame(&channel.frame);
-            from_user_mesh(own, channel, exact, params.spark_gap_mm, side, cancel).map(|e| vec![e])
+            from_user_mesh(own, channel, exact, params.spark_gap_mm, side, &task.cancel).map(|e| vec![e])
         }
-        None => make_electrodes(channel, exact, params, side, progress, cancel),
+        None => make_electrodes(channel, exact, params, side, task),
     };
     let mut made = made.map_err(|e| e.to_string())?;
     if side == EntrySide::PlusX {

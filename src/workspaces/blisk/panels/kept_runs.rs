@@ -90,7 +90,7 @@ impl KeptRuns {
 
     /// Those of `document` that cannot be looked at, and why: number, name, reason.
     fn absent(&self, document: &Document) -> Vec<(usize, String, String)> {
-        let reason = |key| match self.made.state(key) {
+        let reason = |key: &Key| match self.made.state(key) {
             State::Failed(why) => format!("not compared: {why}"),
             _ if self.channel.is_some() => "is being recomputed".to_owned(),
             _ => "waits for part and channel".to_owned(),
@@ -142,7 +142,7 @@ impl KeptRuns {
         let Some((of, key)) = lacking.map(|(of, key)| (of.clone(), key)) else { return problems };
         let (now, step) = (document.job().clone(), key.2);
         self.made.ask(&key, Priority::Background, move |work| {
-            let made = kept_run(&of, &now, &part, &found.0, &work.progress, &work.cancel);
+            let made = kept_run(&of, &now, &part, &found.0, &work.task);
             made.map(|plan| KeptRun::new(&of, &plan, step)).map_err(|e| e.to_string())
         });
         problems

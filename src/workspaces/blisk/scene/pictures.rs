@@ -21,7 +21,7 @@ use render::camera::Camera;
 use render::colour::{Colour, Theme};
 use render::mesh::RenderMesh;
 use render::scene::{Scene, SectionPlane};
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 use wheel::channel::{Channel, Surface};
 use wheel::electrode::{Electrode, EntrySide};
 
@@ -66,13 +66,8 @@ pub struct PlanPicture {
 ///
 /// # Errors
 /// When told to stop.
-pub fn plan_pictures(
-    plan: &PlanToShow,
-    wanted: &DrawnPictures,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Vec<PlanPicture>, Cancelled> {
-    let drawn = Drawn::new(plan, wanted, progress, cancel)?;
+pub fn plan_pictures(plan: &PlanToShow, wanted: &DrawnPictures, task: &Task) -> Result<Vec<PlanPicture>, Cancelled> {
+    let drawn = Drawn::new(plan, wanted, task)?;
     let mut pictures = Vec::from_iter(wanted.whole.then(|| drawn.whole()));
     pictures.extend(plan.leftover.filter(|_| wanted.leftover).map(|left| drawn.leftover(left)));
     for i in 0..plan.electrodes.len() {
@@ -96,12 +91,7 @@ struct Drawn<'a> {
 }
 
 impl<'a> Drawn<'a> {
-    fn new(
-        plan: &'a PlanToShow<'a>,
-        wanted: &DrawnPictures,
-        progress: &Progress,
-        cancel: &Cancel,
-    ) -> Result<Self, Cancelled> {
+    fn new(plan: &'a PlanToShow<'a>, wanted: &DrawnPictures, task: &Task) -> Result<Self, Cancelled> {
         let mut layers = Layers::default();
         // The ground of a drawing; on paper it says nothing, and the blisk's axes may stand askew to it.
         for layer in [Layer::Grid, Layer::Contact, Layer::Paths] {
@@ -109,7 +99,7 @@ impl<'a> Drawn<'a> {
         }
         let tracks: Vec<Track> = plan.electrodes.iter().map(|(_, p)| Track::of_plan(p)).collect();
         let room = |((electrode, _), track): (&(&Electrode, _), &Track)| {
-            match swept_shape(electrode, track, COARSE, progress, cancel) {
+            match swept_shape(electrode, track, COARSE, task) {
                 Err(SweptError::Cancelled(cancelled)) => Err(cancelled),
                 // A picture of poses tells as much.
                 made => Ok(made.ok()),
@@ -119,9 +109,9 @@ impl<'a> Drawn<'a> {
         let looked_at = if wanted.sweep { &plan.electrodes[..] } else { &[] };
         let swept = looked_at.iter().zip(&tracks).map(room).collect::<Result<_, _>>()?;
         let electrodes = plan.electrodes.iter().map(|(e, _)| Arc::new(RenderMesh::new(&e.mesh))).collect();
-        cancel.check()?;
+        task.check()?;
         let blisk = Arc::new(RenderMesh::new(plan.blisk));
-        cancel.check()?;
+        task.check()?;
         let shapes = channel_shapes(&plan.blisk.in_frame(&plan.channel.frame), plan.channel);
         Ok(Self { plan, blisk, shapes, electrodes, tracks, swept, layers })
     }

@@ -108,7 +108,7 @@ pub fn clearance_at_vertices(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use task::{Cancel, Progress};
+    use task::Task;
     use wheel::find_channel::find_channel;
     use wheel::options::BliskOptions;
     use wheel::parametric::{MeshResolution, ParametricBlisk};
@@ -117,7 +117,7 @@ mod tests {
     fn without_its_shroud_a_blisk_keeps_its_disc_and_blades() {
         let part = ParametricBlisk::demonstration();
         let mesh = part.mesh(&MeshResolution::default()).unwrap();
-        let channel = find_channel(&mesh, &BliskOptions::default(), &Progress::silent(), &Cancel::default()).unwrap();
+        let channel = find_channel(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
         let bare = unshrouded(&mesh.in_frame(&channel.frame), &channel);
         let radii: Vec<f64> = bare.vertices.iter().map(|p| p.y.hypot(p.z)).collect();
         let (least, most) = radii.iter().fold((f64::INFINITY, 0.0), |(a, b), r| (f64::min(a, *r), f64::max(b, *r)));

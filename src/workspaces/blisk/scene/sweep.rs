@@ -7,7 +7,7 @@ use glam::DAffine3;
 use super::track::Track;
 use geometry::swept::{SweptError, SweptSurface};
 use render::mesh::RenderMesh;
-use task::{Cancel, Progress};
+use task::Task;
 use wheel::electrode::Electrode;
 
 /// Cells of the lattice of a surface to be looked at closely: cells of some tenths of a millimetre. Takes seconds.
@@ -23,12 +23,11 @@ pub fn swept_shape(
     electrode: &Electrode,
     track: &Track,
     cells: usize,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Arc<RenderMesh>, SweptError> {
     let placements = placements(electrode, track);
-    let swept = SweptSurface::new(&electrode.mesh, &placements, cells, progress, cancel)?;
-    cancel.check()?;
+    let swept = SweptSurface::new(&electrode.mesh, &placements, cells, task)?;
+    task.check()?;
     Ok(Arc::new(RenderMesh::new(&swept.mesh)))
 }
 
@@ -66,9 +65,9 @@ mod tests {
     fn the_room_holds_the_electrode_in_every_pose() {
         let blisk = ParametricBlisk::demonstration();
         let exact = ExactMesh::new(&blisk.mesh(&MeshResolution::default()).unwrap()).unwrap();
-        let (params, silent, cancel) = (ElectrodeParams::default(), Progress::silent(), Cancel::default());
+        let (params, task) = (ElectrodeParams::default(), Task::default());
         let channel = exact_channel(&blisk);
-        let made = make_electrodes(&channel, &exact, &params, EntrySide::PlusX, &silent, &cancel).unwrap();
+        let made = make_electrodes(&channel, &exact, &params, EntrySide::PlusX, &task).unwrap();
         let electrode = &made[0];
         let pose = |i: f64| Pose { x: 4.0 * i, z: 0.3 * i, y: 0.1 * i * i, a: 0.03 * i, c: -0.04 * i * i, b: 0.0 };
         let node = |i: u32| {
@@ -83,7 +82,7 @@ mod tests {
         let most = far.flat_map(|p| moved(p).collect::<Vec<_>>()).fold(0.0, f64::max);
         assert!(most <= 1.05 * SweptSurface::STEP, "{most} mm from one placement to the next");
 
-        let room = SweptSurface::new(&electrode.mesh, &placements, 100_000, &silent, &cancel).unwrap();
+        let room = SweptSurface::new(&electrode.mesh, &placements, 100_000, &task).unwrap();
         assert!(RenderMesh::new(&room.mesh).is_closed());
         let surface = ExactMesh::new(&room.mesh).unwrap();
         let outside = |p: DVec3| if is_inside(&surface, p) { 0.0 } else { surface.signed_distance(p).abs() };

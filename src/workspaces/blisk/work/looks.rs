@@ -76,7 +76,7 @@ impl BliskWork {
             Ok(None) => self.looks.looks.turn_to(&place),
             ready => drop(self.looks.looks.ask(&place, self.priority, move |work| {
                 let ready = ready?.ok_or_else(String::new)?;
-                Looked::at(&ready, &inputs, part, &work.progress, &work.cancel)
+                Looked::at(&ready, &inputs, part, &work.task)
             })),
         }
         let seen = self.looked().cloned().map(Same);
@@ -145,7 +145,7 @@ impl BliskWork {
                 so_far.push(row.clone());
                 work.partial(so_far.clone());
             };
-            let rows = size(&*ready?, &inputs, PARTS, &found, &work.progress, &work.cancel);
+            let rows = size(&*ready?, &inputs, PARTS, &found, &work.task);
             rows.map_err(|e| e.to_string()).and_then(|rows| match rows.is_empty() {
                 true => Err("not feasible: no electrode has an extraction path at the reductions tried".to_owned()),
                 false => Ok(rows),

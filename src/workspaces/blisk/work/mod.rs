@@ -20,12 +20,11 @@ use crate::workspaces::blisk::report::InputFile;
 use crate::workspaces::blisk::scene::leftover::LeftoverShape;
 use crate::workspaces::news::{EventKind, WorkEvent};
 use looks::Looks;
-use task::{Cancel, Doing, Lane, Memo, Priority, Progress, Same, Scheduler, State};
+use task::{Doing, Lane, Memo, Priority, Same, Scheduler, State, Task};
 
 /// Writes a released plan of these inputs, which were read from these files, into a folder; answers the names of the files.
-pub type ExportWork = Box<
-    dyn FnOnce(&Path, &Released, &PlanInputs, Vec<InputFile>, &Progress, &Cancel) -> Result<Vec<String>, String> + Send,
->;
+pub type ExportWork =
+    Box<dyn FnOnce(&Path, &Released, &PlanInputs, Vec<InputFile>, &Task) -> Result<Vec<String>, String> + Send>;
 
 /// What has happened, and at which step.
 pub type StageEvent = (Stage, WorkEvent);
@@ -213,15 +212,13 @@ impl BliskWork {
     fn follow_early_stages(&mut self) {
         let (Some(now), priority) = (&self.now, self.priority) else { return };
         let job = now.job.clone();
-        self.part.ask(&now.part, priority, move |work| stages::load(&job, &work.progress, &work.cancel));
+        self.part.ask(&now.part, priority, move |work| stages::load(&job, &work.task));
         let Some(part) = self.part.get(&now.part) else { return };
         let (job, of) = (now.job.clone(), part.clone());
-        self.channel.ask(&now.channel, priority, move |work| stages::channel(&of, &job, &work.progress, &work.cancel));
+        self.channel.ask(&now.channel, priority, move |work| stages::channel(&of, &job, &work.task));
         let Some(found) = self.channel.get(&now.channel) else { return };
         let (job, part, found) = (now.job.clone(), part.clone(), found.clone());
-        self.electrodes.ask(&now.electrode, priority, move |work| {
-            stages::electrodes(&part, &found, &job, &work.progress, &work.cancel)
-        });
+        self.electrodes.ask(&now.electrode, priority, move |work| stages::electrodes(&part, &found, &job, &work.task));
     }
 
     /// Takes up the plan that the document came with, if it is for its present parameters; says so once if it is not.
@@ -241,9 +238,8 @@ impl BliskWork {
             return;
         }
         let (part, found, job, kept) = (part.clone(), found.clone(), now.job.clone(), kept.clone());
-        self.planned.ask(&now.plan, self.priority, move |work| {
-            Planned::replay(&kept, (&part, &found, &job), &work.progress, &work.cancel)
-        });
+        self.planned
+            .ask(&now.plan, self.priority, move |work| Planned::replay(&kept, (&part, &found, &job), &work.task));
     }
 
     /// Begins what waits for the blisk to be ready.
@@ -263,7 +259,7 @@ impl BliskWork {
                     let (ready, part, job) = (ready.clone(), part.clone(), now.job.clone());
                     self.planned.restart(&now.plan, self.priority, move |work| {
                         let found = |partial| work.partial(Arc::new(partial));
-                        Planned::search(&*ready?, (&part, &job), &found, &work.progress, &work.cancel)
+                        Planned::search(&*ready?, (&part, &job), &found, &work.task)
                     });
                 }
                 _ => {}
@@ -284,9 +280,8 @@ impl BliskWork {
         let (Some(found), Some(planned), false) = (found, planned, self.is_planning()) else {
             return self.finished.stop();
         };
-        self.finished.ask(&Same(planned.clone()), self.priority, move |work| {
-            Finished::of(&planned, &found.blisk, &work.progress, &work.cancel)
-        });
+        self.finished
+            .ask(&Same(planned.clone()), self.priority, move |work| Finished::of(&planned, &found.blisk, &work.task));
     }
 
     /// Has the document keep the present plan.
@@ -330,7 +325,7 @@ impl BliskWork {
         }
         let state = self.prepared.ask(&key, self.priority, move |work| {
             let (blisk, exact, channel) = (found.blisk.clone(), found.exact.clone(), found.channel.clone());
-            PreparedBlisk::new(blisk, exact, channel, cell, &work.progress, &work.cancel).map_err(|e| e.to_string())
+            PreparedBlisk::new(blisk, exact, channel, cell, &work.task).map_err(|e| e.to_string())
         });
         state.why_not().map_or_else(|| Ok(self.prepared.get(&key).cloned()), |why| Err(why.to_owned()))
     }
@@ -539,7 +534,7 @@ impl BliskWork {
         let (files, folder) = (part.files.clone(), folder.to_owned());
         self.exports = (Some(now.export), self.exports.1 + 1);
         self.exported.restart(&(now.export, self.exports.1), self.priority, move |work| {
-            let written = write(&folder, &released, &inputs, files, &work.progress, &work.cancel)?;
+            let written = write(&folder, &released, &inputs, files, &work.task)?;
             Ok(Exported { folder, written })
         });
         Ok(())

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use files::Validate;
-use task::{Cancel, Doing, Lane, Memo, Priority, Progress, Scheduler, State};
+use task::{Doing, Lane, Memo, Priority, Scheduler, State, Task};
 
 use stamps::Stamp;
 
@@ -112,10 +112,10 @@ impl FlankWork {
     fn load(&mut self, document: &FlankDocument) {
         let key = self.source_key(document);
         let source = key.0.clone();
-        self.source.ask(&key, self.priority, move |work| steps::load(&source, &work.progress, &work.cancel));
+        self.source.ask(&key, self.priority, move |work| steps::load(&source, &work.task));
         let Some(key) = self.walls_key(document) else { return };
         let (walls, unit) = (key.0.clone(), key.1);
-        self.walls.ask(&key, self.priority, move |work| steps::load_walls(&walls, unit, &work.progress, &work.cancel));
+        self.walls.ask(&key, self.priority, move |work| steps::load_walls(&walls, unit, &work.task));
     }
 
     fn source_key(&self, document: &FlankDocument) -> SourceKey {
@@ -126,8 +126,8 @@ impl FlankWork {
     ///
     /// # Errors
     /// One line naming file, place and remedy.
-    pub fn read(document: &FlankDocument, progress: &Progress, cancel: &Cancel) -> Result<LoadedFlank, String> {
-        steps::load(&source_to_read(&document.source), progress, cancel)
+    pub fn read(document: &FlankDocument, task: &Task) -> Result<LoadedFlank, String> {
+        steps::load(&source_to_read(&document.source), task)
     }
 
     /// Takes `loaded` for what the files of the source of `document` hold.
@@ -241,7 +241,7 @@ impl FlankWork {
         let walls = walls.map(|walls| FromFile { value: walls.mesh.clone(), doubts: walls.doubts.clone() });
         let (question, asked) = (self.question(document), document.clone());
         self.planned.restart(&question, self.priority, move |work| {
-            steps::plan(&asked, surface.clone(), walls.clone(), &work.progress, &work.cancel)
+            steps::plan(&asked, surface.clone(), walls.clone(), &work.task)
         });
         Ok(())
     }
@@ -251,7 +251,7 @@ impl FlankWork {
         let Some(surface) = self.surface(document) else { return };
         let (question, asked) = (self.question(document), document.clone());
         self.sketches
-            .ask(&question, self.priority, move |work| Ok(steps::sketch(&asked, surface.clone(), &work.cancel)));
+            .ask(&question, self.priority, move |work| Ok(steps::sketch(&asked, surface.clone(), &work.task.cancel)));
     }
 
     /// What was seen at a glance of `document`; while it goes on changing (`is_held`) also of what it was before.
@@ -317,7 +317,7 @@ impl FlankWork {
         let (folder, document) = (folder.to_owned(), document.clone());
         self.exports += 1;
         self.exported.restart(&self.exports, Priority::Shown, move |work| {
-            export::export(&folder, (&result, &document), choice, &work.progress, &work.cancel)
+            export::export(&folder, (&result, &document), choice, &work.task)
         });
         Ok(())
     }

@@ -18,7 +18,7 @@ use geometry::mesh::Mesh;
 use import::Unit;
 use nc::flank_job::{FlankInput, FlankJobError, FlankResult, LoadedSurface, flank, surface};
 use render::mesh::RenderMesh;
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 
 /// Places of the grid of a quick look, and its most rounds of refinement.
 const SKETCH_GRID: [usize; 2] = [34, 18];
@@ -132,10 +132,10 @@ pub struct Sketch {
 ///
 /// # Errors
 /// One line naming file, place and remedy.
-pub(super) fn load(source: &FlankSource, progress: &Progress, cancel: &Cancel) -> Result<LoadedFlank, String> {
+pub(super) fn load(source: &FlankSource, task: &Task) -> Result<LoadedFlank, String> {
     // What is written while it is read counts as changed.
     let stamps = Stamp::of_source(source);
-    let FromFile { value: surface, doubts } = load_surface(source, progress, cancel).map_err(|e| e.to_string())?;
+    let FromFile { value: surface, doubts } = load_surface(source, task).map_err(|e| e.to_string())?;
     let part = match &surface {
         LoadedSurface::Guides { .. } => None,
         LoadedSurface::Face { mesh, .. } => Some(Arc::new(RenderMesh::new(mesh))),
@@ -147,14 +147,9 @@ pub(super) fn load(source: &FlankSource, progress: &Progress, cancel: &Cancel) -
 ///
 /// # Errors
 /// As [`load`].
-pub(super) fn load_walls(
-    walls: &WallsFile,
-    unit: Unit,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<LoadedWalls, String> {
+pub(super) fn load_walls(walls: &WallsFile, unit: Unit, task: &Task) -> Result<LoadedWalls, String> {
     let stamp = Stamp::of(&walls.file);
-    let found = inputs::load_walls(walls, unit, progress, cancel).map_err(|e| e.to_string())?;
+    let found = inputs::load_walls(walls, unit, task).map_err(|e| e.to_string())?;
     let FromFile { value: mesh, doubts } = found;
     let shape = Arc::new(RenderMesh::new(&mesh));
     Ok(LoadedWalls { mesh, shape, doubts, stamp })
@@ -168,12 +163,11 @@ pub(super) fn plan(
     document: &FlankDocument,
     surface: FromFile<LoadedSurface>,
     walls: Option<FromFile<Arc<Mesh>>>,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Planned, String> {
     let machine = load_machine(document, user_folder().as_deref()).map_err(|e| e.to_string())?;
-    let result = flank(&input(document, surface, walls, machine), progress, cancel).map_err(|e| e.to_string())?;
-    cancel.check().map_err(|e| e.to_string())?;
+    let result = flank(&input(document, surface, walls, machine), task).map_err(|e| e.to_string())?;
+    task.check().map_err(|e| e.to_string())?;
     Ok(Planned::of(result))
 }
 
@@ -198,9 +192,7 @@ pub(super) fn sketch(document: &FlankDocument, loaded: LoadedSurface, cancel: &C
     let of_a_side = open_side.and_then(|_| surface(&FlankInput { side: Side::Positive, ..coarse.clone() }).ok());
     let shown = made.as_ref().ok().or(of_a_side.as_ref()).map(|(surface, _)| FlankSurface::bare(surface));
     let planned = made.map_err(|e| e.to_string()).and_then(|_| {
-        flank(&coarse, &Progress::silent(), cancel)
-            .map(|result| Arc::new(Planned::of(result)))
-            .map_err(|e| e.to_string())
+        flank(&coarse, &Task::silent(cancel)).map(|result| Arc::new(Planned::of(result))).map_err(|e| e.to_string())
     });
     Sketch { surface: shown, planned, open_side }
 }

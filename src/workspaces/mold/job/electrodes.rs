@@ -11,7 +11,7 @@ use mold::electrode::params::ElectrodeParams;
 use mold::electrode::plan::plan;
 use mold::electrode::setting::{ElectrodeError, RegionToBurn};
 use mold::height_field::{Covered, HeightField};
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 
 /// Share of a face that has to be left for all of it to be: pieces at its border are known roughly.
 const WHOLE: f64 = 0.9;
@@ -56,8 +56,7 @@ pub fn electrodes(
     mesh: &Mesh,
     uncut: &Uncut,
     params: &ElectrodeParams,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<ElectrodeSet, ElectrodesError> {
     let open = super::uncut::open_edges(mesh);
     if open > 0 {
@@ -65,10 +64,10 @@ pub fn electrodes(
     }
     params.validate().map_err(ElectrodeError::from)?;
     let upright = uncut.params.opening.upright_mesh(mesh);
-    progress.report("rest material", 0.0, "");
-    let field = HeightField::raster(&upright, uncut.grid_step, cancel).map_err(UncutError::from)?;
+    task.report("rest material", 0.0, "");
+    let field = HeightField::raster(&upright, uncut.grid_step, &task.cancel).map_err(UncutError::from)?;
     let library = &uncut.params.library;
-    let (closing, found) = on_field(&field, library, uncut.params.tolerance_mm, cancel)?;
+    let (closing, found) = on_field(&field, library, uncut.params.tolerance_mm, &task.cancel)?;
     let covered = Covered::new(&field, &closing, &found);
     let step = covered.step();
     let leaves = |p: DVec3| {
@@ -78,8 +77,8 @@ pub fn electrodes(
     };
     let milled = Milled { leaves: &leaves, within: step };
     let regions = to_burn(&upright, uncut);
-    cancel.check()?;
-    Ok(plan(&upright, &regions, (library, &milled), params, progress, cancel)?)
+    task.check()?;
+    Ok(plan(&upright, &regions, (library, &milled), params, task)?)
 }
 
 /// The regions with their surfaces.

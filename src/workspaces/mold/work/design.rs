@@ -10,7 +10,7 @@ use mold::electrode::design::{ElectrodeSet, PartNode};
 use mold::electrode::overrides::Override;
 use mold::electrode::params::ElectrodeParams;
 use mold::opening::Opening;
-use task::{Cancel, Progress};
+use task::Task;
 
 /// Electrodes with all that is shown of them.
 #[derive(Debug)]
@@ -62,12 +62,11 @@ pub(super) fn design(
     mold: &LoadedMold,
     found: &FoundUncut,
     params: &ElectrodeParams,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Designed, String> {
     let uncut = &found.uncut;
-    let set = electrodes(&mold.mesh, uncut, params, progress, cancel).map_err(|e| e.to_string())?;
-    cancel.check().map_err(|e| e.to_string())?;
+    let set = electrodes(&mold.mesh, uncut, params, task).map_err(|e| e.to_string())?;
+    task.check().map_err(|e| e.to_string())?;
     let mut places = vec![None; set.regions.len()];
     for piece in &uncut.surface {
         if let Some(place) = places.get_mut(piece.region as usize) {

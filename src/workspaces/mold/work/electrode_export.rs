@@ -13,7 +13,7 @@ use mold::electrode::overrides::IdleOverride;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::{ElectrodeFormat, LeftOut};
 use render::offscreen::{Offscreen, RenderError};
-use task::{Cancel, Progress};
+use task::Task;
 
 /// What was written.
 #[derive(Debug)]
@@ -61,17 +61,16 @@ pub(super) fn export(
     (set, designed): (&ElectrodeSet, &Designed),
     (mold, name): (&LoadedMold, &str),
     (formats, sheet): (&[ElectrodeFormat], &BurnSheet),
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Exported, String> {
     let opened = ExportFolder::open(folder, EXPORT).map_err(|e| e.to_string())?;
-    let (pictures, no_pictures) = match draw(set, designed, mold, progress, cancel) {
+    let (pictures, no_pictures) = match draw(set, designed, mold, task) {
         Ok(pictures) => (pictures, None),
         Err(RenderError::Cancelled(cancelled)) => return Err(cancelled.to_string()),
         Err(error) => (Vec::new(), Some(error.to_string())),
     };
     let report = ElectrodesReport::of(set, name, designed.opening);
-    cancel.check().map_err(|e| e.to_string())?;
+    task.check().map_err(|e| e.to_string())?;
     let (written, published) =
         export_electrodes(opened, (set, &report), sheet, &pictures, formats).map_err(|e| e.to_string())?;
     let lapsed = set.idle_overrides().into_iter().filter(|(_, why)| *why == IdleOverride::OtherParts);
@@ -91,17 +90,16 @@ fn draw(
     set: &ElectrodeSet,
     designed: &Designed,
     mold: &LoadedMold,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Vec<(String, Vec<u8>)>, RenderError> {
     let mut offscreen = Offscreen::new()?;
     let pictures = electrode_pictures(set, &designed.shapes, &mold.shape, designed.opening);
     let count = pictures.len() as f64;
     let mut drawn = Vec::new();
     for (i, picture) in pictures.into_iter().enumerate() {
-        cancel.check()?;
-        progress.report("pictures", i as f64 / count, &picture.caption);
-        drawn.push((picture.caption, offscreen.png(&picture.scene, &picture.camera, PICTURE_SIZE, cancel)?));
+        task.check()?;
+        task.report("pictures", i as f64 / count, &picture.caption);
+        drawn.push((picture.caption, offscreen.png(&picture.scene, &picture.camera, PICTURE_SIZE, &task.cancel)?));
     }
     Ok(drawn)
 }

@@ -128,7 +128,7 @@ impl MoldWork {
     fn load(&mut self, params: &MoldParams) {
         let Some(key) = self.mesh_key(params) else { return };
         let (path, units) = (key.0.clone(), key.1);
-        self.mold.ask(&key, self.priority, move |work| steps::load(&path, units, &work.progress, &work.cancel));
+        self.mold.ask(&key, self.priority, move |work| steps::load(&path, units, &work.task));
     }
 
     fn mesh_key(&self, params: &MoldParams) -> Option<MeshKey> {
@@ -210,8 +210,7 @@ impl MoldWork {
         let (question, mold) = self.asked(params)?;
         question.1.validate().map_err(|e| e.to_string())?;
         let asked = question.1.clone();
-        self.found
-            .restart(&question, self.priority, move |work| steps::find(&mold, &asked, &work.progress, &work.cancel));
+        self.found.restart(&question, self.priority, move |work| steps::find(&mold, &asked, &work.task));
         Ok(())
     }
 
@@ -226,7 +225,7 @@ impl MoldWork {
         let asked = UncutParams { library: library.clone(), ..question.1.clone() };
         asked.validate().map_err(|e| e.to_string())?;
         self.other.restart(&(question, library.clone()), self.priority, move |work| {
-            steps::compare(&mold, &found, &asked, &work.progress, &work.cancel)
+            steps::compare(&mold, &found, &asked, &work.task)
         });
         Ok(())
     }
@@ -253,7 +252,7 @@ impl MoldWork {
     pub fn glance(&mut self, params: &MoldParams) {
         let Ok((question, mold)) = self.asked(params) else { return };
         let asked = question.1.clone();
-        self.glances.ask(&question, self.priority, move |work| glance::look(&mold, &asked, &work.cancel));
+        self.glances.ask(&question, self.priority, move |work| glance::look(&mold, &asked, &work.task.cancel));
     }
 
     /// Forgets what was seen at a glance.
@@ -307,7 +306,7 @@ impl MoldWork {
         };
         let asked = params.electrodes.clone();
         self.designed.restart(&design_question(question, &params.electrodes), self.priority, move |work| {
-            design::design(&mold, &found, &asked, &work.progress, &work.cancel)
+            design::design(&mold, &found, &asked, &work.task)
         });
         Ok(())
     }
@@ -353,7 +352,7 @@ impl MoldWork {
         let set = ElectrodeSet { params: asked, ..made.set.clone() };
         self.exports += 1;
         self.exported.restart(&self.exports, Priority::Shown, move |work| {
-            export(&folder, (&set, &made), (&mold, &name), (&formats, &sheet), &work.progress, &work.cancel)
+            export(&folder, (&set, &made), (&mold, &name), (&formats, &sheet), &work.task)
         });
         Ok(())
     }

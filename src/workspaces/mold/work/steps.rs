@@ -11,7 +11,7 @@ use crate::workspaces::mold::scene::{RegionShape, faces_shape, region_shapes};
 use geometry::mesh::Mesh;
 use import::{ImportOptions, ImportReport, Units, import_file};
 use render::mesh::RenderMesh;
-use task::{Cancel, Progress};
+use task::Task;
 
 /// A mold as loaded.
 #[derive(Debug)]
@@ -63,12 +63,12 @@ impl FoundUncut {
 ///
 /// # Errors
 /// One line naming file, place and remedy.
-pub fn load(path: &Path, units: Units, progress: &Progress, cancel: &Cancel) -> Result<LoadedMold, String> {
+pub fn load(path: &Path, units: Units, task: &Task) -> Result<LoadedMold, String> {
     let options = ImportOptions { units, ..Default::default() };
-    let imported = import_file(path, &options, progress, cancel).map_err(|e| e.to_string())?;
+    let imported = import_file(path, &options, task).map_err(|e| e.to_string())?;
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let shape = Arc::new(RenderMesh::new(&imported.mesh));
-    cancel.check().map_err(|e| e.to_string())?;
+    task.check().map_err(|e| e.to_string())?;
     let sha256 = part_of(&imported);
     let volume = imported.mesh.volume();
     Ok(LoadedMold { name, mesh: Arc::new(imported.mesh), shape, report: imported.report, volume, sha256 })
@@ -78,18 +78,13 @@ pub fn load(path: &Path, units: Units, progress: &Progress, cancel: &Cancel) -> 
 ///
 /// # Errors
 /// One line for the user.
-pub(super) fn find(
-    mold: &LoadedMold,
-    params: &UncutParams,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<FoundUncut, String> {
+pub(super) fn find(mold: &LoadedMold, params: &UncutParams, task: &Task) -> Result<FoundUncut, String> {
     let text = |e: UncutError| e.to_string();
-    let found = uncut(&mold.mesh, params, progress, cancel).map_err(text)?;
+    let found = uncut(&mold.mesh, params, task).map_err(text)?;
     let shapes = region_shapes(&mold.mesh, &found.surface, found.regions.len(), params.opening);
     let invert = faces_shape(&mold.mesh, &found.stack.invert.triangles);
     let deepest = found.regions.iter().fold(0.0, |most: f64, r| most.max(r.depth));
-    cancel.check().map_err(|e| e.to_string())?;
+    task.check().map_err(|e| e.to_string())?;
     Ok(FoundUncut { report: UncutReport::of(&found), uncut: found, shapes, invert, deepest })
 }
 
@@ -101,10 +96,9 @@ pub(super) fn compare(
     mold: &LoadedMold,
     found: &FoundUncut,
     params: &UncutParams,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<(FoundUncut, Comparison), String> {
-    let other = find(mold, params, progress, cancel)?;
-    let comparison = compare_answers(&mold.mesh, &found.uncut, &other.uncut, progress, cancel);
+    let other = find(mold, params, task)?;
+    let comparison = compare_answers(&mold.mesh, &found.uncut, &other.uncut, task);
     Ok((other, comparison.map_err(|e| e.to_string())?))
 }

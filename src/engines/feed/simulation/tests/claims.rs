@@ -39,7 +39,7 @@ fn a_certificate_of_something_else_or_of_too_little_proves_nothing() {
         let (parts, certificate) = (good(), &certificate);
         let feed = (&parts.feed, certificate);
         let scenario = Scenario { feed, ..parts.scenario(&parts.machine) };
-        let simulation = simulate(&scenario, &options(&[0]), &Progress::silent(), &Cancel::default()).unwrap();
+        let simulation = simulate(&scenario, &options(&[0]), &Task::default()).unwrap();
         let feed = simulation.pairs().iter().find(|p| p.during == Some("feed")).unwrap();
         assert!(feed.certified == 0.0 && !simulation.holds(), "{i}: {feed:?}");
     }
@@ -60,7 +60,7 @@ fn paths_without_rows_are_no_motion_and_hide_no_other() {
     let parts = parts(vec![chuck(), stop], 0.0);
     let empty = FeedPath { rows: Vec::new(), ..parts.feed.clone() };
     let scenario = Scenario { copying: Some((&empty, &parts.certificate)), ..parts.scenario(&parts.machine) };
-    let simulation = simulate(&scenario, &options(&[0]), &Progress::silent(), &Cancel::default()).unwrap();
+    let simulation = simulate(&scenario, &options(&[0]), &Task::default()).unwrap();
     assert!(pair(&simulation, "chuck", "stop").contact.is_some());
     let copying = simulation.pairs().iter().find(|p| p.during == Some("copying motion")).unwrap();
     assert_eq!(copying.certified, 0.0);

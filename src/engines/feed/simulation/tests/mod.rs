@@ -15,7 +15,7 @@ use geometry::frame::Frame;
 use geometry::mesh::Bounds;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
-use task::{Cancel, Progress};
+use task::{Cancel, Task};
 use wheel::channel::Surface;
 use wheel::electrode::{ElectrodeFace, EntrySide};
 
@@ -88,7 +88,7 @@ fn parts(bodies: Vec<Body>, turned: f64) -> Parts {
 fn certified(blisk: &Mesh, electrode: &Mesh, feed: &FeedPath) -> Certificate {
     let verifier = Verifier::new(blisk, electrode, O, &Cancel::default()).unwrap().within(TravelLimits::UNLIMITED);
     let (options, surface) = (VerifyOptions::default(), |_: DVec3| Surface::Elsewhere);
-    verifier.verify(feed, &surface, &options, &Progress::silent(), &Cancel::default()).unwrap()
+    verifier.verify(feed, &surface, &options, &Task::default()).unwrap()
 }
 
 /// To within a millionth of a millimetre, near or far.
@@ -105,7 +105,7 @@ impl Parts {
     fn simulate_clear(&self, channels: &[usize], clear_mm: f64) -> Simulation {
         let machine = self.machine.seen_from_w(self.electrode.enters_from);
         let (scenario, options) = (self.scenario(&machine), SimulationOptions { clear_mm, ..options(channels) });
-        let simulation = simulate(&scenario, &options, &Progress::silent(), &Cancel::default()).unwrap();
+        let simulation = simulate(&scenario, &options, &Task::default()).unwrap();
         self.check_places(&simulation);
         simulation
     }
@@ -361,14 +361,14 @@ fn copies_of_a_table_tell_what_turning_it_tells() {
     let near = body("near", Carrier::Table, [23.0, -100.0, 15.0], [4.0, 2.0, 2.0]);
     let met = body("met", Carrier::Table, [23.0, -4.0, -100.0], [4.0, 2.0, 2.0]);
     let parts = parts(vec![chuck(), near, met], 0.3);
-    let (scenario, options, cancel) = (parts.scenario(&parts.machine), options(&[0, 1, 2, 3]), &Cancel::default());
+    let (scenario, options, task) = (parts.scenario(&parts.machine), options(&[0, 1, 2, 3]), &Task::default());
     let (visits, _) = tour::visits(&scenario, &options.channels);
-    let bodies = &Bodies::new(&scenario, cancel).unwrap();
-    let run = Run { scenario: &scenario, options: &options, bodies, visits: &visits, period_error: Some(0.0), cancel };
+    let bodies = &Bodies::new(&scenario, &task.cancel).unwrap();
+    let run = Run { scenario: &scenario, options: &options, bodies, visits: &visits, period_error: Some(0.0), task };
     let copies = run.copies().unwrap();
     assert_eq!(copies.iter().flatten().count(), 2);
     let approach = run.approach(&copies).unwrap();
-    let all = |copies| run.all(&approach, copies, &Progress::silent()).unwrap();
+    let all = |copies| run.all(&approach, copies).unwrap();
     let (with, without) = (all(&copies), all(&[]));
     assert_eq!(with.len(), without.len());
     for (p, q) in with.iter().zip(&without) {

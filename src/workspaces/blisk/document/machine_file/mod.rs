@@ -32,7 +32,7 @@ use feed::machine_model::{Body, Carrier, MachineModel};
 use files::{FileError, Invalid, TomlFile, read_text};
 use geometry::mesh::Mesh;
 use import::{ImportError, ImportOptions, Units, import_file};
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancelled, Task};
 use urdf::{Look, UrdfBody};
 
 /// The most bodies that a machine may have, and the most triangles of all of them.
@@ -161,10 +161,10 @@ pub fn machine_table(name: &str) -> Result<toml::Table, MachineFileError> {
 ///
 /// # Errors
 /// [`MachineFileError`].
-pub fn read_machine(name: &str, progress: &Progress, cancel: &Cancel) -> Result<MachineModel, MachineFileError> {
+pub fn read_machine(name: &str, task: &Task) -> Result<MachineModel, MachineFileError> {
     let (text, folder) = text_of(name)?;
     if is_urdf(name) {
-        return read_urdf(name, &text, &folder, progress, cancel);
+        return read_urdf(name, &text, &folder, task);
     }
     let mut table = parse(name, &text)?;
     let bodies = match table.remove("bodies") {
@@ -185,7 +185,7 @@ pub fn read_machine(name: &str, progress: &Progress, cancel: &Cancel) -> Result<
             return Err(wrong("every body needs a name of its own".to_owned()));
         }
         let mesh = match entry.shape {
-            ShapeName::Mesh => read_mesh(name, &folder, &entry, progress, cancel)?,
+            ShapeName::Mesh => read_mesh(name, &folder, &entry, task)?,
             _ => primitive(&entry).map_err(wrong)?,
         };
         add(&mut model, Body { name: entry.name, carrier: entry.carried_by, mesh }).map_err(wrong)?;
@@ -208,13 +208,7 @@ fn add(model: &mut MachineModel, body: Body) -> Result<(), String> {
     Ok(())
 }
 
-fn read_urdf(
-    name: &str,
-    text: &str,
-    folder: &Path,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<MachineModel, MachineFileError> {
+fn read_urdf(name: &str, text: &str, folder: &Path, task: &Task) -> Result<MachineModel, MachineFileError> {
     let bodies = urdf::bodies(text, folder).map_err(|e| invalid(name, &e))?;
     if bodies.len() > MOST_BODIES {
         return Err(invalid(name, &format!("{} bodies are more than {MOST_BODIES}; join some", bodies.len())));
@@ -226,7 +220,7 @@ fn read_urdf(
             Look::Made(mesh) => mesh,
             // Its numbers are taken as they are; what brings metres to mm is a part of the placement.
             Look::File(file, placement) => {
-                closed_mesh((name, &called), &file, Units::Mm, &|p| placement.transform_point3(p), progress, cancel)?
+                closed_mesh((name, &called), &file, Units::Mm, &|p| placement.transform_point3(p), task)?
             }
         };
         if mesh.vertices.iter().any(|p| p.is_nan() || p.abs().max_element() > LARGEST) {
@@ -303,12 +297,11 @@ fn closed_mesh(
     file: &Path,
     units: Units,
     place: &dyn Fn(DVec3) -> DVec3,
-    progress: &Progress,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<Mesh, MachineFileError> {
     let (machine, body) = (machine.to_owned(), body.to_owned());
     let options = ImportOptions { units, ..Default::default() };
-    let imported = match import_file(file, &options, progress, cancel) {
+    let imported = match import_file(file, &options, task) {
         Ok(imported) => imported,
         Err(ImportError::Cancelled(cancelled)) => return Err(cancelled.into()),
         Err(source) => return Err(MachineFileError::Mesh { file: machine, body, source: source.into() }),
@@ -323,13 +316,7 @@ fn closed_mesh(
     Ok(imported.mesh.mapped(place))
 }
 
-fn read_mesh(
-    machine: &str,
-    folder: &Path,
-    entry: &BodyEntry,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Mesh, MachineFileError> {
+fn read_mesh(machine: &str, folder: &Path, entry: &BodyEntry, task: &Task) -> Result<Mesh, MachineFileError> {
     let wrong =
         |problem: String| MachineFileError::Body { file: machine.to_owned(), body: entry.name.clone(), problem };
     if entry.size_mm.is_some() || entry.radius_mm.is_some() || entry.length_mm.is_some() || entry.axis.is_some() {
@@ -338,7 +325,7 @@ fn read_mesh(
     let file = folder.join(need(entry.file.clone(), "file", "mesh").map_err(wrong)?);
     let centre = centre_of(entry).map_err(wrong)?;
     let units = entry.units.unwrap_or(Units::Mm);
-    let mesh = closed_mesh((machine, &entry.name), &file, units, &|p| p + centre, progress, cancel)?;
+    let mesh = closed_mesh((machine, &entry.name), &file, units, &|p| p + centre, task)?;
     match mesh.vertices.iter().any(|p| p.abs().max_element() > LARGEST) {
         false => Ok(mesh),
         true => Err(wrong(format!("a coordinate is beyond {LARGEST} mm; check the unit"))),

@@ -1,10 +1,10 @@
 use super::*;
 use feed::machine::AxisSet;
 use std::f64::consts::PI;
-use task::{Cancel, Progress};
+use task::Task;
 
 fn read(name: &str) -> Result<MachineModel, MachineFileError> {
-    read_machine(name, &Progress::silent(), &Cancel::default())
+    read_machine(name, &Task::default())
 }
 
 /// What is wrong with a machine file of this text.

@@ -16,7 +16,7 @@ use geometry::mesh::{Bounds, Mesh};
 use mold::height_field::{Closing, FieldRegion, HeightField, closing, difference, regions};
 use mold::surface::SurfacePiece;
 use mold::uncut_region::UncutRegion;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 
 /// How many cells of a region of the field are asked to whom they belong, at most.
 const LOOKS: usize = 256;
@@ -116,32 +116,26 @@ impl Comparison {
 ///
 /// # Errors
 /// [`UncutError`].
-pub fn compare(
-    mesh: &Mesh,
-    now: &Uncut,
-    other: &Uncut,
-    progress: &Progress,
-    cancel: &Cancel,
-) -> Result<Comparison, UncutError> {
+pub fn compare(mesh: &Mesh, now: &Uncut, other: &Uncut, task: &Task) -> Result<Comparison, UncutError> {
     let params = &now.params;
     let step = common_step(now, other);
-    progress.report("comparison", 0.0, "");
-    let field = HeightField::raster(&params.opening.upright_mesh(mesh), step, cancel)?;
-    let present = Side::of(&field, &now.params, cancel)?;
-    progress.report("comparison", 0.4, "");
-    let others = Side::of(&field, &other.params, cancel)?;
-    progress.report("comparison", 0.8, "");
+    task.report("comparison", 0.0, "");
+    let field = HeightField::raster(&params.opening.upright_mesh(mesh), step, &task.cancel)?;
+    let present = Side::of(&field, &now.params, &task.cancel)?;
+    task.report("comparison", 0.4, "");
+    let others = Side::of(&field, &other.params, &task.cancel)?;
+    task.report("comparison", 0.8, "");
     let places = Places::new(now);
     let between = |more: &Side, less: &Side| -> Result<Vec<Difference>, UncutError> {
-        let found = difference(&field, &more.closing, &less.closing, params.tolerance_mm, cancel)?;
-        let of = |region: &FieldRegion| Ok(places.difference(&field, region, cancel)?);
+        let found = difference(&field, &more.closing, &less.closing, params.tolerance_mm, &task.cancel)?;
+        let of = |region: &FieldRegion| Ok(places.difference(&field, region, &task.cancel)?);
         found.par_iter().map(of).collect()
     };
     let by_layers = now.is_of_flats() && other.is_of_flats();
     let found = |uncut: &Uncut, side: &Side| if by_layers { uncut.found() } else { side.found() };
     let all = [found(now, &present), found(other, &others)];
     let both = Both { field: &field, present: &present, others: &others, places: &places };
-    let (remains, new_regions) = remains(now, other, &both, cancel)?;
+    let (remains, new_regions) = remains(now, other, &both, &task.cancel)?;
     let comparison = Comparison {
         remains,
         volumes: all.map(|f| f.volume_mm3),
@@ -152,7 +146,7 @@ pub fn compare(
         by_layers,
         step,
     };
-    progress.report("comparison", 1.0, "");
+    task.report("comparison", 1.0, "");
     Ok(comparison)
 }
 

@@ -19,13 +19,13 @@ fn mold() -> Mesh {
 fn answer(mesh: &Mesh, cutters: &[Cutter], step: f64) -> Uncut {
     let library = CutterLibrary { cutter: cutters.to_vec() };
     let params = UncutParams { grid_step_mm: Some(step), tolerance_mm: 0.05, ..UncutParams::of(library) };
-    uncut(mesh, &params, &Progress::silent(), &Cancel::default()).unwrap()
+    uncut(mesh, &params, &Task::default()).unwrap()
 }
 
 fn compared(now: &[Cutter], other: &[Cutter]) -> Comparison {
     let mesh = mold();
     let [now, other] = [now, other].map(|cutters| answer(&mesh, cutters, STEP));
-    compare(&mesh, &now, &other, &Progress::silent(), &Cancel::default()).unwrap()
+    compare(&mesh, &now, &other, &Task::default()).unwrap()
 }
 
 fn is_close(found: f64, exact: f64, within: f64) -> bool {
@@ -110,7 +110,7 @@ fn libraries_of_different_grids_are_compared_on_one() {
     let mesh = mold();
     let (now, other) = (answer(&mesh, &[Cutter::ball(1.0)], 0.1), answer(&mesh, &[Cutter::ball(0.5)], STEP));
     assert!((common_step(&now, &other) - 0.1).abs() < 1e-12 && common_step(&now, &now) == 0.1);
-    let found = compare(&mesh, &now, &other, &Progress::silent(), &Cancel::default()).unwrap();
+    let found = compare(&mesh, &now, &other, &Task::default()).unwrap();
     assert_eq!(found.step, 0.1);
     // Fillets along the edges of the floor, of a quarter of the area.
     assert!(found.volumes[0] > 3.0 * found.volumes[1] && found.taken.len() == 1, "{found:?}");

@@ -27,7 +27,7 @@ use mold::surface::{SurfacePiece, segments_at, uncut_surface};
 use mold::uncut_region::{Regions, UncutRegion};
 use mold::warning::MoldWarning;
 use step::usual_step;
-use task::{Cancel, Cancelled, Progress};
+use task::{Cancel, Cancelled, Task};
 
 /// Step of the field of heights beyond which it is too coarse, as a share of a smallest radius.
 const COARSEST: f64 = 0.1;
@@ -211,7 +211,7 @@ fn found(volumes: impl ExactSizeIterator<Item = f64>) -> Found {
 ///
 /// # Errors
 /// [`UncutError`].
-pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Cancel) -> Result<Uncut, UncutError> {
+pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, UncutError> {
     params.validate()?;
     if mesh.triangles.is_empty() {
         return Err(UncutError::Field(HeightFieldError::NoMaterial));
@@ -220,36 +220,39 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
     let needed = params.library.needed();
     let flats: Vec<&Cutter> = needed.iter().copied().filter(|c| c.kind() == CutterKind::Flat).collect();
     let grid_step = params.grid_step_mm.unwrap_or_else(|| usual_step(&upright, &needed, params.tolerance_mm));
-    progress.report("height map", 0.0, "");
-    let field = HeightField::raster(&upright, grid_step, cancel)?;
-    let mut stack = uncut_stack(&upright, &flats, None, &params.layers, progress, cancel)?;
+    task.report("height map", 0.0, "");
+    let field = HeightField::raster(&upright, grid_step, &task.cancel)?;
+    let mut stack = uncut_stack(&upright, &flats, None, &params.layers, task)?;
     doubt(&mut stack, mesh, &needed, grid_step);
     let flat_regions = regions(&stack.layers, params.tolerance_mm);
-    progress.report("height map", 0.2, "");
-    let (closing, of_field) = on_field(&field, &params.library, params.tolerance_mm, cancel)?;
-    progress.report("height map", 0.5, "");
+    task.report("height map", 0.2, "");
+    let (closing, of_field) = on_field(&field, &params.library, params.tolerance_mm, &task.cancel)?;
+    task.report("height map", 0.5, "");
     let is_of_flats = flats.len() == needed.len();
     let agreement = if flats.is_empty() {
         None
     } else {
         let only_flats = || CutterLibrary { cutter: flats.iter().copied().cloned().collect() };
-        let other =
-            if is_of_flats { None } else { Some(on_field(&field, &only_flats(), params.tolerance_mm, cancel)?.1) };
+        let other = if is_of_flats {
+            None
+        } else {
+            Some(on_field(&field, &only_flats(), params.tolerance_mm, &task.cancel)?.1)
+        };
         let with_flats = other.as_ref().unwrap_or(&of_field);
         let volumes = [flat_regions.iter().map(|r| r.volume).collect(), with_flats.iter().map(|r| r.volume).collect()];
         Some(volumes.map(|v: Vec<f64>| found(v.into_iter())))
     };
-    progress.report("height map", 0.9, "");
-    let coarser = if is_of_flats { None } else { coarser(&upright, params, grid_step, cancel)? };
+    task.report("height map", 0.9, "");
+    let coarser = if is_of_flats { None } else { coarser(&upright, params, grid_step, &task.cancel)? };
     // The exact search would let a ball go sideways under what looks down, where its shaft cannot follow.
     let has_undercuts = !stack.invert.triangles.is_empty() && stack.invert.area > 0.0;
     let ball_agreement = if has_undercuts {
         None
     } else {
-        ball_agreement(&upright, &params.library, (&field, &closing), &of_field, cancel)?
+        ball_agreement(&upright, &params.library, (&field, &closing), &of_field, &task.cancel)?
     };
-    progress.report("surface", 0.0, "");
-    let surface = uncut_surface(&upright, &Covered::new(&field, &closing, &of_field), cancel)?;
+    task.report("surface", 0.0, "");
+    let surface = uncut_surface(&upright, &Covered::new(&field, &closing, &of_field), &task.cancel)?;
     if surface.is_coarse {
         stack.warnings.push(MoldWarning::CoarseSurface { fineness: surface.fineness });
     }
@@ -265,7 +268,7 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, progress: &Progress, cancel: &Ca
     } else {
         of_surface(&stack, (&field, &closing), &of_field, &surface)
     };
-    progress.report("surface", 1.0, "");
+    task.report("surface", 1.0, "");
     Ok(Uncut { params: params.clone(), stack, layers, regions, surface, grid_step, coarser, agreement, ball_agreement })
 }
 

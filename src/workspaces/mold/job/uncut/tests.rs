@@ -10,7 +10,7 @@ use mold::fixtures::{dish, pocket, polygon, rectangle};
 
 fn answer(mesh: &Mesh, cutters: Vec<Cutter>) -> Result<Uncut, UncutError> {
     let params = UncutParams::of(CutterLibrary { cutter: cutters });
-    uncut(mesh, &params, &Progress::silent(), &Cancel::default())
+    uncut(mesh, &params, &Task::default())
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn corners_too_thin_for_the_grid_are_left_all_the_same() {
     for step in [None, Some(0.5)] {
         let params =
             UncutParams { grid_step_mm: step, ..UncutParams::of(CutterLibrary { cutter: vec![Cutter::flat(1.0)] }) };
-        let left = uncut(&mesh, &params, &Progress::silent(), &Cancel::default()).unwrap();
+        let left = uncut(&mesh, &params, &Task::default()).unwrap();
         assert_eq!(left.regions.len(), 12, "{step:?}");
         let (half, deep) = (15f64.to_radians(), 1.0 / 15f64.to_radians().cos() - 1.0);
         for region in &left.regions {
@@ -188,7 +188,7 @@ fn any_number_of_threads_answers_with_the_same_bytes() {
             let params =
                 UncutParams { grid_step_mm: Some(0.05), ..UncutParams::of(CutterLibrary { cutter: cutters.clone() }) };
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| uncut(&mesh, &params, &Progress::silent(), &Cancel::default()).unwrap())
+            pool.install(|| uncut(&mesh, &params, &Task::default()).unwrap())
         };
         let (alone, together) = (on(1), on(3));
         assert!(!alone.regions.is_empty() && !alone.surface.is_empty());
