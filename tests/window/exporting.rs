@@ -141,6 +141,14 @@ fn an_electrode_in_w_is_that_of_the_mesh_seen_from_w() {
     assert!(program(&in_w).contains("electrode_1.stl in the workpiece frame W"));
     let motion = |folder: &Path| program(folder).lines().filter(|l| l.contains("G01")).collect::<Vec<_>>().join("\n");
     assert_eq!(motion(&in_mesh), motion(&in_w), "the program moves in W in any case");
+    // What was written is taken as an electrode of one's own, which is read as soon as it is named.
+    let core = desk.blisk_mut();
+    let mut job = core.document.job().clone();
+    job.electrode.mesh = Some(in_mesh.join("electrode_1.stl"));
+    core.edit("Own electrode", job, false);
+    desk.until_idle();
+    let own = desk.blisk().work.part().unwrap().own_electrode.clone().unwrap();
+    assert_eq!((own.triangles.len(), desk.state(Stage::Electrode)), (of_mesh.len(), State::Ready));
 }
 
 #[test]

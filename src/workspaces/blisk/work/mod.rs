@@ -2,6 +2,8 @@
 //! plan, which the user starts; what comes after it, and its files. Quick looks and sizes stand in `looks`.
 
 mod looks;
+#[cfg(test)]
+mod tests;
 
 use std::path::Path;
 use std::sync::Arc;
