@@ -5,13 +5,12 @@ use std::time::Instant;
 use super::flank_arguments::{Asked, FlankArguments};
 use super::{Answer, Session};
 use crate::workspaces::flank::document::FlankDocument;
-use crate::workspaces::flank::document::flank_file::write_flank;
 use crate::workspaces::flank::export::{ExportChoice, export};
 use crate::workspaces::flank::inputs::{input, load_machine, load_surface, load_walls, walls_unit};
 use crate::workspaces::flank::report::FlankReport;
 use crate::workspaces::flank::report::build::{report, sentence};
-use files::ExportFolder;
 use files::user_folder::user_folder;
+use files::{Document, ExportFolder, Params};
 use flank::fit_ruled::{Candidate, CandidateFit};
 use nc::flank_job::{FlankResult, LoadedSurface, flank as plan};
 
@@ -25,7 +24,7 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
     let task = &session.task;
     let machine = load_machine(&document, user_folder().as_deref())?;
     if let Some(file) = &arguments.save {
-        write_flank(file, &document)?;
+        Document::new(document.clone()).export(file)?;
     }
     let in_unit = walls_unit(&document);
     let walls = document.walls.as_ref().map(|walls| load_walls(walls, in_unit, task)).transpose()?;
@@ -42,7 +41,7 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
     // What is let pass now is not let pass again however bad it gets.
     let remembered = FlankDocument { overrides: result.remembered(&document.overrides), ..document.clone() };
     if let Some(file) = arguments.save.as_ref().filter(|_| remembered != document) {
-        write_flank(file, &remembered)?;
+        Document::new(remembered).export(file)?;
     }
     let mut lines = lines(&result);
     lines.push(format!("planned and checked in {seconds:.2} s"));

@@ -10,12 +10,12 @@ use super::flank_values::{
     grid, holder_part, vector,
 };
 use super::{Session, flank_electrode, unit};
-use crate::workspaces::flank::document::flank_file::{ENDING, is_flank_file, read_flank};
+use crate::workspaces::context::is_project;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
 use crate::workspaces::flank::electrode_part::{keep_off_base, turn_over};
 use crate::workspaces::flank::inputs::load_machine;
-use files::Validate;
 use files::user_folder::user_folder;
+use files::{Document, Validate};
 use flank::cutter::HolderPart;
 use flank::params::Objective;
 use import::Units;
@@ -43,7 +43,7 @@ pub(super) struct FlankArguments {
 /// Where the surface comes from.
 #[derive(Debug, Args)]
 pub(super) struct SurfaceArguments {
-    /// What was saved before (.sparkflank); the other arguments then change it.
+    /// A project (.sparkpath); the other arguments then change it.
     file: Option<PathBuf>,
     /// The guide curve that the cutter's bottom follows: a CSV file with x, y, z (mm) of a point on each line. Points are
     /// joined by one smooth curve (a cubic spline): what is straight needs points along it, and at a corner the flank ends.
@@ -59,7 +59,7 @@ pub(super) struct SurfaceArguments {
     /// --of names. Those of a mold stand upside down, tips to the spindle.
     #[arg(long, value_name = "NAME", requires = "of", conflicts_with_all = ["mesh", "demo", "lower"])]
     electrode: Option<String>,
-    /// Where the electrode is from: a mold's file (.sparkmold) or a job (.toml), for which it is made anew, or a folder that
+    /// Where the electrode is from: a mold's project (.sparkpath) or a job (.toml), for which it is made anew, or a folder that
     /// `electrodes` has written.
     #[arg(long, value_name = "PATH", requires = "electrode")]
     of: Option<PathBuf>,
@@ -222,9 +222,9 @@ impl FlankArguments {
     /// What is asked.
     pub(super) fn asked(&self, session: &Session) -> anyhow::Result<Asked> {
         let mut document = match &self.surface.file {
-            Some(file) if is_flank_file(file) => read_flank(file)?,
+            Some(file) if is_project(file) => Document::<FlankDocument>::open(file)?.params().clone(),
             Some(file) => anyhow::bail!(
-                "{}: a flank's file ends in {ENDING}; give a mesh with --mesh and guide curves with --lower and --upper",
+                "{}: a project ends in .sparkpath; give a mesh with --mesh and guide curves with --lower and --upper",
                 file.display()
             ),
             None => FlankDocument::default(),
@@ -266,7 +266,7 @@ impl SurfaceArguments {
             })),
             (_, _, _, Some(demo)) => Some(FlankSource::Demonstration { surface: demo.into() }),
             _ if self.file.is_none() && self.electrode.is_none() => anyhow::bail!(
-                "no surface was given; name a {ENDING} file, --lower and --upper guide curves, a --mesh, an --electrode, or \
+                "no surface was given; name a .sparkpath file, --lower and --upper guide curves, a --mesh, an --electrode, or \
                  --demo a"
             ),
             _ => None,

@@ -9,13 +9,14 @@ use super::Session;
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::job::stages;
+use crate::workspaces::context::is_project;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::{FlankSource, MeshFlank};
 use crate::workspaces::message::{ElectrodePart, UP_OF_MOLDS};
-use crate::workspaces::mold::document::mold_file::{is_mold_file, read_mold};
-use crate::workspaces::mold::document::part_of;
+use crate::workspaces::mold::document::{MoldParams, part_of};
 use crate::workspaces::mold::job::electrodes::electrodes;
 use crate::workspaces::mold::job::uncut::{UncutParams, uncut};
+use files::{Document, Params};
 use flank::fit_ruled::RuledFitParams;
 use import::Units;
 use nc::electrode_files::is_file_of;
@@ -48,7 +49,7 @@ struct Entry {
 /// The electrode called `name` of what is at `of`.
 pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<FoundElectrode> {
     let is_job = of.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-    if is_mold_file(of) {
+    if is_project(of) {
         kept(of_mold(name, of, session)?)
     } else if is_job {
         kept(of_job(name, of, session)?)
@@ -62,7 +63,7 @@ pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<F
         Ok(FoundElectrode { source: FlankSource::Mesh(source), is_upside_down: true })
     } else {
         anyhow::bail!(
-            "{}: electrodes are in a mold's file (.sparkmold), in a job (.toml), or in a folder that `sparkpath electrodes` \
+            "{}: electrodes are in a mold's project (.sparkpath), in a job (.toml), or in a folder that `sparkpath electrodes` \
              has written, with {TABLE}; one in a file of its own is given with --mesh",
             of.display()
         )
@@ -81,7 +82,7 @@ fn kept(electrode: ElectrodePart) -> anyhow::Result<FoundElectrode> {
 
 /// One that is designed for a mold as its file asks.
 fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
-    let asked = read_mold(file)?;
+    let asked = Document::<MoldParams>::open(file)?.params().clone();
     let Some(mesh) = &asked.mesh else { anyhow::bail!("{}: it names no mesh; choose one and save it", file.display()) };
     let imported = session.import(mesh, asked.units)?;
     let (asked, mold) = (asked.of_part(&part_of(&imported)), imported.mesh);

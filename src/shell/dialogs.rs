@@ -6,12 +6,12 @@ use egui::{Align2, Id, Modal, RichText, Ui};
 
 use super::files::Purpose;
 use super::status::colour_of;
-use crate::shell::autosave::Recovery;
 use crate::widgets::panel_parts::{from_right, sentence};
 use crate::widgets::theme::palette;
 use crate::workspaces::context::Context;
 use crate::workspaces::preferences::{LengthUnit, Navigation, Preferences, ThemeChoice};
 use crate::workspaces::workspace::Workspace;
+use files::Recovery;
 
 /// What the user is asked, one thing at a time.
 #[derive(Default)]
@@ -123,7 +123,7 @@ fn contents(
     match dialog {
         Dialog::None => None,
         Dialog::Unsaved(work, intent) => unsaved(ui, &*workspaces[*work], *intent),
-        Dialog::Recover(copies) => recover(ui, workspaces, copies),
+        Dialog::Recover(copies) => recover(ui, copies),
         Dialog::Preferences => preferences(ui, &mut cx.preferences),
         Dialog::Workspace(i) => {
             cx.take_turn(*i);
@@ -158,27 +158,25 @@ fn buttons(ui: &mut Ui, all: &[(&str, Answer)]) -> Option<Answer> {
 }
 
 fn unsaved(ui: &mut Ui, workspace: &dyn Workspace, intent: Intent) -> Option<Answer> {
-    ui.label(format!("{}{} has unsaved changes.", workspace.about().article, workspace.name()));
+    ui.label(format!("{}: {} has unsaved changes.", workspace.about().name, workspace.document().name()));
     buttons(
         ui,
         &[("Save", Answer::SaveThen(intent)), ("Don't save", Answer::Discard(intent)), ("Cancel", Answer::Close)],
     )
 }
 
-fn recover(ui: &mut Ui, workspaces: &[Box<dyn Workspace>], copies: &[Recovery]) -> Option<Answer> {
+fn recover(ui: &mut Ui, copies: &[Recovery]) -> Option<Answer> {
     ui.label("The program ended without saving. Recovered work:");
     let mut answer = None;
     for (i, copy) in copies.iter().enumerate() {
         ui.horizontal(|ui| {
-            let unsaved =
-                copy.part.as_ref().map_or("not saved yet".to_owned(), |part| format!("{part}, not saved yet"));
-            let name = copy.file.as_ref().map_or(unsaved, |file| file.display().to_string());
             let age = copy.written().and_then(|t| t.elapsed().ok()).map(|d| d.as_secs() / 60);
             let age = age.map(|m| format!("{m} min ago")).unwrap_or_default();
             if ui.button("Recover").clicked() {
                 answer = Some(Answer::Recover(i));
             }
-            ui.label(format!("{}{name}", workspaces[copy.workspace].about().kind));
+            let label = ui.label(copy.title());
+            copy.file.iter().for_each(|file| drop(label.clone().on_hover_text(file.display().to_string())));
             ui.label(RichText::new(age).color(palette(ui).faint));
         });
     }

@@ -29,6 +29,10 @@ pub enum Asking {
 /// Where the picture is saved.
 pub static PICTURE: PathInfo = PathInfo { title: "Save picture", kind: PathKind::Write("PNG", ".png"), opens: false };
 
+/// Where a document is saved.
+pub static PROJECT: PathInfo =
+    PathInfo { title: "Save project", kind: PathKind::Write("Project", ".sparkpath"), opens: false };
+
 /// The dialog that is open, if one is.
 #[derive(Default)]
 pub struct FileDialogs {

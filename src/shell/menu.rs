@@ -55,7 +55,7 @@ fn groups(ui: &mut Ui, here: &dyn Workspace, cx: &mut Context, groups: &Groups) 
 
 /// The steps that can be undone, by their names.
 fn edit(ui: &mut Ui, here: &dyn Workspace, cx: &mut Context) {
-    let [undo, redo] = [false, true].map(|again| here.undo_label(again));
+    let [undo, redo] = [false, true].map(|again| here.document().undo_label(again));
     named(ui, here, cx, FrameCommand::Undo.command(), undo.map(|l| format!("Undo {l}")));
     named(ui, here, cx, FrameCommand::Redo.command(), redo.map(|l| format!("Redo {l}")));
     ui.separator();
@@ -74,7 +74,8 @@ fn title(ui: &mut Ui, (workspaces, shown): (&[Box<dyn Workspace>], usize), cx: &
         }
     }
     ui.separator();
-    document(ui, workspaces[shown].name(), workspaces[shown].is_unsaved());
+    let shown = workspaces[shown].document();
+    document(ui, shown.name(), shown.is_unsaved());
 }
 
 fn document(ui: &mut Ui, name: String, is_unsaved: bool) {

@@ -1,7 +1,6 @@
 //! The frame of the window: menus, the switch between workspaces, palette, dialogs, log, preferences, copies of unsaved
 //! work. It knows workspaces only through [`Workspace`](crate::workspaces::workspace::Workspace) and computes nothing.
 
-pub mod autosave;
 pub mod dialogs;
 pub mod files;
 pub mod menu;

@@ -6,21 +6,21 @@ use std::time::{Duration, Instant};
 
 use egui::{Panel, Ui};
 
-use super::autosave::{Autosave, Recovery};
 use super::dialogs::{self, Answer, Dialog, Intent};
-use super::files::{Asking, Chosen, FileDialogs, Opened, PICTURE, Purpose};
+use super::files::{Asking, Chosen, FileDialogs, Opened, PICTURE, PROJECT, Purpose};
 use super::palette::CommandPalette;
 use super::pictures::Pictures;
 use super::{menu, status};
 use crate::widgets::theme;
 use crate::workspaces::commands::{Command, CommandSet, FrameCommand, Scope, pressed};
-use crate::workspaces::context::{Context, LogLine, Request, has_ending};
+use crate::workspaces::context::{Context, LogLine, Request, is_project};
+use crate::workspaces::hands::Hands;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::preferences::{Preferences, ThemeChoice};
-use crate::workspaces::record::Hands;
 use crate::workspaces::registry::workspaces;
 use crate::workspaces::workspace::Workspace;
 use files::user_folder::user_folder;
+use files::{Autosave, Recovery, kind_of};
 use render::camera::Camera;
 use render::scene::Scene;
 use task::Scheduler;
@@ -87,13 +87,12 @@ pub struct SparkpathApp {
     log_open: bool,
     folders: Option<Folders>,
     autosave: Option<Autosave>,
-    autosaved: Instant,
     saved_preferences: Preferences,
     /// What the user wants done once this workspace's document is saved.
     after_save: Option<(usize, Intent)>,
     /// Of each workspace what the user would not save on the way to what is opened: it is not asked about again as long as
     /// nothing of it is changed.
-    given_up: Vec<Option<Box<dyn Any>>>,
+    given_up: Vec<Option<u64>>,
     adapter: String,
     quitting: bool,
     title: String,
@@ -129,9 +128,9 @@ impl SparkpathApp {
         let info = state.adapter.get_info();
         let preferences = folders.as_ref().map(|f| Preferences::read(&f.config)).unwrap_or_default();
         theme::install(&cc.egui_ctx);
-        let endings: Vec<&str> = workspaces.iter().map(|workspace| workspace.about().ending).collect();
-        let copies = folders.as_ref().map(|f| Recovery::find(&f.autosave, &endings)).unwrap_or_default();
-        let autosave = folders.as_ref().and_then(|f| Autosave::start(&f.autosave, &endings).ok());
+        let mut copies = folders.as_ref().map(|f| Recovery::find(&f.autosave)).unwrap_or_default();
+        copies.retain(|copy| workspaces.iter().any(|one| one.about().id == copy.kind));
+        let autosave = folders.as_ref().and_then(|f| Autosave::start(&f.autosave, AUTOSAVE, Instant::now()).ok());
         let mut app = Self {
             workspaces,
             shown: 0,
@@ -145,7 +144,6 @@ impl SparkpathApp {
             log_open: false,
             folders,
             autosave,
-            autosaved: Instant::now(),
             saved_preferences: preferences,
             after_save: None,
             given_up: Vec::new(),
@@ -251,13 +249,26 @@ impl SparkpathApp {
 
     /// Opens a document or a mesh, in whose place there was no unsaved work.
     pub fn open(&mut self, path: &Path) {
-        let owner = self.owner(path);
-        self.with(owner, |workspace, cx| workspace.open(path, cx));
+        if let Some(owner) = self.owner(path) {
+            self.with(owner, |workspace, cx| workspace.open(path, cx));
+        }
     }
 
-    /// The workspace whose documents end as `path` does, or else the one that is shown.
-    fn owner(&self, path: &Path) -> usize {
-        self.workspaces.iter().position(|one| has_ending(path, one.about().ending)).unwrap_or(self.shown)
+    /// The workspace that opens `path`: of a project that of its kind, else the one that is shown. Says why there is none.
+    fn owner(&mut self, path: &Path) -> Option<usize> {
+        if !is_project(path) {
+            return Some(self.shown);
+        }
+        // Projects of the first workspace need not name it.
+        let kind = kind_of(path).unwrap_or_else(|_| self.workspaces[0].about().id.to_owned());
+        let owner = self.workspaces.iter().position(|one| one.about().id == kind);
+        if owner.is_none() {
+            let known: Vec<&str> = self.workspaces.iter().map(|one| one.about().id).collect();
+            let why = format!("{}: kind is \"{kind}\": must be one of {}", path.display(), known.join(", "));
+            self.cx.not_opened(path);
+            self.error("This project cannot be opened", why);
+        }
+        owner
     }
 
     /// Gives workspace number `i` its turn.
@@ -317,7 +328,7 @@ impl SparkpathApp {
     fn open_here(&mut self, mut files: Vec<PathBuf>) {
         let Some(first) = files.first() else { return };
         self.given_up.clear();
-        let owner = self.owner(first);
+        let Some(owner) = self.owner(&first.clone()) else { return };
         if owner != self.shown || files.len() > 2 {
             files.truncate(1);
         }
@@ -335,16 +346,17 @@ impl SparkpathApp {
     /// Does `intent`, after asking about what is unsaved from workspace number `first` on.
     fn intend_from(&mut self, first: usize, intent: Intent, ctx: &egui::Context) {
         let mut asked = first..self.workspaces.len();
-        match asked.find(|i| intent.endangers(*i) && self.workspaces[*i].is_unsaved() && !self.is_given_up(*i)) {
+        match asked.find(|i| self.is_endangered(*i, intent)) {
             Some(i) => self.dialog = Dialog::Unsaved(i, intent),
             None => self.carry_out(intent, ctx),
         }
     }
 
-    /// Whether the user has said that the document of workspace number `i` may be lost as it is now.
-    fn is_given_up(&self, i: usize) -> bool {
-        let snapshot = self.given_up.get(i).and_then(|one| one.as_deref());
-        snapshot.is_some() && self.workspaces[i].is_at(snapshot)
+    /// Whether `intent` would lose work of workspace number `i` that the user has not given up as it is now.
+    fn is_endangered(&self, i: usize, intent: Intent) -> bool {
+        let document = self.workspaces[i].document();
+        let given_up = self.given_up.get(i).copied().flatten();
+        intent.endangers(i) && document.is_unsaved() && given_up != Some(document.revision())
     }
 
     /// Goes on with what was to be done once the document of workspace number `i` was saved.
@@ -358,11 +370,17 @@ impl SparkpathApp {
         match intent {
             Intent::Quit => {
                 self.quitting = true;
-                self.autosave.iter_mut().for_each(Autosave::discard);
+                let kinds = self.workspaces.iter().map(|one| one.about().id);
+                self.autosave.iter_mut().for_each(|autosave| kinds.clone().for_each(|kind| autosave.discard(kind)));
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
             Intent::Replace(i) => self.with(i, |workspace, cx| workspace.proceed(cx)),
         }
+    }
+
+    /// Whether any document has unsaved work.
+    fn is_unsaved(&self) -> bool {
+        self.workspaces.iter().any(|one| one.document().is_unsaved())
     }
 
     /// The folder that a file dialog starts in.
@@ -372,19 +390,18 @@ impl SparkpathApp {
 
     /// Saves the document of workspace number `i`, in its file if it has one and that will do.
     fn save(&mut self, i: usize, in_its_file: bool, ctx: &egui::Context) {
-        let workspace = &self.workspaces[i];
-        match workspace.file().map(Path::to_owned).filter(|_| in_its_file) {
+        let document = self.workspaces[i].document();
+        match document.file().map(Path::to_owned).filter(|_| in_its_file) {
             Some(file) => self.save_as(i, &file, ctx),
             None => {
-                let about = workspace.about();
-                let name = format!("{}{}", workspace.name(), about.ending);
-                self.ask(Purpose { of: Asking::Document(i), info: &about.save }, &name, ctx);
+                let name = format!("{}.sparkpath", document.name());
+                self.ask(Purpose { of: Asking::Document(i), info: &PROJECT }, &name, ctx);
             }
         }
     }
 
     fn save_as(&mut self, i: usize, file: &Path, ctx: &egui::Context) {
-        match self.workspaces[i].save_as(file) {
+        match self.workspaces[i].document_mut().save_as(file) {
             Ok(()) => {
                 self.cx.opened(file);
                 self.say(EventKind::Done, format!("saved as {}", file.display()));
@@ -392,7 +409,7 @@ impl SparkpathApp {
             }
             Err(why) => {
                 self.after_save.take_if(|(of, _)| *of == i);
-                self.error(self.workspaces[i].about().not_saved, why);
+                self.error("The project was not saved", why.to_string());
             }
         }
     }
@@ -452,10 +469,11 @@ impl SparkpathApp {
             Asking::Picture => self.write_picture(&path),
             Asking::Document(i) => self.save_as(i, &path, ctx),
             Asking::Workspace(i, number) => {
-                let of_another = self.workspaces.iter().position(|one| has_ending(&path, one.about().ending));
-                match of_another.filter(|other| purpose.info.opens && *other != i) {
-                    Some(other) => self.with(other, |workspace, cx| workspace.take_files(&[path], cx)),
-                    None => self.with(i, |workspace, cx| workspace.take_path(number, path, cx)),
+                let owner = if purpose.info.opens && is_project(&path) { self.owner(&path) } else { Some(i) };
+                match owner {
+                    Some(other) if other != i => self.with(other, |workspace, cx| workspace.take_files(&[path], cx)),
+                    Some(_) => self.with(i, |workspace, cx| workspace.take_path(number, path, cx)),
+                    None => self.cancelled(purpose),
                 }
             }
         }
@@ -470,7 +488,7 @@ impl SparkpathApp {
             }
             (Answer::Discard(intent), Dialog::Unsaved(i, _)) => {
                 self.given_up.resize_with(self.workspaces.len(), || None);
-                self.given_up[i] = Some(self.workspaces[i].snapshot());
+                self.given_up[i] = Some(self.workspaces[i].document().revision());
                 self.intend_from(i + 1, intent, ctx);
             }
             (Answer::Recover(i), Dialog::Recover(copies)) => self.recover(i, copies),
@@ -493,17 +511,17 @@ impl SparkpathApp {
     /// Takes up the work of copy number `i`; those of other workspaces can still be taken up beside it.
     fn recover(&mut self, i: usize, mut copies: Vec<Recovery>) {
         let copy = copies.remove(i);
-        let file = copy.file.clone();
-        if let Err(why) = self.with(copy.workspace, |workspace, cx| workspace.recover(&copy.copy, file, cx)) {
+        let Some(owner) = self.workspaces.iter().position(|one| one.about().id == copy.kind) else { return };
+        if let Err(why) = self.with(owner, |workspace, cx| workspace.recover(&copy, cx)) {
             return self.error("The copy cannot be read", why);
         }
         if self.autosave_now() {
             copy.discard();
         }
-        self.shown = copy.workspace;
+        self.shown = owner;
         self.cx.take_turn(self.shown);
         self.say(EventKind::Done, "unsaved work was recovered");
-        copies.retain(|other| other.workspace != copy.workspace);
+        copies.retain(|other| other.kind != copy.kind);
         if !copies.is_empty() {
             self.dialog = Dialog::Recover(copies);
         }
@@ -511,9 +529,8 @@ impl SparkpathApp {
 
     /// Brings the copies of unsaved work up to date. Tells whether there are as many as are needed.
     fn autosave_now(&mut self) -> bool {
-        self.autosaved = Instant::now();
         let Some(autosave) = &mut self.autosave else { return false };
-        let updated = autosave.update(&self.workspaces);
+        let updated = self.workspaces.iter().try_for_each(|one| autosave.update(one.document()));
         if let Err(e) = &updated {
             self.say(EventKind::Failed, format!("the unsaved work could not be copied: {e}"));
             self.autosave = None;
@@ -559,11 +576,11 @@ impl SparkpathApp {
         match F::of(command) {
             Some(F::Save) => self.save(shown, true, ctx),
             Some(F::SaveAs) => self.save(shown, false, ctx),
-            Some(F::Undo) => self.workspaces[shown].undo(false),
-            Some(F::Redo) => self.workspaces[shown].undo(true),
+            Some(F::Undo) => drop(self.workspaces[shown].document_mut().undo(false)),
+            Some(F::Redo) => drop(self.workspaces[shown].document_mut().undo(true)),
             Some(F::Quit) => self.intend(Intent::Quit, ctx),
             Some(F::Screenshot) => {
-                let name = format!("{}.png", self.workspaces[shown].name());
+                let name = format!("{}.png", self.workspaces[shown].document().name());
                 self.ask(Purpose { of: Asking::Picture, info: &PICTURE }, &name, ctx);
             }
             Some(F::Fit) => self.workspaces[shown].viewport_mut().fit(false),
@@ -622,7 +639,7 @@ impl SparkpathApp {
             }
             None => {}
         }
-        let is_unsaved = self.workspaces.iter().any(|one| one.is_unsaved());
+        let is_unsaved = self.is_unsaved();
         if ctx.input(|i| i.viewport().close_requested()) && !self.quitting && is_unsaved {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
             self.intend(Intent::Quit, ctx);
@@ -657,7 +674,7 @@ impl SparkpathApp {
     }
 
     fn retitle(&mut self, ctx: &egui::Context) {
-        let here = &self.workspaces[self.shown];
+        let here = self.workspaces[self.shown].document();
         let mark = if here.is_unsaved() { "*" } else { "" };
         let title = format!("{}{mark} - Sparkpath", here.name());
         if title != self.title {
@@ -669,13 +686,13 @@ impl SparkpathApp {
     /// Keeps the copies of unsaved work up, and has frames drawn for that and while something is worked on.
     fn keep_up(&mut self, ctx: &egui::Context) {
         // What was given up on purpose is not kept again while the window closes.
-        if !self.quitting && self.autosaved.elapsed() > AUTOSAVE {
+        if !self.quitting && self.autosave.as_mut().is_some_and(|autosave| autosave.is_due(Instant::now())) {
             self.autosave_now();
         }
         if let Some(autosave) = &mut self.autosave {
-            autosave.discard_saved(&self.workspaces);
+            self.workspaces.iter().for_each(|one| autosave.discard_saved(one.document()));
         }
-        if self.workspaces.iter().any(|one| one.is_unsaved()) {
+        if self.is_unsaved() {
             ctx.request_repaint_after(AUTOSAVE);
         }
         if self.workspaces.iter().any(|one| one.is_busy()) {

@@ -11,6 +11,7 @@ use super::news::{EventKind, WorkEvent};
 use super::preferences::Preferences;
 use crate::widgets::overlay::{self, ViewButton};
 use crate::widgets::theme::palette;
+use files::FileError;
 use task::Doing;
 
 /// How long a sentence that passes is to be seen.
@@ -249,6 +250,12 @@ impl Context {
         self.preferences.recent.remove(file);
     }
 
+    /// Tells that the project in `file` cannot be opened, and forgets it.
+    pub fn not_a_project(&mut self, file: &Path, why: &FileError) {
+        self.not_opened(file);
+        self.error("This project cannot be opened", why.to_string());
+    }
+
     /// Gives workspace number `turn` its turn.
     pub fn take_turn(&mut self, turn: usize) {
         self.turn = turn;
@@ -273,6 +280,11 @@ impl Context {
 /// Whether the name of `path` ends with `ending`, whatever its case.
 pub fn has_ending(path: &Path, ending: &str) -> bool {
     path.as_os_str().to_string_lossy().to_lowercase().ends_with(ending)
+}
+
+/// Whether `path` is named as a project.
+pub fn is_project(path: &Path) -> bool {
+    has_ending(path, ".sparkpath")
 }
 
 /// The first of `files`, which there is where any were dropped.

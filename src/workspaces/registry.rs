@@ -36,12 +36,11 @@ mod tests {
     }
 
     #[test]
-    fn every_workspace_has_an_ending_and_a_name_of_its_own() {
+    fn every_workspace_has_documents_of_a_kind_of_its_own() {
         let list = workspaces(&Scheduler::manual(|| ()));
         for (i, a) in list.iter().enumerate() {
-            for b in &list[i + 1..] {
-                assert!(a.about().ending != b.about().ending && a.about().id != b.about().id);
-            }
+            assert_eq!(a.document().kind(), a.about().id);
+            assert!(list[i + 1..].iter().all(|b| a.about().id != b.about().id));
         }
     }
 }

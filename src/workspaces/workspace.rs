@@ -6,14 +6,15 @@ use std::path::{Path, PathBuf};
 use egui::Ui;
 
 use super::commands::{Command, CommandInfo, Commanded, Groups};
-use super::context::{Context, LogLine, PathInfo};
+use super::context::{Context, LogLine};
+use super::hands::Hands;
 use super::message::Message;
-use super::record::Hands;
 use crate::widgets::viewport::Viewport;
+use files::{AnyDocument, Recovery};
 
 /// What is said of every document of a workspace.
 pub struct About {
-    /// Name in files and on the command line.
+    /// The kind of its documents, in files and on the command line.
     pub id: &'static str,
     /// What the switch calls it.
     pub name: &'static str,
@@ -21,16 +22,6 @@ pub struct About {
     pub switch: CommandInfo,
     /// The name of its menu.
     pub menu: &'static str,
-    /// How its documents are saved.
-    pub save: PathInfo,
-    /// The ending of its documents, with the dot.
-    pub ending: &'static str,
-    /// What stands before a document's name in a sentence; nothing or "The mold ".
-    pub article: &'static str,
-    /// What stands before the file of a recovered document; nothing or "Mold, ".
-    pub kind: &'static str,
-    /// The title of the message that a document was not saved.
-    pub not_saved: &'static str,
 }
 
 /// The menus to which a workspace adds commands of its own.
@@ -102,30 +93,16 @@ pub trait Workspace: Any + Commanded {
     /// Mutable viewport, to be moved.
     fn viewport_mut(&mut self) -> &mut Viewport;
 
-    /// What to call the document.
-    fn name(&self) -> String;
+    /// The document.
+    fn document(&self) -> &dyn AnyDocument;
 
-    /// Whether the document has changes that no file holds.
-    fn is_unsaved(&self) -> bool;
-
-    /// The document's file.
-    fn file(&self) -> Option<&Path>;
+    /// Mutable document, to be saved, or for a step to be undone, which [`Self::follow`] takes in.
+    fn document_mut(&mut self) -> &mut dyn AnyDocument;
 
     /// A file in whose folder file dialogs start.
     fn near(&self) -> Option<&Path> {
-        self.file()
+        self.document().file()
     }
-
-    /// What to call its part, if it has one that can be told.
-    fn part(&self) -> Option<String> {
-        Some(self.name())
-    }
-
-    /// What can be undone, or done again (`again`).
-    fn undo_label(&self, again: bool) -> Option<&str>;
-
-    /// Takes the last step back, or does the one again that was taken back last.
-    fn undo(&mut self, again: bool);
 
     /// Opens the document or the mesh at `path`, in whose place there was no unsaved work.
     fn open(&mut self, path: &Path, cx: &mut Context);
@@ -136,29 +113,11 @@ pub trait Workspace: Any + Commanded {
     /// Does what it has asked to do in place of its document, once no unsaved work stands in the way.
     fn proceed(&mut self, cx: &mut Context);
 
-    /// Writes the document to `file`, which changes nothing in it.
-    ///
-    /// # Errors
-    /// One line why it cannot be written.
-    fn write(&self, file: &Path) -> Result<(), String>;
-
-    /// Saves the document as `file`.
-    ///
-    /// # Errors
-    /// One line why it cannot be saved.
-    fn save_as(&mut self, file: &Path) -> Result<(), String>;
-
-    /// Takes the unsaved work in `copy`, which was to be saved as `file`.
+    /// Takes unsaved work that an earlier program left behind.
     ///
     /// # Errors
     /// One line why it cannot be read.
-    fn recover(&mut self, copy: &Path, file: Option<PathBuf>, cx: &mut Context) -> Result<(), String>;
-
-    /// The document as it is, for [`Self::is_at`].
-    fn snapshot(&self) -> Box<dyn Any>;
-
-    /// Whether the document is as it was at `snapshot`, or cannot be written now: while a number is typed.
-    fn is_at(&self, snapshot: Option<&dyn Any>) -> bool;
+    fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String>;
 
     /// Goes on with the path that it has asked for under this number.
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context);

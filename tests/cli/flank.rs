@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use files::Document;
 use flank::params::Objective;
 use flank::ruled_surface::Side;
 use geometry::mesh::Mesh;
@@ -9,10 +10,8 @@ use glam::DVec3;
 use import::{Units, write_stl};
 use mold::cutter::{Cutter, CutterLibrary};
 use nc::flank_job::overrides::FlankOverride;
-use sparkpath::workspaces::flank::document::flank_file::{read_flank, write_flank};
 use sparkpath::workspaces::flank::document::{CutDirection, FlankDocument, FlankSource, WallsFile};
 use sparkpath::workspaces::mold::document::MoldParams;
-use sparkpath::workspaces::mold::document::mold_file::write_mold;
 
 use super::uncut::pocket;
 use super::{sparkpath, sparkpath_with, text};
@@ -33,10 +32,14 @@ fn file(folder: &Path, name: &str, content: &str) -> String {
     file.to_str().unwrap().to_owned()
 }
 
+fn opened(file: impl AsRef<Path>) -> FlankDocument {
+    Document::<FlankDocument>::open(file.as_ref()).unwrap().params().clone()
+}
+
 #[test]
 fn a_demonstration_is_planned_written_and_the_same_again_from_its_file() {
     let folder = tempfile::tempdir().unwrap();
-    let [out, again, save] = ["out", "again", "a.sparkflank"].map(|name| folder.path().join(name));
+    let [out, again, save] = ["out", "again", "a.sparkpath"].map(|name| folder.path().join(name));
     let [out_name, again_name, save_name] = [&out, &again, &save].map(|p| p.to_str().unwrap());
     let (code, said, _) = run(&["--demo", "a", "--out", out_name, "--save", save_name]);
     assert_eq!(code, Some(0), "{said}");
@@ -124,7 +127,7 @@ fn every_mistake_is_one_line_and_is_found_before_anything_is_computed() {
     let crossing = file(folder.path(), "crossing.csv", "5,-5,0\n5,5,0\n");
     let letters = file(folder.path(), "letters.csv", "0,0,1\n1,2,a\n");
     let part = file(folder.path(), "part.stl", "solid\nendsolid\n");
-    let wrong = file(folder.path(), "wrong.sparkflank", "[cutter]\nradius = 1\n");
+    let wrong = file(folder.path(), "wrong.sparkpath", "kind = \"flank\"\n[cutter]\nradius = 1\n");
     // 12 mm, or 12 inches.
     let small =
         file(folder.path(), "small.obj", "v 0 0 0\nv 12 0 0\nv 0 9 0\nv 0 0 5\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
@@ -162,11 +165,11 @@ fn every_mistake_is_one_line_and_is_found_before_anything_is_computed() {
 #[test]
 fn an_electrode_of_a_mold_or_of_a_folder_is_milled_as_it_stands_on_the_table() {
     let folder = tempfile::tempdir().unwrap();
-    let [mesh, file, out] = ["mold.stl", "pocket.sparkmold", "out"].map(|name| folder.path().join(name));
+    let [mesh, file, out] = ["mold.stl", "pocket.sparkpath", "out"].map(|name| folder.path().join(name));
     write_stl(&mesh, &pocket()).unwrap();
     let mut asked = MoldParams { mesh: Some(mesh.clone()), units: Units::Mm, ..MoldParams::default() };
     asked.library = CutterLibrary { cutter: vec![Cutter::flat(1.0)] };
-    write_mold(&file, &asked).unwrap();
+    Document::new(asked).export(&file).unwrap();
     let [mesh, file, out] = [&mesh, &file, &out].map(|p| p.to_str().unwrap());
     let design = ["electrodes", mesh, "--units", "mm", "--cutters", "flat:1", "--no-pictures", "--out", out];
     assert_eq!(sparkpath(&design).status.code(), Some(0));
@@ -180,11 +183,11 @@ fn an_electrode_of_a_mold_or_of_a_folder_is_milled_as_it_stands_on_the_table() {
     assert!(designed.len() == exported.len() && !designed.is_empty());
     assert!(designed.iter().zip(&exported).all(|(a, b)| (a - b).abs() < 1e-3), "{designed:?} {exported:?}");
     // What is saved holds the mesh, and the electrode stands on its base.
-    let save = folder.path().join("e01.sparkflank");
+    let save = folder.path().join("e01.sparkpath");
     let more = ["--taper-deg", "0", "--radius", "0.5", "--save", save.to_str().unwrap()];
     let (code, said, last) = run(&[&["--electrode", "E01", "--of", file][..], &more].concat());
     assert!(matches!(code, Some(0 | 3)), "{said} {last}");
-    let saved = read_flank(&save).unwrap();
+    let saved = opened(&save);
     let FlankSource::Mesh(source) = &saved.source else { panic!("{said}") };
     assert!(source.part() == "E01 of mold" && source.fit.up == DVec3::NEG_Z);
     assert_eq!(saved.milling.workpiece.as_ref().unwrap().z_axis, DVec3::NEG_Z);
@@ -192,17 +195,17 @@ fn an_electrode_of_a_mold_or_of_a_folder_is_milled_as_it_stands_on_the_table() {
     let mut other = FlankDocument { side: Side::Negative, ..saved.clone() };
     other.overrides = vec![FlankOverride::whatever("gouge")];
     other.walls = Some(WallsFile { file: mesh.into(), units: Units::Mm });
-    write_flank(&save, &other).unwrap();
+    Document::new(other).export(&save).unwrap();
     let other = ["--electrode", "E01", "--of", out, "--override", "leads:0.5", "--save", save.to_str().unwrap()];
     let (code, said, last) = run(&[&[save.to_str().unwrap()][..], &other].concat());
     assert!(matches!(code, Some(0 | 3)), "{said} {last}");
-    let found = read_flank(&save).unwrap();
+    let found = opened(&save);
     assert_eq!((found.side, found.walls, found.cutter), (Side::Automatic, None, saved.cutter));
     assert_eq!(found.overrides, ["leads:0.5".parse().unwrap()]);
     for (of, name, words) in [
         (file, "E99", "there is no electrode \"E99\"; there are E01"),
         (out, "E99", "there is no electrode \"E99\"; there are E01"),
-        (mesh, "E01", "electrodes are in a mold's file"),
+        (mesh, "E01", "electrodes are in a mold's project"),
         ("nowhere.toml", "1", "nowhere.toml"),
     ] {
         let (code, said, last) = run(&["--electrode", name, "--of", of]);
@@ -221,7 +224,7 @@ fn a_users_own_machine_and_what_is_said_beside_a_file_are_taken() {
         1,
     );
     file(&settings, "milling_machines.toml", &own);
-    let save = folder.path().join("a.sparkflank");
+    let save = folder.path().join("a.sparkpath");
     let save = save.to_str().unwrap();
     let told = |arguments: &[&str]| {
         let output = sparkpath_with(folder.path().to_str().unwrap(), &[&["flank"], arguments, &QUICK[..4]].concat());
@@ -243,15 +246,15 @@ fn a_users_own_machine_and_what_is_said_beside_a_file_are_taken() {
     assert_eq!(run(&["--demo", "a", "--machine", "my-mill"]).0, Some(2), "another user has no such machine");
     let (code, said) = told(&[save, "--max-overcut", "0.04", "--cut", "conventional", "--save", save]);
     assert_eq!(code, Some(0), "{said}");
-    let document = read_flank(Path::new(save)).unwrap();
+    let document = opened(&save);
     let bounds = Objective::Bounded { overcut_mm: Some(0.04), undercut_mm: Some(0.07) };
     assert_eq!((document.plan.objective, document.milling.cut), (bounds, CutDirection::Conventional));
     // Another machine has the workpiece and the tool where its own file says, and that is said.
     assert_eq!(told(&[save, "--zero", "0,0,45", "--gauge-length", "125", "--save", save]).0, Some(0));
-    assert!(read_flank(Path::new(save)).unwrap().milling.workpiece.is_some());
+    assert!(opened(&save).milling.workpiece.is_some());
     let (code, said, _) = run(&[save, "--machine", "trunnion-ac", "--gauge-length", "130", "--save", save]);
     assert!(code == Some(0) && said.contains("how the workpiece was clamped was of the former one"), "{said}");
-    let milling = read_flank(Path::new(save)).unwrap().milling;
+    let milling = opened(&save).milling;
     assert_eq!((milling.workpiece, milling.gauge_length_mm), (None, Some(130.0)));
     // What the post cannot say is found before anything is computed.
     let post = nc::flank_program::BUILT_IN_POST.1.replacen("[[axes]]\naxis = \"c\"\nword = \"C\"\n", "", 1);

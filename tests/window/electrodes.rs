@@ -1,9 +1,11 @@
 //! Electrodes in the workspace of molds: from a mesh to burns that are looked at, changed and exported.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
+use files::{AnyDocument, Document};
 use geometry::mesh::Mesh;
 use geometry::solid::{difference, prism};
 use glam::{DVec2, DVec3};
@@ -14,8 +16,7 @@ use mold::electrode::params::{Edit, Method};
 use nc::burn_template::BurnSheet;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::commands::{CommandSet as _, Commanded as _};
-use sparkpath::workspaces::flank::document::FlankSource;
-use sparkpath::workspaces::flank::document::flank_file::read_flank;
+use sparkpath::workspaces::flank::document::{FlankDocument, FlankSource};
 use sparkpath::workspaces::mold::commands::MoldCommand;
 use sparkpath::workspaces::mold::scene::electrodes::BurnOf;
 use task::State;
@@ -26,7 +27,7 @@ use crate::desk::{Desk, Home};
 fn designed(home: &Home, pixels: [u16; 2]) -> Desk {
     let mut desk = home.start_in(Opening::In("mold", Some(home.mold())), pixels, 1.0);
     desk.take_cutters(&[Cutter::flat(3.0)]);
-    let mut params = desk.mold().params.clone();
+    let mut params = desk.mold().document.params().clone();
     params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(1.0)] });
     desk.mold_mut().edit(params);
     desk.until_loaded();
@@ -114,7 +115,7 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
 
     // A change of what is asked makes them stale; undo makes them those of the present parameters again.
     desk.mold_mut().follows = false;
-    let mut params = desk.mold().params.clone();
+    let mut params = desk.mold().document.params().clone();
     params.electrodes.stages[0].gap_mm = 0.1;
     desk.mold_mut().edit(params);
     desk.settle();
@@ -123,7 +124,7 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     desk.key_with(Modifiers::COMMAND, Key::Z);
     assert_eq!(desk.mold().design_state(), State::Ready);
     // What is exported although a check fails changes no electrode.
-    let mut params = desk.mold().params.clone();
+    let mut params = desk.mold().document.params().clone();
     params.electrodes.overrides.push(first.parse().unwrap());
     desk.mold_mut().edit(params);
     assert_eq!(desk.mold().design_state(), State::Ready);
@@ -144,10 +145,10 @@ fn a_region_is_made_in_another_way_and_a_part_is_split_by_two_clicks() {
     let region = made.set.electrodes[0].burns[0].parts[0].region;
     let place = made.places[region].unwrap();
     let other = if made.set.regions[region].method == Method::Cutting { Method::Extruding } else { Method::Cutting };
-    let mut params = desk.mold().params.clone();
+    let mut params = desk.mold().document.params().clone();
     params.electrodes.edits.push(Edit::Make { place, method: other });
     desk.mold_mut().edit(params);
-    assert_eq!(desk.mold().undo_label(false), Some("Method of a region"));
+    assert_eq!(desk.mold().document.undo_label(false), Some("Method of a region"));
     desk.press("Create electrodes");
     until_designed(&mut desk);
     let now = desk.mold().electrodes.designed().unwrap().clone();
@@ -158,11 +159,13 @@ fn a_region_is_made_in_another_way_and_a_part_is_split_by_two_clicks() {
     desk.until("the view has turned", |d| d.app().camera().backward().z > 0.9999);
     let ends = [DVec3::new(-3.0, 0.0, 3.0), DVec3::new(3.0, 1.0, 3.0)];
     ends.into_iter().for_each(|end| click_at(&mut desk, end));
-    let Some(Edit::Split { line }) = desk.mold().params.electrodes.edits.last() else { panic!("no line was drawn") };
+    let Some(Edit::Split { line }) = desk.mold().document.params().electrodes.edits.last() else {
+        panic!("no line was drawn")
+    };
     for (found, end) in line.iter().zip(ends) {
         assert!(found.truncate().distance(end.truncate()) < 0.1, "{found} {end}");
     }
-    assert_eq!(desk.mold().undo_label(false), Some("Split part"));
+    assert_eq!(desk.mold().document.undo_label(false), Some("Split part"));
 }
 
 #[test]
@@ -181,7 +184,7 @@ fn a_change_that_meets_nothing_is_said_and_a_line_is_given_up_with_escape() {
     desk.key(Key::Escape);
     let burns = &desk.mold().electrodes;
     assert_eq!((burns.split, burns.split_region), (None, None));
-    let mut params = desk.mold().params.clone();
+    let mut params = desk.mold().document.params().clone();
     let far = [DVec3::new(900.0, 0.0, 0.0), DVec3::new(900.0, 1.0, 0.0)];
     params.electrodes.edits.push(Edit::Split { line: far });
     desk.mold_mut().edit(params);
@@ -204,22 +207,22 @@ fn the_flanks_of_a_designed_electrode_are_milled_without_a_file() {
     desk.press_role(Role::Row, &format!("Electrode {}", first.name));
     desk.press("Mill its flanks");
     assert_eq!(desk.app().shown(), "flank");
-    let flank = |desk: &Desk| desk.flank().params.clone();
+    let flank = |desk: &Desk| desk.flank().document.params().clone();
     let volume = desk.until_faces();
     assert!((volume / first.mesh.volume() - 1.0).abs() < 1e-9, "{volume}");
     let FlankSource::Mesh(source) = flank(&desk).source else { panic!("no face of a part") };
     assert_eq!((source.part(), source.fit.up), (format!("{} of stepped", first.name), DVec3::NEG_Z));
     // It is clamped as it burns no more: tips to the spindle.
     assert_eq!(flank(&desk).milling.workpiece.unwrap().z_axis, DVec3::NEG_Z);
-    assert!(!desk.flank().is_unsaved());
+    assert!(!desk.flank().document.is_unsaved());
 
     // The mesh goes along with the flank's file.
     desk.enter("Radius", "0.75");
-    let file = home.path("tips.sparkflank");
+    let file = home.path("tips.sparkpath");
     desk.key_with(Modifiers::COMMAND, Key::S);
     desk.type_path(&file);
     let before = flank(&desk);
-    assert_eq!(read_flank(&file).unwrap(), before);
+    assert_eq!(Document::<FlankDocument>::open(&file).unwrap().params().clone(), before);
 
     // What is unsaved is not thrown away for another electrode.
     desk.enter("Radius", "0.5");
@@ -227,7 +230,7 @@ fn the_flanks_of_a_designed_electrode_are_milled_without_a_file() {
     desk.press("Mill its flanks");
     desk.assert_shows("Unsaved work");
     desk.press("Don't save");
-    assert_eq!((flank(&desk).source, desk.flank().record.file.clone()), (before.source, None));
+    assert_eq!((flank(&desk).source, desk.flank().document.file().map(Path::to_owned)), (before.source, None));
 }
 
 impl Desk {
@@ -246,7 +249,7 @@ fn every_parameter_of_electrodes_has_a_field() {
     let home = Home::new();
     let mut desk = home.start(Opening::In("mold", None));
     desk.press_role(Role::DisclosureTriangle, "Electrodes");
-    let before = desk.mold().params.electrodes.clone();
+    let before = desk.mold().document.params().electrodes.clone();
     for (name, text, step) in [
         ("Stock of stage 1", "0.1", "Stage"),
         ("Pieces of stage 1", "3", "Stage"),
@@ -256,12 +259,12 @@ fn every_parameter_of_electrodes_has_a_field() {
         ("Orientation chamfer", "0.75", "Orientation chamfer"),
     ] {
         desk.enter(name, text);
-        assert_eq!(desk.mold().undo_label(false), Some(step), "{name}");
+        assert_eq!(desk.mold().document.undo_label(false), Some(step), "{name}");
     }
     desk.press_role(Role::DisclosureTriangle, "Blanks and holders");
     desk.type_in("Sides", "20 8; 12,5; x");
     desk.assert_shows("is no size");
-    assert_eq!(desk.mold().params.electrodes.blanks, before.blanks, "what is no list changes nothing");
+    assert_eq!(desk.mold().document.params().electrodes.blanks, before.blanks, "what is no list changes nothing");
     desk.type_in("Sides", "20; 8; 12,5");
     desk.type_in("Diameters", "16, 10");
     desk.enter("Increment", "2");
@@ -271,8 +274,8 @@ fn every_parameter_of_electrodes_has_a_field() {
     desk.press_role(Role::DisclosureTriangle, "Cutters for electrodes");
     desk.press_role(Role::CheckBox, "same as the mold");
     desk.enter("Diameter of electrode cutter 1", "0.8");
-    let asked = desk.mold().params.electrodes.clone();
-    let (stage, library) = (&asked.stages[0], &desk.mold().params.library);
+    let asked = desk.mold().document.params().electrodes.clone();
+    let (stage, library) = (&asked.stages[0], &desk.mold().document.params().library);
     assert_eq!((stage.stock_mm, stage.quantity), (0.1, 3));
     assert_eq!(
         (asked.overlap_mm, asked.least_size_mm, asked.tolerance_mm, asked.datum_corner_mm),
@@ -287,7 +290,7 @@ fn every_parameter_of_electrodes_has_a_field() {
     for _ in 0..14 {
         desk.key_with(Modifiers::COMMAND, Key::Z);
     }
-    assert_eq!((&desk.mold().params.electrodes, desk.mold().undo_label(false)), (&before, None));
+    assert_eq!((&desk.mold().document.params().electrodes, desk.mold().document.undo_label(false)), (&before, None));
 }
 
 #[test]
@@ -376,7 +379,7 @@ fn two_parts_of_a_region_are_merged_and_one_is_split_along_a_drawn_line() {
     write_stl(&file, &bent_slot()).unwrap();
     let mut desk = home.start_in(Opening::In("mold", Some(file)), [1280, 720], 1.0);
     desk.take_cutters(&[Cutter::flat(2.0)]);
-    let mut params = desk.mold().params.clone();
+    let mut params = desk.mold().document.params().clone();
     params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(0.5)] });
     desk.mold_mut().edit(params);
     desk.until_loaded();
@@ -400,7 +403,7 @@ fn two_parts_of_a_region_are_merged_and_one_is_split_along_a_drawn_line() {
     let below = merge.top() - part.bottom();
     assert!((0.0..12.0).contains(&below), "merging is offered where the hand is: {below} points below");
     desk.press("Merge the two parts");
-    assert_eq!(desk.mold().undo_label(false), Some("Merged parts"));
+    assert_eq!(desk.mold().document.undo_label(false), Some("Merged parts"));
     until_made(&mut desk);
     assert_eq!(parts(&desk), 1);
     desk.key_with(Modifiers::COMMAND, Key::Z);
@@ -415,7 +418,7 @@ fn two_parts_of_a_region_are_merged_and_one_is_split_along_a_drawn_line() {
     for end in [DVec3::new(2.0, -7.5, 10.0), DVec3::new(2.0, -1.5, 10.0)] {
         click_at(&mut desk, end);
     }
-    assert_eq!(desk.mold().undo_label(false), Some("Split part"));
+    assert_eq!(desk.mold().document.undo_label(false), Some("Split part"));
     until_made(&mut desk);
     assert_eq!(parts(&desk), 3);
 }

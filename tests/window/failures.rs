@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use egui::{Key, Role};
+use files::AnyDocument;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::flank::document::FlankSource;
@@ -105,7 +106,7 @@ fn a_broken_project_is_said_to_be_broken_and_what_was_open_stays() {
 fn a_failed_open_changes_nothing() {
     const FAILED: &str = "cannot be opened";
     let home = Home::new();
-    let [broken, kept] = [home.path("broken.stl"), home.path("kept.sparkmold")];
+    let [broken, kept] = [home.path("broken.stl"), home.path("kept.sparkpath")];
     std::fs::write(&broken, b"this is not a mesh").unwrap();
     // A file that is well in itself, but names a mesh that cannot be read.
     std::fs::write(&kept, "mesh = \"broken.stl\"").unwrap();
@@ -119,17 +120,21 @@ fn a_failed_open_changes_nothing() {
         desk.press("Close");
         assert!(!desk.shows(FAILED) && desk.app().title() == title, "{title} {}", desk.app().title());
     };
-    let (params, mold) = (desk.mold().params.clone(), desk.mold().work.mold().unwrap().clone());
+    let (params, mold) = (desk.mold().document.params().clone(), desk.mold().work.mold().unwrap().clone());
     for file in [&broken, &kept] {
         fails(&mut desk, file);
         let now = desk.mold();
-        assert!(now.params == params && Arc::ptr_eq(now.work.mold().unwrap(), &mold) && !now.is_unsaved());
-        assert!(now.name() == "stepped" && now.record.file.is_none());
+        assert!(
+            *now.document.params() == params
+                && Arc::ptr_eq(now.work.mold().unwrap(), &mold)
+                && !now.document.is_unsaved()
+        );
+        assert!(now.document.name() == "stepped" && now.document.file().is_none());
     }
 
     desk.press_role(Role::Tab, "Flank workspace");
     fails(&mut desk, &broken);
-    assert!(matches!(desk.flank().params.source, FlankSource::Demonstration { .. }));
+    assert!(matches!(desk.flank().document.params().source, FlankSource::Demonstration { .. }));
     // A mold that fails is not gone to either.
     fails(&mut desk, &kept);
     desk.press_role(Role::Tab, "Blisk workspace");

@@ -6,6 +6,7 @@ use task::State;
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
+use files::{AnyDocument, Document};
 use flank::ruled_surface::Side;
 use glam::DVec3;
 use nc::approved_flank::ApprovedFlank;
@@ -14,7 +15,6 @@ use nc::flank_program::{FlankNc, TipControl};
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::flank::FlankWorkspace;
-use sparkpath::workspaces::flank::document::flank_file::{read_flank, write_flank};
 use sparkpath::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
 use sparkpath::workspaces::flank::panels::FlankDesk;
 
@@ -33,8 +33,8 @@ impl Home {
         document.plan.grid = [40, 20];
         document.side = Side::Positive;
         change(&mut document);
-        let file = self.path("coarse.sparkflank");
-        write_flank(&file, &document).unwrap();
+        let file = self.path("coarse.sparkpath");
+        Document::new(document).export(&file).unwrap();
         Opening::File(file)
     }
 }
@@ -128,18 +128,18 @@ fn a_cutter_is_changed_in_passing_refused_in_words_and_taken_back() {
     let mut desk = home.start_in(home.flank(), [1000, 700], 1.0);
     desk.press("Plan");
     desk.until_planned();
-    let kept = desk.flank().params.clone();
+    let kept = desk.flank().document.params().clone();
     desk.slide("Radius", 0.5, 4);
-    let radius = desk.flank().params.cutter.radius_mm;
+    let radius = desk.flank().document.params().cutter.radius_mm;
     assert!(radius > 2.0, "{radius}");
     assert!(!desk.flank().is_planned(), "what is shown is of another cutter");
     // Half a second after the slider rests the plan follows by itself.
     desk.until_planned();
     assert_eq!(desk.flank().planned().unwrap().result.plan.cutter.radius_mm, radius);
-    assert_eq!(desk.flank().params.cutter.name, "", "it is no cone R1 5 deg any more");
-    assert_eq!(desk.flank().record.undo_label(false), Some("Radius of the cutter"));
+    assert_eq!(desk.flank().document.params().cutter.name, "", "it is no cone R1 5 deg any more");
+    assert_eq!(desk.flank().document.undo_label(false), Some("Radius of the cutter"));
     desk.key_with(Modifiers::COMMAND, Key::Z);
-    assert_eq!(desk.flank().params, kept, "one slide is one step");
+    assert_eq!(*desk.flank().document.params(), kept, "one slide is one step");
     desk.until_planned();
 
     desk.enter("Flutes", "-3");
@@ -154,13 +154,13 @@ fn a_cutter_is_changed_in_passing_refused_in_words_and_taken_back() {
     assert!(!desk.flank().planned().unwrap().result.holds(), "too short a cutter is said to be so");
     desk.enter("Flutes", "long");
     desk.assert_shows("is not a number");
-    assert_eq!(desk.flank().params.cutter.length_mm, 5.0);
+    assert_eq!(desk.flank().document.params().cutter.length_mm, 5.0);
 
-    let file = home.path("mine.sparkflank");
+    let file = home.path("mine.sparkpath");
     desk.key_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     desk.type_path(&file);
-    assert_eq!(read_flank(&file).unwrap(), desk.flank().params);
-    assert!(!desk.flank().is_unsaved());
+    assert_eq!(Document::<FlankDocument>::open(&file).unwrap().params(), desk.flank().document.params());
+    assert!(!desk.flank().document.is_unsaved());
 }
 
 #[test]
@@ -202,11 +202,11 @@ fn a_cutter_is_named_in_the_form_and_its_path_stays() {
     desk.key_with(Modifiers::COMMAND, Key::A);
     desk.window.event(egui::Event::Text("my cone".to_owned()));
     desk.settle();
-    assert_eq!(desk.flank().params.cutter.name, "cone R1 5 deg", "what is half typed changes nothing");
+    assert_eq!(desk.flank().document.params().cutter.name, "cone R1 5 deg", "what is half typed changes nothing");
     desk.key(Key::Enter);
-    assert_eq!(desk.flank().params.cutter.name, "my cone");
+    assert_eq!(desk.flank().document.params().cutter.name, "my cone");
     assert!(desk.flank().is_planned(), "a name changes no path");
-    let exported = desk.flank().work.to_export(&desk.flank().params).unwrap();
+    let exported = desk.flank().work.to_export(desk.flank().document.params()).unwrap();
     assert_eq!(exported.plan.cutter.name, "my cone");
 }
 
@@ -219,7 +219,7 @@ fn one_guide_is_opened_with_its_fellow_or_waits_for_it_and_a_path_that_is_not_th
         std::fs::write(file, format!("0,0,{z}\n10,2,{z}\n20,2,{z}\n30,0,{z}\n")).unwrap();
     }
     let mut desk = home.start(home.flank());
-    let before = desk.flank().params.clone();
+    let before = desk.flank().document.params().clone();
     let open = |desk: &mut Desk, path: &Path| {
         desk.key_with(Modifiers::COMMAND, Key::O);
         desk.type_path(path);
@@ -229,20 +229,23 @@ fn one_guide_is_opened_with_its_fellow_or_waits_for_it_and_a_path_that_is_not_th
     desk.press("Close");
     desk.assert_shows("Type or paste the path");
     desk.press("Cancel");
-    assert_eq!(desk.flank().params, before);
+    assert_eq!(*desk.flank().document.params(), before);
     // The fellow is told by its name, and the file of the other flank is no longer the one that is saved to.
     open(&mut desk, &upper);
-    assert_eq!(desk.flank().params.source, FlankSource::guides([lower.clone(), upper.clone()]));
-    assert_eq!((desk.flank().params.side, desk.flank().record.file.clone()), (Side::Automatic, None));
+    assert_eq!(desk.flank().document.params().source, FlankSource::guides([lower.clone(), upper.clone()]));
+    assert_eq!(
+        (desk.flank().document.params().side, desk.flank().document.file().map(Path::to_owned)),
+        (Side::Automatic, None)
+    );
     // What has none waits.
     open(&mut desk, &alone);
-    assert_eq!(desk.flank().params.source, FlankSource::guides([lower, upper]));
+    assert_eq!(desk.flank().document.params().source, FlankSource::guides([lower, upper]));
     desk.type_path(&other);
-    assert_eq!(desk.flank().params.source, FlankSource::guides([alone.clone(), other.clone()]));
-    desk.until("it was read", |desk| desk.flank().work.loaded(&desk.flank().params).is_some());
-    assert!(desk.flank().work.changed_files(&desk.flank().params).is_empty());
+    assert_eq!(desk.flank().document.params().source, FlankSource::guides([alone.clone(), other.clone()]));
+    desk.until("it was read", |desk| desk.flank().work.loaded(desk.flank().document.params()).is_some());
+    assert!(desk.flank().work.changed_files(desk.flank().document.params()).is_empty());
     std::fs::write(&alone, "0,0,0\n10,2,0\n").unwrap();
-    assert_eq!(desk.flank().work.changed_files(&desk.flank().params), [alone]);
+    assert_eq!(desk.flank().work.changed_files(desk.flank().document.params()), [alone]);
 }
 
 #[test]
@@ -254,19 +257,22 @@ fn the_side_of_two_guides_is_chosen_in_the_view() {
     let mut document = FlankDocument::default();
     document.plan.grid = [30, 12];
     document.source = FlankSource::Guides { lower: GuideSource::File(lower), upper: GuideSource::File(upper) };
-    let file = home.path("guides.sparkflank");
-    write_flank(&file, &document).unwrap();
+    let file = home.path("guides.sparkpath");
+    Document::new(document).export(&file).unwrap();
     let mut desk = home.start(Opening::File(file));
     desk.until("the side is asked for", |desk| desk.flank().open_side().is_some());
     std::thread::sleep(std::time::Duration::from_millis(400));
     desk.settle();
     desk.assert_shows("Choose the side of the cutter");
-    assert_eq!(desk.flank().params.side, Side::Automatic);
+    assert_eq!(desk.flank().document.params().side, Side::Automatic);
     desk.pictures("flank_sides");
     // The arrow of the positive side is where the surface's normal points.
     let [_, normal] = desk.flank().open_side().unwrap();
     desk.press("Cutter on side +1");
-    assert_eq!((desk.flank().params.side, desk.flank().record.undo_label(false)), (Side::Positive, Some("Side")));
+    assert_eq!(
+        (desk.flank().document.params().side, desk.flank().document.undo_label(false)),
+        (Side::Positive, Some("Side"))
+    );
     desk.press("Plan");
     desk.until_planned();
     let result = &desk.flank().planned().unwrap().result;
@@ -287,11 +293,15 @@ fn a_workpiece_is_clamped_otherwise_and_the_program_follows_the_tip() {
     desk.assert_shows("its Z along +Z of the machine");
     let of_machine = desk.flank().workpiece_of_machine().unwrap().clone();
     desk.press_role(Role::CheckBox, "other than in the machine's file");
-    assert_eq!(desk.flank().params.milling.workpiece.as_ref(), Some(&of_machine), "it begins as the file has it");
+    assert_eq!(
+        desk.flank().document.params().milling.workpiece.as_ref(),
+        Some(&of_machine),
+        "it begins as the file has it"
+    );
     desk.enter("Zero Z", "45");
     desk.press("tip, angles");
     desk.enter("Tool number", "7");
-    let milling = &desk.flank().params.milling;
+    let milling = &desk.flank().document.params().milling;
     assert_eq!(milling.workpiece.as_ref().unwrap().zero_mm, DVec3 { z: 45.0, ..of_machine.zero_mm });
     assert_eq!((milling.program.tip_control, milling.program.tool_number), (TipControl::Angles, 7));
     desk.until_planned();
@@ -303,7 +313,7 @@ fn a_workpiece_is_clamped_otherwise_and_the_program_follows_the_tip() {
     desk.picture("flank_clamped_dark");
     // Without it the workpiece stands as the file says again.
     desk.press_role(Role::CheckBox, "other than in the machine's file");
-    assert_eq!(desk.flank().params.milling.workpiece, None);
+    assert_eq!(desk.flank().document.params().milling.workpiece, None);
 }
 
 #[test]
@@ -354,8 +364,8 @@ fn files_that_have_changed_are_said_before_an_export_and_loaded_again() {
     desk.press("Reload");
     assert!(!desk.shows("Changed or gone"));
     desk.press("Cancel");
-    desk.until("it was read again", |desk| desk.flank().work.loaded(&desk.flank().params).is_some());
-    assert!(desk.flank().work.changed_files(&desk.flank().params).is_empty() && !desk.flank().is_planned());
+    desk.until("it was read again", |desk| desk.flank().work.loaded(desk.flank().document.params()).is_some());
+    assert!(desk.flank().work.changed_files(desk.flank().document.params()).is_empty() && !desk.flank().is_planned());
     desk.press("Plan");
     desk.until_planned();
     assert!(is_end(&desk, 0.125));
@@ -372,14 +382,14 @@ fn a_blisks_electrode_is_milled_without_a_file() {
     assert_eq!(desk.app().shown(), "flank");
     let part = desk.until_faces();
     assert!((part / volume - 1.0).abs() < 1e-9, "{part} {volume}");
-    assert_eq!(desk.flank().name(), "electrode 1 flank 1");
+    assert_eq!(desk.flank().document.name(), "electrode 1 flank 1");
 }
 
 impl Desk {
     /// Until the faces of the part are listed. Answers its volume.
     pub fn until_faces(&mut self) -> f64 {
-        self.until("its faces are listed", |desk| desk.flank().work.loaded(&desk.flank().params).is_some());
-        let loaded = self.flank().work.loaded(&self.flank().params).unwrap();
+        self.until("its faces are listed", |desk| desk.flank().work.loaded(desk.flank().document.params()).is_some());
+        let loaded = self.flank().work.loaded(self.flank().params()).unwrap();
         let LoadedSurface::Face { mesh, candidates, .. } = &loaded.surface else { panic!("no face of a part") };
         assert!(!candidates.is_empty());
         let volume = mesh.volume();

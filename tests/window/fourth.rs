@@ -1,36 +1,46 @@
 //! A workspace that the program does not have: one type, and one line in the list.
 
-use std::any::Any;
 use std::path::{Path, PathBuf};
 
 use eframe::App as _;
 use egui::{Key, Modifiers, Role, Ui, vec2};
 use egui_kittest::Harness;
-use sparkpath::shell::autosave::Recovery;
+use files::{AnyDocument, Document, Invalid, Params, Recovery, Validate};
+use serde::{Deserialize, Serialize};
 use sparkpath::shell::run::{Opening, SparkpathApp};
 use sparkpath::widgets::viewport::Viewport;
 use sparkpath::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups, Scope};
-use sparkpath::workspaces::context::{Context, PathInfo, PathKind, Request, first};
-use sparkpath::workspaces::record::Hands;
+use sparkpath::workspaces::context::{Context, Request, first};
+use sparkpath::workspaces::hands::Hands;
 use sparkpath::workspaces::registry::workspaces;
 use sparkpath::workspaces::workspace::{About, Menu, Workspace};
 use task::Scheduler;
 
 use crate::desk::{Desk, Home, holds};
 
-const ENDING: &str = ".sparknotes";
+static ABOUT: About = About { id: "notes", name: "Notes", switch: CommandInfo::new("Workspace: notes"), menu: "Notes" };
 
-static ABOUT: About = About {
-    id: "notes",
-    name: "Notes",
-    switch: CommandInfo::new("Workspace: notes"),
-    menu: "Notes",
-    save: PathInfo { title: "Save notes", kind: PathKind::Write("Notes", ENDING), opens: false },
-    ending: ENDING,
-    article: "The sheet ",
-    kind: "Notes, ",
-    not_saved: "The notes were not saved",
-};
+/// How many lines there are.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+struct Sheet {
+    lines: usize,
+}
+
+impl Validate for Sheet {
+    fn validate(&self) -> Result<(), Invalid> {
+        Ok(())
+    }
+}
+
+impl Params for Sheet {
+    const KIND: &'static str = "notes";
+
+    fn part(&self) -> String {
+        "sheet".to_owned()
+    }
+
+    fn change_paths(&mut self, _: &mut dyn FnMut(&Path) -> PathBuf) {}
+}
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum NotesCommand {
@@ -47,13 +57,9 @@ impl CommandSet for NotesCommand {
     }
 }
 
-/// Lines, and how many there were when they were opened or saved and before the last step.
 #[derive(Default)]
 struct Notes {
-    lines: usize,
-    saved: usize,
-    before: Option<usize>,
-    file: Option<PathBuf>,
+    document: Document<Sheet>,
     wanted: Option<PathBuf>,
     viewport: Viewport,
 }
@@ -61,7 +67,7 @@ struct Notes {
 impl Commanded for Notes {
     fn is_enabled(&self, command: Command) -> bool {
         match FrameCommand::of(command) {
-            Some(FrameCommand::Undo) => self.before.is_some(),
+            Some(FrameCommand::Undo) => self.document.undo_label(false).is_some(),
             Some(FrameCommand::Redo | FrameCommand::Cancel | FrameCommand::Export) => false,
             Some(_) => true,
             None => NotesCommand::of(command).is_some(),
@@ -84,13 +90,12 @@ impl Workspace for Notes {
 
     fn run(&mut self, command: Command, _cx: &mut Context, _now: f64) {
         if NotesCommand::of(command) == Some(NotesCommand::AddLine) {
-            self.before = Some(self.lines);
-            self.lines += 1;
+            self.document.edit("a line", Sheet { lines: self.document.params().lines + 1 }, false);
         }
     }
 
     fn ui(&mut self, ui: &mut Ui, cx: &mut Context) {
-        ui.label(format!("There are {} lines", self.lines));
+        ui.label(format!("There are {} lines", self.document.params().lines));
         let desk = Self { ..Self::default() };
         cx.button(ui, &desk, NotesCommand::AddLine, "Add", true);
     }
@@ -111,32 +116,16 @@ impl Workspace for Notes {
         &mut self.viewport
     }
 
-    fn name(&self) -> String {
-        "sheet".to_owned()
+    fn document(&self) -> &dyn AnyDocument {
+        &self.document
     }
 
-    fn is_unsaved(&self) -> bool {
-        self.lines != self.saved
-    }
-
-    fn file(&self) -> Option<&Path> {
-        self.file.as_deref()
-    }
-
-    fn undo_label(&self, again: bool) -> Option<&str> {
-        self.before.filter(|_| !again).map(|_| "a line")
-    }
-
-    fn undo(&mut self, again: bool) {
-        if let (Some(before), false) = (self.before.take(), again) {
-            self.lines = before;
-        }
+    fn document_mut(&mut self) -> &mut dyn AnyDocument {
+        &mut self.document
     }
 
     fn open(&mut self, path: &Path, cx: &mut Context) {
-        let text = std::fs::read_to_string(path).unwrap();
-        (self.lines, self.file) = (text.lines().count(), Some(path.to_owned()));
-        self.saved = self.lines;
+        self.document = Document::open(path).unwrap();
         cx.request(Request::Show);
     }
 
@@ -151,28 +140,9 @@ impl Workspace for Notes {
         }
     }
 
-    fn write(&self, file: &Path) -> Result<(), String> {
-        std::fs::write(file, "a line\n".repeat(self.lines)).map_err(|e| e.to_string())
-    }
-
-    fn save_as(&mut self, file: &Path) -> Result<(), String> {
-        self.write(file)?;
-        (self.saved, self.file) = (self.lines, Some(file.to_owned()));
+    fn recover(&mut self, copy: &Recovery, _cx: &mut Context) -> Result<(), String> {
+        self.document = copy.open().map_err(|e| e.to_string())?;
         Ok(())
-    }
-
-    fn recover(&mut self, copy: &Path, file: Option<PathBuf>, cx: &mut Context) -> Result<(), String> {
-        self.open(copy, cx);
-        (self.file, self.saved) = (file, 0);
-        Ok(())
-    }
-
-    fn snapshot(&self) -> Box<dyn Any> {
-        Box::new(self.lines)
-    }
-
-    fn is_at(&self, snapshot: Option<&dyn Any>) -> bool {
-        snapshot.and_then(|s| s.downcast_ref()) == Some(&self.lines)
     }
 
     fn take_path(&mut self, _number: usize, _path: PathBuf, _cx: &mut Context) {}
@@ -194,7 +164,7 @@ fn start(home: &Home, opening: Opening) -> Desk {
 }
 
 fn lines(desk: &Desk) -> usize {
-    desk.app().workspace::<Notes>().unwrap().lines
+    desk.app().workspace::<Notes>().unwrap().document.params().lines
 }
 
 #[test]
@@ -221,23 +191,23 @@ fn a_fourth_workspace_has_commands_menu_files_undo_and_recovery_like_the_others(
     desk.key(Key::Escape);
     // Unsaved work is asked about, and kept.
     desk.key_with(Modifiers::COMMAND, Key::Q);
-    desk.assert_shows("The sheet sheet has unsaved changes");
+    desk.assert_shows("Notes: sheet has unsaved changes");
     desk.press("Cancel");
     desk.window.state_mut().on_exit();
     drop(desk);
-    assert!(holds(&home.folders().autosave, ENDING));
+    assert!(holds(&home.folders().autosave, ".notes.sparkpath"));
     let mut desk = start(&home, Opening::Demonstration);
-    desk.assert_shows("Notes, sheet, not saved yet");
+    desk.assert_shows("Notes: sheet, not saved yet");
     desk.press("Recover");
     assert_eq!((lines(&desk), desk.app().shown()), (2, "notes"));
     desk.key_with(Modifiers::COMMAND, Key::S);
-    desk.assert_shows("Save notes");
+    desk.assert_shows("Save project");
     desk.type_path(&home.path("mine"));
-    let file = home.path("mine.sparknotes");
-    assert_eq!(std::fs::read_to_string(&file).unwrap().lines().count(), 2);
+    let file = home.path("mine.sparkpath");
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), "kind = \"notes\"\nversion = 1\nlines = 2\n");
     desk.window.state_mut().on_exit();
     drop(desk);
-    assert!(Recovery::find(&home.folders().autosave, &[ENDING]).is_empty(), "what is saved needs no copy");
+    assert!(Recovery::find(&home.folders().autosave).is_empty(), "what is saved needs no copy");
     let desk = start(&home, Opening::File(file));
     assert_eq!((lines(&desk), desk.app().shown()), (2, "notes"));
 }

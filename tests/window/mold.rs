@@ -8,6 +8,7 @@ use task::State;
 
 use egui::{Key, Modifiers, Role, vec2};
 use egui_kittest::kittest::{By, Queryable as _};
+use files::{AnyDocument, Document};
 use geometry::mesh::Mesh;
 use glam::DVec3;
 use import::{Units, write_stl};
@@ -19,7 +20,6 @@ use mold::opening::Opening::MinusX;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::mold::MoldWorkspace;
 use sparkpath::workspaces::mold::document::MoldParams;
-use sparkpath::workspaces::mold::document::mold_file::read_mold;
 use sparkpath::workspaces::mold::panels::MoldDesk;
 
 use crate::desk::{Desk, Home};
@@ -72,7 +72,7 @@ impl Desk {
 
     pub fn take_cutters(&mut self, cutters: &[Cutter]) {
         let mold = self.mold_mut();
-        let mut params = mold.params.clone();
+        let mut params = mold.params().clone();
         params.library = CutterLibrary { cutter: cutters.to_vec() };
         params.units = Units::Mm;
         mold.edit(params);
@@ -91,7 +91,7 @@ impl Desk {
     }
 
     pub fn until_loaded(&mut self) {
-        self.until("the mold is loaded", |d| d.mold().work.mold_state(&d.mold().params) == State::Ready);
+        self.until("the mold is loaded", |d| d.mold().work.mold_state(d.mold().params()) == State::Ready);
     }
 
     fn volume(&self) -> f64 {
@@ -175,7 +175,7 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
     let mut desk = found(&home);
     desk.mold_mut().follows = false;
     desk.enter("Diameter of cutter 1", "4");
-    assert_eq!(desk.mold().params.library.cutter[0].diameter_mm, 4.0);
+    assert_eq!(desk.mold().document.params().library.cutter[0].diameter_mm, 4.0);
     desk.until("it is looked at", |d| d.mold().glanced().is_some());
     desk.pictures("mold_glance");
     desk.assert_shows("Out of date (other cutters): The cutters leave 8 regions");
@@ -197,27 +197,30 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
 fn what_is_done_to_cutters_is_undone_step_by_step() {
     let home = Home::new();
     let mut desk = home.start(Opening::In("mold", None));
-    let start = desk.mold().params.clone();
+    let start = desk.mold().document.params().clone();
     desk.enter("Diameter of cutter 2", "7");
-    let wide = desk.mold().params.clone();
+    let wide = desk.mold().document.params().clone();
     desk.press("Add");
     desk.press("Add");
     desk.press_role(Role::Button, "-x");
-    assert_eq!(desk.mold().params.library.cutter.len(), start.library.cutter.len() + 2);
-    let end = desk.mold().params.clone();
+    assert_eq!(desk.mold().document.params().library.cutter.len(), start.library.cutter.len() + 2);
+    let end = desk.mold().document.params().clone();
     let labels = ["Opening direction", "New cutter", "New cutter", "Diameter of cutter 2"];
     for label in labels {
-        assert_eq!(desk.mold().undo_label(false), Some(label));
+        assert_eq!(desk.mold().document.undo_label(false), Some(label));
         desk.key_with(Modifiers::COMMAND, Key::Z);
-        assert!(label != "New cutter" || desk.mold().params.library.cutter.len() > start.library.cutter.len() - 1);
+        assert!(
+            label != "New cutter"
+                || desk.mold().document.params().library.cutter.len() > start.library.cutter.len() - 1
+        );
     }
-    assert!(desk.mold().params == start && !desk.mold().is_unsaved());
+    assert!(*desk.mold().document.params() == start && !desk.mold().document.is_unsaved());
     desk.key_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
-    assert_eq!(desk.mold().params, wide);
+    assert_eq!(*desk.mold().document.params(), wide);
     for _ in 1..labels.len() {
         desk.key_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     }
-    assert_eq!((&desk.mold().params, desk.mold().undo_label(true)), (&end, None));
+    assert_eq!((desk.mold().document.params(), desk.mold().document.undo_label(true)), (&end, None));
     // Nothing of it was done to the blisk.
     assert!(!desk.blisk().document.is_unsaved());
 }
@@ -302,21 +305,21 @@ fn cutters_are_added_saved_and_loaded() {
     let home = Home::new();
     let mut desk = home.start(Opening::In("mold", None));
     assert!(desk.app().scene().objects.is_empty());
-    let standard = desk.mold().params.library.clone();
+    let standard = desk.mold().document.params().library.clone();
     desk.press("Add");
     desk.press("Duplicate");
     desk.enter("Diameter of cutter 10", "0");
     desk.assert_shows("diameter_mm is 0 mm");
     desk.press("Remove");
-    let nine = desk.mold().params.library.clone();
+    let nine = desk.mold().document.params().library.clone();
     assert_eq!((nine.cutter.len(), nine.cutter[8].diameter_mm), (9, 2.0));
     desk.press("Save…");
     desk.type_path(&home.path("mine"));
     desk.press("Standard");
-    assert_eq!(desk.mold().params.library, standard);
+    assert_eq!(desk.mold().document.params().library, standard);
     desk.press("Load…");
     desk.type_path(&home.path("mine.toml"));
-    assert_eq!(desk.mold().params.library, nine);
+    assert_eq!(desk.mold().document.params().library, nine);
 }
 
 #[test]
@@ -324,25 +327,29 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
     let home = Home::new();
     let mut desk = home.start(Opening::In("mold", Some(home.mold())));
     desk.take_cutters(&[Cutter::flat(1.5)]);
-    let saved = desk.mold().params.clone();
+    let saved = desk.mold().document.params().clone();
     desk.key_with(Modifiers::COMMAND, Key::S);
     desk.type_path(&home.path("mine"));
     desk.take_cutters(&[Cutter::ball(1.5)]);
-    assert!(desk.mold().name() == "mine" && desk.mold().is_unsaved());
+    assert!(desk.mold().document.name() == "mine" && desk.mold().document.is_unsaved());
     desk.assert_shows("mine \u{2022}");
     assert_eq!(desk.app().title(), "mine* - Sparkpath");
     desk.press_role(Role::Tab, "Blisk workspace");
     let app = desk.window.state_mut();
-    app.open(&home.path("mine.sparkmold"));
+    app.open(&home.path("mine.sparkpath"));
     desk.until_loaded();
-    assert!(desk.app().shown() == "mold" && desk.mold().params == saved && desk.mold().name() == "mine");
-    assert!(!desk.mold().is_unsaved());
+    assert!(
+        desk.app().shown() == "mold"
+            && *desk.mold().document.params() == saved
+            && desk.mold().document.name() == "mine"
+    );
+    assert!(!desk.mold().document.is_unsaved());
     // While molds are shown a mesh is one, whatever blisk there is.
     let other = home.path("other.stl");
     write_stl(&other, &stepped()).unwrap();
     desk.window.input_mut().dropped_files.push(Arc::new(Dropped(other.clone())));
     desk.settle();
-    assert_eq!(desk.mold().params.mesh.as_deref(), Some(&*other));
+    assert_eq!(desk.mold().document.params().mesh.as_deref(), Some(&*other));
     assert!(desk.blisk().document.job().blisk.mesh.is_none());
 }
 
@@ -350,7 +357,7 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
 fn changes_of_a_mold_are_not_lost_without_a_word() {
     const UNSAVED: &str = "has unsaved changes";
     let home = Home::new();
-    let [mold, other, file] = [home.mold(), home.path("other.stl"), home.path("mine.sparkmold")];
+    let [mold, other, file] = [home.mold(), home.path("other.stl"), home.path("mine.sparkpath")];
     write_stl(&other, &stepped()).unwrap();
     let mut desk = home.start(Opening::In("mold", None));
     // Cutters that are chosen first stay when the mold comes, and are unsaved all along.
@@ -360,12 +367,12 @@ fn changes_of_a_mold_are_not_lost_without_a_word() {
         desk.settle();
     };
     drop_on(&mut desk, &mold);
-    assert!(!desk.shows(UNSAVED) && desk.mold().is_unsaved());
-    assert_eq!(desk.mold().params.library.cutter, [Cutter::flat(1.5)]);
+    assert!(!desk.shows(UNSAVED) && desk.mold().document.is_unsaved());
+    assert_eq!(desk.mold().document.params().library.cutter, [Cutter::flat(1.5)]);
     drop_on(&mut desk, &other);
-    desk.assert_shows("The mold stepped has unsaved changes");
+    desk.assert_shows("Mold: stepped has unsaved changes");
     desk.press("Cancel");
-    assert_eq!(desk.mold().params.mesh.as_ref(), Some(&mold));
+    assert_eq!(desk.mold().document.params().mesh.as_ref(), Some(&mold));
     // The end of the program is asked about too; saved work goes on to it.
     desk.key_with(Modifiers::COMMAND, Key::Q);
     desk.assert_shows(UNSAVED);
@@ -374,13 +381,16 @@ fn changes_of_a_mold_are_not_lost_without_a_word() {
     desk.press("Save");
     desk.type_path(&file);
     assert!(file.exists() && !desk.shows(UNSAVED));
-    assert_eq!(desk.mold().params.mesh.as_ref(), Some(&other));
+    assert_eq!(desk.mold().document.params().mesh.as_ref(), Some(&other));
     desk.take_cutters(&[Cutter::flat(2.5)]);
     drop_on(&mut desk, &file);
     desk.press("Don't save");
-    assert_eq!((desk.mold().params.mesh.as_ref(), desk.mold().name().as_str()), (Some(&mold), "mine"));
+    assert_eq!(
+        (desk.mold().document.params().mesh.as_ref(), desk.mold().document.name().as_str()),
+        (Some(&mold), "mine")
+    );
     drop_on(&mut desk, &other);
-    assert!(!desk.shows(UNSAVED) && desk.mold().params.mesh.as_ref() == Some(&other), "nothing was changed");
+    assert!(!desk.shows(UNSAVED) && desk.mold().document.params().mesh.as_ref() == Some(&other), "nothing was changed");
 }
 
 /// Unsaved work is asked about before a path is, in every workspace, and once.
@@ -398,10 +408,10 @@ fn what_is_unsaved_is_asked_about_before_the_path() {
     desk.press("Don't save");
     assert!(!desk.shows(UNSAVED));
     desk.type_path(&other);
-    assert!(!desk.shows(UNSAVED) && desk.mold().params.mesh.as_ref() == Some(&other));
+    assert!(!desk.shows(UNSAVED) && desk.mold().document.params().mesh.as_ref() == Some(&other));
     desk.press_role(Role::Tab, "Flank workspace");
     let flank = &mut desk.window.state_mut().workspace_mut::<FlankWorkspace>().unwrap().desk;
-    let mut params = flank.params.clone();
+    let mut params = flank.params().clone();
     params.cutter.radius_mm += 1.0;
     flank.edit(params);
     desk.settle();
@@ -437,8 +447,8 @@ fn what_is_decided_for_one_mold_holds_for_no_other() {
     let mut desk = home.start(Opening::In("mold", Some(home.mold())));
     desk.take_cutters(&[Cutter::flat(3.0)]);
     desk.until_loaded();
-    let standard = desk.mold().params.electrodes.clone();
-    let mut params = decided(&desk.mold().params);
+    let standard = desk.mold().document.params().electrodes.clone();
+    let mut params = decided(desk.mold().document.params());
     (params.tolerance_mm, params.electrodes.lift_mm) = (0.05, 2.0);
     desk.mold_mut().edit(params);
     (desk.mold_mut().electrodes.exploded, desk.mold_mut().least_volume) = (0.5, 100.0);
@@ -450,16 +460,16 @@ fn what_is_decided_for_one_mold_holds_for_no_other() {
     desk.press("Don't save");
     desk.until_loaded();
     let now = desk.mold();
-    assert_eq!(now.params.mesh.as_ref(), Some(&other));
-    assert_eq!((&now.params.electrodes, now.params.opening), (&standard, MoldParams::default().opening));
-    assert_eq!(now.params.tolerance_mm, MoldParams::default().tolerance_mm);
-    assert_eq!(now.params.library.cutter, [Cutter::flat(3.0)], "a shop has its cutters for every mold");
+    assert_eq!(now.params().mesh.as_ref(), Some(&other));
+    assert_eq!((&now.params().electrodes, now.params().opening), (&standard, MoldParams::default().opening));
+    assert_eq!(now.params().tolerance_mm, MoldParams::default().tolerance_mm);
+    assert_eq!(now.params().library.cutter, [Cutter::flat(3.0)], "a shop has its cutters for every mold");
     assert_eq!((now.electrodes.exploded, now.least_volume), (0.0, 0.0));
     assert!(desk.app().camera().backward().distance(before) < 1e-9, "{}", desk.app().camera().backward());
-    let file = home.path("other.sparkmold");
+    let file = home.path("other.sparkpath");
     desk.key_with(Modifiers::COMMAND, Key::S);
     desk.type_path(&file);
-    let saved = read_mold(&file).unwrap();
+    let saved = Document::<MoldParams>::open(&file).unwrap().params().clone();
     assert!(saved.electrodes.edits.is_empty() && saved.electrodes.overrides.is_empty());
 }
 
@@ -467,35 +477,35 @@ fn what_is_decided_for_one_mold_holds_for_no_other() {
 #[test]
 fn decisions_do_not_pass_to_another_mesh_in_the_same_file() {
     let home = Home::new();
-    let (mesh, file) = (home.mold(), home.path("mine.sparkmold"));
+    let (mesh, file) = (home.mold(), home.path("mine.sparkpath"));
     let mut desk = home.start(Opening::In("mold", Some(mesh.clone())));
     desk.until_loaded();
-    let params = decided(&desk.mold().params);
+    let params = decided(desk.mold().document.params());
     desk.mold_mut().edit(params.clone());
     desk.key_with(Modifiers::COMMAND, Key::S);
     desk.type_path(&file);
     // Read again from the same file, and opened again: they hold.
     desk.key_with(Modifiers::COMMAND, Key::R);
     desk.until_loaded();
-    assert_eq!(desk.mold().params, params);
+    assert_eq!(*desk.mold().document.params(), params);
     let mut desk = home.start(Opening::In("mold", Some(file.clone())));
     desk.until_loaded();
-    assert!(desk.mold().params == params && !desk.mold().is_unsaved());
+    assert!(*desk.mold().document.params() == params && !desk.mold().document.is_unsaved());
 
     write_stl(&mesh, &moved()).unwrap();
     desk.key_with(Modifiers::COMMAND, Key::R);
     desk.until_loaded();
     let is_clean = |desk: &Desk| {
-        let MoldParams { opening, electrodes, .. } = &desk.mold().params;
+        let MoldParams { opening, electrodes, .. } = desk.mold().document.params();
         *opening == MoldParams::default().opening && electrodes.edits.is_empty() && electrodes.overrides.is_empty()
     };
-    assert!(is_clean(&desk) && desk.mold().is_unsaved());
+    assert!(is_clean(&desk) && desk.mold().document.is_unsaved());
     assert!(desk.log().iter().any(|line| line.contains("overrides") && line.contains("dropped")), "{:?}", desk.log());
     // Nor by way of the file, nor by undo.
     let mut desk = home.start(Opening::In("mold", Some(file)));
     desk.until_loaded();
     assert!(is_clean(&desk));
-    let tolerant = MoldParams { tolerance_mm: 0.05, ..desk.mold().params.clone() };
+    let tolerant = MoldParams { tolerance_mm: 0.05, ..desk.mold().document.params().clone() };
     desk.mold_mut().edit(tolerant);
     for _ in 0..3 {
         desk.key_with(Modifiers::COMMAND, Key::Z);

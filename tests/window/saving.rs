@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use eframe::App as _;
 use egui::{Key, Modifiers};
-use sparkpath::shell::autosave::Recovery;
+use files::{AnyDocument, Recovery};
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::Document;
 use sparkpath::workspaces::blisk::document::project_file::ProjectFile;
@@ -15,9 +15,6 @@ use crate::desk::{Desk, Home, holds};
 
 const UNSAVED: &str = "has unsaved changes";
 const OPEN: &str = "Open a project or a mesh";
-
-/// The endings of documents, in the order of the workspaces.
-const ENDINGS: [&str; 3] = [".sparkpath", ".sparkmold", ".sparkflank"];
 
 fn seed(desk: &Desk) -> u64 {
     desk.blisk().document.job().genetic.seed
@@ -140,7 +137,7 @@ fn a_project_is_saved_under_a_name_that_opens_and_over_nothing_unasked() {
 
 /// Whether a program that ended left a copy.
 fn is_left(home: &Home) -> bool {
-    !Recovery::find(&home.folders().autosave, &ENDINGS).is_empty()
+    !Recovery::find(&home.folders().autosave).is_empty()
 }
 
 fn until_kept(desk: &mut Desk, home: &Home) {
@@ -197,8 +194,8 @@ fn recovered_work_keeps_its_copy_until_there_is_another() {
     desk.press("Recover");
     assert_eq!(seed(&desk), 81);
     drop(desk);
-    let kept = Recovery::find(&home.folders().autosave, &ENDINGS);
-    let readable: Vec<ProjectFile> = kept.iter().filter_map(|copy| ProjectFile::read(&copy.copy).ok()).collect();
+    let kept = Recovery::find(&home.folders().autosave);
+    let readable: Vec<ProjectFile> = kept.iter().filter_map(|copy| ProjectFile::read(copy.copy()).ok()).collect();
     let [project] = &readable[..] else { panic!("{readable:?}") };
     assert_eq!(project.job.genetic.seed, 81);
 }
@@ -209,10 +206,10 @@ fn a_mold_and_a_blisk_of_one_program_are_both_recovered() {
     let mut desk = home.start(Opening::Demonstration);
     work(&mut desk, 91);
     let mold = desk.mold_mut();
-    let params = MoldParams { tolerance_mm: 0.07, ..mold.params.clone() };
+    let params = MoldParams { tolerance_mm: 0.07, ..mold.document.params().clone() };
     mold.edit(params.clone());
     desk.until("both are kept", |_| {
-        [".sparkpath", ".sparkmold"].iter().all(|end| holds(&home.folders().autosave, end))
+        [".blisk.sparkpath", ".mold.sparkpath"].iter().all(|end| holds(&home.folders().autosave, end))
     });
     drop(desk);
     let mut desk = home.start(Opening::Demonstration);
@@ -221,7 +218,7 @@ fn a_mold_and_a_blisk_of_one_program_are_both_recovered() {
     desk.assert_shows("Recovered work");
     desk.press("Recover");
     let mold = desk.mold();
-    assert!(seed(&desk) == 91 && mold.params == params && mold.is_unsaved());
+    assert!(seed(&desk) == 91 && *mold.document.params() == params && mold.document.is_unsaved());
     control(&mut desk, Key::Q);
     desk.press("Don't save");
     desk.press("Don't save");

@@ -25,7 +25,7 @@ pub use atomic::{atomic_write, write_bytes};
 pub use document::autosave::{Autosave, Recovery};
 pub use document::history::History;
 pub use document::project::{LARGEST_PROJECT, kind_of};
-pub use document::{Document, MovedFile, Params, PartFile, sha256_of};
+pub use document::{AnyDocument, Document, MovedFile, Params, PartFile, sha256_of};
 pub use error::{FileError, Invalid, Validate};
 pub use export_folder::{ExportFolder, MANIFEST, Published};
 pub use fields::table::{Entry, FieldTable, Group, Place};

@@ -18,8 +18,7 @@ pub const BUILT_IN: [(&str, &str); 2] = [
 
 /// Extensions of the other files that are written and read: a program may not be taken for one of them, nor take its
 /// place.
-const OTHER_RESULTS: [&str; 12] =
-    ["csv", "stl", "obj", "png", "json", "html", "toml", "cl", "old", "sparkpath", "sparkmold", "sparkflank"];
+const OTHER_RESULTS: [&str; 10] = ["csv", "stl", "obj", "png", "json", "html", "toml", "cl", "old", "sparkpath"];
 
 /// Why a post cannot be used.
 #[derive(Debug, thiserror::Error)]

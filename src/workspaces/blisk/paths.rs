@@ -25,8 +25,7 @@ impl PathSet for BliskPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use BliskPath as P;
         const TOML: &[&str] = &["toml"];
-        const OPEN: &[&str] =
-            &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkpath", "sparkmold", "sparkflank"];
+        const OPEN: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkpath"];
         const fn info(title: &'static str, kind: PathKind) -> PathInfo {
             PathInfo { title, kind, opens: false }
         }

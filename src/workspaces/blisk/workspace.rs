@@ -1,6 +1,5 @@
 //! The workspace of blisks as the window knows it.
 
-use std::any::Any;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -25,30 +24,19 @@ use crate::workspaces::blisk::panels::{dialogs, inspector, stepper, timeline};
 use crate::workspaces::blisk::paths::BliskPath;
 use crate::workspaces::blisk::work::ExportWork;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
-use crate::workspaces::context::{Context, LogLine, PathInfo, PathKind, PathSet, Request, first, has_ending};
+use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project};
+use crate::workspaces::hands::Hands;
 use crate::workspaces::message::Message;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
-use crate::workspaces::record::Hands;
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace};
+use files::{AnyDocument, Recovery};
 use nc::post::Post;
 use render::view::StandardView;
 use task::{Scheduler, State, Task};
 
-/// How the name of a project ends.
-const ENDING: &str = ".sparkpath";
-
-static ABOUT: About = About {
-    id: "blisk",
-    name: "Blisk",
-    switch: CommandInfo::new("Workspace: blisk feed"),
-    menu: "Plan",
-    save: PathInfo { title: "Save project", kind: PathKind::Write("Project", ENDING), opens: false },
-    ending: ENDING,
-    article: "",
-    kind: "",
-    not_saved: "The project was not saved",
-};
+static ABOUT: About =
+    About { id: "blisk", name: "Blisk", switch: CommandInfo::new("Workspace: blisk feed"), menu: "Plan" };
 
 /// What takes the place of the document once nothing stands in the way.
 enum Pending {
@@ -109,7 +97,7 @@ impl BliskWorkspace {
 
     /// The document at `path`, without its part; says why there is none.
     fn document_at(&mut self, path: &Path, cx: &mut Context) -> Option<Document> {
-        if !has_ending(path, ENDING) {
+        if !is_project(path) {
             return Some(Document::for_mesh(path));
         }
         match Document::open(path) {
@@ -442,29 +430,16 @@ impl Workspace for BliskWorkspace {
         &mut self.view.viewport
     }
 
-    fn name(&self) -> String {
-        self.desk.document.name()
+    fn document(&self) -> &dyn AnyDocument {
+        &self.desk.document
     }
 
-    fn is_unsaved(&self) -> bool {
-        self.desk.document.is_unsaved()
-    }
-
-    fn file(&self) -> Option<&Path> {
-        self.desk.document.file()
+    fn document_mut(&mut self) -> &mut dyn AnyDocument {
+        &mut self.desk.document
     }
 
     fn near(&self) -> Option<&Path> {
         self.desk.document.file().or(self.desk.document.job().blisk.mesh.as_deref())
-    }
-
-    fn undo_label(&self, again: bool) -> Option<&str> {
-        if again { self.desk.document.redo_label() } else { self.desk.document.undo_label() }
-    }
-
-    fn undo(&mut self, again: bool) {
-        let document = &mut self.desk.document;
-        let _ = if again { document.redo() } else { document.undo() };
     }
 
     fn open(&mut self, path: &Path, cx: &mut Context) {
@@ -491,26 +466,10 @@ impl Workspace for BliskWorkspace {
         }
     }
 
-    fn write(&self, file: &Path) -> Result<(), String> {
-        self.desk.document.project_file().write(file).map_err(|e| e.to_string())
-    }
-
-    fn save_as(&mut self, file: &Path) -> Result<(), String> {
-        self.desk.document.save_as(file).map_err(|e| e.to_string())
-    }
-
-    fn recover(&mut self, copy: &Path, file: Option<PathBuf>, cx: &mut Context) -> Result<(), String> {
-        let project = ProjectFile::read(copy).map_err(|e| e.to_string())?;
-        self.replace(Document::recovered(project, file), None, cx);
+    fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String> {
+        let project = ProjectFile::read(copy.copy()).map_err(|e| e.to_string())?;
+        self.replace(Document::recovered(project, copy.file.clone()), None, cx);
         Ok(())
-    }
-
-    fn snapshot(&self) -> Box<dyn Any> {
-        Box::new(self.desk.document.project_file())
-    }
-
-    fn is_at(&self, snapshot: Option<&dyn Any>) -> bool {
-        snapshot.and_then(|s| s.downcast_ref::<ProjectFile>()) == Some(&self.desk.document.project_file())
     }
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {

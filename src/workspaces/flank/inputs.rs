@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::milling_machine_file::milling_machine;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
-use files::Validate;
+use files::{Params, Validate};
 use flank::fit_ruled::flank_candidates;
 use flank::guide::GuideCurve;
 use flank::machine::milling_machine::MillingMachine;

@@ -28,7 +28,7 @@ impl PathSet for FlankPath {
         use FlankPath as P;
         const TOML: &[&str] = &["toml"];
         const POINTS: &[&str] = &["csv", "txt"];
-        const OPEN: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkflank", "csv", "txt"];
+        const OPEN: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkpath", "csv", "txt"];
         const fn file(title: &'static str, what: &'static str, endings: &'static [&'static str]) -> PathInfo {
             PathInfo { title, kind: PathKind::Read(what, endings, true), opens: false }
         }

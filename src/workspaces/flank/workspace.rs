@@ -1,6 +1,5 @@
 //! The workspace of flanks as the window knows it.
 
-use std::any::Any;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -8,37 +7,27 @@ use egui::Ui;
 
 use crate::widgets::viewport::Viewport;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
-use crate::workspaces::context::{Context, LogLine, PathInfo, PathKind, PathSet, Request, first};
+use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project};
 use crate::workspaces::flank::commands::FlankCommand;
-use crate::workspaces::flank::document::flank_file::{ENDING, is_flank_file, read_flank, write_flank};
 use crate::workspaces::flank::document::milling_machine_file::read_milling_machines;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice, WallsFile};
 use crate::workspaces::flank::electrode_part::flank_of;
 use crate::workspaces::flank::panels::{self, FlankDesk, FlankView, Fly, is_points_file, pair_of_guides};
 use crate::workspaces::flank::paths::FlankPath;
 use crate::workspaces::flank::work::{FlankWork, LoadedFlank};
+use crate::workspaces::hands::Hands;
 use crate::workspaces::message::{ElectrodePart, Message};
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
-use crate::workspaces::record::Hands;
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace};
-use files::Validate;
+use files::{AnyDocument, Document, Recovery};
 use flank::machine::milling_machine::MillingMachine;
 use flank::ruled_surface::Side;
 use nc::flank_program::milling_post;
 use task::Scheduler;
 
-static ABOUT: About = About {
-    id: "flank",
-    name: "Flank",
-    switch: CommandInfo::new("Workspace: flank milling"),
-    menu: "Flank",
-    save: PathInfo { title: "Save flank", kind: PathKind::Write("Flank", ENDING), opens: false },
-    ending: ENDING,
-    article: "The flank ",
-    kind: "Flank, ",
-    not_saved: "The flank was not saved",
-};
+static ABOUT: About =
+    About { id: "flank", name: "Flank", switch: CommandInfo::new("Workspace: flank milling"), menu: "Flank" };
 
 /// What takes the place of the flank once nothing stands in the way.
 enum Pending {
@@ -53,10 +42,9 @@ enum Pending {
     Take(Arc<Incoming>),
 }
 
-/// A flank, the file that holds it if there is one, and what the files of its surface hold.
+/// A flank, and what the files of its surface hold.
 struct Incoming {
-    document: FlankDocument,
-    file: Option<PathBuf>,
+    document: Document<FlankDocument>,
     loaded: Arc<LoadedFlank>,
 }
 
@@ -94,25 +82,30 @@ impl FlankWorkspace {
     }
 
     /// Reads the files of `document`, which then takes the place of the present flank.
-    fn begin(&mut self, document: FlankDocument, file: Option<PathBuf>) {
+    fn begin(&mut self, document: Document<FlankDocument>) {
         self.opening.begin(move |task| {
-            let loaded = Arc::new(FlankWork::read(&document, task)?);
-            Ok(Incoming { document, file, loaded })
+            let loaded = Arc::new(FlankWork::read(document.params(), task)?);
+            Ok(Incoming { document, loaded })
         });
     }
 
     /// Puts `opened` in the place of the present flank.
     fn put(&mut self, opened: &Incoming, cx: &mut Context) {
-        self.desk.replace(opened.document.clone(), opened.file.as_deref());
-        self.desk.work.put(&opened.document, opened.loaded.clone());
+        self.desk.replace(opened.document.clone());
+        self.desk.work.put(opened.document.params(), opened.loaded.clone());
+        self.tell_of_opened(cx);
+    }
+
+    fn tell_of_opened(&self, cx: &mut Context) {
         cx.request(Request::Show);
-        opened.file.iter().for_each(|file| cx.opened(file));
-        self.say(cx, EventKind::Done, format!("{} opened", self.desk.name()));
+        let document = &self.desk.document;
+        document.file().into_iter().for_each(|file| cx.opened(file));
+        self.say(cx, EventKind::Done, format!("{} opened", document.name()));
     }
 
     /// Whether a path that is named for this takes the place of the whole flank.
     fn is_another(&self, what: FlankPath) -> bool {
-        let source = &self.desk.params.source;
+        let source = &self.desk.params().source;
         match what {
             FlankPath::Open => true,
             FlankPath::Mesh => !matches!(source, FlankSource::Mesh(_)),
@@ -138,9 +131,9 @@ impl FlankWorkspace {
 
     /// Takes an electrode in the place of a flank of which nothing is unsaved. The cutter and the machine stay.
     fn take_electrode(&mut self, electrode: &ElectrodePart, cx: &mut Context) {
-        match flank_of(electrode, &self.desk.params) {
-            Ok(document) => {
-                self.desk.replace(document, None);
+        match flank_of(electrode, self.desk.params()) {
+            Ok(params) => {
+                self.desk.replace(Document::new(params));
                 cx.request(Request::Show);
                 self.say(cx, EventKind::Done, format!("flanks of {} of {}", electrode.name, electrode.of));
             }
@@ -186,21 +179,14 @@ impl FlankWorkspace {
         }
     }
 
-    /// The flank in the file `path`; says why there is none.
-    fn document_at(path: &Path, cx: &mut Context) -> Option<FlankDocument> {
-        match read_flank(path) {
-            Ok(document) => Some(document),
-            Err(e) => {
-                cx.not_opened(path);
-                cx.error("This flank cannot be opened", e.to_string());
-                None
-            }
-        }
+    /// The flank in the project `path`; says why there is none.
+    fn document_at(path: &Path, cx: &mut Context) -> Option<Document<FlankDocument>> {
+        Document::open(path).map_err(|error| cx.not_a_project(path, &error)).ok()
     }
 
     /// Takes another mesh, in place of one as what the user goes on with.
     fn take_mesh(&mut self, path: PathBuf, cx: &mut Context) {
-        let FlankSource::Mesh(mesh) = &self.desk.params.source else {
+        let FlankSource::Mesh(mesh) = &self.desk.params().source else {
             return self.go_on(Pending::Surface(FlankSource::Mesh(MeshFlank::of(&path))), cx);
         };
         let source = FlankSource::Mesh(MeshFlank { file: path, candidate: 1, kept: None, ..mesh.clone() });
@@ -211,7 +197,7 @@ impl FlankWorkspace {
     }
 
     fn edit_flank(&mut self, change: impl FnOnce(&mut FlankDocument)) {
-        let mut params = self.desk.params.clone();
+        let mut params = self.desk.params().clone();
         change(&mut params);
         self.desk.edit(params);
     }
@@ -219,16 +205,16 @@ impl FlankWorkspace {
     /// Goes on with a path that was named for something of the flank.
     fn take(&mut self, what: FlankPath, path: PathBuf, cx: &mut Context) {
         match what {
-            FlankPath::Open if is_flank_file(&path) => self.go_on(Pending::Open(path), cx),
+            FlankPath::Open if is_project(&path) => self.go_on(Pending::Open(path), cx),
             FlankPath::Open => self.take_file(&path, cx),
             FlankPath::Mesh => self.take_mesh(path, cx),
-            FlankPath::Lower => match (&self.desk.params.source, pair_of_guides(&path)) {
+            FlankPath::Lower => match (&self.desk.params().source, pair_of_guides(&path)) {
                 (FlankSource::Guides { .. }, _) => self.take_guide(|lower, _| *lower = GuideSource::File(path)),
                 (_, Some(both)) => self.go_on(Pending::Surface(FlankSource::guides(both)), cx),
                 // One alone is no surface.
                 (_, None) => self.ask_for_upper(&path, cx),
             },
-            FlankPath::Upper => match (self.desk.first_guide.take(), &self.desk.params.source) {
+            FlankPath::Upper => match (self.desk.first_guide.take(), &self.desk.params().source) {
                 (Some(lower), _) => {
                     let source = FlankSource::guides([lower, path]);
                     self.go_on(Pending::Surface(source), cx);
@@ -278,7 +264,7 @@ impl FlankWorkspace {
     /// Writes the files of the plan into `folder`; says why not if it cannot.
     pub fn export(&mut self, folder: &Path, cx: &mut Context) {
         let desk = &mut self.desk;
-        if let Err(why) = desk.work.export(&desk.params, folder, desk.choice) {
+        if let Err(why) = desk.work.export(desk.document.params(), folder, desk.choice) {
             cx.error("Nothing was exported", why);
         }
     }
@@ -312,7 +298,7 @@ impl Commanded for FlankDesk {
         use FrameCommand as F;
         if let Some(command) = F::of(command) {
             return match command {
-                F::Undo | F::Redo => self.record.undo_label(command == F::Redo).is_some(),
+                F::Undo | F::Redo => self.document.undo_label(command == F::Redo).is_some(),
                 F::Cancel => self.work.is_busy(),
                 F::Export => self.is_planned(),
                 F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode => self.planned().is_some(),
@@ -370,7 +356,7 @@ impl Workspace for FlankWorkspace {
             Some(F::Reload) => desk.work.reload(),
             Some(F::Cancel) => desk.work.cancel(),
             Some(F::Export) => {
-                desk.changed_files = desk.work.changed_files(&desk.params);
+                desk.changed_files = desk.work.changed_files(desk.document.params());
                 cx.request(Request::Dialog);
             }
             Some(F::Play) => desk.play(),
@@ -418,36 +404,22 @@ impl Workspace for FlankWorkspace {
         &mut self.view.viewport
     }
 
-    fn name(&self) -> String {
-        self.desk.name()
+    fn document(&self) -> &dyn AnyDocument {
+        &self.desk.document
     }
 
-    fn is_unsaved(&self) -> bool {
-        self.desk.is_unsaved()
-    }
-
-    fn file(&self) -> Option<&Path> {
-        self.desk.record.file.as_deref()
+    fn document_mut(&mut self) -> &mut dyn AnyDocument {
+        &mut self.desk.document
     }
 
     fn near(&self) -> Option<&Path> {
         self.desk.file()
     }
 
-    fn undo_label(&self, again: bool) -> Option<&str> {
-        self.desk.record.undo_label(again)
-    }
-
-    fn undo(&mut self, again: bool) {
-        self.desk.undo(again);
-    }
-
     fn open(&mut self, path: &Path, cx: &mut Context) {
         if let Some(document) = Self::document_at(path, cx) {
-            self.desk.replace(document, Some(path));
-            cx.request(Request::Show);
-            cx.opened(path);
-            self.say(cx, EventKind::Done, format!("{} opened", self.desk.name()));
+            self.desk.replace(document);
+            self.tell_of_opened(cx);
         }
     }
 
@@ -457,7 +429,7 @@ impl Workspace for FlankWorkspace {
             [one, other] if files.iter().all(|file| is_points_file(file)) => {
                 self.take_guides([one.clone(), other.clone()], cx);
             }
-            _ if is_flank_file(first(files)) => self.go_on(Pending::Open(first(files).to_owned()), cx),
+            _ if is_project(first(files)) => self.go_on(Pending::Open(first(files).to_owned()), cx),
             _ => self.take_file(first(files), cx),
         }
     }
@@ -466,10 +438,10 @@ impl Workspace for FlankWorkspace {
         match self.pending.take() {
             Some(Pending::Open(path)) => {
                 if let Some(document) = Self::document_at(&path, cx) {
-                    self.begin(document, Some(path));
+                    self.begin(document);
                 }
             }
-            Some(Pending::Surface(source)) => self.begin(self.desk.params.of_another(source), None),
+            Some(Pending::Surface(source)) => self.begin(Document::new(self.desk.params().of_another(source))),
             Some(Pending::Ask(what)) => cx.ask(what, ""),
             Some(Pending::Take(opened)) => self.put(&opened, cx),
             Some(Pending::Electrode(part)) => self.take_electrode(&part, cx),
@@ -477,30 +449,10 @@ impl Workspace for FlankWorkspace {
         }
     }
 
-    fn write(&self, file: &Path) -> Result<(), String> {
-        write_flank(file, &self.desk.params).map_err(|e| e.to_string())
-    }
-
-    fn save_as(&mut self, file: &Path) -> Result<(), String> {
-        self.write(file)?;
-        self.desk.record.saved_as(file, &self.desk.params);
-        Ok(())
-    }
-
-    fn recover(&mut self, copy: &Path, file: Option<PathBuf>, cx: &mut Context) -> Result<(), String> {
-        let document = read_flank(copy).map_err(|e| e.to_string())?;
-        self.desk.recover(document, file.as_deref());
+    fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String> {
+        self.desk.replace(copy.open().map_err(|e| e.to_string())?);
         cx.request(Request::Show);
         Ok(())
-    }
-
-    fn snapshot(&self) -> Box<dyn Any> {
-        Box::new(self.desk.params.clone())
-    }
-
-    fn is_at(&self, snapshot: Option<&dyn Any>) -> bool {
-        let params = &self.desk.params;
-        snapshot.and_then(|s| s.downcast_ref::<FlankDocument>()) == Some(params) || params.validate().is_err()
     }
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {

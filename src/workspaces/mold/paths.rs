@@ -23,7 +23,7 @@ impl PathSet for MoldPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use MoldPath as P;
         const TOML: &[&str] = &["toml"];
-        const OPEN: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkmold"];
+        const OPEN: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkpath"];
         const fn info(title: &'static str, kind: PathKind) -> PathInfo {
             PathInfo { title, kind, opens: false }
         }

@@ -1,6 +1,5 @@
 //! The workspace of molds as the window knows it.
 
-use std::any::Any;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -8,35 +7,24 @@ use egui::Ui;
 
 use crate::widgets::viewport::Viewport;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
-use crate::workspaces::context::{Context, PathInfo, PathKind, PathSet, Request, first, has_ending};
+use crate::workspaces::context::{Context, PathSet, Request, first, has_ending, is_project};
+use crate::workspaces::hands::Hands;
 use crate::workspaces::message::{ElectrodePart, Message};
 use crate::workspaces::mold::commands::MoldCommand;
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::cutter_file::CUTTERS;
-use crate::workspaces::mold::document::mold_file::{ENDING, is_mold_file, read_mold, write_mold};
 use crate::workspaces::mold::panels::{self, MoldDesk, MoldView};
 use crate::workspaces::mold::paths::MoldPath;
 use crate::workspaces::mold::scene::{MoldLook, RegionColours};
 use crate::workspaces::mold::work::{LoadedMold, read_part};
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
-use crate::workspaces::record::Hands;
 use crate::workspaces::workspace::{About, Menu, Workspace};
-use files::Validate;
+use files::{AnyDocument, Document, Recovery};
 use nc::burn_template::BurnSheet;
 use task::{Scheduler, State};
 
-static ABOUT: About = About {
-    id: "mold",
-    name: "Mold",
-    switch: CommandInfo::new("Workspace: mold"),
-    menu: "Mold",
-    save: PathInfo { title: "Save mold", kind: PathKind::Write("Mold", ENDING), opens: false },
-    ending: ENDING,
-    article: "The mold ",
-    kind: "Mold, ",
-    not_saved: "The mold was not saved",
-};
+static ABOUT: About = About { id: "mold", name: "Mold", switch: CommandInfo::new("Workspace: mold"), menu: "Mold" };
 
 /// The workspace of molds.
 pub struct MoldWorkspace {
@@ -55,10 +43,10 @@ enum Pending {
     Take(Arc<Incoming>),
 }
 
-/// Parameters of a mold, the file that holds them unless they are those of a bare mesh, and the mesh once it was read.
+/// A mold, and its mesh once that was read.
+#[derive(Clone)]
 struct Incoming {
-    params: MoldParams,
-    file: Option<PathBuf>,
+    document: Document<MoldParams>,
     part: Option<Arc<LoadedMold>>,
 }
 
@@ -75,11 +63,11 @@ impl MoldWorkspace {
 
     /// Whether `pending` loses nothing: the cutters that were chosen before there was a mold stay.
     fn is_harmless(&self, pending: &Pending) -> bool {
-        self.desk.params.mesh.is_none()
+        self.desk.params().mesh.is_none()
             && match pending {
-                Pending::Open(path) => !is_mold_file(path),
+                Pending::Open(path) => !is_project(path),
                 Pending::Ask => true,
-                Pending::Take(opened) => opened.file.is_none(),
+                Pending::Take(opened) => opened.document.file().is_none(),
             }
     }
 
@@ -100,42 +88,32 @@ impl MoldWorkspace {
         if is_harmless { self.proceed(cx) } else { cx.request(request) }
     }
 
-    /// The mold at `path`, a file of one or a mesh, which is not read yet; says why there is none.
-    fn mold_at(&self, path: &Path, cx: &mut Context) -> Option<Incoming> {
-        if !is_mold_file(path) {
-            return Some(Incoming { params: self.desk.begun(path), file: None, part: None });
+    /// The mold at `path`, a project or a mesh, which is not read yet; says why there is none.
+    fn mold_at(&self, path: &Path, cx: &mut Context) -> Option<Document<MoldParams>> {
+        if !is_project(path) {
+            return Some(self.desk.begun(path));
         }
-        match read_mold(path) {
-            Ok(params) => Some(Incoming { params, file: Some(path.to_owned()), part: None }),
-            Err(e) => {
-                cx.not_opened(path);
-                cx.error("This mold cannot be opened", e.to_string());
-                None
-            }
-        }
+        let opened = Document::open(path);
+        opened.map_err(|error| cx.not_a_project(path, &error)).ok()
     }
 
     /// Puts `opened` in the place of the present mold.
-    fn take(&mut self, opened: &Incoming, cx: &mut Context) {
-        match (&opened.file, &opened.params.mesh) {
-            (None, Some(mesh)) => self.desk.open(mesh),
-            _ => self.desk.replace(opened.params.clone(), opened.file.as_deref()),
-        }
-        if let Some(part) = &opened.part {
-            self.desk.work.put(&opened.params, part.clone());
+    fn take(&mut self, opened: Incoming, cx: &mut Context) {
+        self.desk.replace(opened.document);
+        if let Some(part) = opened.part {
+            self.desk.work.put(self.desk.document.params(), part);
         }
         cx.request(Request::Show);
-        if let Some(path) = opened.file.as_deref().or(opened.params.mesh.as_deref()) {
-            cx.opened(path);
-        }
-        cx.say(EventKind::Done, format!("{} opened", self.desk.name()));
+        let document = &self.desk.document;
+        document.file().or(document.params().mesh.as_deref()).iter().for_each(|path| cx.opened(path));
+        cx.say(EventKind::Done, format!("{} opened", document.name()));
     }
 
     fn load_cutters(&mut self, path: &Path, are_others: bool, cx: &mut Context) {
         match CUTTERS.read(path) {
             Ok(library) if are_others => self.desk.other = library,
             Ok(library) => {
-                let mut params = self.desk.params.clone();
+                let mut params = self.desk.params().clone();
                 params.library = library;
                 self.desk.edit(params);
             }
@@ -152,7 +130,7 @@ impl MoldWorkspace {
     }
 
     fn save_cutters(&mut self, path: &Path, cx: &mut Context) {
-        match CUTTERS.write(path, &self.desk.params.library) {
+        match CUTTERS.write(path, &self.desk.params().library) {
             Ok(()) => cx.say(EventKind::Done, format!("cutters saved as {}", path.display())),
             Err(e) => cx.error("The cutters were not saved", e.to_string()),
         }
@@ -162,7 +140,9 @@ impl MoldWorkspace {
     pub fn export(&mut self, folder: &Path, cx: &mut Context) {
         let desk = &mut self.desk;
         let formats = desk.electrodes.formats();
-        if let Err(why) = desk.work.export_electrodes(&desk.params, folder, (&formats, &desk.electrodes.sheet)) {
+        if let Err(why) =
+            desk.work.export_electrodes(desk.document.params(), folder, (&formats, &desk.electrodes.sheet))
+        {
             cx.error("Nothing was exported", why);
         }
     }
@@ -180,7 +160,7 @@ impl MoldWorkspace {
 
     fn mill_flanks(&self, cx: &mut Context) {
         let Some((electrode, _)) = self.desk.electrodes.chosen() else { return };
-        let part = ElectrodePart::of_mold(electrode, &self.desk.name());
+        let part = ElectrodePart::of_mold(electrode, &self.desk.document.name());
         cx.request(Request::Send(Message::MillFlanks(part.into())));
     }
 
@@ -195,7 +175,7 @@ impl MoldWorkspace {
                 done = desk.find();
             }
             MoldCommand::DesignElectrodes => done = desk.design(),
-            MoldCommand::CompareCutters => done = desk.work.compare(&desk.params, &desk.other),
+            MoldCommand::CompareCutters => done = desk.work.compare(desk.document.params(), &desk.other),
             MoldCommand::Electrodes => burns.is_shown = !burns.is_shown,
             MoldCommand::FlyToRegion if burns.seen().is_some() => {
                 bounds.into_iter().for_each(|bounds| burns.fly_to_selected(bounds));
@@ -233,7 +213,7 @@ impl Commanded for MoldDesk {
         let is_one_seen = burns.seen().is_some() && burns.chosen().is_some();
         if let Some(command) = F::of(command) {
             return match command {
-                F::Undo | F::Redo => self.undo_label(command == F::Redo).is_some(),
+                F::Undo | F::Redo => self.document.undo_label(command == F::Redo).is_some(),
                 F::Cancel => self.work.is_busy() || burns.split.is_some(),
                 F::Export => self.is_designed(),
                 F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode => is_one_seen,
@@ -243,7 +223,7 @@ impl Commanded for MoldDesk {
         let Some(command) = MoldCommand::of(command) else { return false };
         match command {
             MoldCommand::FindUncut | MoldCommand::DesignElectrodes => {
-                self.work.mold_state(&self.params) == State::Ready
+                self.work.mold_state(self.params()) == State::Ready
             }
             MoldCommand::Electrodes => burns.designed().is_some(),
             MoldCommand::FlyToRegion | MoldCommand::Isolate if burns.seen().is_some() => burns.chosen().is_some(),
@@ -352,37 +332,21 @@ impl Workspace for MoldWorkspace {
         &mut self.view.viewport
     }
 
-    fn name(&self) -> String {
-        self.desk.name()
+    fn document(&self) -> &dyn AnyDocument {
+        &self.desk.document
     }
 
-    fn is_unsaved(&self) -> bool {
-        self.desk.is_unsaved()
-    }
-
-    fn file(&self) -> Option<&Path> {
-        self.desk.record.file.as_deref()
+    fn document_mut(&mut self) -> &mut dyn AnyDocument {
+        &mut self.desk.document
     }
 
     fn near(&self) -> Option<&Path> {
-        self.desk.params.mesh.as_deref()
-    }
-
-    fn part(&self) -> Option<String> {
-        self.desk.params.mesh.is_some().then(|| self.desk.name())
-    }
-
-    fn undo_label(&self, again: bool) -> Option<&str> {
-        self.desk.undo_label(again)
-    }
-
-    fn undo(&mut self, again: bool) {
-        self.desk.undo(again);
+        self.desk.params().mesh.as_deref()
     }
 
     fn open(&mut self, path: &Path, cx: &mut Context) {
-        if let Some(opened) = self.mold_at(path, cx) {
-            self.take(&opened, cx);
+        if let Some(document) = self.mold_at(path, cx) {
+            self.take(Incoming { document, part: None }, cx);
         }
     }
 
@@ -398,43 +362,23 @@ impl Workspace for MoldWorkspace {
     fn proceed(&mut self, cx: &mut Context) {
         match self.pending.take() {
             Some(Pending::Open(path)) => {
-                let Some(Incoming { params, file, .. }) = self.mold_at(&path, cx) else { return };
+                let Some(document) = self.mold_at(&path, cx) else { return };
                 self.opening.begin(move |task| {
+                    let params = document.params();
                     let part = params.mesh.as_ref().map(|mesh| read_part(mesh, params.units, task));
-                    let part = part.transpose()?.map(Arc::new);
-                    Ok(Incoming { params, file, part })
+                    Ok(Incoming { part: part.transpose()?.map(Arc::new), document })
                 });
             }
             Some(Pending::Ask) => cx.ask(MoldPath::Open, ""),
-            Some(Pending::Take(opened)) => self.take(&opened, cx),
+            Some(Pending::Take(opened)) => self.take((*opened).clone(), cx),
             None => {}
         }
     }
 
-    fn write(&self, file: &Path) -> Result<(), String> {
-        write_mold(file, &self.desk.params).map_err(|e| e.to_string())
-    }
-
-    fn save_as(&mut self, file: &Path) -> Result<(), String> {
-        self.write(file)?;
-        self.desk.saved_as(file);
-        Ok(())
-    }
-
-    fn recover(&mut self, copy: &Path, file: Option<PathBuf>, cx: &mut Context) -> Result<(), String> {
-        let params = read_mold(copy).map_err(|e| e.to_string())?;
-        self.desk.recover(params, file.as_deref());
+    fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String> {
+        self.desk.replace(copy.open().map_err(|e| e.to_string())?);
         cx.request(Request::Show);
         Ok(())
-    }
-
-    fn snapshot(&self) -> Box<dyn Any> {
-        Box::new(self.desk.params.clone())
-    }
-
-    fn is_at(&self, snapshot: Option<&dyn Any>) -> bool {
-        let params = &self.desk.params;
-        snapshot.and_then(|s| s.downcast_ref::<MoldParams>()) == Some(params) || params.validate().is_err()
     }
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
 use super::project::{CopyNote, LARGEST_PROJECT, Project, note_of};
-use super::{Document, Params, sha256};
+use super::{AnyDocument, Document, Params};
 use crate::FileError;
 use crate::toml_file::write_text;
 
@@ -22,8 +22,8 @@ pub struct Autosave {
     process: String,
     every: Duration,
     last: Instant,
-    /// Kinds that have a copy, and the hash of what it holds.
-    written: BTreeMap<&'static str, String>,
+    /// Kinds that have a copy, and the revision of what it holds.
+    written: BTreeMap<&'static str, u64>,
     _lock: File,
 }
 
@@ -61,23 +61,29 @@ impl Autosave {
     ///
     /// # Errors
     /// [`FileError`]; the copy before then still is there.
-    pub fn update<P: Params>(&mut self, document: &Document<P>) -> Result<(), FileError> {
+    pub fn update(&mut self, document: &dyn AnyDocument) -> Result<(), FileError> {
+        let kind = document.kind();
+        self.discard_saved(document);
         if !document.is_unsaved() {
-            self.discard(P::KIND);
             return Ok(());
         }
-        if document.params().validate().is_err() {
+        let revision = document.content_revision();
+        if self.written.get(kind) == Some(&revision) {
             return Ok(());
         }
-        let copy = self.copy(P::KIND);
-        let note = CopyNote { file: document.file.clone(), part: document.params().part() };
-        let text = document.project().text(&copy, Some(note))?;
-        let hash = sha256(text.as_bytes());
-        if self.written.get(P::KIND) != Some(&hash) {
+        let copy = self.copy(kind);
+        if let Some(text) = document.copy(&copy)? {
             write_text(&copy, &text, LARGEST_PROJECT)?;
-            self.written.insert(P::KIND, hash);
+            self.written.insert(kind, revision);
         }
         Ok(())
+    }
+
+    /// Removes the copy of a `document` without unsaved work.
+    pub fn discard_saved(&mut self, document: &dyn AnyDocument) {
+        if self.written.contains_key(document.kind()) && !document.is_unsaved() {
+            self.discard(document.kind());
+        }
     }
 
     /// Removes the copy of this kind: the work is saved, or was given up on purpose.
@@ -151,16 +157,14 @@ impl Recovery {
         Some(Self { copy, kind, part, file })
     }
 
-    /// What it is, for a list: `Mold b_slots.stl, not saved yet`, or with the name of its project file.
+    /// What it is, for a list: `Mold: b_slots, not saved yet`, or with the name of its project file.
     pub fn title(&self) -> String {
         let mut letters = self.kind.chars();
-        let mut title: String = letters.next().map(|c| c.to_ascii_uppercase()).into_iter().chain(letters).collect();
-        if !self.part.is_empty() {
-            title = format!("{title} {}", self.part);
-        }
+        let kind: String = letters.next().map(|c| c.to_ascii_uppercase()).into_iter().chain(letters).collect();
+        let part = if self.part.is_empty() { String::new() } else { format!(": {}", self.part) };
         match &self.file {
-            Some(file) => format!("{title}, of {}", file.file_name().unwrap_or_default().to_string_lossy()),
-            None => format!("{title}, not saved yet"),
+            Some(file) => format!("{kind}{part}, of {}", file.file_name().unwrap_or_default().to_string_lossy()),
+            None => format!("{kind}{part}, not saved yet"),
         }
     }
 
@@ -170,6 +174,11 @@ impl Recovery {
     /// [`FileError`] if the copy cannot be read.
     pub fn open<P: Params>(&self) -> Result<Document<P>, FileError> {
         Ok(Document::recovered(Project::read(&self.copy)?, self.file.clone()))
+    }
+
+    /// The copy itself.
+    pub fn copy(&self) -> &Path {
+        &self.copy
     }
 
     /// When the copy was written.

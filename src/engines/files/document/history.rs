@@ -62,6 +62,11 @@ impl<T: Clone> History<T> {
         Some(step.params)
     }
 
+    /// Changes the parameters of every step.
+    pub fn change_all(&mut self, mut change: impl FnMut(&mut T)) {
+        self.past.iter_mut().chain(&mut self.future).for_each(|step| change(&mut step.params));
+    }
+
     /// What undo would take back.
     pub fn undo_label(&self) -> Option<&str> {
         self.past.last().map(|s| s.label.as_str())

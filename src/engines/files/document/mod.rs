@@ -8,6 +8,7 @@ pub mod project;
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -15,7 +16,7 @@ use sha2::{Digest, Sha256};
 
 use crate::document::history::History;
 use crate::{FileError, Validate};
-use project::Project;
+use project::{CopyNote, Project};
 
 /// Parameters that a document can hold. Their TOML form has no key called `kind`, `version`, `files`, `results`, `kept` or
 /// `autosave`, which are the project file's own.
@@ -26,8 +27,52 @@ pub trait Params: Clone + PartialEq + Serialize + DeserializeOwned + Validate + 
     /// What the part is called, as in `b_slots.stl`; empty if there is none.
     fn part(&self) -> String;
 
+    /// What to call a document without a file; the part unless said otherwise.
+    fn name(&self) -> String {
+        self.part()
+    }
+
     /// Replaces the path of every file that is named: project files have them as seen from their own folder.
     fn change_paths(&mut self, change: &mut dyn FnMut(&Path) -> PathBuf);
+}
+
+/// The document of any workspace, for whoever does not know its parameters.
+pub trait AnyDocument {
+    /// The word for the workspace in project files.
+    fn kind(&self) -> &'static str;
+
+    /// The name to show: that of the project file, or else of the part.
+    fn name(&self) -> String;
+
+    /// The project file, if there is one.
+    fn file(&self) -> Option<&Path>;
+
+    /// Whether there are changes that no file holds.
+    fn is_unsaved(&self) -> bool;
+
+    /// A number that no state of any document had before, taken anew with each change of the user's work.
+    fn revision(&self) -> u64;
+
+    /// The same, taken anew with each change of anything that a file holds, results included.
+    fn content_revision(&self) -> u64;
+
+    /// What undo would take back, or do `again`.
+    fn undo_label(&self, again: bool) -> Option<&str>;
+
+    /// Takes the last step back, or does the one `again` that was taken back last. Tells whether there was one.
+    fn undo(&mut self, again: bool) -> bool;
+
+    /// Saves as `file` and makes it the document's own.
+    ///
+    /// # Errors
+    /// [`FileError`]; what was there before then still is.
+    fn save_as(&mut self, file: &Path) -> Result<(), FileError>;
+
+    /// The text of a copy of the work, to lie at `copy`; none while the parameters are not possible.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    fn copy(&self, copy: &Path) -> Result<Option<String>, FileError>;
 }
 
 /// A file that the parameters name, and what it held when it was read.
@@ -50,7 +95,7 @@ pub struct MovedFile {
 }
 
 /// The parameters of a workspace as a user edits them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Document<P> {
     params: P,
     history: History<P>,
@@ -61,6 +106,8 @@ pub struct Document<P> {
     results: BTreeMap<String, String>,
     kept: BTreeMap<String, String>,
     saved_kept: BTreeMap<String, String>,
+    revision: u64,
+    content_revision: u64,
 }
 
 impl<P: Params> Default for Document<P> {
@@ -78,7 +125,8 @@ impl<P: Params> Document<P> {
     fn of(project: Project<P>, file: Option<PathBuf>) -> Self {
         let Project { params, files, results, kept } = project;
         let (saved, saved_kept) = (Some(params.clone()), kept.clone());
-        Self { params, history: History::default(), file, saved, files, results, kept, saved_kept }
+        let (history, revision, content_revision) = (History::default(), next_revision(), next_revision());
+        Self { params, history, file, saved, files, results, kept, saved_kept, revision, content_revision }
     }
 
     /// Opens a project file. Ask for [`moved_files`](Self::moved_files) before anything is read from them.
@@ -102,25 +150,15 @@ impl<P: Params> Document<P> {
         Self { saved: None, ..Self::of(project, file) }
     }
 
+    /// The same document without its file.
+    #[must_use]
+    pub fn detached(&self) -> Self {
+        Self { file: None, ..self.clone() }
+    }
+
     /// The parameters.
     pub fn params(&self) -> &P {
         &self.params
-    }
-
-    /// The project file, if there is one.
-    pub fn file(&self) -> Option<&Path> {
-        self.file.as_deref()
-    }
-
-    /// The name to show: that of the project file, or else of the part; empty if there is neither.
-    pub fn name(&self) -> String {
-        let stem = self.file.as_deref().and_then(Path::file_stem);
-        stem.map_or_else(|| self.params.part(), |stem| stem.to_string_lossy().into_owned())
-    }
-
-    /// Whether there are changes that no file holds.
-    pub fn is_unsaved(&self) -> bool {
-        self.saved.as_ref() != Some(&self.params) || self.saved_kept != self.kept
     }
 
     /// Makes `params` the parameters, as one step named `label`. Those `in_gesture` (a drag, a number being typed) with
@@ -131,34 +169,28 @@ impl<P: Params> Document<P> {
         }
         self.history.record(label, &self.params, in_gesture);
         self.params = params;
+        self.touch();
         true
+    }
+
+    /// Changes the parameters and those of every step alike, which is no step of its own: what the program notes of the
+    /// part. What the file is taken to hold changes too if `is_in_file`, so that no unsaved work comes of it.
+    pub fn amend(&mut self, is_in_file: bool, mut change: impl FnMut(&mut P)) {
+        change(&mut self.params);
+        self.history.change_all(&mut change);
+        if is_in_file {
+            self.saved.iter_mut().for_each(change);
+        }
+        self.content_revision = next_revision();
+    }
+
+    fn touch(&mut self) {
+        (self.revision, self.content_revision) = (next_revision(), next_revision());
     }
 
     /// Ends a gesture: the button was released, the field was left.
     pub fn end_gesture(&mut self) {
         self.history.end_gesture();
-    }
-
-    /// Takes the last step back. Tells whether there was one.
-    pub fn undo(&mut self) -> bool {
-        let before = self.history.undo(&self.params);
-        before.map(|params| self.params = params).is_some()
-    }
-
-    /// Does the step again that was taken back last. Tells whether there was one.
-    pub fn redo(&mut self) -> bool {
-        let after = self.history.redo(&self.params);
-        after.map(|params| self.params = params).is_some()
-    }
-
-    /// What undo would take back.
-    pub fn undo_label(&self) -> Option<&str> {
-        self.history.undo_label()
-    }
-
-    /// What redo would do again.
-    pub fn redo_label(&self) -> Option<&str> {
-        self.history.redo_label()
     }
 
     /// A result under this name, in the workspace's own form. What a computation found is checked before it is used:
@@ -170,6 +202,7 @@ impl<P: Params> Document<P> {
     /// Notes a result that can be computed again, for the project file; none removes it. That is no unsaved work.
     pub fn note_result(&mut self, name: &str, result: Option<String>) {
         note(&mut self.results, name, result);
+        self.content_revision = next_revision();
     }
 
     /// What the user decided to keep under this name.
@@ -180,6 +213,7 @@ impl<P: Params> Document<P> {
     /// Keeps what may be nowhere else, as runs to compare with; none removes it. That is unsaved work.
     pub fn keep(&mut self, name: &str, content: Option<String>) {
         note(&mut self.kept, name, content);
+        self.touch();
     }
 
     /// Notes the content of a file that was read, for the project file.
@@ -210,17 +244,7 @@ impl<P: Params> Document<P> {
     pub fn replace_file(&mut self, path: &Path, found: &Path) {
         self.params.change_paths(&mut |file| if file == path { found.to_owned() } else { file.to_owned() });
         self.files.retain(|file| file.path != path && file.path != found);
-    }
-
-    /// Saves as `file` and makes it the document's own.
-    ///
-    /// # Errors
-    /// [`FileError`]; what was there before then still is.
-    pub fn save_as(&mut self, file: &Path) -> Result<(), FileError> {
-        self.project().write(file)?;
-        (self.file, self.saved) = (Some(file.to_owned()), Some(self.params.clone()));
-        self.saved_kept = self.kept.clone();
-        Ok(())
+        self.touch();
     }
 
     /// Writes the parameters alone as a project file, as for the command line on another machine. The document's own file
@@ -242,6 +266,66 @@ impl<P: Params> Document<P> {
             kept: self.kept.clone(),
         }
     }
+}
+
+impl<P: Params> AnyDocument for Document<P> {
+    fn kind(&self) -> &'static str {
+        P::KIND
+    }
+
+    fn name(&self) -> String {
+        let stem = self.file.as_deref().and_then(Path::file_stem);
+        stem.map_or_else(|| self.params.name(), |stem| stem.to_string_lossy().into_owned())
+    }
+
+    fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
+    }
+
+    fn is_unsaved(&self) -> bool {
+        self.saved.as_ref() != Some(&self.params) || self.saved_kept != self.kept
+    }
+
+    fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    fn content_revision(&self) -> u64 {
+        self.content_revision
+    }
+
+    fn undo_label(&self, again: bool) -> Option<&str> {
+        if again { self.history.redo_label() } else { self.history.undo_label() }
+    }
+
+    fn undo(&mut self, again: bool) -> bool {
+        let step = if again { self.history.redo(&self.params) } else { self.history.undo(&self.params) };
+        let Some(params) = step else { return false };
+        self.params = params;
+        self.touch();
+        true
+    }
+
+    fn save_as(&mut self, file: &Path) -> Result<(), FileError> {
+        self.project().write(file)?;
+        (self.file, self.saved) = (Some(file.to_owned()), Some(self.params.clone()));
+        self.saved_kept = self.kept.clone();
+        Ok(())
+    }
+
+    fn copy(&self, copy: &Path) -> Result<Option<String>, FileError> {
+        if self.params.validate().is_err() {
+            return Ok(None);
+        }
+        let note = CopyNote { file: self.file.clone(), part: self.params.part() };
+        self.project().text(copy, Some(note)).map(Some)
+    }
+}
+
+/// A number that was not given before.
+fn next_revision() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(0);
+    NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 fn note(all: &mut BTreeMap<String, String>, name: &str, content: Option<String>) {

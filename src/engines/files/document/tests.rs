@@ -81,15 +81,15 @@ fn one_drag_is_one_step_and_the_next_another() {
     document.edit("Typed", with(&document, 1.1), false);
     document.edit("Typed", with(&document, 1.2), false);
     for mm in [1.1, 1.0, 0.9, 0.8, 0.02] {
-        assert!(document.undo());
+        assert!(document.undo(false));
         assert_eq!(document.params().tolerance_mm, mm);
     }
-    assert!(!document.undo() && !document.is_unsaved());
-    assert_eq!((document.undo_label(), document.redo_label()), (None, Some("Tolerance")));
-    document.redo();
+    assert!(!document.undo(false) && !document.is_unsaved());
+    assert_eq!((document.undo_label(false), document.undo_label(true)), (None, Some("Tolerance")));
+    document.undo(true);
     document.edit("Tolerance", with(&document, 0.85), true);
-    assert!(!document.redo(), "a new edit ends what could be done again");
-    document.undo();
+    assert!(!document.undo(true), "a new edit ends what could be done again");
+    document.undo(false);
     assert_eq!(document.params().tolerance_mm, 0.8, "what was done again is no part of the gesture after it");
 }
 
@@ -221,7 +221,7 @@ fn unsaved_work_is_found_after_its_program_is_gone_but_not_before() {
     drop(autosave);
     let found = Recovery::find(&copies);
     let titles: Vec<String> = found.iter().map(Recovery::title).collect();
-    assert_eq!(titles, ["Flank, not saved yet", "Mold b_slots.stl, not saved yet"]);
+    assert_eq!(titles, ["Flank, not saved yet", "Mold: b_slots.stl, not saved yet"]);
     let recovered: Document<Mold> = found[1].open().unwrap();
     assert_eq!((recovered.params(), recovered.result("uncut")), (document.params(), Some("many regions")));
     assert!(recovered.is_unsaved() && recovered.file().is_none() && found[1].written().is_some());
@@ -291,14 +291,14 @@ proptest! {
         }
         let end = document.params().clone();
         let mut back = vec![end.clone()];
-        while document.undo() {
+        while document.undo(false) {
             back.push(document.params().clone());
         }
         prop_assert_eq!(document.params(), &states[0]);
         // Gestures skip states, but nothing else is ever shown.
         prop_assert!(back.iter().all(|state| states.contains(state)));
         let mut forth = vec![document.params().clone()];
-        while document.redo() {
+        while document.undo(true) {
             forth.push(document.params().clone());
         }
         back.reverse();

@@ -9,12 +9,14 @@ pub mod machine_file;
 pub mod project_file;
 pub mod stage;
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::kept_plan::{KeptPlan, KeptRun};
 use crate::workspaces::blisk::document::project_file::{MeshReference, MovedMesh, ProjectFile, ProjectFileError};
 use files::old_history::History;
+use files::{AnyDocument, FileError};
 
 /// The parameters of a job as a user edits them.
 #[derive(Debug, Clone, PartialEq)]
@@ -211,6 +213,55 @@ impl Document {
         self.saved = Some(self.job.clone());
         self.saved_runs = self.runs.clone();
         Ok(())
+    }
+}
+
+impl AnyDocument for Document {
+    fn kind(&self) -> &'static str {
+        "blisk"
+    }
+
+    fn name(&self) -> String {
+        self.name()
+    }
+
+    fn file(&self) -> Option<&Path> {
+        self.file()
+    }
+
+    fn is_unsaved(&self) -> bool {
+        self.is_unsaved()
+    }
+
+    fn revision(&self) -> u64 {
+        let mut hash = DefaultHasher::new();
+        self.project_file().text(Path::new("project")).ok().hash(&mut hash);
+        hash.finish()
+    }
+
+    fn content_revision(&self) -> u64 {
+        AnyDocument::revision(self)
+    }
+
+    fn undo_label(&self, again: bool) -> Option<&str> {
+        if again { self.redo_label() } else { self.undo_label() }
+    }
+
+    fn undo(&mut self, again: bool) -> bool {
+        if again { self.redo() } else { self.undo() }
+    }
+
+    fn save_as(&mut self, file: &Path) -> Result<(), FileError> {
+        let error = |e: ProjectFileError| match e {
+            ProjectFileError::Unwritable { path, source } => FileError::Unwritable { file: path, source },
+            other => FileError::NotWritten { file: file.to_owned(), problem: other.to_string() },
+        };
+        self.save_as(file).map_err(error)
+    }
+
+    fn copy(&self, copy: &Path) -> Result<Option<String>, FileError> {
+        let text = self.project_file().text(copy);
+        text.map(Some).map_err(|e| FileError::NotWritten { file: copy.to_owned(), problem: e.to_string() })
     }
 }
 

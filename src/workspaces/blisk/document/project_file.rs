@@ -206,7 +206,7 @@ impl ProjectFile {
         atomic_write(path, |out| out.write_all(text.as_bytes())).map_err(unwritable)
     }
 
-    fn text(&self, path: &Path) -> Result<String, serde_json::Error> {
+    pub(super) fn text(&self, path: &Path) -> Result<String, serde_json::Error> {
         let folder = absolute(path.parent().unwrap_or(Path::new("")));
         let meshes = self
             .meshes

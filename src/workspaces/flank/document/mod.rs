@@ -1,6 +1,5 @@
 //! What a user chooses for a flank to be milled.
 
-pub mod flank_file;
 pub mod kept_mesh;
 pub mod milling_machine_file;
 
@@ -9,7 +8,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
-use files::{Invalid, Validate};
+use crate::workspaces::flank::document::milling_machine_file::file_of_machine;
+use files::{Invalid, Params, Validate};
 use flank::cutter::FlankCutter;
 use flank::fit_ruled::RuledFitParams;
 use flank::guide::GuideCurve;
@@ -18,9 +18,6 @@ use flank::ruled_surface::Side;
 use import::Units;
 use nc::flank_job::overrides::FlankOverride;
 pub use nc::flank_job::settings::{CutDirection, MillingSettings, PathChoice};
-
-/// Version of the keys of the files.
-pub const VERSION: u32 = 1;
 
 /// A surface that comes with the program: those of the paper that the method is from (P4).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -178,8 +175,6 @@ pub struct WallsFile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FlankDocument {
-    /// [`VERSION`].
-    pub version: u32,
     /// Where the surface comes from.
     pub source: FlankSource,
     /// On which side of it the cutter stands.
@@ -207,7 +202,6 @@ pub struct FlankDocument {
 impl Default for FlankDocument {
     fn default() -> Self {
         Self {
-            version: VERSION,
             source: FlankSource::default(),
             side: Side::default(),
             cutter: FlankCutter { name: "cone R1 5 deg".to_owned(), ..FlankCutter::cone(1.0, 5.0, 30.0) },
@@ -226,9 +220,6 @@ impl Default for FlankDocument {
 impl Validate for FlankDocument {
     fn validate(&self) -> Result<(), Invalid> {
         let within = |key: &str, problem: &dyn std::fmt::Display| Invalid::of(key, problem.to_string());
-        if self.version != VERSION {
-            return Err(Invalid::new("version", self.version, format!("this program reads version {VERSION}")));
-        }
         self.cutter.validate().map_err(|e| within("cutter", &e))?;
         self.plan.validate().map_err(|e| within("plan", &e))?;
         self.milling.validate(self.cutter.length_mm).map_err(|e| within("milling", &e))?;
@@ -251,9 +242,10 @@ impl Validate for FlankDocument {
     }
 }
 
-impl FlankDocument {
-    /// What to call the flank.
-    pub fn name(&self) -> String {
+impl Params for FlankDocument {
+    const KIND: &'static str = "flank";
+
+    fn part(&self) -> String {
         let stem = |file: &Path| file.file_stem().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
         match &self.source {
             FlankSource::Demonstration { surface } => surface.name().to_owned(),
@@ -268,6 +260,36 @@ impl FlankDocument {
         }
     }
 
+    // Machines and posts are names unless they end in `.toml`.
+    fn change_paths(&mut self, change: &mut dyn FnMut(&Path) -> PathBuf) {
+        match &mut self.source {
+            FlankSource::Demonstration { .. } => {}
+            FlankSource::Guides { lower, upper } => {
+                for guide in [lower, upper] {
+                    if let GuideSource::File(file) = guide {
+                        *file = change(file);
+                    }
+                }
+            }
+            FlankSource::Mesh(mesh) if mesh.kept.is_some() => {}
+            FlankSource::Mesh(mesh) => mesh.file = change(&mesh.file),
+        }
+        if let Some(walls) = &mut self.walls {
+            walls.file = change(&walls.file);
+        }
+        let mut moved = |file: &str| change(Path::new(file)).to_string_lossy().into_owned();
+        let milling = &mut self.milling;
+        if let Some((file, name)) = file_of_machine(&milling.machine) {
+            let name = name.map_or_else(String::new, |name| format!("#{name}"));
+            milling.machine = moved(file) + &name;
+        }
+        if milling.post.ends_with(".toml") {
+            milling.post = moved(&milling.post);
+        }
+    }
+}
+
+impl FlankDocument {
     /// The same for another surface: without its side, its walls, how it was clamped, and decisions on what checks found.
     pub fn of_another(&self, source: FlankSource) -> Self {
         let milling = MillingSettings { workpiece: None, ..self.milling.clone() };
@@ -310,3 +332,6 @@ impl FlankDocument {
         what.iter().find(|(differs, _)| *differs).map_or("", |(_, name)| name).to_owned()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -10,11 +10,10 @@ use super::plots::Tab;
 use crate::workspaces::flank::document::milling_machine_file::{load_milling_machines, milling_machine};
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
 use crate::workspaces::flank::work::{ExportChoice, FlankWork, Planned, Sketch};
-use crate::workspaces::news::EventKind;
-use crate::workspaces::news::WorkEvent;
-use crate::workspaces::record::{Hands, Record};
-use files::Validate;
+use crate::workspaces::hands::{Gesture, Hands};
+use crate::workspaces::news::{EventKind, WorkEvent};
 use files::user_folder::user_folder;
+use files::{AnyDocument, Document, Validate};
 use flank::machine::milling_machine::Workpiece;
 use flank::path::FlankPath;
 use flank::ruled_surface::Side;
@@ -50,7 +49,7 @@ pub enum Standing {
     Planned,
 }
 
-/// See the module's page.
+/// The flank, what was made of it, and how it is looked at.
 pub struct FlankDesk {
     /// Whether the panel on the left is there, or folded away.
     pub shows_panel: bool,
@@ -61,9 +60,10 @@ pub struct FlankDesk {
     /// Whether plots are shown where the window is too low for them and the view.
     pub shows_plots: bool,
     /// The flank.
-    pub params: FlankDocument,
-    /// Its file and the steps that can be undone.
-    pub record: Record<FlankDocument>,
+    pub document: Document<FlankDocument>,
+    /// The parameters that were followed last.
+    followed: FlankDocument,
+    gesture: Gesture,
     /// What has been made of it.
     pub work: FlankWork,
     /// Whether the plan follows a change by itself, once there was one.
@@ -117,14 +117,14 @@ pub struct FlankDesk {
 impl FlankDesk {
     /// The workspace with a surface that comes with the program.
     pub fn new(scheduler: &Scheduler) -> Self {
-        let params = FlankDocument::default();
         Self {
             shows_panel: true,
             shows_list: true,
             shows_figures: false,
             shows_plots: false,
-            record: Record::of(&params),
-            params,
+            document: Document::default(),
+            followed: FlankDocument::default(),
+            gesture: Gesture::default(),
             work: FlankWork::new(scheduler),
             follows: true,
             path: PathChoice::Refined,
@@ -158,75 +158,61 @@ impl FlankDesk {
         }
     }
 
-    /// Takes all of `params`, which are those of `file` if there is one.
-    pub fn replace(&mut self, params: FlankDocument, file: Option<&Path>) {
-        if self.params.source == params.source {
+    /// The parameters.
+    pub fn params(&self) -> &FlankDocument {
+        self.document.params()
+    }
+
+    /// Takes `document` in the place of the present one.
+    pub fn replace(&mut self, document: Document<FlankDocument>) {
+        if self.params().source == document.params().source {
             self.work.reload();
         } else {
             // What is opened is looked at by itself first.
             self.is_side_by_side = false;
         }
-        self.record.replace(&params, file);
-        (self.path, self.rank, self.place) = (params.path, None, None);
-        (self.params, self.edited) = (params, None);
+        self.document = document;
+        self.followed = self.params().clone();
+        (self.path, self.rank, self.place, self.edited) = (self.followed.path, None, None, None);
         self.revision += 1;
         self.work.forget_sketch();
     }
 
-    /// Takes unsaved work that an earlier program left behind, which was to be saved as `file`.
-    pub fn recover(&mut self, params: FlankDocument, file: Option<&Path>) {
-        self.replace(params, file);
-        self.record.kept = None;
-    }
-
-    /// Whether the flank has been changed since it was opened or saved.
-    pub fn is_unsaved(&self) -> bool {
-        self.record.is_unsaved(&self.params)
-    }
-
-    /// What to call the flank.
-    pub fn name(&self) -> String {
-        self.record.name().unwrap_or_else(|| self.params.name())
-    }
-
     /// Its file, or else one that it is made from.
     pub fn file(&self) -> Option<&Path> {
-        let source = match &self.params.source {
+        let source = match &self.params().source {
             FlankSource::Demonstration { .. } => None,
             FlankSource::Guides { lower: GuideSource::File(file), .. } => Some(file.as_path()),
             FlankSource::Guides { .. } => None,
             FlankSource::Mesh(mesh) => Some(mesh.file.as_path()).filter(|_| mesh.kept.is_none()),
         };
-        self.record.file.as_deref().or(source)
+        self.document.file().or(source)
     }
 
     /// Takes other parameters. While they go on changing they are looked at quickly.
     pub fn edit(&mut self, mut params: FlankDocument) {
-        params.cutter.forget_stale_name(&self.params.cutter);
-        if params == self.params {
-            return;
-        }
-        self.record.note(&params.change_since(&self.params), &self.params);
-        self.change_to(params);
+        params.cutter.forget_stale_name(&self.params().cutter);
+        let label = params.change_since(self.params());
+        self.document.edit(&label, params, self.gesture.goes_on());
+        self.follow_params();
     }
 
-    fn change_to(&mut self, params: FlankDocument) {
+    /// Takes in that the parameters have changed.
+    fn follow_params(&mut self) {
+        let params = self.document.params();
+        if *params == self.followed {
+            return;
+        }
         // What is exported in spite of a check changes no path.
-        let is_asked_anew = FlankDocument { overrides: self.params.overrides.clone(), ..params.clone() } != self.params;
-        if params.path != self.params.path {
+        let is_asked_anew =
+            FlankDocument { overrides: self.followed.overrides.clone(), ..params.clone() } != self.followed;
+        if params.path != self.followed.path {
             self.path = params.path;
         }
-        self.params = params;
+        self.followed = params.clone();
         if is_asked_anew {
             (self.edited, self.place) = (Some(Instant::now()), None);
             self.revision += 1;
-        }
-    }
-
-    /// Takes the last step back, or does the one again that was taken back last (`again`).
-    pub fn undo(&mut self, again: bool) {
-        if let Some(params) = self.record.undo(&self.params, again) {
-            self.change_to(params);
         }
     }
 
@@ -237,17 +223,17 @@ impl FlankDesk {
 
     /// Where workpieces stand on the machine as its file says; none without a machine, or with one that cannot be read.
     pub fn workpiece_of_machine(&self) -> Option<&Workpiece> {
-        self.clamped.1.as_ref().filter(|_| self.clamped.0 == self.params.milling.machine)
+        self.clamped.1.as_ref().filter(|_| self.clamped.0 == self.document.params().milling.machine)
     }
 
     /// How the plan of the present parameters stands.
     pub fn state(&self) -> State {
-        self.work.state(&self.params)
+        self.work.state(self.document.params())
     }
 
     /// Whether a plan can be asked for.
     pub fn can_plan(&self) -> bool {
-        self.params.validate().is_ok() && self.state() != State::Running
+        self.document.params().validate().is_ok() && self.state() != State::Running
     }
 
     /// Whether what is shown is the plan of the present parameters.
@@ -266,14 +252,15 @@ impl FlankDesk {
     /// One line why it cannot be planned.
     pub fn plan(&mut self) -> Result<(), String> {
         self.edited = None;
-        self.work.plan(&self.params)
+        self.work.plan(self.document.params())
     }
 
     /// Takes in what has been made, once a frame; nothing is made of a flank that nobody has looked at (`is_seen`).
     /// Answers what has happened, and after how long there is something to be done again.
     pub fn follow(&mut self, hands: Hands, is_seen: bool) -> (Vec<WorkEvent>, Option<Duration>) {
-        self.record.follow(hands);
-        let machine = &self.params.milling.machine;
+        self.gesture.follow(hands, &mut self.document);
+        self.follow_params();
+        let machine = &self.document.params().milling.machine;
         if is_seen && self.clamped.0 != *machine {
             let found = milling_machine(machine, user_folder().as_deref()).ok();
             self.clamped = (machine.clone(), found.map(|machine| machine.workpiece));
@@ -282,13 +269,13 @@ impl FlankDesk {
             return (Vec::new(), None);
         }
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
-        let mut events = self.work.follow(&self.params, priority);
+        let mut events = self.work.follow(self.document.params(), priority);
         let state = self.state();
-        let is_valid = self.params.validate().is_ok();
+        let is_valid = self.document.params().validate().is_ok();
         // While it is planned for the first time the surface is shown at once.
         let is_first = state == State::Running && matches!(self.surface_from(), (None, None));
         if is_valid && (is_first || !matches!(state, State::Ready | State::Running)) {
-            self.work.sketch(&self.params);
+            self.work.sketch(self.document.params());
         }
         self.follow_answer();
         if state == State::Ready {
@@ -312,24 +299,26 @@ impl FlankDesk {
 
     /// Shows what is known of the present flank.
     fn follow_answer(&mut self) {
-        let is_planned = self.work.is_planned_of(&self.params);
+        let is_planned = self.work.is_planned_of(self.document.params());
         let sketched = self.sketched().and_then(|sketch| sketch.planned.as_ref().ok()).cloned();
         let (shown, standing) = match (self.work.planned().cloned(), sketched) {
             (Some(planned), _) if is_planned => (Some(planned), Standing::Planned),
             (_, Some(sketch)) => (Some(sketch), Standing::Sketch),
             // What cannot be planned has no deviations, and another surface has others.
             _ if self.why_not().is_some() => (None, Standing::Nothing),
-            (Some(planned), _) if self.work.is_planned_of_surface(&self.params) => (Some(planned), Standing::Stale),
+            (Some(planned), _) if self.work.is_planned_of_surface(self.document.params()) => {
+                (Some(planned), Standing::Stale)
+            }
             _ => (None, Standing::Nothing),
         };
         let is_seen = shown.is_some() || self.open_side().is_some();
-        let is_first = is_seen && self.looked_at.as_ref() != Some(&self.params.source);
+        let is_first = is_seen && self.looked_at.as_ref() != Some(&self.document.params().source);
         if shown.as_ref().map(Arc::as_ptr) != self.shown.as_ref().map(Arc::as_ptr) {
             self.rank = None;
         }
         (self.shown, self.standing) = (shown, standing);
         if is_first {
-            self.looked_at = Some(self.params.source.clone());
+            self.looked_at = Some(self.document.params().source.clone());
         }
         if is_first && self.fly.is_none() {
             self.fly = Some(if self.is_side_by_side { Fly::Square } else { Fly::Onto });
@@ -338,38 +327,42 @@ impl FlankDesk {
 
     /// The plan or the quick look that the present surface is known from, whatever cutter they are of.
     pub fn surface_from(&self) -> (Option<&Arc<Planned>>, Option<&Arc<Sketch>>) {
-        let is_same = self.work.is_planned_of_surface(&self.params);
+        let is_same = self.work.is_planned_of_surface(self.document.params());
         let planned = self.shown.as_ref().or(self.work.planned().filter(|_| is_same));
-        let sketch = self.work.sketched(&self.params, true).filter(|_| planned.is_none());
+        let sketch = self.work.sketched(self.document.params(), true).filter(|_| planned.is_none());
         (planned, sketch)
     }
 
     /// What was seen at a glance of the present parameters, or while they are dragged of the last ones.
     pub fn sketched(&self) -> Option<&Arc<Sketch>> {
-        self.work.sketched(&self.params, self.record.hands() == Hands::Holding)
+        self.work.sketched(self.document.params(), self.gesture.is_holding())
     }
 
     /// Why there is no path with the present parameters, if that is known.
     pub fn why_not(&self) -> Option<String> {
-        if let Err(why) = self.params.validate() {
+        if let Err(why) = self.document.params().validate() {
             return Some(why.to_string());
         }
-        for state in [self.work.source_state(&self.params), self.work.walls_state(&self.params), self.state()] {
+        for state in [
+            self.work.source_state(self.document.params()),
+            self.work.walls_state(self.document.params()),
+            self.state(),
+        ] {
             if let Some(why) = state.why_not() {
                 return Some(why.to_owned());
             }
         }
-        self.work.sketched(&self.params, false).and_then(|sketch| sketch.planned.as_ref().err().cloned())
+        self.work.sketched(self.document.params(), false).and_then(|sketch| sketch.planned.as_ref().err().cloned())
     }
 
     /// Where the cutter's side is to be chosen before there can be a path: see [`Sketch::open_side`].
     pub fn open_side(&self) -> Option<[DVec3; 2]> {
-        self.work.sketched(&self.params, false)?.open_side
+        self.work.sketched(self.document.params(), false)?.open_side
     }
 
     /// Has the cutter stand on this side of the surface.
     pub fn choose_side(&mut self, side: Side) {
-        self.edit(FlankDocument { side, ..self.params.clone() });
+        self.edit(FlankDocument { side, ..self.document.params().clone() });
     }
 
     /// What is shown: the plan of the present parameters, a quick look, or the plan of others; see [`Self::standing`].
@@ -431,7 +424,7 @@ impl FlankDesk {
     pub fn point_at(&mut self, place: DVec3, t: Option<f64>) {
         (self.place, self.fly) = (Some(place), Some(Fly::Place(place)));
         // The checks are of the path that is milled.
-        (self.path, self.is_side_by_side) = (self.params.path, false);
+        (self.path, self.is_side_by_side) = (self.document.params().path, false);
         t.into_iter().for_each(|t| self.go_to(t));
     }
 }

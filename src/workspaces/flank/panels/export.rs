@@ -23,8 +23,8 @@ pub enum Answer {
 /// Draws it.
 pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) -> Option<Answer> {
     let mut answer = None;
-    let planned = desk.work.to_export(&desk.params);
-    let post = milling_post(&desk.params.milling.post);
+    let planned = desk.work.to_export(desk.document.params());
+    let post = milling_post(&desk.document.params().milling.post);
     let ending = post.map_or_else(|_| "nc".to_owned(), |post| post.extension);
     let has_machine = planned.as_ref().is_ok_and(|result| result.milled().is_some());
     egui::Grid::new("flank files").num_columns(2).min_col_width(150.0).spacing([12.0, 6.0]).show(ui, |ui| {

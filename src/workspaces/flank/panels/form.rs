@@ -42,7 +42,7 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, with_results: b
         return None;
     }
     egui::ScrollArea::vertical().id_salt("flank form").auto_shrink([false, false]).show(ui, |ui| {
-        let mut params = desk.params.clone();
+        let mut params = desk.document.params().clone();
         let mut wrong = None;
         section(ui, "Surface", true, |ui| asked = source::show(ui, desk, &mut params, &mut wrong));
         section(ui, "Cutter", true, |ui| cutter(ui, &mut params.cutter, &mut wrong));
@@ -76,7 +76,7 @@ fn plan(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
 /// What is being done, what is wrong, or what is known, in one line.
 fn standing(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
     let colours = palette(ui);
-    let is_possible = desk.params.validate().is_ok();
+    let is_possible = desk.document.params().validate().is_ok();
     if let Some(doing) = desk.work.doing().filter(|_| is_possible).cloned() {
         let bar = ui.add(ProgressBar::new(doing.fraction as f32).desired_width(110.0).desired_height(8.0));
         let percent = format!("{} {:.0} %", doing.stage, 100.0 * doing.fraction);
@@ -327,10 +327,10 @@ fn walls(ui: &mut Ui, desk: &FlankDesk, params: &mut FlankDocument) -> Option<Fl
             params.walls = None;
         }
     });
-    if let Some(why) = desk.work.walls_state(&desk.params).why_not() {
+    if let Some(why) = desk.work.walls_state(desk.document.params()).why_not() {
         notice(ui, palette(ui).bad, why);
     }
-    for doubt in desk.work.walls(&desk.params).iter().flat_map(|walls| &walls.doubts) {
+    for doubt in desk.work.walls(desk.document.params()).iter().flat_map(|walls| &walls.doubts) {
         notice(ui, palette(ui).warning, doubt);
     }
     asked

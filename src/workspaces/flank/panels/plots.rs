@@ -244,8 +244,10 @@ fn machine(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
     let Some(curves) = &planned.machine else {
         let text = match why {
             Some(why) => format!("The machine cannot follow the path: {why}"),
-            None if desk.params.milling.machine.is_empty() => "Choose a machine and plan to see its axes.".to_owned(),
-            None => format!("Plan to see the axes of {}.", file_name(&desk.params.milling.machine)),
+            None if desk.document.params().milling.machine.is_empty() => {
+                "Choose a machine and plan to see its axes.".to_owned()
+            }
+            None => format!("Plan to see the axes of {}.", file_name(&desk.document.params().milling.machine)),
         };
         return says(ui, &text);
     };

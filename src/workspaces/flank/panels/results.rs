@@ -157,7 +157,7 @@ fn head(ui: &mut Ui, desk: &mut FlankDesk, choice: PathChoice) {
 fn checks(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
     for check in &planned.result.checks {
         let mut check = check.clone();
-        check.decide(&desk.params.overrides);
+        check.decide(&desk.document.params().overrides);
         let (check, is_overridden) = (&check, check.is_overridden);
         let colours = palette(ui);
         let (sign, colour) = match (check.holds, is_overridden) {
@@ -190,7 +190,7 @@ fn checks(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
 pub fn let_pass(ui: &mut Ui, desk: &mut FlankDesk, check: &FlankCheck, is_overridden: bool) {
     let mut passes = is_overridden;
     if tick(ui, &mut passes, format!("Release despite failed check: {}", check.kind.name())).changed() {
-        let mut params = desk.params.clone();
+        let mut params = desk.document.params().clone();
         // What was decided for other figures is over with a new decision.
         params.overrides.retain(|other| other.check != check.kind.name());
         if passes {

@@ -127,7 +127,7 @@ fn face(ui: &mut Ui, desk: &FlankDesk, mesh: &mut MeshFlank, wrong: &mut Option<
     fields::number(ui, &mut mesh.fit.tolerance_mm, tolerance, wrong);
     tick(ui, &mut mesh.is_own_wall, "the rest of the part must not be cut")
         .on_hover_text("Flutes and holder are checked against the part's other faces");
-    let loaded = desk.work.loaded(&desk.params);
+    let loaded = desk.work.loaded(desk.document.params());
     for doubt in loaded.iter().flat_map(|loaded| &loaded.doubts) {
         ui.add(Label::new(RichText::new(doubt).small().color(palette(ui).warning)).wrap());
     }

@@ -72,8 +72,8 @@ impl SceneKey {
         Self {
             planned: Source(flank.planned().cloned()),
             surface_of: (Source(known.cloned()), Source(sketch.cloned())),
-            part: Source(flank.work.loaded(&flank.params).cloned()),
-            walls: Source(flank.work.walls(&flank.params).cloned()),
+            part: Source(flank.work.loaded(flank.document.params()).cloned()),
+            walls: Source(flank.work.walls(flank.document.params()).cloned()),
             paths: flank.shown_paths(),
             moving: flank.is_moving,
             t: flank.shows_cutter().then_some(flank.t),
@@ -300,7 +300,7 @@ fn caption(ui: &mut Ui, rect: Rect, desk: &FlankDesk) {
 
 fn empty(ui: &Ui, rect: Rect, desk: &FlankDesk) {
     let work = &desk.work;
-    let (title, line) = match work.source_state(&desk.params) {
+    let (title, line) = match work.source_state(desk.document.params()) {
         State::Running => ("Loading…", ""),
         State::Ready if work.is_sketching() || desk.state() == State::Running => ("Looking at the surface…", ""),
         _ => ("Drop a part or two guide curves here", "STL, OBJ, glTF or GLB; or points as CSV."),

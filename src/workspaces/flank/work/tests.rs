@@ -2,6 +2,7 @@ use task::{Lane, Scheduler};
 
 use super::*;
 use crate::workspaces::flank::document::PathChoice;
+use files::Params;
 use flank::ruled_surface::Side;
 
 /// Two guides in files of their own in this folder, `bend` apart from straight in the middle.

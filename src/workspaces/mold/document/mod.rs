@@ -3,14 +3,13 @@
 pub mod cutter_file;
 pub mod electrode_file;
 pub mod holder_files;
-pub mod mold_file;
 
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 use crate::workspaces::mold::document::cutter_file::standard_cutters;
-use files::{Invalid, Validate};
+use files::{Invalid, Params, Validate};
 use import::{Imported, Units};
 use mold::cutter::CutterLibrary;
 use mold::electrode::params::{Edit, ElectrodeParams};
@@ -61,13 +60,25 @@ impl Validate for MoldParams {
     }
 }
 
-impl MoldParams {
-    /// What to call the mold.
-    pub fn name(&self) -> String {
-        let name = self.mesh.as_deref().and_then(Path::file_stem);
-        name.map_or("No mold".to_owned(), |n| n.to_string_lossy().into_owned())
+impl Params for MoldParams {
+    const KIND: &'static str = "mold";
+
+    fn part(&self) -> String {
+        self.mesh.as_deref().and_then(Path::file_stem).map_or_else(String::new, |n| n.to_string_lossy().into_owned())
     }
 
+    fn name(&self) -> String {
+        if self.mesh.is_some() { self.part() } else { "No mold".to_owned() }
+    }
+
+    fn change_paths(&mut self, change: &mut dyn FnMut(&Path) -> PathBuf) {
+        if let Some(mesh) = &mut self.mesh {
+            *mesh = change(mesh);
+        }
+    }
+}
+
+impl MoldParams {
     /// Parameters without what was decided for one part only: where it opens to, how its regions are divided and burned,
     /// which of its electrodes are exported although a check fails, and what they are called.
     pub fn undecided(&self) -> Self {
@@ -176,4 +187,56 @@ fn change_of_electrodes(now: &ElectrodeParams, before: &ElectrodeParams) -> Stri
         (now.removal != before.removal, "Burning times"),
     ];
     what.iter().find(|(differs, _)| *differs).map_or("Electrodes", |(_, name)| name).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use files::Document;
+    use mold::cutter::Cutter;
+
+    #[test]
+    fn a_mold_is_read_as_it_was_written_and_finds_its_mesh_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let [here, there] = ["here", "there"].map(|name| folder.path().join(name));
+        [&here, &there].into_iter().for_each(|f| std::fs::create_dir(f).unwrap());
+        let mut params = MoldParams { mesh: Some(here.join("part.stl")), ..MoldParams::default() };
+        (params.opening, params.tolerance_mm) = (Opening::MinusX, 0.05);
+        params.electrodes.edits.push(Edit::Split { line: [glam::DVec3::X, glam::DVec3::Y] });
+        params.electrodes.overrides.push("E01:gouge".parse().unwrap());
+        params.library.cutter.push(Cutter { reach_mm: Some(12.0), ..Cutter::bull_nose(3.0, 0.5) });
+        let file = here.join("part.sparkpath");
+        Document::new(params.clone()).export(&file).unwrap();
+        let read = |file: &Path| Document::<MoldParams>::open(file).unwrap().params().clone();
+        assert_eq!(read(&file), params);
+        let short = here.join("short.sparkpath");
+        std::fs::write(&short, "kind = \"mold\"\n[electrodes]\noverrides = [\"E03\"]").unwrap();
+        let MoldParams { electrodes, .. } = read(&short);
+        assert!(electrodes.overrides[0].electrode == "E03" && electrodes.overrides[0].check.is_none());
+        let plain = ElectrodeParams { overrides: Vec::new(), ..electrodes };
+        assert_eq!(MoldParams { electrodes: plain, ..read(&short) }, MoldParams::default());
+        std::fs::copy(&file, there.join("copy.sparkpath")).unwrap();
+        assert_eq!(read(&there.join("copy.sparkpath")).mesh, Some(there.join("part.stl")));
+    }
+
+    #[test]
+    fn what_is_no_mold_is_answered_with_the_place_and_the_reason() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("wrong.sparkpath");
+        for (text, words) in [
+            ("tolerance_mm = -1", "line 2: tolerance_mm is -1"),
+            ("tolerance_mm = nan", "tolerance_mm is NaN"),
+            ("opening = \"up\"", "unknown variant"),
+            ("[[library.cutter]]\ndiameter_mm = 0", "line 3: library.cutter[0].diameter_mm is 0"),
+            ("library = {}", "no cutter"),
+            ("tolerance = 1", "unknown field"),
+            ("[electrodes]\nmargin_mm = -1", "line 3: electrodes.margin_mm is -1"),
+        ] {
+            std::fs::write(&file, format!("kind = \"mold\"\n{text}")).unwrap();
+            let said = Document::<MoldParams>::open(&file).unwrap_err().to_string();
+            assert!(said.contains("wrong.sparkpath") && said.contains(words), "{text}: {said}");
+        }
+        let broken = MoldParams { tolerance_mm: 0.0, ..MoldParams::default() };
+        assert!(Document::new(broken).export(&file).is_err());
+    }
 }

@@ -17,7 +17,7 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPa
     let mut asked = None;
     ui.horizontal_wrapped(|ui| {
         if ui.button("Copy the present cutters").on_hover_text("Start the comparison from them").clicked() {
-            desk.other = desk.params.library.clone();
+            desk.other = desk.document.params().library.clone();
         }
         if ui.button("Load…").on_hover_text("Another library of cutters (TOML)").clicked() {
             asked = Some(MoldPath::OtherCutters);
@@ -34,12 +34,12 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPa
         cx.button(ui, desk, MoldCommand::CompareCutters, "Compare", false);
     });
     let (mold, colours) = (&*desk, palette(ui));
-    if let Some(why) = mold.work.comparison_state(&mold.params, &mold.other).why_not() {
+    if let Some(why) = mold.work.comparison_state(mold.document.params(), &mold.other).why_not() {
         notice(ui, colours.bad, why);
     }
     if let Some(other) = mold.work.other().cloned() {
         let sentence = other.1.sentence();
-        if mold.work.is_other_of(&mold.params, &mold.other) {
+        if mold.work.is_other_of(mold.document.params(), &mold.other) {
             notice(ui, colours.accent, &sentence);
         } else {
             notice(ui, colours.warning, &format!("Out of date: {sentence}"));

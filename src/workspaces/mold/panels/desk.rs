@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use super::electrode::ElectrodeDesk;
 use super::list::Column;
+use crate::workspaces::hands::{Gesture, Hands};
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::electrode_file::load_electrodes;
 use crate::workspaces::mold::document::holder_files::load_holders;
@@ -13,12 +14,11 @@ use crate::workspaces::mold::job::uncut::LayerFound;
 use crate::workspaces::mold::scene::RegionColours;
 use crate::workspaces::mold::work::{FoundUncut, Glance, MoldWork};
 use crate::workspaces::news::{EventKind, WorkEvent};
-use crate::workspaces::record::{Hands, Record};
-use files::Validate;
+use files::{AnyDocument, Document, Validate};
 use geometry::mesh::Bounds;
 use mold::cutter::CutterLibrary;
+use mold::electrode::params::ElectrodeParams;
 use mold::electrode::params::GivenName;
-use mold::electrode::params::{ElectrodeParams, Holder};
 use mold::uncut_region::UncutRegion;
 use task::{Priority, Scheduler, State};
 
@@ -27,7 +27,7 @@ const REST: Duration = Duration::from_millis(300);
 /// The same before electrodes are made again: whoever changes one thing of them often changes another.
 const REST_OF_DESIGN: Duration = Duration::from_millis(1200);
 
-/// See the module's page.
+/// What is asked, what was found, and how it is looked at.
 pub struct MoldDesk {
     /// Whether the panel on the left is there, or folded away.
     pub shows_panel: bool,
@@ -38,7 +38,7 @@ pub struct MoldDesk {
     /// Whether the window is a small one.
     pub is_small: bool,
     /// The mold and what is asked about it.
-    pub params: MoldParams,
+    pub document: Document<MoldParams>,
     /// What has been made of it.
     pub work: MoldWork,
     /// The row of the table of cutters that is selected.
@@ -71,8 +71,9 @@ pub struct MoldDesk {
     pub follows: bool,
     /// The region that the view is to fly to.
     pub fly_to: Option<usize>,
-    /// Its file and the steps that can be undone.
-    pub record: Record<MoldParams>,
+    /// The parameters that were followed last.
+    followed: MoldParams,
+    gesture: Gesture,
     /// What is asked of electrodes where a mold begins: the user's own standard.
     standard: ElectrodeParams,
     /// When something was last changed of which the answer is not known.
@@ -85,28 +86,22 @@ pub struct MoldDesk {
     shown: Option<Arc<FoundUncut>>,
 }
 
-/// The parameters with these holders, if they name none.
-fn with_holders(mut params: MoldParams, holders: &[Holder]) -> MoldParams {
-    if params.electrodes.holders.is_empty() {
-        params.electrodes.holders = holders.to_vec();
-    }
-    params
-}
-
 impl MoldDesk {
     /// An empty workspace.
     pub fn new(scheduler: &Scheduler) -> Self {
         let electrodes = ElectrodeDesk::default();
-        let params = with_holders(MoldParams::default(), &electrodes.holders);
+        let mut params = MoldParams::default();
+        params.electrodes.holders.clone_from(&electrodes.holders);
         Self {
             shows_panel: true,
             shows_list: true,
             shows_list_instead: false,
             is_small: false,
             other: params.library.clone(),
-            record: Record::of(&params),
             standard: params.electrodes.clone(),
-            params,
+            followed: params.clone(),
+            document: Document::new(params),
+            gesture: Gesture::default(),
             work: MoldWork::new(scheduler),
             cutter: 0,
             selected: None,
@@ -150,8 +145,7 @@ impl MoldDesk {
             // These are where a mold begins, and no change of the user's.
             Ok(electrodes) => {
                 self.standard = electrodes.clone();
-                self.params.electrodes = electrodes;
-                self.record.kept = Some(self.params.clone());
+                self.replace(Document::new(MoldParams { electrodes, ..self.params().clone() }));
             }
             // What both say is said once.
             Err(error) => wrong.extend(Some(error.to_string()).filter(|text| !wrong.contains(text))),
@@ -159,120 +153,96 @@ impl MoldDesk {
         wrong
     }
 
-    /// What a mold begins with whose mesh is at `mesh`: the cutters that there are, and nothing that was decided for
-    /// another mold. Where there was none, everything that was chosen was chosen for this one.
-    pub fn begun(&self, mesh: &Path) -> MoldParams {
-        let mesh = Some(mesh.to_owned());
-        if self.params.mesh.is_none() {
-            return MoldParams { mesh, ..self.params.clone() };
+    /// The parameters.
+    pub fn params(&self) -> &MoldParams {
+        self.document.params()
+    }
+
+    /// The document of the mold whose mesh is at `mesh`: with the cutters that there are, and nothing that was decided
+    /// for another mold. Where there was none, everything that was chosen, and is still in no file, was chosen for this one.
+    pub fn begun(&self, mesh: &Path) -> Document<MoldParams> {
+        let params = self.params();
+        if params.mesh.is_none() {
+            let mut document = self.document.detached();
+            document.amend(true, |params| params.mesh = Some(mesh.to_owned()));
+            return document;
         }
-        let (library, electrodes) = (self.params.library.clone(), self.standard.clone());
-        MoldParams { mesh, library, electrodes, ..MoldParams::default() }
+        let (library, electrodes) = (params.library.clone(), self.standard.clone());
+        Document::new(MoldParams { mesh: Some(mesh.to_owned()), library, electrodes, ..MoldParams::default() })
     }
 
-    /// Takes `mesh` for the mold.
-    pub fn open(&mut self, mesh: &Path) {
-        let was_empty = self.params.mesh.is_none();
-        let kept = self.record.kept.clone().map(|kept| MoldParams { mesh: Some(mesh.to_owned()), ..kept });
-        let history = self.record.history.clone();
-        self.replace(self.begun(mesh), None);
-        // Cutters that were chosen before there was a mold are still in no file.
-        if was_empty {
-            (self.record.kept, self.record.history) = (kept, history);
-        }
-    }
-
-    /// Takes unsaved work that an earlier program left behind, which was to be saved as `file`.
-    pub fn recover(&mut self, params: MoldParams, file: Option<&Path>) {
-        self.replace(params, file);
-        self.record.kept = None;
-    }
-
-    /// Takes all of `params`, which are those of `file` if there is one.
-    pub fn replace(&mut self, params: MoldParams, file: Option<&Path>) {
-        if self.params.mesh == params.mesh {
+    /// Takes `document` in the place of the present one.
+    pub fn replace(&mut self, document: Document<MoldParams>) {
+        if self.params().mesh == document.params().mesh {
             self.work.reload();
         }
-        let params = with_holders(params, &self.electrodes.holders);
-        self.record.replace(&params, file);
-        (self.params, self.edited, self.changed) = (params, None, None);
+        self.document = document;
+        let holders = &self.electrodes.holders;
+        self.document.amend(true, |params| {
+            if params.electrodes.holders.is_empty() {
+                params.electrodes.holders.clone_from(holders);
+            }
+        });
+        self.followed = self.params().clone();
+        (self.edited, self.changed) = (None, None);
         self.work.forget_glance();
         // How the last mold was looked at would hide parts of this one.
         self.electrodes.begin_anew();
         (self.is_faint, self.layer, self.least_volume, self.only_vanishing) = (false, None, 0.0, false);
     }
 
+    /// Notes something of the part in the document, which asks for nothing to be made anew.
+    fn note(&mut self, is_in_file: bool, change: impl FnMut(&mut MoldParams)) {
+        self.follow_params();
+        self.document.amend(is_in_file, change);
+        self.followed = self.params().clone();
+    }
+
     /// Has the parameters belong to the mold that was read. Where they belong to another one, what was decided for that
     /// is dropped. Answers what there is to be said.
     fn follow_part(&mut self) -> Option<WorkEvent> {
-        let part = self.work.part(&self.params)?;
-        if self.params.part.as_deref() == Some(part) {
+        let part = self.work.part(self.document.params())?.to_owned();
+        let own = self.params().part.clone();
+        if own.as_ref() == Some(&part) {
             return None;
         }
-        let now = self.params.of_part(part);
-        if self.params.part.is_none() {
-            let bind = |params: &mut MoldParams| params.part = params.part.take().or(now.part.clone());
-            self.record.kept.iter_mut().for_each(bind);
-            self.record.history.change_all(bind);
-            self.params = now;
+        if own.is_none() {
+            self.note(true, |params| params.part = params.part.take().or_else(|| Some(part.clone())));
             return None;
         }
-        let is_clean = MoldParams { part: self.params.part.clone(), ..now.clone() } == self.params;
-        self.change_to(now);
+        let before = MoldParams { part: Some(part.clone()), ..self.params().clone() };
+        self.document.amend(false, |params| *params = params.of_part(&part));
         let text = "Mold: its mesh or unit has changed: opening direction, divisions and overrides that were chosen \
                     for the former one are dropped; choose them again";
-        (!is_clean).then(|| WorkEvent { kind: EventKind::Refused, text: text.to_owned(), took: None })
-    }
-
-    /// Notes that `file` holds the present parameters.
-    pub fn saved_as(&mut self, file: &Path) {
-        self.record.saved_as(file, &self.params);
-    }
-
-    /// Whether the mold has been changed since it was opened or saved.
-    pub fn is_unsaved(&self) -> bool {
-        self.record.is_unsaved(&self.params)
-    }
-
-    /// What to call the mold: after its file, or else its mesh.
-    pub fn name(&self) -> String {
-        self.record.name().unwrap_or_else(|| self.params.name())
+        (before != *self.params()).then(|| WorkEvent { kind: EventKind::Refused, text: text.to_owned(), took: None })
     }
 
     /// Takes other parameters. While they go on changing they are looked at quickly.
     pub fn edit(&mut self, params: MoldParams) {
-        if params == self.params {
-            return;
-        }
-        self.record.note(&params.change_since(&self.params), &self.params);
-        self.change_to(params);
+        let label = params.change_since(self.params());
+        self.document.edit(&label, params, self.gesture.goes_on());
+        self.follow_params();
     }
 
-    fn change_to(&mut self, params: MoldParams) {
+    /// Takes in that the parameters have changed.
+    fn follow_params(&mut self) {
+        let params = self.document.params();
+        if *params == self.followed {
+            return;
+        }
         // What is left does not depend on electrodes.
-        let is_asked_anew = MoldParams { electrodes: self.params.electrodes.clone(), ..params.clone() } != self.params;
-        self.params = params;
+        let is_asked_anew =
+            MoldParams { electrodes: self.followed.electrodes.clone(), ..params.clone() } != self.followed;
+        self.followed = params.clone();
         self.changed = Some(Instant::now());
         if is_asked_anew {
             self.edited = self.changed;
         }
     }
 
-    /// Takes the last step back, or does the one again that was taken back last (`again`). The mold stays.
-    pub fn undo(&mut self, again: bool) {
-        if let Some(params) = self.record.undo(&self.params, again) {
-            self.change_to(MoldParams { mesh: self.params.mesh.clone(), ..params });
-        }
-    }
-
-    /// What can be undone, or done again.
-    pub fn undo_label(&self, again: bool) -> Option<&str> {
-        self.record.undo_label(again)
-    }
-
     /// How the answer for the present parameters stands.
     pub fn state(&self) -> State {
-        self.work.state(&self.params)
+        self.work.state(self.document.params())
     }
 
     /// Begins to look for what is left.
@@ -281,7 +251,7 @@ impl MoldDesk {
     /// One line why it cannot be looked for.
     pub fn find(&mut self) -> Result<(), String> {
         self.edited = None;
-        self.work.find(&self.params)
+        self.work.find(self.document.params())
     }
 
     /// Begins to make electrodes for what is left, which is looked for first if it is not known.
@@ -291,7 +261,7 @@ impl MoldDesk {
     pub fn design(&mut self) -> Result<(), String> {
         (self.edited, self.changed) = (None, None);
         self.electrodes.is_awaited = true;
-        self.work.design(&self.params)
+        self.work.design(self.document.params())
     }
 
     /// Stops what runs: none of it begins again by itself.
@@ -302,20 +272,21 @@ impl MoldDesk {
 
     /// How the electrodes for the present parameters stand.
     pub fn design_state(&self) -> State {
-        self.work.design_state(&self.params)
+        self.work.design_state(self.document.params())
     }
 
     /// Whether the electrodes that are shown are those of the present parameters.
     pub fn is_designed(&self) -> bool {
-        self.work.is_designed_of(&self.params)
+        self.work.is_designed_of(self.document.params())
     }
 
     /// Takes in what has been made, once a frame. Answers what has happened, and after how long there is something to be
     /// done again.
     pub fn follow(&mut self, hands: Hands, is_seen: bool) -> (Vec<WorkEvent>, Option<Duration>) {
-        self.record.follow(hands);
+        self.gesture.follow(hands, &mut self.document);
+        self.follow_params();
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
-        let mut events = self.work.follow(&self.params, priority);
+        let mut events = self.work.follow(self.document.params(), priority);
         events.extend(self.follow_part());
         self.follow_answer();
         self.electrodes.follow(self.work.designed());
@@ -334,20 +305,16 @@ impl MoldDesk {
     /// Keeps the names that electrodes were given: they stay theirs whatever is changed, or taken back.
     fn keep_names(&mut self) {
         let Some(made) = self.work.designed().filter(|_| self.is_designed()) else { return };
-        let mut names = self.params.electrodes.names.clone();
-        let count = names.len();
-        let is_new = |name: &&GivenName| self.params.electrodes.names.iter().all(|known| known.number != name.number);
-        names.extend(made.set.names.iter().filter(is_new).cloned());
-        if names.len() == count {
+        let known = &self.params().electrodes.names;
+        let is_new = |name: &&GivenName| known.iter().all(|known| known.number != name.number);
+        let new: Vec<GivenName> = made.set.names.iter().filter(is_new).cloned().collect();
+        if new.is_empty() {
             return;
         }
-        let keep = |params: &mut MoldParams| params.electrodes.names.clone_from(&names);
+        let names = [known.clone(), new].concat();
         // From what the file holds the same names are made again.
-        if !self.is_unsaved() {
-            self.record.kept.iter_mut().for_each(keep);
-        }
-        keep(&mut self.params);
-        self.record.history.change_all(keep);
+        let is_saved = !self.document.is_unsaved();
+        self.note(is_saved, |params| params.electrodes.names.clone_from(&names));
     }
 
     /// Looks at a change at a glance, and exactly once nothing changes any more. Answers after how long to come back.
@@ -358,8 +325,8 @@ impl MoldDesk {
             self.work.forget_glance();
         }
         let Some(edited) = self.edited else { return Ok(None) };
-        self.work.glance(&self.params);
-        let can_follow = self.follows && state == State::Stale && self.params.library.validate().is_ok();
+        self.work.glance(self.document.params());
+        let can_follow = self.follows && state == State::Stale && self.document.params().library.validate().is_ok();
         if !can_follow || hands == Hands::Holding {
             return Ok(None);
         }
@@ -383,7 +350,7 @@ impl MoldDesk {
         };
         // A line that is being drawn would be lost.
         let is_free = hands != Hands::Holding && self.electrodes.split.is_none();
-        if !(self.follows && is_again && is_free && self.params.validate().is_ok()) {
+        if !(self.follows && is_again && is_free && self.document.params().validate().is_ok()) {
             return Ok(None);
         }
         let wait = REST_OF_DESIGN.saturating_sub(changed.elapsed());
@@ -391,7 +358,7 @@ impl MoldDesk {
             return Ok(Some(wait));
         }
         self.changed = None;
-        self.work.design(&self.params).map(|()| None)
+        self.work.design(self.document.params()).map(|()| None)
     }
 
     /// What belongs to another answer is selected no more.
@@ -418,14 +385,14 @@ impl MoldDesk {
 
     /// Of what else the answer that is shown is, if it is not of the present question.
     pub fn found_of_others(&self) -> Option<&'static str> {
-        let found = self.shown.as_ref().filter(|_| !self.work.is_found_of(&self.params))?;
-        let is_of_cutters = found.uncut.params.library != self.params.library;
+        let found = self.shown.as_ref().filter(|_| !self.work.is_found_of(self.document.params()))?;
+        let is_of_cutters = found.uncut.params.library != self.document.params().library;
         Some(if is_of_cutters { "Out of date (other cutters)" } else { "Out of date" })
     }
 
     /// What was seen at a glance of the present parameters, or while they are dragged of the last ones.
     pub fn glanced(&self) -> Option<&Arc<Glance>> {
-        self.work.glanced(&self.params, self.record.hands() == Hands::Holding)
+        self.work.glanced(self.document.params(), self.gesture.is_holding())
     }
 
     /// The regions that are left.
@@ -496,18 +463,18 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut desk = MoldDesk::new(&Scheduler::manual(|| ()));
         let standard = load_holders(None).unwrap();
-        assert!(desk.params.electrodes.holders == standard && desk.electrodes.holders == standard);
+        assert!(desk.params().electrodes.holders == standard && desk.electrodes.holders == standard);
         std::fs::create_dir(folder.path().join("holders")).unwrap();
         let supplier = folder.path().join("holders/Acme.toml");
         std::fs::write(&supplier, "[[holder]]\nname = \"20\"\nsize_mm = [20.0, 20.0]\nheight_mm = 12.0\n").unwrap();
         std::fs::write(folder.path().join("electrodes.toml"), "margin_mm = 0.7").unwrap();
-        assert!(desk.take_user_files(folder.path()).is_empty() && !desk.is_unsaved());
-        let asked = desk.params.electrodes.clone();
+        assert!(desk.take_user_files(folder.path()).is_empty() && !desk.document.is_unsaved());
+        let asked = desk.params().electrodes.clone();
         assert_eq!((asked.margin_mm, asked.holders[0].name.as_str(), asked.holders.len()), (0.7, "Acme: 20", 1));
         assert_eq!(desk.electrodes.holders, asked.holders);
         // A mold that names no holder has the user's.
-        desk.replace(MoldParams::default(), None);
-        assert_eq!(desk.params.electrodes.holders, asked.holders);
+        desk.replace(Document::default());
+        assert_eq!(desk.params().electrodes.holders, asked.holders);
         std::fs::write(&supplier, "holder = 1").unwrap();
         let wrong = desk.take_user_files(folder.path());
         assert!(wrong.len() == 1 && wrong[0].contains("Acme.toml"), "{wrong:?}");

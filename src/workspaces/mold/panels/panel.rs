@@ -15,6 +15,7 @@ use crate::workspaces::mold::document::cutter_file::standard_cutters;
 use crate::workspaces::mold::paths::MoldPath;
 use crate::workspaces::mold::work::FoundUncut;
 use crate::workspaces::news::EventKind;
+use files::Params;
 use import::Units;
 use mold::opening::Opening;
 use task::State;
@@ -47,20 +48,20 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, with_list: bool)
 
 fn mold(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
     let mut asked = None;
-    let state = desk.work.mold_state(&desk.params);
+    let state = desk.work.mold_state(desk.document.params());
     ui.horizontal(|ui| {
         if ui.button("Open mold…").on_hover_text(FrameCommand::Open.hint(ui.ctx())).clicked() {
             asked = Some(MoldPath::Open);
         }
         match &state {
             State::Missing => drop(ui.label(RichText::new("or drop a mesh here").color(palette(ui).faint))),
-            _ => drop(ui.add(egui::Label::new(RichText::new(desk.params.name()).strong()).truncate())),
+            _ => drop(ui.add(egui::Label::new(RichText::new(desk.document.params().name()).strong()).truncate())),
         }
     });
     if let Some(why) = state.why_not() {
         notice(ui, palette(ui).bad, why);
     }
-    let mut params = desk.params.clone();
+    let mut params = desk.document.params().clone();
     named(ui, "Unit", |ui, label| {
         let name = |units: Units| match units {
             Units::Auto => "automatic",
@@ -117,7 +118,7 @@ fn facts(ui: &mut Ui, desk: &MoldDesk, cx: &mut Context) {
 
 fn library(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
     let mut asked = None;
-    let mut params = desk.params.clone();
+    let mut params = desk.document.params().clone();
     cutters::table(ui, &mut params.library, &mut desk.cutter, "cutter");
     ui.horizontal_wrapped(|ui| {
         cutters::buttons(ui, &mut params.library, &mut desk.cutter);

@@ -95,7 +95,7 @@ impl SceneKey {
         let found = desk.found();
         let layer = desk.layer().filter(|_| self.layer.is_some());
         let segments = found.zip(layer).map_or_else(Vec::new, |(f, (layer, _))| f.uncut.segments(layer.z));
-        let opening = found.map_or(desk.params.opening, |f| f.uncut.params.opening);
+        let opening = found.map_or(desk.document.params().opening, |f| f.uncut.params.opening);
         let pieces: Vec<_> =
             found.zip(layer).map_or_else(Vec::new, |(f, (_, number))| f.uncut.pieces(number).collect());
         let mut scene = build_mold(&MoldScene {
@@ -148,7 +148,7 @@ impl MoldView {
                 }
             }
             Fly::Above => {
-                let up = desk.params.opening.in_mesh(glam::DVec3::Z);
+                let up = desk.document.params().opening.in_mesh(glam::DVec3::Z);
                 self.viewport.turn_to(up, now);
             }
             Fly::All => self.viewport.fit(true),
@@ -248,7 +248,7 @@ fn click(desk: &mut MoldDesk, picked: Option<Pick>) {
     if desk.electrodes.split.is_some() {
         let edit = picked.and_then(|p| desk.electrodes.click(made.opening.upright(p.point)));
         if let Some(edit) = edit {
-            let mut params = desk.params.clone();
+            let mut params = desk.document.params().clone();
             params.electrodes.edits.push(edit);
             desk.edit(params);
         }
@@ -294,7 +294,7 @@ fn caption(ui: &mut Ui, rect: Rect, desk: &MoldDesk) {
     let colours = palette(ui);
     if let Some(made) = desk.electrodes.seen() {
         if !desk.is_designed() && desk.electrodes.split.is_none() {
-            let text = format!("Out of date: {}", made.sentence(&desk.params.electrodes.overrides));
+            let text = format!("Out of date: {}", made.sentence(&desk.document.params().electrodes.overrides));
             overlay::caption(ui, rect, 122.0, colours.warning, &text);
         }
         return;
@@ -311,7 +311,7 @@ fn caption(ui: &mut Ui, rect: Rect, desk: &MoldDesk) {
 }
 
 fn empty(ui: &Ui, rect: Rect, desk: &MoldDesk) {
-    let (title, line) = match desk.work.mold_state(&desk.params) {
+    let (title, line) = match desk.work.mold_state(desk.document.params()) {
         State::Running => ("Loading…", ""),
         State::Failed(_) | State::Cancelled => ("This could not be loaded", "The panel on the left says why."),
         _ => ("Drop a mold here", "STL, OBJ, glTF or GLB. Then set the opening direction and find the rest material."),

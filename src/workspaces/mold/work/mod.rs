@@ -15,6 +15,7 @@ use crate::workspaces::mold::job::uncut::UncutParams;
 use crate::workspaces::news::{EventKind, WorkEvent};
 pub use design::Designed;
 use electrode_export::{Exported, export};
+use files::Params;
 pub use glance::Glance;
 use import::Units;
 use mold::cutter::CutterLibrary;

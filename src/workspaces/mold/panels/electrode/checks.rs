@@ -17,7 +17,7 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed,
     let Some(findings) = made.set.checks.get(electrode) else { return };
     for finding in findings {
         let colours = palette(ui);
-        let overrides = &desk.params.electrodes.overrides;
+        let overrides = &desk.document.params().electrodes.overrides;
         let is_decided = !finding.holds && made.set.is_overridden(electrode, finding.kind, overrides);
         let (sign, colour) = match (finding.holds, is_decided) {
             (true, _) => ("\u{2714}", colours.good),
@@ -45,7 +45,7 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed,
         return;
     }
     let of = &made.set.electrodes[electrode];
-    let mut params = desk.params.clone();
+    let mut params = desk.document.params().clone();
     let overrides = &mut params.electrodes.overrides;
     let mut passes = !made.set.is_blocked_with(electrode, overrides);
     let has_lapsed = overrides.iter().any(|o| o.electrode == of.name && !o.is_for(of));

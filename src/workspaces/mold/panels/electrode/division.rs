@@ -26,7 +26,7 @@ fn region_of(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, r): 
         ui.label(RichText::new(format!("Region {}", r + 1)).strong());
         if let Some(place) = made.places.get(r).copied().flatten() {
             method(ui, desk, (r, place), plan.method);
-            let is_current = made.set.params.edits == desk.params.electrodes.edits;
+            let is_current = made.set.params.edits == desk.document.params().electrodes.edits;
             direction(ui, desk, (r, place), if is_current { plan.direction } else { DVec3::NEG_Z });
         }
         if ui
@@ -79,7 +79,7 @@ fn in_words(left: &LeftOfRegion) -> String {
 /// From where a region is burned: along `now`, unless a change says otherwise. Another direction than straight down is one.
 fn direction(ui: &mut Ui, desk: &mut MoldDesk, (r, place): (usize, DVec3), now: DVec3) {
     let own = |edit: &Edit| matches!(edit, Edit::Burn { place: of, .. } if *of == place);
-    let mut params = desk.params.clone();
+    let mut params = desk.document.params().clone();
     let edits = &mut params.electrodes.edits;
     let asked = edits.iter().rev().find_map(|e| match e {
         Edit::Burn { direction, .. } if own(e) => direction.try_normalize(),
@@ -120,7 +120,7 @@ fn along(tilt: f64, towards: f64) -> DVec3 {
 /// How the tips of a region are made; another choice is a change.
 fn method(ui: &mut Ui, desk: &mut MoldDesk, (r, place): (usize, DVec3), now: Method) {
     let own = |edit: &Edit| matches!(edit, Edit::Make { place: of, .. } if *of == place);
-    let mut params = desk.params.clone();
+    let mut params = desk.document.params().clone();
     let edits = &mut params.electrodes.edits;
     let asked = edits
         .iter()
@@ -197,7 +197,7 @@ fn node(
 fn merge(ui: &mut Ui, desk: &mut MoldDesk, places: [Option<DVec3>; 2]) {
     let [Some(a), Some(b)] = places else { return };
     if ui.button("Merge the two parts").clicked() {
-        let mut params = desk.params.clone();
+        let mut params = desk.document.params().clone();
         params.electrodes.edits.push(Edit::Merge { places: [a, b] });
         desk.electrodes.parts.clear();
         desk.edit(params);

@@ -22,7 +22,7 @@ use nc::electrode_files::ElectrodeFormat;
 
 /// Draws it. Answers what a path is wanted for.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
-    let mut params = desk.params.clone();
+    let mut params = desk.document.params().clone();
     let asked = &mut params.electrodes;
     stages::show(ui, asked);
     tips(ui, asked);
@@ -269,7 +269,7 @@ fn answer(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath
         ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
         return None;
     };
-    let said = made.sentence(&desk.params.electrodes.overrides);
+    let said = made.sentence(&desk.document.params().electrodes.overrides);
     let colours = palette(ui);
     if desk.is_designed() {
         let is_warned = made.report.table.electrodes.iter().any(|e| !e.warnings.is_empty());
@@ -286,7 +286,7 @@ fn answer(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath
         }
         cx.button(ui, desk, FrameCommand::Export, "Export\u{2026}", false);
     });
-    let blocked = |e: &usize| !desk.electrodes.is_let_pass(*e, &desk.params.electrodes);
+    let blocked = |e: &usize| !desk.electrodes.is_let_pass(*e, &desk.document.params().electrodes);
     let names: Vec<&str> =
         (0..made.set.electrodes.len()).filter(blocked).map(|e| made.set.electrodes[e].name.as_str()).collect();
     if !names.is_empty() {

@@ -96,7 +96,7 @@ fn table(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed) {
         let width = COLUMNS[*column].1;
         builder = builder.column(if width > 0.0 { Width::exact(width) } else { Width::remainder().clip(true) });
     }
-    let overrides = &desk.params.electrodes.overrides;
+    let overrides = &desk.document.params().electrodes.overrides;
     let desk = &mut desk.electrodes;
     let selected = desk.selected.map(|at| at.electrode);
     if std::mem::replace(&mut desk.scrolled_to, selected) != selected

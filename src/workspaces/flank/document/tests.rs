@@ -1,10 +1,14 @@
 use super::*;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
-use crate::workspaces::flank::document::{DemonstrationSurface, MeshFlank, WallsFile};
+use files::Document;
 use flank::guide::GuideCurve;
 use flank::params::Objective;
 use geometry::mesh::Mesh;
 use nc::flank_job::overrides::FlankOverride;
+
+fn opened(file: &Path) -> FlankDocument {
+    Document::<FlankDocument>::open(file).unwrap().params().clone()
+}
 
 #[test]
 fn a_flank_is_read_as_it_was_written_and_finds_its_files_beside_it() {
@@ -28,25 +32,23 @@ fn a_flank_is_read_as_it_was_written_and_finds_its_files_beside_it() {
         document.overrides.push(FlankOverride::whatever("envelope"));
         document.overrides.push(FlankOverride::of("gouge", &[("depth_mm".to_owned(), 0.12)].into()));
         document.milling.machine = here.join("ours.toml").to_string_lossy().into_owned();
-        let file = here.join("part.sparkflank");
-        write_flank(&file, &document).unwrap();
-        assert!(is_flank_file(&file) && read_flank(&file).unwrap() == document);
-        std::fs::copy(&file, there.join("copy.sparkflank")).unwrap();
-        let copied = read_flank(&there.join("copy.sparkflank")).unwrap();
-        assert_eq!(copied.walls.unwrap().file, there.join("walls.obj"));
+        let file = here.join("part.sparkpath");
+        Document::new(document.clone()).export(&file).unwrap();
+        assert_eq!(opened(&file), document);
+        std::fs::copy(&file, there.join("copy.sparkpath")).unwrap();
+        assert_eq!(opened(&there.join("copy.sparkpath")).walls.unwrap().file, there.join("walls.obj"));
         assert!(!std::fs::read_to_string(&file).unwrap().contains(&*folder.path().to_string_lossy()));
     }
-    let short = here.join("short.sparkflank");
-    std::fs::write(&short, "").unwrap();
-    assert_eq!(read_flank(&short).unwrap(), FlankDocument::default());
+    let short = here.join("short.sparkpath");
+    std::fs::write(&short, "kind = \"flank\"").unwrap();
+    assert_eq!(opened(&short), FlankDocument::default());
 }
 
 #[test]
 fn what_is_no_flank_is_answered_with_the_place_and_the_reason() {
     let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("wrong.sparkflank");
+    let file = folder.path().join("wrong.sparkpath");
     for (text, words) in [
-        ("version = 2", "version is 2"),
         ("side = \"up\"", "unknown variant"),
         ("[cutter]\nradius_mm = -1\nlength_mm = 20", "radius_mm is -1"),
         ("[cutter]\nradius_mm = 1\nlength_mm = 20\ntaper_deg = 60", "taper_deg is 60"),
@@ -66,13 +68,12 @@ fn what_is_no_flank_is_answered_with_the_place_and_the_reason() {
         ("overrides = [7]", "expected the name of a check"),
         ("overrides = [{ check = \"gouge\", figure = 1.0 }]", "unknown field"),
     ] {
-        std::fs::write(&file, text).unwrap();
-        let said = read_flank(&file).unwrap_err().to_string();
-        assert!(said.contains("wrong.sparkflank") && said.contains(words), "{text}: {said}");
+        std::fs::write(&file, format!("kind = \"flank\"\n{text}")).unwrap();
+        let said = Document::<FlankDocument>::open(&file).unwrap_err().to_string();
+        assert!(said.contains("wrong.sparkpath") && said.contains(words), "{text}: {said}");
     }
     let broken = FlankDocument { envelope_tolerance_mm: 0.0, ..FlankDocument::default() };
-    assert!(write_flank(&file, &broken).is_err());
-    assert!(read_flank(&folder.path().join("none")).unwrap_err().to_string().contains("cannot be read"));
+    assert!(Document::new(broken).export(&file).is_err());
 }
 
 #[test]
