@@ -155,7 +155,7 @@ impl BliskWorkspace {
         if hands == Hands::Holding || !self.desk.can_plan() {
             return;
         }
-        match self.desk.work.is_at_rest() {
+        match self.desk.work.is_at_rest(cx.now) {
             Ok(()) => match self.desk.work.start_plan() {
                 Ok(()) => cx.say(EventKind::Done, "planning the previewed path"),
                 Err(why) => cx.say(EventKind::Failed, why),
@@ -415,7 +415,7 @@ impl Workspace for BliskWorkspace {
     }
 
     fn is_busy(&self) -> bool {
-        self.opening.is_busy() || self.desk.work.is_busy()
+        self.opening.is_busy() || self.desk.is_busy()
     }
 
     fn is_opening(&self) -> bool {

@@ -150,7 +150,7 @@ impl BliskDesk {
         for (stage, WorkEvent { kind, text, took }) in self.work.follow(&mut self.document, priority) {
             cx.note(LogLine { topic: Some(stage.number()), took, ..LogLine::now(kind, text) });
         }
-        self.work.look(self.cursor.electrode, cx.preferences.live);
+        self.work.look(self.cursor.electrode, cx.preferences.live, cx.now);
         self.follow_track();
         self.machine.follow(self.work.plan(), self.cursor.electrode);
         self.follow_moment();
@@ -159,6 +159,12 @@ impl BliskDesk {
         self.follow_bodies(cx);
         self.follow_colours();
         self.follow_swept(cx);
+    }
+
+    /// Whether anything at all waits or runs.
+    pub fn is_busy(&self) -> bool {
+        let shown = self.coloured.is_busy() || self.swept.is_busy() || self.bodies.is_busy();
+        shown || self.kept.is_busy() || self.work.is_busy() || self.work.is_looking()
     }
 
     /// Moves the cursor to where `s` is withdrawn, or as far as there are poses.

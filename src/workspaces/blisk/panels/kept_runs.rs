@@ -148,6 +148,11 @@ impl KeptRuns {
         problems
     }
 
+    /// Whether one is being made.
+    pub fn is_busy(&self) -> bool {
+        self.made.is_busy()
+    }
+
     /// Forgets them: another document is there.
     pub fn forget(&mut self) {
         self.made.clear();

@@ -2,7 +2,7 @@
 //! asked for.
 
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::{BliskWork, Wish};
 use crate::workspaces::blisk::document::stage::{Fingerprint, Stage};
@@ -10,14 +10,15 @@ use crate::workspaces::blisk::job::plan::PlanInputs;
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::preview::Looked;
 use crate::workspaces::blisk::job::sizing::{SizeRow, SizingRange, size};
+use crate::workspaces::context::rest_left;
 use feed::plan_params::Strategy;
 use task::{Lane, Memo, Priority, Same, Scheduler, State};
 use wheel::electrode::{EnterSide, Sizing};
 
 /// Parts up to which electrodes are sized.
 const PARTS: SizingRange = SizingRange { from: 1, to: 3 };
-/// How long nothing may change before what was looked at quickly is planned and verified.
-const REST: Duration = Duration::from_millis(700);
+/// How long nothing may change before what was looked at quickly is planned and verified (s).
+const REST: f64 = 0.7;
 
 /// The plan whose parameters are looked at, and the number of the electrode.
 type Place = (Fingerprint, usize);
@@ -27,8 +28,8 @@ pub(super) struct Looks {
     looks: Memo<Place, Looked>,
     /// What is looked at.
     at: Option<Place>,
-    /// The look that is shown, and since when.
-    seen: Option<(Same<Looked>, Instant)>,
+    /// The look that is shown, and since when (s).
+    seen: Option<(Same<Looked>, f64)>,
     sizes: Memo<Fingerprint, Vec<SizeRow>, Vec<SizeRow>>,
     /// What sizes were asked for last.
     sized: Option<Fingerprint>,
@@ -54,8 +55,8 @@ impl Looks {
 
 impl BliskWork {
     /// Looks at electrode number `part` as long as there is no plan of the present parameters, if looks are wanted
-    /// (`is_live`). What was found stays while that is made.
-    pub fn look(&mut self, part: usize, is_live: bool) {
+    /// (`is_live`), at `time` (s). What was found stays while that is made.
+    pub fn look(&mut self, part: usize, is_live: bool, time: f64) {
         // What they find is shown, and not told.
         while self.looks.looks.take().is_some() || self.looks.sizes.take().is_some() {}
         let state = self.state(Stage::Plan);
@@ -81,7 +82,7 @@ impl BliskWork {
         }
         let seen = self.looked().cloned().map(Same);
         if self.looks.seen.as_ref().map(|(seen, _)| seen) != seen.as_ref() {
-            self.looks.seen = seen.map(|seen| (seen, Instant::now()));
+            self.looks.seen = seen.map(|seen| (seen, time));
         }
     }
 
@@ -99,18 +100,21 @@ impl BliskWork {
         }
     }
 
+    /// Whether a look or sizes are under way, or what they need.
+    pub fn is_looking(&self) -> bool {
+        self.prepared.is_busy() || self.looks.looks.is_busy() || self.looks.sizes.is_busy()
+    }
+
     /// Whether it is time to plan and verify what was looked at: it comes out, nothing has changed for a while, and it was
-    /// not planned yet. If it is not time yet, tells how long to wait.
-    pub fn is_at_rest(&self) -> Result<(), Option<Duration>> {
+    /// not planned yet at `time` (s). If it is not time yet, tells how long to wait.
+    pub fn is_at_rest(&self, time: f64) -> Result<(), Option<Duration>> {
         let (Some((seen, since)), Some(now)) = (&self.looks.seen, &self.now) else { return Err(None) };
         let is_shown = self.looked().is_some_and(|looked| Arc::ptr_eq(looked, &seen.0));
         if !is_shown || seen.0.found.way.margin.is_none() || !self.planned.wants(&now.plan) {
             return Err(None);
         }
-        match REST.checked_sub(since.elapsed()).filter(|left| !left.is_zero()) {
-            Some(left) => Err(Some(left)),
-            None => Ok(()),
-        }
+        let left = rest_left(*since, REST, time);
+        if left.is_zero() { Ok(()) } else { Err(Some(left)) }
     }
 
     /// What tells the present parameters, and the mesh, from any other but for what sizing finds: parts, side of entry,
