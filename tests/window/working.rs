@@ -25,7 +25,7 @@ fn two_threads_more_than_cores_stand_however_much_is_worked_on() {
     desk.press_role(Role::Tab, "Blisk workspace");
     desk.until_idle();
     // A search that no machine ends before it is looked at.
-    let mut long = quick(desk.blisk().document.job().clone());
+    let mut long = quick(desk.blisk().document.params().clone());
     long.genetic.generations = 10_000;
     desk.blisk_mut().edit("Long search", long, false);
     desk.until_idle();

@@ -7,8 +7,6 @@ use crate::workspaces::context::{MESHES, PathInfo, PathKind, PathSet};
 pub enum BliskPath {
     /// Project or mesh to open.
     Open,
-    /// Where the job file for the command line is written.
-    SaveJob,
     /// Folder for the exported files.
     ExportFolder,
     /// An electrode mesh of one's own.
@@ -17,8 +15,8 @@ pub enum BliskPath {
     Post,
     /// A machine file of one's own.
     Machine,
-    /// The mesh of a project that is elsewhere now.
-    MovedMesh,
+    /// A file of a project that is elsewhere now.
+    MovedFile,
 }
 
 impl PathSet for BliskPath {
@@ -29,7 +27,7 @@ impl PathSet for BliskPath {
         const fn info(title: &'static str, kind: PathKind) -> PathInfo {
             PathInfo { title, kind, opens: false }
         }
-        static TABLE: [(P, PathInfo); 7] = [
+        static TABLE: [(P, PathInfo); 6] = [
             (
                 P::Open,
                 PathInfo {
@@ -38,12 +36,11 @@ impl PathSet for BliskPath {
                     opens: true,
                 },
             ),
-            (P::SaveJob, info("Save job file", PathKind::Write("Job", ".toml"))),
             (P::ExportFolder, info("Folder for the exported files", PathKind::Folder)),
             (P::ElectrodeMesh, info("Your own electrode", PathKind::Read("Meshes", MESHES, false))),
             (P::Post, info("Your own NC post", PathKind::Read("Post", TOML, false))),
             (P::Machine, info("Your own machine", PathKind::Read("Machine", TOML, false))),
-            (P::MovedMesh, info("Find the mesh", PathKind::Read("Meshes", MESHES, false))),
+            (P::MovedFile, info("Find the file", PathKind::Read("Files", &[], false))),
         ];
         &TABLE
     }

@@ -9,11 +9,10 @@ use crate::widgets::theme::palette;
 use crate::widgets::viewport::Viewport;
 use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::desk::{BliskDesk, BliskDialog};
-use crate::workspaces::blisk::document::fields::{Field, job_as_json, with_value};
+use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::machine_file::read_machine;
-use crate::workspaces::blisk::document::project_file::{MovedMesh, ProjectFile};
 use crate::workspaces::blisk::document::stage::Stage;
-use crate::workspaces::blisk::document::{Document, OpenError};
+use crate::workspaces::blisk::document::{Document, demonstration, kept_plan};
 use crate::workspaces::blisk::export;
 use crate::workspaces::blisk::job::stages::{self, Part};
 use crate::workspaces::blisk::panels::dialogs::Answer;
@@ -30,7 +29,7 @@ use crate::workspaces::message::Message;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace};
-use files::{AnyDocument, Recovery};
+use files::{AnyDocument, Params as _, Recovery};
 use nc::post::Post;
 use render::view::StandardView;
 use task::{Scheduler, State, Task};
@@ -56,7 +55,7 @@ pub struct BliskWorkspace {
     tab: Tab,
     pending: Option<Pending>,
     opening: Opening<(Document, Arc<Part>)>,
-    /// The mesh that is looked for.
+    /// The file that is looked for.
     locating: Option<PathBuf>,
 }
 
@@ -64,7 +63,7 @@ impl BliskWorkspace {
     /// The workspace on the demonstration blisk.
     pub fn new(scheduler: &Scheduler) -> Self {
         Self {
-            desk: BliskDesk::new(Document::default(), scheduler),
+            desk: BliskDesk::new(demonstration(), scheduler),
             view: BliskView::default(),
             curves: Curves::default(),
             tab: Tab::Positions,
@@ -90,7 +89,7 @@ impl BliskWorkspace {
     /// Reads the part of `document`, which then takes the place of the present one.
     fn begin(&mut self, document: Document) {
         self.opening.begin(move |task| {
-            let part = stages::load(document.job(), task)?;
+            let part = stages::load(document.params(), task)?;
             Ok((document, Arc::new(part)))
         });
     }
@@ -98,14 +97,25 @@ impl BliskWorkspace {
     /// The document at `path`, without its part; says why there is none.
     fn document_at(&mut self, path: &Path, cx: &mut Context) -> Option<Document> {
         if !is_project(path) {
-            return Some(Document::for_mesh(path));
+            return Some(Document::new(PlanJob::for_mesh(path)));
         }
-        match Document::open(path) {
-            Ok(document) => return Some(document),
-            Err(OpenError::Moved(project, moved)) => self.moved((project, moved, path.to_owned()), cx),
-            Err(OpenError::File(error)) => {
+        let opened = Document::open(path).map_err(|e| e.to_string());
+        let readable = |document: Document| match kept_plan::check(&document) {
+            Ok(()) => Ok(document),
+            Err(why) => Err(format!("{}: {why}", path.display())),
+        };
+        match opened.and_then(readable) {
+            Ok(document) => {
+                let moved = document.moved_files();
+                if moved.is_empty() {
+                    return Some(document);
+                }
+                self.desk.dialog = Some(BliskDialog::Moved(Box::new(document), moved));
+                cx.request(Request::Dialog);
+            }
+            Err(why) => {
                 cx.not_opened(path);
-                cx.error("This project cannot be opened", error.to_string());
+                cx.error("This project cannot be opened", why);
             }
         }
         None
@@ -114,7 +124,7 @@ impl BliskWorkspace {
     /// Takes `document` in the place of the present one.
     pub fn replace(&mut self, document: Document, part: Option<Arc<Part>>, cx: &mut Context) {
         let desk = &mut self.desk;
-        desk.work.reset(document.job(), part);
+        desk.work.reset(document.params(), part);
         desk.document = document;
         desk.step = Stage::Part;
         desk.cursor.s = 0.0;
@@ -126,7 +136,7 @@ impl BliskWorkspace {
         self.view = BliskView::default();
         cx.request(Request::Show);
         let document = &self.desk.document;
-        if let Some(path) = document.file().or(document.job().blisk.mesh.as_deref()) {
+        if let Some(path) = document.file().or(document.params().blisk.mesh.as_deref()) {
             cx.opened(path);
         }
         // What was said last is of another part.
@@ -176,7 +186,6 @@ impl BliskWorkspace {
         let (desk, view) = (&mut self.desk, &mut self.view);
         match command {
             BliskCommand::NewDemonstration => self.intend(Pending::Demonstration, cx),
-            BliskCommand::SaveJob => cx.ask(BliskPath::SaveJob, &format!("{}.toml", desk.document.name())),
             BliskCommand::Plan => self.plan(cx),
             BliskCommand::Release => self.release(cx),
             BliskCommand::Withdraw => desk.work.withdraw(),
@@ -211,23 +220,12 @@ impl BliskWorkspace {
         }
     }
 
-    fn write_job(&self, path: &Path, cx: &mut Context) {
-        let text = self.desk.document.job().to_toml(path.parent().unwrap_or(Path::new("")));
-        let written = text.and_then(|text| {
-            files::atomic::atomic_write(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string())
-        });
-        match written {
-            Ok(()) => cx.say(EventKind::Done, format!("job file written to {}", path.display())),
-            Err(e) => cx.error("The job file was not written", e),
-        }
-    }
-
     /// Takes the post in this file, if it is one.
     pub fn take_post(&mut self, path: &Path, cx: &mut Context) {
         let name = path.to_string_lossy().into_owned();
         match Post::named(&name) {
             Ok(_) => {
-                let mut job = self.desk.document.job().clone();
+                let mut job = self.desk.document.params().clone();
                 job.export.post = name;
                 self.desk.edit("NC program Post-processor", job, false);
             }
@@ -238,12 +236,12 @@ impl BliskWorkspace {
     /// Takes the machine in the file `path`; says why not if it is none.
     pub fn take_machine(&mut self, path: &Path, cx: &mut Context) {
         let name = path.to_string_lossy().into_owned();
-        let job = job_as_json(self.desk.document.job());
-        let field = Field::of(Stage::Plan).find(|f| f.pointer == "/machine/name");
-        let read = read_machine(&name, &Task::default()).map_err(|e| e.to_string());
-        let taken = read.and_then(|_| field.map_or(Err(String::new()), |f| with_value(&job, f, name.into())));
+        let mut job = self.desk.document.params().clone();
+        job.machine.name = name;
+        let read = read_machine(&job.machine.name, &Task::default()).map_err(|e| e.to_string());
+        let taken = read.and_then(|_| job.complete(&|key| key == "machine.name").map_err(|e| e.remedy));
         match taken {
-            Ok(job) => self.desk.edit("Machine Bodies", job, false),
+            Ok(()) => self.desk.edit("Machine Bodies", job, false),
             Err(error) => cx.error("This is no machine", error),
         }
     }
@@ -259,11 +257,11 @@ impl BliskWorkspace {
         }
     }
 
-    /// Takes the mesh at `path` in the place of one that the project to be opened has lost.
-    fn found_mesh(&mut self, path: &Path, cx: &mut Context) {
-        let Some(BliskDialog::Moved(project, moved, _)) = &mut self.desk.dialog else { return };
+    /// Takes the file at `path` in the place of one that the project to be opened has lost.
+    fn found_file(&mut self, path: &Path, cx: &mut Context) {
+        let Some(BliskDialog::Moved(document, moved)) = &mut self.desk.dialog else { return };
         let Some(old) = self.locating.take() else { return };
-        project.replace_mesh(&old, path);
+        document.replace_file(&old, path);
         moved.retain(|m| m.path != old);
         if moved.is_empty() {
             self.open_anyway(cx);
@@ -271,16 +269,10 @@ impl BliskWorkspace {
     }
 
     fn open_anyway(&mut self, cx: &mut Context) {
-        if let Some(BliskDialog::Moved(project, _, path)) = self.desk.dialog.take() {
-            self.begin(Document::opened(*project, &path));
+        if let Some(BliskDialog::Moved(document, _)) = self.desk.dialog.take() {
+            self.begin(*document);
             cx.request(Request::CloseDialog);
         }
-    }
-
-    fn moved(&mut self, dialog: (Box<ProjectFile>, Vec<MovedMesh>, PathBuf), cx: &mut Context) {
-        let (project, moved, path) = dialog;
-        self.desk.dialog = Some(BliskDialog::Moved(project, moved, path));
-        cx.request(Request::Dialog);
     }
 }
 
@@ -305,7 +297,7 @@ impl Workspace for BliskWorkspace {
         let of = |all: &[C]| all.iter().map(|command| command.command()).collect::<Vec<_>>();
         match menu {
             Menu::New => vec![of(&[C::NewDemonstration])],
-            Menu::Save => vec![of(&[C::SaveJob])],
+            Menu::Save => Vec::new(),
             Menu::Own => {
                 let first = [C::Plan.into(), FrameCommand::Cancel.into(), C::Keep.into()];
                 vec![[&first[..], &of(&[C::Release, C::Withdraw])].concat(), of(&[C::MillFlanks])]
@@ -439,7 +431,7 @@ impl Workspace for BliskWorkspace {
     }
 
     fn near(&self) -> Option<&Path> {
-        self.desk.document.file().or(self.desk.document.job().blisk.mesh.as_deref())
+        self.desk.document.file().or(self.desk.document.params().blisk.mesh.as_deref())
     }
 
     fn open(&mut self, path: &Path, cx: &mut Context) {
@@ -460,38 +452,37 @@ impl Workspace for BliskWorkspace {
                 }
             }
             Some(Pending::AskOpen) => cx.ask(BliskPath::Open, ""),
-            Some(Pending::Demonstration) => self.replace(Document::default(), None, cx),
+            Some(Pending::Demonstration) => self.replace(demonstration(), None, cx),
             Some(Pending::Take(opened)) => self.replace(opened.0.clone(), Some(opened.1.clone()), cx),
             None => {}
         }
     }
 
     fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String> {
-        let project = ProjectFile::read(copy.copy()).map_err(|e| e.to_string())?;
-        self.replace(Document::recovered(project, copy.file.clone()), None, cx);
+        let document = copy.open().map_err(|e| e.to_string())?;
+        self.replace(document, None, cx);
         Ok(())
     }
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {
         match BliskPath::at(number) {
             Some(BliskPath::Open) => self.go_on(Pending::Open(path), cx),
-            Some(BliskPath::SaveJob) => self.write_job(&path, cx),
             Some(BliskPath::ExportFolder) => self.export(&path, cx),
             Some(BliskPath::ElectrodeMesh) => {
-                let mut job = self.desk.document.job().clone();
+                let mut job = self.desk.document.params().clone();
                 job.electrode.mesh = Some(path);
                 self.desk.edit("Own electrode", job, false);
             }
             Some(BliskPath::Post) => self.take_post(&path, cx),
             Some(BliskPath::Machine) => self.take_machine(&path, cx),
-            Some(BliskPath::MovedMesh) => self.found_mesh(&path, cx),
+            Some(BliskPath::MovedFile) => self.found_file(&path, cx),
             None => {}
         }
     }
 
     fn dialog_title(&self) -> &'static str {
         match self.desk.dialog {
-            Some(BliskDialog::Moved(..)) => "Meshes of this project",
+            Some(BliskDialog::Moved(..)) => "Files of this project",
             _ => "Export",
         }
     }
@@ -499,7 +490,7 @@ impl Workspace for BliskWorkspace {
     fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
         let answer = match &self.desk.dialog {
             Some(BliskDialog::Export) => dialogs::export(ui, &mut self.desk),
-            Some(BliskDialog::Moved(_, moved, _)) => dialogs::moved(ui, moved),
+            Some(BliskDialog::Moved(document, moved)) => dialogs::moved(ui, document.params(), moved),
             None => Some(Answer::Close),
         };
         match answer {
@@ -511,7 +502,7 @@ impl Workspace for BliskWorkspace {
             Some(Answer::Locate(old)) => {
                 let title = format!("Where is {}?", old.display());
                 self.locating = Some(old);
-                cx.ask(BliskPath::MovedMesh, &title);
+                cx.ask(BliskPath::MovedFile, &title);
             }
             Some(Answer::OpenAnyway) => self.open_anyway(cx),
             Some(Answer::Close) => return true,

@@ -8,7 +8,6 @@ use std::time::Duration;
 use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::document::Document;
 use crate::workspaces::blisk::document::job_file::PlanJob;
-use crate::workspaces::blisk::document::project_file::{MovedMesh, ProjectFile};
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::plan::ElectrodeOutcome;
 use crate::workspaces::blisk::job::planned::{PartialPlan, Planned};
@@ -25,18 +24,18 @@ use crate::workspaces::commands::{Command, CommandSet, Commanded, FrameCommand};
 use crate::workspaces::context::{Context, LogLine};
 use crate::workspaces::news::{EventKind, WorkEvent};
 use feed::pose::Pose;
+use files::{AnyDocument as _, MovedFile};
 use render::mesh::RenderMesh;
 use render::scene::SectionPlane;
 use shown::Stood;
-use std::path::PathBuf;
 use task::{Lane, Memo, Priority, Refusal, Same, Scheduler, State};
 
 /// The dialogs of the workspace.
 pub enum BliskDialog {
     /// What is exported and where.
     Export,
-    /// Meshes of a project that are gone or have changed.
-    Moved(Box<ProjectFile>, Vec<MovedMesh>, PathBuf),
+    /// A project, and files of it that are gone or have changed.
+    Moved(Box<Document>, Vec<MovedFile>),
 }
 
 /// Where the electrode stands.
@@ -94,7 +93,6 @@ pub struct BliskDesk {
     /// The track of the electrode that is looked at; made again when its source changes.
     track: Arc<Track>,
     track_of: TrackSource,
-    gesture: u64,
 }
 
 /// What colours were computed for.
@@ -140,7 +138,6 @@ impl BliskDesk {
             span: None,
             track: Arc::default(),
             track_of: TrackSource::default(),
-            gesture: 0,
         }
     }
 
@@ -176,15 +173,12 @@ impl BliskDesk {
 
     /// Changes parameters. `dragging` tells that more changes of the same kind may follow at once.
     pub fn edit(&mut self, label: &str, job: PlanJob, dragging: bool) {
-        self.document.edit(label, job, dragging.then_some(self.gesture));
-        if !dragging {
-            self.gesture += 1;
-        }
+        self.document.edit(label, job, dragging);
     }
 
     /// Ends what was one gesture: the button is released, the field is left.
     pub fn end_gesture(&mut self) {
-        self.gesture += 1;
+        self.document.end_gesture();
     }
 
     /// Whether a plan can be started.
@@ -342,8 +336,8 @@ impl Commanded for BliskDesk {
         use FrameCommand as F;
         if let Some(command) = F::of(command) {
             return match command {
-                F::Undo => self.document.undo_label().is_some(),
-                F::Redo => self.document.redo_label().is_some(),
+                F::Undo => self.document.undo_label(false).is_some(),
+                F::Redo => self.document.undo_label(true).is_some(),
                 F::Cancel => self.work.is_busy(),
                 F::Export => self.work.released().is_some(),
                 F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode => !self.track().is_empty(),
@@ -352,8 +346,6 @@ impl Commanded for BliskDesk {
         }
         let Some(command) = BliskCommand::of(command) else { return false };
         match command {
-            // A job file names a mesh file.
-            BliskCommand::SaveJob => self.document.job().blisk.mesh.is_some(),
             BliskCommand::Plan => self.can_plan(),
             BliskCommand::Release => self.work.can_release() && self.work.released().is_none(),
             BliskCommand::Withdraw => self.work.released().is_some(),

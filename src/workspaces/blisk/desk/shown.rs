@@ -77,7 +77,7 @@ impl BliskDesk {
                 cx.say(EventKind::Failed, format!("the machine is not shown: {why}"));
             }
         }
-        let machine = &self.document.job().machine;
+        let machine = &self.document.params().machine;
         let wanted = machine.has_bodies().then(|| (machine.name.clone(), self.work.reloads()));
         if let Some(key) = &wanted {
             let name = key.0.clone();
@@ -143,7 +143,7 @@ impl BliskDesk {
     }
 
     fn leftover_limit(&self, shape: &LeftoverShape) -> f64 {
-        colour_limit(shape.greatest, self.document.job().electrode.spark_gap_mm)
+        colour_limit(shape.greatest, self.document.params().electrode.spark_gap_mm)
     }
 
     /// Shows the stock left in the channel, or the electrode again.
@@ -164,7 +164,7 @@ impl BliskDesk {
 
     /// What the colours mean.
     pub fn colour_legend(&self) -> Legend {
-        let gap = self.document.job().electrode.spark_gap_mm;
+        let gap = self.document.params().electrode.spark_gap_mm;
         // While the electrode moves its colours come after it.
         let is_current = self.coloured.last().is_some_and(|(key, _)| key.pose == self.shown_pose());
         Legend {
@@ -208,7 +208,7 @@ impl BliskDesk {
     pub fn electrode_to_mill(&self) -> Option<ElectrodePart> {
         let (electrode, _) = self.shown_electrode()?;
         let (part, channel) = (self.work.part()?, &self.work.channel()?.channel);
-        let is_of_mesh = self.document.job().export.frame == MeshFrame::Mesh;
+        let is_of_mesh = self.document.params().export.frame == MeshFrame::Mesh;
         let named = (self.cursor.electrode + 1, part.name.as_str());
         Some(ElectrodePart::of_blisk(electrode, named, is_of_mesh.then_some(&channel.frame)))
     }
@@ -246,7 +246,7 @@ impl BliskDesk {
     /// of the present parameters.
     pub fn required(&self) -> [f64; 2] {
         let path = self.outcome().filter(|_| self.track.is_path).and_then(|o| o.plan.path.as_ref());
-        let job = self.document.job();
+        let job = self.document.params();
         let of_job = [job.electrode.spark_gap_mm, job.verify.tolerance_mm];
         path.map_or(of_job, |p| [p.certificate.required(), p.certificate.tolerance()])
     }

@@ -1,5 +1,5 @@
 //! The dialogs of the workspace: what is exported (files, the frame of the electrode meshes, the post, and pictures, every
-//! choice a parameter of the job like any other), and meshes of a project that are gone or have changed.
+//! choice a parameter of the job like any other), and files of a project that are gone or have changed.
 
 use std::path::PathBuf;
 
@@ -10,10 +10,9 @@ use super::forms::shown_choice;
 use crate::widgets::panel_parts::from_right;
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::document::choice::{DrawnPictures, MeshFrame};
-use crate::workspaces::blisk::document::fields::{Field, Kind};
-use crate::workspaces::blisk::document::job_file::ExportSection;
-use crate::workspaces::blisk::document::project_file::MovedMesh;
-use crate::workspaces::blisk::document::stage::Stage;
+use crate::workspaces::blisk::document::field_table::FIELDS;
+use crate::workspaces::blisk::document::job_file::{ExportSection, PlanJob};
+use files::{Kind, MovedFile, Validate as _, Word};
 
 /// Room for the names of files (points).
 const NAMES: f32 = 150.0;
@@ -25,28 +24,31 @@ pub enum Answer {
     Folder,
     /// Choose an NC post of one's own, and go on with the export.
     OwnPost,
-    /// Look for the mesh that was here.
+    /// Look for the file that was here.
     Locate(PathBuf),
-    /// Open the project although meshes have changed.
+    /// Open the project with the files as they are.
     OpenAnyway,
     /// Close the dialog.
     Close,
 }
 
-/// Draws the dialog about the meshes that `moved`.
-pub fn moved(ui: &mut Ui, moved: &[MovedMesh]) -> Option<Answer> {
+/// Draws the dialog about the files of `job` that `moved`.
+pub fn moved(ui: &mut Ui, job: &PlanJob, moved: &[MovedFile]) -> Option<Answer> {
     let mut answer = None;
-    for mesh in moved {
-        let what = if mesh.changed { "has changed since the project was saved" } else { "no longer exists" };
-        ui.label(format!("{} {what}.", mesh.path.display()));
+    for file in moved {
+        let what = if file.is_changed { "has changed since the project was saved" } else { "no longer exists" };
+        ui.label(format!("{} {what}.", file.path.display()));
         if ui.button("Find it…").clicked() {
-            answer = Some(Answer::Locate(mesh.path.clone()));
+            answer = Some(Answer::Locate(file.path.clone()));
         }
         ui.add_space(4.0);
     }
     ui.add_space(10.0);
     from_right(ui, |ui| {
-        if moved.iter().all(|m| m.changed) && ui.button("Use as it is now").clicked() {
+        // Without its meshes there is nothing to show; a machine or a post can be chosen later.
+        let is_mesh = |path: &PathBuf| [&job.blisk.mesh, &job.electrode.mesh].contains(&&Some(path.clone()));
+        let text = if moved.iter().all(|file| file.is_changed) { "Use as it is now" } else { "Open without" };
+        if moved.iter().all(|file| file.is_changed || !is_mesh(&file.path)) && ui.button(text).clicked() {
             answer = Some(Answer::OpenAnyway);
         }
         if ui.button("Cancel").clicked() {
@@ -58,16 +60,18 @@ pub fn moved(ui: &mut Ui, moved: &[MovedMesh]) -> Option<Answer> {
 
 /// Draws the dialog of the export. Choices go into the document at once.
 pub fn export(ui: &mut Ui, desk: &mut BliskDesk) -> Option<Answer> {
-    let mut export = desk.document.job().export.clone();
-    let mut answer = files(ui, &mut export);
+    let mut job = desk.document.params().clone();
+    let export = &mut job.export;
+    let mut answer = files(ui, export);
     ui.add_space(8.0);
     ui.label(RichText::new("Pictures").small().color(palette(ui).faint));
     let drawn = export.files.report || export.files.pictures;
     ui.add_enabled_ui(drawn, |ui| pictures(ui, &mut export.pictures));
     ui.add_space(8.0);
-    let problem = export.validate().err();
+    let is_any = export.files.any();
+    let problem = job.validate().err().map(|problem| FIELDS.in_window(&problem));
     let (colour, text) = match &problem {
-        Some(_) if !export.files.any() => (palette(ui).bad, "No file is chosen: nothing would be written."),
+        Some(_) if !is_any => (palette(ui).bad, "No file is chosen: nothing would be written."),
         Some(problem) => (palette(ui).bad, problem.as_str()),
         None => (palette(ui).warning, "Results of an earlier plan in the folder are replaced."),
     };
@@ -82,8 +86,6 @@ pub fn export(ui: &mut Ui, desk: &mut BliskDesk) -> Option<Answer> {
             answer = Some(Answer::Close);
         }
     });
-    let mut job = desk.document.job().clone();
-    job.export = export;
     desk.edit("Export choices", job, false);
     answer
 }
@@ -142,8 +144,8 @@ fn post(ui: &mut Ui, post: &mut String) -> bool {
     let mut own = false;
     let combo = ComboBox::from_id_salt("post").width(220.0).truncate().selected_text(shown_choice(words, post));
     let response = combo.show_ui(ui, |ui| {
-        for (word, shown) in words {
-            ui.selectable_value(post, (*word).to_owned(), *shown);
+        for Word { word, label, .. } in words {
+            ui.selectable_value(post, (*word).to_owned(), *label);
         }
         own = ui.selectable_label(false, "Own file…").clicked();
     });
@@ -156,9 +158,9 @@ fn named(response: &egui::Response, name: &'static str) {
 }
 
 /// The built-in posts with their names.
-fn posts() -> &'static [(&'static str, &'static str)] {
-    let kind = Field::of(Stage::Export).find(|f| f.pointer == "/export/post").map(|f| f.kind);
-    if let Some(Kind::ChoiceOrFile(words)) = kind { words } else { &[] }
+fn posts() -> &'static [Word] {
+    let kind = FIELDS.find("export.post").map(|place| place.field.kind);
+    if let Ok(Kind::ChoiceOrFile(words)) = kind { words } else { &[] }
 }
 
 fn pictures(ui: &mut Ui, drawn: &mut DrawnPictures) {

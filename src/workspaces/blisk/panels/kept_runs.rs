@@ -84,8 +84,8 @@ impl KeptRuns {
     }
 
     /// Those that are kept and can be looked at, in the order of keeping.
-    pub fn all<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = &'a KeptRun> {
-        keys(document).filter_map(|key| Some(&**self.made.get(&key)?))
+    pub fn all(&self, document: &Document) -> Vec<&KeptRun> {
+        keyed(document).iter().filter_map(|(key, _)| Some(&**self.made.get(key)?)).collect()
     }
 
     /// Those of `document` that cannot be looked at, and why: number, name, reason.
@@ -95,29 +95,31 @@ impl KeptRuns {
             _ if self.channel.is_some() => "is being recomputed".to_owned(),
             _ => "waits for part and channel".to_owned(),
         };
-        let is_absent = |(_, key): &(&kept_plan::KeptRun, Key)| self.made.get(key).is_none();
-        let absent = document.runs().iter().zip(keys(document)).filter(is_absent);
-        absent.map(|(of, key)| (of.number, name(of.number, of.job.plan.strategy), reason(&key))).collect()
+        let absent = keyed(document).into_iter().filter(|(key, _)| self.made.get(key).is_none());
+        absent.map(|(key, of)| (of.number, name(of.number, of.job.plan.strategy), reason(&key))).collect()
     }
 
     /// Whether one more can be kept, and `plan`, which must be certified, is not kept already.
     pub fn can_keep(&self, plan: &PlanOutcome, document: &Document) -> bool {
         plan.is_verified()
-            && document.runs().len() < Self::MOST
-            && !self.all(document).any(|run| run.paths.iter().map(String::as_str).eq(paths(plan)))
+            && kept_plan::KeptRun::all_of(document).len() < Self::MOST
+            && !self.all(document).iter().any(|run| run.paths.iter().map(String::as_str).eq(paths(plan)))
     }
 
     /// Keeps `plan`, which was made by the parameters of `document` of meshes with this content. Answers its name.
     pub fn keep(&mut self, plan: &PlanOutcome, document: &mut Document, content: &str) -> Option<String> {
-        let job = document.job().clone();
+        let job = document.params().clone();
         let plan_kept = KeptPlan { inputs: KeptPlan::inputs_of(&job, content), electrodes: kept(plan)? };
-        let number = document.runs().iter().map(|run| run.number).max().unwrap_or(0) + 1;
-        let is_free = |colour: &usize| document.runs().iter().all(|run| run.colour != *colour);
+        let mut all = kept_plan::KeptRun::all_of(document);
+        let number = all.iter().map(|run| run.number).max().unwrap_or(0) + 1;
+        let is_free = |colour: &usize| all.iter().all(|run| run.colour != *colour);
         let colour = (0..Self::MOST).find(is_free).unwrap_or(0);
-        let of = kept_plan::KeptRun { number, colour, job, plan: plan_kept };
-        document.keep_run(of.clone());
-        let run = Arc::new(KeptRun::new(&of, plan, step_of(document)));
-        self.made.put(&key(&of, document), run.clone());
+        let of = kept_plan::KeptRun::new(number, colour, job, plan_kept);
+        all.push(of.clone());
+        kept_plan::KeptRun::keep(&all, document);
+        let step = step_of(&all, document);
+        let run = Arc::new(KeptRun::new(&of, plan, step));
+        self.made.put(&key(&of, step), run.clone());
         Some(run.name())
     }
 
@@ -131,16 +133,17 @@ impl KeptRuns {
             }
         }
         let Some((part, found)) = of.map(|(part, found)| (part.clone(), Same(found.clone()))) else { return problems };
+        let runs = keyed(document);
         if self.channel.as_ref() != Some(&found) {
-            keys(document).for_each(|key| self.made.resume(&key));
+            runs.iter().for_each(|(key, _)| self.made.resume(key));
             self.channel = Some(found.clone());
         }
-        if self.made.under_way().is_some_and(|of| keys(document).any(|key| key == *of)) {
+        if self.made.under_way().is_some_and(|of| runs.iter().any(|(key, _)| key == of)) {
             return problems;
         }
-        let lacking = document.runs().iter().zip(keys(document)).find(|(_, key)| self.made.wants(key));
-        let Some((of, key)) = lacking.map(|(of, key)| (of.clone(), key)) else { return problems };
-        let (now, step) = (document.job().clone(), key.2);
+        let lacking = runs.into_iter().find(|(key, _)| self.made.wants(key));
+        let Some((key, of)) = lacking else { return problems };
+        let (now, step) = (document.params().clone(), key.2);
         self.made.ask(&key, Priority::Background, move |work| {
             let made = kept_run(&of, &now, &part, &found.0, &work.task);
             made.map(|plan| KeptRun::new(&of, &plan, step)).map_err(|e| e.to_string())
@@ -160,17 +163,20 @@ impl KeptRuns {
     }
 }
 
-fn key(run: &kept_plan::KeptRun, document: &Document) -> Key {
-    (run.number, run.plan.inputs.clone(), step_of(document))
+fn key(run: &kept_plan::KeptRun, step: f64) -> Key {
+    (run.number, run.plan.inputs.clone(), step)
 }
 
-fn keys(document: &Document) -> impl Iterator<Item = Key> {
-    document.runs().iter().map(|run| key(run, document))
+/// The runs of `document` with their keys.
+fn keyed(document: &Document) -> Vec<(Key, kept_plan::KeptRun)> {
+    let runs = kept_plan::KeptRun::all_of(document);
+    let step = step_of(&runs, document);
+    runs.into_iter().map(|run| (key(&run, step), run)).collect()
 }
 
-/// The step that differences of all runs are taken over, that of the first (mm).
-fn step_of(document: &Document) -> f64 {
-    document.runs().first().map_or(document.job().plan.step_mm, |run| run.job.plan.step_mm)
+/// The step that differences of all `runs` are taken over, that of the first (mm).
+fn step_of(runs: &[kept_plan::KeptRun], document: &Document) -> f64 {
+    runs.first().map_or(document.params().plan.step_mm, |run| run.job.plan.step_mm)
 }
 
 /// Digests of the paths of `plan`.
@@ -180,8 +186,10 @@ fn paths(plan: &PlanOutcome) -> impl Iterator<Item = &str> {
 
 /// Draws the figures of the kept runs for the electrode that is looked at, with a button to remove each.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
-    let axes: Vec<Axis> = desk.document.job().machine.axes.axes().iter().copied().filter(|a| *a != Axis::X).collect();
-    let (electrode, step) = (desk.cursor.electrode, step_of(&desk.document));
+    let axes: Vec<Axis> =
+        desk.document.params().machine.axes.axes().iter().copied().filter(|a| *a != Axis::X).collect();
+    let (electrode, step) =
+        (desk.cursor.electrode, step_of(&kept_plan::KeptRun::all_of(&desk.document), &desk.document));
     let mut removed = None;
     let caption = format!(
         "Second differences over steps of {step:.2} mm, RMS and greatest; linear axes in mm, rotary axes in deg"
@@ -211,7 +219,9 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
         }
     });
     if let Some(number) = removed {
-        desk.document.drop_run(number);
+        let mut kept = kept_plan::KeptRun::all_of(&desk.document);
+        kept.retain(|run| run.number != number);
+        kept_plan::KeptRun::keep(&kept, &mut desk.document);
     }
 }
 

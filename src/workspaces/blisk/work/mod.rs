@@ -9,6 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::workspaces::blisk::document::Document;
+use crate::workspaces::blisk::document::field_table::FIELDS;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::kept_plan::KeptPlan;
 use crate::workspaces::blisk::document::stage::{Fingerprint, Stage};
@@ -21,6 +22,7 @@ use crate::workspaces::blisk::job::stages::{self, Electrodes, FoundChannel, Part
 use crate::workspaces::blisk::report::InputFile;
 use crate::workspaces::blisk::scene::leftover::LeftoverShape;
 use crate::workspaces::news::{EventKind, WorkEvent};
+use files::Validate as _;
 use looks::Looks;
 use task::{Doing, Lane, Memo, Priority, Same, Scheduler, State, Task};
 
@@ -157,10 +159,10 @@ impl BliskWork {
     pub fn follow(&mut self, document: &mut Document, priority: Priority) -> Vec<StageEvent> {
         self.priority = priority;
         self.take();
-        self.refresh(document.job());
+        self.refresh(document.params());
         let read = self.part().into_iter().flat_map(|part| &part.files);
         read.filter(|file| !file.sha256.is_empty())
-            .for_each(|file| document.note_mesh(file.path.as_ref(), &file.sha256));
+            .for_each(|file| document.note_file(file.path.as_ref(), &file.sha256));
         if self.released.is_some() && self.released().is_none() {
             self.withdraw();
             self.say(Stage::Export, EventKind::Cancelled, "release withdrawn: an input changed");
@@ -225,12 +227,13 @@ impl BliskWork {
 
     /// Takes up the plan that the document came with, if it is for its present parameters; says so once if it is not.
     fn follow_kept_plan(&mut self, document: &Document) {
-        let (Some(now), Some(kept)) = (&self.now, document.plan()) else { return };
+        let Some(now) = &self.now else { return };
         if self.planned.last().is_some() || self.is_planning() || !self.planned.wants(&now.plan) {
             return;
         }
         let (part, found) = (self.part.get(&now.part), self.channel.get(&now.channel));
         let (Some(part), Some(found), Some(made)) = (part, found, self.electrodes.get(&now.electrode)) else { return };
+        let Some(kept) = KeptPlan::of(document) else { return };
         // A file may say anything: as many electrodes as there are parts, or none of it counts.
         let is_whole = made.electrodes.len() == kept.electrodes.len();
         if !is_whole || kept.inputs != KeptPlan::inputs_of(&now.job, &part.content()) {
@@ -239,7 +242,7 @@ impl BliskWork {
             }
             return;
         }
-        let (part, found, job, kept) = (part.clone(), found.clone(), now.job.clone(), kept.clone());
+        let (part, found, job) = (part.clone(), found.clone(), now.job.clone());
         self.planned
             .ask(&now.plan, self.priority, move |work| Planned::replay(&kept, (&part, &found, &job), &work.task));
     }
@@ -293,10 +296,8 @@ impl BliskWork {
             return;
         }
         if let Some(electrodes) = kept(&planned.0.outcome) {
-            document.note_plan(KeptPlan {
-                inputs: KeptPlan::inputs_of(&planned.0.inputs.job, &planned.0.content),
-                electrodes,
-            });
+            let inputs = KeptPlan::inputs_of(&planned.0.inputs.job, &planned.0.content);
+            KeptPlan { inputs, electrodes }.note(document);
         }
         self.noted = Some(planned);
     }
@@ -309,7 +310,7 @@ impl BliskWork {
         let now = self.now.as_ref().ok_or("nothing is loaded")?;
         let (part, found) = (self.part.get(&now.part), self.channel.get(&now.channel));
         let (part, _) = part.zip(found).ok_or("the channel is not known yet")?;
-        now.job.validate()?;
+        now.job.validate().map_err(|problem| FIELDS.in_window(&problem))?;
         Ok(inputs_of(part, &now.job))
     }
 

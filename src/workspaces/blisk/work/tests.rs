@@ -1,5 +1,7 @@
 //! What is known of a blisk while its parameters change, with work that is done here, one piece after the other.
 
+use files::AnyDocument as _;
+
 use super::*;
 
 struct Bench {
@@ -30,9 +32,9 @@ impl Bench {
     }
 
     fn edit(&mut self, change: impl FnOnce(&mut PlanJob)) {
-        let mut job = self.document.job().clone();
+        let mut job = self.document.params().clone();
         change(&mut job);
-        self.document.edit("Job", job, None);
+        self.document.edit("Job", job, false);
     }
 
     fn states(&self) -> [State; 3] {
@@ -61,7 +63,7 @@ fn what_was_made_is_there_at_once_when_its_parameters_are_there_again() {
     bench.settle();
     assert_eq!(bench.states(), [Ready, Ready, Ready]);
 
-    assert!(bench.document.undo() && bench.document.undo());
+    assert!(bench.document.undo(false) && bench.document.undo(false));
     assert_eq!((bench.follow(), bench.states()), (Vec::new(), [Ready, Ready, Ready]));
     assert!(!bench.scheduler.run_next(Lane::Long) && Arc::ptr_eq(bench.work.electrodes().unwrap(), &made));
 }
