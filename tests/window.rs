@@ -30,3 +30,5 @@ mod mold;
 mod releasing;
 #[path = "window/saving.rs"]
 mod saving;
+#[path = "window/working.rs"]
+mod working;

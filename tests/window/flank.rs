@@ -371,7 +371,7 @@ fn a_blisks_electrode_is_milled_without_a_file() {
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_idle();
     desk.open_step(Stage::Electrode);
-    let volume = desk.blisk().pipeline.electrodes().unwrap().electrodes[0].volume_mm3;
+    let volume = desk.blisk().work.electrodes().unwrap().electrodes[0].volume_mm3;
     desk.press("Mill its flanks");
     assert_eq!(desk.app().shown(), "flank");
     let part = desk.until_faces();

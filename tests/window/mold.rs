@@ -121,7 +121,7 @@ fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
     let exact = 4.0 * corner(3.0, 5.0) + 4.0 * corner(3.0, 4.0);
     assert!((desk.volume() / exact - 1.0).abs() < 1e-3, "{} {exact}", desk.volume());
     // The blisk was not worked on behind it.
-    assert!(desk.blisk().pipeline.part().is_none());
+    assert!(desk.blisk().work.part().is_none());
 
     desk.press_role(Role::Row, "Region 3");
     assert_eq!(desk.mold().selected, Some(2));
@@ -162,7 +162,7 @@ fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
 
     // The other workspace, and back: everything is as it was.
     desk.press_role(Role::Tab, "Blisk workspace");
-    desk.until("the blisk is begun", |d| d.blisk().pipeline.part().is_some());
+    desk.until("the blisk is begun", |d| d.blisk().work.part().is_some());
     assert!(!desk.shows("Regions"));
     desk.press_role(Role::Tab, "Mold workspace");
     assert_eq!((desk.mold().selected, desk.mold().layer), (Some(6), Some(number)));

@@ -241,9 +241,7 @@ impl FlankWork {
         let walls = self.walls(document);
         let walls = walls.map(|walls| FromFile { value: walls.mesh.clone(), doubts: walls.doubts.clone() });
         let (question, asked) = (self.question(document), document.clone());
-        self.planned.restart(&question, self.priority, move |work| {
-            steps::plan(&asked, surface.clone(), walls.clone(), &work.task)
-        });
+        self.planned.restart(&question, self.priority, move |work| steps::plan(&asked, surface, walls, &work.task));
         Ok(())
     }
 
@@ -251,8 +249,7 @@ impl FlankWork {
     pub fn sketch(&mut self, document: &FlankDocument) {
         let Some(surface) = self.surface(document) else { return };
         let (question, asked) = (self.question(document), document.clone());
-        self.sketches
-            .ask(&question, self.priority, move |work| Ok(steps::sketch(&asked, surface.clone(), &work.task.cancel)));
+        self.sketches.ask(&question, self.priority, move |work| Ok(steps::sketch(&asked, surface, &work.task.cancel)));
     }
 
     /// What was seen at a glance of `document`; while it goes on changing (`is_held`) also of what it was before.
