@@ -211,7 +211,7 @@ fn choice(
     let own = words.iter().map(|word| [word.word, word.label, word.help]);
     let all: Vec<[&str; 3]> = own.chain(also.iter().map(|[word, label]| [word.as_str(), word, label])).collect();
     let known = now.and_then(|now| all.iter().find(|[word, ..]| *word == now)).map(|[_, label, _]| file_name(label));
-    let shown = known.unwrap_or_else(|| now.map_or_else(String::new, file_name));
+    let shown = known.unwrap_or_else(|| now.map_or_else(|| place.field.show_label(value), file_name));
     let mut change = None;
     combo(ui, place, &shown, width, |ui| {
         for [word, label, help] in &all {

@@ -95,9 +95,9 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         (self.defaults)(params)
     }
 
-    /// The groups, in the order of the forms.
-    pub fn groups(&self) -> &'static [Group] {
-        self.groups
+    /// The groups of a section, or all of them for an empty one.
+    pub fn groups(&self, section: &str) -> impl Iterator<Item = &'static Group> {
+        self.groups.iter().filter(move |group| section.is_empty() || group.section == section)
     }
 
     /// The parameter called `key`.

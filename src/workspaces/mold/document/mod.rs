@@ -106,6 +106,7 @@ mod tests {
     use super::*;
     use files::Document;
     use mold::cutter::Cutter;
+    use mold::electrode::params::Edit;
 
     #[test]
     fn a_mold_is_read_as_it_was_written_and_finds_its_mesh_beside_it() {
@@ -122,9 +123,9 @@ mod tests {
         let read = |file: &Path| Document::<MoldParams>::open(file).unwrap().params().clone();
         assert_eq!(read(&file), params);
         let short = here.join("short.sparkpath");
-        std::fs::write(&short, "kind = \"mold\"\n[electrodes]\noverrides = [\"E03\"]").unwrap();
+        std::fs::write(&short, "kind = \"mold\"\n[electrodes]\noverrides = [\"E03:gouge\"]").unwrap();
         let MoldParams { electrodes, .. } = read(&short);
-        assert!(electrodes.overrides[0].electrode == "E03" && electrodes.overrides[0].check.is_none());
+        assert!(electrodes.overrides[0].of == "E03" && electrodes.overrides[0].check == "gouge");
         let plain = ElectrodeParams { overrides: Vec::new(), ..electrodes };
         assert_eq!(MoldParams { electrodes: plain, ..read(&short) }, MoldParams::default());
         std::fs::copy(&file, there.join("copy.sparkpath")).unwrap();
