@@ -257,6 +257,12 @@ impl Widths {
     fn of(ui: &Ui, field: &Field) -> Self {
         let (width, gap) = (ui.available_width(), ui.spacing().item_spacing.x);
         let unit = if field.unit.len() > 3 { 54.0 } else { 28.0 };
+        if let Kind::Choice(words) = field.kind
+            && widgets::is_short(words)
+        {
+            let wide = 29.0 * words.len() as f32;
+            return Self { label: (width - wide - gap).max(40.0), middle: 0.0, wide };
+        }
         let has_room = width >= ROOM_FOR_SLIDERS;
         let (is_wide, has_middle) = match field.kind {
             Kind::Number { slider, instead, .. } => (false, slider.is_some() || instead != Instead::Never),

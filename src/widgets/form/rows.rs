@@ -145,7 +145,7 @@ struct Columns {
 
 impl Columns {
     fn of(ui: &Ui, fields: &'static [Field], extra: Option<(usize, f32)>) -> Self {
-        let room = ui.available_width() - NUMBER - 2.0 * GAP;
+        let room = ui.available_width() - NUMBER - 4.0 * GAP;
         let font = egui::TextStyle::Small.resolve(ui.style());
         let mut all: Vec<Column> = fields.iter().map(|field| Self::column(ui, field, &font)).collect();
         if let Some((after, width)) = extra {
@@ -174,9 +174,9 @@ impl Columns {
         let least = match field.kind {
             Kind::Text => 40.0,
             Kind::Choice(_) | Kind::ChoiceOrFile(_) | Kind::Variant { .. } => 62.0,
-            Kind::Numbers { count, .. } => 44.0 * count.unwrap_or(2) as f32,
+            Kind::Numbers { count, .. } => 50.0 * count.unwrap_or(2) as f32,
             Kind::Flag => NUMBER,
-            _ => 44.0,
+            _ => 50.0,
         };
         Column { field: Some(field), width: least.max(text_width(ui, &head, font)), head, line: 0 }
     }

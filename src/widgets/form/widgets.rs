@@ -44,7 +44,9 @@ pub(super) fn widget(
 /// Draws the widget of a cell of a table.
 pub(super) fn narrow(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
     match place.field.kind {
-        Kind::Number { instead: Instead::Never, .. } => number(ui, place, value, width),
+        Kind::Number { instead: Instead::Never, decimals, .. } => {
+            drag(ui, place, value.as_f64().unwrap_or_default(), width, (0, decimals))
+        }
         Kind::Number { .. } => number_or_dash(ui, place, value, width),
         _ => widget(ui, place, value, Widths { label: 0.0, middle: 0.0, wide: width }, &[]),
     }
@@ -176,7 +178,7 @@ fn numbers(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Chan
     change
 }
 
-fn is_short(words: &[Word]) -> bool {
+pub(super) fn is_short(words: &[Word]) -> bool {
     words.len() <= 6 && words.iter().all(|word| word.label.chars().count() <= SHORT)
 }
 
@@ -291,7 +293,7 @@ fn text(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change>
     if read(&text).is_err() {
         mark(ui);
     }
-    let edit = TextEdit::singleline(&mut text).id(id.with("text")).char_limit(LETTERS).hint_text("none");
+    let edit = TextEdit::singleline(&mut text).id(id.with("text")).char_limit(LETTERS).hint_text("\u{2013}");
     let response = named(ui, place, |ui| ui.add_sized(vec2(width, HEIGHT), edit.clip_text(true)));
     match read(&text) {
         Ok(new) if !response.has_focus() => {

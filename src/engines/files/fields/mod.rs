@@ -422,7 +422,10 @@ impl Field {
     }
 
     fn refused(&self, key: &str, value: &Value) -> Invalid {
-        Invalid::new(key, self.show(value), self.allowed().unwrap_or_else(|| "must be a text".to_owned()))
+        // What is no number has no form in JSON.
+        let is_nan = value.is_null() && matches!(self.kind, Kind::Number { .. });
+        let shown = if is_nan { "NaN".to_owned() } else { self.show(value) };
+        Invalid::new(key, shown, self.allowed().unwrap_or_else(|| "must be a text".to_owned()))
     }
 }
 

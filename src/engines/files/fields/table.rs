@@ -126,7 +126,9 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
     pub fn set(&self, params: &P, key: &str, text: &str) -> Result<P, Invalid> {
         let place = self.find(key)?;
         let value = place.field.parse(&place.key, text)?;
-        self.put(&self.values(params), &place.key, value)
+        let params = self.put(&self.values(params), &place.key, value)?;
+        place.field.check(&place.key, get(&self.values(&params), &place.key))?;
+        Ok(params)
     }
 
     /// The value of `key` as a text that [`set`](Self::set) takes.
@@ -202,13 +204,19 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
     /// What makes `now` another than `before`, as a step that can be undone is called.
     pub fn change(&self, before: &P, now: &P) -> String {
         let (before, now) = (self.values(before), self.values(now));
-        let mut changed = self.fields().filter(|field| get(&before, field.key) != get(&now, field.key));
+        let differs = |field: &&Field| match field.kind {
+            Kind::Variant { tag, .. } => get(get(&before, field.key), tag) != get(get(&now, field.key), tag),
+            _ => get(&before, field.key) != get(&now, field.key),
+        };
+        let mut changed = self.fields().filter(differs);
         let Some(field) = changed.next() else {
             let tables = before.as_object().zip(now.as_object());
             let other = tables.and_then(|(b, n)| n.iter().find(|(key, value)| b.get(*key) != Some(value)));
             return other.map_or_else(String::new, |(key, _)| capital(&words_of(key)));
         };
-        if changed.next().is_some() {
+        // Another variant has other parameters.
+        let is_within = |other: &Field| other.key.strip_prefix(field.key).is_some_and(|rest| rest.starts_with('.'));
+        if changed.any(|other| !is_within(other)) {
             return "Several parameters".to_owned();
         }
         change_of(field, get(&before, field.key), get(&now, field.key))
@@ -283,6 +291,9 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         let mut all = Vec::new();
         for field in self.fields() {
             let counting = self.where_it_counts(field, &values);
+            if !field.is_shown(&counting) {
+                continue;
+            }
             let mut places = vec![(field, field.key.to_owned())];
             if let (Kind::Rows { fields, .. }, Some(rows)) = (field.kind, get(&counting, field.key).as_array()) {
                 for (i, row) in rows.iter().enumerate() {
@@ -301,6 +312,12 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
     /// `values` with what the condition of `field` asks for.
     fn where_it_counts(&self, field: &Field, values: &Value) -> Value {
         let mut values = values.clone();
+        if let When::IsNot(key, words) = field.when
+            && let Some(Kind::Choice(all)) = self.fields().find(|f| f.key == key).map(|f| f.kind)
+            && let Some(other) = all.iter().find(|word| !words.contains(&word.word))
+        {
+            put(&mut values, key, other.word.into());
+        }
         if let When::Is(key, [word, ..]) = field.when {
             let variant = self.fields().find_map(|f| match f.kind {
                 Kind::Variant { tag, variants } if key == format!("{}.{tag}", f.key) => {

@@ -66,7 +66,10 @@ impl Field {
             }
             Kind::Rows { .. } => read_toml(text).ok_or_else(wrong)?,
         };
-        self.check(key, &value)?;
+        // Rows may leave out what has a default.
+        if !matches!(self.kind, Kind::Rows { .. }) {
+            self.check(key, &value)?;
+        }
         Ok(value)
     }
 }

@@ -191,8 +191,8 @@ impl FlankDesk {
 
     /// Takes other parameters. While they go on changing they are looked at quickly.
     pub fn edit(&mut self, mut params: FlankDocument) {
-        params.cutter.forget_stale_name(&self.params().cutter);
         let label = fields::change(self.params(), &params);
+        params.cutter.forget_stale_name(&self.params().cutter);
         self.document.edit(&label, params, self.gesture.goes_on());
         self.follow_params();
     }

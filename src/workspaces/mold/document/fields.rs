@@ -267,8 +267,10 @@ mod tests {
 
     #[test]
     fn the_tables_are_sound() {
-        assert_eq!(FIELDS.audit(&MoldParams::default(), |p| p.validate().is_ok()), Vec::<String>::new());
-        let library = MoldParams::default().library;
+        let mut params = MoldParams::default();
+        let library = params.library.clone();
+        params.electrodes.cutters = Some(library.clone());
+        assert_eq!(FIELDS.audit(&params, |p| p.validate().is_ok()), Vec::<String>::new());
         assert_eq!(LIBRARY.audit(&library, |p| Validate::validate(p).is_ok()), Vec::<String>::new());
     }
 
@@ -296,7 +298,7 @@ mod tests {
         wrong = MoldParams::default();
         wrong.electrodes.stages.push(Stage::finish(0.3));
         let said = FIELDS.in_window(&wrong.validate().unwrap_err());
-        assert!(said.starts_with("Stages") && !said.contains('_'), "{said}");
+        assert!(said.starts_with("Stages") && !said.contains("_mm"), "{said}");
     }
 
     #[test]
