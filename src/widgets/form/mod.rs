@@ -143,17 +143,22 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
             // Only at first: a group that unfolded while one of its sliders is dragged would take it from the hand.
             let open = group.fields.iter().any(changed);
             let header = egui::CollapsingHeader::new(name).id_salt((group.section, name)).default_open(open);
-            header.show_unindented(ui, |ui| self.fields(ui, group.fields));
+            header.show_unindented(ui, |ui| self.fields(ui, group));
         } else {
             heading(ui, name);
-            self.fields(ui, group.fields);
+            self.fields(ui, group);
         }
     }
 
-    fn fields(&mut self, ui: &mut Ui, fields: &'static [Field]) {
-        for field in fields {
+    fn fields(&mut self, ui: &mut Ui, group: &'static Group) {
+        for field in group.fields {
             match field.kind {
-                Kind::Rows { .. } => self.rows(ui, field.key, None),
+                Kind::Rows { .. } => {
+                    if field.label != group.name {
+                        heading(ui, field.label);
+                    }
+                    self.rows(ui, field.key, None);
+                }
                 _ => self.row(ui, field.key),
             }
         }
@@ -260,7 +265,7 @@ impl Widths {
         if let Kind::Choice(words) = field.kind
             && widgets::is_short(words)
         {
-            let wide = 29.0 * words.len() as f32;
+            let wide = words.iter().map(|word| 17.0 + 8.0 * word.label.chars().count() as f32).sum::<f32>();
             return Self { label: (width - wide - gap).max(40.0), middle: 0.0, wide };
         }
         let has_room = width >= ROOM_FOR_SLIDERS;

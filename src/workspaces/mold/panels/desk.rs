@@ -2,12 +2,12 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::electrode::ElectrodeDesk;
 use super::list::Column;
 use crate::widgets::form::Answer;
-use crate::workspaces::context::Context;
+use crate::workspaces::context::{Context, rest_left};
 use crate::workspaces::hands::{Gesture, Hands};
 use crate::workspaces::mold::document::electrode_file::load_electrodes;
 use crate::workspaces::mold::document::holder_files::load_holders;
@@ -25,9 +25,9 @@ use mold::uncut_region::UncutRegion;
 use task::{Priority, Scheduler, State};
 
 /// How long nothing may change before what was seen at a glance is found exactly.
-const REST: Duration = Duration::from_millis(300);
+const REST: f64 = 0.3;
 /// The same before electrodes are made again: whoever changes one thing of them often changes another.
-const REST_OF_DESIGN: Duration = Duration::from_millis(1200);
+const REST_OF_DESIGN: f64 = 1.2;
 
 /// What is asked, what was found, and how it is looked at.
 pub struct MoldDesk {
@@ -74,10 +74,12 @@ pub struct MoldDesk {
     gesture: Gesture,
     /// What is asked of electrodes where a mold begins: the user's own standard.
     standard: ElectrodeParams,
+    /// The time of the last frame (s).
+    now: f64,
     /// When something was last changed of which the answer is not known.
-    edited: Option<Instant>,
+    edited: Option<f64>,
     /// When something was last changed that electrodes depend on, until they are made again.
-    changed: Option<Instant>,
+    changed: Option<f64>,
     /// Electrodes for what is left.
     pub electrodes: ElectrodeDesk,
     /// The answer that the present selection belongs to.
@@ -113,6 +115,7 @@ impl MoldDesk {
             only_vanishing: false,
             follows: true,
             fly_to: None,
+            now: 0.0,
             edited: None,
             changed: None,
             electrodes,
@@ -238,7 +241,7 @@ impl MoldDesk {
         let is_asked_anew =
             MoldParams { electrodes: self.followed.electrodes.clone(), ..params.clone() } != self.followed;
         self.followed = params.clone();
-        self.changed = Some(Instant::now());
+        self.changed = Some(self.now);
         if is_asked_anew {
             self.edited = self.changed;
         }
@@ -292,7 +295,8 @@ impl MoldDesk {
 
     /// Takes in what has been made, once a frame. Answers what has happened, and after how long there is something to be
     /// done again.
-    pub fn follow(&mut self, hands: Hands, is_seen: bool) -> (Vec<WorkEvent>, Option<Duration>) {
+    pub fn follow(&mut self, hands: Hands, is_seen: bool, now: f64) -> (Vec<WorkEvent>, Option<Duration>) {
+        self.now = now;
         self.gesture.follow(hands, &mut self.document);
         self.follow_params();
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
@@ -340,7 +344,7 @@ impl MoldDesk {
         if !can_follow || hands == Hands::Holding {
             return Ok(None);
         }
-        let wait = REST.saturating_sub(edited.elapsed());
+        let wait = rest_left(edited, REST, self.now);
         if wait.is_zero() { self.find().map(|()| None) } else { Ok(Some(wait)) }
     }
 
@@ -363,7 +367,7 @@ impl MoldDesk {
         if !(self.follows && is_again && is_free && self.document.params().validate().is_ok()) {
             return Ok(None);
         }
-        let wait = REST_OF_DESIGN.saturating_sub(changed.elapsed());
+        let wait = rest_left(changed, REST_OF_DESIGN, self.now);
         if !wait.is_zero() {
             return Ok(Some(wait));
         }
