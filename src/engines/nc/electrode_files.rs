@@ -343,7 +343,7 @@ mod tests {
         // A part that was merged with its neighbour keeps its number and not its area.
         let mut merged = set.clone();
         let tree = merged.regions[0].tree.as_mut().unwrap();
-        let square = [DVec2::ZERO, DVec2::X, DVec2::ONE, DVec2::Y].to_vec();
+        let square = [glam::DVec2::ZERO, glam::DVec2::X, glam::DVec2::ONE, glam::DVec2::Y].to_vec();
         tree.parts.iter_mut().for_each(|leaf| leaf.outlines.push(square.clone()));
         assert!(why_blocked(&merged, 2).is_some(), "a merged part inherits nothing");
         set.electrodes[2].burns[0].parts[0].part = 4;

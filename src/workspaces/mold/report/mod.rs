@@ -57,10 +57,10 @@ pub struct BlockedEntry {
 /// An override that overrides nothing.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct IdleEntry {
-    /// As it is given: `NAME` or `NAME:check`.
+    /// As it is given: `NAME:CHECK`.
     pub name: String,
     /// Why.
-    pub why: &'static str,
+    pub why: String,
 }
 
 /// What is counted where there are several stages.
