@@ -31,7 +31,9 @@ pub(super) fn widget(
             ticked.changed().then(|| Change::To(on.into()))
         }
         Kind::Choice(words) if is_short(words) => chips(ui, words, value),
-        Kind::Choice(words) | Kind::ChoiceOrFile(words) => choice(ui, place, words, also, value, widths.wide),
+        Kind::Choice(words) | Kind::ChoiceOrFile(words) | Kind::ChoiceOr(words, _) => {
+            choice(ui, place, words, also, value, widths.wide)
+        }
         Kind::Variant { .. } => variant(ui, place, value, widths.wide),
         Kind::File => file(ui, place, value, widths.wide),
         Kind::Numbers { count: Some(_), .. } => numbers(ui, place, value, widths.wide),

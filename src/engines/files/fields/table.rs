@@ -337,7 +337,9 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
 /// Values that a field must be able to have.
 fn possible(field: &Field) -> Vec<Value> {
     match field.kind {
-        Kind::Choice(words) | Kind::ChoiceOrFile(words) => words.iter().map(|w| w.word.into()).collect(),
+        Kind::Choice(words) | Kind::ChoiceOrFile(words) | Kind::ChoiceOr(words, _) => {
+            words.iter().map(|w| w.word.into()).collect()
+        }
         Kind::Variant { variants, .. } => variants.iter().map(|v| inline_toml(v.new)).collect(),
         Kind::Rows { new, .. } => vec![Value::from(vec![inline_toml(new)])],
         Kind::Number { instead: Instead::Word(word, start), is_whole, .. } => {

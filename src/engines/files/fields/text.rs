@@ -13,10 +13,12 @@ impl Field {
             (Kind::Variant { tag, .. }, Value::Object(_)) => plain(get(value, tag)),
             (Kind::Direction, value) => direction_words(value).to_lowercase().replace('\u{2212}', "-"),
             (Kind::Numbers { .. }, Value::Array(all)) => all.iter().map(number).collect::<Vec<_>>().join(", "),
-            (Kind::Rows { .. }, Value::Array(_)) => match toml::Value::try_from(without_nulls(value.clone())) {
-                Ok(rows) => rows.to_string(),
-                Err(_) => value.to_string(),
-            },
+            (Kind::Rows { .. } | Kind::ChoiceOr(..), Value::Array(_) | Value::Object(_)) => {
+                match toml::Value::try_from(without_nulls(value.clone())) {
+                    Ok(rows) => rows.to_string(),
+                    Err(_) => value.to_string(),
+                }
+            }
             _ => number(value),
         }
     }
@@ -28,7 +30,9 @@ impl Field {
         }
         let text = self.show(value);
         let found = match self.kind {
-            Kind::Choice(words) | Kind::ChoiceOrFile(words) => words.iter().find(|w| w.word == text).map(|w| w.label),
+            Kind::Choice(words) | Kind::ChoiceOrFile(words) | Kind::ChoiceOr(words, _) => {
+                words.iter().find(|w| w.word == text).map(|w| w.label)
+            }
             Kind::Variant { variants, .. } => variants.iter().find(|v| v.word.word == text).map(|v| v.word.label),
             Kind::Flag => Some(if value.as_bool() == Some(true) { "yes" } else { "no" }),
             _ => None,
@@ -60,6 +64,11 @@ impl Field {
                 _ => return Err(wrong()),
             },
             Kind::Text | Kind::File | Kind::Choice(_) | Kind::ChoiceOrFile(_) => text.into(),
+            Kind::ChoiceOr(..) if text.is_empty() => return Err(wrong()),
+            // What is no value of TOML is a word.
+            Kind::ChoiceOr(..) => {
+                read_toml(text).filter(|v| v.is_object() || v.is_array()).unwrap_or_else(|| text.into())
+            }
             Kind::Variant { variants, .. } => {
                 let found = variants.iter().find(|v| v.word.word == text).ok_or_else(wrong)?;
                 read_toml(found.new).ok_or_else(wrong)?
