@@ -124,7 +124,7 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     assert_eq!(desk.mold().design_state(), State::Ready);
     // What is exported although a check fails changes no electrode.
     let mut params = desk.mold().document.params().clone();
-    params.electrodes.overrides.push(first.parse().unwrap());
+    params.electrodes.overrides.push(format!("{first}:gouge").parse().unwrap());
     desk.mold_mut().edit(params);
     assert_eq!(desk.mold().design_state(), State::Ready);
 }

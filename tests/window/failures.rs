@@ -23,7 +23,7 @@ fn a_wrong_number_is_told_beside_its_field() {
     assert_eq!(desk.blisk().document.params().electrode.spark_gap_mm, 0.1);
     desk.enter("Spark gap", "9");
     desk.until_idle();
-    desk.assert_shows("Spark gap must be from 0.005 to 2 mm");
+    desk.assert_shows("Spark gap is 9 mm: must be from 0.005 to 2 mm");
     assert!(desk.step_says(Stage::Electrode, "failed") && desk.step_says(Stage::Channel, "done"));
     let State::Failed(why) = desk.state(Stage::Electrode) else { panic!() };
     assert!(why.contains("spark_gap_mm"), "{why}");

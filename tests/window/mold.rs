@@ -8,13 +8,13 @@ use task::State;
 
 use egui::{Key, Modifiers, Role, vec2};
 use egui_kittest::kittest::{By, Queryable as _};
+use files::Override;
 use files::{AnyDocument, Document};
 use geometry::mesh::Mesh;
 use glam::DVec3;
 use import::{Units, write_stl};
 use mold::cutter::{Cutter, CutterLibrary};
 use mold::electrode::check::CheckKind;
-use mold::electrode::overrides::Override;
 use mold::electrode::params::Edit;
 use mold::opening::Opening::MinusX;
 use sparkpath::shell::run::Opening;
@@ -435,8 +435,8 @@ fn decided(params: &MoldParams) -> MoldParams {
     decided.opening = MinusX;
     decided.electrodes.edits.push(Edit::Split { line: [DVec3::X, DVec3::Y] });
     let parts = vec!["R1.1".to_owned()];
-    let check = Some(CheckKind::Approach);
-    decided.electrodes.overrides.push(Override { electrode: "E01".to_owned(), check, parts });
+    let of = "E01".to_owned();
+    decided.electrodes.overrides.push(Override { of, parts, ..Override::whatever("approach") });
     decided
 }
 

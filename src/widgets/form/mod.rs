@@ -46,6 +46,8 @@ enum Change {
 pub struct Edit<P> {
     /// All of them, as they are now.
     pub params: P,
+    /// The key of the one that was changed; empty if it was in another way than by a field.
+    pub key: String,
     /// What was changed, as a step that can be undone is called.
     pub label: String,
     /// Whether it is one of many changes that come while the hands are at it.
@@ -71,6 +73,7 @@ pub struct Form<P: 'static> {
     values: Value,
     defaults: Value,
     problem: Option<Invalid>,
+    changed: String,
     in_gesture: bool,
     wanted: Option<String>,
     said: Option<String>,
@@ -86,6 +89,7 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
             values: table.values(params),
             defaults: table.values(&table.defaults(params)),
             problem: params.validate().err(),
+            changed: String::new(),
             in_gesture: false,
             wanted: None,
             said: None,
@@ -110,9 +114,9 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
 
     /// What was changed, and what is asked for.
     pub fn answer(self) -> Answer<P> {
-        let Self { table, before, params, in_gesture, wanted, said, .. } = self;
+        let Self { table, before, params, changed: key, in_gesture, wanted, said, .. } = self;
         let label = if params == before { None } else { Some(table.change(&before, &params)) };
-        Answer { edit: label.map(|label| Edit { params, label, in_gesture }), wanted, said }
+        Answer { edit: label.map(|label| Edit { params, key, label, in_gesture }), wanted, said }
     }
 
     /// Draws the groups of `section`, those that few need to touch folded unless something in them is no default.
@@ -217,7 +221,7 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
         // A value that the parameters themselves cannot hold never leaves its field.
         if let Ok(params) = self.table.put(&self.values, key, value) {
             self.values = self.table.values(&params);
-            self.params = params;
+            (self.params, self.changed) = (params, key.to_owned());
         }
     }
 

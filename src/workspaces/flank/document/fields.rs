@@ -315,9 +315,8 @@ pub fn change(before: &FlankDocument, now: &FlankDocument) -> String {
 mod tests {
     use super::*;
     use crate::workspaces::flank::document::{FlankSource, MeshFlank};
-    use files::Validate;
+    use files::{Override, Validate};
     use flank::cutter::HolderPart;
-    use nc::flank_job::overrides::FlankOverride;
     use nc::flank_program::milling_posts;
 
     #[test]
@@ -371,7 +370,7 @@ mod tests {
             ("Machine", |d| (d.milling.machine, d.milling.gauge_length_mm) = (String::new(), Some(1.0))),
             ("Feed", |d| d.milling.program.feed_mm_per_min = 1.0),
             ("Envelope to", |d| d.envelope_tolerance_mm = 0.01),
-            ("Override of gouge", |d| d.overrides.push(FlankOverride::whatever("gouge"))),
+            ("Override of gouge", |d| d.overrides.push(Override::whatever("gouge"))),
             ("", |_| ()),
         ] {
             let mut after = before.clone();

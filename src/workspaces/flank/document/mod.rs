@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::milling_machine_file::file_of_machine;
-use files::{Invalid, Params, Validate};
+use files::{Invalid, Override, Params, Validate};
 use flank::FlankError;
 use flank::cutter::FlankCutter;
 use flank::fit_ruled::RuledFitParams;
@@ -19,7 +19,7 @@ use flank::machine::linearise::LinearisationParams;
 use flank::params::FlankParams;
 use flank::ruled_surface::Side;
 use import::Units;
-use nc::flank_job::overrides::FlankOverride;
+use nc::flank_job::CheckKind;
 pub use nc::flank_job::settings::{CutDirection, MillingSettings, PathChoice};
 use nc::flank_program::milling_post;
 
@@ -200,7 +200,7 @@ pub struct FlankDocument {
     /// How much stock it may leave on the surface, standing or moving (mm).
     pub undercut_tolerance_mm: f64,
     /// Checks that do not keep anything from being exported.
-    pub overrides: Vec<FlankOverride>,
+    pub overrides: Vec<Override>,
 }
 
 impl Default for FlankDocument {
@@ -237,8 +237,9 @@ impl Validate for FlankDocument {
         }
         milling_post(&self.milling.post).map_err(|e| within("milling.post", &e))?;
         self.milling.validate(flutes).map_err(|e| within("milling", &e))?;
+        let checks = CheckKind::ALL.map(CheckKind::name);
         for (i, one) in self.overrides.iter().enumerate() {
-            one.validate().map_err(|e| within(&format!("overrides[{i}]"), &e))?;
+            one.validate(&checks, false).map_err(|problem| problem.within(&format!("overrides[{i}]")))?;
         }
         Ok(())
     }

@@ -1,10 +1,10 @@
 use super::*;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use files::Document;
+use files::Override;
 use flank::guide::GuideCurve;
 use flank::params::Objective;
 use geometry::mesh::Mesh;
-use nc::flank_job::overrides::FlankOverride;
 
 fn opened(file: &Path) -> FlankDocument {
     Document::<FlankDocument>::open(file).unwrap().params().clone()
@@ -29,8 +29,12 @@ fn a_flank_is_read_as_it_was_written_and_finds_its_files_beside_it() {
         let mut document = FlankDocument { source, ..FlankDocument::default() };
         document.plan.objective = Objective::Bounded { overcut_mm: Some(0.0), undercut_mm: None };
         document.walls = Some(WallsFile { file: here.join("walls.obj"), units: Default::default() });
-        document.overrides.push(FlankOverride::whatever("envelope"));
-        document.overrides.push(FlankOverride::of("gouge", &[("depth_mm".to_owned(), 0.12)].into()));
+        document.overrides.push(Override::whatever("envelope"));
+        document.overrides.push(Override::decided(
+            "gouge",
+            vec!["digest".to_owned()],
+            &[("depth_mm".to_owned(), 0.12)].into(),
+        ));
         document.milling.machine = here.join("ours.toml").to_string_lossy().into_owned();
         let file = here.join("part.sparkpath");
         Document::new(document.clone()).export(&file).unwrap();
@@ -64,8 +68,9 @@ fn what_is_no_flank_is_answered_with_the_place_and_the_reason() {
         ("envelope_tolerance_mm = 0", "envelope_tolerance_mm is 0"),
         ("tolerance = 1", "unknown field"),
         ("overrides = [{ check = \"gouge\", figures = { depth_mm = -1.0 } }]", "override of gouge: a figure is -1"),
-        ("overrides = [\"gouge:deep\"]", "\"deep\" is no figure"),
+        ("overrides = [\"gouge:1x\"]", "\"1x\" is no figure"),
         ("overrides = [7]", "expected the name of a check"),
+        ("overrides = [\"gauge\"]", "there is no check \"gauge\"; there are ruled, guides"),
         ("overrides = [{ check = \"gouge\", figure = 1.0 }]", "unknown field"),
     ] {
         std::fs::write(&file, format!("kind = \"flank\"\n{text}")).unwrap();

@@ -43,9 +43,9 @@ mod tests {
 
     use super::*;
     use crate::workspaces::mold::document::holder_files::{HOLDERS, HOLDERS_FILE_NAME, HolderLibrary};
+    use files::Override;
     use mold::cutter::{Cutter, CutterLibrary};
     use mold::electrode::check::CheckKind;
-    use mold::electrode::overrides::Override;
     use mold::electrode::params::{Blanks, Edit, Holder, Method, Orbit, Shape, Stage};
 
     #[test]
@@ -84,9 +84,9 @@ mod tests {
                 Edit::Burn { place, direction: DVec3::NEG_X },
             ],
             overrides: vec![
-                "E03".parse().unwrap(),
+                "E03:approach:0.25".parse().unwrap(),
                 "E04-rough:gouge".parse().unwrap(),
-                Override { parts: vec!["R1.2".to_owned()], .."E05:leftover".parse().unwrap() },
+                Override { parts: vec!["R1.2 3.25 mm2".to_owned()], .."E05:leftover".parse().unwrap() },
             ],
             holders: vec![Holder { name: "h".to_owned(), size_mm: [30.0, 31.5], height_mm: 12.0 }],
             ..ElectrodeParams::default()
@@ -108,12 +108,12 @@ mod tests {
         // A table may leave out what stays as it is.
         let round = ELECTRODES.parse("[blanks]\ndiameters_mm = [20.0]", &file).unwrap().blanks;
         assert_eq!(round, Blanks { diameters_mm: vec![20.0], ..Blanks::default() });
-        std::fs::write(&file, "margin_mm = 0.5\noverrides = [\"E03\", \"E04:gouge\"]").unwrap();
+        std::fs::write(&file, "margin_mm = 0.5\noverrides = [\"E03:machinable:0.5\", \"E04:gouge\"]").unwrap();
         for read in [load_electrodes(Some(folder.path())), read_electrodes(&file, Some(folder.path()))] {
             let read = read.unwrap();
             assert_eq!((read.margin_mm, &read.holders[..]), (0.5, &own[..]));
-            assert_eq!(read.overrides[0], Override { electrode: "E03".to_owned(), check: None, parts: Vec::new() });
-            assert_eq!(read.overrides[1].check, Some(CheckKind::Gouge));
+            assert_eq!((&*read.overrides[0].of, read.overrides[0].most), ("E03", Some(0.5)));
+            assert_eq!(read.overrides[1].check, CheckKind::Gouge.name());
         }
         let named = "[[holders]]\nname = \"other\"\nsize_mm = [1.0, 2.0]\nheight_mm = 2.0";
         std::fs::write(&file, named).unwrap();
@@ -139,7 +139,8 @@ mod tests {
             ("[[stages]]\nname = \"a\"\ngap_mm = 9.0\nfinish_vdi = 20.0", "line 3: stages[0].gap_mm is 9"),
             ("[cutters]\n[[cutters.cutter]]\ndiameter_mm = 0.0", "cutters.cutter[0].diameter_mm is 0"),
             ("overrides = [\"E03:gouges\"]", "watertight, gouge, approach, leftover, machinable"),
-            ("overrides = [3]", "NAME:check"),
+            ("overrides = [3]", "NAME:CHECK"),
+            ("overrides = [\"E03\"]", "names no check of an electrode"),
             ("[[holders]]\nname = \"flat\"\nsize_mm = [1.0, 0.0]\nheight_mm = 2.0", "holder \"flat\": size_mm"),
             ("[blanks]\nsides_mm = [2.0, 1.0]\nincrement_mm = 5.0", "sides must rise"),
             ("[[edits]\n", "line 1"),

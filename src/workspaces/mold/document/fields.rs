@@ -35,7 +35,9 @@ const STAGE: &[Field] = &[
         .step(0.1)
         .symbol("finish")
         .help("Surface finish to be reached (VDI 3400): 20 log Ra is the finish less 20, with Ra in micrometres."),
-    Field::integer("quantity", "Pieces", 1.0, 1000.0).symbol("pieces").help("How many of each electrode are made."),
+    Field::integer("quantity", "Pieces", 1.0, f64::INFINITY)
+        .symbol("pieces")
+        .help("How many of each electrode are made."),
     Field::variant("orbit", "Orbit", "pattern", ORBITS)
         .symbol("orbit")
         .help("Orbital motion across the burn direction; the electrode is smaller by it."),
@@ -213,19 +215,19 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
         name: "Burning times",
         is_folded: true,
         fields: &[
-            Field::number("electrodes.removal.per_area_mm_min", "Rate", "mm/min", 1e-4, 1000.0)
+            Field::number("electrodes.removal.per_area_mm_min", "Rate", "mm/min", 1e-4, f64::INFINITY)
                 .step(0.005)
                 .help("Removal rate for each area of a head seen along the burn, at the finish below."),
-            Field::number("electrodes.removal.most_mm3_min", "At most", "mm\u{b3}/min", 1e-3, 1e5)
+            Field::number("electrodes.removal.most_mm3_min", "At most", "mm\u{b3}/min", 1e-3, f64::INFINITY)
                 .step(0.05)
                 .help("Limit for all heads of an electrode together."),
-            Field::number("electrodes.removal.at_vdi", "At a finish", "VDI", 0.1, 60.0)
+            Field::number("electrodes.removal.at_vdi", "At a finish", "VDI", 0.1, f64::INFINITY)
                 .step(0.05)
                 .help("Finish for which both figures hold."),
-            Field::number("electrodes.removal.tenfold_vdi", "Tenfold by", "VDI", 0.1, 60.0)
+            Field::number("electrodes.removal.tenfold_vdi", "Tenfold by", "VDI", 0.1, f64::INFINITY)
                 .step(0.05)
                 .help("How much rougher a finish burns ten times as fast."),
-            Field::number("electrodes.removal.setting_min", "Setting", "min", 0.0, 1000.0)
+            Field::number("electrodes.removal.setting_min", "Setting", "min", 0.0, f64::INFINITY)
                 .step(0.05)
                 .help("For each burn: positioning, rinsing, measuring."),
         ],
@@ -248,7 +250,7 @@ pub fn change(before: &MoldParams, now: &MoldParams) -> String {
         return name.to_owned();
     }
     if let Some(new) = new.overrides.iter().find(|one| !old.overrides.contains(one)) {
-        return format!("Override of {}", new.electrode);
+        return format!("Override of {}", new.of);
     }
     if new.overrides != old.overrides {
         return "Override taken back".to_owned();

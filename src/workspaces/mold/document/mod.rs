@@ -123,9 +123,9 @@ mod tests {
         let read = |file: &Path| Document::<MoldParams>::open(file).unwrap().params().clone();
         assert_eq!(read(&file), params);
         let short = here.join("short.sparkpath");
-        std::fs::write(&short, "kind = \"mold\"\n[electrodes]\noverrides = [\"E03\"]").unwrap();
+        std::fs::write(&short, "kind = \"mold\"\n[electrodes]\noverrides = [\"E03:gouge\"]").unwrap();
         let MoldParams { electrodes, .. } = read(&short);
-        assert!(electrodes.overrides[0].electrode == "E03" && electrodes.overrides[0].check.is_none());
+        assert!(electrodes.overrides[0].of == "E03" && electrodes.overrides[0].check == "gouge");
         let plain = ElectrodeParams { overrides: Vec::new(), ..electrodes };
         assert_eq!(MoldParams { electrodes: plain, ..read(&short) }, MoldParams::default());
         std::fs::copy(&file, there.join("copy.sparkpath")).unwrap();
