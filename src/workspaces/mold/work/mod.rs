@@ -172,12 +172,7 @@ impl MoldWork {
     }
 
     fn question(&self, params: &MoldParams) -> Option<Question> {
-        let question = UncutParams {
-            opening: params.opening,
-            tolerance_mm: params.tolerance_mm,
-            ..UncutParams::of(params.library.clone())
-        };
-        self.current_mold(params).map(|mold| (mold.sha256.clone(), question))
+        self.current_mold(params).map(|mold| (mold.sha256.clone(), params.uncut()))
     }
 
     /// What is asked of `params`, and the mold that it is asked of.
