@@ -86,7 +86,7 @@ fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<Electro
     let Some(mesh) = &asked.mesh else { anyhow::bail!("{}: it names no mesh; choose one and save it", file.display()) };
     let imported = session.import(mesh, asked.units)?;
     let (asked, mold) = (asked.of_part(&part_of(&imported)), imported.mesh);
-    let (progress, cancel) = (&session.task);
+    let task = &session.task;
     let wrong = |e: String| anyhow::anyhow!("{}: {e}", file.display());
     let left = uncut(&mold, &asked.uncut(), task).map_err(|e| wrong(e.to_string()))?;
     let set = electrodes(&mold, &left, &asked.electrodes, task).map_err(|e| wrong(e.to_string()))?;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::{Answer, RenderArguments, Session};
+use super::{Answer, RenderArguments, Session, render_project};
 use crate::widgets::camera::{NamedView, into_channel, standard};
 use crate::widgets::colours::mesh_colour;
 use crate::workspaces::blisk::document::job_file::PlanJob;
@@ -14,7 +14,7 @@ use crate::workspaces::blisk::job::stages::{FoundChannel, Part};
 use crate::workspaces::blisk::scene::sweep::{FINE, swept_shape};
 use crate::workspaces::blisk::scene::track::Track;
 use crate::workspaces::blisk::scene::{Layer, Layers, SceneInputs, build};
-use files::write_bytes;
+use files::{kind_of, write_bytes};
 use render::camera::Camera;
 use render::colour::Theme;
 use render::mesh::RenderMesh;
@@ -61,7 +61,11 @@ pub(super) fn render(arguments: &RenderArguments, session: &Session) -> anyhow::
     let mut offscreen = Offscreen::new()?;
     let is_project = |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("sparkpath"));
     let (scene, camera) = match (&arguments.files[..], arguments.files.iter().find(is_project)) {
-        ([project], Some(_)) => of_project(project, arguments, session)?,
+        ([project], Some(_)) => match kind_of(project).as_deref() {
+            Ok("mold") => render_project::of_mold(project, aspect(arguments), arguments, session)?,
+            Ok("flank") => render_project::of_flank(project, aspect(arguments), arguments, session)?,
+            _ => of_project(project, arguments, session)?,
+        },
         (_, Some(project)) => anyhow::bail!("{}: a project is drawn by itself; give it alone", project.display()),
         (meshes, None) => of_meshes(meshes, arguments, session)?,
     };

@@ -11,7 +11,7 @@ use super::news::{EventKind, WorkEvent};
 use super::preferences::Preferences;
 use crate::widgets::overlay::{self, ViewButton};
 use crate::widgets::theme::palette;
-use files::FileError;
+use files::{FileError, ResultCache};
 
 /// How long a sentence that passes is to be seen.
 const PASSING: Duration = Duration::from_secs(8);
@@ -106,6 +106,8 @@ pub struct Context {
     pub preferences: Preferences,
     /// Everything that has been said.
     pub log: Vec<LogLine>,
+    /// Results that are shown again at once, if there is a folder for them.
+    pub results: Option<ResultCache>,
     /// A sentence that passes, who said it and when.
     passing: Option<(String, usize, Instant)>,
     commands: Vec<Command>,
@@ -119,7 +121,7 @@ impl Context {
     /// A window in which nothing was said.
     pub fn new(preferences: Preferences) -> Self {
         let (log, commands, requests) = (Vec::new(), Vec::new(), Vec::new());
-        Self { preferences, log, passing: None, commands, requests, wake: None, turn: 0 }
+        Self { preferences, log, results: None, passing: None, commands, requests, wake: None, turn: 0 }
     }
 
     /// Asks for `command` at the end of the frame.
