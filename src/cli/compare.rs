@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
 use super::{Answer, Session};
 use crate::workspaces::blisk::job::compare as job;
 use crate::workspaces::blisk::report::comparison::{Comparison, Run};
@@ -9,10 +11,10 @@ use feed::plan_params::Strategy;
 use feed::pose::Axis;
 use files::ExportFolder;
 
-/// The strategy called `name`.
-pub(super) fn strategy(name: &str) -> Result<Strategy, String> {
-    let names = || Strategy::ALL.map(Strategy::name).join(", ");
-    Strategy::named(name.trim()).ok_or_else(|| format!("expected one or more of {}, with commas between", names()))
+/// Reads the name of a strategy.
+pub(super) fn strategy() -> impl TypedValueParser<Value = Strategy> {
+    let names = PossibleValuesParser::new(Strategy::ALL.iter().map(|strategy| strategy.name()));
+    names.try_map(|name| Strategy::named(&name).ok_or("there is no such strategy"))
 }
 
 /// Plans the job in the file `job_file` by each of `strategies`, or by all if none is named, and writes the comparison
@@ -26,7 +28,7 @@ pub(super) fn compare(
     let (inputs, files) = super::plan::load(job_file, session)?;
     ExportFolder::check(out)?;
     let mut wanted: Vec<Strategy> = Vec::new();
-    for &strategy in if strategies.is_empty() { &Strategy::ALL } else { strategies } {
+    for &strategy in if strategies.is_empty() { Strategy::ALL } else { strategies } {
         if !wanted.contains(&strategy) {
             wanted.push(strategy);
         }

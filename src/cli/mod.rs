@@ -1,4 +1,4 @@
-//! Floor 6: the command line. Parses arguments, reads files, runs jobs, writes results, and answers with the exit
+//! The command line. Parses arguments, reads files, runs jobs, writes results, and answers with the exit
 //! codes of the contract:
 //!
 //! | code | meaning |
@@ -95,8 +95,8 @@ enum Command {
         /// Folder for comparison.json, comparison.csv and comparison.html, made if it is not there.
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
-        /// Which strategies, with commas between: genetic, global, free-travel, max-min-distance, centreline [default: all].
-        #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = compare::strategy)]
+        /// Which strategies, with commas between [default: all].
+        #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = compare::strategy())]
         strategies: Vec<Strategy>,
     },
     /// The whole motion of a job on its machine: approach, feed, copying, retraction and the other channels, with every

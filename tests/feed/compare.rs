@@ -35,7 +35,7 @@ fn every_strategy_has_one_run_with_the_figures_of_its_plan() {
     let prepared = prepare(&inputs, &task).unwrap();
     let shown = Mutex::new(Vec::new());
     let show = |run: &Run| shown.lock().unwrap().push(run.strategy);
-    let runs = compare(&prepared, &inputs, &Strategy::ALL, &show, &task).unwrap();
+    let runs = compare(&prepared, &inputs, Strategy::ALL, &show, &task).unwrap();
     assert_eq!(runs.iter().map(|r| r.strategy).collect::<Vec<_>>(), Strategy::ALL);
     assert_eq!(shown.into_inner().unwrap(), Strategy::ALL);
     assert!(runs.iter().all(|r| r.electrodes.len() == 1), "{:?}", runs.iter().map(|r| &r.failure).collect::<Vec<_>>());
@@ -84,7 +84,7 @@ fn figures_are_those_of_a_plan(prepared: &PreparedBlisk, inputs: &PlanInputs, ru
 fn files_name_every_strategy(comparison: &Comparison) {
     let (html, csv) = (comparison.html().unwrap(), comparison.csv());
     let json: serde_json::Value = serde_json::from_str(&comparison.json().unwrap()).unwrap();
-    for (i, strategy) in Strategy::ALL.into_iter().enumerate() {
+    for (i, &strategy) in Strategy::ALL.iter().enumerate() {
         // Names are not broken at their hyphens.
         assert!(html.contains(&format!("</i>{}", strategy.name().replace('-', "\u{2011}"))), "{strategy:?}");
         assert!(csv.lines().any(|line| line.starts_with(&format!("{},1,", strategy.name()))), "{strategy:?}");

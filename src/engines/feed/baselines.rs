@@ -12,7 +12,8 @@ use rayon::prelude::*;
 
 use super::pose::Pose;
 use super::probes::Demand;
-use super::problem::{Candidate, NodeTask, SearchProblem};
+use super::problem::{Candidate, Convergence, NodeTask, SearchProblem};
+use super::strategy::SearchStrategy;
 use task::{Cancel, Cancelled};
 
 /// Poses that are tried for a node.
@@ -22,9 +23,37 @@ const SPREADS: [f64; 3] = [0.3, 1.0, 3.0];
 /// Steps of ascent for each.
 const ASCENT: usize = 16;
 
+/// Straight on along the main direction.
+pub(super) struct FreeTravel;
+
+impl SearchStrategy for FreeTravel {
+    fn candidates(
+        &self,
+        problem: &SearchProblem,
+        at: &NodeTask,
+        cancel: &Cancel,
+    ) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
+        Ok((problem.furthest_travelling(at, cancel)?, Convergence::none(at.s)))
+    }
+}
+
+/// The greatest least distance at every node.
+pub(super) struct MaxMinDistance;
+
+impl SearchStrategy for MaxMinDistance {
+    fn candidates(
+        &self,
+        problem: &SearchProblem,
+        at: &NodeTask,
+        cancel: &Cancel,
+    ) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
+        Ok((problem.greatest_clearance(at, cancel)?, Convergence::none(at.s)))
+    }
+}
+
 impl SearchProblem<'_> {
     /// The pose before if it is free at the node; otherwise free poses, first those that can go straight on furthest.
-    pub(super) fn furthest_travelling(&self, task: &NodeTask, cancel: &Cancel) -> Result<Vec<Candidate>, Cancelled> {
+    fn furthest_travelling(&self, task: &NodeTask, cancel: &Cancel) -> Result<Vec<Candidate>, Cancelled> {
         let straight = Pose { x: task.x, ..task.from };
         if self.is_free(&straight, task.s, task.h_so_far, &mut 0) {
             return Ok(vec![self.valued_candidate(straight, task)]);
@@ -39,7 +68,7 @@ impl SearchProblem<'_> {
     }
 
     /// Free poses, those with the greatest least clearance first.
-    pub(super) fn greatest_clearance(&self, task: &NodeTask, cancel: &Cancel) -> Result<Vec<Candidate>, Cancelled> {
+    fn greatest_clearance(&self, task: &NodeTask, cancel: &Cancel) -> Result<Vec<Candidate>, Cancelled> {
         /// Clearance beyond which more does not count (mm).
         const ROOM: f64 = 3.0;
         let wide = Demand { room: ROOM, ..self.demand };

@@ -1,4 +1,4 @@
-//! Floor 3: how an electrode gets into its channel and out again: poses, constraints, objective, strategies,
+//! How an electrode gets into its channel and out again: poses, constraints, objective, strategies,
 //! interpolation and the verification certificate.
 
 pub mod angle_test;
@@ -35,6 +35,7 @@ mod setup;
 pub mod simulation;
 pub mod sizing;
 pub mod smoothness;
+pub mod strategy;
 pub mod verify;
 pub mod wall_clearances;
 

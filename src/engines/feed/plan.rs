@@ -11,6 +11,7 @@ use super::path::FeedPath;
 use super::plan_params::{PlanError, PlanParams};
 use super::problem::{Convergence, Node, Observe};
 use super::smoothness::AxisSmoothness;
+use super::strategy::SearchStrategy;
 use super::verify::VerifyOptions;
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, ElectrodeError};
@@ -112,6 +113,11 @@ pub struct PlanSettings<'a> {
 }
 
 impl PlanSettings<'_> {
+    /// The strategy with its parameters.
+    pub fn strategy(&self) -> &dyn SearchStrategy {
+        self.plan.strategy.search(self.plan, self.genetic)
+    }
+
     /// Whether every parameter is within its range.
     pub(super) fn validate(&self) -> Result<(), PlanError> {
         self.plan.validate()?;

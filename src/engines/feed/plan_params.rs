@@ -4,12 +4,14 @@ use serde::{Deserialize, Serialize};
 
 use super::angle_test::{AngleParams, AngleParamsError};
 use super::axis_curve::CurveError;
+use super::baselines::{FreeTravel, MaxMinDistance};
 use super::centreline::CentrelineParams;
-use super::genetic::GeneticParamsError;
+use super::genetic::{GeneticParams, GeneticParamsError};
 use super::global::{GlobalParams, GlobalParamsError};
 use super::interpolation::{InterpolationError, InterpolationParams, InterpolationParamsError};
 use super::machine::MachineError;
 use super::objective::{Weights, WeightsError};
+use super::strategy::SearchStrategy;
 use super::verify::VerifyError;
 use geometry::distance_field::FieldError;
 use geometry::exact::ExactMeshError;
@@ -17,35 +19,54 @@ use task::Cancelled;
 use wheel::centreline::CentrelineError;
 use wheel::electrode::ElectrodeError;
 
-/// Strategy by which a path is searched for.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Strategy {
+/// Lists the strategies: a variant of [`Strategy`], its name in project files and for a reader, and the parameters that
+/// implement it, which are those of the plan or the genetic ones.
+macro_rules! strategies {
+    ($($(#[$doc:meta])* $strategy:ident: $name:literal, $label:literal, |$plan:pat_param, $genetic:pat_param| $params:expr;)+) => {
+        /// Strategy by which a path is searched for.
+        #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+        pub enum Strategy { $($(#[$doc])* #[serde(rename = $name)] $strategy),+ }
+
+        impl Strategy {
+            /// Every strategy in the order in which a user is shown them.
+            pub const ALL: &'static [Self] = &[$(Self::$strategy),+];
+
+            /// Name of the strategy in project files.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$strategy => $name),+ }
+            }
+
+            /// Name of the strategy for a reader.
+            pub const fn label(self) -> &'static str {
+                match self { $(Self::$strategy => $label),+ }
+            }
+
+            /// The strategy with its parameters.
+            pub fn search<'a>(self, plan: &'a PlanParams, genetic: &'a GeneticParams) -> &'a dyn SearchStrategy {
+                match self { $(Self::$strategy => { let ($plan, $genetic) = (plan, genetic); $params })+ }
+            }
+        }
+    };
+}
+
+strategies! {
     /// The adaptive genetic algorithm of P0.
-    Genetic,
+    Genetic: "genetic", "genetic", |_, genetic| genetic;
     /// The widest path over many poses for each node, then polished as a whole.
     #[default]
-    Global,
+    Global: "global", "global", |plan, _| &plan.global;
     /// Straight on along the main direction as far as it goes (Kang et al. 2018); to compare with.
-    FreeTravel,
+    FreeTravel: "free-travel", "free travel", |_, _| &FreeTravel;
     /// The greatest least distance at every node (Ayesta et al. 2016); to compare with.
-    MaxMinDistance,
+    MaxMinDistance: "max-min-distance", "max. min. distance", |_, _| &MaxMinDistance;
     /// Along the centreline of the channel, P1.
-    Centreline,
+    Centreline: "centreline", "centreline", |plan, _| &plan.centreline;
 }
 
 impl Strategy {
-    /// Every strategy in the order of declaration.
-    pub const ALL: [Self; 5] = [Self::Genetic, Self::Global, Self::FreeTravel, Self::MaxMinDistance, Self::Centreline];
-
-    /// Name of the strategy in project files.
-    pub fn name(self) -> &'static str {
-        ["genetic", "global", "free-travel", "max-min-distance", "centreline"][self as usize]
-    }
-
     /// Strategy with this name.
     pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|strategy| strategy.name() == name)
+        Self::ALL.iter().copied().find(|strategy| strategy.name() == name)
     }
 }
 
@@ -225,7 +246,7 @@ mod tests {
 
     #[test]
     fn names_are_those_of_job_files() {
-        for strategy in Strategy::ALL {
+        for &strategy in Strategy::ALL {
             assert_eq!(serde_json::to_value(strategy).unwrap(), strategy.name());
             assert_eq!(Strategy::named(strategy.name()), Some(strategy));
         }

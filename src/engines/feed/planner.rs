@@ -16,13 +16,12 @@ use super::jam::{FurtherReduction, Jam, JamCause};
 use super::machine::BeyondTravel;
 use super::path::FeedPath;
 use super::plan::{FeedPlan, PlanSettings, PlannedPath, Remake};
-use super::plan_params::{PlanError, Strategy};
+use super::plan_params::PlanError;
 use super::pose::{Axis, Pose};
 use super::prepared::{PlanningSpace, PreparedElectrode};
 use super::probes::Turns;
 use super::problem::{Convergence, Node};
 use super::samples::Sample;
-use super::search::StrategyParams;
 use super::setup::{Refinements, SearchSetup};
 use super::sizing::Sizer;
 use super::smoothness::axis_smoothness;
@@ -41,9 +40,9 @@ pub fn plan_feed(
     task: &Task,
 ) -> Result<FeedPlan, PlanError> {
     settings.validate()?;
-    let guide = match settings.plan.strategy {
-        Strategy::Centreline => Some(Guide::new(Centreline::of_channel(&space.channel, &task.cancel)?, electrode)?),
-        _ => None,
+    let guide = match settings.strategy().follows_centreline() {
+        true => Some(Guide::new(Centreline::of_channel(&space.channel, &task.cancel)?, electrode)?),
+        false => None,
     };
     Planning { setup: SearchSetup { space, settings, turns: Turns::NONE, guide }, task }.plan(electrode, remake)
 }
@@ -280,8 +279,8 @@ impl Planning<'_> {
         kept: usize,
     ) -> Result<(), PlanError> {
         let known = plan.nodes.clone();
-        // The global strategy begins anew in any case.
-        let mut kept = if self.setup.settings.plan.strategy == Strategy::Global { 0 } else { kept };
+        // A whole path begins anew in any case.
+        let mut kept = if self.setup.settings.strategy().is_whole() { 0 } else { kept };
         loop {
             plan.nodes.clone_from(&known);
             self.search(plan, model, genetic, refinements, kept)?;
@@ -302,21 +301,13 @@ impl Planning<'_> {
         kept: usize,
     ) -> Result<(), PlanError> {
         let started = Instant::now();
-        let strategy = match self.setup.settings.plan.strategy {
-            Strategy::Genetic => StrategyParams::Genetic(*genetic),
-            Strategy::Global => StrategyParams::Global(self.setup.settings.plan.global),
-            Strategy::FreeTravel => StrategyParams::FreeTravel,
-            Strategy::MaxMinDistance => StrategyParams::MaxMinDistance,
-            Strategy::Centreline => StrategyParams::Centreline(self.setup.settings.plan.centreline),
-        };
-        // The global strategy keeps none of the nodes, but begins near all of them.
-        let (kept, known) = match strategy {
-            StrategyParams::Global(_) => (0, &plan.nodes[..]),
-            _ => (kept, &plan.nodes[..kept]),
-        };
+        let settings = self.setup.settings;
+        let strategy = settings.plan.strategy.search(settings.plan, genetic);
+        // A whole path keeps none of the nodes, but begins near all of them.
+        let (kept, known) = if strategy.is_whole() { (0, &plan.nodes[..]) } else { (kept, &plan.nodes[..kept]) };
         let surface_of = |p: DVec3| self.setup.space.finder.surface_of(p);
         let outcome = self.setup.with_problem(plan.ranges, model, refinements, |problem| {
-            problem.search(&strategy, known, &surface_of, self.task)
+            problem.search(strategy, known, &surface_of, self.task)
         })?;
         plan.convergence.truncate(kept.saturating_sub(1));
         plan.convergence.extend(outcome.convergence);
@@ -342,15 +333,12 @@ impl Planning<'_> {
     ) -> Result<bool, PlanError> {
         let started = Instant::now();
         let repaired = self.setup.with_problem(plan.ranges, model, refinements, |problem| {
-            match self.setup.settings.plan.strategy {
-                // What was learned may ask for more than a dent: the whole path gives way a little.
-                Strategy::Global if plan.rounds > 0 && !refinements.is_empty() => {
-                    let nodes =
-                        problem.polished(plan.nodes.clone(), &self.setup.settings.plan.global, &self.task.cancel)?;
-                    problem.repaired(&nodes, &self.task.cancel)
-                }
-                _ => problem.repaired(&plan.nodes, &self.task.cancel),
-            }
+            // What was learned may ask for more than a dent: the whole path gives way a little.
+            let nodes = match plan.rounds > 0 && !refinements.is_empty() {
+                true => self.setup.settings.strategy().polished(problem, plan.nodes.clone(), &self.task.cancel)?,
+                false => plan.nodes.clone(),
+            };
+            problem.repaired(&nodes, &self.task.cancel)
         })?;
         plan.search_seconds += started.elapsed().as_secs_f64();
         let Some(nodes) = repaired else { return Ok(false) };

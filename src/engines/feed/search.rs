@@ -3,31 +3,14 @@
 
 use glam::DVec3;
 
-use super::centreline::{CentrelineParams, CentrelineStep};
 use super::clearance::Shortfall;
-use super::genetic::{GeneticParams, GeneticStep};
-use super::global::GlobalParams;
 use super::interpolation::AxisCurves;
 use super::jam::{Jam, JamCause, JamContact};
 use super::pose::Pose;
 use super::problem::{Candidate, Convergence, Node, NodeTask, SearchOutcome, SearchProblem};
+use super::strategy::SearchStrategy;
 use task::{Cancel, Cancelled, Task};
 use wheel::channel::Surface;
-
-/// A strategy with its parameters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum StrategyParams {
-    /// The adaptive genetic algorithm of P0.
-    Genetic(GeneticParams),
-    /// The widest path over many poses for each node, then polished as a whole.
-    Global(GlobalParams),
-    /// Straight on along the main direction (Kang et al. 2018).
-    FreeTravel,
-    /// The greatest least distance at every node (Ayesta et al. 2016).
-    MaxMinDistance,
-    /// Along the centreline of the channel, P1.
-    Centreline(CentrelineParams),
-}
 
 impl SearchProblem<'_> {
     /// Times that a step is halved before the search gives up.
@@ -64,36 +47,16 @@ impl SearchProblem<'_> {
         })
     }
 
-    /// Free candidates for `task`, best first, and the convergence of their search.
-    fn candidates(
-        &self,
-        strategy: &StrategyParams,
-        task: &NodeTask,
-        cancel: &Cancel,
-    ) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
-        match strategy {
-            StrategyParams::Genetic(params) => GeneticStep::new(params, self, task).run(cancel),
-            StrategyParams::FreeTravel => Ok((self.furthest_travelling(task, cancel)?, Convergence::none(task.s))),
-            StrategyParams::MaxMinDistance => Ok((self.greatest_clearance(task, cancel)?, Convergence::none(task.s))),
-            // It does not search node by node.
-            StrategyParams::Global(_) => Ok((Vec::new(), Convergence::none(task.s))),
-            StrategyParams::Centreline(params) => match self.guide {
-                Some(guide) => CentrelineStep::new(params, self, guide, task).run(cancel),
-                None => Ok((Vec::new(), Convergence::none(task.s))),
-            },
-        }
-    }
-
     /// Searches on from `kept` nodes (at least the final pose) until the electrode is out of the blisk or jams.
     pub fn search(
         &self,
-        strategy: &StrategyParams,
+        strategy: &dyn SearchStrategy,
         kept: &[Node],
         surface_of: &dyn Fn(DVec3) -> Surface,
         task: &Task,
     ) -> Result<SearchOutcome, Cancelled> {
-        if let StrategyParams::Global(params) = strategy {
-            return self.widest_path(params, kept, surface_of, task);
+        if strategy.is_whole() {
+            return strategy.whole_path(self, kept, surface_of, task);
         }
         let mut nodes = kept.to_vec();
         if nodes.is_empty() {
@@ -140,7 +103,7 @@ impl SearchProblem<'_> {
 
     fn next_node(
         &self,
-        strategy: &StrategyParams,
+        strategy: &dyn SearchStrategy,
         nodes: &[Node],
         attempt: u64,
         cancel: &Cancel,
@@ -154,7 +117,7 @@ impl SearchProblem<'_> {
         for (problem, first) in [(self, first), (&narrow, first.max(1))] {
             for halving in first..=Self::HALVINGS {
                 let task = NodeTask { attempt, ..problem.task(nodes, 0.5f64.powi(halving)) };
-                let (candidates, trace) = problem.candidates(strategy, &task, cancel)?;
+                let (candidates, trace) = strategy.candidates(&problem, &task, cancel)?;
                 if let Some(chosen) = candidates.iter().find(|c| problem.motion_is_free(nodes, &task, c)) {
                     return Ok(Some((problem.node(&task, chosen), trace)));
                 }

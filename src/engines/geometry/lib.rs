@@ -1,4 +1,4 @@
-//! Floor 0: meshes, frames and distances. Knows no file and no electrode.
+//! Meshes, frames and distances. Knows no file and no electrode.
 
 pub mod bvh;
 pub mod distance_field;

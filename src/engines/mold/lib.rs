@@ -1,4 +1,4 @@
-//! Floor 3: molds. What a milling cutter that comes from above cannot reach.
+//! Molds: what a milling cutter that comes from above cannot reach.
 //!
 //! A mold stands with its opening upwards: cutters come down along -Z. What is left uncut is defined by the closing of
 //! the mold's height by each cutter; the answer is the least of them over the library.

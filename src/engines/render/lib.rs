@@ -1,4 +1,4 @@
-//! Floor 5: pictures of parts. A scene and a camera become an image on the GPU, or on its software stand-in;
+//! Pictures of parts. A scene and a camera become an image on the GPU, or on its software stand-in;
 //! no window is needed.
 //!
 //! A [`scene::Scene`] lists what is to be seen, a [`camera::Camera`] from where.

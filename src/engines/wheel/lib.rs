@@ -1,4 +1,4 @@
-//! Floor 2: what a blisk is. Finds its axis, period and channels in a bare mesh, makes electrodes for a
+//! What a blisk is. Finds its axis, period and channels in a bare mesh, makes electrodes for a
 //! channel, and makes parametric blisks.
 
 pub mod blade_profile;

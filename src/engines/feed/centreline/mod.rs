@@ -18,6 +18,7 @@ pub use guide::Guide;
 use super::pose::{Axis, Pose};
 use super::probes::Demand;
 use super::problem::{Candidate, Convergence, NodeTask, SearchProblem};
+use super::strategy::{SearchStrategy, StrategySymbol};
 use task::{Cancel, Cancelled};
 
 /// Parameters of the centreline strategy.
@@ -31,6 +32,33 @@ pub struct CentrelineParams {
 impl Default for CentrelineParams {
     fn default() -> Self {
         Self { safety_increase_mm: 0.1 }
+    }
+}
+
+impl SearchStrategy for CentrelineParams {
+    fn candidates(
+        &self,
+        problem: &SearchProblem,
+        at: &NodeTask,
+        cancel: &Cancel,
+    ) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
+        match problem.guide {
+            Some(guide) => CentrelineStep::new(self, problem, guide, at).run(cancel),
+            None => Ok((Vec::new(), Convergence::none(at.s))),
+        }
+    }
+
+    fn follows_centreline(&self) -> bool {
+        true
+    }
+
+    fn parameters(&self) -> Option<&'static str> {
+        Some("/plan/centreline")
+    }
+
+    fn symbols(&self) -> Vec<StrategySymbol> {
+        let meaning = "of the gap where the plain one leads to no free motion";
+        vec![StrategySymbol::new("increase", meaning, self.safety_increase_mm, "mm")]
     }
 }
 

@@ -6,7 +6,12 @@ mod evolution;
 
 use serde::{Deserialize, Serialize};
 
+use super::pose::Axis;
+use super::problem::{Candidate, Convergence, NodeTask, SearchProblem};
+use super::strategy::{SearchStrategy, StrategySymbol};
+use coding::Coding;
 pub use evolution::GeneticStep;
+use task::{Cancel, Cancelled};
 
 /// Whether the circumferential reduction h is searched too.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -72,6 +77,34 @@ pub struct GeneticParamsError {
     key: &'static str,
     value: f64,
     range: &'static str,
+}
+
+impl SearchStrategy for GeneticParams {
+    fn candidates(
+        &self,
+        problem: &SearchProblem,
+        at: &NodeTask,
+        cancel: &Cancel,
+    ) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
+        GeneticStep::new(self, problem, at).run(cancel)
+    }
+
+    fn parameters(&self) -> Option<&'static str> {
+        Some("/genetic")
+    }
+
+    fn symbols(&self) -> Vec<StrategySymbol> {
+        vec![
+            StrategySymbol::new("p_c", "k1 = k3: probability of crossover", self.crossover, "1"),
+            StrategySymbol::new("p_m", "k2 = k4: probability of mutation of a gene", self.mutation, "1"),
+        ]
+    }
+
+    fn axis_symbols(&self, axis: Axis, half: f64) -> Vec<StrategySymbol> {
+        let precision = if axis.is_rotary() { self.precision_deg.to_radians() } else { self.precision_mm };
+        let bits = Coding::new(-half, half, precision).bits;
+        vec![StrategySymbol::new(format!("N_{}", axis.letter()), "bits of the code (8)", f64::from(bits), "bit")]
+    }
 }
 
 impl GeneticParams {

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use super::jam::{Jam, JamCause, JamContact};
 use super::pose::Pose;
 use super::problem::{Convergence, Node, SearchOutcome, SearchProblem};
+use super::strategy::{SearchStrategy, StrategySymbol};
 pub(super) use corridor::ExtractionPath;
 use corridor::{Corridor, DeadEnd, Effort, Waypoint};
 use free_space::FreeSpace;
@@ -72,6 +73,44 @@ impl GlobalParams {
         within("poses", self.poses as f64, 2.0, 1000.0, "2 to 1000")?;
         within("room_mm", self.room_mm, 0.0, 5.0, "0 to 5 mm")?;
         within("room_kept", self.room_kept, 0.0, 1.0, "0 to 1")
+    }
+}
+
+impl SearchStrategy for GlobalParams {
+    fn is_whole(&self) -> bool {
+        true
+    }
+
+    fn whole_path(
+        &self,
+        problem: &SearchProblem,
+        known: &[Node],
+        surface_of: &dyn Fn(DVec3) -> Surface,
+        task: &Task,
+    ) -> Result<SearchOutcome, Cancelled> {
+        problem.widest_path(self, known, surface_of, task)
+    }
+
+    fn polished(&self, problem: &SearchProblem, nodes: Vec<Node>, cancel: &Cancel) -> Result<Vec<Node>, Cancelled> {
+        problem.polished(nodes, self, cancel)
+    }
+
+    fn parameters(&self) -> Option<&'static str> {
+        Some("/plan/global")
+    }
+
+    fn symbols(&self) -> Vec<StrategySymbol> {
+        let room = "clearance margin up to which a wider path counts as better";
+        vec![
+            StrategySymbol::new("poses", "poses kept for each node", self.poses as f64, "1"),
+            StrategySymbol::new("room", room, self.room_mm, "mm"),
+            StrategySymbol::new(
+                "margin kept",
+                "share of the clearance margin that polishing keeps",
+                self.room_kept,
+                "1",
+            ),
+        ]
     }
 }
 

@@ -9,11 +9,11 @@ use crate::workspaces::blisk::report::{
     NodeReport, ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests, Written,
 };
 use feed::certificate::TravelVerdict;
-use feed::genetic::coding::Coding;
 use feed::jam::JamCause;
 use feed::plan::{FeedPlan, PlannedPath};
 use feed::plan_params::{Constraint, Strategy};
 use feed::pose::{Axis, Pose};
+use feed::strategy::SearchStrategy;
 use feed::wall_clearances::{ClearanceGauge, WallClearances};
 use task::Cancel;
 use wheel::channel::Channel;
@@ -115,7 +115,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
 
 /// P1's four distances at every node, where its strategy was followed; empty otherwise.
 fn distances(outcome: &ElectrodeOutcome, whole: &PlanOutcome, job: &PlanJob) -> Vec<DistancesReport> {
-    if job.plan.strategy != Strategy::Centreline {
+    if !strategy_of(job).follows_centreline() {
         return Vec::new();
     }
     // A report is not stopped half way; its electrode was sampled before and its walls searched.
@@ -201,20 +201,22 @@ fn failure(plan: &FeedPlan, channel: &Channel) -> Option<Failure> {
     })
 }
 
+/// The strategy of `job` with its parameters.
+fn strategy_of(job: &PlanJob) -> &dyn SearchStrategy {
+    job.plan.strategy.search(&job.plan, &job.genetic)
+}
+
 /// The parameters of `job` but for those of strategies, and of a constraint, that had no part in its plan.
 fn parameters(job: &PlanJob) -> serde_json::Value {
     let mut all = serde_json::to_value(job).unwrap_or_default();
-    let strategy = job.plan.strategy;
-    if let Some(sections) = all.as_object_mut().filter(|_| strategy != Strategy::Genetic) {
-        sections.remove("genetic");
-    }
-    let of_others = [
-        ("global", strategy != Strategy::Global),
-        ("centreline", strategy != Strategy::Centreline),
-        ("angle", job.plan.constraint != Constraint::Angle),
-    ];
-    if let Some(plan) = all.get_mut("plan").and_then(serde_json::Value::as_object_mut) {
-        of_others.iter().filter(|(_, other)| *other).for_each(|(section, _)| drop(plan.remove(*section)));
+    let own = strategy_of(job).parameters();
+    let others = Strategy::ALL.iter().filter_map(|other| other.search(&job.plan, &job.genetic).parameters());
+    let constraint = (job.plan.constraint != Constraint::Angle).then_some("/plan/angle");
+    for pointer in others.filter(|other| Some(*other) != own).chain(constraint) {
+        let Some((table, key)) = pointer.rsplit_once('/') else { continue };
+        if let Some(table) = all.pointer_mut(table).and_then(serde_json::Value::as_object_mut) {
+            table.remove(key);
+        }
     }
     all
 }
@@ -268,24 +270,8 @@ fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
 
 /// The parameters of the strategy that was followed.
 fn strategy_symbols(job: &PlanJob, symbol: &impl Fn(&str, &str, String, &str) -> Symbol) -> Vec<Symbol> {
-    let (genetic, global, centreline) = (&job.genetic, &job.plan.global, &job.plan.centreline);
     let mut list = vec![symbol("strategy", "how the path is searched for", job.plan.strategy.name().to_owned(), "")];
-    list.extend(match job.plan.strategy {
-        Strategy::Genetic => vec![
-            symbol("p_c", "k1 = k3: probability of crossover", text(genetic.crossover), "1"),
-            symbol("p_m", "k2 = k4: probability of mutation of a gene", text(genetic.mutation), "1"),
-        ],
-        Strategy::Global => vec![
-            symbol("poses", "poses kept for each node", global.poses.to_string(), "1"),
-            symbol("room", "clearance margin up to which a wider path counts as better", text(global.room_mm), "mm"),
-            symbol("margin kept", "share of the clearance margin that polishing keeps", text(global.room_kept), "1"),
-        ],
-        Strategy::Centreline => {
-            let increase = text(centreline.safety_increase_mm);
-            vec![symbol("increase", "of the gap where the plain one leads to no free motion", increase, "mm")]
-        }
-        Strategy::FreeTravel | Strategy::MaxMinDistance => Vec::new(),
-    });
+    list.extend(strategy_of(job).symbols().iter().map(|s| symbol(&s.symbol, s.meaning, text(s.value), s.unit)));
     list
 }
 
@@ -299,18 +285,12 @@ fn range_symbols(
     if range <= 0.0 {
         return Vec::new();
     }
-    let (half, unit, precision) = if axis.is_rotary() {
-        ((0.5 * range).to_degrees(), "deg", job.genetic.precision_deg)
-    } else {
-        (0.5 * range, "mm", job.genetic.precision_mm)
-    };
-    let letter = axis.letter();
-    let range = format!("+-{}", text(half));
-    let mut list = vec![symbol(&format!("Delta_{letter}"), "range of motion in one step (7)", range, unit)];
-    if job.plan.strategy == Strategy::Genetic {
-        let bits = Coding::new(-half, half, precision).bits;
-        list.push(symbol(&format!("N_{letter}"), "bits of the code (8)", bits.to_string(), "bit"));
-    }
+    let half = 0.5 * range;
+    let (shown, unit) = if axis.is_rotary() { (half.to_degrees(), "deg") } else { (half, "mm") };
+    let range = format!("+-{}", text(shown));
+    let mut list = vec![symbol(&format!("Delta_{}", axis.letter()), "range of motion in one step (7)", range, unit)];
+    let coded = strategy_of(job).axis_symbols(axis, half);
+    list.extend(coded.iter().map(|s| symbol(&s.symbol, s.meaning, text(s.value), s.unit)));
     list
 }
 
