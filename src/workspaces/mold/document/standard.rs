@@ -33,7 +33,7 @@ pub fn standard_mold(user_folder: Option<&Path>) -> Result<MoldParams, FileError
 /// # Errors
 /// [`FileError`].
 pub fn open_mold(project: &Path, user_folder: Option<&Path>) -> Result<MoldParams, FileError> {
-    with_holders(Document::open(project)?.params().clone(), user_folder)
+    with_holders(Document::<MoldParams>::open(project)?.params().clone(), user_folder)
 }
 
 /// The parameters with the user's holders if they name none.

@@ -210,7 +210,8 @@ impl MoldDesk {
             return None;
         }
         let before = MoldParams { part: Some(part.clone()), ..self.params().clone() };
-        self.document.amend(false, |params| *params = params.of_part(&part));
+        let now = self.params().of_part(&part);
+        self.document.complete_step(now);
         let text = "Mold: its mesh or unit has changed: opening direction, divisions and overrides that were chosen \
                     for the former one are dropped; choose them again";
         (before != *self.params()).then(|| WorkEvent { kind: EventKind::Refused, text: text.to_owned(), took: None })
