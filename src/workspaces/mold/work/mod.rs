@@ -407,12 +407,11 @@ impl MoldWork {
         self.exports += 1;
         self.exported.restart(&self.exports, Priority::Shown, move |work| {
             // What was read from a file is shown, but proves nothing.
-            let proven = match made.is_proven {
-                true => None,
-                false => {
-                    let found = steps::find(&mold, &question.1, &work.task)?;
-                    Some(design::design(&mold, &found, &electrodes, &work.task)?)
-                }
+            let proven = if made.is_proven {
+                None
+            } else {
+                let found = steps::find(&mold, &question.1, &work.task)?;
+                Some(design::design(&mold, &found, &electrodes, &work.task)?)
             };
             let made = proven.as_ref().unwrap_or(&made);
             let set = ElectrodeSet { params: asked.clone(), ..made.set.clone() };
