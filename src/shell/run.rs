@@ -61,8 +61,8 @@ pub enum Opening {
 const NOTHING_CHOSEN: &str =
     "No file was chosen. If no dialog appeared: Edit, Preferences, File dialogs, Type paths in this window";
 
-/// How long unsaved work may be without a copy.
-const AUTOSAVE: Duration = Duration::from_secs(2);
+/// How long unsaved work may be without a copy (s).
+const AUTOSAVE: f64 = 2.0;
 
 /// The most that results may take together (bytes).
 const MOST_RESULTS: u64 = 512 << 20;
@@ -140,7 +140,7 @@ impl SparkpathApp {
         let pictures = Pictures::start(move || ctx.request_repaint()).map_err(no_thread)?;
         let mut copies = folders.as_ref().map(|f| Recovery::find(&f.autosave)).unwrap_or_default();
         copies.retain(|copy| workspaces.iter().any(|one| one.about().id == copy.kind));
-        let autosave = folders.as_ref().and_then(|f| Autosave::start(&f.autosave, AUTOSAVE, Instant::now()).ok());
+        let autosave = folders.as_ref().and_then(|f| Autosave::start(&f.autosave, AUTOSAVE).ok());
         let mut app = Self {
             workspaces,
             shown: 0,
@@ -225,6 +225,11 @@ impl SparkpathApp {
     pub fn act<W: Workspace, R>(&mut self, act: impl FnOnce(&mut W, &mut Context) -> R) -> Option<R> {
         let i = self.workspaces.iter().position(|one| (&**one as &dyn Any).is::<W>())?;
         self.with(i, |workspace, cx| (workspace as &mut dyn Any).downcast_mut().map(|workspace| act(workspace, cx)))
+    }
+
+    /// Whether something is being worked on.
+    pub fn is_busy(&self) -> bool {
+        self.workspaces.iter().any(|one| one.is_busy())
     }
 
     /// Whether a document is being read.
@@ -575,7 +580,7 @@ impl SparkpathApp {
     }
 
     fn run(&mut self, command: Command, ctx: &egui::Context) {
-        let (now, shown) = (ctx.input(|i| i.time), self.shown);
+        let (now, shown) = (self.cx.now, self.shown);
         if command.scope == Scope::Switch {
             self.shown = command.index;
             return self.cx.take_turn(self.shown);
@@ -627,6 +632,7 @@ impl SparkpathApp {
 
     fn follow(&mut self, ctx: &egui::Context) {
         let hands = Hands::of(ctx);
+        self.cx.now = ctx.input(|i| i.time);
         let seconds = f64::from(ctx.input(|i| i.stable_dt).clamp(0.0, 0.1));
         let shown = self.shown;
         for i in 0..self.workspaces.len() {
@@ -697,16 +703,16 @@ impl SparkpathApp {
     /// Keeps the copies of unsaved work up, and has frames drawn for that and while something is worked on.
     fn keep_up(&mut self, ctx: &egui::Context) {
         // What was given up on purpose is not kept again while the window closes.
-        if !self.quitting && self.autosave.as_mut().is_some_and(|autosave| autosave.is_due(Instant::now())) {
+        if !self.quitting && self.autosave.as_mut().is_some_and(|autosave| autosave.is_due(self.cx.now)) {
             self.autosave_now();
         }
         if let Some(autosave) = &mut self.autosave {
             self.workspaces.iter().for_each(|one| autosave.discard_saved(one.document()));
         }
         if self.is_unsaved() {
-            ctx.request_repaint_after(AUTOSAVE);
+            ctx.request_repaint_after(Duration::from_secs_f64(AUTOSAVE));
         }
-        if self.workspaces.iter().any(|one| one.is_busy()) {
+        if self.is_busy() {
             // Time left and elapsed go on even while nothing is reported.
             ctx.request_repaint_after(Duration::from_millis(250));
         }

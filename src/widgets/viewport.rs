@@ -1,7 +1,7 @@
 //! The 3-D view: the camera, and what the mouse does with it.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use egui::{PointerButton, Rect, Response, Sense, Ui};
 use glam::{DVec2, DVec3};
@@ -18,8 +18,8 @@ use render::view::StandardView;
 
 /// How long a change of view takes (s).
 const FLIGHT: f64 = 0.25;
-/// How long after the last movement the view is drawn with full care.
-const REST: Duration = Duration::from_millis(160);
+/// How long after the last movement the view is drawn with full care (s).
+const REST: f64 = 0.16;
 
 /// Something that a scene was made of. It is held: the next one might else lie at its address.
 #[derive(Debug)]
@@ -71,7 +71,10 @@ pub struct Viewport {
     flight: Option<(Camera, Camera, f64)>,
     size: [u32; 2],
     pivot: DVec3,
-    moved: Option<Instant>,
+    /// The time of the last frame (s).
+    now: f64,
+    /// When it was last moved (s).
+    moved: Option<f64>,
     scene: Arc<Scene>,
     fitted_to: Option<usize>,
 }
@@ -83,6 +86,7 @@ impl Default for Viewport {
             flight: None,
             size: [1, 1],
             pivot: DVec3::ZERO,
+            now: 0.0,
             moved: None,
             scene: Arc::default(),
             fitted_to: None,
@@ -110,6 +114,7 @@ impl Viewport {
         let scale = ui.pixels_per_point();
         self.size = [rect.width(), rect.height()].map(|s| (s * scale).round().max(1.0) as u32);
         self.scene = scene.clone();
+        self.now = ui.input(|i| i.time);
         if self.fitted_to != Some(fitted_to) {
             self.fitted_to = Some(fitted_to);
             self.fit(true);
@@ -174,13 +179,13 @@ impl Viewport {
     }
 
     fn has_moved(&mut self) {
-        self.moved = Some(Instant::now());
+        self.moved = Some(self.now);
         self.flight = None;
     }
 
     fn fly(&mut self, ui: &Ui) {
         let Some((from, to, since)) = self.flight else { return };
-        let t = (ui.input(|i| i.time) - since) / FLIGHT;
+        let t = (self.now - since) / FLIGHT;
         self.camera = from.towards(&to, t);
         if t >= 1.0 {
             self.camera = to;
@@ -195,13 +200,14 @@ impl Viewport {
     /// from saying that they were heard.
     fn quality(&mut self, ui: &Ui, moves: Moves) -> Quality {
         if moves == Moves::Searching {
-            self.moved = Some(Instant::now());
+            self.moved = Some(self.now);
         }
         if self.flight.is_some() || moves == Moves::Playing {
             return Quality::Moving;
         }
-        let Some(since) = self.moved.map(|m| m.elapsed()).filter(|e| *e < REST) else { return Quality::Full };
-        ui.ctx().request_repaint_after(REST.saturating_sub(since));
+        let left = self.moved.map(|moved| moved + REST - self.now).filter(|left| *left > 0.0);
+        let Some(left) = left else { return Quality::Full };
+        ui.ctx().request_repaint_after(Duration::from_secs_f64(left));
         Quality::Moving
     }
 

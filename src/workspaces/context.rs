@@ -1,7 +1,7 @@
 //! What a workspace sees of the window: preferences, the log, and what it asks the window to do.
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, SystemTime};
 
 use egui::{Color32, RichText, Ui, vec2};
 
@@ -13,8 +13,8 @@ use crate::widgets::overlay::{self, ViewButton};
 use crate::widgets::theme::palette;
 use files::{FileError, ResultCache};
 
-/// How long a sentence that passes is to be seen.
-const PASSING: Duration = Duration::from_secs(8);
+/// How long a sentence that passes is to be seen (s).
+const PASSING: f64 = 8.0;
 
 /// A line of the log.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,8 +108,10 @@ pub struct Context {
     pub log: Vec<LogLine>,
     /// Results that are shown again at once, if there is a folder for them.
     pub results: Option<ResultCache>,
+    /// The time of the present frame (s), since the window opened.
+    pub now: f64,
     /// A sentence that passes, who said it and when.
-    passing: Option<(String, usize, Instant)>,
+    passing: Option<(String, usize, f64)>,
     commands: Vec<Command>,
     requests: Vec<(usize, Request)>,
     wake: Option<Duration>,
@@ -121,7 +123,8 @@ impl Context {
     /// A window in which nothing was said.
     pub fn new(preferences: Preferences) -> Self {
         let (log, commands, requests) = (Vec::new(), Vec::new(), Vec::new());
-        Self { preferences, log, results: None, passing: None, commands, requests, wake: None, turn: 0 }
+        let now = 0.0;
+        Self { preferences, log, results: None, now, passing: None, commands, requests, wake: None, turn: 0 }
     }
 
     /// Asks for `command` at the end of the frame.
@@ -188,14 +191,14 @@ impl Context {
 
     /// Says `text` for a moment, in place of what was said last: it is no news that the log should hold.
     pub fn say_in_passing(&mut self, text: impl Into<String>) {
-        self.passing = Some((text.into(), self.turn, Instant::now()));
+        self.passing = Some((text.into(), self.turn, self.now));
     }
 
     /// What workspace number `workspace` said in passing, and how long it is still to be seen.
     pub fn passing(&self, workspace: usize) -> Option<(&str, Duration)> {
         let (text, _, since) = self.passing.as_ref().filter(|(_, of, _)| *of == workspace)?;
-        let left = PASSING.checked_sub(since.elapsed()).filter(|left| !left.is_zero())?;
-        Some((text, left))
+        let left = rest_left(*since, PASSING, self.now);
+        (!left.is_zero()).then_some((text, left))
     }
 
     /// Asks for a path; `name` is proposed where a file is written.
@@ -256,6 +259,11 @@ impl Context {
     pub fn take_wake(&mut self) -> Option<Duration> {
         self.wake.take()
     }
+}
+
+/// How long it is from `now` until `wait` after `since`, all in seconds.
+pub fn rest_left(since: f64, wait: f64, now: f64) -> Duration {
+    Duration::from_secs_f64((since + wait - now).max(0.0))
 }
 
 /// Whether the name of `path` ends with `ending`, whatever its case.

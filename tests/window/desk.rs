@@ -1,11 +1,11 @@
 //! A window without a screen, with folders of its own, and the hands of its user.
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::sync::mpsc::{Receiver, channel};
 
 use egui::{Key, Modifiers, Role, pos2, vec2};
 use egui_kittest::kittest::{By, Queryable as _};
-use egui_kittest::{Harness, Node};
+use egui_kittest::{Harness, HarnessBuilder, Node};
 use feed::plan_params::Strategy;
 use import::write_stl;
 use sparkpath::shell::run::{Folders, Opening, SparkpathApp};
@@ -19,13 +19,16 @@ use wheel::parametric::ParametricBlisk;
 
 use crate::common::mesh;
 
-/// Longest time that anything is waited for: far more than it takes.
-const PATIENCE: Duration = Duration::from_secs(120);
+/// How much later each frame is than the one before it (s): the window has no other clock.
+const FRAME: f32 = 0.25;
 
 /// Where a user's files and the program's own are.
 pub struct Home {
     folder: TempDir,
 }
+
+/// So many frames in which nothing is worked on are more than anything waits: 100 s.
+const IDLE: usize = 400;
 
 impl Home {
     pub fn new() -> Self {
@@ -57,24 +60,40 @@ impl Home {
     pub fn start_in(&self, opening: Opening, pixels: [u16; 2], scale: f32) -> Desk {
         let folders = self.folders();
         let [width, height] = pixels.map(f32::from);
-        let window = Harness::builder()
-            .with_size(vec2(width, height) / scale)
-            .with_pixels_per_point(scale)
-            .wgpu()
-            .build_eframe(move |cc| SparkpathApp::new(cc, &opening, Some(folders)).unwrap());
-        let mut desk = Desk { window };
-        // No dialog of the system may open, which nobody would answer.
-        desk.window.state_mut().type_paths();
-        desk
+        let window = Harness::builder().with_size(vec2(width, height) / scale).with_pixels_per_point(scale);
+        Desk::start(window, move |cc| SparkpathApp::new(cc, &opening, Some(folders)).unwrap())
     }
 }
 
 /// The window, and what a user does at it.
 pub struct Desk {
     pub window: Harness<'static, SparkpathApp>,
+    /// Told whenever a frame is wanted at once.
+    woken: Receiver<()>,
 }
 
 impl Desk {
+    /// The program that `make` starts, in this window.
+    pub fn start(
+        window: HarnessBuilder<SparkpathApp>,
+        make: impl FnOnce(&eframe::CreationContext) -> SparkpathApp,
+    ) -> Self {
+        let (wake, woken) = channel();
+        let window = window.with_step_dt(FRAME).wgpu().build_eframe(move |cc| {
+            cc.egui_ctx.set_request_repaint_callback(move |asked| {
+                // Nobody listens any more once the window is closed.
+                if asked.delay.is_zero() {
+                    wake.send(()).unwrap_or(());
+                }
+            });
+            make(cc)
+        });
+        let mut desk = Self { window, woken };
+        // No dialog of the system may open, which nobody would answer.
+        desk.window.state_mut().type_paths();
+        desk
+    }
+
     pub fn app(&self) -> &SparkpathApp {
         self.window.state()
     }
@@ -91,15 +110,26 @@ impl Desk {
         self.blisk().pipeline.state(stage)
     }
 
-    /// Goes on until `is` holds, at the pace of the real program.
+    /// Goes on until `is` holds: with the next frame as soon as there is something new, and at once while nothing is
+    /// worked on. Fails where nothing can become of it any more.
+    #[track_caller]
     pub fn until(&mut self, what: &str, is: impl Fn(&Self) -> bool) {
-        let started = Instant::now();
+        let mut idle = 0;
         while !is(self) {
-            assert!(started.elapsed() < PATIENCE, "waited in vain until {what}; the log: {:#?}", self.log());
-            std::thread::sleep(Duration::from_millis(10));
+            if self.app().is_busy() {
+                self.woken.recv().unwrap();
+                idle = 0;
+            }
+            assert!(idle < IDLE, "waited in vain until {what}; the log: {:#?}", self.log());
+            idle += 1;
             self.window.step();
         }
         self.settle();
+    }
+
+    /// Lets so many seconds pass.
+    pub fn wait(&mut self, seconds: f32) {
+        self.window.run_steps((seconds / FRAME).ceil() as usize);
     }
 
     /// A few frames, so that everything shows what is known; what is opened is open then.
@@ -107,7 +137,7 @@ impl Desk {
         self.window.run_steps(4);
         if self.app().is_opening() {
             while self.app().is_opening() {
-                std::thread::sleep(Duration::from_millis(2));
+                self.woken.recv().unwrap();
                 self.window.step();
             }
             self.window.run_steps(4);

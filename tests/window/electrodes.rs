@@ -69,7 +69,6 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
 
     // A cut through the burn goes straight down through its lowest face, and only that burn is left.
     desk.key(Key::X);
-    std::thread::sleep(std::time::Duration::from_millis(300));
     desk.settle();
     let section = desk.app().scene().section.unwrap();
     assert!(section.normal.z.abs() < 1e-12 && bodies(&desk) == 1);
@@ -341,7 +340,6 @@ fn the_place_where_most_is_left_is_flown_to_and_marked() {
     desk.assert_shows(&format!("region {}: residual stock {most:.4} mm", region + 1));
     let marker = desk.app().scene().markers[0].at;
     assert_eq!(marker, made.opening.in_mesh(left.place));
-    std::thread::sleep(std::time::Duration::from_millis(600));
     desk.settle();
     let view = desk.window.get(By::new().role(Role::Image).label("3D viewport")).rect();
     let seen = desk.app().camera().project(marker, [view.width() as u32, view.height() as u32]).unwrap().pixel;

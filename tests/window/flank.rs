@@ -1,7 +1,6 @@
 //! The workspace of flanks.
 
 use std::path::Path;
-use std::time::Duration;
 use task::State;
 
 use egui::{Key, Modifiers, Role};
@@ -46,8 +45,6 @@ impl Desk {
 
     fn until_planned(&mut self) {
         self.until("the flank is planned", |desk| desk.flank().state() == State::Ready && desk.flank().is_planned());
-        // The view flies onto what is new.
-        std::thread::sleep(std::time::Duration::from_millis(300));
         self.settle();
     }
 
@@ -93,7 +90,6 @@ fn a_flank_is_planned_looked_at_and_exported() {
     assert!((steps - steps.round()).abs() < 1e-9);
     desk.press("Deviation");
     desk.key(Key::V);
-    std::thread::sleep(std::time::Duration::from_millis(300));
     assert_eq!(desk.coloured(), 3);
     desk.pictures("flank_side_by_side");
     desk.key(Key::V);
@@ -261,7 +257,6 @@ fn the_side_of_two_guides_is_chosen_in_the_view() {
     Document::new(document).export(&file).unwrap();
     let mut desk = home.start(Opening::File(file));
     desk.until("the side is asked for", |desk| desk.flank().open_side().is_some());
-    std::thread::sleep(std::time::Duration::from_millis(400));
     desk.settle();
     desk.assert_shows("Choose the side of the cutter");
     assert_eq!(desk.flank().document.params().side, Side::Automatic);
@@ -287,8 +282,6 @@ fn a_workpiece_is_clamped_otherwise_and_the_program_follows_the_tip() {
     desk.press("Plan");
     desk.until_planned();
     desk.press_role(Role::DisclosureTriangle, "Machine");
-    // It unfolds slowly.
-    std::thread::sleep(Duration::from_millis(300));
     desk.settle();
     desk.assert_shows("its Z along +Z of the machine");
     let of_machine = desk.flank().workpiece_of_machine().unwrap().clone();

@@ -151,14 +151,12 @@ impl Workspace for Notes {
 /// Starts the program with its own workspaces and this one.
 fn start(home: &Home, opening: Opening) -> Desk {
     let folders = home.folders();
-    let window = Harness::builder().with_size(vec2(1280.0, 720.0)).wgpu().build_eframe(move |cc| {
+    let mut desk = Desk::start(Harness::builder().with_size(vec2(1280.0, 720.0)), move |cc| {
         let scheduler = Scheduler::start(|| ()).unwrap();
         let mut list = workspaces(&scheduler, || ()).unwrap();
         list.push(Box::<Notes>::default());
         SparkpathApp::with_workspaces(cc, (&opening, Some(folders)), list, scheduler).unwrap()
     });
-    let mut desk = Desk { window };
-    desk.window.state_mut().type_paths();
     desk.settle();
     desk
 }

@@ -150,7 +150,6 @@ fn verify_and_release(desk: &mut Desk) {
     let (legend, left) = (core.leftover_legend().unwrap(), core.pipeline.plan().unwrap().leftover().unwrap());
     let thickest = left.surfaces.iter().map(|s| s.left.depth_mm.max(s.overcut.depth_mm)).fold(0.0, f64::max);
     assert!(legend.max >= thickest - 1e-6 && legend.min == -legend.max, "{thickest} beyond {legend:?}");
-    std::thread::sleep(std::time::Duration::from_millis(300));
     desk.settle();
     let walls = desk.app().scene().objects.iter().find(|o| o.values.is_some()).unwrap().bounds();
     let from = walls.center().distance(desk.app().camera().target);

@@ -1,7 +1,5 @@
 //! Pictures of the main states. None of them shows a time or a place on the disk.
 
-use std::time::Duration;
-
 use egui::{Key, Role};
 use egui_kittest::SnapshotOptions;
 use sparkpath::shell::run::Opening;
@@ -14,9 +12,6 @@ use sparkpath::workspaces::preferences::ThemeChoice;
 use crate::common::{curved_blisk, easy_blisk};
 use crate::desk::{Desk, Home, quick};
 
-/// Longer than the view takes to be drawn with full care after the last movement.
-const REST: Duration = Duration::from_millis(250);
-
 impl Desk {
     /// Compares the window with the picture `name`.
     ///
@@ -24,7 +19,7 @@ impl Desk {
     /// to. The first is let pass by the threshold, which is far below what an eye sees; the second by a number of
     /// pixels that is less than one changed word.
     pub fn picture(&mut self, name: &str) {
-        std::thread::sleep(REST);
+        // After the last movement it is drawn with full care.
         self.settle();
         let options = SnapshotOptions::new().threshold(1.0).max_failed_pixels(120);
         self.window.snapshot_options(name, &options);

@@ -1,11 +1,12 @@
 //! What is released is one plan that was seen, and only that is written.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::sync::mpsc::{Sender, channel};
 
 use egui::Key;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::pipeline::{ExportWork, StageState};
+use task::Task;
 use wheel::parametric::ParametricBlisk;
 
 use crate::common::easy_blisk;
@@ -60,26 +61,32 @@ fn nothing_is_released_before_its_copying_motions_are_known_or_given_up() {
 fn an_export_stops_when_its_release_is_taken_back() {
     let home = Home::new();
     let mut desk = released(&home);
-    let until_told = || -> ExportWork {
-        Box::new(|_, _, _, _, task| {
-            for _ in 0..3000 {
-                task.check().map_err(|e| e.to_string())?;
-                std::thread::sleep(Duration::from_millis(10));
-            }
+    // Goes on only after the release was taken back.
+    let until_told = || -> (Sender<()>, ExportWork) {
+        let (tell, told) = channel();
+        let work = move |task: &Task| {
+            told.recv().map_err(|e| e.to_string())?;
+            task.check().map_err(|e| e.to_string())?;
             Ok(vec!["written without a release".to_owned()])
-        })
+        };
+        (tell, Box::new(move |_, _, _, _, task| work(task)))
     };
+    let (tell, work) = until_told();
     let pipeline = &mut desk.blisk_mut().pipeline;
-    pipeline.start_export(&home.path("out"), until_told()).unwrap();
+    pipeline.start_export(&home.path("out"), work).unwrap();
     pipeline.withdraw();
+    tell.send(()).unwrap_or(());
     desk.until_idle();
     assert_eq!(desk.state(Stage::Export), StageState::Missing, "{:#?}", desk.log());
+    let (tell, work) = until_told();
     let core = desk.blisk_mut();
     core.pipeline.release().unwrap();
-    core.pipeline.start_export(&home.path("out"), until_told()).unwrap();
+    core.pipeline.start_export(&home.path("out"), work).unwrap();
     let mut job = core.document.job().clone();
     job.plan.margin_mm += 0.01;
     core.edit("Margin", job, false);
+    desk.settle();
+    tell.send(()).unwrap_or(());
     desk.until_idle();
     assert_eq!(desk.state(Stage::Export), StageState::Missing, "{:#?}", desk.log());
     assert!(desk.log().iter().any(|line| line.contains("release withdrawn")));

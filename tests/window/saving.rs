@@ -1,7 +1,6 @@
 //! No work is lost: what is asked before, and what is kept.
 
 use std::path::Path;
-use std::time::Duration;
 
 use eframe::App as _;
 use egui::{Key, Modifiers};
@@ -164,7 +163,7 @@ fn neither_saved_nor_given_up_work_is_recovered() {
     until_kept(&mut desk, &home);
     control(&mut desk, Key::Q);
     // When the copy is brought up to date the next time, the window is closing.
-    std::thread::sleep(Duration::from_millis(2100));
+    desk.wait(2.1);
     desk.press("Don't save");
     desk.window.state_mut().on_exit();
     drop(desk);

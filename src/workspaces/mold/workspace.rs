@@ -313,7 +313,7 @@ impl Workspace for MoldWorkspace {
         if let Some(opened) = self.opening.take(cx) {
             self.go_on(Pending::Take(opened), cx);
         }
-        let news = self.desk.follow(hands, is_shown);
+        let news = self.desk.follow(hands, is_shown, cx.now);
         cx.note_events(news, 0);
     }
 

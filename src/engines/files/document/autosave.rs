@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant, SystemTime};
+use std::time::SystemTime;
 
 use super::project::{CopyNote, LARGEST_PROJECT, Project, note_of};
 use super::{AnyDocument, Document, Params};
@@ -20,19 +20,19 @@ const ENDING: &str = "sparkpath";
 pub struct Autosave {
     folder: PathBuf,
     process: String,
-    every: Duration,
-    last: Instant,
+    every: f64,
+    last: f64,
     /// Kinds that have a copy, and the revision of what it holds.
     written: BTreeMap<&'static str, u64>,
     _lock: File,
 }
 
 impl Autosave {
-    /// Starts keeping copies in `folder`, which is made if it is not there; one is [due](Self::is_due) `every` so often.
+    /// Starts keeping copies in `folder`, which is made if it is not there; one is [due](Self::is_due) every so many seconds.
     ///
     /// # Errors
     /// If nothing can be written there.
-    pub fn start(folder: &Path, every: Duration, now: Instant) -> std::io::Result<Self> {
+    pub fn start(folder: &Path, every: f64) -> std::io::Result<Self> {
         std::fs::create_dir_all(folder)?;
         // Numbers of processes come again, and one process may keep several sets.
         for n in 0..u32::MAX {
@@ -41,15 +41,15 @@ impl Autosave {
             let lock = File::options().create(true).truncate(false).write(true).open(path)?;
             if lock.try_lock().is_ok() && copies_of(folder, &process).is_empty() {
                 let folder = folder.to_owned();
-                return Ok(Self { folder, process, every, last: now, written: BTreeMap::new(), _lock: lock });
+                return Ok(Self { folder, process, every, last: 0.0, written: BTreeMap::new(), _lock: lock });
             }
         }
         Err(std::io::Error::other("no free name for a copy"))
     }
 
-    /// Whether it is time to [update](Self::update) all copies; from then on the time counts anew.
-    pub fn is_due(&mut self, now: Instant) -> bool {
-        let is_due = now.saturating_duration_since(self.last) >= self.every;
+    /// Whether it is time `now` (s) to [update](Self::update) all copies; from then on the time counts anew.
+    pub fn is_due(&mut self, now: f64) -> bool {
+        let is_due = now - self.last >= self.every;
         if is_due {
             self.last = now;
         }

@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use glam::DVec3;
 
 use super::plots::Tab;
+use crate::workspaces::context::rest_left;
 use crate::workspaces::flank::document::milling_machine_file::{load_milling_machines, milling_machine};
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
 use crate::workspaces::flank::work::{ExportChoice, FlankWork, Planned, Sketch};
@@ -21,7 +22,7 @@ use nc::flank_job::path_of;
 use task::{Priority, Scheduler, State};
 
 /// How long nothing may change before what was seen at a glance is planned in full.
-const REST: Duration = Duration::from_millis(300);
+const REST: f64 = 0.3;
 /// How long the whole path takes while it is played (s).
 const WAY: f64 = 8.0;
 
@@ -106,8 +107,10 @@ pub struct FlankDesk {
     revision: u64,
     /// The machine that was looked up last, and where workpieces stand on it, if there is one of this name.
     clamped: (String, Option<Workpiece>),
+    /// The time of the last frame (s).
+    now: f64,
     /// When something was last changed of which the plan is not known.
-    edited: Option<Instant>,
+    edited: Option<f64>,
     shown: Option<Arc<Planned>>,
     /// The surface that the view has flown onto.
     looked_at: Option<FlankSource>,
@@ -151,6 +154,7 @@ impl FlankDesk {
             first_guide: None,
             revision: 0,
             clamped: (String::new(), None),
+            now: 0.0,
             edited: None,
             shown: None,
             looked_at: None,
@@ -211,7 +215,7 @@ impl FlankDesk {
         }
         self.followed = params.clone();
         if is_asked_anew {
-            (self.edited, self.place) = (Some(Instant::now()), None);
+            (self.edited, self.place) = (Some(self.now), None);
             self.revision += 1;
         }
     }
@@ -257,7 +261,8 @@ impl FlankDesk {
 
     /// Takes in what has been made, once a frame; nothing is made of a flank that nobody has looked at (`is_seen`).
     /// Answers what has happened, and after how long there is something to be done again.
-    pub fn follow(&mut self, hands: Hands, is_seen: bool) -> (Vec<WorkEvent>, Option<Duration>) {
+    pub fn follow(&mut self, hands: Hands, is_seen: bool, now: f64) -> (Vec<WorkEvent>, Option<Duration>) {
+        self.now = now;
         self.gesture.follow(hands, &mut self.document);
         self.follow_params();
         let machine = &self.document.params().milling.machine;
@@ -287,7 +292,7 @@ impl FlankDesk {
         if hands == Hands::Holding {
             return (events, None);
         }
-        let wait = REST.saturating_sub(edited.elapsed());
+        let wait = rest_left(edited, REST, self.now);
         if !wait.is_zero() {
             return (events, Some(wait));
         }

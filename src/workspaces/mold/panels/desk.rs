@@ -2,10 +2,11 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::electrode::ElectrodeDesk;
 use super::list::Column;
+use crate::workspaces::context::rest_left;
 use crate::workspaces::hands::{Gesture, Hands};
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::holder_files::load_holders;
@@ -22,9 +23,9 @@ use mold::uncut_region::UncutRegion;
 use task::{Priority, Scheduler, State};
 
 /// How long nothing may change before what was seen at a glance is found exactly.
-const REST: Duration = Duration::from_millis(300);
+const REST: f64 = 0.3;
 /// The same before electrodes are made again: whoever changes one thing of them often changes another.
-const REST_OF_DESIGN: Duration = Duration::from_millis(1200);
+const REST_OF_DESIGN: f64 = 1.2;
 
 /// What is asked, what was found, and how it is looked at.
 pub struct MoldDesk {
@@ -75,10 +76,12 @@ pub struct MoldDesk {
     gesture: Gesture,
     /// Where a mold begins: the user's own standard.
     standard: MoldParams,
+    /// The time of the last frame (s).
+    now: f64,
     /// When something was last changed of which the answer is not known.
-    edited: Option<Instant>,
+    edited: Option<f64>,
     /// When something was last changed that electrodes depend on, until they are made again.
-    changed: Option<Instant>,
+    changed: Option<f64>,
     /// Electrodes for what is left.
     pub electrodes: ElectrodeDesk,
     /// The answer that the present selection belongs to.
@@ -116,6 +119,7 @@ impl MoldDesk {
             only_vanishing: false,
             follows: true,
             fly_to: None,
+            now: 0.0,
             edited: None,
             changed: None,
             electrodes,
@@ -234,7 +238,7 @@ impl MoldDesk {
         let is_asked_anew =
             MoldParams { electrodes: self.followed.electrodes.clone(), ..params.clone() } != self.followed;
         self.followed = params.clone();
-        self.changed = Some(Instant::now());
+        self.changed = Some(self.now);
         if is_asked_anew {
             self.edited = self.changed;
         }
@@ -282,7 +286,8 @@ impl MoldDesk {
 
     /// Takes in what has been made, once a frame. Answers what has happened, and after how long there is something to be
     /// done again.
-    pub fn follow(&mut self, hands: Hands, is_seen: bool) -> (Vec<WorkEvent>, Option<Duration>) {
+    pub fn follow(&mut self, hands: Hands, is_seen: bool, now: f64) -> (Vec<WorkEvent>, Option<Duration>) {
+        self.now = now;
         self.gesture.follow(hands, &mut self.document);
         self.follow_params();
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
@@ -330,7 +335,7 @@ impl MoldDesk {
         if !can_follow || hands == Hands::Holding {
             return Ok(None);
         }
-        let wait = REST.saturating_sub(edited.elapsed());
+        let wait = rest_left(edited, REST, self.now);
         if wait.is_zero() { self.find().map(|()| None) } else { Ok(Some(wait)) }
     }
 
@@ -353,7 +358,7 @@ impl MoldDesk {
         if !(self.follows && is_again && is_free && self.document.params().validate().is_ok()) {
             return Ok(None);
         }
-        let wait = REST_OF_DESIGN.saturating_sub(changed.elapsed());
+        let wait = rest_left(changed, REST_OF_DESIGN, self.now);
         if !wait.is_zero() {
             return Ok(Some(wait));
         }
