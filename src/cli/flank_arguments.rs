@@ -40,7 +40,8 @@ pub(super) struct FlankArguments {
 /// Where the surface comes from.
 #[derive(Debug, Args)]
 pub(super) struct SurfaceArguments {
-    /// A project (.sparkpath); the other arguments then change it.
+    /// A project (.sparkpath) of a flank, which the other arguments change, or a mesh as with --mesh.
+    #[arg(value_name = "PROJECT|MESH")]
     file: Option<PathBuf>,
     /// The guide curve that the cutter's bottom follows: a CSV file with x, y, z (mm) of a point on each line. Points are
     /// joined by one smooth curve (a cubic spline): what is straight needs points along it, and at a corner the flank ends.
@@ -223,11 +224,7 @@ impl FlankArguments {
     pub(super) fn asked(&self, session: &Session) -> anyhow::Result<Asked> {
         let mut document = match &self.surface.file {
             Some(file) if is_project(file) => Document::<FlankDocument>::open(file)?.params().clone(),
-            Some(file) => anyhow::bail!(
-                "{}: a project ends in .sparkpath; give a mesh with --mesh and guide curves with --lower and --upper",
-                file.display()
-            ),
-            None => FlankDocument::default(),
+            _ => FlankDocument::default(),
         };
         self.cutter.apply(&mut document)?;
         self.plan.apply(&mut document)?;
@@ -254,7 +251,16 @@ impl FlankArguments {
 
 impl SurfaceArguments {
     fn apply(&self, document: &mut FlankDocument) -> anyhow::Result<()> {
-        match (&self.lower, &self.upper, &self.mesh, &self.demo) {
+        let named = self.file.as_ref().filter(|file| !is_project(file));
+        if let Some(file) = named
+            .filter(|_| self.mesh.is_some() || self.lower.is_some() || self.demo.is_some() || self.electrode.is_some())
+        {
+            anyhow::bail!(
+                "{}: no project (.sparkpath), and another surface is given; name one of them",
+                file.display()
+            );
+        }
+        match (&self.lower, &self.upper, self.mesh.as_ref().or(named), &self.demo) {
             (Some(lower), Some(upper), ..) => document.source = FlankSource::guides([lower.clone(), upper.clone()]),
             // What else a file says of its mesh is meant for the one that takes its place.
             (_, _, Some(mesh), _) => {

@@ -20,7 +20,7 @@ use crate::workspaces::preferences::{Preferences, ThemeChoice};
 use crate::workspaces::registry::workspaces;
 use crate::workspaces::workspace::Workspace;
 use files::user_folder::user_folder;
-use files::{Autosave, Recovery, kind_of};
+use files::{Autosave, Recovery, ResultCache, kind_of};
 use render::camera::Camera;
 use render::scene::Scene;
 use task::Scheduler;
@@ -32,13 +32,16 @@ pub struct Folders {
     pub config: PathBuf,
     /// Copies of unsaved work.
     pub autosave: PathBuf,
+    /// Results that are shown again at once.
+    pub results: PathBuf,
 }
 
 impl Folders {
     /// Folders of the user, if the system has any.
     pub fn of_user() -> Option<Self> {
         let dirs = directories::ProjectDirs::from("", "", "sparkpath")?;
-        Some(Self { config: user_folder()?, autosave: dirs.data_local_dir().join("autosave") })
+        let [autosave, results] = [dirs.data_local_dir().join("autosave"), dirs.cache_dir().join("results")];
+        Some(Self { config: user_folder()?, autosave, results })
     }
 }
 
@@ -60,6 +63,9 @@ const NOTHING_CHOSEN: &str =
 
 /// How long unsaved work may be without a copy (s).
 const AUTOSAVE: f64 = 2.0;
+
+/// The most that results may take together (bytes).
+const MOST_RESULTS: u64 = 512 << 20;
 
 /// How a path was named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -156,9 +162,10 @@ impl SparkpathApp {
             let text = format!("{} draws in software: moving views are drawn lighter and sharpen at rest", info.name);
             app.say(EventKind::Done, text);
         }
-        if let Some(folder) = app.folders.as_ref().map(|f| f.config.clone()) {
+        if let Some(Folders { config, results, .. }) = app.folders.clone() {
+            app.cx.results = Some(ResultCache::new(&results, MOST_RESULTS));
             // What is wrong with the user's lists is said in the workspace that is seen first.
-            app.workspaces.iter_mut().for_each(|workspace| workspace.take_user_files(&folder, &mut app.cx));
+            app.workspaces.iter_mut().for_each(|workspace| workspace.take_user_files(&config, &mut app.cx));
         }
         match opening {
             Opening::Demonstration => {}

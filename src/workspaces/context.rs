@@ -11,7 +11,7 @@ use super::news::{EventKind, WorkEvent};
 use super::preferences::Preferences;
 use crate::widgets::overlay::{self, ViewButton};
 use crate::widgets::theme::palette;
-use files::FileError;
+use files::{FileError, ResultCache};
 use task::Doing;
 
 /// How long a sentence that passes is to be seen (s).
@@ -107,6 +107,8 @@ pub struct Context {
     pub preferences: Preferences,
     /// Everything that has been said.
     pub log: Vec<LogLine>,
+    /// Results that are shown again at once, if there is a folder for them.
+    pub results: Option<ResultCache>,
     /// The time of the present frame (s), since the window opened.
     pub now: f64,
     /// A sentence that passes, who said it and when.
@@ -122,7 +124,8 @@ impl Context {
     /// A window in which nothing was said.
     pub fn new(preferences: Preferences) -> Self {
         let (log, commands, requests) = (Vec::new(), Vec::new(), Vec::new());
-        Self { preferences, log, now: 0.0, passing: None, commands, requests, wake: None, turn: 0 }
+        let now = 0.0;
+        Self { preferences, log, results: None, now, passing: None, commands, requests, wake: None, turn: 0 }
     }
 
     /// Asks for `command` at the end of the frame.

@@ -40,7 +40,8 @@ impl Home {
     }
 
     pub fn folders(&self) -> Folders {
-        Folders { config: self.path("config"), autosave: self.path("autosave") }
+        let [config, autosave, results] = ["config", "autosave", "results"].map(|name| self.path(name));
+        Folders { config, autosave, results }
     }
 
     /// Writes the mesh of `blisk`.

@@ -432,3 +432,59 @@ fn click_at(desk: &mut Desk, place: DVec3) {
     desk.window.drop_at(at);
     desk.settle();
 }
+
+#[test]
+fn what_was_computed_is_shown_at_once_when_its_project_is_opened_and_proven_before_an_export() {
+    let home = Home::new();
+    let (file, before, after) = (home.path("kept.sparkpath"), home.path("before"), home.path("after"));
+    let export = |desk: &mut Desk, folder: &Path| {
+        desk.key_with(Modifiers::COMMAND, Key::E);
+        desk.type_path(folder);
+        desk.until("it is exported", |d| !d.mold().work.is_busy());
+        let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+        files.retain(|file| file.extension().is_some_and(|e| e != "html") && !file.ends_with(files::MANIFEST));
+        files.sort();
+        files
+            .into_iter()
+            .map(|file| (file.file_name().unwrap().to_owned(), std::fs::read(&file).unwrap()))
+            .collect::<Vec<_>>()
+    };
+    let mut desk = designed(&home, [1280, 720]);
+    let made = desk.mold().electrodes.designed().unwrap().clone();
+    assert!(made.is_proven);
+    let files = export(&mut desk, &before);
+    desk.key_with(Modifiers::COMMAND, Key::S);
+    desk.type_path(&file);
+    assert!(!desk.mold().document.is_unsaved());
+    drop(desk);
+
+    // Nothing but the project is opened.
+    let mut desk = home.start(Opening::File(file.clone()));
+    until_designed(&mut desk);
+    assert_eq!((desk.mold().state(), desk.mold().design_state()), (State::Ready, State::Ready));
+    let kept = desk.mold().electrodes.designed().unwrap().clone();
+    assert!(!kept.is_proven && !desk.mold().document.is_unsaved());
+    let shapes =
+        |set: &ElectrodeSet| set.electrodes.iter().map(|e| (e.name.clone(), e.mesh.clone())).collect::<Vec<_>>();
+    assert_eq!(shapes(&kept.set), shapes(&made.set));
+    assert!(bodies(&desk) > 0 && !desk.mold().regions().is_empty());
+    assert_eq!(export(&mut desk, &after), files, "what is exported is computed anew, and is the same to the last bit");
+
+    // Of other parameters nothing was kept.
+    let mut params = desk.mold().document.params().clone();
+    params.tolerance_mm = 0.03;
+    Document::new(params).export(&file).unwrap();
+    drop(desk);
+    let mut desk = home.start(Opening::File(file.clone()));
+    desk.until_loaded();
+    desk.settle();
+    assert_eq!(desk.mold().state(), State::Missing);
+
+    // What is kept and was damaged since is not taken.
+    for entry in std::fs::read_dir(home.folders().results).unwrap() {
+        std::fs::write(entry.unwrap().path(), "damaged").unwrap();
+    }
+    desk.press("Find rest material");
+    desk.until("it is found", |d| d.mold().state() == State::Ready && !d.mold().work.is_busy());
+    assert!(desk.mold().found().unwrap().is_proven);
+}

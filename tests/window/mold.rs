@@ -14,7 +14,6 @@ use geometry::mesh::Mesh;
 use glam::DVec3;
 use import::{Units, write_stl};
 use mold::cutter::{Cutter, CutterLibrary};
-use mold::electrode::check::CheckKind;
 use mold::electrode::params::Edit;
 use mold::opening::Opening::MinusX;
 use sparkpath::shell::run::Opening;

@@ -394,6 +394,7 @@ impl Workspace for MoldWorkspace {
     }
 
     fn take_user_files(&mut self, folder: &Path, cx: &mut Context) {
+        self.desk.work.results.clone_from(&cx.results);
         for wrong in self.desk.take_user_files(folder) {
             cx.say(EventKind::Failed, wrong);
         }

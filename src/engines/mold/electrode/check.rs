@@ -58,7 +58,7 @@ impl CheckKind {
 }
 
 /// Finding of a check.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
     /// Subject of the check.
     pub kind: CheckKind,

@@ -4,7 +4,7 @@ use std::fmt;
 
 use files::{Figures, Override};
 use glam::{DVec2, DVec3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::base::Base;
 use super::check::{CheckKind, Finding, LeftOfRegion};
@@ -14,7 +14,7 @@ use geometry::mesh::{Bounds, Mesh};
 
 /// Where a part of a region is: the region's place in the list, and the part's number, which is the same for the same place
 /// in every stage.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct PartId {
     /// The region.
     pub region: usize,
@@ -30,7 +30,7 @@ impl fmt::Display for PartId {
 }
 
 /// Position at which an electrode burns.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Burn {
     /// Where the electrode's origin is, in the upright mold (mm).
     pub position: DVec3,
@@ -47,7 +47,7 @@ pub struct Burn {
 }
 
 /// Whether an electrode shares its base with those of other stages.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
     /// Own base; a shared one was not asked for.
@@ -77,7 +77,7 @@ impl Family {
 
 /// An electrode: a base with one tip or several. Its origin is the middle of the base's underside, from where the tips
 /// reach down along -Z.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Electrode {
     /// Name, which its files carry.
     pub name: String,
@@ -157,7 +157,7 @@ impl fmt::Display for IdleOverride {
 }
 
 /// A part of a region after division, as the tree shows it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PartNode {
     /// The cut that divides it; none for a leaf.
     pub cut: Option<Cut>,
@@ -183,7 +183,7 @@ impl PartNode {
 }
 
 /// Part of a region that a stage has no tip for, and leaves to the stages after it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LeftOut {
     /// The stage: its place in the list.
     pub stage: usize,
@@ -192,7 +192,7 @@ pub struct LeftOut {
 }
 
 /// How a region is burned.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RegionPlan {
     /// Division by the last stage that has one.
     pub tree: Option<PartNode>,
@@ -214,7 +214,7 @@ pub struct RegionPlan {
 }
 
 /// All electrodes for a mold, with what was checked.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ElectrodeSet {
     /// Parameters of the electrodes.
     pub params: ElectrodeParams,

@@ -1,19 +1,21 @@
 //! What a user chooses for a mold.
 
 pub mod cutter_file;
-pub mod electrode_file;
 pub mod fields;
 pub mod holder_files;
+pub mod standard;
 
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 use crate::workspaces::mold::document::cutter_file::standard_cutters;
+use crate::workspaces::mold::job::uncut::UncutParams;
 use files::{Invalid, Params, Validate};
 use import::{Imported, Units};
 use mold::cutter::CutterLibrary;
 use mold::electrode::params::ElectrodeParams;
+use mold::layers::LayerSettings;
 use mold::opening::Opening;
 
 /// A mold and the question about it.
@@ -32,6 +34,11 @@ pub struct MoldParams {
     pub opening: Opening,
     /// Thickness of the residue, across the mold's surface, up to which it counts as cut (mm).
     pub tolerance_mm: f64,
+    /// Step of the height map (mm); none for as fine as it has to be and can be.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub grid_step_mm: Option<f64>,
+    /// How finely the mold is cut into layers.
+    pub layers: LayerSettings,
     /// The cutters.
     pub library: CutterLibrary,
     /// What is asked of electrodes for what they leave. Without holders these are those of the user's library.
@@ -46,6 +53,8 @@ impl Default for MoldParams {
             part: None,
             opening: Opening::default(),
             tolerance_mm: 0.02,
+            grid_step_mm: None,
+            layers: LayerSettings::default(),
             // A program that was built with a file that is none has no cutters to begin with.
             library: standard_cutters().unwrap_or_default(),
             electrodes: ElectrodeParams::default(),
@@ -57,6 +66,12 @@ impl Validate for MoldParams {
     fn validate(&self) -> Result<(), Invalid> {
         fields::FIELDS.check(self)?;
         Validate::validate(&self.library).map_err(|problem| problem.within("library"))?;
+        self.layers.validate().map_err(|problem| problem.within("layers"))?;
+        if let Some(step) = self.grid_step_mm {
+            let radii = self.library.needed().into_iter().map(|cutter| cutter.radius());
+            let most = 0.5 * radii.fold(f64::INFINITY, f64::min);
+            Invalid::unless_within("grid_step_mm", step, [1e-6, most], "mm, half the radius of the smallest cutter")?;
+        }
         Validate::validate(&self.electrodes).map_err(|problem| problem.within("electrodes"))
     }
 }
@@ -80,6 +95,17 @@ impl Params for MoldParams {
 }
 
 impl MoldParams {
+    /// What is asked of the cutters.
+    pub fn uncut(&self) -> UncutParams {
+        UncutParams {
+            library: self.library.clone(),
+            opening: self.opening,
+            tolerance_mm: self.tolerance_mm,
+            grid_step_mm: self.grid_step_mm,
+            layers: self.layers.clone(),
+        }
+    }
+
     /// Parameters without what was decided for one part only: where it opens to, how its regions are divided and burned,
     /// which of its electrodes are exported although a check fails, and what they are called.
     pub fn undecided(&self) -> Self {

@@ -9,8 +9,8 @@ use super::list::Column;
 use crate::widgets::form::Answer;
 use crate::workspaces::context::{Context, rest_left};
 use crate::workspaces::hands::{Gesture, Hands};
-use crate::workspaces::mold::document::electrode_file::load_electrodes;
 use crate::workspaces::mold::document::holder_files::load_holders;
+use crate::workspaces::mold::document::standard::standard_mold;
 use crate::workspaces::mold::document::{MoldParams, fields};
 use crate::workspaces::mold::job::uncut::LayerFound;
 use crate::workspaces::mold::scene::RegionColours;
@@ -19,7 +19,6 @@ use crate::workspaces::news::{EventKind, WorkEvent};
 use files::{AnyDocument, Document, Validate};
 use geometry::mesh::Bounds;
 use mold::cutter::CutterLibrary;
-use mold::electrode::params::ElectrodeParams;
 use mold::electrode::params::GivenName;
 use mold::uncut_region::UncutRegion;
 use task::{Priority, Scheduler, State};
@@ -72,8 +71,8 @@ pub struct MoldDesk {
     /// The parameters that were followed last.
     followed: MoldParams,
     gesture: Gesture,
-    /// What is asked of electrodes where a mold begins: the user's own standard.
-    standard: ElectrodeParams,
+    /// Where a mold begins: the user's own standard.
+    standard: MoldParams,
     /// The time of the last frame (s).
     now: f64,
     /// When something was last changed of which the answer is not known.
@@ -98,7 +97,7 @@ impl MoldDesk {
             shows_list_instead: false,
             is_small: false,
             other: params.library.clone(),
-            standard: params.electrodes.clone(),
+            standard: params.clone(),
             followed: params.clone(),
             document: Document::new(params),
             gesture: Gesture::default(),
@@ -132,7 +131,7 @@ impl MoldDesk {
         }
     }
 
-    /// Takes what is asked of electrodes, and the holders, from the files in the user's folder. What is wrong with them is
+    /// Takes the standard of molds, and the holders, from the files in the user's folder. What is wrong with them is
     /// answered, a line each, and then holds as without them.
     pub fn take_user_files(&mut self, folder: &Path) -> Vec<String> {
         let mut wrong = Vec::new();
@@ -140,11 +139,11 @@ impl MoldDesk {
             Ok(holders) => self.electrodes.holders = holders,
             Err(error) => wrong.push(error.to_string()),
         }
-        match load_electrodes(Some(folder)) {
+        match standard_mold(Some(folder)) {
             // These are where a mold begins, and no change of the user's.
-            Ok(electrodes) => {
-                self.standard = electrodes.clone();
-                self.replace(Document::new(MoldParams { electrodes, ..self.params().clone() }));
+            Ok(standard) => {
+                self.standard = standard.clone();
+                self.replace(Document::new(standard));
             }
             // What both say is said once.
             Err(error) => wrong.extend(Some(error.to_string()).filter(|text| !wrong.contains(text))),
@@ -166,8 +165,8 @@ impl MoldDesk {
             document.amend(true, |params| params.mesh = Some(mesh.to_owned()));
             return document;
         }
-        let (library, electrodes) = (params.library.clone(), self.standard.clone());
-        Document::new(MoldParams { mesh: Some(mesh.to_owned()), library, electrodes, ..MoldParams::default() })
+        let (mesh, library) = (Some(mesh.to_owned()), params.library.clone());
+        Document::new(MoldParams { mesh, library, ..self.standard.clone() })
     }
 
     /// Takes `document` in the place of the present one.
@@ -210,7 +209,8 @@ impl MoldDesk {
             return None;
         }
         let before = MoldParams { part: Some(part.clone()), ..self.params().clone() };
-        self.document.amend(false, |params| *params = params.of_part(&part));
+        let now = self.params().of_part(&part);
+        self.document.complete_step(now);
         let text = "Mold: its mesh or unit has changed: opening direction, divisions and overrides that were chosen \
                     for the former one are dropped; choose them again";
         (before != *self.params()).then(|| WorkEvent { kind: EventKind::Refused, text: text.to_owned(), took: None })
@@ -481,11 +481,12 @@ mod tests {
         std::fs::create_dir(folder.path().join("holders")).unwrap();
         let supplier = folder.path().join("holders/Acme.toml");
         std::fs::write(&supplier, "[[holder]]\nname = \"20\"\nsize_mm = [20.0, 20.0]\nheight_mm = 12.0\n").unwrap();
-        std::fs::write(folder.path().join("electrodes.toml"), "margin_mm = 0.7").unwrap();
+        let standard = "kind = \"mold\"\ntolerance_mm = 0.05\n[electrodes]\nmargin_mm = 0.7";
+        std::fs::write(folder.path().join("mold.sparkpath"), standard).unwrap();
         assert!(desk.take_user_files(folder.path()).is_empty() && !desk.document.is_unsaved());
         let asked = desk.params().electrodes.clone();
         assert_eq!((asked.margin_mm, asked.holders[0].name.as_str(), asked.holders.len()), (0.7, "Acme: 20", 1));
-        assert_eq!(desk.electrodes.holders, asked.holders);
+        assert_eq!((&desk.electrodes.holders, desk.params().tolerance_mm), (&asked.holders, 0.05));
         // A mold that names no holder has the user's.
         desk.replace(Document::default());
         assert_eq!(desk.params().electrodes.holders, asked.holders);

@@ -5,6 +5,7 @@ use crate::workspaces::context::Context;
 use crate::workspaces::mold::commands::MoldCommand;
 use crate::workspaces::mold::panels::MoldDesk;
 use egui::{ProgressBar, RichText, Ui, vec2};
+use files::Validate as _;
 
 use super::{compare, cutters, electrode, list};
 use crate::widgets::form::Form;

@@ -3,7 +3,6 @@
 use crate::workspaces::commands::FrameCommand;
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::panels::MoldDesk;
-use files::Validate;
 use std::path::Path;
 
 use egui::{CollapsingHeader, RichText, Ui};
