@@ -66,7 +66,7 @@ fn job_for(blisk: &ParametricBlisk, folder: &Path, electrode: &str) -> String {
     let file = folder.join("job.sparkpath");
     let text = format!(
         "kind = \"blisk\"\n[blisk]\nmesh = \"part.stl\"\nunits = \"mm\"\n[electrode]\nenter = \"-x\"\n{electrode}\n\
-         [plan]\nstep_mm = 1.6\nfield_cell_mm = 0.8\n[genetic]\npopulation = 16\ngenerations = 6\n"
+         [plan]\nstep_mm = 1.6\nfield_cell_mm = 0.5\n[genetic]\npopulation = 16\ngenerations = 6\n"
     );
     std::fs::write(&file, text).unwrap();
     file.to_str().unwrap().to_owned()
@@ -158,7 +158,7 @@ fn a_bare_mesh_with_settings_gives_the_same_bytes_as_a_project() {
         "electrode.circumferential_reduction_deg[0]=2",
         "electrode.circumferential_reduction_deg[1]=2",
         "plan.step_mm=1.6",
-        "plan.field_cell_mm=0.8",
+        "plan.field_cell_mm=0.5",
         "genetic.population=16",
         "genetic.generations=6",
         "export.files.pictures=false",

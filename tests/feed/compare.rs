@@ -15,7 +15,10 @@ use crate::common::{easy_blisk, mesh};
 use crate::easy_job;
 
 fn inputs() -> PlanInputs {
-    PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job: easy_job() }
+    let mut job = easy_job();
+    job.plan.step_mm = 1.6;
+    job.plan.field_cell_mm = 0.4;
+    PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job }
 }
 
 /// The runs without what no two runs share.
