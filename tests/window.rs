@@ -24,6 +24,8 @@ mod keeping;
 mod looks;
 #[path = "window/machine.rs"]
 mod machine;
+#[path = "common/made_once.rs"]
+mod made_once;
 #[path = "window/mold.rs"]
 mod mold;
 #[path = "window/releasing.rs"]

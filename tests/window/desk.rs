@@ -12,6 +12,7 @@ use sparkpath::shell::run::{Folders, Opening, SparkpathApp};
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::{BliskDesk, BliskWorkspace};
+use sparkpath::workspaces::preferences::Preferences;
 use task::State;
 use tempfile::TempDir;
 use wheel::electrode::EnterSide;
@@ -31,8 +32,11 @@ pub struct Home {
 const IDLE: usize = 400;
 
 impl Home {
+    /// Those of a user who wants no preview of each change, which takes longer than most that is tried here.
     pub fn new() -> Self {
-        Self { folder: tempfile::tempdir().unwrap() }
+        let home = Self { folder: tempfile::tempdir().unwrap() };
+        Preferences { live: false, ..Preferences::default() }.write(&home.folders().config).unwrap();
+        home
     }
 
     pub fn path(&self, name: &str) -> PathBuf {

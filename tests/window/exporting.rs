@@ -5,16 +5,18 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use egui::Role;
+use files::AnyDocument as _;
 use geometry::frame::Frame;
-use import::{ImportOptions, import_file};
+use import::{ImportOptions, import_file, write_stl};
 use nc::post::BUILT_IN;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::choice::MeshFrame;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use task::{State, Task};
 
-use crate::common::easy_blisk;
+use crate::common::{easy_blisk, mesh};
 use crate::desk::{Desk, Home, quick};
+use crate::made_once::made_once;
 
 /// A window with a released plan that was not finished, for a channel that stands askew to the axes of the mesh.
 pub fn released(home: &Home) -> Desk {
@@ -26,9 +28,28 @@ fn released_whole(home: &Home) -> Desk {
     released_after(home, &|_| ())
 }
 
-/// A window with a released plan for a channel that stands askew to the axes of the mesh.
+/// A window with a released plan for a channel that stands askew to the axes of the mesh: once `planned` is done to it.
 fn released_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
-    let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
+    let kept = made_once("askew", plan_askew);
+    for name in ["part.stl", PROJECT] {
+        std::fs::copy(kept.join(name), home.path(name)).unwrap();
+    }
+    let mut desk = home.start(Opening::File(home.path(PROJECT)));
+    desk.until("the plan is there again", |d| d.state(Stage::Plan) == StageState::Done);
+    planned(&mut desk);
+    desk.until_idle();
+    desk.open_step(Stage::Export);
+    desk.press("Release for export");
+    desk
+}
+
+const PROJECT: &str = "askew.sparkpath";
+
+/// Plans and writes part and project into `folder`.
+fn plan_askew(folder: &Path) {
+    let (home, part) = (Home::new(), folder.join("part.stl"));
+    write_stl(&part, &mesh(&easy_blisk())).unwrap();
+    let mut desk = home.start(Opening::File(part));
     desk.until_idle();
     let core = desk.blisk_mut();
     let mut job = quick(core.document.params().clone());
@@ -40,10 +61,7 @@ fn released_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
     desk.key(egui::Key::F5);
     desk.until("the plan is done", |d| d.state(Stage::Plan) == State::Ready);
     planned(&mut desk);
-    desk.until_idle();
-    desk.open_step(Stage::Export);
-    desk.press("Release for export");
-    desk
+    desk.blisk_mut().document.save_as(&folder.join(PROJECT)).unwrap();
 }
 
 /// Exports into `folder` and answers the names of what is there beside the manifest.

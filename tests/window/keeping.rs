@@ -15,7 +15,6 @@ use crate::desk::{Desk, Home};
 
 /// Plans by `strategy` with reductions that let the electrode out.
 fn plan(desk: &mut Desk, strategy: Strategy) {
-    desk.window.state_mut().context_mut().preferences.live = false;
     let core = desk.blisk_mut();
     let mut job = core.document.params().clone();
     job.electrode.circumferential_reduction_deg = [3.0, 3.0];

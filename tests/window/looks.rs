@@ -145,6 +145,7 @@ fn a_window_of_1280_by_720_at_200_percent() {
     desk.press("Export…");
     desk.picture("small_export_light");
     desk.press_role(Role::Button, "Cancel");
+    desk.window.state_mut().context_mut().preferences.live = true;
     desk.key_with(egui::Modifiers::COMMAND, Key::Comma);
     desk.picture("small_preferences_light");
 }
