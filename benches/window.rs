@@ -40,7 +40,7 @@ fn desk_mut(window: &mut Window) -> &mut BliskDesk {
 /// Starts a plan of the demonstration with a seed of its own, so that none is like another.
 fn start_plan(window: &mut Window, seed: u64) {
     let core = desk_mut(window);
-    let mut job = core.document.job().clone();
+    let mut job = core.document.params().clone();
     job.genetic.seed = seed;
     core.edit("Seed", job, false);
     // The frame in which the window takes note of it.

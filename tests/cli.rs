@@ -54,16 +54,16 @@ fn part(folder: &Path) -> String {
     file.to_str().unwrap().to_owned()
 }
 
-/// Writes the easy blisk and a job with a coarse search for it, with `electrode` among its keys.
+/// Writes the easy blisk and a project with a coarse search for it, with `electrode` among its keys.
 fn job(folder: &Path, electrode: &str) -> String {
     job_for(&easy_blisk(), folder, electrode)
 }
 
 fn job_for(blisk: &ParametricBlisk, folder: &Path, electrode: &str) -> String {
     write_stl(&folder.join("part.stl"), &mesh(blisk)).unwrap();
-    let file = folder.join("job.toml");
+    let file = folder.join("job.sparkpath");
     let text = format!(
-        "[blisk]\nmesh = \"part.stl\"\nunits = \"mm\"\n[electrode]\nenter = \"-x\"\n{electrode}\n\
+        "kind = \"blisk\"\n[blisk]\nmesh = \"part.stl\"\nunits = \"mm\"\n[electrode]\nenter = \"-x\"\n{electrode}\n\
          [plan]\nstep_mm = 1.6\nfield_cell_mm = 0.5\n[genetic]\npopulation = 16\ngenerations = 6\n"
     );
     std::fs::write(&file, text).unwrap();
@@ -72,11 +72,11 @@ fn job_for(blisk: &ParametricBlisk, folder: &Path, electrode: &str) -> String {
 
 const COMES_OUT: &str = "circumferential_reduction_deg = [2.0, 2.0]";
 
-/// Of what a job writes all but pictures.
+/// Of what a plan writes all but pictures.
 const NO_PICTURES: &str = "[export.files]\npictures = false\n[export.pictures]\nwhole = false\nfinal_pose = false\n\
                            sweep = false\nclosest = false\nleftover = false\n";
 
-/// Adds lines to a job file.
+/// Adds lines to a project.
 fn add(file: &str, lines: &str) {
     std::fs::write(file, std::fs::read_to_string(file).unwrap() + lines).unwrap();
 }
@@ -107,6 +107,7 @@ fn one_plan_is_read_by_everyone() {
     pictures::the_report_shows_the_very_pictures_that_lie_beside_it();
     pictures::meshes_are_drawn_in_the_size_asked_for_and_each_in_its_own_colour();
     an_electrode_of_ones_own_is_planned_like_a_derived_one();
+    a_bare_mesh_with_settings_gives_the_same_bytes_as_a_project();
 }
 
 fn a_plan_writes_everything_and_answers_0() {
@@ -129,7 +130,7 @@ fn a_plan_writes_everything_and_answers_0() {
 }
 
 #[test]
-fn a_job_says_which_files_are_written() {
+fn a_project_says_which_files_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let file = job(folder.path(), COMES_OUT);
     let choices = NO_PICTURES.replace("pictures = false", "nc = false\npictures = false");
@@ -154,6 +155,32 @@ fn a_job_says_which_files_are_written() {
         serde_json::from_str(&std::fs::read_to_string(out.join("report.json")).unwrap()).unwrap();
     assert_eq!(report["written"]["electrode_frame"], "w");
     assert_eq!(report["written"]["not_asked_for"], serde_json::json!(["nc", "pictures"]));
+}
+
+/// The same parameters on the command line and in a project.
+fn a_bare_mesh_with_settings_gives_the_same_bytes_as_a_project() {
+    let folder = tempfile::tempdir().unwrap();
+    let (part, out) = (part(folder.path()), folder.path().join("out"));
+    let mut arguments = vec!["plan", &part, "--out", out.to_str().unwrap()];
+    for setting in [
+        "blisk.units=mm",
+        "electrode.enter=-x",
+        "electrode.circumferential_reduction_deg[0]=2",
+        "electrode.circumferential_reduction_deg[1]=2",
+        "plan.step_mm=1.6",
+        "plan.field_cell_mm=0.5",
+        "genetic.population=16",
+        "genetic.generations=6",
+        "export.files.pictures=false",
+    ] {
+        arguments.extend(["--set", setting]);
+    }
+    let output = sparkpath(&arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    for name in ["electrode_1.stl", "path_1.csv", "path_1.nc"] {
+        let read = |file: &Path| std::fs::read(file).unwrap();
+        assert!(read(&out.join(name)) == read(path(&format!("out/{name}")).as_ref()), "{name}");
+    }
 }
 
 fn a_written_plan_passes_verify_and_a_tampered_one_does_not() {
@@ -293,10 +320,20 @@ fn every_mistake_is_one_line_with_code_2() {
     let out = folder.path().join("out").to_str().unwrap().to_owned();
     let plan = |file: &str| sparkpath(&["plan", file, "--out", &out]);
     for (output, named) in [
-        (plan("no-such-job.toml"), "no-such-job.toml"),
-        (plan(&at("a.toml", "[blisk]\nmesh = \"absent.stl\"\n")), "absent.stl"),
-        (plan(&at("b.toml", "[blisk]\nmesh = \"a.toml\"\n[plan]\nstep = 1\n")), "step"),
-        (plan(&at("c.toml", "[blisk]\nmesh = \"c.toml\"\n")), "c.toml"),
+        (plan("no-such.sparkpath"), "no-such.sparkpath"),
+        (plan("no-such.stl"), "no-such.stl"),
+        (plan(&at("a.sparkpath", "kind = \"blisk\"\n[blisk]\nmesh = \"absent.stl\"\n")), "absent.stl"),
+        (plan(&at("b.sparkpath", "kind = \"blisk\"\n[blisk]\nmesh = \"a.toml\"\n[plan]\nstep = 1\n")), "plan.step: "),
+        (plan(&at("c.sparkpath", "kind = \"blisk\"\n[blisk]\nmesh = \"c.sparkpath\"\n")), "c.sparkpath"),
+        (plan(&at("d.sparkpath", "kind = \"blisk\"\n[blisk]\nblades = 23\n")), "--set blisk.mesh=FILE"),
+        (plan(&at("e.sparkpath", "[blisk]\nmesh = \"a.stl\"\n")), "kind: it is missing; write"),
+        (plan(&at("f.sparkpath", "kind = \"mold\"\n")), "must be \"blisk\" here"),
+        (plan(&at("g.toml", "[blisk]\nmesh = \"a.stl\"\n")), "kind = \"blisk\""),
+        (
+            sparkpath(&["plan", "a.stl", "--out", &out, "--set", "electrode.parts=many"]),
+            "electrode.parts is many: must be",
+        ),
+        (sparkpath(&["plan", "a.stl", "--out", &out, "--set", "electrode.prts=2"]), "did you mean electrode.parts?"),
         (sparkpath(&["inspect", &at("cube.stl", CUBE)]), "cube.stl"),
         (sparkpath(&["fly"]), "fly"),
         (sparkpath(&["plan"]), "--out"),
@@ -343,7 +380,7 @@ fn mistakes_are_one_json_line_when_asked_for() {
     std::fs::write(&cube, CUBE).unwrap();
     for (arguments, named) in [
         (vec!["--json", "fly"], "fly"),
-        (vec!["plan", "no-such-job.toml", "--out", "x", "--json"], "no-such-job.toml"),
+        (vec!["plan", "no-such.sparkpath", "--out", "x", "--json"], "no-such.sparkpath"),
         (vec!["inspect", cube.to_str().unwrap(), "--json"], "cube.stl"),
     ] {
         let output = sparkpath(&arguments);
@@ -357,13 +394,13 @@ fn mistakes_are_one_json_line_when_asked_for() {
 }
 
 #[test]
-fn inspect_names_the_arguments_that_help() {
+fn inspect_names_the_keys_that_help() {
     let folder = tempfile::tempdir().unwrap();
     let cube = folder.path().join("cube.stl");
     std::fs::write(&cube, CUBE).unwrap();
     let output = sparkpath(&["inspect", cube.to_str().unwrap()]);
     let (said, error) = (text(&output.stdout), text(&output.stderr));
-    assert!(error.contains("--axis") && !error.contains("[blisk]") && !said.contains("[blisk]"), "{said}{error}");
+    assert!(error.contains("blisk.axis") && !error.contains("[blisk]") && !said.contains("[blisk]"), "{said}{error}");
 }
 
 /// A cube of 20 mm as ASCII STL.

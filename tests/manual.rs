@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process;
 
 use sparkpath::workspaces::blisk::commands::BliskCommand;
+use sparkpath::workspaces::blisk::document::field_table::FIELDS;
 use sparkpath::workspaces::commands::{CommandSet as _, FrameCommand};
 use sparkpath::workspaces::flank::commands::FlankCommand;
 use sparkpath::workspaces::mold::commands::MoldCommand;
@@ -78,6 +79,18 @@ fn every_option_of_every_command_is_in_the_manual() {
             let is_told = [own, shared].iter().any(|text| text.contains(&format!("`{option}")));
             assert!(is_told, "{command} {option}");
         }
+    }
+}
+
+/// Keys stand in the table of their section, some with others of their kind in one row.
+#[test]
+fn every_parameter_of_a_project_is_in_the_manual() {
+    let page = read(&root().join("docs/book/src/project-file.md"));
+    let blisk = section(&page, "Blisk");
+    for field in FIELDS.fields() {
+        let key = field.key.split('[').next().unwrap();
+        let (path, name) = key.rsplit_once('.').unwrap();
+        assert!(blisk.contains(&format!("`[{path}]`")) && blisk.contains(&format!("`{name}`")), "{}", field.key);
     }
 }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use super::project::ProjectArguments;
 use super::{Answer, Session};
 use crate::workspaces::blisk::job::compare as job;
 use crate::workspaces::blisk::report::comparison::{Comparison, Run};
@@ -17,15 +18,15 @@ pub(super) fn strategy() -> impl TypedValueParser<Value = Strategy> {
     names.try_map(|name| Strategy::named(&name).ok_or("there is no such strategy"))
 }
 
-/// Plans the job in the file `job_file` by each of `strategies`, or by all if none is named, and writes the comparison
+/// Plans `project` by each of `strategies`, or by all if none is named, and writes the comparison
 /// into `out`.
 pub(super) fn compare(
-    job_file: &Path,
+    project: &ProjectArguments,
     out: &Path,
     strategies: &[Strategy],
     session: &Session,
 ) -> anyhow::Result<Answer> {
-    let (inputs, files) = super::plan::load(job_file, session)?;
+    let (inputs, files) = super::plan::load(project, session)?;
     ExportFolder::check(out)?;
     let mut wanted: Vec<Strategy> = Vec::new();
     for &strategy in if strategies.is_empty() { Strategy::ALL } else { strategies } {

@@ -55,11 +55,11 @@ pub(super) struct SurfaceArguments {
     /// A mesh with a flank to be milled, such as an electrode: STL, OBJ, glTF or GLB.
     #[arg(long, value_name = "MESH", conflicts_with = "demo")]
     mesh: Option<PathBuf>,
-    /// An electrode with a flank to be milled, by its name: one of a mold, of a job or of a folder with exported ones, which
+    /// An electrode with a flank to be milled, by its name: one of a mold, of a blisk or of a folder with exported ones, which
     /// --of names. Those of a mold stand upside down, tips to the spindle.
     #[arg(long, value_name = "NAME", requires = "of", conflicts_with_all = ["mesh", "demo", "lower"])]
     electrode: Option<String>,
-    /// Where the electrode is from: a mold's project (.sparkpath) or a job (.toml), for which it is made anew, or a folder that
+    /// Where the electrode is from: the project of a mold or a blisk (.sparkpath), for which it is made anew, or a folder that
     /// `electrodes` has written.
     #[arg(long, value_name = "PATH", requires = "electrode")]
     of: Option<PathBuf>,

@@ -1,4 +1,4 @@
-//! `sparkpath flank --electrode`: an electrode of a mold, of a job or of a folder with exported ones.
+//! `sparkpath flank --electrode`: an electrode of a mold, of a blisk or of a folder with exported ones.
 
 use crate::workspaces::flank::electrode_part::fit_of;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use crate::workspaces::message::{ElectrodePart, UP_OF_MOLDS};
 use crate::workspaces::mold::document::{MoldParams, part_of};
 use crate::workspaces::mold::job::electrodes::electrodes;
 use crate::workspaces::mold::job::uncut::{UncutParams, uncut};
-use files::{Document, Params};
+use files::{Document, Params as _, kind_of};
 use flank::fit_ruled::RuledFitParams;
 use import::Units;
 use nc::electrode_files::is_file_of;
@@ -48,11 +48,10 @@ struct Entry {
 
 /// The electrode called `name` of what is at `of`.
 pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<FoundElectrode> {
-    let is_job = of.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-    if is_project(of) {
+    if is_project(of) && kind_of(of)? == PlanJob::KIND {
+        kept(of_blisk(name, of, session)?)
+    } else if is_project(of) {
         kept(of_mold(name, of, session)?)
-    } else if is_job {
-        kept(of_job(name, of, session)?)
     } else if of.join(TABLE).is_file() {
         // Exported STL and OBJ are in mm.
         let source = MeshFlank {
@@ -63,7 +62,7 @@ pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<F
         Ok(FoundElectrode { source: FlankSource::Mesh(source), is_upside_down: true })
     } else {
         anyhow::bail!(
-            "{}: electrodes are in a mold's project (.sparkpath), in a job (.toml), or in a folder that `sparkpath electrodes` \
+            "{}: electrodes are in the project of a mold or a blisk (.sparkpath), or in a folder that `sparkpath electrodes` \
              has written, with {TABLE}; one in a file of its own is given with --mesh",
             of.display()
         )
@@ -100,17 +99,17 @@ fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<Electro
     Ok(ElectrodePart::of_mold(found.ok_or_else(|| unknown(name, file, names()))?, &asked.name()))
 }
 
-/// One that is made for the channel of a job's blisk, by its number: 1, 2 and so on.
-fn of_job(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
-    let job = PlanJob::read(file)?;
-    job.validate().map_err(|e| anyhow::anyhow!("{}: {e}", file.display()))?;
+/// One that is made for the channel of a blisk, by its number: 1, 2 and so on.
+fn of_blisk(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
+    let document = Document::<PlanJob>::open(file)?;
+    let job = document.params();
     if job.blisk.mesh.is_none() {
-        anyhow::bail!("{}: [blisk] mesh is missing", file.display());
+        anyhow::bail!("{}: blisk.mesh is missing", file.display());
     }
     let task = &session.task;
-    let part = stages::load(&job, task).map_err(anyhow::Error::msg)?;
-    let channel = stages::channel(&part, &job, task).map_err(anyhow::Error::msg)?;
-    let made = stages::electrodes(&part, &channel, &job, task).map_err(anyhow::Error::msg)?;
+    let part = stages::load(job, task).map_err(anyhow::Error::msg)?;
+    let channel = stages::channel(&part, job, task).map_err(anyhow::Error::msg)?;
+    let made = stages::electrodes(&part, &channel, job, task).map_err(anyhow::Error::msg)?;
     let found = name.parse::<usize>().ok().and_then(|n| Some((n, made.electrodes.get(n.checked_sub(1)?)?)));
     let names = || (1..=made.electrodes.len()).map(|n| n.to_string()).collect();
     let (number, electrode) = found.ok_or_else(|| unknown(name, file, names()))?;

@@ -22,6 +22,7 @@ mod flank_electrode;
 mod flank_values;
 mod inspect;
 mod plan;
+mod project;
 mod render;
 mod simulate;
 mod size;
@@ -42,6 +43,7 @@ use ::render::colour::Theme;
 use feed::plan_params::Strategy;
 use feed::pose::Axis;
 use import::{ImportOptions, Imported, Units, import_file};
+use project::{ProjectArguments, Settings};
 use task::{Cancel, Task};
 
 /// Plans, verifies and exports EDM electrode feed paths for shrouded blisks.
@@ -58,7 +60,7 @@ struct Arguments {
     /// Threads to work on; the results do not depend on it [default: one per core].
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Seed of the genetic search, in place of the job's: the same seed gives the same bytes.
+    /// Seed of the genetic search, in place of the project's: the same seed gives the same bytes.
     #[arg(long, global = true, value_name = "N")]
     seed: Option<u64>,
 }
@@ -67,30 +69,34 @@ struct Arguments {
 enum Command {
     /// The whole journey on the built-in demonstration blisk: plan, verify, export.
     Demo {
+        #[command(flatten)]
+        settings: Settings,
         /// Folder for the results, made if it is not there.
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
     },
-    /// Electrodes and their verified feed paths for a job file.
+    /// Electrodes and their verified feed paths for a blisk.
     Plan {
-        /// The job file (TOML).
-        job: PathBuf,
+        #[command(flatten)]
+        project: ProjectArguments,
         /// Folder for the results, made if it is not there.
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
     },
-    /// The thickest electrodes that come out: least reductions for one part and more, on either side, each certified.
+    /// The thickest electrodes that come out: least reductions for one part and more, on either side, each certified,
+    /// whatever the reductions of the project are.
     Size {
-        /// The job file (TOML); its reductions do not matter.
-        job: PathBuf,
+        #[command(flatten)]
+        project: ProjectArguments,
         /// Up to how many parts.
         #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=20))]
         parts: u8,
     },
-    /// The paths of several strategies on the same electrodes, side by side: clearance, smoothness, times.
+    /// The paths of several strategies on the same electrodes, side by side: clearance, smoothness, times. The project's own
+    /// strategy does not matter.
     Compare {
-        /// The job file (TOML); its strategy does not matter.
-        job: PathBuf,
+        #[command(flatten)]
+        project: ProjectArguments,
         /// Folder for comparison.json, comparison.csv and comparison.html, made if it is not there.
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
@@ -98,12 +104,12 @@ enum Command {
         #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = compare::strategy())]
         strategies: Vec<Strategy>,
     },
-    /// The whole motion of a job on its machine: approach, feed, copying, retraction and the other channels, with every
+    /// The whole motion of a plan on its machine: approach, feed, copying, retraction and the other channels, with every
     /// body of the machine.
     Simulate {
-        /// The job file (TOML), whose [machine] names a machine.
-        job: PathBuf,
-        /// Which channels: own, all, or numbers with commas between [default: those of the job].
+        #[command(flatten)]
+        project: ProjectArguments,
+        /// Which channels: own, all, or numbers with commas between [default: those of the project].
         #[arg(long, value_name = "CHANNELS")]
         channels: Option<Channels>,
         /// Folder for simulation.json and simulation.txt, made if it is not there.
@@ -163,6 +169,8 @@ struct RenderArguments {
     /// A project (.sparkpath), or meshes, which are shown together, each in its own colour.
     #[arg(required = true, value_name = "PROJECT|MESH")]
     files: Vec<PathBuf>,
+    #[command(flatten)]
+    settings: Settings,
     /// The file for the picture.
     #[arg(long, value_name = "FILE")]
     png: PathBuf,
@@ -192,26 +200,8 @@ struct RenderArguments {
 
 #[derive(Debug, Args)]
 struct InspectArguments {
-    /// The mesh: STL, OBJ, glTF or GLB.
-    mesh: PathBuf,
-    /// Unit of the mesh: auto, mm, cm, m, inch.
-    #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
-    units: Units,
-    /// The axis: auto, x, y, z, or "dx,dy,dz,px,py,pz" (direction and a point).
-    #[arg(long, default_value = "auto")]
-    axis: String,
-    /// Number of blades [default: found].
-    #[arg(long, value_name = "N")]
-    blades: Option<usize>,
-    /// Which channel.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    channel: usize,
-    /// Hub radius [default: found].
-    #[arg(long, value_name = "MM")]
-    hub_radius: Option<f64>,
-    /// Shroud or tip radius [default: found].
-    #[arg(long, value_name = "MM")]
-    shroud_radius: Option<f64>,
+    #[command(flatten)]
+    project: ProjectArguments,
     /// Measured sections of the channel's walls in W: a CSV file with the columns section, side (low or high), x, and y, z
     /// or r, theta_deg. Their surfaces are compared with the mesh.
     #[arg(long, value_name = "CSV")]
@@ -336,11 +326,13 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
         return run_window(opening).map(|()| Answer::Yes).map_err(anyhow::Error::msg);
     };
     match command {
-        Command::Demo { out } => plan::demo(out, session),
-        Command::Plan { job, out } => plan::plan(job, out, session),
-        Command::Size { job, parts } => size::size(job, usize::from(*parts), session),
-        Command::Compare { job, out, strategies } => compare::compare(job, out, strategies, session),
-        Command::Simulate { job, channels, out } => simulate::simulate(job, channels.as_ref(), out.as_deref(), session),
+        Command::Demo { settings, out } => plan::demo(settings, out, session),
+        Command::Plan { project, out } => plan::plan(project, out, session),
+        Command::Size { project, parts } => size::size(project, usize::from(*parts), session),
+        Command::Compare { project, out, strategies } => compare::compare(project, out, strategies, session),
+        Command::Simulate { project, channels, out } => {
+            simulate::simulate(project, channels.as_ref(), out.as_deref(), session)
+        }
         Command::Uncut(arguments) => uncut::uncut(arguments, session),
         Command::Electrodes(arguments) => electrodes::electrodes(arguments, session),
         Command::Flank(arguments) => flank::flank(arguments, session),

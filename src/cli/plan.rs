@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
+use super::project::{ProjectArguments, Settings};
 use super::{Answer, Session};
+use crate::workspaces::blisk::document::field_table::FIELDS;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::export;
 use crate::workspaces::blisk::job::auto_size::sized;
@@ -11,27 +13,36 @@ use crate::workspaces::blisk::job::plan::{PlanInputs, PlanOutcome, prepare, run_
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::stages::input_file;
 use crate::workspaces::blisk::report::{InputFile, Report};
-use files::ExportFolder;
+use files::{ExportFolder, Validate as _};
 use import::Units;
 use nc::post::Post;
 use task::{Cancel, Task};
 use wheel::electrode::Sizing;
 use wheel::parametric::{MeshResolution, ParametricBlisk};
 
-/// Plans the job in the file `job_file` and writes its results into `out`.
-pub(super) fn plan(job_file: &Path, out: &Path, session: &Session) -> anyhow::Result<Answer> {
-    let (inputs, files) = load(job_file, session)?;
+/// Plans `project` and writes the results into `out`.
+pub(super) fn plan(project: &ProjectArguments, out: &Path, session: &Session) -> anyhow::Result<Answer> {
+    let (inputs, files) = load(project, session)?;
     finish(inputs, files, out, session)
 }
 
-/// Reads a job file and its meshes, and what a report says of these.
-pub(super) fn load(job_file: &Path, session: &Session) -> anyhow::Result<(PlanInputs, Vec<InputFile>)> {
-    let mut job = PlanJob::read(job_file)?;
-    let Some(mesh) = job.blisk.mesh.clone() else { anyhow::bail!("{}: [blisk] mesh is missing", job_file.display()) };
-    if let Some(seed) = session.seed {
-        job.genetic.seed = seed;
-    }
-    job.validate().map_err(|e| anyhow::anyhow!("{}: {e}", job_file.display()))?;
+/// The parameters of a blisk's plan, with the seed of the command line if that gives one.
+pub(super) fn read(project: &ProjectArguments, session: &Session) -> anyhow::Result<PlanJob> {
+    let mut job = project.read(&FIELDS, PlanJob::for_mesh)?;
+    job.genetic.seed = session.seed.unwrap_or(job.genetic.seed);
+    Ok(job)
+}
+
+/// Reads a project and its meshes, and what a report says of these.
+pub(super) fn load(project: &ProjectArguments, session: &Session) -> anyhow::Result<(PlanInputs, Vec<InputFile>)> {
+    let job = read(project, session)?;
+    let Some(mesh) = job.blisk.mesh.clone() else {
+        anyhow::bail!(
+            "{}: blisk.mesh is missing; give the mesh file there or with --set blisk.mesh=FILE. The built-in blisk is \
+             planned by sparkpath demo",
+            project.file.display()
+        )
+    };
     let blisk = session.import(&mesh, job.blisk.units)?;
     super::require_closed(&mesh, &blisk)?;
     let mut files = vec![input_file("blisk", &mesh, &blisk)];
@@ -48,11 +59,11 @@ pub(super) fn load(job_file: &Path, session: &Session) -> anyhow::Result<(PlanIn
 }
 
 /// The whole journey on the built-in blisk.
-pub(super) fn demo(out: &Path, session: &Session) -> anyhow::Result<Answer> {
+pub(super) fn demo(settings: &Settings, out: &Path, session: &Session) -> anyhow::Result<Answer> {
     let mut job = PlanJob::demonstration();
-    if let Some(seed) = session.seed {
-        job.genetic.seed = seed;
-    }
+    settings.apply(&FIELDS, &mut job)?;
+    job.validate()?;
+    job.genetic.seed = session.seed.unwrap_or(job.genetic.seed);
     let blisk = ParametricBlisk::demonstration().mesh(&MeshResolution::default())?;
     let file = InputFile {
         role: "blisk".to_owned(),

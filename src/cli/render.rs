@@ -3,17 +3,18 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::project::ProjectArguments;
 use super::{Answer, RenderArguments, Session};
 use crate::widgets::camera::{NamedView, into_channel, standard};
 use crate::widgets::colours::mesh_colour;
 use crate::workspaces::blisk::document::job_file::PlanJob;
-use crate::workspaces::blisk::document::project_file::ProjectFile;
 use crate::workspaces::blisk::job::plan::{PlanInputs, run_prepared};
 use crate::workspaces::blisk::job::stages;
 use crate::workspaces::blisk::job::stages::{FoundChannel, Part};
 use crate::workspaces::blisk::scene::sweep::{FINE, swept_shape};
 use crate::workspaces::blisk::scene::track::Track;
 use crate::workspaces::blisk::scene::{Layer, Layers, SceneInputs, build};
+use crate::workspaces::context::is_project;
 use files::write_bytes;
 use render::camera::Camera;
 use render::colour::Theme;
@@ -59,8 +60,8 @@ pub(super) fn render(arguments: &RenderArguments, session: &Session) -> anyhow::
     // What would stop the picture should be found out before the work.
     require_writable(&arguments.png)?;
     let mut offscreen = Offscreen::new()?;
-    let is_project = |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("sparkpath"));
-    let (scene, camera) = match (&arguments.files[..], arguments.files.iter().find(is_project)) {
+    let project = arguments.files.iter().find(|file| is_project(file));
+    let (scene, camera) = match (&arguments.files[..], project) {
         ([project], Some(_)) => of_project(project, arguments, session)?,
         (_, Some(project)) => anyhow::bail!("{}: a project is drawn by itself; give it alone", project.display()),
         (meshes, None) => of_meshes(meshes, arguments, session)?,
@@ -103,6 +104,7 @@ fn of_meshes(meshes: &[PathBuf], arguments: &RenderArguments, session: &Session)
         ("--node", arguments.node.is_some()),
         ("--electrode", arguments.electrode.is_some()),
         ("--swept", arguments.swept),
+        ("--set", !arguments.settings.is_empty()),
     ];
     if let Some((name, _)) = of_a_plan.iter().find(|(_, given)| *given) {
         anyhow::bail!("{name}: only a project has electrodes and nodes; give a .sparkpath file");
@@ -136,13 +138,10 @@ struct Shown {
 
 /// Part and electrode of a project in the electrode's final pose, or as the plan has it.
 fn of_project(file: &Path, arguments: &RenderArguments, session: &Session) -> anyhow::Result<(Scene, Camera)> {
-    let mut job = read_project(file)?;
-    if let Some(seed) = session.seed {
-        job.genetic.seed = seed;
-    }
+    let project = ProjectArguments { file: file.to_owned(), settings: arguments.settings.clone() };
+    let job = super::plan::read(&project, session)?;
     let task = &session.task;
     let message = |e: String| anyhow::anyhow!("{}: {e}", file.display());
-    job.validate().map_err(message)?;
     let part = stages::load(&job, task).map_err(anyhow::Error::msg)?;
     let found = stages::channel(&part, &job, task).map_err(message)?;
     let shown = if arguments.node.is_some() || arguments.swept {
@@ -203,15 +202,6 @@ fn project_picture(part: &Part, found: &FoundChannel, shown: &Shown, arguments: 
         NamedView::Standard(view) => standard(view, &scene, Camera::default(), aspect(arguments)),
     };
     (scene, camera)
-}
-
-/// Reads a project, and says when its meshes are others than those it was made with.
-fn read_project(file: &Path) -> anyhow::Result<PlanJob> {
-    let project = ProjectFile::read(file)?;
-    for mesh in project.moved_meshes().iter().filter(|m| m.changed) {
-        super::terminal::print_error(&format!("note: {} has changed since the project was saved", mesh.path.display()));
-    }
-    Ok(project.job)
 }
 
 /// Plans, and answers the electrode, where it stands at the node asked for, and the room it passes through if that is

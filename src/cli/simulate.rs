@@ -1,9 +1,10 @@
-//! `sparkpath simulate`: the whole motion of a planned job on its machine.
+//! `sparkpath simulate`: the whole motion of a plan on its machine.
 
 use std::path::Path;
 
 use serde::Serialize;
 
+use super::project::ProjectArguments;
 use super::{Answer, Session};
 use crate::workspaces::blisk::document::choice::Channels;
 use crate::workspaces::blisk::export::SIMULATE;
@@ -29,21 +30,22 @@ struct ElectrodeAnswer {
     simulation: Option<SimulationReport>,
 }
 
-/// Plans the job in the file `job_file` and simulates its whole motion, in `channels` if they are given.
+/// Plans `project` and simulates its whole motion, in `channels` if they are given.
 pub(super) fn simulate(
-    job_file: &Path,
+    project: &ProjectArguments,
     channels: Option<&Channels>,
     out: Option<&Path>,
     session: &Session,
 ) -> anyhow::Result<Answer> {
-    let (mut inputs, _) = super::plan::load(job_file, session)?;
+    let (mut inputs, _) = super::plan::load(project, session)?;
     if let Some(channels) = channels {
         inputs.job.export.channels = channels.clone();
     }
     if !inputs.job.machine.has_bodies() && inputs.job.export.channels == Channels::Own {
         anyhow::bail!(
-            "{}: [machine] has no name, and so no bodies to simulate; give name = \"xyzac\", a machine file, or --channels",
-            job_file.display()
+            "{}: machine.name is missing, and so there are no bodies to simulate; give --set machine.name=xyzac, a machine \
+             file, or --channels",
+            project.file.display()
         );
     }
     if let Some(folder) = out {

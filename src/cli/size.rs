@@ -1,14 +1,13 @@
 //! `sparkpath size`: the least reductions with which electrodes come out.
 
-use std::path::Path;
-
+use super::project::ProjectArguments;
 use super::{Answer, Session};
 use crate::workspaces::blisk::job::plan::prepare;
 use crate::workspaces::blisk::job::sizing::{SizeRow, SizingRange, size as size_job};
 
-/// Sizes the electrodes of the job in the file `job_file` for up to `parts` parts and prints the table.
-pub(super) fn size(job_file: &Path, parts: usize, session: &Session) -> anyhow::Result<Answer> {
-    let (inputs, _) = super::plan::load(job_file, session)?;
+/// Sizes the electrodes of `project` for up to `parts` parts and prints the table.
+pub(super) fn size(project: &ProjectArguments, parts: usize, session: &Session) -> anyhow::Result<Answer> {
+    let (inputs, _) = super::plan::load(project, session)?;
     let prepared = prepare(&inputs, &session.task)?;
     let range = SizingRange { from: 1, to: parts };
     let show = |row: &SizeRow| {

@@ -39,7 +39,7 @@ fn without_any_certified_run_the_answer_is_3() {
 
 #[test]
 fn an_unknown_strategy_is_refused_with_those_there_are() {
-    let output = sparkpath(&["compare", "job.toml", "--out", "out", "--strategies", "genetic,gentic"]);
+    let output = sparkpath(&["compare", "job.sparkpath", "--out", "out", "--strategies", "genetic,gentic"]);
     assert_eq!(output.status.code(), Some(2));
     let said = text(&output.stderr);
     assert!(said.contains("gentic") && said.contains("max-min-distance") && said.lines().count() == 1, "{said}");

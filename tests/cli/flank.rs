@@ -205,8 +205,8 @@ fn an_electrode_of_a_mold_or_of_a_folder_is_milled_as_it_stands_on_the_table() {
     for (of, name, words) in [
         (file, "E99", "there is no electrode \"E99\"; there are E01"),
         (out, "E99", "there is no electrode \"E99\"; there are E01"),
-        (mesh, "E01", "electrodes are in a mold's project"),
-        ("nowhere.toml", "1", "nowhere.toml"),
+        (mesh, "E01", "electrodes are in the project of a mold or a blisk"),
+        ("nowhere.sparkpath", "1", "nowhere.sparkpath"),
     ] {
         let (code, said, last) = run(&["--electrode", name, "--of", of]);
         assert!(code == Some(2) && said.is_empty() && last.contains(words), "{of} {name}: {code:?} {last}");

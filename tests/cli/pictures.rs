@@ -43,13 +43,10 @@ pub fn meshes_are_drawn_in_the_size_asked_for_and_each_in_its_own_colour() {
 #[test]
 fn a_project_is_drawn_in_its_final_pose_and_at_a_node() {
     let folder = tempfile::tempdir().unwrap();
-    let file = job(folder.path(), COMES_OUT);
-    let job = sparkpath::workspaces::blisk::document::job_file::PlanJob::read(Path::new(&file)).unwrap();
-    let project = folder.path().join("a.sparkpath");
-    sparkpath::workspaces::blisk::document::Document::new(job).save_as(&project).unwrap();
+    let project = job(folder.path(), COMES_OUT);
     let png = folder.path().join("a.png");
     let draw = |rest: &[&str]| {
-        let files = ["render", project.to_str().unwrap(), "--png", png.to_str().unwrap(), "--size", "400x260"];
+        let files = ["render", &project, "--png", png.to_str().unwrap(), "--size", "400x260"];
         sparkpath(&[&files, rest].concat())
     };
     let drawn = |rest: &[&str]| {
@@ -104,7 +101,8 @@ fn what_cannot_be_drawn_is_one_line_with_code_2() {
         (render(&[&cube, "--png", "picture.jpg"]), ".png"),
         (render(&[&cube, "--png", folder.path().to_str().unwrap()]), "folder"),
         (render(&[&cube, &project, "--png", &png]), "alone"),
-        (render(&[&project, "--png", &png]), "no Sparkpath project"),
+        (render(&[&project, "--png", &png]), "a.sparkpath: line 1: "),
+        (render(&[&cube, "--png", &png, "--set", "electrode.parts=2"]), ".sparkpath"),
         (render(&["absent.stl", "--png", &png]), "absent.stl"),
         (render(&["--png", &png]), "PROJECT|MESH"),
         (render(&[&cube]), "--png"),

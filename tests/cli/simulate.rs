@@ -36,7 +36,7 @@ fn a_plan_that_collides_is_answered_no_and_has_no_program() {
     let wall = "[[bodies]]\nname = \"wall\"\ncarried_by = \"bed\"\nshape = \"box\"\nsize_mm = [10, 400, 400]\n\
                 centre_mm = [45, 0, 0]\n";
     std::fs::write(folder.path().join("mine.toml"), wall).unwrap();
-    let file = on_machine(folder.path(), "file = \"mine.toml\"\n");
+    let file = on_machine(folder.path(), "name = \"mine.toml\"\n");
     let out = folder.path().join("out");
     let output = sparkpath(&["plan", &file, "--out", out.to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(3), "{}", text(&output.stderr));
@@ -57,10 +57,10 @@ fn a_machine_that_cannot_be_read_is_bad_input() {
     std::fs::write(folder.path().join("open.toml"), body("shape = \"mesh\"\nfile = \"mine.toml\"")).unwrap();
     for (machine, words) in [
         ("name = \"mill\"\n", "there is no such machine"),
-        ("", "has no name"),
-        ("file = \"mine.toml\"\n", "mine.toml: unknown field `speed`"),
-        ("file = \"bad.toml\"\n", "bad.toml: body arm: size_mm is 0"),
-        ("file = \"open.toml\"\n", "open.toml: body arm: "),
+        ("", "machine.name is missing"),
+        ("name = \"mine.toml\"\n", "mine.toml: unknown field `speed`"),
+        ("name = \"bad.toml\"\n", "bad.toml: body arm: size_mm is 0"),
+        ("name = \"open.toml\"\n", "open.toml: body arm: "),
     ] {
         let file = on_machine(folder.path(), machine);
         let output = sparkpath(&["simulate", &file]);
@@ -114,7 +114,7 @@ fn a_plan_that_is_stopped_while_it_is_simulated_is_written_without_a_program() {
 
 #[cfg(unix)]
 #[test]
-fn a_simulation_finds_the_sizes_that_its_job_leaves_open() {
+fn a_simulation_finds_the_sizes_that_its_project_leaves_open() {
     let folder = tempfile::tempdir().unwrap();
     let file = on_machine(folder.path(), "name = \"xyzac\"\n");
     let open = std::fs::read_to_string(&file).unwrap().replace("[electrode]", "[electrode]\nsize = \"auto\"");

@@ -5,11 +5,12 @@ use super::{easy_job, plan};
 use feed::machine::MachineParams;
 use feed::plan_params::Strategy;
 use feed::simulation::{Scenario, Simulation, SimulationOptions, simulate};
+use files::AnyDocument as _;
 use geometry::mesh::Mesh;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
 use sparkpath::workspaces::blisk::document::machine_file::{BUILT_IN, machine_table, read_machine};
-use sparkpath::workspaces::blisk::document::project_file::ProjectFile;
+use sparkpath::workspaces::blisk::document::{Document, demonstration};
 use sparkpath::workspaces::blisk::job::plan::{PlanOutcome, kept};
 use task::Task;
 use wheel::parametric::ParametricBlisk;
@@ -79,10 +80,11 @@ fn the_demonstration_keeps_its_plan_and_its_channels_are_reached_by_indexing() {
     let outcome = plan(blisk.clone(), job.clone());
     let found = KeptPlan { inputs: KeptPlan::inputs_of(&job, ""), electrodes: kept(&outcome).unwrap() };
     if std::env::var_os("UPDATE_SNAPSHOTS").is_some() {
-        let file = std::path::Path::new("assets/demonstration.sparkpath");
-        ProjectFile { job, meshes: Vec::new(), plan: Some(found), runs: Vec::new() }.write(file).unwrap();
+        let mut document = Document::new(job);
+        found.note(&mut document);
+        document.save_as("assets/demonstration.sparkpath".as_ref()).unwrap();
     } else {
-        same_nodes(&ProjectFile::demonstration().plan.unwrap(), &found);
+        same_nodes(&KeptPlan::of(&demonstration()).unwrap(), &found);
     }
 
     let channels = outcome.channel.blades;

@@ -70,6 +70,6 @@ pub fn a_job_that_cannot_be_planned_can_neither_be_taken_up() {
     let planned = run(&inputs, &Task::default());
     for answer in [planned, taken_up(&easy_kept(), job)] {
         let error = answer.map(|o| o.is_verified()).unwrap_err();
-        assert!(matches!(&error, PlanJobError::Job(why) if why.contains("tolerance_mm")), "{error}");
+        assert!(matches!(&error, PlanJobError::Invalid(problem) if problem.key == "verify.tolerance_mm"), "{error}");
     }
 }

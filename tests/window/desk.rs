@@ -253,7 +253,7 @@ impl Desk {
     /// Makes the search a small one, as a user would who types the numbers in.
     pub fn quicken(&mut self) {
         let core = self.blisk_mut();
-        let job = quick(core.document.job().clone());
+        let job = quick(core.document.params().clone());
         core.edit("Small search", job, false);
         self.until_idle();
     }

@@ -32,7 +32,7 @@ fn released_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_idle();
     let core = desk.blisk_mut();
-    let mut job = quick(core.document.job().clone());
+    let mut job = quick(core.document.params().clone());
     job.blisk.options.channel = 5;
     job.electrode.circumferential_reduction_deg = [3.0, 3.0];
     job.electrode.radial_reduction_mm = 1.0;
@@ -124,7 +124,7 @@ fn an_electrode_in_w_is_that_of_the_mesh_seen_from_w() {
     let [in_mesh, in_w] = [home.path("mesh"), home.path("w")];
     export(&mut desk, &in_mesh);
     let core = desk.blisk_mut();
-    let mut job = core.document.job().clone();
+    let mut job = core.document.params().clone();
     job.export.frame = MeshFrame::W;
     core.edit("Frame", job, false);
     desk.until_idle();
@@ -152,7 +152,7 @@ fn a_post_of_ones_own_is_taken_by_its_file() {
     std::fs::write(&post, BUILT_IN[0].1.replace("extension = \"nc\"", "extension = \"ngc\"")).unwrap();
     desk.window.state_mut().act(|blisk: &mut BliskWorkspace, cx| blisk.take_post(&post, cx));
     desk.settle();
-    assert_eq!(desk.blisk().document.job().export.post, post.to_string_lossy());
+    assert_eq!(desk.blisk().document.params().export.post, post.to_string_lossy());
     let files = export(&mut desk, &home.path("out"));
     assert!(files.contains("path_1.ngc") && !files.contains("path_1.nc"), "{files:?}");
     std::fs::write(home.path("broken.toml"), "title = 3").unwrap();
@@ -160,5 +160,5 @@ fn a_post_of_ones_own_is_taken_by_its_file() {
     desk.window.state_mut().act(|blisk: &mut BliskWorkspace, cx| blisk.take_post(&broken, cx));
     desk.settle();
     desk.assert_shows("This is no post");
-    assert_eq!(desk.blisk().document.job().export.post, post.to_string_lossy());
+    assert_eq!(desk.blisk().document.params().export.post, post.to_string_lossy());
 }

@@ -20,7 +20,7 @@ fn a_wrong_number_is_told_beside_its_field() {
     desk.open_step(Stage::Electrode);
     desk.enter("Spark gap", "abc");
     desk.assert_shows("Spark gap: \"abc\" is not a number; enter a number from 0.005 to 2 mm; it stays 0.1 mm");
-    assert_eq!(desk.blisk().document.job().electrode.spark_gap_mm, 0.1);
+    assert_eq!(desk.blisk().document.params().electrode.spark_gap_mm, 0.1);
     desk.enter("Spark gap", "9");
     desk.until_idle();
     desk.assert_shows("Spark gap must be from 0.005 to 2 mm");
@@ -140,10 +140,10 @@ fn a_failed_open_changes_nothing() {
     desk.press_role(Role::Tab, "Blisk workspace");
     desk.until_idle();
     let core = desk.blisk();
-    let (job, part) = (core.document.job().clone(), core.pipeline.part().unwrap().clone());
+    let (job, part) = (core.document.params().clone(), core.pipeline.part().unwrap().clone());
     fails(&mut desk, &broken);
     desk.until_idle();
     let core = desk.blisk();
-    assert!(*core.document.job() == job && Arc::ptr_eq(core.pipeline.part().unwrap(), &part));
+    assert!(*core.document.params() == job && Arc::ptr_eq(core.pipeline.part().unwrap(), &part));
     assert!(desk.step_says(Stage::Part, "done"));
 }

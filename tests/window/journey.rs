@@ -3,6 +3,7 @@
 use egui::accesskit::Toggled;
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{AccessKitNode, By, Queryable as _};
+use files::AnyDocument as _;
 use glam::DVec3;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::BliskWorkspace;
@@ -36,7 +37,7 @@ fn volume(desk: &Desk) -> f64 {
 }
 
 fn low_reduction(desk: &Desk) -> f64 {
-    desk.blisk().document.job().electrode.circumferential_reduction_deg[0]
+    desk.blisk().document.params().electrode.circumferential_reduction_deg[0]
 }
 
 /// The electrode follows the slider; undo takes the whole drag back and nothing else.
@@ -56,7 +57,7 @@ fn a_drag_is_one_step(desk: &mut Desk) {
     for (name, value) in [("Reduction, low wall", "3"), ("Reduction, high wall", "3"), ("Radial reduction", "1")] {
         desk.enter(name, value);
     }
-    let electrode = &desk.blisk().document.job().electrode;
+    let electrode = &desk.blisk().document.params().electrode;
     assert_eq!((electrode.circumferential_reduction_deg, electrode.radial_reduction_mm), ([3.0, 3.0], 1.0));
     desk.until_idle();
 }
@@ -64,7 +65,7 @@ fn a_drag_is_one_step(desk: &mut Desk) {
 fn plan_cancel_and_plan_again(desk: &mut Desk) {
     // A search that no machine ends before it is cancelled.
     let core = desk.blisk_mut();
-    let mut long = core.document.job().clone();
+    let mut long = core.document.params().clone();
     long.genetic.generations = 10_000;
     core.edit("Long search", long, false);
     desk.until_idle();
@@ -238,7 +239,7 @@ fn unsaved_work_survives_a_kill() {
     desk.open_step(Stage::Electrode);
     desk.enter("Spark gap", "0.123");
     desk.until("a copy is kept", |_| holds(&home.folders().autosave, ".sparkpath"));
-    let job = desk.blisk().document.job().clone();
+    let job = desk.blisk().document.params().clone();
     // Nothing of the program runs any more, neither its saving nor its end.
     drop(desk);
     let mut desk = home.start(Opening::Demonstration);
@@ -247,8 +248,8 @@ fn unsaved_work_survives_a_kill() {
     desk.press("Recover");
     desk.until_idle();
     let document = &desk.blisk().document;
-    assert_eq!((document.job(), document.job().electrode.spark_gap_mm), (&job, 0.123));
-    assert!(document.is_unsaved() && document.job().blisk.mesh.as_ref() == Some(&part));
+    assert_eq!((document.params(), document.params().electrode.spark_gap_mm), (&job, 0.123));
+    assert!(document.is_unsaved() && document.params().blisk.mesh.as_ref() == Some(&part));
     assert!(desk.step_says(Stage::Electrode, "done"));
     // The work is recovered, and kept by the program that did so.
     assert!(holds(&home.folders().autosave, ".sparkpath"));

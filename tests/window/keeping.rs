@@ -3,7 +3,9 @@
 use egui::{Key, Role};
 use egui_kittest::kittest::{By, Queryable as _};
 use feed::plan_params::Strategy;
+use files::AnyDocument as _;
 use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::blisk::document::kept_plan::KeptRun;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::pipeline::StageState;
 use wheel::electrode::EnterSide;
@@ -15,7 +17,7 @@ use crate::desk::{Desk, Home};
 fn plan(desk: &mut Desk, strategy: Strategy) {
     desk.window.state_mut().context_mut().preferences.live = false;
     let core = desk.blisk_mut();
-    let mut job = core.document.job().clone();
+    let mut job = core.document.params().clone();
     job.electrode.circumferential_reduction_deg = [3.0, 3.0];
     job.electrode.radial_reduction_mm = 1.0;
     job.plan.strategy = strategy;
@@ -32,6 +34,10 @@ fn count(desk: &Desk, role: Role, name: &str) -> usize {
 
 fn has(desk: &Desk, role: Role, name: &str) -> bool {
     count(desk, role, name) > 0
+}
+
+fn runs(desk: &Desk) -> Vec<KeptRun> {
+    KeptRun::all_of(&desk.blisk().document)
 }
 
 /// What the certificate of the present plan says, as it is shown.
@@ -68,7 +74,7 @@ fn a_kept_run_stands_in_the_comparison_until_it_is_removed() {
     desk.blisk_mut().document.save_as(&project).unwrap();
     assert!(!desk.blisk().document.is_unsaved());
     desk.window.state_mut().open(&project);
-    desk.until("the runs are there again", |d| d.blisk().document.runs().len() == 2 && d.shows("2 max-min-distance"));
+    desk.until("the runs are there again", |d| runs(d).len() == 2 && d.shows("2 max-min-distance"));
     desk.until_idle();
     assert!(!desk.blisk().document.is_unsaved() && !desk.blisk().can_keep(), "{:#?}", desk.log());
     desk.open_step(Stage::Plan);
@@ -76,14 +82,15 @@ fn a_kept_run_stands_in_the_comparison_until_it_is_removed() {
     desk.press("Comparison");
     desk.pictures("comparison");
     // One of another part takes a place too: it is there to be removed.
-    let document = &mut desk.blisk_mut().document;
-    let mut foreign = document.runs()[0].clone();
+    let mut kept = runs(&desk);
+    let mut foreign = kept[0].clone();
     (foreign.number, foreign.plan.inputs) = (7, "another part".to_owned());
-    document.keep_run(foreign);
+    kept.push(foreign);
+    KeptRun::keep(&kept, &mut desk.blisk_mut().document);
     desk.until("it is refused", |d| d.shows("not compared: it is of another part or channel"));
     desk.picture("comparison_foreign_dark");
     desk.press("Remove 7 genetic");
-    assert!(!desk.shows("7 genetic") && desk.blisk().document.runs().len() == 2);
+    assert!(!desk.shows("7 genetic") && runs(&desk).len() == 2);
     let before = count(&desk, Role::Label, &genetic);
     desk.press("Remove 1 genetic");
     assert!(!has(&desk, Role::Label, "1 genetic"));
@@ -100,7 +107,7 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     desk.until_idle();
     let edit = |desk: &mut Desk, change: &dyn Fn(&mut sparkpath::workspaces::blisk::document::job_file::PlanJob)| {
         let core = desk.blisk_mut();
-        let mut job = core.document.job().clone();
+        let mut job = core.document.params().clone();
         change(&mut job);
         core.edit("Job", job, false);
         desk.until_idle();
@@ -125,7 +132,7 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     assert!(limit.clause().starts_with(&format!("limited at node {}, ", limit.node)), "{}", limit.clause());
     assert!(limit.surface.contains("wall") || limit.surface == "hub", "{}", limit.clause());
     let of_other = "These sizes are out of date; find them again to take one.";
-    let electrode = desk.blisk().document.job().electrode.clone();
+    let electrode = desk.blisk().document.params().electrode.clone();
     assert_eq!(electrode.circumferential_reduction_deg, row.reduction_deg);
     assert!(!has(&desk, Role::Label, of_other), "what is taken is of these parameters");
     edit(&mut desk, &|job| job.electrode.radial_reduction_mm = 1.1);

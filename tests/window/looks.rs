@@ -56,7 +56,7 @@ fn planned(home: &Home) -> Desk {
 fn planned_in(home: &Home, pixels: [u16; 2], scale: f32) -> Desk {
     let mut desk = home.start_in(Opening::File(home.part(&easy_blisk())), pixels, scale);
     desk.until_idle();
-    let mut job = quick(desk.blisk().document.job().clone());
+    let mut job = quick(desk.blisk().document.params().clone());
     job.electrode.circumferential_reduction_deg = [3.0, 3.0];
     job.electrode.radial_reduction_mm = 1.0;
     plan(&mut desk, job);
@@ -169,7 +169,7 @@ fn an_electrode_that_cannot_come_out_jams_at_a_node() {
     let home = Home::new();
     let mut desk = home.start(Opening::File(home.part(&curved_blisk())));
     desk.until_idle();
-    let mut job = quick(desk.blisk().document.job().clone());
+    let mut job = quick(desk.blisk().document.params().clone());
     job.electrode.circumferential_reduction_deg = [1.5, 1.5];
     (job.genetic.population, job.genetic.generations) = (8, 3);
     plan(&mut desk, job);

@@ -3,6 +3,7 @@
 use egui::Key;
 use egui_kittest::kittest::Queryable as _;
 use feed::simulation::Phase;
+use files::AnyDocument as _;
 use glam::DVec3;
 use render::scene::Object;
 use sparkpath::shell::run::Opening;
@@ -50,7 +51,7 @@ fn a_machine_is_seen_from_its_choice_to_its_collision() {
     let home = Home::new();
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_idle();
-    let mut job = quick(desk.blisk().document.job().clone());
+    let mut job = quick(desk.blisk().document.params().clone());
     job.electrode.circumferential_reduction_deg = [3.0, 3.0];
     desk.blisk_mut().edit("Job", job.clone(), false);
     desk.until_idle();
@@ -143,7 +144,7 @@ fn stale_and_opened_again(desk: &mut Desk, home: &Home) {
     let project = home.path("machine.sparkpath");
     desk.blisk_mut().document.save_as(&project).unwrap();
     let core = desk.blisk_mut();
-    let mut job = core.document.job().clone();
+    let mut job = core.document.params().clone();
     job.electrode.radial_reduction_mm += 0.2;
     core.edit("Radial reduction", job, false);
     desk.until_idle();

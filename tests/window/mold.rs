@@ -350,7 +350,7 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
     desk.window.input_mut().dropped_files.push(Arc::new(Dropped(other.clone())));
     desk.settle();
     assert_eq!(desk.mold().document.params().mesh.as_deref(), Some(&*other));
-    assert!(desk.blisk().document.job().blisk.mesh.is_none());
+    assert!(desk.blisk().document.params().blisk.mesh.is_none());
 }
 
 #[test]

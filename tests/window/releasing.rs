@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
 
 use egui::Key;
+use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::pipeline::{ExportWork, StageState};
 use task::Task;
@@ -82,7 +83,7 @@ fn an_export_stops_when_its_release_is_taken_back() {
     let core = desk.blisk_mut();
     core.pipeline.release().unwrap();
     core.pipeline.start_export(&home.path("out"), work).unwrap();
-    let mut job = core.document.job().clone();
+    let mut job = core.document.params().clone();
     job.plan.margin_mm += 0.01;
     core.edit("Margin", job, false);
     desk.settle();
@@ -96,7 +97,7 @@ fn an_export_stops_when_its_release_is_taken_back() {
 fn a_plan_is_kept_for_the_mesh_that_it_was_made_from() {
     let home = Home::new();
     let mut desk = released(&home);
-    let kept = desk.blisk().document.plan().unwrap().clone();
+    let kept = KeptPlan::of(&desk.blisk().document).unwrap();
     home.part(&ParametricBlisk { width_mm: 20.5, ..easy_blisk() });
     desk.blisk_mut().pipeline.reload();
     desk.until_idle();
@@ -106,5 +107,5 @@ fn a_plan_is_kept_for_the_mesh_that_it_was_made_from() {
     pipeline.cancel();
     desk.until_idle();
     assert_eq!(desk.state(Stage::Plan), StageState::Stale, "{:#?}", desk.log());
-    assert_eq!(desk.blisk().document.plan(), Some(&kept));
+    assert_eq!(KeptPlan::of(&desk.blisk().document), Some(kept));
 }

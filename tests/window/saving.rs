@@ -6,8 +6,8 @@ use eframe::App as _;
 use egui::{Key, Modifiers};
 use files::{AnyDocument, Recovery};
 use sparkpath::shell::run::Opening;
-use sparkpath::workspaces::blisk::document::Document;
-use sparkpath::workspaces::blisk::document::project_file::ProjectFile;
+use sparkpath::workspaces::blisk::document::job_file::PlanJob;
+use sparkpath::workspaces::blisk::document::{Document, demonstration};
 use sparkpath::workspaces::mold::document::MoldParams;
 
 use crate::desk::{Desk, Home, holds};
@@ -16,13 +16,13 @@ const UNSAVED: &str = "has unsaved changes";
 const OPEN: &str = "Open a project or a mesh";
 
 fn seed(desk: &Desk) -> u64 {
-    desk.blisk().document.job().genetic.seed
+    desk.blisk().document.params().genetic.seed
 }
 
 /// Work that no file holds.
 fn work(desk: &mut Desk, seed: u64) {
     let core = desk.blisk_mut();
-    let mut job = core.document.job().clone();
+    let mut job = core.document.params().clone();
     job.genetic.seed = seed;
     core.edit("Seed", job, false);
     desk.settle();
@@ -34,7 +34,7 @@ fn control(desk: &mut Desk, key: Key) {
 
 /// A project of the demonstration blisk with this seed.
 fn project(file: &Path, seed: u64) {
-    let mut job = Document::default().job().clone();
+    let mut job = demonstration().params().clone();
     job.genetic.seed = seed;
     Document::new(job).save_as(file).unwrap();
 }
@@ -114,7 +114,7 @@ fn a_project_is_saved_under_a_name_that_opens_and_over_nothing_unasked() {
     desk.type_path(&home.path("blisk v1.5"));
     let file = home.path("blisk v1.5.sparkpath");
     assert_eq!(desk.blisk().document.file(), Some(&*file));
-    assert_eq!(Document::open(&file).unwrap().job().genetic.seed, 61);
+    assert_eq!(Document::open(&file).unwrap().params().genetic.seed, 61);
     let other = home.path("other.sparkpath");
     std::fs::write(&other, "precious").unwrap();
     for name in ["other", "other.sparkpath"] {
@@ -128,7 +128,7 @@ fn a_project_is_saved_under_a_name_that_opens_and_over_nothing_unasked() {
     desk.key_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     desk.type_path(&other);
     desk.press("Replace");
-    assert_eq!(ProjectFile::read(&other).unwrap().job.genetic.seed, 61);
+    assert_eq!(Document::open(&other).unwrap().params().genetic.seed, 61);
     desk.key_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
     desk.type_path(&home.path(""));
     desk.assert_shows("is a folder");
@@ -194,9 +194,10 @@ fn recovered_work_keeps_its_copy_until_there_is_another() {
     assert_eq!(seed(&desk), 81);
     drop(desk);
     let kept = Recovery::find(&home.folders().autosave);
-    let readable: Vec<ProjectFile> = kept.iter().filter_map(|copy| ProjectFile::read(copy.copy()).ok()).collect();
-    let [project] = &readable[..] else { panic!("{readable:?}") };
-    assert_eq!(project.job.genetic.seed, 81);
+    let job = |copy: &Recovery| copy.open::<PlanJob>().ok().map(|document| document.params().clone());
+    let readable: Vec<PlanJob> = kept.iter().filter_map(job).collect();
+    let [job] = &readable[..] else { panic!("{readable:?}") };
+    assert_eq!(job.genetic.seed, 81);
 }
 
 #[test]

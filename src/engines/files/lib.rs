@@ -14,7 +14,6 @@ mod document;
 mod error;
 mod export_folder;
 mod fields;
-pub mod old_history;
 pub mod paths;
 pub mod report;
 mod toml_file;

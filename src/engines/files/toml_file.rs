@@ -159,22 +159,32 @@ fn line_of(text: &str, at: usize) -> usize {
 
 /// Where `key` stands in `text`.
 fn place_of(text: &str, key: &str) -> Option<usize> {
-    let root = DeTable::parse(text).ok()?;
+    place_in(DeTable::parse(text).ok()?.get_ref(), key)
+}
+
+/// Tells which keys stand in `text`.
+pub(crate) fn keys_in(text: &str) -> impl Fn(&str) -> bool {
+    let root = DeTable::parse(text).ok();
+    move |key| root.as_ref().is_some_and(|root| place_in(root.get_ref(), key).is_some())
+}
+
+fn place_in(root: &DeTable, key: &str) -> Option<usize> {
     let mut place = None;
-    let mut here = DeValue::Table(root.into_inner());
+    let (mut table, mut list) = (Some(root), None::<&DeArray>);
     for step in steps(key) {
-        let (at, next) = match here {
-            DeValue::Table(table) => {
-                let (name, value) = table.into_iter().find(|(name, _)| name.get_ref() == step)?;
+        let (at, next) = match (table, list) {
+            (Some(table), _) => {
+                let (name, value) = table.iter().find(|(name, _)| name.get_ref() == step)?;
                 (name.span().start, value)
             }
-            DeValue::Array(list) => {
-                let value = list.into_iter().nth(step.parse().ok()?)?;
+            (None, Some(list)) => {
+                let value = list.iter().nth(step.parse().ok()?)?;
                 (value.span().start, value)
             }
             _ => return None,
         };
-        (place, here) = (Some(at), next.into_inner());
+        place = Some(at);
+        (table, list) = (next.get_ref().as_table(), next.get_ref().as_array());
     }
     place
 }

@@ -17,7 +17,7 @@ pub enum BliskError {
     /// Only a part of a blisk.
     #[error(
         "the mesh is no whole blisk: its surface covers only about {covered_deg:.0} of 360 degrees around the axis {axis}; \
-         load the whole blisk, or give the right axis with the key [blisk] axis"
+         load the whole blisk, or give the right axis with blisk.axis"
     )]
     Partial {
         /// Angle that the surface covers (deg).
@@ -28,7 +28,7 @@ pub enum BliskError {
     /// Nothing repeats around the axis.
     #[error(
         "no blades found: no circle about the axis {axis} crosses walls that repeat evenly around it{}{}; \
-         if this is a blisk, give its axis with the key [blisk] axis and its blade count with [blisk] blades",
+         if this is a blisk, give its axis with blisk.axis and its blade count with blisk.blades",
         .wanted.map(|n| format!(" exactly {n} times")).unwrap_or_default(),
         if *.closed { "" } else { " (the mesh is not closed, which may be why: repair it first)" }
     )]
@@ -43,7 +43,7 @@ pub enum BliskError {
     /// Something repeats, but it is no channel between blades.
     #[error(
         "no blades found: about the axis {axis} there are {count} evenly spaced gaps, but {reason}; \
-         if this is a blisk, give its axis with the key [blisk] axis and its blade count with [blisk] blades"
+         if this is a blisk, give its axis with blisk.axis and its blade count with blisk.blades"
     )]
     NoChannels {
         /// The axis that was tried.
@@ -54,7 +54,7 @@ pub enum BliskError {
         reason: &'static str,
     },
     /// The job asks for a channel that does not exist.
-    #[error("[blisk] channel is {index}, but the blisk has {blades} channels, 0 to {}", .blades - 1)]
+    #[error("blisk.channel is {index}, but the blisk has {blades} channels, 0 to {}", .blades - 1)]
     NoSuchChannel {
         /// The channel asked for.
         index: usize,
@@ -64,7 +64,7 @@ pub enum BliskError {
     /// An end wall could not be found.
     #[error(
         "the {wall} was not found: no surface is met along the radius from the channel's middle (x {x:.3}, r {r:.3} mm \
-         about the axis); give its radius with the key [blisk] {key}"
+         about the axis); give its radius with blisk.{key}"
     )]
     NoEndWall {
         /// Name of the wall: `"hub"`.
@@ -79,7 +79,7 @@ pub enum BliskError {
     /// Hub and shroud leave no room.
     #[error(
         "hub radius {hub:.3} mm and shroud radius {shroud:.3} mm leave no channel that the blades cross; \
-         check the keys [blisk] hub_radius_mm and shroud_radius_mm"
+         check blisk.hub_radius_mm and blisk.shroud_radius_mm"
     )]
     NoHeight {
         /// Hub radius (mm).
@@ -90,7 +90,7 @@ pub enum BliskError {
     /// The walls could not be followed over the whole channel.
     #[error(
         "the channel's walls were lost at x {x:.3}, r {r:.3} mm about the axis, where the blades do not bound it on both \
-         sides; bound the channel with the keys [blisk] hub_radius_mm and shroud_radius_mm"
+         sides; bound the channel with blisk.hub_radius_mm and blisk.shroud_radius_mm"
     )]
     LostWall {
         /// Where (mm along the axis).

@@ -130,27 +130,27 @@ impl BliskOptions {
         if let AxisChoice::Line(AxisLine { direction, point }) = self.axis {
             let length = DVec3::from(direction).length();
             if !(length.is_finite() && length > 1e-12 && DVec3::from(point).is_finite()) {
-                return Err("[blisk] axis: the direction must be finite and not zero, and the point finite".into());
+                return Err("blisk.axis: the direction must be finite and not zero, and the point finite".into());
             }
         }
         if self.blades.given().is_some_and(|n| !(2..=1000).contains(&n)) {
-            return Err("[blisk] blades: must be \"auto\" or between 2 and 1000".into());
+            return Err("blisk.blades: must be \"auto\" or between 2 and 1000".into());
         }
         let radii = [("hub_radius_mm", self.hub_radius_mm), ("shroud_radius_mm", self.shroud_radius_mm)];
         for (key, radius) in radii {
             if radius.given().is_some_and(|r| !(r.is_finite() && r > 0.0)) {
-                return Err(format!("[blisk] {key}: must be \"auto\" or a radius in mm greater than 0"));
+                return Err(format!("blisk.{key}: must be \"auto\" or a radius in mm greater than 0"));
             }
         }
         if let (Some(hub), Some(shroud)) = (self.hub_radius_mm.given(), self.shroud_radius_mm.given())
             && hub >= shroud
         {
-            return Err(format!("[blisk] hub_radius_mm ({hub}) must be less than shroud_radius_mm ({shroud})"));
+            return Err(format!("blisk.hub_radius_mm ({hub}) must be less than blisk.shroud_radius_mm ({shroud})"));
         }
         let sizes = [("wall_points_chord", self.wall_points_chord), ("wall_points_span", self.wall_points_span)];
         for (key, size) in sizes {
             if !(5..=MAX_WALL_POINTS).contains(&size) {
-                return Err(format!("[blisk] {key}: must be between 5 and {MAX_WALL_POINTS}"));
+                return Err(format!("blisk.{key}: must be between 5 and {MAX_WALL_POINTS}"));
             }
         }
         Ok(())

@@ -10,7 +10,6 @@ use crate::workspaces::commands::{CommandInfo, CommandSet, Scope};
 #[allow(missing_docs)] // The table names them.
 pub enum BliskCommand {
     NewDemonstration,
-    SaveJob,
     Plan,
     Release,
     Withdraw,
@@ -36,12 +35,8 @@ impl CommandSet for BliskCommand {
         const fn info(name: &'static str) -> CommandInfo {
             CommandInfo::new(name)
         }
-        static TABLE: [(C, CommandInfo); 20] = [
+        static TABLE: [(C, CommandInfo); 19] = [
             (C::NewDemonstration, info("New from demonstration blisk")),
-            (
-                C::SaveJob,
-                info("Save as job file…").needing("The demonstration blisk has no mesh file for a job: open a mesh"),
-            ),
             (C::Plan, info("Plan feed path").key(Key::F5)),
             (C::Release, info("Release for export")),
             (C::Withdraw, info("Withdraw release")),

@@ -10,11 +10,10 @@ use crate::widgets::theme::palette;
 use crate::widgets::viewport::Viewport;
 use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::desk::{BliskDesk, BliskDialog};
-use crate::workspaces::blisk::document::fields::{Field, job_as_json, with_value};
+use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::machine_file::read_machine;
-use crate::workspaces::blisk::document::project_file::{MovedMesh, ProjectFile};
 use crate::workspaces::blisk::document::stage::Stage;
-use crate::workspaces::blisk::document::{Document, OpenError};
+use crate::workspaces::blisk::document::{Document, demonstration, kept_plan};
 use crate::workspaces::blisk::export;
 use crate::workspaces::blisk::job::stages::{self, Part};
 use crate::workspaces::blisk::panels::forms::{self, Request as FormRequest};
@@ -29,7 +28,7 @@ use crate::workspaces::message::Message;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace};
-use files::{AnyDocument, Recovery};
+use files::{AnyDocument, Params as _, Recovery};
 use nc::post::Post;
 use render::scene::SectionPlane;
 use render::view::StandardView;
@@ -43,8 +42,6 @@ static ABOUT: About =
 enum BliskPath {
     /// Project or mesh to open.
     Open,
-    /// Where the job file for the command line is written.
-    SaveJob,
     /// Folder for the exported files.
     ExportFolder,
     /// An electrode mesh of one's own.
@@ -53,8 +50,8 @@ enum BliskPath {
     Post,
     /// A machine file of one's own.
     Machine,
-    /// The mesh of a project that is elsewhere now.
-    MovedMesh,
+    /// A file of a project that is elsewhere now.
+    MovedFile,
 }
 
 impl PathSet for BliskPath {
@@ -65,7 +62,7 @@ impl PathSet for BliskPath {
         const fn info(title: &'static str, kind: PathKind) -> PathInfo {
             PathInfo { title, kind, opens: false }
         }
-        static TABLE: [(P, PathInfo); 7] = [
+        static TABLE: [(P, PathInfo); 6] = [
             (
                 P::Open,
                 PathInfo {
@@ -74,12 +71,11 @@ impl PathSet for BliskPath {
                     opens: true,
                 },
             ),
-            (P::SaveJob, info("Save job file", PathKind::Write("Job", ".toml"))),
             (P::ExportFolder, info("Folder for the exported files", PathKind::Folder)),
             (P::ElectrodeMesh, info("Your own electrode", PathKind::Read("Meshes", MESHES, false))),
             (P::Post, info("Your own NC post", PathKind::Read("Post", TOML, false))),
             (P::Machine, info("Your own machine", PathKind::Read("Machine", TOML, false))),
-            (P::MovedMesh, info("Find the mesh", PathKind::Read("Meshes", MESHES, false))),
+            (P::MovedFile, info("Find the file", PathKind::Read("Files", &[], false))),
         ];
         &TABLE
     }
@@ -103,7 +99,7 @@ pub struct BliskWorkspace {
     tab: Tab,
     pending: Option<Pending>,
     opening: Opening<(Document, Arc<Part>)>,
-    /// The mesh that is looked for.
+    /// The file that is looked for.
     locating: Option<PathBuf>,
 }
 
@@ -114,7 +110,7 @@ impl BliskWorkspace {
     /// If the system gives no thread to work on.
     pub fn new(scheduler: &Scheduler, wake: impl Fn() + Send + Sync + Clone + 'static) -> std::io::Result<Self> {
         Ok(Self {
-            desk: BliskDesk::new(Document::default(), scheduler, wake)?,
+            desk: BliskDesk::new(demonstration(), scheduler, wake)?,
             view: BliskView::default(),
             curves: Curves::default(),
             tab: Tab::Positions,
@@ -140,7 +136,7 @@ impl BliskWorkspace {
     /// Reads the part of `document`, which then takes the place of the present one.
     fn begin(&mut self, document: Document) {
         self.opening.begin(move |task| {
-            let part = stages::load(document.job(), task)?;
+            let part = stages::load(document.params(), task)?;
             Ok((document.clone(), Arc::new(part)))
         });
     }
@@ -148,14 +144,25 @@ impl BliskWorkspace {
     /// The document at `path`, without its part; says why there is none.
     fn document_at(&mut self, path: &Path, cx: &mut Context) -> Option<Document> {
         if !is_project(path) {
-            return Some(Document::for_mesh(path));
+            return Some(Document::new(PlanJob::for_mesh(path)));
         }
-        match Document::open(path) {
-            Ok(document) => return Some(document),
-            Err(OpenError::Moved(project, moved)) => self.moved((project, moved, path.to_owned()), cx),
-            Err(OpenError::File(error)) => {
+        let opened = Document::open(path).map_err(|e| e.to_string());
+        let readable = |document: Document| match kept_plan::check(&document) {
+            Ok(()) => Ok(document),
+            Err(why) => Err(format!("{}: {why}", path.display())),
+        };
+        match opened.and_then(readable) {
+            Ok(document) => {
+                let moved = document.moved_files();
+                if moved.is_empty() {
+                    return Some(document);
+                }
+                self.desk.dialog = Some(BliskDialog::Moved(Box::new(document), moved));
+                cx.request(Request::Dialog);
+            }
+            Err(why) => {
                 cx.not_opened(path);
-                cx.error("This project cannot be opened", error.to_string());
+                cx.error("This project cannot be opened", why);
             }
         }
         None
@@ -177,7 +184,7 @@ impl BliskWorkspace {
         self.view = BliskView::default();
         cx.request(Request::Show);
         let document = &self.desk.document;
-        if let Some(path) = document.file().or(document.job().blisk.mesh.as_deref()) {
+        if let Some(path) = document.file().or(document.params().blisk.mesh.as_deref()) {
             cx.opened(path);
         }
         // What was said last is of another part.
@@ -271,7 +278,6 @@ impl BliskWorkspace {
         let (desk, view) = (&mut self.desk, &mut self.view);
         match command {
             BliskCommand::NewDemonstration => self.intend(Pending::Demonstration, cx),
-            BliskCommand::SaveJob => cx.ask(BliskPath::SaveJob, &format!("{}.toml", desk.document.name())),
             BliskCommand::Plan => self.plan(cx),
             BliskCommand::Release => self.release(cx),
             BliskCommand::Withdraw => desk.pipeline.withdraw(),
@@ -306,23 +312,12 @@ impl BliskWorkspace {
         }
     }
 
-    fn write_job(&self, path: &Path, cx: &mut Context) {
-        let text = self.desk.document.job().to_toml(path.parent().unwrap_or(Path::new("")));
-        let written = text.and_then(|text| {
-            files::atomic::atomic_write(path, |out| out.write_all(text.as_bytes())).map_err(|e| e.to_string())
-        });
-        match written {
-            Ok(()) => cx.say(EventKind::Done, format!("job file written to {}", path.display())),
-            Err(e) => cx.error("The job file was not written", e),
-        }
-    }
-
     /// Takes the post in this file, if it is one.
     pub fn take_post(&mut self, path: &Path, cx: &mut Context) {
         let name = path.to_string_lossy().into_owned();
         match Post::named(&name) {
             Ok(_) => {
-                let mut job = self.desk.document.job().clone();
+                let mut job = self.desk.document.params().clone();
                 job.export.post = name;
                 self.desk.edit("NC program Post-processor", job, false);
             }
@@ -333,12 +328,12 @@ impl BliskWorkspace {
     /// Takes the machine in the file `path`; says why not if it is none.
     pub fn take_machine(&mut self, path: &Path, cx: &mut Context) {
         let name = path.to_string_lossy().into_owned();
-        let job = job_as_json(self.desk.document.job());
-        let field = Field::of(Stage::Plan).find(|f| f.pointer == "/machine/name");
-        let read = read_machine(&name, &Task::default()).map_err(|e| e.to_string());
-        let taken = read.and_then(|_| field.map_or(Err(String::new()), |f| with_value(&job, f, name.into())));
+        let mut job = self.desk.document.params().clone();
+        job.machine.name = name;
+        let read = read_machine(&job.machine.name, &Task::default()).map_err(|e| e.to_string());
+        let taken = read.and_then(|_| job.complete(&|key| key == "machine.name").map_err(|e| e.remedy));
         match taken {
-            Ok(job) => self.desk.edit("Machine Bodies", job, false),
+            Ok(()) => self.desk.edit("Machine Bodies", job, false),
             Err(error) => cx.error("This is no machine", error),
         }
     }
@@ -354,11 +349,11 @@ impl BliskWorkspace {
         }
     }
 
-    /// Takes the mesh at `path` in the place of one that the project to be opened has lost.
-    fn found_mesh(&mut self, path: &Path, cx: &mut Context) {
-        let Some(BliskDialog::Moved(project, moved, _)) = &mut self.desk.dialog else { return };
+    /// Takes the file at `path` in the place of one that the project to be opened has lost.
+    fn found_file(&mut self, path: &Path, cx: &mut Context) {
+        let Some(BliskDialog::Moved(document, moved)) = &mut self.desk.dialog else { return };
         let Some(old) = self.locating.take() else { return };
-        project.replace_mesh(&old, path);
+        document.replace_file(&old, path);
         moved.retain(|m| m.path != old);
         if moved.is_empty() {
             self.open_anyway(cx);
@@ -366,16 +361,10 @@ impl BliskWorkspace {
     }
 
     fn open_anyway(&mut self, cx: &mut Context) {
-        if let Some(BliskDialog::Moved(project, _, path)) = self.desk.dialog.take() {
-            self.begin(Document::opened(*project, &path));
+        if let Some(BliskDialog::Moved(document, _)) = self.desk.dialog.take() {
+            self.begin(*document);
             cx.request(Request::CloseDialog);
         }
-    }
-
-    fn moved(&mut self, dialog: (Box<ProjectFile>, Vec<MovedMesh>, PathBuf), cx: &mut Context) {
-        let (project, moved, path) = dialog;
-        self.desk.dialog = Some(BliskDialog::Moved(project, moved, path));
-        cx.request(Request::Dialog);
     }
 }
 
@@ -384,8 +373,8 @@ impl Commanded for BliskDesk {
         use FrameCommand as F;
         if let Some(command) = F::of(command) {
             return match command {
-                F::Undo => self.document.undo_label().is_some(),
-                F::Redo => self.document.redo_label().is_some(),
+                F::Undo => self.document.undo_label(false).is_some(),
+                F::Redo => self.document.undo_label(true).is_some(),
                 F::Cancel => self.pipeline.is_busy(),
                 F::Export => self.pipeline.released().is_some(),
                 F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode => !self.track().is_empty(),
@@ -394,8 +383,6 @@ impl Commanded for BliskDesk {
         }
         let Some(command) = BliskCommand::of(command) else { return false };
         match command {
-            // A job file names a mesh file.
-            BliskCommand::SaveJob => self.document.job().blisk.mesh.is_some(),
             BliskCommand::Plan => self.can_plan(),
             BliskCommand::Release => self.pipeline.can_release() && self.pipeline.released().is_none(),
             BliskCommand::Withdraw => self.pipeline.released().is_some(),
@@ -432,7 +419,7 @@ impl Workspace for BliskWorkspace {
         let of = |all: &[C]| all.iter().map(|command| command.command()).collect::<Vec<_>>();
         match menu {
             Menu::New => vec![of(&[C::NewDemonstration])],
-            Menu::Save => vec![of(&[C::SaveJob])],
+            Menu::Save => Vec::new(),
             Menu::Own => {
                 let first = [C::Plan.into(), FrameCommand::Cancel.into(), C::Keep.into()];
                 vec![[&first[..], &of(&[C::Release, C::Withdraw])].concat(), of(&[C::MillFlanks])]
@@ -584,7 +571,7 @@ impl Workspace for BliskWorkspace {
     }
 
     fn near(&self) -> Option<&Path> {
-        self.desk.document.file().or(self.desk.document.job().blisk.mesh.as_deref())
+        self.desk.document.file().or(self.desk.document.params().blisk.mesh.as_deref())
     }
 
     fn open(&mut self, path: &Path, cx: &mut Context) {
@@ -605,38 +592,37 @@ impl Workspace for BliskWorkspace {
                 }
             }
             Some(Pending::AskOpen) => cx.ask(BliskPath::Open, ""),
-            Some(Pending::Demonstration) => self.replace(Document::default(), None, cx),
+            Some(Pending::Demonstration) => self.replace(demonstration(), None, cx),
             Some(Pending::Take(opened)) => self.replace(opened.0.clone(), Some(opened.1.clone()), cx),
             None => {}
         }
     }
 
     fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String> {
-        let project = ProjectFile::read(copy.copy()).map_err(|e| e.to_string())?;
-        self.replace(Document::recovered(project, copy.file.clone()), None, cx);
+        let document = copy.open().map_err(|e| e.to_string())?;
+        self.replace(document, None, cx);
         Ok(())
     }
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {
         match BliskPath::at(number) {
             Some(BliskPath::Open) => self.go_on(Pending::Open(path), cx),
-            Some(BliskPath::SaveJob) => self.write_job(&path, cx),
             Some(BliskPath::ExportFolder) => self.export(&path, cx),
             Some(BliskPath::ElectrodeMesh) => {
-                let mut job = self.desk.document.job().clone();
+                let mut job = self.desk.document.params().clone();
                 job.electrode.mesh = Some(path);
                 self.desk.edit("Own electrode", job, false);
             }
             Some(BliskPath::Post) => self.take_post(&path, cx),
             Some(BliskPath::Machine) => self.take_machine(&path, cx),
-            Some(BliskPath::MovedMesh) => self.found_mesh(&path, cx),
+            Some(BliskPath::MovedFile) => self.found_file(&path, cx),
             None => {}
         }
     }
 
     fn dialog_title(&self) -> &'static str {
         match self.desk.dialog {
-            Some(BliskDialog::Moved(..)) => "Meshes of this project",
+            Some(BliskDialog::Moved(..)) => "Files of this project",
             _ => "Export",
         }
     }
@@ -652,11 +638,11 @@ impl Workspace for BliskWorkspace {
                 Some(export_dialog::Answer::Close) => return true,
                 None => {}
             },
-            Some(BliskDialog::Moved(_, moved, _)) => match moved_dialog::show(ui, moved) {
+            Some(BliskDialog::Moved(document, moved)) => match moved_dialog::show(ui, document.params(), moved) {
                 Some(moved_dialog::Answer::Locate(old)) => {
                     let title = format!("Where is {}?", old.display());
                     self.locating = Some(old);
-                    cx.ask(BliskPath::MovedMesh, &title);
+                    cx.ask(BliskPath::MovedFile, &title);
                 }
                 Some(moved_dialog::Answer::OpenAnyway) => self.open_anyway(cx),
                 Some(moved_dialog::Answer::Close) => return true,

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::document::history::History;
-use crate::{FileError, Validate};
+use crate::{FileError, Invalid, Validate};
 use project::{CopyNote, Project};
 
 /// Parameters that a document can hold. Their TOML form has no key called `kind`, `version`, `files`, `results`, `kept` or
@@ -34,6 +34,15 @@ pub trait Params: Clone + PartialEq + Serialize + DeserializeOwned + Validate + 
 
     /// Replaces the path of every file that is named: project files have them as seen from their own folder.
     fn change_paths(&mut self, change: &mut dyn FnMut(&Path) -> PathBuf);
+
+    /// Takes over what a file that is named says of the keys that are not given, as the travels of a machine. Called once
+    /// paths are those of the system, with keys of a project file or those that have just been changed.
+    ///
+    /// # Errors
+    /// If that file cannot be read.
+    fn complete(&mut self, _is_given: &dyn Fn(&str) -> bool) -> Result<(), Invalid> {
+        Ok(())
+    }
 }
 
 /// The document of any workspace, for whoever does not know its parameters.

@@ -23,7 +23,7 @@ use toml::de::{DeTable, Deserializer};
 
 use super::{Params, PartFile};
 use crate::paths::{folder_of, relative, without_detours};
-use crate::toml_file::{one_line, read_text, syntax, write_text};
+use crate::toml_file::{keys_in, one_line, read_text, syntax, write_text};
 use crate::{FileError, Invalid};
 
 /// The largest project that is written or read (bytes).
@@ -143,6 +143,7 @@ impl<P: Params> Project<P> {
         let folder = folder_of(file);
         let seen = |path: &Path| without_detours(&folder.join(path));
         params.change_paths(&mut |path| seen(path));
+        params.complete(&keys_in(text)).map_err(|problem| FileError::placed(file, text, problem))?;
         // Last, as validation may look into the files that are named.
         params.validate().map_err(|problem| FileError::placed(file, text, problem))?;
         let files = tail.files.into_iter().map(|part| PartFile { path: seen(&part.path), ..part }).collect();

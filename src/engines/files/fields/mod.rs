@@ -75,6 +75,8 @@ pub enum Kind {
     Choice(&'static [Word]),
     /// One of some words, or the path of a file.
     ChoiceOrFile(&'static [Word]),
+    /// One of some words, or a value of this other form, which the struct itself checks.
+    ChoiceOr(&'static [Word], &'static str),
     /// One of some tables, told apart by the word under `tag`.
     Variant {
         /// Key of the word in the table.
@@ -205,6 +207,16 @@ impl Field {
     /// One of `words`, or a file.
     pub const fn choice_or_file(key: &'static str, label: &'static str, words: &'static [Word]) -> Self {
         Self::of(key, label, Kind::ChoiceOrFile(words))
+    }
+
+    /// One of `words`, or a value of the form that `other` tells, as `numbers like 0,1,2`.
+    pub const fn choice_or(
+        key: &'static str,
+        label: &'static str,
+        words: &'static [Word],
+        other: &'static str,
+    ) -> Self {
+        Self::of(key, label, Kind::ChoiceOr(words, other))
     }
 
     /// One of `variants`, told apart by the word under `tag`.
@@ -340,6 +352,7 @@ impl Field {
             }
             Kind::Choice(all) => Some(format!("must be one of {}", words(all))),
             Kind::ChoiceOrFile(all) => Some(format!("must be one of {}, or the path of a file", words(all))),
+            Kind::ChoiceOr(all, other) => Some(format!("must be one of {}, or {other}", words(all))),
             Kind::Variant { variants, .. } => {
                 let words: Vec<&str> = variants.iter().map(|v| v.word.word).collect();
                 Some(format!("must be one of {}", words.join(", ")))
@@ -382,6 +395,7 @@ impl Field {
             Kind::Variant { tag, variants } => variants.iter().any(|v| Some(v.word.word) == get(value, tag).as_str()),
             Kind::Flag => value.is_boolean(),
             Kind::Text | Kind::ChoiceOrFile(_) => value.is_string(),
+            Kind::ChoiceOr(..) => !value.is_null(),
             Kind::File => value.is_string() || value.is_null(),
             Kind::Rows { fields, .. } => {
                 let Some(rows) = value.as_array() else { return Err(self.refused(key, value)) };

@@ -294,7 +294,9 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
 /// Values that a field must be able to have.
 fn possible(field: &Field) -> Vec<Value> {
     match field.kind {
-        Kind::Choice(words) | Kind::ChoiceOrFile(words) => words.iter().map(|w| w.word.into()).collect(),
+        Kind::Choice(words) | Kind::ChoiceOrFile(words) | Kind::ChoiceOr(words, _) => {
+            words.iter().map(|w| w.word.into()).collect()
+        }
         Kind::Variant { variants, .. } => variants.iter().map(|v| text::read_toml(v.new).unwrap_or_default()).collect(),
         Kind::Rows { new, .. } => vec![Value::from(vec![text::read_toml(new).unwrap_or_default()])],
         Kind::Number { instead: Instead::Word(word, start), is_whole, .. } => {

@@ -13,6 +13,7 @@ struct Params {
     grid: [usize; 2],
     sides_mm: Vec<f64>,
     blades: Value,
+    channels: Value,
     plan: Plan,
     stages: Vec<Stage>,
     unlisted_mm: f64,
@@ -67,6 +68,7 @@ impl Default for Params {
             grid: [100, 50],
             sides_mm: vec![10.0, 12.5],
             blades: "auto".into(),
+            channels: "own".into(),
             plan: Plan::default(),
             stages: vec![Stage { name: "rough".to_owned(), gap_mm: 0.2 }],
             unlisted_mm: 3.0,
@@ -74,6 +76,7 @@ impl Default for Params {
     }
 }
 
+const CHANNELS: &[Word] = &[word("own", "planned one", "")];
 const STRATEGIES: &[Word] = &[word("global", "global search", ""), word("genetic", "genetic search", "")];
 const OBJECTIVES: &[Variant] = &[
     Variant { word: word("sum", "sum", ""), new: "{ least = \"sum\" }" },
@@ -92,6 +95,7 @@ const TABLE: FieldTable<Params> = FieldTable::new(&[
             Field::text("name", "Name").help("What it is called."),
             Field::file("mesh", "Mesh").help("The part."),
             Field::integer("blades", "Blades", 2.0, 1000.0).or_word("auto", 60.0).help("How many there are."),
+            Field::choice_or("channels", "Channels", CHANNELS, "numbers as in [0, 1]").help("Which of them."),
         ],
     },
     Group {
@@ -165,6 +169,11 @@ fn values_are_set_by_key_and_read_again() {
     assert_eq!(set("sides_mm", "12,5; 8").unwrap().sides_mm, [12.5, 8.0]);
     assert_eq!(set("blades", "23").unwrap().blades, Value::from(23));
     assert_eq!(set("blades", "auto").unwrap().blades, Value::from("auto"));
+    assert_eq!(set("channels", "own").unwrap().channels, Value::from("own"));
+    assert_eq!(set("channels", "0,1").unwrap().channels, Value::from("0,1"), "what it means is the struct's affair");
+    let list = set("channels", "[0, 1]").unwrap();
+    assert_eq!((&list.channels, TABLE.get(&list, "channels")), (&Value::from(vec![0, 1]), Ok("[0, 1]".to_owned())));
+    assert!(set("channels", " ").unwrap_err().to_string().contains("must be one of own, or numbers as in [0, 1]"));
     assert_eq!(set("mesh", "a/b.stl").unwrap().mesh, Some("a/b.stl".into()));
     assert_eq!(set("plan.bound_mm", "0.25").unwrap().plan.bound_mm, Some(0.25), "a key that the file would not have");
     assert_eq!(set("plan.objective", "bounded").unwrap().plan.objective, Objective::Bounded { overcut_mm: Some(0.01) });

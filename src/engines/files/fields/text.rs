@@ -12,10 +12,12 @@ impl Field {
             (Kind::Number { instead: Instead::Nothing(_), .. } | Kind::File, Value::Null) => "none".to_owned(),
             (Kind::Variant { tag, .. }, Value::Object(_)) => plain(get(value, tag)),
             (Kind::Numbers { .. }, Value::Array(all)) => all.iter().map(number).collect::<Vec<_>>().join(", "),
-            (Kind::Rows { .. }, Value::Array(_)) => match toml::Value::try_from(without_nulls(value.clone())) {
-                Ok(rows) => rows.to_string(),
-                Err(_) => value.to_string(),
-            },
+            (Kind::Rows { .. } | Kind::ChoiceOr(..), Value::Array(_) | Value::Object(_)) => {
+                match toml::Value::try_from(without_nulls(value.clone())) {
+                    Ok(rows) => rows.to_string(),
+                    Err(_) => value.to_string(),
+                }
+            }
             _ => number(value),
         }
     }
@@ -24,7 +26,9 @@ impl Field {
     pub fn show_label(&self, value: &Value) -> String {
         let text = self.show(value);
         let found = match self.kind {
-            Kind::Choice(words) | Kind::ChoiceOrFile(words) => words.iter().find(|w| w.word == text).map(|w| w.label),
+            Kind::Choice(words) | Kind::ChoiceOrFile(words) | Kind::ChoiceOr(words, _) => {
+                words.iter().find(|w| w.word == text).map(|w| w.label)
+            }
             Kind::Variant { variants, .. } => variants.iter().find(|v| v.word.word == text).map(|v| v.word.label),
             Kind::Flag => Some(if value.as_bool() == Some(true) { "yes" } else { "no" }),
             _ => None,
@@ -55,6 +59,11 @@ impl Field {
                 _ => return Err(wrong()),
             },
             Kind::Text | Kind::File | Kind::Choice(_) | Kind::ChoiceOrFile(_) => text.into(),
+            Kind::ChoiceOr(..) if text.is_empty() => return Err(wrong()),
+            // What is no value of TOML is a word.
+            Kind::ChoiceOr(..) => {
+                read_toml(text).filter(|v| v.is_object() || v.is_array()).unwrap_or_else(|| text.into())
+            }
             Kind::Variant { variants, .. } => {
                 let found = variants.iter().find(|v| v.word.word == text).ok_or_else(wrong)?;
                 read_toml(found.new).ok_or_else(wrong)?

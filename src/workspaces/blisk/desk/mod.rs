@@ -7,7 +7,6 @@ use std::time::Duration;
 
 use crate::workspaces::blisk::document::Document;
 use crate::workspaces::blisk::document::job_file::PlanJob;
-use crate::workspaces::blisk::document::project_file::{MovedMesh, ProjectFile};
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::plan::ElectrodeOutcome;
 pub use crate::workspaces::blisk::panels::cursor::Cursor;
@@ -24,17 +23,17 @@ use crate::workspaces::context::{Context, LogLine};
 use crate::workspaces::news::EventKind;
 use feed::plan_params::Strategy;
 use feed::pose::Pose;
+use files::MovedFile;
 use render::mesh::RenderMesh;
 use render::scene::SectionPlane;
-use std::path::PathBuf;
 use task::{Lane, Memo, Priority, Same, Scheduler};
 
 /// The dialogs of the workspace.
 pub enum BliskDialog {
     /// What is exported and where.
     Export,
-    /// Meshes of a project that are gone or have changed.
-    Moved(Box<ProjectFile>, Vec<MovedMesh>, PathBuf),
+    /// A project, and files of it that are gone or have changed.
+    Moved(Box<Document>, Vec<MovedFile>),
 }
 
 /// The document, what has been made of it, and how it is looked at.
@@ -79,7 +78,6 @@ pub struct BliskDesk {
     /// The track of the electrode that is looked at; made again when its source changes.
     track: Arc<Track>,
     track_of: TrackSource,
-    gesture: u64,
 }
 
 /// What colours were computed for.
@@ -132,7 +130,6 @@ impl BliskDesk {
             span: None,
             track: Arc::default(),
             track_of: TrackSource::default(),
-            gesture: 0,
         })
     }
 
@@ -163,15 +160,12 @@ impl BliskDesk {
 
     /// Changes parameters. `dragging` tells that more changes of the same kind may follow at once.
     pub fn edit(&mut self, label: &str, job: PlanJob, dragging: bool) {
-        self.document.edit(label, job, dragging.then_some(self.gesture));
-        if !dragging {
-            self.gesture += 1;
-        }
+        self.document.edit(label, job, dragging);
     }
 
     /// Ends what was one gesture: the button is released, the field is left.
     pub fn end_gesture(&mut self) {
-        self.gesture += 1;
+        self.document.end_gesture();
     }
 
     /// Whether a plan can be started.
@@ -233,7 +227,7 @@ impl BliskDesk {
             return;
         }
         let wanted = is_live
-            && self.document.job().plan.strategy == Strategy::Global
+            && self.document.params().plan.strategy == Strategy::Global
             && matches!(self.pipeline.state(Stage::Plan), StageState::Missing | StageState::Stale);
         let inputs = wanted.then(|| self.pipeline.tuning_inputs()).flatten();
         self.tuning.follow(inputs, self.cursor.electrode);

@@ -53,7 +53,7 @@ impl BliskDesk {
 
     /// Keeps the bodies of the machine up with the parameters and with the electrode that is shown.
     pub(super) fn follow_bodies(&mut self, cx: &mut Context) {
-        let machine = &self.document.job().machine;
+        let machine = &self.document.params().machine;
         let wanted = machine.has_bodies().then(|| (machine.name.clone(), self.pipeline.reloads()));
         self.bodies.read(wanted);
         if let Some(why) = self.bodies.take_failure() {
@@ -101,7 +101,7 @@ impl BliskDesk {
     }
 
     fn leftover_limit(&self, shape: &LeftoverShape) -> f64 {
-        colour_limit(shape.greatest, self.document.job().electrode.spark_gap_mm)
+        colour_limit(shape.greatest, self.document.params().electrode.spark_gap_mm)
     }
 
     /// Shows the stock left in the channel, or the electrode again.
@@ -122,7 +122,7 @@ impl BliskDesk {
 
     /// What the colours mean.
     pub fn colour_legend(&self) -> Legend {
-        let gap = self.document.job().electrode.spark_gap_mm;
+        let gap = self.document.params().electrode.spark_gap_mm;
         // While the electrode moves its colours come after it.
         let is_current = self.coloured.last().is_some_and(|(key, _)| key.pose == self.shown_pose());
         Legend {
@@ -165,7 +165,7 @@ impl BliskDesk {
     pub fn electrode_to_mill(&self) -> Option<ElectrodePart> {
         let (electrode, _) = self.shown_electrode()?;
         let (part, channel) = (self.pipeline.part()?, &self.pipeline.channel()?.channel);
-        let is_of_mesh = self.document.job().export.frame == MeshFrame::Mesh;
+        let is_of_mesh = self.document.params().export.frame == MeshFrame::Mesh;
         let named = (self.cursor.electrode + 1, part.name.as_str());
         Some(ElectrodePart::of_blisk(electrode, named, is_of_mesh.then_some(&channel.frame)))
     }
@@ -203,7 +203,7 @@ impl BliskDesk {
     /// of the present parameters.
     pub fn required(&self) -> [f64; 2] {
         let path = self.outcome().filter(|_| self.track.is_path).and_then(|o| o.plan.path.as_ref());
-        let job = self.document.job();
+        let job = self.document.params();
         let of_job = [job.electrode.spark_gap_mm, job.verify.tolerance_mm];
         path.map_or(of_job, |p| [p.certificate.required(), p.certificate.tolerance()])
     }

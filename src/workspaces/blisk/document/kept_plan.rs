@@ -1,13 +1,18 @@
-//! What a project keeps of a plan: the nodes that were found. The path through them is made and verified anew when the
-//! project is opened, so that a file can never vouch for a path.
+//! What a project keeps of a plan: the nodes that were found, as JSON in one text. The path through them is made and
+//! verified anew when the project is opened, so that a file can never vouch for a path.
+
+use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::Document;
 use super::job_file::PlanJob;
 use feed::genetic::ReductionMode;
+use feed::objective::ObjectiveValue;
 use feed::pose::Pose;
 use feed::problem::Node;
+use files::Params as _;
 use wheel::electrode::EntrySide;
 
 /// The nodes of a plan and what they belong to.
@@ -29,17 +34,45 @@ pub struct KeptElectrode {
     /// Additional circumferential reduction that it was made with (rad).
     pub h: f64,
     /// Nodes from the final pose outwards.
+    #[serde(with = "rows")]
     pub nodes: Vec<Node>,
 }
 
+/// Nodes as rows of numbers.
+mod rows {
+    use serde::{Deserializer, Serializer};
+
+    use super::{Deserialize, Node, ObjectiveValue, Pose};
+
+    pub fn serialize<S: Serializer>(nodes: &[Node], serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(nodes.iter().map(|node| {
+            let (Node { s, h, clearance, .. }, [x, y, z, a, b, c]) = (*node, node.pose.to_array());
+            let ObjectiveValue { smoothness, centring, total } = node.objective;
+            [s, x, y, z, a, b, c, h, clearance, smoothness, centring, total]
+        }))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Node>, D::Error> {
+        let node = |[s, x, y, z, a, b, c, h, clearance, smoothness, centring, total]: [f64; 12]| Node {
+            s,
+            pose: Pose { x, y, z, a, b, c },
+            h,
+            clearance,
+            objective: ObjectiveValue { smoothness, centring, total },
+        };
+        Ok(Vec::deserialize(deserializer)?.into_iter().map(node).collect())
+    }
+}
+
 /// A plan that is kept to compare with, and what it was made with.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct KeptRun {
     /// Its number, counted from 1.
     pub number: usize,
     /// Which of the window's colours it has.
     pub colour: usize,
-    /// Its parameters.
+    /// Its parameters. Files have their names alone: what they held is told by the plan.
     pub job: PlanJob,
     /// Its nodes.
     pub plan: KeptPlan,
@@ -53,12 +86,60 @@ pub struct KeptPlanError {
     what: &'static str,
 }
 
+/// The result that the plan of a document is.
+const PLAN: &str = "plan";
+/// What the runs of a document are kept as.
+const RUNS: &str = "runs";
+
+/// Whether what `document` keeps can be read.
+///
+/// # Errors
+/// One line on what cannot.
+pub fn check(document: &Document) -> Result<(), String> {
+    let damaged = |what: &str, e: serde_json::Error| {
+        format!("the project is damaged: {what} cannot be read ({e}); remove it from the file to open the rest")
+    };
+    let plan = document.result(PLAN).map(serde_json::from_str::<KeptPlan>).transpose();
+    plan.map_err(|e| damaged("results.plan", e))?;
+    let runs = document.kept(RUNS).map(serde_json::from_str::<Vec<KeptRun>>).transpose();
+    runs.map(drop).map_err(|e| damaged("kept.runs", e))
+}
+
+impl KeptRun {
+    /// The plans that `document` keeps to compare with, in the order of keeping.
+    pub fn all_of(document: &Document) -> Vec<Self> {
+        document.kept(RUNS).and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default()
+    }
+
+    /// Has `document` keep these runs and no others. That is unsaved work: their parameters may be nowhere else.
+    pub fn keep(runs: &[Self], document: &mut Document) {
+        let text = serde_json::to_string(runs).ok().filter(|_| !runs.is_empty());
+        document.keep(RUNS, text);
+    }
+
+    /// A run with the parameters `job`.
+    pub fn new(number: usize, colour: usize, mut job: PlanJob, plan: KeptPlan) -> Self {
+        job.change_paths(&mut |path| path.file_name().map(PathBuf::from).unwrap_or_default());
+        Self { number, colour, job, plan }
+    }
+}
+
 /// Longest way that is taken up (mm): the largest coordinate that the verifier takes.
 const LONGEST: f64 = 1e4;
 /// Rounding of a distance (mm) or an angle (rad) that was written to a file and read again.
 const ROUNDING: f64 = 1e-9;
 
 impl KeptPlan {
+    /// The plan that `document` was left with.
+    pub fn of(document: &Document) -> Option<Self> {
+        document.result(PLAN).and_then(|text| serde_json::from_str(text).ok())
+    }
+
+    /// Notes the plan for the project file of `document`. That is no unsaved work: the same search finds it again.
+    pub fn note(&self, document: &mut Document) {
+        document.note_result(PLAN, serde_json::to_string(self).ok());
+    }
+
     /// Checks what a search always keeps to, since a file may say anything.
     ///
     /// # Errors

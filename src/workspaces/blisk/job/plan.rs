@@ -21,6 +21,7 @@ use feed::problem::{Convergence, Node};
 use feed::replay::{Surroundings, replay_feed};
 use feed::simulation::Simulation;
 use feed::verify::VerifyError;
+use files::Validate as _;
 use geometry::exact::{ExactMesh, ExactMeshError};
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
@@ -119,6 +120,8 @@ pub enum PlanJobError {
     #[error("{0}")]
     Job(String),
     #[error(transparent)]
+    Invalid(#[from] files::Invalid),
+    #[error(transparent)]
     Kept(#[from] KeptPlanError),
     #[error(transparent)]
     Blisk(BliskError),
@@ -204,7 +207,7 @@ pub fn run_finished(prepared: &PreparedBlisk, inputs: &PlanInputs, task: &Task) 
 /// burnt, or when told to stop.
 pub fn prepare(inputs: &PlanInputs, task: &Task) -> Result<PreparedBlisk, PlanJobError> {
     let job = &inputs.job;
-    job.validate().map_err(PlanJobError::Job)?;
+    job.validate()?;
     let mut clock = Clock::default();
     simulate::check_machine(job, task)?;
     let channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, task))?;
@@ -276,7 +279,7 @@ struct JobPlanner<'a> {
 
 impl JobPlanner<'_> {
     fn outcome(mut self) -> Result<PlanOutcome, PlanJobError> {
-        self.inputs.job.validate().map_err(PlanJobError::Job)?;
+        self.inputs.job.validate()?;
         if self.inputs.job.electrode.size == Sizing::Auto {
             let todo = "[electrode] size = \"auto\": find the sizes first and take one, or give the reductions";
             return Err(PlanJobError::Job(todo.to_owned()));
@@ -432,7 +435,7 @@ pub fn replay(
     task: &Task,
 ) -> Result<PlanOutcome, PlanJobError> {
     let job = &inputs.job;
-    job.validate().map_err(PlanJobError::Job)?;
+    job.validate()?;
     kept.check(job)?;
     let mut clock = Clock::default();
     let finder = SurfaceFinder::new(channel.clone())?;

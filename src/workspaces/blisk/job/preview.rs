@@ -6,6 +6,7 @@ use super::plan::{PlanInputs, PlanJobError, electrode_of, settings_of, sides};
 use super::prepared_blisk::PreparedBlisk;
 use feed::global::PreviewPath;
 use feed::planner::{DrawnIn, preview_path};
+use files::Validate as _;
 use task::Task;
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, EntrySide};
@@ -45,7 +46,7 @@ pub fn live_way(
     task: &Task,
 ) -> Result<LiveWay, PlanJobError> {
     let job = &inputs.job;
-    job.validate().map_err(PlanJobError::Job)?;
+    job.validate()?;
     let settings = settings_of(job, &|_, _| ());
     let mut best: Option<LiveWay> = None;
     let columns = if inputs.own_electrode.is_some() { 1 } else { job.electrode.columns };

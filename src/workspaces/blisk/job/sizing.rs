@@ -12,6 +12,7 @@ use feed::plan_params::Strategy;
 use feed::prepared::PreparedElectrode;
 use feed::probes::Turns;
 use feed::sizing::{Least, Sizer};
+use files::Validate as _;
 use task::Task;
 use wheel::channel::Surface;
 use wheel::electrode::{EnterSide, EntrySide, Sizing as SizeMode, own_turns};
@@ -110,7 +111,7 @@ pub fn size(
     base.job.genetic.h = ReductionMode::Given;
     base.job.electrode.size = SizeMode::Given;
     base.job.electrode.circumferential_reduction_deg = [0.0; 2];
-    base.job.validate().map_err(PlanJobError::Job)?;
+    base.job.validate()?;
     let sizing = Sizing { prepared, base, found, task };
     let mut rows = Vec::new();
     for parts in range.from..=range.to {

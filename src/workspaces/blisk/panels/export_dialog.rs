@@ -8,9 +8,9 @@ use super::forms::shown_choice;
 use crate::widgets::panel_parts::from_right;
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::document::choice::{DrawnPictures, MeshFrame};
-use crate::workspaces::blisk::document::fields::{Field, Kind};
+use crate::workspaces::blisk::document::field_table::FIELDS;
 use crate::workspaces::blisk::document::job_file::ExportSection;
-use crate::workspaces::blisk::document::stage::Stage;
+use files::{Kind, Validate as _, Word};
 
 /// Room for the names of files (points).
 const NAMES: f32 = 150.0;
@@ -28,16 +28,18 @@ pub enum Answer {
 
 /// Draws it. Choices go into the document at once.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk) -> Option<Answer> {
-    let mut export = desk.document.job().export.clone();
-    let mut answer = files(ui, &mut export);
+    let mut job = desk.document.params().clone();
+    let export = &mut job.export;
+    let mut answer = files(ui, export);
     ui.add_space(8.0);
     ui.label(RichText::new("Pictures").small().color(palette(ui).faint));
     let drawn = export.files.report || export.files.pictures;
     ui.add_enabled_ui(drawn, |ui| pictures(ui, &mut export.pictures));
     ui.add_space(8.0);
-    let problem = export.validate().err();
+    let is_any = export.files.any();
+    let problem = job.validate().err().map(|problem| FIELDS.in_window(&problem));
     let (colour, text) = match &problem {
-        Some(_) if !export.files.any() => (palette(ui).bad, "No file is chosen: nothing would be written."),
+        Some(_) if !is_any => (palette(ui).bad, "No file is chosen: nothing would be written."),
         Some(problem) => (palette(ui).bad, problem.as_str()),
         None => (palette(ui).warning, "Results of an earlier plan in the folder are replaced."),
     };
@@ -52,8 +54,6 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) -> Option<Answer> {
             answer = Some(Answer::Close);
         }
     });
-    let mut job = desk.document.job().clone();
-    job.export = export;
     desk.edit("Export choices", job, false);
     answer
 }
@@ -112,8 +112,8 @@ fn post(ui: &mut Ui, post: &mut String) -> bool {
     let mut own = false;
     let combo = ComboBox::from_id_salt("post").width(220.0).truncate().selected_text(shown_choice(words, post));
     let response = combo.show_ui(ui, |ui| {
-        for (word, shown) in words {
-            ui.selectable_value(post, (*word).to_owned(), *shown);
+        for Word { word, label, .. } in words {
+            ui.selectable_value(post, (*word).to_owned(), *label);
         }
         own = ui.selectable_label(false, "Own file…").clicked();
     });
@@ -126,9 +126,9 @@ fn named(response: &egui::Response, name: &'static str) {
 }
 
 /// The built-in posts with their names.
-fn posts() -> &'static [(&'static str, &'static str)] {
-    let kind = Field::of(Stage::Export).find(|f| f.pointer == "/export/post").map(|f| f.kind);
-    if let Some(Kind::ChoiceOrFile(words)) = kind { words } else { &[] }
+fn posts() -> &'static [Word] {
+    let kind = FIELDS.find("export.post").map(|place| place.field.kind);
+    if let Ok(Kind::ChoiceOrFile(words)) = kind { words } else { &[] }
 }
 
 fn pictures(ui: &mut Ui, drawn: &mut DrawnPictures) {

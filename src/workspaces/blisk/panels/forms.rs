@@ -9,9 +9,9 @@ use egui::{DragValue, Response, RichText, Slider, SliderClamping, Ui, vec2};
 use serde_json::Value;
 
 use crate::widgets::theme::{palette, tick};
-use crate::workspaces::blisk::document::fields::{Field, Kind, Range, job_as_json, with_value};
-use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::field_table::FIELDS;
 use crate::workspaces::blisk::document::stage::Stage;
+use files::{Field, Group, Instead, Kind, Params as _, Range, Word, get};
 
 /// Width of a number (points).
 const VALUE_WIDTH: f32 = 74.0;
@@ -35,7 +35,8 @@ impl Columns {
     /// Those for `fields` in the room that `ui` has.
     fn of(ui: &Ui, stage: Stage) -> Self {
         let width = ui.available_width();
-        let unit = if Field::of(stage).any(|f| f.unit.len() > 3) { 54.0 } else { 28.0 };
+        let is_long = FIELDS.groups(stage.name()).flat_map(|group| group.fields).any(|field| field.unit.len() > 3);
+        let unit = if is_long { 54.0 } else { 28.0 };
         let middle = if width < ROOM_FOR_SLIDERS { 0.0 } else { MIDDLE_WIDTH };
         let gaps = ui.spacing().item_spacing.x * if middle > 0.0 { 3.0 } else { 2.0 };
         Self { label: (width - middle - VALUE_WIDTH - unit - gaps).max(60.0), middle }
@@ -72,37 +73,30 @@ pub enum Request {
 
 /// Draws the fields of `stage`. Changes go into the document at once.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) -> Option<Request> {
-    let job = job_as_json(desk.document.job());
-    let defaults = job_as_json(&defaults(desk.document.job()));
-    let mut group = "";
+    let job = FIELDS.values(desk.document.params());
+    let defaults = FIELDS.values(&FIELDS.defaults(desk.document.params()));
     let mut request = None;
-    let groups = groups(stage);
-    for (name, folded) in groups {
-        if name == group {
-            continue;
-        }
-        group = name;
-        let fields: Vec<&Field> = Field::of(stage).filter(|f| f.group == name).collect();
-        let changed = |f: &&Field| f.get(&job) != f.get(&defaults);
+    for group in FIELDS.groups(stage.name()) {
+        let changed = |f: &Field| get(&job, f.key) != get(&defaults, f.key);
         let mut body = |ui: &mut Ui| {
             let columns = Columns::of(ui, stage);
-            for field in &fields {
+            for field in group.fields {
                 match row(ui, field, &job, &defaults, columns) {
-                    Some(Change::To(value)) => change(desk, field, &job, value, false),
-                    Some(Change::Along(value)) => change(desk, field, &job, value, true),
+                    Some(Change::To(value)) => change(desk, group, field, &job, value, false),
+                    Some(Change::Along(value)) => change(desk, group, field, &job, value, true),
                     Some(Change::Choose) => request = Some(request_of(field)),
-                    Some(Change::NoNumber(text)) => cx.say_in_passing(no_number(field, field.get(&job), &text)),
+                    Some(Change::NoNumber(text)) => cx.say_in_passing(no_number(field, get(&job, field.key), &text)),
                     None => {}
                 }
             }
         };
-        if folded {
+        if group.is_folded {
             // Only at first: a group that unfolded while one of its sliders is dragged would take it from the hand.
-            let open = fields.iter().any(changed);
-            egui::CollapsingHeader::new(name).id_salt((stage, name)).default_open(open).show(ui, body);
+            let open = group.fields.iter().any(changed);
+            egui::CollapsingHeader::new(group.name).id_salt((stage, group.name)).default_open(open).show(ui, body);
         } else {
             ui.add_space(4.0);
-            ui.label(RichText::new(name).small().color(palette(ui).faint));
+            ui.label(RichText::new(group.name).small().color(palette(ui).faint));
             body(ui);
         }
     }
@@ -114,63 +108,38 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) -
 
 /// Whether a field of `stage` says that its value cannot be taken.
 pub fn has_problem(desk: &BliskDesk, stage: Stage) -> bool {
-    let job = job_as_json(desk.document.job());
-    Field::of(stage).any(|f| f.problem(f.get(&job)).is_some())
+    let job = FIELDS.values(desk.document.params());
+    let fields = FIELDS.groups(stage.name()).flat_map(|group| group.fields);
+    fields.into_iter().any(|field| problem(field, get(&job, field.key)).is_some())
+}
+
+/// Why `value` cannot be taken, if it cannot.
+fn problem(field: &Field, value: &Value) -> Option<String> {
+    field.check(field.key, value).err().map(|problem| problem.remedy)
 }
 
 fn request_of(field: &Field) -> Request {
-    match field.pointer {
-        "/machine/name" => Request::Machine,
-        _ if field.stage == Stage::Export => Request::Post,
+    match field.key {
+        "machine.name" => Request::Machine,
+        "export.post" => Request::Post,
         _ => Request::ElectrodeMesh,
     }
 }
 
-/// The defaults that fields are compared with: those of the same part.
-fn defaults(job: &PlanJob) -> PlanJob {
-    let mut defaults = PlanJob::demonstration();
-    if job.blisk.mesh.is_some() {
-        defaults.electrode = Default::default();
-    }
-    defaults.blisk.mesh = job.blisk.mesh.clone();
-    defaults
-}
-
-/// Headings of a step's form in order, and whether they start folded: what few need to touch.
-fn groups(stage: Stage) -> Vec<(&'static str, bool)> {
-    const FOLDED: [&str; 10] = [
-        "Radii",
-        "Wall grid",
-        "Body",
-        "Own electrode",
-        "Weights",
-        "Fine points",
-        "Centreline search",
-        "Genetic search",
-        "Files",
-        "Pictures",
-    ];
-    let mut groups: Vec<(&str, bool)> = Vec::new();
-    for field in Field::of(stage) {
-        if groups.last().is_none_or(|(name, _)| *name != field.group) {
-            groups.push((field.group, FOLDED.contains(&field.group)));
-        }
-    }
-    groups
-}
-
-fn change(desk: &mut BliskDesk, field: &Field, job: &Value, value: Value, dragging: bool) {
+fn change(desk: &mut BliskDesk, group: &Group, field: &Field, job: &Value, value: Value, dragging: bool) {
     // A value that the struct itself cannot hold never leaves its field.
-    if let Ok(job) = with_value(job, field, value) {
-        desk.edit(&format!("{} {}", field.group, field.label), job, dragging);
+    let changed = FIELDS.put(job, field.key, value);
+    let completed = changed.and_then(|mut job| job.complete(&|key| key == field.key).map(|()| job));
+    if let Ok(job) = completed {
+        desk.edit(&format!("{} {}", group.name, field.label), job, dragging);
     }
 }
 
 fn row(ui: &mut Ui, field: &Field, job: &Value, defaults: &Value, columns: Columns) -> Option<Change> {
-    let value = field.get(job);
+    let value = get(job, field.key);
     let mut change = None;
     ui.horizontal(|ui| {
-        let changed = value != field.get(defaults);
+        let changed = value != get(defaults, field.key);
         let name = RichText::new(field.label).color(if changed {
             ui.visuals().strong_text_color()
         } else {
@@ -179,12 +148,12 @@ fn row(ui: &mut Ui, field: &Field, job: &Value, defaults: &Value, columns: Colum
         let label = cell(ui, columns.label, |ui| {
             ui.add(egui::Label::new(name).truncate().selectable(false).sense(egui::Sense::click()))
         });
-        let hint = |ui: &mut Ui| tooltip(ui, field, field.get(defaults));
+        let hint = |ui: &mut Ui| tooltip(ui, field, get(defaults, field.key));
         let label_id = label.id;
         label.clone().on_hover_ui(hint);
         label.context_menu(|ui| {
             if ui.button("Reset to default").clicked() {
-                change = Some(Change::To(field.get(defaults).clone()));
+                change = Some(Change::To(get(defaults, field.key).clone()));
             }
         });
         if let Some(wanted) = widget(ui, field, value, label_id, columns) {
@@ -194,7 +163,7 @@ fn row(ui: &mut Ui, field: &Field, job: &Value, defaults: &Value, columns: Colum
             ui.label(RichText::new(field.unit).color(palette(ui).faint));
         }
     });
-    if let Some(problem) = field.problem(value) {
+    if let Some(problem) = problem(field, value) {
         ui.with_layout(egui::Layout::top_down(egui::Align::Max), |ui| {
             let text = RichText::new(format!("{} {problem}", field.label)).small().color(palette(ui).bad);
             ui.add(egui::Label::new(text).wrap());
@@ -205,10 +174,7 @@ fn row(ui: &mut Ui, field: &Field, job: &Value, defaults: &Value, columns: Colum
 
 /// Whether a number stands in the row, which is to have its unit.
 fn shows_number(kind: Kind, value: &Value) -> bool {
-    match kind {
-        Kind::AutoNumber(..) | Kind::AutoInteger(..) => value.is_number(),
-        kind => matches!(kind, Kind::Number(..) | Kind::Slider(..) | Kind::Integer(_)),
-    }
+    matches!(kind, Kind::Number { .. }) && value.is_number()
 }
 
 /// Says that `text`, which was typed into `field`, is no number, and what is asked for.
@@ -254,7 +220,7 @@ fn tooltip(ui: &mut Ui, field: &Field, default: &Value) {
     if let Some(text) = shown(default) {
         ui.weak(format!("Default {text}{unit}"));
     }
-    ui.weak(field.key());
+    ui.weak(field.key);
 }
 
 fn shown(value: &Value) -> Option<String> {
@@ -266,18 +232,21 @@ fn shown(value: &Value) -> Option<String> {
 }
 
 fn widget(ui: &mut Ui, field: &Field, value: &Value, label: egui::Id, columns: Columns) -> Option<Change> {
-    if field.problem(value).is_some() {
+    if problem(field, value).is_some() {
         let bad = palette(ui).bad;
         let widgets = &mut ui.visuals_mut().widgets;
         widgets.inactive.bg_stroke = egui::Stroke::new(1.0, bad);
         widgets.hovered.bg_stroke = egui::Stroke::new(1.0, bad);
     }
     match field.kind {
-        Kind::Number(_, decimals) => {
-            no_slider(ui, columns);
-            number(ui, value, decimals, label)
+        Kind::Number { is_whole, decimals, instead: Instead::Word(_, start), .. } => {
+            let start = if is_whole { Value::from(start as u64) } else { start.into() };
+            auto(ui, value, start, label, columns, |ui, given| match is_whole {
+                true => whole(ui, given, label),
+                false => number(ui, given, decimals, label),
+            })
         }
-        Kind::Slider(_, Range(least, greatest), decimals) => {
+        Kind::Number { slider: Some(Range(least, greatest)), decimals, .. } => {
             let mut to = value.as_f64().unwrap_or_default();
             let slid = (columns.middle > 0.0).then(|| {
                 let slider = Slider::new(&mut to, least..=greatest)
@@ -290,18 +259,13 @@ fn widget(ui: &mut Ui, field: &Field, value: &Value, label: egui::Id, columns: C
             let slid = slid.and_then(|slid| along(&slid, to.into()));
             number(ui, &to.into(), decimals, label).or(slid)
         }
-        Kind::Integer(_) => {
+        Kind::Number { is_whole, decimals, .. } => {
             no_slider(ui, columns);
-            whole(ui, value, label)
+            if is_whole { whole(ui, value, label) } else { number(ui, value, decimals, label) }
         }
-        Kind::AutoNumber(_, decimals, start) => {
-            auto(ui, value, start.into(), label, columns, |ui, given| number(ui, given, decimals, label))
+        Kind::Choice(words) | Kind::ChoiceOrFile(words) | Kind::ChoiceOr(words, _) => {
+            choice(ui, field, words, value, label, columns.wide(ui))
         }
-        Kind::AutoInteger(_, start) => {
-            auto(ui, value, start.into(), label, columns, |ui, given| whole(ui, given, label))
-        }
-        Kind::Choice(words) => choice(ui, field, words, value, label, columns.wide(ui)),
-        Kind::ChoiceOrFile(words) => choice(ui, field, words, value, label, columns.wide(ui)),
         Kind::Flag => {
             no_slider(ui, columns);
             let mut on = value.as_bool().unwrap_or_default();
@@ -309,6 +273,7 @@ fn widget(ui: &mut Ui, field: &Field, value: &Value, label: egui::Id, columns: C
             box_.changed().then(|| Change::To(on.into()))
         }
         Kind::File => file(ui, value, columns.wide(ui)),
+        Kind::Numbers { .. } | Kind::Text | Kind::Variant { .. } | Kind::Rows { .. } => None,
     }
 }
 
@@ -371,18 +336,18 @@ fn auto(
 fn choice(
     ui: &mut Ui,
     field: &Field,
-    words: &'static [(&'static str, &'static str)],
+    words: &'static [Word],
     value: &Value,
     label: egui::Id,
     width: f32,
 ) -> Option<Change> {
     let now = value.as_str();
     let mut change = None;
-    let text = now.map_or("as in the job file".to_owned(), |now| shown_choice(words, now));
-    let combo = egui::ComboBox::from_id_salt(field.pointer).selected_text(text).truncate().width(width);
+    let text = now.map_or_else(|| field.show(value), |now| shown_choice(words, now));
+    let combo = egui::ComboBox::from_id_salt(field.key).selected_text(text).truncate().width(width);
     let response = combo.show_ui(ui, |ui| {
-        for (word, shown) in words {
-            if ui.selectable_label(Some(*word) == now, *shown).clicked() {
+        for Word { word, label, .. } in words {
+            if ui.selectable_label(Some(*word) == now, *label).clicked() {
                 change = Some(Change::To((*word).into()));
             }
         }
@@ -395,8 +360,8 @@ fn choice(
 }
 
 /// How a choice is shown: by its name, or the name of the file that it is.
-pub fn shown_choice(words: &[(&str, &str)], now: &str) -> String {
-    let shown = words.iter().find(|(word, _)| *word == now).map(|(_, shown)| (*shown).to_owned());
+pub fn shown_choice(words: &[Word], now: &str) -> String {
+    let shown = words.iter().find(|w| w.word == now).map(|w| w.label.to_owned());
     shown.unwrap_or_else(|| file_name(now))
 }
 

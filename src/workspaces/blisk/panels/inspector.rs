@@ -91,7 +91,7 @@ fn pose(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context) {
         fact(ui, "Retracted", length.show(station.s, 3));
     }
     // A table turns to other channels even where the feed does not need it.
-    let moves = desk.document.job().machine.axes.axes();
+    let moves = desk.document.params().machine.axes.axes();
     let shown = |axis: &Axis| moves.contains(axis) || pose.get(*axis) != 0.0;
     for axis in Axis::ALL.into_iter().filter(shown) {
         let value = pose.get(axis);

@@ -98,25 +98,27 @@ impl KeptRuns {
             None => "waits for part and channel".to_owned(),
         };
         let row = |of: &kept_plan::KeptRun| (of.number, name(of.number, of.job.plan.strategy), reason(of));
-        document.runs().iter().filter(is_absent).map(row).collect()
+        kept_plan::KeptRun::all_of(document).iter().filter(is_absent).map(row).collect()
     }
 
     /// Whether one more can be kept, and `plan`, which must be certified, is not kept already.
     pub fn can_keep(&self, plan: &PlanOutcome, document: &Document) -> bool {
         plan.is_verified()
-            && document.runs().len() < Self::MOST
+            && kept_plan::KeptRun::all_of(document).len() < Self::MOST
             && !self.runs.iter().any(|run| run.paths.iter().map(String::as_str).eq(paths(plan)))
     }
 
     /// Keeps `plan`, which was made by the parameters of `document` of meshes with this content. Answers its name.
     pub fn keep(&mut self, plan: &PlanOutcome, document: &mut Document, content: &str) -> Option<String> {
-        let job = document.job().clone();
+        let job = document.params().clone();
         let plan_kept = KeptPlan { inputs: KeptPlan::inputs_of(&job, content), electrodes: kept(plan)? };
-        let number = document.runs().iter().map(|run| run.number).max().unwrap_or(0) + 1;
-        let is_free = |colour: &usize| document.runs().iter().all(|run| run.colour != *colour);
+        let mut all = kept_plan::KeptRun::all_of(document);
+        let number = all.iter().map(|run| run.number).max().unwrap_or(0) + 1;
+        let is_free = |colour: &usize| all.iter().all(|run| run.colour != *colour);
         let colour = (0..Self::MOST).find(is_free).unwrap_or(0);
-        let of = kept_plan::KeptRun { number, colour, job, plan: plan_kept };
-        document.keep_run(of.clone());
+        let of = kept_plan::KeptRun::new(number, colour, job, plan_kept);
+        all.push(of.clone());
+        kept_plan::KeptRun::keep(&all, document);
         self.asked.push(number);
         self.add(&of, plan, step_of(document));
         self.runs.last().map(KeptRun::name)
@@ -148,7 +150,7 @@ impl KeptRuns {
         for message in self.opener.messages() {
             let Message::Partial(_, Opened { of, outcome }) = message else { continue };
             match outcome {
-                _ if !document.runs().contains(&of) => {}
+                _ if !kept_plan::KeptRun::all_of(document).contains(&of) => {}
                 Ok(plan) => {
                     self.refused.remove(&of.number);
                     self.add(&of, &plan, step_of(document));
@@ -168,10 +170,11 @@ impl KeptRuns {
             self.asked.retain(|number| !self.refused.contains_key(number));
         }
         let lacking = |run: &&kept_plan::KeptRun| !self.asked.contains(&run.number);
-        let wanted: Vec<kept_plan::KeptRun> = document.runs().iter().filter(lacking).cloned().collect();
+        let wanted: Vec<kept_plan::KeptRun> =
+            kept_plan::KeptRun::all_of(document).iter().filter(lacking).cloned().collect();
         if !wanted.is_empty() {
             self.asked.extend(wanted.iter().map(|run| run.number));
-            let now = document.job().clone();
+            let now = document.params().clone();
             self.opener.submit(0, move |reporter, task| {
                 for of in wanted {
                     let made = kept_run(&of, &now, &part, &found, task);
@@ -195,13 +198,15 @@ impl KeptRuns {
         self.runs.retain(|run| run.number != number);
         self.asked.retain(|asked| *asked != number);
         self.refused.remove(&number);
-        document.drop_run(number);
+        let mut kept = kept_plan::KeptRun::all_of(document);
+        kept.retain(|run| run.number != number);
+        kept_plan::KeptRun::keep(&kept, document);
     }
 }
 
 /// The step that differences of all runs are taken over, that of the first (mm).
 fn step_of(document: &Document) -> f64 {
-    document.runs().first().map_or(document.job().plan.step_mm, |run| run.job.plan.step_mm)
+    kept_plan::KeptRun::all_of(document).first().map_or(document.params().plan.step_mm, |run| run.job.plan.step_mm)
 }
 
 /// Digests of the paths of `plan`.
@@ -211,7 +216,8 @@ fn paths(plan: &PlanOutcome) -> impl Iterator<Item = &str> {
 
 /// Draws the figures of the kept runs for the electrode that is looked at, with a button to remove each.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
-    let axes: Vec<Axis> = desk.document.job().machine.axes.axes().iter().copied().filter(|a| *a != Axis::X).collect();
+    let axes: Vec<Axis> =
+        desk.document.params().machine.axes.axes().iter().copied().filter(|a| *a != Axis::X).collect();
     let (electrode, step) = (desk.cursor.electrode, step_of(&desk.document));
     let mut removed = None;
     let caption = format!(

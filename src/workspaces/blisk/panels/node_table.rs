@@ -15,7 +15,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     let current = desk.feed_cursor().and_then(|s| track.nearest_node(s));
     let gap = desk.least_wanted();
     let colours = palette(ui);
-    let axes = desk.document.job().machine.axes.axes();
+    let axes = desk.document.params().machine.axes.axes();
     let head = |axis: &Axis| format!("{} {}", axis.letter(), if axis.is_rotary() { "deg" } else { "mm" });
     let mut heads = vec!["node".to_owned(), "s mm".to_owned()];
     heads.extend(axes.iter().map(head));

@@ -96,7 +96,7 @@ const BESIDE_TABLE: f32 = 600.0;
 
 /// Draws the table of nodes on the right where there is room for it and the plots, and tells whether there is.
 pub fn table_beside(ui: &mut Ui, desk: &mut BliskDesk) -> bool {
-    let width = 170.0 + 70.0 * desk.document.job().machine.axes.axes().len() as f32 + 70.0;
+    let width = 170.0 + 70.0 * desk.document.params().machine.axes.axes().len() as f32 + 70.0;
     let is_beside = ui.available_width() > width + BESIDE_TABLE && !desk.track().is_empty();
     if is_beside {
         let panel = egui::Panel::right("nodes").exact_size(width).resizable(false);
@@ -110,7 +110,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, tab: &mut Tab, curves: &mut Curve
     curves.follow(desk);
     let is_there = |tab: Tab| match tab {
         Tab::Table => !is_beside,
-        Tab::Comparison => !desk.document.runs().is_empty(),
+        Tab::Comparison => desk.document.kept("runs").is_some(),
         _ => true,
     };
     if !is_there(*tab) {
@@ -191,7 +191,7 @@ fn axes(ui: &mut Ui, desk: &mut BliskDesk, curves: &Curves, order: usize) {
     let colours = palette(ui).axes;
     let name = ["axes", "speed", "acceleration"][order];
     // X runs far beyond the others and says nothing that the abscissa does not.
-    let moving = || desk.document.job().machine.axes.axes().iter().filter(|axis| **axis != Axis::X);
+    let moving = || desk.document.params().machine.axes.axes().iter().filter(|axis| **axis != Axis::X);
     let names: Vec<(Axis, String)> = moving().map(|axis| (*axis, axis_name(*axis, order))).collect();
     let others = if order == 0 { kept_lines(ui, desk, moving()) } else { Vec::new() };
     let kept: Vec<(Color32, String)> = desk.kept.all().iter().map(|run| (run.colour(ui), run.name())).collect();

@@ -84,7 +84,7 @@ fn table(ui: &mut Ui, desk: &BliskDesk, rows: &[SizeRow], current: bool) -> Opti
             told(ui.label(RichText::new(format!("{low:.3}")).monospace()));
             told(ui.label(RichText::new(format!("{high:.3}")).monospace()));
             told(ui.label(RichText::new(format!("{:.3}", row.least_thickness_mm)).monospace()));
-            let applied = current && is_applied(desk.document.job(), row);
+            let applied = current && is_applied(desk.document.params(), row);
             let response =
                 ui.add_enabled(current && !applied, egui::Button::new(if applied { "Taken" } else { "Take" }).small());
             let name = format!("Take size {}", i + 1);
@@ -116,7 +116,7 @@ fn is_applied(job: &PlanJob, row: &SizeRow) -> bool {
 
 /// Puts a row's reductions, parts and side into the parameters, and the strategy that found them.
 fn apply(desk: &mut BliskDesk, row: &SizeRow) {
-    let mut job = desk.document.job().clone();
+    let mut job = desk.document.params().clone();
     job.electrode.parts = row.parts;
     job.electrode.enter = row.enter;
     job.electrode.size = wheel::electrode::Sizing::Given;

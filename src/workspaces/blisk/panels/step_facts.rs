@@ -272,7 +272,7 @@ fn leftover(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, left: &Leftover
 fn export(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     let released = desk.pipeline.released().is_some();
     if !released && desk.pipeline.finishing() == StageState::Running {
-        let unless = if simulate::is_needed(desk.document.job()) { ", unless something collides" } else { "" };
+        let unless = if simulate::is_needed(desk.document.params()) { ", unless something collides" } else { "" };
         let text = format!(
             "{}. The plan can be released once its copying motions and its residual stock are computed{unless}.",
             sentence(awaited(desk))

@@ -22,10 +22,10 @@ impl Pipeline {
             && !blisk.sha256.is_empty()
         {
             for file in &part.files {
-                document.note_mesh(file.path.as_ref(), &file.sha256);
+                document.note_file(file.path.as_ref(), &file.sha256);
             }
         }
-        let now = self.refresh(document.job());
+        let now = self.refresh(document.params());
         if self.released.is_some() && self.released().is_none() {
             self.withdraw();
             let text = "release withdrawn: an input changed".to_owned();
@@ -40,11 +40,11 @@ impl Pipeline {
         if self.finish.running.is_some_and(|(_, made_from)| made_from != now.plan) {
             self.worker.cancel_from(Stage::Verify as u32);
         }
-        self.start_early_stages(document.job(), now);
+        self.start_early_stages(document.params(), now);
         events.extend(self.replay_kept_plan(document, now));
         self.start_finish(now);
         if let Some(plan) = self.newly_planned.take() {
-            document.note_plan(plan);
+            plan.note(document);
         }
         events
     }
@@ -122,20 +122,22 @@ impl Pipeline {
         if self.plan.value.is_some() || self.plan.running.is_some() {
             return None;
         }
-        let kept = document.plan()?;
+        let kept = KeptPlan::of(document)?;
         let (part, found) = (self.part.current(now.part)?, self.channel.current(now.channel)?);
         // A file may say anything: as many electrodes as there are parts, or none of it counts.
         let parts = self.electrode.current(now.electrode).map(|made| made.electrodes.len());
         if parts.is_none() || self.replayed.as_deref() == Some(&kept.inputs) {
             return None;
         }
-        if parts != Some(kept.electrodes.len()) || kept.inputs != KeptPlan::inputs_of(document.job(), &part.content()) {
+        if parts != Some(kept.electrodes.len())
+            || kept.inputs != KeptPlan::inputs_of(document.params(), &part.content())
+        {
             let is_news = self.passed_over.replace(kept.inputs.clone()).as_ref() != Some(&kept.inputs);
             let text = "the plan in this project is out of date; plan again".to_owned();
             return is_news.then_some(Event { stage: Stage::Plan, kind: EventKind::Cancelled, text, took: None });
         }
         self.replayed = Some(kept.inputs.clone());
-        let (part, found, kept, job) = (part.clone(), found.clone(), kept.clone(), document.job().clone());
+        let (part, found, kept, job) = (part.clone(), found.clone(), kept.clone(), document.params().clone());
         let work = move |_: &Reporter<PartialPlan, Found>, task: &Task| {
             let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
             let outcome = crate::workspaces::blisk::job::plan::replay(

@@ -26,6 +26,7 @@ use prepared::Prepared;
 use sentences::plan_sentence;
 use slot::Slot;
 
+use crate::workspaces::blisk::document::field_table::FIELDS;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::kept_plan::KeptPlan;
 use crate::workspaces::blisk::document::stage::{Fingerprint, Stage};
@@ -38,6 +39,7 @@ use crate::workspaces::blisk::report::InputFile;
 use crate::workspaces::blisk::scene::leftover::LeftoverShape;
 use crate::workspaces::worker::{Reporter, Worker};
 use feed::problem::{Convergence, Node};
+use files::Validate as _;
 use render::mesh::RenderMesh;
 use task::Task;
 use wheel::channel::Channel;
@@ -216,7 +218,7 @@ impl Pipeline {
             return Err("the channel is not known yet".to_owned());
         };
         let (part, channel) = (part.clone(), channel.clone());
-        job.validate()?;
+        job.validate().map_err(|problem| FIELDS.in_window(&problem))?;
         self.partial = PartialPlan::default();
         self.released = None;
         let prepared = self.prepared.clone();

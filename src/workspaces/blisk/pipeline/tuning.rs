@@ -9,6 +9,7 @@ use crate::workspaces::blisk::job::plan::PlanInputs;
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::stages::FoundChannel;
 use feed::plan_params::Strategy;
+use files::Validate as _;
 use task::Task;
 use wheel::channel::Channel;
 use wheel::electrode::{EnterSide, Sizing};

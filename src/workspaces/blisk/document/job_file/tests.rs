@@ -1,16 +1,29 @@
 use super::*;
+use crate::workspaces::blisk::document::Document;
 use feed::axis_curve::Joining;
 use feed::machine::AxisSet;
+use files::AnyDocument as _;
+
+/// The parameters in a project that lies in `folder`.
+fn parse_in(folder: &Path, text: &str) -> Result<PlanJob, String> {
+    let text = format!("kind = \"blisk\"\n{text}");
+    Document::parse(&text, folder).map(|document| document.params().clone()).map_err(|e| e.to_string())
+}
 
 fn parse(text: &str) -> Result<PlanJob, String> {
-    PlanJob::parse(text, Path::new("jobs/job.toml")).map_err(|e| e.to_string())
+    parse_in(Path::new("/jobs"), text)
+}
+
+fn problem(job: &PlanJob) -> String {
+    job.validate().unwrap_err().to_string()
 }
 
 #[test]
 fn a_mesh_is_all_a_job_needs() {
     let job = parse("[blisk]\nmesh = \"part.stl\"").unwrap();
     let demonstration = PlanJob::demonstration();
-    assert_eq!(job.blisk.mesh.as_deref(), Some(Path::new("jobs/part.stl")));
+    assert_eq!(job.blisk.mesh.as_deref(), Some(Path::new("/jobs/part.stl")));
+    assert_eq!(job, PlanJob::for_mesh(Path::new("/jobs/part.stl")));
     assert_eq!(job.plan.strategy, Strategy::Global);
     assert_eq!(
         (job.plan, job.genetic, job.machine),
@@ -72,7 +85,7 @@ fn a_job_may_follow_the_centreline_and_join_by_nurbs() {
     assert_eq!(job.plan.interpolation.joining(), Joining::Nurbs(4));
     assert_eq!(job.validate(), Ok(()));
     job.genetic.h = ReductionMode::Variable;
-    assert!(job.validate().unwrap_err().contains("[genetic] h"));
+    assert!(problem(&job).contains("genetic.h"));
 }
 
 #[test]
@@ -85,38 +98,36 @@ fn what_is_exported_can_be_said_and_is_everything_by_default() {
     assert_eq!(export.frame, MeshFrame::W);
     assert_eq!(export.files, WrittenFiles { nc: false, pictures: false, ..Default::default() });
     assert!(export.pictures.final_pose && !export.pictures.sweep);
-    // What is chosen in the window comes back from a job file of it.
-    let mut job = PlanJob::demonstration();
-    (job.blisk.mesh, job.export) = (Some("jobs/a.stl".into()), export);
-    let again = PlanJob::parse(&job.to_toml(Path::new("")).unwrap(), Path::new("job.toml")).unwrap();
-    assert_eq!(again, job);
 }
 
 #[test]
-fn a_job_file_finds_its_meshes_wherever_it_lies() {
+fn a_project_finds_its_files_wherever_it_lies_and_says_what_was_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let [parts, jobs] = ["parts", "jobs"].map(|name| folder.path().join(name));
     for folder in [&parts, &jobs] {
         std::fs::create_dir(folder).unwrap();
     }
-    let [mesh, own, post] = ["part.stl", "own.stl", "mine.toml"].map(|name| parts.join(name));
-    for file in [&mesh, &own, &post] {
-        std::fs::write(file, "").unwrap();
-    }
-    let mut job = PlanJob::demonstration();
-    (job.blisk.mesh, job.electrode.mesh) = (Some(mesh.clone()), Some(own.clone()));
+    let [mesh, own, post, machine] = ["part.stl", "own.stl", "mine.toml", "mill.toml"].map(|name| parts.join(name));
+    let mut job = PlanJob::for_mesh(&mesh);
+    job.electrode.mesh = Some(own.clone());
+    job.export = ExportSection { frame: MeshFrame::W, channels: Channels::These(vec![0, 3]), ..Default::default() };
+    (job.export.files.nc, job.export.pictures.sweep) = (false, false);
     job.export.post = post.to_str().unwrap().to_owned();
-    let file = jobs.join("job.toml");
-    std::fs::write(&file, job.to_toml(&jobs).unwrap()).unwrap();
-    let read = PlanJob::read(&file).unwrap();
-    let same = |read: &Path, meant: &Path| read.canonicalize().unwrap() == meant.canonicalize().unwrap();
-    assert!(same(&read.blisk.mesh.unwrap(), &mesh) && same(&read.electrode.mesh.unwrap(), &own));
-    assert!(same(Path::new(&read.export.post), &post));
-    assert!(PlanJob::demonstration().to_toml(&jobs).is_err(), "it would be a job that is refused");
-    // A path as the command line gave it is seen from the working folder.
-    job.blisk.mesh = Some("Cargo.toml".into());
-    std::fs::write(&file, job.to_toml(&jobs).unwrap()).unwrap();
-    assert!(same(&PlanJob::read(&file).unwrap().blisk.mesh.unwrap(), Path::new("Cargo.toml")));
+    job.machine.name = machine.to_str().unwrap().to_owned();
+    let file = jobs.join("job.sparkpath");
+    Document::new(job.clone()).save_as(&file).unwrap();
+    assert_eq!(*Document::open(&file).unwrap().params(), job);
+    let text = std::fs::read_to_string(&file).unwrap();
+    for path in ["part.stl", "own.stl", "mine.toml", "mill.toml"] {
+        assert!(text.contains(&format!("\"../parts/{path}\"")), "{text}");
+    }
+    // All of it together elsewhere.
+    let elsewhere = folder.path().join("elsewhere");
+    std::fs::create_dir(&elsewhere).unwrap();
+    std::fs::rename(&parts, elsewhere.join("parts")).unwrap();
+    std::fs::rename(&jobs, elsewhere.join("jobs")).unwrap();
+    let read = Document::open(&elsewhere.join("jobs/job.sparkpath")).unwrap();
+    assert_eq!(read.params().blisk.mesh, Some(elsewhere.join("parts/part.stl")));
 }
 
 #[test]
@@ -124,7 +135,7 @@ fn an_export_of_nothing_is_refused_and_draws_nothing() {
     let mut job = PlanJob::demonstration();
     job.export.files =
         WrittenFiles { electrode: false, path: false, nc: false, report: false, leftover: false, pictures: false };
-    assert!(job.validate().unwrap_err().contains("[export.files]"));
+    assert!(problem(&job).contains("export.files"));
     assert!(!job.export.draws_any());
     job.export.files.report = true;
     assert!(job.validate().is_ok() && job.export.draws_any(), "a page of the report holds pictures of its own");
@@ -133,12 +144,12 @@ fn an_export_of_nothing_is_refused_and_draws_nothing() {
 #[test]
 fn mistakes_are_named_with_their_place() {
     for (text, named) in [
-        ("[blisk]\n", "mesh"),
-        ("[blisk]\nmesh = \"a.stl\"\nblade = 3", "blade"),
-        ("[blisk]\nmesh = 7", "line 2: blisk.mesh"),
-        ("[blisk]\nmesh = \"a.stl\"\n[plan]\nstep_mm = \"wide\"", "line 3: plan: "),
-        ("[blisk]\nmesh = \"a.stl\"\n[genetics]\nseed = 2", "line 3: genetics: "),
-        ("[blisk\nmesh = 1", "line 1"),
+        ("[blisk]\nmesh = \"a.stl\"\nblade = 3", "line 4: blisk.blade: unknown field `blade`"),
+        ("[blisk]\nmesh = 7", "line 3: blisk.mesh"),
+        ("[blisk]\nmesh = \"a.stl\"\n[plan]\nstep_mm = \"wide\"", "line 5: plan.step_mm: "),
+        ("[blisk]\nmesh = \"a.stl\"\n[plan]\nstep_mm = 50", "line 5: plan.step_mm is 50"),
+        ("[blisk]\nmesh = \"a.stl\"\n[genetics]\nseed = 2", "line 4: genetics: "),
+        ("[blisk\nmesh = 1", "line 2"),
         ("blisk = 3", "blisk"),
     ] {
         let message = parse(text).unwrap_err();
@@ -151,7 +162,7 @@ fn the_global_strategy_works_on_distances_alone() {
     let mut job = PlanJob::demonstration();
     assert_eq!((job.plan.strategy, job.validate()), (Strategy::Global, Ok(())));
     job.plan.constraint = Constraint::Angle;
-    assert!(job.validate().unwrap_err().contains("works on distances"));
+    assert!(problem(&job).contains("works on distances"));
     job.plan.strategy = Strategy::Genetic;
     assert_eq!(job.validate(), Ok(()));
 }
@@ -165,35 +176,33 @@ fn a_machine_is_named_and_its_keys_may_be_given_otherwise() {
     assert_eq!((job.machine.axes, job.machine.travel_b_deg), (AxisSet::XYZABC, [-10.0, 20.0]));
     assert!(job.machine.has_bodies() && job.machine.travel_c_deg == [-360.0, 360.0]);
     assert!(with("name = \"mill\"").unwrap_err().contains("there is no such machine"));
-    assert!(with("name = \"xyzc\"\nfile = \"my.toml\"").unwrap_err().contains("two machines"));
-    assert!(with("file = \"my.step\"").unwrap_err().contains("machine.file"));
-    assert!(with("file = \"my.toml\"").unwrap_err().contains("cannot be read"));
-    let job = with("name = \"xyzc\"\nbody_clearance_mm = 0.0").unwrap();
-    assert!(job.validate().unwrap_err().contains("body_clearance_mm"));
+    assert!(with("name = \"my.step\"").unwrap_err().contains("there is no such machine"));
+    assert!(with("name = \"my.toml\"").unwrap_err().contains("cannot be read"));
+    let said = with("name = \"xyzc\"\nbody_clearance_mm = 0.0").unwrap_err();
+    assert!(said.contains("line 6: machine.body_clearance_mm is 0"), "{said}");
 }
 
 #[test]
-fn a_machine_file_is_found_from_the_job_and_written_for_its_folder() {
+fn a_machine_file_is_found_from_the_project_and_a_saved_one_can_do_without() {
     let folder = tempfile::tempdir().unwrap();
     let machine = folder.path().join("my.toml");
     std::fs::write(&machine, "axes = \"XYZC\"\ntravel_z_mm = [-7.0, 8.0]\nspeed_mm_min = 30.0\n").unwrap();
-    let text = "[blisk]\nmesh = \"a.stl\"\n[machine]\nfile = \"my.toml\"\nspeed_mm_min = 20.0";
-    let job = PlanJob::parse(text, &folder.path().join("job.toml")).unwrap();
+    let text = "[blisk]\nmesh = \"a.stl\"\n[machine]\nname = \"my.toml\"\nspeed_mm_min = 20.0";
+    let job = parse_in(folder.path(), text).unwrap();
     let m = &job.machine;
     assert_eq!((m.axes, m.travel_z_mm, m.speed_mm_min), (AxisSet::XYZC, [-7.0, 8.0], 20.0));
     assert_eq!(Path::new(&m.name), machine);
-    let written = job.to_toml(folder.path()).unwrap();
-    assert!(written.contains("name = \"my.toml\""), "{written}");
+    let file = folder.path().join("job.sparkpath");
+    Document::new(job.clone()).save_as(&file).unwrap();
     // Mistakes are told of the file that they are in.
     for (mistake, words) in
         [("speed_deg_min = -1", "speed_deg_min"), ("travel_x_mm = 3", "travel_x_mm"), ("[a", "line 1")]
     {
         std::fs::write(&machine, mistake).unwrap();
-        let said = PlanJob::parse(text, &folder.path().join("job.toml")).unwrap_err().to_string();
+        let said = parse_in(folder.path(), text).unwrap_err();
         assert!(said.contains("my.toml: ") && said.contains(words), "{said}");
     }
     // It says everything itself, and so can be read without the machine's file.
     std::fs::remove_file(&machine).unwrap();
-    let again = PlanJob::parse(&written, &folder.path().join("job.toml")).unwrap();
-    assert_eq!(again.machine, job.machine);
+    assert_eq!(Document::open(&file).unwrap().params().machine, job.machine);
 }

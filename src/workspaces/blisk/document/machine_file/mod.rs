@@ -148,8 +148,8 @@ pub fn machine_table(name: &str) -> Result<toml::Table, MachineFileError> {
     }
     let mut table = parse(name, &text)?;
     table.remove("bodies");
-    if table.contains_key("name") || table.contains_key("file") {
-        return Err(invalid(name, "a machine file has no keys name and file; those are keys of a job"));
+    if table.contains_key("name") {
+        return Err(invalid(name, "a machine file has no key name; that is a key of a project"));
     }
     match toml::Value::Table(table.clone()).try_into::<MachineParams>() {
         Ok(_) => Ok(table),

@@ -96,7 +96,7 @@ fn keys_that_a_machine_has_not_are_told_of_its_file() {
         ("travel_q_mm = [-1, 1]", "travel_q_mm"),
         ("travel_x_mm = 3", "travel_x_mm"),
         ("axes = \"XYC\"", "XYC"),
-        ("name = \"mine\"", "keys of a job"),
+        ("name = \"mine\"", "key of a project"),
     ] {
         std::fs::write(&file, text).unwrap();
         let error = machine_table(file.to_str().unwrap()).unwrap_err().to_string();
