@@ -258,7 +258,7 @@ mod tests {
         let params = InterpolationParams { kind: CurveKind::Nurbs, degree: 4, ..Default::default() };
         assert_eq!((params.validate(), params.joining()), (Ok(()), Joining::Nurbs(4)));
         let error = InterpolationParams { degree: 2, ..params }.validate().unwrap_err();
-        assert!(error.to_string().contains("degree = 2"));
+        assert_eq!((error.key.as_str(), error.value.as_str()), ("degree", "2"));
     }
 
     #[test]
