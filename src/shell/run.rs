@@ -271,8 +271,7 @@ impl SparkpathApp {
         if !is_project(path) {
             return Some(self.shown);
         }
-        // Projects of the first workspace need not name it.
-        let kind = kind_of(path).unwrap_or_else(|_| self.workspaces[0].about().id.to_owned());
+        let kind = kind_of(path).map_err(|error| self.cx.not_a_project(path, &error)).ok()?;
         let owner = self.workspaces.iter().position(|one| one.about().id == kind);
         if owner.is_none() {
             let known: Vec<&str> = self.workspaces.iter().map(|one| one.about().id).collect();
