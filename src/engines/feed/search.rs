@@ -117,7 +117,7 @@ impl SearchProblem<'_> {
         for (problem, first) in [(self, first), (&narrow, first.max(1))] {
             for halving in first..=Self::HALVINGS {
                 let task = NodeTask { attempt, ..problem.task(nodes, 0.5f64.powi(halving)) };
-                let (candidates, trace) = strategy.candidates(&problem, &task, cancel)?;
+                let (candidates, trace) = strategy.candidates(problem, &task, cancel)?;
                 if let Some(chosen) = candidates.iter().find(|c| problem.motion_is_free(nodes, &task, c)) {
                     return Ok(Some((problem.node(&task, chosen), trace)));
                 }

@@ -178,7 +178,7 @@ fn place_in(root: &DeTable, key: &str) -> Option<usize> {
                 (name.span().start, value)
             }
             (None, Some(list)) => {
-                let value = list.iter().nth(step.parse().ok()?)?;
+                let value = list.get(step.parse::<usize>().ok()?)?;
                 (value.span().start, value)
             }
             _ => return None,

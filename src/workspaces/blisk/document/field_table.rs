@@ -1,11 +1,11 @@
 //! Every parameter of a blisk's plan: forms, `--set`, reports and what a step of undo is called are made from this table.
 
-use std::f64::INFINITY;
-
 use files::{Field, FieldTable, Group, Word, word};
 
 use super::job_file::PlanJob;
 
+/// A greatest value that is none.
+const ANY: f64 = f64::INFINITY;
 const UNITS: &[Word] = &[
     word("auto", "automatic", ""),
     word("mm", "mm", ""),
@@ -67,7 +67,7 @@ const GROUPS: &[Group] = &[
         fields: &[
             Field::choice_or("blisk.axis", "Axis", AXES, "{ direction = [0, 0, 1], point = [0, 0, 0] }").symbol("X").help("The blisk's axis in the coordinates of the mesh. It becomes the X axis of the workpiece frame W."),
             Field::integer("blisk.blades", "Blades", 2.0, 1000.0).or_word("auto", 60.0).help("Number of blades around the axis."),
-            Field::integer("blisk.channel", "Channel", 0.0, INFINITY).help("Which channel: 0 is the one nearest to the mesh's +Z, the others follow in the sense of a right-handed turn about X."),
+            Field::integer("blisk.channel", "Channel", 0.0, ANY).help("Which channel: 0 is the one nearest to the mesh's +Z, the others follow in the sense of a right-handed turn about X."),
         ],
     },
     Group {
@@ -75,8 +75,8 @@ const GROUPS: &[Group] = &[
         name: "Radii",
         is_folded: true,
         fields: &[
-            Field::number("blisk.hub_radius_mm", "Hub radius", "mm", 1e-6, INFINITY).or_word("auto", 100.0).symbol("R_h").help("Radius of the hub along the whole channel; found from the mesh unless given."),
-            Field::number("blisk.shroud_radius_mm", "Shroud radius", "mm", 1e-6, INFINITY).or_word("auto", 125.0).symbol("R_c").help("Radius of the shroud, or of the blade tips, along the whole channel; found from the mesh unless given."),
+            Field::number("blisk.hub_radius_mm", "Hub radius", "mm", 1e-6, ANY).or_word("auto", 100.0).symbol("R_h").help("Radius of the hub along the whole channel; found from the mesh unless given."),
+            Field::number("blisk.shroud_radius_mm", "Shroud radius", "mm", 1e-6, ANY).or_word("auto", 125.0).symbol("R_c").help("Radius of the shroud, or of the blade tips, along the whole channel; found from the mesh unless given."),
         ],
     },
     Group {
@@ -177,7 +177,7 @@ const GROUPS: &[Group] = &[
             Field::number("genetic.precision_deg", "Precision A, B, C, h", "deg", 1e-5, 0.1).decimals(5).help("Step of angles in the coding of an individual (8)."),
             Field::choice("genetic.h", "Reduction h", H_MODES).symbol("h").help("Given: the reduction above. Search: the least additional reduction with an extraction path."),
             Field::number("genetic.h_max_deg", "Greatest h", "deg", 0.01, 20.0).decimals(2).help("The most that is searched for on top of the given reductions."),
-            Field::integer("genetic.seed", "Seed", 0.0, INFINITY).help("The same seed gives the same path, to the last bit."),
+            Field::integer("genetic.seed", "Seed", 0.0, ANY).help("The same seed gives the same path, to the last bit."),
         ],
     },
     Group {
@@ -185,16 +185,16 @@ const GROUPS: &[Group] = &[
         name: "Weights",
         is_folded: true,
         fields: &[
-            Field::number("plan.weights.a3", "Smoothness", "", 0.0, INFINITY).slider(0.0, 1.0).decimals(2).symbol("a3").help("Weight of smooth motion against centring; only the ratio of the two counts."),
-            Field::number("plan.weights.b3", "Centring", "", 0.0, INFINITY).slider(0.0, 1.0).decimals(2).symbol("b3").help("Weight of staying in the middle of the channel."),
-            Field::number("plan.weights.a1", "Smooth Z", "", 0.0, INFINITY).slider(0.0, 1.0).decimals(2).symbol("a1").help("Weight of Z among the axes."),
-            Field::number("plan.weights.b1", "Smooth Y", "", 0.0, INFINITY).slider(0.0, 1.0).decimals(2).symbol("b1").help("Weight of Y among the axes."),
-            Field::number("plan.weights.c1", "Smooth C", "", 0.0, INFINITY).slider(0.0, 1.0).decimals(2).symbol("c1").help("Weight of C among the axes."),
-            Field::number("plan.weights.d1", "Smooth A", "", 0.0, INFINITY).slider(0.0, 1.0).decimals(2).help("Weight of A among the axes, where the machine has it; the paper keeps A still."),
-            Field::number("plan.weights.e1", "Smooth B", "", 0.0, INFINITY).slider(0.0, 1.0).decimals(2).help("Weight of B among the axes, where the machine has it."),
-            Field::number("plan.weights.a2", "Equal distances", "", 0.0, INFINITY).slider(0.0, 1.0).decimals(2).symbol("a2").help("Weight of equal least distances to both walls."),
-            Field::number("plan.weights.b2", "Even along low wall", "", 0.0, INFINITY).slider(0.0, 1.0).decimals(2).symbol("b2").help("Weight of even distances along the low wall (the paper's left)."),
-            Field::number("plan.weights.c2", "Even along high wall", "", 0.0, INFINITY).slider(0.0, 1.0).decimals(2).symbol("c2").help("Weight of even distances along the high wall (the paper's right)."),
+            Field::number("plan.weights.a3", "Smoothness", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("a3").help("Weight of smooth motion against centring; only the ratio of the two counts."),
+            Field::number("plan.weights.b3", "Centring", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("b3").help("Weight of staying in the middle of the channel."),
+            Field::number("plan.weights.a1", "Smooth Z", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("a1").help("Weight of Z among the axes."),
+            Field::number("plan.weights.b1", "Smooth Y", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("b1").help("Weight of Y among the axes."),
+            Field::number("plan.weights.c1", "Smooth C", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("c1").help("Weight of C among the axes."),
+            Field::number("plan.weights.d1", "Smooth A", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).help("Weight of A among the axes, where the machine has it; the paper keeps A still."),
+            Field::number("plan.weights.e1", "Smooth B", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).help("Weight of B among the axes, where the machine has it."),
+            Field::number("plan.weights.a2", "Equal distances", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("a2").help("Weight of equal least distances to both walls."),
+            Field::number("plan.weights.b2", "Even along low wall", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("b2").help("Weight of even distances along the low wall (the paper's left)."),
+            Field::number("plan.weights.c2", "Even along high wall", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("c2").help("Weight of even distances along the high wall (the paper's right)."),
         ],
     },
     Group {
@@ -274,15 +274,15 @@ const GROUPS: &[Group] = &[
         fields: &[
             Field::file("blisk.mesh", "Blisk").help("Mesh file of the finished blisk."),
             Field::choice("electrode.size", "Size", SIZES).help("Reductions as given, or the least ones for which there is an extraction path."),
-            Field::numbers("machine.travel_x_mm", "Travel of X", "mm", -INFINITY, INFINITY).count(2).help("Least and greatest X about the final pose."),
-            Field::numbers("machine.travel_y_mm", "Travel of Y", "mm", -INFINITY, INFINITY).count(2).help("Least and greatest Y about the final pose."),
-            Field::numbers("machine.travel_z_mm", "Travel of Z", "mm", -INFINITY, INFINITY).count(2).help("Least and greatest Z about the final pose."),
-            Field::numbers("machine.travel_a_deg", "Travel of A", "deg", -INFINITY, INFINITY).count(2).help("Least and greatest A about the final pose."),
-            Field::numbers("machine.travel_b_deg", "Travel of B", "deg", -INFINITY, INFINITY).count(2).help("Least and greatest B about the final pose."),
-            Field::numbers("machine.travel_c_deg", "Travel of C", "deg", -INFINITY, INFINITY).count(2).help("Least and greatest C about the final pose."),
-            Field::number("machine.speed_mm_min", "Speed of X, Y, Z", "mm/min", 0.0, INFINITY).help("Greatest speed of the linear axes."),
-            Field::number("machine.speed_deg_min", "Speed of A, B, C", "deg/min", 0.0, INFINITY).help("Greatest speed of the rotary axes."),
-            Field::number("plan.angle.delta1_mm", "Distance of the angle test", "mm", 0.0, INFINITY).symbol("Delta1").help("Distance that the angle test keeps from hub and shroud."),
+            Field::numbers("machine.travel_x_mm", "Travel of X", "mm", -ANY, ANY).count(2).help("Least and greatest X about the final pose."),
+            Field::numbers("machine.travel_y_mm", "Travel of Y", "mm", -ANY, ANY).count(2).help("Least and greatest Y about the final pose."),
+            Field::numbers("machine.travel_z_mm", "Travel of Z", "mm", -ANY, ANY).count(2).help("Least and greatest Z about the final pose."),
+            Field::numbers("machine.travel_a_deg", "Travel of A", "deg", -ANY, ANY).count(2).help("Least and greatest A about the final pose."),
+            Field::numbers("machine.travel_b_deg", "Travel of B", "deg", -ANY, ANY).count(2).help("Least and greatest B about the final pose."),
+            Field::numbers("machine.travel_c_deg", "Travel of C", "deg", -ANY, ANY).count(2).help("Least and greatest C about the final pose."),
+            Field::number("machine.speed_mm_min", "Speed of X, Y, Z", "mm/min", 0.0, ANY).help("Greatest speed of the linear axes."),
+            Field::number("machine.speed_deg_min", "Speed of A, B, C", "deg/min", 0.0, ANY).help("Greatest speed of the rotary axes."),
+            Field::number("plan.angle.delta1_mm", "Distance of the angle test", "mm", 0.0, ANY).symbol("Delta1").help("Distance that the angle test keeps from hub and shroud."),
             Field::number("plan.angle.delta2_deg", "Angle of the angle test", "deg", 0.0, 90.0).symbol("Delta2").help("Angle that the angle test keeps."),
             Field::choice("plan.interpolation.ends", "Ends of splines", ENDS).help("What holds at both ends of a cubic spline."),
             Field::integer("genetic.elite", "Elite", 1.0, 5000.0).help("Best individuals that pass unchanged, at most half the population."),
