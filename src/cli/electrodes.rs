@@ -1,16 +1,15 @@
 //! `sparkpath electrodes`: electrodes for what milling cutters leave of a mold.
 
-use files::Validate;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
-use super::uncut::MoldArguments;
+use super::uncut::{AskedMold, MoldArguments};
 use super::{Answer, Session};
 use crate::widgets::camera::PICTURE_SIZE;
+use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::cutter_file::CUTTERS;
-use crate::workspaces::mold::document::electrode_file::{load_electrodes, read_electrodes};
 use crate::workspaces::mold::document::holder_files::read_holders;
 use crate::workspaces::mold::export::{EXPORT, export_electrodes};
 use crate::workspaces::mold::job::electrodes::electrodes as find_electrodes;
@@ -18,13 +17,13 @@ use crate::workspaces::mold::job::uncut::uncut as find_uncut;
 use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::electrodes::electrode_shapes;
 use crate::workspaces::mold::scene::pictures::electrode_pictures;
-use files::user_folder::user_folder;
+use files::Override;
 use files::{ExportFolder, Published};
 use geometry::mesh::Mesh;
 use mold::cutter::{Cutter, CutterLibrary};
+use mold::electrode::check::CheckKind;
 use mold::electrode::design::{Electrode, ElectrodeSet};
-use mold::electrode::overrides::Override;
-use mold::electrode::params::{ElectrodeParams, Shape};
+use mold::electrode::params::Shape;
 use mold::opening::Opening;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::{ElectrodeFormat, WrittenElectrodes};
@@ -35,9 +34,6 @@ use render::offscreen::Offscreen;
 pub(super) struct ElectrodesArguments {
     #[command(flatten)]
     mold: MoldArguments,
-    /// What is asked of the electrodes (TOML) [default: electrodes.toml in your settings, or else the built-in one].
-    #[arg(long, value_name = "FILE")]
-    params: Option<PathBuf>,
     /// Spark gap of every stage (mm).
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     gap: Option<f64>,
@@ -50,12 +46,13 @@ pub(super) struct ElectrodesArguments {
     /// A library of cutters (TOML) that mill the electrodes.
     #[arg(long, value_name = "FILE")]
     electrode_library: Option<PathBuf>,
-    /// Holders (TOML) [default: those of --params; else holders.toml and holders/SUPPLIER.toml in your settings, or else the
+    /// Holders (TOML) [default: those of the project; else holders.toml and holders/SUPPLIER.toml in your settings, or else the
     /// built-in ones].
     #[arg(long, value_name = "FILE")]
     holders: Option<PathBuf>,
-    /// Exports an electrode although checks fail, or one check as in E03:leftover; may be given more than once.
-    #[arg(long = "override", value_name = "NAME[:CHECK]")]
+    /// Exports an electrode although a check fails, as in E03:leftover; with a figure, as in E03:leftover:0.05, only while
+    /// none of the check's figures is greater. May be given more than once.
+    #[arg(long = "override", value_name = "NAME:CHECK[:FIGURE]", value_parser = electrode_override)]
     overrides: Vec<Override>,
     /// Formats of the electrode files, with commas between.
     #[arg(long, value_name = "FORMATS", value_delimiter = ',', default_value = "stl")]
@@ -93,18 +90,16 @@ impl From<Format> for ElectrodeFormat {
 /// Designs the electrodes, checks them, writes what passes. The answer is no where a check fails, overridden or not, or a
 /// region has no electrode.
 pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> anyhow::Result<Answer> {
-    let asked = arguments.mold.params()?;
-    let params = params(arguments)?;
-    params.validate()?;
     // What can be told before the work should not be told after it.
     let sheet = arguments.template.as_deref().map_or_else(|| Ok(BurnSheet::standard()), BurnSheet::read)?;
     let folder = arguments.out.as_deref().map(|out| ExportFolder::open(out, EXPORT)).transpose()?;
-    let mesh = &arguments.mold.mesh;
-    let imported = session.import(mesh, arguments.mold.units)?;
+    let AskedMold { params: asked, imported, path: mesh } =
+        arguments.mold.read(|params| apply(arguments, params), session)?;
     let name = mesh.display().to_string();
-    let uncut = find_uncut(&imported.mesh, &asked, &session.task).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
-    let set =
-        find_electrodes(&imported.mesh, &uncut, &params, &session.task).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+    let uncut =
+        find_uncut(&imported.mesh, &asked.uncut(), &session.task).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+    let set = find_electrodes(&imported.mesh, &uncut, &asked.electrodes, &session.task)
+        .map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
     let file_name = mesh.file_name().map_or(name, |n| n.to_string_lossy().into_owned());
     let report = ElectrodesReport::of(&set, &file_name, asked.opening);
     let mut lines = lines(&set, &report);
@@ -142,12 +137,9 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     Ok(if set.holds() && is_whole && has_all_files { Answer::Yes } else { Answer::No })
 }
 
-fn params(arguments: &ElectrodesArguments) -> anyhow::Result<ElectrodeParams> {
-    let settings = user_folder();
-    let mut params = match &arguments.params {
-        Some(file) => read_electrodes(file, settings.as_deref())?,
-        None => load_electrodes(settings.as_deref())?,
-    };
+/// Puts what is given in the place of what `params` have.
+fn apply(arguments: &ElectrodesArguments, params: &mut MoldParams) -> anyhow::Result<()> {
+    let params = &mut params.electrodes;
     if let Some(file) = &arguments.holders {
         params.holders = read_holders(file)?;
     }
@@ -163,7 +155,7 @@ fn params(arguments: &ElectrodesArguments) -> anyhow::Result<ElectrodeParams> {
         params.cutters = Some(CutterLibrary { cutter: arguments.electrode_cutters.clone() });
     }
     params.overrides.extend(arguments.overrides.iter().cloned());
-    Ok(params)
+    Ok(())
 }
 
 /// The report's pictures.
@@ -218,8 +210,8 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
         lines.extend(region.reason.as_ref().map(|t| format!("region {}{what}: {t}", number + 1)));
     }
     lines.extend(corners(set));
-    let idle = set.idle_overrides();
-    lines.extend(idle.into_iter().map(|(o, why)| format!("override {o}: {}", why.text())));
+    let idle = set.idle_overrides(&set.params.overrides);
+    lines.extend(idle.into_iter().map(|(o, why)| format!("override {o}: {why}")));
     lines.extend(report.unmet_edits.iter().map(|edit| {
         format!("the change \"{edit}\" has no effect: its place is in no region, or nothing changes there")
     }));
@@ -246,4 +238,11 @@ fn not_written(written: &WrittenElectrodes, published: &Published) -> Vec<String
     lines.extend(published.notes());
     lines.extend(written.no_sheet.as_ref().map(|why| format!("burn_sheet.txt was not written: {why}")));
     lines
+}
+
+/// The check of an electrode that is let pass.
+fn electrode_override(text: &str) -> Result<Override, String> {
+    let given: Override = text.parse()?;
+    given.validate(&CheckKind::ALL.map(CheckKind::name), true).map_err(|e| e.to_string())?;
+    Ok(given)
 }

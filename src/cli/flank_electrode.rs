@@ -15,7 +15,7 @@ use crate::workspaces::flank::document::{FlankSource, MeshFlank};
 use crate::workspaces::message::{ElectrodePart, UP_OF_MOLDS};
 use crate::workspaces::mold::document::{MoldParams, part_of};
 use crate::workspaces::mold::job::electrodes::electrodes;
-use crate::workspaces::mold::job::uncut::{UncutParams, uncut};
+use crate::workspaces::mold::job::uncut::uncut;
 use files::{Document, Params as _, kind_of};
 use flank::fit_ruled::RuledFitParams;
 use import::Units;
@@ -86,13 +86,8 @@ fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<Electro
     let imported = session.import(mesh, asked.units)?;
     let (asked, mold) = (asked.of_part(&part_of(&imported)), imported.mesh);
     let task = &session.task;
-    let question = UncutParams {
-        opening: asked.opening,
-        tolerance_mm: asked.tolerance_mm,
-        ..UncutParams::of(asked.library.clone())
-    };
     let wrong = |e: String| anyhow::anyhow!("{}: {e}", file.display());
-    let left = uncut(&mold, &question, task).map_err(|e| wrong(e.to_string()))?;
+    let left = uncut(&mold, &asked.uncut(), task).map_err(|e| wrong(e.to_string()))?;
     let set = electrodes(&mold, &left, &asked.electrodes, task).map_err(|e| wrong(e.to_string()))?;
     let found = set.electrodes.iter().find(|e| e.name == name);
     let names = || set.electrodes.iter().map(|e| e.name.clone()).collect();

@@ -19,11 +19,11 @@ mod electrodes;
 mod flank;
 mod flank_arguments;
 mod flank_electrode;
-mod flank_values;
 mod inspect;
 mod plan;
 mod project;
 mod render;
+mod render_project;
 mod simulate;
 mod size;
 mod terminal;
@@ -177,16 +177,16 @@ struct RenderArguments {
     /// Width and height (pixels).
     #[arg(long, value_name = "WxH", default_value = "1400x900", value_parser = render::size)]
     size: [u32; 2],
-    /// Plans the project and shows its electrode at this node, counted from the final pose.
+    /// Plans the project of a blisk and shows its electrode at this node, counted from the final pose.
     #[arg(long, value_name = "N")]
     node: Option<usize>,
-    /// Which electrode of the project is shown, counted from 1 [default: 1].
+    /// Which electrode of the project is shown, counted from 1 [default: 1; of a mold none, but what is left uncut].
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
     electrode: Option<u32>,
-    /// Plans the project and shows the room that the electrode passes through on its way.
+    /// Plans the project of a blisk and shows the room that the electrode passes through on its way.
     #[arg(long)]
     swept: bool,
-    /// Front, back, left, right, top, bottom, isometric, or of a project channel: into its channel, without the shroud
+    /// Front, back, left, right, top, bottom, isometric, or of a blisk channel: into its channel, without the shroud
     /// [default: isometric, with --node or --swept channel].
     #[arg(long, value_name = "NAME", value_parser = render::view)]
     view: Option<NamedView>,

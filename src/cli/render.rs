@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::project::ProjectArguments;
-use super::{Answer, RenderArguments, Session};
+use super::{Answer, RenderArguments, Session, render_project};
 use crate::widgets::camera::{NamedView, into_channel, standard};
 use crate::widgets::colours::mesh_colour;
 use crate::workspaces::blisk::document::job_file::PlanJob;
@@ -15,7 +15,7 @@ use crate::workspaces::blisk::scene::sweep::{FINE, swept_shape};
 use crate::workspaces::blisk::scene::track::Track;
 use crate::workspaces::blisk::scene::{Layer, Layers, SceneInputs, build};
 use crate::workspaces::context::is_project;
-use files::write_bytes;
+use files::{kind_of, write_bytes};
 use render::camera::Camera;
 use render::colour::Theme;
 use render::mesh::RenderMesh;
@@ -62,7 +62,11 @@ pub(super) fn render(arguments: &RenderArguments, session: &Session) -> anyhow::
     let mut offscreen = Offscreen::new()?;
     let project = arguments.files.iter().find(|file| is_project(file));
     let (scene, camera) = match (&arguments.files[..], project) {
-        ([project], Some(_)) => of_project(project, arguments, session)?,
+        ([project], Some(_)) => match kind_of(project).as_deref() {
+            Ok("mold") => render_project::of_mold(project, aspect(arguments), arguments, session)?,
+            Ok("flank") => render_project::of_flank(project, aspect(arguments), arguments, session)?,
+            _ => of_project(project, arguments, session)?,
+        },
         (_, Some(project)) => anyhow::bail!("{}: a project is drawn by itself; give it alone", project.display()),
         (meshes, None) => of_meshes(meshes, arguments, session)?,
     };

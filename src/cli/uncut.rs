@@ -5,42 +5,53 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{Answer, Session, unit};
-use crate::workspaces::mold::document::cutter_file::{CUTTERS, standard_cutters};
-use crate::workspaces::mold::job::uncut::{UncutParams, uncut as find_uncut};
+use crate::workspaces::context::is_project;
+use crate::workspaces::mold::document::cutter_file::CUTTERS;
+use crate::workspaces::mold::document::standard::{open_mold, standard_mold};
+use crate::workspaces::mold::document::{MoldParams, part_of};
+use crate::workspaces::mold::job::uncut::uncut as find_uncut;
 use crate::workspaces::mold::report::uncut::UncutReport;
 use crate::workspaces::mold::report::uncut_ply::surface_as_ply;
-use files::ExportFolder;
-use import::Units;
+use files::user_folder::user_folder;
+use files::{Document, ExportFolder, Validate};
+use import::{Imported, Units};
 use mold::cutter::{Cutter, CutterLibrary};
 use mold::opening::Opening;
 
-/// A mold and the cutters that mill it.
+/// A mold and the cutters that mill it. What is not given is as in the project, or as usual.
 #[derive(Debug, Args)]
 pub(super) struct MoldArguments {
-    /// The mold: STL, OBJ, glTF or GLB.
-    pub(super) mesh: PathBuf,
+    /// A project (.sparkpath) of a mold, or a mold: STL, OBJ, glTF or GLB.
+    #[arg(value_name = "PROJECT|MESH")]
+    file: PathBuf,
+    /// The mold, in the place of the project's.
+    #[arg(long, value_name = "MESH")]
+    mesh: Option<PathBuf>,
     /// The cutters, with commas between: kind:radius, or kind:radius/reach/holder radius, as in flat:1,ball:0.5/20/12; a
-    /// bull-nose is bull:radius:corner.
+    /// bull-nose is bull:radius:corner [default: the built-in ones].
     #[arg(long, value_name = "CUTTERS", value_delimiter = ',', conflicts_with = "library")]
     cutters: Vec<Cutter>,
-    /// A library of cutters (TOML) [default: the built-in one].
+    /// A library of cutters (TOML).
     #[arg(long, value_name = "FILE")]
     library: Option<PathBuf>,
-    /// The direction in which the mold's opening looks, from where the cutters come: +x, -x, +y, -y, +z, -z.
-    #[arg(long, value_name = "AXIS", default_value = "+z", allow_hyphen_values = true)]
-    opening: Opening,
-    /// Thickness of the residue up to which it counts as cut (mm).
-    #[arg(long, value_name = "MM", default_value_t = 0.02, allow_negative_numbers = true)]
-    tolerance: f64,
+    /// The direction in which the mold's opening looks, from where the cutters come: +x, -x, +y, -y, +z, -z [default: +z].
+    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
+    opening: Option<Opening>,
+    /// Thickness of the residue up to which it counts as cut (mm) [default: 0.02].
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    tolerance: Option<f64>,
     /// Distance of layers (mm), no others between them [default: as it has to be].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     layers: Option<f64>,
     /// Step of the field of heights (mm) [default: as fine as it has to be].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     step: Option<f64>,
-    /// Unit of the mesh: auto, mm, cm, m, inch.
-    #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
-    pub(super) units: Units,
+    /// Unit of the mesh: auto, mm, cm, m, inch [default: auto].
+    #[arg(long, value_name = "UNIT", value_parser = unit)]
+    units: Option<Units>,
+    /// Writes what was asked as a project.
+    #[arg(long, value_name = "FILE")]
+    save: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -52,34 +63,75 @@ pub(super) struct UncutArguments {
     out: Option<PathBuf>,
 }
 
-impl MoldArguments {
+/// A mold that was read, and what is asked of it.
+pub(super) struct AskedMold {
     /// What is asked.
-    pub(super) fn params(&self) -> anyhow::Result<UncutParams> {
-        let library = match &self.library {
-            _ if !self.cutters.is_empty() => CutterLibrary { cutter: self.cutters.clone() },
-            Some(file) => CUTTERS.read(file)?,
-            None => standard_cutters()?,
+    pub params: MoldParams,
+    /// Its mesh.
+    pub imported: Imported,
+    /// The path of that.
+    pub path: PathBuf,
+}
+
+impl MoldArguments {
+    /// What is asked, and the mold; `more` are the values that are given beside these. What a project says of another part
+    /// is not meant for this one.
+    pub(super) fn read(
+        &self,
+        more: impl Fn(&mut MoldParams) -> anyhow::Result<()>,
+        session: &Session,
+    ) -> anyhow::Result<AskedMold> {
+        let settings = user_folder();
+        let mut before = if is_project(&self.file) {
+            open_mold(&self.file, settings.as_deref())?
+        } else {
+            MoldParams { mesh: Some(self.file.clone()), ..standard_mold(settings.as_deref())? }
         };
-        let mut params = UncutParams { opening: self.opening, ..UncutParams::of(library) };
-        (params.tolerance_mm, params.grid_step_mm) = (self.tolerance, self.step);
+        before.mesh = self.mesh.clone().or(before.mesh);
+        before.units = self.units.unwrap_or(before.units);
+        let Some(path) = before.mesh.clone() else {
+            anyhow::bail!("{}: mesh is missing; give one with --mesh", self.file.display())
+        };
+        // What is quick to find wrong comes first.
+        let with_values = |mut params: MoldParams| {
+            self.apply(&mut params)?;
+            more(&mut params)?;
+            params.validate()?;
+            anyhow::Ok(params)
+        };
+        with_values(before.clone())?;
+        let imported = session.import(&path, before.units)?;
+        let params = with_values(before.of_part(&part_of(&imported)))?;
+        if let Some(file) = &self.save {
+            Document::new(params.clone()).export(file)?;
+        }
+        Ok(AskedMold { params, imported, path })
+    }
+
+    fn apply(&self, params: &mut MoldParams) -> anyhow::Result<()> {
+        if let Some(file) = &self.library {
+            params.library = CUTTERS.read(file)?;
+        } else if !self.cutters.is_empty() {
+            params.library = CutterLibrary { cutter: self.cutters.clone() };
+        }
+        params.opening = self.opening.unwrap_or(params.opening);
+        params.tolerance_mm = self.tolerance.unwrap_or(params.tolerance_mm);
+        params.grid_step_mm = self.step.or(params.grid_step_mm);
         if let Some(spacing) = self.layers {
             params.layers.is_fixed = true;
             params.layers.spacing_mm = spacing;
             params.layers.least_spacing_mm = params.layers.least_spacing_mm.min(spacing);
         }
-        params.validate()?;
-        Ok(params)
+        Ok(())
     }
 }
 
 /// Finds what the cutters leave, prints it and writes it into the folder if there is one. The answer is no where the mesh
 /// is not whole.
 pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Result<Answer> {
-    let params = arguments.mold.params()?;
-    let mesh = &arguments.mold.mesh;
-    let imported = session.import(mesh, arguments.mold.units)?;
-    let found =
-        find_uncut(&imported.mesh, &params, &session.task).map_err(|e| anyhow::anyhow!("{}: {e}", mesh.display()))?;
+    let AskedMold { params, imported, path } = arguments.mold.read(|_| Ok(()), session)?;
+    let found = find_uncut(&imported.mesh, &params.uncut(), &session.task)
+        .map_err(|e| anyhow::anyhow!("{}: {e}", path.display()))?;
     let report = UncutReport::of(&found);
     let text = report.text();
     let json = serde_json::to_string_pretty(&serde_json::json!({

@@ -20,7 +20,7 @@ use crate::workspaces::preferences::{Preferences, ThemeChoice};
 use crate::workspaces::registry::workspaces;
 use crate::workspaces::workspace::Workspace;
 use files::user_folder::user_folder;
-use files::{Autosave, Recovery, kind_of};
+use files::{Autosave, Recovery, ResultCache, kind_of};
 use render::camera::Camera;
 use render::scene::Scene;
 use task::Scheduler;
@@ -32,13 +32,16 @@ pub struct Folders {
     pub config: PathBuf,
     /// Copies of unsaved work.
     pub autosave: PathBuf,
+    /// Results that are shown again at once.
+    pub results: PathBuf,
 }
 
 impl Folders {
     /// Folders of the user, if the system has any.
     pub fn of_user() -> Option<Self> {
         let dirs = directories::ProjectDirs::from("", "", "sparkpath")?;
-        Some(Self { config: user_folder()?, autosave: dirs.data_local_dir().join("autosave") })
+        let [autosave, results] = [dirs.data_local_dir().join("autosave"), dirs.cache_dir().join("results")];
+        Some(Self { config: user_folder()?, autosave, results })
     }
 }
 
@@ -61,6 +64,9 @@ const NOTHING_CHOSEN: &str =
 /// How long unsaved work may be without a copy (s).
 const AUTOSAVE: f64 = 2.0;
 
+/// The most that results may take together (bytes).
+const MOST_RESULTS: u64 = 512 << 20;
+
 /// How a path was named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Named {
@@ -77,7 +83,7 @@ pub struct SparkpathApp {
     shown: usize,
     cx: Context,
     /// Does the work of the workspaces.
-    _scheduler: Scheduler,
+    scheduler: Scheduler,
     palette: CommandPalette,
     dialog: Dialog,
     /// What was asked before the present dialog, and is asked again after it.
@@ -107,10 +113,9 @@ impl SparkpathApp {
     /// If there is no GPU state to draw with or no thread to work on.
     pub fn new(cc: &eframe::CreationContext, opening: &Opening, folders: Option<Folders>) -> Result<Self, String> {
         let ctx = cc.egui_ctx.clone();
-        let wake = move || ctx.request_repaint();
         let no_thread = |e| format!("no thread could be started to work on: {e}");
-        let scheduler = Scheduler::start(wake.clone()).map_err(no_thread)?;
-        let list = workspaces(&scheduler, wake).map_err(no_thread)?;
+        let scheduler = Scheduler::start(move || ctx.request_repaint()).map_err(no_thread)?;
+        let list = workspaces(&scheduler);
         Self::with_workspaces(cc, (opening, folders), list, scheduler)
     }
 
@@ -129,9 +134,6 @@ impl SparkpathApp {
         let info = state.adapter.get_info();
         let preferences = folders.as_ref().map(|f| Preferences::read(&f.config)).unwrap_or_default();
         theme::install(&cc.egui_ctx);
-        let ctx = cc.egui_ctx.clone();
-        let no_thread = |e| format!("no thread could be started to work on: {e}");
-        let pictures = Pictures::start(move || ctx.request_repaint()).map_err(no_thread)?;
         let mut copies = folders.as_ref().map(|f| Recovery::find(&f.autosave)).unwrap_or_default();
         copies.retain(|copy| workspaces.iter().any(|one| one.about().id == copy.kind));
         let autosave = folders.as_ref().and_then(|f| Autosave::start(&f.autosave, AUTOSAVE).ok());
@@ -139,12 +141,12 @@ impl SparkpathApp {
             workspaces,
             shown: 0,
             cx: Context::new(preferences.clone()),
-            _scheduler: scheduler,
+            scheduler,
             palette: CommandPalette::default(),
             dialog: if copies.is_empty() { Dialog::None } else { Dialog::Recover(copies) },
             behind: Dialog::None,
             files: FileDialogs::default(),
-            pictures,
+            pictures: Pictures::default(),
             log_open: false,
             folders,
             autosave,
@@ -160,9 +162,10 @@ impl SparkpathApp {
             let text = format!("{} draws in software: moving views are drawn lighter and sharpen at rest", info.name);
             app.say(EventKind::Done, text);
         }
-        if let Some(folder) = app.folders.as_ref().map(|f| f.config.clone()) {
+        if let Some(Folders { config, results, .. }) = app.folders.clone() {
+            app.cx.results = Some(ResultCache::new(&results, MOST_RESULTS));
             // What is wrong with the user's lists is said in the workspace that is seen first.
-            app.workspaces.iter_mut().for_each(|workspace| workspace.take_user_files(&folder, &mut app.cx));
+            app.workspaces.iter_mut().for_each(|workspace| workspace.take_user_files(&config, &mut app.cx));
         }
         match opening {
             Opening::Demonstration => {}
@@ -268,8 +271,7 @@ impl SparkpathApp {
         if !is_project(path) {
             return Some(self.shown);
         }
-        // Projects of the first workspace need not name it.
-        let kind = kind_of(path).unwrap_or_else(|_| self.workspaces[0].about().id.to_owned());
+        let kind = kind_of(path).map_err(|error| self.cx.not_a_project(path, &error)).ok()?;
         let owner = self.workspaces.iter().position(|one| one.about().id == kind);
         if owner.is_none() {
             let known: Vec<&str> = self.workspaces.iter().map(|one| one.about().id).collect();
@@ -551,7 +553,7 @@ impl SparkpathApp {
         let (scene, camera) = self.workspaces[self.shown].viewport().picture();
         // A picture has nothing else that tells the axes.
         let scene = Scene { triad: true, ..(**scene).clone() };
-        self.pictures.write(path, scene, *camera);
+        self.pictures.write(path, scene, *camera, &self.scheduler);
     }
 
     /// Says what became of the pictures that were asked for.

@@ -71,10 +71,10 @@ fn what_is_wrong_with_files_and_words_is_answered_before_any_work() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     // A mold that is none: what is answered of it would come after the files.
-    let [mold, file, template, params] = ["mold.stl", "file", "mine.jinja", "params.toml"].map(path);
+    let [mold, file, template, params] = ["mold.stl", "file", "mine.jinja", "wrong.sparkpath"].map(path);
     [&mold, &file].into_iter().for_each(|f| std::fs::write(f, "none").unwrap());
     std::fs::write(&template, "{{ mold }}\n{% for e in electrodes %}{{ e.naem }}{% endfor %}").unwrap();
-    std::fs::write(&params, "overrides = [\"E01:gouges\"]").unwrap();
+    std::fs::write(&params, "kind = \"mold\"\n[electrodes]\noverrides = [\"E01:gouges\"]").unwrap();
     let (deep, out, none) = (format!("{file}/out"), path("out"), path("none.jinja"));
     for (more, words) in [
         (["--template", &template], &["mine.jinja: line 2: ", "e.naem"][..]),
@@ -82,13 +82,17 @@ fn what_is_wrong_with_files_and_words_is_answered_before_any_work() {
         (["--out", &file], &["file"]),
         (["--out", &deep], &["file/out"]),
         (["--override", "E01:gouges"], &["gouges", "watertight, gouge"]),
-        (["--params", &params], &["params.toml", "watertight, gouge"]),
         (["--electrode-cutters", "ball:-1"], &["ball:-1", "diameter_mm is -2 mm"]),
         (["--out", &out], &["mold.stl"]),
     ] {
         let (code, said) = said(&sparkpath(&[&["electrodes", &mold, "--units", "mm"], &more[..]].concat()));
         assert!(code == Some(2) && words.iter().all(|w| said.contains(w)), "{more:?}: {said}");
     }
+    let (code, words) = said(&sparkpath(&["electrodes", &params]));
+    assert!(
+        code == Some(2) && words.contains("wrong.sparkpath: line 3") && words.contains("watertight, gouge"),
+        "{words}"
+    );
     // The lists in a user's settings are read, those of suppliers too; settings lie there on Linux.
     #[cfg(target_os = "linux")]
     {
@@ -99,4 +103,40 @@ fn what_is_wrong_with_files_and_words_is_answered_before_any_work() {
         assert!(code == Some(2) && said.contains("Acme.toml: line 3") && said.contains("`size`"), "{said}");
     }
     assert!(!std::path::Path::new(&out).exists(), "a folder that was made for nothing goes again");
+}
+
+#[test]
+fn a_project_is_asked_like_its_mesh_with_options_and_options_come_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let [mesh, project, out, saved] = ["mold.stl", "pocket.sparkpath", "out", "saved.sparkpath"].map(path);
+    write_stl(std::path::Path::new(&mesh), &pocket()).unwrap();
+    let text = "kind = \"mold\"\nmesh = \"mold.stl\"\nunits = \"mm\"\n[[library.cutter]]\ndiameter_mm = 2.0\n\
+                [[electrodes.stages]]\nname = \"fine\"\ngap_mm = 0.1\n";
+    std::fs::write(&project, text).unwrap();
+    let table = |arguments: &[&str]| {
+        let (code, words) = said(&sparkpath(&[arguments, &["--no-pictures", "--out", &out]].concat()));
+        assert_eq!(code, Some(0), "{words}");
+        std::fs::read_to_string(std::path::Path::new(&out).join("burn_table.csv")).unwrap()
+    };
+    let of_project = table(&["electrodes", &project, "--save", &saved]);
+    assert!(of_project.contains("fine"), "{of_project}");
+    // What was asked is a project of its own, with the part that its decisions are for.
+    assert_eq!(table(&["electrodes", &saved]), of_project);
+    let params = files::Document::<sparkpath::workspaces::mold::document::MoldParams>::open(saved.as_ref()).unwrap();
+    assert!(params.params().part.is_some() && params.params().electrodes.stages[0].gap_mm == 0.1);
+    let wide = table(&["electrodes", &project, "--gap", "0.2"]);
+    assert!(wide != of_project && wide.contains("0.2"), "{wide}");
+    // The same settings for another mesh.
+    let [other, standard] = ["other.stl", "standard.sparkpath"].map(path);
+    std::fs::rename(&mesh, &other).unwrap();
+    std::fs::write(&standard, text.replace("mesh = \"mold.stl\"\n", "")).unwrap();
+    assert_eq!(table(&["electrodes", &standard, "--mesh", &other]), of_project.replace("mold.stl", "other.stl"));
+    let (code, words) = said(&sparkpath(&["uncut", &standard]));
+    assert!(code == Some(2) && words.contains("mesh is missing; give one with --mesh"), "{words}");
+    std::fs::write(&standard, "kind = \"flank\"").unwrap();
+    for command in ["uncut", "electrodes"] {
+        let (code, words) = said(&sparkpath(&[command, &standard]));
+        assert!(code == Some(2) && words.contains("line 1: kind is \"flank\": must be \"mold\" here"), "{words}");
+    }
 }

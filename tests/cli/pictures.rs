@@ -19,7 +19,8 @@ fn copper(image: &image::RgbImage) -> usize {
     image.pixels().filter(|p| i32::from(p[0]) > i32::from(p[2]) + 40).count()
 }
 
-pub fn meshes_are_drawn_in_the_size_asked_for_and_each_in_its_own_colour() {
+#[test]
+fn meshes_are_drawn_in_the_size_asked_for_and_each_in_its_own_colour() {
     let folder = tempfile::tempdir().unwrap();
     let png = folder.path().join("a.png");
     let (blisk, electrode) = (path("part.stl"), path("out/electrode_1.stl"));
@@ -134,7 +135,8 @@ fn decoded(base64: &str) -> Vec<u8> {
     digits.chunks(4).flat_map(group).collect()
 }
 
-pub fn the_report_shows_the_very_pictures_that_lie_beside_it() {
+#[test]
+fn the_report_shows_the_very_pictures_that_lie_beside_it() {
     let html = std::fs::read_to_string(path("out/report.html")).unwrap();
     let sources = html.split("<img ").skip(1);
     let shown: Vec<Vec<u8>> = sources
@@ -157,4 +159,48 @@ pub fn without_a_graphics_driver_a_plan_is_written_all_the_same(out: &Path) {
     let output = blind(&["render", &path("part.stl"), "--png", "a.png"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(text(&output.stderr).contains("mesa-vulkan-drivers"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn projects_of_molds_and_flanks_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = folder.path().join("mold.stl");
+    import::write_stl(&mesh, &super::uncut::pocket()).unwrap();
+    let mold = "kind = \"mold\"\nmesh = \"mold.stl\"\nunits = \"mm\"\n[[library.cutter]]\ndiameter_mm = 2.0\n";
+    let flank = "kind = \"flank\"\n[plan]\ngrid = [30, 12]\nrounds = 1\n";
+    for (name, text) in [("mold.sparkpath", mold), ("flank.sparkpath", flank), ("other.sparkpath", "kind = \"lathe\"")]
+    {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    let run = |name: &str, more: &[&str]| {
+        let [project, png] = [folder.path().join(name), folder.path().join("a.png")];
+        let _ = std::fs::remove_file(&png);
+        let paths = [project.to_str().unwrap(), "--png", png.to_str().unwrap(), "--size", "400x300"];
+        let output = sparkpath(&[&["render"], &paths[..], more].concat());
+        (output.status.code(), text(&output.stderr), std::fs::read(&png).ok())
+    };
+    let mut pictures = Vec::new();
+    for (name, more) in [
+        ("mold.sparkpath", &[][..]),
+        ("mold.sparkpath", &["--electrode", "1"]),
+        ("flank.sparkpath", &["--theme", "dark"]),
+    ] {
+        let (code, said, png) = run(name, more);
+        assert_eq!(code, Some(0), "{name} {more:?}: {said}");
+        let drawn = picture(&png.unwrap());
+        let corner = *drawn.get_pixel(0, 0);
+        assert!(drawn.pixels().filter(|p| **p != corner).count() > 5_000, "{name} {more:?}: nothing is drawn");
+        pictures.push(drawn);
+    }
+    assert!(pictures[0] != pictures[1]);
+    for (name, more, words) in [
+        ("mold.sparkpath", &["--node", "3"][..], "--node: only the project of a blisk has nodes"),
+        ("mold.sparkpath", &["--electrode", "7"], "there are pictures of electrodes 1 to 1"),
+        ("flank.sparkpath", &["--electrode", "1"], "the project of a flank has none"),
+        ("flank.sparkpath", &["--view", "channel"], "only the project of a blisk has channels"),
+    ] {
+        let (code, said, png) = run(name, more);
+        assert!(code == Some(2) && said.contains(words) && png.is_none(), "{name} {more:?}: {said}");
+    }
+    assert_eq!(run("other.sparkpath", &[]).0, Some(2));
 }

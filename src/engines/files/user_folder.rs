@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-/// The folder of the user's settings and lists, if the system has one: `electrodes.toml`, `holders.toml` and the folder
+/// The folder of the user's settings and lists, if the system has one: `mold.sparkpath`, `holders.toml` and the folder
 /// `holders` are looked for in it.
 pub fn user_folder() -> Option<PathBuf> {
     Some(directories::ProjectDirs::from("", "", "sparkpath")?.config_dir().to_owned())

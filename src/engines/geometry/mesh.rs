@@ -1,5 +1,6 @@
 //! Indexed triangle meshes.
 
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
 use glam::DVec3;
@@ -8,7 +9,7 @@ use sha2::{Digest, Sha256};
 use super::frame::Frame;
 
 /// A triangle mesh with shared vertices; triangles are counter-clockwise seen from outside.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Mesh {
     /// Vertex positions (mm).
     pub vertices: Vec<DVec3>,
@@ -38,7 +39,7 @@ impl Edge {
 }
 
 /// An axis-aligned box.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bounds {
     /// Least coordinates.
     pub min: DVec3,

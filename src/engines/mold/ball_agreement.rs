@@ -1,7 +1,7 @@
 //! How far the grid of heights and the exact search agree on what ball-end cutters leave.
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::cutter::{CutterKind, CutterLibrary};
 use super::height_field::{Closing, FieldRegion, HeightField};
@@ -13,7 +13,7 @@ use task::{Cancel, Cancelled};
 const PLACES: usize = 400;
 
 /// By how much the heights of what balls leave differ (mm).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct BallAgreement {
     /// Places that were looked at.
     pub places: usize,

@@ -6,6 +6,7 @@
 //! such faces above z, exactly. Without invert faces it is the section as it is.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use glam::{DVec2, DVec3};
 
@@ -23,7 +24,7 @@ const BASE: f64 = 1e-6;
 const GAP: f64 = 2e-5;
 
 /// The faces of a mold that no cutter from above reaches.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct InvertFaces {
     /// Indices in the mesh, in order.
     pub triangles: Vec<u32>,

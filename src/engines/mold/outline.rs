@@ -1,9 +1,10 @@
 //! Closed outlines in a horizontal plane.
 
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 /// A closed polygon without repeated points; whatever it bounds lies on its left.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Outline {
     points: Vec<DVec2>,
 }

@@ -1,6 +1,7 @@
 //! Pieces of the plane that cutters leave in one layer, and what several cutters leave together.
 
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 use super::edge_grid::EdgeGrid;
 use super::outline::{Outline, off_segment};
@@ -16,7 +17,7 @@ const SAME_AREA: f64 = 1e-7;
 const SHALLOW: f64 = 0.0437;
 
 /// A piece of the plane that the cutter leaves, connected.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UncutPiece {
     /// Boundary, arcs in short steps: first the outer one, counter-clockwise, then its holes.
     pub boundary: Vec<Outline>,

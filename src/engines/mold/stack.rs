@@ -1,5 +1,6 @@
 //! Residual stock of a mold after a library of flat cutters, layer by layer.
 
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
 use rayon::prelude::*;
@@ -22,7 +23,7 @@ use task::{Cancel, Cancelled, Task};
 const SAME_AREA: f64 = 1e-9;
 
 /// Residual stock just above one height.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UncutLayer {
     /// The height (mm).
     pub z: f64,
@@ -31,7 +32,7 @@ pub struct UncutLayer {
 }
 
 /// Residual stock of a mold in all layers.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UncutStack {
     /// Layers, rising.
     pub layers: Vec<UncutLayer>,

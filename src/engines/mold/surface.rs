@@ -6,6 +6,7 @@
 //! are invert. Free forms under a rounded cutter have a boundary everywhere; where their pieces would be too many for a
 //! computer's memory, all of the surface is split half as finely, and so on.
 
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{DVec2, DVec3};
@@ -33,7 +34,7 @@ const MOST_PIECES: usize = 2_000_000;
 const MOST_HALVINGS: usize = 60;
 
 /// Part of a mold's triangle that bounds what is left.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SurfacePiece {
     /// Corners, turning as those of the triangle do (mm).
     pub corners: [DVec3; 3],

@@ -5,6 +5,7 @@
 //! layers. Where rounded cutters count too, regions are those of the grid.
 
 use glam::DVec2;
+use serde::{Deserialize, Serialize};
 
 use super::height_field::{Closing, FieldRegion, HeightField};
 use super::plane;
@@ -17,7 +18,7 @@ use geometry::mesh::Bounds;
 const LOOKS: usize = 64;
 
 /// A connected part of what the cutters leave.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UncutRegion {
     /// Volume (mm^3).
     pub volume: f64,

@@ -1,9 +1,9 @@
 //! Warnings to the user: where the mold is not what the computation presumes.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Warning on a mold.
-#[derive(Debug, Clone, PartialEq, Serialize, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, Serialize, thiserror::Error, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "warning")]
 pub enum MoldWarning {
     /// No layer has material.

@@ -182,6 +182,12 @@ impl<P: Params> Document<P> {
         true
     }
 
+    /// Makes `params` the parameters as part of the last step, so that undo takes both back together.
+    pub fn complete_step(&mut self, params: P) {
+        self.params = params;
+        self.content_revision = next_revision();
+    }
+
     /// Changes the parameters and those of every step alike, which is no step of its own: what the program notes of the
     /// part. What the file is taken to hold changes too if `is_in_file`, so that no unsaved work comes of it.
     pub fn amend(&mut self, is_in_file: bool, mut change: impl FnMut(&mut P)) {
@@ -378,7 +384,8 @@ pub fn sha256_of(path: &Path) -> std::io::Result<String> {
     }
 }
 
-pub(crate) fn sha256(bytes: &[u8]) -> String {
+/// SHA-256 of `bytes` in hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
     let mut hash = Sha256::new();
     hash.update(bytes);
     hexadecimal(hash)

@@ -93,6 +93,26 @@ fn one_drag_is_one_step_and_the_next_another() {
 }
 
 #[test]
+fn what_the_program_notes_is_no_step_and_what_follows_from_a_step_goes_with_it() {
+    let mut document = Document::<Mold>::default();
+    document.edit("Tolerance", with(&document, 0.5), false);
+    let states = [document.revision(), document.content_revision()];
+    document.amend(true, |params| params.name = "noted".to_owned());
+    assert!(document.revision() == states[0] && document.content_revision() != states[1]);
+    document.undo(false);
+    assert!(document.params().name == "noted" && !document.is_unsaved() && document.undo_label(false).is_none());
+    document.amend(false, |params| params.name = "found".to_owned());
+    assert!(document.is_unsaved(), "the file does not hold it");
+    document.undo(true);
+    document.edit("Mesh", Mold { mesh: Some("a.stl".into()), ..document.params().clone() }, false);
+    document.complete_step(Mold { name: "of the mesh".to_owned(), ..document.params().clone() });
+    document.undo(false);
+    assert_eq!((document.params().name.as_str(), &document.params().mesh), ("found", &None));
+    document.undo(true);
+    assert_eq!(document.params().name, "of the mesh");
+}
+
+#[test]
 fn a_project_is_opened_as_it_was_saved_and_finds_its_files_beside_it() {
     let folder = tempfile::tempdir().unwrap();
     let [old, new] = ["old", "new"].map(|name| folder.path().join(name));

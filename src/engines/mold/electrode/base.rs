@@ -1,5 +1,6 @@
 //! Bases: what tips stand on and a holder takes.
 
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
@@ -16,7 +17,7 @@ pub(super) const INTO_BASE: f64 = 0.25;
 const SAGITTA: f64 = 0.005;
 
 /// A base: a block or a cylinder whose underside is at height 0, its middle at the origin.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Base {
     /// Sides (mm); the diameter twice if it is round.
     pub sides: DVec2,

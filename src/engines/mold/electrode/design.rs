@@ -2,19 +2,19 @@
 
 use std::fmt;
 
+use files::{Figures, Override};
 use glam::{DVec2, DVec3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::base::Base;
 use super::check::{CheckKind, Finding, LeftOfRegion};
 use super::division::Cut;
-use super::overrides::{IdleOverride, Override};
 use super::params::{ElectrodeParams, GivenName, Method};
 use geometry::mesh::{Bounds, Mesh};
 
 /// Where a part of a region is: the region's place in the list, and the part's number, which is the same for the same place
 /// in every stage.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct PartId {
     /// The region.
     pub region: usize,
@@ -30,7 +30,7 @@ impl fmt::Display for PartId {
 }
 
 /// Position at which an electrode burns.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Burn {
     /// Where the electrode's origin is, in the upright mold (mm).
     pub position: DVec3,
@@ -47,7 +47,7 @@ pub struct Burn {
 }
 
 /// Whether an electrode shares its base with those of other stages.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
     /// Own base; a shared one was not asked for.
@@ -77,7 +77,7 @@ impl Family {
 
 /// An electrode: a base with one tip or several. Its origin is the middle of the base's underside, from where the tips
 /// reach down along -Z.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Electrode {
     /// Name, which its files carry.
     pub name: String,
@@ -119,29 +119,45 @@ impl Electrode {
         self.mesh.bounds()
     }
 
-    /// The parts of regions that all its burns are for, by name, in order.
-    pub fn part_names(&self) -> Vec<String> {
+    /// The parts of regions that all its burns are for, in order.
+    pub fn parts(&self) -> Vec<PartId> {
         let mut parts: Vec<PartId> = self.burns.iter().flat_map(|b| b.parts.iter().copied()).collect();
         parts.sort_unstable();
         parts.dedup();
-        parts.iter().map(PartId::to_string).collect()
+        parts
     }
 }
 
-impl Override {
-    /// A decision for one check of an electrode and what it burns.
-    pub fn of(electrode: &Electrode, check: CheckKind) -> Self {
-        Self { electrode: electrode.name.clone(), check: Some(check), parts: electrode.part_names() }
-    }
+/// Area of an outline with the sign of its sense (mm^2).
+fn area_of(outline: &[DVec2]) -> f64 {
+    let next = outline.iter().cycle().skip(1);
+    0.5 * outline.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum::<f64>()
+}
 
-    /// Whether it is for this electrode and what that burns.
-    pub fn is_for(&self, electrode: &Electrode) -> bool {
-        self.electrode == electrode.name && (self.parts.is_empty() || self.parts == electrode.part_names())
+/// Why an override overrides nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub enum IdleOverride {
+    /// No electrode has its name.
+    NoElectrode,
+    /// What it was decided for is no longer so, in words.
+    Lapsed(String),
+    /// The check does not fail.
+    Holds,
+}
+
+impl fmt::Display for IdleOverride {
+    /// In words, after the override's name.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoElectrode => "there is no electrode of that name",
+            Self::Lapsed(why) => why,
+            Self::Holds => "the check does not fail: the override has no effect",
+        })
     }
 }
 
 /// A part of a region after division, as the tree shows it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PartNode {
     /// The cut that divides it; none for a leaf.
     pub cut: Option<Cut>,
@@ -159,8 +175,15 @@ pub struct PartNode {
     pub place: Option<DVec2>,
 }
 
+impl PartNode {
+    /// The leaf with this number among the region's parts.
+    fn leaf(&self, part: usize) -> Option<&Self> {
+        if self.part == Some(part) { Some(self) } else { self.parts.iter().find_map(|inner| inner.leaf(part)) }
+    }
+}
+
 /// Part of a region that a stage has no tip for, and leaves to the stages after it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LeftOut {
     /// The stage: its place in the list.
     pub stage: usize,
@@ -169,7 +192,7 @@ pub struct LeftOut {
 }
 
 /// How a region is burned.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RegionPlan {
     /// Division by the last stage that has one.
     pub tree: Option<PartNode>,
@@ -191,7 +214,7 @@ pub struct RegionPlan {
 }
 
 /// All electrodes for a mold, with what was checked.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ElectrodeSet {
     /// Parameters of the electrodes.
     pub params: ElectrodeParams,
@@ -234,25 +257,62 @@ impl ElectrodeSet {
         }
     }
 
-    /// Whether one of `overrides` is for this check of an electrode.
-    pub fn is_overridden(&self, electrode: usize, check: CheckKind, overrides: &[Override]) -> bool {
+    /// The parts of regions that an electrode burns, each with its area in plan: a part that is merged with another has a
+    /// larger one, whatever it is called.
+    pub fn parts_of(&self, electrode: usize) -> Vec<String> {
         let electrode = &self.electrodes[electrode];
-        overrides.iter().any(|o| o.is_for(electrode) && o.check.is_none_or(|kind| kind == check))
+        let area = |id: &PartId| {
+            let region = self.regions.get(id.region)?;
+            let divisions = region.earlier.iter().filter(|(stage, _)| *stage == electrode.stage).map(|(_, tree)| tree);
+            let leaf = divisions.chain(&region.tree).find_map(|tree| tree.leaf(id.part))?;
+            Some(leaf.outlines.iter().map(|outline| area_of(outline)).sum::<f64>().abs())
+        };
+        electrode.parts().iter().map(|id| format!("{id} {:.2} mm2", area(id).unwrap_or_default())).collect()
     }
 
-    /// The overrides that override nothing, with the reason.
-    pub fn idle_overrides(&self) -> Vec<(&Override, IdleOverride)> {
+    /// How bad what a check of an electrode found is.
+    fn figures_of(&self, electrode: usize, check: &str) -> Figures {
+        let mut figures = Figures::new();
+        for finding in self.checks[electrode].iter().filter(|f| !f.holds && f.kind.name() == check) {
+            for (name, figure) in &finding.figures {
+                let worst = figures.entry(name.clone()).or_insert(*figure);
+                *worst = worst.max(*figure);
+            }
+        }
+        figures
+    }
+
+    /// The decision to export an electrode although a check fails, for what it burns and as bad as it is now.
+    pub fn override_of(&self, electrode: usize, check: CheckKind) -> Override {
+        let figures = self.figures_of(electrode, check.name());
+        let of = self.electrodes[electrode].name.clone();
+        Override { of, ..Override::decided(check.name(), self.parts_of(electrode), &figures) }
+    }
+
+    /// Why an override of an electrode no longer holds; none while it does.
+    fn lapsed(&self, electrode: usize, one: &Override) -> Option<String> {
+        one.lapsed(&self.parts_of(electrode), &self.figures_of(electrode, &one.check))
+    }
+
+    /// Whether one of `overrides` is for this check of an electrode.
+    pub fn is_overridden(&self, electrode: usize, check: CheckKind, overrides: &[Override]) -> bool {
+        let name = &self.electrodes[electrode].name;
+        let mut of_it = overrides.iter().filter(|o| o.of == *name && o.check == check.name());
+        of_it.any(|o| self.lapsed(electrode, o).is_none())
+    }
+
+    /// The overrides of `overrides` that override nothing, with the reason.
+    pub fn idle_overrides<'a>(&self, overrides: &'a [Override]) -> Vec<(&'a Override, IdleOverride)> {
         let why = |o: &Override| -> Option<IdleOverride> {
-            let Some(e) = self.electrodes.iter().position(|e| e.name == o.electrode) else {
+            let Some(e) = self.electrodes.iter().position(|e| e.name == o.of) else {
                 return Some(IdleOverride::NoElectrode);
             };
-            if !o.is_for(&self.electrodes[e]) {
-                return Some(IdleOverride::OtherParts);
+            if !self.checks[e].iter().any(|f| !f.holds && f.kind.name() == o.check) {
+                return Some(IdleOverride::Holds);
             }
-            let is_used = self.checks[e].iter().any(|f| !f.holds && o.check.is_none_or(|kind| kind == f.kind));
-            (!is_used).then_some(IdleOverride::Holds)
+            self.lapsed(e, o).map(IdleOverride::Lapsed)
         };
-        self.params.overrides.iter().filter_map(|o| Some((o, why(o)?))).collect()
+        overrides.iter().filter_map(|o| Some((o, why(o)?))).collect()
     }
 
     /// Regions that have no electrode for all of them.

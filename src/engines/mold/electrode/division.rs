@@ -5,7 +5,7 @@
 //! the cut by the overlap, between their own walls enlarged, so that nothing is left between them.
 
 use glam::DVec2;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::footprint::{grown, half_plane, shrunk};
 use super::h_edge::{HEdge, h_edges, is_upright, place};
@@ -32,7 +32,7 @@ const STILL_THERE: f64 = 0.01;
 const ON_LINE: f64 = 1e-6;
 
 /// A cut through a footprint.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Cut {
     /// A point that it goes through, in plan (mm).
     pub through: DVec2,

@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::burning::Burning;
 use super::check::{CheckKind, Finding, Obstacle};
@@ -42,7 +42,7 @@ pub struct Sample {
 }
 
 /// Residual stock of a region after its burns.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct LeftOfRegion {
     /// Greatest distance from the mold's surface (mm).
     pub thickness: f64,
@@ -201,5 +201,6 @@ pub fn leftover(left: &LeftOfRegion, tolerance: f64, stage: &Stage, looked: Look
             if matches!(stage.orbit, Orbit::Square { .. }) { SQUARE } else { "" }
         )
     };
-    Finding::new(CheckKind::Leftover, holds, text, (!holds).then_some(left.place))
+    let finding = Finding::new(CheckKind::Leftover, holds, text, (!holds).then_some(left.place));
+    finding.with(&[("excess_mm", left.excess)])
 }

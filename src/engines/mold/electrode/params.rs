@@ -2,11 +2,11 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use files::{Invalid, Validate};
+use files::{Invalid, Override, Validate};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use super::overrides::Override;
+use super::check::CheckKind;
 use crate::cutter::CutterLibrary;
 
 /// A motion of the machine that widens the burn, in a plane across the burn direction.
@@ -420,6 +420,10 @@ impl Validate for ElectrodeParams {
             figures.iter().all(|v| v.is_finite() && *v > 0.0) && r.setting_min.is_finite() && r.setting_min >= 0.0;
         if !is_right {
             return Err(Invalid::of("removal", "all figures must be positive and finite"));
+        }
+        let checks = CheckKind::ALL.map(CheckKind::name);
+        for (i, one) in self.overrides.iter().enumerate() {
+            one.validate(&checks, true).map_err(|problem| problem.within(&format!("overrides[{i}]")))?;
         }
         match &self.cutters {
             Some(library) => library.validate().map_err(|problem| problem.within("cutters")),

@@ -76,7 +76,7 @@ fn a_part_is_the_same_place_in_every_stage_and_so_are_names_and_families() {
     let root = |e: &Electrode| e.name.split('-').next().unwrap().to_owned();
     for (e, electrode) in set.electrodes.iter().enumerate() {
         let others = set.electrodes.iter().filter(|o| root(o) == root(electrode));
-        assert!(others.clone().all(|o| o.part_names() == electrode.part_names()));
+        assert!(others.clone().all(|o| o.parts() == electrode.parts()));
         assert_eq!(matches!(electrode.family, Family::Apart { .. }), others.count() == 1, "{e}");
     }
     // The trees of both stages are known, and name all that is burned.

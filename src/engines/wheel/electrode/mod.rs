@@ -219,7 +219,7 @@ pub enum ElectrodeError {
         taken: f64,
     },
     /// The parts are too short for their overlap.
-    #[error("{parts} parts of {length:.2} mm cannot overlap by {overlap:.2} mm: use fewer parts or lower overlap_mm")]
+    #[error("{parts} parts of {length:.2} mm cannot overlap by {overlap:.2} mm: use fewer parts or lower the overlap")]
     PartsTooShort {
         /// Number of parts.
         parts: usize,

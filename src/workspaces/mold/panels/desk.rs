@@ -6,11 +6,12 @@ use std::time::Duration;
 
 use super::electrode::ElectrodeDesk;
 use super::list::Column;
-use crate::workspaces::context::rest_left;
+use crate::widgets::form::Answer;
+use crate::workspaces::context::{Context, rest_left};
 use crate::workspaces::hands::{Gesture, Hands};
-use crate::workspaces::mold::document::MoldParams;
-use crate::workspaces::mold::document::electrode_file::load_electrodes;
 use crate::workspaces::mold::document::holder_files::load_holders;
+use crate::workspaces::mold::document::standard::standard_mold;
+use crate::workspaces::mold::document::{MoldParams, fields};
 use crate::workspaces::mold::job::uncut::LayerFound;
 use crate::workspaces::mold::scene::RegionColours;
 use crate::workspaces::mold::work::{FoundUncut, Glance, MoldWork};
@@ -18,7 +19,6 @@ use crate::workspaces::news::{EventKind, WorkEvent};
 use files::{AnyDocument, Document, Validate};
 use geometry::mesh::Bounds;
 use mold::cutter::CutterLibrary;
-use mold::electrode::params::ElectrodeParams;
 use mold::electrode::params::GivenName;
 use mold::uncut_region::UncutRegion;
 use task::{Priority, Scheduler, State};
@@ -42,8 +42,6 @@ pub struct MoldDesk {
     pub document: Document<MoldParams>,
     /// What has been made of it.
     pub work: MoldWork,
-    /// The row of the table of cutters that is selected.
-    pub cutter: usize,
     /// The region that is selected.
     pub selected: Option<usize>,
     /// The region that the list was scrolled to.
@@ -64,8 +62,6 @@ pub struct MoldDesk {
     pub least_volume: f64,
     /// The cutters that are compared with.
     pub other: CutterLibrary,
-    /// The row of their table that is selected.
-    pub other_cutter: usize,
     /// Whether only regions are shown of which the other cutters would leave nothing.
     pub only_vanishing: bool,
     /// Whether the exact answer follows a change by itself, once there was one, and the electrodes, once they were made.
@@ -75,8 +71,8 @@ pub struct MoldDesk {
     /// The parameters that were followed last.
     followed: MoldParams,
     gesture: Gesture,
-    /// What is asked of electrodes where a mold begins: the user's own standard.
-    standard: ElectrodeParams,
+    /// Where a mold begins: the user's own standard.
+    standard: MoldParams,
     /// The time of the last frame (s).
     now: f64,
     /// When something was last changed of which the answer is not known.
@@ -101,12 +97,11 @@ impl MoldDesk {
             shows_list_instead: false,
             is_small: false,
             other: params.library.clone(),
-            standard: params.electrodes.clone(),
+            standard: params.clone(),
             followed: params.clone(),
             document: Document::new(params),
             gesture: Gesture::default(),
             work: MoldWork::new(scheduler),
-            cutter: 0,
             selected: None,
             scrolled_to: None,
             isolated: false,
@@ -116,7 +111,6 @@ impl MoldDesk {
             layer: None,
             sort: (Column::Volume, true),
             least_volume: 0.0,
-            other_cutter: 0,
             only_vanishing: false,
             follows: true,
             fly_to: None,
@@ -137,7 +131,7 @@ impl MoldDesk {
         }
     }
 
-    /// Takes what is asked of electrodes, and the holders, from the files in the user's folder. What is wrong with them is
+    /// Takes the standard of molds, and the holders, from the files in the user's folder. What is wrong with them is
     /// answered, a line each, and then holds as without them.
     pub fn take_user_files(&mut self, folder: &Path) -> Vec<String> {
         let mut wrong = Vec::new();
@@ -145,11 +139,11 @@ impl MoldDesk {
             Ok(holders) => self.electrodes.holders = holders,
             Err(error) => wrong.push(error.to_string()),
         }
-        match load_electrodes(Some(folder)) {
+        match standard_mold(Some(folder)) {
             // These are where a mold begins, and no change of the user's.
-            Ok(electrodes) => {
-                self.standard = electrodes.clone();
-                self.replace(Document::new(MoldParams { electrodes, ..self.params().clone() }));
+            Ok(standard) => {
+                self.standard = standard.clone();
+                self.replace(Document::new(standard));
             }
             // What both say is said once.
             Err(error) => wrong.extend(Some(error.to_string()).filter(|text| !wrong.contains(text))),
@@ -171,8 +165,8 @@ impl MoldDesk {
             document.amend(true, |params| params.mesh = Some(mesh.to_owned()));
             return document;
         }
-        let (library, electrodes) = (params.library.clone(), self.standard.clone());
-        Document::new(MoldParams { mesh: Some(mesh.to_owned()), library, electrodes, ..MoldParams::default() })
+        let (mesh, library) = (Some(mesh.to_owned()), params.library.clone());
+        Document::new(MoldParams { mesh, library, ..self.standard.clone() })
     }
 
     /// Takes `document` in the place of the present one.
@@ -215,7 +209,8 @@ impl MoldDesk {
             return None;
         }
         let before = MoldParams { part: Some(part.clone()), ..self.params().clone() };
-        self.document.amend(false, |params| *params = params.of_part(&part));
+        let now = self.params().of_part(&part);
+        self.document.complete_step(now);
         let text = "Mold: its mesh or unit has changed: opening direction, divisions and overrides that were chosen \
                     for the former one are dropped; choose them again";
         (before != *self.params()).then(|| WorkEvent { kind: EventKind::Refused, text: text.to_owned(), took: None })
@@ -223,9 +218,17 @@ impl MoldDesk {
 
     /// Takes other parameters. While they go on changing they are looked at quickly.
     pub fn edit(&mut self, params: MoldParams) {
-        let label = params.change_since(self.params());
+        let label = fields::change(self.params(), &params);
         self.document.edit(&label, params, self.gesture.goes_on());
         self.follow_params();
+    }
+
+    /// Takes what a form has come to.
+    pub fn take(&mut self, answer: Answer<MoldParams>, cx: &mut Context) {
+        if let Some(edit) = answer.edit {
+            self.edit(edit.params);
+        }
+        answer.said.into_iter().for_each(|said| cx.say_in_passing(said));
     }
 
     /// Takes in that the parameters have changed.
@@ -249,12 +252,17 @@ impl MoldDesk {
         self.work.state(self.document.params())
     }
 
+    fn check(&self) -> Result<(), String> {
+        self.document.params().validate().map_err(|problem| fields::FIELDS.in_window(&problem))
+    }
+
     /// Begins to look for what is left.
     ///
     /// # Errors
     /// One line why it cannot be looked for.
     pub fn find(&mut self) -> Result<(), String> {
         self.edited = None;
+        self.check()?;
         self.work.find(self.document.params())
     }
 
@@ -264,6 +272,7 @@ impl MoldDesk {
     /// One line why none can be made.
     pub fn design(&mut self) -> Result<(), String> {
         (self.edited, self.changed) = (None, None);
+        self.check()?;
         self.electrodes.is_awaited = true;
         self.work.design(self.document.params())
     }
@@ -472,11 +481,12 @@ mod tests {
         std::fs::create_dir(folder.path().join("holders")).unwrap();
         let supplier = folder.path().join("holders/Acme.toml");
         std::fs::write(&supplier, "[[holder]]\nname = \"20\"\nsize_mm = [20.0, 20.0]\nheight_mm = 12.0\n").unwrap();
-        std::fs::write(folder.path().join("electrodes.toml"), "margin_mm = 0.7").unwrap();
+        let standard = "kind = \"mold\"\ntolerance_mm = 0.05\n[electrodes]\nmargin_mm = 0.7";
+        std::fs::write(folder.path().join("mold.sparkpath"), standard).unwrap();
         assert!(desk.take_user_files(folder.path()).is_empty() && !desk.document.is_unsaved());
         let asked = desk.params().electrodes.clone();
         assert_eq!((asked.margin_mm, asked.holders[0].name.as_str(), asked.holders.len()), (0.7, "Acme: 20", 1));
-        assert_eq!(desk.electrodes.holders, asked.holders);
+        assert_eq!((&desk.electrodes.holders, desk.params().tolerance_mm), (&asked.holders, 0.05));
         // A mold that names no holder has the user's.
         desk.replace(Document::default());
         assert_eq!(desk.params().electrodes.holders, asked.holders);

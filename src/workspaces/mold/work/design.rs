@@ -6,8 +6,8 @@ use super::{FoundUncut, LoadedMold};
 use crate::workspaces::mold::job::electrodes::electrodes;
 use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::electrodes::{ElectrodeShape, electrode_shapes};
+use files::Override;
 use mold::electrode::design::{ElectrodeSet, PartNode};
-use mold::electrode::overrides::Override;
 use mold::electrode::params::ElectrodeParams;
 use mold::opening::Opening;
 use task::Task;
@@ -25,6 +25,8 @@ pub struct Designed {
     pub opening: Opening,
     /// A place of each region's surface, upright, by which changes name it (mm).
     pub places: Vec<Option<DVec3>>,
+    /// Whether they were made by this program since it was started, from what it found then.
+    pub is_proven: bool,
 }
 
 impl Designed {
@@ -67,6 +69,12 @@ pub(super) fn design(
     let uncut = &found.uncut;
     let set = electrodes(&mold.mesh, uncut, params, task).map_err(|e| e.to_string())?;
     task.check().map_err(|e| e.to_string())?;
+    Ok(shown(mold, found, set, found.is_proven))
+}
+
+/// Electrodes that were made for what was `found` of `mold`, with all that is shown of them, nothing overridden.
+pub(super) fn shown(mold: &LoadedMold, found: &FoundUncut, set: ElectrodeSet, is_proven: bool) -> Designed {
+    let uncut = &found.uncut;
     let mut places = vec![None; set.regions.len()];
     for piece in &uncut.surface {
         if let Some(place) = places.get_mut(piece.region as usize) {
@@ -74,7 +82,7 @@ pub(super) fn design(
         }
     }
     let opening = uncut.params.opening;
-    let plain = ElectrodeSet { params: ElectrodeParams { overrides: Vec::new(), ..params.clone() }, ..set };
+    let plain = ElectrodeSet { params: ElectrodeParams { overrides: Vec::new(), ..set.params }, ..set };
     let report = ElectrodesReport::of(&plain, &mold.name, opening);
-    Ok(Designed { report, shapes: electrode_shapes(&plain), opening, places, set: plain })
+    Designed { report, shapes: electrode_shapes(&plain), opening, places, set: plain, is_proven }
 }

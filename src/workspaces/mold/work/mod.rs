@@ -16,7 +16,7 @@ use crate::workspaces::mold::job::uncut::UncutParams;
 use crate::workspaces::news::{EventKind, WorkEvent};
 pub use design::Designed;
 use electrode_export::{Exported, export};
-use files::Params;
+use files::{Params, ResultCache};
 pub use glance::Glance;
 use import::Units;
 use mold::cutter::CutterLibrary;
@@ -34,6 +34,10 @@ type Question = (String, UncutParams);
 /// What is asked of electrodes: for what is left of which mold, and how they are to be.
 type DesignQuestion = (Question, ElectrodeParams);
 
+/// What results are called where they are kept.
+const UNCUT: &str = "uncut";
+const ELECTRODES: &str = "electrodes";
+
 /// Everything that is computed for a mold.
 pub struct MoldWork {
     /// One is remembered: who comes back to a file reads it as it is then.
@@ -48,6 +52,10 @@ pub struct MoldWork {
     exports: u64,
     reloads: u64,
     priority: Priority,
+    /// What was computed earlier, if that is kept.
+    pub results: Option<ResultCache>,
+    /// What was last looked for there.
+    looked_up: (Option<Question>, Option<DesignQuestion>),
 }
 
 impl MoldWork {
@@ -64,6 +72,8 @@ impl MoldWork {
             exports: 0,
             reloads: 0,
             priority: Priority::Normal,
+            results: None,
+            looked_up: (None, None),
         }
     }
 
@@ -89,6 +99,7 @@ impl MoldWork {
         }
         self.load(params);
         self.turn_to(params);
+        self.take_up(params);
         events.extend(self.follow_wish(params));
         events
     }
@@ -173,12 +184,7 @@ impl MoldWork {
     }
 
     fn question(&self, params: &MoldParams) -> Option<Question> {
-        let question = UncutParams {
-            opening: params.opening,
-            tolerance_mm: params.tolerance_mm,
-            ..UncutParams::of(params.library.clone())
-        };
-        self.current_mold(params).map(|mold| (mold.sha256.clone(), question))
+        self.current_mold(params).map(|mold| (mold.sha256.clone(), params.uncut()))
     }
 
     /// What is asked of `params`, and the mold that it is asked of.
@@ -211,9 +217,49 @@ impl MoldWork {
     pub fn find(&mut self, params: &MoldParams) -> Result<(), String> {
         let (question, mold) = self.asked(params)?;
         question.1.validate().map_err(|e| e.to_string())?;
-        let asked = question.1.clone();
-        self.found.restart(&question, self.priority, move |work| steps::find(&mold, &asked, &work.task));
+        // Who asks again for what there is wants it computed.
+        let results = self.results.clone();
+        let kept = results.clone().filter(|_| self.state(params) != State::Ready);
+        let key = question.clone();
+        self.found.restart(&question, self.priority, move |work| {
+            if let Some(found) = kept.as_ref().and_then(|kept| kept.get(UNCUT, &key)) {
+                return Ok(steps::shown(&mold, found, false));
+            }
+            let found = steps::find(&mold, &key.1, &work.task)?;
+            results.iter().for_each(|results| results.put(UNCUT, &key, &found.uncut));
+            Ok(found)
+        });
         Ok(())
+    }
+
+    /// Takes up what was computed earlier for `params`, where nothing was asked for them since.
+    fn take_up(&mut self, params: &MoldParams) {
+        let (Some(results), Ok((question, mold))) = (self.results.clone(), self.asked(params)) else { return };
+        if self.looked_up.0.as_ref() != Some(&question) {
+            self.looked_up.0 = Some(question.clone());
+            if self.found.state(&question) == State::Missing && results.has(UNCUT, &question) {
+                let (key, mold) = (question.clone(), mold.clone());
+                let gone = "what was kept of it is damaged: find it again";
+                let (kept, priority) = (results.clone(), self.priority);
+                self.found.ask(&question, priority, move |_| {
+                    kept.get(UNCUT, &key).map(|found| steps::shown(&mold, found, false)).ok_or_else(|| gone.to_owned())
+                });
+            }
+        }
+        let Some(found) = self.found.get(&question).cloned() else { return };
+        // Names that were given then are given still.
+        let named = (question.clone(), kept_electrodes(&params.electrodes));
+        if self.looked_up.1.as_ref() != Some(&named) {
+            self.looked_up.1 = Some(named.clone());
+            let asked = design_question(question, &params.electrodes);
+            if self.designed.state(&asked) == State::Missing && results.has(ELECTRODES, &named) {
+                let gone = "what was kept of them is damaged: create them again";
+                self.designed.ask(&asked, self.priority, move |_| {
+                    let set = results.get(ELECTRODES, &named);
+                    set.map(|set| design::shown(&mold, &found, set, false)).ok_or_else(|| gone.to_owned())
+                });
+            }
+        }
     }
 
     /// Looks for what `library` would leave, to compare it with what was found for `params`.
@@ -306,9 +352,16 @@ impl MoldWork {
             self.is_waiting = true;
             return Ok(());
         };
-        let asked = params.electrodes.clone();
-        self.designed.restart(&design_question(question, &params.electrodes), self.priority, move |work| {
-            design::design(&mold, &found, &asked, &work.task)
+        let (asked, results) = (params.electrodes.clone(), self.results.clone());
+        self.designed.restart(&design_question(question.clone(), &params.electrodes), self.priority, move |work| {
+            let made = design::design(&mold, &found, &asked, &work.task)?;
+            // The file may have them with the names that they had before, or with those that they were given.
+            let named = ElectrodeParams { names: made.set.names.clone(), ..asked.clone() };
+            for asked in [&asked, &named] {
+                let key = (question.clone(), kept_electrodes(asked));
+                results.iter().for_each(|results| results.put(ELECTRODES, &key, &made.set));
+            }
+            Ok(made)
         });
         Ok(())
     }
@@ -345,16 +398,25 @@ impl MoldWork {
         (formats, sheet): (&[ElectrodeFormat], &BurnSheet),
     ) -> Result<(), String> {
         let made = self.designed().filter(|_| self.is_designed_of(params)).cloned();
-        let (Some(made), Some(mold)) = (made, self.mold().cloned()) else {
+        let (Some(made), Ok((question, mold))) = (made, self.asked(params)) else {
             return Err("the electrodes are out of date: create them again".to_owned());
         };
         let (folder, name, formats, sheet) = (folder.to_owned(), params.name(), formats.to_vec(), sheet.clone());
         // Which of them are let pass, and what they are called, may have changed since they were made.
         let asked = ElectrodeParams { names: Vec::new(), ..params.electrodes.clone() };
-        let set = ElectrodeSet { params: asked, ..made.set.clone() };
+        let electrodes = params.electrodes.clone();
         self.exports += 1;
         self.exported.restart(&self.exports, Priority::Shown, move |work| {
-            export(&folder, (&set, &made), (&mold, &name), (&formats, &sheet), &work.task)
+            // What was read from a file is shown, but proves nothing.
+            let proven = if made.is_proven {
+                None
+            } else {
+                let found = steps::find(&mold, &question.1, &work.task)?;
+                Some(design::design(&mold, &found, &electrodes, &work.task)?)
+            };
+            let made = proven.as_ref().unwrap_or(&made);
+            let set = ElectrodeSet { params: asked.clone(), ..made.set.clone() };
+            export(&folder, (&set, made), (&mold, &name), (&formats, &sheet), &work.task)
         });
         Ok(())
     }
@@ -364,6 +426,11 @@ impl MoldWork {
 fn design_question(question: Question, electrodes: &ElectrodeParams) -> DesignQuestion {
     let (overrides, names, material) = (Vec::new(), Vec::new(), String::new());
     (question, ElectrodeParams { overrides, names, material, ..electrodes.clone() })
+}
+
+/// What of `electrodes` is the key of those that are kept: the names too, which are given for good.
+fn kept_electrodes(electrodes: &ElectrodeParams) -> ElectrodeParams {
+    ElectrodeParams { overrides: Vec::new(), material: String::new(), ..electrodes.clone() }
 }
 
 /// How a value stands while there is no mold that it could be of.

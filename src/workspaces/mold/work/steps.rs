@@ -50,6 +50,8 @@ pub struct FoundUncut {
     pub invert: Option<Arc<RenderMesh>>,
     /// The greatest height of what is left (mm).
     pub deepest: f64,
+    /// Whether it was computed by this program since it was started, and not read from a file.
+    pub is_proven: bool,
 }
 
 impl FoundUncut {
@@ -81,11 +83,17 @@ pub fn load(path: &Path, units: Units, task: &Task) -> Result<LoadedMold, String
 pub(super) fn find(mold: &LoadedMold, params: &UncutParams, task: &Task) -> Result<FoundUncut, String> {
     let text = |e: UncutError| e.to_string();
     let found = uncut(&mold.mesh, params, task).map_err(text)?;
-    let shapes = region_shapes(&mold.mesh, &found.surface, found.regions.len(), params.opening);
+    let shown = shown(mold, found, true);
+    task.check().map_err(|e| e.to_string())?;
+    Ok(shown)
+}
+
+/// What was found, with all that is shown of it.
+pub(super) fn shown(mold: &LoadedMold, found: Uncut, is_proven: bool) -> FoundUncut {
+    let shapes = region_shapes(&mold.mesh, &found.surface, found.regions.len(), found.params.opening);
     let invert = faces_shape(&mold.mesh, &found.stack.invert.triangles);
     let deepest = found.regions.iter().fold(0.0, |most: f64, r| most.max(r.depth));
-    task.check().map_err(|e| e.to_string())?;
-    Ok(FoundUncut { report: UncutReport::of(&found), uncut: found, shapes, invert, deepest })
+    FoundUncut { report: UncutReport::of(&found), uncut: found, shapes, invert, deepest, is_proven }
 }
 
 /// Finds what other cutters leave, and how that compares with what was found.

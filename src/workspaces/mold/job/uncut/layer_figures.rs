@@ -4,12 +4,13 @@ use mold::height_field::{Closing, FieldRegion, HeightField};
 use mold::stack::UncutStack;
 use mold::surface::{SurfacePiece, segments_at};
 use mold::uncut_region::UncutRegion;
+use serde::{Deserialize, Serialize};
 
 /// How far heights of the grid may be off: single precision, and a rounded cutter that sags between two places (mm).
 const ROUNDING: f64 = 3e-4;
 
 /// What is left in one layer.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LayerFound {
     /// Its height (mm).
     pub z: f64,

@@ -10,7 +10,7 @@ mod tests;
 
 use files::{Invalid, Validate};
 use glam::DVec3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use geometry::mesh::Mesh;
 pub use layer_figures::LayerFound;
@@ -36,7 +36,7 @@ const COARSEST: f64 = 0.1;
 const THIN: f64 = 3.0;
 
 /// What is asked.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct UncutParams {
     /// The cutters.
     pub library: CutterLibrary,
@@ -109,7 +109,7 @@ impl From<HeightFieldError> for UncutError {
 }
 
 /// How many regions, and their volume (mm^3), by one way of finding them.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub struct Found {
     pub regions: usize,
@@ -117,7 +117,7 @@ pub struct Found {
 }
 
 /// The same by a coarser field of heights.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Coarser {
     /// Its step (mm).
     pub step: f64,
@@ -126,7 +126,7 @@ pub struct Coarser {
 }
 
 /// What is left of a mold. Everything stands upright: the opening looks along +Z.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Uncut {
     /// What was asked.
     pub params: UncutParams,
