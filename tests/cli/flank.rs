@@ -188,7 +188,7 @@ fn an_electrode_of_a_mold_or_of_a_folder_is_milled_as_it_stands_on_the_table() {
     let more = ["--taper-deg", "0", "--radius", "0.5", "--save", save.to_str().unwrap()];
     let (code, said, last) = run(&[&["--electrode", "E01", "--of", file][..], &more].concat());
     assert!(matches!(code, Some(0 | 3)), "{said} {last}");
-    let saved = opened(&save);
+    let saved = opened(save);
     let FlankSource::Mesh(source) = &saved.source else { panic!("{said}") };
     assert!(source.part() == "E01 of mold" && source.fit.up == DVec3::NEG_Z);
     assert_eq!(saved.milling.workpiece.as_ref().unwrap().z_axis, DVec3::NEG_Z);
@@ -200,7 +200,7 @@ fn an_electrode_of_a_mold_or_of_a_folder_is_milled_as_it_stands_on_the_table() {
     let other = ["--electrode", "E01", "--of", out, "--override", "leads:0.5", "--save", save.to_str().unwrap()];
     let (code, said, last) = run(&[&[save.to_str().unwrap()][..], &other].concat());
     assert!(matches!(code, Some(0 | 3)), "{said} {last}");
-    let found = opened(&save);
+    let found = opened(save);
     assert_eq!((found.side, found.walls, found.cutter), (Side::Automatic, None, saved.cutter));
     assert_eq!(found.overrides, ["leads:0.5".parse().unwrap()]);
     for (of, name, words) in [
@@ -247,15 +247,15 @@ fn a_users_own_machine_and_what_is_said_beside_a_file_are_taken() {
     assert_eq!(run(&["--demo", "a", "--machine", "my-mill"]).0, Some(2), "another user has no such machine");
     let (code, said) = told(&[save, "--max-overcut", "0.04", "--cut", "conventional", "--save", save]);
     assert_eq!(code, Some(0), "{said}");
-    let document = opened(&save);
+    let document = opened(save);
     let bounds = Objective::Bounded { overcut_mm: Some(0.04), undercut_mm: Some(0.07) };
     assert_eq!((document.plan.objective, document.milling.cut), (bounds, CutDirection::Conventional));
     // Another machine has the workpiece and the tool where its own file says, and that is said.
     assert_eq!(told(&[save, "--zero", "0,0,45", "--gauge-length", "125", "--save", save]).0, Some(0));
-    assert!(opened(&save).milling.workpiece.is_some());
+    assert!(opened(save).milling.workpiece.is_some());
     let (code, said, _) = run(&[save, "--machine", "trunnion-ac", "--gauge-length", "130", "--save", save]);
     assert!(code == Some(0) && said.contains("how the workpiece was clamped was of the former one"), "{said}");
-    let milling = opened(&save).milling;
+    let milling = opened(save).milling;
     assert_eq!((milling.workpiece, milling.gauge_length_mm), (None, Some(130.0)));
     // What the post cannot say is found before anything is computed.
     let post = nc::flank_program::BUILT_IN_POST.1.replacen("[[axes]]\naxis = \"c\"\nword = \"C\"\n", "", 1);

@@ -157,7 +157,7 @@ fn head(ui: &mut Ui, desk: &mut FlankDesk, choice: PathChoice) {
 fn checks(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
     for check in &planned.result.checks {
         let mut check = check.clone();
-        check.decide(&[planned.result.part.clone()], &desk.document.params().overrides);
+        check.decide(std::slice::from_ref(&planned.result.part), &desk.document.params().overrides);
         let (check, is_overridden) = (&check, check.is_overridden);
         let colours = palette(ui);
         let (sign, colour) = match (check.holds, is_overridden) {
