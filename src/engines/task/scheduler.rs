@@ -61,6 +61,8 @@ struct Jobs {
     waiting: Vec<Waiting>,
     running: Vec<Running>,
     submitted: JobId,
+    /// Whether the thread of long work is at work.
+    is_long_busy: bool,
     is_closed: bool,
 }
 
@@ -150,11 +152,17 @@ impl Queue {
     fn serve(&self, lane: Lane) {
         let mut jobs = self.lock();
         while !jobs.is_closed {
-            jobs = match jobs.next(lane, None) {
+            // The thread of long work has all cores behind it: while it is free, it does what is quick, too.
+            let is_its_turn = lane == Lane::Long || jobs.is_long_busy;
+            jobs = match is_its_turn.then(|| jobs.next(lane, None)).flatten() {
                 Some((taken, cancel)) => {
+                    jobs.is_long_busy |= lane == Lane::Long;
                     drop(jobs);
+                    self.changed.notify_all();
                     self.run(lane, taken, &cancel);
-                    self.lock()
+                    let mut jobs = self.lock();
+                    jobs.is_long_busy &= lane != Lane::Long;
+                    jobs
                 }
                 None => self.changed.wait(jobs).unwrap_or_else(PoisonError::into_inner),
             };
@@ -170,8 +178,9 @@ impl Queue {
 /// threads stand, however many memos there are. Work is not started on rayon's own threads: one of them that waits for a
 /// part of a preview could steal a whole plan and keep the preview until that is made.
 ///
-/// **Who comes first.** Quick work never waits for long work: it has a thread of its own, and that of the long lane too
-/// while no long work waits. Within a lane the higher [`Priority`] comes first, and of equals the one that was submitted
+/// **Who comes first.** Quick work never waits for long work. While the thread of long work is free, that does quick work
+/// too, on all cores. While it is busy, the thread of quick work does it by itself, without rayon's pool: what is given to
+/// the pool then waits until the long work leaves it a thread, which may take seconds. Within a lane the higher [`Priority`] comes first, and of equals the one that was submitted
 /// first. Running work lets what is of a higher priority pass: whenever it reports [`Progress`](crate::Progress) on the
 /// thread of its lane, that is done first, there and then, and the work goes on after it. So it holds no lock while it
 /// reports.
@@ -192,7 +201,13 @@ impl Scheduler {
         let _ = rayon::ThreadPoolBuilder::new().thread_name(|i| format!("pool {i}")).build_global();
         for (lane, name) in [(Lane::Quick, "quick work"), (Lane::Long, "long work")] {
             let queue = scheduler.queue.clone();
-            let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || queue.serve(lane))?;
+            let serve = move || {
+                // A pool of this thread alone: parallel loops of quick work run here, one after the other.
+                let _alone = (lane == Lane::Quick)
+                    .then(|| rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build());
+                queue.serve(lane);
+            };
+            let thread = std::thread::Builder::new().name(name.to_owned()).spawn(serve)?;
             scheduler.threads.push(thread);
         }
         Ok(scheduler)

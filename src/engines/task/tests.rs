@@ -517,3 +517,32 @@ fn laws_that_hold_after_any_history() {
         assert!(!memo.is_busy() && (0..6).all(|key| memo.state(&key) != State::Running));
     }
 }
+
+/// Long work that keeps every thread of the pool busy must not keep the parallel loops of quick work waiting.
+#[test]
+fn quick_work_ends_while_long_work_has_the_whole_pool() {
+    use rayon::prelude::*;
+    use std::sync::atomic::AtomicBool;
+
+    /// Looks at a flag before a thread gives up: far more than quick work takes.
+    const MOST: usize = 1 << 31;
+    let (scheduler, woken) = with_threads();
+    let mut long: Memo<u32, bool, u32> = Memo::new(&scheduler, Lane::Long, "long");
+    let mut quick: Memo<u32, u32, u32> = Memo::new(&scheduler, Lane::Quick, "quick");
+    let is_over = Arc::new(AtomicBool::new(false));
+    let (begun, begins) = channel();
+    let seen = is_over.clone();
+    long.ask(&1, Priority::Normal, move |_| {
+        let begun = Mutex::new(begun);
+        let until_over = |_| {
+            begun.lock().unwrap().send(()).unwrap_or(());
+            (0..MOST).any(|_| seen.load(Ordering::Acquire))
+        };
+        Ok((0..rayon::current_num_threads()).into_par_iter().with_max_len(1).all(until_over))
+    });
+    (0..rayon::current_num_threads()).for_each(|_| begins.recv().unwrap());
+    quick.ask(&1, Priority::Shown, |_| Ok((0..1000u32).into_par_iter().sum()));
+    assert_eq!(wait(&mut quick, &woken).result.map(|sum| *sum), Ok(499_500));
+    is_over.store(true, Ordering::Release);
+    assert_eq!(wait(&mut long, &woken).result.map(|is_met| *is_met), Ok(true), "the quick work ended first");
+}
