@@ -11,8 +11,8 @@ use egui::vec2;
 use egui_kittest::Harness;
 use sparkpath::shell::run::{Opening, SparkpathApp};
 use sparkpath::workspaces::blisk::document::stage::Stage;
-use sparkpath::workspaces::blisk::pipeline::StageState;
 use sparkpath::workspaces::blisk::{BliskDesk, BliskWorkspace};
+use task::State;
 
 type Window = Harness<'static, SparkpathApp>;
 
@@ -21,7 +21,7 @@ fn window() -> Window {
         .with_size(vec2(1440.0, 900.0))
         .wgpu()
         .build_eframe(|cc| SparkpathApp::new(cc, &Opening::Demonstration, None).expect("a graphics driver"));
-    while desk(&window).pipeline.state(Stage::Plan) != StageState::Done {
+    while desk(&window).work.state(Stage::Plan) != State::Ready {
         window.step();
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -49,11 +49,11 @@ fn start_plan(window: &mut Window, seed: u64) {
         window.step();
         std::thread::sleep(Duration::from_millis(5));
     }
-    desk_mut(window).pipeline.start_plan().expect("the electrode is made");
+    desk_mut(window).work.start_plan().expect("the electrode is made");
 }
 
 fn is_planning(window: &Window) -> bool {
-    desk(window).pipeline.state(Stage::Plan) == StageState::Running
+    desk(window).work.state(Stage::Plan) == State::Running
 }
 
 /// Lays out one frame and answers what the window itself took for it.

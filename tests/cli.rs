@@ -7,6 +7,8 @@ mod compare;
 mod electrodes;
 #[path = "cli/flank.rs"]
 mod flank;
+#[path = "common/made_once.rs"]
+mod made_once;
 #[path = "cli/pictures.rs"]
 mod pictures;
 #[path = "cli/sections.rs"]
@@ -16,14 +18,14 @@ mod simulate;
 #[path = "cli/uncut.rs"]
 mod uncut;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::sync::OnceLock;
 
 use common::{curved_blisk, easy_blisk, mesh};
 use import::write_stl;
+use made_once::made_once;
 use task::Task;
-use tempfile::TempDir;
 use wheel::parametric::ParametricBlisk;
 
 fn sparkpath(arguments: &[&str]) -> Output {
@@ -81,40 +83,27 @@ fn add(file: &str, lines: &str) {
     std::fs::write(file, std::fs::read_to_string(file).unwrap() + lines).unwrap();
 }
 
-/// A finished plan, shared by those that read it.
-fn planned() -> &'static (TempDir, Output) {
-    static PLAN: OnceLock<(TempDir, Output)> = OnceLock::new();
+/// A finished plan, which is made once and shared by those that read it.
+fn planned() -> &'static Path {
+    static PLAN: OnceLock<PathBuf> = OnceLock::new();
     PLAN.get_or_init(|| {
-        let folder = tempfile::tempdir().unwrap();
-        let file = job(folder.path(), COMES_OUT);
-        let out = folder.path().join("out");
-        let output = sparkpath(&["plan", &file, "--out", out.to_str().unwrap()]);
-        (folder, output)
+        made_once("plan", |folder| {
+            let file = job(folder, COMES_OUT);
+            let output = sparkpath(&["plan", &file, "--out", folder.join("out").to_str().unwrap()]);
+            assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        })
     })
 }
 
 fn path(name: &str) -> String {
-    planned().0.path().join(name).to_str().unwrap().to_owned()
+    planned().join(name).to_str().unwrap().to_owned()
 }
 
-/// All that reads one and the same plan, which is made once: tests run in processes of their own.
 #[test]
-fn one_plan_is_read_by_everyone() {
-    a_plan_writes_everything_and_answers_0();
-    a_written_plan_passes_verify_and_a_tampered_one_does_not();
-    a_verification_judges_travel_if_limits_are_given_and_leaves_the_plans_report_alone();
-    an_electrode_in_w_is_told_from_a_collision();
-    pictures::the_report_shows_the_very_pictures_that_lie_beside_it();
-    pictures::meshes_are_drawn_in_the_size_asked_for_and_each_in_its_own_colour();
-    an_electrode_of_ones_own_is_planned_like_a_derived_one();
-    a_bare_mesh_with_settings_gives_the_same_bytes_as_a_project();
-}
-
 fn a_plan_writes_everything_and_answers_0() {
-    let (folder, output) = planned();
-    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let out = planned().join("out");
     for name in ["electrode_1.stl", "path_1.csv", "path_1.nc", "report.json", "report.html"] {
-        assert!(folder.path().join("out").join(name).is_file(), "{name}");
+        assert!(out.join(name).is_file(), "{name}");
     }
     let report: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(path("out/report.json")).unwrap()).unwrap();
@@ -158,6 +147,7 @@ fn a_project_says_which_files_are_written() {
 }
 
 /// The same parameters on the command line and in a project.
+#[test]
 fn a_bare_mesh_with_settings_gives_the_same_bytes_as_a_project() {
     let folder = tempfile::tempdir().unwrap();
     let (part, out) = (part(folder.path()), folder.path().join("out"));
@@ -183,6 +173,7 @@ fn a_bare_mesh_with_settings_gives_the_same_bytes_as_a_project() {
     }
 }
 
+#[test]
 fn a_written_plan_passes_verify_and_a_tampered_one_does_not() {
     let (blisk, electrode, csv) = (path("part.stl"), path("out/electrode_1.stl"), path("out/path_1.csv"));
     let verify = |csv: &str, gap: &str| {
@@ -238,6 +229,7 @@ fn a_jam_answers_3_with_reasons_and_removes_an_older_program() {
     assert!(!out.join("path_1.nc").exists(), "no program stays that does not belong to these results");
 }
 
+#[test]
 fn an_electrode_of_ones_own_is_planned_like_a_derived_one() {
     let folder = tempfile::tempdir().unwrap();
     let own = path("out/electrode_1.stl");
@@ -266,6 +258,7 @@ fn an_electrode_of_ones_own_is_planned_like_a_derived_one() {
     assert_eq!(verified.status.code(), Some(0), "{}{}", text(&verified.stdout), text(&verified.stderr));
 }
 
+#[test]
 fn a_verification_judges_travel_if_limits_are_given_and_leaves_the_plans_report_alone() {
     let out = tempfile::tempdir().unwrap();
     let folder = out.path().to_str().unwrap().to_owned();
@@ -290,6 +283,7 @@ fn a_verification_judges_travel_if_limits_are_given_and_leaves_the_plans_report_
     assert!(out.path().join("verify.html").is_file());
 }
 
+#[test]
 fn an_electrode_in_w_is_told_from_a_collision() {
     let folder = tempfile::tempdir().unwrap();
     let (blisk, csv, right) = (path("part.stl"), path("out/path_1.csv"), path("out/electrode_1.stl"));

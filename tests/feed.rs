@@ -109,11 +109,16 @@ fn one_plan_seen_from_all_sides() {
     the_same_seed_gives_the_same_bytes_on_one_thread_and_on_two();
     another_seed_gives_another_path();
     moving_and_scaling_the_mesh_changes_nothing_in_w();
-    every_row_is_within_the_travel_of_its_axis();
-    path_repair::a_spoiled_path_is_repaired_without_another_search();
     replay::the_plan_itself_is_taken_up_with_the_same_path();
     replay::a_kept_plan_that_no_search_makes_is_refused();
     replay::a_job_that_cannot_be_planned_can_neither_be_taken_up();
+}
+
+/// What is searched or repaired anew beside that plan.
+#[test]
+fn one_plan_and_what_is_made_of_it() {
+    every_row_is_within_the_travel_of_its_axis();
+    path_repair::a_spoiled_path_is_repaired_without_another_search();
 }
 
 fn a_plan_is_certified_from_outside_to_the_final_pose_and_may_be_approved() {
@@ -220,6 +225,8 @@ fn moving_and_scaling_the_mesh_changes_nothing_in_w() {
 fn without_reductions_it_jams_and_says_where() {
     let mut job = easy_job();
     job.electrode.circumferential_reduction_deg = [0.0, 0.0];
+    // However long is searched there is nothing to be found.
+    (job.genetic.population, job.genetic.generations) = (8, 3);
     let outcome = plan(mesh(&curved_blisk()), job);
     assert!(!outcome.is_verified());
     let plan = &outcome.electrodes[0].plan;
@@ -243,22 +250,28 @@ fn job_that_needs_h() -> PlanJob {
 }
 
 #[test]
-fn a_searched_reduction_makes_a_thinner_electrode_that_comes_out_where_the_given_one_jams() {
+fn an_electrode_that_fills_its_channel_is_no_answer() {
     let mut given = job_that_needs_h();
     given.genetic.h = ReductionMode::Given;
     let jammed = plan_easy(given);
     assert!(jammed.electrodes[0].plan.jam.is_some(), "h = 0 is no answer");
+}
+
+#[test]
+fn a_searched_reduction_makes_a_thinner_electrode_that_comes_out_where_the_given_one_jams() {
     let outcome = plan_easy(job_that_needs_h());
     let electrode = &outcome.electrodes[0];
     assert!(outcome.is_verified(), "{}", electrode.plan.verdict(&outcome.channel));
     let h = electrode.plan.h.to_degrees();
     assert!(h > 0.0 && h <= 2.5, "{h}");
-    assert!(electrode.electrode.volume_mm3 < jammed.electrodes[0].electrode.volume_mm3);
-    let params = ElectrodeParams { circumferential_reduction_deg: [h, h], ..easy_job().electrode };
     let blisk = ExactMesh::new(&mesh(&easy_blisk()).in_frame(&outcome.channel.frame)).unwrap();
-    let task = Task::default();
-    let same = make_electrodes(&outcome.channel, &blisk, &params, EntrySide::MinusX, &task).unwrap();
-    assert!((same[0].volume_mm3 / electrode.electrode.volume_mm3 - 1.0).abs() < 1e-6);
+    let volume = |h| {
+        let params = ElectrodeParams { circumferential_reduction_deg: [h, h], ..easy_job().electrode };
+        let made = make_electrodes(&outcome.channel, &blisk, &params, EntrySide::MinusX, &Task::default()).unwrap();
+        made[0].volume_mm3
+    };
+    assert!(electrode.electrode.volume_mm3 < volume(0.0));
+    assert!((volume(h) / electrode.electrode.volume_mm3 - 1.0).abs() < 1e-6);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use files::MANIFEST;
+use files::Override;
 use flank::cutter::{FlankCutter, HolderPart};
 use flank::guide::GuideCurve;
 use flank::machine::milling_machine::MillingMachine;
@@ -13,7 +14,6 @@ use glam::DVec3;
 use import::{Units, write_stl};
 use nc::approved_flank::{ApprovedFlank, NotApprovedFlank};
 use nc::cutter_locations::cl_text;
-use nc::flank_job::overrides::FlankOverride;
 use nc::flank_job::{CheckKind, FlankInput, FlankResult, flank};
 use nc::flank_program::FlankNc;
 use serde_json::Value;
@@ -144,7 +144,7 @@ fn the_files_hold_the_path_that_was_checked() {
 /// A result whose failing checks are all overridden, each by its name for what it found.
 fn let_pass(result: &FlankResult) -> FlankResult {
     let mut passed = result.clone();
-    let decisions: Vec<FlankOverride> = result.checks.iter().filter(|c| !c.holds).map(|c| c.let_pass()).collect();
+    let decisions: Vec<Override> = result.checks.iter().filter(|c| !c.holds).map(|c| result.let_pass(c)).collect();
     passed.decide(&decisions);
     passed
 }
@@ -163,12 +163,12 @@ fn a_flank_is_approved_by_checks_that_hold_or_were_overridden_and_never_by_a_qui
     // Another override than that for the check, or one for less than it finds, approves nothing.
     for (wrong, less) in [("gouge", None), ("cutter", Some(1e-3))] {
         let mut result = short.clone();
-        result.decide(&[FlankOverride { most: less, ..FlankOverride::whatever(wrong) }]);
+        result.decide(&[Override { most: less, ..Override::whatever(wrong) }]);
         assert!(ApprovedFlank::new(&result).is_err(), "{wrong}");
     }
     let quick = FlankInput { is_preview: true, ..loaded(&quick()) };
     let mut looked = run(&quick);
-    looked.decide(&CheckKind::ALL.map(|kind| FlankOverride::whatever(kind.name())));
+    looked.decide(&CheckKind::ALL.map(|kind| Override::whatever(kind.name())));
     assert_eq!(ApprovedFlank::new(&looked).err(), Some(NotApprovedFlank::Preview));
 }
 
@@ -288,7 +288,7 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     let written = export(&other, (&result, &document), only_nc, &Task::default()).unwrap();
     assert_eq!(written.files, ["flank.json", "report.html"], "the report says why there is no program");
 
-    document.overrides = ["cutter", "coverage", "envelop"].map(FlankOverride::whatever).to_vec();
+    document.overrides = ["cutter", "coverage", "envelop"].map(Override::whatever).to_vec();
     let result = run(&loaded(&document));
     assert!(!result.holds() && result.why_blocked().is_none(), "{:?}", result.why_blocked());
     assert!(result.all_warnings().iter().any(|w| w.contains("override of \"envelop\"")));
@@ -320,7 +320,7 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     // Not even where the manifest was deleted, or the program was changed by hand.
     let edited = before.clone() + "\n";
     for has_manifest in [false, true] {
-        document.overrides = ["cutter", "coverage", "envelop"].map(FlankOverride::whatever).to_vec();
+        document.overrides = ["cutter", "coverage", "envelop"].map(Override::whatever).to_vec();
         write(&run(&loaded(&document)), &document);
         document.overrides.clear();
         std::fs::write(out.join("flank.ngc"), &edited).unwrap();
@@ -343,7 +343,7 @@ fn an_override_holds_for_what_it_was_given_for_and_for_nothing_worse() {
     let mut document = quick();
     document.cutter.length_mm = 8.0;
     let result = run(&loaded(&document));
-    document.overrides = result.checks.iter().filter(|c| !c.holds).map(|c| c.let_pass()).collect();
+    document.overrides = result.checks.iter().filter(|c| !c.holds).map(|c| result.let_pass(c)).collect();
     let short = check(&result, CheckKind::Cutter).figures["too_short_mm"];
     assert!(short > 0.0 && run(&loaded(&document)).why_blocked().is_none());
     // Longer flutes lack less, shorter ones more.
@@ -361,7 +361,7 @@ fn an_override_holds_for_what_it_was_given_for_and_for_nothing_worse() {
     // A name alone is for whatever there is, and is remembered for what there was.
     document.overrides.iter_mut().for_each(|one| one.figures.clear());
     assert!(run(&loaded(&document)).why_blocked().is_none());
-    assert_eq!(worse.remembered(&document.overrides)[0], now.let_pass());
+    assert_eq!(worse.remembered(&document.overrides)[0], worse.let_pass(now));
 }
 
 #[test]

@@ -24,8 +24,8 @@ const NO_PROGRAM_TEXT: [(&str, &str); 15] = [
     ("file_stems", "names of files"),
     ("FlankResult::why_blocked", "checks that fail"),
     ("FlankResult::all_warnings", "warnings"),
-    ("FlankOverride::lapsed", "why an override no longer holds"),
-    ("FlankOverride::given_for", "what an override was given for"),
+    ("Override::lapsed", "why an override no longer holds"),
+    ("Override::given_for", "what an override was given for"),
     ("MillingSettings::take_machine", "the name of a machine"),
 ];
 /// Functions that every walk has to meet, or else it looks in the wrong place.

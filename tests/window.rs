@@ -24,9 +24,13 @@ mod keeping;
 mod looks;
 #[path = "window/machine.rs"]
 mod machine;
+#[path = "common/made_once.rs"]
+mod made_once;
 #[path = "window/mold.rs"]
 mod mold;
 #[path = "window/releasing.rs"]
 mod releasing;
 #[path = "window/saving.rs"]
 mod saving;
+#[path = "window/working.rs"]
+mod working;

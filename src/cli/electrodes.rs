@@ -17,11 +17,12 @@ use crate::workspaces::mold::job::uncut::uncut as find_uncut;
 use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::electrodes::electrode_shapes;
 use crate::workspaces::mold::scene::pictures::electrode_pictures;
+use files::Override;
 use files::{ExportFolder, Published};
 use geometry::mesh::Mesh;
 use mold::cutter::{Cutter, CutterLibrary};
+use mold::electrode::check::CheckKind;
 use mold::electrode::design::{Electrode, ElectrodeSet};
-use mold::electrode::overrides::Override;
 use mold::electrode::params::Shape;
 use mold::opening::Opening;
 use nc::burn_template::BurnSheet;
@@ -49,8 +50,9 @@ pub(super) struct ElectrodesArguments {
     /// built-in ones].
     #[arg(long, value_name = "FILE")]
     holders: Option<PathBuf>,
-    /// Exports an electrode although checks fail, or one check as in E03:leftover; may be given more than once.
-    #[arg(long = "override", value_name = "NAME[:CHECK]")]
+    /// Exports an electrode although a check fails, as in E03:leftover; with a figure, as in E03:leftover:0.05, only while
+    /// none of the check's figures is greater. May be given more than once.
+    #[arg(long = "override", value_name = "NAME:CHECK[:FIGURE]", value_parser = electrode_override)]
     overrides: Vec<Override>,
     /// Formats of the electrode files, with commas between.
     #[arg(long, value_name = "FORMATS", value_delimiter = ',', default_value = "stl")]
@@ -208,8 +210,8 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
         lines.extend(region.reason.as_ref().map(|t| format!("region {}{what}: {t}", number + 1)));
     }
     lines.extend(corners(set));
-    let idle = set.idle_overrides();
-    lines.extend(idle.into_iter().map(|(o, why)| format!("override {o}: {}", why.text())));
+    let idle = set.idle_overrides(&set.params.overrides);
+    lines.extend(idle.into_iter().map(|(o, why)| format!("override {o}: {why}")));
     lines.extend(report.unmet_edits.iter().map(|edit| {
         format!("the change \"{edit}\" has no effect: its place is in no region, or nothing changes there")
     }));
@@ -236,4 +238,11 @@ fn not_written(written: &WrittenElectrodes, published: &Published) -> Vec<String
     lines.extend(published.notes());
     lines.extend(written.no_sheet.as_ref().map(|why| format!("burn_sheet.txt was not written: {why}")));
     lines
+}
+
+/// The check of an electrode that is let pass.
+fn electrode_override(text: &str) -> Result<Override, String> {
+    let given: Override = text.parse()?;
+    given.validate(&CheckKind::ALL.map(CheckKind::name), true).map_err(|e| e.to_string())?;
+    Ok(given)
 }

@@ -3,23 +3,20 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use glam::DVec3;
 
-use super::flank_values::{
-    CutName, Demo, ObjectiveName, OffsetName, PathName, SideName, TipName, check_override, direction, flank_number,
-    grid, holder_part, vector,
-};
 use super::{Session, flank_electrode, unit};
 use crate::workspaces::context::is_project;
-use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
+use crate::workspaces::flank::document::fields::FIELDS;
+use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank, WallsFile};
 use crate::workspaces::flank::electrode_part::{keep_off_base, turn_over};
 use crate::workspaces::flank::inputs::load_machine;
+use files::Override;
 use files::user_folder::user_folder;
 use files::{Document, Validate};
 use flank::cutter::HolderPart;
 use flank::params::Objective;
 use import::Units;
-use nc::flank_job::overrides::FlankOverride;
+use nc::flank_job::CheckKind;
 
 #[derive(Debug, Args)]
 pub(super) struct FlankArguments {
@@ -73,22 +70,22 @@ pub(super) struct SurfaceArguments {
     pub(super) list: bool,
     /// How far a flank of the mesh may be off its ruled surface (mm).
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    fit_tolerance: Option<f64>,
+    fit_tolerance: Option<String>,
     /// Which way is up, from the lower guide to the upper, on the mesh: +z, -x, or three numbers with commas between
     /// [default: +z].
-    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, value_parser = direction)]
-    up: Option<DVec3>,
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
+    up: Option<String>,
     /// Unit of the mesh and of the walls: auto, mm, cm, m, inch. With auto their files tell it; a mesh that says none is
     /// taken in mm, or refused if it is small or large for that, and such walls are taken in mm [default: auto].
     #[arg(long, value_name = "UNIT", value_parser = unit)]
     units: Option<Units>,
     /// A surface that comes with the program: a or b, those of the paper that the method is from.
     #[arg(long, value_name = "NAME")]
-    demo: Option<Demo>,
+    demo: Option<String>,
     /// The side of the surface that the cutter stands on: positive (where R_u x R_v points) or negative; of a mesh also
     /// automatic, outside of it. Two guides need one of the former: without it the answer says where each is.
     #[arg(long, value_name = "SIDE")]
-    side: Option<SideName>,
+    side: Option<String>,
     /// A mesh of neighbouring walls that must not be cut. Of a mesh with the flank its other faces count without being
     /// named.
     #[arg(long, value_name = "MESH")]
@@ -100,13 +97,13 @@ pub(super) struct SurfaceArguments {
 struct CutterArguments {
     /// Radius of the cutter's bottom (mm) [default: 1].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    radius: Option<f64>,
+    radius: Option<String>,
     /// Angle between the cutter's axis and its flute; 0 for a cylinder [default: 5].
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
-    taper_deg: Option<f64>,
+    taper_deg: Option<String>,
     /// Length of the flutes (mm) [default: 30].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    length: Option<f64>,
+    length: Option<String>,
     /// What is above the flutes, from below, with commas between: length:radius or length:lower radius:upper radius (mm),
     /// as in 30:3,20:10:15.
     #[arg(long, value_name = "PARTS", value_delimiter = ',', value_parser = holder_part)]
@@ -118,38 +115,38 @@ struct CutterArguments {
 struct PlanArguments {
     /// How the cutter is placed first: two-point or three-point [default: three-point].
     #[arg(long, value_name = "NAME")]
-    offset: Option<OffsetName>,
+    offset: Option<String>,
     /// Places along u and v of the surface at which deviations are taken [default: 100x50].
-    #[arg(long, value_name = "UxV", value_parser = grid)]
-    grid: Option<[usize; 2]>,
+    #[arg(long, value_name = "UxV")]
+    grid: Option<String>,
     /// Control points of each curve of the axis surface; around a ring the least [default: 10].
     #[arg(long, value_name = "N")]
-    points: Option<usize>,
+    points: Option<String>,
     /// Locations of the cutter that the first path goes through [default: 50].
     #[arg(long, value_name = "N")]
-    locations: Option<usize>,
+    locations: Option<String>,
     /// What the refined path is made best in: sum, rms or bounded [default: sum].
     #[arg(long, value_name = "NAME")]
-    objective: Option<ObjectiveName>,
+    objective: Option<String>,
     /// Greatest overcut (mm) of the bounded objective, as 0 for none.
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    max_overcut: Option<f64>,
+    max_overcut: Option<String>,
     /// Greatest undercut (mm) of the bounded objective.
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    max_undercut: Option<f64>,
+    max_undercut: Option<String>,
     /// How deep the path may cut into the surface before the check of deviations fails (mm) [default: 0.1].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    overcut_tolerance: Option<f64>,
+    overcut_tolerance: Option<String>,
     /// How much stock it may leave before that check fails (mm) [default: 0.15].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    undercut_tolerance: Option<f64>,
+    undercut_tolerance: Option<String>,
     /// How far the cutter's bottom reaches below the lower guide (mm) [default: 0.1; 0 for --electrode of a mold, whose
     /// base goes on there].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    below: Option<f64>,
+    below: Option<String>,
     /// Which path is milled: initial, chosen or refined [default: refined].
     #[arg(long, value_name = "NAME")]
-    path: Option<PathName>,
+    path: Option<String>,
 }
 
 /// How it is milled.
@@ -160,56 +157,59 @@ pub(super) struct MillingArguments {
     #[arg(long, value_name = "NAME")]
     machine: Option<String>,
     /// Where the workpiece's zero is on the machine (mm), three numbers with commas between [default: the machine's].
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = vector)]
-    zero: Option<DVec3>,
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    zero: Option<String>,
     /// The machine's direction along which the workpiece's Z points, as -z for one that is clamped upside down [default: the
     /// machine's].
-    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, value_parser = direction)]
-    clamp_z: Option<DVec3>,
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
+    clamp_z: Option<String>,
     /// The same of its X.
-    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, value_parser = direction)]
-    clamp_x: Option<DVec3>,
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
+    clamp_x: Option<String>,
     /// From the spindle nose to the tip (mm) [default: the machine's].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    gauge_length: Option<f64>,
+    gauge_length: Option<String>,
     /// Which way along the surface, with the spindle clockwise: climb or conventional [default: climb].
     #[arg(long, value_name = "NAME")]
-    cut: Option<CutName>,
+    cut: Option<String>,
     /// The post: milling, milling-tcp (an example for controls that follow the tip), iso, beckhoff-edm, or a TOML file
     /// [default: milling].
     #[arg(long, value_name = "NAME")]
     post: Option<String>,
     /// The furthest that tip and flutes' top may leave the path between programmed points (mm) [default: 0.002].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    tolerance: Option<f64>,
+    tolerance: Option<String>,
     /// Feed along the flank (mm/min) [default: 500].
     #[arg(long, value_name = "MM/MIN", allow_negative_numbers = true)]
-    feed: Option<f64>,
+    feed: Option<String>,
     /// Spindle speed (1/min) [default: 12000].
     #[arg(long, value_name = "RPM", allow_negative_numbers = true)]
-    spindle: Option<f64>,
+    spindle: Option<String>,
     /// How far the cutter comes from the side at both ends (mm) [default: 3].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    aside: Option<f64>,
+    aside: Option<String>,
     /// How far it is lifted along its axis there (mm) [default: 30].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
-    retract: Option<f64>,
+    retract: Option<String>,
     /// What X Y Z of the program mean: off (positions of the axes), angles (the tip, with the rotary axes: G43.4) or vector
     /// (the tip, with the tool's direction: G43.5) [default: off].
     #[arg(long, value_name = "NAME")]
-    tip_control: Option<TipName>,
+    tip_control: Option<String>,
     /// Exports although this check fails: ruled, guides, cutter, coverage, deviation, bounds, envelope, surface, gouge, holder,
     /// leads, machine. With a figure, as in gouge:0.12, only while none of the check's figures is greater. May be given more
     /// than once.
     #[arg(long = "override", value_name = "CHECK[:FIGURE]", value_parser = check_override)]
-    overrides: Vec<FlankOverride>,
+    overrides: Vec<Override>,
 }
 
-/// Puts a value in the place of another if it was given.
-fn set<T>(place: &mut T, given: Option<impl Into<T>>) {
-    if let Some(given) = given {
-        *place = given.into();
+/// Sets the parameters under these keys to what options give, if they do.
+fn set(document: &mut FlankDocument, given: &[(&str, &str, &Option<String>)]) -> anyhow::Result<()> {
+    for (option, key, text) in given {
+        if let Some(text) = text {
+            *document = FIELDS.set(document, key, text).map_err(|problem| anyhow::anyhow!("{option}: {problem}"))?;
+        }
     }
+    Ok(())
 }
 
 /// What is asked, and what its user is to be told of it.
@@ -226,9 +226,9 @@ impl FlankArguments {
             Some(file) if is_project(file) => Document::<FlankDocument>::open(file)?.params().clone(),
             _ => FlankDocument::default(),
         };
-        self.cutter.apply(&mut document);
+        self.cutter.apply(&mut document)?;
         self.plan.apply(&mut document)?;
-        let notes = self.milling.apply(&mut document).into_iter().collect();
+        let notes = self.milling.apply(&mut document)?.into_iter().collect();
         document.validate()?;
         if let (Some(name), Some(of)) = (&self.surface.electrode, &self.surface.of) {
             let found = flank_electrode::find(name, of, session)?;
@@ -260,30 +260,27 @@ impl SurfaceArguments {
                 file.display()
             );
         }
-        let given = match (&self.lower, &self.upper, self.mesh.as_ref().or(named), self.demo) {
-            (Some(lower), Some(upper), _, _) => {
-                let [lower, upper] = [lower, upper].map(|file| GuideSource::File(file.clone()));
-                Some(FlankSource::Guides { lower, upper })
-            }
+        match (&self.lower, &self.upper, self.mesh.as_ref().or(named), &self.demo) {
+            (Some(lower), Some(upper), ..) => document.source = FlankSource::guides([lower.clone(), upper.clone()]),
             // What else a file says of its mesh is meant for the one that takes its place.
-            (_, _, Some(mesh), _) => Some(FlankSource::Mesh(match &document.source {
-                FlankSource::Mesh(before) => MeshFlank { file: mesh.clone(), kept: None, ..before.clone() },
-                _ => MeshFlank::of(mesh),
-            })),
-            (_, _, _, Some(demo)) => Some(FlankSource::Demonstration { surface: demo.into() }),
+            (_, _, Some(mesh), _) => {
+                document.source = FlankSource::Mesh(match &document.source {
+                    FlankSource::Mesh(before) => MeshFlank { file: mesh.clone(), kept: None, ..before.clone() },
+                    _ => MeshFlank::of(mesh),
+                });
+            }
+            (_, _, _, Some(_)) => document.source = FlankSource::default(),
             _ if self.file.is_none() && self.electrode.is_none() => anyhow::bail!(
                 "no surface was given; name a .sparkpath file, --lower and --upper guide curves, a --mesh, an --electrode, or \
                  --demo a"
             ),
-            _ => None,
-        };
-        set(&mut document.source, given);
+            _ => {}
+        }
+        set(document, &[("--demo", "source.surface", &self.demo)])?;
         match &mut document.source {
             FlankSource::Mesh(mesh) => {
-                set(&mut mesh.candidate, self.flank.map(|n| n as usize));
-                set(&mut mesh.fit.tolerance_mm, self.fit_tolerance);
-                set(&mut mesh.fit.up, self.up);
-                set(&mut mesh.units, self.units);
+                mesh.candidate = self.flank.map_or(mesh.candidate, |number| number as usize);
+                mesh.units = self.units.unwrap_or(mesh.units);
             }
             _ if self.flank.is_some() || self.list || self.fit_tolerance.is_some() || self.up.is_some() => {
                 anyhow::bail!(
@@ -292,13 +289,20 @@ impl SurfaceArguments {
             }
             _ => {}
         }
-        set(&mut document.side, self.side);
+        set(
+            document,
+            &[
+                ("--fit-tolerance", "source.fit.tolerance_mm", &self.fit_tolerance),
+                ("--up", "source.fit.up", &self.up),
+                ("--side", "side", &self.side),
+            ],
+        )?;
         if let Some(file) = &self.walls {
             let units = document.walls.as_ref().map_or_else(Units::default, |walls| walls.units);
             document.walls = Some(WallsFile { file: file.clone(), units });
         }
         match &mut document.walls {
-            Some(walls) => set(&mut walls.units, self.units),
+            Some(walls) => walls.units = self.units.unwrap_or(walls.units),
             None if self.units.is_some() && !matches!(document.source, FlankSource::Mesh(_)) => anyhow::bail!(
                 "--units is for a mesh and for walls, and there is neither: guide curves are in mm; scale them before"
             ),
@@ -309,56 +313,62 @@ impl SurfaceArguments {
 }
 
 impl CutterArguments {
-    fn apply(&self, document: &mut FlankDocument) {
-        let cutter = &mut document.cutter;
-        let before = cutter.clone();
-        set(&mut cutter.radius_mm, self.radius);
-        set(&mut cutter.taper_deg, self.taper_deg);
-        set(&mut cutter.length_mm, self.length);
-        set(&mut cutter.holder, (!self.holder.is_empty()).then(|| self.holder.clone()));
-        cutter.forget_stale_name(&before);
+    fn apply(&self, document: &mut FlankDocument) -> anyhow::Result<()> {
+        let before = document.cutter.clone();
+        set(
+            document,
+            &[
+                ("--radius", "cutter.radius_mm", &self.radius),
+                ("--taper-deg", "cutter.taper_deg", &self.taper_deg),
+                ("--length", "cutter.length_mm", &self.length),
+            ],
+        )?;
+        if !self.holder.is_empty() {
+            document.cutter.holder.clone_from(&self.holder);
+        }
+        document.cutter.forget_stale_name(&before);
+        Ok(())
     }
 }
 
 impl PlanArguments {
     fn apply(&self, document: &mut FlankDocument) -> anyhow::Result<()> {
-        set(&mut document.overcut_tolerance_mm, self.overcut_tolerance);
-        set(&mut document.undercut_tolerance_mm, self.undercut_tolerance);
-        let plan = &mut document.plan;
-        set(&mut plan.offset, self.offset);
-        set(&mut plan.grid, self.grid);
-        set(&mut plan.control_points, self.points);
-        set(&mut plan.locations, self.locations);
-        set(&mut plan.below_mm, self.below);
-        let (overcut_mm, undercut_mm) = (self.max_overcut, self.max_undercut);
-        let has_bounds = overcut_mm.is_some() || undercut_mm.is_some();
-        match self.objective {
-            Some(ObjectiveName::Bounded) if !has_bounds && !matches!(plan.objective, Objective::Bounded { .. }) => {
+        let is_bounded = matches!(document.plan.objective, Objective::Bounded { .. });
+        let has_bounds = self.max_overcut.is_some() || self.max_undercut.is_some();
+        match self.objective.as_deref() {
+            Some("bounded") if !has_bounds && !is_bounded => {
                 anyhow::bail!("--objective bounded needs a bound: give --max-overcut or --max-undercut")
             }
-            Some(ObjectiveName::Sum | ObjectiveName::Rms) if has_bounds => {
+            Some("sum" | "rms") if has_bounds => {
                 anyhow::bail!("--max-overcut and --max-undercut are for --objective bounded")
             }
-            Some(ObjectiveName::Sum) => plan.objective = Objective::Sum,
-            Some(ObjectiveName::Rms) => plan.objective = Objective::Rms,
-            Some(ObjectiveName::Bounded) | None if has_bounds => {
-                let before = match plan.objective {
-                    Objective::Bounded { overcut_mm, undercut_mm } => [overcut_mm, undercut_mm],
-                    _ => [None; 2],
-                };
-                let (overcut_mm, undercut_mm) = (overcut_mm.or(before[0]), undercut_mm.or(before[1]));
-                plan.objective = Objective::Bounded { overcut_mm, undercut_mm };
+            Some("bounded") | None if has_bounds && !is_bounded => {
+                document.plan.objective = Objective::Bounded { overcut_mm: None, undercut_mm: None };
             }
-            Some(ObjectiveName::Bounded) | None => {}
+            Some("bounded") | None => {}
+            _ => set(document, &[("--objective", "plan.objective", &self.objective)])?,
         }
-        set(&mut document.path, self.path);
-        Ok(())
+        set(
+            document,
+            &[
+                ("--max-overcut", "plan.objective.overcut_mm", &self.max_overcut),
+                ("--max-undercut", "plan.objective.undercut_mm", &self.max_undercut),
+                ("--overcut-tolerance", "overcut_tolerance_mm", &self.overcut_tolerance),
+                ("--undercut-tolerance", "undercut_tolerance_mm", &self.undercut_tolerance),
+                ("--offset", "plan.offset", &self.offset),
+                ("--grid", "plan.grid", &self.grid),
+                ("--points", "plan.control_points", &self.points),
+                ("--locations", "plan.locations", &self.locations),
+                ("--below", "plan.below_mm", &self.below),
+                ("--path", "path", &self.path),
+            ],
+        )
     }
 }
 
 impl MillingArguments {
     /// Answers what of a former machine was forgotten and is not given anew, in words.
-    fn apply(&self, document: &mut FlankDocument) -> Option<String> {
+    fn apply(&self, document: &mut FlankDocument) -> anyhow::Result<Option<String>> {
         let milling = &mut document.milling;
         let machine = self.machine.as_deref().map(|name| if name == "none" { "" } else { name });
         let forgotten = machine.filter(|machine| *machine != milling.machine).and_then(|machine| {
@@ -367,17 +377,22 @@ impl MillingArguments {
             milling.workpiece = milling.workpiece.take().filter(|_| !self.is_clamped_anew());
             milling.take_machine(machine)
         });
-        set(&mut milling.cut, self.cut);
-        milling.gauge_length_mm = self.gauge_length.or(milling.gauge_length_mm);
-        set(&mut milling.post, self.post.clone());
-        set(&mut milling.linearisation_mm, self.tolerance);
-        set(&mut milling.program.feed_mm_per_min, self.feed);
-        set(&mut milling.program.spindle_rpm, self.spindle);
-        set(&mut milling.aside_mm, self.aside);
-        set(&mut milling.retract_mm, self.retract);
-        set(&mut milling.program.tip_control, self.tip_control);
+        set(
+            document,
+            &[
+                ("--cut", "milling.cut", &self.cut),
+                ("--gauge-length", "milling.gauge_length_mm", &self.gauge_length),
+                ("--post", "milling.post", &self.post),
+                ("--tolerance", "milling.linearisation_mm", &self.tolerance),
+                ("--feed", "milling.program.feed_mm_per_min", &self.feed),
+                ("--spindle", "milling.program.spindle_rpm", &self.spindle),
+                ("--aside", "milling.aside_mm", &self.aside),
+                ("--retract", "milling.retract_mm", &self.retract),
+                ("--tip-control", "milling.program.tip_control", &self.tip_control),
+            ],
+        )?;
         document.overrides.extend(self.overrides.iter().cloned());
-        forgotten
+        Ok(forgotten)
     }
 
     fn is_clamped_anew(&self) -> bool {
@@ -392,11 +407,86 @@ impl MillingArguments {
         let Some(machine) = load_machine(document, user_folder().as_deref())? else {
             anyhow::bail!("--zero, --clamp-x and --clamp-z are for a machine; give one with --machine")
         };
-        let mut place = machine.workpiece;
-        set(&mut place.zero_mm, self.zero);
-        set(&mut place.z_axis, self.clamp_z);
-        set(&mut place.x_axis, self.clamp_x);
-        document.milling.workpiece = Some(place);
-        Ok(())
+        document.milling.workpiece = Some(machine.workpiece);
+        set(
+            document,
+            &[
+                ("--zero", "milling.workpiece.zero_mm", &self.zero),
+                ("--clamp-z", "milling.workpiece.z_axis", &self.clamp_z),
+                ("--clamp-x", "milling.workpiece.x_axis", &self.clamp_x),
+            ],
+        )
+    }
+}
+
+/// A part of a holder, as `length:radius` or `length:lower radius:upper radius` (mm).
+fn holder_part(text: &str) -> Result<HolderPart, String> {
+    let wrong = || "expected length:radius or length:lower radius:upper radius in mm, as in 20:10:15".to_owned();
+    let numbers: Result<Vec<f64>, _> = text.split(':').map(|n| n.trim().parse::<f64>()).collect();
+    match numbers.map_err(|_| wrong())?[..] {
+        [length_mm, radius] => Ok(HolderPart { length_mm, lower_radius_mm: radius, upper_radius_mm: radius }),
+        [length_mm, lower_radius_mm, upper_radius_mm] => Ok(HolderPart { length_mm, lower_radius_mm, upper_radius_mm }),
+        _ => Err(wrong()),
+    }
+}
+
+/// The number of a flank of a mesh, from 1.
+fn flank_number(text: &str) -> Result<u32, String> {
+    match text.trim().parse::<u32>() {
+        Ok(number) if number > 0 => Ok(number),
+        _ => Err("expected one number from 1, as --list has them; faces that go over into each other smoothly are one flank \
+                  together there, others are milled one after the other"
+            .to_owned()),
+    }
+}
+
+/// The name of a check that is let pass, with the greatest figure if one is given.
+fn check_override(text: &str) -> Result<Override, String> {
+    let given: Override = text.parse()?;
+    given.validate(&CheckKind::ALL.map(CheckKind::name), false).map_err(|e| e.to_string())?;
+    Ok(given)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn holders_faces_and_overrides_are_read_or_refused() {
+        let part = holder_part("20:10:15").unwrap();
+        assert_eq!((part.length_mm, part.lower_radius_mm, part.upper_radius_mm), (20.0, 10.0, 15.0));
+        assert_eq!(holder_part("30:3").unwrap().upper_radius_mm, 3.0);
+        for text in ["", "20", "20:a", "1:2:3:4"] {
+            assert!(holder_part(text).is_err(), "{text}");
+        }
+        assert_eq!(check_override("gouge:0.2").unwrap().most, Some(0.2));
+        let why = check_override("nonsense").unwrap_err();
+        assert!(why.contains("nonsense") && why.contains("ruled, guides, cutter, coverage"), "{why}");
+        assert_eq!(flank_number("3"), Ok(3));
+        for text in ["0", "3,4", "-1", "a", ""] {
+            assert!(flank_number(text).unwrap_err().contains("one number from 1"), "{text}");
+        }
+    }
+
+    #[test]
+    fn options_name_parameters_and_say_what_is_wrong() {
+        let document = |key: &str, text: &str| {
+            let mut document = FlankDocument::default();
+            set(&mut document, &[("--option", key, &Some(text.to_owned()))]).map(|()| document)
+        };
+        assert_eq!(document("plan.grid", "100x50").unwrap().plan.grid, [100, 50]);
+        let z_axis =
+            |text: &str| document("milling.workpiece.z_axis", text).map(|d| d.milling.workpiece.unwrap().z_axis);
+        assert_eq!(z_axis("-Z").unwrap(), glam::DVec3::NEG_Z);
+        assert_eq!(z_axis("0,1,-2.5").unwrap(), glam::DVec3::new(0.0, 1.0, -2.5));
+        for text in ["w", "1,2", "nan,0,0"] {
+            assert!(
+                z_axis(text).unwrap_err().to_string().starts_with("--option: milling.workpiece.z_axis is"),
+                "{text}"
+            );
+        }
+        for text in ["", "100", "100x", "-1x5", "1x2x3"] {
+            assert!(document("plan.grid", text).is_err(), "{text}");
+        }
     }
 }

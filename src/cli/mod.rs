@@ -19,7 +19,6 @@ mod electrodes;
 mod flank;
 mod flank_arguments;
 mod flank_electrode;
-mod flank_values;
 mod inspect;
 mod plan;
 mod project;

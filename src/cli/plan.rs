@@ -7,10 +7,10 @@ use super::{Answer, Session};
 use crate::workspaces::blisk::document::field_table::FIELDS;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::export;
-use crate::workspaces::blisk::job::auto_size::sized;
 use crate::workspaces::blisk::job::finish::finish_as_far_as_possible;
 use crate::workspaces::blisk::job::plan::{PlanInputs, PlanOutcome, prepare, run_prepared};
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
+use crate::workspaces::blisk::job::sizing::auto_sized;
 use crate::workspaces::blisk::job::stages::input_file;
 use crate::workspaces::blisk::report::{InputFile, Report};
 use files::{ExportFolder, Validate as _};
@@ -114,7 +114,7 @@ pub(super) fn ready(inputs: PlanInputs, session: &Session) -> anyhow::Result<(Pr
 
 /// The job with the size that is found for it, which is said.
 fn auto(prepared: &PreparedBlisk, inputs: &PlanInputs, session: &Session) -> anyhow::Result<PlanInputs> {
-    let (sized, row) = sized(prepared, inputs, &session.task)?;
+    let (sized, row) = auto_sized(prepared, inputs, &session.task)?;
     super::terminal::finish();
     if !session.json {
         let [low, high] = sized.job.electrode.circumferential_reduction_deg;

@@ -1,54 +1,40 @@
-//! Pictures of the view, drawn and written on a thread of their own: a software renderer takes seconds for one.
+//! Pictures of the view, drawn and written one after the other: a software renderer takes seconds for one.
 
 use std::path::{Path, PathBuf};
 
-use crate::workspaces::worker::{Ended, Message, Worker};
 use files::atomic::atomic_write;
 use render::camera::Camera;
 use render::offscreen::Offscreen;
 use render::scene::Scene;
-use task::Cancel;
+use task::{Cancel, Lane, Memo, Priority, Refusal, Scheduler};
 
 /// Width and height (pixels).
 const SIZE: [u32; 2] = [1920, 1200];
 
-/// The pictures that are being written.
-pub struct Pictures {
-    worker: Worker<(), PathBuf>,
-    asked: u32,
-}
+/// The pictures that are being written: each in a memo of its own, so that none takes another's place.
+#[derive(Default)]
+pub struct Pictures(Vec<Memo<PathBuf, ()>>);
 
 impl Pictures {
-    /// None yet; `wake` is called whenever one is written.
-    ///
-    /// # Errors
-    /// If the system gives no thread.
-    pub fn start(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
-        Ok(Self { worker: Worker::start(wake)?, asked: 0 })
-    }
-
     /// Has `scene` drawn and written to `path`, after those asked for before.
-    pub fn write(&mut self, path: &Path, scene: Scene, camera: Camera) {
-        // In a slot of its own no picture takes another's place.
-        self.asked += 1;
-        let path = path.to_owned();
-        self.worker.submit(self.asked, move |_, task| {
-            draw(&path, &scene, &camera, &task.cancel).map_err(|e| format!("{}: {e}", path.display()))?;
-            Ok(path)
+    pub fn write(&mut self, path: &Path, scene: Scene, camera: Camera, scheduler: &Scheduler) {
+        let (mut memo, file) = (Memo::new(scheduler, Lane::Quick, "Picture"), path.to_owned());
+        memo.restart(&path.to_owned(), Priority::Normal, move |work| {
+            draw(&file, &scene, &camera, &work.task.cancel).map_err(|e| format!("{}: {e}", file.display()))
         });
+        self.0.push(memo);
     }
 
     /// What became of pictures since the last call: the file of each, or why there is none.
-    pub fn written(&self) -> Vec<Result<PathBuf, String>> {
-        let messages = self.worker.messages().into_iter();
-        let ended = messages.filter_map(|m| if let Message::Finished(_, ended) = m { Some(ended) } else { None });
-        ended
-            .filter_map(|ended| match ended {
-                Ended::Done(path) => Some(Ok(path)),
-                Ended::Failed(why) | Ended::Panicked(why) => Some(Err(why)),
-                Ended::Cancelled => None,
-            })
-            .collect()
+    pub fn written(&mut self) -> Vec<Result<PathBuf, String>> {
+        let ended: Vec<_> = self.0.iter_mut().filter_map(Memo::take).collect();
+        self.0.retain(Memo::is_busy);
+        let said = ended.into_iter().filter_map(|ended| match ended.result {
+            Ok(_) => Some(Ok(ended.key)),
+            Err(Refusal::Failed(why)) => Some(Err(why)),
+            Err(Refusal::Cancelled) => None,
+        });
+        said.collect()
     }
 }
 

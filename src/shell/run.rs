@@ -83,7 +83,7 @@ pub struct SparkpathApp {
     shown: usize,
     cx: Context,
     /// Does the work of the workspaces.
-    _scheduler: Scheduler,
+    scheduler: Scheduler,
     palette: CommandPalette,
     dialog: Dialog,
     /// What was asked before the present dialog, and is asked again after it.
@@ -113,10 +113,9 @@ impl SparkpathApp {
     /// If there is no GPU state to draw with or no thread to work on.
     pub fn new(cc: &eframe::CreationContext, opening: &Opening, folders: Option<Folders>) -> Result<Self, String> {
         let ctx = cc.egui_ctx.clone();
-        let wake = move || ctx.request_repaint();
         let no_thread = |e| format!("no thread could be started to work on: {e}");
-        let scheduler = Scheduler::start(wake.clone()).map_err(no_thread)?;
-        let list = workspaces(&scheduler, wake).map_err(no_thread)?;
+        let scheduler = Scheduler::start(move || ctx.request_repaint()).map_err(no_thread)?;
+        let list = workspaces(&scheduler);
         Self::with_workspaces(cc, (opening, folders), list, scheduler)
     }
 
@@ -135,9 +134,6 @@ impl SparkpathApp {
         let info = state.adapter.get_info();
         let preferences = folders.as_ref().map(|f| Preferences::read(&f.config)).unwrap_or_default();
         theme::install(&cc.egui_ctx);
-        let ctx = cc.egui_ctx.clone();
-        let no_thread = |e| format!("no thread could be started to work on: {e}");
-        let pictures = Pictures::start(move || ctx.request_repaint()).map_err(no_thread)?;
         let mut copies = folders.as_ref().map(|f| Recovery::find(&f.autosave)).unwrap_or_default();
         copies.retain(|copy| workspaces.iter().any(|one| one.about().id == copy.kind));
         let autosave = folders.as_ref().and_then(|f| Autosave::start(&f.autosave, AUTOSAVE).ok());
@@ -145,12 +141,12 @@ impl SparkpathApp {
             workspaces,
             shown: 0,
             cx: Context::new(preferences.clone()),
-            _scheduler: scheduler,
+            scheduler,
             palette: CommandPalette::default(),
             dialog: if copies.is_empty() { Dialog::None } else { Dialog::Recover(copies) },
             behind: Dialog::None,
             files: FileDialogs::default(),
-            pictures,
+            pictures: Pictures::default(),
             log_open: false,
             folders,
             autosave,
@@ -557,7 +553,7 @@ impl SparkpathApp {
         let (scene, camera) = self.workspaces[self.shown].viewport().picture();
         // A picture has nothing else that tells the axes.
         let scene = Scene { triad: true, ..(**scene).clone() };
-        self.pictures.write(path, scene, *camera);
+        self.pictures.write(path, scene, *camera, &self.scheduler);
     }
 
     /// Says what became of the pictures that were asked for.

@@ -3,6 +3,7 @@
 pub mod camera;
 pub mod colours;
 pub mod folds;
+pub mod form;
 pub mod overlay;
 pub mod panel_parts;
 pub mod plot_parts;

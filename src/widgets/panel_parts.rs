@@ -5,7 +5,6 @@ use std::cell::RefCell;
 use egui::{CollapsingHeader, Color32, Rect, RichText, Sense, Ui, UiBuilder, pos2, vec2};
 
 use super::theme::palette;
-use task::Doing;
 
 /// A part of a panel that folds.
 pub fn section(ui: &mut Ui, name: &str, open: bool, body: impl FnOnce(&mut Ui)) {
@@ -147,15 +146,6 @@ pub fn grouped(n: usize) -> String {
 /// A row from right to left, no higher than a button.
 pub fn from_right(ui: &mut Ui, add: impl FnOnce(&mut Ui)) {
     ui.horizontal(|ui| ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), add));
-}
-
-/// What is being done, in a row of the status bar.
-pub fn doing(ui: &mut Ui, doing: &Doing) {
-    ui.label(format!("{}: {}", doing.what, doing.stage));
-    ui.add(egui::ProgressBar::new(doing.fraction as f32).desired_width(140.0).desired_height(8.0));
-    let elapsed = doing.since.elapsed().as_secs();
-    ui.label(RichText::new(format!("{elapsed} s")).color(palette(ui).faint));
-    ui.separator();
 }
 
 #[cfg(test)]

@@ -5,13 +5,14 @@ use std::time::{Duration, SystemTime};
 
 use egui::{Color32, RichText, Ui, vec2};
 
-use super::commands::{Command, CommandSet, Commanded};
+use super::commands::{Command, CommandSet, Commanded, FrameCommand};
 use super::message::Message;
 use super::news::{EventKind, WorkEvent};
 use super::preferences::Preferences;
 use crate::widgets::overlay::{self, ViewButton};
 use crate::widgets::theme::palette;
 use files::{FileError, ResultCache};
+use task::Doing;
 
 /// How long a sentence that passes is to be seen (s).
 const PASSING: f64 = 8.0;
@@ -149,6 +150,26 @@ impl Context {
         if response.clicked() {
             self.push(command);
         }
+    }
+
+    /// Says what is being worked on, how far it is and how long it will take, with a button that cancels it.
+    pub fn doing(&mut self, ui: &mut Ui, doing: &Doing) {
+        let stage = if doing.stage.is_empty() { doing.what } else { &doing.stage };
+        let (percent, faint) = (100.0 * doing.fraction, palette(ui).faint);
+        ui.label(format!("{}: {stage}", doing.what));
+        let bar = egui::ProgressBar::new(doing.fraction as f32).desired_width(140.0).desired_height(8.0);
+        let name = format!("{stage} {percent:.0} %");
+        ui.add(bar).widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &name));
+        ui.label(RichText::new(format!("{percent:3.0} %")).monospace());
+        if !doing.message.is_empty() {
+            ui.label(RichText::new(&doing.message).color(faint));
+        }
+        let left = doing.time_left().map(|t| format!(", about {} s left", t.as_secs() + 1)).unwrap_or_default();
+        ui.label(RichText::new(format!("{} s{left}", doing.since.elapsed().as_secs())).color(faint));
+        if ui.small_button("Cancel").on_hover_text(FrameCommand::Cancel.hint(ui.ctx())).clicked() {
+            self.push(FrameCommand::Cancel);
+        }
+        ui.separator();
     }
 
     /// The row of buttons over a view: short names, commands, and whether what they show is on.

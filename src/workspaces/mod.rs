@@ -14,5 +14,4 @@ pub mod opening;
 pub mod preferences;
 pub mod recent;
 pub mod registry;
-pub mod worker;
 pub mod workspace;

@@ -21,7 +21,7 @@ impl<T: Send + Sync + 'static> Opening<T> {
     }
 
     /// Reads a document; what was being read is given up.
-    pub fn begin(&mut self, read: impl Fn(&Task) -> Result<T, String> + Send + 'static) {
+    pub fn begin(&mut self, read: impl FnOnce(&Task) -> Result<T, String> + Send + 'static) {
         self.number += 1;
         self.memo.restart(&self.number, Priority::Shown, move |work| read(&work.task));
     }

@@ -4,19 +4,13 @@ use super::workspace::Workspace;
 use super::{blisk, flank, mold};
 use task::Scheduler;
 
-/// The workspaces in the order of the switch. `wake` is called when there is something to be shown.
-///
-/// # Errors
-/// If the system gives no thread to work on.
-pub fn workspaces(
-    scheduler: &Scheduler,
-    wake: impl Fn() + Send + Sync + Clone + 'static,
-) -> std::io::Result<Vec<Box<dyn Workspace>>> {
-    Ok(vec![
-        Box::new(blisk::BliskWorkspace::new(scheduler, wake)?),
+/// The workspaces in the order of the switch.
+pub fn workspaces(scheduler: &Scheduler) -> Vec<Box<dyn Workspace>> {
+    vec![
+        Box::new(blisk::BliskWorkspace::new(scheduler)),
         Box::new(mold::MoldWorkspace::new(scheduler)),
         Box::new(flank::FlankWorkspace::new(scheduler)),
-    ])
+    ]
 }
 
 #[cfg(test)]
@@ -26,7 +20,7 @@ mod tests {
 
     #[test]
     fn no_two_commands_that_can_be_given_together_share_their_keys_or_their_name() {
-        let list = workspaces(&Scheduler::manual(|| ()), || ()).unwrap();
+        let list = workspaces(&Scheduler::manual(|| ()));
         let switches = list.iter().enumerate().map(|(i, one)| Command::switch(i, &one.about().switch));
         let frame: Vec<Command> = FrameCommand::all().into_iter().chain(switches).collect();
         for workspace in &list {
@@ -43,7 +37,7 @@ mod tests {
 
     #[test]
     fn every_workspace_has_documents_of_a_kind_of_its_own() {
-        let list = workspaces(&Scheduler::manual(|| ()), || ()).unwrap();
+        let list = workspaces(&Scheduler::manual(|| ()));
         for (i, a) in list.iter().enumerate() {
             assert_eq!(a.document().kind(), a.about().id);
             assert!(list[i + 1..].iter().all(|b| a.about().id != b.about().id));

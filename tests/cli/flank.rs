@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use files::Document;
+use files::Override;
 use flank::params::Objective;
 use flank::ruled_surface::Side;
 use geometry::mesh::Mesh;
 use glam::DVec3;
 use import::{Units, write_stl};
 use mold::cutter::{Cutter, CutterLibrary};
-use nc::flank_job::overrides::FlankOverride;
 use sparkpath::workspaces::flank::document::{CutDirection, FlankDocument, FlankSource, WallsFile};
 use sparkpath::workspaces::mold::document::MoldParams;
 
@@ -147,7 +147,7 @@ fn every_mistake_is_one_line_and_is_found_before_anything_is_computed() {
         (&["--demo", "a", "--holder", "20"], "expected length:radius"),
         (&["--demo", "a", "--points", "3"], "control_points is 3"),
         (&["--demo", "a", "--tolerance", "0"], "linearisation_mm is 0"),
-        (&["--demo", "a", "--feed", "nan"], "feed_mm_per_min is NaN"),
+        (&["--demo", "a", "--feed", "nan"], "feed_mm_per_min is nan"),
         (&["--demo", "a", "--max-overcut", "0"], "are for --objective bounded"),
         (&["--demo", "a", "--flank", "1"], "give one with --mesh"),
         (&["--mesh", &part, "--flank", "3,4"], "expected one number from 1"),
@@ -194,7 +194,7 @@ fn an_electrode_of_a_mold_or_of_a_folder_is_milled_as_it_stands_on_the_table() {
     assert_eq!(saved.milling.workpiece.as_ref().unwrap().z_axis, DVec3::NEG_Z);
     // What was said of one part is not said of another that takes its place.
     let mut other = FlankDocument { side: Side::Negative, ..saved.clone() };
-    other.overrides = vec![FlankOverride::whatever("gouge")];
+    other.overrides = vec![Override::whatever("gouge")];
     other.walls = Some(WallsFile { file: mesh.into(), units: Units::Mm });
     Document::new(other).export(&save).unwrap();
     let other = ["--electrode", "E01", "--of", out, "--override", "leads:0.5", "--save", save.to_str().unwrap()];

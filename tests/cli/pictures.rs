@@ -19,7 +19,8 @@ fn copper(image: &image::RgbImage) -> usize {
     image.pixels().filter(|p| i32::from(p[0]) > i32::from(p[2]) + 40).count()
 }
 
-pub fn meshes_are_drawn_in_the_size_asked_for_and_each_in_its_own_colour() {
+#[test]
+fn meshes_are_drawn_in_the_size_asked_for_and_each_in_its_own_colour() {
     let folder = tempfile::tempdir().unwrap();
     let png = folder.path().join("a.png");
     let (blisk, electrode) = (path("part.stl"), path("out/electrode_1.stl"));
@@ -134,7 +135,8 @@ fn decoded(base64: &str) -> Vec<u8> {
     digits.chunks(4).flat_map(group).collect()
 }
 
-pub fn the_report_shows_the_very_pictures_that_lie_beside_it() {
+#[test]
+fn the_report_shows_the_very_pictures_that_lie_beside_it() {
     let html = std::fs::read_to_string(path("out/report.html")).unwrap();
     let sources = html.split("<img ").skip(1);
     let shown: Vec<Vec<u8>> = sources

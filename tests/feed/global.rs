@@ -43,6 +43,11 @@ fn the_global_path_is_certified_smooth_and_the_same_every_time() {
     it_is_at_least_twice_as_smooth_as_free_travel();
     it_is_the_same_on_any_number_of_threads();
     greatest_least_distance_keeps_further_away_at_its_nodes();
+}
+
+/// Both look for the least reduction that lets the electrode out.
+#[test]
+fn a_reduction_that_is_found_lets_the_electrode_out() {
     where_there_is_no_way_the_reduction_that_is_named_opens_one();
     sizes_are_certified_and_what_is_sized_is_what_a_plan_makes();
 }

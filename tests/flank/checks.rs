@@ -53,7 +53,7 @@ fn decisions_on_leads_are_held_against_what_is_cut_of_surface_and_wall() {
         // What was decided of the surface alone lets no wall be cut.
         assert_eq!(decided(&result, "leads:1.05"), !is_wall_worse);
         let mut again = result.clone();
-        again.decide(&[check(&free, CheckKind::Leads).let_pass()]);
+        again.decide(&[free.let_pass(check(&free, CheckKind::Leads))]);
         let why = again.why_blocked().unwrap();
         assert!(why.contains("depth mm is") && why.contains("decide again"), "{why}");
     }

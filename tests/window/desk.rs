@@ -11,8 +11,9 @@ use import::write_stl;
 use sparkpath::shell::run::{Folders, Opening, SparkpathApp};
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::stage::Stage;
-use sparkpath::workspaces::blisk::pipeline::StageState;
 use sparkpath::workspaces::blisk::{BliskDesk, BliskWorkspace};
+use sparkpath::workspaces::preferences::Preferences;
+use task::State;
 use tempfile::TempDir;
 use wheel::electrode::EnterSide;
 use wheel::parametric::ParametricBlisk;
@@ -31,8 +32,11 @@ pub struct Home {
 const IDLE: usize = 400;
 
 impl Home {
+    /// Those of a user who wants no preview of each change, which takes longer than most that is tried here.
     pub fn new() -> Self {
-        Self { folder: tempfile::tempdir().unwrap() }
+        let home = Self { folder: tempfile::tempdir().unwrap() };
+        Preferences { live: false, ..Preferences::default() }.write(&home.folders().config).unwrap();
+        home
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
@@ -106,8 +110,8 @@ impl Desk {
         &mut self.window.state_mut().workspace_mut::<BliskWorkspace>().unwrap().desk
     }
 
-    pub fn state(&self, stage: Stage) -> StageState {
-        self.blisk().pipeline.state(stage)
+    pub fn state(&self, stage: Stage) -> State {
+        self.blisk().work.state(stage)
     }
 
     /// Goes on until `is` holds: with the next frame as soon as there is something new, and at once while nothing is
@@ -147,10 +151,10 @@ impl Desk {
     /// Until nothing is worked on.
     pub fn until_idle(&mut self) {
         self.settle();
-        self.until("all work is done", |desk| !desk.blisk().pipeline.is_busy());
+        self.until("all work is done", |desk| !desk.blisk().work.is_busy());
         // The end of one step may be the beginning of the next.
-        while self.blisk().pipeline.is_busy() {
-            self.until("all work is done", |desk| !desk.blisk().pipeline.is_busy());
+        while self.blisk().work.is_busy() {
+            self.until("all work is done", |desk| !desk.blisk().work.is_busy());
         }
     }
 

@@ -124,7 +124,7 @@ fn electrodes_are_designed_looked_at_changed_and_exported() {
     assert_eq!(desk.mold().design_state(), State::Ready);
     // What is exported although a check fails changes no electrode.
     let mut params = desk.mold().document.params().clone();
-    params.electrodes.overrides.push(first.parse().unwrap());
+    params.electrodes.overrides.push(format!("{first}:gouge").parse().unwrap());
     desk.mold_mut().edit(params);
     assert_eq!(desk.mold().design_state(), State::Ready);
 }
@@ -250,9 +250,9 @@ fn every_parameter_of_electrodes_has_a_field() {
     desk.press_role(Role::DisclosureTriangle, "Electrodes");
     let before = desk.mold().document.params().electrodes.clone();
     for (name, text, step) in [
-        ("Stock of stage 1", "0.1", "Stage"),
-        ("Pieces of stage 1", "3", "Stage"),
-        ("Overlap", "0.4", "Overlap of parts"),
+        ("Stages 1, Stock", "0.1", "Stages 1, Stock"),
+        ("Stages 1, Pieces", "3", "Stages 1, Pieces"),
+        ("Overlap", "0.4", "Overlap"),
         ("Least size", "0.5", "Least size"),
         ("Allowed rest", "0.03", "Allowed rest"),
         ("Orientation chamfer", "0.75", "Orientation chamfer"),
@@ -260,9 +260,9 @@ fn every_parameter_of_electrodes_has_a_field() {
         desk.enter(name, text);
         assert_eq!(desk.mold().document.undo_label(false), Some(step), "{name}");
     }
-    desk.press_role(Role::DisclosureTriangle, "Blanks and holders");
+    desk.press_role(Role::DisclosureTriangle, "Blanks");
     desk.type_in("Sides", "20 8; 12,5; x");
-    desk.assert_shows("is no size");
+    desk.assert_shows("Sides is 20 8; 12,5; x: numbers with commas between");
     assert_eq!(desk.mold().document.params().electrodes.blanks, before.blanks, "what is no list changes nothing");
     desk.type_in("Sides", "20; 8; 12,5");
     desk.type_in("Diameters", "16, 10");
@@ -272,7 +272,7 @@ fn every_parameter_of_electrodes_has_a_field() {
     desk.enter("Setting", "7");
     desk.press_role(Role::DisclosureTriangle, "Cutters for electrodes");
     desk.press_role(Role::CheckBox, "same as the mold");
-    desk.enter("Diameter of electrode cutter 1", "0.8");
+    desk.enter("Electrode cutters 1, Diameter", "0.8");
     let asked = desk.mold().document.params().electrodes.clone();
     let (stage, library) = (&asked.stages[0], &desk.mold().document.params().library);
     assert_eq!((stage.stock_mm, stage.quantity), (0.1, 3));
@@ -298,14 +298,14 @@ fn a_change_of_stages_makes_electrodes_of_all_of_them_again() {
     let mut desk = designed(&home, [1280, 720]);
     let first = desk.mold().electrodes.designed().unwrap().clone();
     desk.press_role(Role::DisclosureTriangle, "Electrodes");
-    desk.press("Add a roughing stage");
+    desk.press("Add to Stages");
     assert!(!desk.mold().is_designed());
     desk.assert_shows("out of date");
     desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
     let made = desk.mold().electrodes.designed().unwrap().clone();
     let of = |stage: usize| made.set.electrodes.iter().filter(|e| e.stage == stage).count();
     assert!(of(0) > 0 && of(1) == first.set.electrodes.len(), "{} {}", of(0), of(1));
-    desk.enter("Gap of stage 1", "0.4");
+    desk.enter("Stages 1, Spark gap", "0.4");
     desk.assert_shows("out of date");
     // Who looks at regions goes on doing so.
     desk.press_role(Role::Tab, "List of Regions");
@@ -317,7 +317,7 @@ fn a_change_of_stages_makes_electrodes_of_all_of_them_again() {
     assert!(desk.mold().is_designed() && !desk.mold().work.is_busy());
     assert!(Arc::ptr_eq(desk.mold().electrodes.designed().unwrap(), &made));
     // What the user stops does not begin again.
-    desk.enter("Gap of stage 1", "0.5");
+    desk.enter("Stages 1, Spark gap", "0.5");
     desk.until("it begins", |d| d.mold().design_state() == State::Running);
     desk.key(Key::Escape);
     desk.until("it has ended", |d| !d.mold().work.is_busy());

@@ -5,21 +5,22 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use egui::Role;
+use files::AnyDocument as _;
 use geometry::frame::Frame;
-use import::{ImportOptions, import_file};
+use import::{ImportOptions, import_file, write_stl};
 use nc::post::BUILT_IN;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::choice::MeshFrame;
 use sparkpath::workspaces::blisk::document::stage::Stage;
-use sparkpath::workspaces::blisk::pipeline::StageState;
-use task::Task;
+use task::{State, Task};
 
-use crate::common::easy_blisk;
+use crate::common::{easy_blisk, mesh};
 use crate::desk::{Desk, Home, quick};
+use crate::made_once::made_once;
 
 /// A window with a released plan that was not finished, for a channel that stands askew to the axes of the mesh.
 pub fn released(home: &Home) -> Desk {
-    released_after(home, &|desk| desk.blisk_mut().pipeline.cancel())
+    released_after(home, &|desk| desk.blisk_mut().work.cancel())
 }
 
 /// The same with all that follows the plan.
@@ -27,9 +28,28 @@ fn released_whole(home: &Home) -> Desk {
     released_after(home, &|_| ())
 }
 
-/// A window with a released plan for a channel that stands askew to the axes of the mesh.
+/// A window with a released plan for a channel that stands askew to the axes of the mesh: once `planned` is done to it.
 fn released_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
-    let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
+    let kept = made_once("askew", plan_askew);
+    for name in ["part.stl", PROJECT] {
+        std::fs::copy(kept.join(name), home.path(name)).unwrap();
+    }
+    let mut desk = home.start(Opening::File(home.path(PROJECT)));
+    desk.until("the plan is there again", |d| d.state(Stage::Plan) == State::Ready);
+    planned(&mut desk);
+    desk.until_idle();
+    desk.open_step(Stage::Export);
+    desk.press("Release for export");
+    desk
+}
+
+const PROJECT: &str = "askew.sparkpath";
+
+/// Plans and writes part and project into `folder`.
+fn plan_askew(folder: &Path) {
+    let (home, part) = (Home::new(), folder.join("part.stl"));
+    write_stl(&part, &mesh(&easy_blisk())).unwrap();
+    let mut desk = home.start(Opening::File(part));
     desk.until_idle();
     let core = desk.blisk_mut();
     let mut job = quick(core.document.params().clone());
@@ -39,19 +59,15 @@ fn released_after(home: &Home, planned: &dyn Fn(&mut Desk)) -> Desk {
     core.edit("Job", job, false);
     desk.until_idle();
     desk.key(egui::Key::F5);
-    desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
-    planned(&mut desk);
-    desk.until_idle();
-    desk.open_step(Stage::Export);
-    desk.press("Release for export");
-    desk
+    desk.until("the plan is done", |d| d.state(Stage::Plan) == State::Ready);
+    desk.blisk_mut().document.save_as(&folder.join(PROJECT)).unwrap();
 }
 
 /// Exports into `folder` and answers the names of what is there beside the manifest.
 pub fn export(desk: &mut Desk, folder: &Path) -> BTreeSet<String> {
     desk.window.state_mut().act(|blisk: &mut BliskWorkspace, cx| blisk.export(folder, cx));
     desk.until_idle();
-    assert_eq!(desk.state(Stage::Export), StageState::Done, "{:#?}", desk.log());
+    assert_eq!(desk.state(Stage::Export), State::Ready, "{:#?}", desk.log());
     let files = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned());
     let (manifest, names): (BTreeSet<String>, BTreeSet<String>) = files.partition(|name| name == files::MANIFEST);
     assert_eq!(manifest.len(), 1);
@@ -103,7 +119,7 @@ fn what_is_written_is_what_was_ticked() {
         desk.press_role(Role::CheckBox, file);
     }
     desk.press_role(Role::Button, "Cancel");
-    assert!(desk.blisk().pipeline.released().is_some(), "what is written has nothing to do with what was released");
+    assert!(desk.blisk().work.released().is_some(), "what is written has nothing to do with what was released");
     let left = names(&["electrode_1.stl", "report.html", "report.json"]);
     assert_eq!(export(&mut desk, &folder), left, "what an earlier export wrote is not left beside");
     let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
@@ -142,6 +158,14 @@ fn an_electrode_in_w_is_that_of_the_mesh_seen_from_w() {
     assert!(program(&in_w).contains("electrode_1.stl in the workpiece frame W"));
     let motion = |folder: &Path| program(folder).lines().filter(|l| l.contains("G01")).collect::<Vec<_>>().join("\n");
     assert_eq!(motion(&in_mesh), motion(&in_w), "the program moves in W in any case");
+    // What was written is taken as an electrode of one's own, which is read as soon as it is named.
+    let core = desk.blisk_mut();
+    let mut job = core.document.params().clone();
+    job.electrode.mesh = Some(in_mesh.join("electrode_1.stl"));
+    core.edit("Own electrode", job, false);
+    desk.until_idle();
+    let own = desk.blisk().work.part().unwrap().own_electrode.clone().unwrap();
+    assert_eq!((own.triangles.len(), desk.state(Stage::Electrode)), (of_mesh.len(), State::Ready));
 }
 
 #[test]

@@ -6,8 +6,8 @@ use egui::{Key, Role};
 use files::AnyDocument;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::stage::Stage;
-use sparkpath::workspaces::blisk::pipeline::StageState;
 use sparkpath::workspaces::flank::document::FlankSource;
+use task::State;
 
 use crate::common::{curved_blisk, easy_blisk};
 use crate::desk::{Desk, Home};
@@ -23,13 +23,13 @@ fn a_wrong_number_is_told_beside_its_field() {
     assert_eq!(desk.blisk().document.params().electrode.spark_gap_mm, 0.1);
     desk.enter("Spark gap", "9");
     desk.until_idle();
-    desk.assert_shows("Spark gap must be from 0.005 to 2 mm");
+    desk.assert_shows("Spark gap is 9 mm: must be from 0.005 to 2 mm");
     assert!(desk.step_says(Stage::Electrode, "failed") && desk.step_says(Stage::Channel, "done"));
-    let StageState::Failed(why) = desk.state(Stage::Electrode) else { panic!() };
+    let State::Failed(why) = desk.state(Stage::Electrode) else { panic!() };
     assert!(why.contains("spark_gap_mm"), "{why}");
     desk.key(Key::F5);
     desk.until_idle();
-    assert_eq!(desk.state(Stage::Plan), StageState::Stale, "nothing is planned from a wrong number");
+    assert_eq!(desk.state(Stage::Plan), State::Stale, "nothing is planned from a wrong number");
     desk.enter("Spark gap", "0.1");
     desk.until_idle();
     assert!(!desk.shows("must be from") && desk.step_says(Stage::Electrode, "done"));
@@ -41,9 +41,9 @@ fn a_mesh_that_is_no_blisk_fails_at_its_channel() {
     let mut desk = home.start(Opening::File("tests/data/cube.stl".into()));
     desk.until_idle();
     assert!(desk.step_says(Stage::Part, "done") && desk.step_says(Stage::Channel, "failed"));
-    assert_eq!(desk.state(Stage::Electrode), StageState::Missing);
+    assert_eq!(desk.state(Stage::Electrode), State::Missing);
     desk.open_step(Stage::Channel);
-    let StageState::Failed(why) = desk.state(Stage::Channel) else { panic!() };
+    let State::Failed(why) = desk.state(Stage::Channel) else { panic!() };
     assert!(why.contains("blade") || why.contains("axis"), "{why}");
     desk.assert_shows(&why[1..]);
 }
@@ -56,7 +56,7 @@ fn a_file_that_is_no_mesh_fails_at_the_part() {
     let mut desk = home.start(Opening::File(file));
     desk.until_idle();
     assert!(desk.step_says(Stage::Part, "failed"));
-    let StageState::Failed(why) = desk.state(Stage::Part) else { panic!() };
+    let State::Failed(why) = desk.state(Stage::Part) else { panic!() };
     assert!(why.contains("noise.stl"), "{why}");
     desk.assert_shows(&why);
 }
@@ -140,10 +140,10 @@ fn a_failed_open_changes_nothing() {
     desk.press_role(Role::Tab, "Blisk workspace");
     desk.until_idle();
     let core = desk.blisk();
-    let (job, part) = (core.document.params().clone(), core.pipeline.part().unwrap().clone());
+    let (job, part) = (core.document.params().clone(), core.work.part().unwrap().clone());
     fails(&mut desk, &broken);
     desk.until_idle();
     let core = desk.blisk();
-    assert!(*core.document.params() == job && Arc::ptr_eq(core.pipeline.part().unwrap(), &part));
+    assert!(*core.document.params() == job && Arc::ptr_eq(core.work.part().unwrap(), &part));
     assert!(desk.step_says(Stage::Part, "done"));
 }

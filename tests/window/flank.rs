@@ -133,7 +133,7 @@ fn a_cutter_is_changed_in_passing_refused_in_words_and_taken_back() {
     desk.until_planned();
     assert_eq!(desk.flank().planned().unwrap().result.plan.cutter.radius_mm, radius);
     assert_eq!(desk.flank().document.params().cutter.name, "", "it is no cone R1 5 deg any more");
-    assert_eq!(desk.flank().document.undo_label(false), Some("Radius of the cutter"));
+    assert_eq!(desk.flank().document.undo_label(false), Some("Radius"));
     desk.key_with(Modifiers::COMMAND, Key::Z);
     assert_eq!(*desk.flank().document.params(), kept, "one slide is one step");
     desk.until_planned();
@@ -285,13 +285,14 @@ fn a_workpiece_is_clamped_otherwise_and_the_program_follows_the_tip() {
     desk.settle();
     desk.assert_shows("its Z along +Z of the machine");
     let of_machine = desk.flank().workpiece_of_machine().unwrap().clone();
-    desk.press_role(Role::CheckBox, "other than in the machine's file");
+    desk.press_role(Role::CheckBox, "clamped other than in the machine's file");
     assert_eq!(
         desk.flank().document.params().milling.workpiece.as_ref(),
         Some(&of_machine),
         "it begins as the file has it"
     );
     desk.enter("Zero Z", "45");
+    desk.press_role(Role::ComboBox, "X Y Z are");
     desk.press("tip, angles");
     desk.enter("Tool number", "7");
     let milling = &desk.flank().document.params().milling;
@@ -305,7 +306,7 @@ fn a_workpiece_is_clamped_otherwise_and_the_program_follows_the_tip() {
     assert!(program.contains("G43.4 H7"), "{program}");
     desk.picture("flank_clamped_dark");
     // Without it the workpiece stands as the file says again.
-    desk.press_role(Role::CheckBox, "other than in the machine's file");
+    desk.press_role(Role::CheckBox, "clamped other than in the machine's file");
     assert_eq!(desk.flank().document.params().milling.workpiece, None);
 }
 
@@ -370,7 +371,7 @@ fn a_blisks_electrode_is_milled_without_a_file() {
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_idle();
     desk.open_step(Stage::Electrode);
-    let volume = desk.blisk().pipeline.electrodes().unwrap().electrodes[0].volume_mm3;
+    let volume = desk.blisk().work.electrodes().unwrap().electrodes[0].volume_mm3;
     desk.press("Mill its flanks");
     assert_eq!(desk.app().shown(), "flank");
     let part = desk.until_faces();

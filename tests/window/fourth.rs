@@ -153,7 +153,7 @@ fn start(home: &Home, opening: Opening) -> Desk {
     let folders = home.folders();
     let mut desk = Desk::start(Harness::builder().with_size(vec2(1280.0, 720.0)), move |cc| {
         let scheduler = Scheduler::start(|| ()).unwrap();
-        let mut list = workspaces(&scheduler, || ()).unwrap();
+        let mut list = workspaces(&scheduler);
         list.push(Box::<Notes>::default());
         SparkpathApp::with_workspaces(cc, (&opening, Some(folders)), list, scheduler).unwrap()
     });

@@ -8,9 +8,9 @@ use glam::DVec3;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::BliskWorkspace;
 use sparkpath::workspaces::blisk::document::stage::Stage;
-use sparkpath::workspaces::blisk::pipeline::StageState;
 use sparkpath::workspaces::blisk::scene::{Layer, layer_id};
 use sparkpath::workspaces::preferences::ThemeChoice;
+use task::State;
 
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home, holds};
@@ -33,7 +33,7 @@ fn from_a_mesh_to_an_nc_program() {
 }
 
 fn volume(desk: &Desk) -> f64 {
-    desk.blisk().pipeline.electrodes().unwrap().electrodes[0].volume_mm3
+    desk.blisk().work.electrodes().unwrap().electrodes[0].volume_mm3
 }
 
 fn low_reduction(desk: &Desk) -> f64 {
@@ -71,16 +71,16 @@ fn plan_cancel_and_plan_again(desk: &mut Desk) {
     desk.until_idle();
     desk.press("Go on to Plan");
     desk.press("Plan feed path");
-    desk.until("the plan is under way", |d| d.blisk().pipeline.running().is_some_and(|r| r.stage == Stage::Plan));
+    desk.until("the plan is under way", |d| d.blisk().work.doing().is_some_and(|doing| doing.what == "Plan"));
     assert!(desk.step_says(Stage::Plan, "working"));
     desk.press("Cancel");
-    desk.until("the plan has stopped", |d| d.state(Stage::Plan) != StageState::Running);
+    desk.until("the plan has stopped", |d| d.state(Stage::Plan) != State::Running);
     desk.assert_shows("Plan: cancelled");
-    assert!(desk.blisk().pipeline.plan().is_none());
+    assert!(desk.blisk().work.plan().is_none());
     desk.key_with(Modifiers::COMMAND, Key::Z);
     desk.until_idle();
     desk.key(Key::F5);
-    desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
+    desk.until("the plan is done", |d| d.state(Stage::Plan) == State::Ready);
     desk.assert_shows("has an extraction path, certified clearance");
     assert!(desk.step_says(Stage::Plan, "done") && desk.step_says(Stage::Verify, "done"));
 }
@@ -97,7 +97,7 @@ fn assert_together(desk: &Desk) {
     assert_eq!(selected.len(), 1, "one row is selected");
     assert!(desk.window.query(By::new().role(Role::Row).label(&name).predicate(is_selected)).is_some(), "not {name}");
     desk.assert_shows(&format!("node {node} from the final pose"));
-    let channel = core.pipeline.channel().unwrap();
+    let channel = core.work.channel().unwrap();
     let electrode = &core.outcome().unwrap().electrode;
     let shown = desk.app().scene().objects.iter().find(|o| o.id == layer_id(Layer::Electrode)).unwrap();
     let placed = station.pose.placement(electrode.reference_point);
@@ -148,7 +148,7 @@ fn verify_and_release(desk: &mut Desk) {
     desk.press("Show the residual stock");
     let core = desk.blisk();
     assert!(core.leftover_values().is_some() && !core.layers.get(Layer::Electrode).visible);
-    let (legend, left) = (core.leftover_legend().unwrap(), core.pipeline.plan().unwrap().leftover().unwrap());
+    let (legend, left) = (core.leftover_legend().unwrap(), core.work.plan().unwrap().leftover().unwrap());
     let thickest = left.surfaces.iter().map(|s| s.left.depth_mm.max(s.overcut.depth_mm)).fold(0.0, f64::max);
     assert!(legend.max >= thickest - 1e-6 && legend.min == -legend.max, "{thickest} beyond {legend:?}");
     desk.settle();
@@ -166,7 +166,7 @@ fn verify_and_release(desk: &mut Desk) {
     desk.press("Close");
     assert!(!folder.path().join("early").exists());
     desk.press("Release for export");
-    assert!(desk.blisk().pipeline.released().is_some());
+    assert!(desk.blisk().work.released().is_some());
     desk.assert_shows(
         "Released: this path. A change of the path withdraws the release; feed and post do not change it.",
     );
@@ -178,7 +178,7 @@ fn export(desk: &mut Desk, home: &Home) {
     desk.press_role(Role::Button, "Cancel");
     let folder = home.path("out");
     desk.window.state_mut().act(|blisk: &mut BliskWorkspace, cx| blisk.export(&folder, cx));
-    desk.until("the files are written", |d| d.state(Stage::Export) == StageState::Done);
+    desk.until("the files are written", |d| d.state(Stage::Export) == State::Ready);
     for name in ["path_1.nc", "path_1.csv", "electrode_1.stl", "report.html", "report.json"] {
         assert!(folder.join(name).is_file(), "{name}");
         desk.assert_shows(name);
@@ -198,14 +198,14 @@ fn an_edit_withdraws_the_release(desk: &mut Desk) {
     desk.until_idle();
     let core = desk.blisk();
     assert!(!core.leftover && core.layers.get(Layer::Electrode).visible, "of this electrode there is no map");
-    assert!(core.pipeline.released().is_none());
+    assert!(core.work.released().is_none());
     assert!(desk.step_says(Stage::Plan, "out of date") && desk.step_says(Stage::Export, "out of date"));
     assert!(desk.log().iter().any(|line| line.contains("release withdrawn: an input changed")));
     desk.assert_shows("Out of date: has an extraction path");
     desk.key_with(Modifiers::COMMAND, Key::Z);
     desk.until_idle();
     assert!(desk.step_says(Stage::Plan, "done"), "the plan is of these parameters again");
-    assert!(desk.blisk().pipeline.released().is_none(), "but a release does not come back by itself");
+    assert!(desk.blisk().work.released().is_none(), "but a release does not come back by itself");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use files::AnyDocument as _;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptRun;
 use sparkpath::workspaces::blisk::document::stage::Stage;
-use sparkpath::workspaces::blisk::pipeline::StageState;
+use task::State;
 use wheel::electrode::EnterSide;
 
 use crate::common::easy_blisk;
@@ -15,7 +15,6 @@ use crate::desk::{Desk, Home};
 
 /// Plans by `strategy` with reductions that let the electrode out.
 fn plan(desk: &mut Desk, strategy: Strategy) {
-    desk.window.state_mut().context_mut().preferences.live = false;
     let core = desk.blisk_mut();
     let mut job = core.document.params().clone();
     job.electrode.circumferential_reduction_deg = [3.0, 3.0];
@@ -24,7 +23,7 @@ fn plan(desk: &mut Desk, strategy: Strategy) {
     core.edit("Strategy", job, false);
     desk.until_idle();
     desk.key(Key::F5);
-    desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
+    desk.until("the plan is done", |d| d.state(Stage::Plan) == State::Ready);
     desk.open_step(Stage::Plan);
 }
 
@@ -122,11 +121,11 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     desk.open_step(Stage::Verify);
     desk.assert_shows("Sizes: ");
     desk.open_step(Stage::Electrode);
-    desk.until("there is a size", |d| !d.blisk().tuning.sizes().0.is_empty());
+    desk.until("there is a size", |d| !d.blisk().work.sizes().0.is_empty());
     desk.press("Stop sizing");
     desk.press("Take size 1");
     desk.until_idle();
-    let row = desk.blisk().tuning.sizes().0[0].clone();
+    let row = desk.blisk().work.sizes().0[0].clone();
     let limit = row.limit.as_ref().unwrap();
     assert_eq!((limit.electrode, limit.electrodes), (1, 1));
     assert!(limit.clause().starts_with(&format!("limited at node {}, ", limit.node)), "{}", limit.clause());
@@ -140,5 +139,5 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     let file = home.part(&easy_blisk());
     desk.window.state_mut().open(&file);
     desk.until_idle();
-    assert!(desk.blisk().tuning.sizes().0.is_empty(), "another document has no sizes yet");
+    assert!(desk.blisk().work.sizes().0.is_empty(), "another document has no sizes yet");
 }

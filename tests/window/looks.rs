@@ -5,9 +5,9 @@ use egui_kittest::SnapshotOptions;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::stage::Stage;
-use sparkpath::workspaces::blisk::pipeline::StageState;
 use sparkpath::workspaces::blisk::scene::Layer;
 use sparkpath::workspaces::preferences::ThemeChoice;
+use task::State;
 
 use crate::common::{curved_blisk, easy_blisk};
 use crate::desk::{Desk, Home, quick};
@@ -67,7 +67,7 @@ fn plan(desk: &mut Desk, job: PlanJob) {
     desk.blisk_mut().edit("Job", job, false);
     desk.until_idle();
     desk.key(Key::F5);
-    desk.until("the plan has ended", |d| matches!(d.state(Stage::Plan), StageState::Done | StageState::Failed(_)));
+    desk.until("the plan has ended", |d| matches!(d.state(Stage::Plan), State::Ready | State::Failed(_)));
     desk.until_idle();
 }
 
@@ -145,6 +145,7 @@ fn a_window_of_1280_by_720_at_200_percent() {
     desk.press("Export…");
     desk.picture("small_export_light");
     desk.press_role(Role::Button, "Cancel");
+    desk.window.state_mut().context_mut().preferences.live = true;
     desk.key_with(egui::Modifiers::COMMAND, Key::Comma);
     desk.picture("small_preferences_light");
 }
@@ -174,7 +175,7 @@ fn an_electrode_that_cannot_come_out_jams_at_a_node() {
     (job.genetic.population, job.genetic.generations) = (8, 3);
     plan(&mut desk, job);
     desk.assert_shows("jams at node");
-    assert!(desk.step_says(Stage::Plan, "failed") && !desk.blisk().pipeline.can_release());
+    assert!(desk.step_says(Stage::Plan, "failed") && !desk.blisk().work.can_release());
     let jam = desk.blisk().outcome().unwrap().plan.jam.unwrap();
     desk.assert_shows(&format!("Jams at node {}", jam.node));
     desk.press("Channel");

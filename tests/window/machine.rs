@@ -9,9 +9,9 @@ use render::scene::Object;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::BliskWorkspace;
 use sparkpath::workspaces::blisk::document::stage::Stage;
-use sparkpath::workspaces::blisk::pipeline::StageState;
 use sparkpath::workspaces::blisk::scene::{Layer, layer_of};
 use sparkpath::workspaces::preferences::ThemeChoice;
+use task::State;
 
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home, quick};
@@ -39,7 +39,7 @@ fn bodies(desk: &Desk) -> Vec<Object> {
 /// Waits until all is done, and looks in every frame whether the plan passes for a good one before it is checked.
 fn until_checked(desk: &mut Desk) {
     desk.until("the machine is checked", |desk| {
-        let checked = matches!(desk.state(Stage::Verify), StageState::Failed(_));
+        let checked = matches!(desk.state(Stage::Verify), State::Failed(_));
         assert!(checked || !desk.step_says(Stage::Plan, "done"), "nothing is known of the machine yet");
         checked
     });
@@ -60,7 +60,7 @@ fn a_machine_is_seen_from_its_choice_to_its_collision() {
     desk.window.state_mut().act(|blisk: &mut BliskWorkspace, cx| blisk.take_machine(machine.as_ref(), cx));
     desk.until("the machine is seen", |d| !bodies(d).is_empty());
     let chosen = bodies(&desk);
-    assert!(chosen.len() > 3 && desk.blisk().pipeline.plan().is_none(), "before anything is planned");
+    assert!(chosen.len() > 3 && desk.blisk().work.plan().is_none(), "before anything is planned");
     desk.window.get_by_label("Show Machine").click();
     desk.settle();
     assert!(bodies(&desk).is_empty());
@@ -73,7 +73,7 @@ fn a_machine_is_seen_from_its_choice_to_its_collision() {
     until_checked(&mut desk);
     // Nobody has touched the strip of the whole motion.
     let core = desk.blisk();
-    assert!(core.moment().is_none() && core.outcome().unwrap().plan.is_verified() && !core.pipeline.can_release());
+    assert!(core.moment().is_none() && core.outcome().unwrap().plan.is_verified() && !core.work.can_release());
     assert_eq!(bodies(&desk).len(), chosen.len());
     assert!(bodies(&desk).iter().any(|body| body.colour != chosen[0].colour), "what is in the way is marked");
     assert!(desk.step_says(Stage::Plan, "not safe") && desk.step_says(Stage::Verify, "failed"));

@@ -8,13 +8,12 @@ use task::State;
 
 use egui::{Key, Modifiers, Role, vec2};
 use egui_kittest::kittest::{By, Queryable as _};
+use files::Override;
 use files::{AnyDocument, Document};
 use geometry::mesh::Mesh;
 use glam::DVec3;
 use import::{Units, write_stl};
 use mold::cutter::{Cutter, CutterLibrary};
-use mold::electrode::check::CheckKind;
-use mold::electrode::overrides::Override;
 use mold::electrode::params::Edit;
 use mold::opening::Opening::MinusX;
 use sparkpath::shell::run::Opening;
@@ -121,7 +120,7 @@ fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
     let exact = 4.0 * corner(3.0, 5.0) + 4.0 * corner(3.0, 4.0);
     assert!((desk.volume() / exact - 1.0).abs() < 1e-3, "{} {exact}", desk.volume());
     // The blisk was not worked on behind it.
-    assert!(desk.blisk().pipeline.part().is_none());
+    assert!(desk.blisk().work.part().is_none());
 
     desk.press_role(Role::Row, "Region 3");
     assert_eq!(desk.mold().selected, Some(2));
@@ -162,7 +161,7 @@ fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
 
     // The other workspace, and back: everything is as it was.
     desk.press_role(Role::Tab, "Blisk workspace");
-    desk.until("the blisk is begun", |d| d.blisk().pipeline.part().is_some());
+    desk.until("the blisk is begun", |d| d.blisk().work.part().is_some());
     assert!(!desk.shows("Regions"));
     desk.press_role(Role::Tab, "Mold workspace");
     assert_eq!((desk.mold().selected, desk.mold().layer), (Some(6), Some(number)));
@@ -174,7 +173,7 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
     let home = Home::new();
     let mut desk = found(&home);
     desk.mold_mut().follows = false;
-    desk.enter("Diameter of cutter 1", "4");
+    desk.enter("Cutters 1, Diameter", "4");
     assert_eq!(desk.mold().document.params().library.cutter[0].diameter_mm, 4.0);
     desk.until("it is looked at", |d| d.mold().glanced().is_some());
     desk.pictures("mold_glance");
@@ -198,19 +197,19 @@ fn what_is_done_to_cutters_is_undone_step_by_step() {
     let home = Home::new();
     let mut desk = home.start(Opening::In("mold", None));
     let start = desk.mold().document.params().clone();
-    desk.enter("Diameter of cutter 2", "7");
+    desk.enter("Cutters 2, Diameter", "7");
     let wide = desk.mold().document.params().clone();
-    desk.press("Add");
-    desk.press("Add");
+    desk.press("Add to Cutters");
+    desk.press("Add to Cutters");
     desk.press_role(Role::Button, "-x");
     assert_eq!(desk.mold().document.params().library.cutter.len(), start.library.cutter.len() + 2);
     let end = desk.mold().document.params().clone();
-    let labels = ["Opening direction", "New cutter", "New cutter", "Diameter of cutter 2"];
+    let labels = ["Opening direction", "Cutters: row added", "Cutters: row added", "Cutters 2, Diameter"];
     for label in labels {
         assert_eq!(desk.mold().document.undo_label(false), Some(label));
         desk.key_with(Modifiers::COMMAND, Key::Z);
         assert!(
-            label != "New cutter"
+            label != "Cutters: row added"
                 || desk.mold().document.params().library.cutter.len() > start.library.cutter.len() - 1
         );
     }
@@ -306,10 +305,12 @@ fn cutters_are_added_saved_and_loaded() {
     let mut desk = home.start(Opening::In("mold", None));
     assert!(desk.app().scene().objects.is_empty());
     let standard = desk.mold().document.params().library.clone();
-    desk.press("Add");
+    desk.press("Add to Cutters");
+    desk.press("Cutters 9");
     desk.press("Duplicate");
-    desk.enter("Diameter of cutter 10", "0");
-    desk.assert_shows("diameter_mm is 0 mm");
+    desk.enter("Cutters 10, Diameter", "0");
+    desk.assert_shows("Cutters 10, Diameter is 0 mm: must be from 0.01 to 500 mm");
+    desk.press("Cutters 10");
     desk.press("Remove");
     let nine = desk.mold().document.params().library.clone();
     assert_eq!((nine.cutter.len(), nine.cutter[8].diameter_mm), (9, 2.0));
@@ -433,8 +434,8 @@ fn decided(params: &MoldParams) -> MoldParams {
     decided.opening = MinusX;
     decided.electrodes.edits.push(Edit::Split { line: [DVec3::X, DVec3::Y] });
     let parts = vec!["R1.1".to_owned()];
-    let check = Some(CheckKind::Approach);
-    decided.electrodes.overrides.push(Override { electrode: "E01".to_owned(), check, parts });
+    let of = "E01".to_owned();
+    decided.electrodes.overrides.push(Override { of, parts, ..Override::whatever("approach") });
     decided
 }
 

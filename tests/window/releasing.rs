@@ -6,8 +6,8 @@ use std::sync::mpsc::{Sender, channel};
 use egui::Key;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
 use sparkpath::workspaces::blisk::document::stage::Stage;
-use sparkpath::workspaces::blisk::pipeline::{ExportWork, StageState};
-use task::Task;
+use sparkpath::workspaces::blisk::work::ExportWork;
+use task::{State, Task};
 use wheel::parametric::ParametricBlisk;
 
 use crate::common::easy_blisk;
@@ -18,19 +18,19 @@ use crate::exporting::released;
 fn a_plan_that_is_being_made_again_cannot_be_released_and_its_successor_is_not() {
     let home = Home::new();
     let mut desk = released(&home);
-    let before = desk.blisk().pipeline.plan().unwrap().clone();
-    let pipeline = &mut desk.blisk_mut().pipeline;
-    pipeline.start_plan().unwrap();
-    assert!(!pipeline.can_release() && pipeline.release().is_err(), "nobody has seen what will come out");
+    let before = desk.blisk().work.plan().unwrap().clone();
+    let work = &mut desk.blisk_mut().work;
+    work.start_plan().unwrap();
+    assert!(!work.can_release() && work.release().is_err(), "nobody has seen what will come out");
     desk.until_idle();
-    let pipeline = &desk.blisk().pipeline;
-    assert!(!Arc::ptr_eq(&before, pipeline.plan().unwrap()) && pipeline.can_release() && pipeline.released().is_none());
+    let work = &desk.blisk().work;
+    assert!(!Arc::ptr_eq(&before, work.plan().unwrap()) && work.can_release() && work.released().is_none());
     // A plan that was given up leaves the one that was seen, which may be released.
     desk.key(Key::F5);
-    desk.blisk_mut().pipeline.cancel();
+    desk.blisk_mut().work.cancel();
     desk.until_idle();
-    desk.blisk_mut().pipeline.release().unwrap();
-    assert!(desk.blisk().pipeline.released().is_some());
+    desk.blisk_mut().work.release().unwrap();
+    assert!(desk.blisk().work.released().is_some());
 }
 
 #[test]
@@ -38,23 +38,23 @@ fn nothing_is_released_before_its_copying_motions_are_known_or_given_up() {
     let home = Home::new();
     let mut desk = released(&home);
     // Another plan of the same parameters is finished anew.
-    desk.blisk_mut().pipeline.start_plan().unwrap();
-    desk.until("the plan is done", |d| d.state(Stage::Plan) == StageState::Done);
-    let pipeline = &mut desk.blisk_mut().pipeline;
-    let plan = pipeline.plan().unwrap().clone();
+    desk.blisk_mut().work.start_plan().unwrap();
+    desk.until("the plan is done", |d| d.state(Stage::Plan) == State::Ready);
+    let work = &mut desk.blisk_mut().work;
+    let plan = work.plan().unwrap().clone();
     assert!(plan.finishing().is_none(), "the verdict does not wait for the stock that is left");
-    assert!(pipeline.leftover_shape().is_none() && !pipeline.can_release() && pipeline.release().is_err());
-    pipeline.cancel();
+    assert!(work.leftover_shape().is_none() && !work.can_release() && work.release().is_err());
+    work.cancel();
     desk.until_idle();
     desk.open_step(Stage::Verify);
     desk.assert_shows("No residual stock and no copying motions: stopped.");
-    desk.blisk_mut().pipeline.release().unwrap();
+    desk.blisk_mut().work.release().unwrap();
     // What becomes known later was not released.
     desk.press("Compute the residual stock");
     desk.until_idle();
-    let pipeline = &desk.blisk().pipeline;
-    assert!(Arc::ptr_eq(&plan, pipeline.plan().unwrap()) && pipeline.can_release() && pipeline.released().is_none());
-    assert!(plan.leftover().is_some() && pipeline.leftover_shape().is_some());
+    let work = &desk.blisk().work;
+    assert!(Arc::ptr_eq(&plan, work.plan().unwrap()) && work.can_release() && work.released().is_none());
+    assert!(plan.leftover().is_some() && work.leftover_shape().is_some());
     assert!(desk.log().iter().any(|line| line.contains("remain in the channel")), "{:#?}", desk.log());
 }
 
@@ -73,23 +73,23 @@ fn an_export_stops_when_its_release_is_taken_back() {
         (tell, Box::new(move |_, _, _, _, task| work(task)))
     };
     let (tell, work) = until_told();
-    let pipeline = &mut desk.blisk_mut().pipeline;
-    pipeline.start_export(&home.path("out"), work).unwrap();
-    pipeline.withdraw();
+    let blisk = &mut desk.blisk_mut().work;
+    blisk.start_export(&home.path("out"), work).unwrap();
+    blisk.withdraw();
     tell.send(()).unwrap_or(());
     desk.until_idle();
-    assert_eq!(desk.state(Stage::Export), StageState::Missing, "{:#?}", desk.log());
+    assert_eq!(desk.state(Stage::Export), State::Missing, "{:#?}", desk.log());
     let (tell, work) = until_told();
     let core = desk.blisk_mut();
-    core.pipeline.release().unwrap();
-    core.pipeline.start_export(&home.path("out"), work).unwrap();
+    core.work.release().unwrap();
+    core.work.start_export(&home.path("out"), work).unwrap();
     let mut job = core.document.params().clone();
     job.plan.margin_mm += 0.01;
     core.edit("Margin", job, false);
     desk.settle();
     tell.send(()).unwrap_or(());
     desk.until_idle();
-    assert_eq!(desk.state(Stage::Export), StageState::Missing, "{:#?}", desk.log());
+    assert_eq!(desk.state(Stage::Export), State::Missing, "{:#?}", desk.log());
     assert!(desk.log().iter().any(|line| line.contains("release withdrawn")));
 }
 
@@ -99,13 +99,13 @@ fn a_plan_is_kept_for_the_mesh_that_it_was_made_from() {
     let mut desk = released(&home);
     let kept = KeptPlan::of(&desk.blisk().document).unwrap();
     home.part(&ParametricBlisk { width_mm: 20.5, ..easy_blisk() });
-    desk.blisk_mut().pipeline.reload();
+    desk.blisk_mut().work.reload();
     desk.until_idle();
-    assert_eq!(desk.state(Stage::Plan), StageState::Stale, "the mesh is another one");
-    let pipeline = &mut desk.blisk_mut().pipeline;
-    pipeline.start_plan().unwrap();
-    pipeline.cancel();
+    assert_eq!(desk.state(Stage::Plan), State::Stale, "the mesh is another one");
+    let work = &mut desk.blisk_mut().work;
+    work.start_plan().unwrap();
+    work.cancel();
     desk.until_idle();
-    assert_eq!(desk.state(Stage::Plan), StageState::Stale, "{:#?}", desk.log());
+    assert_eq!(desk.state(Stage::Plan), State::Stale, "{:#?}", desk.log());
     assert_eq!(KeptPlan::of(&desk.blisk().document), Some(kept));
 }

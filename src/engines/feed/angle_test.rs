@@ -9,6 +9,7 @@
 //! P0 tests against contact; here the wall points are first moved into the channel by the spark gap and margin, so
 //! that the test asks for the clearance that the process needs.
 
+use files::Invalid;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -27,21 +28,17 @@ pub struct AngleParams {
     pub delta2_deg: f64,
 }
 
-/// Safety factors that cannot be used.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("[plan.angle] {0} must be 0 or more, and delta2_deg less than 90")]
-pub struct AngleParamsError(&'static str);
-
 impl AngleParams {
     /// Whether both are usable.
-    pub fn validate(&self) -> Result<(), AngleParamsError> {
-        if !(self.delta1_mm >= 0.0 && self.delta1_mm.is_finite()) {
-            return Err(AngleParamsError("delta1_mm"));
+    pub fn validate(&self) -> Result<(), Invalid> {
+        Invalid::unless_within("delta1_mm", self.delta1_mm, [0.0, f64::INFINITY], "mm")?;
+        let delta2_deg = self.delta2_deg;
+        let is_right = (0.0..90.0).contains(&delta2_deg);
+        if is_right {
+            Ok(())
+        } else {
+            Err(Invalid::new("delta2_deg", delta2_deg, "must be from 0 to less than 90 deg"))
         }
-        if !(0.0..90.0).contains(&self.delta2_deg) {
-            return Err(AngleParamsError("delta2_deg"));
-        }
-        Ok(())
     }
 }
 

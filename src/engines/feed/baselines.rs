@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::pose::Pose;
 use super::probes::Demand;
 use super::problem::{Candidate, Convergence, NodeTask, SearchProblem};
-use super::strategy::SearchStrategy;
+use super::strategy::{Candidates, SearchStrategy};
 use task::{Cancel, Cancelled};
 
 /// Poses that are tried for a node.
@@ -27,12 +27,7 @@ const ASCENT: usize = 16;
 pub(super) struct FreeTravel;
 
 impl SearchStrategy for FreeTravel {
-    fn candidates(
-        &self,
-        problem: &SearchProblem,
-        at: &NodeTask,
-        cancel: &Cancel,
-    ) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
+    fn candidates(&self, problem: &SearchProblem, at: &NodeTask, cancel: &Cancel) -> Candidates {
         Ok((problem.furthest_travelling(at, cancel)?, Convergence::none(at.s)))
     }
 }
@@ -41,12 +36,7 @@ impl SearchStrategy for FreeTravel {
 pub(super) struct MaxMinDistance;
 
 impl SearchStrategy for MaxMinDistance {
-    fn candidates(
-        &self,
-        problem: &SearchProblem,
-        at: &NodeTask,
-        cancel: &Cancel,
-    ) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
+    fn candidates(&self, problem: &SearchProblem, at: &NodeTask, cancel: &Cancel) -> Candidates {
         Ok((problem.greatest_clearance(at, cancel)?, Convergence::none(at.s)))
     }
 }

@@ -309,7 +309,7 @@ impl<'a> ClearanceModel<'a> {
         one_each: bool,
     ) -> Vec<Lacking> {
         let mut found = Vec::new();
-        self.look(nearby, placed, at, demand, one_each, |lacking| {
+        self.look(nearby, (placed, at, demand), one_each, |lacking| {
             found.push(lacking);
             true
         });
@@ -326,7 +326,7 @@ impl<'a> ClearanceModel<'a> {
         demand: &Demand,
     ) -> bool {
         let mut free = true;
-        self.look(nearby, &self.placed(pose, turns), &Instant { s, turns }, demand, false, |_| {
+        self.look(nearby, (&self.placed(pose, turns), &Instant { s, turns }, demand), false, |_| {
             free = false;
             free
         });
@@ -337,9 +337,7 @@ impl<'a> ClearanceModel<'a> {
     fn look(
         &self,
         nearby: &mut NearbyPoses,
-        placed: &Placed,
-        at: &Instant,
-        demand: &Demand,
+        (placed, at, demand): (&Placed, &Instant, &Demand),
         one_each: bool,
         mut found: impl FnMut(Lacking) -> bool,
     ) {

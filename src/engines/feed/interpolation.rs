@@ -1,6 +1,7 @@
 //! From nodes to rows: a curve through the nodes of each axis, then rows so dense that linear motion between them
 //! stays close to the curve.
 
+use files::Invalid;
 use serde::{Deserialize, Serialize};
 
 use super::axis_curve::{AxisCurve, CurveError, CurveKind, Joining};
@@ -33,25 +34,11 @@ impl Default for InterpolationParams {
     }
 }
 
-/// Interpolation parameters that cannot be used.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum InterpolationParamsError {
-    /// A chord error that rows cannot be rounded to.
-    #[error("[plan.interpolation] chord_error_mm = {0}: must be 0.00005 to 0.1 mm")]
-    ChordError(f64),
-    /// A degree whose curves bend abruptly or swing.
-    #[error("[plan.interpolation] degree = {0}: must be 3 to 5")]
-    Degree(usize),
-}
-
 impl InterpolationParams {
     /// Whether the chord error is one that rows can be rounded to, and the degree one of a smooth curve.
-    pub fn validate(&self) -> Result<(), InterpolationParamsError> {
-        if !(5e-5..=0.1).contains(&self.chord_error_mm) {
-            return Err(InterpolationParamsError::ChordError(self.chord_error_mm));
-        }
-        let smooth = (3..=5).contains(&self.degree);
-        if smooth { Ok(()) } else { Err(InterpolationParamsError::Degree(self.degree)) }
+    pub fn validate(&self) -> Result<(), Invalid> {
+        Invalid::unless_within("chord_error_mm", self.chord_error_mm, [5e-5, 0.1], "mm")?;
+        Invalid::unless_within("degree", self.degree as f64, [3.0, 5.0], "")
     }
 
     /// How nodes are joined.
@@ -73,7 +60,7 @@ const MOST_ROWS: usize = 1_000_000;
 pub enum InterpolationError {
     /// Rounding alone moves the electrode's points further than allowed.
     #[error(
-        "[plan.interpolation] chord_error_mm = {chord_error}: rounding of rows alone moves the electrode by up to {rounding:.6} \
+        "plan.interpolation.chord_error_mm is {chord_error}: rounding of rows alone moves the electrode by up to {rounding:.6} \
          mm; allow more"
     )]
     Rounding {
@@ -85,7 +72,7 @@ pub enum InterpolationError {
     /// The curve bends so much that it would take too many rows to follow it.
     #[error(
         "the curve bends so much {s:.3} mm before the final pose that it takes {pieces:.0} rows to the next node, more than \
-         10000; raise [plan.interpolation] chord_error_mm"
+         10000; raise plan.interpolation.chord_error_mm"
     )]
     TooManyRows {
         /// Where (mm withdrawn).
@@ -95,7 +82,7 @@ pub enum InterpolationError {
     },
     /// No stretch of the curve takes too many rows, but all of them together do.
     #[error(
-        "the curve takes more than {MOST_ROWS} rows in all; raise [plan.interpolation] chord_error_mm or [plan] step_mm"
+        "the curve takes more than {MOST_ROWS} rows in all; raise plan.interpolation.chord_error_mm or plan.step_mm"
     )]
     TooLong,
 }
@@ -271,7 +258,7 @@ mod tests {
         let params = InterpolationParams { kind: CurveKind::Nurbs, degree: 4, ..Default::default() };
         assert_eq!((params.validate(), params.joining()), (Ok(()), Joining::Nurbs(4)));
         let error = InterpolationParams { degree: 2, ..params }.validate().unwrap_err();
-        assert!(error.to_string().contains("degree = 2"));
+        assert_eq!((error.key.as_str(), error.value.as_str()), ("degree", "2"));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The machine: which axes it has and how far and how fast they go.
 
+use files::Invalid;
 use serde::{Deserialize, Serialize};
 
 use super::path::PathRow;
@@ -91,29 +92,6 @@ pub struct SearchedMachine {
     speed_deg_min: f64,
 }
 
-/// Invalid machine parameter, or a path that the machine cannot follow.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum MachineError {
-    /// A travel that does not hold the final pose.
-    #[error(
-        "[machine] travel_{axis}: {least} to {greatest} must be finite and include 0, the final pose; give [least, greatest]"
-    )]
-    Travel {
-        /// Axis and unit, as in the key.
-        axis: &'static str,
-        /// Lower end.
-        least: f64,
-        /// Upper end.
-        greatest: f64,
-    },
-    /// A clearance that is out of range.
-    #[error("[machine] body_clearance_mm is {0}; it must be from 0.01 to 100 mm")]
-    BodyClearance(f64),
-    /// A speed that is not positive.
-    #[error("[machine] {0} must be finite and greater than 0")]
-    Speed(&'static str),
-}
-
 /// Travel of every axis about the final pose, `[least, greatest]` (mm or rad).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TravelLimits([[f64; 2]; 6]);
@@ -188,19 +166,19 @@ impl TravelLimits {
 
 impl MachineParams {
     /// Whether every travel holds the final pose and every speed is positive.
-    pub fn validate(&self) -> Result<(), MachineError> {
+    pub fn validate(&self) -> Result<(), Invalid> {
         const KEYS: [&str; 6] = ["x_mm", "y_mm", "z_mm", "a_deg", "b_deg", "c_deg"];
         for (axis, [least, greatest]) in KEYS.into_iter().zip(self.travels()) {
             if !(least <= 0.0 && greatest >= 0.0 && least.is_finite() && greatest.is_finite()) {
-                return Err(MachineError::Travel { axis, least, greatest });
+                let remedy = "must be finite and include 0, the final pose; give [least, greatest]";
+                return Err(Invalid::new(format!("machine.travel_{axis}"), format!("{least} to {greatest}"), remedy));
             }
         }
-        if !(0.01..=100.0).contains(&self.body_clearance_mm) {
-            return Err(MachineError::BodyClearance(self.body_clearance_mm));
-        }
-        for (key, speed) in [("speed_mm_min", self.speed_mm_min), ("speed_deg_min", self.speed_deg_min)] {
+        Invalid::unless_within("machine.body_clearance_mm", self.body_clearance_mm, [0.01, 100.0], "mm")?;
+        for (key, speed) in [("machine.speed_mm_min", self.speed_mm_min), ("machine.speed_deg_min", self.speed_deg_min)]
+        {
             if !speed.is_finite() || speed <= 0.0 {
-                return Err(MachineError::Speed(key));
+                return Err(Invalid::new(key, speed, "must be finite and greater than 0"));
             }
         }
         Ok(())

@@ -1,5 +1,6 @@
 //! The objective of P0: smooth motion of every axis (4), and an electrode that keeps to the middle (5).
 
+use files::Invalid;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -44,14 +45,9 @@ impl Default for Weights {
     }
 }
 
-/// Weights that cannot be used.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("[plan.weights] {0}: weights must be finite, not negative, and not all zero in their group")]
-pub struct WeightsError(pub &'static str);
-
 impl Weights {
     /// Whether every group has a usable sum.
-    pub fn validate(&self) -> Result<(), WeightsError> {
+    pub fn validate(&self) -> Result<(), Invalid> {
         let groups: [(&'static str, &[f64]); 3] = [
             ("a1, b1, c1, d1, e1", &[self.a1, self.b1, self.c1, self.d1, self.e1]),
             ("a2, b2, c2", &[self.a2, self.b2, self.c2]),
@@ -59,7 +55,10 @@ impl Weights {
         ];
         for (names, group) in groups {
             if !group.iter().all(|w| w.is_finite() && *w >= 0.0) || group.iter().sum::<f64>() <= 0.0 {
-                return Err(WeightsError(names));
+                return Err(Invalid::of(
+                    names,
+                    "weights must be finite, not negative, and not all zero in their group",
+                ));
             }
         }
         Ok(())

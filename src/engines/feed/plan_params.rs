@@ -1,16 +1,16 @@
 //! Parameters of a plan, and why a plan cannot be made.
 
+use files::Invalid;
 use serde::{Deserialize, Serialize};
 
-use super::angle_test::{AngleParams, AngleParamsError};
+use super::angle_test::AngleParams;
 use super::axis_curve::CurveError;
 use super::baselines::{FreeTravel, MaxMinDistance};
 use super::centreline::CentrelineParams;
-use super::genetic::{GeneticParams, GeneticParamsError};
-use super::global::{GlobalParams, GlobalParamsError};
-use super::interpolation::{InterpolationError, InterpolationParams, InterpolationParamsError};
-use super::machine::MachineError;
-use super::objective::{Weights, WeightsError};
+use super::genetic::GeneticParams;
+use super::global::GlobalParams;
+use super::interpolation::{InterpolationError, InterpolationParams};
+use super::objective::Weights;
 use super::strategy::SearchStrategy;
 use super::verify::VerifyError;
 use geometry::distance_field::FieldError;
@@ -133,37 +133,12 @@ pub enum PlanError {
     /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// A plan parameter is out of range.
-    #[error("[plan] {key} = {value}: must be {range}")]
-    Parameter {
-        /// Key.
-        key: &'static str,
-        /// Value found.
-        value: f64,
-        /// Range of valid values.
-        range: &'static str,
-    },
-    /// The weights of the objective cannot be used.
+    /// A parameter cannot be used.
     #[error(transparent)]
-    Weights(#[from] WeightsError),
-    /// The safety factors of the angle constraint cannot be used.
-    #[error(transparent)]
-    Angle(#[from] AngleParamsError),
-    /// An interpolation parameter is out of range.
-    #[error(transparent)]
-    Interpolation(#[from] InterpolationParamsError),
-    /// A parameter of the global strategy is out of range.
-    #[error(transparent)]
-    Global(#[from] GlobalParamsError),
+    Params(#[from] Invalid),
     /// No rows can be made that keep to the curve.
     #[error(transparent)]
     Rows(#[from] InterpolationError),
-    /// A parameter of the genetic strategy is out of range.
-    #[error(transparent)]
-    Genetic(#[from] GeneticParamsError),
-    /// A machine parameter cannot be used.
-    #[error(transparent)]
-    Machine(#[from] MachineError),
     /// A distance field cannot be built.
     #[error(transparent)]
     Field(FieldError),
@@ -222,21 +197,20 @@ impl From<ElectrodeError> for PlanError {
 
 impl PlanParams {
     /// Whether every parameter is within its range.
-    pub fn validate(&self) -> Result<(), PlanError> {
-        let within = |key, value: f64, least: f64, greatest: f64, range| {
-            let ok = (least..=greatest).contains(&value);
-            if ok { Ok(()) } else { Err(PlanError::Parameter { key, value, range }) }
-        };
-        within("step_mm", self.step_mm, 0.01, 10.0, "0.01 to 10 mm")?;
-        within("exit_clearance_mm", self.exit_clearance_mm, 0.1, 200.0, "0.1 to 200 mm")?;
-        within("margin_mm", self.margin_mm, 0.0, 5.0, "0 to 5 mm")?;
-        within("field_cell_mm", self.field_cell_mm, 0.05, 2.0, "0.05 to 2 mm")?;
-        let safety = self.centreline.safety_increase_mm;
-        within("centreline.safety_increase_mm", safety, 0.0, 5.0, "0 to 5 mm")?;
-        self.weights.validate()?;
-        self.angle.validate()?;
-        self.global.validate()?;
-        Ok(self.interpolation.validate()?)
+    pub fn validate(&self) -> Result<(), Invalid> {
+        for (key, value, range) in [
+            ("plan.step_mm", self.step_mm, [0.01, 10.0]),
+            ("plan.exit_clearance_mm", self.exit_clearance_mm, [0.1, 200.0]),
+            ("plan.margin_mm", self.margin_mm, [0.0, 5.0]),
+            ("plan.field_cell_mm", self.field_cell_mm, [0.05, 2.0]),
+            ("plan.centreline.safety_increase_mm", self.centreline.safety_increase_mm, [0.0, 5.0]),
+        ] {
+            Invalid::unless_within(key, value, range, "mm")?;
+        }
+        self.weights.validate().map_err(|problem| problem.within("plan.weights"))?;
+        self.angle.validate().map_err(|problem| problem.within("plan.angle"))?;
+        self.global.validate().map_err(|problem| problem.within("plan.global"))?;
+        self.interpolation.validate().map_err(|problem| problem.within("plan.interpolation"))
     }
 }
 

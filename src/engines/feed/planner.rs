@@ -83,6 +83,9 @@ pub fn preview_path(
         .preview_path(electrode, &prepared.model(space))
 }
 
+/// What a search works with: the clearances, the genetic parameters and what the verifier taught.
+type Search<'a> = (&'a ClearanceModel<'a>, &'a GeneticParams, &'a Refinements);
+
 /// Plans one electrode.
 struct Planning<'a> {
     setup: SearchSetup<'a>,
@@ -104,7 +107,7 @@ impl Planning<'_> {
         let mut plan = self.nothing_yet(electrode, &model);
         plan.field_seconds = started.elapsed().as_secs_f64();
         let mut genetic = *self.setup.settings.genetic;
-        self.search(&mut plan, &model, &genetic, &Refinements::default(), 0)?;
+        self.search(&mut plan, (&model, &genetic, &Refinements::default()), 0)?;
         plan.h = plan.nodes.iter().map(|n| n.h).fold(0.0, f64::max);
         if plan.jam.is_some() {
             return Ok(plan);
@@ -135,7 +138,7 @@ impl Planning<'_> {
         let model = &prepared.model_of(electrode, self.setup.space, &self.task.cancel)?;
         let mut plan = self.nothing_yet(electrode, model);
         let genetic = GeneticParams { h: ReductionMode::Given, ..*self.setup.settings.genetic };
-        self.search(&mut plan, model, &genetic, &Refinements::default(), 0)?;
+        self.search(&mut plan, (model, &genetic, &Refinements::default()), 0)?;
         match &mut plan.jam {
             None => self.verify_and_repair(&mut plan, electrode, model, &genetic)?,
             Some(jam) if self.setup.settings.explain && jam.contact().is_some() => {
@@ -237,7 +240,7 @@ impl Planning<'_> {
                 plan.repairs += 1;
                 continue;
             }
-            self.search_from(plan, &model, genetic, &refinements, kept)?;
+            self.search_from(plan, (&model, genetic, &refinements), kept)?;
             if plan.jam.is_some() {
                 return Ok(());
             }
@@ -270,20 +273,13 @@ impl Planning<'_> {
 
     /// Searches on from the first `kept` nodes; where that jams, from half as many, down to the final pose: a late
     /// contact may forbid a path that was taken early.
-    fn search_from(
-        &self,
-        plan: &mut FeedPlan,
-        model: &ClearanceModel,
-        genetic: &GeneticParams,
-        refinements: &Refinements,
-        kept: usize,
-    ) -> Result<(), PlanError> {
+    fn search_from(&self, plan: &mut FeedPlan, with: Search, kept: usize) -> Result<(), PlanError> {
         let known = plan.nodes.clone();
         // A whole path begins anew in any case.
         let mut kept = if self.setup.settings.strategy().is_whole() { 0 } else { kept };
         loop {
             plan.nodes.clone_from(&known);
-            self.search(plan, model, genetic, refinements, kept)?;
+            self.search(plan, with, kept)?;
             if plan.jam.is_none() || kept <= 1 || plan.rounds > Self::ROUNDS {
                 return Ok(());
             }
@@ -292,14 +288,7 @@ impl Planning<'_> {
     }
 
     /// Searches on from the first `kept` nodes of the plan, replaces the rest by the result and repairs the curve.
-    fn search(
-        &self,
-        plan: &mut FeedPlan,
-        model: &ClearanceModel,
-        genetic: &GeneticParams,
-        refinements: &Refinements,
-        kept: usize,
-    ) -> Result<(), PlanError> {
+    fn search(&self, plan: &mut FeedPlan, (model, genetic, refinements): Search, kept: usize) -> Result<(), PlanError> {
         let started = Instant::now();
         let settings = self.setup.settings;
         let strategy = settings.plan.strategy.search(settings.plan, genetic);
@@ -385,8 +374,8 @@ pub(super) fn planned_path(
 
 /// Whether an electrode cannot be made because its reductions leave nothing of it.
 fn leaves_nothing(error: &ElectrodeError) -> bool {
-    use ElectrodeError::{NoHeight, NoMetal, OutOfRange};
-    matches!(error, NoMetal { .. } | NoHeight { .. } | OutOfRange { .. })
+    use ElectrodeError::{NoHeight, NoMetal, Params};
+    matches!(error, NoMetal { .. } | NoHeight { .. } | Params(_))
 }
 
 /// Jam of a search whose path, `nodes` nodes long to `last`, takes more reduction than the electrode has metal.

@@ -26,6 +26,9 @@ impl StrategySymbol {
     }
 }
 
+/// Free candidates for a node, best first, and the convergence of their search.
+pub type Candidates = Result<(Vec<Candidate>, Convergence), Cancelled>;
+
 /// How a path is searched for. The parameters of a strategy are what implements it.
 ///
 /// A strategy searches node by node, from the final pose outwards, and then gives [`candidates`](Self::candidates); or it
@@ -35,12 +38,7 @@ pub trait SearchStrategy: Sync {
     ///
     /// # Errors
     /// [`Cancelled`].
-    fn candidates(
-        &self,
-        _problem: &SearchProblem,
-        at: &NodeTask,
-        _cancel: &Cancel,
-    ) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
+    fn candidates(&self, _problem: &SearchProblem, at: &NodeTask, _cancel: &Cancel) -> Candidates {
         Ok((Vec::new(), Convergence::none(at.s)))
     }
 

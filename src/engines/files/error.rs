@@ -167,11 +167,6 @@ impl FileError {
         Self::Unwritable { file: file.to_owned(), source }
     }
 
-    /// Something in `file`, whose text is `text`, with the line of its key.
-    pub fn placed(file: &Path, text: &str, problem: Invalid) -> Self {
-        crate::toml_file::invalid(file, text, problem)
-    }
-
     /// Something in `file`, which is not placed.
     pub fn invalid(file: &Path, source: Invalid) -> Self {
         Self::Invalid { file: file.to_owned(), line: None, source }

@@ -75,7 +75,7 @@ impl<T: Validate + DeserializeOwned> TomlFile<T> {
     /// [`FileError`].
     pub fn parse(&self, text: &str, file: &Path) -> Result<T, FileError> {
         let content: T = toml::from_str(text).map_err(|error| syntax(file, text, &error))?;
-        content.validate().map_err(|problem| invalid(file, text, problem))?;
+        content.validate().map_err(|problem| FileError::placed(file, text, problem))?;
         Ok(content)
     }
 
@@ -141,10 +141,12 @@ pub(crate) fn syntax(file: &Path, text: &str, error: &toml::de::Error) -> FileEr
     FileError::Syntax { file: PathBuf::from(file), line: start.map(|at| line_of(text, at)), key, problem, remedy }
 }
 
-/// What validation found wrong, with the line that its key is in.
-pub(crate) fn invalid(file: &Path, text: &str, source: Invalid) -> FileError {
-    let line = place_of(text, &source.key).map(|at| line_of(text, at));
-    FileError::Invalid { file: file.to_owned(), line, source }
+impl FileError {
+    /// A value that is not possible in `file`, whose text is `text`, with the line that its key is in.
+    pub fn placed(file: &Path, text: &str, source: Invalid) -> Self {
+        let line = place_of(text, &source.key).map(|at| line_of(text, at));
+        Self::Invalid { file: file.to_owned(), line, source }
+    }
 }
 
 pub(crate) fn one_line(text: &str) -> String {

@@ -126,11 +126,6 @@ impl Feet {
     pub fn t_range(&self) -> [f64; 2] {
         range(self.at.iter().map(|q| q.x))
     }
-
-    /// Least and greatest share of the axis.
-    pub fn a_range(&self) -> [f64; 2] {
-        range(self.at.iter().map(|q| q.y))
-    }
 }
 
 fn range(values: impl Iterator<Item = f64>) -> [f64; 2] {
@@ -281,36 +276,4 @@ fn over_near(axis: &AxisSurface, place: &GridPlace, mut q: DVec2) -> Option<(DVe
         }
     }
     None
-}
-
-/// Deviation on a grid of the axis surface, `size` places along t and a with the ends among them, as P4 takes it; each
-/// at the foot of its own place. Not for choosing paths: it can be made nothing by leaving the part.
-///
-/// # Errors
-/// [`FlankError::Unmeasured`] if a place has no foot.
-pub fn on_axis_grid(
-    surface: &RuledSurface,
-    axis: &AxisSurface,
-    cutter: &FlankCutter,
-    size: [usize; 2],
-) -> Result<(Deviation, Vec<SurfacePlace>), FlankError> {
-    let share = |i: usize, n: usize| i as f64 / (n.max(2) - 1) as f64;
-    let one = |k: usize| {
-        let (t, a) = (share(k / size[1], size[0]), share(k % size[1], size[1]));
-        let at = axis.at(t);
-        let p = at.tip.lerp(at.top, a);
-        let foot = surface.foot(p, DVec2::new(axis.u0(t), a))?;
-        Some(((p - foot.point).dot(foot.normal) - cutter.sphere_at(a * at.length()), foot))
-    };
-    let found: Vec<_> = (0..size[0] * size[1]).into_par_iter().map(one).collect();
-    if let Some(first) = found.iter().position(Option::is_none) {
-        let count = found.iter().filter(|f| f.is_none()).count();
-        return Err(FlankError::Unmeasured {
-            count,
-            u: share(first / size[1], size[0]),
-            v: share(first % size[1], size[1]),
-        });
-    }
-    let (values, feet) = found.into_iter().flatten().unzip();
-    Ok((Deviation::of(size, values), feet))
 }

@@ -125,39 +125,9 @@ pub(super) fn envelope_over(
     None
 }
 
-/// How far above a point (mm) its normal first enters the cutter's flutes anywhere on the path, by brute force: the part
-/// of the cone between two `heights` above the tip (mm), at `samples` places of the path and ever finer around the
-/// nearest. None if it never does. Where the normal has left the cutter again below the point, that is the other side of
-/// a wall and does not count. For checks: it knows nothing of envelopes.
-pub fn swept_above(
-    axis: &AxisSurface,
-    cutter: &FlankCutter,
-    (point, normal): (DVec3, DVec3),
-    heights: [f64; 2],
-    samples: usize,
-) -> Option<f64> {
-    const FINER: usize = 6;
-    let (mut from, mut to) = (0.0, 1.0);
-    let mut best: Option<f64> = None;
-    for _ in 0..FINER {
-        let spacing = (to - from) / samples.max(2) as f64;
-        let entry = |i: usize| {
-            let t = from + spacing * i as f64;
-            entry(&axis.at(t), cutter, (point, normal), heights).map(|s| (s, t))
-        };
-        let (least, t) = (0..=samples.max(2)).filter_map(entry).min_by(|a, b| a.0.total_cmp(&b.0))?;
-        best = Some(best.map_or(least, |b| b.min(least)));
-        (from, to) = (t - 2.0 * spacing, t + 2.0 * spacing);
-        if !axis.is_closed() {
-            (from, to) = (from.max(0.0), to.min(1.0));
-        }
-    }
-    best
-}
-
 /// Where a line enters the cone around an axis: the lesser root of |d|^2 - h^2 = (r0 + h tan alpha)^2, d the way from
 /// the tip and h its part along the axis.
-fn entry(
+pub(super) fn entry(
     at: &AxisAt,
     cutter: &FlankCutter,
     (point, normal): (DVec3, DVec3),

@@ -108,7 +108,7 @@ impl FlankParams {
         let count = self.control_points;
         one("control_points", count as f64, (4..=Self::MOST_CONTROL_POINTS).contains(&count), "from 4 to 100")?;
         let enough = (count..=10_000).contains(&self.locations);
-        one("locations", self.locations as f64, enough, "at least control_points, and at most 10000")?;
+        one("locations", self.locations as f64, enough, "at least the number of control points, and at most 10000")?;
         one("grid", nu.min(nv) as f64, nu >= 2 && nv >= 2, "at least 2 places both ways")?;
         one("grid", places as f64, places <= Self::MOST_PLACES, "at most 1 million places in all")?;
         one("grid", places as f64, places >= Self::PLACES_EACH * count, "at least 6 places for each control point")?;

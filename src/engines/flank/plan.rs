@@ -225,7 +225,7 @@ fn covering_start(
     cancel: &Cancel,
 ) -> Result<Start, FlankError> {
     if surface.is_closed() {
-        return closed_start(surface, cutter, params, grid, cancel);
+        return closed_start((surface, cutter), params, grid, cancel);
     }
     const ROUNDS: usize = 6;
     /// How far past the ends of the guides locations may go.
@@ -270,8 +270,7 @@ pub const RING_FIT_MM: f64 = 0.005;
 /// the surface. A ring turns by 360 degrees, for which the control points asked for may be too few: they are made more
 /// until the path keeps to its locations and to those midway between them.
 fn closed_start(
-    surface: &RuledSurface,
-    cutter: &FlankCutter,
+    (surface, cutter): (&RuledSurface, &FlankCutter),
     params: &FlankParams,
     grid: &DesignGrid,
     cancel: &Cancel,

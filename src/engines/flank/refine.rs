@@ -100,7 +100,7 @@ pub fn refine(
     const TRIES: usize = 3;
     /// Excess over a bound that still counts as within (mm).
     const KEPT: f64 = 1e-6;
-    let mut answer = refine_standing(grid, start, (cutter, heights), (objective, rounds, soft), task)?;
+    let mut answer = refine_standing((grid, cutter, heights), start, (objective, rounds, soft), task)?;
     let Objective::Bounded { mut overcut_mm, mut undercut_mm } = objective else { return Ok(answer) };
     let [least, most] = bounds_of(objective);
     let moving_of =
@@ -118,7 +118,7 @@ pub fn refine(
         overcut_mm = overcut_mm.map(|x| x - over);
         undercut_mm = undercut_mm.map(|x| x - under);
         let narrower = Objective::Bounded { overcut_mm, undercut_mm };
-        let next = refine_standing(grid, &answer, (cutter, heights), (narrower, rounds, 0.2), task)?;
+        let next = refine_standing((grid, cutter, heights), &answer, (narrower, rounds, 0.2), task)?;
         let next_moving = moving_of(&next);
         if beyond_bounds(objective, &next_moving).max(beyond_bounds(objective, &next.deviation)) >= beyond {
             break;
@@ -130,9 +130,8 @@ pub fn refine(
 
 /// Refines `start` with bounds on what the standing cutter does.
 fn refine_standing(
-    grid: &DesignGrid,
+    (grid, cutter, heights): (&DesignGrid, &FlankCutter, &Heights),
     start: &Measured,
-    (cutter, heights): (&FlankCutter, &Heights),
     (objective, rounds, soft): (Objective, usize, f64),
     task: &Task,
 ) -> Result<Measured, FlankError> {

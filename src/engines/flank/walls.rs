@@ -23,6 +23,7 @@ use super::ruled_surface::{RuledSurface, SurfacePlace};
 use geometry::bvh::Bvh;
 use geometry::exact::ExactMesh;
 use geometry::mesh::{Mesh, normal_times_two_areas};
+use geometry::weld::place;
 use task::{Cancel, Cancelled};
 
 /// How far a wall may turn towards the tool at the border and still go on smoothly (deg): as far as neighbouring facets
@@ -139,11 +140,6 @@ struct Border {
     normals: HashMap<[u64; 3], Vec<DVec3>>,
 }
 
-/// A place as it is compared: two vertices at one place are one.
-fn key(p: DVec3) -> [u64; 3] {
-    (p + 0.0).to_array().map(f64::to_bits)
-}
-
 impl Border {
     fn of(part: &Mesh, is_own: &[bool], surface: &RuledSurface) -> Self {
         let mut normals: HashMap<[u64; 3], Vec<DVec3>> = HashMap::new();
@@ -155,7 +151,7 @@ impl Border {
         };
         let turned: Vec<DVec3> = own.par_iter().map(towards_tool).collect();
         for (corners, normal) in own.iter().zip(turned).filter(|t| t.1 != DVec3::ZERO) {
-            corners.iter().for_each(|p| normals.entry(key(*p)).or_default().push(normal));
+            corners.iter().for_each(|p| normals.entry(place(*p)).or_default().push(normal));
         }
         Self { normals }
     }
@@ -164,7 +160,7 @@ impl Border {
     fn touched(&self, corners: [DVec3; 3]) -> Vec<DVec3> {
         /// Shares of a side that both ends of touch.
         const ALONG: [f64; 3] = [0.25, 0.5, 0.75];
-        let normals = corners.map(|p| self.normals.get(&key(p)));
+        let normals = corners.map(|p| self.normals.get(&place(p)));
         let mut places = Vec::new();
         for k in 0..3 {
             let Some(own) = normals[k] else { continue };

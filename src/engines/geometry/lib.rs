@@ -6,6 +6,7 @@ pub mod exact;
 #[cfg(any(test, feature = "fixtures"))]
 pub mod fixtures;
 pub mod frame;
+pub mod groups;
 pub mod inside;
 pub mod mesh;
 pub mod minkowski;
@@ -18,3 +19,4 @@ pub mod solid;
 pub mod spline;
 pub mod swept;
 pub mod triangle_distance;
+pub mod weld;

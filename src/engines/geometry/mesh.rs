@@ -17,6 +17,27 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
+/// An edge between two faces that agree which way is out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Edge {
+    /// Ends (mm).
+    pub ends: [DVec3; 2],
+    /// The unit normals of its faces, first of the one on its left.
+    pub normals: [DVec3; 2],
+}
+
+impl Edge {
+    /// Length (mm).
+    pub fn length(&self) -> f64 {
+        self.ends[0].distance(self.ends[1])
+    }
+
+    /// Unit vector from the first end to the second.
+    pub fn along(&self) -> DVec3 {
+        (self.ends[1] - self.ends[0]).normalize_or_zero()
+    }
+}
+
 /// An axis-aligned box.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Bounds {
@@ -122,6 +143,22 @@ impl Mesh {
             }
         }
         edges
+    }
+
+    /// The edges in which the faces turn towards each other by more than `turn` (rad), in the order of their triangles.
+    pub fn concave_edges(&self, turn: f64) -> Vec<Edge> {
+        let sides = |[a, b, c]: [u32; 3]| [(a, b), (b, c), (c, a)];
+        let numbered = || self.triangles.iter().enumerate().flat_map(|(i, t)| sides(*t).map(|side| (side, i)));
+        let faces: HashMap<(u32, u32), usize> = numbered().collect();
+        let edge = |((from, to), i)| {
+            let other = faces.get(&(to, from)).filter(|_| from < to)?;
+            let normals = [i, *other].map(|face| unit_normal(self.corners(face)));
+            let ends = [from, to].map(|v| self.vertices[v as usize]);
+            let [n, m] = normals;
+            let is_concave = n.dot(m) < turn.cos() && n.cross(m).dot(ends[1] - ends[0]) < 0.0;
+            is_concave.then_some(Edge { ends, normals })
+        };
+        numbered().filter_map(edge).collect()
     }
 
     /// Whether every edge is shared by exactly two triangles of agreeing orientation.

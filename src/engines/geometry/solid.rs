@@ -7,6 +7,7 @@ use manifold_rust::manifold::Manifold;
 use manifold_rust::types::{BooleanEngine, Error, MeshGL64, OpType, WindingRule};
 
 use super::mesh::Mesh;
+use super::weld::Weld;
 
 /// Why solids cannot be combined.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -99,16 +100,9 @@ fn without_collinear(surface: &Mesh) -> Vec<[DVec3; 3]> {
     const HAIR: f64 = 1e-12;
     /// Rounds at most: a neighbour may become such a triangle in its turn.
     const ROUNDS: usize = 32;
-    let mut known = HashMap::new();
-    let mut points: Vec<DVec3> = Vec::new();
-    let mut number = |p: DVec3| {
-        // Minus zero is zero.
-        *known.entry((p + 0.0).to_array().map(f64::to_bits)).or_insert_with(|| {
-            points.push(p);
-            points.len() - 1
-        })
-    };
-    let mut triangles: Vec<[usize; 3]> = surface.iter_corners().map(|c| c.map(&mut number)).collect();
+    let mut weld = Weld::default();
+    let mut triangles: Vec<[usize; 3]> = surface.iter_corners().map(|c| c.map(|p| weld.add(p) as usize)).collect();
+    let points = weld.points();
     for _ in 0..ROUNDS {
         triangles.retain(|[a, b, c]| a != b && b != c && c != a);
         // The third corner last.

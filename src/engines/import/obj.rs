@@ -1,13 +1,8 @@
 //! Wavefront OBJ: vertices and faces; materials, normals and texture coordinates are skipped.
-//!
-//! The `tobj` crate reads the file, but sees only what [`Lines`] lets through: it knows no limits, does not say where
-//! a file is wrong, and trusts numbers of vertices that are not there.
 
-use std::io::{self, BufRead, Read, Write};
-use std::iter;
+use std::io::{self, Write};
 
 use glam::DVec3;
-use tobj::{LoadError, LoadOptions, Model};
 
 use super::error::{ImportError, excerpt};
 use super::format::{Content, Likeness, MeshFormat};
@@ -40,211 +35,97 @@ fn begins_with_vertex(text: &[u8]) -> bool {
 
 /// Reads an OBJ file. Polygons become fans, or are cut at their ears where a fan would fold over.
 fn read(source: &Source) -> Result<RawMesh, ImportError> {
-    let mut lines = Lines::new(source);
-    let no_materials = |_: &std::path::Path| Err(LoadError::OpenFileFailed);
-    let (models, _) = tobj::load_obj_buf(&mut lines, &LoadOptions::default(), no_materials)
-        .map_err(|error| lines.explained(error))?;
-    let mut raw = RawMesh { note: lines.note, ..RawMesh::default() };
+    let text = source.text();
+    // Very old files end their lines with "\r" alone.
+    let end = if text.contains(&b'\n') { b'\n' } else { b'\r' };
+    let mut lines = Lines { source, line: 0, mesh: Mesh::default(), skipped: 0 };
+    let (mut raw, mut read) = (RawMesh::default(), 0);
+    for line in text.split(|b| *b == end) {
+        lines.line += 1;
+        read += line.len() + 1;
+        source.tick("reading lines", lines.line, lines.line * source.bytes.len() / read)?;
+        let trimmed = line.trim_ascii_start();
+        let first = trimmed.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+        let rest = &trimmed[first.len()..];
+        match first {
+            b"v" => lines.vertex(rest)?,
+            b"f" => lines.face(rest)?,
+            // The first comments may name the unit.
+            _ if first.starts_with(b"#") && raw.note.len() < 1000 => {
+                raw.note.push_str(&String::from_utf8_lossy(&line[..line.len().min(200)]));
+                raw.note.push('\n');
+            }
+            _ => {}
+        }
+    }
     if lines.skipped > 0 {
         raw.warnings.push(format!("{} of fewer than three corners skipped.", count(lines.skipped, "face")));
     }
-    for model in &models {
-        source.task.check()?;
-        append(&mut raw.mesh, model);
-    }
-    raw.mesh = weld_exact(raw.mesh, source.task)?;
+    raw.mesh = weld_exact(lines.mesh, source.task)?;
     Ok(raw)
 }
 
-/// Adds the faces of `model` as triangles.
-fn append(mesh: &mut Mesh, model: &Model) {
-    let tobj::Mesh { positions, indices, face_arities, .. } = &model.mesh;
-    let base = mesh.vertices.len() as u32;
-    mesh.vertices.extend(positions.chunks_exact(3).map(DVec3::from_slice));
-    let mut rest = indices.as_slice();
-    // No numbers of corners are given where all faces have three.
-    let corners_of_each = face_arities.iter().copied().chain(iter::repeat(3)).map(|n| n as usize);
-    for n in corners_of_each {
-        let Some((face, others)) = rest.split_at_checked(n).filter(|(face, _)| !face.is_empty()) else { break };
-        let corners: Vec<u32> = face.iter().map(|v| base + v).collect();
-        match *corners.as_slice() {
-            [a, b, c] => mesh.triangles.push([a, b, c]),
-            _ => mesh.triangles.extend(triangulate(&corners, &mesh.vertices)),
-        }
-        rest = others;
-    }
-}
-
-/// The lines that describe vertices and faces, checked and put plainly: three words to a vertex, and to a face the
-/// numbers of its vertices, counted from 1.
+/// What has been read up to a line.
 struct Lines<'a> {
     source: &'a Source<'a>,
-    /// Text after the current line.
-    rest: &'a [u8],
-    /// Line end: "\n", also after "\r", or in very old files "\r" alone.
-    end: u8,
     /// Number of the current line, from 1.
     line: usize,
-    /// Words after the first.
-    words: &'a [u8],
-    vertices: usize,
-    triangles: u64,
+    mesh: Mesh,
     /// Faces that are points or lines.
     skipped: usize,
-    /// The first comments: they may name the unit.
-    note: String,
-    /// Buffer of the text that is read next, and the position in it.
-    plain: Vec<u8>,
-    read: usize,
-    /// Why nothing more is read.
-    refusal: Option<ImportError>,
 }
 
-impl<'a> Lines<'a> {
-    /// Triangles after which a new object is begun, so that none takes long to be put together.
-    const TO_AN_OBJECT: u64 = 1 << 15;
-
-    fn new(source: &'a Source<'a>) -> Self {
-        let rest = source.text();
-        Self {
-            source,
-            rest,
-            end: if rest.contains(&b'\n') { b'\n' } else { b'\r' },
-            line: 0,
-            words: &[],
-            vertices: 0,
-            triangles: 0,
-            skipped: 0,
-            note: String::new(),
-            plain: Vec::new(),
-            read: 0,
-            refusal: None,
-        }
-    }
-
-    /// Puts the next line of interest into `plain`, which stays empty at the end.
-    fn advance(&mut self) -> Result<(), ImportError> {
-        self.plain.clear();
-        self.read = 0;
-        while self.plain.is_empty() && !self.rest.is_empty() {
-            let end = self.rest.iter().position(|&b| b == self.end);
-            let line = &self.rest[..end.unwrap_or(self.rest.len())];
-            self.rest = end.map_or(&[], |end| &self.rest[end + 1..]);
-            self.line += 1;
-            let total = self.source.bytes.len();
-            self.source.tick("reading lines", self.line, self.line * total / (total - self.rest.len()).max(1))?;
-            let trimmed = line.trim_ascii_start();
-            let first = trimmed.split(u8::is_ascii_whitespace).next().unwrap_or_default();
-            self.words = &trimmed[first.len()..];
-            match first {
-                b"v" => self.pass_vertex()?,
-                b"f" => self.pass_face()?,
-                _ if first.starts_with(b"#") => self.keep_comment(line),
-                _ => {}
-            }
-        }
-        Ok(())
-    }
-
-    fn keep_comment(&mut self, line: &[u8]) {
-        if self.note.len() < 1000 {
-            self.note.push_str(&String::from_utf8_lossy(&line[..line.len().min(200)]));
-            self.note.push('\n');
-        }
-    }
-
-    fn pass_vertex(&mut self) -> Result<(), ImportError> {
+impl Lines<'_> {
+    fn vertex(&mut self, line: &[u8]) -> Result<(), ImportError> {
         let mut p = [0.0; 3];
-        let mut words = words(self.words);
-        self.plain.push(b'v');
+        let mut words = words(line);
         for x in &mut p {
             let word = words.next().unwrap_or_default();
             *x = number(word).ok_or_else(|| {
                 let problem = format!("a vertex needs three numbers, found {}", excerpt(word));
                 self.error(problem, "export the file again, with points as decimal marks")
             })?;
-            self.plain.push(b' ');
-            self.plain.extend(word);
         }
-        self.plain.push(b'\n');
-        self.source.finite(DVec3::from_array(p), || format!("line {}", self.line))?;
-        self.vertices += 1;
-        self.check_size()
+        let p = self.source.finite(DVec3::from_array(p), || format!("line {}", self.line))?;
+        self.mesh.vertices.push(p);
+        self.check_size(0)
     }
 
-    fn pass_face(&mut self) -> Result<(), ImportError> {
-        let corners = words(self.words).map(|word| self.vertex(word)).collect::<Result<Vec<_>, _>>()?;
+    fn face(&mut self, line: &[u8]) -> Result<(), ImportError> {
+        let corners = words(line).map(|word| self.corner(word)).collect::<Result<Vec<_>, _>>()?;
         if corners.len() < 3 {
             self.skipped += 1;
             return Ok(());
         }
-        let before = self.triangles / Self::TO_AN_OBJECT;
-        self.triangles += corners.len() as u64 - 2;
-        self.check_size()?;
-        if self.triangles / Self::TO_AN_OBJECT > before {
-            self.plain.extend(b"o next\n");
-        }
-        self.plain.push(b'f');
-        for corner in corners {
-            self.plain.extend(format!(" {corner}").bytes());
-        }
-        self.plain.push(b'\n');
+        self.check_size(corners.len() - 2)?;
+        self.mesh.triangles.extend(triangulate(&corners, &self.mesh.vertices));
         Ok(())
     }
 
-    /// The vertex, counted from 1, that the first number of `12/3/4` means: negative ones count backwards from the
+    /// The vertex that the first number of `12/3/4` means: positive ones count from 1, negative ones backwards from the
     /// last.
-    fn vertex(&self, word: &[u8]) -> Result<usize, ImportError> {
+    fn corner(&self, word: &[u8]) -> Result<u32, ImportError> {
         let first = word.split(|&b| b == b'/').next().unwrap_or_default();
         let index: i64 = number(first).ok_or_else(|| {
             let problem = format!("a face needs vertex numbers, found {}", excerpt(word));
             self.error(problem, "export the file again")
         })?;
-        let count = self.vertices as i64;
+        let count = self.mesh.vertices.len() as i64;
         let from_one = if index < 0 { count.saturating_add(index) + 1 } else { index };
         if (1..=count).contains(&from_one) {
-            return Ok(from_one as usize);
+            return Ok((from_one - 1) as u32);
         }
         let problem = format!("a face refers to vertex {index}, but {count} are given up to here");
         Err(self.error(problem, "export the file again; parts of it are missing"))
     }
 
-    /// Refuses a mesh that has grown too large.
-    fn check_size(&self) -> Result<(), ImportError> {
-        self.source.check_mesh(self.triangles, self.vertices as u64)
+    /// Refuses a mesh that has grown too large, or would with so many more triangles.
+    fn check_size(&self, more: usize) -> Result<(), ImportError> {
+        self.source.check_mesh((self.mesh.triangles.len() + more) as u64, self.mesh.vertices.len() as u64)
     }
 
     fn error(&self, problem: String, remedy: &'static str) -> ImportError {
         self.source.malformed(format!("line {}", self.line), problem, remedy)
-    }
-
-    /// Why the crate stopped at the current line.
-    fn explained(&mut self, error: LoadError) -> ImportError {
-        self.refusal.take().unwrap_or_else(|| self.error(error.to_string(), "export the file again"))
-    }
-}
-
-impl BufRead for Lines<'_> {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        if self.read == self.plain.len() {
-            self.advance().map_err(|refusal| {
-                self.refusal = Some(refusal);
-                io::Error::from(io::ErrorKind::InvalidData)
-            })?;
-        }
-        Ok(&self.plain[self.read..])
-    }
-
-    fn consume(&mut self, amount: usize) {
-        self.read = (self.read + amount).min(self.plain.len());
-    }
-}
-
-impl Read for Lines<'_> {
-    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
-        let read = self.fill_buf()?.read(into)?;
-        self.consume(read);
-        Ok(read)
     }
 }
 

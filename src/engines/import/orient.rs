@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::edges::{EdgeTable, NONE, half_ends};
 use super::holes::Boundary;
 use super::source::tick;
+use geometry::inside::half_solid_angle;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
 use task::{Cancel, Cancelled, Task};
 
@@ -252,13 +253,10 @@ fn encloses(outer: &Part, inner: &Part) -> bool {
     outer.bounds.min.cmplt(inner.bounds.min).all() && outer.bounds.max.cmpgt(inner.bounds.max).all()
 }
 
-/// Whether a closed part winds round `point`: the sum of the solid angles of its triangles (A. van Oosterom and
-/// J. Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed. Eng. 30, 1983) is 4 pi, else 0.
+/// Whether a closed part winds round `point`: the sum of the solid angles of its triangles is 4 pi, else 0.
 fn is_inside(mesh: &Mesh, patches: &Patches, members: &[u32], point: DVec3) -> bool {
     let half_angle = |&t: &u32| {
-        let [a, b, c] = mesh.corners(t as usize).map(|p| p - point);
-        let (la, lb, lc) = (a.length(), b.length(), c.length());
-        let angle = a.dot(b.cross(c)).atan2(la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+        let angle = half_solid_angle(&mesh.corners(t as usize), point);
         if patches.flip[t as usize] { -angle } else { angle }
     };
     members.iter().map(half_angle).sum::<f64>().abs() > std::f64::consts::PI

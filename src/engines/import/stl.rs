@@ -12,9 +12,9 @@ use glam::DVec3;
 use super::error::{ImportError, excerpt};
 use super::format::{Content, Likeness, MeshFormat};
 use super::source::{RawMesh, Source};
-use super::weld::ExactWeld;
 use files::atomic::atomic_write;
 use geometry::mesh::{Mesh, unit_normal};
+use geometry::weld::Weld;
 
 /// Binary STL.
 pub(super) static BINARY: MeshFormat = MeshFormat { likeness: like_binary, read: read_binary, unit: None };
@@ -76,7 +76,7 @@ fn read_binary(source: &Source) -> Result<RawMesh, ImportError> {
     }
     let count = count as usize;
     source.check_mesh(count as u64, 3 * count as u64)?;
-    let mut weld = ExactWeld::default();
+    let mut weld = Weld::default();
     let mut triangles = Vec::with_capacity(count);
     for (i, record) in source.bytes[HEADER..].chunks_exact(RECORD).take(count).enumerate() {
         source.tick("reading triangles", i, count)?;
@@ -92,7 +92,7 @@ fn read_binary(source: &Source) -> Result<RawMesh, ImportError> {
         warnings.push(format!("{} bytes after the last triangle were ignored.", found - promised));
     }
     let note = String::from_utf8_lossy(&source.bytes[..TITLE]).into_owned();
-    Ok(RawMesh { mesh: Mesh { vertices: weld.into_vertices(), triangles }, warnings, note, ..RawMesh::default() })
+    Ok(RawMesh { mesh: Mesh { vertices: weld.into_points(), triangles }, warnings, note, ..RawMesh::default() })
 }
 
 /// Three little-endian `f32` at `offset` of a record, which is long enough for them.
@@ -107,7 +107,7 @@ fn point_at(record: &[u8], offset: usize) -> DVec3 {
 /// Reads an ASCII STL file: any case, any white space, any number of solids.
 fn read_ascii(source: &Source) -> Result<RawMesh, ImportError> {
     let mut words = Words { bytes: source.text(), at: 0, line: 1 };
-    let mut weld = ExactWeld::default();
+    let mut weld = Weld::default();
     let mut triangles: Vec<[u32; 3]> = Vec::new();
     let mut corners: Vec<u32> = Vec::with_capacity(3);
     let mut note = String::new();
@@ -126,7 +126,7 @@ fn read_ascii(source: &Source) -> Result<RawMesh, ImportError> {
                 };
                 source.tick("reading triangles", triangles.len(), source.bytes.len() / 250)?;
                 if triangles.len().is_multiple_of(1024) {
-                    source.check_mesh(triangles.len() as u64 + 1, weld.len() as u64)?;
+                    source.check_mesh(triangles.len() as u64 + 1, weld.points().len() as u64)?;
                 }
                 triangles.push([a, b, c]);
                 corners.clear();
@@ -143,7 +143,7 @@ fn read_ascii(source: &Source) -> Result<RawMesh, ImportError> {
         let problem = "the file ends within a facet";
         return Err(at_line(source, &words, problem, "the file is cut off: export or copy it again"));
     }
-    Ok(RawMesh { mesh: Mesh { vertices: weld.into_vertices(), triangles }, note, ..RawMesh::default() })
+    Ok(RawMesh { mesh: Mesh { vertices: weld.into_points(), triangles }, note, ..RawMesh::default() })
 }
 
 fn at_line(source: &Source, words: &Words, problem: impl Into<String>, remedy: &'static str) -> ImportError {

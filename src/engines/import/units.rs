@@ -1,5 +1,6 @@
 //! Units of length, and the guess which one a file is in.
 
+use files::{Word, word};
 use serde::{Deserialize, Serialize};
 
 /// The unit of a file's coordinates, as the user gives it.
@@ -20,6 +21,18 @@ pub enum Units {
     Inch,
     /// Micrometres.
     Um,
+}
+
+impl Units {
+    /// The words of files and of the command line, for forms.
+    pub const WORDS: &[Word] = &[
+        word("auto", "automatic", "As the file says, else by its size"),
+        word("mm", "mm", ""),
+        word("cm", "cm", ""),
+        word("m", "m", ""),
+        word("um", "\u{b5}m", ""),
+        word("inch", "inch", ""),
+    ];
 }
 
 /// A unit of length.

@@ -8,49 +8,19 @@ use glam::{DVec3, I64Vec3};
 use super::edges::NONE;
 use super::source::tick;
 use geometry::mesh::Mesh;
+use geometry::weld::Weld;
 use task::{Cancelled, Task};
-
-/// Gives equal points the same number; numbers go up in the order in which points first come.
-///
-/// The map is only ever looked up, so the result does not depend on its order.
-#[derive(Debug, Default)]
-pub(super) struct ExactWeld {
-    numbers: HashMap<[u64; 3], u32>,
-    vertices: Vec<DVec3>,
-}
-
-impl ExactWeld {
-    /// The number of point `p`, a new one if it has not come before.
-    pub fn add(&mut self, p: DVec3) -> u32 {
-        // Adding zero turns -0 into +0, which is the same place.
-        let key = p.to_array().map(|x| (x + 0.0).to_bits());
-        *self.numbers.entry(key).or_insert_with(|| {
-            self.vertices.push(p);
-            (self.vertices.len() - 1) as u32
-        })
-    }
-
-    /// How many different points have come.
-    pub fn len(&self) -> usize {
-        self.vertices.len()
-    }
-
-    /// The points by number.
-    pub fn into_vertices(self) -> Vec<DVec3> {
-        self.vertices
-    }
-}
 
 /// `mesh` with equal vertices made one.
 pub(super) fn weld_exact(mesh: Mesh, task: &Task) -> Result<Mesh, Cancelled> {
-    let mut weld = ExactWeld::default();
+    let mut weld = Weld::with_capacity(mesh.vertices.len());
     let mut number = Vec::with_capacity(mesh.vertices.len());
     for (i, &p) in mesh.vertices.iter().enumerate() {
         tick(task, "welding", i, mesh.vertices.len())?;
         number.push(weld.add(p));
     }
     let triangles = mesh.triangles.iter().map(|t| t.map(|v| number[v as usize])).collect();
-    Ok(Mesh { vertices: weld.into_vertices(), triangles })
+    Ok(Mesh { vertices: weld.into_points(), triangles })
 }
 
 /// `mesh` with each vertex moved onto the first one within `tolerance` (mm) of it that stays.

@@ -35,46 +35,6 @@ pub enum CutterKind {
     BullNose,
 }
 
-/// Invalid cutter.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum CutterError {
-    /// A length that no cutter has.
-    #[error("cutter {cutter}: {name} is {value} mm: it must be finite and from {from} to {to} mm")]
-    OutOfRange {
-        /// The cutter.
-        cutter: String,
-        /// Name of the length.
-        name: &'static str,
-        /// Value of the length (mm).
-        value: f64,
-        /// Least that it may be (mm).
-        from: f64,
-        /// Most that it may be (mm).
-        to: f64,
-    },
-    /// A rounded edge that is larger than the cutter.
-    #[error(
-        "cutter {cutter}: corner_mm is {corner} mm, more than the cutter's radius of {radius} mm: a bull-nose has a smaller \
-         one, a ball just that; give at most {radius} mm or a larger diameter_mm"
-    )]
-    CornerBeyondRadius {
-        /// The cutter.
-        cutter: String,
-        /// Radius of its rounded edge (mm).
-        corner: f64,
-        /// Radius of the cutter (mm).
-        radius: f64,
-    },
-    /// Text that names no cutter.
-    #[error(
-        "{0:?} is no cutter; write kind:radius, or kind:radius/reach/holder radius, in mm, as in flat:1, ball:0.5/20/12 or bull:3:0.5"
-    )]
-    Unreadable(String),
-    /// No cutter at all.
-    #[error("the library holds no cutter")]
-    Empty,
-}
-
 impl Cutter {
     const DIAMETERS: [f64; 2] = [0.01, 500.0];
 
@@ -138,34 +98,35 @@ impl Cutter {
     /// Whether its lengths are those of a cutter.
     ///
     /// # Errors
-    /// [`CutterError::OutOfRange`], [`CutterError::CornerBeyondRadius`].
-    pub fn validate(&self) -> Result<(), CutterError> {
+    /// The first that is not.
+    pub fn validate(&self) -> Result<(), Invalid> {
         let [least, most] = Self::DIAMETERS;
         let (corner, radius) = (self.corner_mm, self.radius());
         if corner > radius && corner.is_finite() && radius > 0.0 {
-            return Err(CutterError::CornerBeyondRadius { cutter: self.label(), corner, radius });
+            let remedy = format!("must be at most the cutter's radius of {radius} mm, which makes a ball");
+            return Err(Invalid::new("corner_mm", corner, remedy));
         }
         let holder = self.holder_diameter_mm.unwrap_or(self.diameter_mm);
-        for (name, value, from, to) in [
-            ("diameter_mm", self.diameter_mm, least, most),
-            ("corner_mm", self.corner_mm, 0.0, self.radius()),
-            ("reach_mm", self.reach_mm.unwrap_or(least), least, 10.0 * most),
-            ("holder_diameter_mm", holder, self.diameter_mm, 10.0 * most),
-        ] {
-            if !(from..=to).contains(&value) {
-                return Err(CutterError::OutOfRange { cutter: self.label(), name, value, from, to });
-            }
-        }
-        Ok(())
+        [
+            ("diameter_mm", self.diameter_mm, [least, most]),
+            ("corner_mm", self.corner_mm, [0.0, radius]),
+            ("reach_mm", self.reach_mm.unwrap_or(least), [least, 10.0 * most]),
+            ("holder_diameter_mm", holder, [self.diameter_mm, 10.0 * most]),
+        ]
+        .into_iter()
+        .try_for_each(|(key, value, range)| Invalid::unless_within(key, value, range, "mm"))
     }
 }
 
 /// `kind:radius` or `kind:radius/reach/holder radius`; a bull-nose is `bull:radius:corner`.
 impl std::str::FromStr for Cutter {
-    type Err = CutterError;
+    type Err = Invalid;
 
-    fn from_str(text: &str) -> Result<Self, CutterError> {
-        let unreadable = || CutterError::Unreadable(text.to_owned());
+    fn from_str(text: &str) -> Result<Self, Invalid> {
+        let unreadable = || {
+            let forms = "write kind:radius, or kind:radius/reach/holder radius, in mm, as in flat:1, ball:0.5/20/12 or bull:3:0.5";
+            Invalid::of("", format!("{text:?} is no cutter; {forms}"))
+        };
         let number = |part: &str| part.trim().parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(unreadable);
         let mut limits = text.split('/');
         let shape: Vec<&str> = limits.next().unwrap_or_default().split(':').map(str::trim).collect();
@@ -180,26 +141,8 @@ impl std::str::FromStr for Cutter {
         if limits.next().is_some() {
             return Err(unreadable());
         }
-        // Errors should name what was asked: a ball of a wrong radius looks like another kind.
-        let named = Self { name: text.trim().to_owned(), ..cutter.clone() };
-        named.validate()?;
+        cutter.validate()?;
         Ok(cutter)
-    }
-}
-
-impl From<CutterError> for Invalid {
-    fn from(error: CutterError) -> Self {
-        match error {
-            CutterError::OutOfRange { name, value, from, to, .. } => {
-                Self::new(name, value, format!("must be from {from} to {to} mm"))
-            }
-            CutterError::CornerBeyondRadius { corner, radius, .. } => {
-                let remedy = format!("must be at most the cutter's radius of {radius} mm, which makes a ball");
-                Self::new("corner_mm", corner, remedy)
-            }
-            CutterError::Empty => Self::of("cutter", "there is no cutter; give at least one as [[cutter]]"),
-            other @ CutterError::Unreadable(_) => Self::of("", other.to_string()),
-        }
     }
 }
 
@@ -215,9 +158,11 @@ impl Validate for CutterLibrary {
                 format!("there are {count} cutters; at most {MOST_CUTTERS} are possible"),
             ));
         }
-        let place = |i: usize| move |error: CutterError| Invalid::from(error).within(&format!("cutter[{i}]"));
-        self.cutter.iter().enumerate().try_for_each(|(i, cutter)| cutter.validate().map_err(place(i)))?;
-        Ok(Self::validate(self)?)
+        if count == 0 {
+            return Err(Invalid::of("cutter", "there is no cutter; give at least one as [[cutter]]"));
+        }
+        let place = |i: usize| move |problem: Invalid| problem.within(&format!("cutter[{i}]"));
+        self.cutter.iter().enumerate().try_for_each(|(i, cutter)| cutter.validate().map_err(place(i)))
     }
 }
 
@@ -230,17 +175,6 @@ pub struct CutterLibrary {
 }
 
 impl CutterLibrary {
-    /// Whether there is a cutter, and every one is possible.
-    ///
-    /// # Errors
-    /// [`CutterError`].
-    pub fn validate(&self) -> Result<(), CutterError> {
-        if self.cutter.is_empty() {
-            return Err(CutterError::Empty);
-        }
-        self.cutter.iter().try_for_each(Cutter::validate)
-    }
-
     /// The cutters of which none cuts all that another one cuts: for each kind the smallest, where there is no limit of
     /// reach, and all that have one.
     pub fn needed(&self) -> Vec<&Cutter> {
@@ -279,15 +213,16 @@ mod tests {
         assert_eq!((ball.kind(), ball.holder()), (CutterKind::Ball, Some((12.0, 20.0))));
         assert_eq!(read("bull:3:0.5").unwrap().kind(), CutterKind::BullNose);
         for wrong in ["", "flat", "flat:x", "cone:2", "flat:1/2/3/4", "bull:1", "flat:inf"] {
-            assert!(matches!(read(wrong), Err(CutterError::Unreadable(_))), "{wrong}");
+            assert!(read(wrong).unwrap_err().remedy.contains("is no cutter; write kind:radius"), "{wrong}");
         }
-        for wrong in ["flat:0", "ball:-1", "flat:1/-2", "bull:1:-1", "flat:5/20/1"] {
-            assert!(matches!(read(wrong), Err(CutterError::OutOfRange { .. })), "{wrong}");
+        let keys = ["diameter_mm", "diameter_mm", "reach_mm", "corner_mm", "holder_diameter_mm"];
+        for (wrong, key) in ["flat:0", "ball:-1", "flat:1/-2", "bull:1:-1", "flat:5/20/1"].into_iter().zip(keys) {
+            assert_eq!(read(wrong).unwrap_err().key, key, "{wrong}");
         }
         let said = read("bull:1:2").unwrap_err().to_string();
-        assert!(said.starts_with("cutter bull:1:2: corner_mm is 2 mm") && said.contains("at most 1 mm"), "{said}");
+        assert!(said.starts_with("corner_mm is 2: ") && said.contains("at most the cutter's radius of 1 mm"), "{said}");
         assert_eq!(read("bull:1:1").unwrap().kind(), CutterKind::Ball);
-        assert_eq!(CutterLibrary::default().validate(), Err(CutterError::Empty));
+        assert!(CutterLibrary::default().validate().unwrap_err().remedy.contains("there is no cutter"));
     }
 
     #[test]

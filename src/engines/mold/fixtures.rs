@@ -1,10 +1,9 @@
 //! Small molds for tests.
 
-use std::collections::HashMap;
-
 use glam::{DVec2, DVec3};
 
 use geometry::mesh::Mesh;
+use geometry::weld::Weld;
 
 /// A rectangle about the origin, counter-clockwise (mm).
 pub fn rectangle(x: f64, y: f64) -> Vec<DVec2> {
@@ -72,21 +71,8 @@ fn strips(rings: &[Vec<DVec3>]) -> Vec<[DVec3; 3]> {
 }
 
 fn welded(soup: &[[DVec3; 3]]) -> Mesh {
-    let mut mesh = Mesh::default();
-    let mut known: HashMap<[u64; 3], u32> = HashMap::new();
-    for corners in soup {
-        let triangle = corners.map(|p| {
-            // Minus zero is zero.
-            let key = (p + 0.0).to_array().map(f64::to_bits);
-            *known.entry(key).or_insert_with(|| {
-                mesh.vertices.push(p);
-                mesh.vertices.len() as u32 - 1
-            })
-        });
-        let [a, b, c] = triangle;
-        if a != b && b != c && c != a {
-            mesh.triangles.push(triangle);
-        }
-    }
-    mesh
+    let mut weld = Weld::default();
+    let triangles = soup.iter().map(|corners| corners.map(|p| weld.add(p)));
+    let triangles = triangles.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+    Mesh { vertices: weld.into_points(), triangles }
 }

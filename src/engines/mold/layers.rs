@@ -5,6 +5,7 @@
 //! R leaves only a disc of height R^2 / (2 rho) there if the floor has a radius rho; and so far apart that none is
 //! further from the next than asked for. Then a slab is halved while its middle is not what its ends predict.
 
+use files::Invalid;
 use serde::{Deserialize, Serialize};
 
 use geometry::mesh::{Mesh, unit_normal};
@@ -56,39 +57,22 @@ impl Default for LayerSettings {
     }
 }
 
-/// Invalid settings of layers.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{name} is {value}: it must be finite and from {from} to {to}")]
-pub struct LayerSettingsError {
-    /// Name of the setting.
-    pub name: &'static str,
-    /// Value of the setting.
-    pub value: f64,
-    /// Least that it may be.
-    pub from: f64,
-    /// Most that it may be.
-    pub to: f64,
-}
-
 impl LayerSettings {
     /// Whether every setting is possible.
     ///
     /// # Errors
-    /// [`LayerSettingsError`].
-    pub fn validate(&self) -> Result<(), LayerSettingsError> {
-        for (name, value, from, to) in [
-            ("spacing_mm", self.spacing_mm, 1e-3, 1e3),
-            ("least_spacing_mm", self.least_spacing_mm, 1e-4, self.spacing_mm),
-            ("volume_tolerance_mm3", self.volume_tolerance_mm3, 1e-9, 1e9),
-            ("wall_tolerance_mm2", self.wall_tolerance_mm2, 1e-9, 1e9),
-            ("depth_tolerance_mm", self.depth_tolerance_mm, 0.0, 10.0),
-            ("most_layers", self.most_layers as f64, 2.0, 1e5),
-        ] {
-            if !(from..=to).contains(&value) {
-                return Err(LayerSettingsError { name, value, from, to });
-            }
-        }
-        Ok(())
+    /// The first that is not.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        [
+            ("spacing_mm", self.spacing_mm, [1e-3, 1e3], "mm"),
+            ("least_spacing_mm", self.least_spacing_mm, [1e-4, self.spacing_mm], "mm"),
+            ("volume_tolerance_mm3", self.volume_tolerance_mm3, [1e-9, 1e9], "mm3"),
+            ("wall_tolerance_mm2", self.wall_tolerance_mm2, [1e-9, 1e9], "mm2"),
+            ("depth_tolerance_mm", self.depth_tolerance_mm, [0.0, 10.0], "mm"),
+            ("most_layers", self.most_layers as f64, [2.0, 1e5], ""),
+        ]
+        .into_iter()
+        .try_for_each(|(key, value, range, unit)| Invalid::unless_within(key, value, range, unit))
     }
 }
 

@@ -25,7 +25,6 @@ pub mod warning;
 mod capsule;
 mod centre_path;
 mod edge_grid;
-mod groups;
 
 #[cfg(any(test, feature = "fixtures"))]
 pub mod fixtures;

@@ -5,11 +5,11 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::groups::Groups;
 use super::layers::LayerSettings;
 use super::piece::UncutPiece;
 use super::plane;
 use super::stack::UncutLayer;
+use geometry::groups::Groups;
 use geometry::mesh::Bounds;
 
 /// Share of the smaller of two pieces' areas from which on they overlap: rounding.

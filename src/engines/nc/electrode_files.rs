@@ -237,9 +237,10 @@ fn plain(text: &str) -> String {
 mod tests {
     use super::*;
     use crate::electrode_fixtures::set;
+    use files::Override;
     use import::{ImportOptions, import_file};
     use mold::electrode::check::CheckKind;
-    use mold::electrode::overrides::{IdleOverride, Override};
+    use mold::electrode::design::IdleOverride;
     use task::Task;
 
     fn written(folder: &std::path::Path, set: &ElectrodeSet, formats: &[ElectrodeFormat]) -> WrittenElectrodes {
@@ -327,13 +328,28 @@ mod tests {
         set.params.overrides = names(&["E03:gouge", "E03:watertight"]);
         assert_eq!(why_blocked(&set, 2), None);
         // As the window decides: for what the electrode burns.
-        set.params.overrides =
-            [CheckKind::Gouge, CheckKind::Watertight].map(|k| Override::of(&set.electrodes[2], k)).to_vec();
-        assert_eq!(set.params.overrides[0].parts, ["R1.2"]);
+        set.params.overrides = [CheckKind::Gouge, CheckKind::Watertight].map(|kind| set.override_of(2, kind)).to_vec();
+        assert!(set.params.overrides[0].parts[0].starts_with("R1.2 "), "{:?}", set.params.overrides[0]);
         assert_eq!(why_blocked(&set, 2), None);
+        // What got worse is not what was decided.
+        let mut worse = set.clone();
+        let finding = worse.checks[2].iter_mut().find(|f| f.kind == CheckKind::Gouge).unwrap();
+        finding.figures.insert("found_mm".to_owned(), 1.5);
+        let why = why_blocked(&worse, 2).unwrap();
+        assert!(why.contains("gouge: ") && !why.contains("watertight: "), "{why}");
+        let idle = worse.idle_overrides(&worse.params.overrides);
+        assert_eq!(idle.len(), 1);
+        assert!(idle[0].1.to_string().contains("found mm is 1.5000, more than the 1.0000"), "{}", idle[0].1);
+        // A part that was merged with its neighbour keeps its number and not its area.
+        let mut merged = set.clone();
+        let tree = merged.regions[0].tree.as_mut().unwrap();
+        let square = [glam::DVec2::ZERO, glam::DVec2::X, glam::DVec2::ONE, glam::DVec2::Y].to_vec();
+        tree.parts.iter_mut().for_each(|leaf| leaf.outlines.push(square.clone()));
+        assert!(why_blocked(&merged, 2).is_some(), "a merged part inherits nothing");
         set.electrodes[2].burns[0].parts[0].part = 4;
         assert!(why_blocked(&set, 2).is_some(), "another plan gave the name to other parts");
-        assert!(set.idle_overrides().iter().all(|(_, why)| *why == IdleOverride::OtherParts));
-        assert_eq!(set.idle_overrides().len(), 2);
+        let idle = set.idle_overrides(&set.params.overrides);
+        assert!(idle.iter().all(|(_, why)| matches!(why, IdleOverride::Lapsed(why) if why.contains("another part"))));
+        assert_eq!(idle.len(), 2);
     }
 }

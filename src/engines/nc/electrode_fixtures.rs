@@ -2,18 +2,19 @@
 
 use glam::{DVec2, DVec3};
 
+use files::{Figures, Override};
 use geometry::mesh::Mesh;
 use mold::electrode::base::Base;
 use mold::electrode::check::{CheckKind, Finding, LeftOfRegion};
 use mold::electrode::design::Family;
 use mold::electrode::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use mold::electrode::division::Cut;
-use mold::electrode::overrides::Override;
 use mold::electrode::params::{ElectrodeParams, Holder, Method, Orbit, Stage};
 
 fn finding(kind: CheckKind, holds: bool, text: &str) -> Finding {
     let place = (!holds).then_some(DVec3::new(1.0, 2.0, -3.00004));
-    Finding { kind, holds, text: text.to_owned(), place }
+    let figures = if holds { Figures::new() } else { [("found_mm".to_owned(), 1.0)].into() };
+    Finding { kind, holds, text: text.to_owned(), place, figures }
 }
 
 fn checks(failing: &[CheckKind]) -> Vec<Finding> {
@@ -78,7 +79,7 @@ fn region(tree: Option<PartNode>, reason: Option<&str>, thickness: f64) -> Regio
 }
 
 fn named(electrode: &str) -> Override {
-    Override { electrode: electrode.to_owned(), check: None, parts: Vec::new() }
+    Override { of: electrode.to_owned(), ..Override::whatever("leftover") }
 }
 
 /// E01 burns part 1 of region 1 and, turned by 225 degrees, region 2; E02-finish is overridden; E03 burns part 2 of

@@ -128,7 +128,7 @@ enum Said<V, P> {
 type Message<V, P> = (u64, Said<V, P>);
 
 /// Makes a value. An error is one line for the user.
-type Making<V, P> = Box<dyn Fn(&Work<P>) -> Result<V, String> + Send>;
+type Making<V, P> = Box<dyn FnOnce(&Work<P>) -> Result<V, String> + Send>;
 
 struct Attempt<V, P> {
     run: u64,
@@ -144,37 +144,32 @@ fn say<V, P>(sender: &Sender<Message<V, P>>, queue: &Queue, message: Message<V, 
     }
 }
 
-impl<V: Send + 'static, P: Send + 'static> Attempt<V, P> {
-    fn say(&self, said: Said<V, P>) {
-        say(&self.sender, &self.queue, (self.run, said));
-    }
-}
-
 impl<V: Send + 'static, P: Send + 'static> Job for Attempt<V, P> {
-    fn run(&mut self, cancel: &Cancel) -> bool {
-        self.say(Said::Started(Instant::now()));
-        let (sender, queue, run) = (self.sender.clone(), self.queue.clone(), self.run);
+    fn run(self: Box<Self>, cancel: &Cancel) {
+        let Self { run, work: make, sender, queue } = *self;
+        say(&sender, &queue, (run, Said::Started(Instant::now())));
+        let (to_us, theirs) = (sender.clone(), queue.clone());
         let progress = Progress::new(move |update| {
             let (stage, message) = (update.stage.to_owned(), update.message.to_owned());
-            say(&sender, &queue, (run, Said::Progress { stage, fraction: update.fraction, message }));
+            say(&to_us, &theirs, (run, Said::Progress { stage, fraction: update.fraction, message }));
+            theirs.let_pass();
         });
-        let (sender, queue) = (self.sender.clone(), self.queue.clone());
-        let partial = Box::new(move |found| say(&sender, &queue, (run, Said::Partial(found))));
+        let (to_us, theirs) = (sender.clone(), queue.clone());
+        let partial = Box::new(move |found| say(&to_us, &theirs, (run, Said::Partial(found))));
         let work = Work { task: Task { progress, cancel: cancel.clone() }, partial };
-        let result = match std::panic::catch_unwind(AssertUnwindSafe(|| (self.work)(&work))) {
+        let result = match std::panic::catch_unwind(AssertUnwindSafe(|| make(&work))) {
             // Told to stop too late: what is done is done, and files may have been written.
             Ok(Ok(value)) => Ok(value),
             // What else a computation answers once it was told to stop is that it stopped.
-            Ok(Err(_)) if cancel.is_cancelled() => return false,
+            Ok(Err(_)) if cancel.is_cancelled() => Err(Refusal::Cancelled),
             Ok(Err(why)) => Err(Refusal::Failed(why)),
             Err(panic) => Err(Refusal::Failed(panic_text(&*panic))),
         };
-        self.say(Said::Ended(result, Instant::now()));
-        true
+        say(&sender, &queue, (run, Said::Ended(result, Instant::now())));
     }
 
-    fn give_up(&mut self) {
-        self.say(Said::Ended(Err(Refusal::Cancelled), Instant::now()));
+    fn give_up(self: Box<Self>) {
+        say(&self.sender, &self.queue, (self.run, Said::Ended(Err(Refusal::Cancelled), Instant::now())));
     }
 }
 
@@ -205,7 +200,7 @@ struct Next<K, V, P> {
 /// A key holds all that the value depends on. What depends on the value of another memo has in its key what tells that value
 /// from any other: a fingerprint, or the value itself as [`Same`].
 ///
-/// Work is a function of what it has captured: it may be run a second time, and must not wait for another memo.
+/// Work is a function of what it has captured, and must not wait for another memo.
 /// The latest key wins: work for another one is cancelled. What has happened since is taken in by [`take`](Self::take), to be
 /// called once a frame; nothing else changes what the memo answers, but for asking and cancelling.
 pub struct Memo<K, V, P = ()> {
@@ -318,7 +313,7 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         &mut self,
         key: &K,
         priority: Priority,
-        work: impl Fn(&Work<P>) -> Result<V, String> + Send + 'static,
+        work: impl FnOnce(&Work<P>) -> Result<V, String> + Send + 'static,
     ) -> State {
         self.turn_to(key);
         if self.wants(key) {
@@ -333,7 +328,7 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         &mut self,
         key: &K,
         priority: Priority,
-        work: impl Fn(&Work<P>) -> Result<V, String> + Send + 'static,
+        work: impl FnOnce(&Work<P>) -> Result<V, String> + Send + 'static,
     ) {
         self.receive();
         self.begin(key, priority, Box::new(work));

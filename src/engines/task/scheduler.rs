@@ -1,5 +1,6 @@
 //! Two threads that all [memos](crate::Memo) of the program share; how they are shared is told at [`Scheduler`].
 
+use std::cell::Cell;
 use std::cmp::Reverse;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -15,10 +16,10 @@ pub enum Lane {
     Long,
 }
 
-/// What comes first among the work that waits in a lane.
+/// What comes first in a lane, before what waits and before what runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Priority {
-    /// Made before anybody asks for it. Gives way to all other work of its lane even while it runs, and begins again.
+    /// What goes on beside everything else, such as a table of sizes.
     Background,
     /// Wanted, but not seen at the moment, such as the plan of a workspace that is not shown.
     Normal,
@@ -28,10 +29,10 @@ pub enum Priority {
 
 /// Work as the scheduler sees it.
 pub(crate) trait Job: Send {
-    /// Works. Answers false if it was told to stop before there was a result; it may be run again then.
-    fn run(&mut self, cancel: &Cancel) -> bool;
+    /// Works, until it is done or told to stop.
+    fn run(self: Box<Self>, cancel: &Cancel);
     /// Takes note that there will be no result.
-    fn give_up(&mut self);
+    fn give_up(self: Box<Self>);
 }
 
 /// The number of a job, rising.
@@ -46,11 +47,13 @@ struct Waiting {
 
 struct Running {
     id: JobId,
-    lane: Lane,
     priority: Priority,
     cancel: Cancel,
-    /// Whether it is stopped for good, and not to begin again.
-    is_given_up: bool,
+}
+
+thread_local! {
+    /// The lane of this thread and the job that it is in the midst of.
+    static HERE: Cell<Option<(Lane, JobId)>> = const { Cell::new(None) };
 }
 
 #[derive(Default)]
@@ -62,23 +65,14 @@ struct Jobs {
 }
 
 impl Jobs {
-    /// Takes out what the thread of `lane` does next.
-    fn next(&mut self, lane: Lane) -> Option<(Waiting, Cancel)> {
-        let can_take = |w: &Waiting| lane == Lane::Long || w.lane == Lane::Quick;
+    /// Takes out what the thread of `lane` does next, if it comes before work of the priority `than`.
+    fn next(&mut self, lane: Lane, than: Option<Priority>) -> Option<(Waiting, Cancel)> {
+        let can_take = |w: &Waiting| (lane == Lane::Long || w.lane == Lane::Quick) && Some(w.priority) > than;
         let order = |w: &Waiting| (w.lane == lane, w.priority, Reverse(w.id));
         let (i, _) = self.waiting.iter().enumerate().filter(|(_, w)| can_take(w)).max_by_key(|(_, w)| order(w))?;
         let (taken, cancel) = (self.waiting.remove(i), Cancel::default());
-        let Waiting { id, lane, priority, .. } = taken;
-        self.running.push(Running { id, lane, priority, cancel: cancel.clone(), is_given_up: false });
+        self.running.push(Running { id: taken.id, priority: taken.priority, cancel: cancel.clone() });
         Some((taken, cancel))
-    }
-
-    /// Stops running work of the lowest priority in a lane where other work waits.
-    fn make_way(&self) {
-        for waiting in self.waiting.iter().filter(|w| w.priority > Priority::Background) {
-            let gives_way = |r: &&Running| r.lane == waiting.lane && r.priority == Priority::Background;
-            self.running.iter().filter(gives_way).for_each(|r| r.cancel.cancel());
-        }
     }
 }
 
@@ -100,7 +94,7 @@ impl Queue {
         (self.wake)();
     }
 
-    pub(crate) fn submit(&self, lane: Lane, priority: Priority, mut job: Box<dyn Job>) -> JobId {
+    pub(crate) fn submit(&self, lane: Lane, priority: Priority, job: Box<dyn Job>) -> JobId {
         let mut jobs = self.lock();
         jobs.submitted += 1;
         let id = jobs.submitted;
@@ -110,7 +104,6 @@ impl Queue {
             return id;
         }
         jobs.waiting.push(Waiting { id, lane, priority, job });
-        jobs.make_way();
         drop(jobs);
         self.changed.notify_all();
         id
@@ -121,48 +114,46 @@ impl Queue {
         let mut jobs = self.lock();
         jobs.waiting.iter_mut().filter(|w| w.id == id).for_each(|w| w.priority = priority);
         jobs.running.iter_mut().filter(|r| r.id == id).for_each(|r| r.priority = priority);
-        jobs.make_way();
     }
 
     /// Stops a job for good.
     pub(crate) fn cancel(&self, id: JobId) {
         let mut jobs = self.lock();
         let gone = jobs.waiting.iter().position(|w| w.id == id).map(|i| jobs.waiting.remove(i));
-        for running in jobs.running.iter_mut().filter(|r| r.id == id) {
-            running.is_given_up = true;
-            running.cancel.cancel();
-        }
+        jobs.running.iter().filter(|r| r.id == id).for_each(|r| r.cancel.cancel());
         drop(jobs);
-        if let Some(mut gone) = gone {
+        if let Some(gone) = gone {
             gone.job.give_up();
         }
     }
 
-    fn run(&self, mut taken: Waiting, cancel: &Cancel) {
-        let has_ended = taken.job.run(cancel);
-        let mut jobs = self.lock();
-        let Some(i) = jobs.running.iter().position(|r| r.id == taken.id) else { return };
-        let running = jobs.running.swap_remove(i);
-        if has_ended {
-            return;
-        }
-        if running.is_given_up || jobs.is_closed {
+    /// Does, in the midst of the work of this thread, what has come to wait and is of a higher priority than that.
+    pub(crate) fn let_pass(&self) {
+        let Some((lane, id)) = HERE.get() else { return };
+        loop {
+            let mut jobs = self.lock();
+            let here = jobs.running.iter().find(|r| r.id == id && !r.cancel.is_cancelled());
+            let Some(than) = here.map(|r| r.priority) else { return };
+            let Some((taken, cancel)) = jobs.next(lane, Some(than)) else { return };
             drop(jobs);
-            taken.job.give_up();
-        } else {
-            jobs.waiting.push(Waiting { priority: running.priority, ..taken });
-            drop(jobs);
-            self.changed.notify_all();
+            self.run(lane, taken, &cancel);
         }
+    }
+
+    fn run(&self, lane: Lane, taken: Waiting, cancel: &Cancel) {
+        let before = HERE.replace(Some((lane, taken.id)));
+        taken.job.run(cancel);
+        HERE.set(before);
+        self.lock().running.retain(|r| r.id != taken.id);
     }
 
     fn serve(&self, lane: Lane) {
         let mut jobs = self.lock();
         while !jobs.is_closed {
-            jobs = match jobs.next(lane) {
+            jobs = match jobs.next(lane, None) {
                 Some((taken, cancel)) => {
                     drop(jobs);
-                    self.run(taken, &cancel);
+                    self.run(lane, taken, &cancel);
                     self.lock()
                 }
                 None => self.changed.wait(jobs).unwrap_or_else(PoisonError::into_inner),
@@ -181,21 +172,24 @@ impl Queue {
 ///
 /// **Who comes first.** Quick work never waits for long work: it has a thread of its own, and that of the long lane too
 /// while no long work waits. Within a lane the higher [`Priority`] comes first, and of equals the one that was submitted
-/// first. Running work of the lowest priority gives way: it is stopped when other work of its lane waits, and
-/// begins again later.
+/// first. Running work lets what is of a higher priority pass: whenever it reports [`Progress`](crate::Progress) on the
+/// thread of its lane, that is done first, there and then, and the work goes on after it. So it holds no lock while it
+/// reports.
 pub struct Scheduler {
     queue: Arc<Queue>,
     threads: Vec<JoinHandle<()>>,
 }
 
 impl Scheduler {
-    /// Starts a thread for each lane. `wake` is called from any thread whenever there is something for a memo to
-    /// [take in](crate::Memo::take).
+    /// Starts a thread for each lane, and names those of rayon's pool ("pool 0") unless it stands already. `wake` is
+    /// called from any thread whenever there is something for a memo to [take in](crate::Memo::take).
     ///
     /// # Errors
     /// If the system gives no thread.
     pub fn start(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let mut scheduler = Self::manual(wake);
+        // A pool that stands already does as well.
+        let _ = rayon::ThreadPoolBuilder::new().thread_name(|i| format!("pool {i}")).build_global();
         for (lane, name) in [(Lane::Quick, "quick work"), (Lane::Long, "long work")] {
             let queue = scheduler.queue.clone();
             let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || queue.serve(lane))?;
@@ -212,10 +206,10 @@ impl Scheduler {
 
     /// Does here what the thread of `lane` would do next. Answers whether there was anything to do.
     pub fn run_next(&self, lane: Lane) -> bool {
-        let next = self.queue.lock().next(lane);
+        let next = self.queue.lock().next(lane, None);
         let is_any = next.is_some();
         if let Some((taken, cancel)) = next {
-            self.queue.run(taken, &cancel);
+            self.queue.run(lane, taken, &cancel);
         }
         is_any
     }
@@ -229,14 +223,11 @@ impl Drop for Scheduler {
     fn drop(&mut self) {
         let mut jobs = self.queue.lock();
         jobs.is_closed = true;
-        for running in &mut jobs.running {
-            running.is_given_up = true;
-            running.cancel.cancel();
-        }
+        jobs.running.iter().for_each(|running| running.cancel.cancel());
         let gone = std::mem::take(&mut jobs.waiting);
         drop(jobs);
         self.queue.changed.notify_all();
-        gone.into_iter().for_each(|mut waiting| waiting.job.give_up());
+        gone.into_iter().for_each(|waiting| waiting.job.give_up());
         for thread in self.threads.drain(..) {
             // Panics of work are caught where it is run.
             let _ = thread.join();

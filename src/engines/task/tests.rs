@@ -344,33 +344,73 @@ fn quick_work_does_not_wait_for_long_work() {
 }
 
 #[test]
-fn work_in_the_background_gives_way_and_begins_again() {
+fn what_is_more_wanted_is_done_in_the_midst_of_other_work_where_that_reports() {
     let (scheduler, woken) = with_threads();
-    let (mut ahead, mut wanted) = (numbers(&scheduler), numbers(&scheduler));
+    let (mut ahead, mut wanted, mut later) = (numbers(&scheduler), numbers(&scheduler), numbers(&scheduler));
     let (begun, has_begun) = channel();
-    let (attempts, other_is_done) = (AtomicUsize::new(0), Arc::new(AtomicUsize::new(0)));
-    let (stop, is_done) = (until_cancelled(begun), other_is_done.clone());
-    ahead.ask(&1, Priority::Background, move |work| {
-        if attempts.fetch_add(1, Ordering::SeqCst) == 0 {
-            stop(work)
-        } else {
-            Ok(is_done.load(Ordering::SeqCst) as u32)
+    let (go_on, may_go_on) = channel::<()>();
+    let order = Arc::new(Mutex::new(Vec::new()));
+    let noted = |order: &Arc<Mutex<Vec<u32>>>| {
+        let order = order.clone();
+        move |step: u32| order.lock().unwrap().push(step)
+    };
+    let note = noted(&order);
+    ahead.ask(&1, Priority::Normal, move |work| {
+        note(1);
+        begun.send(()).unwrap();
+        may_go_on.recv().unwrap();
+        // What is asked of a thread of the pool is answered there: nothing is done in its midst.
+        rayon::scope(|scope| scope.spawn(|_| work.task.report("pool", 0.2, "")));
+        note(2);
+        work.task.report("half", 0.5, "");
+        note(4);
+        Ok(1)
+    });
+    has_begun.recv().unwrap();
+    let (note_wanted, note_later) = (noted(&order), noted(&order));
+    later.ask(&1, Priority::Normal, move |_| {
+        note_later(5);
+        Ok(3)
+    });
+    wanted.ask(&1, Priority::Shown, move |work| {
+        // What is of the same priority, or of a lower one, waits.
+        work.task.report("all", 1.0, "");
+        note_wanted(3);
+        Ok(2)
+    });
+    go_on.send(()).unwrap();
+    assert_eq!(wait(&mut wanted, &woken).result.map(|v| *v), Ok(2));
+    assert_eq!(wait(&mut ahead, &woken).result.map(|v| *v), Ok(1), "nothing of it was lost");
+    assert_eq!(wait(&mut later, &woken).result.map(|v| *v), Ok(3));
+    assert_eq!(*order.lock().unwrap(), [1, 2, 3, 4, 5]);
+}
+
+#[test]
+fn what_is_cancelled_in_the_midst_of_other_work_leaves_that_alone_and_the_other_way_round() {
+    let (scheduler, woken) = with_threads();
+    for is_outer in [false, true] {
+        let (mut outer, mut inner) = (numbers(&scheduler), numbers(&scheduler));
+        let (begun, has_begun) = channel();
+        let (go_on, may_go_on) = channel::<()>();
+        let begins = begun.clone();
+        outer.ask(&1, Priority::Normal, move |work| {
+            begins.send(()).unwrap();
+            may_go_on.recv().unwrap();
+            work.task.report("half", 0.5, "");
+            work.task.check().map(|()| 1).map_err(|e| e.to_string())
+        });
+        has_begun.recv().unwrap();
+        inner.ask(&1, Priority::Shown, until_cancelled(begun));
+        go_on.send(()).unwrap();
+        has_begun.recv().unwrap();
+        if is_outer {
+            outer.cancel();
         }
-    });
-    has_begun.recv().unwrap();
-    wanted.ask(&1, Priority::Normal, move |_| {
-        other_is_done.store(1, Ordering::SeqCst);
-        Ok(5)
-    });
-    assert_eq!(wait(&mut wanted, &woken).result.map(|v| *v), Ok(5));
-    assert_eq!(wait(&mut ahead, &woken).result.map(|v| *v), Ok(1), "it is made after all, after the other");
-    // What the user cancels while it gives way is cancelled.
-    let (begun, has_begun) = channel();
-    ahead.ask(&2, Priority::Background, until_cancelled(begun));
-    has_begun.recv().unwrap();
-    ask(&mut wanted, 2);
-    ahead.cancel();
-    assert_eq!(wait(&mut ahead, &woken).result, Err(Refusal::Cancelled));
+        inner.cancel();
+        assert_eq!(wait(&mut inner, &woken).result, Err(Refusal::Cancelled));
+        let expected = if is_outer { Err(Refusal::Cancelled) } else { Ok(1) };
+        assert_eq!(wait(&mut outer, &woken).result.map(|v| *v), expected);
+    }
 }
 
 struct Leaves(Arc<AtomicUsize>);

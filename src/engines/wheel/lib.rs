@@ -1,7 +1,6 @@
 //! What a blisk is. Finds its axis, period and channels in a bare mesh, makes electrodes for a
 //! channel, and makes parametric blisks.
 
-pub mod blade_profile;
 pub mod centreline;
 pub mod channel;
 pub mod electrode;

@@ -6,9 +6,10 @@ pub mod document;
 pub mod export;
 pub mod job;
 pub mod panels;
-pub mod pipeline;
+pub mod paths;
 pub mod report;
 pub mod scene;
+pub mod work;
 pub mod workspace;
 
 pub use desk::BliskDesk;

@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use egui::{Panel, ProgressBar, RichText, Ui};
+use egui::{Panel, RichText, Ui};
 
-use crate::widgets::panel_parts::doing;
 use crate::widgets::theme::palette;
 use crate::widgets::viewport::Viewport;
 use crate::workspaces::blisk::commands::BliskCommand;
@@ -16,13 +15,15 @@ use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::document::{Document, demonstration, kept_plan};
 use crate::workspaces::blisk::export;
 use crate::workspaces::blisk::job::stages::{self, Part};
+use crate::workspaces::blisk::panels::dialogs::Answer;
 use crate::workspaces::blisk::panels::forms::{self, Request as FormRequest};
 use crate::workspaces::blisk::panels::plots::{self, Curves, Tab};
 use crate::workspaces::blisk::panels::view::BliskView;
-use crate::workspaces::blisk::panels::{export_dialog, inspector, moved_dialog, stepper, timeline};
-use crate::workspaces::blisk::pipeline::{ExportWork, StageState};
+use crate::workspaces::blisk::panels::{dialogs, inspector, stepper, timeline};
+use crate::workspaces::blisk::paths::BliskPath;
+use crate::workspaces::blisk::work::ExportWork;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
-use crate::workspaces::context::{Context, LogLine, MESHES, PathInfo, PathKind, PathSet, Request, first, is_project};
+use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project};
 use crate::workspaces::hands::Hands;
 use crate::workspaces::message::Message;
 use crate::workspaces::news::EventKind;
@@ -30,56 +31,11 @@ use crate::workspaces::opening::Opening;
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace};
 use files::{AnyDocument, Params as _, Recovery};
 use nc::post::Post;
-use render::scene::SectionPlane;
 use render::view::StandardView;
-use task::{Scheduler, Task};
+use task::{Scheduler, State, Task};
 
 static ABOUT: About =
     About { id: "blisk", name: "Blisk", switch: CommandInfo::new("Workspace: blisk feed"), menu: "Plan" };
-
-/// What the workspace asks paths for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum BliskPath {
-    /// Project or mesh to open.
-    Open,
-    /// Folder for the exported files.
-    ExportFolder,
-    /// An electrode mesh of one's own.
-    ElectrodeMesh,
-    /// An NC post of one's own.
-    Post,
-    /// A machine file of one's own.
-    Machine,
-    /// A file of a project that is elsewhere now.
-    MovedFile,
-}
-
-impl PathSet for BliskPath {
-    fn table() -> &'static [(Self, PathInfo)] {
-        use BliskPath as P;
-        const TOML: &[&str] = &["toml"];
-        const OPEN: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkpath"];
-        const fn info(title: &'static str, kind: PathKind) -> PathInfo {
-            PathInfo { title, kind, opens: false }
-        }
-        static TABLE: [(P, PathInfo); 6] = [
-            (
-                P::Open,
-                PathInfo {
-                    title: "Open a project or a mesh",
-                    kind: PathKind::Read("Projects and meshes", OPEN, false),
-                    opens: true,
-                },
-            ),
-            (P::ExportFolder, info("Folder for the exported files", PathKind::Folder)),
-            (P::ElectrodeMesh, info("Your own electrode", PathKind::Read("Meshes", MESHES, false))),
-            (P::Post, info("Your own NC post", PathKind::Read("Post", TOML, false))),
-            (P::Machine, info("Your own machine", PathKind::Read("Machine", TOML, false))),
-            (P::MovedFile, info("Find the file", PathKind::Read("Files", &[], false))),
-        ];
-        &TABLE
-    }
-}
 
 /// What takes the place of the document once nothing stands in the way.
 enum Pending {
@@ -104,20 +60,17 @@ pub struct BliskWorkspace {
 }
 
 impl BliskWorkspace {
-    /// The workspace on the demonstration blisk. `wake` is called when there is something to be shown.
-    ///
-    /// # Errors
-    /// If the system gives no thread to work on.
-    pub fn new(scheduler: &Scheduler, wake: impl Fn() + Send + Sync + Clone + 'static) -> std::io::Result<Self> {
-        Ok(Self {
-            desk: BliskDesk::new(demonstration(), scheduler, wake)?,
+    /// The workspace on the demonstration blisk.
+    pub fn new(scheduler: &Scheduler) -> Self {
+        Self {
+            desk: BliskDesk::new(demonstration(), scheduler),
             view: BliskView::default(),
             curves: Curves::default(),
             tab: Tab::Positions,
             pending: None,
             opening: Opening::new(scheduler),
             locating: None,
-        })
+        }
     }
 
     /// Goes on with `pending`, after asking about unsaved work.
@@ -137,7 +90,7 @@ impl BliskWorkspace {
     fn begin(&mut self, document: Document) {
         self.opening.begin(move |task| {
             let part = stages::load(document.params(), task)?;
-            Ok((document.clone(), Arc::new(part)))
+            Ok((document, Arc::new(part)))
         });
     }
 
@@ -171,9 +124,8 @@ impl BliskWorkspace {
     /// Takes `document` in the place of the present one.
     pub fn replace(&mut self, document: Document, part: Option<Arc<Part>>, cx: &mut Context) {
         let desk = &mut self.desk;
+        desk.work.reset(document.params(), part);
         desk.document = document;
-        desk.pipeline.reset(part);
-        desk.tuning.forget_sizes();
         desk.step = Stage::Part;
         desk.cursor.s = 0.0;
         desk.section = None;
@@ -198,7 +150,7 @@ impl BliskWorkspace {
             let text = format!("Step {} has a value out of range; it is marked there.", stage.name());
             return cx.error("The plan cannot be started", text);
         }
-        match self.desk.pipeline.start_plan() {
+        match self.desk.work.start_plan() {
             Ok(()) => {
                 self.desk.step = self.desk.step.max(Stage::Plan);
                 cx.say(EventKind::Done, "planning");
@@ -213,8 +165,8 @@ impl BliskWorkspace {
         if hands == Hands::Holding || !self.desk.can_plan() {
             return;
         }
-        match self.desk.tuning.is_at_rest() {
-            Ok(()) => match self.desk.pipeline.start_plan() {
+        match self.desk.work.is_at_rest(cx.now) {
+            Ok(()) => match self.desk.work.start_plan() {
                 Ok(()) => cx.say(EventKind::Done, "planning the previewed path"),
                 Err(why) => cx.say(EventKind::Failed, why),
             },
@@ -224,54 +176,10 @@ impl BliskWorkspace {
     }
 
     fn release(&mut self, cx: &mut Context) {
-        match self.desk.pipeline.release() {
+        match self.desk.work.release() {
             Ok(()) => cx.say(EventKind::Done, "the plan is released for export"),
             Err(why) => cx.error("Not released", why),
         }
-    }
-
-    fn step_along(&mut self, command: FrameCommand) {
-        let track = self.desk.shared_track();
-        let cursor = &mut self.desk.cursor;
-        if command == FrameCommand::Play {
-            cursor.playing = !cursor.playing;
-            if self.desk.machine.shown().is_some() {
-                if cursor.playing && self.desk.machine.advance(0.0) == Some(false) {
-                    self.desk.machine.go_to(Some(0.0));
-                }
-                return;
-            }
-            if cursor.playing && cursor.s <= 0.0 {
-                cursor.s = track.length();
-            }
-            return;
-        }
-        self.desk.machine.go_to(None);
-        cursor.playing = false;
-        cursor.s = match command {
-            FrameCommand::NextNode => track.next_node(cursor.s),
-            FrameCommand::PreviousNode => track.previous_node(cursor.s),
-            FrameCommand::FirstNode => track.length(),
-            _ => 0.0,
-        };
-    }
-
-    fn toggle_section(&mut self) {
-        self.desk.section = match (self.desk.section, self.desk.pipeline.part()) {
-            (None, Some(part)) => {
-                // Across the channel's middle where one is known: that is what one wants to look into.
-                let plane = self.desk.pipeline.channel().map(|found| {
-                    let frame = &found.channel.frame;
-                    let [low, high] = found.channel.span_x();
-                    let middle = 0.5 * (low + high);
-                    let (hub, shroud) = found.channel.radii_at(middle);
-                    let point = glam::DVec3::new(middle, 0.0, 0.5 * (hub + shroud));
-                    SectionPlane { point: frame.to_parent(point), normal: frame.x }
-                });
-                plane.or(Some(SectionPlane { point: part.mesh.bounds().center(), normal: glam::DVec3::X }))
-            }
-            _ => None,
-        };
     }
 
     fn run_own(&mut self, command: BliskCommand, cx: &mut Context, now: f64) {
@@ -280,10 +188,10 @@ impl BliskWorkspace {
             BliskCommand::NewDemonstration => self.intend(Pending::Demonstration, cx),
             BliskCommand::Plan => self.plan(cx),
             BliskCommand::Release => self.release(cx),
-            BliskCommand::Withdraw => desk.pipeline.withdraw(),
+            BliskCommand::Withdraw => desk.work.withdraw(),
             BliskCommand::Ghost => desk.toggle_ghost(),
             BliskCommand::Keep => desk.keep(cx),
-            BliskCommand::Section => self.toggle_section(),
+            BliskCommand::Section => desk.toggle_section(),
             BliskCommand::IntoChannel => {
                 desk.layers.into_channel();
                 view.look_into_channel(desk, now);
@@ -344,7 +252,7 @@ impl BliskWorkspace {
             let exported = export::export(folder, released.plan(), inputs, files, task);
             exported.map(|(_, written)| written).map_err(|e| e.to_string())
         });
-        if let Err(why) = self.desk.pipeline.start_export(folder, write) {
+        if let Err(why) = self.desk.work.start_export(folder, write) {
             cx.error("Nothing was exported", why);
         }
     }
@@ -364,36 +272,6 @@ impl BliskWorkspace {
         if let Some(BliskDialog::Moved(document, _)) = self.desk.dialog.take() {
             self.begin(*document);
             cx.request(Request::CloseDialog);
-        }
-    }
-}
-
-impl Commanded for BliskDesk {
-    fn is_enabled(&self, command: Command) -> bool {
-        use FrameCommand as F;
-        if let Some(command) = F::of(command) {
-            return match command {
-                F::Undo => self.document.undo_label(false).is_some(),
-                F::Redo => self.document.undo_label(true).is_some(),
-                F::Cancel => self.pipeline.is_busy(),
-                F::Export => self.pipeline.released().is_some(),
-                F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode => !self.track().is_empty(),
-                _ => true,
-            };
-        }
-        let Some(command) = BliskCommand::of(command) else { return false };
-        match command {
-            BliskCommand::Plan => self.can_plan(),
-            BliskCommand::Release => self.pipeline.can_release() && self.pipeline.released().is_none(),
-            BliskCommand::Withdraw => self.pipeline.released().is_some(),
-            BliskCommand::Ghost => !self.track().is_empty() && self.feed_cursor().is_some(),
-            BliskCommand::Keep => self.can_keep(),
-            BliskCommand::Colours => self.pipeline.state(Stage::Electrode) != StageState::Missing,
-            BliskCommand::Leftover => self.leftover_shape().is_some(),
-            BliskCommand::MillFlanks => {
-                self.pipeline.state(Stage::Electrode) == StageState::Done && self.shown_electrode().is_some()
-            }
-            _ => true,
         }
     }
 }
@@ -437,15 +315,15 @@ impl Workspace for BliskWorkspace {
         }
         match F::of(command) {
             Some(F::Open) => self.intend(Pending::AskOpen, cx),
-            Some(F::Reload) => self.desk.pipeline.reload(),
+            Some(F::Reload) => self.desk.work.reload(),
             Some(F::Cancel) if self.opening.is_busy() => self.opening.cancel(),
-            Some(F::Cancel) => self.desk.pipeline.cancel(),
+            Some(F::Cancel) => self.desk.work.cancel(),
             Some(F::Export) => {
                 self.desk.dialog = Some(BliskDialog::Export);
                 cx.request(Request::Dialog);
             }
             Some(along @ (F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode)) => {
-                self.step_along(along);
+                self.desk.step_along(along);
             }
             _ => {}
         }
@@ -495,40 +373,22 @@ impl Workspace for BliskWorkspace {
     }
 
     fn status(&mut self, ui: &mut Ui, cx: &mut Context, is_shown: bool) {
-        if let Some(now) = self.opening.doing().filter(|_| is_shown) {
-            doing(ui, now);
-        } else if let Some(running) = self.desk.pipeline.running().filter(|_| is_shown).cloned() {
-            ui.label(RichText::new(format!("{}: {}", running.stage.name(), running.doing)));
-            let bar = ProgressBar::new(running.fraction as f32).desired_width(140.0).desired_height(8.0);
-            let response = ui.add(bar);
-            let percent = format!("{} {:.0} %", running.doing, 100.0 * running.fraction);
-            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &percent));
-            ui.label(RichText::new(format!("{:3.0} %", 100.0 * running.fraction)).monospace());
-            if !running.message.is_empty() {
-                ui.label(RichText::new(&running.message).color(palette(ui).faint));
-            }
-            let elapsed = running.since.elapsed().as_secs();
-            let left = running.time_left().map(|t| format!(", about {} s left", t.as_secs() + 1)).unwrap_or_default();
-            ui.label(RichText::new(format!("{elapsed} s{left}")).color(palette(ui).faint));
-            let cancel = ui.small_button("Cancel").on_hover_text(FrameCommand::Cancel.hint(ui.ctx()));
-            if cancel.clicked() {
-                cx.push(FrameCommand::Cancel);
-            }
-            ui.separator();
+        if let Some(now) = self.opening.doing().or(self.desk.work.doing()).filter(|_| is_shown) {
+            cx.doing(ui, now);
         }
         // Sizing goes on beside everything else, whichever step is open.
-        let Some(doing) = self.desk.tuning.sizing().map(str::to_owned) else { return };
-        let found = self.desk.tuning.sizes().0.len();
+        let Some(doing) = self.desk.work.sizing() else { return };
+        let found = self.desk.work.sizes().0.len();
         ui.label(format!("Sizes: {doing}")).on_hover_text("The table grows in the step Electrode");
         ui.label(RichText::new(format!("{found} found")).color(palette(ui).faint));
         if ui.small_button("Stop").on_hover_text("Stop sizing; what was found stays").clicked() {
-            self.desk.tuning.stop_sizing();
+            self.desk.work.stop_sizing();
         }
         ui.separator();
     }
 
     fn triangles(&self) -> Option<usize> {
-        self.desk.pipeline.part().map(|part| part.mesh.triangles.len())
+        self.desk.work.part().map(|part| part.mesh.triangles.len())
     }
 
     fn follow(&mut self, cx: &mut Context, hands: Hands, seconds: f64, is_shown: bool) {
@@ -536,10 +396,10 @@ impl Workspace for BliskWorkspace {
             self.go_on(Pending::Take(opened), cx);
         }
         // Nothing is made of a blisk that nobody has looked at.
-        if !is_shown && self.desk.pipeline.state(Stage::Part) == StageState::Missing {
+        if !is_shown && self.desk.work.state(Stage::Part) == State::Missing {
             return;
         }
-        self.desk.follow(cx);
+        self.desk.follow(cx, is_shown);
         self.plan_at_rest(cx, hands);
         if self.desk.advance(std::time::Duration::from_secs_f64(seconds)) {
             cx.wake_after(std::time::Duration::ZERO);
@@ -547,7 +407,7 @@ impl Workspace for BliskWorkspace {
     }
 
     fn is_busy(&self) -> bool {
-        self.opening.is_busy() || self.desk.pipeline.is_busy()
+        self.opening.is_busy() || self.desk.is_busy()
     }
 
     fn is_opening(&self) -> bool {
@@ -628,34 +488,32 @@ impl Workspace for BliskWorkspace {
     }
 
     fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
-        match &self.desk.dialog {
-            Some(BliskDialog::Export) => match export_dialog::show(ui, &mut self.desk) {
-                Some(export_dialog::Answer::OwnPost) => cx.ask(BliskPath::Post, ""),
-                Some(export_dialog::Answer::Folder) => {
-                    cx.ask(BliskPath::ExportFolder, "");
-                    return true;
-                }
-                Some(export_dialog::Answer::Close) => return true,
-                None => {}
-            },
-            Some(BliskDialog::Moved(document, moved)) => match moved_dialog::show(ui, document.params(), moved) {
-                Some(moved_dialog::Answer::Locate(old)) => {
-                    let title = format!("Where is {}?", old.display());
-                    self.locating = Some(old);
-                    cx.ask(BliskPath::MovedFile, &title);
-                }
-                Some(moved_dialog::Answer::OpenAnyway) => self.open_anyway(cx),
-                Some(moved_dialog::Answer::Close) => return true,
-                None => {}
-            },
-            None => return true,
+        let answer = match &self.desk.dialog {
+            Some(BliskDialog::Export) => dialogs::export(ui, &mut self.desk),
+            Some(BliskDialog::Moved(document, moved)) => dialogs::moved(ui, document.params(), moved),
+            None => Some(Answer::Close),
+        };
+        match answer {
+            Some(Answer::OwnPost) => cx.ask(BliskPath::Post, ""),
+            Some(Answer::Folder) => {
+                cx.ask(BliskPath::ExportFolder, "");
+                return true;
+            }
+            Some(Answer::Locate(old)) => {
+                let title = format!("Where is {}?", old.display());
+                self.locating = Some(old);
+                cx.ask(BliskPath::MovedFile, &title);
+            }
+            Some(Answer::OpenAnyway) => self.open_anyway(cx),
+            Some(Answer::Close) => return true,
+            None => {}
         }
         false
     }
 
     fn standing(&self, line: &LogLine) -> Standing {
         let stage = Stage::ALL.into_iter().find(|stage| Some(stage.number()) == line.topic);
-        let is_failed = |stage| matches!(self.desk.pipeline.state(stage), StageState::Failed(_));
+        let is_failed = |stage| matches!(self.desk.work.state(stage), State::Failed(_));
         let is_mended = line.kind == EventKind::Failed && stage.is_some_and(|stage| !is_failed(stage));
         if is_mended { Standing::Over } else { Standing::Current }
     }

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use egui::Ui;
 
-use crate::widgets::panel_parts::doing;
 use crate::widgets::viewport::Viewport;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
 use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project};
@@ -86,7 +85,7 @@ impl FlankWorkspace {
     fn begin(&mut self, document: Document<FlankDocument>) {
         self.opening.begin(move |task| {
             let loaded = Arc::new(FlankWork::read(document.params(), task)?);
-            Ok(Incoming { document: document.clone(), loaded })
+            Ok(Incoming { document, loaded })
         });
     }
 
@@ -375,9 +374,9 @@ impl Workspace for FlankWorkspace {
         }
     }
 
-    fn status(&mut self, ui: &mut Ui, _cx: &mut Context, is_shown: bool) {
+    fn status(&mut self, ui: &mut Ui, cx: &mut Context, is_shown: bool) {
         if let Some(now) = self.opening.doing().or(self.desk.work.doing()).filter(|_| is_shown) {
-            doing(ui, now);
+            cx.doing(ui, now);
         }
     }
 

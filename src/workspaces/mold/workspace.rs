@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use egui::Ui;
 
-use crate::widgets::panel_parts::doing;
 use crate::widgets::viewport::Viewport;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
 use crate::workspaces::context::{Context, PathSet, Request, first, has_ending, is_project};
@@ -299,9 +298,9 @@ impl Workspace for MoldWorkspace {
         }
     }
 
-    fn status(&mut self, ui: &mut Ui, _cx: &mut Context, is_shown: bool) {
+    fn status(&mut self, ui: &mut Ui, cx: &mut Context, is_shown: bool) {
         if let Some(now) = self.opening.doing().or(self.desk.work.doing()).filter(|_| is_shown) {
-            doing(ui, now);
+            cx.doing(ui, now);
         }
     }
 
@@ -367,7 +366,7 @@ impl Workspace for MoldWorkspace {
                 self.opening.begin(move |task| {
                     let params = document.params();
                     let part = params.mesh.as_ref().map(|mesh| read_part(mesh, params.units, task));
-                    Ok(Incoming { part: part.transpose()?.map(Arc::new), document: document.clone() })
+                    Ok(Incoming { part: part.transpose()?.map(Arc::new), document })
                 });
             }
             Some(Pending::Ask) => cx.ask(MoldPath::Open, ""),

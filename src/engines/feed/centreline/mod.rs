@@ -18,7 +18,7 @@ pub use guide::Guide;
 use super::pose::{Axis, Pose};
 use super::probes::Demand;
 use super::problem::{Candidate, Convergence, NodeTask, SearchProblem};
-use super::strategy::{SearchStrategy, StrategySymbol};
+use super::strategy::{Candidates, SearchStrategy, StrategySymbol};
 use task::{Cancel, Cancelled};
 
 /// Parameters of the centreline strategy.
@@ -36,12 +36,7 @@ impl Default for CentrelineParams {
 }
 
 impl SearchStrategy for CentrelineParams {
-    fn candidates(
-        &self,
-        problem: &SearchProblem,
-        at: &NodeTask,
-        cancel: &Cancel,
-    ) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
+    fn candidates(&self, problem: &SearchProblem, at: &NodeTask, cancel: &Cancel) -> Candidates {
         match problem.guide {
             Some(guide) => CentrelineStep::new(self, problem, guide, at).run(cancel),
             None => Ok((Vec::new(), Convergence::none(at.s))),
@@ -89,7 +84,7 @@ impl<'a> CentrelineStep<'a> {
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn run(&self, cancel: &Cancel) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
+    pub fn run(&self, cancel: &Cancel) -> Candidates {
         let starts = self.starts();
         let count = Self::INCREASES.len();
         let first = self.task.attempt as usize % count;

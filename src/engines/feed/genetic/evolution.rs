@@ -11,6 +11,7 @@ use super::{GeneticParams, ReductionMode};
 use crate::objective::ObjectiveValue;
 use crate::pose::{Axis, Pose};
 use crate::problem::{Candidate, Convergence, NodeTask, SearchProblem};
+use crate::strategy::Candidates;
 use task::{Cancel, Cancelled};
 
 /// The search for one node.
@@ -58,7 +59,7 @@ impl<'a> GeneticStep<'a> {
 
     /// Free individuals at the node, best first, and how the population converged. None if no free individual
     /// was found.
-    pub fn run(&self, cancel: &Cancel) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
+    pub fn run(&self, cancel: &Cancel) -> Candidates {
         let mut population = self.first_population(cancel)?;
         let mut convergence = Convergence { s: self.task.s, best: Vec::new(), mean: Vec::new() };
         if population.is_empty() {

@@ -4,14 +4,15 @@
 pub mod coding;
 mod evolution;
 
+use files::Invalid;
 use serde::{Deserialize, Serialize};
 
 use super::pose::Axis;
-use super::problem::{Candidate, Convergence, NodeTask, SearchProblem};
-use super::strategy::{SearchStrategy, StrategySymbol};
+use super::problem::{NodeTask, SearchProblem};
+use super::strategy::{Candidates, SearchStrategy, StrategySymbol};
 use coding::Coding;
 pub use evolution::GeneticStep;
-use task::{Cancel, Cancelled};
+use task::Cancel;
 
 /// Whether the circumferential reduction h is searched too.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -70,22 +71,8 @@ impl Default for GeneticParams {
     }
 }
 
-/// A genetic parameter that cannot be used.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("[genetic] {key} = {value}: must be {range}")]
-pub struct GeneticParamsError {
-    key: &'static str,
-    value: f64,
-    range: &'static str,
-}
-
 impl SearchStrategy for GeneticParams {
-    fn candidates(
-        &self,
-        problem: &SearchProblem,
-        at: &NodeTask,
-        cancel: &Cancel,
-    ) -> Result<(Vec<Candidate>, Convergence), Cancelled> {
+    fn candidates(&self, problem: &SearchProblem, at: &NodeTask, cancel: &Cancel) -> Candidates {
         GeneticStep::new(self, problem, at).run(cancel)
     }
 
@@ -109,17 +96,19 @@ impl SearchStrategy for GeneticParams {
 
 impl GeneticParams {
     /// Whether every parameter is within its range.
-    pub fn validate(&self) -> Result<(), GeneticParamsError> {
-        let within = |key, value: f64, least: f64, greatest: f64, range| {
-            if (least..=greatest).contains(&value) { Ok(()) } else { Err(GeneticParamsError { key, value, range }) }
-        };
-        within("population", self.population as f64, 4.0, 1e4, "4 to 10000")?;
-        within("generations", self.generations as f64, 1.0, 1e4, "1 to 10000")?;
-        within("crossover", self.crossover, 0.0, 1.0, "0 to 1")?;
-        within("mutation", self.mutation, 0.0, 1.0, "0 to 1")?;
-        within("elite", self.elite as f64, 1.0, (self.population / 2) as f64, "1 to half the population")?;
-        within("precision_mm", self.precision_mm, 1e-5, 0.1, "0.00001 to 0.1 mm")?;
-        within("precision_deg", self.precision_deg, 1e-5, 0.1, "0.00001 to 0.1 deg")?;
-        within("h_max_deg", self.h_max_deg, 0.01, 20.0, "0.01 to 20 deg")
+    pub fn validate(&self) -> Result<(), Invalid> {
+        [
+            ("population", self.population as f64, [4.0, 1e4], ""),
+            ("generations", self.generations as f64, [1.0, 1e4], ""),
+            ("crossover", self.crossover, [0.0, 1.0], ""),
+            ("mutation", self.mutation, [0.0, 1.0], ""),
+            ("elite", self.elite as f64, [1.0, (self.population / 2) as f64], ""),
+            ("precision_mm", self.precision_mm, [1e-5, 0.1], "mm"),
+            ("precision_deg", self.precision_deg, [1e-5, 0.1], "deg"),
+            ("h_max_deg", self.h_max_deg, [0.01, 20.0], "deg"),
+        ]
+        .into_iter()
+        .try_for_each(|(key, value, range, unit)| Invalid::unless_within(key, value, range, unit))
+        .map_err(|problem| problem.within("genetic"))
     }
 }

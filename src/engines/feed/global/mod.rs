@@ -12,6 +12,7 @@ mod free_space;
 mod halfspaces;
 mod polish;
 
+use files::Invalid;
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -55,24 +56,12 @@ pub struct PreviewPath {
     pub jam: Option<Jam>,
 }
 
-/// A parameter of the global strategy that cannot be used.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("[plan.global] {key} = {value}: must be {range}")]
-pub struct GlobalParamsError {
-    key: &'static str,
-    value: f64,
-    range: &'static str,
-}
-
 impl GlobalParams {
     /// Whether every parameter is within its range.
-    pub fn validate(&self) -> Result<(), GlobalParamsError> {
-        let within = |key, value: f64, least: f64, greatest: f64, range| {
-            if (least..=greatest).contains(&value) { Ok(()) } else { Err(GlobalParamsError { key, value, range }) }
-        };
-        within("poses", self.poses as f64, 2.0, 1000.0, "2 to 1000")?;
-        within("room_mm", self.room_mm, 0.0, 5.0, "0 to 5 mm")?;
-        within("room_kept", self.room_kept, 0.0, 1.0, "0 to 1")
+    pub fn validate(&self) -> Result<(), Invalid> {
+        Invalid::unless_within("poses", self.poses as f64, [2.0, 1000.0], "")?;
+        Invalid::unless_within("room_mm", self.room_mm, [0.0, 5.0], "mm")?;
+        Invalid::unless_within("room_kept", self.room_kept, [0.0, 1.0], "")
     }
 }
 

@@ -1,6 +1,5 @@
 //! The finished surface of the channel, cut into small triangles, and its figures.
 
-use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::DVec3;
@@ -9,6 +8,7 @@ use rayon::prelude::*;
 use super::{Layer, LeftoverError, Passage, Removal, Site, SurfaceFigures, TOLERANCE};
 use geometry::frame::Cylindrical;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
+use geometry::weld::Weld;
 use task::{Cancel, Cancelled, Task};
 use wheel::channel::Surface;
 
@@ -56,20 +56,13 @@ pub(super) fn patch(site: &Site, passage: &Passage, cancel: &Cancel) -> Result<P
         })
         .collect();
     let parts: Vec<Vec<([DVec3; 3], Surface)>> = parts.into_iter().collect::<Result<_, Cancelled>>()?;
-    let (mut mesh, mut surfaces, mut known) = (Mesh::default(), Vec::new(), HashMap::new());
+    // Halves of shared edges are the same to the last bit.
+    let (mut weld, mut triangles, mut surfaces) = (Weld::default(), Vec::new(), Vec::new());
     for (corners, surface) in parts.into_iter().flatten() {
-        let vertices = &mut mesh.vertices;
-        let id = |p: DVec3| {
-            // Halves of shared edges are the same to the last bit; adding zero makes -0 and 0 the same.
-            let key = (p + DVec3::ZERO).to_array().map(f64::to_bits);
-            *known.entry(key).or_insert_with(|| {
-                vertices.push(p);
-                vertices.len() as u32 - 1
-            })
-        };
-        mesh.triangles.push(corners.map(id));
+        triangles.push(corners.map(|p| weld.add(p)));
         surfaces.push(surface);
     }
+    let mesh = Mesh { vertices: weld.into_points(), triangles };
     if mesh.triangles.is_empty() { Err(LeftoverError::NoSurface) } else { Ok(Patch { mesh, surfaces }) }
 }
 

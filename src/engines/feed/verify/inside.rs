@@ -1,12 +1,13 @@
 //! Test whether one closed mesh lies wholly inside another, which no distance between their surfaces can show.
 
-use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use geometry::groups::Groups;
 use geometry::inside::half_solid_angle;
 use geometry::mesh::{Bounds, Mesh};
+use geometry::weld::Weld;
 use task::{Cancel, Cancelled};
 
 /// Number of vertices or triangles between two checks of the cancel flag: well below 50 ms.
@@ -17,57 +18,33 @@ const PER_CHECK: usize = 16384;
 /// # Errors
 /// [`Cancelled`].
 pub(super) fn point_of_each_part(mesh: &Mesh, cancel: &Cancel) -> Result<Vec<DVec3>, Cancelled> {
-    let n = mesh.vertices.len();
-    let mut parts = Parts { parent: (0..n).collect() };
     // With room for all: to make more in between would take longer than a look at the flag may.
-    let mut at: HashMap<[u64; 3], usize> = HashMap::with_capacity(n);
-    for (v, p) in mesh.vertices.iter().enumerate() {
-        if v % PER_CHECK == 0 {
-            cancel.check()?;
-        }
-        // Adding zero makes -0 and 0 the same.
-        let first = *at.entry((*p + DVec3::ZERO).to_array().map(f64::to_bits)).or_insert(v);
-        parts.join(first, v);
+    let mut weld = Weld::with_capacity(mesh.vertices.len());
+    let mut number = Vec::with_capacity(mesh.vertices.len());
+    for some in mesh.vertices.chunks(PER_CHECK) {
+        cancel.check()?;
+        number.extend(some.iter().map(|p| weld.add(*p) as usize));
     }
-    let mut used = vec![false; n];
-    for (i, [a, b, c]) in mesh.triangles.iter().map(|t| t.map(|v| v as usize)).enumerate() {
+    let mut parts = Groups::of(weld.points().len());
+    let mut used = vec![false; weld.points().len()];
+    for some in mesh.triangles.chunks(PER_CHECK) {
+        cancel.check()?;
+        for [a, b, c] in some.iter().map(|t| t.map(|v| number[v as usize])) {
+            parts.join(a, b);
+            parts.join(a, c);
+            used[a] = true;
+        }
+    }
+    let (mut seen, mut points) = (vec![false; used.len()], Vec::new());
+    for (i, p) in weld.points().iter().enumerate() {
         if i % PER_CHECK == 0 {
             cancel.check()?;
         }
-        parts.join(a, b);
-        parts.join(a, c);
-        used[a] = true;
-    }
-    let (mut seen, mut points) = (vec![false; n], Vec::new());
-    for (v, p) in mesh.vertices.iter().enumerate() {
-        if v % PER_CHECK == 0 {
-            cancel.check()?;
-        }
-        if used[v] && !std::mem::replace(&mut seen[parts.root(v)], true) {
+        if used[i] && !std::mem::replace(&mut seen[parts.first(i)], true) {
             points.push(*p);
         }
     }
     Ok(points)
-}
-
-/// Disjoint sets of indices.
-struct Parts {
-    parent: Vec<usize>,
-}
-
-impl Parts {
-    fn root(&mut self, mut v: usize) -> usize {
-        while self.parent[v] != v {
-            self.parent[v] = self.parent[self.parent[v]];
-            v = self.parent[v];
-        }
-        v
-    }
-
-    fn join(&mut self, v: usize, w: usize) {
-        let (v, w) = (self.root(v), self.root(w));
-        self.parent[v.max(w)] = v.min(w);
-    }
 }
 
 /// The first of `points` that lies inside the closed surface made of `triangles`.

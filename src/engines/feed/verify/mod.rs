@@ -20,12 +20,11 @@ use super::outside::Outside;
 use super::path::FeedPath;
 use super::pose::Pose;
 use certificate::{Certificate, Contact, Findings, TravelVerdict};
-use geometry::bvh::Bvh;
 use geometry::mesh::Mesh;
 use geometry::triangle_distance::ClosestPoints;
 use interval::{Answer, Question};
-use motion::Motion;
 use nearest::Nearest;
+use pair::{Pair, Solid};
 use task::{Cancel, Cancelled, Task};
 use wheel::channel::Surface;
 
@@ -142,18 +141,11 @@ pub struct Clearance {
 
 /// A blisk and an electrode made ready for distances and verification.
 pub struct Verifier {
-    blisk: Bvh,
-    /// In coordinates about the reference point.
-    electrode: Bvh,
-    /// A point of each connected part of the blisk (in W) and of the electrode (about the reference point).
-    blisk_parts: Vec<DVec3>,
-    electrode_parts: Vec<DVec3>,
+    blisk: Solid,
+    electrode: Solid,
     /// Digests of the blisk and the electrode as they were given.
     digests: [String; 2],
-    reference_point: DVec3,
     travel: Option<TravelLimits>,
-    /// Greatest distance of a point of the electrode from the reference point (mm).
-    reach: f64,
     outside: Outside,
 }
 
@@ -168,16 +160,6 @@ pub fn verify(
     task: &Task,
 ) -> Result<Certificate, VerifyError> {
     Verifier::new(blisk, electrode, path.reference_point, &task.cancel)?.verify(path, surface_of, options, task)
-}
-
-/// The distance between the blisk and the electrode at `pose`. For more than one pose make a [`Verifier`].
-pub fn mesh_distance(
-    blisk: &Mesh,
-    electrode: &Mesh,
-    reference_point: DVec3,
-    pose: &Pose,
-) -> Result<Clearance, VerifyError> {
-    Ok(Verifier::new(blisk, electrode, reference_point, &Cancel::default())?.distance(pose))
 }
 
 impl Verifier {
@@ -199,24 +181,13 @@ impl Verifier {
                 must_be: "within 10 m",
             });
         }
-        let about_reference = electrode.mapped(|p| p - reference_point);
-        let (blisk_tree, electrode_tree) =
-            rayon::join(|| Bvh::new(blisk, cancel), || Bvh::new(&about_reference, cancel));
-        let (blisk_tree, electrode_tree) = (blisk_tree?, electrode_tree?);
-        let corners = electrode_tree.triangles().iter().flatten();
-        let reach = corners.map(|u| u.length()).fold(0.0, f64::max);
-        cancel.check()?;
-        let blisk_parts = inside::point_of_each_part(blisk, cancel)?;
-        let electrode_parts = inside::point_of_each_part(&about_reference, cancel)?;
+        let (fixed, moving) =
+            rayon::join(|| Solid::new(blisk, DVec3::ZERO, cancel), || Solid::new(electrode, reference_point, cancel));
         Ok(Self {
-            blisk: blisk_tree,
-            electrode: electrode_tree,
-            blisk_parts,
-            electrode_parts,
+            blisk: fixed?,
+            electrode: moving?,
             digests: [blisk.digest(), electrode.digest()],
-            reference_point,
             travel: None,
-            reach,
             outside: Outside::new(blisk, electrode, reference_point),
         })
     }
@@ -228,10 +199,10 @@ impl Verifier {
 
     /// The distance between the surfaces with the electrode at `pose`: exact to rounding.
     pub fn distance(&self, pose: &Pose) -> Clearance {
-        let points = self.nearest(pose, None).points;
+        let points = self.pair().nearest(pose, None).points;
         Clearance {
             distance: points.distance,
-            on_electrode: pose.placement(self.reference_point).inverse().transform_point3(points.first),
+            on_electrode: self.in_final_pose(pose, points.first),
             on_blisk: points.second,
         }
     }
@@ -254,24 +225,13 @@ impl Verifier {
         run.certificate()
     }
 
-    fn nearest(&self, pose: &Pose, guess: Option<[u32; 2]>) -> Nearest {
-        let placement = pose.placement(self.reference_point);
-        let shift = placement.transform_point3(self.reference_point);
-        nearest::nearest(&self.electrode, &self.blisk, (&placement.matrix3, shift), guess)
+    fn pair(&self) -> Pair<'_> {
+        Pair { moving: &self.electrode, fixed: &self.blisk, resolution: 0.0, required: 0.0, share: 0.0 }
     }
 
-    /// A point of the electrode at `pose`, in W, that is inside the blisk, or of the blisk inside the electrode.
-    fn one_inside_the_other(&self, pose: &Pose, cancel: &Cancel) -> Result<Option<DVec3>, Cancelled> {
-        let placement = pose.placement(self.reference_point);
-        let to_w = |u: DVec3| placement.transform_point3(self.reference_point + u);
-        let back = placement.inverse();
-        let to_electrode = |p: DVec3| back.transform_point3(p) - self.reference_point;
-        let electrode_parts = self.electrode_parts.iter().map(|&u| to_w(u));
-        if let Some(p) = inside::first_inside(self.blisk.triangles(), electrode_parts, cancel)? {
-            return Ok(Some(p));
-        }
-        let blisk_parts = self.blisk_parts.iter().map(|&p| to_electrode(p));
-        Ok(inside::first_inside(self.electrode.triangles(), blisk_parts, cancel)?.map(to_w))
+    /// Where a point (in W) of the electrode at `pose` is in its final pose.
+    fn in_final_pose(&self, pose: &Pose, p: DVec3) -> DVec3 {
+        pose.placement(self.electrode.origin).inverse().transform_point3(p)
     }
 }
 
@@ -305,8 +265,8 @@ impl Run<'_> {
         if !(value.is_finite() && value >= 0.0) {
             return Err(VerifyError::Parameter { name, value, must_be: "a length of 0 mm or more" });
         }
-        if self.path.reference_point != self.body.reference_point {
-            let value = self.path.reference_point.distance(self.body.reference_point);
+        if self.path.reference_point != self.body.electrode.origin {
+            let value = self.path.reference_point.distance(self.body.electrode.origin);
             let name = "the distance of the path's reference point from the prepared electrode's";
             return Err(VerifyError::Parameter { name, value, must_be: "0: prepare the electrode for this path" });
         }
@@ -355,7 +315,7 @@ impl Run<'_> {
     fn note_inside(&self, at_rows: &mut [Contact]) -> Result<(), Cancelled> {
         at_rows.par_iter_mut().enumerate().try_for_each(|(row, contact)| {
             self.task.check()?;
-            if let Some(p) = self.body.one_inside_the_other(&contact.pose, &self.task.cancel)? {
+            if let Some(p) = self.body.pair().one_inside_the_other(&contact.pose, &self.task.cancel)? {
                 *contact = self.contact(row, 0.0, ClosestPoints { distance: 0.0, first: p, second: p });
             }
             Ok(())
@@ -377,7 +337,7 @@ impl Run<'_> {
             let mut found = Vec::with_capacity(rows.len());
             for row in rows {
                 self.task.check()?;
-                let nearest = self.body.nearest(&row.pose, guess);
+                let nearest = self.body.pair().nearest(&row.pose, guess);
                 guess = Some(nearest.triangles);
                 found.push(nearest);
                 self.report("clearance at the rows", &done);
@@ -422,8 +382,7 @@ impl Run<'_> {
 
     fn interval(&self, i: usize, question: &Question) -> Result<Answer, Cancelled> {
         let (from, to) = (&self.path.rows[i].pose, &self.path.rows[i + 1].pose);
-        let motion = Motion::new(*from, *to, self.body.reference_point, self.body.reach);
-        interval::bound(&self.body.electrode, &self.body.blisk, &motion, question, &self.task.cancel)
+        self.body.pair().bound(from, to, question, &self.task.cancel)
     }
 
     /// Closest points (both in W) at the fraction `t` of the way from a row to the next.
@@ -436,7 +395,7 @@ impl Run<'_> {
             row: row as f64 + t,
             s: from.s + (to.s - from.s) * t,
             pose,
-            on_electrode: pose.placement(self.body.reference_point).inverse().transform_point3(points.first),
+            on_electrode: self.body.in_final_pose(&pose, points.first),
             on_blisk: points.second,
             surface: (self.surface_of)(points.second),
         }

@@ -24,7 +24,7 @@ pub struct Solid {
     /// A point of each connected part.
     parts: Vec<DVec3>,
     /// The point that coordinates are counted from (mm, in W).
-    origin: DVec3,
+    pub(super) origin: DVec3,
     /// Greatest distance of a point of the body from there (mm).
     reach: f64,
 }
@@ -89,7 +89,7 @@ impl Pair<'_> {
         (placement.matrix3, placement.transform_point3(self.moving.origin))
     }
 
-    fn nearest(&self, pose: &Pose, guess: Option<[u32; 2]>) -> Nearest {
+    pub(super) fn nearest(&self, pose: &Pose, guess: Option<[u32; 2]>) -> Nearest {
         let (rotation, shift) = self.placement(pose);
         nearest::nearest(&self.moving.tree, &self.fixed.tree, (&rotation, shift), guess)
     }
@@ -101,7 +101,7 @@ impl Pair<'_> {
     }
 
     /// A point of the one body inside the other at `pose`.
-    fn one_inside_the_other(&self, pose: &Pose, cancel: &Cancel) -> Result<Option<DVec3>, Cancelled> {
+    pub(super) fn one_inside_the_other(&self, pose: &Pose, cancel: &Cancel) -> Result<Option<DVec3>, Cancelled> {
         let (rotation, shift) = self.placement(pose);
         let back = rotation.transpose();
         let moved = self.moving.parts.iter().map(|&u| rotation * u + shift);
@@ -203,7 +203,7 @@ impl Pair<'_> {
         Ok(self.near(row as f64, poses[row], (points.distance, points.first, points.second)))
     }
 
-    fn bound(
+    pub(super) fn bound(
         &self,
         from: &Pose,
         to: &Pose,

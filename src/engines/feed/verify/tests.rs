@@ -429,3 +429,12 @@ fn placements_used_inside_are_those_of_the_pose() {
     let on_electrode = pose.placement(CENTER).transform_point3(clearance.on_electrode);
     assert!((on_electrode.distance(clearance.on_blisk) - clearance.distance).abs() < 1e-12);
 }
+
+fn mesh_distance(
+    blisk: &Mesh,
+    electrode: &Mesh,
+    reference_point: DVec3,
+    pose: &Pose,
+) -> Result<Clearance, VerifyError> {
+    Ok(Verifier::new(blisk, electrode, reference_point, &Cancel::default())?.distance(pose))
+}

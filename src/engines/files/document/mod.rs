@@ -384,7 +384,8 @@ pub fn sha256_of(path: &Path) -> std::io::Result<String> {
     }
 }
 
-pub(crate) fn sha256(bytes: &[u8]) -> String {
+/// SHA-256 of `bytes` in hexadecimal.
+pub fn sha256(bytes: &[u8]) -> String {
     let mut hash = Sha256::new();
     hash.update(bytes);
     hexadecimal(hash)

@@ -23,7 +23,7 @@ use toml::de::{DeTable, Deserializer};
 
 use super::{Params, PartFile};
 use crate::paths::{folder_of, relative, without_detours};
-use crate::toml_file::{invalid, keys_in, one_line, read_text, syntax, write_text};
+use crate::toml_file::{keys_in, one_line, read_text, syntax, write_text};
 use crate::{FileError, Invalid};
 
 /// The largest project that is written or read (bytes).
@@ -111,11 +111,11 @@ fn split<'a>(text: &'a str, file: &Path) -> Result<(String, Tail, Deserializer<'
     let mut tail = Tail::deserialize(own).map_err(|e| wrong(&e))?;
     let Some(kind) = tail.kind.take() else {
         let remedy = "it is missing; write the workspace in the first line, as in kind = \"mold\"";
-        return Err(invalid(file, text, Invalid::of("kind", remedy)));
+        return Err(FileError::placed(file, text, Invalid::of("kind", remedy)));
     };
     if tail.version > VERSION {
         let remedy = format!("this program reads up to {VERSION}; open it with the newer program that saved it");
-        return Err(invalid(file, text, Invalid::new("version", tail.version, remedy)));
+        return Err(FileError::placed(file, text, Invalid::new("version", tail.version, remedy)));
     }
     Ok((kind, tail, params))
 }
@@ -137,15 +137,15 @@ impl<P: Params> Project<P> {
         let (kind, tail, params) = split(text, file)?;
         if kind != P::KIND {
             let remedy = format!("must be \"{}\" here; open it in its own workspace", P::KIND);
-            return Err(invalid(file, text, Invalid::new("kind", format!("\"{kind}\""), remedy)));
+            return Err(FileError::placed(file, text, Invalid::new("kind", format!("\"{kind}\""), remedy)));
         }
         let mut params = P::deserialize(params).map_err(|error| syntax(file, text, &error))?;
         let folder = folder_of(file);
         let seen = |path: &Path| without_detours(&folder.join(path));
         params.change_paths(&mut |path| seen(path));
-        params.complete(&keys_in(text)).map_err(|problem| invalid(file, text, problem))?;
+        params.complete(&keys_in(text)).map_err(|problem| FileError::placed(file, text, problem))?;
         // Last, as validation may look into the files that are named.
-        params.validate().map_err(|problem| invalid(file, text, problem))?;
+        params.validate().map_err(|problem| FileError::placed(file, text, problem))?;
         let files = tail.files.into_iter().map(|part| PartFile { path: seen(&part.path), ..part }).collect();
         Ok(Self { params, files, results: tail.results, kept: tail.kept })
     }

@@ -4,7 +4,7 @@
 //! struct, which is what serde makes of it. Where the struct has an `Option`, JSON has null.
 
 pub mod table;
-mod text;
+pub mod text;
 
 use serde_json::Value;
 
@@ -65,6 +65,8 @@ pub enum Kind {
         /// How many there are; any number of them without it.
         count: Option<usize>,
     },
+    /// A direction: along an axis, or any other by its three parts.
+    Direction,
     /// Yes or no.
     Flag,
     /// A text.
@@ -90,6 +92,8 @@ pub enum Kind {
         fields: &'static [Field],
         /// A new row, as an inline table of TOML.
         new: &'static str,
+        /// Whether a new row stands before the others.
+        is_first: bool,
     },
 }
 
@@ -184,6 +188,11 @@ impl Field {
         Self { unit, ..Self::of(key, label, kind) }
     }
 
+    /// A direction.
+    pub const fn direction(key: &'static str, label: &'static str) -> Self {
+        Self::of(key, label, Kind::Direction)
+    }
+
     /// Yes or no.
     pub const fn flag(key: &'static str, label: &'static str) -> Self {
         Self::of(key, label, Kind::Flag)
@@ -231,7 +240,7 @@ impl Field {
 
     /// Rows of `fields`, a new one of which begins as the inline table `new`.
     pub const fn rows(key: &'static str, label: &'static str, fields: &'static [Self], new: &'static str) -> Self {
-        Self::of(key, label, Kind::Rows { fields, new })
+        Self::of(key, label, Kind::Rows { fields, new, is_first: false })
     }
 
     /// This field with its symbol in the papers.
@@ -306,6 +315,15 @@ impl Field {
         self
     }
 
+    /// Rows of which a new one stands before the others.
+    #[must_use]
+    pub const fn first(mut self) -> Self {
+        if let Kind::Rows { is_first, .. } = &mut self.kind {
+            *is_first = true;
+        }
+        self
+    }
+
     /// Whole numbers.
     #[must_use]
     pub const fn whole(mut self) -> Self {
@@ -313,6 +331,11 @@ impl Field {
             *is_whole = true;
         }
         self
+    }
+
+    /// Whether it is a whole number, or several.
+    pub fn is_whole(&self) -> bool {
+        matches!(self.kind, Kind::Number { is_whole: true, .. } | Kind::Numbers { is_whole: true, .. })
     }
 
     /// How much a number changes per point of dragging.
@@ -357,6 +380,7 @@ impl Field {
                 let words: Vec<&str> = variants.iter().map(|v| v.word.word).collect();
                 Some(format!("must be one of {}", words.join(", ")))
             }
+            Kind::Direction => Some("must be +x, -x, +y, -y, +z, -z, or three numbers with commas between".to_owned()),
             Kind::Flag => Some("must be true or false".to_owned()),
             Kind::Rows { .. } => Some("must be a list of tables".to_owned()),
             Kind::Text | Kind::File => None,
@@ -393,6 +417,7 @@ impl Field {
             }),
             Kind::Choice(words) => words.iter().any(|w| Some(w.word) == text),
             Kind::Variant { tag, variants } => variants.iter().any(|v| Some(v.word.word) == get(value, tag).as_str()),
+            Kind::Direction => text::parts(value).is_some_and(|parts| parts.iter().any(|part| *part != 0.0)),
             Kind::Flag => value.is_boolean(),
             Kind::Text | Kind::ChoiceOrFile(_) => value.is_string(),
             Kind::ChoiceOr(..) => !value.is_null(),
@@ -411,7 +436,10 @@ impl Field {
     }
 
     fn refused(&self, key: &str, value: &Value) -> Invalid {
-        Invalid::new(key, self.show(value), self.allowed().unwrap_or_else(|| "must be a text".to_owned()))
+        // What is no number has no form in JSON.
+        let is_nan = value.is_null() && matches!(self.kind, Kind::Number { .. });
+        let shown = if is_nan { "NaN".to_owned() } else { self.show(value) };
+        Invalid::new(key, shown, self.allowed().unwrap_or_else(|| "must be a text".to_owned()))
     }
 }
 
@@ -429,18 +457,25 @@ pub fn get<'a>(values: &'a Value, key: &str) -> &'a Value {
     steps(key).try_fold(values, step).unwrap_or(&Value::Null)
 }
 
-/// Puts `value` under `key`, where it or at least the table around it must be. Tells whether it is.
+/// Puts `value` under `key`, where it or at least the table around it must be; one that may be missing begins empty.
+/// Tells whether it is there.
 pub fn put(values: &mut Value, key: &str, value: Value) -> bool {
     let all: Vec<&str> = steps(key).collect();
     let Some((last, path)) = all.split_last() else { return false };
     let mut here = values;
     for step in path {
+        if here.is_null() {
+            *here = Value::Object(serde_json::Map::new());
+        }
         let next = match here {
             Value::Array(list) => step.parse::<usize>().ok().and_then(|i| list.get_mut(i)),
             other => other.get_mut(*step),
         };
         let Some(next) = next else { return false };
         here = next;
+    }
+    if here.is_null() {
+        *here = Value::Object(serde_json::Map::new());
     }
     match here {
         Value::Array(list) => match last.parse::<usize>().ok().and_then(|i| list.get_mut(i)) {

@@ -6,7 +6,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-use super::{Field, Instead, Kind, When, get, put, steps, text};
+use super::text::inline_toml;
+use super::{Field, Instead, Kind, When, get, put, steps};
 use crate::Invalid;
 use crate::toml_file::one_line;
 
@@ -78,11 +79,6 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         Self { defaults, ..self }
     }
 
-    /// The groups of a section, or all of them for an empty one.
-    pub fn groups(&self, section: &str) -> impl Iterator<Item = &'static Group> {
-        self.groups.iter().filter(move |group| section.is_empty() || group.section == section)
-    }
-
     /// Every field.
     pub fn fields(&self) -> impl Iterator<Item = &'static Field> {
         self.groups.iter().flat_map(|group| group.fields)
@@ -97,6 +93,11 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
     /// The defaults that `params` are compared with.
     pub fn defaults(&self, params: &P) -> P {
         (self.defaults)(params)
+    }
+
+    /// The groups of a section, or all of them for an empty one.
+    pub fn groups(&self, section: &str) -> impl Iterator<Item = &'static Group> {
+        self.groups.iter().filter(move |group| section.is_empty() || group.section == section)
     }
 
     /// The parameter called `key`.
@@ -125,7 +126,9 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
     pub fn set(&self, params: &P, key: &str, text: &str) -> Result<P, Invalid> {
         let place = self.find(key)?;
         let value = place.field.parse(&place.key, text)?;
-        self.put(&self.values(params), &place.key, value)
+        let params = self.put(&self.values(params), &place.key, value)?;
+        place.field.check(&place.key, get(&self.values(&params), &place.key))?;
+        Ok(params)
     }
 
     /// The value of `key` as a text that [`set`](Self::set) takes.
@@ -149,7 +152,14 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
             return Err(none());
         }
         let wrong = |e: serde_json::Error| Invalid::new(key, text_of(&given), one_line(&e.to_string()));
-        let params: P = serde_json::from_value(values).map_err(wrong)?;
+        let params = match (P::deserialize(&values), key.rsplit_once('.')) {
+            (Ok(params), _) => params,
+            // What a table cannot do without takes the table away.
+            (Err(_), Some((table, _))) if given.is_null() && put(&mut values, table, Value::Null) => {
+                P::deserialize(&values).map_err(wrong)?
+            }
+            (Err(e), _) => return Err(wrong(e)),
+        };
         // Serde drops what another variant would have in silence.
         let is_lost = !given.is_null() && get(&self.values(&params), key).is_null();
         if is_lost { Err(none()) } else { Ok(params) }
@@ -194,13 +204,19 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
     /// What makes `now` another than `before`, as a step that can be undone is called.
     pub fn change(&self, before: &P, now: &P) -> String {
         let (before, now) = (self.values(before), self.values(now));
-        let mut changed = self.fields().filter(|field| get(&before, field.key) != get(&now, field.key));
+        let differs = |field: &&Field| match field.kind {
+            Kind::Variant { tag, .. } => get(get(&before, field.key), tag) != get(get(&now, field.key), tag),
+            _ => get(&before, field.key) != get(&now, field.key),
+        };
+        let mut changed = self.fields().filter(differs);
         let Some(field) = changed.next() else {
             let tables = before.as_object().zip(now.as_object());
             let other = tables.and_then(|(b, n)| n.iter().find(|(key, value)| b.get(*key) != Some(value)));
             return other.map_or_else(String::new, |(key, _)| capital(&words_of(key)));
         };
-        if changed.next().is_some() {
+        // Another variant has other parameters.
+        let is_within = |other: &Field| other.key.strip_prefix(field.key).is_some_and(|rest| rest.starts_with('.'));
+        if changed.any(|other| !is_within(other)) {
             return "Several parameters".to_owned();
         }
         change_of(field, get(&before, field.key), get(&now, field.key))
@@ -257,11 +273,6 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
                     faults.push(problem.to_string());
                 }
             }
-            for value in beyond(field) {
-                if self.put(&counting, key, value.clone()).is_ok_and(|params| validate(&params)) {
-                    faults.push(format!("{key} = {value} is taken"));
-                }
-            }
             if let When::Is(other, _) | When::IsNot(other, _) = field.when
                 && self.find(other).is_err()
                 && get(&values, other).is_null()
@@ -269,12 +280,44 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
                 faults.push(format!("{key}: its condition is on {other}, which is not there"));
             }
         }
+        let taken = self.beyond(params).into_iter().filter(|(_, params)| validate(params));
+        faults.extend(taken.map(|(key, params)| format!("{key} = {} is taken", get(&self.values(&params), &key))));
         faults
+    }
+
+    /// The parameters with each number in turn just beyond its range, and its key: for tests of what is said of them.
+    pub fn beyond(&self, params: &P) -> Vec<(String, P)> {
+        let values = self.values(params);
+        let mut all = Vec::new();
+        for field in self.fields() {
+            let counting = self.where_it_counts(field, &values);
+            if !field.is_shown(&counting) {
+                continue;
+            }
+            let mut places = vec![(field, field.key.to_owned())];
+            if let (Kind::Rows { fields, .. }, Some(rows)) = (field.kind, get(&counting, field.key).as_array()) {
+                for (i, row) in rows.iter().enumerate() {
+                    let shown = fields.iter().filter(|inner| inner.is_shown(row));
+                    places.extend(shown.map(|inner| (inner, format!("{}[{i}].{}", field.key, inner.key))));
+                }
+            }
+            for (field, key) in places {
+                let wrong = beyond(field).into_iter().filter_map(|value| self.put(&counting, &key, value).ok());
+                all.extend(wrong.map(|params| (key.clone(), params)));
+            }
+        }
+        all
     }
 
     /// `values` with what the condition of `field` asks for.
     fn where_it_counts(&self, field: &Field, values: &Value) -> Value {
         let mut values = values.clone();
+        if let When::IsNot(key, words) = field.when
+            && let Some(Kind::Choice(all)) = self.fields().find(|f| f.key == key).map(|f| f.kind)
+            && let Some(other) = all.iter().find(|word| !words.contains(&word.word))
+        {
+            put(&mut values, key, other.word.into());
+        }
         if let When::Is(key, [word, ..]) = field.when {
             let variant = self.fields().find_map(|f| match f.kind {
                 Kind::Variant { tag, variants } if key == format!("{}.{tag}", f.key) => {
@@ -283,8 +326,8 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
                 _ => None,
             });
             match variant {
-                Some((key, new)) => put(&mut values, key, text::read_toml(new).unwrap_or_default()),
-                None => put(&mut values, key, (*word).into()),
+                Some((key, new)) => put(&mut values, key, inline_toml(new)),
+                None => put(&mut values, key, if *word == "true" { true.into() } else { (*word).into() }),
             };
         }
         values
@@ -297,8 +340,8 @@ fn possible(field: &Field) -> Vec<Value> {
         Kind::Choice(words) | Kind::ChoiceOrFile(words) | Kind::ChoiceOr(words, _) => {
             words.iter().map(|w| w.word.into()).collect()
         }
-        Kind::Variant { variants, .. } => variants.iter().map(|v| text::read_toml(v.new).unwrap_or_default()).collect(),
-        Kind::Rows { new, .. } => vec![Value::from(vec![text::read_toml(new).unwrap_or_default()])],
+        Kind::Variant { variants, .. } => variants.iter().map(|v| inline_toml(v.new)).collect(),
+        Kind::Rows { new, .. } => vec![Value::from(vec![inline_toml(new)])],
         Kind::Number { instead: Instead::Word(word, start), is_whole, .. } => {
             vec![word.into(), if is_whole { Value::from(start as i64) } else { start.into() }]
         }
@@ -309,15 +352,18 @@ fn possible(field: &Field) -> Vec<Value> {
     }
 }
 
-/// Numbers just beyond the range of a field.
+/// Numbers just beyond the range of a field, or lists with one.
 fn beyond(field: &Field) -> Vec<Value> {
-    let Kind::Number { range, is_whole, .. } = field.kind else { return Vec::new() };
+    let Some(range) = field.range() else { return Vec::new() };
     let ends = [(range.0, -1.0), (range.1, 1.0)].into_iter().filter(|(end, _)| end.is_finite());
-    let value = |(end, side): (f64, f64)| match is_whole {
+    let value = |(end, side): (f64, f64)| match field.is_whole() {
         true => Value::from((end + side) as i64),
         false => Value::from(end + side * 1e-3 * end.abs().max(0.01)),
     };
-    ends.map(value).collect()
+    match field.kind {
+        Kind::Numbers { count, .. } => ends.map(|end| vec![value(end); count.unwrap_or(1)].into()).collect(),
+        _ => ends.map(value).collect(),
+    }
 }
 
 fn find(fields: impl IntoIterator<Item = &'static Field>, key: &str, prefix: &str, label: &str) -> Option<Place> {

@@ -11,6 +11,7 @@ impl Field {
         match (self.kind, value) {
             (Kind::Number { instead: Instead::Nothing(_), .. } | Kind::File, Value::Null) => "none".to_owned(),
             (Kind::Variant { tag, .. }, Value::Object(_)) => plain(get(value, tag)),
+            (Kind::Direction, value) => direction_words(value).to_lowercase().replace('\u{2212}', "-"),
             (Kind::Numbers { .. }, Value::Array(all)) => all.iter().map(number).collect::<Vec<_>>().join(", "),
             (Kind::Rows { .. } | Kind::ChoiceOr(..), Value::Array(_) | Value::Object(_)) => {
                 match toml::Value::try_from(without_nulls(value.clone())) {
@@ -24,6 +25,9 @@ impl Field {
 
     /// `value` as a reader sees it: words to choose by their labels.
     pub fn show_label(&self, value: &Value) -> String {
+        if self.kind == Kind::Direction {
+            return direction_words(value);
+        }
         let text = self.show(value);
         let found = match self.kind {
             Kind::Choice(words) | Kind::ChoiceOrFile(words) | Kind::ChoiceOr(words, _) => {
@@ -53,6 +57,7 @@ impl Field {
             }
             Kind::Number { is_whole, .. } => read_number(text, is_whole).ok_or_else(wrong)?,
             Kind::Numbers { is_whole, .. } => read_numbers(text, is_whole).ok_or_else(wrong)?,
+            Kind::Direction => read_direction(text).ok_or_else(wrong)?,
             Kind::Flag => match text {
                 "true" | "yes" | "on" => true.into(),
                 "false" | "no" | "off" => false.into(),
@@ -70,7 +75,10 @@ impl Field {
             }
             Kind::Rows { .. } => read_toml(text).ok_or_else(wrong)?,
         };
-        self.check(key, &value)?;
+        // Rows may leave out what has a default.
+        if !matches!(self.kind, Kind::Rows { .. }) {
+            self.check(key, &value)?;
+        }
         Ok(value)
     }
 }
@@ -102,6 +110,11 @@ pub(crate) fn read_number(text: &str, is_whole: bool) -> Option<Value> {
     }
 }
 
+/// The inline value of TOML in a table of parameters; null if it is none, which the table's test finds out.
+pub fn inline_toml(text: &str) -> Value {
+    read_toml(text).unwrap_or_default()
+}
+
 /// Numbers with commas, blanks or `x` between; beside semicolons commas are decimal ones.
 fn read_numbers(text: &str, is_whole: bool) -> Option<Value> {
     let inner = text.strip_prefix('[').and_then(|t| t.strip_suffix(']')).unwrap_or(text);
@@ -112,6 +125,48 @@ fn read_numbers(text: &str, is_whole: bool) -> Option<Value> {
     };
     let words = inner.split(is_between).map(str::trim).filter(|word| !word.is_empty());
     words.map(|word| read_number(word, is_whole)).collect::<Option<Vec<_>>>().map(Value::from)
+}
+
+/// Axes, as they are written.
+const AXES: [(&str, [f64; 3]); 6] = [
+    ("+Z", [0.0, 0.0, 1.0]),
+    ("\u{2212}Z", [0.0, 0.0, -1.0]),
+    ("+X", [1.0, 0.0, 0.0]),
+    ("\u{2212}X", [-1.0, 0.0, 0.0]),
+    ("+Y", [0.0, 1.0, 0.0]),
+    ("\u{2212}Y", [0.0, -1.0, 0.0]),
+];
+
+/// Names of the directions along axes, as windows show them.
+pub const AXIS_NAMES: [&str; 6] = [AXES[0].0, AXES[1].0, AXES[2].0, AXES[3].0, AXES[4].0, AXES[5].0];
+
+/// The three parts of a direction; none if it has others, or some that are no numbers.
+pub(super) fn parts(value: &Value) -> Option<[f64; 3]> {
+    let all: Vec<f64> = value.as_array()?.iter().filter_map(Value::as_f64).filter(|part| part.is_finite()).collect();
+    all.try_into().ok()
+}
+
+/// The name of a direction: that of its axis, or else its three parts.
+pub fn direction_words(value: &Value) -> String {
+    const HAIR: f64 = 1e-6;
+    let Some(parts) = parts(value) else { return String::new() };
+    let length = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let is_along =
+        |axis: &[f64; 3]| axis.iter().zip(&parts).all(|(a, part)| (a * length - part).abs() <= HAIR * length);
+    match AXES.iter().find(|(_, axis)| length > 0.0 && is_along(axis)) {
+        Some((name, _)) => (*name).to_owned(),
+        None => parts.map(|part| number(&part.into())).join(", "),
+    }
+}
+
+/// A letter with its sign, or three numbers.
+fn read_direction(text: &str) -> Option<Value> {
+    let upper = text.to_uppercase().replace('-', "\u{2212}");
+    let signed = if upper.len() == 1 { format!("+{upper}") } else { upper };
+    match AXES.iter().find(|(name, _)| *name == signed) {
+        Some((_, axis)) => serde_json::to_value(axis).ok(),
+        None => read_numbers(text, false),
+    }
 }
 
 /// An inline value of TOML.

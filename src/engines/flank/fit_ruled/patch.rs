@@ -5,8 +5,10 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use super::params::RuledFitError;
+use geometry::groups::Groups;
 use geometry::mesh::{Mesh, normal_times_two_areas};
 use geometry::segmentation::{FaceKind, Segmentation, SegmentationSettings};
+use geometry::weld::Weld;
 
 /// No triangle.
 const NONE: u32 = u32::MAX;
@@ -207,20 +209,14 @@ fn welded(mesh: &Mesh, chosen: &[u32]) -> Result<Welded, RuledFitError> {
         return Err(RuledFitError::NoArea);
     }
     let origin = 0.5 * low + 0.5 * high;
-    let mut number: HashMap<[u64; 3], u32> = HashMap::with_capacity(chosen.len());
-    let (mut points, mut triangles) = (Vec::new(), Vec::with_capacity(chosen.len()));
+    let (mut weld, mut triangles) = (Weld::with_capacity(chosen.len()), Vec::with_capacity(chosen.len()));
     for &t in &chosen {
-        let corners = mesh.triangles[t as usize].map(|v| {
-            let p = mesh.vertices[v as usize];
-            *number.entry((p + 0.0).to_array().map(f64::to_bits)).or_insert_with(|| {
-                points.push(p - origin);
-                points.len() as u32 - 1
-            })
-        });
+        let corners = mesh.triangles[t as usize].map(|v| weld.add(mesh.vertices[v as usize]));
         if corners[0] != corners[1] && corners[1] != corners[2] && corners[2] != corners[0] {
             triangles.push(corners);
         }
     }
+    let points = weld.points().iter().map(|p| p - origin).collect();
     if triangles.is_empty() { Err(RuledFitError::NoArea) } else { Ok((origin, points, triangles)) }
 }
 
@@ -333,21 +329,14 @@ fn chord_error(patch: &Patch) -> f64 {
 fn smooth_pieces(patch: &Patch) -> Vec<u32> {
     let found = Segmentation::of(&patch.mesh(), &SegmentationSettings::default());
     let is_flat: Vec<bool> = found.faces.iter().map(|f| matches!(f.kind, FaceKind::Plane { .. })).collect();
-    let mut piece: Vec<u32> = (0..found.faces.len() as u32).collect();
-    let root = |piece: &[u32], mut f: u32| {
-        while piece[f as usize] != f {
-            f = piece[f as usize];
-        }
-        f
-    };
+    let mut pieces = Groups::of(found.faces.len());
     for edge in &found.edges {
-        let [a, b] = edge.faces;
-        if is_flat[a as usize] == is_flat[b as usize] {
-            let (a, b) = (root(&piece, a), root(&piece, b));
-            piece[a.max(b) as usize] = a.min(b);
+        let [a, b] = edge.faces.map(|face| face as usize);
+        if is_flat[a] == is_flat[b] {
+            pieces.join(a, b);
         }
     }
-    found.face_of.iter().map(|f| root(&piece, *f)).collect()
+    found.face_of.iter().map(|face| pieces.first(*face as usize) as u32).collect()
 }
 
 /// The greatest height, over the sides of triangles, of the cubic that has the piece's normals at both ends: a quarter of

@@ -58,7 +58,7 @@ pub enum MillingError {
     },
     /// A tolerance that cannot be kept.
     #[error(
-        "{at}: chordal deviation {deviation_mm:.5} mm, and more points do not reduce it; raise linearisation_mm or smooth the path there"
+        "{at}: chordal deviation {deviation_mm:.5} mm, and more points do not reduce it; raise the linearisation tolerance or smooth the path there"
     )]
     ChordalDeviation {
         /// Where.
@@ -67,7 +67,7 @@ pub enum MillingError {
         deviation_mm: f64,
     },
     /// A path of too many points.
-    #[error("more than {most} points are needed to keep linearisation_mm; raise it")]
+    #[error("more than {most} points are needed to keep the linearisation tolerance; raise it")]
     TooManyPoints {
         /// The most that are made.
         most: usize,

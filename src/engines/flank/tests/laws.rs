@@ -236,7 +236,7 @@ fn past_its_ends_a_path_cuts_no_more_than_the_cutter_that_stands_there() {
         let grid = DesignGrid::new(&surface, params.grid);
         let cutter = cutter.above(params.below_mm).unwrap();
         for (k, place) in grid.places().enumerate() {
-            let swept = envelope::swept_above(&path.axis, &cutter, (place.point, place.normal), [-2.0, 40.0], 100);
+            let swept = swept_above(&path.axis, &cutter, (place.point, place.normal), [-2.0, 40.0], 100);
             let moving = path.envelope.deviation.values[k];
             assert!(swept.is_none_or(|swept| (swept - moving).abs() < 1e-5), "{name} {k}: {swept:?} {moving}");
         }

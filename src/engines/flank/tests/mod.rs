@@ -1,17 +1,18 @@
 //! The figures of an independent computation, and laws that hold whatever the figures.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 use serde_json::Value;
 
 use super::axis_surface::AxisSurface;
 use super::compensation::{Compensation, Measured, Model, best_rank};
 use super::cutter::FlankCutter;
-use super::deviation::{DesignGrid, on_axis_grid};
+use super::deviation::{DesignGrid, Deviation};
 use super::guide::GuideCurve;
 use super::offset::{CutterLocation, Touch, three_point, two_point};
 use super::params::{FlankParams, Objective, OffsetMethod};
 use super::plan::{FlankPlan, plan_flank};
-use super::ruled_surface::{RuledSurface, Side};
+use super::ruled_surface::{RuledSurface, Side, SurfacePlace};
 use super::{FlankError, envelope};
 use task::{Cancel, Task};
 
@@ -231,7 +232,7 @@ fn reaches_and_keeps(cases: [(&str, [f64; 2]); 2]) {
         assert_eq!(path.envelope.without, 0);
         let grid = DesignGrid::new(&surface, [100, 50]);
         for (k, place) in grid.places().enumerate().step_by(487) {
-            let swept = envelope::swept_above(&path.axis, &cutter, (place.point, place.normal), [-2.0, 40.0], 100);
+            let swept = swept_above(&path.axis, &cutter, (place.point, place.normal), [-2.0, 40.0], 100);
             assert!((swept.unwrap() - moving.values[k]).abs() < 1e-5, "{k}: {swept:?} {}", moving.values[k]);
         }
     }
@@ -255,7 +256,7 @@ fn the_envelope_agrees_with_the_reference_and_with_a_brute_force_sweep() {
         let swept_sum = wanted["sum_swept"].as_f64().unwrap();
         assert!((moving.deviation.sum / swept_sum - 1.0).abs() < 1e-4, "{} {swept_sum}", moving.deviation.sum);
         for (k, place) in grid.places().enumerate().step_by(5) {
-            let swept = envelope::swept_above(&start.axis, &cutter, (place.point, place.normal), [-2.0, 40.0], 100);
+            let swept = swept_above(&start.axis, &cutter, (place.point, place.normal), [-2.0, 40.0], 100);
             let envelope = moving.deviation.values[k];
             assert!((swept.unwrap() - envelope).abs() < 1e-8, "{name} {k}: {swept:?} {envelope}");
         }
@@ -275,4 +276,66 @@ fn a_surface_run_the_other_way_is_the_same_surface() {
         assert!(there.point.distance(back.point) < 1e-12 && there.normal.distance(back.normal) < 1e-12);
         assert!(there.along_u.distance(-back.along_u) < 1e-10);
     }
+}
+
+/// Deviation on a grid of the axis surface, `size` places along t and a with the ends among them, as P4 takes it; each
+/// at the foot of its own place. Not for choosing paths: it can be made nothing by leaving the part.
+///
+/// # Errors
+/// [`FlankError::Unmeasured`] if a place has no foot.
+fn on_axis_grid(
+    surface: &RuledSurface,
+    axis: &AxisSurface,
+    cutter: &FlankCutter,
+    size: [usize; 2],
+) -> Result<(Deviation, Vec<SurfacePlace>), FlankError> {
+    let share = |i: usize, n: usize| i as f64 / (n.max(2) - 1) as f64;
+    let one = |k: usize| {
+        let (t, a) = (share(k / size[1], size[0]), share(k % size[1], size[1]));
+        let at = axis.at(t);
+        let p = at.tip.lerp(at.top, a);
+        let foot = surface.foot(p, DVec2::new(axis.u0(t), a))?;
+        Some(((p - foot.point).dot(foot.normal) - cutter.sphere_at(a * at.length()), foot))
+    };
+    let found: Vec<_> = (0..size[0] * size[1]).into_par_iter().map(one).collect();
+    if let Some(first) = found.iter().position(Option::is_none) {
+        let count = found.iter().filter(|f| f.is_none()).count();
+        return Err(FlankError::Unmeasured {
+            count,
+            u: share(first / size[1], size[0]),
+            v: share(first % size[1], size[1]),
+        });
+    }
+    let (values, feet) = found.into_iter().flatten().unzip();
+    Ok((Deviation::of(size, values), feet))
+}
+
+/// How far above a point (mm) its normal first enters the cutter's flutes anywhere on the path, by brute force: the part
+/// of the cone between two `heights` above the tip (mm), at `samples` places of the path and ever finer around the
+/// nearest. None if it never does. Where the normal has left the cutter again below the point, that is the other side of
+/// a wall and does not count. For checks: it knows nothing of envelopes.
+pub(super) fn swept_above(
+    axis: &AxisSurface,
+    cutter: &FlankCutter,
+    (point, normal): (DVec3, DVec3),
+    heights: [f64; 2],
+    samples: usize,
+) -> Option<f64> {
+    const FINER: usize = 6;
+    let (mut from, mut to) = (0.0, 1.0);
+    let mut best: Option<f64> = None;
+    for _ in 0..FINER {
+        let spacing = (to - from) / samples.max(2) as f64;
+        let entry = |i: usize| {
+            let t = from + spacing * i as f64;
+            envelope::entry(&axis.at(t), cutter, (point, normal), heights).map(|s| (s, t))
+        };
+        let (least, t) = (0..=samples.max(2)).filter_map(entry).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        best = Some(best.map_or(least, |b| b.min(least)));
+        (from, to) = (t - 2.0 * spacing, t + 2.0 * spacing);
+        if !axis.is_closed() {
+            (from, to) = (from.max(0.0), to.min(1.0));
+        }
+    }
+    best
 }

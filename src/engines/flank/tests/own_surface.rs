@@ -58,7 +58,7 @@ fn swept(path: &FlankPath, cutter: &FlankCutter, surface: &RuledSurface, size: [
     let heights = [-path.below_mm - touching.radius_mm, touching.length_mm + touching.radius_at(touching.length_mm)];
     let mut found = Swept { greatest_difference_mm: 0.0, sums_mm: [0.0; 2], without: 0 };
     for (place, moving) in grid.places().zip(moving(&grid, path, &touching)) {
-        let swept = envelope::swept_above(&path.axis, &touching, (place.point, place.normal), heights, SAMPLES);
+        let swept = swept_above(&path.axis, &touching, (place.point, place.normal), heights, SAMPLES);
         let Some((swept, moving)) = swept.zip(moving) else {
             found.without += 1;
             continue;

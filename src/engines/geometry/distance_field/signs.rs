@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use super::local_triangles::Candidate;
 use super::{DistanceField, Handle};
 use crate::exact::ExactMesh;
+use crate::groups::Groups;
 use crate::inside::winding_number;
 use task::{Cancel, Cancelled};
 
@@ -71,14 +72,14 @@ impl Survey<'_> {
 
     /// Whether each clear node is inside.
     fn zones(&self, cancel: &Cancel) -> Result<Vec<bool>, Cancelled> {
-        let mut zones = Zones { parent: (0..self.passages.len() as u32).collect() };
+        let mut zones = Groups::of(self.passages.len());
         let layers: Vec<_> = (0..self.field.cells[2])
             .into_par_iter()
             .map(|z| cancel.check().map(|()| self.touching_in_layer(z)))
             .collect::<Result<_, _>>()?;
-        layers.into_iter().flatten().for_each(|[v, w]| zones.join(v, w));
-        let roots: Vec<u32> = (0..self.passages.len()).map(|node| zones.root(node as u32)).collect();
-        let places = self.places(|node| self.is_clear(node) && roots[node] as usize == node, cancel)?;
+        layers.into_iter().flatten().for_each(|[v, w]| zones.join(v as usize, w as usize));
+        let roots: Vec<usize> = (0..self.passages.len()).map(|node| zones.first(node)).collect();
+        let places = self.places(|node| self.is_clear(node) && roots[node] == node, cancel)?;
         let wound = |&(node, cell): &(usize, [usize; 3])| {
             cancel.check()?;
             let size = if node < self.smooth { f64::from(1 << self.field.handle(cell).kind()) } else { 1.0 };
@@ -86,7 +87,7 @@ impl Survey<'_> {
             Ok((node, winding_number(self.exact, center) != 0))
         };
         let of_root: HashMap<usize, bool> = places.par_iter().map(wound).collect::<Result<_, _>>()?;
-        Ok(roots.iter().map(|&root| of_root.get(&(root as usize)).copied().unwrap_or(false)).collect())
+        Ok(roots.iter().map(|&root| of_root.get(&root).copied().unwrap_or(false)).collect())
     }
 
     /// Pairs of different clear nodes with cells side by side, the first of them in layer `z`.
@@ -254,26 +255,5 @@ impl DistanceField {
     /// The point `offset` cells from the low corner of a cell.
     fn point_in(&self, cell: [usize; 3], offset: DVec3) -> DVec3 {
         self.bounds.min + (DVec3::from_array(cell.map(|i| i as f64)) + offset) * self.cell
-    }
-}
-
-/// Disjoint sets of nodes.
-struct Zones {
-    parent: Vec<u32>,
-}
-
-impl Zones {
-    fn root(&mut self, mut node: u32) -> u32 {
-        while self.parent[node as usize] != node {
-            let above = self.parent[self.parent[node as usize] as usize];
-            self.parent[node as usize] = above;
-            node = above;
-        }
-        node
-    }
-
-    fn join(&mut self, v: u32, w: u32) {
-        let (v, w) = (self.root(v), self.root(w));
-        self.parent[v.max(w) as usize] = v.min(w);
     }
 }

@@ -1,10 +1,9 @@
 //! Who borders whom: triangles of a mesh with their neighbours, normals and areas.
 
-use std::collections::HashMap;
-
 use glam::DVec3;
 
 use crate::mesh::{Mesh, normal_times_two_areas};
+use crate::weld::Weld;
 
 /// No triangle, no facet, no face.
 pub(super) const NONE: u32 = u32::MAX;
@@ -15,7 +14,7 @@ pub(super) struct Topology {
     pub(super) origin: DVec3,
     /// Points (mm).
     pub(super) points: Vec<DVec3>,
-    /// The points of each triangle: the first of those that coincide.
+    /// The points of each triangle.
     pub(super) corners: Vec<[u32; 3]>,
     /// The triangle across side `k`, which runs from corner `k` to the next; [`NONE`] at a border.
     pub(super) neighbours: Vec<[u32; 3]>,
@@ -36,8 +35,11 @@ impl Topology {
         let high = finite().reduce(DVec3::max).unwrap_or_default();
         let origin = 0.5 * low + 0.5 * high;
         let rounding = low.abs().max(high.abs()).max_element() * 2f64.powi(-24);
-        let points: Vec<DVec3> = mesh.vertices.iter().map(|p| p - origin).collect();
-        let corners = welded(mesh);
+        let mut weld = Weld::with_capacity(mesh.vertices.len());
+        let number: Vec<u32> = mesh.vertices.iter().map(|p| weld.add(*p)).collect();
+        let corner = |v: u32| number.get(v as usize).copied().unwrap_or(NONE);
+        let corners: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(corner)).collect();
+        let points: Vec<DVec3> = weld.points().iter().map(|p| p - origin).collect();
         let neighbours = neighbours(&points, &corners);
         let mut topology = Self {
             origin,
@@ -100,17 +102,6 @@ impl Topology {
 fn is_sound(points: &[DVec3], [a, b, c]: [u32; 3]) -> bool {
     let is_point = |v: u32| points.get(v as usize).is_some_and(|p| p.is_finite());
     a != b && b != c && c != a && is_point(a) && is_point(b) && is_point(c)
-}
-
-/// The corners of each triangle with every vertex replaced by the first one at its place.
-fn welded(mesh: &Mesh) -> Vec<[u32; 3]> {
-    let mut first = HashMap::with_capacity(mesh.vertices.len());
-    let same: Vec<u32> = (0u32..)
-        .zip(&mesh.vertices)
-        // Adding zero makes one zero of the two.
-        .map(|(i, p)| *first.entry((p + 0.0).to_array().map(f64::to_bits)).or_insert(i))
-        .collect();
-    mesh.triangles.iter().map(|t| t.map(|v| same.get(v as usize).copied().unwrap_or(NONE))).collect()
 }
 
 /// The triangle across each side. More than two triangles at a side, or two that disagree which way is out, are no

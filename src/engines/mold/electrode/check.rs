@@ -1,6 +1,7 @@
 //! Checks that nothing may skip: whether an electrode is closed, enters nothing on its way, leaves no residual stock,
 //! and can be milled.
 
+use files::Figures;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -67,17 +68,31 @@ pub struct Finding {
     pub text: String,
     /// Where, in the upright mold (mm).
     pub place: Option<DVec3>,
+    /// How bad it is, if it fails; see [`Figures`].
+    #[serde(skip)]
+    pub figures: Figures,
 }
+
+/// The greatest figure of what is wrong: what is no number is as bad as that.
+const WORST: f64 = 1e9;
 
 impl Finding {
     /// A finding.
     pub(super) fn new(kind: CheckKind, holds: bool, text: String, place: Option<DVec3>) -> Self {
-        Self { kind, holds, text, place }
+        Self { kind, holds, text, place, figures: Figures::new() }
     }
 
-    /// One that does not hold.
-    pub(super) fn failed(kind: CheckKind, text: String) -> Self {
-        Self::new(kind, false, text, None)
+    /// One that does not hold, as bad as this figure says.
+    pub(super) fn failed(kind: CheckKind, text: String, figure: (&str, f64)) -> Self {
+        Self::new(kind, false, text, None).with(&[figure])
+    }
+
+    /// This finding with the figures of its failure.
+    pub(super) fn with(mut self, figures: &[(&str, f64)]) -> Self {
+        let worst = |figure: f64| if figure.is_finite() { figure.clamp(0.0, WORST) } else { WORST };
+        let wrong = figures.iter().filter(|_| !self.holds);
+        self.figures.extend(wrong.map(|(name, figure)| ((*name).to_owned(), worst(*figure))));
+        self
     }
 }
 
@@ -93,7 +108,7 @@ pub fn watertight(mesh: &Mesh) -> Finding {
     } else {
         "its surface has open edges or touches itself: no other check means anything".into()
     };
-    Finding::new(CheckKind::Watertight, holds, text, None)
+    Finding::new(CheckKind::Watertight, holds, text, None).with(&[("not_closed", 1.0)])
 }
 
 /// Whether cutters mill an electrode, turned over so that its tips look up, leaving nothing above `tolerance` (mm).
@@ -116,17 +131,18 @@ pub fn machinable(
     let back = |p: DVec3| DVec3::new(p.x, -p.y, -p.z);
     Ok(match left.first() {
         Some(worst) => {
+            let volume = left.iter().map(|r| r.volume).sum::<f64>();
+            let thickness = left.iter().map(|r| r.normal_depth).fold(0.0, f64::max);
             let text = format!(
-                "not millable: the cutters leave rest material at {} places, {:.3} mm^3 in all, up to {:.3} mm thick; divide it there, or add a smaller cutter",
+                "not millable: the cutters leave rest material at {} places, {volume:.3} mm^3 in all, up to {thickness:.3} mm thick; divide it there, or add a smaller cutter",
                 left.len(),
-                left.iter().map(|r| r.volume).sum::<f64>(),
-                left.iter().map(|r| r.normal_depth).fold(0.0, f64::max)
             );
-            Finding::new(CheckKind::Machinable, false, text, Some(back(worst.bounds.center())))
+            let finding = Finding::new(CheckKind::Machinable, false, text, Some(back(worst.bounds.center())));
+            finding.with(&[("volume_mm3", volume), ("thickness_mm", thickness)])
         }
         None if invert > LEAST_INVERT => {
             let text = format!("not millable: {invert:.3} mm^2 are undercut");
-            Finding::new(CheckKind::Machinable, false, text, None)
+            Finding::failed(CheckKind::Machinable, text, ("undercut_mm2", invert))
         }
         None => Finding::new(CheckKind::Machinable, true, "millable: no rest material".into(), None),
     })

@@ -185,7 +185,11 @@ impl Clearance {
                     "{way} the distance to the mold is only {found:.4} mm (required: {asked}); reduce the spark gap or the depth of the burn"
                 )
             };
-            Finding::new(kind, holds, text, if holds { None } else { self.inside.or(place) })
+            let figure = match self.inside {
+                Some(_) => ("inside_mm", distance.abs()),
+                None => ("missing_mm", needed(stage) - distance),
+            };
+            Finding::new(kind, holds, text, if holds { None } else { self.inside.or(place) }).with(&[figure])
         };
         let [burning, way] = self.near;
         [of(CheckKind::Gouge, burning, "where it burns"), of(CheckKind::Approach, way, "on approach and retraction")]

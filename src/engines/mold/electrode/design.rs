@@ -2,13 +2,13 @@
 
 use std::fmt;
 
+use files::{Figures, Override};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::base::Base;
 use super::check::{CheckKind, Finding, LeftOfRegion};
 use super::division::Cut;
-use super::overrides::{IdleOverride, Override};
 use super::params::{ElectrodeParams, GivenName, Method};
 use geometry::mesh::{Bounds, Mesh};
 
@@ -119,24 +119,40 @@ impl Electrode {
         self.mesh.bounds()
     }
 
-    /// The parts of regions that all its burns are for, by name, in order.
-    pub fn part_names(&self) -> Vec<String> {
+    /// The parts of regions that all its burns are for, in order.
+    pub fn parts(&self) -> Vec<PartId> {
         let mut parts: Vec<PartId> = self.burns.iter().flat_map(|b| b.parts.iter().copied()).collect();
         parts.sort_unstable();
         parts.dedup();
-        parts.iter().map(PartId::to_string).collect()
+        parts
     }
 }
 
-impl Override {
-    /// A decision for one check of an electrode and what it burns.
-    pub fn of(electrode: &Electrode, check: CheckKind) -> Self {
-        Self { electrode: electrode.name.clone(), check: Some(check), parts: electrode.part_names() }
-    }
+/// Area of an outline with the sign of its sense (mm^2).
+fn area_of(outline: &[DVec2]) -> f64 {
+    let next = outline.iter().cycle().skip(1);
+    0.5 * outline.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum::<f64>()
+}
 
-    /// Whether it is for this electrode and what that burns.
-    pub fn is_for(&self, electrode: &Electrode) -> bool {
-        self.electrode == electrode.name && (self.parts.is_empty() || self.parts == electrode.part_names())
+/// Why an override overrides nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub enum IdleOverride {
+    /// No electrode has its name.
+    NoElectrode,
+    /// What it was decided for is no longer so, in words.
+    Lapsed(String),
+    /// The check does not fail.
+    Holds,
+}
+
+impl fmt::Display for IdleOverride {
+    /// In words, after the override's name.
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::NoElectrode => "there is no electrode of that name",
+            Self::Lapsed(why) => why,
+            Self::Holds => "the check does not fail: the override has no effect",
+        })
     }
 }
 
@@ -157,6 +173,13 @@ pub struct PartNode {
     pub part: Option<usize>,
     /// For a leaf a point of it by which changes name it, in plan, in the burn frame (mm).
     pub place: Option<DVec2>,
+}
+
+impl PartNode {
+    /// The leaf with this number among the region's parts.
+    fn leaf(&self, part: usize) -> Option<&Self> {
+        if self.part == Some(part) { Some(self) } else { self.parts.iter().find_map(|inner| inner.leaf(part)) }
+    }
 }
 
 /// Part of a region that a stage has no tip for, and leaves to the stages after it.
@@ -234,25 +257,62 @@ impl ElectrodeSet {
         }
     }
 
-    /// Whether one of `overrides` is for this check of an electrode.
-    pub fn is_overridden(&self, electrode: usize, check: CheckKind, overrides: &[Override]) -> bool {
+    /// The parts of regions that an electrode burns, each with its area in plan: a part that is merged with another has a
+    /// larger one, whatever it is called.
+    pub fn parts_of(&self, electrode: usize) -> Vec<String> {
         let electrode = &self.electrodes[electrode];
-        overrides.iter().any(|o| o.is_for(electrode) && o.check.is_none_or(|kind| kind == check))
+        let area = |id: &PartId| {
+            let region = self.regions.get(id.region)?;
+            let divisions = region.earlier.iter().filter(|(stage, _)| *stage == electrode.stage).map(|(_, tree)| tree);
+            let leaf = divisions.chain(&region.tree).find_map(|tree| tree.leaf(id.part))?;
+            Some(leaf.outlines.iter().map(|outline| area_of(outline)).sum::<f64>().abs())
+        };
+        electrode.parts().iter().map(|id| format!("{id} {:.2} mm2", area(id).unwrap_or_default())).collect()
     }
 
-    /// The overrides that override nothing, with the reason.
-    pub fn idle_overrides(&self) -> Vec<(&Override, IdleOverride)> {
+    /// How bad what a check of an electrode found is.
+    fn figures_of(&self, electrode: usize, check: &str) -> Figures {
+        let mut figures = Figures::new();
+        for finding in self.checks[electrode].iter().filter(|f| !f.holds && f.kind.name() == check) {
+            for (name, figure) in &finding.figures {
+                let worst = figures.entry(name.clone()).or_insert(*figure);
+                *worst = worst.max(*figure);
+            }
+        }
+        figures
+    }
+
+    /// The decision to export an electrode although a check fails, for what it burns and as bad as it is now.
+    pub fn override_of(&self, electrode: usize, check: CheckKind) -> Override {
+        let figures = self.figures_of(electrode, check.name());
+        let of = self.electrodes[electrode].name.clone();
+        Override { of, ..Override::decided(check.name(), self.parts_of(electrode), &figures) }
+    }
+
+    /// Why an override of an electrode no longer holds; none while it does.
+    fn lapsed(&self, electrode: usize, one: &Override) -> Option<String> {
+        one.lapsed(&self.parts_of(electrode), &self.figures_of(electrode, &one.check))
+    }
+
+    /// Whether one of `overrides` is for this check of an electrode.
+    pub fn is_overridden(&self, electrode: usize, check: CheckKind, overrides: &[Override]) -> bool {
+        let name = &self.electrodes[electrode].name;
+        let mut of_it = overrides.iter().filter(|o| o.of == *name && o.check == check.name());
+        of_it.any(|o| self.lapsed(electrode, o).is_none())
+    }
+
+    /// The overrides of `overrides` that override nothing, with the reason.
+    pub fn idle_overrides<'a>(&self, overrides: &'a [Override]) -> Vec<(&'a Override, IdleOverride)> {
         let why = |o: &Override| -> Option<IdleOverride> {
-            let Some(e) = self.electrodes.iter().position(|e| e.name == o.electrode) else {
+            let Some(e) = self.electrodes.iter().position(|e| e.name == o.of) else {
                 return Some(IdleOverride::NoElectrode);
             };
-            if !o.is_for(&self.electrodes[e]) {
-                return Some(IdleOverride::OtherParts);
+            if !self.checks[e].iter().any(|f| !f.holds && f.kind.name() == o.check) {
+                return Some(IdleOverride::Holds);
             }
-            let is_used = self.checks[e].iter().any(|f| !f.holds && o.check.is_none_or(|kind| kind == f.kind));
-            (!is_used).then_some(IdleOverride::Holds)
+            self.lapsed(e, o).map(IdleOverride::Lapsed)
         };
-        self.params.overrides.iter().filter_map(|o| Some((o, why(o)?))).collect()
+        overrides.iter().filter_map(|o| Some((o, why(o)?))).collect()
     }
 
     /// Regions that have no electrode for all of them.

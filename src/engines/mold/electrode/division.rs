@@ -8,7 +8,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::footprint::{grown, half_plane, shrunk};
-use super::h_edge::{HEdge, h_edges};
+use super::h_edge::{HEdge, h_edges, is_upright, place};
 use super::tip::{Burned, Footprint, SKIN, TipError, tip};
 use crate::outline::Outline;
 use crate::plane;
@@ -113,7 +113,7 @@ fn divided(
             cancel.check()?;
             let Some(halves) = parts_of(burned, &part.footprint, &cut, settings)? else { continue };
             let (parts, mouth) = (&halves.parts, halves.mouth);
-            let is_left = |h: &HEdge| h.place().distance(edge.place()) < STILL_THERE;
+            let is_left = |h: &HEdge| place(h).distance(place(edge)) < STILL_THERE;
             let left = parts.iter().map(|p| p.h_edges.len()).sum::<usize>();
             let is_better = best.as_ref().is_none_or(|(least, shortest, ..)| (left, mouth) < (*least, *shortest));
             if is_better && !parts.iter().flat_map(|p| &p.h_edges).any(is_left) {
@@ -172,15 +172,15 @@ fn parts_of(
 
 /// The cuts that take an H-edge away, those that overlap first.
 fn cuts(edge: &HEdge) -> Vec<Cut> {
-    let through = edge.place();
-    let outwards: Vec<DVec2> = if edge.is_upright() {
+    let through = place(edge);
+    let outwards: Vec<DVec2> = if is_upright(edge) {
         edge.normals.iter().map(|n| n.truncate().normalize_or_zero()).filter(|n| *n != DVec2::ZERO).collect()
     } else {
         let along = (edge.ends[1] - edge.ends[0]).truncate().normalize_or_zero();
         vec![along.perp(), -along.perp()]
     };
     let of = |overlaps: bool| outwards.clone().into_iter().map(move |outward| Cut { through, outward, overlaps });
-    if edge.is_upright() { of(true).chain(of(false)).collect() } else { of(false).collect() }
+    if is_upright(edge) { of(true).chain(of(false)).collect() } else { of(false).collect() }
 }
 
 /// The parts of a footprint on both sides of a cut, and the length along which they meet (mm).

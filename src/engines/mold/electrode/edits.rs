@@ -1,10 +1,11 @@
 //! The user's changes to the division of a region.
 
+use files::Invalid;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::division::{Cut, DivisionSettings, Part, cut_along, whole};
-use super::params::{Edit, ElectrodeParamsError};
+use super::params::Edit;
 use super::setting::RegionToBurn;
 use super::tip::{Burned, Footprint, SKIN, TipError};
 use crate::outline::{Outline, off_segment};
@@ -21,19 +22,19 @@ const HAIR: f64 = 1e-3;
 const AS_NEAR: f64 = 0.02;
 
 impl Edit {
-    /// Whether it can be made; `number` is its place in the list, counted from 1.
-    pub(super) fn validate(&self, number: usize) -> Result<(), ElectrodeParamsError> {
+    /// Whether it can be made.
+    pub(super) fn validate(&self) -> Result<(), Invalid> {
         let is_place = match self {
             Self::Merge { places: [a, b] } | Self::Split { line: [a, b] } => a.is_finite() && b.is_finite(),
             Self::Make { place, .. } | Self::Burn { place, .. } => place.is_finite(),
         };
         if !is_place {
-            return Err(ElectrodeParamsError::Place(number));
+            return Err(Invalid::of("", "its places must be finite numbers (mm)"));
         }
         match self {
             // Too long or too short a direction has no length that can be told.
             Self::Burn { direction, .. } if direction.try_normalize().is_none() => {
-                Err(ElectrodeParamsError::Direction(number))
+                Err(Invalid::of("direction", "must be finite and not zero; straight down is [0, 0, -1]"))
             }
             _ => Ok(()),
         }

@@ -3,11 +3,9 @@
 //! Where a mold's edge is convex the tip's is concave. A cutter makes a concave edge only if its flat end does, along a
 //! horizontal straight edge between two planes (which wire erosion makes too); others split the region (P3, section 4.3).
 
-use std::collections::HashMap;
+use glam::DVec2;
 
-use glam::{DVec2, DVec3};
-
-use geometry::mesh::{Mesh, unit_normal};
+use geometry::mesh::{Edge, Mesh};
 
 /// Turn of a concave edge from which on it is one; below, it is a facet of a rounding.
 const LEAST_TURN_DEG: f64 = 20.0;
@@ -18,67 +16,31 @@ const SHORTEST: f64 = 0.02;
 /// Distance in plan within which edges are one chain (mm).
 const TOGETHER: f64 = 1e-3;
 
-/// Concave edges of a tip that stand above one another, or one that is slanted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HEdge {
-    /// Ends (mm).
-    pub ends: [DVec3; 2],
-    /// The unit normals of the faces on both sides, outwards.
-    pub normals: [DVec3; 2],
+/// Concave edges of a tip that stand above one another, or one that is slanted; normals are outwards.
+pub type HEdge = Edge;
+
+/// Where an edge is in plan (mm).
+pub fn place(edge: &HEdge) -> DVec2 {
+    edge.ends[0].midpoint(edge.ends[1]).truncate()
 }
 
-impl HEdge {
-    /// Length (mm).
-    pub fn length(&self) -> f64 {
-        self.ends[0].distance(self.ends[1])
-    }
-
-    /// Where it is in plan (mm).
-    pub fn place(&self) -> DVec2 {
-        self.ends[0].midpoint(self.ends[1]).truncate()
-    }
-
-    /// Whether it stands upright.
-    pub fn is_upright(&self) -> bool {
-        (self.ends[1] - self.ends[0]).truncate().length() < TOGETHER
-    }
+/// Whether an edge stands upright.
+pub fn is_upright(edge: &HEdge) -> bool {
+    (edge.ends[1] - edge.ends[0]).truncate().length() < TOGETHER
 }
 
 /// The H-edges of a tip, the longest first, upright ones above one another together.
 pub fn h_edges(tip: &Mesh) -> Vec<HEdge> {
-    let mut faces: HashMap<(u32, u32), u32> = HashMap::new();
-    for (i, &[a, b, c]) in tip.triangles.iter().enumerate() {
-        [(a, b), (b, c), (c, a)].into_iter().for_each(|edge| {
-            faces.insert(edge, i as u32);
-        });
-    }
-    let normal = |face: u32| unit_normal(tip.corners(face as usize));
-    let mut found: Vec<HEdge> = Vec::new();
-    for (i, &[a, b, c]) in tip.triangles.iter().enumerate() {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            let Some(other) = faces.get(&(to, from)).filter(|_| from < to) else { continue };
-            let ends = [from, to].map(|v| tip.vertices[v as usize]);
-            let edge = HEdge { ends, normals: [normal(i as u32), normal(*other)] };
-            if is_one(&edge) {
-                found.push(edge);
-            }
-        }
-    }
+    let is_level = |edge: &Edge| (edge.ends[1] - edge.ends[0]).z.abs() <= LEVEL * edge.length();
+    let mut found = tip.concave_edges(LEAST_TURN_DEG.to_radians());
+    found.retain(|edge| !is_level(edge) && edge.length() > SHORTEST);
     joined(found)
-}
-
-fn is_one(edge: &HEdge) -> bool {
-    let [n, m] = edge.normals;
-    let along = edge.ends[1] - edge.ends[0];
-    let is_concave = n.cross(m).dot(along) < 0.0;
-    let is_level = along.z.abs() <= LEVEL * along.length();
-    is_concave && !is_level && edge.length() > SHORTEST && n.dot(m) < LEAST_TURN_DEG.to_radians().cos()
 }
 
 fn joined(found: Vec<HEdge>) -> Vec<HEdge> {
     let mut chains: Vec<HEdge> = Vec::new();
     for edge in found {
-        let same = |c: &&mut HEdge| c.is_upright() && edge.is_upright() && c.place().distance(edge.place()) < TOGETHER;
+        let same = |c: &&mut HEdge| is_upright(c) && is_upright(&edge) && place(c).distance(place(&edge)) < TOGETHER;
         match chains.iter_mut().find(same) {
             Some(chain) => {
                 let mut all = [chain.ends[0], chain.ends[1], edge.ends[0], edge.ends[1]];

@@ -201,5 +201,6 @@ pub fn leftover(left: &LeftOfRegion, tolerance: f64, stage: &Stage, looked: Look
             if matches!(stage.orbit, Orbit::Square { .. }) { SQUARE } else { "" }
         )
     };
-    Finding::new(CheckKind::Leftover, holds, text, (!holds).then_some(left.place))
+    let finding = Finding::new(CheckKind::Leftover, holds, text, (!holds).then_some(left.place));
+    finding.with(&[("excess_mm", left.excess)])
 }

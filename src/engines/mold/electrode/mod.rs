@@ -16,7 +16,6 @@ pub mod footprint;
 pub mod h_edge;
 pub mod leftover;
 pub mod names;
-pub mod overrides;
 pub mod params;
 pub mod plan;
 pub mod plan_checks;

@@ -2,11 +2,11 @@
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use files::{Invalid, Validate};
+use files::{Invalid, Override, Validate};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use super::overrides::Override;
+use super::check::CheckKind;
 use crate::cutter::CutterLibrary;
 
 /// A motion of the machine that widens the burn, in a plane across the burn direction.
@@ -374,86 +374,6 @@ impl Default for ElectrodeParams {
     }
 }
 
-/// Why parameters cannot be used.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ElectrodeParamsError {
-    /// A length outside what makes sense.
-    #[error("{name} is {value} mm: it must be from {least} to {most} mm")]
-    Length {
-        /// Name of the parameter.
-        name: String,
-        /// Value of the parameter (mm).
-        value: f64,
-        /// The least (mm).
-        least: f64,
-        /// The greatest (mm).
-        most: f64,
-    },
-    /// No burn at all.
-    #[error("there is no stage: give at least one burn, with its gap")]
-    NoStage,
-    /// Stages that cannot be distinguished.
-    #[error(
-        "two stages are called {0:?}, or a name is empty or holds more than letters, digits, - and _: file names carry it"
-    )]
-    StageName(String),
-    /// A finish or a number that is none.
-    #[error("stage {0}: finish_vdi must be from 0 to 60, and quantity at least 1")]
-    Stage(String),
-    /// Stages in another order than that in which they burn.
-    #[error(
-        "stage {later} has an undersize of {later_mm} mm and follows {earlier} with {earlier_mm} mm: it would remove nothing; put the roughing stage first"
-    )]
-    StageOrder {
-        /// The earlier one.
-        earlier: String,
-        /// Undersize at walls (mm).
-        earlier_mm: f64,
-        /// The later one.
-        later: String,
-        /// Undersize at walls (mm).
-        later_mm: f64,
-    },
-    /// A holder that takes nothing.
-    #[error("holder {0:?}: size_mm and height_mm must be positive")]
-    Holder(String),
-    /// Blanks that are none.
-    #[error("blanks: sides must rise and the increment must be from 0.1 to 100 mm")]
-    Blanks,
-    /// A place of a change that is none.
-    #[error("change {0} of edits: its places must be finite numbers (mm)")]
-    Place(usize),
-    /// A burn direction that is none.
-    #[error("change {0} of edits: its direction must be finite and not zero; straight down is [0, 0, -1]")]
-    Direction(usize),
-    /// Burning times that are none.
-    #[error("removal: all figures must be positive and finite")]
-    Removal,
-}
-
-impl From<ElectrodeParamsError> for Invalid {
-    fn from(error: ElectrodeParamsError) -> Self {
-        let text = error.to_string();
-        let key = match error {
-            ElectrodeParamsError::Length { name, value, least, most } => {
-                return Self::new(name, value, format!("must be from {least} to {most} mm"));
-            }
-            ElectrodeParamsError::NoStage
-            | ElectrodeParamsError::StageName(_)
-            | ElectrodeParamsError::Stage(_)
-            | ElectrodeParamsError::StageOrder { .. } => "stages".to_owned(),
-            ElectrodeParamsError::Holder(_) => "holders".to_owned(),
-            ElectrodeParamsError::Blanks => "blanks".to_owned(),
-            ElectrodeParamsError::Removal => "removal".to_owned(),
-            ElectrodeParamsError::Place(n) | ElectrodeParamsError::Direction(n) => {
-                format!("edits[{}]", n.saturating_sub(1))
-            }
-        };
-        let remedy = text.strip_prefix(&format!("{key}: ")).unwrap_or(&text);
-        Self::of(key, remedy)
-    }
-}
-
 /// The most stages and the most holders.
 const MOST: [(&str, usize); 2] = [("stages", 16), ("holders", 256)];
 
@@ -464,80 +384,89 @@ impl Validate for ElectrodeParams {
                 return Err(Invalid::of(key, format!("there are {count}; at most {most} are possible")));
             }
         }
-        Self::validate(self)?;
+        for (key, value, range) in [
+            ("margin_mm", self.margin_mm, [0.01, 20.0]),
+            ("overlap_mm", self.overlap_mm, [0.0, 20.0]),
+            ("least_size_mm", self.least_size_mm, [0.0, 1000.0]),
+            ("extension_mm", self.extension_mm, [0.1, 1000.0]),
+            ("base_height_mm", self.base_height_mm, [0.5, 1000.0]),
+            ("base_margin_mm", self.base_margin_mm, [0.1, 1000.0]),
+            ("datum_corner_mm", self.datum_corner_mm, [0.0, self.base_margin_mm.max(0.0)]),
+            ("together_mm", self.together_mm, [0.0, 1000.0]),
+            ("family_spacing_mm", self.family_spacing_mm, [0.1, 1000.0]),
+            ("lift_mm", self.lift_mm, [0.0, 10000.0]),
+            ("tolerance_mm", self.tolerance_mm, [1e-4, 1.0]),
+        ] {
+            Invalid::unless_within(key, value, range, "mm")?;
+        }
+        self.validate_stages()?;
+        for (i, edit) in self.edits.iter().enumerate() {
+            edit.validate().map_err(|problem| problem.within(&format!("edits[{i}]")))?;
+        }
+        let is_holder = |h: &Holder| h.size_mm.iter().chain([&h.height_mm]).all(|v| v.is_finite() && *v > 0.0);
+        if let Some(bad) = self.holders.iter().find(|h| !is_holder(h)) {
+            let remedy = format!("holder {:?}: size_mm and height_mm must be positive", bad.name);
+            return Err(Invalid::of("holders", remedy));
+        }
+        let rises =
+            |list: &[f64]| list.iter().all(|v| v.is_finite() && *v > 0.0) && list.windows(2).all(|w| w[0] < w[1]);
+        let blanks = &self.blanks;
+        if !rises(&blanks.sides_mm) || !rises(&blanks.diameters_mm) || !(0.1..=100.0).contains(&blanks.increment_mm) {
+            return Err(Invalid::of("blanks", "sides must rise and the increment must be from 0.1 to 100 mm"));
+        }
+        let r = &self.removal;
+        let figures = [r.per_area_mm_min, r.most_mm3_min, r.at_vdi, r.tenfold_vdi];
+        let is_right =
+            figures.iter().all(|v| v.is_finite() && *v > 0.0) && r.setting_min.is_finite() && r.setting_min >= 0.0;
+        if !is_right {
+            return Err(Invalid::of("removal", "all figures must be positive and finite"));
+        }
+        let checks = CheckKind::ALL.map(CheckKind::name);
+        for (i, one) in self.overrides.iter().enumerate() {
+            one.validate(&checks, true).map_err(|problem| problem.within(&format!("overrides[{i}]")))?;
+        }
         match &self.cutters {
-            Some(library) => Validate::validate(library).map_err(|problem| problem.within("cutters")),
+            Some(library) => library.validate().map_err(|problem| problem.within("cutters")),
             None => Ok(()),
         }
     }
 }
 
 impl ElectrodeParams {
-    /// Whether they can be used.
-    ///
-    /// # Errors
-    /// [`ElectrodeParamsError`].
-    pub fn validate(&self) -> Result<(), ElectrodeParamsError> {
-        let lengths = [
-            ("margin_mm", self.margin_mm, 0.01, 20.0),
-            ("overlap_mm", self.overlap_mm, 0.0, 20.0),
-            ("least_size_mm", self.least_size_mm, 0.0, 1000.0),
-            ("extension_mm", self.extension_mm, 0.1, 1000.0),
-            ("base_height_mm", self.base_height_mm, 0.5, 1000.0),
-            ("base_margin_mm", self.base_margin_mm, 0.1, 1000.0),
-            ("datum_corner_mm", self.datum_corner_mm, 0.0, self.base_margin_mm.max(0.0)),
-            ("together_mm", self.together_mm, 0.0, 1000.0),
-            ("family_spacing_mm", self.family_spacing_mm, 0.1, 1000.0),
-            ("lift_mm", self.lift_mm, 0.0, 10000.0),
-            ("tolerance_mm", self.tolerance_mm, 1e-4, 1.0),
-        ];
-        let check = |name: String, value: f64, least: f64, most: f64| {
-            let fits = (least..=most).contains(&value);
-            if fits { Ok(()) } else { Err(ElectrodeParamsError::Length { name, value, least, most }) }
-        };
-        for (name, value, least, most) in lengths {
-            check(name.into(), value, least, most)?;
-        }
+    fn validate_stages(&self) -> Result<(), Invalid> {
+        let wrong = |remedy: String| Err(Invalid::of("stages", remedy));
         if self.stages.is_empty() {
-            return Err(ElectrodeParamsError::NoStage);
+            return wrong("there is no stage: give at least one burn, with its gap".to_owned());
         }
         for (i, stage) in self.stages.iter().enumerate() {
-            check(format!("stages[{i}].gap_mm"), stage.gap_mm, 0.0, 5.0)?;
-            check(format!("stages[{i}].stock_mm"), stage.stock_mm, 0.0, 5.0)?;
-            check(format!("stages[{i}].orbit.radius_mm"), stage.orbit.radius_mm(), 0.0, 5.0)?;
+            let lengths =
+                [("gap_mm", stage.gap_mm), ("stock_mm", stage.stock_mm), ("orbit.radius_mm", stage.orbit.radius_mm())];
+            for (key, value) in lengths {
+                Invalid::unless_within(&format!("stages[{i}].{key}"), value, [0.0, 5.0], "mm")?;
+            }
+            let name = &stage.name;
             if !(0.0..=60.0).contains(&stage.finish_vdi) || stage.quantity == 0 {
-                return Err(ElectrodeParamsError::Stage(stage.name.clone()));
+                return wrong(format!("stage {name}: finish_vdi must be from 0 to 60, and quantity at least 1"));
             }
             let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-            let is_known = self.stages[..i].iter().any(|s| s.name.eq_ignore_ascii_case(&stage.name));
-            if is_known || stage.name.is_empty() || !stage.name.chars().all(is_plain) {
-                return Err(ElectrodeParamsError::StageName(stage.name.clone()));
+            let is_known = self.stages[..i].iter().any(|s| s.name.eq_ignore_ascii_case(name));
+            if is_known || name.is_empty() || !name.chars().all(is_plain) {
+                return wrong(format!(
+                    "two stages are called {name:?}, or a name is empty or holds more than letters, digits, - and _: file \
+                     names carry it"
+                ));
             }
         }
         for pair in self.stages.windows(2) {
             let [earlier_mm, later_mm] = [0, 1].map(|i| pair[i].gap_mm + pair[i].stock_mm + pair[i].orbit.radius_mm());
             if later_mm > earlier_mm {
-                let [earlier, later] = [0, 1].map(|i| pair[i].name.clone());
-                return Err(ElectrodeParamsError::StageOrder { earlier, earlier_mm, later, later_mm });
+                let [earlier, later] = [0, 1].map(|i| &pair[i].name);
+                return wrong(format!(
+                    "stage {later} has an undersize of {later_mm} mm and follows {earlier} with {earlier_mm} mm: it would \
+                     remove nothing; put the roughing stage first"
+                ));
             }
         }
-        for (number, edit) in self.edits.iter().enumerate() {
-            edit.validate(number + 1)?;
-        }
-        let is_holder = |h: &Holder| h.size_mm.iter().chain([&h.height_mm]).all(|v| v.is_finite() && *v > 0.0);
-        if let Some(bad) = self.holders.iter().find(|h| !is_holder(h)) {
-            return Err(ElectrodeParamsError::Holder(bad.name.clone()));
-        }
-        let rises =
-            |list: &[f64]| list.iter().all(|v| v.is_finite() && *v > 0.0) && list.windows(2).all(|w| w[0] < w[1]);
-        let blanks = &self.blanks;
-        if !rises(&blanks.sides_mm) || !rises(&blanks.diameters_mm) || !(0.1..=100.0).contains(&blanks.increment_mm) {
-            return Err(ElectrodeParamsError::Blanks);
-        }
-        let r = &self.removal;
-        let figures = [r.per_area_mm_min, r.most_mm3_min, r.at_vdi, r.tenfold_vdi];
-        let is_right =
-            figures.iter().all(|v| v.is_finite() && *v > 0.0) && r.setting_min.is_finite() && r.setting_min >= 0.0;
-        if is_right { Ok(()) } else { Err(ElectrodeParamsError::Removal) }
+        Ok(())
     }
 }

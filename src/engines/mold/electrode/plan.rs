@@ -1,5 +1,6 @@
 //! From regions to electrodes.
 
+use files::Validate;
 use std::collections::BTreeMap;
 
 use glam::{DMat3, DVec2, DVec3};

@@ -15,14 +15,14 @@ use super::division::CELL;
 use super::earlier::is_nothing;
 use super::leftover::{Burns, Looked, left_by};
 use super::params::{ElectrodeParams, Stage};
-use super::samples::{Edge, concave_edges, samples};
+use super::samples::{concave_edges, samples};
 use super::setting::{ElectrodeError, RegionToBurn, kept_clear, to_burn_frame};
 use super::tip::joined;
 use crate::cutter::CutterLibrary;
 use crate::height_field::HeightFieldError;
 use crate::outline::Outline;
 use crate::plane;
-use geometry::mesh::Mesh;
+use geometry::mesh::{Edge, Mesh};
 use geometry::solid::{difference, prism};
 use task::Cancel;
 
@@ -164,27 +164,32 @@ fn milling(
     let milled = plate.as_ref().unwrap_or(&electrode.mesh);
     let milling = match machinable(milled, cutters, params.tolerance_mm, cancel) {
         Err(HeightFieldError::Cancelled(cancelled)) => return Err(cancelled.into()),
-        Err(error) => Finding::failed(CheckKind::Machinable, format!("it could not be tried: {error}")),
+        Err(error) => {
+            Finding::failed(CheckKind::Machinable, format!("it could not be tried: {error}"), ("not_tried", 1.0))
+        }
         Ok(finding) => placed_first(finding, electrode),
     };
     Ok(if electrode.is_thin { thin(params) } else { milling })
 }
 
 fn too_short_a_lift(lift: f64, burn: &Burn) -> Finding {
-    let text = format!("retract distance {lift} mm is too short: it needs {:.2} mm; increase lift_mm", burn.depth);
-    Finding { place: Some(burn.position), ..Finding::failed(CheckKind::Approach, text) }
+    let text = format!("retract distance {lift} mm is too short: it needs {:.2} mm; increase it", burn.depth);
+    Finding {
+        place: Some(burn.position),
+        ..Finding::failed(CheckKind::Approach, text, ("too_short_mm", burn.depth - lift))
+    }
 }
 
 /// Finding for an earlier stage, whose residual stock the later stages burn.
 fn for_later() -> Finding {
     let text = "what it leaves is for the stages after it".to_owned();
-    Finding { kind: CheckKind::Leftover, holds: true, text, place: None }
+    Finding::new(CheckKind::Leftover, true, text, None)
 }
 
 fn thin(params: &ElectrodeParams) -> Finding {
     let least = params.least_size_mm;
-    let text = format!("a head is thinner than the least size of {least} mm: reduce spark gap, orbit or least_size_mm");
-    Finding::failed(CheckKind::Machinable, text)
+    let text = format!("a head is thinner than the least size of {least} mm: reduce spark gap, orbit or least size");
+    Finding::failed(CheckKind::Machinable, text, ("too_thin", 1.0))
 }
 
 /// A finding on an electrode by itself, with its place where the first burn puts it.
@@ -283,28 +288,6 @@ fn nobodys(left: &Left, tolerance: f64) -> Option<String> {
             p.x, p.y, p.z
         )
     })
-}
-
-/// Checks of electrodes from elsewhere, placed in the upright mold, as those of a plan are checked.
-///
-/// # Errors
-/// [`ElectrodeError`].
-pub fn check_own(
-    mold: &Mesh,
-    electrode: &Mesh,
-    stage: &Stage,
-    (cutters, params): (&CutterLibrary, &ElectrodeParams),
-    cancel: &Cancel,
-) -> Result<Vec<Finding>, ElectrodeError> {
-    let closed = watertight(electrode);
-    let is_closed = closed.holds;
-    let mut findings = vec![closed];
-    let mold = Obstacle::new(mold)?.stopped_by(cancel);
-    findings.extend(mold.clearance(electrode, stage, params.lift_mm)?.findings(stage));
-    if is_closed {
-        findings.push(machinable(electrode, cutters, params.tolerance_mm, cancel)?);
-    }
-    Ok(findings)
 }
 
 #[cfg(test)]

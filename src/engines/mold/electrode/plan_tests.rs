@@ -1,12 +1,13 @@
 //! Plans of molds in which stages, shared tips and changes have to stay with their own place.
 
+use files::Validate;
 use std::collections::BTreeMap;
 
 use glam::{DMat3, DVec2, DVec3};
 
 use super::design::Family;
 use super::design::{Electrode, ElectrodeSet, PartId, PartNode};
-use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, Method, Shape, Stage};
+use super::params::{Edit, ElectrodeParams, Method, Shape, Stage};
 use super::setting::RegionToBurn;
 use super::tests::{GAP, mold, params, planned, region, ring};
 use crate::fixtures::rectangle;
@@ -75,7 +76,7 @@ fn a_part_is_the_same_place_in_every_stage_and_so_are_names_and_families() {
     let root = |e: &Electrode| e.name.split('-').next().unwrap().to_owned();
     for (e, electrode) in set.electrodes.iter().enumerate() {
         let others = set.electrodes.iter().filter(|o| root(o) == root(electrode));
-        assert!(others.clone().all(|o| o.part_names() == electrode.part_names()));
+        assert!(others.clone().all(|o| o.parts() == electrode.parts()));
         assert_eq!(matches!(electrode.family, Family::Apart { .. }), others.count() == 1, "{e}");
     }
     // The trees of both stages are known, and name all that is burned.
@@ -174,11 +175,11 @@ fn a_change_is_for_the_nearest_region_and_a_direction_that_is_none_is_refused() 
     let asked = |edit: Edit| ElectrodeParams { edits: vec![edit], ..params(GAP) }.validate();
     for wrong in [f64::NAN, f64::INFINITY, 1e200, 0.0, 1e-320] {
         let direction = DVec3::new(0.0, 0.0, wrong);
-        assert_eq!(asked(Edit::Burn { place, direction }), Err(ElectrodeParamsError::Direction(1)), "{wrong}");
+        assert_eq!(asked(Edit::Burn { place, direction }).unwrap_err().key, "edits[0].direction", "{wrong}");
     }
     assert_eq!(asked(Edit::Burn { place, direction: DVec3::new(0.0, 0.0, -7.5) }), Ok(()));
     let nowhere = DVec3::new(f64::NAN, 0.0, 0.0);
-    assert_eq!(asked(Edit::Split { line: [place, nowhere] }), Err(ElectrodeParamsError::Place(1)));
+    assert_eq!(asked(Edit::Split { line: [place, nowhere] }).unwrap_err().key, "edits[0]");
 }
 
 #[test]

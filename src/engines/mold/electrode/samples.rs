@@ -1,8 +1,6 @@
 //! Where leftovers are looked for on a region's surface: evenly on its faces, and closely along the edges where the spark
 //! rounds them and along the cuts between parts.
 
-use std::collections::HashMap;
-
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -10,7 +8,7 @@ use super::check::Sample;
 use super::leftover::Looked;
 use super::setting::RegionToBurn;
 use geometry::exact::ExactMesh;
-use geometry::mesh::{Bounds, Mesh, unit_normal};
+use geometry::mesh::{Bounds, Edge, Mesh, unit_normal};
 
 /// The z component of the unit normal from which on a face is a floor.
 const FLOOR: f64 = 0.5;
@@ -28,55 +26,22 @@ const UPRIGHT: f64 = 0.5;
 /// How far a place may lie off a region's surface to be on it (mm).
 const ON_REGION: f64 = 1e-3;
 
-/// An edge in which the spark leaves something.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Edge {
-    ends: [DVec3; 2],
-    /// The unit normals of its faces, first of the one on its left.
-    normals: [DVec3; 2],
+/// With what radius the spark rounds an edge, of those of level and of upright ones (mm).
+fn radius(edge: &Edge, [level, upright]: [f64; 2]) -> f64 {
+    if edge.along().z.abs() > UPRIGHT { upright } else { level }
 }
 
-impl Edge {
-    fn along(&self) -> DVec3 {
-        (self.ends[1] - self.ends[0]).normalize_or_zero()
-    }
-
-    /// With what radius the spark rounds it, of those of level and of upright edges (mm).
-    fn radius(&self, [level, upright]: [f64; 2]) -> f64 {
-        if self.along().z.abs() > UPRIGHT { upright } else { level }
-    }
-
-    /// How far a point is from it (mm).
-    fn off(&self, p: DVec3) -> f64 {
-        let [a, b] = self.ends;
-        let way = b - a;
-        let t = ((p - a).dot(way) / way.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        p.distance(a + way * t)
-    }
+/// How far a point is from an edge (mm).
+fn off(edge: &Edge, p: DVec3) -> f64 {
+    let [a, b] = edge.ends;
+    let way = b - a;
+    let t = ((p - a).dot(way) / way.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+    p.distance(a + way * t)
 }
 
-/// The edges of a mold where faces meet at less than half a turn on the outside.
+/// The edges of a mold in which the spark leaves something.
 pub(super) fn concave_edges(mold: &Mesh) -> Vec<Edge> {
-    let mut faces: HashMap<(u32, u32), usize> = HashMap::with_capacity(3 * mold.triangles.len());
-    for (i, &[a, b, c]) in mold.triangles.iter().enumerate() {
-        [(a, b), (b, c), (c, a)].into_iter().for_each(|edge| {
-            faces.insert(edge, i);
-        });
-    }
-    let least = LEAST_TURN_DEG.to_radians().cos();
-    let mut found = Vec::new();
-    for (i, &[a, b, c]) in mold.triangles.iter().enumerate() {
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            let Some(other) = faces.get(&(to, from)).filter(|_| from < to) else { continue };
-            let normals = [i, *other].map(|face| unit_normal(mold.corners(face)));
-            let ends = [from, to].map(|v| mold.vertices[v as usize]);
-            let [n, m] = normals;
-            if n.dot(m) < least && n.cross(m).dot(ends[1] - ends[0]) < 0.0 {
-                found.push(Edge { ends, normals });
-            }
-        }
-    }
-    found
+    mold.concave_edges(LEAST_TURN_DEG.to_radians())
 }
 
 /// The edges near a region, each as far as it is in the box around it.
@@ -179,12 +144,12 @@ impl Surface<'_> {
             triangles: (0..self.corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         };
         let Ok(exact) = ExactMesh::new(&soup) else { return (Vec::new(), 0.0) };
-        let length: f64 = edges.iter().map(|edge| edge.ends[0].distance(edge.ends[1])).sum();
+        let length: f64 = edges.iter().map(Edge::length).sum();
         let apart = FINE.max(length * 2.0 * FROM_EDGE.len() as f64 / SAMPLES);
         let mut evenly = Evenly::new(apart);
         let mut samples = Vec::new();
         for edge in edges {
-            let (along, radius) = (edge.along(), edge.radius(radii));
+            let (along, radius) = (edge.along(), radius(edge, radii));
             let [n, m] = edge.normals;
             // Into each face, away from the edge.
             let sides = [n.cross(along), along.cross(m)];
@@ -243,7 +208,7 @@ pub(super) fn samples(
         if !close.is_empty() {
             along_edges = apart;
             // What is looked at closely is not counted twice.
-            let is_close = |s: &Sample| edges.iter().any(|edge| edge.off(s.point) < edge.radius(radii));
+            let is_close = |s: &Sample| edges.iter().any(|edge| off(edge, s.point) < radius(edge, radii));
             samples.par_iter_mut().filter(|s| is_close(s)).for_each(|s| s.area = 0.0);
         }
         samples.extend(close);

@@ -3,10 +3,11 @@
 
 use std::f64::consts::TAU;
 
+use files::Invalid;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use super::check::GOUGE;
-use super::params::{ElectrodeParamsError, Orbit, Stage};
+use super::params::{Orbit, Stage};
 use crate::height_field::HeightFieldError;
 use geometry::exact::{ExactMesh, ExactMeshError};
 use geometry::mesh::{Mesh, unit_normal};
@@ -23,7 +24,7 @@ const ON_BURN: f64 = 1e-6;
 pub enum ElectrodeError {
     /// Parameters that cannot be used.
     #[error(transparent)]
-    Params(#[from] ElectrodeParamsError),
+    Params(#[from] Invalid),
     /// The mold's surface cannot be moved by the gap.
     #[error("the mold grown by the spark gap: {0}")]
     Offset(#[from] OffsetError),

@@ -85,7 +85,8 @@ fn a_member_of_a_family_that_fails_takes_the_body_with_it() {
     let mut set = planned(&mold, &[slot], &stages(0.2, true));
     set.checks[0][0].holds = false;
     assert!(set.is_blocked(0) && set.is_blocked(1) && set.fails(0) && !set.fails(1));
-    set.params.overrides.push(set.electrodes[0].name.parse().unwrap());
+    let decided = set.override_of(0, set.checks[0].iter().find(|f| !f.holds).unwrap().kind);
+    set.params.overrides.push(decided);
     assert!(!set.is_blocked(0) && !set.is_blocked(1));
 }
 

@@ -2,19 +2,20 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use files::Validate;
 use glam::{DVec2, DVec3};
 
 use super::base::{on_plate, placed};
 use super::check::{CheckKind, Finding, Milled, machinable, watertight};
+use super::clearance::Obstacle;
 use super::combine::{Form, near};
 use super::design::{Electrode, ElectrodeSet};
 use super::footprint::{grown, hull, shrunk};
-use super::h_edge::h_edges;
+use super::h_edge::{h_edges, place};
 use super::leftover::{Burns, Looked, left_by, leftover};
-use super::params::{Edit, ElectrodeParams, ElectrodeParamsError, GivenName, Method, Orbit, Removal, Shape, Stage};
+use super::params::{Edit, ElectrodeParams, GivenName, Method, Orbit, Removal, Shape, Stage};
 use super::plan::plan;
-use super::plan_checks::check_own;
-use super::setting::RegionToBurn;
+use super::setting::{ElectrodeError, RegionToBurn};
 use crate::cutter::{Cutter, CutterLibrary};
 use crate::fixtures::rectangle;
 use crate::outline::Outline;
@@ -265,7 +266,7 @@ fn an_inner_corner_that_no_cutter_reaches_is_an_h_edge_and_cannot_be_milled() {
     let upright = prism(&[&angle], 0.0, 3.0).unwrap();
     let edges = h_edges(&upright);
     assert_eq!(edges.len(), 1, "{edges:?}");
-    assert!(edges[0].place().distance(DVec2::splat(2.0)) < 1e-9 && (edges[0].length() - 3.0).abs() < 1e-9);
+    assert!(place(&edges[0]).distance(DVec2::splat(2.0)) < 1e-9 && (edges[0].length() - 3.0).abs() < 1e-9);
     let large = CutterLibrary { cutter: vec![Cutter::flat(0.5)] };
     let found =
         machinable(&on_plate(&upright.mapped(|p| p - DVec3::Z * 2.9)).unwrap(), &large, 0.02, &Cancel::default())
@@ -366,14 +367,15 @@ fn stages_have_electrodes_of_their_own_and_parameters_that_make_none_are_answere
     let [x, y, z] = [8.0 - 2.0 * GAP, 1.6 - 2.0 * GAP, 5.0];
     let area = set.electrodes[1].burn_area;
     assert!((area - (x * y + 2.0 * (x + y) * z)).abs() < 1e-3 * area, "{area}");
-    assert_eq!(ElectrodeParams { stages: Vec::new(), ..params(GAP) }.validate(), Err(ElectrodeParamsError::NoStage));
-    let negative = params(-0.1).validate();
-    assert!(matches!(negative, Err(ElectrodeParamsError::Length { .. })), "{negative:?}");
+    let refused = |params: ElectrodeParams| params.validate().unwrap_err().to_string();
+    assert!(refused(ElectrodeParams { stages: Vec::new(), ..params(GAP) }).contains("there is no stage"));
+    let negative = refused(params(-0.1));
+    assert!(negative.starts_with("stages[0].gap_mm is -0.1: must be from 0 to 5 mm"), "{negative}");
     let twice = ElectrodeParams { stages: vec![Stage::finish(0.1), Stage::finish(0.2)], ..params(GAP) };
-    assert!(matches!(twice.validate(), Err(ElectrodeParamsError::StageName(_))));
+    assert!(refused(twice).contains("two stages are called \"finish\""));
     let rough = Stage { name: "rough".into(), ..Stage::finish(0.2) };
     let backwards = ElectrodeParams { stages: vec![Stage::finish(0.05), rough], ..params(GAP) };
-    assert!(matches!(backwards.validate(), Err(ElectrodeParamsError::StageOrder { .. })));
+    assert!(refused(backwards).contains("stage rough has an undersize of 0.2 mm and follows finish with 0.05 mm"));
     assert!(ElectrodeParams { margin_mm: f64::NAN, ..params(GAP) }.validate().is_err());
     assert!(ElectrodeParams::default().validate().is_ok());
 }
@@ -542,4 +544,23 @@ fn a_slot_in_a_side_is_burned_from_that_side() {
     assert!((burn.depth - (5.0 - GAP)).abs() < 1e-6, "{}", burn.depth);
     // Its base stands off the side by the extension, before the middle of the slot.
     assert!(burn.position.distance(DVec3::new(20.0, 0.0, -5.0)) < 1e-6, "{}", burn.position);
+}
+
+/// Checks of electrodes from elsewhere, placed in the upright mold, as those of a plan are checked.
+fn check_own(
+    mold: &Mesh,
+    electrode: &Mesh,
+    stage: &Stage,
+    (cutters, params): (&CutterLibrary, &ElectrodeParams),
+    cancel: &Cancel,
+) -> Result<Vec<Finding>, ElectrodeError> {
+    let closed = watertight(electrode);
+    let is_closed = closed.holds;
+    let mut findings = vec![closed];
+    let mold = Obstacle::new(mold)?.stopped_by(cancel);
+    findings.extend(mold.clearance(electrode, stage, params.lift_mm)?.findings(stage));
+    if is_closed {
+        findings.push(machinable(electrode, cutters, params.tolerance_mm, cancel)?);
+    }
+    Ok(findings)
 }

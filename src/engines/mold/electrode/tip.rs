@@ -6,12 +6,12 @@ use glam::{DVec2, DVec3};
 
 use super::footprint::{grown, grown_pieces, shrunk};
 use super::params::Method;
-use crate::groups::Groups;
 use crate::outline::Outline;
 use crate::plane;
 use crate::plane::Shape;
 use crate::section::sections;
 use geometry::exact::ExactMesh;
+use geometry::groups::Groups;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
 use geometry::solid;
 use geometry::solid::SolidError;

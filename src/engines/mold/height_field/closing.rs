@@ -1,5 +1,6 @@
 //! The least surface that a library of cutters leaves.
 
+use files::Validate;
 use rayon::prelude::*;
 
 use super::blocks::{Source, greater};
@@ -53,14 +54,11 @@ impl Closing {
 /// Residual stock of the cutters of `library` above `field`, wherever they go.
 ///
 /// # Errors
-/// [`HeightFieldError::Cutter`], [`HeightFieldError::TooManyCutters`], [`HeightFieldError::TooManyCells`] with the room
-/// that a cutter needs beside the mold, [`HeightFieldError::Cancelled`].
+/// [`HeightFieldError::Cutter`], [`HeightFieldError::TooManyCells`] with the room that a cutter needs beside the mold,
+/// [`HeightFieldError::Cancelled`].
 pub fn closing(field: &HeightField, library: &CutterLibrary, cancel: &Cancel) -> Result<Closing, HeightFieldError> {
     library.validate()?;
     let needed = library.needed();
-    if needed.len() > usize::from(u8::MAX) + 1 {
-        return Err(HeightFieldError::TooManyCutters(needed.len()));
-    }
     let cutters = (0..library.cutter.len()).filter(|&i| needed.iter().any(|c| std::ptr::eq(*c, &library.cutter[i])));
     let above = |&height: &f32| if height.is_finite() { f32::INFINITY } else { height };
     let mut closing = Closing {

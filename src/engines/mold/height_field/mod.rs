@@ -25,7 +25,7 @@ pub use regions::{FieldRegion, difference, regions};
 
 use glam::{DVec2, DVec3};
 
-use super::cutter::CutterError;
+use files::Invalid;
 use task::Cancelled;
 
 /// Most cells that a grid may have: some 20 bytes each.
@@ -57,9 +57,6 @@ pub enum HeightFieldError {
         /// A step that makes few enough (mm).
         coarser: f64,
     },
-    /// More cutters than can be told apart.
-    #[error("{0} cutters, at most 256 are possible; leave out those that remove no more than others")]
-    TooManyCutters(usize),
     /// The residual stock belongs to another height map.
     #[error("what the cutters leave was found on a grid of {found} cells, the heights have {expected}: find it again")]
     OtherGrid {
@@ -70,7 +67,7 @@ pub enum HeightFieldError {
     },
     /// A cutter that is none.
     #[error(transparent)]
-    Cutter(#[from] CutterError),
+    Cutter(#[from] Invalid),
     /// Told to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

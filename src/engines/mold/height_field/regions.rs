@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{Closing, HeightField, HeightFieldError, UPNESS_ONE};
-use crate::groups::Groups;
+use geometry::groups::Groups;
 use geometry::mesh::Bounds;
 use task::Cancel;
 

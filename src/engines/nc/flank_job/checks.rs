@@ -1,11 +1,11 @@
 //! Checks of a flank path before it is exported, and notes for its reader.
 
+use files::{Figures, Override};
 use glam::DVec3;
 
 use super::clearances::{gouge, leads, own_surface};
 use super::{FlankInput, FlankResult, LoadedSurface, PathChoice, places};
 use crate::block_feed::LEAST_BLOCK_MINUTES;
-use crate::flank_job::overrides::{Figures, FlankOverride};
 use flank::FlankError;
 use flank::deviation::Deviation;
 use flank::guide::pairing_warning;
@@ -122,18 +122,13 @@ impl FlankCheck {
         self
     }
 
-    /// The decision to export although it fails, as bad as it is now.
-    pub fn let_pass(&self) -> FlankOverride {
-        FlankOverride::of(self.kind.name(), &self.figures)
-    }
-
-    /// Takes `overrides` for the decisions on it.
-    pub fn decide(&mut self, overrides: &[FlankOverride]) {
+    /// Takes `overrides` for the decisions on it, made of `part`.
+    pub fn decide(&mut self, part: &[String], overrides: &[Override]) {
         let of_it = overrides.iter().filter(|o| !self.holds && o.check == self.kind.name());
         let mut lapsed = Vec::new();
         let mut is_overridden = false;
         for one in of_it {
-            match one.lapsed(&self.figures) {
+            match one.lapsed(part, &self.figures) {
                 None => is_overridden = true,
                 Some(why) => lapsed.push(why),
             }
@@ -367,10 +362,10 @@ fn open_walls(result: &FlankResult, input: &FlankInput) -> Option<String> {
 }
 
 /// Overrides that override nothing, and why.
-pub(super) fn idle(checks: &[FlankCheck], overrides: &[FlankOverride]) -> Vec<String> {
-    let why = |one: &FlankOverride| match checks.iter().find(|c| !c.holds && c.kind.name() == one.check) {
+pub(super) fn idle(part: &[String], checks: &[FlankCheck], overrides: &[Override]) -> Vec<String> {
+    let why = |one: &Override| match checks.iter().find(|c| !c.holds && c.kind.name() == one.check) {
         None => Some("no check of this name fails: the override has no effect".to_owned()),
-        Some(check) => one.lapsed(&check.figures),
+        Some(check) => one.lapsed(part, &check.figures),
     };
     overrides.iter().filter_map(|one| Some(format!("override of {:?}: {}", one.check, why(one)?))).collect()
 }

@@ -1,7 +1,6 @@
 //! A flank milled with the side of a cutter: the surface, the path in three steps, the checks of the one that is milled,
 //! and its positions on a machine. Pure: it reads no files.
 
-pub mod overrides;
 pub mod settings;
 
 use std::ops::Deref;
@@ -9,8 +8,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::flank_job::overrides::FlankOverride;
 use crate::flank_job::settings::{CutDirection, MillingSettings, PathChoice};
+use files::{Override, sha256};
 use flank::FlankError;
 use flank::check_grid::{CheckGrid, CheckedPath};
 use flank::cutter::FlankCutter;
@@ -69,6 +68,24 @@ pub enum LoadedSurface {
     },
 }
 
+impl LoadedSurface {
+    /// Digest of the guides, or of the mesh with the number of its face.
+    fn digest(&self) -> String {
+        let mut bytes = Vec::new();
+        let mut add =
+            |point: &DVec3| point.to_array().iter().for_each(|part| bytes.extend(part.to_bits().to_le_bytes()));
+        match self {
+            Self::Guides { lower, upper } => return sha256(format!("{lower:?} {upper:?}").as_bytes()),
+            Self::Face { mesh, number, .. } => {
+                mesh.vertices.iter().for_each(&mut add);
+                bytes.extend(mesh.triangles.iter().flatten().flat_map(|corner| corner.to_le_bytes()));
+                bytes.extend(number.to_le_bytes());
+            }
+        }
+        sha256(&bytes)
+    }
+}
+
 /// Input of a flank.
 #[derive(Debug, Clone)]
 pub struct FlankInput {
@@ -99,7 +116,7 @@ pub struct FlankInput {
     /// How much stock it may leave on the surface, standing or moving (mm).
     pub undercut_tolerance_mm: f64,
     /// Checks that do not keep anything from being exported.
-    pub overrides: Vec<FlankOverride>,
+    pub overrides: Vec<Override>,
     /// Whether checks are taken on the plan's own coarse grid, for a preview; nothing may be milled by them.
     pub is_preview: bool,
 }
@@ -176,6 +193,8 @@ pub struct Milled {
 pub struct FlankFacts {
     /// Name of the flank.
     pub name: String,
+    /// Digest of what the surface was made of: what overrides were decided for.
+    pub part: String,
     /// The surface, on the side that was chosen.
     pub surface: RuledSurface,
     /// The fit to the face of a mesh; none for guides.
@@ -265,9 +284,10 @@ impl FlankResult {
     }
 
     /// Decides anew which failing checks are let pass.
-    pub fn decide(&mut self, overrides: &[FlankOverride]) {
-        self.facts.checks.iter_mut().for_each(|check| check.decide(overrides));
-        self.facts.idle_overrides = checks::idle(&self.checks, overrides);
+    pub fn decide(&mut self, overrides: &[Override]) {
+        let part = [self.part.clone()];
+        self.facts.checks.iter_mut().for_each(|check| check.decide(&part, overrides));
+        self.facts.idle_overrides = checks::idle(&part, &self.checks, overrides);
     }
 
     /// Flank with another name for its cutter, which appears in files only as text.
@@ -276,11 +296,16 @@ impl FlankResult {
         self
     }
 
+    /// The decision to export although `check` fails, for this surface and as bad as it is now.
+    pub fn let_pass(&self, check: &FlankCheck) -> Override {
+        Override::decided(check.kind.name(), vec![self.part.clone()], &check.figures)
+    }
+
     /// Overrides with the figures that they were decided for: those for any finding are for the finding made here.
-    pub fn remembered(&self, overrides: &[FlankOverride]) -> Vec<FlankOverride> {
+    pub fn remembered(&self, overrides: &[Override]) -> Vec<Override> {
         let failing = |name: &str| self.checks.iter().find(|c| !c.holds && c.kind.name() == name);
-        let remembered = |one: &FlankOverride| match failing(&one.check) {
-            Some(check) if one.is_for_whatever() => check.let_pass(),
+        let remembered = |one: &Override| match failing(&one.check) {
+            Some(check) if one.is_for_whatever() => self.let_pass(check),
             _ => one.clone(),
         };
         overrides.iter().map(remembered).collect()
@@ -378,6 +403,7 @@ pub fn flank(input: &FlankInput, task: &Task) -> Result<FlankResult, FlankJobErr
     task.report("positions of the machine", 1.0, "");
     let facts = FlankFacts {
         name: input.name.clone(),
+        part: input.surface.digest(),
         surface,
         fit,
         joinings,

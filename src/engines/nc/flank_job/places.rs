@@ -120,8 +120,7 @@ fn nearest(result: &FlankResult, place: DVec3) -> f64 {
 fn finer_moves(result: &FlankResult) -> Option<&'static str> {
     /// Deviation that counts as large (mm).
     const MUCH_MM: f64 = 0.01;
-    (result.chordal_deviation_mm > MUCH_MM)
-        .then_some("reduce the linearisation tolerance (linearisation_mm, --tolerance)")
+    (result.chordal_deviation_mm > MUCH_MM).then_some("reduce the linearisation tolerance")
 }
 
 /// Remedies for a surface that the path does not cover. Another path is named only if it covers the surface; flutes

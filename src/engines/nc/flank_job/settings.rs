@@ -113,7 +113,7 @@ impl MillingSettings {
         }
         self.machine = machine.to_owned();
         let clamped = self.workpiece.take().map(|_| "how the workpiece was clamped");
-        let tool = self.gauge_length_mm.take().map(|_| "the length of the tool (gauge_length_mm)");
+        let tool = self.gauge_length_mm.take().map(|_| "the gauge length of the tool");
         let forgotten: Vec<&str> = clamped.into_iter().chain(tool).collect();
         let what = forgotten.join(" and ");
         (!forgotten.is_empty()).then(|| {

@@ -1,14 +1,11 @@
 //! Making the electrodes of a channel: its division into parts and columns (P1), and the junctions between them.
 
-use glam::DVec3;
-
 use super::body::{self, Plan};
 use super::boundary::{Boundary, Polar, Section};
 use super::ring::Finisher;
 use super::{Column, Electrode, ElectrodeError, ElectrodeParams, EntrySide};
-use crate::channel::{Channel, ChannelWall};
+use crate::channel::Channel;
 use geometry::exact::ExactMesh;
-use geometry::frame::Cylindrical;
 use task::Task;
 
 /// Makes the electrodes of `channel`, in the order of burning: the part next to the side of entry first, and of each
@@ -49,15 +46,6 @@ pub fn make_electrodes(
     electrodes.sort_by_key(|e| e.part);
     task.report("electrode", 1.0, "");
     Ok(electrodes)
-}
-
-/// The points of a channel wall turned about X by `angle` (rad): where a wall reduced by P0's h stands.
-pub fn turned_wall(wall: &ChannelWall, angle: f64) -> Vec<DVec3> {
-    let turned = |&p: &DVec3| {
-        let at = Cylindrical::from_point(p);
-        Cylindrical { theta: at.theta + angle, ..at }.point()
-    };
-    wall.points.iter().map(turned).collect()
 }
 
 /// The span of X that is burned: that of the blades and the overrun, at most to the faces.

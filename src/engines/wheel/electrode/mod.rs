@@ -23,10 +23,11 @@ pub mod walls;
 #[cfg(test)]
 mod tests;
 
+use files::Invalid;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-pub use make::{Junctions, make_electrodes, turned_wall};
+pub use make::{Junctions, make_electrodes};
 pub use own::from_user_mesh;
 pub use params::{ElectrodeParams, EnterSide, Sizing};
 
@@ -156,18 +157,9 @@ pub enum ElectrodeError {
     /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
-    /// A parameter is out of its range.
-    #[error("[electrode] {name} is {value}: it must be from {from} to {to}")]
-    OutOfRange {
-        /// The parameter's name.
-        name: &'static str,
-        /// Value of the parameter.
-        value: f64,
-        /// Least value allowed.
-        from: f64,
-        /// Greatest value allowed.
-        to: f64,
-    },
+    /// A parameter cannot be used.
+    #[error(transparent)]
+    Params(#[from] Invalid),
     /// The channel lacks what an electrode is made from.
     #[error("the channel cannot carry an electrode: {0}; look at the channel step, or give its radii by hand")]
     BadChannel(&'static str),
@@ -227,7 +219,7 @@ pub enum ElectrodeError {
         taken: f64,
     },
     /// The parts are too short for their overlap.
-    #[error("{parts} parts of {length:.2} mm cannot overlap by {overlap:.2} mm: use fewer parts or lower overlap_mm")]
+    #[error("{parts} parts of {length:.2} mm cannot overlap by {overlap:.2} mm: use fewer parts or lower the overlap")]
     PartsTooShort {
         /// Number of parts.
         parts: usize,

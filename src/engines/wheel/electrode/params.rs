@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use files::Invalid;
 use serde::{Deserialize, Serialize};
 
-use super::{ElectrodeError, EntrySide};
+use super::EntrySide;
 
 /// Parameters by which an electrode is derived from its channel (`[electrode]`).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -119,32 +120,30 @@ pub enum Sizing {
 
 impl ElectrodeParams {
     /// Whether every value is within its range.
-    pub fn validate(&self) -> Result<(), ElectrodeError> {
+    pub fn validate(&self) -> Result<(), Invalid> {
         let [low, high] = self.circumferential_reduction_deg;
         let [length, width, height] = self.holder_mm;
-        for (name, value, from, to) in [
-            ("spark_gap_mm", self.spark_gap_mm, 0.005, 2.0),
-            ("circumferential_reduction_deg[0]", low, 0.0, 45.0),
-            ("circumferential_reduction_deg[1]", high, 0.0, 45.0),
-            ("radial_reduction_mm", self.radial_reduction_mm, 0.0, 100.0),
-            ("parts", self.parts as f64, 1.0, 20.0),
-            ("overlap_mm", self.overlap_mm, 0.0, 100.0),
-            ("columns", self.columns as f64, 1.0, 2.0),
-            ("column_overlap_mm", self.column_overlap_mm, -20.0, 20.0),
-            ("column_split", self.column_split, 0.1, 0.9),
-            ("overrun_mm", self.overrun_mm, 0.0, 100.0),
-            ("shank_inset_mm", self.shank_inset_mm, 0.02, 20.0),
-            ("channel_shank_inset_mm", self.channel_shank_inset_mm, 0.02, 20.0),
-            ("shank_length_mm", self.shank_length_mm, 0.5, 500.0),
-            ("holder_mm[0]", length, 0.5, 500.0),
-            ("holder_mm[1]", width, 0.5, 500.0),
-            ("holder_mm[2]", height, 0.5, 500.0),
-        ] {
-            if !(from..=to).contains(&value) {
-                return Err(ElectrodeError::OutOfRange { name, value, from, to });
-            }
-        }
-        Ok(())
+        [
+            ("spark_gap_mm", self.spark_gap_mm, [0.005, 2.0], "mm"),
+            ("circumferential_reduction_deg[0]", low, [0.0, 45.0], "deg"),
+            ("circumferential_reduction_deg[1]", high, [0.0, 45.0], "deg"),
+            ("radial_reduction_mm", self.radial_reduction_mm, [0.0, 100.0], "mm"),
+            ("parts", self.parts as f64, [1.0, 20.0], ""),
+            ("overlap_mm", self.overlap_mm, [0.0, 100.0], "mm"),
+            ("columns", self.columns as f64, [1.0, 2.0], ""),
+            ("column_overlap_mm", self.column_overlap_mm, [-20.0, 20.0], "mm"),
+            ("column_split", self.column_split, [0.1, 0.9], ""),
+            ("overrun_mm", self.overrun_mm, [0.0, 100.0], "mm"),
+            ("shank_inset_mm", self.shank_inset_mm, [0.02, 20.0], "mm"),
+            ("channel_shank_inset_mm", self.channel_shank_inset_mm, [0.02, 20.0], "mm"),
+            ("shank_length_mm", self.shank_length_mm, [0.5, 500.0], "mm"),
+            ("holder_mm[0]", length, [0.5, 500.0], "mm"),
+            ("holder_mm[1]", width, [0.5, 500.0], "mm"),
+            ("holder_mm[2]", height, [0.5, 500.0], "mm"),
+        ]
+        .into_iter()
+        .try_for_each(|(key, value, range, unit)| Invalid::unless_within(key, value, range, unit))
+        .map_err(|problem| problem.within("electrode"))
     }
 
     /// Number of electrodes that the channel is divided between.

@@ -289,12 +289,3 @@ fn parameters_read_as_a_job_writes_them() {
     assert!(toml::from_str::<ElectrodeParams>("gap = 1.0").is_err(), "unknown keys are mistakes");
     assert!(params.validate().is_ok());
 }
-
-#[test]
-fn turning_a_wall_by_h_adds_h_to_theta() {
-    let wall = &FINE.channel.low;
-    for (p, q) in wall.points.iter().zip(turned_wall(wall, 0.01)) {
-        let (before, after) = (Cylindrical::from_point(*p), Cylindrical::from_point(q));
-        assert!((after.theta - before.theta - 0.01).abs() < 1e-12 && (after.r - before.r).abs() < 1e-9);
-    }
-}

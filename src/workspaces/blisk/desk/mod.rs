@@ -5,28 +5,30 @@ mod shown;
 use std::sync::Arc;
 use std::time::Duration;
 
+use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::document::Document;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::plan::ElectrodeOutcome;
-pub use crate::workspaces::blisk::panels::cursor::Cursor;
+use crate::workspaces::blisk::job::planned::{PartialPlan, Planned};
+use crate::workspaces::blisk::job::preview::Looked;
 use crate::workspaces::blisk::panels::kept_runs::KeptRuns;
-use crate::workspaces::blisk::panels::machine_bodies::MachineBodies;
 use crate::workspaces::blisk::panels::machine_motion::MachineMotion;
-use crate::workspaces::blisk::panels::swept::Swept;
-use crate::workspaces::blisk::panels::tuning::Tuning;
-use crate::workspaces::blisk::pipeline::{Pipeline, StageState};
+use crate::workspaces::blisk::scene::machine::BodyShape;
+use crate::workspaces::blisk::scene::shapes::clearance_at_vertices;
+use crate::workspaces::blisk::scene::sweep::{FINE, swept_shape};
 use crate::workspaces::blisk::scene::track::Track;
-use crate::workspaces::blisk::scene::values::clearance_at_vertices;
 use crate::workspaces::blisk::scene::{Layer, Layers};
+use crate::workspaces::blisk::work::BliskWork;
+use crate::workspaces::commands::{Command, CommandSet, Commanded, FrameCommand};
 use crate::workspaces::context::{Context, LogLine};
-use crate::workspaces::news::EventKind;
-use feed::plan_params::Strategy;
+use crate::workspaces::news::{EventKind, WorkEvent};
 use feed::pose::Pose;
-use files::MovedFile;
+use files::{AnyDocument as _, MovedFile};
 use render::mesh::RenderMesh;
 use render::scene::SectionPlane;
-use task::{Lane, Memo, Priority, Same, Scheduler};
+use shown::Stood;
+use task::{Lane, Memo, Priority, Refusal, Same, Scheduler, State};
 
 /// The dialogs of the workspace.
 pub enum BliskDialog {
@@ -36,12 +38,25 @@ pub enum BliskDialog {
     Moved(Box<Document>, Vec<MovedFile>),
 }
 
+/// Where the electrode stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cursor {
+    /// Which electrode is looked at.
+    pub electrode: usize,
+    /// Distance withdrawn (mm).
+    pub s: f64,
+    /// Whether it moves by itself.
+    pub playing: bool,
+    /// How fast (mm/s).
+    pub speed: f64,
+}
+
 /// The document, what has been made of it, and how it is looked at.
 pub struct BliskDesk {
     /// The parameters.
     pub document: Document,
     /// What has been made of them.
-    pub pipeline: Pipeline,
+    pub work: BliskWork,
     /// The step whose form is open.
     pub step: Stage,
     /// Where the electrode stands.
@@ -58,13 +73,13 @@ pub struct BliskDesk {
     pub leftover: bool,
     /// The electrode's clearance at its vertices in some pose.
     coloured: Memo<ColourKey, Vec<f32>>,
-    /// The room that the electrode passes through.
-    pub swept: Swept,
-    /// The quick look, and sizing.
-    pub tuning: Tuning,
+    /// The room that the electrode passes through along a track.
+    swept: Memo<Same<Track>, Arc<RenderMesh>>,
     /// The whole motion on the machine.
     pub machine: MachineMotion,
-    bodies: MachineBodies,
+    /// The bodies of the machine with this name, whose file was read so often.
+    bodies: Memo<(String, u64), Vec<BodyShape>>,
+    stood: Stood,
     /// The dialog that is open.
     pub dialog: Option<BliskDialog>,
     /// Plans that are kept to compare with.
@@ -88,34 +103,27 @@ struct ColourKey {
     pose: Pose,
 }
 
-/// What a track was made from: the plan's address, or the number of a partial plan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// What a track was made from.
+#[derive(Clone, PartialEq, Default)]
 enum TrackSource {
     #[default]
     Nothing,
-    Plan(usize, usize),
-    Partial(u64),
-    Live(u64),
+    Plan(Same<Planned>, usize),
+    Partial(Same<PartialPlan>),
+    Live(Same<Looked>),
 }
 
 impl BliskDesk {
     /// The state of the workspace on `document`.
-    ///
-    /// # Errors
-    /// If the system gives no thread to work on.
-    pub fn new(
-        document: Document,
-        scheduler: &Scheduler,
-        wake: impl Fn() + Send + Sync + Clone + 'static,
-    ) -> std::io::Result<Self> {
-        Ok(Self {
+    pub fn new(document: Document, scheduler: &Scheduler) -> Self {
+        Self {
             document,
-            pipeline: Pipeline::start(wake.clone())?,
+            work: BliskWork::new(scheduler),
             coloured: Memo::new(scheduler, Lane::Quick, "Clearance").letting_finish(),
-            swept: Swept::start(wake.clone())?,
-            bodies: MachineBodies::start(wake.clone())?,
-            kept: KeptRuns::start(wake.clone())?,
-            tuning: Tuning::start(wake)?,
+            swept: Memo::new(scheduler, Lane::Quick, "Swept volume").remembering(2),
+            bodies: Memo::new(scheduler, Lane::Quick, "Machine").remembering(1),
+            stood: Stood::default(),
+            kept: KeptRuns::new(scheduler),
             machine: MachineMotion::default(),
             dialog: None,
             step: Stage::Part,
@@ -130,25 +138,30 @@ impl BliskDesk {
             span: None,
             track: Arc::default(),
             track_of: TrackSource::default(),
-        })
+        }
     }
 
-    /// Takes in what the worker has said.
-    pub fn follow(&mut self, cx: &mut Context) {
-        for event in self.pipeline.follow(&mut self.document) {
-            let text = format!("{}: {}", event.stage.name(), event.text);
-            let topic = Some(event.stage.number());
-            cx.note(LogLine { topic, took: event.took, ..LogLine::now(event.kind, text) });
+    /// Takes in what has been made, and keeps up with it.
+    pub fn follow(&mut self, cx: &mut Context, is_shown: bool) {
+        let priority = if is_shown { Priority::Shown } else { Priority::Normal };
+        for (stage, WorkEvent { kind, text, took }) in self.work.follow(&mut self.document, priority) {
+            cx.note(LogLine { topic: Some(stage.number()), took, ..LogLine::now(kind, text) });
         }
-        self.follow_tuning(cx.preferences.live);
+        self.work.look(self.cursor.electrode, cx.preferences.live, cx.now);
         self.follow_track();
-        self.machine.follow(self.pipeline.plan(), self.cursor.electrode);
+        self.machine.follow(self.work.plan(), self.cursor.electrode);
         self.follow_moment();
         self.follow_leftover();
         self.follow_kept(cx);
         self.follow_bodies(cx);
         self.follow_colours();
         self.follow_swept(cx);
+    }
+
+    /// Whether anything at all waits or runs.
+    pub fn is_busy(&self) -> bool {
+        let shown = self.coloured.is_busy() || self.swept.is_busy() || self.bodies.is_busy();
+        shown || self.kept.is_busy() || self.work.is_busy() || self.work.is_looking()
     }
 
     /// Moves the cursor to where `s` is withdrawn, or as far as there are poses.
@@ -171,20 +184,20 @@ impl BliskDesk {
     /// Whether a plan can be started.
     pub fn can_plan(&self) -> bool {
         // A plan makes its own electrodes, so that it need not wait for those that are shown.
-        self.pipeline.state(Stage::Channel) == StageState::Done
-            && !matches!(self.pipeline.state(Stage::Electrode), StageState::Missing | StageState::Failed(_))
-            && self.pipeline.state(Stage::Plan) != StageState::Running
+        self.work.state(Stage::Channel) == State::Ready
+            && !matches!(self.work.state(Stage::Electrode), State::Missing | State::Failed(_))
+            && self.work.state(Stage::Plan) != State::Running
     }
 
     /// Whether the present plan can be kept to compare with: its strategy is known while no parameter has changed.
     pub fn can_keep(&self) -> bool {
-        self.pipeline.state(Stage::Plan) == StageState::Done
-            && self.pipeline.plan().is_some_and(|plan| self.kept.can_keep(plan, &self.document))
+        self.work.state(Stage::Plan) == State::Ready
+            && self.work.plan().is_some_and(|plan| self.kept.can_keep(plan, &self.document))
     }
 
     /// Keeps the present plan, which [`can_keep`](Self::can_keep) says can be.
     pub fn keep(&mut self, cx: &mut Context) {
-        let (Some(plan), Some(part)) = (self.pipeline.plan(), self.pipeline.part()) else { return };
+        let (Some(plan), Some(part)) = (self.work.plan(), self.work.part()) else { return };
         if let Some(name) = self.kept.keep(plan, &mut self.document, &part.content()) {
             cx.say(EventKind::Done, format!("{name} is kept for comparison"));
         }
@@ -192,22 +205,21 @@ impl BliskDesk {
 
     /// Has the runs made that came with the document.
     fn follow_kept(&mut self, cx: &mut Context) {
-        let p = &self.pipeline;
-        let found = p.channel().filter(|_| p.state(Stage::Channel) == StageState::Done);
-        for why in self.kept.follow(&self.document, (p.part(), found)) {
+        let found = self.work.channel().filter(|_| self.work.state(Stage::Channel) == State::Ready);
+        for why in self.kept.follow(&self.document, self.work.part().zip(found)) {
             cx.say(EventKind::Cancelled, why);
         }
     }
 
     /// What the plan found about the electrode that is looked at.
     pub fn outcome(&self) -> Option<&ElectrodeOutcome> {
-        self.pipeline.plan().and_then(|p| p.electrodes.get(self.cursor.electrode))
+        self.work.plan().and_then(|p| p.electrodes.get(self.cursor.electrode))
     }
 
     /// How many electrodes there are to look at.
     pub fn electrode_count(&self) -> usize {
-        let planned = self.pipeline.plan().map(|p| p.electrodes.len());
-        planned.or(self.pipeline.electrodes().map(|e| e.electrodes.len())).unwrap_or(0)
+        let planned = self.work.plan().map(|p| p.electrodes.len());
+        planned.or(self.work.electrodes().map(|e| e.electrodes.len())).unwrap_or(0)
     }
 
     /// The poses of the electrode that is looked at.
@@ -220,45 +232,23 @@ impl BliskDesk {
         self.track.clone()
     }
 
-    /// Keeps the quick look up with the parameters, as long as there is no plan of theirs. What it found stays while
-    /// that is made.
-    fn follow_tuning(&mut self, is_live: bool) {
-        if self.pipeline.state(Stage::Plan) == StageState::Running && is_live {
-            return;
-        }
-        let wanted = is_live
-            && self.document.params().plan.strategy == Strategy::Global
-            && matches!(self.pipeline.state(Stage::Plan), StageState::Missing | StageState::Stale);
-        let inputs = wanted.then(|| self.pipeline.tuning_inputs()).flatten();
-        self.tuning.follow(inputs, self.cursor.electrode);
-    }
-
-    /// Begins to look for the thickest electrodes.
-    pub fn find_sizes(&mut self) {
-        if let Some(inputs) = self.pipeline.tuning_inputs() {
-            self.tuning.size(inputs);
-        }
-    }
-
     fn follow_track(&mut self) {
         self.cursor.electrode = self.cursor.electrode.min(self.electrode_count().saturating_sub(1));
-        let partial = self.pipeline.partial_plan().filter(|p| !p.nodes.is_empty());
-        let source = match (partial, self.tuning.way(), self.pipeline.plan()) {
-            (Some(partial), ..) => TrackSource::Partial(partial.number),
-            (None, Some((number, _)), _) => TrackSource::Live(number),
-            (None, None, Some(plan)) => TrackSource::Plan(Arc::as_ptr(plan) as usize, self.cursor.electrode),
+        let partial = self.work.partial_plan().filter(|partial| !partial.nodes.is_empty());
+        let source = match (partial, self.work.looked(), self.work.planned()) {
+            (Some(partial), ..) => TrackSource::Partial(Same(partial.clone())),
+            (None, Some(looked), _) => TrackSource::Live(Same(looked.clone())),
+            (None, None, Some(plan)) => TrackSource::Plan(Same(plan.clone()), self.cursor.electrode),
             (None, None, None) => TrackSource::Nothing,
         };
         if source == self.track_of {
             return;
         }
-        let track = match (source, partial, self.outcome()) {
-            (TrackSource::Partial(_), Some(partial), _) => Track::of_nodes(&partial.nodes),
-            (TrackSource::Plan(..), _, Some(outcome)) => Track::of_plan(&outcome.plan),
-            (TrackSource::Live(_), ..) => {
-                self.tuning.way().map(|(_, live)| Track::of_nodes(&live.way.nodes)).unwrap_or_default()
-            }
-            _ => Track::default(),
+        let track = match &source {
+            TrackSource::Partial(partial) => Track::of_nodes(&partial.0.nodes),
+            TrackSource::Plan(..) => self.outcome().map(|outcome| Track::of_plan(&outcome.plan)).unwrap_or_default(),
+            TrackSource::Live(looked) => Track::of_nodes(&looked.0.found.way.nodes),
+            TrackSource::Nothing => Track::default(),
         };
         // While nodes are found the electrode goes along with the last of them.
         if matches!(source, TrackSource::Partial(_)) || matches!(self.track_of, TrackSource::Partial(_)) {
@@ -275,7 +265,7 @@ impl BliskDesk {
             return self.coloured.clear();
         }
         let Some((electrode, shape)) = self.shown_electrode() else { return };
-        let Some(found) = self.pipeline.channel() else { return };
+        let Some(found) = self.work.channel() else { return };
         let (pose, exact) = (self.shown_pose(), found.exact.clone());
         let key = ColourKey { shape: Same(shape.clone()), pose };
         if self.coloured.is_busy() || !self.coloured.wants(&key) {
@@ -289,16 +279,27 @@ impl BliskDesk {
 
     /// Has the room made that the electrode passes through, if it is to be seen and all its poses are known.
     fn follow_swept(&mut self, cx: &mut Context) {
-        let seen = self.layers.get(Layer::Sweep).visible && !self.is_tuning() && self.pipeline.partial_plan().is_none();
-        let track = self.track.clone();
-        let lacks = self.swept.lacks((seen && !track.is_empty()).then_some(&track));
-        if let Some(why) = self.swept.take_failure() {
-            cx.say(EventKind::Failed, format!("the swept volume is drawn as poses: {why}"));
+        while let Some(ended) = self.swept.take() {
+            if let Err(Refusal::Failed(why)) = ended.result {
+                cx.say(EventKind::Failed, format!("the swept volume is drawn as poses: {why}"));
+            }
         }
-        if let (true, Some((electrode, _))) = (lacks, self.shown_electrode()) {
-            let electrode = electrode.clone();
-            self.swept.make(track, electrode);
+        let seen = self.layers.get(Layer::Sweep).visible && !self.is_tuning() && !self.work.is_planning();
+        let electrode = self.shown_electrode().filter(|_| seen && !self.track.is_empty());
+        let Some((electrode, _)) = electrode else { return self.swept.clear() };
+        let (track, key) = (self.track.clone(), Same(self.track.clone()));
+        if !self.swept.wants(&key) {
+            return self.swept.turn_to(&key);
         }
+        let electrode = electrode.clone();
+        self.swept.ask(&key, Priority::Shown, move |work| {
+            swept_shape(&electrode, &track, FINE, &work.task).map_err(|e| e.to_string())
+        });
+    }
+
+    /// The room that the electrode passes through, in W, once it is made.
+    pub fn swept(&self) -> Option<&Arc<RenderMesh>> {
+        self.swept.get(&Same(self.track.clone())).map(|shape| &**shape)
     }
 
     /// Pins a ghost of the electrode where the cursor stands, or takes the one there away.
@@ -327,5 +328,35 @@ impl BliskDesk {
             self.cursor.playing = false;
         }
         self.cursor.playing
+    }
+}
+
+impl Commanded for BliskDesk {
+    fn is_enabled(&self, command: Command) -> bool {
+        use FrameCommand as F;
+        if let Some(command) = F::of(command) {
+            return match command {
+                F::Undo => self.document.undo_label(false).is_some(),
+                F::Redo => self.document.undo_label(true).is_some(),
+                F::Cancel => self.work.is_busy(),
+                F::Export => self.work.released().is_some(),
+                F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode => !self.track().is_empty(),
+                _ => true,
+            };
+        }
+        let Some(command) = BliskCommand::of(command) else { return false };
+        match command {
+            BliskCommand::Plan => self.can_plan(),
+            BliskCommand::Release => self.work.can_release() && self.work.released().is_none(),
+            BliskCommand::Withdraw => self.work.released().is_some(),
+            BliskCommand::Ghost => !self.track().is_empty() && self.feed_cursor().is_some(),
+            BliskCommand::Keep => self.can_keep(),
+            BliskCommand::Colours => self.work.state(Stage::Electrode) != State::Missing,
+            BliskCommand::Leftover => self.leftover_shape().is_some(),
+            BliskCommand::MillFlanks => {
+                self.work.state(Stage::Electrode) == State::Ready && self.shown_electrode().is_some()
+            }
+            _ => true,
+        }
     }
 }

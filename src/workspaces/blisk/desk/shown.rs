@@ -6,21 +6,40 @@ use glam::DVec3;
 
 use super::{BliskDesk, TrackSource};
 use crate::workspaces::blisk::document::choice::MeshFrame;
+use crate::workspaces::blisk::document::machine_file::read_machine;
 use crate::workspaces::blisk::document::stage::Stage;
+use crate::workspaces::blisk::job::planned::PartialPlan;
+use crate::workspaces::blisk::job::stages::FoundChannel;
 use crate::workspaces::blisk::panels::machine_motion::Trouble;
-use crate::workspaces::blisk::pipeline::{PartialPlan, StageState};
 use crate::workspaces::blisk::scene::Layer;
 use crate::workspaces::blisk::scene::leftover::{LeftoverShape, colour_limit, leftover_legend};
-use crate::workspaces::blisk::scene::machine::{MachineBody, Moment};
+use crate::workspaces::blisk::scene::machine::{BodyShape, MachineBody, Moment, body_shapes};
+use crate::workspaces::commands::FrameCommand;
 use crate::workspaces::context::Context;
 use crate::workspaces::message::ElectrodePart;
 use crate::workspaces::news::EventKind;
+use feed::machine_model::Station;
 use feed::pose::Pose;
+use feed::simulation::Simulation;
 use geometry::distance_field::DistanceField;
 use render::colour_map::{ColourMap, Legend};
 use render::mesh::RenderMesh;
-use render::scene::SurfaceValues;
+use render::scene::{SectionPlane, SurfaceValues};
+use task::{Priority, Refusal, Same, State};
 use wheel::electrode::Electrode;
+
+/// The bodies of the machine as they stand, and what they stand about.
+#[derive(Default)]
+pub(super) struct Stood(Option<About>, Arc<Vec<MachineBody>>);
+
+/// What bodies stand about.
+#[derive(PartialEq)]
+struct About {
+    bodies: Same<Vec<BodyShape>>,
+    shape: Same<RenderMesh>,
+    channel: Same<FoundChannel>,
+    simulation: Option<Same<Simulation>>,
+}
 
 impl BliskDesk {
     /// The moment of the whole motion on the machine that is shown, if it is that and not a pose of the track.
@@ -48,24 +67,47 @@ impl BliskDesk {
 
     /// The bodies of the machine about the electrode that is shown.
     pub fn machine_bodies(&self) -> &Arc<Vec<MachineBody>> {
-        self.bodies.standing()
+        &self.stood.1
     }
 
-    /// Keeps the bodies of the machine up with the parameters and with the electrode that is shown.
+    /// Reads the machine of the parameters, and keeps its bodies up with the electrode that is shown.
     pub(super) fn follow_bodies(&mut self, cx: &mut Context) {
+        while let Some(ended) = self.bodies.take() {
+            if let Err(Refusal::Failed(why)) = ended.result {
+                cx.say(EventKind::Failed, format!("the machine is not shown: {why}"));
+            }
+        }
         let machine = &self.document.params().machine;
-        let wanted = machine.has_bodies().then(|| (machine.name.clone(), self.pipeline.reloads()));
-        self.bodies.read(wanted);
-        if let Some(why) = self.bodies.take_failure() {
-            cx.say(EventKind::Failed, format!("the machine is not shown: {why}"));
+        let wanted = machine.has_bodies().then(|| (machine.name.clone(), self.work.reloads()));
+        if let Some(key) = &wanted {
+            let name = key.0.clone();
+            self.bodies.ask(key, Priority::Shown, move |work| {
+                let model = read_machine(&name, &work.task).map_err(|e| e.to_string())?;
+                Ok(body_shapes(&model))
+            });
         }
+        let about = wanted.and_then(|key| self.about(self.bodies.get(&key)?));
+        if about != self.stood.0 {
+            let bodies = about.as_ref().map(|about| self.standing(about)).unwrap_or_default();
+            self.stood = Stood(about, Arc::new(bodies));
+        }
+    }
+
+    fn about(&self, bodies: &Arc<Vec<BodyShape>>) -> Option<About> {
+        let ((_, shape), channel) = self.shown_electrode().zip(self.work.channel())?;
         // What was in the way of an earlier electrode may not be in the way of this one.
-        let is_current = self.pipeline.state(Stage::Plan) == StageState::Done;
-        let simulation = self.machine.simulation().filter(|_| is_current).cloned();
-        let anew = self.bodies.anew(self.shown_electrode(), self.pipeline.channel(), simulation.as_ref());
-        if let Some(stood) = anew {
-            self.bodies.take_over(stood);
-        }
+        let is_current = self.work.state(Stage::Plan) == State::Ready;
+        let simulation = self.machine.simulation().filter(|_| is_current).cloned().map(Same);
+        let (bodies, shape, channel) = (Same(bodies.clone()), Same(shape.clone()), Same(channel.clone()));
+        Some(About { bodies, shape, channel, simulation })
+    }
+
+    fn standing(&self, about: &About) -> Vec<MachineBody> {
+        let Some((electrode, _)) = self.shown_electrode() else { return Vec::new() };
+        let (o, side) = (electrode.reference_point, electrode.enters_from);
+        let station = Station::new(&electrode.mesh, o, side, &about.channel.0.blisk);
+        let simulation = about.simulation.as_ref().map(|simulation| &*simulation.0);
+        about.bodies.0.iter().map(|body| MachineBody::standing(body, &station, simulation)).collect()
     }
 
     /// The pose that the electrode is shown in.
@@ -85,8 +127,8 @@ impl BliskDesk {
 
     /// The stock that is left, if it is known and of the electrodes that are shown.
     pub fn leftover_shape(&self) -> Option<&LeftoverShape> {
-        let is_current = self.pipeline.state(Stage::Plan) == StageState::Done && !self.is_tuning();
-        self.pipeline.leftover_shape().filter(|_| is_current)
+        let is_current = self.work.state(Stage::Plan) == State::Ready && !self.is_tuning();
+        self.work.leftover_shape().filter(|_| is_current)
     }
 
     /// The stock left on the surfaces of the channel with its colours, if it is to be seen and known.
@@ -137,7 +179,7 @@ impl BliskDesk {
 
     /// Whether the electrode is being tuned, so that the plan there may be is not its own.
     pub fn is_tuning(&self) -> bool {
-        let changed = self.pipeline.state(Stage::Plan) != StageState::Done;
+        let changed = self.work.state(Stage::Plan) != State::Ready;
         self.is_live() || (changed && self.step <= Stage::Electrode)
     }
 
@@ -148,14 +190,15 @@ impl BliskDesk {
 
     /// The electrode that is shown and its shape: while parameters are tuned as it would be, not as it was planned.
     pub fn shown_electrode(&self) -> Option<(&Electrode, &Arc<RenderMesh>)> {
-        let (p, i) = (&self.pipeline, self.cursor.electrode);
-        if let Some((electrode, shape)) = self.searched().and_then(|partial| partial.electrode.as_ref()) {
+        let (p, i) = (&self.work, self.cursor.electrode);
+        if let Some(partial) = self.searched() {
+            return Some((&partial.electrode, &partial.shape));
+        }
+        let looked = self.work.looked().filter(|_| self.is_live());
+        if let Some((electrode, shape)) = looked.and_then(|l| l.found.other.as_ref().zip(l.shape.as_ref())) {
             return Some((electrode, shape));
         }
-        if let Some((electrode, shape)) = self.tuning.other_electrode().filter(|_| self.is_live()) {
-            return Some((electrode, shape));
-        }
-        let planned = self.outcome().map(|o| &o.electrode).zip(p.plan_shapes().and_then(|s| s.get(i)));
+        let planned = p.planned().and_then(|p| p.outcome.electrodes.get(i).map(|o| &o.electrode).zip(p.shapes.get(i)));
         let tuned = p.electrodes().and_then(|e| e.electrodes.get(i).zip(e.shapes.get(i)));
         if self.is_tuning() { tuned.or(planned) } else { planned.or(tuned) }
     }
@@ -164,7 +207,7 @@ impl BliskDesk {
     /// outwards.
     pub fn electrode_to_mill(&self) -> Option<ElectrodePart> {
         let (electrode, _) = self.shown_electrode()?;
-        let (part, channel) = (self.pipeline.part()?, &self.pipeline.channel()?.channel);
+        let (part, channel) = (self.work.part()?, &self.work.channel()?.channel);
         let is_of_mesh = self.document.params().export.frame == MeshFrame::Mesh;
         let named = (self.cursor.electrode + 1, part.name.as_str());
         Some(ElectrodePart::of_blisk(electrode, named, is_of_mesh.then_some(&channel.frame)))
@@ -173,7 +216,7 @@ impl BliskDesk {
     /// The plan that is being made, if its nodes are those of the track.
     fn searched(&self) -> Option<&PartialPlan> {
         let is_shown = matches!(self.track_of, TrackSource::Partial(_));
-        self.pipeline.partial_plan().filter(|partial| is_shown && !partial.nodes.is_empty())
+        self.work.partial_plan().filter(|partial| is_shown && !partial.nodes.is_empty()).map(|partial| &**partial)
     }
 
     /// Where the feed comes closest or jams, in one point of the electrode in its final pose and one of the blisk, both
@@ -216,6 +259,52 @@ impl BliskDesk {
 
     /// Whether what is shown of the plan belongs to other parameters.
     pub fn plan_is_stale(&self) -> bool {
-        self.pipeline.state(Stage::Plan) == StageState::Stale
+        self.work.state(Stage::Plan) == State::Stale
+    }
+
+    /// Plays, or goes to another node.
+    pub fn step_along(&mut self, command: FrameCommand) {
+        let track = self.track.clone();
+        let cursor = &mut self.cursor;
+        if command == FrameCommand::Play {
+            cursor.playing = !cursor.playing;
+            if self.machine.shown().is_some() {
+                if cursor.playing && self.machine.advance(0.0) == Some(false) {
+                    self.machine.go_to(Some(0.0));
+                }
+                return;
+            }
+            if cursor.playing && cursor.s <= 0.0 {
+                cursor.s = track.length();
+            }
+            return;
+        }
+        self.machine.go_to(None);
+        cursor.playing = false;
+        cursor.s = match command {
+            FrameCommand::NextNode => track.next_node(cursor.s),
+            FrameCommand::PreviousNode => track.previous_node(cursor.s),
+            FrameCommand::FirstNode => track.length(),
+            _ => 0.0,
+        };
+    }
+
+    /// Cuts through everything, or shows all of it again.
+    pub fn toggle_section(&mut self) {
+        self.section = match (self.section, self.work.part()) {
+            (None, Some(part)) => {
+                // Across the channel's middle where one is known: that is what one wants to look into.
+                let plane = self.work.channel().map(|found| {
+                    let frame = &found.channel.frame;
+                    let [low, high] = found.channel.span_x();
+                    let middle = 0.5 * (low + high);
+                    let (hub, shroud) = found.channel.radii_at(middle);
+                    let point = glam::DVec3::new(middle, 0.0, 0.5 * (hub + shroud));
+                    SectionPlane { point: frame.to_parent(point), normal: frame.x }
+                });
+                plane.or(Some(SectionPlane { point: part.mesh.bounds().center(), normal: glam::DVec3::X }))
+            }
+            _ => None,
+        };
     }
 }

@@ -1,10 +1,10 @@
 //! Jobs of the workspace: pure functions of their inputs.
 
-pub mod auto_size;
 pub mod compare;
 pub mod finish;
 pub mod plan;
 pub mod plan_pictures;
+pub mod planned;
 pub mod prepared_blisk;
 pub mod preview;
 pub mod released;

@@ -1,12 +1,14 @@
 //! The quick look that follows while parameters are tuned.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use super::plan::{PlanInputs, PlanJobError, electrode_of, settings_of, sides};
 use super::prepared_blisk::PreparedBlisk;
 use feed::global::PreviewPath;
 use feed::planner::{DrawnIn, preview_path};
 use files::Validate as _;
+use render::mesh::RenderMesh;
 use task::Task;
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, EntrySide};
@@ -70,4 +72,30 @@ pub fn live_way(
         best.other = Some(Arc::new(electrode_of(inputs, channel, &prepared.exact, which, task)?));
     }
     Ok(best)
+}
+
+/// A quick look as it is shown.
+pub struct Looked {
+    /// What it found.
+    pub found: LiveWay,
+    /// The shape of the [electrode](LiveWay::other) that it is the way of, where that is not the one that is tuned.
+    pub shape: Option<Arc<RenderMesh>>,
+    /// What it found, in one sentence.
+    pub sentence: String,
+    /// How long it took.
+    pub took: Duration,
+}
+
+impl Looked {
+    /// Looks for a way of the electrode number `part` along X.
+    ///
+    /// # Errors
+    /// One line for the user.
+    pub fn at(prepared: &PreparedBlisk, inputs: &PlanInputs, part: usize, task: &Task) -> Result<Self, String> {
+        let began = Instant::now();
+        let found = live_way(prepared, inputs, part, task).map_err(|e| e.to_string())?;
+        let took = began.elapsed();
+        let shape = found.other.as_ref().map(|electrode| Arc::new(RenderMesh::new(&electrode.mesh)));
+        Ok(Self { shape, sentence: found.sentence(&prepared.space.channel), found, took })
+    }
 }

@@ -41,6 +41,11 @@ impl Part {
     pub fn content(&self) -> String {
         self.files.iter().map(|f| f.sha256.as_str()).collect::<Vec<_>>().join("+")
     }
+
+    /// What was read, in a sentence.
+    pub fn sentence(&self) -> String {
+        format!("{}: {} triangles", self.name, self.mesh.triangles.len())
+    }
 }
 
 /// The channel of a part, and the part made ready for exact questions.
@@ -57,6 +62,13 @@ pub struct FoundChannel {
     pub centreline: Option<Arc<Centreline>>,
 }
 
+impl FoundChannel {
+    /// What was found, in a sentence.
+    pub fn sentence(&self) -> String {
+        format!("{} blades, throat {:.2} mm", self.channel.blades, self.channel.throat.width_mm)
+    }
+}
+
 /// The electrodes of a channel in their final pose, in the order of their parts.
 #[derive(Debug, Clone)]
 pub struct Electrodes {
@@ -66,6 +78,16 @@ pub struct Electrodes {
     pub shapes: Vec<Arc<RenderMesh>>,
     /// Why the side that would have been taken first was not.
     pub notes: Vec<String>,
+}
+
+impl Electrodes {
+    /// What was made, in a sentence.
+    pub fn sentence(&self) -> String {
+        let thinnest = self.electrodes.iter().map(|e| e.least_thickness_mm).fold(f64::INFINITY, f64::min);
+        let count = self.electrodes.len();
+        let plural = if count == 1 { "" } else { "s" };
+        format!("{count} electrode{plural}, least thickness {thinnest:.2} mm")
+    }
 }
 
 /// Loads the blisk and, if the job has one, the user's own electrode. Reads files.

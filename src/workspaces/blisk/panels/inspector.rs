@@ -40,7 +40,7 @@ fn selected(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context) {
     });
     match layer {
         Layer::Blisk => {
-            let Some(part) = desk.pipeline.part() else { return };
+            let Some(part) = desk.work.part() else { return };
             heading(ui, layer.name());
             fact(ui, "Triangles", grouped(part.mesh.triangles.len()));
             size(ui, part.shape.bounds().size(), "");
@@ -56,13 +56,13 @@ fn selected(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context) {
         }
         Layer::LowWall | Layer::HighWall => {
             use wheel::channel::Surface;
-            let Some(found) = desk.pipeline.channel() else { return };
+            let Some(found) = desk.work.channel() else { return };
             let surface = if layer == Layer::LowWall { Surface::LowWall } else { Surface::HighWall };
             heading(ui, layer.name());
             fact(ui, "Surface", found.channel.surface_name(surface));
         }
         Layer::Centreline => {
-            let Some(line) = desk.pipeline.channel().and_then(|found| found.centreline.as_ref()) else { return };
+            let Some(line) = desk.work.channel().and_then(|found| found.centreline.as_ref()) else { return };
             heading(ui, layer.name());
             let [least, greatest] = line.diameters();
             fact(ui, "Length", length.show(line.length(), 3));
@@ -107,7 +107,7 @@ fn pose(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context) {
 fn contact(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     let (Some([_, on_blisk]), Some(s)) = (desk.contact(), desk.contact_s()) else { return };
     let Some(outcome) = desk.outcome() else { return };
-    let Some(plan) = desk.pipeline.plan() else { return };
+    let Some(plan) = desk.work.plan() else { return };
     let jammed = outcome.plan.jam.as_ref().and_then(|jam| Some((jam.node, jam.contact()?)));
     let (title, surface) = match (jammed, &outcome.plan.path) {
         (Some((node, contact)), _) => (format!("Jams at node {node}"), contact.surface),
@@ -140,7 +140,7 @@ fn point(ui: &mut Ui, cx: &Context, p: glam::DVec3) {
 }
 
 fn probe(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, view: &mut BliskView) {
-    let to_w = |p: glam::DVec3| desk.pipeline.channel().map_or(p, |f| f.channel.frame.from_parent(p));
+    let to_w = |p: glam::DVec3| desk.work.channel().map_or(p, |f| f.channel.frame.from_parent(p));
     let length = cx.preferences.length;
     match view.probe().cloned() {
         None if desk.measuring => {
@@ -152,7 +152,7 @@ fn probe(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, view: &mut BliskVi
             heading(ui, "Picked");
             fact(ui, "On", layer.map_or("part", crate::workspaces::blisk::scene::Layer::name));
             point(ui, cx, to_w(at));
-            let n = desk.pipeline.channel().map_or(normal, |f| f.channel.frame.direction_from_parent(normal));
+            let n = desk.work.channel().map_or(normal, |f| f.channel.frame.direction_from_parent(normal));
             fact(ui, "Normal", format!("{:.3}  {:.3}  {:.3}", n.x, n.y, n.z));
         }
         Some(Probe::Distance { from, to }) => {

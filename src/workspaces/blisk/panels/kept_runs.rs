@@ -1,7 +1,6 @@
 //! Plans that the user keeps beside the present one: their figures and the curves of their axes.
 
 use crate::workspaces::blisk::desk::BliskDesk;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use egui::{Color32, RichText, Role, Ui, WidgetInfo};
@@ -12,31 +11,22 @@ use crate::workspaces::blisk::job::plan::{PlanOutcome, kept};
 use crate::workspaces::blisk::job::stages::{FoundChannel, Part};
 use crate::workspaces::blisk::report::Smoothness;
 use crate::workspaces::blisk::report::comparison::{AxisCourse, Run, RunElectrode};
-use crate::workspaces::worker::{Message, Worker};
 use feed::plan_params::Strategy;
 use feed::pose::Axis;
 use feed::smoothness::axis_smoothness;
+use task::{Ended, Lane, Memo, Priority, Refusal, Same, Scheduler, State};
 
 use crate::workspaces::blisk::document::Document;
 use crate::workspaces::blisk::document::kept_plan::{self, KeptPlan};
 
+/// A run of the document: its number, what it was made from, and the step that its differences are taken over (mm).
+type Key = (usize, String, f64);
+
 /// The runs that are kept: what the document holds of them, made to be looked at.
 pub struct KeptRuns {
-    runs: Vec<KeptRun>,
-    /// Makes those that came with a file anew.
-    opener: Worker<Opened, ()>,
-    /// Numbers of those that were given to it.
-    asked: Vec<usize>,
-    /// Why those are not shown that could not be made, by their numbers.
-    refused: BTreeMap<usize, String>,
-    /// The channel that they were to be made for.
-    channel: Option<Arc<FoundChannel>>,
-}
-
-/// A run that came with a file, and its plan or why there is none.
-struct Opened {
-    of: kept_plan::KeptRun,
-    outcome: Result<Box<PlanOutcome>, String>,
+    /// One after the other is made. What another channel was in the way of may be made of this one.
+    made: Memo<Key, KeptRun>,
+    channel: Option<Same<FoundChannel>>,
 }
 
 /// A run that is kept.
@@ -51,6 +41,19 @@ pub struct KeptRun {
 }
 
 impl KeptRun {
+    /// The run `of` which `plan` is, with differences over steps of `step` (mm): those over others could not be compared.
+    fn new(of: &kept_plan::KeptRun, plan: &PlanOutcome, step: f64) -> Self {
+        let mut run = run_of(of.job.plan.strategy, plan);
+        for (kept, electrode) in run.electrodes.iter_mut().zip(&plan.electrodes) {
+            let Some(planned) = &electrode.plan.path else { continue };
+            let figures = Axis::ALL.map(|axis| axis_smoothness(&planned.curves, axis, step));
+            kept.smoothness = Smoothness::of(&figures);
+        }
+        // A file may name any colour.
+        let colour = of.colour % KeptRuns::MOST;
+        Self { number: of.number, colour, run, paths: paths(plan).map(str::to_owned).collect() }
+    }
+
     /// Its name: its number and strategy.
     pub fn name(&self) -> String {
         name(self.number, self.run.strategy)
@@ -75,37 +78,32 @@ impl KeptRuns {
     /// Most runs that are kept.
     pub const MOST: usize = 6;
 
-    /// None yet; `wake` is called whenever one that came with a file is made.
-    ///
-    /// # Errors
-    /// If the system gives no thread.
-    pub fn start(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
-        let opener = Worker::start(wake)?;
-        Ok(Self { runs: Vec::new(), opener, asked: Vec::new(), refused: BTreeMap::new(), channel: None })
+    /// None yet.
+    pub fn new(scheduler: &Scheduler) -> Self {
+        Self { made: Memo::new(scheduler, Lane::Quick, "Kept runs").remembering(usize::MAX), channel: None }
     }
 
     /// Those that are kept and can be looked at, in the order of keeping.
-    pub fn all(&self) -> &[KeptRun] {
-        &self.runs
+    pub fn all(&self, document: &Document) -> Vec<&KeptRun> {
+        keyed(document).iter().filter_map(|(key, _)| Some(&**self.made.get(key)?)).collect()
     }
 
     /// Those of `document` that cannot be looked at, and why: number, name, reason.
     fn absent(&self, document: &Document) -> Vec<(usize, String, String)> {
-        let is_absent = |of: &&kept_plan::KeptRun| !self.runs.iter().any(|run| run.number == of.number);
-        let reason = |of: &kept_plan::KeptRun| match self.refused.get(&of.number) {
-            Some(why) => format!("not compared: {why}"),
-            None if self.asked.contains(&of.number) => "is being recomputed".to_owned(),
-            None => "waits for part and channel".to_owned(),
+        let reason = |key: &Key| match self.made.state(key) {
+            State::Failed(why) => format!("not compared: {why}"),
+            _ if self.channel.is_some() => "is being recomputed".to_owned(),
+            _ => "waits for part and channel".to_owned(),
         };
-        let row = |of: &kept_plan::KeptRun| (of.number, name(of.number, of.job.plan.strategy), reason(of));
-        kept_plan::KeptRun::all_of(document).iter().filter(is_absent).map(row).collect()
+        let absent = keyed(document).into_iter().filter(|(key, _)| self.made.get(key).is_none());
+        absent.map(|(key, of)| (of.number, name(of.number, of.job.plan.strategy), reason(&key))).collect()
     }
 
     /// Whether one more can be kept, and `plan`, which must be certified, is not kept already.
     pub fn can_keep(&self, plan: &PlanOutcome, document: &Document) -> bool {
         plan.is_verified()
             && kept_plan::KeptRun::all_of(document).len() < Self::MOST
-            && !self.runs.iter().any(|run| run.paths.iter().map(String::as_str).eq(paths(plan)))
+            && !self.all(document).iter().any(|run| run.paths.iter().map(String::as_str).eq(paths(plan)))
     }
 
     /// Keeps `plan`, which was made by the parameters of `document` of meshes with this content. Answers its name.
@@ -119,94 +117,66 @@ impl KeptRuns {
         let of = kept_plan::KeptRun::new(number, colour, job, plan_kept);
         all.push(of.clone());
         kept_plan::KeptRun::keep(&all, document);
-        self.asked.push(number);
-        self.add(&of, plan, step_of(document));
-        self.runs.last().map(KeptRun::name)
-    }
-
-    fn add(&mut self, of: &kept_plan::KeptRun, plan: &PlanOutcome, step: f64) {
-        let mut run = run_of(of.job.plan.strategy, plan);
-        // Differences over other steps could not be compared.
-        for (kept, electrode) in run.electrodes.iter_mut().zip(&plan.electrodes) {
-            let Some(planned) = &electrode.plan.path else { continue };
-            let figures = Axis::ALL.map(|axis| axis_smoothness(&planned.curves, axis, step));
-            kept.smoothness = Smoothness::of(&figures);
-        }
-        // A file may name any colour.
-        let colour = of.colour % Self::MOST;
-        let paths = paths(plan).map(str::to_owned).collect();
-        self.runs.push(KeptRun { number: of.number, colour, run, paths });
-        self.runs.sort_by_key(|run| run.number);
+        let step = step_of(&all, document);
+        let run = Arc::new(KeptRun::new(&of, plan, step));
+        self.made.put(&key(&of, step), run.clone());
+        Some(run.name())
     }
 
     /// Keeps up with `document`: makes the runs that came with its file, once part and channel are there. Answers why some
     /// are not shown.
-    pub fn follow(
-        &mut self,
-        document: &Document,
-        (part, found): (Option<&Arc<Part>>, Option<&Arc<FoundChannel>>),
-    ) -> Vec<String> {
+    pub fn follow(&mut self, document: &Document, of: Option<(&Arc<Part>, &Arc<FoundChannel>)>) -> Vec<String> {
         let mut problems = Vec::new();
-        for message in self.opener.messages() {
-            let Message::Partial(_, Opened { of, outcome }) = message else { continue };
-            match outcome {
-                _ if !kept_plan::KeptRun::all_of(document).contains(&of) => {}
-                Ok(plan) => {
-                    self.refused.remove(&of.number);
-                    self.add(&of, &plan, step_of(document));
-                }
-                Err(why) => {
-                    let before = self.refused.insert(of.number, why.clone());
-                    if before.as_ref() != Some(&why) {
-                        problems.push(format!("the kept run {} is not shown: {why}", of.number));
-                    }
-                }
+        while let Some(Ended { key, result, .. }) = self.made.take() {
+            if let Err(Refusal::Failed(why)) = result {
+                problems.push(format!("the kept run {} is not shown: {why}", key.0));
             }
         }
-        let (Some(part), Some(found)) = (part.cloned(), found.cloned()) else { return problems };
-        // What another channel was in the way of may be made of this one.
-        if !self.channel.as_ref().is_some_and(|channel| Arc::ptr_eq(channel, &found)) {
+        let Some((part, found)) = of.map(|(part, found)| (part.clone(), Same(found.clone()))) else { return problems };
+        let runs = keyed(document);
+        if self.channel.as_ref() != Some(&found) {
+            runs.iter().for_each(|(key, _)| self.made.resume(key));
             self.channel = Some(found.clone());
-            self.asked.retain(|number| !self.refused.contains_key(number));
         }
-        let lacking = |run: &&kept_plan::KeptRun| !self.asked.contains(&run.number);
-        let wanted: Vec<kept_plan::KeptRun> =
-            kept_plan::KeptRun::all_of(document).iter().filter(lacking).cloned().collect();
-        if !wanted.is_empty() {
-            self.asked.extend(wanted.iter().map(|run| run.number));
-            let now = document.params().clone();
-            self.opener.submit(0, move |reporter, task| {
-                for of in wanted {
-                    let made = kept_run(&of, &now, &part, &found, task);
-                    task.check().map_err(|e| e.to_string())?;
-                    reporter.partial(Opened { of, outcome: made.map(Box::new).map_err(|e| e.to_string()) });
-                }
-                Ok(())
-            });
+        if self.made.under_way().is_some_and(|of| runs.iter().any(|(key, _)| key == of)) {
+            return problems;
         }
+        let lacking = runs.into_iter().find(|(key, _)| self.made.wants(key));
+        let Some((key, of)) = lacking else { return problems };
+        let (now, step) = (document.params().clone(), key.2);
+        self.made.ask(&key, Priority::Background, move |work| {
+            let made = kept_run(&of, &now, &part, &found.0, &work.task);
+            made.map(|plan| KeptRun::new(&of, &plan, step)).map_err(|e| e.to_string())
+        });
         problems
+    }
+
+    /// Whether one is being made.
+    pub fn is_busy(&self) -> bool {
+        self.made.is_busy()
     }
 
     /// Forgets them: another document is there.
     pub fn forget(&mut self) {
-        self.opener.cancel_from(0);
-        let _ = self.opener.messages();
-        (self.runs, self.asked, self.refused, self.channel) = Default::default();
-    }
-
-    fn remove(&mut self, number: usize, document: &mut Document) {
-        self.runs.retain(|run| run.number != number);
-        self.asked.retain(|asked| *asked != number);
-        self.refused.remove(&number);
-        let mut kept = kept_plan::KeptRun::all_of(document);
-        kept.retain(|run| run.number != number);
-        kept_plan::KeptRun::keep(&kept, document);
+        self.made.clear();
+        self.channel = None;
     }
 }
 
-/// The step that differences of all runs are taken over, that of the first (mm).
-fn step_of(document: &Document) -> f64 {
-    kept_plan::KeptRun::all_of(document).first().map_or(document.params().plan.step_mm, |run| run.job.plan.step_mm)
+fn key(run: &kept_plan::KeptRun, step: f64) -> Key {
+    (run.number, run.plan.inputs.clone(), step)
+}
+
+/// The runs of `document` with their keys.
+fn keyed(document: &Document) -> Vec<(Key, kept_plan::KeptRun)> {
+    let runs = kept_plan::KeptRun::all_of(document);
+    let step = step_of(&runs, document);
+    runs.into_iter().map(|run| (key(&run, step), run)).collect()
+}
+
+/// The step that differences of all `runs` are taken over, that of the first (mm).
+fn step_of(runs: &[kept_plan::KeptRun], document: &Document) -> f64 {
+    runs.first().map_or(document.params().plan.step_mm, |run| run.job.plan.step_mm)
 }
 
 /// Digests of the paths of `plan`.
@@ -218,7 +188,8 @@ fn paths(plan: &PlanOutcome) -> impl Iterator<Item = &str> {
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     let axes: Vec<Axis> =
         desk.document.params().machine.axes.axes().iter().copied().filter(|a| *a != Axis::X).collect();
-    let (electrode, step) = (desk.cursor.electrode, step_of(&desk.document));
+    let (electrode, step) =
+        (desk.cursor.electrode, step_of(&kept_plan::KeptRun::all_of(&desk.document), &desk.document));
     let mut removed = None;
     let caption = format!(
         "Second differences over steps of {step:.2} mm, RMS and greatest; linear axes in mm, rotary axes in deg"
@@ -227,7 +198,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
         ui.label(RichText::new(caption).small().color(palette(ui).faint));
         egui::Grid::new("kept runs").spacing([9.0, 3.0]).striped(true).show(ui, |ui| {
             heads(ui, &axes);
-            for run in desk.kept.all() {
+            for run in desk.kept.all(&desk.document) {
                 if named(ui, run) {
                     removed = Some(run.number);
                 }
@@ -248,7 +219,9 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
         }
     });
     if let Some(number) = removed {
-        desk.kept.remove(number, &mut desk.document);
+        let mut kept = kept_plan::KeptRun::all_of(&desk.document);
+        kept.retain(|run| run.number != number);
+        kept_plan::KeptRun::keep(&kept, &mut desk.document);
     }
 }
 

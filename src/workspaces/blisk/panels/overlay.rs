@@ -13,10 +13,10 @@ use crate::widgets::panel_parts::sentence;
 use crate::widgets::theme::palette;
 use crate::widgets::viewport::Viewport;
 use crate::workspaces::blisk::document::stage::Stage;
-use crate::workspaces::blisk::pipeline::StageState;
 use feed::simulation::Simulation;
 use render::scene::SectionPlane;
 use render::view::StandardView;
+use task::State;
 
 /// Draws all of it.
 pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, cx: &mut Context, view: &mut BliskView) {
@@ -60,7 +60,7 @@ fn section(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk) {
     child.spacing_mut().slider_width = (100.0 - (WIDTH - width)).max(24.0);
     child.painter().rect_filled(area, 5.0, child.visuals().window_fill.gamma_multiply(0.92));
     child.add_space(8.0);
-    let Some(part) = desk.pipeline.part().cloned() else { return };
+    let Some(part) = desk.work.part().cloned() else { return };
     let bounds = part.shape.bounds();
     let Some(plane) = &mut desk.section else { return };
     for (name, axis) in [("X", DVec3::X), ("Y", DVec3::Y), ("Z", DVec3::Z)] {
@@ -110,18 +110,18 @@ fn section_handle(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, viewport: &View
 
 /// The answer of the plan, and of the check of its motion on the machine, and its colour.
 fn answer(ui: &Ui, desk: &BliskDesk) -> Option<(Color32, String)> {
-    let (plan, outcome, colours) = (desk.pipeline.plan()?, desk.outcome()?, palette(ui));
+    let (plan, outcome, colours) = (desk.work.plan()?, desk.outcome()?, palette(ui));
     let verdict = || outcome.plan.verdict(&plan.channel);
     let collision = plan.finishing().and_then(|finishing| finishing.collision()).map(Simulation::sentence);
-    Some(match (desk.pipeline.state(Stage::Plan), desk.pipeline.state(Stage::Verify)) {
-        (StageState::Running, _) => return None,
-        (StageState::Stale, _) => (colours.warning, format!("out of date: {}", collision.unwrap_or_else(verdict))),
-        (StageState::Done, _) if collision.is_some() => (colours.bad, collision.unwrap_or_default()),
+    Some(match (desk.work.state(Stage::Plan), desk.work.state(Stage::Verify)) {
+        (State::Running, _) => return None,
+        (State::Stale, _) => (colours.warning, format!("out of date: {}", collision.unwrap_or_else(verdict))),
+        (State::Ready, _) if collision.is_some() => (colours.bad, collision.unwrap_or_default()),
         _ if !outcome.plan.is_verified() => (colours.bad, verdict()),
-        (StageState::Done, StageState::Running) => {
+        (State::Ready, State::Running) => {
             (colours.accent, format!("{}; its motion on the machine is being simulated", verdict()))
         }
-        (StageState::Done, StageState::Failed(_)) if plan.may_be_approved() => {
+        (State::Ready, State::Failed(_)) if plan.may_be_approved() => {
             (colours.warning, format!("{}; its motion on the machine is not known", verdict()))
         }
         _ => (colours.good, verdict()),

@@ -28,15 +28,15 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
 /// Whether there is anything in the layer yet.
 fn exists(desk: &BliskDesk, layer: Layer) -> bool {
     match layer {
-        Layer::Blisk | Layer::Grid => desk.pipeline.part().is_some(),
-        Layer::Unshrouded | Layer::LowWall | Layer::HighWall => desk.pipeline.channel().is_some(),
-        Layer::Centreline => desk.pipeline.channel().is_some_and(|found| found.centreline.is_some()),
+        Layer::Blisk | Layer::Grid => desk.work.part().is_some(),
+        Layer::Unshrouded | Layer::LowWall | Layer::HighWall => desk.work.channel().is_some(),
+        Layer::Centreline => desk.work.channel().is_some_and(|found| found.centreline.is_some()),
         Layer::Machine => !desk.machine_bodies().is_empty(),
-        Layer::Electrode => desk.pipeline.electrodes().is_some(),
+        Layer::Electrode => desk.work.electrodes().is_some(),
         Layer::Ghosts | Layer::Sweep | Layer::Paths => !desk.track().is_empty(),
         Layer::Contact => {
             (desk.contact().is_some() || desk.trouble().is_some())
-                && desk.pipeline.state(Stage::Plan) != crate::workspaces::blisk::pipeline::StageState::Missing
+                && desk.work.state(Stage::Plan) != task::State::Missing
         }
     }
 }

@@ -10,21 +10,25 @@ use crate::widgets::theme::palette;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::sizing::{SizeRow, TOLERANCE_DEG};
-use crate::workspaces::blisk::pipeline::StageState;
+use task::State;
 
 /// Width of a form in which columns may stand wide apart (points).
 const ROOMY: f32 = 300.0;
 
 /// What a quick look says of the electrode as it is tuned.
 pub fn live(ui: &mut Ui, desk: &BliskDesk) {
-    if let Some(why) = desk.tuning.blind() {
-        notice(ui, palette(ui).warning, &format!("No preview of the extraction path: {why}"));
-    } else if desk.tuning.is_looking() {
-        notice(ui, palette(ui).faint, "Searching the extraction path…");
-    } else if let Some((sentence, took)) = desk.tuning.sentence() {
-        let out = desk.tuning.way().is_some_and(|(_, way)| way.way.margin.is_some());
-        let colour = if out { palette(ui).good } else { palette(ui).warning };
-        notice(ui, colour, &format!("Preview: {sentence} ({:.2} s; not verified)", took.as_secs_f64()));
+    match (desk.work.look_state(), desk.work.looked()) {
+        (State::Failed(why), _) => {
+            notice(ui, palette(ui).warning, &format!("No preview of the extraction path: {why}"));
+        }
+        (_, Some(looked)) => {
+            let out = looked.found.way.margin.is_some();
+            let colour = if out { palette(ui).good } else { palette(ui).warning };
+            let (sentence, took) = (&looked.sentence, looked.took.as_secs_f64());
+            notice(ui, colour, &format!("Preview: {sentence} ({took:.2} s; not verified)"));
+        }
+        (State::Running, None) => notice(ui, palette(ui).faint, "Searching the extraction path…"),
+        _ => {}
     }
 }
 
@@ -32,30 +36,30 @@ pub fn live(ui: &mut Ui, desk: &BliskDesk) {
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     ui.add_space(8.0);
     ui.strong("Thickest electrodes with an extraction path");
-    let sizing = desk.tuning.sizing().map(str::to_owned);
+    let sizing = desk.work.sizing();
     ui.horizontal(|ui| {
         if let Some(doing) = &sizing {
             if ui.button("Stop sizing").clicked() {
-                desk.tuning.stop_sizing();
+                desk.work.stop_sizing();
             }
             ui.label(RichText::new(doing).small().color(palette(ui).faint));
         } else {
             let hint = "Finds the least reductions for 1, 2 and 3 parts, from either side of entry, each certified";
-            let ready = desk.pipeline.state(Stage::Channel) == StageState::Done;
+            let ready = desk.work.state(Stage::Channel) == State::Ready;
             if ui.add_enabled(ready, egui::Button::new("Find sizes")).on_hover_text(hint).clicked() {
-                desk.find_sizes();
+                desk.work.find_sizes();
             }
         }
     });
-    let (rows, failure) = desk.tuning.sizes();
-    let (rows, failure) = (rows.to_vec(), failure.map(str::to_owned));
+    let (rows, failure) = desk.work.sizes();
+    let rows = rows.to_vec();
     if let Some(why) = failure {
         notice(ui, palette(ui).bad, &why);
     }
     if rows.is_empty() {
         return;
     }
-    let current = desk.tuning.sizes_are_of(desk.pipeline.of_size());
+    let current = desk.work.sizes_are_current();
     if !current {
         notice(ui, palette(ui).warning, "These sizes are out of date; find them again to take one.");
     }

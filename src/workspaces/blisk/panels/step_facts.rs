@@ -13,8 +13,8 @@ use crate::widgets::theme::palette;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::plan::PlanOutcome;
 use crate::workspaces::blisk::job::simulate;
-use crate::workspaces::blisk::pipeline::StageState;
 use feed::leftover::Leftover;
+use task::State;
 use wheel::channel::Channel;
 use wheel::electrode::EntrySide;
 
@@ -38,11 +38,11 @@ fn next(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) {
 
 fn part(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     ui.horizontal(|ui| {
-        cx.button(ui, desk, FrameCommand::Open, "Open…", desk.pipeline.part().is_none());
+        cx.button(ui, desk, FrameCommand::Open, "Open…", desk.work.part().is_none());
         cx.button(ui, desk, BliskCommand::NewDemonstration, "Demonstration", false);
     });
     ui.add_space(4.0);
-    let Some(part) = desk.pipeline.part().cloned() else { return };
+    let Some(part) = desk.work.part().cloned() else { return };
     let length = cx.preferences.length;
     fact(ui, "File", &part.name);
     fact(ui, "Triangles", grouped(part.mesh.triangles.len()));
@@ -58,14 +58,14 @@ fn part(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
             notice(ui, palette(ui).warning, warning);
         }
     }
-    if desk.pipeline.state(Stage::Part) == StageState::Done {
+    if desk.work.state(Stage::Part) == State::Ready {
         next(ui, desk, cx, Stage::Channel);
     }
 }
 
 fn channel(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
-    let Some(found) = desk.pipeline.channel().cloned() else { return };
-    if matches!(desk.pipeline.state(Stage::Channel), StageState::Failed(_)) {
+    let Some(found) = desk.work.channel().cloned() else { return };
+    if matches!(desk.work.state(Stage::Channel), State::Failed(_)) {
         return;
     }
     let (channel, length) = (&found.channel, cx.preferences.length);
@@ -81,16 +81,16 @@ fn channel(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     for assumed in &channel.assumed {
         notice(ui, palette(ui).faint, assumed);
     }
-    if desk.pipeline.state(Stage::Channel) == StageState::Done {
+    if desk.work.state(Stage::Channel) == State::Ready {
         next(ui, desk, cx, Stage::Electrode);
     }
 }
 
 fn electrode(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     super::sizes::live(ui, desk);
-    let Some(made) = desk.pipeline.electrodes().cloned() else { return };
+    let Some(made) = desk.work.electrodes().cloned() else { return };
     // Figures of what was made before would pass for those of what could not be made.
-    if matches!(desk.pipeline.state(Stage::Electrode), StageState::Failed(_)) {
+    if matches!(desk.work.state(Stage::Electrode), State::Failed(_)) {
         return;
     }
     let length = cx.preferences.length;
@@ -107,7 +107,7 @@ fn electrode(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
             notice(ui, palette(ui).faint, assumed);
         }
     }
-    if desk.pipeline.state(Stage::Electrode) == StageState::Done {
+    if desk.work.state(Stage::Electrode) == State::Ready {
         ui.add_space(4.0);
         cx.button(ui, desk, BliskCommand::MillFlanks, "Mill its flanks", false);
         next(ui, desk, cx, Stage::Plan);
@@ -116,27 +116,25 @@ fn electrode(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
 }
 
 fn plan(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
-    let running = desk.pipeline.state(Stage::Plan) == StageState::Running;
+    let running = desk.work.state(Stage::Plan) == State::Running;
     ui.horizontal(|ui| {
         if running {
             cx.button(ui, desk, FrameCommand::Cancel, "Cancel", false);
         } else {
-            let text = if desk.pipeline.plan().is_some() { "Plan again" } else { "Plan feed path" };
-            let is_next = desk.pipeline.state(Stage::Plan) != StageState::Done;
+            let text = if desk.work.plan().is_some() { "Plan again" } else { "Plan feed path" };
+            let is_next = desk.work.state(Stage::Plan) != State::Ready;
             cx.button(ui, desk, BliskCommand::Plan, text, is_next);
         }
     });
     ui.add_space(4.0);
     if running {
-        if let Some(partial) = desk.pipeline.partial_plan() {
-            fact(ui, "Nodes so far", partial.nodes.len().to_string());
-            let withdrawn = partial.nodes.last().map_or(0.0, |n| n.s);
-            fact(ui, "Retracted", cx.preferences.length.show(withdrawn, 2));
-        }
+        let nodes = desk.work.partial_plan().map_or(&[][..], |partial| &partial.nodes);
+        fact(ui, "Nodes so far", nodes.len().to_string());
+        fact(ui, "Retracted", cx.preferences.length.show(nodes.last().map_or(0.0, |n| n.s), 2));
         return;
     }
     super::sizes::live(ui, desk);
-    let Some(plan) = desk.pipeline.plan().cloned() else { return };
+    let Some(plan) = desk.work.plan().cloned() else { return };
     for (i, outcome) in plan.electrodes.iter().enumerate() {
         let colour = match Standing::of(desk, Stage::Plan) {
             Standing::Done => palette(ui).good,
@@ -167,7 +165,7 @@ fn plan(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
             ui.label(RichText::new(format!("From {side}: {why}")).small().color(palette(ui).faint));
         }
     }
-    if plan.is_verified() && desk.pipeline.state(Stage::Plan) == StageState::Done {
+    if plan.is_verified() && desk.work.state(Stage::Plan) == State::Ready {
         ui.add_space(4.0);
         cx.button(ui, desk, BliskCommand::Keep, "Keep for comparison", false);
         next(ui, desk, cx, Stage::Verify);
@@ -175,7 +173,7 @@ fn plan(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
 }
 
 fn verify(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
-    let Some(plan) = desk.pipeline.plan().cloned() else {
+    let Some(plan) = desk.work.plan().cloned() else {
         ui.label("No path yet: plan one first (F5).");
         return;
     };
@@ -216,14 +214,14 @@ fn verify(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         }
     }
     finishing(ui, desk, cx, &plan);
-    if desk.pipeline.can_release() {
+    if desk.work.can_release() {
         next(ui, desk, cx, Stage::Export);
     }
 }
 
 /// What is being worked on before a certified plan can be released.
 fn awaited(desk: &BliskDesk) -> &'static str {
-    match desk.pipeline.running().filter(|running| running.stage == Stage::Verify).map(|running| &*running.doing) {
+    match desk.work.doing().filter(|doing| doing.what == Stage::Verify.name()).map(|doing| &*doing.stage) {
         Some("simulation") => "the whole motion is being simulated on the machine",
         Some("leftover") => "the residual stock is being computed",
         _ => "the copying motions are being computed",
@@ -232,15 +230,15 @@ fn awaited(desk: &BliskDesk) -> &'static str {
 
 /// How the electrodes finish the channel, or how far that is known.
 fn finishing(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, plan: &PlanOutcome) {
-    match desk.pipeline.finishing() {
-        StageState::Running => {
+    match desk.work.finishing() {
+        State::Running => {
             notice(ui, palette(ui).faint, &format!("{}\u{2026}", sentence(awaited(desk))));
         }
-        StageState::Failed(why) => {
+        State::Failed(why) => {
             let text = format!("No residual stock and no copying motions: {why}.");
             notice(ui, palette(ui).warning, &text);
             if ui.button("Compute the residual stock").clicked() {
-                desk.pipeline.resume_finishing();
+                desk.work.resume_finishing();
             }
         }
         _ => {
@@ -270,16 +268,16 @@ fn leftover(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, left: &Leftover
 }
 
 fn export(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
-    let released = desk.pipeline.released().is_some();
-    if !released && desk.pipeline.finishing() == StageState::Running {
+    let released = desk.work.released().is_some();
+    if !released && desk.work.finishing() == State::Running {
         let unless = if simulate::is_needed(desk.document.params()) { ", unless something collides" } else { "" };
         let text = format!(
             "{}. The plan can be released once its copying motions and its residual stock are computed{unless}.",
             sentence(awaited(desk))
         );
         notice(ui, palette(ui).faint, &text);
-    } else if !released && !desk.pipeline.can_release() {
-        let collides = desk.pipeline.plan().and_then(|plan| plan.finishing()).is_some_and(|f| f.collision().is_some());
+    } else if !released && !desk.work.can_release() {
+        let collides = desk.work.plan().and_then(|plan| plan.finishing()).is_some_and(|f| f.collision().is_some());
         let why = if collides {
             "A plan with a collision on the machine cannot be released; step Verify shows where."
         } else {
@@ -299,7 +297,7 @@ fn export(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         let text = "Released: this path. A change of the path withdraws the release; feed and post do not change it.";
         notice(ui, palette(ui).good, text);
     }
-    let Some(exported) = desk.pipeline.exported().cloned() else { return };
+    let Some(exported) = desk.work.exported().cloned() else { return };
     ui.add_space(6.0);
     ui.strong("Written");
     ui.add(egui::Label::new(RichText::new(exported.folder.display().to_string()).small()).wrap());

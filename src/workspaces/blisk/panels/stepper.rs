@@ -11,7 +11,7 @@ use super::forms::{self, Request};
 use super::step_facts;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::document::stage::Stage;
-use crate::workspaces::blisk::pipeline::StageState;
+use task::State;
 
 /// Below this height (points) the steps stand side by side, so that their forms have room.
 const LOW: f32 = 420.0;
@@ -30,12 +30,12 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) -> Option<Reque
     egui::ScrollArea::vertical().id_salt("form").auto_shrink([false, false]).show(ui, |ui| {
         introduction(ui, desk.step);
         // What a field says of itself need not be said twice.
-        if let StageState::Failed(why) = desk.pipeline.state(desk.step)
+        if let State::Failed(why) = desk.work.state(desk.step)
             && !forms::has_problem(desk, desk.step)
         {
             notice(ui, palette(ui).bad, &why);
         }
-        if desk.pipeline.state(desk.step) == StageState::Stale {
+        if desk.work.state(desk.step) == State::Stale {
             notice(ui, palette(ui).warning, stale_text(desk.step));
         }
         request = forms::show(ui, desk, cx, desk.step);
@@ -140,19 +140,19 @@ pub enum Standing {
 impl Standing {
     /// How `stage` stands.
     pub fn of(desk: &BliskDesk, stage: Stage) -> Self {
-        let may_be_driven = || desk.pipeline.plan().is_some_and(|plan| plan.may_be_approved());
-        match (desk.pipeline.state(stage), stage) {
-            (StageState::Done, Stage::Plan) => match desk.pipeline.state(Stage::Verify) {
-                StageState::Running => Self::Working,
-                StageState::Failed(_) if may_be_driven() => Self::Unchecked,
-                StageState::Failed(_) => Self::Unsafe,
-                StageState::Missing | StageState::Done | StageState::Stale => Self::Done,
+        let may_be_driven = || desk.work.plan().is_some_and(|plan| plan.may_be_approved());
+        match (desk.work.state(stage), stage) {
+            (State::Ready, Stage::Plan) => match desk.work.state(Stage::Verify) {
+                State::Running => Self::Working,
+                State::Failed(_) if may_be_driven() => Self::Unchecked,
+                State::Failed(_) => Self::Unsafe,
+                State::Missing | State::Ready | State::Stale | State::Cancelled => Self::Done,
             },
-            (StageState::Missing, _) => Self::Missing,
-            (StageState::Running, _) => Self::Working,
-            (StageState::Done, _) => Self::Done,
-            (StageState::Stale, _) => Self::Stale,
-            (StageState::Failed(_), _) => Self::Failed,
+            (State::Missing | State::Cancelled, _) => Self::Missing,
+            (State::Running, _) => Self::Working,
+            (State::Ready, _) => Self::Done,
+            (State::Stale, _) => Self::Stale,
+            (State::Failed(_), _) => Self::Failed,
         }
     }
 }

@@ -10,13 +10,13 @@ use crate::widgets::theme::palette;
 use crate::widgets::viewport::{Moves, Viewport};
 use crate::workspaces::blisk::desk::BliskDesk;
 use crate::workspaces::blisk::document::stage::Stage;
-use crate::workspaces::blisk::pipeline::StageState;
 use crate::workspaces::blisk::scene::{Layer, Layers, SceneInputs, build, layer_of};
 use crate::workspaces::context::Context;
 use feed::pose::Pose;
 use render::colour::Theme;
 use render::pick::Pick;
 use render::scene::{LineSet, Marker, Scene, SectionPlane};
+use task::State;
 use wheel::electrode::EntrySide;
 
 /// What was clicked, in the coordinates of the loaded mesh.
@@ -84,12 +84,12 @@ impl BliskView {
     /// Draws the view.
     pub fn show(&mut self, ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         self.follow(ui, desk);
-        let moves = match (desk.pipeline.partial_plan().is_some(), desk.cursor.playing) {
+        let moves = match (desk.work.is_planning(), desk.cursor.playing) {
             (true, _) => Moves::Searching,
             (false, true) => Moves::Playing,
             (false, false) => Moves::Nothing,
         };
-        let fitted_to = desk.pipeline.part().map_or(0, |part| Arc::as_ptr(part) as usize);
+        let fitted_to = desk.work.part().map_or(0, |part| Arc::as_ptr(part) as usize);
         let navigation = cx.preferences.navigation;
         let (rect, clicked) = self.viewport.show(ui, navigation, &self.scene, (fitted_to, moves));
         if let Some(picked) = clicked {
@@ -98,8 +98,8 @@ impl BliskView {
             ui.ctx().request_repaint();
         }
         super::overlay::show(ui, rect, desk, cx, self);
-        if desk.pipeline.part().is_none() {
-            empty(ui, rect, &desk.pipeline.state(Stage::Part));
+        if desk.work.part().is_none() {
+            empty(ui, rect, &desk.work.state(Stage::Part));
         }
     }
 
@@ -124,9 +124,9 @@ impl BliskView {
 
     /// Looks along the channel's radius into it.
     pub fn look_into_channel(&mut self, desk: &BliskDesk, now: f64) {
-        let Some(found) = desk.pipeline.channel() else { return };
+        let Some(found) = desk.work.channel() else { return };
         let planned = desk.outcome().map(|o| &o.electrode);
-        let electrode = planned.or(desk.pipeline.electrodes().and_then(|e| e.electrodes.first()));
+        let electrode = planned.or(desk.work.electrodes().and_then(|e| e.electrodes.first()));
         let side = electrode.map_or(EntrySide::MinusX, |e| e.enters_from);
         let camera = into_channel(&found.channel, side, *self.viewport.camera().0, self.viewport.aspect());
         self.viewport.fly_onto(camera, now);
@@ -148,7 +148,7 @@ impl BliskView {
         fn address<T>(value: Option<&Arc<T>>) -> usize {
             value.map_or(0, |v| Arc::as_ptr(v) as usize)
         }
-        let p = &desk.pipeline;
+        let p = &desk.work;
         let sources = [
             address(p.part()),
             address(p.channel()),
@@ -156,7 +156,7 @@ impl BliskView {
             address(p.plan()) ^ desk.cursor.electrode,
             Arc::as_ptr(&desk.shared_track()) as usize,
             desk.colour_values().map_or(0, |v| Arc::as_ptr(&v.values) as usize),
-            address(desk.swept.shape(&desk.shared_track())),
+            address(desk.swept()),
             desk.leftover_values().map_or(0, |(_, v)| Arc::as_ptr(&v.values) as usize),
             Arc::as_ptr(desk.machine_bodies()) as usize,
         ];
@@ -199,7 +199,7 @@ impl BliskView {
 
 /// The scene of the present state.
 pub fn scene(desk: &BliskDesk, theme: Theme) -> Scene {
-    let p = &desk.pipeline;
+    let p = &desk.work;
     let fresh = desk.is_tuning();
     let values = desk.colour_values();
     let leftover = desk.leftover_values();
@@ -213,7 +213,7 @@ pub fn scene(desk: &BliskDesk, theme: Theme) -> Scene {
         pose: desk.moment().map(|moment| moment.pose),
         s: desk.cursor.s,
         ghosts: &desk.ghosts,
-        swept: desk.swept.shape(&track),
+        swept: desk.swept(),
         contact: desk.contact().filter(|_| !fresh),
         trouble: desk.trouble().filter(|_| !fresh).map(|trouble| trouble.points),
         values: values.as_ref(),
@@ -226,11 +226,11 @@ pub fn scene(desk: &BliskDesk, theme: Theme) -> Scene {
     })
 }
 
-fn empty(ui: &Ui, rect: Rect, state: &StageState) {
+fn empty(ui: &Ui, rect: Rect, state: &State) {
     let colours = palette(ui);
     let (title, lines) = match state {
-        StageState::Running => ("Loading…", ["", "", ""]),
-        StageState::Failed(_) => {
+        State::Running => ("Loading…", ["", "", ""]),
+        State::Failed(_) => {
             ("This could not be loaded", ["The form on the left says why.", "Drop another mesh here, or open one.", ""])
         }
         _ => (

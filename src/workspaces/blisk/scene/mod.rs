@@ -7,7 +7,6 @@ pub mod pictures;
 pub mod shapes;
 pub mod sweep;
 pub mod track;
-pub mod values;
 
 use std::sync::Arc;
 

@@ -1,14 +1,20 @@
-//! Meshes for the screen, made once where the work is done and not where it is shown.
+//! Meshes for the screen, and quantities shown as colours on them, made once where the work is done and not where it is
+//! shown.
 
 use std::sync::Arc;
 
 use glam::DVec3;
 
 use super::caps::close_holes;
+use feed::pose::Pose;
+use geometry::exact::ExactMesh;
 use geometry::frame::Cylindrical;
 use geometry::mesh::Mesh;
+use rayon::prelude::*;
 use render::mesh::RenderMesh;
+use task::{Cancel, Cancelled};
 use wheel::channel::{Channel, ChannelWall};
+use wheel::electrode::Electrode;
 
 /// What is shown of a channel.
 #[derive(Debug, Clone)]
@@ -74,6 +80,29 @@ fn compacted(mesh: &Mesh) -> Mesh {
     };
     let triangles = mesh.triangles.iter().map(|t| t.map(&mut keep)).collect();
     Mesh { vertices, triangles }
+}
+
+/// Vertices between two looks at the cancel flag.
+const BLOCK: usize = 4096;
+
+/// Distance (mm, negative in metal) from every vertex of `electrode` at `pose` to the finished `blisk`, in W.
+///
+/// # Errors
+/// When told to stop.
+pub fn clearance_at_vertices(
+    electrode: &Electrode,
+    blisk: &ExactMesh,
+    pose: &Pose,
+    cancel: &Cancel,
+) -> Result<Vec<f32>, Cancelled> {
+    let placement = pose.placement(electrode.reference_point);
+    let distance = |p: &DVec3| blisk.nearest(placement.transform_point3(*p)).signed_distance as f32;
+    let mut values = Vec::with_capacity(electrode.mesh.vertices.len());
+    for block in electrode.mesh.vertices.chunks(BLOCK) {
+        cancel.check()?;
+        values.par_extend(block.par_iter().map(distance));
+    }
+    Ok(values)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! What a user chooses for a flank to be milled.
 
+pub mod fields;
 pub mod kept_mesh;
 pub mod milling_machine_file;
 
@@ -9,15 +10,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::milling_machine_file::file_of_machine;
-use files::{Invalid, Params, Validate};
+use files::{Invalid, Override, Params, Validate};
+use flank::FlankError;
 use flank::cutter::FlankCutter;
 use flank::fit_ruled::RuledFitParams;
 use flank::guide::GuideCurve;
+use flank::machine::linearise::LinearisationParams;
 use flank::params::FlankParams;
 use flank::ruled_surface::Side;
 use import::Units;
-use nc::flank_job::overrides::FlankOverride;
+use nc::flank_job::CheckKind;
 pub use nc::flank_job::settings::{CutDirection, MillingSettings, PathChoice};
+use nc::flank_program::milling_post;
 
 /// A surface that comes with the program: those of the paper that the method is from (P4).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -196,7 +200,7 @@ pub struct FlankDocument {
     /// How much stock it may leave on the surface, standing or moving (mm).
     pub undercut_tolerance_mm: f64,
     /// Checks that do not keep anything from being exported.
-    pub overrides: Vec<FlankOverride>,
+    pub overrides: Vec<Override>,
 }
 
 impl Default for FlankDocument {
@@ -220,25 +224,33 @@ impl Default for FlankDocument {
 impl Validate for FlankDocument {
     fn validate(&self) -> Result<(), Invalid> {
         let within = |key: &str, problem: &dyn std::fmt::Display| Invalid::of(key, problem.to_string());
-        self.cutter.validate().map_err(|e| within("cutter", &e))?;
-        self.plan.validate().map_err(|e| within("plan", &e))?;
-        self.milling.validate(self.cutter.length_mm).map_err(|e| within("milling", &e))?;
-        for (key, tolerance) in [
-            ("envelope_tolerance_mm", self.envelope_tolerance_mm),
-            ("overcut_tolerance_mm", self.overcut_tolerance_mm),
-            ("undercut_tolerance_mm", self.undercut_tolerance_mm),
-        ] {
-            Invalid::unless_within(key, tolerance, [1e-6, 1.0], "mm")?;
+        fields::FIELDS.check(self)?;
+        self.plan.validate().map_err(|e| of_plan(&e))?;
+        let (below, flutes) = (self.plan.below_mm, self.cutter.length_mm);
+        if below >= flutes {
+            return Err(Invalid::new("plan.below_mm", below, "must be less than the length of the flutes"));
         }
+        if flutes > LinearisationParams::LONGEST_REACH_MM {
+            let most = LinearisationParams::LONGEST_REACH_MM;
+            let remedy = format!("must be at most {most} mm, up to which a machine's moves are measured");
+            return Err(Invalid::new("cutter.length_mm", flutes, remedy));
+        }
+        milling_post(&self.milling.post).map_err(|e| within("milling.post", &e))?;
+        self.milling.validate(flutes).map_err(|e| within("milling", &e))?;
+        let checks = CheckKind::ALL.map(CheckKind::name);
         for (i, one) in self.overrides.iter().enumerate() {
-            one.validate().map_err(|e| within(&format!("overrides[{i}]"), &e))?;
+            one.validate(&checks, false).map_err(|problem| problem.within(&format!("overrides[{i}]")))?;
         }
-        let FlankSource::Mesh(mesh) = &self.source else { return Ok(()) };
-        mesh.fit.validate().map_err(|e| within("source.fit", &e))?;
-        match mesh.candidate {
-            0 => Err(Invalid::new("source.candidate", 0, "must be at least 1: they are counted from 1")),
-            _ => Ok(()),
+        Ok(())
+    }
+}
+
+fn of_plan(error: &FlankError) -> Invalid {
+    match error {
+        FlankError::Parameter { name, value, wanted } => {
+            Invalid::new(format!("plan.{}", name.replace(' ', ".")), value, format!("must be {wanted}"))
         }
+        other => Invalid::of("plan", other.to_string()),
     }
 }
 
@@ -295,41 +307,6 @@ impl FlankDocument {
         let milling = MillingSettings { workpiece: None, ..self.milling.clone() };
         let (side, walls, overrides) = (Side::Automatic, None, Vec::new());
         Self { source, side, walls, milling, overrides, ..self.clone() }
-    }
-
-    /// What makes it another than `before`, as a step that can be undone is called.
-    pub fn change_since(&self, before: &Self) -> String {
-        if let Some(new) = self.overrides.iter().find(|one| !before.overrides.contains(one)) {
-            return format!("Override of {}", new.check);
-        }
-        let (cutter, old) = (&self.cutter, &before.cutter);
-        let (plan, old_plan) = (&self.plan, &before.plan);
-        let what = [
-            (self.overrides != before.overrides, "Override taken back"),
-            (self.source != before.source, "Surface"),
-            (self.side != before.side, "Side"),
-            (cutter.radius_mm != old.radius_mm, "Radius of the cutter"),
-            (cutter.taper_deg != old.taper_deg, "Taper of the cutter"),
-            (cutter.length_mm != old.length_mm, "Length of the flutes"),
-            (cutter.holder != old.holder, "Holder"),
-            (cutter.name != old.name, "Name of the cutter"),
-            (cutter != old, "Cutter"),
-            (plan.offset != old_plan.offset, "Offset"),
-            (plan.objective != old_plan.objective, "Objective"),
-            (plan.grid != old_plan.grid, "Grid"),
-            (plan != old_plan, "Plan"),
-            (self.path != before.path, "Path"),
-            (self.walls != before.walls, "Neighbouring walls"),
-            (self.milling.machine != before.milling.machine, "Machine"),
-            (self.milling.workpiece != before.milling.workpiece, "Clamping"),
-            (self.milling.post != before.milling.post, "Post"),
-            (self.milling.program.tip_control != before.milling.program.tip_control, "Tip control"),
-            (self.milling != before.milling, "Milling"),
-            (self.envelope_tolerance_mm != before.envelope_tolerance_mm, "Envelope tolerance"),
-            (self.overcut_tolerance_mm != before.overcut_tolerance_mm, "Overcut tolerance"),
-            (self.undercut_tolerance_mm != before.undercut_tolerance_mm, "Undercut tolerance"),
-        ];
-        what.iter().find(|(differs, _)| *differs).map_or("", |(_, name)| name).to_owned()
     }
 }
 

@@ -1,10 +1,10 @@
 use super::*;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use files::Document;
+use files::Override;
 use flank::guide::GuideCurve;
 use flank::params::Objective;
 use geometry::mesh::Mesh;
-use nc::flank_job::overrides::FlankOverride;
 
 fn opened(file: &Path) -> FlankDocument {
     Document::<FlankDocument>::open(file).unwrap().params().clone()
@@ -29,8 +29,12 @@ fn a_flank_is_read_as_it_was_written_and_finds_its_files_beside_it() {
         let mut document = FlankDocument { source, ..FlankDocument::default() };
         document.plan.objective = Objective::Bounded { overcut_mm: Some(0.0), undercut_mm: None };
         document.walls = Some(WallsFile { file: here.join("walls.obj"), units: Default::default() });
-        document.overrides.push(FlankOverride::whatever("envelope"));
-        document.overrides.push(FlankOverride::of("gouge", &[("depth_mm".to_owned(), 0.12)].into()));
+        document.overrides.push(Override::whatever("envelope"));
+        document.overrides.push(Override::decided(
+            "gouge",
+            vec!["digest".to_owned()],
+            &[("depth_mm".to_owned(), 0.12)].into(),
+        ));
         document.milling.machine = here.join("ours.toml").to_string_lossy().into_owned();
         let file = here.join("part.sparkpath");
         Document::new(document.clone()).export(&file).unwrap();
@@ -64,8 +68,9 @@ fn what_is_no_flank_is_answered_with_the_place_and_the_reason() {
         ("envelope_tolerance_mm = 0", "envelope_tolerance_mm is 0"),
         ("tolerance = 1", "unknown field"),
         ("overrides = [{ check = \"gouge\", figures = { depth_mm = -1.0 } }]", "override of gouge: a figure is -1"),
-        ("overrides = [\"gouge:deep\"]", "\"deep\" is no figure"),
+        ("overrides = [\"gouge:1x\"]", "\"1x\" is no figure"),
         ("overrides = [7]", "expected the name of a check"),
+        ("overrides = [\"gauge\"]", "there is no check \"gauge\"; there are ruled, guides"),
         ("overrides = [{ check = \"gouge\", figure = 1.0 }]", "unknown field"),
     ] {
         std::fs::write(&file, format!("kind = \"flank\"\n{text}")).unwrap();
@@ -77,31 +82,6 @@ fn what_is_no_flank_is_answered_with_the_place_and_the_reason() {
 }
 
 #[test]
-fn every_change_has_a_name_for_undo() {
-    type Change = fn(&mut FlankDocument);
-    let before = FlankDocument::default();
-    let changes: [(&str, Change); 11] = [
-        ("Surface", |d| d.source = FlankSource::Demonstration { surface: DemonstrationSurface::B }),
-        ("Radius of the cutter", |d| d.cutter.radius_mm = 2.0),
-        ("Name of the cutter", |d| d.cutter.name.push('x')),
-        ("Grid", |d| d.plan.grid = [50, 20]),
-        ("Plan", |d| d.plan.rounds = 3),
-        ("Machine", |d| d.milling.machine.clear()),
-        ("Milling", |d| d.milling.program.feed_mm_per_min = 1.0),
-        ("Envelope tolerance", |d| d.envelope_tolerance_mm = 0.01),
-        ("Overcut tolerance", |d| d.overcut_tolerance_mm = 0.01),
-        ("Undercut tolerance", |d| d.undercut_tolerance_mm = 0.01),
-        ("Override of gouge", |d| d.overrides.push(FlankOverride::whatever("gouge"))),
-    ];
-    for (name, change) in changes {
-        let mut after = before.clone();
-        change(&mut after);
-        assert_eq!(after.change_since(&before), name);
-    }
-    assert_eq!(before.change_since(&before), "");
-}
-
-#[test]
 fn another_machine_forgets_how_workpiece_and_tool_were_on_the_former_one() {
     let mut milling = FlankDocument::default().milling;
     let machine = milling.machine.clone();
@@ -109,7 +89,7 @@ fn another_machine_forgets_how_workpiece_and_tool_were_on_the_former_one() {
     let clamped = milling.clone();
     assert_eq!((milling.take_machine(&machine), &milling), (None, &clamped), "it is the same");
     let said = milling.take_machine("fork-cb").unwrap();
-    assert!(said.contains("clamped") && said.contains("gauge_length_mm"), "{said}");
+    assert!(said.contains("clamped") && said.contains("gauge length"), "{said}");
     assert_eq!((milling.workpiece.clone(), milling.gauge_length_mm, &*milling.machine), (None, None, "fork-cb"));
     assert_eq!((milling.take_machine(&machine), milling.machine), (None, machine), "there is nothing to forget");
 }

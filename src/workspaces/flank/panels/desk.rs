@@ -9,7 +9,7 @@ use glam::DVec3;
 use super::plots::Tab;
 use crate::workspaces::context::rest_left;
 use crate::workspaces::flank::document::milling_machine_file::{load_milling_machines, milling_machine};
-use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
+use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice, fields};
 use crate::workspaces::flank::work::{ExportChoice, FlankWork, Planned, Sketch};
 use crate::workspaces::hands::{Gesture, Hands};
 use crate::workspaces::news::{EventKind, WorkEvent};
@@ -195,8 +195,8 @@ impl FlankDesk {
 
     /// Takes other parameters. While they go on changing they are looked at quickly.
     pub fn edit(&mut self, mut params: FlankDocument) {
+        let label = fields::change(self.params(), &params);
         params.cutter.forget_stale_name(&self.params().cutter);
-        let label = params.change_since(self.params());
         self.document.edit(&label, params, self.gesture.goes_on());
         self.follow_params();
     }
@@ -346,7 +346,7 @@ impl FlankDesk {
     /// Why there is no path with the present parameters, if that is known.
     pub fn why_not(&self) -> Option<String> {
         if let Err(why) = self.document.params().validate() {
-            return Some(why.to_string());
+            return Some(fields::FIELDS.in_window(&why));
         }
         for state in [
             self.work.source_state(self.document.params()),

@@ -66,7 +66,7 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) -> Option<Answe
     ui.add(egui::Label::new(text).wrap());
     if let Ok(result) = &planned {
         for check in result.checks.iter().filter(|check| !check.holds) {
-            results::let_pass(ui, desk, check, check.is_overridden);
+            results::let_pass(ui, desk, (result, check), check.is_overridden);
         }
     }
     ui.add_space(10.0);

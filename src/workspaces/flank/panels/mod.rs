@@ -1,10 +1,8 @@
 //! The workspace of flanks: a ruled surface, the cutter that mills it with its side, the path in three steps, and what
 //! was checked of it. Like the rest of the window it computes nothing.
 
-mod clamping;
 mod desk;
 mod export;
-mod fields;
 mod form;
 mod guides;
 mod plots;

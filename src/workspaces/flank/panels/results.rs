@@ -10,7 +10,7 @@ use crate::workspaces::flank::document::PathChoice;
 use crate::workspaces::flank::work::Planned;
 use flank::deviation::Deviation;
 use flank::plan::WITHIN_ROUNDING;
-use nc::flank_job::{FlankCheck, path_of};
+use nc::flank_job::{FlankCheck, FlankResult, path_of};
 
 /// Width of the column of a path (points).
 const COLUMN: f32 = 56.0;
@@ -157,7 +157,7 @@ fn head(ui: &mut Ui, desk: &mut FlankDesk, choice: PathChoice) {
 fn checks(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
     for check in &planned.result.checks {
         let mut check = check.clone();
-        check.decide(&desk.document.params().overrides);
+        check.decide(&[planned.result.part.clone()], &desk.document.params().overrides);
         let (check, is_overridden) = (&check, check.is_overridden);
         let colours = palette(ui);
         let (sign, colour) = match (check.holds, is_overridden) {
@@ -181,20 +181,20 @@ fn checks(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
             ui.add(Label::new(text).wrap());
         });
         if !check.holds {
-            let_pass(ui, desk, check, is_overridden);
+            let_pass(ui, desk, (&planned.result, check), is_overridden);
         }
     }
 }
 
 /// Lets what fails be exported all the same.
-pub fn let_pass(ui: &mut Ui, desk: &mut FlankDesk, check: &FlankCheck, is_overridden: bool) {
+pub fn let_pass(ui: &mut Ui, desk: &mut FlankDesk, (result, check): (&FlankResult, &FlankCheck), is_overridden: bool) {
     let mut passes = is_overridden;
     if tick(ui, &mut passes, format!("Release despite failed check: {}", check.kind.name())).changed() {
         let mut params = desk.document.params().clone();
         // What was decided for other figures is over with a new decision.
         params.overrides.retain(|other| other.check != check.kind.name());
         if passes {
-            params.overrides.push(check.let_pass());
+            params.overrides.push(result.let_pass(check));
         }
         desk.edit(params);
     } else if let Some(why) = &check.lapsed {

@@ -10,7 +10,7 @@ use egui::{Align2, Color32, FontId, Rect, RichText, Role, Ui, WidgetInfo, pos2, 
 use glam::DVec3;
 
 use super::desk::{Fly, Standing};
-use super::form::{CHOOSE_SIDE, SIDES, labelled};
+use super::form::{CHOOSE_SIDE, SIDES};
 use crate::widgets::camera::bodies;
 use crate::widgets::overlay;
 use crate::widgets::theme::palette;
@@ -292,7 +292,7 @@ fn caption(ui: &mut Ui, rect: Rect, desk: &FlankDesk) {
         (Standing::Stale, Some(planned), None) => {
             (colours.warning, format!("Out of date, {} path: {}", flank.path.name(), sentence(planned)))
         }
-        (.., Some(why)) => (colours.bad, labelled(&crate::widgets::panel_parts::sentence(&why))),
+        (.., Some(why)) => (colours.bad, crate::widgets::panel_parts::sentence(&why)),
         _ => return,
     };
     overlay::caption(ui, rect, 10.0, colour, &text);

@@ -7,13 +7,13 @@ use crate::workspaces::flank::report::{
     AxisEntry, AxisSlowedEntry, CheckEntry, ClearanceEntry, Figures, FitEntry, FlankReport, LocationsEntry,
     MachineEntry, PaperEntry, PathEntry, RanksEntry, SCHEMA, ShortEntry, SlowedEntry, SurfaceEntry,
 };
+use files::Override;
 use flank::fit_ruled::RuledFit;
 use flank::gouge::{Clearance, ToolPart};
 use flank::machine::joint_feed::Slowed;
 use flank::offset::Touch;
 use flank::ruled_surface::{RuledSurface, Side};
 use geometry::nurbs::NurbsCurve;
-use nc::flank_job::overrides::FlankOverride;
 use nc::flank_job::{FlankResult, Milled, path_of};
 
 /// Places at which lengths are measured.
@@ -183,7 +183,7 @@ fn source(source: &FlankSource) -> String {
     }
 }
 
-fn checks(result: &FlankResult, overrides: &[FlankOverride]) -> Vec<CheckEntry> {
+fn checks(result: &FlankResult, overrides: &[Override]) -> Vec<CheckEntry> {
     let entry = |check: &nc::flank_job::FlankCheck| CheckEntry {
         name: check.kind.name(),
         holds: check.holds,

@@ -15,6 +15,7 @@ use task::{Doing, Lane, Memo, Priority, Scheduler, State, Task};
 
 use stamps::Stamp;
 
+use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank, WallsFile};
 use crate::workspaces::flank::export;
 pub use crate::workspaces::flank::export::{ExportChoice, WrittenFlank};
@@ -225,7 +226,7 @@ impl FlankWork {
     /// # Errors
     /// One line why it cannot be planned.
     pub fn plan(&mut self, document: &FlankDocument) -> Result<(), String> {
-        document.validate().map_err(|e| e.to_string())?;
+        document.validate().map_err(|e| FIELDS.in_window(&e))?;
         if self.is_loading(document) {
             self.is_waiting = true;
             return Ok(());
@@ -240,9 +241,7 @@ impl FlankWork {
         let walls = self.walls(document);
         let walls = walls.map(|walls| FromFile { value: walls.mesh.clone(), doubts: walls.doubts.clone() });
         let (question, asked) = (self.question(document), document.clone());
-        self.planned.restart(&question, self.priority, move |work| {
-            steps::plan(&asked, surface.clone(), walls.clone(), &work.task)
-        });
+        self.planned.restart(&question, self.priority, move |work| steps::plan(&asked, surface, walls, &work.task));
         Ok(())
     }
 
@@ -250,8 +249,7 @@ impl FlankWork {
     pub fn sketch(&mut self, document: &FlankDocument) {
         let Some(surface) = self.surface(document) else { return };
         let (question, asked) = (self.question(document), document.clone());
-        self.sketches
-            .ask(&question, self.priority, move |work| Ok(steps::sketch(&asked, surface.clone(), &work.task.cancel)));
+        self.sketches.ask(&question, self.priority, move |work| Ok(steps::sketch(&asked, surface, &work.task.cancel)));
     }
 
     /// What was seen at a glance of `document`; while it goes on changing (`is_held`) also of what it was before.

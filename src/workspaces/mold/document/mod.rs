@@ -1,6 +1,7 @@
 //! What a user chooses for a mold.
 
 pub mod cutter_file;
+pub mod fields;
 pub mod holder_files;
 pub mod standard;
 
@@ -13,7 +14,7 @@ use crate::workspaces::mold::job::uncut::UncutParams;
 use files::{Invalid, Params, Validate};
 use import::{Imported, Units};
 use mold::cutter::CutterLibrary;
-use mold::electrode::params::{Edit, ElectrodeParams};
+use mold::electrode::params::ElectrodeParams;
 use mold::layers::LayerSettings;
 use mold::opening::Opening;
 
@@ -63,11 +64,9 @@ impl Default for MoldParams {
 
 impl Validate for MoldParams {
     fn validate(&self) -> Result<(), Invalid> {
+        fields::FIELDS.check(self)?;
         Validate::validate(&self.library).map_err(|problem| problem.within("library"))?;
-        Invalid::unless_within("tolerance_mm", self.tolerance_mm, [1e-4, 10.0], "mm")?;
-        self.layers.validate().map_err(|e| {
-            Invalid::new(format!("layers.{}", e.name), e.value, format!("must be from {} to {}", e.from, e.to))
-        })?;
+        self.layers.validate().map_err(|problem| problem.within("layers"))?;
         if let Some(step) = self.grid_step_mm {
             let radii = self.library.needed().into_iter().map(|cutter| cutter.radius());
             let most = 0.5 * radii.fold(f64::INFINITY, f64::min);
@@ -121,25 +120,6 @@ impl MoldParams {
         let params = if is_other { self.undecided() } else { self.clone() };
         Self { part: Some(part.to_owned()), ..params }
     }
-
-    /// What makes these parameters others than those of `before`, as a step that can be undone is called.
-    pub fn change_since(&self, before: &Self) -> String {
-        if self.library != before.library {
-            return change_of_cutters(&self.library, &before.library);
-        }
-        if self.electrodes != before.electrodes {
-            return change_of_electrodes(&self.electrodes, &before.electrodes);
-        }
-        let what = [
-            (self.mesh != before.mesh, "Mesh"),
-            (self.units != before.units, "Unit"),
-            (self.opening != before.opening, "Opening direction"),
-            (self.tolerance_mm != before.tolerance_mm, "Tolerance"),
-            (self.grid_step_mm != before.grid_step_mm, "Step of the height map"),
-            (self.layers != before.layers, "Layers"),
-        ];
-        what.iter().find(|(differs, _)| *differs).map_or("", |(_, name)| name).to_owned()
-    }
 }
 
 /// What tells a part from any other: the digest of its file, and the unit that it was read in.
@@ -147,83 +127,12 @@ pub fn part_of(imported: &Imported) -> String {
     format!("{} {}", imported.sha256, imported.report.unit.name())
 }
 
-/// The same of cutters.
-fn change_of_cutters(now: &CutterLibrary, before: &CutterLibrary) -> String {
-    let (now, before) = (&now.cutter, &before.cutter);
-    if now.len() == before.len() + 1 {
-        return "New cutter".to_owned();
-    }
-    if now.len() + 1 == before.len() {
-        return "Removal of a cutter".to_owned();
-    }
-    let mut differing = now.iter().zip(before).enumerate().filter(|(_, (now, before))| now != before);
-    let (Some((i, (now, before))), None) = (differing.next(), differing.next()) else { return "Cutters".to_owned() };
-    let what = [
-        (now.name != before.name, "Name"),
-        (now.diameter_mm != before.diameter_mm, "Diameter"),
-        (now.kind() != before.kind(), "Kind"),
-        (now.corner_mm != before.corner_mm, "Corner"),
-        (now.reach_mm != before.reach_mm, "Reach"),
-    ];
-    let name = what.iter().find(|(differs, _)| *differs).map_or("Holder", |(_, name)| name);
-    format!("{name} of cutter {}", i + 1)
-}
-
-/// The same of electrodes.
-fn change_of_electrodes(now: &ElectrodeParams, before: &ElectrodeParams) -> String {
-    if now.edits.len() < before.edits.len() {
-        return "Removal of a change".to_owned();
-    }
-    if now.edits != before.edits {
-        let name = match now.edits.last() {
-            Some(Edit::Merge { .. }) => "Merged parts",
-            Some(Edit::Split { .. }) => "Split part",
-            Some(Edit::Burn { .. }) => "Burn direction",
-            _ => "Method of a region",
-        };
-        return name.to_owned();
-    }
-    if let Some(new) = now.overrides.iter().find(|o| !before.overrides.contains(o)) {
-        return format!("Override of {}", new.electrode);
-    }
-    if now.overrides != before.overrides {
-        return "Override taken back".to_owned();
-    }
-    match now.stages.len().cmp(&before.stages.len()) {
-        std::cmp::Ordering::Greater => return "New stage".to_owned(),
-        std::cmp::Ordering::Less => return "Removal of a stage".to_owned(),
-        std::cmp::Ordering::Equal => {}
-    }
-    let what = [
-        (now.stages != before.stages, "Stage"),
-        (now.margin_mm != before.margin_mm, "Side extension"),
-        (now.overlap_mm != before.overlap_mm, "Overlap of parts"),
-        (now.least_size_mm != before.least_size_mm, "Least size"),
-        (now.tolerance_mm != before.tolerance_mm, "Allowed rest"),
-        (now.extension_mm != before.extension_mm, "Clearance above mold"),
-        (now.base_height_mm != before.base_height_mm, "Base height"),
-        (now.base_margin_mm != before.base_margin_mm, "Base margin"),
-        (now.datum_corner_mm != before.datum_corner_mm, "Orientation chamfer"),
-        (now.share != before.share, "Reuse at identical places"),
-        (now.together_mm != before.together_mm, "Group within"),
-        (now.family != before.family, "Stages on one base"),
-        (now.family_spacing_mm != before.family_spacing_mm, "Distance between stages"),
-        (now.lift_mm != before.lift_mm, "Retract distance"),
-        (now.shape != before.shape, "Export with or without spark gap"),
-        (now.material != before.material, "Material"),
-        (now.holders != before.holders, "Holders"),
-        (now.blanks != before.blanks, "Blanks"),
-        (now.cutters != before.cutters, "Cutters for electrodes"),
-        (now.removal != before.removal, "Burning times"),
-    ];
-    what.iter().find(|(differs, _)| *differs).map_or("Electrodes", |(_, name)| name).to_owned()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use files::Document;
     use mold::cutter::Cutter;
+    use mold::electrode::params::Edit;
 
     #[test]
     fn a_mold_is_read_as_it_was_written_and_finds_its_mesh_beside_it() {
@@ -240,9 +149,9 @@ mod tests {
         let read = |file: &Path| Document::<MoldParams>::open(file).unwrap().params().clone();
         assert_eq!(read(&file), params);
         let short = here.join("short.sparkpath");
-        std::fs::write(&short, "kind = \"mold\"\n[electrodes]\noverrides = [\"E03\"]").unwrap();
+        std::fs::write(&short, "kind = \"mold\"\n[electrodes]\noverrides = [\"E03:gouge\"]").unwrap();
         let MoldParams { electrodes, .. } = read(&short);
-        assert!(electrodes.overrides[0].electrode == "E03" && electrodes.overrides[0].check.is_none());
+        assert!(electrodes.overrides[0].of == "E03" && electrodes.overrides[0].check == "gouge");
         let plain = ElectrodeParams { overrides: Vec::new(), ..electrodes };
         assert_eq!(MoldParams { electrodes: plain, ..read(&short) }, MoldParams::default());
         std::fs::copy(&file, there.join("copy.sparkpath")).unwrap();

@@ -52,9 +52,9 @@ mod tests {
 
     use super::*;
     use crate::workspaces::mold::document::holder_files::{HOLDERS, HOLDERS_FILE_NAME, HolderLibrary};
+    use files::Override;
     use mold::cutter::{Cutter, CutterLibrary};
     use mold::electrode::check::CheckKind;
-    use mold::electrode::overrides::Override;
     use mold::electrode::params::{Blanks, Edit, ElectrodeParams, Holder, Method, Orbit, Shape, Stage};
 
     /// The electrodes asked for in a project with this text after its kind.
@@ -105,9 +105,9 @@ mod tests {
                 Edit::Burn { place, direction: DVec3::NEG_X },
             ],
             overrides: vec![
-                "E03".parse().unwrap(),
+                "E03:approach:0.25".parse().unwrap(),
                 "E04-rough:gouge".parse().unwrap(),
-                Override { parts: vec!["R1.2".to_owned()], .."E05:leftover".parse().unwrap() },
+                Override { parts: vec!["R1.2 3.25 mm2".to_owned()], .."E05:leftover".parse().unwrap() },
             ],
             holders: vec![Holder { name: "h".to_owned(), size_mm: [30.0, 31.5], height_mm: 12.0 }],
             ..ElectrodeParams::default()
@@ -134,12 +134,13 @@ mod tests {
         // A table may leave out what stays as it is.
         let round = parsed("[electrodes.blanks]\ndiameters_mm = [20.0]").blanks;
         assert_eq!(round, Blanks { diameters_mm: vec![20.0], ..Blanks::default() });
-        let text = "kind = \"mold\"\n[electrodes]\nmargin_mm = 0.5\noverrides = [\"E03\", \"E04:gouge\"]";
+        let text =
+            "kind = \"mold\"\n[electrodes]\nmargin_mm = 0.5\noverrides = [\"E03:machinable:0.5\", \"E04:gouge\"]";
         std::fs::write(&file, text).unwrap();
         let read = open_mold(&file, Some(folder.path())).unwrap().electrodes;
         assert_eq!((read.margin_mm, &read.holders[..]), (0.5, &own[..]));
-        assert_eq!(read.overrides[0], Override { electrode: "E03".to_owned(), check: None, parts: Vec::new() });
-        assert_eq!(read.overrides[1].check, Some(CheckKind::Gouge));
+        assert_eq!((&*read.overrides[0].of, read.overrides[0].most), ("E03", Some(0.5)));
+        assert_eq!(read.overrides[1].check, CheckKind::Gouge.name());
         let standard = standard_mold(Some(folder.path())).unwrap().electrodes;
         assert!(standard.margin_mm == 0.5 && standard.overrides.is_empty());
         let named = "kind = \"mold\"\n[[electrodes.holders]]\nname = \"other\"\nsize_mm = [1.0, 2.0]\nheight_mm = 2.0";
@@ -170,7 +171,7 @@ mod tests {
                 "[electrodes]\noverrides = [\"E03:gouges\"]".to_owned(),
                 "watertight, gouge, approach, leftover, machinable",
             ),
-            ("[electrodes]\noverrides = [3]".to_owned(), "NAME:check"),
+            ("[electrodes]\noverrides = [3]".to_owned(), "NAME:CHECK"),
             (
                 "[[electrodes.holders]]\nname = \"flat\"\nsize_mm = [1.0, 0.0]\nheight_mm = 2.0".to_owned(),
                 "holder \"flat\": size_mm",

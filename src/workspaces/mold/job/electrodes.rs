@@ -1,5 +1,6 @@
 //! Electrodes for what the cutters leave of a mold.
 
+use files::Validate;
 use glam::{DVec2, DVec3};
 
 use super::uncut::{Uncut, UncutError, on_field};

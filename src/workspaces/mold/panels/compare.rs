@@ -6,8 +6,10 @@ use crate::workspaces::mold::panels::MoldDesk;
 use egui::{Grid, RichText, Ui};
 
 use super::cutters;
+use crate::widgets::form::Form;
 use crate::widgets::panel_parts::notice;
 use crate::widgets::theme::palette;
+use crate::workspaces::mold::document::fields::LIBRARY;
 use crate::workspaces::mold::job::compare::Comparison;
 use crate::workspaces::mold::paths::MoldPath;
 use mold::cutter::Cutter;
@@ -27,12 +29,14 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPa
             desk.other.cutter.push(Cutter::ball(0.5));
         }
     });
-    cutters::table(ui, &mut desk.other, &mut desk.other_cutter, "other cutter");
-    ui.horizontal(|ui| {
-        cutters::buttons(ui, &mut desk.other, &mut desk.other_cutter);
-        ui.separator();
-        cx.button(ui, desk, MoldCommand::CompareCutters, "Compare", false);
-    });
+    let mut form = Form::new(&LIBRARY, &desk.other);
+    cutters::table(ui, &mut form, "cutter");
+    let answer = form.answer();
+    if let Some(edit) = answer.edit {
+        desk.other = edit.params;
+    }
+    answer.said.into_iter().for_each(|said| cx.say_in_passing(said));
+    cx.button(ui, desk, MoldCommand::CompareCutters, "Compare", false);
     let (mold, colours) = (&*desk, palette(ui));
     if let Some(why) = mold.work.comparison_state(mold.document.params(), &mold.other).why_not() {
         notice(ui, colours.bad, why);

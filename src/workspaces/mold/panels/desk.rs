@@ -6,11 +6,12 @@ use std::time::Duration;
 
 use super::electrode::ElectrodeDesk;
 use super::list::Column;
-use crate::workspaces::context::rest_left;
+use crate::widgets::form::Answer;
+use crate::workspaces::context::{Context, rest_left};
 use crate::workspaces::hands::{Gesture, Hands};
-use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::holder_files::load_holders;
 use crate::workspaces::mold::document::standard::standard_mold;
+use crate::workspaces::mold::document::{MoldParams, fields};
 use crate::workspaces::mold::job::uncut::LayerFound;
 use crate::workspaces::mold::scene::RegionColours;
 use crate::workspaces::mold::work::{FoundUncut, Glance, MoldWork};
@@ -41,8 +42,6 @@ pub struct MoldDesk {
     pub document: Document<MoldParams>,
     /// What has been made of it.
     pub work: MoldWork,
-    /// The row of the table of cutters that is selected.
-    pub cutter: usize,
     /// The region that is selected.
     pub selected: Option<usize>,
     /// The region that the list was scrolled to.
@@ -63,8 +62,6 @@ pub struct MoldDesk {
     pub least_volume: f64,
     /// The cutters that are compared with.
     pub other: CutterLibrary,
-    /// The row of their table that is selected.
-    pub other_cutter: usize,
     /// Whether only regions are shown of which the other cutters would leave nothing.
     pub only_vanishing: bool,
     /// Whether the exact answer follows a change by itself, once there was one, and the electrodes, once they were made.
@@ -105,7 +102,6 @@ impl MoldDesk {
             document: Document::new(params),
             gesture: Gesture::default(),
             work: MoldWork::new(scheduler),
-            cutter: 0,
             selected: None,
             scrolled_to: None,
             isolated: false,
@@ -115,7 +111,6 @@ impl MoldDesk {
             layer: None,
             sort: (Column::Volume, true),
             least_volume: 0.0,
-            other_cutter: 0,
             only_vanishing: false,
             follows: true,
             fly_to: None,
@@ -223,9 +218,17 @@ impl MoldDesk {
 
     /// Takes other parameters. While they go on changing they are looked at quickly.
     pub fn edit(&mut self, params: MoldParams) {
-        let label = params.change_since(self.params());
+        let label = fields::change(self.params(), &params);
         self.document.edit(&label, params, self.gesture.goes_on());
         self.follow_params();
+    }
+
+    /// Takes what a form has come to.
+    pub fn take(&mut self, answer: Answer<MoldParams>, cx: &mut Context) {
+        if let Some(edit) = answer.edit {
+            self.edit(edit.params);
+        }
+        answer.said.into_iter().for_each(|said| cx.say_in_passing(said));
     }
 
     /// Takes in that the parameters have changed.
@@ -249,12 +252,17 @@ impl MoldDesk {
         self.work.state(self.document.params())
     }
 
+    fn check(&self) -> Result<(), String> {
+        self.document.params().validate().map_err(|problem| fields::FIELDS.in_window(&problem))
+    }
+
     /// Begins to look for what is left.
     ///
     /// # Errors
     /// One line why it cannot be looked for.
     pub fn find(&mut self) -> Result<(), String> {
         self.edited = None;
+        self.check()?;
         self.work.find(self.document.params())
     }
 
@@ -264,6 +272,7 @@ impl MoldDesk {
     /// One line why none can be made.
     pub fn design(&mut self) -> Result<(), String> {
         (self.edited, self.changed) = (None, None);
+        self.check()?;
         self.electrodes.is_awaited = true;
         self.work.design(self.document.params())
     }

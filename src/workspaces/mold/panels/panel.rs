@@ -4,20 +4,21 @@ use crate::workspaces::commands::{CommandSet, FrameCommand};
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::commands::MoldCommand;
 use crate::workspaces::mold::panels::MoldDesk;
-use egui::{ComboBox, DragValue, ProgressBar, RichText, Ui, vec2};
+use egui::{ProgressBar, RichText, Ui, vec2};
+use files::Validate as _;
 
 use super::{compare, cutters, electrode, list};
+use crate::widgets::form::Form;
 use crate::widgets::panel_parts::grouped;
+use crate::widgets::panel_parts::section;
 use crate::widgets::panel_parts::{fact, notice};
-use crate::widgets::panel_parts::{named, section};
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::mold::document::cutter_file::standard_cutters;
+use crate::workspaces::mold::document::fields::FIELDS;
 use crate::workspaces::mold::paths::MoldPath;
 use crate::workspaces::mold::work::FoundUncut;
 use crate::workspaces::news::EventKind;
 use files::Params;
-use import::Units;
-use mold::opening::Opening;
 use task::State;
 
 /// Height of the list of regions where it has no panel of its own (points).
@@ -61,39 +62,11 @@ fn mold(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> 
     if let Some(why) = state.why_not() {
         notice(ui, palette(ui).bad, why);
     }
-    let mut params = desk.document.params().clone();
-    named(ui, "Unit", |ui, label| {
-        let name = |units: Units| match units {
-            Units::Auto => "automatic",
-            Units::Mm => "mm",
-            Units::Cm => "cm",
-            Units::M => "m",
-            Units::Inch => "inch",
-            Units::Um => "µm",
-        };
-        let combo = ComboBox::from_id_salt("mold unit").selected_text(name(params.units)).width(190.0);
-        let shown = combo.show_ui(ui, |ui| {
-            for units in [Units::Auto, Units::Mm, Units::Cm, Units::M, Units::Um, Units::Inch] {
-                ui.selectable_value(&mut params.units, units, name(units));
-            }
-        });
-        shown.response.labelled_by(label);
-    });
-    named(ui, "Opening direction", |ui, _| {
-        for opening in Opening::ALL {
-            let response = ui.selectable_label(params.opening == opening, opening.name());
-            if response.on_hover_text("The cutters come from this side").clicked() {
-                params.opening = opening;
-            }
-        }
-    });
-    named(ui, "Tolerance", |ui, label| {
-        let field = DragValue::new(&mut params.tolerance_mm).range(1e-4..=10.0).speed(0.001).max_decimals(4);
-        let field = ui.add_sized(vec2(74.0, 22.0), field).labelled_by(label);
-        field.on_hover_text("Thickness of the residue across the mold's surface up to which it counts as cut");
-        ui.label(RichText::new("mm").color(palette(ui).faint));
-    });
-    desk.edit(params);
+    let mut form = Form::new(&FIELDS, desk.document.params());
+    for key in ["units", "opening", "tolerance_mm"] {
+        form.row(ui, key);
+    }
+    desk.take(form.answer(), cx);
     facts(ui, desk, cx);
     asked
 }
@@ -118,26 +91,24 @@ fn facts(ui: &mut Ui, desk: &MoldDesk, cx: &mut Context) {
 
 fn library(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
     let mut asked = None;
-    let mut params = desk.document.params().clone();
-    cutters::table(ui, &mut params.library, &mut desk.cutter, "cutter");
+    let mut form = Form::new(&FIELDS, desk.document.params());
+    cutters::table(ui, &mut form, "library.cutter");
     ui.horizontal_wrapped(|ui| {
-        cutters::buttons(ui, &mut params.library, &mut desk.cutter);
-        ui.separator();
         if ui.button("Load…").on_hover_text("A library of cutters (TOML)").clicked() {
             asked = Some(MoldPath::Cutters);
         }
-        let can_save = params.library.validate().is_ok();
+        let can_save = form.params().library.validate().is_ok();
         if ui.add_enabled(can_save, egui::Button::new("Save…")).on_hover_text("As a TOML file").clicked() {
             asked = Some(MoldPath::SaveCutters);
         }
         if ui.button("Standard").on_hover_text("The built-in library").clicked() {
             match standard_cutters() {
-                Ok(library) => params.library = library,
+                Ok(library) => form.change(|params| params.library = library),
                 Err(error) => cx.say(EventKind::Failed, error.to_string()),
             }
         }
     });
-    desk.edit(params);
+    desk.take(form.answer(), cx);
     asked
 }
 

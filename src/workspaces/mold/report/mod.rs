@@ -6,9 +6,10 @@ pub mod uncut_ply;
 
 use serde::Serialize;
 
+use files::Override;
 use files::report::PageError;
+use mold::electrode::design::IdleOverride;
 use mold::electrode::design::{Electrode, ElectrodeSet, PartNode, RegionPlan};
-use mold::electrode::overrides::{IdleOverride, Override};
 use mold::electrode::params::Edit;
 use mold::opening::Opening;
 use nc::burn_table::{BurnTable, ElectrodeState, method_name};
@@ -56,10 +57,10 @@ pub struct BlockedEntry {
 /// An override that overrides nothing.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct IdleEntry {
-    /// As it is given: `NAME` or `NAME:check`.
+    /// As it is given: `NAME:CHECK`.
     pub name: String,
     /// Why.
-    pub why: &'static str,
+    pub why: String,
 }
 
 /// What is counted where there are several stages.
@@ -127,13 +128,13 @@ impl ElectrodesReport {
             |e: usize| why_blocked(set, e).map(|why| BlockedEntry { electrode: set.electrodes[e].name.clone(), why });
         let is = |state: ElectrodeState| table.electrodes.iter().filter(move |e| e.state == state);
         let overridden: Vec<String> = is(ElectrodeState::Overridden).map(|e| e.name.clone()).collect();
-        let idle = |(o, why): (&Override, IdleOverride)| IdleEntry { name: o.to_string(), why: why.text() };
+        let idle = |(o, why): (&Override, IdleOverride)| IdleEntry { name: o.to_string(), why: why.to_string() };
         Self {
             schema: SCHEMA,
             sentence: sentence(set, &table, &set.params.overrides),
             holds: set.holds(),
             blocked: (0..set.electrodes.len()).filter_map(blocked).collect(),
-            idle_overrides: set.idle_overrides().into_iter().map(idle).collect(),
+            idle_overrides: set.idle_overrides(&set.params.overrides).into_iter().map(idle).collect(),
             unmet_edits: set.unmet_edits().into_iter().map(|e| set.params.edits[e].to_string()).collect(),
             model: MODEL,
             regions: set.regions.iter().enumerate().map(|(r, plan)| region(set, r, plan)).collect(),

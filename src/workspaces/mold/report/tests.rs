@@ -19,7 +19,7 @@ fn the_sentence_names_what_is_blocked_overridden_and_not_burned() {
     }
     assert!(!report.holds && !report.sentence.contains("Every check holds"));
     let idle = |r: &ElectrodesReport| r.idle_overrides.iter().map(|o| o.name.clone()).collect::<Vec<_>>();
-    assert_eq!(idle(&report), ["E99"]);
+    assert_eq!(idle(&report), ["E99:leftover"]);
     let mut good = set();
     good.regions.pop();
     good.checks.iter_mut().flatten().for_each(|finding| finding.holds = true);
@@ -29,7 +29,7 @@ fn the_sentence_names_what_is_blocked_overridden_and_not_burned() {
         "{}",
         good.sentence
     );
-    assert_eq!(idle(&good), ["E02-finish", "E99"], "an override of what holds does nothing");
+    assert_eq!(idle(&good), ["E02-finish:leftover", "E99:leftover"], "an override of what holds does nothing");
     let mut none = set();
     (none.electrodes, none.checks, none.regions) = Default::default();
     assert!(ElectrodesReport::of(&none, "", Opening::PlusZ).sentence.contains("no electrode is needed"));
@@ -94,7 +94,7 @@ fn the_page_stands_alone_and_holds_everything() {
         "E03 is blocked.",
         "gouge: it comes to 0.0100 mm of the mold: too deep a burn",
         "E02-finish is overridden.",
-        "Override of E99: there is no electrode",
+        "Override of E99:leftover: there is no electrode",
         "<b>E02-finish.</b> no holder is large enough for a blank of 10 x 12 mm",
         "A stage leaves a layer for the next one",
         "no room for a tip &lt;of 0.3 mm&gt;",

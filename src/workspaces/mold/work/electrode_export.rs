@@ -9,7 +9,7 @@ use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::pictures::electrode_pictures;
 use files::ExportFolder;
 use mold::electrode::design::ElectrodeSet;
-use mold::electrode::overrides::IdleOverride;
+use mold::electrode::design::IdleOverride;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::{ElectrodeFormat, LeftOut};
 use render::offscreen::{Offscreen, RenderError};
@@ -73,8 +73,9 @@ pub(super) fn export(
     task.check().map_err(|e| e.to_string())?;
     let (written, published) =
         export_electrodes(opened, (set, &report), sheet, &pictures, formats).map_err(|e| e.to_string())?;
-    let lapsed = set.idle_overrides().into_iter().filter(|(_, why)| *why == IdleOverride::OtherParts);
-    let lapsed = lapsed.map(|(o, why)| format!("override of {o}: {}", why.text())).collect();
+    let idle = set.idle_overrides(&set.params.overrides).into_iter();
+    let lapsed = idle.filter(|(_, why)| matches!(why, IdleOverride::Lapsed(_)));
+    let lapsed = lapsed.map(|(o, why)| format!("override of {o}: {why}")).collect();
     Ok(Exported {
         lapsed,
         folder: folder.to_owned(),

@@ -6,6 +6,7 @@ mod electrode_export;
 mod glance;
 mod steps;
 
+use files::Validate;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

@@ -280,7 +280,7 @@ impl Params for PlanJob {
             // What the project itself says wrong is told with its other mistakes.
             Err(error) if self.machine.validate().is_ok() => {
                 let error = error.to_string();
-                Err(wrong(&format!("{name}: {}", error.strip_prefix("[machine] ").unwrap_or(&error))))
+                Err(wrong(&format!("{name}: {}", error.strip_prefix("machine.").unwrap_or(&error))))
             }
             _ => {
                 self.machine = machine;

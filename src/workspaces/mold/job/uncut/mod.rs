@@ -8,6 +8,7 @@ mod step;
 #[cfg(test)]
 mod tests;
 
+use files::{Invalid, Validate};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -15,10 +16,10 @@ use geometry::mesh::Mesh;
 pub use layer_figures::LayerFound;
 use layer_figures::{of_layers, of_surface};
 use mold::ball_agreement::{BallAgreement, ball_agreement};
-use mold::cutter::{Cutter, CutterError, CutterKind, CutterLibrary};
+use mold::cutter::{Cutter, CutterKind, CutterLibrary};
 use mold::height_field;
 use mold::height_field::{Closing, Covered, FieldRegion, HeightField, HeightFieldError};
-use mold::layers::{LayerSettings, LayerSettingsError};
+use mold::layers::LayerSettings;
 use mold::opening::Opening;
 use mold::piece::UncutPiece;
 use mold::region::{LayerRegion, regions};
@@ -59,14 +60,11 @@ impl UncutParams {
     /// Whether they can be asked.
     ///
     /// # Errors
-    /// [`UncutError::Cutters`], [`UncutError::Layers`], [`UncutError::Tolerance`], [`UncutError::CoarseStep`],
-    /// [`UncutError::Field`].
+    /// [`UncutError::Params`], [`UncutError::CoarseStep`], [`UncutError::Field`].
     pub fn validate(&self) -> Result<(), UncutError> {
         self.library.validate()?;
-        self.layers.validate()?;
-        if !(1e-4..=10.0).contains(&self.tolerance_mm) {
-            return Err(UncutError::Tolerance(self.tolerance_mm));
-        }
+        self.layers.validate().map_err(|problem| problem.within("layers"))?;
+        Invalid::unless_within("tolerance_mm", self.tolerance_mm, [1e-4, 10.0], "mm")?;
         if let Some(step) = self.grid_step_mm.filter(|step| !(step.is_finite() && *step > 0.0)) {
             return Err(UncutError::Field(HeightFieldError::BadStep(step)));
         }
@@ -81,15 +79,9 @@ impl UncutParams {
 /// Why a mold has no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum UncutError {
-    /// The library is not one.
-    #[error("cutters: {0}")]
-    Cutters(#[from] CutterError),
-    /// The settings are not possible.
-    #[error("layers: {0}")]
-    Layers(#[from] LayerSettingsError),
-    /// The tolerance is not possible.
-    #[error("tolerance_mm is {0}: it must be finite and from 0.0001 to 10 mm")]
-    Tolerance(f64),
+    /// A parameter is not possible.
+    #[error(transparent)]
+    Params(#[from] Invalid),
     /// A step of the field of heights that shows nothing.
     #[error("height map: step {step} mm is too coarse for a cutter of radius {radius} mm; give at most {} mm", 0.5 * radius)]
     CoarseStep {
@@ -110,7 +102,7 @@ impl From<HeightFieldError> for UncutError {
     fn from(error: HeightFieldError) -> Self {
         match error {
             HeightFieldError::Cancelled(cancelled) => Self::Cancelled(cancelled),
-            HeightFieldError::Cutter(cutter) => Self::Cutters(cutter),
+            HeightFieldError::Cutter(problem) => Self::Params(problem),
             other => Self::Field(other),
         }
     }

@@ -10,7 +10,7 @@ use crate::widgets::theme::{palette, tick};
 use crate::workspaces::mold::work::Designed;
 use crate::workspaces::news::EventKind;
 use mold::electrode::check::{CheckKind, Finding};
-use mold::electrode::overrides::{IdleOverride, Override};
+use mold::electrode::design::IdleOverride;
 
 /// Draws it.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed, electrode: usize) {
@@ -48,24 +48,27 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed,
     let mut params = desk.document.params().clone();
     let overrides = &mut params.electrodes.overrides;
     let mut passes = !made.set.is_blocked_with(electrode, overrides);
-    let has_lapsed = overrides.iter().any(|o| o.electrode == of.name && !o.is_for(of));
+    let idle = made.set.idle_overrides(overrides).into_iter().filter(|(o, _)| o.of == of.name);
+    let lapsed = idle.filter(|(_, why)| matches!(why, IdleOverride::Lapsed(_)));
+    let lapsed: Vec<String> = lapsed.map(|(o, why)| format!("Override of {o}: {why}.")).collect();
     let names: BTreeSet<&str> = failing.iter().map(|kind| kind.name()).collect();
     let plural = if names.len() == 1 { "fails" } else { "fail" };
     let names = names.into_iter().collect::<Vec<_>>().join(", ");
     if tick(ui, &mut passes, format!("Release despite failed check: {names} {plural}")).changed() {
         // What was decided for other parts is over with a new decision.
-        overrides.retain(|other| other.electrode != of.name);
+        overrides.retain(|other| other.of != of.name);
         if passes {
             failing.dedup();
-            overrides.extend(failing.iter().map(|kind| Override::of(of, *kind)));
+            overrides.extend(failing.iter().map(|kind| made.set.override_of(electrode, *kind)));
         }
         // What was said last speaks of decisions too.
         let said = made.sentence(overrides);
         desk.edit(params);
         cx.say(EventKind::Done, format!("Electrodes: {said}"));
-    } else if has_lapsed {
-        let text = format!("Override of {}: {}.", of.name, IdleOverride::OtherParts.text());
-        ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).warning)).wrap());
+    } else {
+        for text in lapsed {
+            ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).warning)).wrap());
+        }
     }
 }
 

@@ -102,8 +102,6 @@ pub struct ElectrodeDesk {
     pub is_awaited: bool,
     /// Holders that there are.
     pub holders: Vec<Holder>,
-    /// The row of the table of cutters for electrodes that is selected.
-    pub cutter: usize,
     shown: Option<Arc<Designed>>,
 }
 
@@ -130,7 +128,6 @@ impl Default for ElectrodeDesk {
             is_awaited: false,
             // Those of a broken file would be none: what the parameters name is there in any case.
             holders: load_holders(None).unwrap_or_default(),
-            cutter: 0,
             shown: None,
         }
     }

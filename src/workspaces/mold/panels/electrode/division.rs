@@ -1,11 +1,12 @@
 //! How regions are divided into parts, and what the user changes about that.
 
 use crate::workspaces::mold::panels::MoldDesk;
-use egui::{ComboBox, RichText, Ui};
+use std::ops::RangeInclusive;
+
+use egui::{ComboBox, DragValue, RichText, Ui, vec2};
 use glam::{DVec2, DVec3};
 
 use super::checks;
-use super::fields::{Figure, figure};
 use crate::widgets::theme::palette;
 use crate::workspaces::mold::report::Division;
 use crate::workspaces::mold::work::Designed;
@@ -86,13 +87,12 @@ fn direction(ui: &mut Ui, desk: &mut MoldDesk, (r, place): (usize, DVec3), now: 
         _ => None,
     });
     let [mut tilt, mut towards] = angles_deg(asked.unwrap_or(now));
+    let of = |what: &str| format!("{what} of the burn of region {}", r + 1);
     let hint = "Tilt of the burn from straight down; 90\u{b0} is from the side";
-    let of = Figure { range: 0.0..=90.0, speed: 0.5, width: 46.0, suffix: "\u{b0}", decimals: 2, hint };
-    let mut changed = figure(ui, &mut tilt, &format!("Tilt of the burn of region {}", r + 1), &of).changed();
+    let mut changed = angle(ui, &mut tilt, 0.0..=90.0, &of("Tilt"), hint);
     if tilt > 0.0 {
         let hint = "Direction of the tilted burn in plan, from +X towards +Y of the upright mold";
-        let of = Figure { range: -180.0..=180.0, speed: 1.0, hint, ..of };
-        changed |= figure(ui, &mut towards, &format!("Heading of the burn of region {}", r + 1), &of).changed();
+        changed |= angle(ui, &mut towards, -180.0..=180.0, &of("Heading"), hint);
     }
     if changed {
         edits.retain(|edit| !own(edit));
@@ -101,6 +101,15 @@ fn direction(ui: &mut Ui, desk: &mut MoldDesk, (r, place): (usize, DVec3), now: 
         }
         desk.edit(params);
     }
+}
+
+/// An angle called `name` (degrees). Tells whether it was changed.
+fn angle(ui: &mut Ui, value: &mut f64, range: RangeInclusive<f64>, name: &str, hint: &str) -> bool {
+    let field = DragValue::new(value).speed(0.5).range(range).clamp_existing_to_range(false);
+    let field = field.max_decimals(2).suffix("\u{b0}").update_while_editing(false);
+    let response = ui.add_sized(vec2(46.0, 22.0), field);
+    ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
+    response.on_hover_text(hint).changed()
 }
 
 /// Tilt of a direction from straight down, and where it goes in plan, from +X towards +Y (degrees).

@@ -11,7 +11,7 @@ use crate::widgets::panel_parts::{fact, notice};
 use crate::widgets::theme::palette;
 use crate::workspaces::mold::scene::electrodes::{BurnOf, electrode_colour};
 use crate::workspaces::mold::work::Designed;
-use mold::electrode::overrides::Override;
+use files::Override;
 use nc::burn_table::{BurnEntry, CheckState, ElectrodeEntry};
 
 /// The columns with their widths (points); the name takes what the others leave. Regions and blank need room.

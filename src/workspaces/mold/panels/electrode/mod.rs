@@ -3,10 +3,8 @@
 mod checks;
 mod desk;
 mod division;
-mod fields;
 mod form;
 mod list;
-mod stages;
 mod strip;
 
 pub(super) use desk::Look;

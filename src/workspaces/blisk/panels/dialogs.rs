@@ -1,5 +1,7 @@
-//! What is exported: files, the frame of the electrode meshes, the post, and pictures. Every choice is a parameter of the
-//! job like any other.
+//! The dialogs of the workspace: what is exported (files, the frame of the electrode meshes, the post, and pictures, every
+//! choice a parameter of the job like any other), and files of a project that are gone or have changed.
+
+use std::path::PathBuf;
 
 use crate::workspaces::blisk::desk::BliskDesk;
 use egui::{ComboBox, RichText, Ui};
@@ -9,25 +11,55 @@ use crate::widgets::panel_parts::from_right;
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::document::choice::{DrawnPictures, MeshFrame};
 use crate::workspaces::blisk::document::field_table::FIELDS;
-use crate::workspaces::blisk::document::job_file::ExportSection;
-use files::{Kind, Validate as _, Word};
+use crate::workspaces::blisk::document::job_file::{ExportSection, PlanJob};
+use files::{Kind, MovedFile, Validate as _, Word};
 
 /// Room for the names of files (points).
 const NAMES: f32 = 150.0;
 
 /// What the user answered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
     /// Choose the folder and export.
     Folder,
     /// Choose an NC post of one's own, and go on with the export.
     OwnPost,
+    /// Look for the file that was here.
+    Locate(PathBuf),
+    /// Open the project with the files as they are.
+    OpenAnyway,
     /// Close the dialog.
     Close,
 }
 
-/// Draws it. Choices go into the document at once.
-pub fn show(ui: &mut Ui, desk: &mut BliskDesk) -> Option<Answer> {
+/// Draws the dialog about the files of `job` that `moved`.
+pub fn moved(ui: &mut Ui, job: &PlanJob, moved: &[MovedFile]) -> Option<Answer> {
+    let mut answer = None;
+    for file in moved {
+        let what = if file.is_changed { "has changed since the project was saved" } else { "no longer exists" };
+        ui.label(format!("{} {what}.", file.path.display()));
+        if ui.button("Find it…").clicked() {
+            answer = Some(Answer::Locate(file.path.clone()));
+        }
+        ui.add_space(4.0);
+    }
+    ui.add_space(10.0);
+    from_right(ui, |ui| {
+        // Without its meshes there is nothing to show; a machine or a post can be chosen later.
+        let is_mesh = |path: &PathBuf| [&job.blisk.mesh, &job.electrode.mesh].contains(&&Some(path.clone()));
+        let text = if moved.iter().all(|file| file.is_changed) { "Use as it is now" } else { "Open without" };
+        if moved.iter().all(|file| file.is_changed || !is_mesh(&file.path)) && ui.button(text).clicked() {
+            answer = Some(Answer::OpenAnyway);
+        }
+        if ui.button("Cancel").clicked() {
+            answer = Some(Answer::Close);
+        }
+    });
+    answer
+}
+
+/// Draws the dialog of the export. Choices go into the document at once.
+pub fn export(ui: &mut Ui, desk: &mut BliskDesk) -> Option<Answer> {
     let mut job = desk.document.params().clone();
     let export = &mut job.export;
     let mut answer = files(ui, export);

@@ -1,7 +1,8 @@
 //! Connected groups of many things, told pair by pair.
 
 /// Numbered things in groups, at first each in its own.
-pub(super) struct Groups {
+#[derive(Debug, Clone)]
+pub struct Groups {
     /// For each thing an earlier one of its group, or itself.
     earlier: Vec<u32>,
 }

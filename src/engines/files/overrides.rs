@@ -1,0 +1,259 @@
+//! Decisions to export although a check fails.
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::Invalid;
+use crate::word_or_table::word_or_table;
+
+/// By how much a figure may be worse than when it was decided (mm, or the figure's own unit): what another run of the same
+/// makes of it.
+pub const NO_WORSE: f64 = 1e-3;
+
+/// How bad what a check found is: for each of its figures, by name, a number that is greater the worse it is.
+pub type Figures = BTreeMap<String, f64>;
+
+/// A check that keeps nothing from being exported, and what that was decided for.
+///
+/// In files it is a text or a table. What is worse now than it was then is no longer let pass, and another part inherits no
+/// decision.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Override {
+    /// What it is for, as the name of an electrode; empty where there is one thing only.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub of: String,
+    /// The check, by name.
+    pub check: String,
+    /// The greatest that any figure of it may be; none for whatever it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub most: Option<f64>,
+    /// What was checked when it was decided: the parts that an electrode burned, or the digest of a surface; empty for
+    /// whatever it is.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<String>,
+    /// The figures when it was decided; empty for whatever they are.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub figures: Figures,
+}
+
+/// An override as files have it in a table.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Table {
+    #[serde(default)]
+    of: String,
+    check: String,
+    #[serde(default)]
+    most: Option<f64>,
+    #[serde(default)]
+    parts: Vec<String>,
+    #[serde(default)]
+    figures: Figures,
+}
+
+impl From<Table> for Override {
+    fn from(Table { of, check, most, parts, figures }: Table) -> Self {
+        Self { of, check, most, parts, figures }
+    }
+}
+
+impl<'de> Deserialize<'de> for Override {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        const EXPECTED: &str = "the name of a check, \"CHECK:FIGURE\", \"NAME:CHECK\" or \"NAME:CHECK:FIGURE\", or a table \
+                                with of, check, most, parts, figures";
+        word_or_table::<Self, Table, D>(deserializer, EXPECTED)
+    }
+}
+
+impl Override {
+    /// One for a check whatever it finds.
+    pub fn whatever(check: &str) -> Self {
+        let (of, parts) = (String::new(), Vec::new());
+        Self { of, check: check.to_owned(), most: None, parts, figures: Figures::new() }
+    }
+
+    /// One for a check of these parts, as bad as it is now.
+    pub fn decided(check: &str, parts: Vec<String>, figures: &Figures) -> Self {
+        Self { parts, figures: figures.clone(), ..Self::whatever(check) }
+    }
+
+    /// Whether it names no figure, so that it holds whatever the check finds.
+    pub fn is_for_whatever(&self) -> bool {
+        self.most.is_none() && self.figures.is_empty()
+    }
+
+    /// Why it no longer holds for what a check of its name finds `now` on `parts`: they are others, or some figures are
+    /// worse than when it was decided. None while it holds.
+    pub fn lapsed(&self, parts: &[String], now: &Figures) -> Option<String> {
+        if !self.parts.is_empty() && self.parts != parts {
+            return Some("this was decided for another part; it does not hold: decide again".to_owned());
+        }
+        if self.is_for_whatever() {
+            return None;
+        }
+        if now.is_empty() {
+            let why = "the failed check has no figure to compare with the one it was decided for";
+            return Some(format!(
+                "{why}; the override does not hold: name the check alone to waive it unconditionally"
+            ));
+        }
+        let allowed = |name: &str| {
+            // What was not wrong when it was decided is not let pass now.
+            let unknown = if self.figures.is_empty() { f64::INFINITY } else { 0.0 };
+            self.figures.get(name).copied().or(self.most).unwrap_or(unknown)
+        };
+        let worse: Vec<String> = now
+            .iter()
+            // What is no number is worse than any.
+            .filter(|(name, now)| now.is_nan() || **now > allowed(name) + NO_WORSE)
+            .map(|(name, now)| {
+                format!("{} is {now:.4}, more than the {:.4} that this was decided for", words(name), allowed(name))
+            })
+            .collect();
+        (!worse.is_empty()).then(|| format!("{}; it does not hold: decide again", worse.join(", ")))
+    }
+
+    /// Finding that the override was decided for, in words; none for any finding.
+    pub fn given_for(&self) -> Option<String> {
+        let most = self.most.map(|most| format!("up to {most:.4}"));
+        let figures = self.figures.iter().map(|(name, figure)| format!("{} {figure:.4}", words(name)));
+        let all: Vec<String> = most.into_iter().chain(figures).collect();
+        (!all.is_empty()).then(|| all.join(", "))
+    }
+
+    /// Whether it can be kept: its check is one of `checks`, and it is for something by name where it must be (`is_named`).
+    ///
+    /// # Errors
+    /// What is wrong, and what it may be.
+    pub fn validate(&self, checks: &[&str], is_named: bool) -> Result<(), Invalid> {
+        let numbers = self.most.iter().chain(self.figures.values());
+        if let Some(n) = numbers.copied().find(|n| !(0.0..=1e9).contains(n)) {
+            return Err(Invalid::of("", format!("override of {}: a figure is {n}: it must be 0 or more", self.check)));
+        }
+        let all = checks.join(", ");
+        match (checks.contains(&&*self.check), is_named, self.of.is_empty()) {
+            (_, true, true) => Err(Invalid::of(
+                "",
+                format!("{self} names no check of an electrode: give NAME:CHECK with one of {all}"),
+            )),
+            (_, false, false) => Err(Invalid::of("", format!("{self}: give the check alone, one of {all}"))),
+            (false, ..) => Err(Invalid::of("", format!("there is no check {:?}; there are {all}", self.check))),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The name of a figure in words, as in `depth mm`.
+fn words(name: &str) -> String {
+    name.replace('_', " ")
+}
+
+/// `CHECK`, `CHECK:FIGURE`, `NAME:CHECK` or `NAME:CHECK:FIGURE`.
+impl fmt::Display for Override {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let colon = if self.of.is_empty() { "" } else { ":" };
+        write!(f, "{}{colon}{}", self.of, self.check)?;
+        self.most.map_or(Ok(()), |most| write!(f, ":{most}"))
+    }
+}
+
+impl FromStr for Override {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut words: Vec<&str> = text.split(':').map(str::trim).collect();
+        let is_number =
+            |word: &&str| word.is_empty() || word.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+        let figure = if words.len() > 1 { words.pop_if(|word| is_number(&&**word) || *word == "nan") } else { None };
+        let most = figure.map(|figure| {
+            let number = figure.parse::<f64>().ok().filter(|n| (0.0..=1e9).contains(n));
+            number.ok_or_else(|| {
+                format!("{figure:?} is no figure: give the greatest one after the check, as in gouge:0.12")
+            })
+        });
+        let most = most.transpose()?;
+        match words[..] {
+            [check] if !check.is_empty() => Ok(Self { most, ..Self::whatever(check) }),
+            [of, check] if !of.is_empty() => Ok(Self { of: of.to_owned(), most, ..Self::whatever(check) }),
+            _ => Err("expected CHECK, CHECK:FIGURE, NAME:CHECK or NAME:CHECK:FIGURE".to_owned()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figures(all: &[(&str, f64)]) -> Figures {
+        all.iter().map(|(name, figure)| ((*name).to_owned(), *figure)).collect()
+    }
+
+    #[test]
+    fn what_is_worse_than_when_it_was_decided_is_not_let_pass() {
+        let then = Override::decided("deviation", Vec::new(), &figures(&[("overcut_mm", 0.12), ("undercut_mm", 0.3)]));
+        for now in [[("overcut_mm", 0.12), ("undercut_mm", 0.3)], [("overcut_mm", 0.1209), ("undercut_mm", 0.0)]] {
+            assert_eq!(then.lapsed(&[], &figures(&now)), None, "{now:?}");
+        }
+        let why = then.lapsed(&[], &figures(&[("overcut_mm", 0.5), ("undercut_mm", 0.1)])).unwrap();
+        assert!(why.contains("overcut mm is 0.5000, more than the 0.1200") && !why.contains("undercut"), "{why}");
+        assert!(then.lapsed(&[], &figures(&[("overcut_mm", f64::NAN)])).is_some());
+        assert!(then.lapsed(&[], &figures(&[("missed", 1.0)])).is_some(), "it was not wrong in this way then");
+        let most: Override = "gouge:0.12".parse().unwrap();
+        assert!(most.lapsed(&[], &figures(&[("depth_mm", 0.12)])).is_none());
+        assert!(most.lapsed(&[], &figures(&[("depth_mm", 0.2)])).is_some());
+        assert_eq!(Override::whatever("gouge").lapsed(&[], &figures(&[("depth_mm", 9.0)])), None);
+        // What cannot be counted is within no figure.
+        for one in [then, most] {
+            assert!(one.lapsed(&[], &Figures::new()).is_some_and(|why| why.contains("name the check alone")), "{one}");
+        }
+        assert_eq!(Override::whatever("machine").lapsed(&[], &Figures::new()), None);
+    }
+
+    #[test]
+    fn it_is_a_name_a_name_with_a_figure_or_a_table() {
+        #[derive(Debug, PartialEq, Serialize, Deserialize)]
+        struct File {
+            overrides: Vec<Override>,
+        }
+        let text = "overrides = [\"gouge\", \"holder:0.5\", { check = \"ruled\", figures = { off_mm = 0.1 } }]";
+        let read: File = toml::from_str(text).unwrap();
+        let told: Vec<String> = read.overrides.iter().map(ToString::to_string).collect();
+        assert_eq!(told, ["gouge", "holder:0.5", "ruled"]);
+        assert_eq!(read.overrides[2], Override::decided("ruled", Vec::new(), &figures(&[("off_mm", 0.1)])));
+        assert_eq!(toml::from_str::<File>(&toml::to_string_pretty(&read).unwrap()).unwrap(), read);
+        for wrong in ["", ":1", "gouge:", "gouge:-1", "gouge:nan", "a:b:c", "a:b:1:2"] {
+            assert!(wrong.parse::<Override>().is_err(), "{wrong}");
+        }
+        let broken = Override::decided("gouge", Vec::new(), &figures(&[("depth_mm", f64::INFINITY)]));
+        assert!(broken.validate(&["gouge"], false).unwrap_err().to_string().contains("gouge"));
+    }
+
+    #[test]
+    fn it_names_a_check_of_something_and_holds_for_those_parts_alone() {
+        let checks = ["gouge", "holder"];
+        let of = |text: &str| text.parse::<Override>().unwrap();
+        assert_eq!(
+            (&*of("E04:gouge:0.1").of, &*of("E04:gouge").check, of("E04:gouge:0.1").most),
+            ("E04", "gouge", Some(0.1))
+        );
+        assert!(of("E04:gouge").validate(&checks, true).is_ok() && of("gouge:2").validate(&checks, false).is_ok());
+        for (text, is_named, words) in [
+            ("E04", true, "names no check"),
+            ("E04:gouges", true, "gouge, holder"),
+            ("E04:gouge", false, "check alone"),
+            ("nonsense", false, "no check \"nonsense\""),
+        ] {
+            let said = of(text).validate(&checks, is_named).unwrap_err().to_string();
+            assert!(said.contains(words), "{text}: {said}");
+        }
+        let now = figures(&[("depth_mm", 0.1)]);
+        let [one, both] = [vec!["R1.1".to_owned()], vec!["R1.1".to_owned(), "R1.2".to_owned()]];
+        let decided = Override::decided("gouge", one.clone(), &now);
+        assert_eq!(decided.lapsed(&one, &now), None);
+        assert!(decided.lapsed(&both, &now).unwrap().contains("another part"));
+        assert_eq!(of("gouge").lapsed(&both, &now), None, "what is said of no part is for any");
+    }
+}

@@ -1,0 +1,310 @@
+//! The widgets of forms: one for each kind of parameter.
+
+use std::cell::RefCell;
+
+use egui::{DragValue, Response, Slider, SliderClamping, TextEdit, Ui, vec2};
+use serde_json::Value;
+
+use super::{Change, GAP, HEIGHT, VALUE, Widths, cell, mark};
+use crate::widgets::panel_parts::{file_name, parsed_or, short};
+use crate::widgets::theme::tick;
+use files::{AXIS_NAMES, Instead, Kind, Place, Range, Word, direction_words, get, inline_toml};
+
+/// Labels this short are shown beside each other, all at once.
+const SHORT: usize = 4;
+/// The most letters of a text.
+const LETTERS: usize = 4000;
+
+/// Draws the widgets of a row.
+pub(super) fn widget(
+    ui: &mut Ui,
+    place: &Place,
+    value: &Value,
+    widths: Widths,
+    also: &[[String; 2]],
+) -> Option<Change> {
+    match place.field.kind {
+        Kind::Number { slider, instead, .. } => number_row(ui, place, value, widths, (slider, instead)),
+        Kind::Flag => {
+            let mut on = value.as_bool().unwrap_or_default();
+            let ticked = named(ui, place, |ui| tick(ui, &mut on, ()));
+            ticked.changed().then(|| Change::To(on.into()))
+        }
+        Kind::Choice(words) if is_short(words) => chips(ui, words, value),
+        Kind::Choice(words) | Kind::ChoiceOrFile(words) | Kind::ChoiceOr(words, _) => {
+            choice(ui, place, words, also, value, widths.wide)
+        }
+        Kind::Variant { .. } => variant(ui, place, value, widths.wide),
+        Kind::File => file(ui, place, value, widths.wide),
+        Kind::Numbers { count: Some(_), .. } => numbers(ui, place, value, widths.wide),
+        Kind::Direction => direction(ui, place, value, widths.wide),
+        Kind::Numbers { .. } | Kind::Text => text(ui, place, value, widths.wide),
+        Kind::Rows { .. } => None,
+    }
+}
+
+/// Draws the widget of a cell of a table.
+pub(super) fn narrow(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
+    match place.field.kind {
+        Kind::Number { instead: Instead::Never, decimals, .. } => {
+            drag(ui, place, value.as_f64().unwrap_or_default(), width, (0, decimals))
+        }
+        Kind::Number { .. } => number_or_dash(ui, place, value, width),
+        _ => widget(ui, place, value, Widths { label: 0.0, middle: 0.0, wide: width }, &[]),
+    }
+}
+
+/// Gives a widget the name of its parameter, and says what that is when it is pointed at.
+fn named(ui: &mut Ui, place: &Place, add: impl FnOnce(&mut Ui) -> Response) -> Response {
+    let response = add(ui);
+    ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(place.label.clone()));
+    response.on_hover_text(place.field.help)
+}
+
+fn number_row(
+    ui: &mut Ui,
+    place: &Place,
+    value: &Value,
+    widths: Widths,
+    (slider, instead): (Option<Range>, Instead),
+) -> Option<Change> {
+    let start = |start: f64| if place.field.is_whole() { Value::from(start as i64) } else { start.into() };
+    let (nothing, word, start) = match instead {
+        Instead::Never => (Value::Null, "", Value::Null),
+        Instead::Word(word, begin) => (word.into(), word, start(begin)),
+        Instead::Nothing(begin) => (Value::Null, "none", start(begin)),
+    };
+    if instead != Instead::Never {
+        let mut is_without = !value.is_number();
+        // Without a place of its own the box gives way to the number; the label's menu resets it.
+        let mut toggle = |ui: &mut Ui| {
+            let ticked = tick(ui, &mut is_without, word);
+            let name = format!("{}: {word}", place.label);
+            ui.ctx().accesskit_node_builder(ticked.id, |node| node.set_label(name));
+            ticked.changed()
+        };
+        let toggled = match widths.middle {
+            middle if middle > 0.0 => cell(ui, middle, toggle),
+            _ => !value.is_number() && toggle(ui),
+        };
+        if toggled {
+            return Some(Change::To(if is_without { nothing } else { start }));
+        }
+        if is_without {
+            return None;
+        }
+    }
+    let mut to = value.clone();
+    let mut slid = None;
+    if let Some(Range(least, greatest)) = slider.filter(|_| widths.middle > 0.0 && instead == Instead::Never) {
+        let mut at = value.as_f64().unwrap_or_default();
+        let Kind::Number { decimals, .. } = place.field.kind else { return None };
+        let slider = Slider::new(&mut at, least..=greatest).clamping(SliderClamping::Never).show_value(false);
+        ui.spacing_mut().slider_width = widths.middle;
+        let response = named(ui, place, |ui| ui.add(slider.step_by(10f64.powi(-(decimals.min(3) as i32)))));
+        slid = along(&response, at.into());
+        to = at.into();
+    }
+    number(ui, place, &to, VALUE).or(slid)
+}
+
+/// A number that is dragged or typed.
+fn number(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
+    let Kind::Number { decimals, .. } = place.field.kind else { return None };
+    drag(ui, place, value.as_f64().unwrap_or_default(), width, (decimals, decimals))
+}
+
+fn drag(ui: &mut Ui, place: &Place, mut at: f64, width: f32, (least, most): (usize, usize)) -> Option<Change> {
+    let is_whole = place.field.is_whole();
+    let wrong = RefCell::default();
+    let field = DragValue::new(&mut at)
+        .speed(place.field.drag_step())
+        .max_decimals(if is_whole { 0 } else { most.max(6) })
+        .min_decimals(least.min(3))
+        .custom_formatter(short)
+        .custom_parser(|text| parsed_or(text, &wrong))
+        .update_while_editing(false);
+    let response = named(ui, place, |ui| ui.add_sized(vec2(width, HEIGHT), field));
+    let value = if is_whole { whole(at) } else { at.into() };
+    wrong.into_inner().map(Change::NoNumber).or(along(&response, value))
+}
+
+fn whole(number: f64) -> Value {
+    let rounded = number.round();
+    if rounded < 0.0 { Value::from(rounded as i64) } else { Value::from(rounded as u64) }
+}
+
+/// A number that may be missing, which is a dash.
+fn number_or_dash(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
+    let mut at = value.as_f64().unwrap_or_default();
+    let wrong = RefCell::default();
+    let field = DragValue::new(&mut at)
+        .speed(place.field.drag_step())
+        .max_decimals(6)
+        .custom_formatter(|number, decimals| if number > 0.0 { short(number, decimals) } else { "\u{2013}".to_owned() })
+        .custom_parser(|text| match text.trim() {
+            "" | "-" | "\u{2013}" => Some(0.0),
+            text => parsed_or(text, &wrong),
+        })
+        .update_while_editing(false);
+    let response = named(ui, place, |ui| ui.add_sized(vec2(width, HEIGHT), field));
+    let value = if at > 0.0 { at.into() } else { Value::Null };
+    wrong.into_inner().map(Change::NoNumber).or(along(&response, value))
+}
+
+fn along(response: &Response, value: Value) -> Option<Change> {
+    let is_held = response.dragged() || response.has_focus();
+    response.changed().then_some(if is_held { Change::Along(value) } else { Change::To(value) })
+}
+
+/// Numbers beside each other: of three each is called by its axis.
+fn numbers(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
+    let mut all = value.as_array().cloned().unwrap_or_default();
+    let each = (width - GAP * all.len().saturating_sub(1) as f32) / all.len().max(1) as f32;
+    let mut change = None;
+    ui.spacing_mut().item_spacing.x = GAP;
+    for i in 0..all.len() {
+        let letter = if all.len() == 3 { ["X", "Y", "Z"][i].to_owned() } else { (i + 1).to_string() };
+        let part = Place { label: format!("{} {letter}", place.label), ..place.clone() };
+        let at = all[i].as_f64().unwrap_or_default();
+        let mut put = |to: Value| {
+            all[i] = to;
+            Value::from(all.clone())
+        };
+        change = match drag(ui, &part, at, each, (0, 4)) {
+            Some(Change::To(to)) => Some(Change::To(put(to))),
+            Some(Change::Along(to)) => Some(Change::Along(put(to))),
+            other => other.or(change),
+        };
+    }
+    change
+}
+
+pub(super) fn is_short(words: &[Word]) -> bool {
+    words.len() <= 6 && words.iter().all(|word| word.label.chars().count() <= SHORT)
+}
+
+/// Short words of which one is chosen, all of them to be seen.
+fn chips(ui: &mut Ui, words: &[Word], value: &Value) -> Option<Change> {
+    ui.spacing_mut().item_spacing.x = 2.0;
+    let chosen = words.iter().filter(|word| {
+        let response = ui.selectable_label(value.as_str() == Some(word.word), word.label);
+        let response = if word.help.is_empty() { response } else { response.on_hover_text(word.help) };
+        response.clicked() && value.as_str() != Some(word.word)
+    });
+    chosen.last().map(|word| Change::To(word.word.into()))
+}
+
+/// A list that opens.
+fn combo(ui: &mut Ui, place: &Place, now: &str, width: f32, add: impl FnOnce(&mut Ui)) {
+    named(ui, place, |ui| {
+        let list = egui::ComboBox::from_id_salt(&place.key).selected_text(now).truncate().width(width);
+        list.show_ui(ui, add).response
+    });
+}
+
+fn choice(
+    ui: &mut Ui,
+    place: &Place,
+    words: &[Word],
+    also: &[[String; 2]],
+    value: &Value,
+    width: f32,
+) -> Option<Change> {
+    let now = value.as_str();
+    let own = words.iter().map(|word| [word.word, word.label, word.help]);
+    let all: Vec<[&str; 3]> = own.chain(also.iter().map(|[word, label]| [word.as_str(), word, label])).collect();
+    let known = now.and_then(|now| all.iter().find(|[word, ..]| *word == now)).map(|[_, label, _]| file_name(label));
+    let shown = known.unwrap_or_else(|| now.map_or_else(|| place.field.show_label(value), file_name));
+    let mut change = None;
+    combo(ui, place, &shown, width, |ui| {
+        for [word, label, help] in &all {
+            let response = ui.selectable_label(Some(*word) == now, file_name(label));
+            let response = if help.is_empty() { response } else { response.on_hover_text(*help) };
+            if response.clicked() && Some(*word) != now {
+                change = Some(Change::To((*word).into()));
+            }
+        }
+        let may_be_file = matches!(place.field.kind, Kind::ChoiceOrFile(_));
+        if may_be_file && ui.selectable_label(false, "Own file\u{2026}").clicked() {
+            change = Some(Change::Choose);
+        }
+    });
+    change
+}
+
+/// Another table keeps what both have.
+fn variant(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
+    let Kind::Variant { tag, variants } = place.field.kind else { return None };
+    let now = get(value, tag).as_str();
+    let mut change = None;
+    combo(ui, place, &place.field.show_label(value), width, |ui| {
+        for variant in variants {
+            let response = ui.selectable_label(Some(variant.word.word) == now, variant.word.label);
+            let help = variant.word.help;
+            let response = if help.is_empty() { response } else { response.on_hover_text(help) };
+            if response.clicked() && Some(variant.word.word) != now {
+                let mut table = inline_toml(variant.new);
+                for (key, kept) in table.as_object_mut().into_iter().flatten().filter(|(key, _)| *key != tag) {
+                    *kept = value.get(key).unwrap_or(kept).clone();
+                }
+                change = Some(Change::To(table));
+            }
+        }
+    });
+    change
+}
+
+fn file(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
+    let path = value.as_str().filter(|path| !path.is_empty());
+    let name = path.map(file_name);
+    // There must be room for a button that takes it away.
+    let button = egui::Button::new(name.as_deref().unwrap_or("Choose\u{2026}")).truncate();
+    let chosen = cell(ui, (width - 50.0).max(VALUE), |ui| ui.add(button));
+    chosen.on_hover_text(path.unwrap_or(place.field.help)).clicked().then_some(Change::Choose)
+}
+
+/// A direction: one along an axis, or any other by its three parts.
+fn direction(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
+    let id = ui.make_persistent_id((&place.key, "other"));
+    let words = direction_words(value);
+    let mut is_other = !AXIS_NAMES.contains(&&*words) || ui.data_mut(|d| d.get_temp(id)).unwrap_or(false);
+    let mut change = None;
+    let others = 3.0 * 40.0;
+    let own = if is_other { (width - others).max(56.0) } else { width };
+    combo(ui, place, if is_other { "other" } else { &words }, own, |ui| {
+        for axis in AXIS_NAMES {
+            if ui.selectable_label(!is_other && words == axis, axis).clicked() {
+                is_other = false;
+                change = place.field.parse(&place.key, axis).ok().map(Change::To);
+            }
+        }
+        is_other |= ui.selectable_label(is_other, "other").clicked();
+    });
+    ui.data_mut(|d| d.insert_temp(id, is_other));
+    if is_other { numbers(ui, place, value, others).or(change) } else { change }
+}
+
+/// A text, or numbers as one, which are taken once the field is left: what is half typed changes nothing.
+fn text(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
+    let id = ui.make_persistent_id((&place.key, "typed"));
+    let shown = place.field.show(value);
+    let typed = ui.data_mut(|d| d.get_temp::<(String, String)>(id)).filter(|(of, _)| *of == shown);
+    let mut text = typed.map_or_else(|| shown.clone(), |(_, text)| text);
+    let read = |text: &str| place.field.parse(&place.key, text);
+    if read(&text).is_err() {
+        mark(ui);
+    }
+    let edit = TextEdit::singleline(&mut text).id(id.with("text")).char_limit(LETTERS).hint_text("\u{2013}");
+    let response = named(ui, place, |ui| ui.add_sized(vec2(width, HEIGHT), edit.clip_text(true)));
+    match read(&text) {
+        Ok(new) if !response.has_focus() => {
+            ui.data_mut(|d| d.remove::<(String, String)>(id));
+            (new != *value && response.lost_focus()).then_some(Change::To(new))
+        }
+        read => {
+            ui.data_mut(|d| d.insert_temp(id, (shown, text)));
+            read.err().filter(|_| response.lost_focus()).map(Change::Wrong)
+        }
+    }
+}

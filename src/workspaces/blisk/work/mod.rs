@@ -1,0 +1,573 @@
+//! Everything that is computed for a blisk: its part, channel and electrodes, which follow the document by themselves; the
+//! plan, which the user starts; what comes after it, and its files. Quick looks and sizes stand in `looks`.
+
+mod looks;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::workspaces::blisk::document::Document;
+use crate::workspaces::blisk::document::field_table::FIELDS;
+use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::kept_plan::KeptPlan;
+use crate::workspaces::blisk::document::stage::{Fingerprint, Stage};
+use crate::workspaces::blisk::job::plan::{PlanInputs, PlanOutcome, kept};
+use crate::workspaces::blisk::job::planned::{Exported, Finished, PartialPlan, Planned, inputs_of};
+use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
+use crate::workspaces::blisk::job::released::{NotReleased, Released};
+use crate::workspaces::blisk::job::simulate;
+use crate::workspaces::blisk::job::stages::{self, Electrodes, FoundChannel, Part};
+use crate::workspaces::blisk::report::InputFile;
+use crate::workspaces::blisk::scene::leftover::LeftoverShape;
+use crate::workspaces::news::{EventKind, WorkEvent};
+use files::Validate as _;
+use looks::Looks;
+use task::{Doing, Lane, Memo, Priority, Same, Scheduler, State, Task};
+
+/// Writes a released plan of these inputs, which were read from these files, into a folder; answers the names of the files.
+pub type ExportWork =
+    Box<dyn FnOnce(&Path, &Released, &PlanInputs, Vec<InputFile>, &Task) -> Result<Vec<String>, String> + Send>;
+
+/// What has happened, and at which step.
+pub type StageEvent = (Stage, WorkEvent);
+
+/// The present parameters, what the files held, and the fingerprints that follow.
+struct Now {
+    job: Arc<PlanJob>,
+    /// What the files held, and how often they were read.
+    content: String,
+    part: Fingerprint,
+    channel: Fingerprint,
+    electrode: Fingerprint,
+    plan: Fingerprint,
+    export: Fingerprint,
+}
+
+impl Now {
+    fn new(job: &PlanJob, content: String, part: Fingerprint) -> Self {
+        let of = |stage| Fingerprint::of(stage, job, &content);
+        Self {
+            part,
+            channel: of(Stage::Channel),
+            electrode: of(Stage::Electrode),
+            plan: of(Stage::Plan),
+            export: of(Stage::Export),
+            job: Arc::new(job.clone()),
+            content,
+        }
+    }
+}
+
+/// What begins as soon as the blisk is ready for planning.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Wish {
+    Plan,
+    Sizes,
+}
+
+/// Everything that is computed for a blisk.
+pub struct BliskWork {
+    /// Meshes are large: those before the last change are remembered for undo.
+    part: Memo<Fingerprint, Part>,
+    channel: Memo<Fingerprint, FoundChannel>,
+    electrodes: Memo<Fingerprint, Electrodes>,
+    /// The blisk made ready for planning with a size of cells (mm). Two would take twice the memory.
+    prepared: Memo<(Same<FoundChannel>, f64), PreparedBlisk>,
+    planned: Memo<Fingerprint, Planned, Arc<PartialPlan>>,
+    finished: Memo<Same<Planned>, Finished>,
+    /// By how often was exported.
+    exported: Memo<(Fingerprint, u64), Exported>,
+    exports: (Option<Fingerprint>, u64),
+    looks: Looks,
+    wishes: Vec<Wish>,
+    released: Option<Released>,
+    /// The plan that the document was told of.
+    noted: Option<Same<Planned>>,
+    /// The inputs of the kept plan that was found to be of other parameters.
+    passed_over: Option<String>,
+    now: Option<Now>,
+    reloads: u64,
+    priority: Priority,
+    events: Vec<StageEvent>,
+}
+
+impl BliskWork {
+    /// Nothing yet.
+    pub fn new(scheduler: &Scheduler) -> Self {
+        Self {
+            part: Memo::new(scheduler, Lane::Quick, Stage::Part.name()).remembering(2),
+            channel: Memo::new(scheduler, Lane::Quick, Stage::Channel.name()).remembering(3),
+            electrodes: Memo::new(scheduler, Lane::Quick, Stage::Electrode.name()),
+            prepared: Memo::new(scheduler, Lane::Quick, Stage::Plan.name()).remembering(1),
+            planned: Memo::new(scheduler, Lane::Long, Stage::Plan.name()),
+            finished: Memo::new(scheduler, Lane::Long, Stage::Verify.name()),
+            exported: Memo::new(scheduler, Lane::Long, Stage::Export.name()).remembering(1),
+            exports: (None, 0),
+            looks: Looks::new(scheduler),
+            wishes: Vec::new(),
+            released: None,
+            noted: None,
+            passed_over: None,
+            now: None,
+            reloads: 0,
+            priority: Priority::Normal,
+            events: Vec::new(),
+        }
+    }
+
+    /// Forgets everything: another document is there, whose part has perhaps been read already.
+    pub fn reset(&mut self, job: &PlanJob, part: Option<Arc<Part>>) {
+        self.part.clear();
+        self.channel.clear();
+        self.electrodes.clear();
+        self.prepared.clear();
+        self.planned.clear();
+        self.finished.clear();
+        self.exported.clear();
+        self.looks.clear();
+        (self.wishes, self.events) = Default::default();
+        (self.released, self.noted, self.passed_over, self.now) = Default::default();
+        self.exports.0 = None;
+        if let Some(part) = part {
+            self.say(Stage::Part, EventKind::Done, &part.sentence());
+            self.part.put(&self.part_key(job), part);
+        }
+    }
+
+    /// Reads the files again.
+    pub fn reload(&mut self) {
+        self.reloads += 1;
+    }
+
+    /// How often they were read again.
+    pub fn reloads(&self) -> u64 {
+        self.reloads
+    }
+
+    fn part_key(&self, job: &PlanJob) -> Fingerprint {
+        Fingerprint::of(Stage::Part, job, &format!("{:?}/{}", job.electrode.mesh, self.reloads))
+    }
+
+    fn say(&mut self, stage: Stage, kind: EventKind, text: &str) {
+        let text = format!("{}: {text}", stage.name());
+        self.events.push((stage, WorkEvent { kind, text, took: None }));
+    }
+
+    /// Takes in what has been made, and makes what `document` needs. Answers what has happened.
+    pub fn follow(&mut self, document: &mut Document, priority: Priority) -> Vec<StageEvent> {
+        self.priority = priority;
+        self.take();
+        self.refresh(document.params());
+        let read = self.part().into_iter().flat_map(|part| &part.files);
+        read.filter(|file| !file.sha256.is_empty())
+            .for_each(|file| document.note_file(file.path.as_ref(), &file.sha256));
+        if self.released.is_some() && self.released().is_none() {
+            self.withdraw();
+            self.say(Stage::Export, EventKind::Cancelled, "release withdrawn: an input changed");
+        }
+        self.follow_early_stages();
+        self.follow_kept_plan(document);
+        self.follow_wishes();
+        self.follow_finish();
+        self.note_plan(document);
+        std::mem::take(&mut self.events)
+    }
+
+    fn take(&mut self) {
+        self.planned.prioritise(self.priority);
+        self.exported.prioritise(self.priority);
+        let events = &mut self.events;
+        fn done<V>(sentence: impl Fn(&V) -> String) -> impl Fn(&V) -> (EventKind, String) {
+            move |value| (EventKind::Done, sentence(value))
+        }
+        drain(events, Stage::Part, &mut self.part, done(Part::sentence));
+        drain(events, Stage::Channel, &mut self.channel, done(FoundChannel::sentence));
+        drain(events, Stage::Electrode, &mut self.electrodes, done(Electrodes::sentence));
+        drain(events, Stage::Plan, &mut self.planned, Planned::sentence);
+        if drain(events, Stage::Verify, &mut self.finished, Finished::sentence) {
+            // What was released had no copying motion.
+            self.released = None;
+        }
+        drain(events, Stage::Export, &mut self.exported, done(Exported::sentence));
+        while self.prepared.take().is_some() {}
+    }
+
+    /// Brings the fingerprints up to date. What is made for others is of no use to anybody.
+    fn refresh(&mut self, job: &PlanJob) {
+        let part = self.part_key(job);
+        self.part.turn_to(&part);
+        let content = self.part().map(|part| part.content()).unwrap_or_default();
+        let content = format!("{content}/{}", self.reloads);
+        let is_known = |now: &Now| now.part == part && now.content == content && *now.job == *job;
+        if !self.now.as_ref().is_some_and(is_known) {
+            let now = Now::new(job, content, part);
+            if self.now.as_ref().is_some_and(|before| before.plan != now.plan) {
+                self.wishes.clear();
+            }
+            self.channel.turn_to(&now.channel);
+            self.electrodes.turn_to(&now.electrode);
+            self.planned.turn_to(&now.plan);
+            self.now = Some(now);
+        }
+    }
+
+    fn follow_early_stages(&mut self) {
+        let (Some(now), priority) = (&self.now, self.priority) else { return };
+        let job = now.job.clone();
+        self.part.ask(&now.part, priority, move |work| stages::load(&job, &work.task));
+        let Some(part) = self.part.get(&now.part) else { return };
+        let (job, of) = (now.job.clone(), part.clone());
+        self.channel.ask(&now.channel, priority, move |work| stages::channel(&of, &job, &work.task));
+        let Some(found) = self.channel.get(&now.channel) else { return };
+        let (job, part, found) = (now.job.clone(), part.clone(), found.clone());
+        self.electrodes.ask(&now.electrode, priority, move |work| stages::electrodes(&part, &found, &job, &work.task));
+    }
+
+    /// Takes up the plan that the document came with, if it is for its present parameters; says so once if it is not.
+    fn follow_kept_plan(&mut self, document: &Document) {
+        let Some(now) = &self.now else { return };
+        if self.planned.last().is_some() || self.is_planning() || !self.planned.wants(&now.plan) {
+            return;
+        }
+        let (part, found) = (self.part.get(&now.part), self.channel.get(&now.channel));
+        let (Some(part), Some(found), Some(made)) = (part, found, self.electrodes.get(&now.electrode)) else { return };
+        let Some(kept) = KeptPlan::of(document) else { return };
+        // A file may say anything: as many electrodes as there are parts, or none of it counts.
+        let is_whole = made.electrodes.len() == kept.electrodes.len();
+        if !is_whole || kept.inputs != KeptPlan::inputs_of(&now.job, &part.content()) {
+            if self.passed_over.replace(kept.inputs.clone()).as_ref() != Some(&kept.inputs) {
+                self.say(Stage::Plan, EventKind::Cancelled, "the plan in this project is out of date; plan again");
+            }
+            return;
+        }
+        let (part, found, job) = (part.clone(), found.clone(), now.job.clone());
+        self.planned
+            .ask(&now.plan, self.priority, move |work| Planned::replay(&kept, (&part, &found, &job), &work.task));
+    }
+
+    /// Begins what waits for the blisk to be ready.
+    fn follow_wishes(&mut self) {
+        if self.wishes.is_empty() {
+            return;
+        }
+        let ready = match self.ready() {
+            Ok(Some(ready)) => Ok(ready),
+            Ok(None) => return,
+            Err(why) => Err(why),
+        };
+        for wish in std::mem::take(&mut self.wishes) {
+            match (wish, self.inputs(), &self.now, self.part()) {
+                (Wish::Sizes, Ok(inputs), ..) => self.size(ready.clone(), inputs),
+                (Wish::Plan, _, Some(now), Some(part)) => {
+                    let (ready, part, job) = (ready.clone(), part.clone(), now.job.clone());
+                    self.planned.restart(&now.plan, self.priority, move |work| {
+                        let found = |partial| work.partial(Arc::new(partial));
+                        Planned::search(&*ready?, (&part, &job), &found, &work.task)
+                    });
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn wish(&mut self, wish: Wish) {
+        self.wishes.retain(|other| *other != wish);
+        self.wishes.push(wish);
+        self.follow_wishes();
+    }
+
+    /// Works out the copying motions of a certified plan, and what stock is left, unless that was done or stopped.
+    fn follow_finish(&mut self) {
+        let found = self.now.as_ref().and_then(|now| self.channel.get(&now.channel)).cloned();
+        let planned = self.current().filter(|planned| planned.outcome.is_verified()).cloned();
+        let (Some(found), Some(planned), false) = (found, planned, self.is_planning()) else {
+            return self.finished.stop();
+        };
+        self.finished
+            .ask(&Same(planned.clone()), self.priority, move |work| Finished::of(&planned, &found.blisk, &work.task));
+    }
+
+    /// Has the document keep the present plan.
+    fn note_plan(&mut self, document: &mut Document) {
+        let Some(planned) = self.current().cloned().map(Same) else { return };
+        if self.noted.as_ref() == Some(&planned) {
+            return;
+        }
+        if let Some(electrodes) = kept(&planned.0.outcome) {
+            let inputs = KeptPlan::inputs_of(&planned.0.inputs.job, &planned.0.content);
+            KeptPlan { inputs, electrodes }.note(document);
+        }
+        self.noted = Some(planned);
+    }
+
+    /// The inputs of a plan for the present parameters.
+    ///
+    /// # Errors
+    /// One line for the user if nothing can be planned.
+    fn inputs(&self) -> Result<PlanInputs, String> {
+        let now = self.now.as_ref().ok_or("nothing is loaded")?;
+        let (part, found) = (self.part.get(&now.part), self.channel.get(&now.channel));
+        let (part, _) = part.zip(found).ok_or("the channel is not known yet")?;
+        now.job.validate().map_err(|problem| FIELDS.in_window(&problem))?;
+        Ok(inputs_of(part, &now.job))
+    }
+
+    /// The present blisk made ready for planning, once it is.
+    ///
+    /// # Errors
+    /// One line for the user if it cannot be.
+    fn ready(&mut self) -> Result<Option<Arc<PreparedBlisk>>, String> {
+        let Some(now) = &self.now else { return Ok(None) };
+        let Some(found) = self.channel.get(&now.channel).cloned() else { return Ok(None) };
+        let cell = now.job.plan.field_cell_mm;
+        let key = (Same(found.clone()), cell);
+        if self.prepared.wants(&key) {
+            self.prepared.clear();
+        }
+        let state = self.prepared.ask(&key, self.priority, move |work| {
+            let (blisk, exact, channel) = (found.blisk.clone(), found.exact.clone(), found.channel.clone());
+            PreparedBlisk::new(blisk, exact, channel, cell, &work.task).map_err(|e| e.to_string())
+        });
+        state.why_not().map_or_else(|| Ok(self.prepared.get(&key).cloned()), |why| Err(why.to_owned()))
+    }
+
+    /// Starts the plan for the parameters of the last [`follow`](Self::follow).
+    ///
+    /// # Errors
+    /// One line for the user if it cannot be started.
+    pub fn start_plan(&mut self) -> Result<(), String> {
+        self.inputs()?;
+        self.released = None;
+        self.planned.stop();
+        self.finished.stop();
+        self.exported.stop();
+        self.wish(Wish::Plan);
+        Ok(())
+    }
+
+    /// Cancels the plan, and whatever else runs but for looks and sizes.
+    pub fn cancel(&mut self) {
+        if self.wishes.contains(&Wish::Plan) {
+            self.wishes.retain(|wish| *wish != Wish::Plan);
+            self.say(Stage::Plan, EventKind::Cancelled, "cancelled");
+        }
+        self.part.cancel();
+        self.channel.cancel();
+        self.electrodes.cancel();
+        self.planned.cancel();
+        self.finished.cancel();
+        self.exported.cancel();
+    }
+
+    /// Whether a plan is being made for the present parameters, or waits to be.
+    pub fn is_planning(&self) -> bool {
+        let is_running = |now: &Now| self.planned.state(&now.plan) == State::Running;
+        self.wishes.contains(&Wish::Plan) || self.now.as_ref().is_some_and(is_running)
+    }
+
+    /// How `stage` stands for the document of the last [`follow`](Self::follow). What begins by itself and was cancelled
+    /// has failed; what only the user begins is then as it was before.
+    pub fn state(&self, stage: Stage) -> State {
+        let Some(now) = &self.now else { return State::Missing };
+        let early = |state| match state {
+            State::Cancelled => State::Failed("cancelled; load the part again to go on".to_owned()),
+            state => state,
+        };
+        match stage {
+            Stage::Part => early(self.part.state(&now.part)),
+            Stage::Channel => early(self.channel.state(&now.channel)),
+            Stage::Electrode => early(self.electrodes.state(&now.electrode)),
+            Stage::Plan if self.is_planning() => State::Running,
+            Stage::Plan => match self.current() {
+                Some(planned) if !planned.comes_out() => State::Failed(planned.sentence().1),
+                _ => as_before(&self.planned, &now.plan),
+            },
+            Stage::Verify => match (self.state(Stage::Plan), self.current()) {
+                (State::Ready, Some(planned)) if !planned.outcome.may_be_approved() => {
+                    State::Failed(planned.sentence().1)
+                }
+                // Nothing is verified on a machine before its whole motion is known.
+                (State::Ready, _) if simulate::is_needed(&now.job) => match self.finishing() {
+                    State::Missing => State::Running,
+                    state => state,
+                },
+                (State::Failed(_) | State::Running, _) => State::Missing,
+                (state, _) => state,
+            },
+            Stage::Export => match self.exports {
+                (Some(of), number) if of == now.export => as_before(&self.exported, &(of, number)),
+                _ if self.exported.last().is_some() => State::Stale,
+                _ => State::Missing,
+            },
+        }
+    }
+
+    /// How the copying motions of the plan, and what stock is left, stand; stale if the plan is.
+    pub fn finishing(&self) -> State {
+        let is_verified = |planned: &Planned| planned.outcome.is_verified();
+        match (self.current(), self.planned()) {
+            (Some(planned), _) if is_verified(planned) => match self.finished.state(&Same(planned.clone())) {
+                // It is begun as soon as the plan is made.
+                State::Stale => State::Missing,
+                State::Cancelled => State::Failed("stopped".to_owned()),
+                state => state,
+            },
+            (None, Some(planned)) if is_verified(planned) => State::Stale,
+            _ => State::Missing,
+        }
+    }
+
+    /// Works out the copying motions after all, where that was stopped.
+    pub fn resume_finishing(&mut self) {
+        if let Some(planned) = self.current().cloned() {
+            self.finished.resume(&Same(planned));
+        }
+    }
+
+    /// The part, current or not.
+    pub fn part(&self) -> Option<&Arc<Part>> {
+        self.part.last().map(|(_, part)| part)
+    }
+
+    /// The channel, current or not.
+    pub fn channel(&self) -> Option<&Arc<FoundChannel>> {
+        self.channel.last().map(|(_, found)| found)
+    }
+
+    /// The electrodes, current or not.
+    pub fn electrodes(&self) -> Option<&Arc<Electrodes>> {
+        self.electrodes.last().map(|(_, made)| made)
+    }
+
+    /// The plan with its electrodes for the screen, current or not.
+    pub fn planned(&self) -> Option<&Arc<Planned>> {
+        self.planned.last().map(|(_, planned)| planned)
+    }
+
+    /// The plan, current or not: see [`state`](Self::state).
+    pub fn plan(&self) -> Option<&Arc<PlanOutcome>> {
+        self.planned().map(|planned| &planned.outcome)
+    }
+
+    /// The plan of the present parameters.
+    fn current(&self) -> Option<&Arc<Planned>> {
+        self.planned.get(&self.now.as_ref()?.plan)
+    }
+
+    /// The stock that the electrodes of the plan leave, for the screen.
+    pub fn leftover_shape(&self) -> Option<&LeftoverShape> {
+        self.finished.get(&Same(self.planned()?.clone()))?.leftover.as_ref()
+    }
+
+    /// What the plan that runs has found so far.
+    pub fn partial_plan(&self) -> Option<&Arc<PartialPlan>> {
+        let now = self.now.as_ref().filter(|now| self.planned.state(&now.plan) == State::Running)?;
+        self.planned.partial(&now.plan)
+    }
+
+    /// What is being worked on: what the user waits for, first what has begun.
+    pub fn doing(&self) -> Option<&Doing> {
+        let ready = self.prepared.doing().filter(|_| self.wishes.contains(&Wish::Plan));
+        let early = [self.part.doing(), self.channel.doing(), self.electrodes.doing(), ready];
+        let late = [self.planned.doing(), self.finished.doing(), self.exported.doing()];
+        early.into_iter().chain(late).flatten().min_by_key(|doing| doing.is_waiting)
+    }
+
+    /// Whether anything waits or runs, looks and sizes apart.
+    pub fn is_busy(&self) -> bool {
+        self.wishes.contains(&Wish::Plan) || self.doing().is_some()
+    }
+
+    /// The plan if it is that of the present parameters and every path of it is certified; none while another one is
+    /// being made, which would take its place unseen.
+    fn certified(&self) -> Option<&Arc<PlanOutcome>> {
+        let plan = &self.current()?.outcome;
+        (!self.is_planning() && plan.may_be_approved()).then_some(plan)
+    }
+
+    /// Whether the plan can be released: all that is exported with it is known.
+    pub fn can_release(&self) -> bool {
+        let is_settled = match self.finishing() {
+            State::Ready => true,
+            State::Failed(_) => self.now.as_ref().is_some_and(|now| !simulate::is_needed(&now.job)),
+            _ => false,
+        };
+        self.certified().is_some() && is_settled
+    }
+
+    /// Releases the plan, as the user wishes. It can be exported from then on, until an input changes or it is planned anew.
+    ///
+    /// # Errors
+    /// One line if there is no certified plan for the present parameters, or another one is being made.
+    pub fn release(&mut self) -> Result<(), String> {
+        let released = self.certified().ok_or(NotReleased).and_then(Released::by_user).map_err(|e| e.to_string())?;
+        if !self.can_release() {
+            return Err(
+                "the copying motions of this plan, or its motion on the machine, are not computed yet".to_owned()
+            );
+        }
+        self.released = Some(released);
+        Ok(())
+    }
+
+    /// Takes the release back, and stops an export that has not yet replaced any file.
+    pub fn withdraw(&mut self) {
+        self.released = None;
+        self.exported.stop();
+    }
+
+    /// The present plan, if the user released it.
+    pub fn released(&self) -> Option<&Released> {
+        self.released.as_ref().filter(|released| self.certified().is_some_and(|plan| released.is_of(plan)))
+    }
+
+    /// Writes the released plan into `folder`.
+    ///
+    /// # Errors
+    /// One line if it is not released.
+    pub fn start_export(&mut self, folder: &Path, write: ExportWork) -> Result<(), String> {
+        let released = self.released().cloned().ok_or("release the plan first")?;
+        let (Some(now), Some(part), Some(planned)) = (&self.now, self.part(), self.current()) else {
+            return Err("there is no plan to export".to_owned());
+        };
+        // What is only about writing may have changed since the plan was made.
+        let inputs = PlanInputs { job: (*now.job).clone(), ..planned.inputs.clone() };
+        let (files, folder) = (part.files.clone(), folder.to_owned());
+        self.exports = (Some(now.export), self.exports.1 + 1);
+        self.exported.restart(&(now.export, self.exports.1), self.priority, move |work| {
+            let written = write(&folder, &released, &inputs, files, &work.task)?;
+            Ok(Exported { folder, written })
+        });
+        Ok(())
+    }
+
+    /// What was exported last.
+    pub fn exported(&self) -> Option<&Arc<Exported>> {
+        self.exported.last().map(|(_, exported)| exported)
+    }
+}
+
+/// Takes in what has become of the work for `stage`. Tells whether any has ended.
+fn drain<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static>(
+    events: &mut Vec<StageEvent>,
+    stage: Stage,
+    memo: &mut Memo<K, V, P>,
+    sentence: impl Fn(&V) -> (EventKind, String),
+) -> bool {
+    let before = events.len();
+    while let Some(ended) = memo.take() {
+        events.push((stage, WorkEvent::of(stage.name(), ended, &sentence)));
+    }
+    events.len() > before
+}
+
+/// How a value stands that only the user has made: as before, if that was cancelled.
+fn as_before<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static>(memo: &Memo<K, V, P>, key: &K) -> State {
+    match memo.state(key) {
+        State::Cancelled if memo.last().is_some() => State::Stale,
+        State::Cancelled => State::Missing,
+        state => state,
+    }
+}

@@ -1,0 +1,327 @@
+//! Every parameter of a mold, as forms, steps that can be undone, messages and the command line see it.
+
+use super::MoldParams;
+use files::{Field, FieldTable, Group, Variant, When, Word, word};
+use import::Units;
+use mold::cutter::CutterLibrary;
+use mold::electrode::params::Edit;
+
+const OPENINGS: &[Word] = &[
+    word("+x", "+x", ""),
+    word("-x", "-x", ""),
+    word("+y", "+y", ""),
+    word("-y", "-y", ""),
+    word("+z", "+z", ""),
+    word("-z", "-z", ""),
+];
+const SHAPES: &[Word] = &[
+    word("undersized", "undersized", "With spark gap: the electrode as it is milled, smaller by the undersize"),
+    word("net", "net", "Without spark gap: the net shape; the undersize is stated in the burn table"),
+];
+const ORBITS: &[Variant] = &[
+    Variant { word: word("none", "no orbit", ""), new: "{ pattern = \"none\" }" },
+    Variant { word: word("circular", "circle", ""), new: "{ pattern = \"circular\", radius_mm = 0.05 }" },
+    Variant { word: word("square", "square", ""), new: "{ pattern = \"square\", radius_mm = 0.05 }" },
+];
+const STAGE: &[Field] = &[
+    Field::text("name", "Name").help("Letters, digits, - and _: part of file names."),
+    Field::number("gap_mm", "Spark gap", "mm", 0.0, 5.0).symbol("gap").step(0.005).help("Spark gap of the burn."),
+    Field::number("stock_mm", "Stock", "mm", 0.0, 5.0)
+        .symbol("stock")
+        .step(0.005)
+        .help("Stock left for the later stages, on every face."),
+    Field::number("finish_vdi", "Finish", "VDI", 0.0, 60.0)
+        .decimals(1)
+        .step(0.1)
+        .symbol("finish")
+        .help("Surface finish to be reached (VDI 3400): 20 log Ra is the finish less 20, with Ra in micrometres."),
+    Field::integer("quantity", "Pieces", 1.0, f64::INFINITY)
+        .symbol("pieces")
+        .help("How many of each electrode are made."),
+    Field::variant("orbit", "Orbit", "pattern", ORBITS)
+        .symbol("orbit")
+        .help("Orbital motion across the burn direction; the electrode is smaller by it."),
+    Field::number("orbit.radius_mm", "Radius of orbit", "mm", 0.0, 5.0)
+        .symbol("radius")
+        .step(0.005)
+        .when(When::IsNot("orbit.pattern", &["none"]))
+        .help("Radius of the circle, or half the side of the square."),
+];
+const HOLDER: &[Field] = &[
+    Field::text("name", "Name").help("Name of the holder."),
+    Field::numbers("size_mm", "Largest blank", "mm", 1e-3, 1e4).count(2).help("Largest blank that it holds, X and Y."),
+    Field::number("height_mm", "Height", "mm", 1e-3, 1e4).help("Height above the blank."),
+];
+const CUTTER: &[Field] = &[
+    Field::text("name", "Name").symbol("name").help("Name in lists; empty to be called after its shape."),
+    Field::number("diameter_mm", "Diameter", "mm", 0.01, 500.0)
+        .symbol("\u{d8}")
+        .step(0.02)
+        .help("Diameter of the cutting part."),
+    Field::number("corner_mm", "Corner", "mm", 0.0, 250.0)
+        .symbol("corner")
+        .step(0.02)
+        .help("Radius of the rounded edge: 0 for a flat end, half the diameter for a ball, between for a bull-nose."),
+    Field::number("reach_mm", "Reach", "mm", 0.01, 5000.0)
+        .or_nothing(20.0)
+        .symbol("reach")
+        .step(0.1)
+        .help("Greatest depth below the material that the holder passes over; none for as deep as need be."),
+    Field::number("holder_diameter_mm", "Holder", "mm", 0.01, 5000.0)
+        .or_nothing(30.0)
+        .symbol("\u{d8} holder")
+        .step(0.1)
+        .when(When::IsNot("reach_mm", &[""]))
+        .help("Diameter of the holder, which counts where the reach is limited."),
+];
+const NEW_CUTTER: &str = "{ diameter_mm = 2.0 }";
+const CUTTERS: &str = "The cutters, of which a region is uncut where none reaches. A new one is flat.";
+
+/// The cutters that others are compared with.
+pub static LIBRARY: FieldTable<CutterLibrary> = FieldTable::new(&[Group {
+    section: "",
+    name: "",
+    is_folded: false,
+    fields: &[Field::rows("cutter", "Other cutters", CUTTER, NEW_CUTTER).help(CUTTERS)],
+}]);
+
+/// Every parameter of a mold.
+pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
+    Group {
+        section: "Mold",
+        name: "Mold",
+        is_folded: false,
+        fields: &[
+            Field::file("mesh", "Mesh").help("The mold: STL, OBJ, glTF or GLB."),
+            Field::choice("units", "Unit", Units::WORDS).help("Unit of the mesh."),
+            Field::choice("opening", "Opening direction", OPENINGS).help("The cutters come from this side."),
+            Field::number("tolerance_mm", "Tolerance", "mm", 1e-4, 10.0)
+                .step(0.001)
+                .help("Thickness of the residue across the mold's surface up to which it counts as cut."),
+        ],
+    },
+    Group {
+        section: "Mold",
+        name: "Cutters",
+        is_folded: false,
+        fields: &[Field::rows("library.cutter", "Cutters", CUTTER, NEW_CUTTER).help(CUTTERS)],
+    },
+    Group {
+        section: "Electrodes",
+        name: "Stages",
+        is_folded: false,
+        fields: &[Field::rows("electrodes.stages", "Stages", STAGE, "{ name = \"rough\", gap_mm = 0.25, finish_vdi = 32.0 }")
+            .first()
+            .help("The burns that a place goes through, each with an electrode of its own size. A new one is a roughing stage.")],
+    },
+    Group {
+        section: "Electrodes",
+        name: "Heads",
+        is_folded: false,
+        fields: &[
+            Field::number("electrodes.margin_mm", "Side extension", "mm", 0.01, 20.0)
+                .step(0.01)
+                .help("Distance by which heads extend beyond the uncut region, where the mold allows it."),
+            Field::number("electrodes.extension_mm", "Clearance above mold", "mm", 0.1, 1000.0)
+                .step(0.05)
+                .help("From the top of the mold to the electrode base."),
+            Field::number("electrodes.overlap_mm", "Overlap", "mm", 0.0, 20.0)
+                .step(0.01)
+                .help("Overlap of the parts of a divided region."),
+            Field::number("electrodes.least_size_mm", "Least size", "mm", 0.0, 1000.0)
+                .step(0.05)
+                .help("Least width of a part; a region is not divided into narrower ones."),
+            Field::number("electrodes.tolerance_mm", "Allowed rest", "mm", 1e-4, 1.0)
+                .step(0.001)
+                .help("Residual stock allowed across the surface, beyond what the spark gap's radius leaves in corners."),
+        ],
+    },
+    Group {
+        section: "Electrodes",
+        name: "Sharing",
+        is_folded: false,
+        fields: &[
+            Field::flag("electrodes.share", "Reuse at identical places").help("One electrode for identical places."),
+            Field::number("electrodes.together_mm", "Group within", "mm", 0.0, 1000.0)
+                .step(0.05)
+                .help("Neighbouring heads share a base up to this width; 0 for none."),
+            Field::flag("electrodes.family", "Stages on one base")
+                .help("Family: electrodes of all stages for the same places on one base."),
+            Field::number("electrodes.family_spacing_mm", "Distance between stages", "mm", 0.1, 1000.0)
+                .step(0.05)
+                .when(When::Is("electrodes.family", &["true"]))
+                .help("Least distance between the heads of a family."),
+        ],
+    },
+    Group {
+        section: "Electrodes",
+        name: "Base",
+        is_folded: false,
+        fields: &[
+            Field::number("electrodes.base_height_mm", "Base height", "mm", 0.5, 1000.0)
+                .step(0.05)
+                .help("Least height of the base; the blank is rounded up."),
+            Field::number("electrodes.base_margin_mm", "Base margin", "mm", 0.1, 1000.0)
+                .step(0.05)
+                .help("Distance by which the base extends beyond the heads."),
+            Field::number("electrodes.datum_corner_mm", "Orientation chamfer", "mm", 0.0, 1000.0)
+                .step(0.05)
+                .help("Chamfer at the corner +X +Y that shows the orientation, along each side; 0 for none."),
+            Field::number("electrodes.lift_mm", "Retract distance", "mm", 0.0, 10000.0)
+                .step(0.05)
+                .help("Distance by which the electrode is retracted after the burn."),
+        ],
+    },
+    Group {
+        section: "Electrodes",
+        name: "Files",
+        is_folded: false,
+        fields: &[
+            Field::choice("electrodes.shape", "Export", SHAPES).help("Export with or without the spark gap."),
+            Field::text("electrodes.material", "Material").help("Material of the electrodes."),
+        ],
+    },
+    Group {
+        section: "Electrodes",
+        name: "Blanks",
+        is_folded: true,
+        fields: &[
+            Field::numbers("electrodes.blanks.sides_mm", "Sides", "mm", 1e-3, 1e4)
+                .help("Sides of rectangular blanks, rising."),
+            Field::numbers("electrodes.blanks.diameters_mm", "Diameters", "mm", 1e-3, 1e4)
+                .help("Diameters of round blanks, rising; used where a round blank is smaller than the rectangular one."),
+            Field::number("electrodes.blanks.increment_mm", "Increment", "mm", 0.1, 100.0)
+                .step(0.05)
+                .help("Lengths, and sides beyond the largest, are rounded up to this."),
+        ],
+    },
+    Group {
+        section: "Electrodes",
+        name: "Holders",
+        is_folded: true,
+        fields: &[Field::rows("electrodes.holders", "Holders", HOLDER, "{ name = \"holder\", size_mm = [30.0, 30.0], height_mm = 20.0 }")
+            .help("The holders, of which the first that is large enough is taken.")],
+    },
+    Group {
+        section: "Electrodes",
+        name: "Cutters for electrodes",
+        is_folded: true,
+        fields: &[Field::rows("electrodes.cutters.cutter", "Electrode cutters", CUTTER, NEW_CUTTER)
+            .when(When::IsNot("electrodes.cutters", &[""]))
+            .help("The cutters that mill the electrodes, if not those of the mold. A new one is flat.")],
+    },
+    Group {
+        section: "Electrodes",
+        name: "Burning times",
+        is_folded: true,
+        fields: &[
+            Field::number("electrodes.removal.per_area_mm_min", "Rate", "mm/min", 1e-4, f64::INFINITY)
+                .step(0.005)
+                .help("Removal rate for each area of a head seen along the burn, at the finish below."),
+            Field::number("electrodes.removal.most_mm3_min", "At most", "mm\u{b3}/min", 1e-3, f64::INFINITY)
+                .step(0.05)
+                .help("Limit for all heads of an electrode together."),
+            Field::number("electrodes.removal.at_vdi", "At a finish", "VDI", 0.1, f64::INFINITY)
+                .step(0.05)
+                .help("Finish for which both figures hold."),
+            Field::number("electrodes.removal.tenfold_vdi", "Tenfold by", "VDI", 0.1, f64::INFINITY)
+                .step(0.05)
+                .help("How much rougher a finish burns ten times as fast."),
+            Field::number("electrodes.removal.setting_min", "Setting", "min", 0.0, f64::INFINITY)
+                .step(0.05)
+                .help("For each burn: positioning, rinsing, measuring."),
+        ],
+    },
+]);
+
+/// What makes `now` another than `before`, as a step that can be undone is called.
+pub fn change(before: &MoldParams, now: &MoldParams) -> String {
+    let (old, new) = (&before.electrodes, &now.electrodes);
+    if new.edits.len() < old.edits.len() {
+        return "Removal of a change".to_owned();
+    }
+    if new.edits != old.edits {
+        let name = match new.edits.last() {
+            Some(Edit::Merge { .. }) => "Merged parts",
+            Some(Edit::Split { .. }) => "Split part",
+            Some(Edit::Burn { .. }) => "Burn direction",
+            _ => "Method of a region",
+        };
+        return name.to_owned();
+    }
+    if let Some(new) = new.overrides.iter().find(|one| !old.overrides.contains(one)) {
+        return format!("Override of {}", new.of);
+    }
+    if new.overrides != old.overrides {
+        return "Override taken back".to_owned();
+    }
+    FIELDS.change(before, now)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use files::Validate;
+    use mold::cutter::Cutter;
+    use mold::electrode::params::Stage;
+
+    #[test]
+    fn the_tables_are_sound() {
+        let mut params = MoldParams::default();
+        let library = params.library.clone();
+        params.electrodes.cutters = Some(library.clone());
+        assert_eq!(FIELDS.audit(&params, |p| p.validate().is_ok()), Vec::<String>::new());
+        assert_eq!(LIBRARY.audit(&library, |p| Validate::validate(p).is_ok()), Vec::<String>::new());
+    }
+
+    #[test]
+    fn the_window_says_no_key_of_any_parameter_out_of_its_range() {
+        let mut params = MoldParams::default();
+        params.electrodes.cutters = Some(params.library.clone());
+        params.electrodes.family = true;
+        let beyond = FIELDS.beyond(&params);
+        assert!(beyond.len() > 40, "{}", beyond.len());
+        for (key, wrong) in beyond {
+            let problem = wrong.validate().expect_err(&key);
+            assert_eq!(problem.key, key);
+            let said = FIELDS.in_window(&problem);
+            let label = FIELDS.find(&key).unwrap().label;
+            assert!(said.starts_with(&label) && !said.contains(&key) && !said.contains('_'), "{key}: {said}");
+        }
+        // What does not go together is said in these words, too.
+        let mut wrong = MoldParams::default();
+        wrong.electrodes.datum_corner_mm = 5.0;
+        assert!(FIELDS.in_window(&wrong.validate().unwrap_err()).starts_with("Orientation chamfer is 5 mm: must be"));
+        wrong = MoldParams::default();
+        wrong.library.cutter[1] = Cutter { corner_mm: 40.0, ..Cutter::flat(3.0) };
+        assert!(FIELDS.in_window(&wrong.validate().unwrap_err()).starts_with("Cutters 2, Corner is 40 mm: must be"));
+        wrong = MoldParams::default();
+        wrong.electrodes.stages.push(Stage::finish(0.3));
+        let said = FIELDS.in_window(&wrong.validate().unwrap_err());
+        assert!(said.starts_with("Stages") && !said.contains("_mm"), "{said}");
+    }
+
+    #[test]
+    fn a_step_is_called_after_what_was_changed() {
+        let before = MoldParams::default();
+        let named = |edit: fn(&mut MoldParams)| {
+            let mut now = before.clone();
+            edit(&mut now);
+            change(&before, &now)
+        };
+        assert_eq!(named(|p| p.electrodes.lift_mm = 3.0), "Retract distance");
+        assert_eq!(named(|p| p.library.cutter[2].diameter_mm = 3.5), "Cutters 3, Diameter");
+        assert_eq!(named(|p| drop(p.library.cutter.pop())), "Cutters: row removed");
+        assert_eq!(named(|p| p.electrodes.stages[0].gap_mm = 0.1), "Stages 1, Spark gap");
+        assert_eq!(named(|p| p.electrodes.overrides.push("E01:gouge".parse().unwrap())), "Override of E01");
+    }
+
+    #[test]
+    fn parameters_are_set_by_their_keys() {
+        let set = |key: &str, text: &str| FIELDS.set(&MoldParams::default(), key, text);
+        assert_eq!(set("electrodes.lift_mm", "12.5").unwrap().electrodes.lift_mm, 12.5);
+        let own = set("electrodes.cutters.cutter", "[{ diameter_mm = 1.0 }]").unwrap().electrodes.cutters.unwrap();
+        assert_eq!(own.cutter, [Cutter::flat(0.5)]);
+        assert!(set("lift_mm", "1").unwrap_err().to_string().contains("did you mean electrodes.lift_mm?"));
+    }
+}
