@@ -89,7 +89,7 @@ fn wrong_questions_are_answered_in_one_line() {
         (["--opening", "up"], "expected +x"),
         (["--tolerance", "-1"], "tolerance_mm is -1"),
         (["--layers", "0"], "spacing_mm is 0"),
-        (["--step", "5"], "is too coarse"),
+        (["--step", "5"], "grid_step_mm is 5: must be from 0.000001 to 0.25 mm"),
         (["--library", "nowhere.toml"], "cannot be read"),
     ] {
         let output = sparkpath(&[&["uncut", file.to_str().unwrap()], &arguments[..]].concat());

@@ -157,8 +157,8 @@ mod tests {
         for (text, words) in [
             ("[electrodes]\nmargin_mm = -1.0".to_owned(), "line 3: electrodes.margin_mm is -1: must be from"),
             ("[electrodes]\nmargin_mm = nan".to_owned(), "margin_mm is NaN"),
-            ("\n[electrodes]\nmargin = 1.0".to_owned(), "line 4: margin: unknown field"),
-            ("[electrodes]\nshape = \"big\"".to_owned(), "line 3: shape: unknown variant"),
+            ("\n[electrodes]\nmargin = 1.0".to_owned(), "line 4: electrodes.margin: unknown field"),
+            ("[electrodes]\nshape = \"big\"".to_owned(), "line 3: electrodes.shape: unknown variant"),
             ("[electrodes]\nstages = []".to_owned(), "no stage"),
             (
                 format!("{stages}gap_mm = 0.1\norbit = {{ pattern = \"square\", radius_mm = 0.1, turned_deg = 30.0 }}"),
@@ -178,7 +178,7 @@ mod tests {
             ),
             ("[electrodes.blanks]\nsides_mm = [2.0, 1.0]\nincrement_mm = 5.0".to_owned(), "sides must rise"),
             ("[layers]\nspacing_mm = 0.0".to_owned(), "line 3: layers.spacing_mm is 0"),
-            ("grid_step_mm = 5.0".to_owned(), "line 2: grid_step_mm is 5: must be at most"),
+            ("grid_step_mm = 5.0".to_owned(), "line 2: grid_step_mm is 5: must be from"),
             ("[[edits]\n".to_owned(), "line 2"),
         ] {
             std::fs::write(&file, format!("kind = \"mold\"\n{text}")).unwrap();
