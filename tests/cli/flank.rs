@@ -188,7 +188,7 @@ fn an_electrode_of_a_mold_or_of_a_folder_is_milled_as_it_stands_on_the_table() {
     let more = ["--taper-deg", "0", "--radius", "0.5", "--save", save.to_str().unwrap()];
     let (code, said, last) = run(&[&["--electrode", "E01", "--of", file][..], &more].concat());
     assert!(matches!(code, Some(0 | 3)), "{said} {last}");
-    let saved = opened(save);
+    let saved = opened(&save);
     let FlankSource::Mesh(source) = &saved.source else { panic!("{said}") };
     assert!(source.part() == "E01 of mold" && source.fit.up == DVec3::NEG_Z);
     assert_eq!(saved.milling.workpiece.as_ref().unwrap().z_axis, DVec3::NEG_Z);

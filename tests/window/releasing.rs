@@ -59,6 +59,20 @@ fn nothing_is_released_before_its_copying_motions_are_known_or_given_up() {
 }
 
 #[test]
+fn a_release_does_not_wait_for_the_residual_stock_and_outlives_it() {
+    let home = Home::new();
+    let mut desk = released(&home);
+    desk.blisk_mut().work.start_plan().unwrap();
+    let motions_are_known = |d: &Desk| d.blisk().work.plan().is_some_and(|plan| plan.finishing().is_some());
+    desk.until("the plan is done", |d| d.state(Stage::Plan) == State::Ready);
+    desk.until("the motions are known", motions_are_known);
+    desk.blisk_mut().work.release().unwrap();
+    desk.until_idle();
+    let work = &desk.blisk().work;
+    assert!(work.released().is_some() && work.plan().unwrap().leftover().is_some());
+}
+
+#[test]
 fn an_export_stops_when_its_release_is_taken_back() {
     let home = Home::new();
     let mut desk = released(&home);

@@ -29,11 +29,20 @@ pub struct Finishing {
     /// The whole motion of each electrode on the machine; empty if the machine has no bodies and no other channels are
     /// burnt.
     pub simulations: Vec<Arc<Simulation>>,
-    /// What they leave of the channel, or why that cannot be told.
-    pub leftover: Result<Arc<Leftover>, String>,
     /// Which stage was stopped, if one was: nothing can be approved then.
     pub stopped: Option<&'static str>,
     /// Times of the stages in order.
+    pub times: Vec<StageTime>,
+}
+
+/// What stock the electrodes of a plan leave of the channel, all together. A plan can be approved before that is known.
+#[derive(Debug, Clone)]
+pub struct Stock {
+    /// The stock, or why it cannot be told.
+    pub left: Result<Arc<Leftover>, String>,
+    /// Whether its computation was stopped.
+    pub is_stopped: bool,
+    /// Time of its computation.
     pub times: Vec<StageTime>,
 }
 
@@ -54,63 +63,78 @@ pub(super) struct Around<'a> {
     junctions: Junctions,
 }
 
-/// Works out how the electrodes of `outcome` finish the channel, unless that is known: their copying motions, the
-/// whole motion on the machine and, if every path is certified, what stock they leave. `blisk` is that of `inputs` in W.
+/// Works out how the electrodes of `outcome` finish the channel, as far as that is not known: their copying motions, the
+/// whole motion on the machine, with which the plan can be approved, and then what stock they leave. `blisk` is that of
+/// `inputs` in W.
 ///
 /// # Errors
-/// If a copying motion cannot be judged, or when told to stop; the outcome is as it was then.
+/// If a copying motion cannot be judged, or when told to stop; what is whole by then is known from then on.
 pub fn finish<'a>(
     outcome: &'a PlanOutcome,
     inputs: &PlanInputs,
     blisk: &Mesh,
     task: &Task,
-) -> Result<&'a Finishing, PlanJobError> {
-    match outcome.finishing() {
-        // What was stopped stays so: an outcome is finished once.
-        Some(known) => known.stopped.map_or(Ok(known), |_| Err(Cancelled.into())),
+) -> Result<&'a Stock, PlanJobError> {
+    let around = Around::of(outcome, inputs, blisk)?;
+    let motions = match outcome.finishing() {
+        Some(known) => known,
         None => {
-            let finishing = finishing(outcome, inputs, blisk, task)?;
-            let stopped = finishing.stopped.map(|_| Err(Cancelled.into()));
-            stopped.unwrap_or_else(|| Ok(outcome.finished_by(finishing)))
+            let motions = around.motions(outcome, task)?;
+            if motions.stopped.is_some() {
+                return Err(Cancelled.into());
+            }
+            outcome.finished_by(motions)
+        }
+    };
+    if motions.stopped.is_some() {
+        // What was stopped stays so: an outcome is finished once.
+        return Err(Cancelled.into());
+    }
+    match outcome.stock() {
+        Some(known) => Ok(known),
+        None => {
+            let stock = around.stock(outcome, motions, task);
+            if stock.is_stopped { Err(Cancelled.into()) } else { Ok(outcome.leaving(stock)) }
         }
     }
 }
 
-/// The same, but what is known is kept where it is told to stop after the copying motions: [`Finishing::stopped`].
+/// The same, but what is known is kept where it is told to stop after the copying motions: [`PlanOutcome::stopped`].
 ///
 /// # Errors
 /// As [`finish`], and when told to stop before.
-pub fn finish_as_far_as_possible<'a>(
-    outcome: &'a PlanOutcome,
+pub fn finish_as_far_as_possible(
+    outcome: &PlanOutcome,
     inputs: &PlanInputs,
     blisk: &Mesh,
     task: &Task,
-) -> Result<&'a Finishing, PlanJobError> {
-    match outcome.finishing() {
-        Some(known) => Ok(known),
-        None => Ok(outcome.finished_by(finishing(outcome, inputs, blisk, task)?)),
-    }
-}
-
-fn finishing(outcome: &PlanOutcome, inputs: &PlanInputs, blisk: &Mesh, task: &Task) -> Result<Finishing, PlanJobError> {
-    let channel = &outcome.channel;
-    let finder = SurfaceFinder::new(channel.clone())?;
-    let junctions = match inputs.own_electrode {
-        Some(_) => Junctions::default(),
-        None => Junctions::of(channel, &inputs.job.electrode)?,
+) -> Result<(), PlanJobError> {
+    let around = Around::of(outcome, inputs, blisk)?;
+    let motions = match outcome.finishing() {
+        Some(known) => known,
+        None => outcome.finished_by(around.motions(outcome, task)?),
     };
-    Around { job: &inputs.job, blisk, channel, finder, junctions }.finishing(outcome, task)
+    if outcome.stock().is_none() {
+        outcome.leaving(around.stock(outcome, motions, task));
+    }
+    Ok(())
 }
 
-impl Around<'_> {
-    fn finishing(&self, outcome: &PlanOutcome, task: &Task) -> Result<Finishing, PlanJobError> {
-        let mut finishing = Finishing {
-            copying: Vec::new(),
-            simulations: Vec::new(),
-            leftover: Err("the residual stock needs a certified path of every electrode".to_owned()),
-            stopped: None,
-            times: Vec::new(),
+impl<'a> Around<'a> {
+    fn of(outcome: &'a PlanOutcome, inputs: &'a PlanInputs, blisk: &'a Mesh) -> Result<Self, PlanJobError> {
+        let channel = &outcome.channel;
+        let finder = SurfaceFinder::new(channel.clone())?;
+        let junctions = match inputs.own_electrode {
+            Some(_) => Junctions::default(),
+            None => Junctions::of(channel, &inputs.job.electrode)?,
         };
+        Ok(Self { job: &inputs.job, blisk, channel, finder, junctions })
+    }
+
+    /// Copying motions, and the whole motion on the machine; nothing if not every path is certified.
+    fn motions(&self, outcome: &PlanOutcome, task: &Task) -> Result<Finishing, PlanJobError> {
+        let mut finishing =
+            Finishing { copying: Vec::new(), simulations: Vec::new(), stopped: None, times: Vec::new() };
         if !outcome.is_verified() {
             return Ok(finishing);
         }
@@ -124,17 +148,26 @@ impl Around<'_> {
             Err(PlanJobError::Cancelled(_)) => finishing.stopped = Some("simulation of the whole motion"),
             Err(other) => return Err(other),
         }
-        finishing.leftover = match clock.time("leftover", || left_by(self, electrodes, motions, task)) {
-            Ok(left) => Ok(Arc::new(left)),
-            Err(LeftoverError::Cancelled(_)) => {
-                finishing.stopped.get_or_insert("map of the residual stock");
-                Err("the residual stock is not known: the computation was cancelled".to_owned())
-            }
-            // A plan is good without it.
-            Err(other) => Err(format!("the residual stock cannot be computed: {other}")),
-        };
         finishing.times = clock.0;
         Ok(finishing)
+    }
+
+    fn stock(&self, outcome: &PlanOutcome, motions: &Finishing, task: &Task) -> Stock {
+        let unknown = |why: &str| Stock { left: Err(why.to_owned()), is_stopped: false, times: Vec::new() };
+        if !outcome.is_verified() {
+            return unknown("the residual stock needs a certified path of every electrode");
+        }
+        let mut clock = Clock::default();
+        match clock.time("leftover", || left_by(self, &outcome.electrodes, &motions.copying, task)) {
+            Ok(left) => Stock { left: Ok(Arc::new(left)), is_stopped: false, times: clock.0 },
+            Err(LeftoverError::Cancelled(_)) => {
+                Stock { is_stopped: true, ..unknown("the residual stock is not known: the computation was cancelled") }
+            }
+            // A plan is good without it.
+            Err(other) => {
+                Stock { times: clock.0, ..unknown(&format!("the residual stock cannot be computed: {other}")) }
+            }
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use super::finish::{Finishing, finish};
+use super::finish::{Finishing, Stock, finish};
 use super::prepared_blisk::PreparedBlisk;
 use super::simulate;
 use crate::workspaces::blisk::document::job_file::PlanJob;
@@ -67,6 +67,8 @@ pub struct PlanOutcome {
     pub times: Vec<StageTime>,
     /// How they finish the channel. It is worked out after the feeds, which it does not change: see [`finish`].
     finishing: OnceLock<Finishing>,
+    /// What stock they leave; worked out last.
+    stock: OnceLock<Stock>,
 }
 
 impl PlanOutcome {
@@ -78,7 +80,8 @@ impl PlanOutcome {
 
     /// Which stage after the feeds was stopped, if one was.
     pub fn stopped(&self) -> Option<&'static str> {
-        self.finishing()?.stopped
+        let of_stock = || self.stock()?.is_stopped.then_some("map of the residual stock");
+        self.finishing()?.stopped.or_else(of_stock)
     }
 
     /// Whether every electrode has a verified path.
@@ -95,6 +98,15 @@ impl PlanOutcome {
         self.finishing.get_or_init(|| finishing)
     }
 
+    /// What stock the electrodes leave, once that is known or known to be unknown.
+    pub fn stock(&self) -> Option<&Stock> {
+        self.stock.get()
+    }
+
+    pub(super) fn leaving(&self, stock: Stock) -> &Stock {
+        self.stock.get_or_init(|| stock)
+    }
+
     /// The copying motion of the electrode with this index, if that is known.
     pub fn copying(&self, index: usize) -> Option<&Copying> {
         self.finishing()?.copying.get(index)
@@ -107,7 +119,7 @@ impl PlanOutcome {
 
     /// What stock is left, if that is known.
     pub fn leftover(&self) -> Option<&Arc<Leftover>> {
-        self.finishing()?.leftover.as_ref().ok()
+        self.stock()?.left.as_ref().ok()
     }
 }
 
@@ -286,7 +298,7 @@ impl JobPlanner<'_> {
         }
         let electrodes = self.electrodes()?;
         let channel = self.prepared.space.channel.clone();
-        Ok(PlanOutcome { channel, electrodes, times: self.clock.0, finishing: OnceLock::new() })
+        Ok(PlanOutcome { channel, electrodes, times: self.clock.0, finishing: OnceLock::new(), stock: OnceLock::new() })
     }
 
     fn electrodes(&mut self) -> Result<Vec<ElectrodeOutcome>, PlanJobError> {
@@ -451,7 +463,13 @@ pub fn replay(
         clock.add("certificate", plan.verify_seconds);
         electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new() });
     }
-    Ok(PlanOutcome { channel: channel.clone(), electrodes, times: clock.0, finishing: OnceLock::new() })
+    Ok(PlanOutcome {
+        channel: channel.clone(),
+        electrodes,
+        times: clock.0,
+        finishing: OnceLock::new(),
+        stock: OnceLock::new(),
+    })
 }
 
 /// What a project keeps of a plan: none unless every electrode has a certified path.

@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::finish::finish;
+use super::finish::{Finishing, finish};
 use super::plan::{PlanInputs, PlanJobError, PlanOutcome, replay, run_prepared};
 use super::prepared_blisk::PreparedBlisk;
 use super::simulate;
@@ -14,6 +14,7 @@ use crate::workspaces::blisk::document::kept_plan::KeptPlan;
 use crate::workspaces::blisk::scene::leftover::LeftoverShape;
 use crate::workspaces::news::EventKind;
 use feed::problem::{Convergence, Node};
+use feed::simulation::Simulation;
 use geometry::mesh::Mesh;
 use render::mesh::RenderMesh;
 use task::Task;
@@ -134,9 +135,8 @@ impl Finished {
     /// One line for the user.
     pub fn of(planned: &Planned, blisk: &Mesh, task: &Task) -> Result<Self, String> {
         let Planned { inputs, outcome, .. } = planned;
-        let finishing = finish(outcome, inputs, blisk, task).map_err(|e| e.to_string())?;
-        let left = &finishing.leftover;
-        let collision = finishing.collision().map(|simulation| simulation.sentence());
+        let left = &finish(outcome, inputs, blisk, task).map_err(|e| e.to_string())?.left;
+        let collision = outcome.finishing().and_then(Finishing::collision).map(Simulation::sentence);
         let said = left.as_ref().map(|left| left.sentence(&outcome.channel)).map_err(Clone::clone);
         Ok(Self {
             said: collision.map_or(said, Err),

@@ -25,6 +25,8 @@ use super::plan::PlanOutcome;
 #[derive(Debug, Clone)]
 pub struct Released {
     plan: Arc<PlanOutcome>,
+    /// Whether the copying motions, and that on the machine, were known to the user.
+    is_whole: bool,
 }
 
 /// A plan that nobody can release: some path of it has no certificate that holds, or collides on the machine.
@@ -38,12 +40,18 @@ impl Released {
     /// # Errors
     /// [`NotReleased`] if the plan may not be approved.
     pub fn by_user(plan: &Arc<PlanOutcome>) -> Result<Self, NotReleased> {
-        plan.may_be_approved().then(|| Self { plan: plan.clone() }).ok_or(NotReleased)
+        let is_whole = plan.finishing().is_some();
+        plan.may_be_approved().then(|| Self { plan: plan.clone(), is_whole }).ok_or(NotReleased)
     }
 
     /// The plan.
     pub fn plan(&self) -> &Arc<PlanOutcome> {
         &self.plan
+    }
+
+    /// Whether the copying motions of the plan were known when it was released.
+    pub fn is_whole(&self) -> bool {
+        self.is_whole
     }
 
     /// Whether it was this very plan that was released.

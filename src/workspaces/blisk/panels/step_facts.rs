@@ -269,10 +269,10 @@ fn leftover(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, left: &Leftover
 
 fn export(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     let released = desk.work.released().is_some();
-    if !released && desk.work.finishing() == State::Running {
+    if !released && !desk.work.can_release() && desk.work.finishing() == State::Running {
         let unless = if simulate::is_needed(desk.document.params()) { ", unless something collides" } else { "" };
         let text = format!(
-            "{}. The plan can be released once its copying motions and its residual stock are computed{unless}.",
+            "{}. The plan can be released once its copying motions are computed{unless}.",
             sentence(awaited(desk))
         );
         notice(ui, palette(ui).faint, &text);

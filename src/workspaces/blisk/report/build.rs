@@ -2,6 +2,7 @@
 
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::job::plan::{ElectrodeOutcome, PlanOutcome};
+use crate::workspaces::blisk::report::StageTime;
 use crate::workspaces::blisk::report::leftover::LeftoverReport;
 use crate::workspaces::blisk::report::simulation::SimulationReport;
 use crate::workspaces::blisk::report::{
@@ -33,9 +34,9 @@ pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> R
         symbols: symbols(outcome, job),
         electrodes,
         leftover: outcome.leftover().map(|l| LeftoverReport::of(l, &outcome.channel)),
-        no_leftover: outcome.finishing().and_then(|f| f.leftover.as_ref().err()).cloned(),
+        no_leftover: outcome.stock().and_then(|stock| stock.left.as_ref().err()).cloned(),
         written: Written::default(),
-        times: outcome.times.iter().chain(outcome.finishing().into_iter().flat_map(|f| &f.times)).cloned().collect(),
+        times: times(outcome),
         pictures: Vec::new(),
         no_pictures: None,
     }
@@ -199,6 +200,13 @@ fn failure(plan: &FeedPlan, channel: &Channel) -> Option<Failure> {
         TravelVerdict::Beyond(beyond) => elsewhere(beyond.row, path.rows.get(beyond.row).map_or(0.0, |r| r.s)),
         TravelVerdict::Within | TravelVerdict::NotJudged => elsewhere(0, path.rows.first().map_or(0.0, |r| r.s)),
     })
+}
+
+/// Times of all stages in order.
+fn times(outcome: &PlanOutcome) -> Vec<StageTime> {
+    let motions = outcome.finishing().into_iter().flat_map(|f| &f.times);
+    let stock = outcome.stock().into_iter().flat_map(|stock| &stock.times);
+    outcome.times.iter().chain(motions).chain(stock).cloned().collect()
 }
 
 /// The strategy of `job` with its parameters.

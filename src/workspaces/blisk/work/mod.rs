@@ -13,6 +13,7 @@ use crate::workspaces::blisk::document::field_table::FIELDS;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::kept_plan::KeptPlan;
 use crate::workspaces::blisk::document::stage::{Fingerprint, Stage};
+use crate::workspaces::blisk::job::finish::finish;
 use crate::workspaces::blisk::job::plan::{PlanInputs, PlanOutcome, kept};
 use crate::workspaces::blisk::job::planned::{Exported, Finished, PartialPlan, Planned, inputs_of};
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
@@ -187,8 +188,8 @@ impl BliskWork {
         drain(events, Stage::Electrode, &mut self.electrodes, done(Electrodes::sentence));
         drain(events, Stage::Plan, &mut self.planned, Planned::sentence);
         if drain(events, Stage::Verify, &mut self.finished, Finished::sentence) {
-            // What was released had no copying motion.
-            self.released = None;
+            // What was released without its copying motions is another plan now.
+            self.released = self.released.take().filter(Released::is_whole);
         }
         drain(events, Stage::Export, &mut self.exported, done(Exported::sentence));
         while self.prepared.take().is_some() {}
@@ -487,14 +488,12 @@ impl BliskWork {
         (!self.is_planning() && plan.may_be_approved()).then_some(plan)
     }
 
-    /// Whether the plan can be released: all that is exported with it is known.
+    /// Whether the plan can be released: its motions are known, the whole one on the machine too. The residual stock does
+    /// not matter for that.
     pub fn can_release(&self) -> bool {
-        let is_settled = match self.finishing() {
-            State::Ready => true,
-            State::Failed(_) => self.now.as_ref().is_some_and(|now| !simulate::is_needed(&now.job)),
-            _ => false,
-        };
-        self.certified().is_some() && is_settled
+        let is_stopped = matches!(self.finishing(), State::Failed(_));
+        let is_needed = self.now.as_ref().is_none_or(|now| simulate::is_needed(&now.job));
+        self.certified().is_some_and(|plan| plan.finishing().is_some() || is_stopped && !is_needed)
     }
 
     /// Releases the plan, as the user wishes. It can be exported from then on, until an input changes or it is planned anew.
@@ -535,8 +534,13 @@ impl BliskWork {
         // What is only about writing may have changed since the plan was made.
         let inputs = PlanInputs { job: (*now.job).clone(), ..planned.inputs.clone() };
         let (files, folder) = (part.files.clone(), folder.to_owned());
+        // The residual stock is waited for here, unless the user stopped it.
+        let blisk = self.channel.get(&now.channel).filter(|_| self.finishing() == State::Running).cloned();
         self.exports = (Some(now.export), self.exports.1 + 1);
         self.exported.restart(&(now.export, self.exports.1), self.priority, move |work| {
+            if let Some(found) = blisk {
+                finish(released.plan(), &inputs, &found.blisk, &work.task).map_err(|e| e.to_string())?;
+            }
             let written = write(&folder, &released, &inputs, files, &work.task)?;
             Ok(Exported { folder, written })
         });
