@@ -163,7 +163,7 @@ pub(super) struct MillingArguments {
     /// machine's].
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
     clamp_z: Option<String>,
-    /// The same of its X.
+    /// The machine's direction along which the workpiece's X points [default: the machine's].
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
     clamp_x: Option<String>,
     /// From the spindle nose to the tip (mm) [default: the machine's].

@@ -28,7 +28,7 @@ const TABLE: &str = "burn_table.json";
 
 /// An electrode as a surface's source, and whether it is clamped upside down.
 pub(super) struct FoundElectrode {
-    /// Its largest flank.
+    /// The largest flank of the electrode.
     pub source: FlankSource,
     /// Whether its base is on the table and its tips look to the spindle.
     pub is_upside_down: bool,

@@ -124,7 +124,7 @@ enum Command {
     Flank(Box<flank_arguments::FlankArguments>),
     /// Opens the window on a mold.
     Mold {
-        /// Its mesh: STL, OBJ, glTF or GLB.
+        /// Mesh of the mold: STL, OBJ, glTF or GLB.
         mesh: Option<PathBuf>,
     },
     /// Certifies a feed path file, whoever made it.

@@ -67,7 +67,7 @@ pub(super) struct UncutArguments {
 pub(super) struct AskedMold {
     /// What is asked.
     pub params: MoldParams,
-    /// Its mesh.
+    /// Mesh of the mold.
     pub imported: Imported,
     /// The path of that.
     pub path: PathBuf,

@@ -52,7 +52,7 @@ impl System {
 /// Whether any of the backends described in a folder chooses files.
 fn has_chooser(folder: &Path) -> bool {
     const CHOOSER: &str = "org.freedesktop.impl.portal.FileChooser";
-    /// Such a description has a few lines (bytes).
+    /// Most that is read of a backend's description, which has a few lines (bytes).
     const MOST: u64 = 65_536;
     let chooses = |file: PathBuf| {
         let mut text = String::new();

@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, rect: Rect, panels: &[Folding]) -> Option<usize> {
     clicked
 }
 
-/// One of them, which points to where its panel goes.
+/// A handle of a folded panel, which points to where the panel goes. Answers whether it was clicked.
 fn handle(ui: &mut Ui, rect: Rect, panel: &Folding) -> bool {
     let response = ui.interact(rect, ui.scope_id().with(("fold", panel.name)), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, panel.name));

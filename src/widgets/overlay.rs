@@ -67,7 +67,7 @@ pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) -> Rect {
 pub struct ViewButton {
     /// Short name.
     pub name: &'static str,
-    /// What it does, with its keys.
+    /// Help text: the effect of the button, with its keys.
     pub hint: String,
     /// Whether it can be pressed.
     pub is_enabled: bool,

@@ -30,7 +30,7 @@ pub struct LogLine {
     pub took: Option<Duration>,
     /// The number of the workspace that said it.
     pub workspace: usize,
-    /// What it is of, as the workspace numbers it: a step of the plan.
+    /// Subject of the message, as the workspace numbers it: a step of the plan.
     pub topic: Option<usize>,
     /// How often the document had been changed by then, where the workspace counts that.
     pub revision: u64,

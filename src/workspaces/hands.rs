@@ -8,9 +8,9 @@ pub enum Hands {
     /// Nothing.
     #[default]
     Idle,
-    /// They hold a button of the mouse down: what is dragged is not at rest.
+    /// A button of the mouse is held down: what is dragged is not at rest.
     Holding,
-    /// They type.
+    /// A text is being typed.
     Typing,
 }
 

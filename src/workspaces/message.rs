@@ -18,9 +18,9 @@ pub enum Message {
 /// An electrode, and how it stands while its flanks are milled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElectrodePart {
-    /// What it is called.
+    /// Name of the electrode.
     pub name: String,
-    /// What it burns: the name of a mold or a blisk.
+    /// Name of the mold or blisk that the electrode burns.
     pub of: String,
     /// Mesh of the electrode, in the axes of its file (mm).
     pub mesh: Mesh,

@@ -37,7 +37,7 @@ impl Weld {
         &self.points
     }
 
-    /// The same, to keep.
+    /// The different points by number, for the caller to keep.
     pub fn into_points(self) -> Vec<DVec3> {
         self.points
     }

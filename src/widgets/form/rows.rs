@@ -14,7 +14,7 @@ const NUMBER: f32 = 22.0;
 
 /// A column of a table that is no parameter itself, such as what several of them make together.
 pub struct ExtraColumn<'a> {
-    /// Its heading.
+    /// Heading of the column.
     pub head: &'a str,
     /// The number of columns before it.
     pub after: usize,

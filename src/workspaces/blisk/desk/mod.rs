@@ -227,7 +227,7 @@ impl BliskDesk {
         &self.track
     }
 
-    /// The same, to be kept.
+    /// The track, shared with whoever keeps it.
     pub fn shared_track(&self) -> Arc<Track> {
         self.track.clone()
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MeshFrame {
-    /// That of the loaded mesh.
+    /// The frame of the loaded mesh.
     #[default]
     Mesh,
     /// The workpiece frame W, whose place in the coordinates of the loaded mesh stands in every result.
@@ -14,7 +14,7 @@ pub enum MeshFrame {
 }
 
 impl MeshFrame {
-    /// Its name for a reader.
+    /// Name of the frame for a reader.
     pub fn name(self) -> &'static str {
         match self {
             Self::Mesh => "frame of the loaded mesh",
@@ -105,7 +105,7 @@ pub enum Channels {
     Own,
     /// All of the blisk.
     All,
-    /// These, by their numbers.
+    /// The channels with these numbers.
     These(Vec<usize>),
 }
 
@@ -132,7 +132,7 @@ impl TryFrom<toml::Value> for Channels {
 impl std::str::FromStr for Channels {
     type Err = String;
 
-    /// The same in a text, where a list may stand in brackets.
+    /// Reads a choice of channels from a text, where a list may stand in brackets.
     fn from_str(text: &str) -> Result<Self, String> {
         let number = |n: &str| n.trim().parse::<usize>();
         match text.trim() {

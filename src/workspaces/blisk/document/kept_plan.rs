@@ -68,13 +68,13 @@ mod rows {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeptRun {
-    /// Its number, counted from 1.
+    /// Number of the plan, counted from 1.
     pub number: usize,
     /// Which of the window's colours it has.
     pub colour: usize,
-    /// Its parameters. Files have their names alone: what they held is told by the plan.
+    /// Parameters of the plan. Files are kept by name only; the plan holds what was read from them.
     pub job: PlanJob,
-    /// Its nodes.
+    /// Nodes of the plan.
     pub plan: KeptPlan,
 }
 

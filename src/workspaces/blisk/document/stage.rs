@@ -31,7 +31,7 @@ impl Stage {
         ["Part", "Channel", "Electrode", "Plan", "Verify", "Export"][self as usize]
     }
 
-    /// Its number, from 1.
+    /// Number of the stage, from 1.
     pub fn number(self) -> usize {
         self as usize + 1
     }

@@ -1,4 +1,4 @@
-//! The same electrodes planned by several strategies, to lay their paths side by side. [`write`] writes files.
+//! Comparison of strategies: one set of electrodes planned by each of them. [`write`] writes the files.
 
 use std::path::Path;
 

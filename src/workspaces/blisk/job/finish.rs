@@ -76,7 +76,8 @@ pub fn finish<'a>(
     }
 }
 
-/// The same, but what is known is kept where it is told to stop after the copying motions: [`Finishing::stopped`].
+/// Finishes a plan as [`finish`] does, but keeps what is known when the task is cancelled after the
+/// copying motions: [`Finishing::stopped`].
 ///
 /// # Errors
 /// As [`finish`], and when told to stop before.

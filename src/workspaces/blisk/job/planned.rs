@@ -24,7 +24,7 @@ use wheel::electrode::Electrode;
 pub struct PartialPlan {
     /// The electrode that a way is searched for.
     pub electrode: Arc<Electrode>,
-    /// The same for the screen.
+    /// Shape of the electrode for the screen.
     pub shape: Arc<RenderMesh>,
     /// Nodes from the final pose outwards.
     pub nodes: Vec<Node>,
@@ -34,13 +34,13 @@ pub struct PartialPlan {
 
 /// A plan with its electrodes for the screen.
 pub struct Planned {
-    /// What it was made from.
+    /// Inputs of the plan.
     pub inputs: PlanInputs,
     /// What the meshes held that it was made from: [`Part::content`].
     pub content: String,
     /// The plan.
     pub outcome: Arc<PlanOutcome>,
-    /// Its electrodes for the screen.
+    /// Shapes of the electrodes for the screen.
     pub shapes: Vec<Arc<RenderMesh>>,
 }
 

@@ -12,7 +12,7 @@ use task::Task;
 use wheel::channel::Channel;
 use wheel::electrode::{ElectrodeParams, EnterSide, EntrySide, Sizing, own_turns};
 
-/// See the module's text.
+/// A blisk with everything prepared that does not change while electrodes and searches are tuned.
 pub struct PreparedBlisk {
     /// For exact distances, in W.
     pub(super) exact: Arc<ExactMesh>,

@@ -60,7 +60,7 @@ pub struct SizeLimit {
     pub node: usize,
     /// Withdrawn distance there (mm).
     pub s_mm: f64,
-    /// What it passes there.
+    /// Surface that is nearest there.
     pub surface: String,
 }
 

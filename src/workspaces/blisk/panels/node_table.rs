@@ -82,7 +82,7 @@ fn cells(row: &mut TableRow, node: &Station, place: usize, axes: &[Axis], alarm:
     });
 }
 
-/// Its number as verdicts, reports and path files give it: counted from the final pose.
+/// Number of a node as verdicts, reports and path files give it: counted from the final pose.
 fn number_of(node: &Station, place: usize) -> usize {
     node.node.unwrap_or(place)
 }

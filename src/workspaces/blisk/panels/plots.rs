@@ -45,7 +45,7 @@ impl Tab {
         Self::Comparison,
     ];
 
-    /// Its name.
+    /// Name of the plot.
     pub fn name(self) -> &'static str {
         ["Axes", "Speed", "Second derivative", "Clearance", "Convergence", "Nodes", "Comparison"][self as usize]
     }

@@ -123,13 +123,13 @@ fn step(ui: &mut Ui, stage: Stage, state: Standing, open: bool) -> egui::Respons
 pub enum Standing {
     /// Nothing has been done.
     Missing,
-    /// It, or what decides about it, is being worked on.
+    /// The stage, or one that it depends on, is being worked on.
     Working,
-    /// Its result is that of the present parameters.
+    /// The result is that of the present parameters.
     Done,
-    /// Its result is that of other parameters.
+    /// The result is that of other parameters.
     Stale,
-    /// It could not be done.
+    /// The stage failed.
     Failed,
     /// There is a plan, which must not be driven.
     Unsafe,

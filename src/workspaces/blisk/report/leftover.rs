@@ -33,7 +33,7 @@ pub struct LeftoverReport {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct SurfaceReport {
-    /// Its name for a reader.
+    /// Name of the surface for a reader.
     pub surface: String,
     pub area_mm2: f64,
     pub left: LayerReport,

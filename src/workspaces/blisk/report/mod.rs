@@ -86,7 +86,7 @@ pub struct Verdict {
 /// A file that went into the job.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct InputFile {
-    /// What it is: blisk, electrode, path.
+    /// Role of the file: blisk, electrode, path.
     pub role: String,
     /// Where it was read from.
     pub path: String,
@@ -312,7 +312,7 @@ pub struct Failure {
 pub struct ElectrodeReport {
     /// Counted from 1.
     pub index: usize,
-    /// What it burns where the channel is divided; empty for a single electrode.
+    /// Part of the channel that the electrode burns where the channel is divided; empty for a single electrode.
     pub share: String,
     /// `+x` or `-x`, in W.
     pub enters_from: String,
@@ -336,7 +336,7 @@ pub struct ElectrodeReport {
     pub smoothness: Vec<Smoothness>,
     /// Volume of the electrode (mm^3).
     pub volume_mm3: f64,
-    /// Its least wall thickness (mm).
+    /// Least wall thickness of the electrode (mm).
     pub least_thickness_mm: Option<f64>,
     /// Area that erodes (mm^2).
     pub burn_area_mm2: Option<f64>,
@@ -388,7 +388,7 @@ pub struct VerifiedDigests {
 }
 
 impl VerifiedDigests {
-    /// Those of `certificate`.
+    /// Digests of the files that `certificate` is about.
     pub fn of(certificate: &Certificate) -> Self {
         let c = certificate;
         let [path, blisk, electrode] = [c.path_digest(), c.blisk_digest(), c.electrode_digest()].map(str::to_owned);

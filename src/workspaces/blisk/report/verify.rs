@@ -14,7 +14,7 @@ pub const SCHEMA: u32 = 1;
 /// A file that went into the verification.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VerifiedFile {
-    /// What it is: blisk, electrode, path.
+    /// Role of the file: blisk, electrode, path.
     pub role: &'static str,
     /// Where it was read from.
     pub path: String,

@@ -13,11 +13,11 @@ use render::mesh::RenderMesh;
 /// A body of a machine for the screen, as its file has it.
 #[derive(Debug, Clone)]
 pub struct BodyShape {
-    /// What it is called.
+    /// Name of the body.
     pub name: String,
-    /// What it goes with.
+    /// Part of the machine that carries the body.
     pub carrier: Carrier,
-    /// Its shape in the coordinates of its carrier.
+    /// Shape of the body in the coordinates of its carrier.
     pub shape: Arc<RenderMesh>,
 }
 
@@ -34,9 +34,9 @@ pub fn body_shapes(model: &MachineModel) -> Vec<BodyShape> {
 /// A body of a machine that stands about an electrode and its blisk.
 #[derive(Debug, Clone)]
 pub struct MachineBody {
-    /// Its shape in the coordinates of its carrier.
+    /// Shape of the body in the coordinates of its carrier.
     pub shape: Arc<RenderMesh>,
-    /// What it goes with.
+    /// Part of the machine that carries the body.
     pub carrier: Carrier,
     /// From the coordinates of its carrier to W in the final pose.
     pub stand: DAffine3,

@@ -70,7 +70,7 @@ impl Layer {
         Self::Grid,
     ];
 
-    /// Its name for a reader.
+    /// Name of the part for a reader.
     pub fn name(self) -> &'static str {
         match self {
             Self::Blisk => "Blisk",
@@ -101,7 +101,7 @@ pub struct Look {
     pub visible: bool,
     /// 1 is solid.
     pub opacity: f32,
-    /// Its colour.
+    /// Colour of the part.
     pub colour: Colour,
 }
 
@@ -170,7 +170,7 @@ pub struct SceneInputs<'a> {
     pub channel: Option<(&'a Channel, &'a ChannelShapes)>,
     /// The electrode and its shape.
     pub electrode: Option<(&'a Electrode, &'a Arc<RenderMesh>)>,
-    /// Its poses.
+    /// Poses of the electrode.
     pub track: Option<&'a Track>,
     /// The bodies of the machine.
     pub machine: &'a [MachineBody],

@@ -36,7 +36,7 @@ const SECTION_THROATS: f64 = 1.5;
 pub struct PlanToShow<'a> {
     /// The blisk in the axes of its file (mm).
     pub blisk: &'a Mesh,
-    /// Its channel.
+    /// Channel of the blisk.
     pub channel: &'a Channel,
     /// The electrodes with their plans, in the order of the report.
     pub electrodes: Vec<(&'a Electrode, &'a FeedPlan)>,
@@ -50,11 +50,11 @@ pub struct PlanToShow<'a> {
 pub struct PlanPicture {
     /// Name of its file.
     pub file: String,
-    /// What it shows, in a few words.
+    /// Title: the content of the picture in a few words.
     pub title: String,
     /// What is to be seen in it.
     pub caption: String,
-    /// Its colours and what they stand for.
+    /// Colours of the picture and what they stand for.
     pub legend: Vec<(Colour, &'static str)>,
     /// What is drawn.
     pub scene: Scene,
@@ -353,7 +353,7 @@ struct Place {
     points: [DVec3; 2],
     /// Of the blisk.
     surface: Surface,
-    /// What it is.
+    /// Name of the place.
     name: &'static str,
 }
 

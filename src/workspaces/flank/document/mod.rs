@@ -27,10 +27,10 @@ use nc::flank_program::milling_post;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DemonstrationSurface {
-    /// Its surface A.
+    /// Surface A of the paper.
     #[default]
     A,
-    /// Its surface B.
+    /// Surface B of the paper.
     B,
 }
 
@@ -45,7 +45,7 @@ pub struct GuidePair {
 }
 
 impl DemonstrationSurface {
-    /// Its name in words.
+    /// Name of the surface.
     pub fn name(self) -> &'static str {
         match self {
             Self::A => "surface A",
@@ -53,7 +53,7 @@ impl DemonstrationSurface {
         }
     }
 
-    /// Its guides.
+    /// Guide curves of the surface.
     ///
     /// # Errors
     /// Only in a program that was built with a file that is none.
@@ -91,7 +91,7 @@ pub struct MeshFlank {
     /// The mesh: STL, OBJ, glTF or GLB; empty where it is kept.
     #[serde(skip_serializing_if = "is_empty")]
     pub file: PathBuf,
-    /// Its unit.
+    /// Unit of the mesh.
     pub units: Units,
     /// Which of the faces that could be milled, by area, from 1.
     pub candidate: usize,
@@ -170,7 +170,7 @@ impl Default for FlankSource {
 pub struct WallsFile {
     /// The mesh.
     pub file: PathBuf,
-    /// Its unit.
+    /// Unit of the mesh.
     #[serde(default)]
     pub units: Units,
 }
@@ -302,7 +302,7 @@ impl Params for FlankDocument {
 }
 
 impl FlankDocument {
-    /// The same for another surface: without its side, its walls, how it was clamped, and decisions on what checks found.
+    /// A copy of the document for another surface: without side, walls, clamping, and decisions on what checks found.
     pub fn of_another(&self, source: FlankSource) -> Self {
         let milling = MillingSettings { workpiece: None, ..self.milling.clone() };
         let (side, walls, overrides) = (Side::Automatic, None, Vec::new());

@@ -46,7 +46,7 @@ pub enum Standing {
     Sketch,
     /// The plan of other parameters.
     Stale,
-    /// Its plan.
+    /// The plan of the present parameters.
     Planned,
 }
 
@@ -182,7 +182,7 @@ impl FlankDesk {
         self.work.forget_sketch();
     }
 
-    /// Its file, or else one that it is made from.
+    /// Project file of the document, or else a file that the surface is made from.
     pub fn file(&self) -> Option<&Path> {
         let source = match &self.params().source {
             FlankSource::Demonstration { .. } => None,

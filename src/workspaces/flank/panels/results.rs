@@ -21,7 +21,7 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk) {
     egui::ScrollArea::vertical().id_salt("flank results").auto_shrink([false, false]).show(ui, |ui| body(ui, desk));
 }
 
-/// The same without a frame of its own.
+/// Draws the content of the panel, without scroll area.
 pub fn body(ui: &mut Ui, desk: &mut FlankDesk) {
     let Some(planned) = desk.planned().cloned() else {
         let text = "No path yet: plan one (F8) to see its figures.";

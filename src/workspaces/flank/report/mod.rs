@@ -50,9 +50,9 @@ pub struct FlankReport {
     pub ranks: RanksEntry,
     /// What was checked of the path that is milled.
     pub checks: Vec<CheckEntry>,
-    /// Its clearances.
+    /// Clearances of the path that is milled.
     pub clearances: Vec<ClearanceEntry>,
-    /// Its positions on the machine; none without a machine.
+    /// Positions of the path on the machine; none without a machine.
     pub machine: Option<MachineEntry>,
     /// What the reader must know.
     pub warnings: Vec<String>,
@@ -101,15 +101,15 @@ pub struct FitEntry {
 pub struct LocationsEntry {
     /// How many.
     pub count: usize,
-    /// Those that touch the surface as they were asked to.
+    /// Locations that touch the surface as they were asked to.
     pub touching: usize,
-    /// Those put where they come nearest to it.
+    /// Locations put where they come nearest to touching the surface.
     pub nearest: usize,
     /// u of the first and of the last contact on the lower guide.
     pub u0_range: [f64; 2],
     /// Control points of each of the two curves through them.
     pub control_points: usize,
-    /// Those that were asked for: around a ring there may be more.
+    /// Control points that were asked for: around a ring there may be more.
     pub control_points_asked: usize,
     /// How far these curves are from them at most (mm).
     pub fit_mm: f64,
@@ -122,9 +122,9 @@ pub struct PathEntry {
     pub name: &'static str,
     /// Whether it is the one that is milled.
     pub is_milled: bool,
-    /// Its sum as a share of the initial path's; none if that is nothing but rounding.
+    /// Sum of the path as a share of the initial path's; none if that is nothing but rounding.
     pub ratio: Option<f64>,
-    /// The same of the moving cutter: its sum as a share of its own on the initial path.
+    /// Sum of the moving cutter on the path as a share of its sum on the initial path; none as for `ratio`.
     pub moving_ratio: Option<f64>,
     /// Figures of the standing cutter.
     pub standing: Figures,
@@ -147,7 +147,7 @@ pub struct PathEntry {
     /// Control points of the curve of the axis at the lower guide (mm), of a uniform cubic B-spline over t: clamped, or
     /// periodic if it is closed, where the points 0, 1, 2 come again after the last.
     pub control_lower: Vec<[f64; 3]>,
-    /// The same of the upper end of the axis.
+    /// Control points of the curve of the upper end of the axis (mm), as in `control_lower`.
     pub control_upper: Vec<[f64; 3]>,
 }
 
@@ -166,7 +166,7 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Those of some deviations.
+    /// Figures of `deviation`.
     pub fn of(deviation: &Deviation) -> Self {
         Self {
             sum_mm: deviation.sum,
@@ -241,7 +241,7 @@ pub struct ClearanceEntry {
 /// The path on a machine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MachineEntry {
-    /// Its name, and what it is.
+    /// Name and kind of the machine.
     pub name: String,
     /// Why it cannot follow; none if it can.
     pub trouble: Option<String>,
@@ -257,7 +257,7 @@ pub struct MachineEntry {
     pub slowed: Option<SlowedEntry>,
     /// Where the pole is passed.
     pub singular: Vec<String>,
-    /// Its axes over time.
+    /// Axes of the machine over time.
     pub axes: Vec<AxisEntry>,
 }
 
@@ -268,9 +268,9 @@ pub struct SlowedEntry {
     pub moves: usize,
     /// The least share of the feed that is left.
     pub least_share: f64,
-    /// Those where an axis would be too fast.
+    /// Moves where an axis would be too fast.
     pub for_axes: Option<AxisSlowedEntry>,
-    /// Those that would be shorter than the time that the control gives any block.
+    /// Moves that would be shorter than the time that the control gives any block.
     pub short: Option<ShortEntry>,
 }
 
@@ -297,11 +297,11 @@ pub struct ShortEntry {
 /// An axis of a machine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AxisEntry {
-    /// Its letter.
+    /// Letter of the axis.
     pub letter: char,
     /// mm or deg.
     pub unit: &'static str,
-    /// Its limits.
+    /// Limits of the axis, in `unit`.
     pub limits: [f64; 2],
     /// Seconds from the first position, and value.
     pub values: Vec<[f64; 2]>,

@@ -27,11 +27,11 @@ const SKETCH_ROUNDS: usize = 8;
 /// What a surface is made of, as loaded.
 #[derive(Debug)]
 pub struct LoadedFlank {
-    /// It.
+    /// The surface.
     pub surface: LoadedSurface,
     /// The part that it is a face of, for the screen.
     pub part: Option<Arc<RenderMesh>>,
-    /// Its files as they were read.
+    /// Stamps of the surface's files as they were read.
     pub(super) stamps: Vec<Stamp>,
     /// What its file leaves in doubt, in words.
     pub doubts: Vec<String>,
@@ -58,9 +58,9 @@ impl LoadedFlank {
 /// Walls, as loaded.
 #[derive(Debug)]
 pub struct LoadedWalls {
-    /// They.
+    /// Mesh of the walls.
     pub mesh: Arc<Mesh>,
-    /// The same for the screen.
+    /// Shape of the walls for the screen.
     pub shape: Arc<RenderMesh>,
     /// Their file as it was read.
     pub(super) stamp: Stamp,
@@ -77,7 +77,7 @@ impl LoadedWalls {
 /// A planned flank with all that is shown of it.
 #[derive(Debug)]
 pub struct Planned {
-    /// It.
+    /// The planned flank.
     pub result: FlankResult,
     /// For the screen.
     pub shapes: FlankShapes,

@@ -22,7 +22,7 @@ use mold::opening::Opening;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MoldParams {
-    /// Its mesh; none as long as nothing is loaded.
+    /// Mesh of the mold; none as long as nothing is loaded.
     pub mesh: Option<PathBuf>,
     /// Unit of the mesh.
     pub units: Units,

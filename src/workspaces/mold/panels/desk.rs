@@ -25,7 +25,7 @@ use task::{Priority, Scheduler, State};
 
 /// How long nothing may change before what was seen at a glance is found exactly.
 const REST: f64 = 0.3;
-/// The same before electrodes are made again: whoever changes one thing of them often changes another.
+/// How long nothing may change before electrodes are made again (s): a user who changes one setting often changes another.
 const REST_OF_DESIGN: f64 = 1.2;
 
 /// What is asked, what was found, and how it is looked at.

@@ -25,7 +25,7 @@ pub enum Column {
 impl Column {
     /// All of them.
     pub const ALL: [Self; 5] = [Self::Index, Self::Volume, Self::Area, Self::Height, Self::Nearest];
-    /// Those that there is always room for.
+    /// Columns that there is always room for.
     const NEEDED: [Self; 3] = [Self::Index, Self::Volume, Self::Height];
 
     fn name(self) -> &'static str {

@@ -82,7 +82,7 @@ pub struct RegionEntry {
     pub direction: [f64; 3],
     /// Parts that it is divided into.
     pub parts: usize,
-    /// Its division; none where there is no footprint.
+    /// Division of the region; none where there is no footprint.
     pub division: Option<Division>,
     /// Divisions by earlier stages that have parts which it does not.
     pub earlier_divisions: Vec<EarlierDivision>,
@@ -105,18 +105,18 @@ pub struct RegionEntry {
 pub struct EarlierDivision {
     /// The stage, by name.
     pub stage: String,
-    /// Its division.
+    /// Division of the region by the stage.
     pub division: Division,
 }
 
 /// A part of a region and what it is divided into.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Division {
-    /// What it is, in a few words.
+    /// Description of the part in a few words.
     pub text: String,
     /// Edges in it that no cutter makes.
     pub h_edges: usize,
-    /// What it is divided into.
+    /// Parts that the part is divided into.
     pub parts: Vec<Division>,
 }
 

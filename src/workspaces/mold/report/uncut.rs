@@ -70,7 +70,7 @@ pub struct RegionReport {
     pub nearest_cutter: Option<String>,
 }
 
-/// The same by a field of heights twice as coarse.
+/// Comparison of the answer with that of a field of heights twice as coarse.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GridReport {
     /// Step of the field that answers (mm).
@@ -83,7 +83,7 @@ pub struct GridReport {
     pub off_mm3: f64,
 }
 
-/// The same found twice.
+/// Comparison of the answers of layers and of a field of heights.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct AgreementReport {

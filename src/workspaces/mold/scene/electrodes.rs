@@ -31,7 +31,7 @@ const BESIDE: f32 = 0.35;
 /// An electrode made for the screen.
 #[derive(Debug, Clone)]
 pub struct ElectrodeShape {
-    /// It, in its own axes.
+    /// Mesh of the electrode, in its own axes.
     pub shape: Arc<RenderMesh>,
     /// A point of its lowest face, where a cut through it is worth looking at.
     pub lowest: DVec3,
@@ -145,9 +145,9 @@ impl BurnWay {
 /// How electrodes are shown.
 #[derive(Clone, Copy)]
 pub struct ElectrodeScene<'a> {
-    /// They.
+    /// The electrodes.
     pub set: &'a ElectrodeSet,
-    /// They for the screen.
+    /// Shapes of the electrodes for the screen.
     pub shapes: &'a [ElectrodeShape],
     /// Where the mold opens to.
     pub opening: Opening,

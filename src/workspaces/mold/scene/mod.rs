@@ -189,9 +189,9 @@ pub struct MoldScene<'a> {
 /// A layer of a mold. All of it stands upright, the opening looking along +Z.
 #[derive(Debug, Clone, Copy)]
 pub struct MoldLayer<'a> {
-    /// Its height (mm).
+    /// Height of the layer (mm).
     pub z: f64,
-    /// That of the next one above, if there is one (mm).
+    /// Height of the next layer above, if there is one (mm).
     pub next: Option<f64>,
     /// What is left in it, as far as that is known.
     pub pieces: &'a [&'a UncutPiece],

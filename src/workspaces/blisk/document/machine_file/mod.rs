@@ -79,7 +79,7 @@ pub enum MachineFileError {
         /// Why.
         source: Box<ImportError>,
     },
-    /// It was told to stop.
+    /// The task was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }

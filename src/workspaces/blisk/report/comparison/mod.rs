@@ -51,7 +51,7 @@ pub struct Run {
 pub struct RunElectrode {
     /// Counted from 1.
     pub index: usize,
-    /// What it burns where the channel is divided; empty for a single electrode.
+    /// Part of the channel that the electrode burns where the channel is divided; empty for a single electrode.
     pub share: String,
     /// `+x` or `-x`, in W.
     pub enters_from: &'static str,

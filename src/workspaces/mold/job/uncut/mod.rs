@@ -93,7 +93,7 @@ pub enum UncutError {
     /// The field of heights cannot be had.
     #[error("height map: {0}")]
     Field(HeightFieldError),
-    /// It was told to stop.
+    /// The task was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -116,12 +116,12 @@ pub struct Found {
     pub volume_mm3: f64,
 }
 
-/// The same by a coarser field of heights.
+/// Figures found by a coarser field of heights.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Coarser {
-    /// Its step (mm).
+    /// Step of the coarser field (mm).
     pub step: f64,
-    /// What it finds.
+    /// Figures found with it.
     pub found: Found,
 }
 

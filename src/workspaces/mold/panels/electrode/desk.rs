@@ -62,7 +62,7 @@ pub struct Look {
     split: Option<Option<DVec3>>,
 }
 
-/// See the module's page.
+/// The state of the view of electrodes: what is selected, cut, moved and pointed at.
 pub struct ElectrodeDesk {
     /// Whether electrodes are looked at, or else regions.
     pub is_shown: bool,
@@ -174,7 +174,7 @@ impl ElectrodeDesk {
         self.shown.as_ref()
     }
 
-    /// The same while electrodes are looked at, which they are not while a line is drawn on the mold.
+    /// The electrodes while they are looked at, which they are not while a line is drawn on the mold.
     pub fn seen(&self) -> Option<&Arc<Designed>> {
         self.shown.as_ref().filter(|_| self.is_shown)
     }
@@ -272,7 +272,7 @@ impl ElectrodeDesk {
         (self.exploded, self.time, self.is_playing, self.cut) = (0.0, None, false, None);
     }
 
-    /// The same of a place of an electrode, whose burn there is shown alone: others would hide it.
+    /// Points at a place of an electrode, whose burn there is shown alone: others would hide it.
     pub fn point_at_burn(&mut self, electrode: usize, (place, text): (DVec3, String), mold: &Bounds) {
         let Some(made) = self.shown.clone() else { return };
         let burn = made.set.electrodes.get(electrode).map_or(0, |e| burn_at(e, &made.set.regions, place));
