@@ -149,7 +149,7 @@ struct PlanArguments {
     path: Option<String>,
 }
 
-/// How it is milled.
+/// Machine, post, clearances and motions of the milling.
 #[derive(Debug, Args)]
 pub(super) struct MillingArguments {
     /// The machine: trunnion-ac, fork-cb, swivel-bc, a TOML file with one, FILE.toml#NAME of one with several, or none
@@ -212,10 +212,10 @@ fn set(document: &mut FlankDocument, given: &[(&str, &str, &Option<String>)]) ->
     Ok(())
 }
 
-/// What is asked, and what its user is to be told of it.
+/// The flank that is asked for, and notes on it for the user.
 pub(super) struct Asked {
     pub document: FlankDocument,
-    /// In words.
+    /// Notes for the user, in words.
     pub notes: Vec<String>,
 }
 

@@ -69,7 +69,7 @@ pub(super) struct AskedMold {
     pub params: MoldParams,
     /// Mesh of the mold.
     pub imported: Imported,
-    /// The path of that.
+    /// Path of the mesh.
     pub path: PathBuf,
 }
 

@@ -22,7 +22,7 @@ pub enum Asking {
     Picture,
     /// The window: where the document of this workspace is saved; then the program goes on with what it was asked for.
     Document(usize),
-    /// This workspace, under this number.
+    /// A workspace, by its number, for the path of this number in its table.
     Workspace(usize, usize),
 }
 
@@ -59,14 +59,14 @@ struct Asked {
     purpose: Purpose,
     name: String,
     answer: Receiver<Option<PathBuf>>,
-    /// Whether nothing of the system asks for it.
+    /// Whether the path is typed in the window, without a dialog of the system.
     is_typed: bool,
 }
 
 /// What became of a dialog.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Chosen {
-    /// This was chosen.
+    /// The path that was chosen.
     Path(Purpose, PathBuf),
     /// The user chose nothing.
     Cancelled(Purpose),

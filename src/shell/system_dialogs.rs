@@ -5,11 +5,11 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-/// What of the system is looked at.
+/// The facts about the system that decide which file dialogs there are.
 pub struct System {
-    /// Where its programs are.
+    /// Folders of programs.
     pub programs: Vec<PathBuf>,
-    /// Where its shared data is.
+    /// Folders of shared data.
     pub data: Vec<PathBuf>,
     /// Whether programs can talk to each other: a session bus.
     pub has_bus: bool,
@@ -18,7 +18,7 @@ pub struct System {
 }
 
 impl System {
-    /// The present one.
+    /// The system that the program runs on.
     pub fn present() -> Self {
         let named = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
         let all = |paths: Option<OsString>| paths.map_or_else(Vec::new, |p| std::env::split_paths(&p).collect());

@@ -1,4 +1,4 @@
-//! From where a job is looked at.
+//! Cameras on a part: standard views, and the view into a channel.
 
 use glam::DVec3;
 
@@ -15,9 +15,9 @@ pub const PICTURE_SIZE: [u32; 2] = [1400, 900];
 /// A view that has a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NamedView {
-    /// One of engineering drawing.
+    /// A standard view of engineering drawing.
     Standard(StandardView),
-    /// From without into the channel: see [`into_channel`].
+    /// The view from outside into the channel: see [`into_channel`].
     Channel,
 }
 

@@ -6,9 +6,9 @@ use super::theme::palette;
 
 /// A panel beside the view that folds.
 pub struct Folding<'a> {
-    /// Whether it is on the left.
+    /// Whether the panel is on the left.
     pub is_left: bool,
-    /// Whether it is there.
+    /// Whether the panel is shown, not folded.
     pub is_there: bool,
     /// The name of its handle.
     pub name: &'a str,

@@ -69,9 +69,9 @@ pub struct ViewButton {
     pub name: &'static str,
     /// Help text: the effect of the button, with its keys.
     pub hint: String,
-    /// Whether it can be pressed.
+    /// Whether the button can be pressed.
     pub is_enabled: bool,
-    /// Whether what it shows is on.
+    /// Whether what the button shows is on.
     pub is_on: bool,
 }
 

@@ -5,7 +5,7 @@ use files::{Document, Params};
 /// What the hands of the user do.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Hands {
-    /// Nothing.
+    /// The hands rest.
     #[default]
     Idle,
     /// A button of the mouse is held down: what is dragged is not at rest.
@@ -15,7 +15,7 @@ pub enum Hands {
 }
 
 impl Hands {
-    /// What they do now.
+    /// The state of the hands in this frame.
     pub fn of(ctx: &egui::Context) -> Self {
         match (ctx.input(|i| i.pointer.any_down()), ctx.egui_wants_keyboard_input()) {
             (true, _) => Self::Holding,

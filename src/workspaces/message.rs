@@ -24,9 +24,9 @@ pub struct ElectrodePart {
     pub of: String,
     /// Mesh of the electrode, in the axes of its file (mm).
     pub mesh: Mesh,
-    /// Which way the cutter's axis points on it.
+    /// Direction of the cutter's axis on the electrode.
     pub up: DVec3,
-    /// Whether it is clamped upside down: its base on the table, its tips to the spindle.
+    /// Whether the electrode is clamped upside down: its base on the table, its tips to the spindle.
     pub is_upside_down: bool,
 }
 
@@ -34,7 +34,7 @@ pub struct ElectrodePart {
 pub const UP_OF_MOLDS: DVec3 = DVec3::NEG_Z;
 
 impl ElectrodePart {
-    /// One of a `mold`: as in its file, tips down.
+    /// An electrode of a `mold`: as in its file, tips down.
     pub fn of_mold(electrode: &MoldElectrode, mold: &str) -> Self {
         let (name, mesh) = (electrode.name.clone(), electrode.mesh.clone());
         Self { name, of: mold.to_owned(), mesh, up: UP_OF_MOLDS, is_upside_down: true }

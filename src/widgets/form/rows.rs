@@ -20,7 +20,7 @@ pub struct ExtraColumn<'a> {
     pub after: usize,
     /// Width (points).
     pub width: f32,
-    /// Draws it for a row. Answers another row.
+    /// Draws the cell of a row. Answers another row.
     pub draw: &'a mut dyn FnMut(&mut Ui, &str, &Value) -> Option<Value>,
 }
 

@@ -297,11 +297,11 @@ pub struct FlankScene<'a> {
     pub paths: &'a [PathChoice],
     /// Whether the colours are those of the moving cutter.
     pub moving: bool,
-    /// For each path where the cutter stands, if it is shown.
+    /// Pose of the cutter on each path, if it is shown.
     pub poses: &'a [FlankPose],
-    /// For each path where that is over the surface.
+    /// Line of contact on the surface at that pose, for each path.
     pub contacts: &'a [Vec<DVec3>],
-    /// For each path the line of the cutter's bottom centre.
+    /// Line of the cutter's bottom centre, for each path.
     pub tips: &'a [Vec<DVec3>],
     /// Whether the surface of the axis is shown.
     pub shows_axis: bool,

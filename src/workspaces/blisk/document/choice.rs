@@ -73,9 +73,9 @@ impl WrittenFiles {
 pub struct DrawnPictures {
     /// The whole blisk with its electrodes.
     pub whole: bool,
-    /// Each electrode in its final pose.
+    /// Whether each electrode is drawn in its final pose.
     pub final_pose: bool,
-    /// Each electrode on its way.
+    /// Whether each electrode is drawn on its way.
     pub sweep: bool,
     /// A section where each electrode comes closest, or jams.
     pub closest: bool,
@@ -103,7 +103,7 @@ pub enum Channels {
     /// The one that was planned in.
     #[default]
     Own,
-    /// All of the blisk.
+    /// All channels of the blisk.
     All,
     /// The channels with these numbers.
     These(Vec<usize>),
@@ -115,7 +115,7 @@ const CHANNELS_FORM: &str = "give \"own\", \"all\", or numbers as in [0, 1, 2] o
 impl TryFrom<toml::Value> for Channels {
     type Error = String;
 
-    /// As files have them: a word, numbers with commas between, a number, or a list.
+    /// The choice as files have it: a word, numbers with commas between, a number, or a list.
     fn try_from(value: toml::Value) -> Result<Self, String> {
         let wrong = || format!("channels = {value}: {CHANNELS_FORM}");
         let number = |v: &toml::Value| v.as_integer().and_then(|n| usize::try_from(n).ok()).ok_or_else(wrong);
@@ -158,7 +158,7 @@ impl From<Channels> for String {
 }
 
 impl Channels {
-    /// Their numbers, each once, in a blisk with `total` channels of which `own` was planned in.
+    /// Numbers of the chosen channels, each once, in a blisk with `total` channels of which `own` was planned in.
     ///
     /// # Errors
     /// One line if there is no channel of a number.

@@ -70,7 +70,7 @@ mod rows {
 pub struct KeptRun {
     /// Number of the plan, counted from 1.
     pub number: usize,
-    /// Which of the window's colours it has.
+    /// Number of the run's colour among those of the window.
     pub colour: usize,
     /// Parameters of the plan. Files are kept by name only; the plan holds what was read from them.
     pub job: PlanJob,

@@ -29,9 +29,9 @@ pub struct Finishing {
     /// The whole motion of each electrode on the machine; empty if the machine has no bodies and no other channels are
     /// burnt.
     pub simulations: Vec<Arc<Simulation>>,
-    /// What they leave of the channel, or why that cannot be told.
+    /// Stock that the electrodes leave in the channel, or why that cannot be told.
     pub leftover: Result<Arc<Leftover>, String>,
-    /// Which stage was stopped, if one was: nothing can be approved then.
+    /// Stage that was stopped, if one was: nothing can be approved then.
     pub stopped: Option<&'static str>,
     /// Times of the stages in order.
     pub times: Vec<StageTime>,

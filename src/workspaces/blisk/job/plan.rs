@@ -76,7 +76,7 @@ impl PlanOutcome {
         self.is_verified() && self.stopped().is_none() && self.finishing().is_none_or(|f| f.collision().is_none())
     }
 
-    /// Which stage after the feeds was stopped, if one was.
+    /// Stage after the feeds that was stopped, if one was.
     pub fn stopped(&self) -> Option<&'static str> {
         self.finishing()?.stopped
     }

@@ -46,7 +46,7 @@ impl Released {
         &self.plan
     }
 
-    /// Whether it was this very plan that was released.
+    /// Whether `plan` is the very plan that was released.
     pub fn is_of(&self, plan: &Arc<PlanOutcome>) -> bool {
         Arc::ptr_eq(&self.plan, plan)
     }

@@ -26,7 +26,7 @@ pub struct SizingRange {
     pub to: usize,
 }
 
-/// One way to make the electrodes, certified.
+/// A certified way to make the electrodes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SizeRow {
     /// Number of parts.
@@ -65,7 +65,7 @@ pub struct SizeLimit {
 }
 
 impl SizeLimit {
-    /// In one clause.
+    /// The limit in one clause.
     pub fn clause(&self) -> String {
         let Self { electrode, electrodes, enters_from, node, s_mm, surface } = self;
         let who = match electrodes {

@@ -31,9 +31,9 @@ pub struct KeptRuns {
 
 /// A run that is kept.
 pub struct KeptRun {
-    /// Counted from 1.
+    /// Number of the run, counted from 1.
     number: usize,
-    /// Which of the theme's colours it has.
+    /// Number of the run's colour among those of the theme.
     colour: usize,
     run: Run,
     /// Digests of its paths.
@@ -78,7 +78,7 @@ impl KeptRuns {
     /// Most runs that are kept.
     pub const MOST: usize = 6;
 
-    /// None yet.
+    /// An empty set of kept runs.
     pub fn new(scheduler: &Scheduler) -> Self {
         Self { made: Memo::new(scheduler, Lane::Quick, "Kept runs").remembering(usize::MAX), channel: None }
     }

@@ -8,7 +8,7 @@ use crate::widgets::theme::palette;
 use crate::workspaces::blisk::scene::track::Station;
 use feed::pose::Axis;
 
-/// Draws it.
+/// Draws the table.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     let track = desk.shared_track();
     let nodes: Vec<_> = track.nodes().copied().collect();

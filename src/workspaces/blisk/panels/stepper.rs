@@ -103,7 +103,7 @@ fn introduction(ui: &mut Ui, stage: Stage) {
     ui.add_space(2.0);
 }
 
-/// One line of the stepper.
+/// Draws one line of the stepper.
 fn step(ui: &mut Ui, stage: Stage, state: Standing, open: bool) -> egui::Response {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 26.0), Sense::click());
     let (word, colour) = word(ui, state);

@@ -16,7 +16,7 @@ pub const SCHEMA: u32 = 1;
 pub struct VerifiedFile {
     /// Role of the file: blisk, electrode, path.
     pub role: &'static str,
-    /// Where it was read from.
+    /// Path that the file was read from.
     pub path: String,
     /// SHA-256 of its bytes, hex.
     pub sha256: String,

@@ -90,9 +90,9 @@ pub fn meeting(simulation: &Simulation, reference_point: DVec3) -> Option<(Place
 pub struct Moment {
     /// Axis values, with the turn to the channel in A.
     pub pose: Pose,
-    /// What is done.
+    /// Phase of the motion.
     pub phase: Phase,
-    /// In which channel, or on the way to which.
+    /// Channel that the electrode is in or on the way to.
     pub channel: usize,
     /// Withdrawn distance on the feed (mm), where the electrode stands on it: in the feed, and on its way back.
     pub s: Option<f64>,
@@ -134,7 +134,7 @@ impl WholeMotion {
         Self { legs, ways, withdrawn }
     }
 
-    /// All of the way.
+    /// Length of the whole way.
     pub fn length(&self) -> f64 {
         self.ways.last().and_then(|ways| ways.last()).copied().unwrap_or(0.0)
     }

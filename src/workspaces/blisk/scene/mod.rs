@@ -88,16 +88,16 @@ impl Layer {
         }
     }
 
-    /// Whether it consists of bodies, which have a colour and an opacity.
+    /// Whether the layer consists of bodies, which have a colour and an opacity.
     pub fn is_body(self) -> bool {
         !matches!(self, Self::Paths | Self::Centreline | Self::Contact | Self::Grid)
     }
 }
 
-/// How a layer looks.
+/// Visibility, opacity and colour of a layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Look {
-    /// Whether it is shown.
+    /// Whether the layer is shown.
     pub visible: bool,
     /// 1 is solid.
     pub opacity: f32,
@@ -285,7 +285,7 @@ pub fn build(inputs: &SceneInputs) -> Scene {
     scene
 }
 
-/// From W to the coordinates of the loaded mesh.
+/// Map from W to the coordinates of the loaded mesh.
 pub(super) fn from_w(frame: &Frame) -> DAffine3 {
     DAffine3 { matrix3: DMat3::from_cols(frame.x, frame.y, frame.z), translation: frame.origin }
 }

@@ -40,7 +40,7 @@ pub struct PlanToShow<'a> {
     pub channel: &'a Channel,
     /// The electrodes with their plans, in the order of the report.
     pub electrodes: Vec<(&'a Electrode, &'a FeedPlan)>,
-    /// What they leave, if that is known.
+    /// Stock that the electrodes leave, if that is known.
     pub leftover: Option<&'a Leftover>,
     /// Spark gap (mm).
     pub spark_gap: f64,
@@ -58,7 +58,7 @@ pub struct PlanPicture {
     pub legend: Vec<(Colour, &'static str)>,
     /// What is drawn.
     pub scene: Scene,
-    /// From where.
+    /// Camera of the picture.
     pub camera: Camera,
 }
 
@@ -351,7 +351,7 @@ struct Place {
     s: f64,
     /// On the electrode in its final pose and on the blisk, in W (mm).
     points: [DVec3; 2],
-    /// Of the blisk.
+    /// Surface of the blisk that the place is on.
     surface: Surface,
     /// Name of the place.
     name: &'static str,

@@ -6,7 +6,7 @@ use feed::plan::FeedPlan;
 use feed::pose::Pose;
 use feed::problem::Node;
 
-/// One pose of a track.
+/// A pose of a track.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
     /// Distance still withdrawn (mm).

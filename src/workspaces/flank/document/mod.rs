@@ -93,7 +93,7 @@ pub struct MeshFlank {
     pub file: PathBuf,
     /// Unit of the mesh.
     pub units: Units,
-    /// Which of the faces that could be milled, by area, from 1.
+    /// Number of the face among those that could be milled, by area, from 1.
     pub candidate: usize,
     /// How the ruled surface is fitted.
     pub fit: RuledFitParams,
@@ -134,9 +134,9 @@ impl MeshFlank {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum FlankSource {
-    /// One that comes with the program.
+    /// A surface that comes with the program.
     Demonstration {
-        /// Which one.
+        /// The surface.
         surface: DemonstrationSurface,
     },
     /// Two guide curves.
@@ -181,17 +181,17 @@ pub struct WallsFile {
 pub struct FlankDocument {
     /// Where the surface comes from.
     pub source: FlankSource,
-    /// On which side of it the cutter stands.
+    /// Side of the surface that the cutter stands on.
     pub side: Side,
     /// The cutter.
     pub cutter: FlankCutter,
     /// How the path is planned.
     pub plan: FlankParams,
-    /// Which path is milled.
+    /// Path that is milled.
     pub path: PathChoice,
     /// Other walls that must not be cut.
     pub walls: Option<WallsFile>,
-    /// How it is milled.
+    /// Machine, post, clearances and motions of the milling.
     pub milling: MillingSettings,
     /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
     pub envelope_tolerance_mm: f64,

@@ -15,7 +15,7 @@ use nc::flank_job::{FlankCheck, FlankResult, path_of};
 /// Width of the column of a path (points).
 const COLUMN: f32 = 56.0;
 
-/// Draws it.
+/// Draws the panel.
 pub fn show(ui: &mut Ui, desk: &mut FlankDesk) {
     ui.add_space(4.0);
     egui::ScrollArea::vertical().id_salt("flank results").auto_shrink([false, false]).show(ui, |ui| body(ui, desk));

@@ -63,9 +63,9 @@ pub struct FlankReport {
 /// A surface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SurfaceEntry {
-    /// Where it comes from, in words.
+    /// Source of the surface, in words.
     pub source: String,
-    /// On which side the cutter stands as u runs: +1 where R_u x R_v points to, -1 on the other.
+    /// Side of the cutter as u runs: +1 where R_u x R_v points to, -1 on the other.
     pub side: i8,
     /// Whether u, along the cutter's travel, runs against the guides as they were given.
     pub is_reversed: bool,
@@ -73,7 +73,7 @@ pub struct SurfaceEntry {
     pub ruling_mm: [f64; 2],
     /// Lengths of the lower and the upper guide (mm).
     pub guide_mm: [f64; 2],
-    /// How it was fitted to a face; none for guides.
+    /// Fit of the surface to a face; none for guides.
     pub fit: Option<FitEntry>,
 }
 
@@ -86,20 +86,20 @@ pub struct FitEntry {
     pub tolerance_mm: f64,
     /// Distances of the face from the surface.
     pub error: FitError,
-    /// Of the corners of triangles alone.
+    /// Distances of the corners of triangles alone.
     pub error_corners: FitError,
-    /// Where the greatest is (mm).
+    /// Place of the greatest distance (mm).
     pub worst: [f64; 3],
     /// How far the triangles may be off a smooth surface (mm).
     pub chord_mm: f64,
-    /// In words.
+    /// The fit in words.
     pub words: Vec<String>,
 }
 
 /// The first locations of the cutter.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LocationsEntry {
-    /// How many.
+    /// Number of locations.
     pub count: usize,
     /// Locations that touch the surface as they were asked to.
     pub touching: usize,
@@ -111,7 +111,7 @@ pub struct LocationsEntry {
     pub control_points: usize,
     /// Control points that were asked for: around a ring there may be more.
     pub control_points_asked: usize,
-    /// How far these curves are from them at most (mm).
+    /// Greatest distance of these curves from the locations (mm).
     pub fit_mm: f64,
 }
 
@@ -120,7 +120,7 @@ pub struct LocationsEntry {
 pub struct PathEntry {
     /// initial, chosen or refined.
     pub name: &'static str,
-    /// Whether it is the one that is milled.
+    /// Whether this path is milled.
     pub is_milled: bool,
     /// Sum of the path as a share of the initial path's; none if that is nothing but rounding.
     pub ratio: Option<f64>,
@@ -134,7 +134,7 @@ pub struct PathEntry {
     pub greatest_difference_mm: f64,
     /// Places that the moving cutter does not touch.
     pub without: usize,
-    /// Whether it covers the surface.
+    /// Whether the path covers the surface.
     pub covers: bool,
     /// Least and greatest t that stand over the surface.
     pub t_range: [f64; 2],
@@ -158,7 +158,7 @@ pub struct Figures {
     pub sum_mm: f64,
     pub mean_absolute_mm: f64,
     pub rms_mm: f64,
-    /// As a positive number.
+    /// Greatest overcut, as a positive number (mm).
     pub most_overcut_mm: f64,
     pub most_undercut_mm: f64,
     pub sum_overcut_mm: f64,
@@ -183,11 +183,11 @@ impl Figures {
 /// The ratios of the paper that the method is from.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PaperEntry {
-    /// On its surface A.
+    /// Ratio on surface A.
     pub ratio_a: f64,
-    /// On its surface B.
+    /// Ratio on surface B.
     pub ratio_b: f64,
-    /// The one to compare with, if this is one of its surfaces with its cone.
+    /// The ratio to compare with, if the surface and the cone are those of the paper.
     pub comparable: Option<f64>,
 }
 
@@ -205,23 +205,23 @@ pub struct RanksEntry {
 /// A check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CheckEntry {
-    /// By which it can be overridden.
+    /// Name that an override gives.
     pub name: &'static str,
-    /// Whether it holds.
+    /// Whether the check holds.
     pub holds: bool,
-    /// Whether it fails and does not matter by decision.
+    /// Whether the check fails and is overridden.
     pub is_overridden: bool,
-    /// What was found.
+    /// Finding of the check, in words.
     pub text: String,
-    /// Where (mm).
+    /// Place of the finding (mm).
     pub place: Option<[f64; 3]>,
-    /// At which t of the path.
+    /// Parameter t of the path at the finding.
     pub t: Option<f64>,
-    /// How bad it is where it fails, by name of the figure.
+    /// Figures of a check that fails, by name.
     pub figures: BTreeMap<String, f64>,
-    /// What an override for it was decided for, in words.
+    /// Finding that an override was given for, in words.
     pub given_for: Option<String>,
-    /// Why that override no longer holds.
+    /// Reason why that override no longer holds.
     pub lapsed: Option<String>,
 }
 
@@ -243,7 +243,7 @@ pub struct ClearanceEntry {
 pub struct MachineEntry {
     /// Name and kind of the machine.
     pub name: String,
-    /// Why it cannot follow; none if it can.
+    /// Reason why the machine cannot follow; none if it can.
     pub trouble: Option<String>,
     /// Number of positions.
     pub positions: usize,
@@ -264,7 +264,7 @@ pub struct MachineEntry {
 /// Moves that are slower than asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SlowedEntry {
-    /// How many, for whichever reason.
+    /// Number of slowed moves, for whichever reason.
     pub moves: usize,
     /// The least share of the feed that is left.
     pub least_share: f64,
@@ -277,7 +277,7 @@ pub struct SlowedEntry {
 /// Moves where an axis would be too fast.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct AxisSlowedEntry {
-    /// How many.
+    /// Number of moves.
     pub moves: usize,
     /// The least share of the feed that the axes leave.
     pub least_share: f64,
@@ -288,7 +288,7 @@ pub struct AxisSlowedEntry {
 /// Moves that take the control's shortest time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ShortEntry {
-    /// How many.
+    /// Number of moves.
     pub moves: usize,
     /// The least share of their speed that is left.
     pub least_share: f64,

@@ -32,7 +32,7 @@ impl Profile {
     }
 }
 
-/// One axis of a machine over the cut.
+/// An axis of a machine over the cut.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisCurve {
     /// Letter of the axis.

@@ -58,7 +58,7 @@ pub struct FlankWork {
 }
 
 impl FlankWork {
-    /// Nothing yet.
+    /// The work on a flank without any result yet.
     pub fn new(scheduler: &Scheduler) -> Self {
         Self {
             source: Memo::new(scheduler, Lane::Quick, "Surface").remembering(1),

@@ -62,7 +62,7 @@ pub struct LoadedWalls {
     pub mesh: Arc<Mesh>,
     /// Shape of the walls for the screen.
     pub shape: Arc<RenderMesh>,
-    /// Their file as it was read.
+    /// Stamp of the walls' file as it was read.
     pub(super) stamp: Stamp,
     /// What their file leaves in doubt, in words.
     pub doubts: Vec<String>,
@@ -79,9 +79,9 @@ impl LoadedWalls {
 pub struct Planned {
     /// The planned flank.
     pub result: FlankResult,
-    /// For the screen.
+    /// Shapes of the flank for the screen.
     pub shapes: FlankShapes,
-    /// For each path how far it is off along the guides.
+    /// Deviations along the guides, for each path.
     pub profiles: [Profile; 3],
     /// The axes of the machine, if there is a path of it.
     pub machine: Option<MachineCurves>,

@@ -50,16 +50,16 @@ pub struct ElectrodesReport {
 pub struct BlockedEntry {
     /// The electrode.
     pub electrode: String,
-    /// Which checks fail, and what to do.
+    /// Checks that fail, and the remedy.
     pub why: String,
 }
 
 /// An override that overrides nothing.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct IdleEntry {
-    /// As it is given: `NAME:CHECK`.
+    /// Name of the override as it is given: `NAME:CHECK`.
     pub name: String,
-    /// Why.
+    /// Reason why the override has no effect.
     pub why: String,
 }
 
@@ -74,7 +74,7 @@ const MODEL: &str = "A stage leaves a layer for the next one on the whole surfac
 /// A region and how it is burned.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RegionEntry {
-    /// Counted from 1.
+    /// Number of the region, counted from 1.
     pub index: usize,
     /// How its tips are made.
     pub method: &'static str,
@@ -94,7 +94,7 @@ pub struct RegionEntry {
     pub left_at_mm: [f64; 3],
     /// Volume that they leave (mm^3).
     pub left_volume_mm3: f64,
-    /// Why it has no electrode, or lacks one for a part.
+    /// Reason why the region has no electrode, or lacks one for a part.
     pub trouble: Option<String>,
     /// What stages leave to those after them, in words.
     pub left_out: Vec<String>,

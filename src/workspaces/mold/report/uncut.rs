@@ -50,7 +50,7 @@ pub struct InvertReport {
 /// A connected piece of what is left.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RegionReport {
-    /// Counted from 1.
+    /// Number of the region, counted from 1.
     pub index: usize,
     /// Volume (mm^3).
     pub volume_mm3: f64,
@@ -77,7 +77,7 @@ pub struct GridReport {
     pub step_mm: f64,
     /// Step of the coarser one (mm).
     pub coarser_step_mm: f64,
-    /// What that finds.
+    /// Figures found by the coarser field.
     pub coarser: Found,
     /// By how much the volumes differ (mm^3): the answer's is off by about as much.
     pub off_mm3: f64,

@@ -105,10 +105,10 @@ pub enum BurnPhase {
 }
 
 impl BurnPhase {
-    /// All of them, in order; each takes as much of the way's time.
+    /// All phases, in order; each takes an equal share of the way's time.
     pub const ALL: [Self; 3] = [Self::Approach, Self::Burn, Self::Lift];
 
-    /// How it is called.
+    /// Name of the phase.
     pub fn name(self) -> &'static str {
         ["approach", "burn", "lift"][self as usize]
     }

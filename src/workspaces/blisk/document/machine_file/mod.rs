@@ -76,7 +76,7 @@ pub enum MachineFileError {
         file: String,
         /// The body's name.
         body: String,
-        /// Why.
+        /// Reason that the import gives.
         source: Box<ImportError>,
     },
     /// The task was cancelled.

@@ -40,7 +40,7 @@ const THIN: f64 = 3.0;
 pub struct UncutParams {
     /// The cutters.
     pub library: CutterLibrary,
-    /// From where they come.
+    /// Direction that the cutters come from.
     pub opening: Opening,
     /// Thickness of the residue, across the mold's surface, up to which it counts as cut (mm).
     pub tolerance_mm: f64,
@@ -108,7 +108,7 @@ impl From<HeightFieldError> for UncutError {
     }
 }
 
-/// How many regions, and their volume (mm^3), by one way of finding them.
+/// Number of regions and their volume (mm^3), by one way of finding them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub struct Found {

@@ -32,22 +32,22 @@ pub enum Fly {
     All,
     /// Onto a cut.
     Onto(Camera),
-    /// Back to before that.
+    /// Back to where the view was before the cut.
     Back,
-    /// To where the mold is seen from above.
+    /// Above the mold, looking down.
     Above,
 }
 
 /// A place that is pointed at.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pointed {
-    /// Where, in the upright mold (mm).
+    /// The place, in the upright mold (mm).
     pub at: DVec3,
     /// What is there, with its figures.
     pub text: String,
 }
 
-/// What of the desk a picture depends on.
+/// The part of the desk's state that a picture depends on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Look {
     selected: Option<BurnOf>,
@@ -78,7 +78,7 @@ pub struct ElectrodeDesk {
     pub look: MoldLook,
     /// Where on its way the selected one is, 0 to 1; none while it stands where it has burned.
     pub time: Option<f64>,
-    /// Whether it goes along.
+    /// Whether the motion is played.
     pub is_playing: bool,
     /// The cut through the selected burn.
     pub cut: Option<BurnCut>,
@@ -217,7 +217,7 @@ impl ElectrodeDesk {
         Some(self.way()?.at(self.time?))
     }
 
-    /// One step along the way, or back.
+    /// Moves the electrode one step along its way, or back.
     pub fn step(&mut self, forward: bool) {
         // Where it has burned is two thirds of the way.
         let at = self.time.unwrap_or(2.0 / 3.0) * STEPS;
@@ -304,7 +304,7 @@ impl ElectrodeDesk {
         })
     }
 
-    /// What of this a picture depends on.
+    /// The part of the state that a picture depends on.
     pub(in crate::workspaces::mold::panels) fn picture(&self) -> Look {
         Look {
             selected: self.selected,
