@@ -195,7 +195,7 @@ pub enum FlankError {
          the surface"
     )]
     Unmeasured {
-        /// How many.
+        /// Number of samples.
         count: usize,
         /// Along the guides.
         u: f64,

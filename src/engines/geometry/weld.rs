@@ -19,7 +19,7 @@ pub struct Weld {
 }
 
 impl Weld {
-    /// With room for so many points.
+    /// An empty set with room for this number of points.
     pub fn with_capacity(count: usize) -> Self {
         Self { numbers: HashMap::with_capacity(count), points: Vec::with_capacity(count) }
     }

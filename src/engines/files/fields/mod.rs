@@ -22,7 +22,7 @@ use crate::error::allowed;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
-    /// Where it stands in the parameters.
+    /// Key of the field: its place in the parameters.
     pub key: &'static str,
     /// Name for a reader.
     pub label: &'static str,
@@ -111,9 +111,9 @@ pub enum Instead {
 /// A word to choose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Word {
-    /// As files and the command line have it.
+    /// Word in files and on the command line.
     pub word: &'static str,
-    /// As windows and reports show it.
+    /// Label in windows and reports.
     pub label: &'static str,
     /// Help text: the meaning of the word; may be empty.
     pub help: &'static str,

@@ -52,7 +52,7 @@ pub enum CheckKind {
 }
 
 impl CheckKind {
-    /// All of them.
+    /// All checks.
     pub const ALL: [Self; 12] = [
         Self::Ruled,
         Self::Guides,

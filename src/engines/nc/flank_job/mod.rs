@@ -107,7 +107,7 @@ pub struct FlankInput {
     pub walls: Option<Arc<Mesh>>,
     /// The machine; none for cutter locations only.
     pub machine: Option<MillingMachine>,
-    /// How it is milled.
+    /// Machine settings, clearances and motions of the milling.
     pub milling: MillingSettings,
     /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
     pub envelope_tolerance_mm: f64,
@@ -151,7 +151,7 @@ pub enum FlankJobError {
     NotFitted {
         /// Number of the flank.
         number: usize,
-        /// Why.
+        /// Reason in words.
         why: String,
     },
 }
@@ -224,7 +224,7 @@ pub struct FlankFacts {
     pub milled: Option<Result<Milled, String>>,
     /// Greatest chordal deviation of tip and flutes' top on straight moves (mm).
     pub chordal_deviation_mm: f64,
-    /// How it is milled.
+    /// Machine settings, clearances and motions of the milling.
     pub milling: MillingSettings,
     /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
     pub envelope_tolerance_mm: f64,

@@ -21,7 +21,7 @@ pub enum PathChoice {
 }
 
 impl PathChoice {
-    /// All of them, in the order in which they are made.
+    /// All paths, in the order in which they are made.
     pub const ALL: [Self; 3] = [Self::Initial, Self::Chosen, Self::Refined];
 
     /// Name.

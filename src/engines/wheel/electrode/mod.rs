@@ -89,10 +89,10 @@ pub fn own_turns(column: Option<Column>, [low, high]: [f64; 2]) -> [f64; 2] {
 /// The side of the blisk, in W, that an electrode enters from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum EntrySide {
-    /// From the side of smaller x.
+    /// Entry from the side of smaller x.
     #[serde(rename = "-x")]
     MinusX,
-    /// From the side of greater x.
+    /// Entry from the side of greater x.
     #[serde(rename = "+x")]
     PlusX,
 }

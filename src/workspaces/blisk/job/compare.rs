@@ -50,7 +50,7 @@ pub fn compare(
     }
 }
 
-/// The job that a run of `strategy` plans: the same but for the way it is searched.
+/// The job planned with `strategy`, its circumferential reductions as given.
 pub fn job_for(job: &PlanJob, strategy: Strategy) -> PlanJob {
     let mut job = job.clone();
     job.plan.strategy = strategy;
