@@ -6,16 +6,16 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use super::system_dialogs::System;
 use crate::workspaces::context::{PathInfo, PathKind};
 
-/// What a chosen path is for.
+/// Purpose of a chosen path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Purpose {
-    /// Who asks.
+    /// Part of the program that asks.
     pub of: Asking,
-    /// What is known of the path.
+    /// Title and kind of the path.
     pub info: &'static PathInfo,
 }
 
-/// Who asks for a path.
+/// Part of the program that asks for a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asking {
     /// The window: where the picture is saved.

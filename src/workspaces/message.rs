@@ -30,7 +30,7 @@ pub struct ElectrodePart {
     pub is_upside_down: bool,
 }
 
-/// Which way is up on electrodes of molds, whose files have their tips along -Z.
+/// Direction upwards on electrodes of molds, whose files have their tips along -Z.
 pub const UP_OF_MOLDS: DVec3 = DVec3::NEG_Z;
 
 impl ElectrodePart {

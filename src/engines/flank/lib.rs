@@ -195,7 +195,7 @@ pub enum FlankError {
          the surface"
     )]
     Unmeasured {
-        /// Number of samples.
+        /// Number of places.
         count: usize,
         /// Along the guides.
         u: f64,

@@ -209,7 +209,7 @@ pub struct Memo<K, V, P = ()> {
     what: &'static str,
     remembered: usize,
     lets_finish: bool,
-    /// The one that was made or asked for last comes last.
+    /// Remembered values; the one that was made or asked for last comes last.
     values: Vec<(K, Arc<V>)>,
     refusals: Vec<(K, Refusal)>,
     run: Option<Run<K>>,

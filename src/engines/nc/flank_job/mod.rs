@@ -52,7 +52,7 @@ pub enum LoadedSurface {
     Guides {
         /// Guide that the cutter's bottom follows.
         lower: GuideCurve,
-        /// The other one.
+        /// Upper guide.
         upper: GuideCurve,
     },
     /// A face of a mesh.
@@ -95,7 +95,7 @@ pub struct FlankInput {
     pub surface: LoadedSurface,
     /// Doubts about the files of surface and walls, in words.
     pub doubts: Vec<String>,
-    /// On which side of it the cutter stands.
+    /// Side of the surface that the cutter stands on.
     pub side: Side,
     /// The cutter.
     pub cutter: FlankCutter,

@@ -47,7 +47,7 @@ pub enum CutDirection {
 }
 
 impl CutDirection {
-    /// Both.
+    /// Both directions.
     pub const ALL: [Self; 2] = [Self::Climb, Self::Conventional];
 
     /// Name.

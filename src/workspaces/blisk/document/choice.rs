@@ -1,4 +1,4 @@
-//! What of a plan is written, and in which frame: the choices of `[export]` beside the post. By default all of it.
+//! Files of a plan that are written, and their frame: the choices of `[export]` beside the post. By default all.
 
 use serde::{Deserialize, Serialize};
 
@@ -100,7 +100,7 @@ impl DrawnPictures {
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "toml::Value", into = "String")]
 pub enum Channels {
-    /// The one that was planned in.
+    /// The channel that was planned in.
     #[default]
     Own,
     /// All channels of the blisk.

@@ -79,7 +79,7 @@ fn add(hash: &mut Sha256, part: &impl Serialize) {
 mod tests {
     use super::*;
 
-    /// Which steps have another fingerprint after `change`.
+    /// Stages that have another fingerprint after `change`.
     fn changed(change: impl Fn(&mut PlanJob)) -> Vec<Stage> {
         let before = PlanJob::demonstration();
         let mut after = before.clone();

@@ -153,10 +153,10 @@ impl Finished {
     }
 }
 
-/// What was written.
+/// The files of an export.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Exported {
-    /// Where.
+    /// Folder of the files.
     pub folder: PathBuf,
     /// The names of the files.
     pub written: Vec<String>,

@@ -59,7 +59,7 @@ fn playing(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     }
 }
 
-/// Which electrode is looked at, if there are several.
+/// Draws the choice of the electrode that is looked at, if there are several.
 fn which_electrode(ui: &mut Ui, desk: &mut BliskDesk) {
     let count = desk.electrode_count();
     if count > 1 {

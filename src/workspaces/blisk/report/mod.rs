@@ -328,7 +328,7 @@ pub struct ElectrodeReport {
     pub certified_clearance_mm: Option<f64>,
     /// Smallest clearance met: an upper bound of the least (mm).
     pub least_clearance_mm: Option<f64>,
-    /// Where.
+    /// Place of the smallest clearance met.
     pub least_clearance_at: Option<ClearancePlace>,
     /// The search nodes, node 0 being the final pose.
     pub nodes: Vec<NodeReport>,

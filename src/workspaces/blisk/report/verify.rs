@@ -74,7 +74,7 @@ pub struct VerifyReport {
     pub certified_clearance_mm: f64,
     /// Smallest clearance met (mm).
     pub least_clearance_mm: f64,
-    /// Where.
+    /// Place of the smallest clearance met.
     pub least_clearance_at: ClearancePlace,
     /// Whether the path leads from wholly outside the blisk to the final pose.
     pub starts_outside_and_ends_at_zero: bool,

@@ -47,7 +47,7 @@ impl Track {
         Self { stations: stations.collect(), is_path: true }
     }
 
-    /// The one pose of `station`.
+    /// A track with `station` as its only pose.
     pub fn standing(station: Station) -> Self {
         Self { stations: vec![station], is_path: false }
     }

@@ -141,9 +141,9 @@ pub enum FlankSource {
     },
     /// Two guide curves.
     Guides {
-        /// The one that the cutter's bottom follows.
+        /// Guide that the cutter's bottom follows.
         lower: GuideSource,
-        /// The other one.
+        /// Upper guide.
         upper: GuideSource,
     },
     /// A face of a mesh.

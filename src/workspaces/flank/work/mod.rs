@@ -321,7 +321,7 @@ impl FlankWork {
     }
 }
 
-/// What of a source has to be read: not which of its faces is chosen.
+/// The part of a source that has to be read, without the choice among its faces.
 fn source_to_read(source: &FlankSource) -> FlankSource {
     match source {
         FlankSource::Mesh(mesh) => FlankSource::Mesh(MeshFlank { candidate: 1, is_own_wall: true, ..mesh.clone() }),

@@ -217,7 +217,7 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> St
     text
 }
 
-/// Which change to the division does nothing, where, and what to do.
+/// A change to the division that does nothing, its place, and the remedy, in words.
 pub fn why_unmet(edit: &Edit) -> String {
     let remedy = match edit {
         Edit::Split { .. } => {
