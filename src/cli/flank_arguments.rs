@@ -61,7 +61,7 @@ pub(super) struct SurfaceArguments {
     /// `electrodes` has written.
     #[arg(long, value_name = "PATH", requires = "electrode")]
     of: Option<PathBuf>,
-    /// Which flank of the mesh, one number from 1 as --list has them: the largest first, planes that lie last, and of an
+    /// Number of the flank of the mesh, from 1 as --list has them: the largest first, planes that lie last, and of an
     /// electrode of a mold those of its tips before those of its base [default: 1].
     #[arg(long, value_name = "N", value_parser = flank_number)]
     flank: Option<u32>,
@@ -71,7 +71,7 @@ pub(super) struct SurfaceArguments {
     /// How far a flank of the mesh may be off its ruled surface (mm).
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     fit_tolerance: Option<String>,
-    /// Which way is up, from the lower guide to the upper, on the mesh: +z, -x, or three numbers with commas between
+    /// Direction upwards on the mesh, from the lower guide to the upper: +z, -x, or three numbers with commas between
     /// [default: +z].
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
     up: Option<String>,
@@ -144,12 +144,12 @@ struct PlanArguments {
     /// base goes on there].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     below: Option<String>,
-    /// Which path is milled: initial, chosen or refined [default: refined].
+    /// Path that is milled: initial, chosen or refined [default: refined].
     #[arg(long, value_name = "NAME")]
     path: Option<String>,
 }
 
-/// How it is milled.
+/// Machine, post, clearances and motions of the milling.
 #[derive(Debug, Args)]
 pub(super) struct MillingArguments {
     /// The machine: trunnion-ac, fork-cb, swivel-bc, a TOML file with one, FILE.toml#NAME of one with several, or none
@@ -163,13 +163,13 @@ pub(super) struct MillingArguments {
     /// machine's].
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
     clamp_z: Option<String>,
-    /// The same of its X.
+    /// The machine's direction along which the workpiece's X points [default: the machine's].
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
     clamp_x: Option<String>,
-    /// From the spindle nose to the tip (mm) [default: the machine's].
+    /// Length from the spindle nose to the tip (mm) [default: the machine's].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     gauge_length: Option<String>,
-    /// Which way along the surface, with the spindle clockwise: climb or conventional [default: climb].
+    /// Direction of cutting along the surface, with the spindle clockwise: climb or conventional [default: climb].
     #[arg(long, value_name = "NAME")]
     cut: Option<String>,
     /// The post: milling, milling-tcp (an example for controls that follow the tip), iso, beckhoff-edm, or a TOML file
@@ -212,10 +212,10 @@ fn set(document: &mut FlankDocument, given: &[(&str, &str, &Option<String>)]) ->
     Ok(())
 }
 
-/// What is asked, and what its user is to be told of it.
+/// The flank that is asked for, and notes on it for the user.
 pub(super) struct Asked {
     pub document: FlankDocument,
-    /// In words.
+    /// Notes for the user, in words.
     pub notes: Vec<String>,
 }
 

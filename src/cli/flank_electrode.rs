@@ -28,13 +28,13 @@ const TABLE: &str = "burn_table.json";
 
 /// An electrode as a surface's source, and whether it is clamped upside down.
 pub(super) struct FoundElectrode {
-    /// Its largest flank.
+    /// The largest flank of the electrode.
     pub source: FlankSource,
     /// Whether its base is on the table and its tips look to the spindle.
     pub is_upside_down: bool,
 }
 
-/// What of a burn table is looked at.
+/// The part of a burn table that is read.
 #[derive(Deserialize)]
 struct BurnTable {
     electrodes: Vec<Entry>,
@@ -79,7 +79,7 @@ fn kept(electrode: ElectrodePart) -> anyhow::Result<FoundElectrode> {
     Ok(FoundElectrode { source: FlankSource::Mesh(source), is_upside_down: *is_upside_down })
 }
 
-/// One that is designed for a mold as its file asks.
+/// The electrode called `name` that is designed for a mold as its file asks.
 fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
     let asked = Document::<MoldParams>::open(file)?.params().clone();
     let Some(mesh) = &asked.mesh else { anyhow::bail!("{}: it names no mesh; choose one and save it", file.display()) };
@@ -94,7 +94,7 @@ fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<Electro
     Ok(ElectrodePart::of_mold(found.ok_or_else(|| unknown(name, file, names()))?, &asked.name()))
 }
 
-/// One that is made for the channel of a blisk, by its number: 1, 2 and so on.
+/// The electrode that is made for the channel of a blisk, by its number: 1, 2 and so on.
 fn of_blisk(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
     let document = Document::<PlanJob>::open(file)?;
     let job = document.params();

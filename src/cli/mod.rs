@@ -100,7 +100,7 @@ enum Command {
         /// Folder for comparison.json, comparison.csv and comparison.html, made if it is not there.
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
-        /// Which strategies, with commas between [default: all].
+        /// Strategies, with commas between [default: all].
         #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = compare::strategy())]
         strategies: Vec<Strategy>,
     },
@@ -109,7 +109,7 @@ enum Command {
     Simulate {
         #[command(flatten)]
         project: ProjectArguments,
-        /// Which channels: own, all, or numbers with commas between [default: those of the project].
+        /// Channels: own, all, or numbers with commas between [default: those of the project].
         #[arg(long, value_name = "CHANNELS")]
         channels: Option<Channels>,
         /// Folder for simulation.json and simulation.txt, made if it is not there.
@@ -124,7 +124,7 @@ enum Command {
     Flank(Box<flank_arguments::FlankArguments>),
     /// Opens the window on a mold.
     Mold {
-        /// Its mesh: STL, OBJ, glTF or GLB.
+        /// Mesh of the mold: STL, OBJ, glTF or GLB.
         mesh: Option<PathBuf>,
     },
     /// Certifies a feed path file, whoever made it.
@@ -180,7 +180,7 @@ struct RenderArguments {
     /// Plans the project of a blisk and shows its electrode at this node, counted from the final pose.
     #[arg(long, value_name = "N")]
     node: Option<usize>,
-    /// Which electrode of the project is shown, counted from 1 [default: 1; of a mold none, but what is left uncut].
+    /// Number of the project's electrode that is shown, from 1 [default: 1; of a mold none, but what is left uncut].
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
     electrode: Option<u32>,
     /// Plans the project of a blisk and shows the room that the electrode passes through on its way.
@@ -233,7 +233,7 @@ enum Answer {
     Yes,
     /// The question has the answer no.
     No,
-    /// This stage was stopped; what was certified before is written.
+    /// A stage was stopped; what was certified before is written.
     Stopped(&'static str),
 }
 
@@ -361,7 +361,7 @@ fn usage(error: &clap::Error, json: bool) -> ExitCode {
     fail(&format!("{}; see --help", said.join(" ")), 2, json)
 }
 
-/// One line on standard error, and the exit code that tells whose fault it is.
+/// Writes one line on standard error, and gives the exit code that tells whose fault it is.
 fn report(error: &anyhow::Error, json: bool) -> ExitCode {
     let line = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
     fail(&format!("error: {line}"), if error.is::<Internal>() { 1 } else { 2 }, json)

@@ -22,11 +22,11 @@ struct Answers {
 
 #[derive(Serialize)]
 struct ElectrodeAnswer {
-    /// Counted from 1.
+    /// Number of the electrode, counted from 1.
     index: usize,
     /// What became of its path, in a sentence.
     path: String,
-    /// None without a certified path.
+    /// Result of the simulation; none without a certified path.
     simulation: Option<SimulationReport>,
 }
 

@@ -67,9 +67,9 @@ pub(super) struct UncutArguments {
 pub(super) struct AskedMold {
     /// What is asked.
     pub params: MoldParams,
-    /// Its mesh.
+    /// Mesh of the mold.
     pub imported: Imported,
-    /// The path of that.
+    /// Path of the mesh.
     pub path: PathBuf,
 }
 

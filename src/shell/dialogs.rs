@@ -16,7 +16,7 @@ use files::Recovery;
 /// What the user is asked, one thing at a time.
 #[derive(Default)]
 pub enum Dialog {
-    /// Nothing.
+    /// No question.
     #[default]
     None,
     /// Unsaved work of this workspace is about to be lost by this.
@@ -29,7 +29,7 @@ pub enum Dialog {
     Workspace(usize),
     /// A path, typed because the system has no file dialogs or because the user would rather type.
     Path(Purpose, String),
-    /// This file is there already.
+    /// A chosen file exists already.
     Overwrite(Purpose, PathBuf),
     /// About the program.
     About,

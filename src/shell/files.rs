@@ -6,23 +6,23 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use super::system_dialogs::System;
 use crate::workspaces::context::{PathInfo, PathKind};
 
-/// What a chosen path is for.
+/// Purpose of a chosen path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Purpose {
-    /// Who asks.
+    /// Part of the program that asks.
     pub of: Asking,
-    /// What is known of the path.
+    /// Title and kind of the path.
     pub info: &'static PathInfo,
 }
 
-/// Who asks for a path.
+/// Part of the program that asks for a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asking {
     /// The window: where the picture is saved.
     Picture,
     /// The window: where the document of this workspace is saved; then the program goes on with what it was asked for.
     Document(usize),
-    /// This workspace, under this number.
+    /// A workspace, by its number, for the path of this number in its table.
     Workspace(usize, usize),
 }
 
@@ -59,14 +59,14 @@ struct Asked {
     purpose: Purpose,
     name: String,
     answer: Receiver<Option<PathBuf>>,
-    /// Whether nothing of the system asks for it.
+    /// Whether the path is typed in the window, without a dialog of the system.
     is_typed: bool,
 }
 
 /// What became of a dialog.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Chosen {
-    /// This was chosen.
+    /// The path that was chosen.
     Path(Purpose, PathBuf),
     /// The user chose nothing.
     Cancelled(Purpose),

@@ -6,7 +6,7 @@ use crate::widgets::theme::palette;
 use crate::workspaces::commands::Command;
 use crate::workspaces::context::Context;
 
-/// What is typed and chosen; open while it is some.
+/// The state of the palette: the text that is typed and the command that is chosen.
 #[derive(Debug, Default)]
 pub struct CommandPalette {
     open: bool,
@@ -15,17 +15,17 @@ pub struct CommandPalette {
 }
 
 impl CommandPalette {
-    /// Opens or closes it.
+    /// Opens or closes the palette.
     pub fn toggle(&mut self) {
         *self = Self { open: !self.open, ..Self::default() };
     }
 
-    /// Whether it is open, and keys are its own.
+    /// Whether the palette is open and takes the keys.
     pub fn is_open(&self) -> bool {
         self.open
     }
 
-    /// Draws it with `commands` if it is open.
+    /// Draws the palette with `commands` if it is open.
     pub fn show(
         &mut self,
         ctx: &egui::Context,

@@ -249,7 +249,7 @@ impl SparkpathApp {
         self.workspaces[self.shown].viewport().picture().0
     }
 
-    /// From where it is seen.
+    /// Camera of the 3-D view.
     pub fn camera(&self) -> &Camera {
         self.workspaces[self.shown].viewport().picture().1
     }

@@ -10,7 +10,7 @@ use crate::workspaces::news::EventKind;
 use crate::workspaces::preferences::LengthUnit;
 use crate::workspaces::workspace::{Standing, Workspace};
 
-/// Draws it.
+/// Draws the status bar.
 pub fn show(ui: &mut Ui, (workspaces, shown): (&mut [Box<dyn Workspace>], usize), cx: &mut Context) {
     ui.horizontal(|ui| {
         for (i, workspace) in workspaces.iter_mut().enumerate() {

@@ -5,11 +5,11 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-/// What of the system is looked at.
+/// The facts about the system that decide which file dialogs there are.
 pub struct System {
-    /// Where its programs are.
+    /// Folders of programs.
     pub programs: Vec<PathBuf>,
-    /// Where its shared data is.
+    /// Folders of shared data.
     pub data: Vec<PathBuf>,
     /// Whether programs can talk to each other: a session bus.
     pub has_bus: bool,
@@ -18,7 +18,7 @@ pub struct System {
 }
 
 impl System {
-    /// The present one.
+    /// The system that the program runs on.
     pub fn present() -> Self {
         let named = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
         let all = |paths: Option<OsString>| paths.map_or_else(Vec::new, |p| std::env::split_paths(&p).collect());
@@ -52,7 +52,7 @@ impl System {
 /// Whether any of the backends described in a folder chooses files.
 fn has_chooser(folder: &Path) -> bool {
     const CHOOSER: &str = "org.freedesktop.impl.portal.FileChooser";
-    /// Such a description has a few lines (bytes).
+    /// Most that is read of a backend's description, which has a few lines (bytes).
     const MOST: u64 = 65_536;
     let chooses = |file: PathBuf| {
         let mut text = String::new();

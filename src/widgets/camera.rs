@@ -1,4 +1,4 @@
-//! From where a job is looked at.
+//! Cameras on a part: standard views, and the view into a channel.
 
 use glam::DVec3;
 
@@ -15,9 +15,9 @@ pub const PICTURE_SIZE: [u32; 2] = [1400, 900];
 /// A view that has a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NamedView {
-    /// One of engineering drawing.
+    /// A standard view of engineering drawing.
     Standard(StandardView),
-    /// From without into the channel: see [`into_channel`].
+    /// The view from outside into the channel: see [`into_channel`].
     Channel,
 }
 
@@ -58,8 +58,8 @@ pub fn into_channel(channel: &Channel, side: EntrySide, camera: Camera, aspect: 
     onto(channel, side, &bounds.grown(0.25 * bounds.size().length()), camera, aspect)
 }
 
-/// The same direction of view, with all of an electrode in the picture: `electrode` is the box around it or around
-/// its poses in the coordinates of the loaded mesh (mm).
+/// A camera with the direction of view of [`into_channel`] and all of an electrode in the picture: `electrode` is the box
+/// around it or around its poses in the coordinates of the loaded mesh (mm).
 pub fn electrode_in_channel(channel: &Channel, side: EntrySide, electrode: &Bounds, aspect: f64) -> Camera {
     let walls = walls(channel);
     let both = Bounds { min: walls.min.min(electrode.min), max: walls.max.max(electrode.max) };

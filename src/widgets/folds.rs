@@ -6,9 +6,9 @@ use super::theme::palette;
 
 /// A panel beside the view that folds.
 pub struct Folding<'a> {
-    /// Whether it is on the left.
+    /// Whether the panel is on the left.
     pub is_left: bool,
-    /// Whether it is there.
+    /// Whether the panel is shown, not folded.
     pub is_there: bool,
     /// The name of its handle.
     pub name: &'a str,
@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, rect: Rect, panels: &[Folding]) -> Option<usize> {
     clicked
 }
 
-/// One of them, which points to where its panel goes.
+/// A handle of a folded panel, which points to where the panel goes. Answers whether it was clicked.
 fn handle(ui: &mut Ui, rect: Rect, panel: &Folding) -> bool {
     let response = ui.interact(rect, ui.scope_id().with(("fold", panel.name)), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, panel.name));

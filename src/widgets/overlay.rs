@@ -67,11 +67,11 @@ pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) -> Rect {
 pub struct ViewButton {
     /// Short name.
     pub name: &'static str,
-    /// What it does, with its keys.
+    /// Help text: the effect of the button, with its keys.
     pub hint: String,
-    /// Whether it can be pressed.
+    /// Whether the button can be pressed.
     pub is_enabled: bool,
-    /// Whether what it shows is on.
+    /// Whether what the button shows is on.
     pub is_on: bool,
 }
 

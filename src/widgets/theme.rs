@@ -16,9 +16,9 @@ pub struct Palette {
     pub bad: Color32,
     /// Text of little weight.
     pub faint: Color32,
-    /// One colour an axis: X, Y, Z, A, B, C.
+    /// Colours of the axes X, Y, Z, A, B, C.
     pub axes: [Color32; 6],
-    /// One colour a kept run, unlike those of the axes.
+    /// Colours of kept runs, unlike those of the axes.
     pub runs: [Color32; 6],
 }
 

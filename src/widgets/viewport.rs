@@ -37,7 +37,7 @@ impl<T> PartialEq for Source<T> {
 /// What moves in the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moves {
-    /// Nothing.
+    /// No motion.
     Nothing,
     /// What is shown is played.
     Playing,

@@ -86,13 +86,13 @@ impl Gpu {
 
 /// A picture to be shown in the window.
 pub struct Picture {
-    /// What.
+    /// Scene of the picture.
     pub scene: Arc<Scene>,
-    /// From where.
+    /// Camera of the picture.
     pub camera: Camera,
     /// Width and height (pixels).
     pub size: [u32; 2],
-    /// How carefully.
+    /// Quality of the drawing.
     pub quality: Quality,
 }
 

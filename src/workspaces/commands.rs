@@ -6,14 +6,14 @@
 use egui::{Key, KeyboardShortcut, Modifiers};
 use render::view::StandardView;
 
-/// What is known of a command.
+/// Name, keys and needs of a command.
 #[derive(Debug, PartialEq)]
 pub struct CommandInfo {
     /// Name of the command.
     pub name: &'static str,
     /// Keyboard shortcut.
     pub keys: Option<KeyboardShortcut>,
-    /// Why it cannot be done now, where that is not plain to see.
+    /// Reason why the command cannot be done now, where that is not plain to see.
     pub needs: Option<&'static str>,
 }
 
@@ -23,28 +23,28 @@ impl CommandInfo {
         Self { name, keys: None, needs: None }
     }
 
-    /// With this key.
+    /// The command with this key.
     pub const fn key(self, key: Key) -> Self {
         Self { keys: Some(KeyboardShortcut::new(Modifiers::NONE, key)), ..self }
     }
 
-    /// With Ctrl and this key.
+    /// The command with Ctrl and this key.
     pub const fn ctrl(self, key: Key) -> Self {
         Self { keys: Some(KeyboardShortcut::new(Modifiers::COMMAND, key)), ..self }
     }
 
-    /// With Ctrl, Shift and this key.
+    /// The command with Ctrl, Shift and this key.
     pub const fn ctrl_shift(self, key: Key) -> Self {
         let both = Modifiers { shift: true, ..Modifiers::COMMAND };
         Self { keys: Some(KeyboardShortcut::new(both, key)), ..self }
     }
 
-    /// With what it needs.
+    /// The command with the reason that is shown while it cannot be done.
     pub const fn needing(self, why: &'static str) -> Self {
         Self { needs: Some(why), ..self }
     }
 
-    /// Whether its keys are those that text fields and sliders need for themselves.
+    /// Whether the keys are those that text fields and sliders need for themselves.
     fn yields_to_focus(&self) -> bool {
         self.keys.is_some_and(|s| {
             s.modifiers == Modifiers::NONE && !matches!(s.logical_key, Key::F5 | Key::F6 | Key::F7 | Key::F8)
@@ -60,30 +60,30 @@ impl CommandInfo {
     }
 }
 
-/// Whose command it is.
+/// Owner of a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scope {
-    /// The window's.
+    /// The window.
     Frame,
-    /// Shows a workspace.
+    /// The switch from workspace to workspace.
     Switch,
-    /// The workspace's with this name in files.
+    /// The workspace with this name in files.
     Workspace(&'static str),
 }
 
-/// Any command.
+/// A command of the window or of a workspace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Command {
-    /// Whose it is.
+    /// Owner of the command.
     pub scope: Scope,
     /// Number in the table of its scope.
     pub index: usize,
-    /// What is known of it.
+    /// Name, keys and needs of the command.
     pub info: &'static CommandInfo,
 }
 
 impl Command {
-    /// The one that shows workspace number `index`.
+    /// The command that shows workspace number `index`.
     pub fn switch(index: usize, info: &'static CommandInfo) -> Self {
         Self { scope: Scope::Switch, index, info }
     }
@@ -91,13 +91,13 @@ impl Command {
 
 /// Commands with a table of their own.
 pub trait CommandSet: Copy + PartialEq + 'static {
-    /// Whose they are.
+    /// Owner of the commands.
     const SCOPE: Scope;
 
-    /// All of them, in the order of the palette.
+    /// All commands of the set, in the order of the palette.
     fn table() -> &'static [(Self, CommandInfo)];
 
-    /// Type-erased command.
+    /// The command without its type.
     fn command(self) -> Command {
         static UNNAMED: CommandInfo = CommandInfo::new("");
         let found = Self::table().iter().enumerate().find(|(_, (command, _))| *command == self);
@@ -111,7 +111,7 @@ pub trait CommandSet: Copy + PartialEq + 'static {
         Self::table().get(command.index).filter(|_| is_one).map(|(command, _)| *command)
     }
 
-    /// All of them without their type.
+    /// All commands of the set without their type.
     fn all() -> Vec<Command> {
         let numbered = Self::table().iter().enumerate();
         numbered.map(|(index, (_, info))| Command { scope: Self::SCOPE, index, info }).collect()

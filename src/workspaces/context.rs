@@ -14,25 +14,25 @@ use crate::widgets::theme::palette;
 use files::{FileError, ResultCache};
 use task::Doing;
 
-/// How long a sentence that passes is to be seen (s).
+/// Time that a passing message is shown (s).
 const PASSING: f64 = 8.0;
 
 /// A line of the log.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogLine {
-    /// When.
+    /// Time of the message.
     pub at: SystemTime,
-    /// What kind of news.
+    /// Kind of the message.
     pub kind: EventKind,
-    /// In one sentence.
+    /// Text of the message, one sentence.
     pub text: String,
-    /// How long it took, if that is known.
+    /// Time that the work took, if that is known.
     pub took: Option<Duration>,
-    /// The number of the workspace that said it.
+    /// Number of the workspace that sent the message.
     pub workspace: usize,
-    /// What it is of, as the workspace numbers it: a step of the plan.
+    /// Subject of the message, as the workspace numbers it: a step of the plan.
     pub topic: Option<usize>,
-    /// How often the document had been changed by then, where the workspace counts that.
+    /// Number of changes of the document before the message, where the workspace counts them.
     pub revision: u64,
 }
 
@@ -44,12 +44,12 @@ impl LogLine {
     }
 }
 
-/// What a path is wanted for.
+/// A path that the user is asked for.
 #[derive(Debug, PartialEq, Eq)]
 pub struct PathInfo {
     /// The title of the dialog.
     pub title: &'static str,
-    /// What is chosen.
+    /// Kind of the file or folder.
     pub kind: PathKind,
     /// Whether the file is opened in place of the document.
     pub opens: bool,
@@ -69,10 +69,10 @@ pub enum PathKind {
 
 /// Paths that a workspace asks for, with a table of their own.
 pub trait PathSet: Copy + PartialEq + 'static {
-    /// All of them.
+    /// All paths of the set.
     fn table() -> &'static [(Self, PathInfo)];
 
-    /// What number `number` of the table is.
+    /// The path with this number in the table.
     fn at(number: usize) -> Option<Self> {
         Self::table().get(number).map(|(path, _)| *path)
     }
@@ -81,23 +81,23 @@ pub trait PathSet: Copy + PartialEq + 'static {
 /// Endings of meshes.
 pub const MESHES: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB"];
 
-/// What a workspace asks of the window.
+/// A request of a workspace to the window.
 pub enum Request {
     /// A path: its number in the workspace's table, what it is for, and the name that is proposed.
     Path(usize, &'static PathInfo, String),
-    /// To tell of something that went wrong: title and text.
+    /// Shows an error: title and text.
     Error(String, String),
-    /// To show the workspace's own dialog.
+    /// Shows the workspace's own dialog.
     Dialog,
-    /// To close it.
+    /// Closes the workspace's own dialog.
     CloseDialog,
-    /// To go on with what takes the place of the document, after asking about unsaved work.
+    /// Goes on with what takes the place of the document, after asking about unsaved work.
     Replace,
     /// To go on with the replacement on the way to what was asked for before: what the user has given up for it is not asked about again.
     GoOn,
-    /// To show the workspace.
+    /// Shows the workspace.
     Show,
-    /// To give this to the workspace that takes it.
+    /// Hands a message to the workspace that takes it.
     Send(Message),
 }
 

@@ -5,17 +5,17 @@ use files::{Document, Params};
 /// What the hands of the user do.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Hands {
-    /// Nothing.
+    /// The hands rest.
     #[default]
     Idle,
-    /// They hold a button of the mouse down: what is dragged is not at rest.
+    /// A button of the mouse is held down: what is dragged is not at rest.
     Holding,
-    /// They type.
+    /// A text is being typed.
     Typing,
 }
 
 impl Hands {
-    /// What they do now.
+    /// The state of the hands in this frame.
     pub fn of(ctx: &egui::Context) -> Self {
         match (ctx.input(|i| i.pointer.any_down()), ctx.egui_wants_keyboard_input()) {
             (true, _) => Self::Holding,

@@ -18,23 +18,23 @@ pub enum Message {
 /// An electrode, and how it stands while its flanks are milled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElectrodePart {
-    /// What it is called.
+    /// Name of the electrode.
     pub name: String,
-    /// What it burns: the name of a mold or a blisk.
+    /// Name of the mold or blisk that the electrode burns.
     pub of: String,
     /// Mesh of the electrode, in the axes of its file (mm).
     pub mesh: Mesh,
-    /// Which way the cutter's axis points on it.
+    /// Direction of the cutter's axis on the electrode.
     pub up: DVec3,
-    /// Whether it is clamped upside down: its base on the table, its tips to the spindle.
+    /// Whether the electrode is clamped upside down: its base on the table, its tips to the spindle.
     pub is_upside_down: bool,
 }
 
-/// Which way is up on electrodes of molds, whose files have their tips along -Z.
+/// Direction upwards on electrodes of molds, whose files have their tips along -Z.
 pub const UP_OF_MOLDS: DVec3 = DVec3::NEG_Z;
 
 impl ElectrodePart {
-    /// One of a `mold`: as in its file, tips down.
+    /// An electrode of a `mold`: as in its file, tips down.
     pub fn of_mold(electrode: &MoldElectrode, mold: &str) -> Self {
         let (name, mesh) = (electrode.name.clone(), electrode.mesh.clone());
         Self { name, of: mold.to_owned(), mesh, up: UP_OF_MOLDS, is_upside_down: true }

@@ -22,7 +22,7 @@ pub enum EventKind {
 pub struct WorkEvent {
     /// What became of it.
     pub kind: EventKind,
-    /// In one sentence.
+    /// Text of the event, one sentence.
     pub text: String,
     /// How long it was worked on.
     pub took: Option<Duration>,

@@ -15,7 +15,7 @@ pub struct Opening<T> {
 }
 
 impl<T: Send + Sync + 'static> Opening<T> {
-    /// Nothing is being opened.
+    /// An idle reader: no document is being read.
     pub fn new(scheduler: &Scheduler) -> Self {
         Self { memo: Memo::new(scheduler, Lane::Quick, "Open").remembering(1), number: 0 }
     }

@@ -18,7 +18,7 @@ pub struct Preferences {
     pub scale: f32,
     /// Unit that lengths are shown in. Files and forms stay in mm.
     pub length: LengthUnit,
-    /// Which mouse button does what in the 3-D view.
+    /// Mouse buttons of the 3-D view.
     pub navigation: Navigation,
     /// Whether a quick look follows while an electrode is tuned, and a plan when it rests, with the global strategy.
     pub live: bool,
@@ -53,7 +53,7 @@ pub enum ThemeChoice {
     Dark,
     /// Dark on light.
     Light,
-    /// As the system is.
+    /// The theme of the system.
     System,
 }
 

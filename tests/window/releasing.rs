@@ -63,7 +63,8 @@ fn a_release_does_not_wait_for_the_residual_stock_and_outlives_it() {
     let home = Home::new();
     let mut desk = released(&home);
     desk.blisk_mut().work.start_plan().unwrap();
-    let motions_are_known = |d: &crate::desk::Desk| d.blisk().work.plan().is_some_and(|plan| plan.finishing().is_some());
+    let motions_are_known =
+        |d: &crate::desk::Desk| d.blisk().work.plan().is_some_and(|plan| plan.finishing().is_some());
     desk.until("the plan is done", |d| d.state(Stage::Plan) == State::Ready);
     desk.until("the motions are known", motions_are_known);
     desk.blisk_mut().work.release().unwrap();

@@ -249,7 +249,7 @@ impl Probes {
         self.clusters.len()
     }
 
-    /// These points and `more`; a point that exists already takes the greater demand.
+    /// The points of this set with `more` added; a point that exists already takes the greater demand.
     pub fn joined(&self, more: &[Sample]) -> Vec<Sample> {
         let mut samples = self.samples.clone();
         for new in more {

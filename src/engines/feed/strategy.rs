@@ -12,9 +12,9 @@ use wheel::channel::Surface;
 pub struct StrategySymbol {
     /// The symbol.
     pub symbol: String,
-    /// What it stands for.
+    /// Meaning of the symbol.
     pub meaning: &'static str,
-    /// Its value in `unit`.
+    /// Value of the symbol, in `unit`.
     pub value: f64,
     /// The unit; `1` for none.
     pub unit: &'static str,

@@ -112,7 +112,7 @@ pub enum FileError {
     TooLarge {
         /// The file.
         file: PathBuf,
-        /// What it was to be, as in `library of cutters`.
+        /// The kind of file that was expected, such as `library of cutters`.
         what: String,
         /// The most that is read (bytes).
         most: u64,

@@ -81,7 +81,7 @@ pub struct ExportFolder {
     folder: PathBuf,
     /// What writes, as in `flank`: its exports replace each other, and leave those of others alone.
     by: &'static str,
-    /// Others whose files go as well, because they are about the former export.
+    /// Other exports whose files are removed as well, because they are about the former export.
     replaced: &'static [&'static str],
     // Before the folders: fields are dropped in order, and these go only when they are empty.
     waiting: tempfile::TempDir,

@@ -22,7 +22,7 @@ pub type Figures = BTreeMap<String, f64>;
 /// decision.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Override {
-    /// What it is for, as the name of an electrode; empty where there is one thing only.
+    /// Name of the thing that was checked, such as an electrode; empty where there is one thing only.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub of: String,
     /// The check, by name.

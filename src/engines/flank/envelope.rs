@@ -80,7 +80,7 @@ pub fn check(
 /// The moving cutter over a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Grazing {
-    /// At which t it grazes there; the path may have to go on past its ends for it.
+    /// Parameter t of the path where the cutter grazes there; the path may have to go on past its ends for it.
     pub t: f64,
     /// How far above the place (mm) it cuts: of a path that ends before, how far the cutter at its end does. None if
     /// that one does not reach the place's normal.

@@ -40,9 +40,9 @@ pub struct Clearance {
     /// Distance (mm), to within [`slack`]; negative by the depth where it gouges, less what is allowed at the border of
     /// the milled face.
     pub distance_mm: f64,
-    /// Where on the mesh.
+    /// Place on the mesh.
     pub point: DVec3,
-    /// At which t of the path.
+    /// Parameter t of the path at the place.
     pub t: f64,
 }
 

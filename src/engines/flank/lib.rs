@@ -195,7 +195,7 @@ pub enum FlankError {
          the surface"
     )]
     Unmeasured {
-        /// How many.
+        /// Number of places.
         count: usize,
         /// Along the guides.
         u: f64,

@@ -33,7 +33,7 @@ pub struct OwnGouge {
     pub point: DVec3,
     /// Part of the tool that cuts the surface.
     pub part: ToolPart,
-    /// At which t of the path.
+    /// Parameter t of the path at the place.
     pub t: f64,
     /// How deep it lies in the tool (mm).
     pub depth_mm: f64,

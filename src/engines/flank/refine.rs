@@ -186,7 +186,7 @@ fn refine_standing(
     Ok(if moving_difference(grid, &best, cutter) > allowed { trusted } else { best })
 }
 
-/// By which share of it the sum of deviations differs while the cutter moves. A path that swings from side to side can
+/// Share by which the sum of deviations differs while the cutter moves. A path that swings from side to side can
 /// have little deviation wherever it stands and much between.
 fn moving_difference(grid: &DesignGrid, path: &Measured, cutter: &FlankCutter) -> f64 {
     let moving = envelope::check(grid, &path.axis, cutter, (&path.deviation, &path.feet));

@@ -7,13 +7,13 @@ use super::FlankError;
 use super::guide::{self, GuideCurve};
 use geometry::nurbs::NurbsCurve;
 
-/// On which side of a surface the cutter stands.
+/// Side of a surface that the cutter stands on.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {
-    /// Where R_u x R_v points to (+1).
+    /// The side that R_u x R_v points to (+1).
     Positive,
-    /// The other one (-1).
+    /// The side opposite to R_u x R_v (-1).
     Negative,
     /// Outside of the solid, for a face of a mesh. Two guides alone do not say where the part is: they need one of the
     /// others.

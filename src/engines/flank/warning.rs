@@ -10,9 +10,9 @@ use super::ruled_surface::RuledSurface;
 /// Warning on a plan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PlanWarning {
-    /// Of which path alone: see [`FlankPlan::paths`]. None if it is of the whole plan.
+    /// Path that the warning is about: see [`FlankPlan::paths`]. None if it is about the whole plan.
     pub path: Option<&'static str>,
-    /// In words.
+    /// Text of the warning.
     pub text: String,
 }
 

@@ -19,7 +19,7 @@ pub struct Weld {
 }
 
 impl Weld {
-    /// With room for so many points.
+    /// An empty set with room for this number of points.
     pub fn with_capacity(count: usize) -> Self {
         Self { numbers: HashMap::with_capacity(count), points: Vec::with_capacity(count) }
     }
@@ -37,7 +37,7 @@ impl Weld {
         &self.points
     }
 
-    /// The same, to keep.
+    /// The different points by number, for the caller to keep.
     pub fn into_points(self) -> Vec<DVec3> {
         self.points
     }

@@ -43,7 +43,7 @@ impl Likeness {
 pub(super) struct Content<'a> {
     /// The whole content.
     pub bytes: &'a [u8],
-    /// Its beginning without leading white space, if that is text.
+    /// Beginning of the content without leading white space, if it is text.
     pub text: Option<&'a [u8]>,
     /// Ending of the file's name in small letters, without the dot.
     pub ending: &'a str,

@@ -200,7 +200,7 @@ impl<'a> Words<'a> {
 /// Writes `mesh` to `path` as binary STL. The file appears whole or not at all (see [`atomic_write`]).
 ///
 /// # Errors
-/// Those of [`stl_bytes`], and every error of the file system.
+/// Every error of [`stl_bytes`] and of the file system.
 pub fn write_stl(path: &Path, mesh: &Mesh) -> io::Result<()> {
     let bytes = stl_bytes(mesh)?;
     atomic_write(path, |out| out.write_all(&bytes))

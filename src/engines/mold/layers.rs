@@ -1,4 +1,4 @@
-//! At which heights a mold is looked at.
+//! Heights of the layers of a mold.
 //!
 //! Layers lie just above every horizontal face and just below the next one up, so that both ends of what is between
 //! are seen; just above every place that is lower than all around it, in steps that grow, since a flat cutter of radius

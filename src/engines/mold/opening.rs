@@ -32,7 +32,7 @@ pub enum Opening {
 }
 
 impl Opening {
-    /// All of them.
+    /// All directions.
     pub const ALL: [Self; 6] = [Self::PlusX, Self::MinusX, Self::PlusY, Self::MinusY, Self::PlusZ, Self::MinusZ];
 
     /// How it is written.

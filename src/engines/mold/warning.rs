@@ -78,7 +78,7 @@ pub enum MoldWarning {
          whether the rounded cutters take them is not known"
     )]
     ThinRegions {
-        /// How many.
+        /// Number of regions.
         regions: usize,
         /// The thickest (mm).
         thickness: f64,

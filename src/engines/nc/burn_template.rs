@@ -32,7 +32,7 @@ pub enum TemplateError {
     Unreadable {
         /// The file.
         template: String,
-        /// Why.
+        /// Reason that the system gives.
         source: std::io::Error,
     },
     /// File is no template.

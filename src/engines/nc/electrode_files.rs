@@ -28,7 +28,7 @@ pub enum ElectrodeFormat {
 }
 
 impl ElectrodeFormat {
-    /// All of them.
+    /// All formats.
     pub const ALL: [Self; 3] = [Self::Stl, Self::Obj, Self::Glb];
 
     /// How file names end, and how it is called.

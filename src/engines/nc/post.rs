@@ -46,7 +46,7 @@ const POST: TomlFile<Post> = TomlFile::new("post");
 pub enum FeedMode {
     /// mm per minute, degrees per minute in blocks where only rotary axes move (usually G94).
     PerMinute,
-    /// One over the minutes that the block takes (usually G93).
+    /// The inverse of the minutes that the block takes (usually G93).
     InverseTime,
     /// The seconds that the block takes.
     Seconds,

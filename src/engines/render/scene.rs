@@ -84,7 +84,7 @@ pub struct LineSet {
 /// A round dot of constant size, seen through everything, more faintly where something is before it.
 #[derive(Debug, Clone, Copy)]
 pub struct Marker {
-    /// Where.
+    /// Place of the dot.
     pub at: DVec3,
     /// Colour.
     pub colour: Colour,

@@ -63,7 +63,7 @@ impl Progress {
         Self(Arc::new(sink))
     }
 
-    /// The same for a part of the work, whose stages are all called `stage`.
+    /// A progress sink for a part of the work, whose stages are all called `stage`.
     pub fn as_stage(&self, stage: &'static str) -> Self {
         let sink = self.0.clone();
         Self::new(move |update| sink(&Update { stage, ..update.clone() }))

@@ -62,7 +62,7 @@ pub enum Refusal {
 /// How work has ended.
 #[derive(Debug)]
 pub struct Ended<K, V> {
-    /// What it was for.
+    /// Key that the work was done for.
     pub key: K,
     /// What came out.
     pub result: Result<Arc<V>, Refusal>,
@@ -73,7 +73,7 @@ pub struct Ended<K, V> {
 /// What is being worked on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Doing {
-    /// What it is for: the name of the memo.
+    /// Name of the memo that the work is for.
     pub what: &'static str,
     /// What is being done, in the words of the computation: "waiting" before it begins, and then empty at first.
     pub stage: String,
@@ -209,7 +209,7 @@ pub struct Memo<K, V, P = ()> {
     what: &'static str,
     remembered: usize,
     lets_finish: bool,
-    /// The one that was made or asked for last comes last.
+    /// Remembered values; the one that was made or asked for last comes last.
     values: Vec<(K, Arc<V>)>,
     refusals: Vec<(K, Refusal)>,
     run: Option<Run<K>>,

@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 
 use crate::Cancel;
 
-/// Which thread work is done on.
+/// Thread that work is done on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lane {
     /// At most a few seconds: files that are read or written, a preview while a slider moves, colours.

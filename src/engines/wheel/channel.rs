@@ -13,7 +13,7 @@ pub enum BladeSide {
     Suction,
     /// The concave (front) face.
     Pressure,
-    /// Neither: straight within what can be measured.
+    /// A face that is straight within what can be measured.
     Flat,
 }
 

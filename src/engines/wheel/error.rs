@@ -8,7 +8,7 @@ use task::Cancelled;
 /// Why the axis, the blades or a channel could not be found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BliskError {
-    /// A key of the job file is wrong.
+    /// A key of the project is wrong.
     #[error("{0}")]
     Options(String),
     /// There is nothing to look at.
@@ -53,7 +53,7 @@ pub enum BliskError {
         /// Why they are no channels.
         reason: &'static str,
     },
-    /// The job asks for a channel that does not exist.
+    /// The channel that is asked for does not exist.
     #[error("blisk.channel is {index}, but the blisk has {blades} channels, 0 to {}", .blades - 1)]
     NoSuchChannel {
         /// The channel asked for.

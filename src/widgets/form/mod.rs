@@ -27,30 +27,30 @@ const HEIGHT: f32 = 22.0;
 /// Room between numbers beside each other.
 const GAP: f32 = 4.0;
 
-/// What a change of a field is to be.
+/// A change of a field.
 enum Change {
     /// A value of its own.
     To(Value),
-    /// One of many that come while the button is down or keys step a slider.
+    /// A value among many that come while the button is down or keys step a slider.
     Along(Value),
     /// A file is to be chosen.
     Choose,
-    /// None: what was typed is no number.
+    /// No change: what was typed is no number.
     NoNumber(String),
-    /// None: what was typed is not allowed.
+    /// No change: what was typed is not allowed.
     Wrong(Invalid),
 }
 
 /// Parameters that a form has changed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Edit<P> {
-    /// All of them, as they are now.
+    /// All parameters after the change.
     pub params: P,
-    /// The key of the one that was changed; empty if it was in another way than by a field.
+    /// Key of the parameter that was changed; empty if the change was made in another way than by a field.
     pub key: String,
-    /// What was changed, as a step that can be undone is called.
+    /// Name of the change, as a step that can be undone.
     pub label: String,
-    /// Whether it is one of many changes that come while the hands are at it.
+    /// Whether the change is one of many in a gesture of the mouse or keys.
     pub in_gesture: bool,
 }
 

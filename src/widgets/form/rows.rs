@@ -14,13 +14,13 @@ const NUMBER: f32 = 22.0;
 
 /// A column of a table that is no parameter itself, such as what several of them make together.
 pub struct ExtraColumn<'a> {
-    /// Its heading.
+    /// Heading of the column.
     pub head: &'a str,
     /// The number of columns before it.
     pub after: usize,
     /// Width (points).
     pub width: f32,
-    /// Draws it for a row. Answers another row.
+    /// Draws the cell of a row. Answers another row.
     pub draw: &'a mut dyn FnMut(&mut Ui, &str, &Value) -> Option<Value>,
 }
 

@@ -23,7 +23,7 @@ use wheel::channel::Channel;
 
 /// What the manifest of a folder calls an export of a plan.
 const EXPORT: &str = "plan";
-/// What it calls verdicts on a plan: one of an earlier plan would be taken for one on this.
+/// Names of verdicts on a plan in the manifest: a verdict on an earlier plan would be taken for one on this plan.
 const VERDICTS: [&str; 2] = [VERIFY, SIMULATE];
 /// What the manifest of a folder calls an export of `sparkpath verify`.
 pub const VERIFY: &str = "verify";

@@ -30,7 +30,7 @@ pub const REPORT_FILE: &str = "report.html";
 /// What the manifest of a folder calls an export of a flank.
 const EXPORT: &str = "flank";
 
-/// Which files are written.
+/// A choice of the files that are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ExportChoice {
     /// Cutter locations.
@@ -44,7 +44,7 @@ pub struct ExportChoice {
 }
 
 impl ExportChoice {
-    /// All of them.
+    /// All files.
     pub const ALL: Self = Self { cl: true, nc: true, csv: true, report: true };
 
     /// Whether there is anything to write.

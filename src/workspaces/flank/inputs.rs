@@ -23,7 +23,7 @@ const LARGEST_FILE: u64 = 16 << 20;
 /// What was read from a file, and what that leaves in doubt.
 #[derive(Debug, Clone)]
 pub struct FromFile<T> {
-    /// It.
+    /// The value that was read.
     pub value: T,
     /// What the reader must know of it, in words.
     pub doubts: Vec<String>,

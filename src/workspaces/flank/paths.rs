@@ -9,7 +9,7 @@ pub enum FlankPath {
     Open,
     /// Points of the lower guide curve.
     Lower,
-    /// Of the upper one.
+    /// File of the upper guide.
     Upper,
     /// A mesh with the flank.
     Mesh,

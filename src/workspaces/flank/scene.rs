@@ -25,7 +25,7 @@ use render::view::looking;
 const FLUTES: Colour = Colour::rgb(0xb9, 0xc4, 0xce);
 /// Opacity of the cutter, so that the surface is seen through it.
 const CUTTER_OPACITY: f32 = 0.5;
-/// The same side by side, where cutters stand before other surfaces.
+/// Opacity of cutters side by side, where they stand before other surfaces.
 const CUTTERS_OPACITY: f32 = 0.22;
 /// Opacity of the surface of the axis.
 const AXIS_OPACITY: f32 = 0.4;
@@ -58,7 +58,7 @@ const WALLS: u32 = 33;
 /// A ruled surface made for the screen.
 #[derive(Debug, Clone)]
 pub struct FlankSurface {
-    /// It, over a grid: v runs faster.
+    /// Mesh of the surface over a grid: v runs faster.
     pub shape: Arc<RenderMesh>,
     rulings: Vec<Vec<DVec3>>,
     /// Middle, mean unit normal on the cutter's side, direction and length along the guides, and along the rulings.
@@ -115,7 +115,7 @@ impl FlankSurface {
         made.seen_round(&mesh.vertices)
     }
 
-    /// The same, where its ends are near to each other for its width, with the directions in which it is seen as a whole:
+    /// The surface with the directions in which it is seen as a whole, where its ends are near to each other for its width:
     /// the way from one end to the other is then no measure of it.
     fn seen_round(self, vertices: &[DVec3]) -> Self {
         let across = self.rulings.iter().map(|r| r[1] - r[0]).sum::<DVec3>() / self.rulings.len() as f64;
@@ -297,11 +297,11 @@ pub struct FlankScene<'a> {
     pub paths: &'a [PathChoice],
     /// Whether the colours are those of the moving cutter.
     pub moving: bool,
-    /// For each path where the cutter stands, if it is shown.
+    /// Pose of the cutter on each path, if it is shown.
     pub poses: &'a [FlankPose],
-    /// For each path where that is over the surface.
+    /// Line of contact on the surface at that pose, for each path.
     pub contacts: &'a [Vec<DVec3>],
-    /// For each path the line of the cutter's bottom centre.
+    /// Line of the cutter's bottom centre, for each path.
     pub tips: &'a [Vec<DVec3>],
     /// Whether the surface of the axis is shown.
     pub shows_axis: bool,

@@ -27,7 +27,7 @@ use free_space::FreeSpace;
 use task::{Cancel, Cancelled, Task};
 use wheel::channel::Surface;
 
-/// Parameters of the global strategy (`[plan.global]` of a job).
+/// Parameters of the global strategy (`[plan.global]` of a project).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct GlobalParams {

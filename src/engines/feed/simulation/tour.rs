@@ -14,7 +14,7 @@ use crate::quantise::quantise_rad;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Phase {
-    /// From the clear position to the first row of the feed.
+    /// Way from the clear position to the first row of the feed.
     Approach,
     /// The feed to the final pose.
     Feed,

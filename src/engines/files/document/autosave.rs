@@ -157,7 +157,7 @@ impl Recovery {
         Some(Self { copy, kind, part, file })
     }
 
-    /// What it is, for a list: `Mold: b_slots, not saved yet`, or with the name of its project file.
+    /// Title of the copy in a list: `Mold: b_slots, not saved yet`, or with the name of its project file.
     pub fn title(&self) -> String {
         let mut letters = self.kind.chars();
         let kind: String = letters.next().map(|c| c.to_ascii_uppercase()).into_iter().chain(letters).collect();

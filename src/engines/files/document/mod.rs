@@ -62,7 +62,7 @@ pub trait AnyDocument {
     /// A number that no state of any document had before, taken anew with each change of the user's work.
     fn revision(&self) -> u64;
 
-    /// The same, taken anew with each change of anything that a file holds, results included.
+    /// A number like [`revision`](Self::revision) that changes with anything that a file holds, results included.
     fn content_revision(&self) -> u64;
 
     /// What undo would take back, or do `again`.
@@ -159,7 +159,7 @@ impl<P: Params> Document<P> {
         Self { saved: None, ..Self::of(project, file) }
     }
 
-    /// The same document without its file.
+    /// A copy of the document that belongs to no file.
     #[must_use]
     pub fn detached(&self) -> Self {
         Self { file: None, ..self.clone() }

@@ -22,11 +22,11 @@ use crate::error::allowed;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Field {
-    /// Where it stands in the parameters.
+    /// Key of the field: its place in the parameters.
     pub key: &'static str,
     /// Name for a reader.
     pub label: &'static str,
-    /// What it is called in the papers; may be empty.
+    /// Symbol of the field in the papers; may be empty.
     pub symbol: &'static str,
     /// Unit; may be empty.
     pub unit: &'static str,
@@ -34,7 +34,7 @@ pub struct Field {
     pub kind: Kind,
     /// When it counts.
     pub when: When,
-    /// What it does.
+    /// Help text: the effect of the field.
     pub help: &'static str,
 }
 
@@ -53,7 +53,7 @@ pub enum Kind {
         step: f64,
         /// The range of its slider, if it has one.
         slider: Option<Range>,
-        /// What it may be instead of a number.
+        /// Value that may stand in place of a number.
         instead: Instead,
     },
     /// Numbers in a row.
@@ -111,11 +111,11 @@ pub enum Instead {
 /// A word to choose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Word {
-    /// As files and the command line have it.
+    /// Word in files and on the command line.
     pub word: &'static str,
-    /// As windows and reports show it.
+    /// Label in windows and reports.
     pub label: &'static str,
-    /// What it means; may be empty.
+    /// Help text: the meaning of the word; may be empty.
     pub help: &'static str,
 }
 
@@ -129,7 +129,7 @@ pub const fn word(word: &'static str, label: &'static str, help: &'static str) -
 pub struct Variant {
     /// Word under the tag.
     pub word: Word,
-    /// What it starts with, as an inline table of TOML with its word.
+    /// Content of a new variant, as an inline table of TOML with its word.
     pub new: &'static str,
 }
 

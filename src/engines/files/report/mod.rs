@@ -38,7 +38,7 @@ pub struct Template {
 pub struct Picture {
     /// Name of its file beside the report; empty where it has none.
     pub file: String,
-    /// What it shows, in a few words.
+    /// Title: the content of the picture in a few words.
     pub title: String,
     /// What is to be seen in it, in a sentence or two.
     pub caption: String,

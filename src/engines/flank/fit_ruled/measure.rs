@@ -18,11 +18,11 @@ const BACK: [usize; 2] = [120, 24];
 /// Measured distances.
 #[derive(Debug, Clone)]
 pub(super) struct Measured {
-    /// Of the mesh's corners.
+    /// Distances of the mesh's corners.
     pub corners: FitError,
-    /// Of corners and places inside of triangles.
+    /// Distances of corners and places inside of triangles.
     pub all: FitError,
-    /// From the surface to the triangles, where it lies over them.
+    /// Distances from the surface to the triangles, where the surface lies over them.
     pub back: FitError,
     /// Where the face is farthest off (mm).
     pub worst: DVec3,

@@ -191,7 +191,7 @@ impl Samples {
 
     /// The strip moved by Gauss-Newton steps, damped as far as they do not get better, to a small weighted mean square
     /// distance. Feet are looked for anew at every step.
-    /// It is good enough where that is the square of `enough` (mm).
+    /// The search ends early where the mean square distance is the square of `enough` (mm).
     pub(super) fn improved(&self, strip: Strip, rounds: usize, enough: f64) -> Strip {
         let mut strip = strip;
         let mut feet = self.feet(&strip, None);

@@ -13,9 +13,9 @@ const BEYOND: [f64; 2] = [0.25, 0.4];
 pub(super) struct Strip {
     /// Knots of both guides.
     pub knots: Knots,
-    /// Of the lower guide.
+    /// Control points of the lower guide.
     pub lower: Vec<DVec3>,
-    /// Of the upper one, as many.
+    /// Control points of the upper guide, as many.
     pub upper: Vec<DVec3>,
 }
 

@@ -30,7 +30,7 @@ pub enum MillingError {
     /// A direction that it cannot take.
     #[error("{at}: {source}")]
     Unreachable {
-        /// Where.
+        /// Place on the path.
         at: Place,
         /// Error of the machine.
         source: Box<MachineError>,
@@ -61,9 +61,9 @@ pub enum MillingError {
         "{at}: chordal deviation {deviation_mm:.5} mm, and more points do not reduce it; raise the linearisation tolerance or smooth the path there"
     )]
     ChordalDeviation {
-        /// Where.
+        /// Place on the path.
         at: Place,
-        /// How far (mm).
+        /// Chordal deviation (mm).
         deviation_mm: f64,
     },
     /// A path of too many points.

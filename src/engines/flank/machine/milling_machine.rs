@@ -144,7 +144,7 @@ impl Default for Workpiece {
     }
 }
 
-/// A five-axis milling machine. See the module for the frames.
+/// A five-axis milling machine with its frames, axes and limits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MillingMachine {

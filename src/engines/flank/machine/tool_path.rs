@@ -37,9 +37,9 @@ pub enum ToolPathError {
     /// Directions that no straight move can join.
     #[error("the tool turns by {by_deg:.1} degrees from {0} to the next point; give points between", at)]
     TurnsOver {
-        /// Where.
+        /// Place on the path.
         at: Place,
-        /// How far (degrees).
+        /// Angle of the turn (degrees).
         by_deg: f64,
     },
     /// A path that no straight moves follow.
@@ -47,7 +47,7 @@ pub enum ToolPathError {
         "{at}: the path jumps by {by_mm:.5} mm there, and no points between help; smooth it or raise the tolerance"
     )]
     Jumps {
-        /// Where.
+        /// Place on the path.
         at: Place,
         /// How far it still leaves the shortest move (mm).
         by_mm: f64,

@@ -1,4 +1,4 @@
-//! Who borders whom: triangles of a mesh with their neighbours, normals and areas.
+//! Triangles of a mesh with their neighbours, normals and areas.
 
 use glam::DVec3;
 

@@ -42,7 +42,7 @@ pub enum CheckKind {
 }
 
 impl CheckKind {
-    /// All of them, in the order in which they are made.
+    /// All checks, in the order in which they are made.
     pub const ALL: [Self; 5] = [Self::Watertight, Self::Gouge, Self::Approach, Self::Leftover, Self::Machinable];
 
     /// How it is called.

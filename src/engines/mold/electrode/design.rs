@@ -109,7 +109,7 @@ pub struct Electrode {
     pub base: Base,
     /// Whether tips of other stages stand on it too.
     pub family: Family,
-    /// These tips.
+    /// Tips of the other stages that stand on the base.
     pub others: Mesh,
 }
 
@@ -139,7 +139,7 @@ fn area_of(outline: &[DVec2]) -> f64 {
 pub enum IdleOverride {
     /// No electrode has its name.
     NoElectrode,
-    /// What it was decided for is no longer so, in words.
+    /// The facts that the decision was made for have changed; in words.
     Lapsed(String),
     /// The check does not fail.
     Holds,

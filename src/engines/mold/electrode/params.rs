@@ -251,7 +251,7 @@ pub enum Edit {
     Make {
         /// A place of the mold, upright (mm).
         place: DVec3,
-        /// How.
+        /// Method of making it.
         method: Method,
     },
     /// The region that holds a place is burned along another direction.

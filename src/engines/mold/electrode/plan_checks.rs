@@ -34,7 +34,7 @@ const NEARER: f64 = 1e-6;
 /// The mold for one burn direction, as it is checked.
 struct Setting {
     direction: DVec3,
-    /// From the upright mold to the burn frame.
+    /// Rotation from the upright mold to the burn frame.
     turned: DMat3,
     /// The mold in it.
     mold: Obstacle,

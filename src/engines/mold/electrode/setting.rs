@@ -70,7 +70,7 @@ pub struct RegionToBurn {
 
 /// The mold for one burn direction and stage.
 pub(super) struct Setting {
-    /// From the upright mold to the burn frame.
+    /// Rotation from the upright mold to the burn frame.
     pub(super) turned: DMat3,
     /// The mold in the burn frame.
     pub(super) mold: Mesh,

@@ -28,7 +28,7 @@ pub struct Left {
 /// Residual stock over a rectangle of cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cover {
-    /// Nothing.
+    /// No residual stock.
     Nothing,
     /// Some of it, or several regions.
     Partly,

@@ -52,7 +52,7 @@ pub enum CheckKind {
 }
 
 impl CheckKind {
-    /// All of them.
+    /// All checks.
     pub const ALL: [Self; 12] = [
         Self::Ruled,
         Self::Guides,
@@ -98,9 +98,9 @@ pub struct FlankCheck {
     pub is_overridden: bool,
     /// The finding with its figures.
     pub text: String,
-    /// Where (mm), in the axes of the surface.
+    /// Place of the finding (mm), in the axes of the surface.
     pub place: Option<DVec3>,
-    /// At which t of the path.
+    /// Parameter t of the path at the finding.
     pub t: Option<f64>,
     /// How bad it is, if it fails and that can be counted: see [`Figures`].
     pub figures: Figures,

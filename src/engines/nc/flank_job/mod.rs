@@ -52,7 +52,7 @@ pub enum LoadedSurface {
     Guides {
         /// Guide that the cutter's bottom follows.
         lower: GuideCurve,
-        /// The other one.
+        /// Upper guide.
         upper: GuideCurve,
     },
     /// A face of a mesh.
@@ -95,7 +95,7 @@ pub struct FlankInput {
     pub surface: LoadedSurface,
     /// Doubts about the files of surface and walls, in words.
     pub doubts: Vec<String>,
-    /// On which side of it the cutter stands.
+    /// Side of the surface that the cutter stands on.
     pub side: Side,
     /// The cutter.
     pub cutter: FlankCutter,
@@ -107,7 +107,7 @@ pub struct FlankInput {
     pub walls: Option<Arc<Mesh>>,
     /// The machine; none for cutter locations only.
     pub machine: Option<MillingMachine>,
-    /// How it is milled.
+    /// Machine settings, clearances and motions of the milling.
     pub milling: MillingSettings,
     /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
     pub envelope_tolerance_mm: f64,
@@ -151,7 +151,7 @@ pub enum FlankJobError {
     NotFitted {
         /// Number of the flank.
         number: usize,
-        /// Why.
+        /// Reason in words.
         why: String,
     },
 }
@@ -224,7 +224,7 @@ pub struct FlankFacts {
     pub milled: Option<Result<Milled, String>>,
     /// Greatest chordal deviation of tip and flutes' top on straight moves (mm).
     pub chordal_deviation_mm: f64,
-    /// How it is milled.
+    /// Machine settings, clearances and motions of the milling.
     pub milling: MillingSettings,
     /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
     pub envelope_tolerance_mm: f64,

@@ -21,7 +21,7 @@ pub enum PathChoice {
 }
 
 impl PathChoice {
-    /// All of them, in the order in which they are made.
+    /// All paths, in the order in which they are made.
     pub const ALL: [Self; 3] = [Self::Initial, Self::Chosen, Self::Refined];
 
     /// Name.
@@ -47,7 +47,7 @@ pub enum CutDirection {
 }
 
 impl CutDirection {
-    /// Both.
+    /// Both directions.
     pub const ALL: [Self; 2] = [Self::Climb, Self::Conventional];
 
     /// Name.

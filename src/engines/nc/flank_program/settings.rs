@@ -31,7 +31,7 @@ pub enum TipControl {
 }
 
 impl TipControl {
-    /// All of them.
+    /// All kinds of control.
     pub const ALL: [Self; 3] = [Self::Off, Self::Angles, Self::Vector];
 
     /// Name.

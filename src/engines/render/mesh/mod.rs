@@ -20,7 +20,7 @@ use shading::{Shaded, shade};
 const CREASE: f64 = 0.866_025_403_784_438_6;
 /// Crease angle of the lighter mesh, which is rougher (rad).
 const LIGHTER_CREASE: f64 = 0.7;
-/// From how many triangles on there is a lighter mesh.
+/// Number of triangles from which on there is a lighter mesh.
 const LIGHTER_FROM: usize = 60_000;
 
 /// A mesh with all that drawing and picking need. Make it once for each mesh, on a worker thread (a second or

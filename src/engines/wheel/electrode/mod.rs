@@ -89,10 +89,10 @@ pub fn own_turns(column: Option<Column>, [low, high]: [f64; 2]) -> [f64; 2] {
 /// The side of the blisk, in W, that an electrode enters from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum EntrySide {
-    /// From the side of smaller x.
+    /// Entry from the side of smaller x.
     #[serde(rename = "-x")]
     MinusX,
-    /// From the side of greater x.
+    /// Entry from the side of greater x.
     #[serde(rename = "+x")]
     PlusX,
 }
@@ -169,9 +169,9 @@ pub enum ElectrodeError {
          the spark gap is {gap:.3} mm; lower spark_gap_mm or check the channel"
     )]
     NoPassage {
-        /// Where along X (mm).
+        /// Place along X (mm).
         x: f64,
-        /// At which radius (mm).
+        /// Radius of the place (mm).
         r: f64,
         /// Distance of the middle to the blisk (mm).
         clearance: f64,
@@ -185,9 +185,9 @@ pub enum ElectrodeError {
          radial_reduction_mm"
     )]
     InsideBlisk {
-        /// Where along X (mm).
+        /// Place along X (mm).
         x: f64,
-        /// At which radius (mm).
+        /// Radius of the place (mm).
         r: f64,
     },
     /// The reductions leave no metal between the walls.
@@ -196,9 +196,9 @@ pub enum ElectrodeError {
          and the reductions take {taken:.3} mm; lower circumferential_reduction_deg"
     )]
     NoMetal {
-        /// Where along X (mm).
+        /// Place along X (mm).
         x: f64,
-        /// At which radius (mm).
+        /// Radius of the place (mm).
         r: f64,
         /// Width along the circumference without reductions (mm).
         available: f64,

@@ -75,10 +75,10 @@ impl Default for ElectrodeParams {
 /// The wanted side of entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum EnterSide {
-    /// From the side of greater x.
+    /// Entry from the side of greater x.
     #[serde(rename = "+x")]
     PlusX,
-    /// From the side of smaller x.
+    /// Entry from the side of smaller x.
     #[serde(rename = "-x")]
     MinusX,
     /// The better side.

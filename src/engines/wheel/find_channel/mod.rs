@@ -27,7 +27,7 @@ use task::{Cancel, Task};
 /// edges, half way up, half way across) lies on +Z.
 ///
 /// # Errors
-/// [`BliskError`] says what could not be found, why, and which key of the job file gives it by hand.
+/// [`BliskError`] says what could not be found, why, and which key of the project gives it by hand.
 pub fn find_channel(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Channel, BliskError> {
     let (mesh, mut assumed) = prepared(mesh, options)?;
     let blisk = find_frame(&mesh, options, task)?;

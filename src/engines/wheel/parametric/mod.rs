@@ -142,9 +142,9 @@ pub enum ParametricError {
     BladesTouch {
         /// Free width along the circumference (mm).
         passage: f64,
-        /// Where along the axis (mm).
+        /// Place along the axis (mm).
         x: f64,
-        /// At which radius (mm).
+        /// Radius of the place (mm).
         radius: f64,
     },
 }

@@ -41,13 +41,13 @@ pub enum BliskDialog {
 /// Where the electrode stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cursor {
-    /// Which electrode is looked at.
+    /// Number of the electrode that is looked at, from 0.
     pub electrode: usize,
     /// Distance withdrawn (mm).
     pub s: f64,
-    /// Whether it moves by itself.
+    /// Whether the motion is played.
     pub playing: bool,
-    /// How fast (mm/s).
+    /// Speed of playing (mm/s).
     pub speed: f64,
 }
 
@@ -55,15 +55,15 @@ pub struct Cursor {
 pub struct BliskDesk {
     /// The parameters.
     pub document: Document,
-    /// What has been made of them.
+    /// Results computed from the parameters.
     pub work: BliskWork,
     /// The step whose form is open.
     pub step: Stage,
     /// Where the electrode stands.
     pub cursor: Cursor,
-    /// How things look.
+    /// Visibility, colour and opacity of each layer.
     pub layers: Layers,
-    /// What is selected in tree and view.
+    /// Layer that is selected in tree and view.
     pub selected: Option<Layer>,
     /// A cut through everything.
     pub section: Option<SectionPlane>,
@@ -216,7 +216,7 @@ impl BliskDesk {
         self.work.plan().and_then(|p| p.electrodes.get(self.cursor.electrode))
     }
 
-    /// How many electrodes there are to look at.
+    /// Number of electrodes that can be looked at.
     pub fn electrode_count(&self) -> usize {
         let planned = self.work.plan().map(|p| p.electrodes.len());
         planned.or(self.work.electrodes().map(|e| e.electrodes.len())).unwrap_or(0)
@@ -227,7 +227,7 @@ impl BliskDesk {
         &self.track
     }
 
-    /// The same, to be kept.
+    /// The track, shared with whoever keeps it.
     pub fn shared_track(&self) -> Arc<Track> {
         self.track.clone()
     }

@@ -1,4 +1,4 @@
-//! What of a plan is written, and in which frame: the choices of `[export]` beside the post. By default all of it.
+//! Files of a plan that are written, and their frame: the choices of `[export]` beside the post. By default all.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MeshFrame {
-    /// That of the loaded mesh.
+    /// The frame of the loaded mesh.
     #[default]
     Mesh,
     /// The workpiece frame W, whose place in the coordinates of the loaded mesh stands in every result.
@@ -14,7 +14,7 @@ pub enum MeshFrame {
 }
 
 impl MeshFrame {
-    /// Its name for a reader.
+    /// Name of the frame for a reader.
     pub fn name(self) -> &'static str {
         match self {
             Self::Mesh => "frame of the loaded mesh",
@@ -73,9 +73,9 @@ impl WrittenFiles {
 pub struct DrawnPictures {
     /// The whole blisk with its electrodes.
     pub whole: bool,
-    /// Each electrode in its final pose.
+    /// Whether each electrode is drawn in its final pose.
     pub final_pose: bool,
-    /// Each electrode on its way.
+    /// Whether each electrode is drawn on its way.
     pub sweep: bool,
     /// A section where each electrode comes closest, or jams.
     pub closest: bool,
@@ -100,12 +100,12 @@ impl DrawnPictures {
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "toml::Value", into = "String")]
 pub enum Channels {
-    /// The one that was planned in.
+    /// The channel that was planned in.
     #[default]
     Own,
-    /// All of the blisk.
+    /// All channels of the blisk.
     All,
-    /// These, by their numbers.
+    /// The channels with these numbers.
     These(Vec<usize>),
 }
 
@@ -115,7 +115,7 @@ const CHANNELS_FORM: &str = "give \"own\", \"all\", or numbers as in [0, 1, 2] o
 impl TryFrom<toml::Value> for Channels {
     type Error = String;
 
-    /// As files have them: a word, numbers with commas between, a number, or a list.
+    /// The choice as files have it: a word, numbers with commas between, a number, or a list.
     fn try_from(value: toml::Value) -> Result<Self, String> {
         let wrong = || format!("channels = {value}: {CHANNELS_FORM}");
         let number = |v: &toml::Value| v.as_integer().and_then(|n| usize::try_from(n).ok()).ok_or_else(wrong);
@@ -132,7 +132,7 @@ impl TryFrom<toml::Value> for Channels {
 impl std::str::FromStr for Channels {
     type Err = String;
 
-    /// The same in a text, where a list may stand in brackets.
+    /// Reads a choice of channels from a text, where a list may stand in brackets.
     fn from_str(text: &str) -> Result<Self, String> {
         let number = |n: &str| n.trim().parse::<usize>();
         match text.trim() {
@@ -158,7 +158,7 @@ impl From<Channels> for String {
 }
 
 impl Channels {
-    /// Their numbers, each once, in a blisk with `total` channels of which `own` was planned in.
+    /// Numbers of the chosen channels, each once, in a blisk with `total` channels of which `own` was planned in.
     ///
     /// # Errors
     /// One line if there is no channel of a number.

@@ -68,17 +68,17 @@ mod rows {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeptRun {
-    /// Its number, counted from 1.
+    /// Number of the plan, counted from 1.
     pub number: usize,
-    /// Which of the window's colours it has.
+    /// Number of the run's colour among those of the window.
     pub colour: usize,
-    /// Its parameters. Files have their names alone: what they held is told by the plan.
+    /// Parameters of the plan. Files are kept by name only; the plan holds what was read from them.
     pub job: PlanJob,
-    /// Its nodes.
+    /// Nodes of the plan.
     pub plan: KeptPlan,
 }
 
-/// Why a kept plan is not taken up: it is none that this program makes of the job.
+/// Why a kept plan is not used: this program does not make such a plan of the project.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the plan kept in the project is not used, because {what}; plan anew")]
 pub struct KeptPlanError {
@@ -149,15 +149,15 @@ impl KeptPlan {
         let require = |holds: bool, what| if holds { Ok(()) } else { Err(KeptPlanError { what }) };
         let own = job.electrode.mesh.is_some();
         let parts = if own { 1 } else { job.electrode.count() };
-        require(self.electrodes.len() == parts, "it has another number of electrodes than the job")?;
+        require(self.electrodes.len() == parts, "it has another number of electrodes than the project")?;
         let h_max = match job.genetic.h {
             ReductionMode::Variable if !own => job.genetic.h_max_deg.to_radians() + ROUNDING,
             _ => 0.0,
         };
         let sides = job.electrode.enter.candidates();
         for KeptElectrode { side, h, nodes } in &self.electrodes {
-            require(sides.contains(side), "an electrode enters from a side that the job does not allow")?;
-            require((0.0..=h_max).contains(h), "an electrode has another reduction than the job allows")?;
+            require(sides.contains(side), "an electrode enters from a side that the project does not allow")?;
+            require((0.0..=h_max).contains(h), "an electrode has another reduction than the project allows")?;
             let starts = nodes.first().is_some_and(|n| n.s == 0.0 && n.pose == Pose::FINAL);
             require(starts, "its nodes do not begin in the final pose")?;
             require(nodes.iter().all(is_possible), "a node stands where no search puts one")?;

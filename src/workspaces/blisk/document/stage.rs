@@ -31,7 +31,7 @@ impl Stage {
         ["Part", "Channel", "Electrode", "Plan", "Verify", "Export"][self as usize]
     }
 
-    /// Its number, from 1.
+    /// Number of the stage, from 1.
     pub fn number(self) -> usize {
         self as usize + 1
     }
@@ -79,7 +79,7 @@ fn add(hash: &mut Sha256, part: &impl Serialize) {
 mod tests {
     use super::*;
 
-    /// Which steps have another fingerprint after `change`.
+    /// Stages that have another fingerprint after `change`.
     fn changed(change: impl Fn(&mut PlanJob)) -> Vec<Stage> {
         let before = PlanJob::demonstration();
         let mut after = before.clone();

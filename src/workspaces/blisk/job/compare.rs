@@ -1,4 +1,4 @@
-//! The same electrodes planned by several strategies, to lay their paths side by side. [`write`] writes files.
+//! Comparison of strategies: one set of electrodes planned by each of them. [`write`] writes the files.
 
 use std::path::Path;
 
@@ -50,7 +50,7 @@ pub fn compare(
     }
 }
 
-/// The job that a run of `strategy` plans: the same but for the way it is searched.
+/// The job planned with `strategy`, its circumferential reductions as given.
 pub fn job_for(job: &PlanJob, strategy: Strategy) -> PlanJob {
     let mut job = job.clone();
     job.plan.strategy = strategy;

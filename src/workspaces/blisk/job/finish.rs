@@ -29,7 +29,7 @@ pub struct Finishing {
     /// The whole motion of each electrode on the machine; empty if the machine has no bodies and no other channels are
     /// burnt.
     pub simulations: Vec<Arc<Simulation>>,
-    /// Which stage was stopped, if one was: nothing can be approved then.
+    /// Stage that was stopped, if one was: nothing can be approved then.
     pub stopped: Option<&'static str>,
     /// Times of the stages in order.
     pub times: Vec<StageTime>,
@@ -99,7 +99,8 @@ pub fn finish<'a>(
     }
 }
 
-/// The same, but what is known is kept where it is told to stop after the copying motions: [`PlanOutcome::stopped`].
+/// Finishes a plan as [`finish`] does, but keeps what is known when the task is cancelled after the copying motions:
+/// [`PlanOutcome::stopped`].
 ///
 /// # Errors
 /// As [`finish`], and when told to stop before.

@@ -50,7 +50,7 @@ pub struct PlanInputs {
 pub struct ElectrodeOutcome {
     /// The electrode as it is exported, in W.
     pub electrode: Electrode,
-    /// Its plan.
+    /// Plan of the electrode.
     pub plan: FeedPlan,
     /// Sides that were tried before, and why they were left.
     pub tried: Vec<(EntrySide, String)>,
@@ -78,7 +78,7 @@ impl PlanOutcome {
         self.is_verified() && self.stopped().is_none() && self.finishing().is_none_or(|f| f.collision().is_none())
     }
 
-    /// Which stage after the feeds was stopped, if one was.
+    /// Stage after the feeds that was stopped, if one was.
     pub fn stopped(&self) -> Option<&'static str> {
         let of_stock = || self.stock()?.is_stopped.then_some("map of the residual stock");
         self.finishing()?.stopped.or_else(of_stock)
@@ -202,7 +202,7 @@ pub fn run(inputs: &PlanInputs, task: &Task) -> Result<PlanOutcome, PlanJobError
     run_finished(&prepare(inputs, task)?, inputs, task)
 }
 
-/// The same on a blisk that was made ready before.
+/// Plans every electrode of the job on a blisk that was made ready before, and works out how they finish the channel.
 ///
 /// # Errors
 /// As [`run`].
@@ -251,7 +251,8 @@ pub fn run_prepared(
     JobPlanner { inputs, prepared, observe, explain: true, task, clock }.outcome()
 }
 
-/// The same without finding out what would open a way where there is none.
+/// Plans as [`run_prepared`] does, without reporting nodes and without finding out which change
+/// would open a way where there is none.
 ///
 /// # Errors
 /// As [`run_prepared`].
@@ -314,7 +315,7 @@ impl JobPlanner<'_> {
     /// answer. A side for which no electrode can be made is noted and left.
     ///
     /// # Errors
-    /// That of the first side if no electrode can be made for any.
+    /// The error of the first side if no electrode can be made for any side.
     fn part(&mut self, part: usize) -> Result<ElectrodeOutcome, PlanJobError> {
         let mut best: Option<ElectrodeOutcome> = None;
         let mut impossible: Option<ElectrodeError> = None;

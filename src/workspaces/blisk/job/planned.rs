@@ -25,7 +25,7 @@ use wheel::electrode::Electrode;
 pub struct PartialPlan {
     /// The electrode that a way is searched for.
     pub electrode: Arc<Electrode>,
-    /// The same for the screen.
+    /// Shape of the electrode for the screen.
     pub shape: Arc<RenderMesh>,
     /// Nodes from the final pose outwards.
     pub nodes: Vec<Node>,
@@ -35,13 +35,13 @@ pub struct PartialPlan {
 
 /// A plan with its electrodes for the screen.
 pub struct Planned {
-    /// What it was made from.
+    /// Inputs of the plan.
     pub inputs: PlanInputs,
     /// What the meshes held that it was made from: [`Part::content`].
     pub content: String,
     /// The plan.
     pub outcome: Arc<PlanOutcome>,
-    /// Its electrodes for the screen.
+    /// Shapes of the electrodes for the screen.
     pub shapes: Vec<Arc<RenderMesh>>,
 }
 
@@ -153,10 +153,10 @@ impl Finished {
     }
 }
 
-/// What was written.
+/// The files of an export.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Exported {
-    /// Where.
+    /// Folder of the files.
     pub folder: PathBuf,
     /// The names of the files.
     pub written: Vec<String>,

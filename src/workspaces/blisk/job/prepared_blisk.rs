@@ -12,9 +12,9 @@ use task::Task;
 use wheel::channel::Channel;
 use wheel::electrode::{ElectrodeParams, EnterSide, EntrySide, Sizing, own_turns};
 
-/// See the module's text.
+/// A blisk with everything prepared that does not change while electrodes and searches are tuned.
 pub struct PreparedBlisk {
-    /// For exact distances, in W.
+    /// The blisk prepared for exact distances, in W.
     pub(super) exact: Arc<ExactMesh>,
     /// The channel with its distance field.
     pub(super) space: PlanningSpace,
@@ -64,7 +64,7 @@ impl PreparedBlisk {
         &self.space.blisk
     }
 
-    /// Whether it was made with this cell size (mm).
+    /// Whether the blisk was prepared with this cell size (mm).
     pub fn has_cell(&self, cell: f64) -> bool {
         self.cell == cell
     }

@@ -25,7 +25,7 @@ pub struct LiveWay {
 }
 
 impl LiveWay {
-    /// What it found, in one sentence.
+    /// Result of the quick look, in one sentence.
     pub fn sentence(&self, channel: &Channel) -> String {
         let side = if self.side == EntrySide::MinusX { "-X" } else { "+X" };
         match (&self.way.margin, &self.way.jam) {
@@ -76,11 +76,11 @@ pub fn live_way(
 
 /// A quick look as it is shown.
 pub struct Looked {
-    /// What it found.
+    /// Result of the quick look.
     pub found: LiveWay,
     /// The shape of the [electrode](LiveWay::other) that it is the way of, where that is not the one that is tuned.
     pub shape: Option<Arc<RenderMesh>>,
-    /// What it found, in one sentence.
+    /// Result of the quick look, in one sentence.
     pub sentence: String,
     /// How long it took.
     pub took: Duration,

@@ -54,7 +54,7 @@ impl Released {
         self.is_whole
     }
 
-    /// Whether it was this very plan that was released.
+    /// Whether `plan` is the very plan that was released.
     pub fn is_of(&self, plan: &Arc<PlanOutcome>) -> bool {
         Arc::ptr_eq(&self.plan, plan)
     }

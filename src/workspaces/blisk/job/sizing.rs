@@ -26,7 +26,7 @@ pub struct SizingRange {
     pub to: usize,
 }
 
-/// One way to make the electrodes, certified.
+/// A certified way to make the electrodes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SizeRow {
     /// Number of parts.
@@ -60,12 +60,12 @@ pub struct SizeLimit {
     pub node: usize,
     /// Withdrawn distance there (mm).
     pub s_mm: f64,
-    /// What it passes there.
+    /// Surface that is nearest there.
     pub surface: String,
 }
 
 impl SizeLimit {
-    /// In one clause.
+    /// The limit in one clause.
     pub fn clause(&self) -> String {
         let Self { electrode, electrodes, enters_from, node, s_mm, surface } = self;
         let who = match electrodes {

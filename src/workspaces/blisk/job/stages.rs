@@ -26,7 +26,7 @@ pub struct Part {
     pub name: String,
     /// The blisk (mm, in the axes of its file).
     pub mesh: Arc<Mesh>,
-    /// The same for the screen.
+    /// Shape of the blisk for the screen.
     pub shape: Arc<RenderMesh>,
     /// What the import found; none for the built-in blisk.
     pub report: Option<ImportReport>,
@@ -54,11 +54,11 @@ pub struct FoundChannel {
     pub channel: Arc<Channel>,
     /// The blisk in W.
     pub blisk: Arc<Mesh>,
-    /// The same for exact distances.
+    /// The blisk prepared for exact distances.
     pub exact: Arc<ExactMesh>,
     /// What is shown of it.
     pub shapes: ChannelShapes,
-    /// Its centreline, where there is one.
+    /// Centreline of the channel, where there is one.
     pub centreline: Option<Arc<Centreline>>,
 }
 
@@ -74,7 +74,7 @@ impl FoundChannel {
 pub struct Electrodes {
     /// The electrodes, in W.
     pub electrodes: Vec<Electrode>,
-    /// The same for the screen.
+    /// Shapes of the electrodes for the screen.
     pub shapes: Vec<Arc<RenderMesh>>,
     /// Why the side that would have been taken first was not.
     pub notes: Vec<String>,

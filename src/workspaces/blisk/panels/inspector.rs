@@ -12,7 +12,7 @@ use crate::workspaces::blisk::scene::Layer;
 use feed::pose::Axis;
 use geometry::frame::Cylindrical;
 
-/// Draws it.
+/// Draws the inspector.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, view: &mut BliskView) {
     egui::ScrollArea::vertical().id_salt("inspector").auto_shrink([false, false]).show(ui, |ui| {
         super::scene_tree::show(ui, desk);

@@ -31,9 +31,9 @@ pub struct KeptRuns {
 
 /// A run that is kept.
 pub struct KeptRun {
-    /// Counted from 1.
+    /// Number of the run, counted from 1.
     number: usize,
-    /// Which of the theme's colours it has.
+    /// Number of the run's colour among those of the theme.
     colour: usize,
     run: Run,
     /// Digests of its paths.
@@ -54,12 +54,12 @@ impl KeptRun {
         Self { number: of.number, colour, run, paths: paths(plan).map(str::to_owned).collect() }
     }
 
-    /// Its name: its number and strategy.
+    /// Name of the run: its number and strategy.
     pub fn name(&self) -> String {
         name(self.number, self.run.strategy)
     }
 
-    /// Its colour among those of the theme.
+    /// Colour of the run among those of the theme.
     pub fn colour(&self, ui: &Ui) -> Color32 {
         palette(ui).runs[self.colour]
     }
@@ -78,17 +78,17 @@ impl KeptRuns {
     /// Most runs that are kept.
     pub const MOST: usize = 6;
 
-    /// None yet.
+    /// An empty set of kept runs.
     pub fn new(scheduler: &Scheduler) -> Self {
         Self { made: Memo::new(scheduler, Lane::Quick, "Kept runs").remembering(usize::MAX), channel: None }
     }
 
-    /// Those that are kept and can be looked at, in the order of keeping.
+    /// Kept runs that can be shown, in the order of keeping.
     pub fn all(&self, document: &Document) -> Vec<&KeptRun> {
         keyed(document).iter().filter_map(|(key, _)| Some(&**self.made.get(key)?)).collect()
     }
 
-    /// Those of `document` that cannot be looked at, and why: number, name, reason.
+    /// Kept runs of `document` that cannot be shown, and why: number, name, reason.
     fn absent(&self, document: &Document) -> Vec<(usize, String, String)> {
         let reason = |key: &Key| match self.made.state(key) {
             State::Failed(why) => format!("not compared: {why}"),

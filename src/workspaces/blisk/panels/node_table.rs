@@ -8,7 +8,7 @@ use crate::widgets::theme::palette;
 use crate::workspaces::blisk::scene::track::Station;
 use feed::pose::Axis;
 
-/// Draws it.
+/// Draws the table.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     let track = desk.shared_track();
     let nodes: Vec<_> = track.nodes().copied().collect();
@@ -82,7 +82,7 @@ fn cells(row: &mut TableRow, node: &Station, place: usize, axes: &[Axis], alarm:
     });
 }
 
-/// Its number as verdicts, reports and path files give it: counted from the final pose.
+/// Number of a node as verdicts, reports and path files give it: counted from the final pose.
 fn number_of(node: &Station, place: usize) -> usize {
     node.node.unwrap_or(place)
 }

@@ -14,14 +14,14 @@ use crate::workspaces::blisk::scene::track::Track;
 use feed::pose::Axis;
 use feed::problem::Convergence;
 
-/// Which plot is shown.
+/// A plot of the panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tab {
     /// Positions of all axes.
     Positions,
-    /// Their first derivatives by the withdrawn distance.
+    /// First derivatives of all axes by the withdrawn distance.
     Velocities,
-    /// Their second derivatives.
+    /// Second derivatives of all axes by the withdrawn distance.
     Accelerations,
     /// Exact clearance at every row.
     Clearance,
@@ -45,7 +45,7 @@ impl Tab {
         Self::Comparison,
     ];
 
-    /// Its name.
+    /// Name of the plot.
     pub fn name(self) -> &'static str {
         ["Axes", "Speed", "Second derivative", "Clearance", "Convergence", "Nodes", "Comparison"][self as usize]
     }

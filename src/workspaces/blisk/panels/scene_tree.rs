@@ -8,7 +8,7 @@ use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::scene::Layer;
 use render::colour::Colour;
 
-/// Draws it.
+/// Draws the tree.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     ui.horizontal(|ui| {
         ui.label(RichText::new("Scene").small().color(palette(ui).faint));

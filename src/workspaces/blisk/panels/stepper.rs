@@ -103,7 +103,7 @@ fn introduction(ui: &mut Ui, stage: Stage) {
     ui.add_space(2.0);
 }
 
-/// One line of the stepper.
+/// Draws one line of the stepper.
 fn step(ui: &mut Ui, stage: Stage, state: Standing, open: bool) -> egui::Response {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 26.0), Sense::click());
     let (word, colour) = word(ui, state);
@@ -123,13 +123,13 @@ fn step(ui: &mut Ui, stage: Stage, state: Standing, open: bool) -> egui::Respons
 pub enum Standing {
     /// Nothing has been done.
     Missing,
-    /// It, or what decides about it, is being worked on.
+    /// The stage, or one that it depends on, is being worked on.
     Working,
-    /// Its result is that of the present parameters.
+    /// The result is that of the present parameters.
     Done,
-    /// Its result is that of other parameters.
+    /// The result is that of other parameters.
     Stale,
-    /// It could not be done.
+    /// The stage failed.
     Failed,
     /// There is a plan, which must not be driven.
     Unsafe,

@@ -13,7 +13,7 @@ const READOUT: [f32; 3] = [90.0, 200.0, 325.0];
 /// Least room for the controls of playing beside the buttons and the clearance.
 const PLAYING: f32 = 320.0;
 
-/// Draws it.
+/// Draws the timeline.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     ui.horizontal(|ui| {
         controls(ui, desk, cx);
@@ -47,7 +47,7 @@ fn controls(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     which_electrode(ui, desk);
 }
 
-/// How it is played.
+/// Draws the buttons and the speed of playing.
 fn playing(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     let speed =
         egui::DragValue::new(&mut desk.cursor.speed).range(0.1..=200.0).speed(0.2).suffix(" mm/s").max_decimals(1);
@@ -59,7 +59,7 @@ fn playing(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     }
 }
 
-/// Which electrode is looked at, if there are several.
+/// Draws the choice of the electrode that is looked at, if there are several.
 fn which_electrode(ui: &mut Ui, desk: &mut BliskDesk) {
     let count = desk.electrode_count();
     if count > 1 {

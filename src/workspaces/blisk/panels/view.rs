@@ -24,9 +24,9 @@ use wheel::electrode::EntrySide;
 pub enum Probe {
     /// A point of a surface.
     Point {
-        /// On which layer.
+        /// Layer that the point lies on.
         layer: Option<Layer>,
-        /// Where.
+        /// The point.
         at: DVec3,
         /// The surface's unit normal there.
         normal: DVec3,

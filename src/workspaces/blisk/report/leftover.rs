@@ -17,23 +17,23 @@ pub struct LeftoverReport {
     pub tolerance_mm: f64,
     /// Volume of the channel over the X span of the blades (mm^3).
     pub channel_volume_mm3: f64,
-    /// What of it no electrode erodes (mm^3).
+    /// Volume of the channel that no electrode erodes (mm^3).
     pub left_volume_mm3: f64,
-    /// How deep in that stock a point is at most (mm).
+    /// Greatest depth of a point in that stock (mm).
     pub left_depth_mm: f64,
-    /// Where, in W (mm).
+    /// Place of the greatest depth, in W (mm).
     pub left_at: Option<[f64; 3]>,
-    /// Each surface of the channel.
+    /// Figures of each surface of the channel.
     pub surfaces: Vec<SurfaceReport>,
     /// The map as a file, if it was written.
     pub file: Option<String>,
 }
 
-/// What became of one surface.
+/// Stock and overcut on one surface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct SurfaceReport {
-    /// Its name for a reader.
+    /// Name of the surface for a reader.
     pub surface: String,
     pub area_mm2: f64,
     pub left: LayerReport,
@@ -47,9 +47,9 @@ pub struct LayerReport {
     pub area_mm2: f64,
     pub volume_mm3: f64,
     pub depth_mm: f64,
-    /// Whether it is thicker than can be told.
+    /// Whether the layer is thicker than can be told.
     pub or_more: bool,
-    /// Where it is thickest, in W (mm).
+    /// Thickest place of the layer, in W (mm).
     pub at: Option<[f64; 3]>,
 }
 

@@ -56,11 +56,11 @@ pub struct Report {
     pub parameters: serde_json::Value,
     /// The papers' symbols, and the parameters of the strategy.
     pub symbols: Vec<Symbol>,
-    /// One per electrode.
+    /// Electrodes with their paths.
     pub electrodes: Vec<ElectrodeReport>,
-    /// What they leave of the channel; none if not every path is verified.
+    /// Stock that the electrodes leave in the channel; none if not every path is verified.
     pub leftover: Option<LeftoverReport>,
-    /// Why it cannot be told, if it cannot.
+    /// Reason why the stock left cannot be told, if it cannot.
     pub no_leftover: Option<String>,
     /// What was written.
     pub written: Written,
@@ -69,7 +69,7 @@ pub struct Report {
     /// Pictures for the page.
     #[serde(skip)]
     pub pictures: Vec<Picture>,
-    /// Why there are none, when they were wanted and could not be drawn.
+    /// Reason why there are no pictures, when they were wanted and could not be drawn.
     #[serde(skip)]
     pub no_pictures: Option<String>,
 }
@@ -86,9 +86,9 @@ pub struct Verdict {
 /// A file that went into the job.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct InputFile {
-    /// What it is: blisk, electrode, path.
+    /// Role of the file: blisk, electrode, path.
     pub role: String,
-    /// Where it was read from.
+    /// Path that the file was read from.
     pub path: String,
     /// SHA-256 of its bytes, hex.
     pub sha256: String,
@@ -96,7 +96,7 @@ pub struct InputFile {
     pub triangles: usize,
     /// Unit its numbers were taken to be in.
     pub unit: String,
-    /// Why.
+    /// Reason for taking that unit.
     pub unit_reason: String,
     /// What was mended while reading, in plain sentences.
     pub repairs: Vec<String>,
@@ -239,13 +239,13 @@ pub struct NodeReport {
 /// P1's four distances at a node (mm); what is missing is out of reach.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct DistancesReport {
-    /// To the wall on the side of smaller theta.
+    /// Distance to the wall on the side of smaller theta.
     pub low_wall: f64,
-    /// To the wall on the side of greater theta.
+    /// Distance to the wall on the side of greater theta.
     pub high_wall: f64,
-    /// To the hub.
+    /// Distance to the hub.
     pub hub: Option<f64>,
-    /// To the shroud.
+    /// Distance to the shroud.
     pub shroud: Option<f64>,
 }
 
@@ -307,12 +307,12 @@ pub struct Failure {
     pub sentence: String,
 }
 
-/// One electrode and its path.
+/// An electrode and its path.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct ElectrodeReport {
-    /// Counted from 1.
+    /// Number of the electrode, counted from 1.
     pub index: usize,
-    /// What it burns where the channel is divided; empty for a single electrode.
+    /// Part of the channel that the electrode burns where the channel is divided; empty for a single electrode.
     pub share: String,
     /// `+x` or `-x`, in W.
     pub enters_from: String,
@@ -328,7 +328,7 @@ pub struct ElectrodeReport {
     pub certified_clearance_mm: Option<f64>,
     /// Smallest clearance met: an upper bound of the least (mm).
     pub least_clearance_mm: Option<f64>,
-    /// Where.
+    /// Place of the smallest clearance met.
     pub least_clearance_at: Option<ClearancePlace>,
     /// The search nodes, node 0 being the final pose.
     pub nodes: Vec<NodeReport>,
@@ -336,7 +336,7 @@ pub struct ElectrodeReport {
     pub smoothness: Vec<Smoothness>,
     /// Volume of the electrode (mm^3).
     pub volume_mm3: f64,
-    /// Its least wall thickness (mm).
+    /// Least wall thickness of the electrode (mm).
     pub least_thickness_mm: Option<f64>,
     /// Area that erodes (mm^2).
     pub burn_area_mm2: Option<f64>,
@@ -346,7 +346,7 @@ pub struct ElectrodeReport {
     pub copying: Option<CopyingReport>,
     /// The whole motion on the machine, if it was simulated.
     pub simulation: Option<SimulationReport>,
-    /// Why it is not verified, when it is not.
+    /// Reason why the path is not verified, when it is not.
     pub failure: Option<Failure>,
     /// What the certificate was made for.
     pub sha256: Option<VerifiedDigests>,
@@ -388,7 +388,7 @@ pub struct VerifiedDigests {
 }
 
 impl VerifiedDigests {
-    /// Those of `certificate`.
+    /// Digests of the files that `certificate` is about.
     pub fn of(certificate: &Certificate) -> Self {
         let c = certificate;
         let [path, blisk, electrode] = [c.path_digest(), c.blisk_digest(), c.electrode_digest()].map(str::to_owned);
@@ -399,7 +399,7 @@ impl VerifiedDigests {
 /// The rows of a path with their clearances.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Motion {
-    /// In feed order.
+    /// Rows of the path, in feed order.
     pub rows: Vec<PathRow>,
     /// Exact clearance at every row (mm).
     pub clearance: Vec<f64>,

@@ -43,7 +43,7 @@ pub struct ChannelReport {
 pub struct PairFigures {
     pub moving: String,
     pub fixed: String,
-    /// In which part of the motion, if not in all.
+    /// Part of the motion, if not all of it.
     pub during: Option<&'static str>,
     pub holds: bool,
     pub required_mm: f64,
@@ -66,9 +66,9 @@ pub struct PlaceReport {
     /// `3.25` is a quarter of the way from pose 3 of the phase to pose 4.
     pub row: f64,
     pub pose: PoseReport,
-    /// On the moving body where it is in the final pose, in W (mm).
+    /// Point on the moving body where it is in the final pose, in W (mm).
     pub on_moving: [f64; 3],
-    /// On the other body in the final pose, in W (mm).
+    /// Point on the other body in the final pose, in W (mm).
     pub on_fixed: [f64; 3],
 }
 
@@ -129,7 +129,7 @@ impl SimulationReport {
         }
     }
 
-    /// As text for the terminal.
+    /// The report as text for the terminal.
     pub fn text(&self) -> String {
         let mut out = String::new();
         for p in &self.pairs {

@@ -14,9 +14,9 @@ pub const SCHEMA: u32 = 1;
 /// A file that went into the verification.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VerifiedFile {
-    /// What it is: blisk, electrode, path.
+    /// Role of the file: blisk, electrode, path.
     pub role: &'static str,
-    /// Where it was read from.
+    /// Path that the file was read from.
     pub path: String,
     /// SHA-256 of its bytes, hex.
     pub sha256: String,
@@ -74,7 +74,7 @@ pub struct VerifyReport {
     pub certified_clearance_mm: f64,
     /// Smallest clearance met (mm).
     pub least_clearance_mm: f64,
-    /// Where.
+    /// Place of the smallest clearance met.
     pub least_clearance_at: ClearancePlace,
     /// Whether the path leads from wholly outside the blisk to the final pose.
     pub starts_outside_and_ends_at_zero: bool,

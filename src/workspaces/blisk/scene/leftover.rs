@@ -44,7 +44,7 @@ impl LeftoverShape {
         Self { shape: Arc::new(shape), values: Arc::new(values), greatest: greatest(map) }
     }
 
-    /// Its colours, up to `limit` (mm) either way.
+    /// Colours of the surface, up to `limit` (mm) either way.
     pub fn values(&self, limit: f64) -> SurfaceValues {
         surface_values(self.values.clone(), limit)
     }

@@ -13,11 +13,11 @@ use render::mesh::RenderMesh;
 /// A body of a machine for the screen, as its file has it.
 #[derive(Debug, Clone)]
 pub struct BodyShape {
-    /// What it is called.
+    /// Name of the body.
     pub name: String,
-    /// What it goes with.
+    /// Part of the machine that carries the body.
     pub carrier: Carrier,
-    /// Its shape in the coordinates of its carrier.
+    /// Shape of the body in the coordinates of its carrier.
     pub shape: Arc<RenderMesh>,
 }
 
@@ -34,9 +34,9 @@ pub fn body_shapes(model: &MachineModel) -> Vec<BodyShape> {
 /// A body of a machine that stands about an electrode and its blisk.
 #[derive(Debug, Clone)]
 pub struct MachineBody {
-    /// Its shape in the coordinates of its carrier.
+    /// Shape of the body in the coordinates of its carrier.
     pub shape: Arc<RenderMesh>,
-    /// What it goes with.
+    /// Part of the machine that carries the body.
     pub carrier: Carrier,
     /// From the coordinates of its carrier to W in the final pose.
     pub stand: DAffine3,
@@ -90,9 +90,9 @@ pub fn meeting(simulation: &Simulation, reference_point: DVec3) -> Option<(Place
 pub struct Moment {
     /// Axis values, with the turn to the channel in A.
     pub pose: Pose,
-    /// What is done.
+    /// Phase of the motion.
     pub phase: Phase,
-    /// In which channel, or on the way to which.
+    /// Channel that the electrode is in or on the way to.
     pub channel: usize,
     /// Withdrawn distance on the feed (mm), where the electrode stands on it: in the feed, and on its way back.
     pub s: Option<f64>,
@@ -134,7 +134,7 @@ impl WholeMotion {
         Self { legs, ways, withdrawn }
     }
 
-    /// All of the way.
+    /// Length of the whole way.
     pub fn length(&self) -> f64 {
         self.ways.last().and_then(|ways| ways.last()).copied().unwrap_or(0.0)
     }

@@ -70,7 +70,7 @@ impl Layer {
         Self::Grid,
     ];
 
-    /// Its name for a reader.
+    /// Name of the part for a reader.
     pub fn name(self) -> &'static str {
         match self {
             Self::Blisk => "Blisk",
@@ -88,20 +88,20 @@ impl Layer {
         }
     }
 
-    /// Whether it consists of bodies, which have a colour and an opacity.
+    /// Whether the layer consists of bodies, which have a colour and an opacity.
     pub fn is_body(self) -> bool {
         !matches!(self, Self::Paths | Self::Centreline | Self::Contact | Self::Grid)
     }
 }
 
-/// How a layer looks.
+/// Visibility, opacity and colour of a layer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Look {
-    /// Whether it is shown.
+    /// Whether the layer is shown.
     pub visible: bool,
     /// 1 is solid.
     pub opacity: f32,
-    /// Its colour.
+    /// Colour of the part.
     pub colour: Colour,
 }
 
@@ -170,7 +170,7 @@ pub struct SceneInputs<'a> {
     pub channel: Option<(&'a Channel, &'a ChannelShapes)>,
     /// The electrode and its shape.
     pub electrode: Option<(&'a Electrode, &'a Arc<RenderMesh>)>,
-    /// Its poses.
+    /// Poses of the electrode.
     pub track: Option<&'a Track>,
     /// The bodies of the machine.
     pub machine: &'a [MachineBody],
@@ -285,7 +285,7 @@ pub fn build(inputs: &SceneInputs) -> Scene {
     scene
 }
 
-/// From W to the coordinates of the loaded mesh.
+/// Map from W to the coordinates of the loaded mesh.
 pub(super) fn from_w(frame: &Frame) -> DAffine3 {
     DAffine3 { matrix3: DMat3::from_cols(frame.x, frame.y, frame.z), translation: frame.origin }
 }

@@ -36,11 +36,11 @@ const SECTION_THROATS: f64 = 1.5;
 pub struct PlanToShow<'a> {
     /// The blisk in the axes of its file (mm).
     pub blisk: &'a Mesh,
-    /// Its channel.
+    /// Channel of the blisk.
     pub channel: &'a Channel,
     /// The electrodes with their plans, in the order of the report.
     pub electrodes: Vec<(&'a Electrode, &'a FeedPlan)>,
-    /// What they leave, if that is known.
+    /// Stock that the electrodes leave, if that is known.
     pub leftover: Option<&'a Leftover>,
     /// Spark gap (mm).
     pub spark_gap: f64,
@@ -50,15 +50,15 @@ pub struct PlanToShow<'a> {
 pub struct PlanPicture {
     /// Name of its file.
     pub file: String,
-    /// What it shows, in a few words.
+    /// Title: the content of the picture in a few words.
     pub title: String,
     /// What is to be seen in it.
     pub caption: String,
-    /// Its colours and what they stand for.
+    /// Colours of the picture and what they stand for.
     pub legend: Vec<(Colour, &'static str)>,
     /// What is drawn.
     pub scene: Scene,
-    /// From where.
+    /// Camera of the picture.
     pub camera: Camera,
 }
 
@@ -351,9 +351,9 @@ struct Place {
     s: f64,
     /// On the electrode in its final pose and on the blisk, in W (mm).
     points: [DVec3; 2],
-    /// Of the blisk.
+    /// Surface of the blisk that the place is on.
     surface: Surface,
-    /// What it is.
+    /// Name of the place.
     name: &'static str,
 }
 

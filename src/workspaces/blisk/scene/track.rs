@@ -6,7 +6,7 @@ use feed::plan::FeedPlan;
 use feed::pose::Pose;
 use feed::problem::Node;
 
-/// One pose of a track.
+/// A pose of a track.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
     /// Distance still withdrawn (mm).
@@ -47,7 +47,7 @@ impl Track {
         Self { stations: stations.collect(), is_path: true }
     }
 
-    /// The one pose of `station`.
+    /// A track with `station` as its only pose.
     pub fn standing(station: Station) -> Self {
         Self { stations: vec![station], is_path: false }
     }

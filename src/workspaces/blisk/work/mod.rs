@@ -61,7 +61,7 @@ impl Now {
     }
 }
 
-/// What begins as soon as the blisk is ready for planning.
+/// Work that begins as soon as the blisk is ready for planning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Wish {
     Plan,
@@ -78,7 +78,7 @@ pub struct BliskWork {
     prepared: Memo<(Same<FoundChannel>, f64), PreparedBlisk>,
     planned: Memo<Fingerprint, Planned, Arc<PartialPlan>>,
     finished: Memo<Same<Planned>, Finished>,
-    /// By how often was exported.
+    /// Exports, each under the number of exports before it.
     exported: Memo<(Fingerprint, u64), Exported>,
     exports: (Option<Fingerprint>, u64),
     looks: Looks,
@@ -95,7 +95,7 @@ pub struct BliskWork {
 }
 
 impl BliskWork {
-    /// Nothing yet.
+    /// The work on a blisk without any result yet.
     pub fn new(scheduler: &Scheduler) -> Self {
         Self {
             part: Memo::new(scheduler, Lane::Quick, Stage::Part.name()).remembering(2),

@@ -12,9 +12,9 @@ use import::obj_bytes;
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeptMesh {
-    /// What it is called.
+    /// Name of the mesh.
     pub name: String,
-    /// What it is of, as the name of a mold.
+    /// Name of the part that the mesh belongs to, such as a mold; may be empty.
     #[serde(default)]
     pub of: String,
     /// The mesh.
@@ -41,7 +41,7 @@ impl KeptMesh {
         Ok(Self { name: name.to_owned(), of: of.to_owned(), obj: obj.into() })
     }
 
-    /// What it is, in words.
+    /// Name of the mesh with that of the part it belongs to.
     pub fn words(&self) -> String {
         if self.of.is_empty() { self.name.clone() } else { format!("{} of {}", self.name, self.of) }
     }

@@ -25,7 +25,7 @@ pub enum MillingMachineFileError {
     Several {
         /// The file.
         file: String,
-        /// Those that it has.
+        /// Names of the machines in the file.
         known: Vec<String>,
     },
     /// No machine of that name.
@@ -33,7 +33,7 @@ pub enum MillingMachineFileError {
     Unknown {
         /// The name.
         name: String,
-        /// Those that there are.
+        /// Names of the known machines.
         known: Vec<String>,
     },
 }

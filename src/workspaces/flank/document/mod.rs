@@ -27,10 +27,10 @@ use nc::flank_program::milling_post;
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DemonstrationSurface {
-    /// Its surface A.
+    /// Surface A of the paper.
     #[default]
     A,
-    /// Its surface B.
+    /// Surface B of the paper.
     B,
 }
 
@@ -45,7 +45,7 @@ pub struct GuidePair {
 }
 
 impl DemonstrationSurface {
-    /// Its name in words.
+    /// Name of the surface.
     pub fn name(self) -> &'static str {
         match self {
             Self::A => "surface A",
@@ -53,7 +53,7 @@ impl DemonstrationSurface {
         }
     }
 
-    /// Its guides.
+    /// Guide curves of the surface.
     ///
     /// # Errors
     /// Only in a program that was built with a file that is none.
@@ -91,9 +91,9 @@ pub struct MeshFlank {
     /// The mesh: STL, OBJ, glTF or GLB; empty where it is kept.
     #[serde(skip_serializing_if = "is_empty")]
     pub file: PathBuf,
-    /// Its unit.
+    /// Unit of the mesh.
     pub units: Units,
-    /// Which of the faces that could be milled, by area, from 1.
+    /// Number of the face among those that could be milled, by area, from 1.
     pub candidate: usize,
     /// How the ruled surface is fitted.
     pub fit: RuledFitParams,
@@ -134,16 +134,16 @@ impl MeshFlank {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum FlankSource {
-    /// One that comes with the program.
+    /// A surface that comes with the program.
     Demonstration {
-        /// Which one.
+        /// The surface.
         surface: DemonstrationSurface,
     },
     /// Two guide curves.
     Guides {
-        /// The one that the cutter's bottom follows.
+        /// Guide that the cutter's bottom follows.
         lower: GuideSource,
-        /// The other one.
+        /// Upper guide.
         upper: GuideSource,
     },
     /// A face of a mesh.
@@ -170,7 +170,7 @@ impl Default for FlankSource {
 pub struct WallsFile {
     /// The mesh.
     pub file: PathBuf,
-    /// Its unit.
+    /// Unit of the mesh.
     #[serde(default)]
     pub units: Units,
 }
@@ -181,17 +181,17 @@ pub struct WallsFile {
 pub struct FlankDocument {
     /// Where the surface comes from.
     pub source: FlankSource,
-    /// On which side of it the cutter stands.
+    /// Side of the surface that the cutter stands on.
     pub side: Side,
     /// The cutter.
     pub cutter: FlankCutter,
     /// How the path is planned.
     pub plan: FlankParams,
-    /// Which path is milled.
+    /// Path that is milled.
     pub path: PathChoice,
     /// Other walls that must not be cut.
     pub walls: Option<WallsFile>,
-    /// How it is milled.
+    /// Machine, post, clearances and motions of the milling.
     pub milling: MillingSettings,
     /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
     pub envelope_tolerance_mm: f64,
@@ -302,7 +302,7 @@ impl Params for FlankDocument {
 }
 
 impl FlankDocument {
-    /// The same for another surface: without its side, its walls, how it was clamped, and decisions on what checks found.
+    /// A copy of the document for another surface: without side, walls, clamping, and decisions on what checks found.
     pub fn of_another(&self, source: FlankSource) -> Self {
         let milling = MillingSettings { workpiece: None, ..self.milling.clone() };
         let (side, walls, overrides) = (Side::Automatic, None, Vec::new());

@@ -29,9 +29,9 @@ const WAY: f64 = 8.0;
 /// Where the view is to go.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fly {
-    /// Onto the surface from the cutter's side.
+    /// Onto the surface, from the cutter's side.
     Onto,
-    /// Square to it.
+    /// Square to the surface.
     Square,
     /// To a place (mm).
     Place(DVec3),
@@ -40,13 +40,13 @@ pub enum Fly {
 /// What is known of the present flank.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
-    /// Nothing.
+    /// Nothing is known.
     Nothing,
     /// A quick look.
     Sketch,
     /// The plan of other parameters.
     Stale,
-    /// Its plan.
+    /// The plan of the present parameters.
     Planned,
 }
 
@@ -54,9 +54,9 @@ pub enum Standing {
 pub struct FlankDesk {
     /// Whether the panel on the left is there, or folded away.
     pub shows_panel: bool,
-    /// Whether that of results is there, where it has one of its own.
+    /// Whether the panel of results is there, where it has one of its own.
     pub shows_list: bool,
-    /// Whether the panel on the left shows what came out, where that has no panel of its own.
+    /// Whether the panel on the left shows the results, where they have no panel of their own.
     pub shows_figures: bool,
     /// Whether plots are shown where the window is too low for them and the view.
     pub shows_plots: bool,
@@ -65,25 +65,25 @@ pub struct FlankDesk {
     /// The parameters that were followed last.
     followed: FlankDocument,
     gesture: Gesture,
-    /// What has been made of it.
+    /// Results computed from the flank.
     pub work: FlankWork,
     /// Whether the plan follows a change by itself, once there was one.
     pub follows: bool,
     /// The path that is shown.
     pub path: PathChoice,
-    /// Whether all three are, side by side.
+    /// Whether all three paths are shown, side by side.
     pub is_side_by_side: bool,
     /// Whether deviations are those of the moving cutter.
     pub is_moving: bool,
     /// Whether the cutter is shown, at one path and at paths side by side, whose maps it covers.
     shows_cutters: [bool; 2],
-    /// Whether the surface that its axis sweeps is.
+    /// Whether the surface that the cutter's axis sweeps is shown.
     pub shows_axis: bool,
     /// Whether rulings are drawn.
     pub shows_rulings: bool,
     /// Where on the path the cutter stands, 0 to 1.
     pub t: f64,
-    /// Whether it goes along.
+    /// Whether the motion is played.
     pub is_playing: bool,
     /// The plot that is shown.
     pub tab: Tab,
@@ -182,7 +182,7 @@ impl FlankDesk {
         self.work.forget_sketch();
     }
 
-    /// Its file, or else one that it is made from.
+    /// Project file of the document, or else a file that the surface is made from.
     pub fn file(&self) -> Option<&Path> {
         let source = match &self.params().source {
             FlankSource::Demonstration { .. } => None,
@@ -401,7 +401,7 @@ impl FlankDesk {
         (self.t, self.is_playing) = (t.clamp(0.0, 1.0), false);
     }
 
-    /// One location further, or back.
+    /// Moves the cutter one location further, or back.
     pub fn step(&mut self, forward: bool) {
         let places = self.shown_path().map_or(1, |path| path.poses.len().max(2) - 1) as f64;
         let at = self.t * places;

@@ -20,7 +20,7 @@ pub enum Answer {
     Close,
 }
 
-/// Draws it.
+/// Draws the dialog.
 pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) -> Option<Answer> {
     let mut answer = None;
     let planned = desk.work.to_export(desk.document.params());

@@ -26,7 +26,7 @@ use crate::workspaces::flank::paths::FlankPath;
 
 /// Height of the panel of timeline and plots (points).
 const PLOTS: f32 = 236.0;
-/// The same where there is room for the timeline only.
+/// Height of the panel where there is room for the timeline only (points).
 const TIMELINE: f32 = 74.0;
 
 /// Draws the workspace. Answers what a path is wanted for.

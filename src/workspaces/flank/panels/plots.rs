@@ -14,7 +14,7 @@ use crate::workspaces::flank::work::{AxisCurve, MachineCurves, Planned};
 use flank::plan::FlankPlan;
 use nc::flank_job::path_of;
 
-/// Which plot is shown.
+/// A plot of the panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tab {
     /// Sum of deviations over the rank.

@@ -15,13 +15,13 @@ use nc::flank_job::{FlankCheck, FlankResult, path_of};
 /// Width of the column of a path (points).
 const COLUMN: f32 = 56.0;
 
-/// Draws it.
+/// Draws the panel.
 pub fn show(ui: &mut Ui, desk: &mut FlankDesk) {
     ui.add_space(4.0);
     egui::ScrollArea::vertical().id_salt("flank results").auto_shrink([false, false]).show(ui, |ui| body(ui, desk));
 }
 
-/// The same without a frame of its own.
+/// Draws the content of the panel, without scroll area.
 pub fn body(ui: &mut Ui, desk: &mut FlankDesk) {
     let Some(planned) = desk.planned().cloned() else {
         let text = "No path yet: plan one (F8) to see its figures.";

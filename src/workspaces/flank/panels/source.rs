@@ -17,7 +17,7 @@ use nc::flank_job::LoadedSurface;
 /// Height of the list of faces (points).
 const LIST: f32 = 150.0;
 
-/// Draws it. Answers what a path is wanted for.
+/// Draws the fields of the source. Answers the path that the user is to choose.
 pub fn show(ui: &mut Ui, desk: &FlankDesk, form: &mut Form<FlankDocument>) -> Option<FlankPath> {
     let before = form.params().clone();
     form.row(ui, "source");

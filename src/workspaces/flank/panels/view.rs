@@ -126,7 +126,7 @@ impl SceneKey {
 }
 
 impl FlankView {
-    /// Draws it.
+    /// Draws the view.
     pub fn show(&mut self, ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
         let seconds = f64::from(ui.input(|i| i.stable_dt.clamp(0.0, 0.1)));
         if desk.is_playing {

@@ -50,9 +50,9 @@ pub struct FlankReport {
     pub ranks: RanksEntry,
     /// What was checked of the path that is milled.
     pub checks: Vec<CheckEntry>,
-    /// Its clearances.
+    /// Clearances of the path that is milled.
     pub clearances: Vec<ClearanceEntry>,
-    /// Its positions on the machine; none without a machine.
+    /// Positions of the path on the machine; none without a machine.
     pub machine: Option<MachineEntry>,
     /// What the reader must know.
     pub warnings: Vec<String>,
@@ -63,9 +63,9 @@ pub struct FlankReport {
 /// A surface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SurfaceEntry {
-    /// Where it comes from, in words.
+    /// Source of the surface, in words.
     pub source: String,
-    /// On which side the cutter stands as u runs: +1 where R_u x R_v points to, -1 on the other.
+    /// Side of the cutter as u runs: +1 where R_u x R_v points to, -1 on the other.
     pub side: i8,
     /// Whether u, along the cutter's travel, runs against the guides as they were given.
     pub is_reversed: bool,
@@ -73,7 +73,7 @@ pub struct SurfaceEntry {
     pub ruling_mm: [f64; 2],
     /// Lengths of the lower and the upper guide (mm).
     pub guide_mm: [f64; 2],
-    /// How it was fitted to a face; none for guides.
+    /// Fit of the surface to a face; none for guides.
     pub fit: Option<FitEntry>,
 }
 
@@ -86,32 +86,32 @@ pub struct FitEntry {
     pub tolerance_mm: f64,
     /// Distances of the face from the surface.
     pub error: FitError,
-    /// Of the corners of triangles alone.
+    /// Distances of the corners of triangles alone.
     pub error_corners: FitError,
-    /// Where the greatest is (mm).
+    /// Place of the greatest distance (mm).
     pub worst: [f64; 3],
     /// How far the triangles may be off a smooth surface (mm).
     pub chord_mm: f64,
-    /// In words.
+    /// The fit in words.
     pub words: Vec<String>,
 }
 
 /// The first locations of the cutter.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LocationsEntry {
-    /// How many.
+    /// Number of locations.
     pub count: usize,
-    /// Those that touch the surface as they were asked to.
+    /// Locations that touch the surface as they were asked to.
     pub touching: usize,
-    /// Those put where they come nearest to it.
+    /// Locations put where they come nearest to touching the surface.
     pub nearest: usize,
     /// u of the first and of the last contact on the lower guide.
     pub u0_range: [f64; 2],
     /// Control points of each of the two curves through them.
     pub control_points: usize,
-    /// Those that were asked for: around a ring there may be more.
+    /// Control points that were asked for: around a ring there may be more.
     pub control_points_asked: usize,
-    /// How far these curves are from them at most (mm).
+    /// Greatest distance of these curves from the locations (mm).
     pub fit_mm: f64,
 }
 
@@ -120,11 +120,11 @@ pub struct LocationsEntry {
 pub struct PathEntry {
     /// initial, chosen or refined.
     pub name: &'static str,
-    /// Whether it is the one that is milled.
+    /// Whether this path is milled.
     pub is_milled: bool,
-    /// Its sum as a share of the initial path's; none if that is nothing but rounding.
+    /// Sum of the path as a share of the initial path's; none if that is nothing but rounding.
     pub ratio: Option<f64>,
-    /// The same of the moving cutter: its sum as a share of its own on the initial path.
+    /// Sum of the moving cutter on the path as a share of its sum on the initial path; none as for `ratio`.
     pub moving_ratio: Option<f64>,
     /// Figures of the standing cutter.
     pub standing: Figures,
@@ -134,7 +134,7 @@ pub struct PathEntry {
     pub greatest_difference_mm: f64,
     /// Places that the moving cutter does not touch.
     pub without: usize,
-    /// Whether it covers the surface.
+    /// Whether the path covers the surface.
     pub covers: bool,
     /// Least and greatest t that stand over the surface.
     pub t_range: [f64; 2],
@@ -147,7 +147,7 @@ pub struct PathEntry {
     /// Control points of the curve of the axis at the lower guide (mm), of a uniform cubic B-spline over t: clamped, or
     /// periodic if it is closed, where the points 0, 1, 2 come again after the last.
     pub control_lower: Vec<[f64; 3]>,
-    /// The same of the upper end of the axis.
+    /// Control points of the curve of the upper end of the axis (mm), as in `control_lower`.
     pub control_upper: Vec<[f64; 3]>,
 }
 
@@ -158,7 +158,7 @@ pub struct Figures {
     pub sum_mm: f64,
     pub mean_absolute_mm: f64,
     pub rms_mm: f64,
-    /// As a positive number.
+    /// Greatest overcut, as a positive number (mm).
     pub most_overcut_mm: f64,
     pub most_undercut_mm: f64,
     pub sum_overcut_mm: f64,
@@ -166,7 +166,7 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Those of some deviations.
+    /// Figures of `deviation`.
     pub fn of(deviation: &Deviation) -> Self {
         Self {
             sum_mm: deviation.sum,
@@ -183,11 +183,11 @@ impl Figures {
 /// The ratios of the paper that the method is from.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PaperEntry {
-    /// On its surface A.
+    /// Ratio on surface A.
     pub ratio_a: f64,
-    /// On its surface B.
+    /// Ratio on surface B.
     pub ratio_b: f64,
-    /// The one to compare with, if this is one of its surfaces with its cone.
+    /// The ratio to compare with, if the surface and the cone are those of the paper.
     pub comparable: Option<f64>,
 }
 
@@ -205,23 +205,23 @@ pub struct RanksEntry {
 /// A check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CheckEntry {
-    /// By which it can be overridden.
+    /// Name that an override gives.
     pub name: &'static str,
-    /// Whether it holds.
+    /// Whether the check holds.
     pub holds: bool,
-    /// Whether it fails and does not matter by decision.
+    /// Whether the check fails and is overridden.
     pub is_overridden: bool,
-    /// What was found.
+    /// Finding of the check, in words.
     pub text: String,
-    /// Where (mm).
+    /// Place of the finding (mm).
     pub place: Option<[f64; 3]>,
-    /// At which t of the path.
+    /// Parameter t of the path at the finding.
     pub t: Option<f64>,
-    /// How bad it is where it fails, by name of the figure.
+    /// Figures of a check that fails, by name.
     pub figures: BTreeMap<String, f64>,
-    /// What an override for it was decided for, in words.
+    /// Finding that an override was given for, in words.
     pub given_for: Option<String>,
-    /// Why that override no longer holds.
+    /// Reason why that override no longer holds.
     pub lapsed: Option<String>,
 }
 
@@ -241,9 +241,9 @@ pub struct ClearanceEntry {
 /// The path on a machine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MachineEntry {
-    /// Its name, and what it is.
+    /// Name and kind of the machine.
     pub name: String,
-    /// Why it cannot follow; none if it can.
+    /// Reason why the machine cannot follow; none if it can.
     pub trouble: Option<String>,
     /// Number of positions.
     pub positions: usize,
@@ -257,27 +257,27 @@ pub struct MachineEntry {
     pub slowed: Option<SlowedEntry>,
     /// Where the pole is passed.
     pub singular: Vec<String>,
-    /// Its axes over time.
+    /// Axes of the machine over time.
     pub axes: Vec<AxisEntry>,
 }
 
 /// Moves that are slower than asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SlowedEntry {
-    /// How many, for whichever reason.
+    /// Number of slowed moves, for whichever reason.
     pub moves: usize,
     /// The least share of the feed that is left.
     pub least_share: f64,
-    /// Those where an axis would be too fast.
+    /// Moves where an axis would be too fast.
     pub for_axes: Option<AxisSlowedEntry>,
-    /// Those that would be shorter than the time that the control gives any block.
+    /// Moves that would be shorter than the time that the control gives any block.
     pub short: Option<ShortEntry>,
 }
 
 /// Moves where an axis would be too fast.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct AxisSlowedEntry {
-    /// How many.
+    /// Number of moves.
     pub moves: usize,
     /// The least share of the feed that the axes leave.
     pub least_share: f64,
@@ -288,7 +288,7 @@ pub struct AxisSlowedEntry {
 /// Moves that take the control's shortest time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ShortEntry {
-    /// How many.
+    /// Number of moves.
     pub moves: usize,
     /// The least share of their speed that is left.
     pub least_share: f64,
@@ -297,11 +297,11 @@ pub struct ShortEntry {
 /// An axis of a machine.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AxisEntry {
-    /// Its letter.
+    /// Letter of the axis.
     pub letter: char,
     /// mm or deg.
     pub unit: &'static str,
-    /// Its limits.
+    /// Limits of the axis, in `unit`.
     pub limits: [f64; 2],
     /// Seconds from the first position, and value.
     pub values: Vec<[f64; 2]>,

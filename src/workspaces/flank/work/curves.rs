@@ -18,7 +18,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// That of the deviations over a grid.
+    /// Profile of the deviations over a grid.
     pub fn of(deviation: &Deviation) -> Self {
         let [n, m] = deviation.grid;
         let mut profile = Self::default();
@@ -32,16 +32,16 @@ impl Profile {
     }
 }
 
-/// One axis of a machine over the cut.
+/// An axis of a machine over the cut.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisCurve {
-    /// Its letter.
+    /// Letter of the axis.
     pub letter: char,
     /// "mm" or "deg".
     pub unit: &'static str,
-    /// Its values: of X, Y, Z where the spindle nose is in machine coordinates, which is what is limited.
+    /// Values of the axis: of X, Y, Z where the spindle nose is in machine coordinates, which is what is limited.
     pub values: Vec<f64>,
-    /// Its limits.
+    /// Limits of the axis.
     pub limits: [f64; 2],
 }
 
@@ -72,7 +72,7 @@ pub struct MachineCurves {
 }
 
 impl MachineCurves {
-    /// Those of a flank's path on its machine, if there is one.
+    /// Curves of a flank's path on its machine, if there is one.
     pub fn of(result: &FlankResult) -> Option<Self> {
         let (milled, path) = (result.milled()?, result.tool_path().ok()?);
         let machine = milled.machine.machine();

@@ -58,7 +58,7 @@ pub struct FlankWork {
 }
 
 impl FlankWork {
-    /// Nothing yet.
+    /// The work on a flank without any result yet.
     pub fn new(scheduler: &Scheduler) -> Self {
         Self {
             source: Memo::new(scheduler, Lane::Quick, "Surface").remembering(1),
@@ -321,7 +321,7 @@ impl FlankWork {
     }
 }
 
-/// What of a source has to be read: not which of its faces is chosen.
+/// The part of a source that has to be read, without the choice among its faces.
 fn source_to_read(source: &FlankSource) -> FlankSource {
     match source {
         FlankSource::Mesh(mesh) => FlankSource::Mesh(MeshFlank { candidate: 1, is_own_wall: true, ..mesh.clone() }),

@@ -19,7 +19,7 @@ impl Stamp {
         Self { file: file.to_owned(), seen }
     }
 
-    /// Those of the files of a source.
+    /// Stamps of the files of a source.
     pub fn of_source(source: &FlankSource) -> Vec<Self> {
         let files: Vec<&Path> = match source {
             FlankSource::Demonstration { .. } => Vec::new(),

@@ -27,11 +27,11 @@ const SKETCH_ROUNDS: usize = 8;
 /// What a surface is made of, as loaded.
 #[derive(Debug)]
 pub struct LoadedFlank {
-    /// It.
+    /// The surface.
     pub surface: LoadedSurface,
     /// The part that it is a face of, for the screen.
     pub part: Option<Arc<RenderMesh>>,
-    /// Its files as they were read.
+    /// Stamps of the surface's files as they were read.
     pub(super) stamps: Vec<Stamp>,
     /// What its file leaves in doubt, in words.
     pub doubts: Vec<String>,
@@ -58,11 +58,11 @@ impl LoadedFlank {
 /// Walls, as loaded.
 #[derive(Debug)]
 pub struct LoadedWalls {
-    /// They.
+    /// Mesh of the walls.
     pub mesh: Arc<Mesh>,
-    /// The same for the screen.
+    /// Shape of the walls for the screen.
     pub shape: Arc<RenderMesh>,
-    /// Their file as it was read.
+    /// Stamp of the walls' file as it was read.
     pub(super) stamp: Stamp,
     /// What their file leaves in doubt, in words.
     pub doubts: Vec<String>,
@@ -77,11 +77,11 @@ impl LoadedWalls {
 /// A planned flank with all that is shown of it.
 #[derive(Debug)]
 pub struct Planned {
-    /// It.
+    /// The planned flank.
     pub result: FlankResult,
-    /// For the screen.
+    /// Shapes of the flank for the screen.
     pub shapes: FlankShapes,
-    /// For each path how far it is off along the guides.
+    /// Deviations along the guides, for each path.
     pub profiles: [Profile; 3],
     /// The axes of the machine, if there is a path of it.
     pub machine: Option<MachineCurves>,

@@ -22,7 +22,7 @@ use mold::opening::Opening;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MoldParams {
-    /// Its mesh; none as long as nothing is loaded.
+    /// Mesh of the mold; none as long as nothing is loaded.
     pub mesh: Option<PathBuf>,
     /// Unit of the mesh.
     pub units: Units,
@@ -114,7 +114,7 @@ impl MoldParams {
         Self { opening: Opening::default(), electrodes, ..self.clone() }
     }
 
-    /// What of these parameters holds for `part`: what was decided for another one does not.
+    /// A copy of the parameters without the decisions that were made for another part than `part`.
     pub fn of_part(&self, part: &str) -> Self {
         let is_other = self.part.as_ref().is_some_and(|own| own != part);
         let params = if is_other { self.undecided() } else { self.clone() };

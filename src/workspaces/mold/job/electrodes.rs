@@ -36,7 +36,7 @@ pub enum ElectrodesError {
 }
 
 impl ElectrodesError {
-    /// Whether it was told to stop.
+    /// Whether the task was cancelled.
     pub fn is_cancelled(&self) -> bool {
         let cancelled = |e: &UncutError| matches!(e, UncutError::Cancelled(_));
         matches!(self, Self::Electrode(ElectrodeError::Cancelled(_))) || matches!(self, Self::Uncut(e) if cancelled(e))

@@ -17,14 +17,14 @@ const STEEP: f64 = 2.0;
 /// A place of the grid where something is left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoarseCell {
-    /// Its corners on the mold's surface, counter-clockwise seen from above (mm), the opening looking along +Z.
+    /// Corners of the cell on the mold's surface, counter-clockwise seen from above (mm), the opening looking along +Z.
     pub corners: [DVec3; 4],
     /// Height of what is left above it (mm).
     pub depth: f32,
 }
 
 impl CoarseCell {
-    /// It as two triangles of the surface of a `region`, of no face of the mesh.
+    /// The cell as two triangles of the surface of a `region`, of no face of the mesh.
     pub fn pieces(&self, region: u32) -> [SurfacePiece; 2] {
         let [a, b, c, d] = self.corners;
         [[a, b, c], [a, c, d]].map(|corners| SurfacePiece { corners, face: u32::MAX, region, depth: [self.depth; 3] })
@@ -38,7 +38,7 @@ pub struct CoarseRegion {
     pub volume: f64,
     /// Box around it (mm), the opening looking along +Z.
     pub bounds: Bounds,
-    /// Its cells.
+    /// Cells of the region.
     pub cells: Vec<CoarseCell>,
 }
 
@@ -52,7 +52,7 @@ pub struct Preview {
 }
 
 impl Preview {
-    /// What it found, in a sentence that does not promise more than it knows.
+    /// Result of the preview, in a sentence that does not promise more than is known.
     pub fn sentence(&self) -> String {
         let volume: f64 = self.regions.iter().map(|r| r.volume).sum();
         let step = self.step;

@@ -25,7 +25,7 @@ use task::{Priority, Scheduler, State};
 
 /// How long nothing may change before what was seen at a glance is found exactly.
 const REST: f64 = 0.3;
-/// The same before electrodes are made again: whoever changes one thing of them often changes another.
+/// How long nothing may change before electrodes are made again (s): a user who changes one setting often changes another.
 const REST_OF_DESIGN: f64 = 1.2;
 
 /// What is asked, what was found, and how it is looked at.
@@ -397,7 +397,7 @@ impl MoldDesk {
         self.shown.as_ref()
     }
 
-    /// Of what else the answer that is shown is, if it is not of the present question.
+    /// Label of the answer that is shown if it is out of date.
     pub fn found_of_others(&self) -> Option<&'static str> {
         let found = self.shown.as_ref().filter(|_| !self.work.is_found_of(self.document.params()))?;
         let is_of_cutters = found.uncut.params.library != self.document.params().library;
@@ -450,7 +450,7 @@ impl MoldDesk {
         listed
     }
 
-    /// For each region whether the view shows it.
+    /// Whether the view shows each region.
     pub fn is_visible(&self) -> Vec<bool> {
         let mut visible = vec![false; self.regions().len()];
         self.listed().into_iter().for_each(|i| visible[i] = true);

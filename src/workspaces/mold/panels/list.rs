@@ -23,9 +23,9 @@ pub enum Column {
 }
 
 impl Column {
-    /// All of them.
+    /// All columns.
     pub const ALL: [Self; 5] = [Self::Index, Self::Volume, Self::Area, Self::Height, Self::Nearest];
-    /// Those that there is always room for.
+    /// Columns that there is always room for.
     const NEEDED: [Self; 3] = [Self::Index, Self::Volume, Self::Height];
 
     fn name(self) -> &'static str {
@@ -52,7 +52,7 @@ impl Column {
 /// Below this width (points) there are the most needed columns only.
 const NARROW: f32 = 326.0;
 
-/// Draws it.
+/// Draws the list.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
     ui.add_space(4.0);
     let is_narrow = ui.available_width() < NARROW;

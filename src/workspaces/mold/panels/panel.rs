@@ -26,7 +26,7 @@ const LIST: f32 = 420.0;
 /// Width of the bar that scrolls, with room beside it (points).
 const BAR: f32 = 6.0;
 
-/// Draws it, `with_list` also the list of regions. Answers what a path is wanted for.
+/// Draws the panel, `with_list` also the list of regions. Answers the path that the user is to choose.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, with_list: bool) -> Option<MoldPath> {
     let mut asked = None;
     egui::ScrollArea::vertical().id_salt("mold form").auto_shrink([false, false]).show(ui, |ui| {

@@ -6,7 +6,7 @@ use egui::{Rect, RichText, Slider, Ui, UiBuilder, vec2};
 use super::list::{dim, stale};
 use crate::widgets::theme::palette;
 
-/// Draws it, if layers are looked at.
+/// Draws the strip, if layers are looked at.
 pub fn show(ui: &mut Ui, rect: Rect, desk: &mut MoldDesk) {
     let Some(found) = desk.found().cloned() else { return };
     let (layers, Some(number)) = (&found.uncut.layers, desk.layer) else { return };

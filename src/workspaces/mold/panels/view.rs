@@ -31,7 +31,7 @@ pub struct MoldView {
     pub viewport: Viewport,
     scene: Arc<Scene>,
     key: Option<SceneKey>,
-    /// From where was looked before a cut was.
+    /// Camera before the view went to a cut.
     before: Option<Camera>,
     /// The part that the camera looks at.
     part: Option<String>,
@@ -182,7 +182,7 @@ impl MoldView {
         }
     }
 
-    /// Draws it.
+    /// Draws the view.
     pub fn show(&mut self, ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
         let key = SceneKey::of(desk, ui.visuals().dark_mode);
         if self.key.as_ref() != Some(&key) {

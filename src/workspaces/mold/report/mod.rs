@@ -50,16 +50,16 @@ pub struct ElectrodesReport {
 pub struct BlockedEntry {
     /// The electrode.
     pub electrode: String,
-    /// Which checks fail, and what to do.
+    /// Checks that fail, and the remedy.
     pub why: String,
 }
 
 /// An override that overrides nothing.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct IdleEntry {
-    /// As it is given: `NAME:CHECK`.
+    /// Name of the override as it is given: `NAME:CHECK`.
     pub name: String,
-    /// Why.
+    /// Reason why the override has no effect.
     pub why: String,
 }
 
@@ -74,7 +74,7 @@ const MODEL: &str = "A stage leaves a layer for the next one on the whole surfac
 /// A region and how it is burned.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RegionEntry {
-    /// Counted from 1.
+    /// Number of the region, counted from 1.
     pub index: usize,
     /// How its tips are made.
     pub method: &'static str,
@@ -82,7 +82,7 @@ pub struct RegionEntry {
     pub direction: [f64; 3],
     /// Parts that it is divided into.
     pub parts: usize,
-    /// Its division; none where there is no footprint.
+    /// Division of the region; none where there is no footprint.
     pub division: Option<Division>,
     /// Divisions by earlier stages that have parts which it does not.
     pub earlier_divisions: Vec<EarlierDivision>,
@@ -94,7 +94,7 @@ pub struct RegionEntry {
     pub left_at_mm: [f64; 3],
     /// Volume that they leave (mm^3).
     pub left_volume_mm3: f64,
-    /// Why it has no electrode, or lacks one for a part.
+    /// Reason why the region has no electrode, or lacks one for a part.
     pub trouble: Option<String>,
     /// What stages leave to those after them, in words.
     pub left_out: Vec<String>,
@@ -105,18 +105,18 @@ pub struct RegionEntry {
 pub struct EarlierDivision {
     /// The stage, by name.
     pub stage: String,
-    /// Its division.
+    /// Division of the region by the stage.
     pub division: Division,
 }
 
 /// A part of a region and what it is divided into.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Division {
-    /// What it is, in a few words.
+    /// Description of the part in a few words.
     pub text: String,
     /// Edges in it that no cutter makes.
     pub h_edges: usize,
-    /// What it is divided into.
+    /// Parts that the part is divided into.
     pub parts: Vec<Division>,
 }
 
@@ -217,7 +217,7 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> St
     text
 }
 
-/// Which change to the division does nothing, where, and what to do.
+/// A change to the division that does nothing, its place, and the remedy, in words.
 pub fn why_unmet(edit: &Edit) -> String {
     let remedy = match edit {
         Edit::Split { .. } => {

@@ -50,7 +50,7 @@ pub struct InvertReport {
 /// A connected piece of what is left.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RegionReport {
-    /// Counted from 1.
+    /// Number of the region, counted from 1.
     pub index: usize,
     /// Volume (mm^3).
     pub volume_mm3: f64,
@@ -70,20 +70,20 @@ pub struct RegionReport {
     pub nearest_cutter: Option<String>,
 }
 
-/// The same by a field of heights twice as coarse.
+/// Comparison of the answer with that of a field of heights twice as coarse.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GridReport {
     /// Step of the field that answers (mm).
     pub step_mm: f64,
     /// Step of the coarser one (mm).
     pub coarser_step_mm: f64,
-    /// What that finds.
+    /// Figures found by the coarser field.
     pub coarser: Found,
     /// By how much the volumes differ (mm^3): the answer's is off by about as much.
     pub off_mm3: f64,
 }
 
-/// The same found twice.
+/// Comparison of the answers of layers and of a field of heights.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)]
 pub struct AgreementReport {

@@ -31,7 +31,7 @@ const BESIDE: f32 = 0.35;
 /// An electrode made for the screen.
 #[derive(Debug, Clone)]
 pub struct ElectrodeShape {
-    /// It, in its own axes.
+    /// Mesh of the electrode, in its own axes.
     pub shape: Arc<RenderMesh>,
     /// A point of its lowest face, where a cut through it is worth looking at.
     pub lowest: DVec3,
@@ -105,10 +105,10 @@ pub enum BurnPhase {
 }
 
 impl BurnPhase {
-    /// All of them, in order; each takes as much of the way's time.
+    /// All phases, in order; each takes an equal share of the way's time.
     pub const ALL: [Self; 3] = [Self::Approach, Self::Burn, Self::Lift];
 
-    /// How it is called.
+    /// Name of the phase.
     pub fn name(self) -> &'static str {
         ["approach", "burn", "lift"][self as usize]
     }
@@ -145,9 +145,9 @@ impl BurnWay {
 /// How electrodes are shown.
 #[derive(Clone, Copy)]
 pub struct ElectrodeScene<'a> {
-    /// They.
+    /// The electrodes.
     pub set: &'a ElectrodeSet,
-    /// They for the screen.
+    /// Shapes of the electrodes for the screen.
     pub shapes: &'a [ElectrodeShape],
     /// Where the mold opens to.
     pub opening: Opening,

@@ -109,7 +109,7 @@ const fn hex(rgb: u32) -> Colour {
     Colour::rgb((rgb >> 16) as u8, (rgb >> 8) as u8, rgb as u8)
 }
 
-/// Each the one furthest from those before it in OKLab, far from both themes' accents and from the colour of failures.
+/// Colours of regions: each the one furthest from those before it in OKLab, far from both themes' accents and failures.
 #[rustfmt::skip]
 const COLOURS: [Colour; 32] = [
     hex(0x2da99d), hex(0x792079), hex(0xdb76db), hex(0xc8d45e), hex(0x376237), hex(0x5e6ad4), hex(0xab6f69), hex(0x8ed0e1),
@@ -125,13 +125,13 @@ pub fn depth_legend(deepest: f64) -> Legend {
     Legend { title, unit, map: ColourMap::Light, min: 0.0, max, threshold: None }
 }
 
-/// What the regions' colours say.
+/// Meaning of the regions' colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum RegionColours {
-    /// Which is which.
+    /// A colour for each region.
     #[default]
     ByRegion,
-    /// How much is left above.
+    /// The height that is left above a place.
     ByDepth,
 }
 
@@ -146,10 +146,10 @@ pub enum MoldLook {
 }
 
 impl MoldLook {
-    /// All of them.
+    /// All looks.
     pub const ALL: [Self; 3] = [Self::Solid, Self::Faint, Self::Hidden];
 
-    /// How it is called.
+    /// Name of the look.
     pub fn name(self) -> &'static str {
         ["Solid", "Transparent", "Hidden"][self as usize]
     }
@@ -168,7 +168,7 @@ pub struct MoldScene<'a> {
     pub regions: &'a [RegionShape],
     /// Whether each is shown.
     pub shown: &'a [bool],
-    /// Their colours.
+    /// Meaning of the regions' colours.
     pub colours: RegionColours,
     /// The greatest height of what is left (mm).
     pub deepest: f64,
@@ -189,9 +189,9 @@ pub struct MoldScene<'a> {
 /// A layer of a mold. All of it stands upright, the opening looking along +Z.
 #[derive(Debug, Clone, Copy)]
 pub struct MoldLayer<'a> {
-    /// Its height (mm).
+    /// Height of the layer (mm).
     pub z: f64,
-    /// That of the next one above, if there is one (mm).
+    /// Height of the next layer above, if there is one (mm).
     pub next: Option<f64>,
     /// What is left in it, as far as that is known.
     pub pieces: &'a [&'a UncutPiece],

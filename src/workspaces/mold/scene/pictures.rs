@@ -25,7 +25,7 @@ pub struct ElectrodePicture {
     pub caption: String,
     /// What is drawn.
     pub scene: Scene,
-    /// From where.
+    /// Camera of the picture.
     pub camera: Camera,
 }
 

@@ -25,9 +25,9 @@ pub struct Exported {
     former: Vec<String>,
     /// Overrides for what electrodes of their names no longer burn, in words.
     lapsed: Vec<String>,
-    /// Why there is no burn sheet.
+    /// Reason why there is no burn sheet.
     no_sheet: Option<String>,
-    /// Why there are no pictures.
+    /// Reason why there are no pictures.
     no_pictures: Option<String>,
 }
 

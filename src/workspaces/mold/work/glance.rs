@@ -9,16 +9,16 @@ use crate::workspaces::mold::scene::region_shapes;
 use render::mesh::RenderMesh;
 use task::Cancel;
 
-/// What was seen at a glance.
+/// The result of a quick look.
 #[derive(Debug)]
 pub struct Glance {
-    /// In figures.
+    /// Figures of what is left.
     pub preview: Preview,
-    /// On the mold, for the screen.
+    /// Shape of what is left on the mold, for the screen.
     pub shape: Arc<RenderMesh>,
 }
 
-/// Looks.
+/// Takes a quick look at what the cutters leave.
 ///
 /// # Errors
 /// One line if it cannot be looked at.

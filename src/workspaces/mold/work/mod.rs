@@ -59,7 +59,7 @@ pub struct MoldWork {
 }
 
 impl MoldWork {
-    /// Nothing yet.
+    /// The work on a mold without any result yet.
     pub fn new(scheduler: &Scheduler) -> Self {
         Self {
             mold: Memo::new(scheduler, Lane::Quick, "Mold").remembering(1),

@@ -18,9 +18,9 @@ use task::Task;
 pub struct LoadedMold {
     /// What to call it.
     pub name: String,
-    /// It (mm, in the axes of its file).
+    /// Mesh of the mold (mm, in the axes of its file).
     pub mesh: Arc<Mesh>,
-    /// The same for the screen.
+    /// Shape of the mold for the screen.
     pub shape: Arc<RenderMesh>,
     /// What the import found.
     pub report: ImportReport,
@@ -42,7 +42,7 @@ impl LoadedMold {
 pub struct FoundUncut {
     /// The answer.
     pub uncut: Uncut,
-    /// The same in figures and words.
+    /// The answer in figures and words.
     pub report: UncutReport,
     /// The regions for the screen.
     pub shapes: Vec<RegionShape>,

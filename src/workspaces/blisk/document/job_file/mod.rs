@@ -125,11 +125,11 @@ pub struct ExportSection {
     pub post: String,
     /// Frame of the electrode meshes: `"mesh"` or `"w"`.
     pub frame: MeshFrame,
-    /// Which channels the motion is simulated in and the NC program burns, the blisk being turned to them by A.
+    /// Channels that the motion is simulated in and the NC program burns, the blisk being turned to them by A.
     pub channels: Channels,
-    /// Which files are written.
+    /// Files that are written.
     pub files: WrittenFiles,
-    /// Which pictures are drawn.
+    /// Pictures that are drawn.
     pub pictures: DrawnPictures,
     /// Speeds and times.
     pub nc: NcSettings,

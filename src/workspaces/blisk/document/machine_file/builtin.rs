@@ -1,6 +1,6 @@
 //! The machines that the program brings along.
 
-/// Their names.
+/// Names of the built-in machines.
 pub const BUILT_IN: [&str; 3] = ["xyzc", "xyzac", "xyzabc"];
 
 /// The file of the built-in machine called `name`.

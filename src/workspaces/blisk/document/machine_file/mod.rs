@@ -1,4 +1,4 @@
-//! Machine files: what a [`MachineModel`] and the keys of `[machine]` of a job are read from.
+//! Machine files: what a [`MachineModel`] and the keys of `[machine]` of a project are read from.
 //!
 //! A machine is a URDF file (see `urdf.rs`) or a TOML file: axes, travels and speeds under the keys of `[machine]` of a
 //! job, and a list of bodies.
@@ -76,10 +76,10 @@ pub enum MachineFileError {
         file: String,
         /// The body's name.
         body: String,
-        /// Why.
+        /// Reason that the import gives.
         source: Box<ImportError>,
     },
-    /// It was told to stop.
+    /// The task was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -137,7 +137,7 @@ fn text_of(name: &str) -> Result<(String, PathBuf), MachineFileError> {
     Ok((text, file.parent().map(Path::to_owned).unwrap_or_default()))
 }
 
-/// Axes, travels and speeds of the machine `name`, a built-in one or a file, under the keys of `[machine]` of a job.
+/// Axes, travels and speeds of the machine `name`, a built-in one or a file, under the keys of `[machine]` of a project.
 ///
 /// # Errors
 /// [`MachineFileError`].

@@ -83,7 +83,7 @@ fn read<T>(text: &str, with: impl FnOnce(&Tree) -> Result<T, String>) -> Result<
     with(&tree)
 }
 
-/// Axes, travels and speeds under the keys of `[machine]` of a job.
+/// Axes, travels and speeds under the keys of `[machine]` of a project.
 pub(super) fn table(text: &str) -> Result<toml::Table, String> {
     read(text, |tree| {
         let axes = tree.axes()?;

@@ -42,16 +42,16 @@ pub struct Run {
     pub strategy: Strategy,
     /// Why it cannot be followed on this job, if it cannot.
     pub failure: Option<String>,
-    /// One per electrode, in the order of their parts; none after a failure.
+    /// Results of the electrodes, in the order of their parts; none after a failure.
     pub electrodes: Vec<RunElectrode>,
 }
 
 /// What one strategy found for one electrode. Lengths in mm, angles in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunElectrode {
-    /// Counted from 1.
+    /// Number of the electrode, counted from 1.
     pub index: usize,
-    /// What it burns where the channel is divided; empty for a single electrode.
+    /// Part of the channel that the electrode burns where the channel is divided; empty for a single electrode.
     pub share: String,
     /// `+x` or `-x`, in W.
     pub enters_from: &'static str,

@@ -18,9 +18,9 @@ use mold::surface::SurfacePiece;
 use mold::uncut_region::UncutRegion;
 use task::{Cancel, Cancelled, Task};
 
-/// How many cells of a region of the field are asked to whom they belong, at most.
+/// Most cells of a region of the field whose owners among the other regions are looked up.
 const LOOKS: usize = 256;
-/// How many where they belong to several.
+/// Most cells that are looked up where they belong to several regions.
 const CLOSE_LOOKS: usize = 4096;
 /// The part of a region that counts for nothing: where a boundary lies is as coarse as the grid.
 const NEARLY_NONE: f64 = 0.03;
@@ -53,9 +53,9 @@ pub struct Comparison {
     pub remains: Vec<f64>,
     /// Volume that the present library leaves, and the other one (mm^3).
     pub volumes: [f64; 2],
-    /// How many regions either leaves.
+    /// Number of regions that either library leaves.
     pub regions: [usize; 2],
-    /// How many regions of the other library lie where the present one leaves nothing.
+    /// Number of regions of the other library that lie where the present one leaves nothing.
     pub new_regions: usize,
     /// What the present library leaves and the other one takes, thicker than the tolerance, the largest first.
     pub taken: Vec<Difference>,
@@ -73,7 +73,7 @@ impl Comparison {
         self.remains.get(i).is_some_and(|volume| *volume <= 0.0)
     }
 
-    /// How many regions vanish.
+    /// Number of regions that vanish.
     pub fn vanishing(&self) -> usize {
         (0..self.remains.len()).filter(|i| self.vanishes(*i)).count()
     }

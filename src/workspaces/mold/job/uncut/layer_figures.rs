@@ -12,7 +12,7 @@ const ROUNDING: f64 = 3e-4;
 /// What is left in one layer.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct LayerFound {
-    /// Its height (mm).
+    /// Height of the layer (mm).
     pub z: f64,
     /// Area of what is left (mm^2).
     pub area: f64,

@@ -40,7 +40,7 @@ const THIN: f64 = 3.0;
 pub struct UncutParams {
     /// The cutters.
     pub library: CutterLibrary,
-    /// From where they come.
+    /// Direction that the cutters come from.
     pub opening: Opening,
     /// Thickness of the residue, across the mold's surface, up to which it counts as cut (mm).
     pub tolerance_mm: f64,
@@ -93,7 +93,7 @@ pub enum UncutError {
     /// The field of heights cannot be had.
     #[error("height map: {0}")]
     Field(HeightFieldError),
-    /// It was told to stop.
+    /// The task was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
 }
@@ -108,7 +108,7 @@ impl From<HeightFieldError> for UncutError {
     }
 }
 
-/// How many regions, and their volume (mm^3), by one way of finding them.
+/// Number of regions and their volume (mm^3), by one way of finding them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub struct Found {
@@ -116,12 +116,12 @@ pub struct Found {
     pub volume_mm3: f64,
 }
 
-/// The same by a coarser field of heights.
+/// Figures found by a coarser field of heights.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Coarser {
-    /// Its step (mm).
+    /// Step of the coarser field (mm).
     pub step: f64,
-    /// What it finds.
+    /// Figures found with it.
     pub found: Found,
 }
 

@@ -12,7 +12,7 @@ use crate::workspaces::news::EventKind;
 use mold::electrode::check::{CheckKind, Finding};
 use mold::electrode::design::IdleOverride;
 
-/// Draws it.
+/// Draws the checks.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed, electrode: usize) {
     let Some(findings) = made.set.checks.get(electrode) else { return };
     for finding in findings {

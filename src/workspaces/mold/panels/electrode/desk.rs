@@ -32,22 +32,22 @@ pub enum Fly {
     All,
     /// Onto a cut.
     Onto(Camera),
-    /// Back to before that.
+    /// Back to where the view was before the cut.
     Back,
-    /// To where the mold is seen from above.
+    /// Above the mold, looking down.
     Above,
 }
 
 /// A place that is pointed at.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pointed {
-    /// Where, in the upright mold (mm).
+    /// The place, in the upright mold (mm).
     pub at: DVec3,
     /// What is there, with its figures.
     pub text: String,
 }
 
-/// What of the desk a picture depends on.
+/// The part of the desk's state that a picture depends on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Look {
     selected: Option<BurnOf>,
@@ -62,7 +62,7 @@ pub struct Look {
     split: Option<Option<DVec3>>,
 }
 
-/// See the module's page.
+/// The state of the view of electrodes: what is selected, cut, moved and pointed at.
 pub struct ElectrodeDesk {
     /// Whether electrodes are looked at, or else regions.
     pub is_shown: bool,
@@ -78,7 +78,7 @@ pub struct ElectrodeDesk {
     pub look: MoldLook,
     /// Where on its way the selected one is, 0 to 1; none while it stands where it has burned.
     pub time: Option<f64>,
-    /// Whether it goes along.
+    /// Whether the motion is played.
     pub is_playing: bool,
     /// The cut through the selected burn.
     pub cut: Option<BurnCut>,
@@ -174,7 +174,7 @@ impl ElectrodeDesk {
         self.shown.as_ref()
     }
 
-    /// The same while electrodes are looked at, which they are not while a line is drawn on the mold.
+    /// The electrodes while they are looked at, which they are not while a line is drawn on the mold.
     pub fn seen(&self) -> Option<&Arc<Designed>> {
         self.shown.as_ref().filter(|_| self.is_shown)
     }
@@ -217,7 +217,7 @@ impl ElectrodeDesk {
         Some(self.way()?.at(self.time?))
     }
 
-    /// One step along the way, or back.
+    /// Moves the electrode one step along its way, or back.
     pub fn step(&mut self, forward: bool) {
         // Where it has burned is two thirds of the way.
         let at = self.time.unwrap_or(2.0 / 3.0) * STEPS;
@@ -272,7 +272,7 @@ impl ElectrodeDesk {
         (self.exploded, self.time, self.is_playing, self.cut) = (0.0, None, false, None);
     }
 
-    /// The same of a place of an electrode, whose burn there is shown alone: others would hide it.
+    /// Points at a place of an electrode, whose burn there is shown alone: others would hide it.
     pub fn point_at_burn(&mut self, electrode: usize, (place, text): (DVec3, String), mold: &Bounds) {
         let Some(made) = self.shown.clone() else { return };
         let burn = made.set.electrodes.get(electrode).map_or(0, |e| burn_at(e, &made.set.regions, place));
@@ -304,7 +304,7 @@ impl ElectrodeDesk {
         })
     }
 
-    /// What of this a picture depends on.
+    /// The part of the state that a picture depends on.
     pub(in crate::workspaces::mold::panels) fn picture(&self) -> Look {
         Look {
             selected: self.selected,

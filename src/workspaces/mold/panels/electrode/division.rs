@@ -13,7 +13,7 @@ use crate::workspaces::mold::work::Designed;
 use mold::electrode::check::LeftOfRegion;
 use mold::electrode::params::{Edit, Method};
 
-/// Draws it for these regions of an electrode, counted from 1.
+/// Draws the division of these regions of an electrode, counted from 1.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, regions): (usize, &[usize])) {
     for region in regions {
         region_of(ui, desk, made, (electrode, region - 1));

@@ -19,7 +19,7 @@ use mold::electrode::params::Holder;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::ElectrodeFormat;
 
-/// Draws it. Answers what a path is wanted for.
+/// Draws the form. Answers the path that the user is to choose.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
     let mut form = Form::new(&FIELDS, desk.document.params());
     for group in ["Stages", "Heads", "Sharing", "Base", "Files", "Blanks"] {
@@ -119,7 +119,7 @@ fn edits(ui: &mut Ui, form: &mut Form<MoldParams>, unmet: &[usize]) {
     }
 }
 
-/// What they came to, and how it is written.
+/// Draws the electrodes that were made, and their export.
 fn answer(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
     let state = desk.design_state();
     if let Some(why) = state.why_not() {

@@ -19,12 +19,12 @@ const COLUMNS: [(&str, f32); 6] =
     [("name", 0.0), ("burns", 30.0), ("regions", 42.0), ("blank", 60.0), ("min", 28.0), ("checks", 64.0)];
 /// Width of the bar that scrolls, with room beside it (points).
 const BAR: f32 = 6.0;
-/// Below this width (points) there are the most needed ones only.
+/// Width below which only the most needed columns are shown (points).
 const NARROW: f32 = 330.0;
-/// Which they are.
+/// Numbers of the most needed columns.
 const NEEDED: [usize; 4] = [0, 1, 4, 5];
 
-/// Draws it.
+/// Draws the list.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
     let Some(made) = desk.electrodes.designed().cloned() else { return };
     let is_stale = !desk.is_designed();
