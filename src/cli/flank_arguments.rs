@@ -226,6 +226,11 @@ impl FlankArguments {
             Some(file) if is_project(file) => Document::<FlankDocument>::open(file)?.params().clone(),
             _ => FlankDocument::default(),
         };
+        let surface = &self.surface;
+        if surface.mesh.is_some() || surface.lower.is_some() || surface.demo.is_some() {
+            // What a project says of its own part is not meant for the one that takes its place.
+            document = document.of_another(document.source.clone());
+        }
         self.cutter.apply(&mut document)?;
         self.plan.apply(&mut document)?;
         let notes = self.milling.apply(&mut document)?.into_iter().collect();

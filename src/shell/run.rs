@@ -93,6 +93,8 @@ pub struct SparkpathApp {
     log_open: bool,
     folders: Option<Folders>,
     autosave: Option<Autosave>,
+    /// Why copies could not be written when that was tried last.
+    not_copied: Vec<String>,
     saved_preferences: Preferences,
     /// What the user wants done once this workspace's document is saved.
     after_save: Option<(usize, Intent)>,
@@ -150,6 +152,7 @@ impl SparkpathApp {
             log_open: false,
             folders,
             autosave,
+            not_copied: Vec::new(),
             saved_preferences: preferences,
             after_save: None,
             given_up: Vec::new(),
@@ -373,7 +376,8 @@ impl SparkpathApp {
     /// Goes on with what was to be done once the document of workspace number `i` was saved.
     fn saved(&mut self, i: usize, ctx: &egui::Context) {
         if let Some((_, intent)) = self.after_save.take_if(|(of, _)| *of == i) {
-            self.intend_from(i + 1, intent, ctx);
+            // From the first: another workspace may have been worked in while the dialog was open.
+            self.intend_from(0, intent, ctx);
         }
     }
 
@@ -541,12 +545,18 @@ impl SparkpathApp {
     /// Brings the copies of unsaved work up to date. Tells whether there are as many as are needed.
     fn autosave_now(&mut self) -> bool {
         let Some(autosave) = &mut self.autosave else { return false };
-        let updated = self.workspaces.iter().try_for_each(|one| autosave.update(one.document()));
-        if let Err(e) = &updated {
-            self.say(EventKind::Failed, format!("the unsaved work could not be copied: {e}"));
-            self.autosave = None;
+        // One that fails keeps no other from its copy; it is tried again next time.
+        let failed: Vec<String> = self
+            .workspaces
+            .iter()
+            .filter_map(|one| autosave.update(one.document()).err())
+            .map(|e| format!("the unsaved work could not be copied: {e}"))
+            .collect();
+        if self.not_copied != failed {
+            failed.iter().for_each(|text| self.say(EventKind::Failed, text.clone()));
+            self.not_copied = failed;
         }
-        updated.is_ok()
+        self.not_copied.is_empty()
     }
 
     fn write_picture(&mut self, path: &Path) {

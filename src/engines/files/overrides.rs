@@ -91,6 +91,10 @@ impl Override {
         if !self.parts.is_empty() && self.parts != parts {
             return Some("this was decided for another part; it does not hold: decide again".to_owned());
         }
+        if self.is_for_whatever() && !self.parts.is_empty() && !now.is_empty() {
+            // Decided of a finding without figures, which is not to waive one that has some.
+            return Some("this was decided for a finding without figures; it does not hold: decide again".to_owned());
+        }
         if self.is_for_whatever() {
             return None;
         }

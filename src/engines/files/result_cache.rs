@@ -6,6 +6,7 @@
 use std::fs;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::time::SystemTime;
 
 use flate2::Compression;
@@ -20,9 +21,22 @@ use crate::write_bytes;
 /// How the name of a result ends.
 const ENDING: &str = "kept";
 /// Changes when results have other fields.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+/// Most bytes of an unpacked result.
+const LARGEST_PLAIN: u64 = 4 << 30;
 /// Bytes of the hash before a result, in hexadecimal.
 const HASH: usize = 64;
+
+/// What tells this build of the program from any other, so that no build shows what another one has found.
+fn build() -> &'static str {
+    static BUILD: OnceLock<String> = OnceLock::new();
+    BUILD.get_or_init(|| {
+        let program = std::env::current_exe().and_then(fs::metadata).ok();
+        let made = program.as_ref().and_then(|data| data.modified().ok());
+        let seconds = made.and_then(|made| made.duration_since(SystemTime::UNIX_EPOCH).ok()).unwrap_or_default();
+        format!("{} {} {}", env!("CARGO_PKG_VERSION"), program.map_or(0, |data| data.len()), seconds.as_nanos())
+    })
+}
 
 /// A folder of results, of which the oldest go when they are too large together.
 #[derive(Debug, Clone)]
@@ -38,7 +52,7 @@ impl ResultCache {
     }
 
     fn file<K: Serialize>(&self, what: &str, key: &K) -> Option<PathBuf> {
-        let mut name = format!("{VERSION} {} {what} ", env!("CARGO_PKG_VERSION")).into_bytes();
+        let mut name = format!("{VERSION} {} {what} ", build()).into_bytes();
         ciborium::into_writer(key, &mut name).ok()?;
         Some(self.folder.join(format!("{what}-{}.{ENDING}", sha256(&name))))
     }
@@ -51,14 +65,15 @@ impl ResultCache {
     /// The result `what` for `key`; one that is damaged is none, and goes.
     pub fn get<K: Serialize, V: DeserializeOwned>(&self, what: &str, key: &K) -> Option<V> {
         let file = self.file(what, key)?;
-        let bytes = fs::read(&file).ok()?;
+        let mut bytes = Vec::new();
+        fs::File::open(&file).ok()?.take(self.most).read_to_end(&mut bytes).ok()?;
         let read = |bytes: &[u8]| {
             let (hash, packed) = bytes.split_at_checked(HASH)?;
             if sha256(packed).as_bytes() != hash {
                 return None;
             }
             let mut plain = Vec::new();
-            DeflateDecoder::new(packed).read_to_end(&mut plain).ok()?;
+            DeflateDecoder::new(packed).take(LARGEST_PLAIN).read_to_end(&mut plain).ok()?;
             ciborium::from_reader(plain.as_slice()).ok()
         };
         let value = read(&bytes);

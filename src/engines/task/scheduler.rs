@@ -61,15 +61,22 @@ struct Jobs {
     waiting: Vec<Waiting>,
     running: Vec<Running>,
     submitted: JobId,
-    /// Whether the thread of long work is at work.
-    is_long_busy: bool,
+    /// Whether the thread of long work is at work; none without threads.
+    is_long_busy: Option<bool>,
     is_closed: bool,
 }
 
 impl Jobs {
     /// Takes out what the thread of `lane` does next, if it comes before work of the priority `than`.
     fn next(&mut self, lane: Lane, than: Option<Priority>) -> Option<(Waiting, Cancel)> {
-        let can_take = |w: &Waiting| (lane == Lane::Long || w.lane == Lane::Quick) && Some(w.priority) > than;
+        let is_shown = |w: &Waiting| w.priority == Priority::Shown;
+        let is_mine = |w: &Waiting| match (w.lane, lane) {
+            (Lane::Long, _) => lane == Lane::Long,
+            // While the thread of long work is free, it does what the user looks at, and nothing else that is quick.
+            (Lane::Quick, Lane::Long) => self.is_long_busy.is_none() || is_shown(w),
+            (Lane::Quick, Lane::Quick) => self.is_long_busy != Some(false) || !is_shown(w),
+        };
+        let can_take = |w: &Waiting| is_mine(w) && Some(w.priority) > than;
         let order = |w: &Waiting| (w.lane == lane, w.priority, Reverse(w.id));
         let (i, _) = self.waiting.iter().enumerate().filter(|(_, w)| can_take(w)).max_by_key(|(_, w)| order(w))?;
         let (taken, cancel) = (self.waiting.remove(i), Cancel::default());
@@ -116,6 +123,8 @@ impl Queue {
         let mut jobs = self.lock();
         jobs.waiting.iter_mut().filter(|w| w.id == id).for_each(|w| w.priority = priority);
         jobs.running.iter_mut().filter(|r| r.id == id).for_each(|r| r.priority = priority);
+        drop(jobs);
+        self.changed.notify_all();
     }
 
     /// Stops a job for good.
@@ -138,12 +147,13 @@ impl Queue {
             let Some(than) = here.map(|r| r.priority) else { return };
             let Some((taken, cancel)) = jobs.next(lane, Some(than)) else { return };
             drop(jobs);
-            self.run(lane, taken, &cancel);
+            self.run(taken, &cancel);
         }
     }
 
-    fn run(&self, lane: Lane, taken: Waiting, cancel: &Cancel) {
-        let before = HERE.replace(Some((lane, taken.id)));
+    fn run(&self, taken: Waiting, cancel: &Cancel) {
+        // By its own lane: no long work is done in the midst of quick work.
+        let before = HERE.replace(Some((taken.lane, taken.id)));
         taken.job.run(cancel);
         HERE.set(before);
         self.lock().running.retain(|r| r.id != taken.id);
@@ -152,16 +162,18 @@ impl Queue {
     fn serve(&self, lane: Lane) {
         let mut jobs = self.lock();
         while !jobs.is_closed {
-            // The thread of long work has all cores behind it: while it is free, it does what is quick, too.
-            let is_its_turn = lane == Lane::Long || jobs.is_long_busy;
-            jobs = match is_its_turn.then(|| jobs.next(lane, None)).flatten() {
+            jobs = match jobs.next(lane, None) {
                 Some((taken, cancel)) => {
-                    jobs.is_long_busy |= lane == Lane::Long;
+                    if lane == Lane::Long {
+                        jobs.is_long_busy = Some(true);
+                    }
                     drop(jobs);
                     self.changed.notify_all();
-                    self.run(lane, taken, &cancel);
+                    self.run(taken, &cancel);
                     let mut jobs = self.lock();
-                    jobs.is_long_busy &= lane != Lane::Long;
+                    if lane == Lane::Long {
+                        jobs.is_long_busy = Some(false);
+                    }
                     jobs
                 }
                 None => self.changed.wait(jobs).unwrap_or_else(PoisonError::into_inner),
@@ -178,11 +190,13 @@ impl Queue {
 /// threads stand, however many memos there are. Work is not started on rayon's own threads: one of them that waits for a
 /// part of a preview could steal a whole plan and keep the preview until that is made.
 ///
-/// **Who comes first.** Quick work never waits for long work. While the thread of long work is free, that does quick work
-/// too, on all cores. While it is busy, the thread of quick work does it by itself, without rayon's pool: what is given to
-/// the pool then waits until the long work leaves it a thread, which may take seconds. Within a lane the higher [`Priority`] comes first, and of equals the one that was submitted
-/// first. Running work lets what is of a higher priority pass: whenever it reports [`Progress`](crate::Progress) on the
-/// thread of its lane, that is done first, there and then, and the work goes on after it. So it holds no lock while it
+/// **Who comes first.** Quick work never waits for long work. While the thread of long work is free, that does the quick
+/// work that the user looks at, on all cores. All other quick work is done by its own thread, without rayon's pool: what
+/// is given to the pool while long work runs waits until that leaves it a thread, which may take seconds. Within a lane
+/// the higher [`Priority`] comes first, and of equals the one that was submitted first. Running work lets what is of a
+/// higher priority pass: whenever it reports [`Progress`](crate::Progress) on the thread of its lane, which it does
+/// between its parallel stages, that is done first, there and then, and the work goes on after it. So it holds no lock
+/// while it
 /// reports.
 pub struct Scheduler {
     queue: Arc<Queue>,
@@ -199,6 +213,7 @@ impl Scheduler {
         let mut scheduler = Self::manual(wake);
         // A pool that stands already does as well.
         let _ = rayon::ThreadPoolBuilder::new().thread_name(|i| format!("pool {i}")).build_global();
+        scheduler.queue.lock().is_long_busy = Some(false);
         for (lane, name) in [(Lane::Quick, "quick work"), (Lane::Long, "long work")] {
             let queue = scheduler.queue.clone();
             let serve = move || {
@@ -224,7 +239,7 @@ impl Scheduler {
         let next = self.queue.lock().next(lane, None);
         let is_any = next.is_some();
         if let Some((taken, cancel)) = next {
-            self.queue.run(lane, taken, &cancel);
+            self.queue.run(taken, &cancel);
         }
         is_any
     }

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
-use toml::de::{DeTable, Deserializer};
+use toml::de::{DeTable, DeValue, Deserializer};
 
 use super::{Params, PartFile};
 use crate::paths::{folder_of, relative, without_detours};
@@ -99,10 +99,31 @@ pub(super) fn note_of(file: &Path) -> Result<CopyNote, FileError> {
     Ok(tail.autosave.unwrap_or_default())
 }
 
+/// The first number in `value` that is not finite, with its key.
+fn not_finite(key: &str, value: &DeValue) -> Option<(String, String)> {
+    match value {
+        DeValue::Float(number) if number.as_str().contains(['n', 'f']) => {
+            Some((key.to_owned(), number.as_str().to_owned()))
+        }
+        DeValue::Array(all) => {
+            all.iter().enumerate().find_map(|(i, one)| not_finite(&format!("{key}[{i}]"), one.get_ref()))
+        }
+        DeValue::Table(all) => {
+            all.iter().find_map(|(name, one)| not_finite(&format!("{key}.{}", name.get_ref()), one.get_ref()))
+        }
+        _ => None,
+    }
+}
+
 /// The kind, the file's own keys, and the parameters.
 fn split<'a>(text: &'a str, file: &Path) -> Result<(String, Tail, Deserializer<'a>), FileError> {
     let wrong = |error: &toml::de::Error| syntax(file, text, error);
     let root = DeTable::parse(text).map_err(|e| wrong(&e))?;
+    if let Some((key, value)) =
+        root.get_ref().iter().find_map(|(key, value)| not_finite(key.get_ref(), value.get_ref()))
+    {
+        return Err(FileError::placed(file, text, Invalid::new(key, value, "must be a finite number")));
+    }
     let span = root.span();
     let is_own = |key: &str| OWN.contains(&key);
     let (own, params): (Vec<_>, Vec<_>) = root.into_inner().into_iter().partition(|(key, _)| is_own(key.get_ref()));
@@ -166,7 +187,8 @@ impl<P: Params> Project<P> {
         params.change_paths(&mut |path| relative(path, &folder));
         let part = |part: &PartFile| PartFile { path: relative(&part.path, &folder), ..part.clone() };
         let files = self.files.iter().map(part).collect();
-        let tail = Tail { files, results: self.results.clone(), kept: self.kept.clone(), autosave, ..Tail::default() };
+        let (results, kept) = (self.results.clone(), self.kept.clone());
+        let tail = Tail { files, results, kept, autosave: autosave.clone(), ..Tail::default() };
         let unwritten = |problem: String| FileError::NotWritten { file: file.to_owned(), problem };
         let texts = [
             toml::to_string_pretty(&Head { kind: P::KIND, version: VERSION }),
@@ -177,6 +199,11 @@ impl<P: Params> Project<P> {
         let (head, params, tail) = (head?, params?, tail?);
         // Tables follow values: the head comes first, the file's own tables last.
         let between = if tail.is_empty() { "" } else { "\n" };
-        Ok(format!("{head}{params}{between}{tail}"))
+        let text = format!("{head}{params}{between}{tail}");
+        if text.len() as u64 > LARGEST_PROJECT && !self.results.is_empty() {
+            // Results can be computed again: they keep nothing from being saved.
+            return Self { results: BTreeMap::new(), ..self.clone() }.text(file, autosave);
+        }
+        Ok(text)
     }
 }

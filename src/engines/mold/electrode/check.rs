@@ -69,7 +69,6 @@ pub struct Finding {
     /// Where, in the upright mold (mm).
     pub place: Option<DVec3>,
     /// How bad it is, if it fails; see [`Figures`].
-    #[serde(skip)]
     pub figures: Figures,
 }
 

@@ -141,8 +141,7 @@ impl BliskWork {
     pub(super) fn size(&mut self, ready: Result<Arc<PreparedBlisk>, String>, inputs: PlanInputs) {
         let Some(of) = self.of_size() else { return };
         self.looks.sized = Some(of);
-        self.looks.sizes.resume(&of);
-        self.looks.sizes.ask(&of, Priority::Background, move |work| {
+        self.looks.sizes.restart(&of, Priority::Background, move |work| {
             let so_far = Mutex::new(Vec::new());
             let found = |row: &SizeRow| {
                 let mut so_far = so_far.lock().unwrap_or_else(PoisonError::into_inner);

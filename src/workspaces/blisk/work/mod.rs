@@ -514,7 +514,7 @@ impl BliskWork {
     /// Takes the release back, and stops an export that has not yet replaced any file.
     pub fn withdraw(&mut self) {
         self.released = None;
-        self.exported.stop();
+        self.exported.cancel();
     }
 
     /// The present plan, if the user released it.
@@ -528,6 +528,9 @@ impl BliskWork {
     /// One line if it is not released.
     pub fn start_export(&mut self, folder: &Path, write: ExportWork) -> Result<(), String> {
         let released = self.released().cloned().ok_or("release the plan first")?;
+        if self.exported.is_busy() {
+            return Err("the last export is still being written: wait for its end, or cancel it".to_owned());
+        }
         let (Some(now), Some(part), Some(planned)) = (&self.now, self.part(), self.current()) else {
             return Err("there is no plan to export".to_owned());
         };

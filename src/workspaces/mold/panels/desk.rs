@@ -183,7 +183,7 @@ impl MoldDesk {
         });
         self.followed = self.params().clone();
         (self.edited, self.changed) = (None, None);
-        self.work.forget_glance();
+        self.work.begin_anew();
         // How the last mold was looked at would hide parts of this one.
         self.electrodes.begin_anew();
         (self.is_faint, self.layer, self.least_volume, self.only_vanishing) = (false, None, 0.0, false);

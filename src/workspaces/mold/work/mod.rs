@@ -237,7 +237,7 @@ impl MoldWork {
         let (Some(results), Ok((question, mold))) = (self.results.clone(), self.asked(params)) else { return };
         if self.looked_up.0.as_ref() != Some(&question) {
             self.looked_up.0 = Some(question.clone());
-            if self.found.state(&question) == State::Missing && results.has(UNCUT, &question) {
+            if self.found.wants(&question) && !self.found.is_busy() && results.has(UNCUT, &question) {
                 let (key, mold) = (question.clone(), mold.clone());
                 let gone = "what was kept of it is damaged: find it again";
                 let (kept, priority) = (results.clone(), self.priority);
@@ -252,7 +252,7 @@ impl MoldWork {
         if self.looked_up.1.as_ref() != Some(&named) {
             self.looked_up.1 = Some(named.clone());
             let asked = design_question(question, &params.electrodes);
-            if self.designed.state(&asked) == State::Missing && results.has(ELECTRODES, &named) {
+            if self.designed.wants(&asked) && !self.designed.is_busy() && results.has(ELECTRODES, &named) {
                 let gone = "what was kept of them is damaged: create them again";
                 self.designed.ask(&asked, self.priority, move |_| {
                     let set = results.get(ELECTRODES, &named);
@@ -306,6 +306,12 @@ impl MoldWork {
     /// Forgets what was seen at a glance.
     pub fn forget_glance(&mut self) {
         self.glances.clear();
+    }
+
+    /// Forgets what was seen of another mold at a glance, and what was wished for it.
+    pub fn begin_anew(&mut self) {
+        self.forget_glance();
+        self.is_waiting = false;
     }
 
     /// What was seen at a glance of `params`; while they go on changing (`is_held`) also of earlier ones, but never of
@@ -414,12 +420,26 @@ impl MoldWork {
                 let found = steps::find(&mold, &question.1, &work.task)?;
                 Some(design::design(&mold, &found, &electrodes, &work.task)?)
             };
+            if proven.as_ref().is_some_and(|proven| !is_as_shown(&made.set, &proven.set)) {
+                return Err(
+                    "the electrodes as they are made now are not those that are shown, which were kept from an \
+                            earlier session: create them again and look at them"
+                        .to_owned(),
+                );
+            }
             let made = proven.as_ref().unwrap_or(&made);
             let set = ElectrodeSet { params: asked.clone(), ..made.set.clone() };
             export(&folder, (&set, made), (&mold, &name), (&formats, &sheet), &work.task)
         });
         Ok(())
     }
+}
+
+/// Whether the electrodes of `now` are those of `shown`, with the same verdicts.
+fn is_as_shown(shown: &ElectrodeSet, now: &ElectrodeSet) -> bool {
+    let bodies =
+        |set: &ElectrodeSet| -> Vec<_> { set.electrodes.iter().map(|e| (e.name.clone(), e.mesh.clone())).collect() };
+    bodies(shown) == bodies(now) && shown.checks == now.checks
 }
 
 /// What of `electrodes` they depend on: not which are exported, nor the names they had before, which they keep.

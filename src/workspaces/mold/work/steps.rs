@@ -57,7 +57,8 @@ pub struct FoundUncut {
 impl FoundUncut {
     /// What was found, in a sentence.
     pub fn sentence(&self) -> String {
-        self.report.sentence.replace("mm3", "mm³")
+        let kept = if self.is_proven { "" } else { " Kept from an earlier session." };
+        format!("{}{kept}", self.report.sentence.replace("mm3", "mm³"))
     }
 }
 
