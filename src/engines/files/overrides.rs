@@ -214,6 +214,11 @@ mod tests {
             assert!(one.lapsed(&[], &Figures::new()).is_some_and(|why| why.contains("name the check alone")), "{one}");
         }
         assert_eq!(Override::whatever("machine").lapsed(&[], &Figures::new()), None);
+        // Decided in the window of a finding without figures: one that has some is another.
+        let parts = vec!["R1".to_owned()];
+        let without = Override::decided("machine", parts.clone(), &Figures::new());
+        assert_eq!(without.lapsed(&parts, &Figures::new()), None);
+        assert!(without.lapsed(&parts, &figures(&[("depth_mm", 0.1)])).is_some_and(|why| why.contains("decide again")));
     }
 
     #[test]

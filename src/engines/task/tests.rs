@@ -546,3 +546,32 @@ fn quick_work_ends_while_long_work_has_the_whole_pool() {
     is_over.store(true, Ordering::Release);
     assert_eq!(wait(&mut long, &woken).result.map(|is_met| *is_met), Ok(true), "the quick work ended first");
 }
+
+/// A thread that does quick work must not begin a plan in its midst: the quick work would wait for all of that.
+#[test]
+fn no_long_work_is_done_in_the_midst_of_quick_work() {
+    let scheduler = by_hand();
+    let mut quick: Memo<u32, u32, u32> = Memo::new(&scheduler, Lane::Quick, "quick");
+    let mut long = numbers(&scheduler);
+    let order = Arc::new(Mutex::new(Vec::new()));
+    let [first, last, other] = [order.clone(), order.clone(), order.clone()];
+    quick.ask(&1, Priority::Background, move |work| {
+        first.lock().unwrap().push("quick begins");
+        work.task.report("half", 0.5, "");
+        last.lock().unwrap().push("quick ends");
+        Ok(1)
+    });
+    assert!(scheduler.run_next(Lane::Quick) && quick.take().is_some());
+    quick.restart(&2, Priority::Background, |work| {
+        work.task.report("half", 0.5, "");
+        Ok(2)
+    });
+    long.ask(&1, Priority::Shown, move |_| {
+        other.lock().unwrap().push("long");
+        Ok(1)
+    });
+    assert!(scheduler.run_next(Lane::Quick), "the quick work ends by itself");
+    assert_eq!(*order.lock().unwrap(), ["quick begins", "quick ends"]);
+    run_all(&scheduler);
+    assert_eq!(order.lock().unwrap().last(), Some(&"long"));
+}

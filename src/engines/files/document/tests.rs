@@ -337,3 +337,12 @@ proptest! {
         prop_assert_eq!(read.unwrap(), project, "{}", text);
     }
 }
+
+#[test]
+fn a_number_that_is_not_finite_is_refused_with_its_place() {
+    for (text, key) in [("tolerance_mm = nan", "tolerance_mm"), ("cutters = [1.0, inf]", "cutters[1]")] {
+        let text = format!("kind = \"mold\"\n{text}\n");
+        let said = Project::<Mold>::parse(&text, Path::new("part.sparkpath")).unwrap_err().to_string();
+        assert!(said.contains("line 2") && said.contains(key) && said.contains("finite"), "{said}");
+    }
+}
