@@ -5,7 +5,7 @@ use std::time::{Duration, SystemTime};
 
 use egui::{Color32, RichText, Ui, vec2};
 
-use super::commands::{Command, CommandSet, Commanded, FrameCommand};
+use super::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand};
 use super::message::Message;
 use super::news::{EventKind, WorkEvent};
 use super::preferences::Preferences;
@@ -55,6 +55,18 @@ pub struct PathInfo {
     pub opens: bool,
 }
 
+impl PathInfo {
+    /// A path that is asked for by `title`.
+    pub const fn new(title: &'static str, kind: PathKind) -> Self {
+        Self { title, kind, opens: false }
+    }
+
+    /// A path, asked for by `title`, of a file that is opened in place of the document.
+    pub const fn open(title: &'static str, kind: PathKind) -> Self {
+        Self { title, kind, opens: true }
+    }
+}
+
 /// What is chosen in a file dialog.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathKind {
@@ -78,6 +90,10 @@ pub trait PathSet: Copy + PartialEq + 'static {
     }
 }
 
+/// Ending of posts, machines and libraries.
+pub const TOML: &[&str] = &["toml"];
+/// Endings of projects and meshes.
+pub const OPEN: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkpath"];
 /// Endings of meshes.
 pub const MESHES: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB"];
 
@@ -149,6 +165,36 @@ impl Context {
         }
         if response.clicked() {
             self.push(command);
+        }
+    }
+
+    /// The buttons that play what `desk` shows and step along it, so wide (points): first, back, on and last are called
+    /// `names`, which `are_hints` has their tooltips say in place of the commands' own.
+    pub fn play_buttons(
+        &mut self,
+        ui: &mut Ui,
+        desk: &impl Commanded,
+        (is_playing, width): (bool, f32),
+        [first, back, on, last]: [&'static str; 4],
+        are_hints: bool,
+    ) {
+        let buttons = [
+            (FrameCommand::FirstNode, "⏮", first),
+            (FrameCommand::PreviousNode, "⏴", back),
+            (FrameCommand::Play, if is_playing { "⏸" } else { "▶" }, "Play"),
+            (FrameCommand::NextNode, "⏵", on),
+            (FrameCommand::LastNode, "⏭", last),
+        ];
+        for (command, sign, name) in buttons {
+            let button = egui::Button::new(RichText::new(sign).size(13.0)).min_size(vec2(width, 22.0));
+            let info = command.command().info;
+            let name_of_hint = if are_hints { name } else { info.name };
+            let hint = CommandInfo { name: name_of_hint, keys: info.keys, needs: None }.hint(ui.ctx());
+            let response = ui.add_enabled(desk.is_enabled(command.into()), button).on_hover_text(hint);
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+            if response.clicked() {
+                self.push(command);
+            }
         }
     }
 

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use egui::{Panel, RichText, Ui};
 
 use crate::widgets::theme::palette;
-use crate::widgets::viewport::Viewport;
 use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::desk::{BliskDesk, BliskDialog};
 use crate::workspaces::blisk::document::job_file::PlanJob;
@@ -28,7 +27,7 @@ use crate::workspaces::hands::Hands;
 use crate::workspaces::message::Message;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
-use crate::workspaces::workspace::{About, Menu, Standing, Workspace};
+use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
 use files::{AnyDocument, Params as _, Recovery};
 use nc::post::Post;
 use render::view::StandardView;
@@ -284,6 +283,8 @@ impl Commanded for BliskWorkspace {
 }
 
 impl Workspace for BliskWorkspace {
+    held_in_fields!();
+
     fn about(&self) -> &'static About {
         &ABOUT
     }
@@ -373,7 +374,7 @@ impl Workspace for BliskWorkspace {
     }
 
     fn status(&mut self, ui: &mut Ui, cx: &mut Context, is_shown: bool) {
-        if let Some(now) = self.opening.doing().or(self.desk.work.doing()).filter(|_| is_shown) {
+        if let Some(now) = self.doing().filter(|_| is_shown) {
             cx.doing(ui, now);
         }
         // Sizing goes on beside everything else, whichever step is open.
@@ -408,26 +409,6 @@ impl Workspace for BliskWorkspace {
 
     fn is_busy(&self) -> bool {
         self.opening.is_busy() || self.desk.is_busy()
-    }
-
-    fn is_opening(&self) -> bool {
-        self.opening.is_busy()
-    }
-
-    fn viewport(&self) -> &Viewport {
-        &self.view.viewport
-    }
-
-    fn viewport_mut(&mut self) -> &mut Viewport {
-        &mut self.view.viewport
-    }
-
-    fn document(&self) -> &dyn AnyDocument {
-        &self.desk.document
-    }
-
-    fn document_mut(&mut self) -> &mut dyn AnyDocument {
-        &mut self.desk.document
     }
 
     fn near(&self) -> Option<&Path> {

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use egui::Ui;
 
-use crate::widgets::viewport::Viewport;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
 use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project};
 use crate::workspaces::flank::commands::FlankCommand;
@@ -19,7 +18,7 @@ use crate::workspaces::hands::Hands;
 use crate::workspaces::message::{ElectrodePart, Message};
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
-use crate::workspaces::workspace::{About, Menu, Standing, Workspace};
+use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
 use files::{AnyDocument, Document, Recovery};
 use flank::machine::milling_machine::MillingMachine;
 use flank::ruled_surface::Side;
@@ -322,6 +321,8 @@ impl Commanded for FlankWorkspace {
 }
 
 impl Workspace for FlankWorkspace {
+    held_in_fields!();
+
     fn about(&self) -> &'static About {
         &ABOUT
     }
@@ -374,12 +375,6 @@ impl Workspace for FlankWorkspace {
         }
     }
 
-    fn status(&mut self, ui: &mut Ui, cx: &mut Context, is_shown: bool) {
-        if let Some(now) = self.opening.doing().or(self.desk.work.doing()).filter(|_| is_shown) {
-            cx.doing(ui, now);
-        }
-    }
-
     fn follow(&mut self, cx: &mut Context, hands: Hands, _seconds: f64, is_shown: bool) {
         if let Some(opened) = self.opening.take(cx) {
             self.go_on(Pending::Take(opened), cx);
@@ -390,26 +385,6 @@ impl Workspace for FlankWorkspace {
 
     fn is_busy(&self) -> bool {
         self.opening.is_busy() || self.desk.work.is_busy()
-    }
-
-    fn is_opening(&self) -> bool {
-        self.opening.is_busy()
-    }
-
-    fn viewport(&self) -> &Viewport {
-        &self.view.viewport
-    }
-
-    fn viewport_mut(&mut self) -> &mut Viewport {
-        &mut self.view.viewport
-    }
-
-    fn document(&self) -> &dyn AnyDocument {
-        &self.desk.document
-    }
-
-    fn document_mut(&mut self) -> &mut dyn AnyDocument {
-        &mut self.desk.document
     }
 
     fn near(&self) -> Option<&Path> {

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use egui::Ui;
 
-use crate::widgets::viewport::Viewport;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
 use crate::workspaces::context::{Context, PathSet, Request, first, has_ending, is_project};
 use crate::workspaces::hands::Hands;
@@ -19,7 +18,7 @@ use crate::workspaces::mold::scene::{MoldLook, RegionColours};
 use crate::workspaces::mold::work::{LoadedMold, read_part};
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
-use crate::workspaces::workspace::{About, Menu, Workspace};
+use crate::workspaces::workspace::{About, Menu, Workspace, held_in_fields};
 use files::{AnyDocument, Document, Recovery};
 use nc::burn_template::BurnSheet;
 use task::{Scheduler, State};
@@ -246,6 +245,8 @@ impl Commanded for MoldWorkspace {
 }
 
 impl Workspace for MoldWorkspace {
+    held_in_fields!();
+
     fn about(&self) -> &'static About {
         &ABOUT
     }
@@ -298,12 +299,6 @@ impl Workspace for MoldWorkspace {
         }
     }
 
-    fn status(&mut self, ui: &mut Ui, cx: &mut Context, is_shown: bool) {
-        if let Some(now) = self.opening.doing().or(self.desk.work.doing()).filter(|_| is_shown) {
-            cx.doing(ui, now);
-        }
-    }
-
     fn triangles(&self) -> Option<usize> {
         self.desk.work.mold().map(|mold| mold.mesh.triangles.len())
     }
@@ -318,26 +313,6 @@ impl Workspace for MoldWorkspace {
 
     fn is_busy(&self) -> bool {
         self.opening.is_busy() || self.desk.work.is_busy()
-    }
-
-    fn is_opening(&self) -> bool {
-        self.opening.is_busy()
-    }
-
-    fn viewport(&self) -> &Viewport {
-        &self.view.viewport
-    }
-
-    fn viewport_mut(&mut self) -> &mut Viewport {
-        &mut self.view.viewport
-    }
-
-    fn document(&self) -> &dyn AnyDocument {
-        &self.desk.document
-    }
-
-    fn document_mut(&mut self) -> &mut dyn AnyDocument {
-        &mut self.desk.document
     }
 
     fn near(&self) -> Option<&Path> {

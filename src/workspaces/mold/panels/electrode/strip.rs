@@ -4,7 +4,7 @@ use crate::workspaces::commands::{CommandSet, FrameCommand};
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::commands::MoldCommand;
 use crate::workspaces::mold::panels::MoldDesk;
-use egui::{Rect, RichText, Role, Slider, Ui, WidgetInfo, vec2};
+use egui::{Rect, RichText, Slider, Ui};
 
 use super::desk::Fly;
 use crate::widgets::panel_parts::row;
@@ -57,21 +57,8 @@ fn way(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
     if is_narrow {
         ui.spacing_mut().item_spacing.x = 4.0;
     }
-    let sign = if desk.electrodes.is_playing { "⏸" } else { "▶" };
-    let buttons = [
-        (FrameCommand::FirstNode, "⏮", "To the start"),
-        (FrameCommand::PreviousNode, "⏴", "Step back"),
-        (FrameCommand::Play, sign, "Play"),
-        (FrameCommand::NextNode, "⏵", "Step forward"),
-        (FrameCommand::LastNode, "⏭", "Burn position"),
-    ];
-    for (command, sign, name) in buttons {
-        let response = ui.add_sized(vec2(26.0, 22.0), egui::Button::new(sign)).on_hover_text(command.hint(ui.ctx()));
-        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
-        if response.clicked() {
-            cx.push(command);
-        }
-    }
+    let names = ["To the start", "Step back", "Step forward", "Burn position"];
+    cx.play_buttons(ui, desk, (desk.electrodes.is_playing, 26.0), names, false);
     let desk = &mut desk.electrodes;
     let words = if is_narrow { 130.0 } else { 190.0 };
     ui.spacing_mut().slider_width = (ui.available_width() - words).clamp(50.0, 240.0);
