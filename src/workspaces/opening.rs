@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use task::{Doing, Lane, Memo, Priority, Refusal, Scheduler, Task};
 
+use super::commands::{Command, CommandSet, FrameCommand};
 use super::context::Context;
 use super::news::EventKind;
 
@@ -50,6 +51,11 @@ impl<T: Send + Sync + 'static> Opening<T> {
     /// Whether something is being read.
     pub fn is_busy(&self) -> bool {
         self.memo.is_busy()
+    }
+
+    /// Whether `command` cancels what is being read.
+    pub fn is_ended_by(&self, command: Command) -> bool {
+        FrameCommand::of(command) == Some(FrameCommand::Cancel) && self.is_busy()
     }
 
     /// Cancels it, as the user asked.

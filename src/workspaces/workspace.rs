@@ -164,9 +164,18 @@ pub trait Workspace: Any + Commanded {
     }
 }
 
-/// The methods of [`Workspace`] that give what every workspace holds in its fields `desk`, `view` and `opening`.
+/// The methods of [`Workspace`] that give what every workspace holds: `ABOUT`, commands, and the fields `desk`, `view` and
+/// `opening`.
 macro_rules! held_in_fields {
-    () => {
+    ($commands:ty) => {
+        fn about(&self) -> &'static About {
+            &ABOUT
+        }
+
+        fn commands(&self) -> Vec<Command> {
+            <$commands>::all()
+        }
+
         fn doing(&self) -> Option<&task::Doing> {
             self.opening.doing().or(self.desk.work.doing())
         }

@@ -277,25 +277,16 @@ impl BliskWorkspace {
 
 impl Commanded for BliskWorkspace {
     fn is_enabled(&self, command: Command) -> bool {
-        let is_opening = FrameCommand::of(command) == Some(FrameCommand::Cancel) && self.opening.is_busy();
-        is_opening || self.desk.is_enabled(command)
+        self.opening.is_ended_by(command) || self.desk.is_enabled(command)
     }
 }
 
 impl Workspace for BliskWorkspace {
-    held_in_fields!();
-
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
-
-    fn commands(&self) -> Vec<Command> {
-        BliskCommand::all()
-    }
+    held_in_fields!(BliskCommand);
 
     fn menu(&self, menu: Menu) -> Groups {
         use BliskCommand as C;
-        let of = |all: &[C]| all.iter().map(|command| command.command()).collect::<Vec<_>>();
+        let of = C::group;
         match menu {
             Menu::New => vec![of(&[C::NewDemonstration])],
             Menu::Save => Vec::new(),

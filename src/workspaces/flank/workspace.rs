@@ -315,25 +315,16 @@ impl Commanded for FlankDesk {
 
 impl Commanded for FlankWorkspace {
     fn is_enabled(&self, command: Command) -> bool {
-        let is_opening = FrameCommand::of(command) == Some(FrameCommand::Cancel) && self.opening.is_busy();
-        is_opening || self.desk.is_enabled(command)
+        self.opening.is_ended_by(command) || self.desk.is_enabled(command)
     }
 }
 
 impl Workspace for FlankWorkspace {
-    held_in_fields!();
-
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
-
-    fn commands(&self) -> Vec<Command> {
-        FlankCommand::all()
-    }
+    held_in_fields!(FlankCommand);
 
     fn menu(&self, menu: Menu) -> Groups {
         use FlankCommand as C;
-        let of = |all: &[C]| all.iter().map(|command| command.command()).collect::<Vec<_>>();
+        let of = C::group;
         match menu {
             Menu::New | Menu::Save | Menu::View => Vec::new(),
             Menu::Own => vec![

@@ -239,25 +239,16 @@ impl Commanded for MoldDesk {
 
 impl Commanded for MoldWorkspace {
     fn is_enabled(&self, command: Command) -> bool {
-        let is_opening = FrameCommand::of(command) == Some(FrameCommand::Cancel) && self.opening.is_busy();
-        is_opening || self.desk.is_enabled(command)
+        self.opening.is_ended_by(command) || self.desk.is_enabled(command)
     }
 }
 
 impl Workspace for MoldWorkspace {
-    held_in_fields!();
-
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
-
-    fn commands(&self) -> Vec<Command> {
-        MoldCommand::all()
-    }
+    held_in_fields!(MoldCommand);
 
     fn menu(&self, menu: Menu) -> Groups {
         use MoldCommand as C;
-        let of = |all: &[C]| all.iter().map(|command| command.command()).collect::<Vec<_>>();
+        let of = C::group;
         match menu {
             Menu::New | Menu::Save => Vec::new(),
             Menu::Own => vec![
