@@ -9,9 +9,11 @@ use super::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand}
 use super::message::Message;
 use super::news::{EventKind, WorkEvent};
 use super::preferences::Preferences;
+use crate::widgets::folds::{self, Folding};
 use crate::widgets::overlay::{self, ViewButton};
 use crate::widgets::theme::palette;
 use files::{FileError, ResultCache};
+use render::view::StandardView;
 use task::Doing;
 
 /// Time that a passing message is shown (s).
@@ -238,6 +240,20 @@ impl Context {
         }
     }
 
+    /// The handles that fold the panels beside the view in `rect`: the commands that do, and whether the one on the left
+    /// is there, and that on the right if it has a handle.
+    pub fn folds<C: CommandSet>(&mut self, ui: &mut Ui, rect: egui::Rect, left: (C, bool), right: Option<(C, bool)>) {
+        let panels: Vec<(C, bool)> = [left].into_iter().chain(right).collect();
+        let folding = |(i, (command, is_there)): (usize, &(C, bool))| {
+            let info = command.command().info;
+            Folding { is_left: i == 0, is_there: *is_there, name: info.name, hint: info.hint(ui.ctx()) }
+        };
+        let handles: Vec<Folding> = panels.iter().enumerate().map(folding).collect();
+        if let Some((command, _)) = folds::show(ui, rect, &handles).and_then(|i| panels.get(i)) {
+            self.push(*command);
+        }
+    }
+
     /// Adds a line to the log.
     pub fn say(&mut self, kind: EventKind, text: impl Into<String>) {
         self.note(LogLine::now(kind, text));
@@ -326,6 +342,19 @@ impl Context {
     pub fn take_wake(&mut self) -> Option<Duration> {
         self.wake.take()
     }
+}
+
+/// The buttons of the standard views, which begin the row over a view.
+pub fn standard_views() -> Vec<(&'static str, Command, bool)> {
+    use FrameCommand as F;
+    let views = [
+        ("Fit", F::Fit),
+        ("Iso", F::View(StandardView::Isometric)),
+        ("Front", F::View(StandardView::Front)),
+        ("Right", F::View(StandardView::Right)),
+        ("Top", F::View(StandardView::Top)),
+    ];
+    views.map(|(name, command)| (name, command.command(), false)).to_vec()
 }
 
 /// How long it is from `now` until `wait` after `since`, all in seconds.

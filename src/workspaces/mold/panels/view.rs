@@ -1,7 +1,7 @@
 //! The 3-D view of a mold, and what is drawn over it.
 
-use crate::workspaces::commands::{Command, CommandSet, FrameCommand};
-use crate::workspaces::context::Context;
+use crate::workspaces::commands::{Command, CommandSet};
+use crate::workspaces::context::{Context, standard_views};
 use crate::workspaces::mold::commands::MoldCommand;
 use crate::workspaces::mold::panels::MoldDesk;
 use std::sync::Arc;
@@ -21,7 +21,6 @@ use render::camera::Camera;
 use render::colour::Theme;
 use render::pick::Pick;
 use render::scene::{Marker, Scene};
-use render::view::StandardView;
 use task::State;
 
 /// State of the view.
@@ -258,13 +257,7 @@ fn click(desk: &mut MoldDesk, picked: Option<Pick>) {
 
 fn buttons(desk: &MoldDesk) -> Vec<(&'static str, Command, bool)> {
     let mold = desk;
-    let mut buttons = vec![
-        ("Fit", FrameCommand::Fit.command(), false),
-        ("Iso", FrameCommand::View(StandardView::Isometric).command(), false),
-        ("Front", FrameCommand::View(StandardView::Front).command(), false),
-        ("Right", FrameCommand::View(StandardView::Right).command(), false),
-        ("Top", FrameCommand::View(StandardView::Top).command(), false),
-    ];
+    let mut buttons = standard_views();
     if mold.electrodes.seen().is_some() {
         buttons.extend([
             ("Transparent", MoldCommand::FaintMold.command(), mold.electrodes.look != MoldLook::Solid),

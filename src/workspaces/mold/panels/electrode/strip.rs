@@ -12,6 +12,8 @@ use crate::widgets::theme::palette;
 use crate::workspaces::mold::scene::MoldLook;
 use crate::workspaces::mold::scene::electrodes::{BurnCut, BurnPhase};
 
+/// Greatest width of a strip (points).
+const WIDTH: f32 = 560.0;
 /// Width of a strip (points) below which its words are fewer.
 const NARROW: f32 = 440.0;
 
@@ -28,12 +30,12 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut MoldDesk, cx: &mut Context) {
         desk.electrodes.advance(seconds);
         ui.ctx().request_repaint();
     }
-    row(ui, rect, 0, |ui| looks(ui, desk));
+    row(ui, rect, (0, WIDTH), |ui| looks(ui, desk));
     if desk.electrodes.chosen().is_some() {
-        row(ui, rect, 1, |ui| way(ui, desk, cx));
+        row(ui, rect, (1, WIDTH), |ui| way(ui, desk, cx));
     }
     if desk.electrodes.cut.is_some() {
-        row(ui, rect, 2, |ui| cut(ui, desk, cx));
+        row(ui, rect, (2, WIDTH), |ui| cut(ui, desk, cx));
     }
 }
 
@@ -106,7 +108,7 @@ fn cut(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
 /// What is to be clicked for a line.
 fn splitting(ui: &mut Ui, rect: Rect, desk: &mut MoldDesk) {
     let first = desk.electrodes.split.flatten();
-    row(ui, rect, 0, |ui| {
+    row(ui, rect, (0, WIDTH), |ui| {
         let text = match first {
             None => "click on the mold where the line begins".to_owned(),
             Some(p) => format!("from {:.2}, {:.2}: click where the line ends", p.x, p.y),
