@@ -52,8 +52,7 @@ pub struct BliskWorkspace {
     view: BliskView,
     curves: Curves,
     tab: Tab,
-    pending: Option<Pending>,
-    opening: Opening<(Document, Arc<Part>)>,
+    opening: Opening<Pending, (Document, Arc<Part>)>,
     /// The file that is looked for.
     locating: Option<PathBuf>,
 }
@@ -66,23 +65,9 @@ impl BliskWorkspace {
             view: BliskView::default(),
             curves: Curves::default(),
             tab: Tab::Positions,
-            pending: None,
             opening: Opening::new(scheduler),
             locating: None,
         }
-    }
-
-    /// Goes on with `pending`, after asking about unsaved work.
-    fn intend(&mut self, pending: Pending, cx: &mut Context) {
-        self.opening.stop();
-        self.pending = Some(pending);
-        cx.request(Request::Replace);
-    }
-
-    /// Goes on with `pending` on the way to what was asked for before.
-    fn go_on(&mut self, pending: Pending, cx: &mut Context) {
-        self.pending = Some(pending);
-        cx.request(Request::GoOn);
     }
 
     /// Reads the part of `document`, which then takes the place of the present one.
@@ -184,7 +169,7 @@ impl BliskWorkspace {
     fn run_own(&mut self, command: BliskCommand, cx: &mut Context, now: f64) {
         let (desk, view) = (&mut self.desk, &mut self.view);
         match command {
-            BliskCommand::NewDemonstration => self.intend(Pending::Demonstration, cx),
+            BliskCommand::NewDemonstration => self.opening.intend(Pending::Demonstration, cx),
             BliskCommand::Plan => self.plan(cx),
             BliskCommand::Release => self.release(cx),
             BliskCommand::Withdraw => desk.work.withdraw(),
@@ -306,7 +291,7 @@ impl Workspace for BliskWorkspace {
             return self.run_own(command, cx, now);
         }
         match F::of(command) {
-            Some(F::Open) => self.intend(Pending::AskOpen, cx),
+            Some(F::Open) => self.opening.intend(Pending::AskOpen, cx),
             Some(F::Reload) => self.desk.work.reload(),
             Some(F::Cancel) if self.opening.is_busy() => self.opening.cancel(),
             Some(F::Cancel) => self.desk.work.cancel(),
@@ -385,7 +370,7 @@ impl Workspace for BliskWorkspace {
 
     fn follow(&mut self, cx: &mut Context, hands: Hands, seconds: f64, is_shown: bool) {
         if let Some(opened) = self.opening.take(cx) {
-            self.go_on(Pending::Take(opened), cx);
+            self.opening.go_on(Pending::Take(opened), cx);
         }
         // Nothing is made of a blisk that nobody has looked at.
         if !is_shown && self.desk.work.state(Stage::Part) == State::Missing {
@@ -413,11 +398,11 @@ impl Workspace for BliskWorkspace {
     }
 
     fn take_files(&mut self, files: &[PathBuf], cx: &mut Context) {
-        self.intend(Pending::Open(first(files).to_owned()), cx);
+        self.opening.intend(Pending::Open(first(files).to_owned()), cx);
     }
 
     fn proceed(&mut self, cx: &mut Context) {
-        match self.pending.take() {
+        match self.opening.pending.take() {
             Some(Pending::Open(path)) => {
                 if let Some(document) = self.document_at(&path, cx) {
                     self.begin(document);
@@ -438,7 +423,7 @@ impl Workspace for BliskWorkspace {
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {
         match BliskPath::at(number) {
-            Some(BliskPath::Open) => self.go_on(Pending::Open(path), cx),
+            Some(BliskPath::Open) => self.opening.go_on(Pending::Open(path), cx),
             Some(BliskPath::ExportFolder) => self.export(&path, cx),
             Some(BliskPath::ElectrodeMesh) => {
                 let mut job = self.desk.document.params().clone();

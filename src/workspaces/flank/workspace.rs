@@ -52,32 +52,13 @@ pub struct FlankWorkspace {
     /// The flank and what has been made of it.
     pub desk: FlankDesk,
     view: FlankView,
-    pending: Option<Pending>,
-    opening: Opening<Incoming>,
+    opening: Opening<Pending, Incoming>,
 }
 
 impl FlankWorkspace {
     /// The workspace with a surface that comes with the program.
     pub fn new(scheduler: &Scheduler) -> Self {
-        Self {
-            desk: FlankDesk::new(scheduler),
-            view: FlankView::default(),
-            pending: None,
-            opening: Opening::new(scheduler),
-        }
-    }
-
-    /// Goes on with `pending`, after asking about unsaved work.
-    fn intend(&mut self, pending: Pending, cx: &mut Context) {
-        self.opening.stop();
-        self.pending = Some(pending);
-        cx.request(Request::Replace);
-    }
-
-    /// Goes on with `pending` on the way to what was asked for before.
-    fn go_on(&mut self, pending: Pending, cx: &mut Context) {
-        self.pending = Some(pending);
-        cx.request(Request::GoOn);
+        Self { desk: FlankDesk::new(scheduler), view: FlankView::default(), opening: Opening::new(scheduler) }
     }
 
     /// Reads the files of `document`, which then takes the place of the present flank.
@@ -144,7 +125,7 @@ impl FlankWorkspace {
     fn take_file(&mut self, path: &Path, cx: &mut Context) {
         if !is_points_file(path) {
             let mesh = FlankSource::Mesh(MeshFlank::of(path));
-            return self.go_on(Pending::Surface(mesh), cx);
+            return self.opening.go_on(Pending::Surface(mesh), cx);
         }
         let both = match self.desk.first_guide.take() {
             // Of two after each other the first is the lower one.
@@ -152,7 +133,7 @@ impl FlankWorkspace {
             _ => pair_of_guides(path),
         };
         match both {
-            Some(both) => self.go_on(Pending::Surface(FlankSource::guides(both)), cx),
+            Some(both) => self.opening.go_on(Pending::Surface(FlankSource::guides(both)), cx),
             None => self.ask_for_upper(path, cx),
         }
     }
@@ -161,7 +142,7 @@ impl FlankWorkspace {
     fn take_guides(&mut self, files: [PathBuf; 2], cx: &mut Context) {
         let named = pair_of_guides(&files[0]).filter(|pair| pair.iter().all(|file| files.contains(file)));
         let source = FlankSource::guides(named.unwrap_or(files));
-        self.go_on(Pending::Surface(source), cx);
+        self.opening.go_on(Pending::Surface(source), cx);
     }
 
     /// Keeps the lower guide until the upper one is named: one alone is no surface.
@@ -186,7 +167,7 @@ impl FlankWorkspace {
     /// Takes another mesh, in place of one as what the user goes on with.
     fn take_mesh(&mut self, path: PathBuf, cx: &mut Context) {
         let FlankSource::Mesh(mesh) = &self.desk.params().source else {
-            return self.go_on(Pending::Surface(FlankSource::Mesh(MeshFlank::of(&path))), cx);
+            return self.opening.go_on(Pending::Surface(FlankSource::Mesh(MeshFlank::of(&path))), cx);
         };
         let source = FlankSource::Mesh(MeshFlank { file: path, candidate: 1, kept: None, ..mesh.clone() });
         self.edit_flank(|params| {
@@ -204,19 +185,19 @@ impl FlankWorkspace {
     /// Goes on with a path that was named for something of the flank.
     fn take(&mut self, what: FlankPath, path: PathBuf, cx: &mut Context) {
         match what {
-            FlankPath::Open if is_project(&path) => self.go_on(Pending::Open(path), cx),
+            FlankPath::Open if is_project(&path) => self.opening.go_on(Pending::Open(path), cx),
             FlankPath::Open => self.take_file(&path, cx),
             FlankPath::Mesh => self.take_mesh(path, cx),
             FlankPath::Lower => match (&self.desk.params().source, pair_of_guides(&path)) {
                 (FlankSource::Guides { .. }, _) => self.take_guide(|lower, _| *lower = GuideSource::File(path)),
-                (_, Some(both)) => self.go_on(Pending::Surface(FlankSource::guides(both)), cx),
+                (_, Some(both)) => self.opening.go_on(Pending::Surface(FlankSource::guides(both)), cx),
                 // One alone is no surface.
                 (_, None) => self.ask_for_upper(&path, cx),
             },
             FlankPath::Upper => match (self.desk.first_guide.take(), &self.desk.params().source) {
                 (Some(lower), _) => {
                     let source = FlankSource::guides([lower, path]);
-                    self.go_on(Pending::Surface(source), cx);
+                    self.opening.go_on(Pending::Surface(source), cx);
                 }
                 (None, FlankSource::Guides { .. }) => self.take_guide(|_, upper| *upper = GuideSource::File(path)),
                 (None, _) => {}
@@ -343,7 +324,7 @@ impl Workspace for FlankWorkspace {
         }
         let desk = &mut self.desk;
         match F::of(command) {
-            Some(F::Open) => self.intend(Pending::Ask(FlankPath::Open), cx),
+            Some(F::Open) => self.opening.intend(Pending::Ask(FlankPath::Open), cx),
             Some(F::Cancel) if self.opening.is_busy() => self.opening.cancel(),
             Some(F::Reload) => desk.work.reload(),
             Some(F::Cancel) => desk.work.cancel(),
@@ -362,13 +343,13 @@ impl Workspace for FlankWorkspace {
 
     fn ui(&mut self, ui: &mut Ui, cx: &mut Context) {
         if let Some(path) = panels::show(ui, &mut self.desk, cx, &mut self.view) {
-            if self.is_another(path) { self.intend(Pending::Ask(path), cx) } else { cx.ask(path, "") }
+            if self.is_another(path) { self.opening.intend(Pending::Ask(path), cx) } else { cx.ask(path, "") }
         }
     }
 
     fn follow(&mut self, cx: &mut Context, hands: Hands, _seconds: f64, is_shown: bool) {
         if let Some(opened) = self.opening.take(cx) {
-            self.go_on(Pending::Take(opened), cx);
+            self.opening.go_on(Pending::Take(opened), cx);
         }
         let news = self.desk.follow(hands, is_shown, cx.now);
         cx.note_events(news, self.desk.revision());
@@ -395,13 +376,13 @@ impl Workspace for FlankWorkspace {
             [one, other] if files.iter().all(|file| is_points_file(file)) => {
                 self.take_guides([one.clone(), other.clone()], cx);
             }
-            _ if is_project(first(files)) => self.go_on(Pending::Open(first(files).to_owned()), cx),
+            _ if is_project(first(files)) => self.opening.go_on(Pending::Open(first(files).to_owned()), cx),
             _ => self.take_file(first(files), cx),
         }
     }
 
     fn proceed(&mut self, cx: &mut Context) {
-        match self.pending.take() {
+        match self.opening.pending.take() {
             Some(Pending::Open(path)) => {
                 if let Some(document) = Self::document_at(&path, cx) {
                     self.begin(document);
@@ -445,7 +426,7 @@ impl Workspace for FlankWorkspace {
 
     fn receive(&mut self, message: &Message, cx: &mut Context) -> bool {
         let Message::MillFlanks(part) = message;
-        self.intend(Pending::Electrode(part.clone()), cx);
+        self.opening.intend(Pending::Electrode(part.clone()), cx);
         true
     }
 

@@ -30,8 +30,7 @@ pub struct MoldWorkspace {
     /// The mold, what is asked about it and what was found.
     pub desk: MoldDesk,
     view: MoldView,
-    pending: Option<Pending>,
-    opening: Opening<Incoming>,
+    opening: Opening<Pending, Incoming>,
 }
 
 /// What takes the place of the mold once nothing stands in the way.
@@ -52,12 +51,7 @@ struct Incoming {
 impl MoldWorkspace {
     /// An empty workspace.
     pub fn new(scheduler: &Scheduler) -> Self {
-        Self {
-            desk: MoldDesk::new(scheduler),
-            view: MoldView::default(),
-            pending: None,
-            opening: Opening::new(scheduler),
-        }
+        Self { desk: MoldDesk::new(scheduler), view: MoldView::default(), opening: Opening::new(scheduler) }
     }
 
     /// Whether `pending` loses nothing: the cutters that were chosen before there was a mold stay.
@@ -83,7 +77,7 @@ impl MoldWorkspace {
 
     fn request(&mut self, pending: Pending, request: Request, cx: &mut Context) {
         let is_harmless = self.is_harmless(&pending);
-        self.pending = Some(pending);
+        self.opening.pending = Some(pending);
         if is_harmless { self.proceed(cx) } else { cx.request(request) }
     }
 
@@ -326,7 +320,7 @@ impl Workspace for MoldWorkspace {
     }
 
     fn proceed(&mut self, cx: &mut Context) {
-        match self.pending.take() {
+        match self.opening.pending.take() {
             Some(Pending::Open(path)) => {
                 let Some(document) = self.mold_at(&path, cx) else { return };
                 self.opening.begin(move |task| {
