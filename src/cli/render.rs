@@ -63,8 +63,8 @@ pub(super) fn render(arguments: &RenderArguments, session: &Session) -> anyhow::
     let project = arguments.files.iter().find(|file| is_project(file));
     let (scene, camera) = match (&arguments.files[..], project) {
         ([project], Some(_)) => match kind_of(project).as_deref() {
-            Ok("mold") => render_project::of_mold(project, aspect(arguments), arguments, session)?,
-            Ok("flank") => render_project::of_flank(project, aspect(arguments), arguments, session)?,
+            Ok("mold") => render_project::of_mold(project, arguments, session)?,
+            Ok("flank") => render_project::of_flank(project, arguments, session)?,
             _ => of_project(project, arguments, session)?,
         },
         (_, Some(project)) => anyhow::bail!("{}: a project is drawn by itself; give it alone", project.display()),
@@ -98,7 +98,7 @@ fn require_writable(png: &Path) -> anyhow::Result<()> {
         .map_err(|e| anyhow::anyhow!("{}: cannot be written ({e}); give another file with --png", png.display()))
 }
 
-fn aspect(arguments: &RenderArguments) -> f64 {
+pub(super) fn aspect(arguments: &RenderArguments) -> f64 {
     f64::from(arguments.size[0]) / f64::from(arguments.size[1])
 }
 

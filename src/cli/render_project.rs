@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use super::render::aspect;
 use super::{RenderArguments, Session};
 use crate::widgets::camera::{NamedView, standard};
 use crate::workspaces::flank::document::FlankDocument;
@@ -23,8 +24,11 @@ use render::mesh::RenderMesh;
 use render::scene::Scene;
 use render::view::StandardView;
 
-/// The view that is asked for; none of these projects has a channel.
+/// The view that is asked for; none of these projects has a channel or nodes.
 fn view(arguments: &RenderArguments) -> anyhow::Result<Option<StandardView>> {
+    for (name, is_given) in [("--node", arguments.node.is_some()), ("--swept", arguments.swept)] {
+        anyhow::ensure!(!is_given, "{name}: only the project of a blisk has nodes; leave it out");
+    }
     match arguments.view {
         None => Ok(None),
         Some(NamedView::Standard(view)) => Ok(Some(view)),
@@ -32,21 +36,8 @@ fn view(arguments: &RenderArguments) -> anyhow::Result<Option<StandardView>> {
     }
 }
 
-fn refuse_nodes(arguments: &RenderArguments) -> anyhow::Result<()> {
-    for (name, is_given) in [("--node", arguments.node.is_some()), ("--swept", arguments.swept)] {
-        anyhow::ensure!(!is_given, "{name}: only the project of a blisk has nodes; leave it out");
-    }
-    Ok(())
-}
-
 /// A mold with what its cutters leave, or one of its electrodes where it burns, cut along X.
-pub(super) fn of_mold(
-    file: &Path,
-    aspect: f64,
-    arguments: &RenderArguments,
-    session: &Session,
-) -> anyhow::Result<(Scene, Camera)> {
-    refuse_nodes(arguments)?;
+pub(super) fn of_mold(file: &Path, arguments: &RenderArguments, session: &Session) -> anyhow::Result<(Scene, Camera)> {
     let view = view(arguments)?;
     let message = |e: String| anyhow::anyhow!("{}: {e}", file.display());
     let asked = open_mold(file, user_folder().as_deref())?;
@@ -87,21 +78,15 @@ pub(super) fn of_mold(
         }
     };
     scene.theme = arguments.theme;
-    let from = |view| standard(view, &scene, Camera::default(), aspect);
+    let from = |view| standard(view, &scene, Camera::default(), aspect(arguments));
     let camera = view.map(from).or(own).unwrap_or_else(|| from(StandardView::Isometric));
     Ok((scene, camera))
 }
 
 /// A flank with the deviations of the path that is milled, and the cutter halfway along it.
-pub(super) fn of_flank(
-    file: &Path,
-    aspect: f64,
-    arguments: &RenderArguments,
-    session: &Session,
-) -> anyhow::Result<(Scene, Camera)> {
-    refuse_nodes(arguments)?;
-    anyhow::ensure!(arguments.electrode.is_none(), "--electrode: the project of a flank has none; leave it out");
+pub(super) fn of_flank(file: &Path, arguments: &RenderArguments, session: &Session) -> anyhow::Result<(Scene, Camera)> {
     let view = view(arguments)?;
+    anyhow::ensure!(arguments.electrode.is_none(), "--electrode: the project of a flank has none; leave it out");
     let document = Document::<FlankDocument>::open(file)?;
     let input = inputs::load(document.params(), user_folder().as_deref(), &session.task)?;
     let part = match &input.surface {
@@ -131,8 +116,8 @@ pub(super) fn of_flank(
     }
     .build();
     let camera = match view {
-        Some(view) => standard(view, &scene, Camera::default(), aspect),
-        None => shapes.surface.camera(&shapes.surface.shape.bounds(), Camera::default(), aspect, false),
+        Some(view) => standard(view, &scene, Camera::default(), aspect(arguments)),
+        None => shapes.surface.camera(&shapes.surface.shape.bounds(), Camera::default(), aspect(arguments), false),
     };
     Ok((Scene { triad: true, ..scene }, camera))
 }

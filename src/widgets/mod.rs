@@ -8,5 +8,6 @@ pub mod overlay;
 pub mod panel_parts;
 pub mod plot_parts;
 pub mod theme;
+pub mod timeline;
 pub mod viewport;
 pub mod viewport_gpu;

@@ -162,6 +162,17 @@ fn letter(axis: DVec3) -> char {
     ['X', 'Y', 'Z'][i]
 }
 
+/// What can be done with an empty view, in its middle: a title and lines below.
+pub fn empty(ui: &Ui, rect: Rect, title: &str, lines: &[&str]) {
+    let (above, below) = if lines.len() > 1 { (40.0, 0.0) } else { (24.0, 8.0) };
+    let (c, painter) = (rect.center(), ui.painter());
+    painter.text(c - vec2(0.0, above), Align2::CENTER_CENTER, title, FontId::proportional(22.0), palette(ui).accent);
+    for (i, line) in lines.iter().enumerate() {
+        let at = pos2(c.x, c.y + below + 20.0 * i as f32);
+        painter.text(at, Align2::CENTER_CENTER, line, FontId::proportional(13.5), Color32::from_gray(150));
+    }
+}
+
 /// A framed sentence so far `above` the bottom of the view (points).
 pub fn caption(ui: &mut Ui, rect: Rect, above: f32, colour: Color32, text: &str) {
     let width = (rect.width() - 140.0).max(120.0);

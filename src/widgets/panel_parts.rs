@@ -28,9 +28,9 @@ pub fn named<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui, egui::Id) -> 
     row.inner
 }
 
-/// Row number `i` from below over the view in `rect`.
-pub fn row(ui: &mut Ui, rect: Rect, i: usize, add: impl FnOnce(&mut Ui)) {
-    let width = (rect.width() - 16.0).min(560.0);
+/// Row number `i` from below over the view in `rect`, at most so wide (points).
+pub fn row(ui: &mut Ui, rect: Rect, (i, widest): (usize, f32), add: impl FnOnce(&mut Ui)) {
+    let width = (rect.width() - 16.0).min(widest);
     let area = Rect::from_min_size(rect.left_bottom() + vec2(8.0, -40.0 - 36.0 * i as f32), vec2(width, 32.0));
     let layout = egui::Layout::left_to_right(egui::Align::Center);
     let mut child = ui.new_child(UiBuilder::new().max_rect(area.shrink2(vec2(8.0, 0.0))).layout(layout));

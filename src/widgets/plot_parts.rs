@@ -1,7 +1,9 @@
 //! Parts of plots: what their lines are, and round values on their axes.
 
-use egui::{Color32, RichText, Ui};
-use egui_plot::{GridInput, GridMark};
+use egui::{Color32, RichText, Ui, Vec2, Vec2b};
+use egui_plot::{GridInput, GridMark, Plot};
+
+use super::theme::palette;
 
 /// What the lines of a plot are, above it: over it they would hide each other.
 pub fn legend<'a>(ui: &mut Ui, entries: impl IntoIterator<Item = (Color32, &'a str)>) {
@@ -15,6 +17,28 @@ pub fn legend<'a>(ui: &mut Ui, entries: impl IntoIterator<Item = (Color32, &'a s
             ui.add_space(10.0);
         }
     });
+}
+
+/// A plot that stays where it is, with lines at round values and this share of its range free at its edges.
+pub fn still(ui: &Ui, name: &str, margin: Vec2) -> Plot<'static> {
+    Plot::new(name.to_owned())
+        .allow_drag(false)
+        .allow_scroll(false)
+        .allow_zoom(Vec2b::new(false, false))
+        .allow_boxed_zoom(false)
+        .show_background(false)
+        .grid_color(palette(ui).faint.gamma_multiply(0.35))
+        .set_margin_fraction(margin)
+        .x_grid_spacer(|input| round_steps(input, 10.0))
+        .y_grid_spacer(|input| round_steps(input, 4.0))
+        .x_axis_formatter(|mark, _| round_text(mark))
+        .y_axis_formatter(|mark, _| round_text(mark))
+        .y_axis_min_width(44.0)
+}
+
+/// Says in its place why there is no plot.
+pub fn says(ui: &mut Ui, text: &str) {
+    ui.centered_and_justified(|ui| ui.add(egui::Label::new(RichText::new(text).color(palette(ui).faint)).wrap()));
 }
 
 /// The number of a line, with as many decimals as its step has.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use egui::{PointerButton, Rect, Response, Sense, Ui};
+use egui::{PointerButton, Pos2, Rect, Response, Sense, Ui, vec2};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -129,9 +129,15 @@ impl Viewport {
         (rect, clicked)
     }
 
-    fn pixel(&self, ui: &Ui, rect: Rect, at: egui::Pos2) -> DVec2 {
+    fn pixel(&self, ui: &Ui, rect: Rect, at: Pos2) -> DVec2 {
         let p = (at - rect.min) * ui.pixels_per_point();
         DVec2::new(p.x.into(), p.y.into())
+    }
+
+    /// Where in the view, which fills `rect`, the point `at` is seen; none behind the camera.
+    pub fn seen_at(&self, ui: &Ui, rect: Rect, at: DVec3) -> Option<Pos2> {
+        let p = self.camera.project(at, self.size)?.pixel / f64::from(ui.pixels_per_point());
+        Some(rect.min + vec2(p.x as f32, p.y as f32))
     }
 
     fn navigate(&mut self, ui: &Ui, response: &Response, navigation: Navigation) {

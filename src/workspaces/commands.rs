@@ -117,6 +117,11 @@ pub trait CommandSet: Copy + PartialEq + 'static {
         numbered.map(|(index, (_, info))| Command { scope: Self::SCOPE, index, info }).collect()
     }
 
+    /// A group of commands of the set, for a menu.
+    fn group(all: &[Self]) -> Vec<Command> {
+        all.iter().map(|command| command.command()).collect()
+    }
+
     /// The name with the keys, for a tooltip.
     fn hint(self, ctx: &egui::Context) -> String {
         self.command().info.hint(ctx)

@@ -5,13 +5,15 @@ use std::time::{Duration, SystemTime};
 
 use egui::{Color32, RichText, Ui, vec2};
 
-use super::commands::{Command, CommandSet, Commanded, FrameCommand};
+use super::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand};
 use super::message::Message;
 use super::news::{EventKind, WorkEvent};
 use super::preferences::Preferences;
+use crate::widgets::folds::{self, Folding};
 use crate::widgets::overlay::{self, ViewButton};
 use crate::widgets::theme::palette;
 use files::{FileError, ResultCache};
+use render::view::StandardView;
 use task::Doing;
 
 /// Time that a passing message is shown (s).
@@ -55,6 +57,18 @@ pub struct PathInfo {
     pub opens: bool,
 }
 
+impl PathInfo {
+    /// A path that is asked for by `title`.
+    pub const fn new(title: &'static str, kind: PathKind) -> Self {
+        Self { title, kind, opens: false }
+    }
+
+    /// A path, asked for by `title`, of a file that is opened in place of the document.
+    pub const fn open(title: &'static str, kind: PathKind) -> Self {
+        Self { title, kind, opens: true }
+    }
+}
+
 /// What is chosen in a file dialog.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathKind {
@@ -78,6 +92,10 @@ pub trait PathSet: Copy + PartialEq + 'static {
     }
 }
 
+/// Ending of posts, machines and libraries.
+pub const TOML: &[&str] = &["toml"];
+/// Endings of projects and meshes.
+pub const OPEN: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkpath"];
 /// Endings of meshes.
 pub const MESHES: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB"];
 
@@ -152,6 +170,36 @@ impl Context {
         }
     }
 
+    /// The buttons that play what `desk` shows and step along it, so wide (points): first, back, on and last are called
+    /// `names`, which `are_hints` has their tooltips say in place of the commands' own.
+    pub fn play_buttons(
+        &mut self,
+        ui: &mut Ui,
+        desk: &impl Commanded,
+        (is_playing, width): (bool, f32),
+        [first, back, on, last]: [&'static str; 4],
+        are_hints: bool,
+    ) {
+        let buttons = [
+            (FrameCommand::FirstNode, "⏮", first),
+            (FrameCommand::PreviousNode, "⏴", back),
+            (FrameCommand::Play, if is_playing { "⏸" } else { "▶" }, "Play"),
+            (FrameCommand::NextNode, "⏵", on),
+            (FrameCommand::LastNode, "⏭", last),
+        ];
+        for (command, sign, name) in buttons {
+            let button = egui::Button::new(RichText::new(sign).size(13.0)).min_size(vec2(width, 22.0));
+            let info = command.command().info;
+            let name_of_hint = if are_hints { name } else { info.name };
+            let hint = CommandInfo { name: name_of_hint, keys: info.keys, needs: None }.hint(ui.ctx());
+            let response = ui.add_enabled(desk.is_enabled(command.into()), button).on_hover_text(hint);
+            response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+            if response.clicked() {
+                self.push(command);
+            }
+        }
+    }
+
     /// Says what is being worked on, how far it is and how long it will take, with a button that cancels it.
     pub fn doing(&mut self, ui: &mut Ui, doing: &Doing) {
         let stage = if doing.stage.is_empty() { doing.what } else { &doing.stage };
@@ -188,6 +236,20 @@ impl Context {
         };
         let buttons: Vec<ViewButton> = views.iter().map(button).collect();
         if let Some((_, command, _)) = overlay::buttons(ui, rect, &buttons).and_then(|i| views.get(i)) {
+            self.push(*command);
+        }
+    }
+
+    /// The handles that fold the panels beside the view in `rect`: the commands that do, and whether the one on the left
+    /// is there, and that on the right if it has a handle.
+    pub fn folds<C: CommandSet>(&mut self, ui: &mut Ui, rect: egui::Rect, left: (C, bool), right: Option<(C, bool)>) {
+        let panels: Vec<(C, bool)> = [left].into_iter().chain(right).collect();
+        let folding = |(i, (command, is_there)): (usize, &(C, bool))| {
+            let info = command.command().info;
+            Folding { is_left: i == 0, is_there: *is_there, name: info.name, hint: info.hint(ui.ctx()) }
+        };
+        let handles: Vec<Folding> = panels.iter().enumerate().map(folding).collect();
+        if let Some((command, _)) = folds::show(ui, rect, &handles).and_then(|i| panels.get(i)) {
             self.push(*command);
         }
     }
@@ -280,6 +342,19 @@ impl Context {
     pub fn take_wake(&mut self) -> Option<Duration> {
         self.wake.take()
     }
+}
+
+/// The buttons of the standard views, which begin the row over a view.
+pub fn standard_views() -> Vec<(&'static str, Command, bool)> {
+    use FrameCommand as F;
+    let views = [
+        ("Fit", F::Fit),
+        ("Iso", F::View(StandardView::Isometric)),
+        ("Front", F::View(StandardView::Front)),
+        ("Right", F::View(StandardView::Right)),
+        ("Top", F::View(StandardView::Top)),
+    ];
+    views.map(|(name, command)| (name, command.command(), false)).to_vec()
 }
 
 /// How long it is from `now` until `wait` after `since`, all in seconds.

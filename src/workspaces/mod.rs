@@ -15,3 +15,15 @@ pub mod preferences;
 pub mod recent;
 pub mod registry;
 pub mod workspace;
+
+/// Asserts that every one of `beyond`, parameters of which this key is wrong, is refused by the label of its field.
+#[cfg(test)]
+fn says_labels<P: files::Params>(fields: &files::FieldTable<P>, beyond: Vec<(String, P)>) {
+    for (key, wrong) in beyond {
+        let problem = wrong.validate().expect_err(&key);
+        assert_eq!(problem.key, key);
+        let said = fields.in_window(&problem);
+        let label = fields.find(&key).unwrap().label;
+        assert!(said.starts_with(&label) && !said.contains(&key) && !said.contains('_'), "{key}: {said}");
+    }
+}

@@ -11,6 +11,7 @@ use super::hands::Hands;
 use super::message::Message;
 use crate::widgets::viewport::Viewport;
 use files::{AnyDocument, Recovery};
+use task::Doing;
 
 /// What is said of every document of a workspace.
 pub struct About {
@@ -68,8 +69,17 @@ pub trait Workspace: Any + Commanded {
     /// Draws its panels and its view.
     fn ui(&mut self, ui: &mut Ui, cx: &mut Context);
 
+    /// What is being worked on, and how far it is.
+    fn doing(&self) -> Option<&Doing> {
+        None
+    }
+
     /// Draws what is being worked on, in the status bar.
-    fn status(&mut self, ui: &mut Ui, cx: &mut Context, is_shown: bool);
+    fn status(&mut self, ui: &mut Ui, cx: &mut Context, is_shown: bool) {
+        if let Some(now) = self.doing().filter(|_| is_shown) {
+            cx.doing(ui, now);
+        }
+    }
 
     /// The number of triangles that the status bar tells.
     fn triangles(&self) -> Option<usize> {
@@ -153,3 +163,42 @@ pub trait Workspace: Any + Commanded {
         Standing::Current
     }
 }
+
+/// The methods of [`Workspace`] that give what every workspace holds: `ABOUT`, commands, and the fields `desk`, `view` and
+/// `opening`.
+macro_rules! held_in_fields {
+    ($commands:ty) => {
+        fn about(&self) -> &'static About {
+            &ABOUT
+        }
+
+        fn commands(&self) -> Vec<Command> {
+            <$commands>::all()
+        }
+
+        fn doing(&self) -> Option<&task::Doing> {
+            self.opening.doing().or(self.desk.work.doing())
+        }
+
+        fn is_opening(&self) -> bool {
+            self.opening.is_busy()
+        }
+
+        fn viewport(&self) -> &$crate::widgets::viewport::Viewport {
+            &self.view.viewport
+        }
+
+        fn viewport_mut(&mut self) -> &mut $crate::widgets::viewport::Viewport {
+            &mut self.view.viewport
+        }
+
+        fn document(&self) -> &dyn files::AnyDocument {
+            &self.desk.document
+        }
+
+        fn document_mut(&mut self) -> &mut dyn files::AnyDocument {
+            &mut self.desk.document
+        }
+    };
+}
+pub(crate) use held_in_fields;

@@ -1,6 +1,6 @@
 //! The paths that the workspace asks for.
 
-use crate::workspaces::context::{MESHES, PathInfo, PathKind, PathSet};
+use crate::workspaces::context::{MESHES, OPEN, PathInfo, PathKind, PathSet, TOML};
 
 /// What the workspace asks paths for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,25 +22,13 @@ pub enum BliskPath {
 impl PathSet for BliskPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use BliskPath as P;
-        const TOML: &[&str] = &["toml"];
-        const OPEN: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkpath"];
-        const fn info(title: &'static str, kind: PathKind) -> PathInfo {
-            PathInfo { title, kind, opens: false }
-        }
         static TABLE: [(P, PathInfo); 6] = [
-            (
-                P::Open,
-                PathInfo {
-                    title: "Open a project or a mesh",
-                    kind: PathKind::Read("Projects and meshes", OPEN, false),
-                    opens: true,
-                },
-            ),
-            (P::ExportFolder, info("Folder for the exported files", PathKind::Folder)),
-            (P::ElectrodeMesh, info("Your own electrode", PathKind::Read("Meshes", MESHES, false))),
-            (P::Post, info("Your own NC post", PathKind::Read("Post", TOML, false))),
-            (P::Machine, info("Your own machine", PathKind::Read("Machine", TOML, false))),
-            (P::MovedFile, info("Find the file", PathKind::Read("Files", &[], false))),
+            (P::Open, PathInfo::open("Open a project or a mesh", PathKind::Read("Projects and meshes", OPEN, false))),
+            (P::ExportFolder, PathInfo::new("Folder for the exported files", PathKind::Folder)),
+            (P::ElectrodeMesh, PathInfo::new("Your own electrode", PathKind::Read("Meshes", MESHES, false))),
+            (P::Post, PathInfo::new("Your own NC post", PathKind::Read("Post", TOML, false))),
+            (P::Machine, PathInfo::new("Your own machine", PathKind::Read("Machine", TOML, false))),
+            (P::MovedFile, PathInfo::new("Find the file", PathKind::Read("Files", &[], false))),
         ];
         &TABLE
     }

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use egui::{Panel, RichText, Ui};
 
 use crate::widgets::theme::palette;
-use crate::widgets::viewport::Viewport;
 use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::desk::{BliskDesk, BliskDialog};
 use crate::workspaces::blisk::document::job_file::PlanJob;
@@ -28,7 +27,7 @@ use crate::workspaces::hands::Hands;
 use crate::workspaces::message::Message;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
-use crate::workspaces::workspace::{About, Menu, Standing, Workspace};
+use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
 use files::{AnyDocument, Params as _, Recovery};
 use nc::post::Post;
 use render::view::StandardView;
@@ -53,8 +52,7 @@ pub struct BliskWorkspace {
     view: BliskView,
     curves: Curves,
     tab: Tab,
-    pending: Option<Pending>,
-    opening: Opening<(Document, Arc<Part>)>,
+    opening: Opening<Pending, (Document, Arc<Part>)>,
     /// The file that is looked for.
     locating: Option<PathBuf>,
 }
@@ -67,23 +65,9 @@ impl BliskWorkspace {
             view: BliskView::default(),
             curves: Curves::default(),
             tab: Tab::Positions,
-            pending: None,
             opening: Opening::new(scheduler),
             locating: None,
         }
-    }
-
-    /// Goes on with `pending`, after asking about unsaved work.
-    fn intend(&mut self, pending: Pending, cx: &mut Context) {
-        self.opening.stop();
-        self.pending = Some(pending);
-        cx.request(Request::Replace);
-    }
-
-    /// Goes on with `pending` on the way to what was asked for before.
-    fn go_on(&mut self, pending: Pending, cx: &mut Context) {
-        self.pending = Some(pending);
-        cx.request(Request::GoOn);
     }
 
     /// Reads the part of `document`, which then takes the place of the present one.
@@ -185,7 +169,7 @@ impl BliskWorkspace {
     fn run_own(&mut self, command: BliskCommand, cx: &mut Context, now: f64) {
         let (desk, view) = (&mut self.desk, &mut self.view);
         match command {
-            BliskCommand::NewDemonstration => self.intend(Pending::Demonstration, cx),
+            BliskCommand::NewDemonstration => self.opening.intend(Pending::Demonstration, cx),
             BliskCommand::Plan => self.plan(cx),
             BliskCommand::Release => self.release(cx),
             BliskCommand::Withdraw => desk.work.withdraw(),
@@ -278,23 +262,16 @@ impl BliskWorkspace {
 
 impl Commanded for BliskWorkspace {
     fn is_enabled(&self, command: Command) -> bool {
-        let is_opening = FrameCommand::of(command) == Some(FrameCommand::Cancel) && self.opening.is_busy();
-        is_opening || self.desk.is_enabled(command)
+        self.opening.is_ended_by(command) || self.desk.is_enabled(command)
     }
 }
 
 impl Workspace for BliskWorkspace {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
-
-    fn commands(&self) -> Vec<Command> {
-        BliskCommand::all()
-    }
+    held_in_fields!(BliskCommand);
 
     fn menu(&self, menu: Menu) -> Groups {
         use BliskCommand as C;
-        let of = |all: &[C]| all.iter().map(|command| command.command()).collect::<Vec<_>>();
+        let of = C::group;
         match menu {
             Menu::New => vec![of(&[C::NewDemonstration])],
             Menu::Save => Vec::new(),
@@ -314,7 +291,7 @@ impl Workspace for BliskWorkspace {
             return self.run_own(command, cx, now);
         }
         match F::of(command) {
-            Some(F::Open) => self.intend(Pending::AskOpen, cx),
+            Some(F::Open) => self.opening.intend(Pending::AskOpen, cx),
             Some(F::Reload) => self.desk.work.reload(),
             Some(F::Cancel) if self.opening.is_busy() => self.opening.cancel(),
             Some(F::Cancel) => self.desk.work.cancel(),
@@ -373,7 +350,7 @@ impl Workspace for BliskWorkspace {
     }
 
     fn status(&mut self, ui: &mut Ui, cx: &mut Context, is_shown: bool) {
-        if let Some(now) = self.opening.doing().or(self.desk.work.doing()).filter(|_| is_shown) {
+        if let Some(now) = self.doing().filter(|_| is_shown) {
             cx.doing(ui, now);
         }
         // Sizing goes on beside everything else, whichever step is open.
@@ -393,7 +370,7 @@ impl Workspace for BliskWorkspace {
 
     fn follow(&mut self, cx: &mut Context, hands: Hands, seconds: f64, is_shown: bool) {
         if let Some(opened) = self.opening.take(cx) {
-            self.go_on(Pending::Take(opened), cx);
+            self.opening.go_on(Pending::Take(opened), cx);
         }
         // Nothing is made of a blisk that nobody has looked at.
         if !is_shown && self.desk.work.state(Stage::Part) == State::Missing {
@@ -410,26 +387,6 @@ impl Workspace for BliskWorkspace {
         self.opening.is_busy() || self.desk.is_busy()
     }
 
-    fn is_opening(&self) -> bool {
-        self.opening.is_busy()
-    }
-
-    fn viewport(&self) -> &Viewport {
-        &self.view.viewport
-    }
-
-    fn viewport_mut(&mut self) -> &mut Viewport {
-        &mut self.view.viewport
-    }
-
-    fn document(&self) -> &dyn AnyDocument {
-        &self.desk.document
-    }
-
-    fn document_mut(&mut self) -> &mut dyn AnyDocument {
-        &mut self.desk.document
-    }
-
     fn near(&self) -> Option<&Path> {
         self.desk.document.file().or(self.desk.document.params().blisk.mesh.as_deref())
     }
@@ -441,11 +398,11 @@ impl Workspace for BliskWorkspace {
     }
 
     fn take_files(&mut self, files: &[PathBuf], cx: &mut Context) {
-        self.intend(Pending::Open(first(files).to_owned()), cx);
+        self.opening.intend(Pending::Open(first(files).to_owned()), cx);
     }
 
     fn proceed(&mut self, cx: &mut Context) {
-        match self.pending.take() {
+        match self.opening.pending.take() {
             Some(Pending::Open(path)) => {
                 if let Some(document) = self.document_at(&path, cx) {
                     self.begin(document);
@@ -466,7 +423,7 @@ impl Workspace for BliskWorkspace {
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {
         match BliskPath::at(number) {
-            Some(BliskPath::Open) => self.go_on(Pending::Open(path), cx),
+            Some(BliskPath::Open) => self.opening.go_on(Pending::Open(path), cx),
             Some(BliskPath::ExportFolder) => self.export(&path, cx),
             Some(BliskPath::ElectrodeMesh) => {
                 let mut job = self.desk.document.params().clone();

@@ -1,6 +1,6 @@
 //! The paths that the workspace asks for.
 
-use crate::workspaces::context::{MESHES, PathInfo, PathKind, PathSet};
+use crate::workspaces::context::{MESHES, PathInfo, PathKind, PathSet, TOML};
 
 /// What the workspace asks paths for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,11 +26,10 @@ pub enum FlankPath {
 impl PathSet for FlankPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use FlankPath as P;
-        const TOML: &[&str] = &["toml"];
         const POINTS: &[&str] = &["csv", "txt"];
         const OPEN: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkpath", "csv", "txt"];
         const fn file(title: &'static str, what: &'static str, endings: &'static [&'static str]) -> PathInfo {
-            PathInfo { title, kind: PathKind::Read(what, endings, true), opens: false }
+            PathInfo::new(title, PathKind::Read(what, endings, true))
         }
         static TABLE: [(P, PathInfo); 8] = [
             (P::Open, PathInfo { opens: true, ..file("Open a flank", "Flanks, meshes and points", OPEN) }),
@@ -40,7 +39,7 @@ impl PathSet for FlankPath {
             (P::Walls, file("Neighbouring walls", "Meshes", MESHES)),
             (P::Machine, file("Your own milling machine", "Machine", TOML)),
             (P::Post, file("Your own post for milling", "Post", TOML)),
-            (P::Folder, PathInfo { title: "Folder for the flank's files", kind: PathKind::Folder, opens: false }),
+            (P::Folder, PathInfo::new("Folder for the flank's files", PathKind::Folder)),
         ];
         &TABLE
     }

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use egui::Ui;
 
-use crate::widgets::viewport::Viewport;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
 use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project};
 use crate::workspaces::flank::commands::FlankCommand;
@@ -19,7 +18,7 @@ use crate::workspaces::hands::Hands;
 use crate::workspaces::message::{ElectrodePart, Message};
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
-use crate::workspaces::workspace::{About, Menu, Standing, Workspace};
+use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
 use files::{AnyDocument, Document, Recovery};
 use flank::machine::milling_machine::MillingMachine;
 use flank::ruled_surface::Side;
@@ -53,32 +52,13 @@ pub struct FlankWorkspace {
     /// The flank and what has been made of it.
     pub desk: FlankDesk,
     view: FlankView,
-    pending: Option<Pending>,
-    opening: Opening<Incoming>,
+    opening: Opening<Pending, Incoming>,
 }
 
 impl FlankWorkspace {
     /// The workspace with a surface that comes with the program.
     pub fn new(scheduler: &Scheduler) -> Self {
-        Self {
-            desk: FlankDesk::new(scheduler),
-            view: FlankView::default(),
-            pending: None,
-            opening: Opening::new(scheduler),
-        }
-    }
-
-    /// Goes on with `pending`, after asking about unsaved work.
-    fn intend(&mut self, pending: Pending, cx: &mut Context) {
-        self.opening.stop();
-        self.pending = Some(pending);
-        cx.request(Request::Replace);
-    }
-
-    /// Goes on with `pending` on the way to what was asked for before.
-    fn go_on(&mut self, pending: Pending, cx: &mut Context) {
-        self.pending = Some(pending);
-        cx.request(Request::GoOn);
+        Self { desk: FlankDesk::new(scheduler), view: FlankView::default(), opening: Opening::new(scheduler) }
     }
 
     /// Reads the files of `document`, which then takes the place of the present flank.
@@ -145,7 +125,7 @@ impl FlankWorkspace {
     fn take_file(&mut self, path: &Path, cx: &mut Context) {
         if !is_points_file(path) {
             let mesh = FlankSource::Mesh(MeshFlank::of(path));
-            return self.go_on(Pending::Surface(mesh), cx);
+            return self.opening.go_on(Pending::Surface(mesh), cx);
         }
         let both = match self.desk.first_guide.take() {
             // Of two after each other the first is the lower one.
@@ -153,7 +133,7 @@ impl FlankWorkspace {
             _ => pair_of_guides(path),
         };
         match both {
-            Some(both) => self.go_on(Pending::Surface(FlankSource::guides(both)), cx),
+            Some(both) => self.opening.go_on(Pending::Surface(FlankSource::guides(both)), cx),
             None => self.ask_for_upper(path, cx),
         }
     }
@@ -162,7 +142,7 @@ impl FlankWorkspace {
     fn take_guides(&mut self, files: [PathBuf; 2], cx: &mut Context) {
         let named = pair_of_guides(&files[0]).filter(|pair| pair.iter().all(|file| files.contains(file)));
         let source = FlankSource::guides(named.unwrap_or(files));
-        self.go_on(Pending::Surface(source), cx);
+        self.opening.go_on(Pending::Surface(source), cx);
     }
 
     /// Keeps the lower guide until the upper one is named: one alone is no surface.
@@ -187,7 +167,7 @@ impl FlankWorkspace {
     /// Takes another mesh, in place of one as what the user goes on with.
     fn take_mesh(&mut self, path: PathBuf, cx: &mut Context) {
         let FlankSource::Mesh(mesh) = &self.desk.params().source else {
-            return self.go_on(Pending::Surface(FlankSource::Mesh(MeshFlank::of(&path))), cx);
+            return self.opening.go_on(Pending::Surface(FlankSource::Mesh(MeshFlank::of(&path))), cx);
         };
         let source = FlankSource::Mesh(MeshFlank { file: path, candidate: 1, kept: None, ..mesh.clone() });
         self.edit_flank(|params| {
@@ -205,19 +185,19 @@ impl FlankWorkspace {
     /// Goes on with a path that was named for something of the flank.
     fn take(&mut self, what: FlankPath, path: PathBuf, cx: &mut Context) {
         match what {
-            FlankPath::Open if is_project(&path) => self.go_on(Pending::Open(path), cx),
+            FlankPath::Open if is_project(&path) => self.opening.go_on(Pending::Open(path), cx),
             FlankPath::Open => self.take_file(&path, cx),
             FlankPath::Mesh => self.take_mesh(path, cx),
             FlankPath::Lower => match (&self.desk.params().source, pair_of_guides(&path)) {
                 (FlankSource::Guides { .. }, _) => self.take_guide(|lower, _| *lower = GuideSource::File(path)),
-                (_, Some(both)) => self.go_on(Pending::Surface(FlankSource::guides(both)), cx),
+                (_, Some(both)) => self.opening.go_on(Pending::Surface(FlankSource::guides(both)), cx),
                 // One alone is no surface.
                 (_, None) => self.ask_for_upper(&path, cx),
             },
             FlankPath::Upper => match (self.desk.first_guide.take(), &self.desk.params().source) {
                 (Some(lower), _) => {
                     let source = FlankSource::guides([lower, path]);
-                    self.go_on(Pending::Surface(source), cx);
+                    self.opening.go_on(Pending::Surface(source), cx);
                 }
                 (None, FlankSource::Guides { .. }) => self.take_guide(|_, upper| *upper = GuideSource::File(path)),
                 (None, _) => {}
@@ -316,23 +296,16 @@ impl Commanded for FlankDesk {
 
 impl Commanded for FlankWorkspace {
     fn is_enabled(&self, command: Command) -> bool {
-        let is_opening = FrameCommand::of(command) == Some(FrameCommand::Cancel) && self.opening.is_busy();
-        is_opening || self.desk.is_enabled(command)
+        self.opening.is_ended_by(command) || self.desk.is_enabled(command)
     }
 }
 
 impl Workspace for FlankWorkspace {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
-
-    fn commands(&self) -> Vec<Command> {
-        FlankCommand::all()
-    }
+    held_in_fields!(FlankCommand);
 
     fn menu(&self, menu: Menu) -> Groups {
         use FlankCommand as C;
-        let of = |all: &[C]| all.iter().map(|command| command.command()).collect::<Vec<_>>();
+        let of = C::group;
         match menu {
             Menu::New | Menu::Save | Menu::View => Vec::new(),
             Menu::Own => vec![
@@ -351,7 +324,7 @@ impl Workspace for FlankWorkspace {
         }
         let desk = &mut self.desk;
         match F::of(command) {
-            Some(F::Open) => self.intend(Pending::Ask(FlankPath::Open), cx),
+            Some(F::Open) => self.opening.intend(Pending::Ask(FlankPath::Open), cx),
             Some(F::Cancel) if self.opening.is_busy() => self.opening.cancel(),
             Some(F::Reload) => desk.work.reload(),
             Some(F::Cancel) => desk.work.cancel(),
@@ -370,19 +343,13 @@ impl Workspace for FlankWorkspace {
 
     fn ui(&mut self, ui: &mut Ui, cx: &mut Context) {
         if let Some(path) = panels::show(ui, &mut self.desk, cx, &mut self.view) {
-            if self.is_another(path) { self.intend(Pending::Ask(path), cx) } else { cx.ask(path, "") }
-        }
-    }
-
-    fn status(&mut self, ui: &mut Ui, cx: &mut Context, is_shown: bool) {
-        if let Some(now) = self.opening.doing().or(self.desk.work.doing()).filter(|_| is_shown) {
-            cx.doing(ui, now);
+            if self.is_another(path) { self.opening.intend(Pending::Ask(path), cx) } else { cx.ask(path, "") }
         }
     }
 
     fn follow(&mut self, cx: &mut Context, hands: Hands, _seconds: f64, is_shown: bool) {
         if let Some(opened) = self.opening.take(cx) {
-            self.go_on(Pending::Take(opened), cx);
+            self.opening.go_on(Pending::Take(opened), cx);
         }
         let news = self.desk.follow(hands, is_shown, cx.now);
         cx.note_events(news, self.desk.revision());
@@ -390,26 +357,6 @@ impl Workspace for FlankWorkspace {
 
     fn is_busy(&self) -> bool {
         self.opening.is_busy() || self.desk.work.is_busy()
-    }
-
-    fn is_opening(&self) -> bool {
-        self.opening.is_busy()
-    }
-
-    fn viewport(&self) -> &Viewport {
-        &self.view.viewport
-    }
-
-    fn viewport_mut(&mut self) -> &mut Viewport {
-        &mut self.view.viewport
-    }
-
-    fn document(&self) -> &dyn AnyDocument {
-        &self.desk.document
-    }
-
-    fn document_mut(&mut self) -> &mut dyn AnyDocument {
-        &mut self.desk.document
     }
 
     fn near(&self) -> Option<&Path> {
@@ -429,13 +376,13 @@ impl Workspace for FlankWorkspace {
             [one, other] if files.iter().all(|file| is_points_file(file)) => {
                 self.take_guides([one.clone(), other.clone()], cx);
             }
-            _ if is_project(first(files)) => self.go_on(Pending::Open(first(files).to_owned()), cx),
+            _ if is_project(first(files)) => self.opening.go_on(Pending::Open(first(files).to_owned()), cx),
             _ => self.take_file(first(files), cx),
         }
     }
 
     fn proceed(&mut self, cx: &mut Context) {
-        match self.pending.take() {
+        match self.opening.pending.take() {
             Some(Pending::Open(path)) => {
                 if let Some(document) = Self::document_at(&path, cx) {
                     self.begin(document);
@@ -479,7 +426,7 @@ impl Workspace for FlankWorkspace {
 
     fn receive(&mut self, message: &Message, cx: &mut Context) -> bool {
         let Message::MillFlanks(part) = message;
-        self.intend(Pending::Electrode(part.clone()), cx);
+        self.opening.intend(Pending::Electrode(part.clone()), cx);
         true
     }
 

@@ -1,6 +1,6 @@
 //! The paths that the workspace asks for.
 
-use crate::workspaces::context::{PathInfo, PathKind, PathSet};
+use crate::workspaces::context::{OPEN, PathInfo, PathKind, PathSet, TOML};
 
 /// What the workspace asks paths for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,21 +22,13 @@ pub enum MoldPath {
 impl PathSet for MoldPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use MoldPath as P;
-        const TOML: &[&str] = &["toml"];
-        const OPEN: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkpath"];
-        const fn info(title: &'static str, kind: PathKind) -> PathInfo {
-            PathInfo { title, kind, opens: false }
-        }
         static TABLE: [(P, PathInfo); 6] = [
-            (
-                P::Open,
-                PathInfo { title: "Open a mold", kind: PathKind::Read("Molds and meshes", OPEN, false), opens: true },
-            ),
-            (P::Cutters, info("Load cutters", PathKind::Read("Cutters", TOML, false))),
-            (P::OtherCutters, info("Load cutters to compare with", PathKind::Read("Cutters", TOML, false))),
-            (P::ElectrodeFolder, info("Folder for the electrodes", PathKind::Folder)),
-            (P::BurnSheet, info("Template of the burn sheet", PathKind::Read("", &[], false))),
-            (P::SaveCutters, info("Save cutters", PathKind::Write("Cutters", ".toml"))),
+            (P::Open, PathInfo::open("Open a mold", PathKind::Read("Molds and meshes", OPEN, false))),
+            (P::Cutters, PathInfo::new("Load cutters", PathKind::Read("Cutters", TOML, false))),
+            (P::OtherCutters, PathInfo::new("Load cutters to compare with", PathKind::Read("Cutters", TOML, false))),
+            (P::ElectrodeFolder, PathInfo::new("Folder for the electrodes", PathKind::Folder)),
+            (P::BurnSheet, PathInfo::new("Template of the burn sheet", PathKind::Read("", &[], false))),
+            (P::SaveCutters, PathInfo::new("Save cutters", PathKind::Write("Cutters", ".toml"))),
         ];
         &TABLE
     }

@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use egui::Ui;
 
-use crate::widgets::viewport::Viewport;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
 use crate::workspaces::context::{Context, PathSet, Request, first, has_ending, is_project};
 use crate::workspaces::hands::Hands;
@@ -19,7 +18,7 @@ use crate::workspaces::mold::scene::{MoldLook, RegionColours};
 use crate::workspaces::mold::work::{LoadedMold, read_part};
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
-use crate::workspaces::workspace::{About, Menu, Workspace};
+use crate::workspaces::workspace::{About, Menu, Workspace, held_in_fields};
 use files::{AnyDocument, Document, Recovery};
 use nc::burn_template::BurnSheet;
 use task::{Scheduler, State};
@@ -31,8 +30,7 @@ pub struct MoldWorkspace {
     /// The mold, what is asked about it and what was found.
     pub desk: MoldDesk,
     view: MoldView,
-    pending: Option<Pending>,
-    opening: Opening<Incoming>,
+    opening: Opening<Pending, Incoming>,
 }
 
 /// What takes the place of the mold once nothing stands in the way.
@@ -53,12 +51,7 @@ struct Incoming {
 impl MoldWorkspace {
     /// An empty workspace.
     pub fn new(scheduler: &Scheduler) -> Self {
-        Self {
-            desk: MoldDesk::new(scheduler),
-            view: MoldView::default(),
-            pending: None,
-            opening: Opening::new(scheduler),
-        }
+        Self { desk: MoldDesk::new(scheduler), view: MoldView::default(), opening: Opening::new(scheduler) }
     }
 
     /// Whether `pending` loses nothing: the cutters that were chosen before there was a mold stay.
@@ -84,7 +77,7 @@ impl MoldWorkspace {
 
     fn request(&mut self, pending: Pending, request: Request, cx: &mut Context) {
         let is_harmless = self.is_harmless(&pending);
-        self.pending = Some(pending);
+        self.opening.pending = Some(pending);
         if is_harmless { self.proceed(cx) } else { cx.request(request) }
     }
 
@@ -246,23 +239,16 @@ impl Commanded for MoldDesk {
 
 impl Commanded for MoldWorkspace {
     fn is_enabled(&self, command: Command) -> bool {
-        let is_opening = FrameCommand::of(command) == Some(FrameCommand::Cancel) && self.opening.is_busy();
-        is_opening || self.desk.is_enabled(command)
+        self.opening.is_ended_by(command) || self.desk.is_enabled(command)
     }
 }
 
 impl Workspace for MoldWorkspace {
-    fn about(&self) -> &'static About {
-        &ABOUT
-    }
-
-    fn commands(&self) -> Vec<Command> {
-        MoldCommand::all()
-    }
+    held_in_fields!(MoldCommand);
 
     fn menu(&self, menu: Menu) -> Groups {
         use MoldCommand as C;
-        let of = |all: &[C]| all.iter().map(|command| command.command()).collect::<Vec<_>>();
+        let of = C::group;
         match menu {
             Menu::New | Menu::Save => Vec::new(),
             Menu::Own => vec![
@@ -304,12 +290,6 @@ impl Workspace for MoldWorkspace {
         }
     }
 
-    fn status(&mut self, ui: &mut Ui, cx: &mut Context, is_shown: bool) {
-        if let Some(now) = self.opening.doing().or(self.desk.work.doing()).filter(|_| is_shown) {
-            cx.doing(ui, now);
-        }
-    }
-
     fn triangles(&self) -> Option<usize> {
         self.desk.work.mold().map(|mold| mold.mesh.triangles.len())
     }
@@ -324,26 +304,6 @@ impl Workspace for MoldWorkspace {
 
     fn is_busy(&self) -> bool {
         self.opening.is_busy() || self.desk.work.is_busy()
-    }
-
-    fn is_opening(&self) -> bool {
-        self.opening.is_busy()
-    }
-
-    fn viewport(&self) -> &Viewport {
-        &self.view.viewport
-    }
-
-    fn viewport_mut(&mut self) -> &mut Viewport {
-        &mut self.view.viewport
-    }
-
-    fn document(&self) -> &dyn AnyDocument {
-        &self.desk.document
-    }
-
-    fn document_mut(&mut self) -> &mut dyn AnyDocument {
-        &mut self.desk.document
     }
 
     fn near(&self) -> Option<&Path> {
@@ -366,7 +326,7 @@ impl Workspace for MoldWorkspace {
     }
 
     fn proceed(&mut self, cx: &mut Context) {
-        match self.pending.take() {
+        match self.opening.pending.take() {
             Some(Pending::Open(path)) => {
                 let Some(document) = self.mold_at(&path, cx) else { return };
                 self.opening.begin(move |task| {

@@ -3,10 +3,11 @@
 use crate::workspaces::blisk::desk::BliskDesk;
 use std::sync::Arc;
 
-use egui::{Align2, FontId, Rect, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, FontId, Rect, Ui};
 use glam::DVec3;
 
 use crate::widgets::theme::palette;
+use crate::widgets::timeline::Strip;
 use crate::workspaces::blisk::job::plan::PlanOutcome;
 use crate::workspaces::blisk::scene::machine::{Moment, WholeMotion, meeting};
 use feed::copying::Copying;
@@ -87,13 +88,9 @@ impl MachineMotion {
 /// A strip with a part for everything that the machine does; a drag moves it.
 pub fn strip(ui: &mut Ui, desk: &mut BliskDesk) {
     let Some((_, motion)) = &desk.machine.motion else { return };
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 18.0), Sense::click_and_drag());
     let length = motion.length();
-    response.widget_info(|| WidgetInfo::slider(length > 0.0, desk.machine.way.unwrap_or(0.0), "Whole motion"));
-    let colours = palette(ui);
-    let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
-    let inner = rect.shrink2(vec2(12.0, 0.0));
+    let strip = Strip::new(ui, 18.0, "Whole motion", (desk.machine.way.unwrap_or(0.0), length > 0.0));
+    let (rect, painter, inner, colours) = (strip.rect, &strip.painter, strip.inner(), palette(ui));
     let x_of = |way: f64| inner.left() + inner.width() * (way / length.max(1e-9)) as f32;
     for (i, (phase, _, [from, to])) in motion.phases().enumerate() {
         let part = Rect::from_x_y_ranges(x_of(from)..=x_of(to), rect.shrink(2.0).y_range());
@@ -108,11 +105,9 @@ pub fn strip(ui: &mut Ui, desk: &mut BliskDesk) {
         painter.vline(x_of(trouble.way), rect.y_range(), egui::Stroke::new(2.0, colours.bad));
     }
     if let Some(way) = desk.machine.way {
-        painter.vline(x_of(way), rect.y_range(), egui::Stroke::new(2.0, colours.accent));
-        painter.circle_filled(pos2(x_of(way), rect.center().y), 4.0, colours.accent);
+        strip.pin(x_of(way), rect.center().y, 4.0);
     }
-    if let Some(pointer) = response.interact_pointer_pos() {
-        let t = f64::from((pointer.x - inner.left()) / inner.width()).clamp(0.0, 1.0);
+    if let Some(t) = strip.dragged(inner) {
         desk.go_to_moment(length * t);
     }
 }

@@ -2,8 +2,8 @@
 
 use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::desk::BliskDesk;
-use crate::workspaces::commands::{CommandSet, FrameCommand};
-use crate::workspaces::context::Context;
+use crate::workspaces::commands::CommandSet;
+use crate::workspaces::context::{Context, standard_views};
 use egui::{Color32, FontId, Rect, RichText, Role, Sense, Ui, UiBuilder, WidgetInfo, vec2};
 use glam::DVec3;
 
@@ -15,23 +15,18 @@ use crate::widgets::viewport::Viewport;
 use crate::workspaces::blisk::document::stage::Stage;
 use feed::simulation::Simulation;
 use render::scene::SectionPlane;
-use render::view::StandardView;
 use task::State;
 
 /// Draws all of it.
 pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, cx: &mut Context, view: &mut BliskView) {
-    let views = [
-        ("Fit", FrameCommand::Fit.command(), false),
-        ("Iso", FrameCommand::View(StandardView::Isometric).command(), false),
-        ("Front", FrameCommand::View(StandardView::Front).command(), false),
-        ("Right", FrameCommand::View(StandardView::Right).command(), false),
-        ("Top", FrameCommand::View(StandardView::Top).command(), false),
+    let mut views = standard_views();
+    views.extend([
         ("Channel", BliskCommand::IntoChannel.command(), false),
         ("Blisk", BliskCommand::WholeBlisk.command(), false),
         ("Section", BliskCommand::Section.command(), desk.section.is_some()),
         ("Measure", BliskCommand::Measure.command(), desk.measuring),
         ("Clearance", BliskCommand::Colours.command(), desk.colours),
-    ];
+    ]);
     cx.view_buttons(ui, rect, desk, &views);
     gizmo(ui, rect, &mut view.viewport);
     if desk.section.is_some() {
@@ -88,11 +83,9 @@ fn section(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk) {
 /// A knob in the middle of the cut that moves it along its normal.
 fn section_handle(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, viewport: &Viewport) {
     let Some(plane) = &mut desk.section else { return };
-    let (camera, size) = viewport.camera();
-    let seen = |p: DVec3| camera.project(p, size).map(|s| s.pixel / f64::from(ui.pixels_per_point()));
-    let reach = 0.04 * camera.visible_height();
+    let seen = |p: DVec3| viewport.seen_at(ui, rect, p);
+    let reach = 0.04 * viewport.camera().0.visible_height();
     let (Some(at), Some(tip)) = (seen(plane.point), seen(plane.point + plane.normal * reach)) else { return };
-    let [at, tip] = [at, tip].map(|p| rect.min + vec2(p.x as f32, p.y as f32));
     if !rect.shrink(10.0).contains(at) {
         return;
     }
@@ -138,10 +131,7 @@ fn verdict(ui: &mut Ui, rect: Rect, desk: &BliskDesk) {
 /// The measured distance beside its line.
 fn measured(ui: &Ui, rect: Rect, view: &BliskView, cx: &Context) {
     let Some(Probe::Distance { from, to }) = view.probe() else { return };
-    let (camera, size) = view.viewport.camera();
-    let Some(seen) = camera.project((*from + *to) * 0.5, size) else { return };
-    let p = seen.pixel / f64::from(ui.pixels_per_point());
-    let at = rect.min + vec2(p.x as f32, p.y as f32);
+    let Some(at) = view.viewport.seen_at(ui, rect, (*from + *to) * 0.5) else { return };
     let text = cx.preferences.length.show((*to - *from).length(), 3);
     let galley = ui.painter().layout_no_wrap(text, FontId::proportional(13.0), ui.visuals().strong_text_color());
     let area = Rect::from_center_size(at, galley.size() + vec2(12.0, 6.0));

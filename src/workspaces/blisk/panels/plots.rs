@@ -1,12 +1,12 @@
 //! Plots over the withdrawn distance, all with the cursor of the 3-D view: axes, their derivatives, clearance, and how
 //! the search converged.
 
-use crate::widgets::plot_parts::{legend, round_steps, round_text};
+use crate::widgets::plot_parts::{legend, says, still};
 use crate::workspaces::blisk::desk::BliskDesk;
 use std::sync::Arc;
 
-use egui::{Color32, RichText, Ui, Vec2b};
-use egui_plot::{HLine, Line, LineStyle, Plot, PlotPoint, PlotPoints, VLine};
+use egui::{Color32, RichText, Ui};
+use egui_plot::{HLine, Line, LineStyle, PlotPoint, PlotPoints, VLine};
 
 use super::kept_runs::KeptRun;
 use crate::widgets::theme::palette;
@@ -150,22 +150,9 @@ fn over_distance<'a>(
     name: &'static str,
     build: impl FnOnce(&mut egui_plot::PlotUi<'a>) + 'a,
 ) {
-    let (colour, grid) = (palette(ui).accent, palette(ui).faint.gamma_multiply(0.35));
+    let colour = palette(ui).accent;
     let cursor = desk.feed_cursor();
-    let plot = Plot::new(name)
-        .invert_x(true)
-        .allow_drag(false)
-        .allow_scroll(false)
-        .allow_zoom(Vec2b::new(false, false))
-        .allow_boxed_zoom(false)
-        .show_background(false)
-        .grid_color(grid)
-        .set_margin_fraction(egui::vec2(0.012, 0.06))
-        .x_grid_spacer(|input| round_steps(input, 10.0))
-        .y_grid_spacer(|input| round_steps(input, 4.0))
-        .x_axis_formatter(|mark, _| round_text(mark))
-        .y_axis_formatter(|mark, _| round_text(mark))
-        .y_axis_min_width(44.0);
+    let plot = still(ui, name, egui::vec2(0.012, 0.06)).invert_x(true);
     let response = plot.show(ui, move |plot| {
         build(plot);
         if let Some(cursor) = cursor {
@@ -265,17 +252,7 @@ fn convergence(ui: &mut Ui, desk: &mut BliskDesk) {
         [("best", &trace.best, colours.accent), ("mean", &trace.mean, colours.faint)];
     let names = lines.map(|(name, _, colour)| (colour, format!("{name}, node at {:.2} mm", trace.s)));
     legend(ui, names.iter().map(|(colour, name)| (*colour, name.as_str())));
-    let plot = Plot::new("convergence")
-        .allow_drag(false)
-        .allow_scroll(false)
-        .allow_zoom(Vec2b::new(false, false))
-        .allow_boxed_zoom(false)
-        .show_background(false)
-        .grid_color(colours.faint.gamma_multiply(0.35))
-        .x_grid_spacer(|input| round_steps(input, 10.0))
-        .y_grid_spacer(|input| round_steps(input, 4.0))
-        .y_axis_formatter(|mark, _| round_text(mark))
-        .y_axis_min_width(44.0);
+    let plot = still(ui, "convergence", egui::Vec2::splat(0.05));
     let response = plot.show(ui, |plot| {
         for (name, values, colour) in lines {
             plot.line(Line::new(name, points(values)).color(colour).width(1.6));
@@ -291,8 +268,4 @@ fn nothing(ui: &mut Ui, desk: &BliskDesk) -> bool {
         says(ui, "Plan a feed path to see its curves.");
     }
     empty
-}
-
-fn says(ui: &mut Ui, text: &str) {
-    ui.centered_and_justified(|ui| ui.add(egui::Label::new(RichText::new(text).color(palette(ui).faint)).wrap()));
 }

@@ -2,11 +2,12 @@
 
 use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::desk::BliskDesk;
-use crate::workspaces::commands::{CommandSet, Commanded, FrameCommand};
+use crate::workspaces::commands::{CommandSet, Commanded};
 use crate::workspaces::context::Context;
-use egui::{Align2, FontId, Key, Rect, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Rect, RichText, Ui, pos2, vec2};
 
 use crate::widgets::theme::palette;
+use crate::widgets::timeline::Strip;
 
 /// Least room for the figures beside the buttons (points): the clearance, where it is, and what all of it is.
 const READOUT: [f32; 3] = [90.0, 200.0, 325.0];
@@ -24,22 +25,8 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
 }
 
 fn controls(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
-    let play = if desk.cursor.playing { "⏸" } else { "▶" };
-    let buttons = [
-        (FrameCommand::FirstNode, "⏮", "First node"),
-        (FrameCommand::PreviousNode, "⏴", "Previous node"),
-        (FrameCommand::Play, play, "Play"),
-        (FrameCommand::NextNode, "⏵", "Next node"),
-        (FrameCommand::LastNode, "⏭", "Final pose"),
-    ];
-    for (command, sign, name) in buttons {
-        let button = egui::Button::new(RichText::new(sign).size(13.0)).min_size(vec2(28.0, 22.0));
-        let response = ui.add_enabled(desk.is_enabled(command.into()), button).on_hover_text(command.hint(ui.ctx()));
-        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
-        if response.clicked() {
-            cx.push(command);
-        }
-    }
+    let names = ["First node", "Previous node", "Next node", "Final pose"];
+    cx.play_buttons(ui, desk, (desk.cursor.playing, 28.0), names, false);
     // Where there is little room, what is looked at comes before how it is played.
     if ui.available_width() > PLAYING {
         playing(ui, desk, cx);
@@ -115,26 +102,21 @@ fn readout(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context) {
 
 /// The strip with a tick for every node, coloured by its clearance; a drag moves the cursor.
 fn strip(ui: &mut Ui, desk: &mut BliskDesk) {
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 30.0), Sense::click_and_drag());
     let length = desk.track().length();
-    response.widget_info(|| WidgetInfo::slider(length > 0.0, desk.cursor.s, "Timeline"));
-    let colours = palette(ui);
-    let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
+    let strip = Strip::new(ui, 30.0, "Timeline", (desk.cursor.s, length > 0.0));
+    let (rect, painter, colours) = (strip.rect, &strip.painter, palette(ui));
     if desk.track().is_empty() || length <= 0.0 {
-        let text = match desk.track().is_empty() {
+        return strip.say(match desk.track().is_empty() {
             true => "No path yet: plan one (F5) to see its nodes.",
             false => "Only the final pose was found to be free.",
-        };
-        painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), colours.faint);
-        return;
+        });
     }
     // The same place as in the plots below, where they can be seen.
     let inner = match desk.span {
         Some([left, right]) if rect.left() <= left && left < right && right <= rect.right() => {
             Rect::from_x_y_ranges(left..=right, rect.y_range())
         }
-        _ => rect.shrink2(vec2(12.0, 0.0)),
+        _ => strip.inner(),
     };
     let x_of = |s: f64| inner.left() + inner.width() * (1.0 - (s / length) as f32);
     let gap = desk.least_wanted();
@@ -144,49 +126,37 @@ fn strip(ui: &mut Ui, desk: &mut BliskDesk) {
         painter.vline(x, rect.bottom() - 10.0..=rect.bottom() - 3.0, egui::Stroke::new(1.0, colour));
     }
     let pin = desk.feed_cursor().map(|s| x_of(s.clamp(0.0, length)));
-    scale(&painter, inner, rect, length, colours.faint, pin);
+    scale(&strip, inner, length, pin);
     for s in &desk.ghosts {
         painter.circle_stroke(pos2(x_of(*s), rect.bottom() - 7.0), 3.5, egui::Stroke::new(1.5, colours.accent));
     }
     // Where the machine collides off the feed the strip below has the mark.
     let mark = desk.trouble().map_or_else(|| desk.contact_s(), |trouble| trouble.s);
     if let Some(s) = mark {
-        let tip = pos2(x_of(s), rect.bottom() - 10.0);
-        let triangle = vec![tip, tip + vec2(-4.0, -6.0), tip + vec2(4.0, -6.0)];
         let holds = desk.trouble().is_none() && desk.outcome().is_some_and(|o| o.plan.is_verified());
-        let colour = if holds { colours.warning } else { colours.bad };
-        painter.add(egui::Shape::convex_polygon(triangle, colour, egui::Stroke::NONE));
+        strip.mark(x_of(s), 10.0, holds);
     }
     if let Some(x) = pin {
-        painter.vline(x, rect.y_range(), egui::Stroke::new(2.0, colours.accent));
-        painter.circle_filled(pos2(x, rect.top() + 5.0), 5.0, colours.accent);
+        strip.pin(x, rect.top() + 5.0, 5.0);
     }
-    if let Some(pointer) = response.interact_pointer_pos() {
+    if let Some(t) = strip.dragged(inner) {
         desk.cursor.playing = false;
-        let t = f64::from((pointer.x - inner.left()) / inner.width()).clamp(0.0, 1.0);
         desk.cursor.s = length * (1.0 - t);
         desk.machine.go_to(None);
     }
-    if response.has_focus() {
-        // The keys that step would otherwise move the focus.
-        let lock = egui::EventFilter { horizontal_arrows: true, ..Default::default() };
-        ui.memory_mut(|m| m.set_focus_lock_filter(response.id, lock));
-        if ui.input(|i| i.key_pressed(Key::Escape)) {
-            response.surrender_focus();
-        }
-    }
+    strip.keep_keys(ui);
 }
 
 /// Round distances along the strip, except where the cursor, if it is shown, would hide them.
-fn scale(painter: &egui::Painter, inner: Rect, rect: Rect, length: f64, colour: egui::Color32, cursor: Option<f32>) {
+fn scale(strip: &Strip, inner: Rect, length: f64, cursor: Option<f32>) {
     let most = f64::from((inner.width() / 42.0).clamp(2.0, 14.0));
     for s in marks(length, most) {
         let x = inner.left() + inner.width() * (1.0 - (s / length) as f32);
         let text = if s == 0.0 { "final".to_owned() } else { format!("{s}") };
         // The last one may not stick out on the right.
-        let x = x.min(rect.right() - 14.0);
+        let x = x.min(strip.rect.right() - 14.0);
         if cursor.is_none_or(|cursor| (x - cursor).abs() > 16.0) {
-            painter.text(pos2(x, rect.top() + 8.0), Align2::CENTER_CENTER, text, FontId::proportional(10.0), colour);
+            strip.number(x, text);
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use egui::{Align2, Color32, FontId, Rect, Ui, pos2, vec2};
+use egui::{Rect, Ui};
 use glam::DVec3;
 
 use crate::widgets::camera::into_channel;
+use crate::widgets::overlay;
 use crate::widgets::theme::palette;
 use crate::widgets::viewport::{Moves, Viewport};
 use crate::workspaces::blisk::desk::BliskDesk;
@@ -227,26 +228,20 @@ pub fn scene(desk: &BliskDesk, theme: Theme) -> Scene {
 }
 
 fn empty(ui: &Ui, rect: Rect, state: &State) {
-    let colours = palette(ui);
-    let (title, lines) = match state {
-        State::Running => ("Loading…", ["", "", ""]),
-        State::Failed(_) => {
-            ("This could not be loaded", ["The form on the left says why.", "Drop another mesh here, or open one.", ""])
-        }
+    let (title, lines): (_, &[&str]) = match state {
+        State::Running => ("Loading…", &["", "", ""]),
+        State::Failed(_) => (
+            "This could not be loaded",
+            &["The form on the left says why.", "Drop another mesh here, or open one.", ""],
+        ),
         _ => (
             "Drop a blisk here",
-            [
+            &[
                 "STL, OBJ, glTF or GLB, or a Sparkpath project.",
                 "Then follow the steps on the left, from part to export.",
                 "Ctrl+K finds every command.",
             ],
         ),
     };
-    let c = rect.center();
-    ui.painter().text(c - vec2(0.0, 40.0), Align2::CENTER_CENTER, title, FontId::proportional(22.0), colours.accent);
-    for (i, line) in lines.into_iter().enumerate() {
-        let at = pos2(c.x, c.y + 20.0 * i as f32);
-        let colour = Color32::from_gray(150);
-        ui.painter().text(at, Align2::CENTER_CENTER, line, FontId::proportional(13.5), colour);
-    }
+    overlay::empty(ui, rect, title, lines);
 }

@@ -59,18 +59,22 @@ impl Plots {
 const CONVERGENCE_PLOTS: usize = 3;
 
 fn clearance_plot(e: &ElectrodeReport, motion: &Motion) -> Plot {
-    let mut points: Vec<_> = motion.rows.iter().zip(&motion.clearance).map(|(r, &c)| [r.s, c]).collect();
-    points.sort_by(|p, q| p[0].total_cmp(&q[0]));
+    let points = motion.rows.iter().zip(&motion.clearance).map(|(r, &c)| [r.s, c]).collect();
     let least = e.least_clearance_at.as_ref().zip(e.least_clearance_mm);
     let mark = least.map(|(at, mm)| ([at.s_mm, mm], format!("{mm:.4} mm, {}", at.surface)));
+    Plot { marks: mark.into_iter().collect(), ..clearances_plot(points, e.required_clearance_mm) }
+}
+
+/// A plot of clearances over the retracted distance (mm), with the `required` one.
+pub(super) fn clearances_plot(mut points: Vec<[f64; 2]>, required: f64) -> Plot {
+    points.sort_by(|p, q| p[0].total_cmp(&q[0]));
     Plot {
         title: "Clearance to the finished blisk, mm".to_owned(),
         x_label: "s, mm retracted".to_owned(),
         log_y: true,
         size: [1100.0, 260.0],
         series: vec![Series { points, class: "c0", dots: false }],
-        levels: vec![(e.required_clearance_mm, "required gap".to_owned())],
-        marks: mark.into_iter().collect(),
+        levels: vec![(required, "required gap".to_owned())],
         ..Plot::default()
     }
 }

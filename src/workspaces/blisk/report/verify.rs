@@ -3,10 +3,11 @@
 use files::report::{Template, page};
 use serde::Serialize;
 
+use crate::workspaces::blisk::report::page::clearances_plot;
 use crate::workspaces::blisk::report::{ClearancePlace, ReportError, VerifiedDigests};
 use feed::certificate::{Certificate, TravelVerdict};
 use feed::path::FeedPath;
-use files::report::plot::{Plot, Series};
+use files::report::plot::Plot;
 
 /// Version of the keys of `verify.json`.
 pub const SCHEMA: u32 = 1;
@@ -139,17 +140,7 @@ impl VerifyReport {
     }
 
     fn plot(&self) -> Plot {
-        let mut points = self.clearances.clone();
-        points.sort_by(|p, q| p[0].total_cmp(&q[0]));
-        Plot {
-            title: "Clearance to the finished blisk, mm".to_owned(),
-            x_label: "s, mm retracted".to_owned(),
-            log_y: true,
-            size: [1100.0, 260.0],
-            series: vec![Series { points, class: "c0", dots: false }],
-            levels: vec![(self.required_clearance_mm, "required gap".to_owned())],
-            ..Plot::default()
-        }
+        clearances_plot(self.clearances.clone(), self.required_clearance_mm)
     }
 }
 

@@ -315,6 +315,7 @@ pub fn change(before: &FlankDocument, now: &FlankDocument) -> String {
 mod tests {
     use super::*;
     use crate::workspaces::flank::document::{FlankSource, MeshFlank};
+    use crate::workspaces::says_labels;
     use files::{Override, Validate};
     use flank::cutter::HolderPart;
     use nc::flank_program::milling_posts;
@@ -336,13 +337,7 @@ mod tests {
         let of_mesh = FlankDocument { source: mesh, ..document.clone() };
         let beyond: Vec<_> = [&document, &of_mesh].into_iter().flat_map(|d| FIELDS.beyond(d)).collect();
         assert!(beyond.len() > 80, "{}", beyond.len());
-        for (key, wrong) in beyond {
-            let problem = wrong.validate().expect_err(&key);
-            assert_eq!(problem.key, key);
-            let said = FIELDS.in_window(&problem);
-            let label = FIELDS.find(&key).unwrap().label;
-            assert!(said.starts_with(&label) && !said.contains(&key) && !said.contains('_'), "{key}: {said}");
-        }
+        says_labels(&FIELDS, beyond);
         // What does not go together is said in these words, too.
         for (edit, words) in [
             ((|d| d.plan.below_mm = 40.0) as fn(&mut FlankDocument), "Extend below is 40 mm: must be less than"),

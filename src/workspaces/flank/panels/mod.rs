@@ -19,8 +19,6 @@ pub use view::FlankView;
 use crate::workspaces::context::Context;
 use egui::{Panel, Ui};
 
-use crate::widgets::folds::{self, Folding};
-use crate::workspaces::commands::CommandSet;
 use crate::workspaces::flank::commands::FlankCommand;
 use crate::workspaces::flank::paths::FlankPath;
 
@@ -66,22 +64,8 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, view: &mut Flan
     egui::CentralPanel::no_frame().show(ui, |ui| {
         let rect = ui.available_rect_before_wrap();
         view.show(ui, desk, cx);
-        fold(ui, rect, cx, desk.shows_panel, wide.then_some(desk.shows_list));
+        let results = wide.then_some((FlankCommand::FoldList, desk.shows_list));
+        cx.folds(ui, rect, (FlankCommand::FoldPanel, desk.shows_panel), results);
     });
     asked
-}
-
-/// The handles that fold the panels, with whether the one on the left is there, and that on the right if it has one.
-fn fold(ui: &mut Ui, rect: egui::Rect, cx: &mut Context, shows_panel: bool, shows_list: Option<bool>) {
-    let folding = |command: FlankCommand, is_left, is_there| {
-        let info = command.command().info;
-        Folding { is_left, is_there, name: info.name, hint: info.hint(ui.ctx()) }
-    };
-    let mut panels = vec![folding(FlankCommand::FoldPanel, true, shows_panel)];
-    panels.extend(shows_list.map(|shows_list| folding(FlankCommand::FoldList, false, shows_list)));
-    match folds::show(ui, rect, &panels) {
-        Some(0) => cx.push(FlankCommand::FoldPanel),
-        Some(_) => cx.push(FlankCommand::FoldList),
-        None => {}
-    }
 }

@@ -2,11 +2,11 @@
 //! axes of the machine.
 
 use crate::workspaces::flank::panels::FlankDesk;
-use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Stroke, Ui, Vec2b, WidgetInfo, pos2, vec2};
-use egui_plot::{GridInput, GridMark, HLine, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points, VLine};
+use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui_plot::{GridInput, GridMark, HLine, Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, Points, VLine};
 
 use crate::widgets::panel_parts::file_name;
-use crate::widgets::plot_parts::{legend, round_steps, round_text};
+use crate::widgets::plot_parts::{legend, round_steps, says, still};
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::flank::document::PathChoice;
 use crate::workspaces::flank::scene::contact_line;
@@ -65,32 +65,14 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk) {
     }
 }
 
-fn says(ui: &mut Ui, text: &str) {
-    ui.centered_and_justified(|ui| ui.add(egui::Label::new(RichText::new(text).color(palette(ui).faint)).wrap()));
-}
-
 /// The colours of the three paths.
 fn colours(ui: &Ui) -> [Color32; 3] {
     let colours = palette(ui);
     [colours.faint, colours.axes[3], colours.accent]
 }
 
-/// A plot that stays where it is.
-fn still(ui: &Ui, name: &str) -> Plot<'static> {
-    Plot::new(name.to_owned())
-        .allow_drag(false)
-        .allow_scroll(false)
-        .allow_zoom(Vec2b::new(false, false))
-        .allow_boxed_zoom(false)
-        .show_background(false)
-        .grid_color(palette(ui).faint.gamma_multiply(0.35))
-        .set_margin_fraction(vec2(0.015, 0.07))
-        .x_grid_spacer(|input| round_steps(input, 10.0))
-        .y_grid_spacer(|input| round_steps(input, 4.0))
-        .x_axis_formatter(|mark, _| round_text(mark))
-        .y_axis_formatter(|mark, _| round_text(mark))
-        .y_axis_min_width(44.0)
-}
+/// Free edges of a plot.
+const MARGIN: egui::Vec2 = vec2(0.015, 0.07);
 
 /// Lines at 1, 2 and 5 of every decade of an axis that holds decimal logarithms; at whole decades only where there are
 /// many.
@@ -146,7 +128,7 @@ fn ranks(ui: &mut Ui, desk: &mut FlankDesk, plan: &FlankPlan) {
     let at = |rank: usize| known.iter().find(|(k, _)| *k == rank).map(|(k, sum)| [*k as f64, sum.log10()]);
     let (best, selected) = (at(ranks.best), desk.rank.and_then(at));
     let (text, accent) = (ui.visuals().text_color(), palette(ui).accent);
-    let plot = still(ui, "ranks").y_grid_spacer(decades).y_axis_formatter(|mark, _| of_decade(mark));
+    let plot = still(ui, "ranks", MARGIN).y_grid_spacer(decades).y_axis_formatter(|mark, _| of_decade(mark));
     let response = plot.show(ui, |plot| {
         let level = |name: &str, sum: f64, colour: Color32| {
             HLine::new(name.to_owned(), sum.max(1e-9).log10()).color(colour).width(1.0).style(LineStyle::dashed_loose())
@@ -196,7 +178,7 @@ fn deviation(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
     let (mut clicked, height) = (None, ui.available_height());
     ui.columns(2, |columns| {
         let [left, right] = columns else { return };
-        let plot = still(left, "along the guides")
+        let plot = still(left, "along the guides", MARGIN)
             .x_grid_spacer(|input| round_steps(input, 3.0))
             .height(height)
             .include_x(0.0)
@@ -216,7 +198,7 @@ fn deviation(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
         response.response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Plot along the guides"));
         let pressed = response.response.clicked() || response.response.is_pointer_button_down_on();
         clicked = response.inner.filter(|_| pressed).map(|point| point.x);
-        let plot = still(right, "along the ruling")
+        let plot = still(right, "along the ruling", MARGIN)
             .x_grid_spacer(|input| round_steps(input, 3.0))
             .height(height)
             .include_x(0.0)

@@ -6,7 +6,7 @@ use crate::workspaces::flank::commands::FlankCommand;
 use crate::workspaces::flank::panels::FlankDesk;
 use std::sync::Arc;
 
-use egui::{Align2, Color32, FontId, Rect, RichText, Role, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, FontId, Rect, RichText, Role, Ui, WidgetInfo, vec2};
 use glam::DVec3;
 
 use super::desk::{Fly, Standing};
@@ -182,13 +182,10 @@ impl FlankView {
 
     /// Both sides of the surface at the ends of their arrows, to be chosen.
     fn choose_side(&self, ui: &mut Ui, rect: Rect, desk: &mut FlankDesk) {
-        let (camera, size) = self.viewport.camera();
         let Some((tips, [from, _])) = self.sides.zip(desk.open_side()) else { return };
         for (tip, (side, name, hint)) in tips.into_iter().zip(SIDES) {
             // Past the arrow's point, which is to be seen.
-            let Some(seen) = camera.project(from.lerp(tip, BEYOND), size) else { continue };
-            let p = seen.pixel / f64::from(ui.pixels_per_point());
-            let at = rect.min + vec2(p.x as f32, p.y as f32);
+            let Some(at) = self.viewport.seen_at(ui, rect, from.lerp(tip, BEYOND)) else { continue };
             let area = Rect::from_center_size(at, vec2(34.0, 22.0));
             if !rect.contains_rect(area) {
                 continue;
@@ -204,14 +201,11 @@ impl FlankView {
 
     /// Names the paths that are side by side, with their figures.
     fn label(&self, ui: &Ui, rect: Rect, desk: &FlankDesk) {
-        let (camera, size) = self.viewport.camera();
         let Some(planned) = desk.planned().filter(|_| self.names.len() > 1) else { return };
         let plan = &planned.result.plan;
         let mut placed: Vec<Rect> = Vec::new();
         for ((at, name), choice) in self.names.iter().zip(PathChoice::ALL) {
-            let Some(seen) = camera.project(*at, size) else { continue };
-            let p = seen.pixel / f64::from(ui.pixels_per_point());
-            let at = rect.min + vec2(p.x as f32, p.y as f32);
+            let Some(at) = self.viewport.seen_at(ui, rect, *at) else { continue };
             if !rect.shrink(4.0).contains(at) {
                 continue;
             }
@@ -305,9 +299,5 @@ fn empty(ui: &Ui, rect: Rect, desk: &FlankDesk) {
         State::Ready if work.is_sketching() || desk.state() == State::Running => ("Looking at the surface…", ""),
         _ => ("Drop a part or two guide curves here", "STL, OBJ, glTF or GLB; or points as CSV."),
     };
-    let c = rect.center();
-    let accent = palette(ui).accent;
-    ui.painter().text(c - vec2(0.0, 24.0), Align2::CENTER_CENTER, title, FontId::proportional(22.0), accent);
-    let grey = Color32::from_gray(150);
-    ui.painter().text(pos2(c.x, c.y + 8.0), Align2::CENTER_CENTER, line, FontId::proportional(13.5), grey);
+    overlay::empty(ui, rect, title, &[line]);
 }

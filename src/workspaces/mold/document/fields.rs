@@ -261,6 +261,7 @@ pub fn change(before: &MoldParams, now: &MoldParams) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::workspaces::says_labels;
     use files::Validate;
     use mold::cutter::Cutter;
     use mold::electrode::params::Stage;
@@ -281,13 +282,7 @@ mod tests {
         params.electrodes.family = true;
         let beyond = FIELDS.beyond(&params);
         assert!(beyond.len() > 40, "{}", beyond.len());
-        for (key, wrong) in beyond {
-            let problem = wrong.validate().expect_err(&key);
-            assert_eq!(problem.key, key);
-            let said = FIELDS.in_window(&problem);
-            let label = FIELDS.find(&key).unwrap().label;
-            assert!(said.starts_with(&label) && !said.contains(&key) && !said.contains('_'), "{key}: {said}");
-        }
+        says_labels(&FIELDS, beyond);
         // What does not go together is said in these words, too.
         let mut wrong = MoldParams::default();
         wrong.electrodes.datum_corner_mm = 5.0;

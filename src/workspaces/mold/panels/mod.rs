@@ -20,7 +20,6 @@ use crate::workspaces::context::Context;
 use crate::workspaces::mold::commands::MoldCommand;
 use egui::{Panel, Role, Ui, WidgetInfo};
 
-use crate::widgets::folds::{self, Folding};
 use crate::workspaces::mold::paths::MoldPath;
 
 /// Draws the workspace. Answers what a path is wanted for.
@@ -49,7 +48,7 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, view: &mut MoldV
     egui::CentralPanel::no_frame().show(ui, |ui| {
         let rect = ui.available_rect_before_wrap();
         view.show(ui, desk, cx);
-        fold(ui, rect, cx, is_formed, Some(is_listed));
+        cx.folds(ui, rect, (MoldCommand::FoldPanel, is_formed), Some((MoldCommand::FoldList, is_listed)));
     });
     asked
 }
@@ -70,19 +69,4 @@ fn lists(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
         });
     }
     if desk.electrodes.seen().is_some() { electrode::list(ui, desk, cx) } else { list::show(ui, desk, cx) }
-}
-
-/// The handles that fold the panels, with whether the one on the left is there, and that on the right if it has one.
-fn fold(ui: &mut Ui, rect: egui::Rect, cx: &mut Context, shows_panel: bool, shows_list: Option<bool>) {
-    let folding = |command: MoldCommand, is_left, is_there| {
-        let info = command.command().info;
-        Folding { is_left, is_there, name: info.name, hint: info.hint(ui.ctx()) }
-    };
-    let mut panels = vec![folding(MoldCommand::FoldPanel, true, shows_panel)];
-    panels.extend(shows_list.map(|shows_list| folding(MoldCommand::FoldList, false, shows_list)));
-    match folds::show(ui, rect, &panels) {
-        Some(0) => cx.push(MoldCommand::FoldPanel),
-        Some(_) => cx.push(MoldCommand::FoldList),
-        None => {}
-    }
 }

@@ -1,12 +1,12 @@
 //! The 3-D view of a mold, and what is drawn over it.
 
-use crate::workspaces::commands::{Command, CommandSet, FrameCommand};
-use crate::workspaces::context::Context;
+use crate::workspaces::commands::{Command, CommandSet};
+use crate::workspaces::context::{Context, standard_views};
 use crate::workspaces::mold::commands::MoldCommand;
 use crate::workspaces::mold::panels::MoldDesk;
 use std::sync::Arc;
 
-use egui::{Align2, FontId, Rect, Stroke, Ui, pos2, vec2};
+use egui::{Rect, Stroke, Ui};
 
 use super::electrode::{self, Fly, Look};
 use super::strip;
@@ -21,7 +21,6 @@ use render::camera::Camera;
 use render::colour::Theme;
 use render::pick::Pick;
 use render::scene::{Marker, Scene};
-use render::view::StandardView;
 use task::State;
 
 /// State of the view.
@@ -158,10 +157,7 @@ impl MoldView {
     /// The line that is being drawn, from where it begins to the pointer.
     fn line(&self, ui: &Ui, rect: Rect, desk: &MoldDesk) {
         let (Some(Some(first)), Some(made)) = (desk.electrodes.split, desk.electrodes.seen()) else { return };
-        let (camera, size) = self.viewport.camera();
-        let Some(seen) = camera.project(made.opening.in_mesh(first), size) else { return };
-        let p = seen.pixel / f64::from(ui.pixels_per_point());
-        let from = rect.min + vec2(p.x as f32, p.y as f32);
+        let Some(from) = self.viewport.seen_at(ui, rect, made.opening.in_mesh(first)) else { return };
         let (painter, accent) = (ui.painter_at(rect), palette(ui).accent);
         painter.circle(from, 4.0, accent, Stroke::new(1.5, ui.visuals().window_fill));
         if let Some(to) = ui.ctx().pointer_hover_pos().filter(|to| rect.contains(*to)) {
@@ -173,10 +169,7 @@ impl MoldView {
     fn pointed(&self, ui: &mut Ui, rect: Rect, desk: &MoldDesk) {
         let electrodes = &desk.electrodes;
         let (Some(place), Some(made)) = (&electrodes.place, electrodes.seen()) else { return };
-        let (camera, size) = self.viewport.camera();
-        let Some(seen) = camera.project(made.opening.in_mesh(place.at), size) else { return };
-        let p = seen.pixel / f64::from(ui.pixels_per_point());
-        let at = rect.min + vec2(p.x as f32, p.y as f32);
+        let Some(at) = self.viewport.seen_at(ui, rect, made.opening.in_mesh(place.at)) else { return };
         if rect.contains(at) && electrodes.split.is_none() {
             overlay::callout(ui, rect, at, palette(ui).bad, &place.text);
         }
@@ -264,29 +257,22 @@ fn click(desk: &mut MoldDesk, picked: Option<Pick>) {
 
 fn buttons(desk: &MoldDesk) -> Vec<(&'static str, Command, bool)> {
     let mold = desk;
+    let mut buttons = standard_views();
     if mold.electrodes.seen().is_some() {
-        return vec![
-            ("Fit", FrameCommand::Fit.command(), false),
-            ("Iso", FrameCommand::View(StandardView::Isometric).command(), false),
-            ("Front", FrameCommand::View(StandardView::Front).command(), false),
-            ("Right", FrameCommand::View(StandardView::Right).command(), false),
-            ("Top", FrameCommand::View(StandardView::Top).command(), false),
+        buttons.extend([
             ("Transparent", MoldCommand::FaintMold.command(), mold.electrodes.look != MoldLook::Solid),
             ("Cut", MoldCommand::Section.command(), mold.electrodes.cut.is_some()),
             ("Isolate", MoldCommand::Isolate.command(), mold.electrodes.is_alone),
-        ];
+        ]);
+        return buttons;
     }
-    vec![
-        ("Fit", FrameCommand::Fit.command(), false),
-        ("Iso", FrameCommand::View(StandardView::Isometric).command(), false),
-        ("Front", FrameCommand::View(StandardView::Front).command(), false),
-        ("Right", FrameCommand::View(StandardView::Right).command(), false),
-        ("Top", FrameCommand::View(StandardView::Top).command(), false),
+    buttons.extend([
         ("Layers", MoldCommand::Layers.command(), mold.layer.is_some()),
         ("Depth", MoldCommand::DepthColours.command(), mold.colours == RegionColours::ByDepth),
         ("Transparent", MoldCommand::FaintMold.command(), mold.is_faint),
         ("Isolate", MoldCommand::Isolate.command(), mold.isolated),
-    ]
+    ]);
+    buttons
 }
 
 /// How the answer stands, at the bottom of the view.
@@ -316,9 +302,5 @@ fn empty(ui: &Ui, rect: Rect, desk: &MoldDesk) {
         State::Failed(_) | State::Cancelled => ("This could not be loaded", "The panel on the left says why."),
         _ => ("Drop a mold here", "STL, OBJ, glTF or GLB. Then set the opening direction and find the rest material."),
     };
-    let c = rect.center();
-    let accent = palette(ui).accent;
-    ui.painter().text(c - vec2(0.0, 24.0), Align2::CENTER_CENTER, title, FontId::proportional(22.0), accent);
-    let colour = egui::Color32::from_gray(150);
-    ui.painter().text(pos2(c.x, c.y + 8.0), Align2::CENTER_CENTER, line, FontId::proportional(13.5), colour);
+    overlay::empty(ui, rect, title, &[line]);
 }

@@ -76,44 +76,33 @@ struct BliskKeys {
 
 impl Default for BliskKeys {
     fn default() -> Self {
-        let BliskOptions {
-            axis,
-            blades,
-            channel,
-            hub_radius_mm,
-            shroud_radius_mm,
-            wall_points_chord,
-            wall_points_span,
-        } = BliskOptions::default();
-        let (mesh, units) = (None, Units::default());
+        let options = BliskOptions::default();
         Self {
-            mesh,
-            units,
-            axis,
-            blades,
-            channel,
-            hub_radius_mm,
-            shroud_radius_mm,
-            wall_points_chord,
-            wall_points_span,
+            mesh: None,
+            units: Units::default(),
+            axis: options.axis,
+            blades: options.blades,
+            channel: options.channel,
+            hub_radius_mm: options.hub_radius_mm,
+            shroud_radius_mm: options.shroud_radius_mm,
+            wall_points_chord: options.wall_points_chord,
+            wall_points_span: options.wall_points_span,
         }
     }
 }
 
 impl From<BliskKeys> for BliskSection {
     fn from(keys: BliskKeys) -> Self {
-        let BliskKeys { mesh, units, axis, blades, channel, hub_radius_mm, shroud_radius_mm, .. } = keys;
-        let BliskKeys { wall_points_chord, wall_points_span, .. } = keys;
         let options = BliskOptions {
-            axis,
-            blades,
-            channel,
-            hub_radius_mm,
-            shroud_radius_mm,
-            wall_points_chord,
-            wall_points_span,
+            axis: keys.axis,
+            blades: keys.blades,
+            channel: keys.channel,
+            hub_radius_mm: keys.hub_radius_mm,
+            shroud_radius_mm: keys.shroud_radius_mm,
+            wall_points_chord: keys.wall_points_chord,
+            wall_points_span: keys.wall_points_span,
         };
-        Self { mesh: mesh.filter(|mesh| !mesh.as_os_str().is_empty()), units, options }
+        Self { mesh: keys.mesh.filter(|mesh| !mesh.as_os_str().is_empty()), units: keys.units, options }
     }
 }
 

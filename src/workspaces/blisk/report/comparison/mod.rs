@@ -216,16 +216,9 @@ fn csv_rows(out: &mut String, strategy: Strategy, e: &RunElectrode) {
         let _ = writeln!(out, "{electrode},,,,,,");
     }
     for a in &e.smoothness {
-        let _ = writeln!(
-            out,
-            "{electrode},{},{},{},{},{},{}",
-            a.axis,
-            a.unit,
-            a.total_variation,
-            a.rms_second_difference,
-            a.max_second_difference,
-            a.sign_changes_first_difference
-        );
+        let [variation, rms, most] = [a.total_variation, a.rms_second_difference, a.max_second_difference];
+        let turns = a.sign_changes_first_difference;
+        let _ = writeln!(out, "{electrode},{},{},{variation},{rms},{most},{turns}", a.axis, a.unit);
     }
 }
 

@@ -4,7 +4,7 @@ use crate::workspaces::commands::{CommandSet, FrameCommand};
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::commands::MoldCommand;
 use crate::workspaces::mold::panels::MoldDesk;
-use egui::{Rect, RichText, Role, Slider, Ui, WidgetInfo, vec2};
+use egui::{Rect, RichText, Slider, Ui};
 
 use super::desk::Fly;
 use crate::widgets::panel_parts::row;
@@ -12,6 +12,8 @@ use crate::widgets::theme::palette;
 use crate::workspaces::mold::scene::MoldLook;
 use crate::workspaces::mold::scene::electrodes::{BurnCut, BurnPhase};
 
+/// Greatest width of a strip (points).
+const WIDTH: f32 = 560.0;
 /// Width of a strip (points) below which its words are fewer.
 const NARROW: f32 = 440.0;
 
@@ -28,12 +30,12 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut MoldDesk, cx: &mut Context) {
         desk.electrodes.advance(seconds);
         ui.ctx().request_repaint();
     }
-    row(ui, rect, 0, |ui| looks(ui, desk));
+    row(ui, rect, (0, WIDTH), |ui| looks(ui, desk));
     if desk.electrodes.chosen().is_some() {
-        row(ui, rect, 1, |ui| way(ui, desk, cx));
+        row(ui, rect, (1, WIDTH), |ui| way(ui, desk, cx));
     }
     if desk.electrodes.cut.is_some() {
-        row(ui, rect, 2, |ui| cut(ui, desk, cx));
+        row(ui, rect, (2, WIDTH), |ui| cut(ui, desk, cx));
     }
 }
 
@@ -57,21 +59,8 @@ fn way(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
     if is_narrow {
         ui.spacing_mut().item_spacing.x = 4.0;
     }
-    let sign = if desk.electrodes.is_playing { "⏸" } else { "▶" };
-    let buttons = [
-        (FrameCommand::FirstNode, "⏮", "To the start"),
-        (FrameCommand::PreviousNode, "⏴", "Step back"),
-        (FrameCommand::Play, sign, "Play"),
-        (FrameCommand::NextNode, "⏵", "Step forward"),
-        (FrameCommand::LastNode, "⏭", "Burn position"),
-    ];
-    for (command, sign, name) in buttons {
-        let response = ui.add_sized(vec2(26.0, 22.0), egui::Button::new(sign)).on_hover_text(command.hint(ui.ctx()));
-        response.widget_info(|| WidgetInfo::labeled(Role::Button, true, name));
-        if response.clicked() {
-            cx.push(command);
-        }
-    }
+    let names = ["To the start", "Step back", "Step forward", "Burn position"];
+    cx.play_buttons(ui, desk, (desk.electrodes.is_playing, 26.0), names, false);
     let desk = &mut desk.electrodes;
     let words = if is_narrow { 130.0 } else { 190.0 };
     ui.spacing_mut().slider_width = (ui.available_width() - words).clamp(50.0, 240.0);
@@ -119,7 +108,7 @@ fn cut(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
 /// What is to be clicked for a line.
 fn splitting(ui: &mut Ui, rect: Rect, desk: &mut MoldDesk) {
     let first = desk.electrodes.split.flatten();
-    row(ui, rect, 0, |ui| {
+    row(ui, rect, (0, WIDTH), |ui| {
         let text = match first {
             None => "click on the mold where the line begins".to_owned(),
             Some(p) => format!("from {:.2}, {:.2}: click where the line ends", p.x, p.y),
