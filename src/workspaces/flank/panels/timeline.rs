@@ -2,7 +2,7 @@
 
 use crate::workspaces::commands::{CommandSet, Commanded, FrameCommand};
 use crate::workspaces::context::Context;
-use crate::workspaces::flank::panels::FlankDesk;
+use crate::workspaces::flank::panels::desk::FlankDesk;
 use egui::{Align2, FontId, Key, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use crate::widgets::theme::palette;

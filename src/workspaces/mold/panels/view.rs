@@ -3,12 +3,13 @@
 use crate::workspaces::commands::{Command, CommandSet, FrameCommand};
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::commands::MoldCommand;
-use crate::workspaces::mold::panels::MoldDesk;
+use crate::workspaces::mold::panels::desk::MoldDesk;
 use std::sync::Arc;
 
 use egui::{Align2, FontId, Rect, Stroke, Ui, pos2, vec2};
 
-use super::electrode::{self, Fly, Look};
+use super::electrode;
+use super::electrode::desk::{Fly, Look};
 use super::strip;
 use crate::widgets::overlay;
 use crate::widgets::theme::palette;
