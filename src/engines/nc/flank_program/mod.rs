@@ -4,7 +4,7 @@
 //! follow the tool's tip, X Y Z can be the tip on the workpiece, with the rotary axes or the tool's direction beside it.
 //! What is not verified, and so stands in the program's comments: the way to the first position.
 
-mod settings;
+pub(crate) mod settings;
 
 pub use settings::{BUILT_IN_POST, BUILT_IN_POSTS, FlankNcSettings, TipControl, milling_post, milling_posts};
 
