@@ -196,8 +196,8 @@ pub struct FlankFacts {
     pub is_preview: bool,
 }
 
-/// A planned flank with its checks. Only [`flank()`](super::flank()) makes one, and its facts can be read but not changed, so that no check
-/// can be taken away and no path be exchanged for another one.
+/// A planned flank with its checks. Only [`flank()`](super::flank()) makes one, and its facts can be read but not changed,
+/// so that no check can be taken away and no path be exchanged for another one.
 ///
 /// ```compile_fail,E0596
 /// fn unchecked(mut result: nc::flank_job::FlankResult) {

@@ -20,7 +20,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         readout(ui, desk, cx);
     });
     strip(ui, desk);
-    super::machine_motion::strip(ui, desk);
+    whole_motion(ui, desk);
 }
 
 fn controls(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
@@ -188,6 +188,39 @@ fn scale(painter: &egui::Painter, inner: Rect, rect: Rect, length: f64, colour: 
         if cursor.is_none_or(|cursor| (x - cursor).abs() > 16.0) {
             painter.text(pos2(x, rect.top() + 8.0), Align2::CENTER_CENTER, text, FontId::proportional(10.0), colour);
         }
+    }
+}
+
+/// A strip with a part for everything that the machine does; a drag moves it.
+fn whole_motion(ui: &mut Ui, desk: &mut BliskDesk) {
+    let Some((motion, gone)) = desk.machine.motion() else { return };
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 18.0), Sense::click_and_drag());
+    let length = motion.length();
+    response.widget_info(|| WidgetInfo::slider(length > 0.0, gone.unwrap_or(0.0), "Whole motion"));
+    let colours = palette(ui);
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 4.0, ui.visuals().extreme_bg_color);
+    let inner = rect.shrink2(vec2(12.0, 0.0));
+    let x_of = |way: f64| inner.left() + inner.width() * (way / length.max(1e-9)) as f32;
+    for (i, (phase, _, [from, to])) in motion.phases().enumerate() {
+        let part = Rect::from_x_y_ranges(x_of(from)..=x_of(to), rect.shrink(2.0).y_range());
+        let fill = if i % 2 == 0 { colours.faint.gamma_multiply(0.18) } else { colours.faint.gamma_multiply(0.32) };
+        painter.rect_filled(part, 2.0, fill);
+        if part.width() > 7.0 * phase.name().len() as f32 {
+            let font = FontId::proportional(10.0);
+            painter.text(part.center(), Align2::CENTER_CENTER, phase.name(), font, ui.visuals().text_color());
+        }
+    }
+    if let Some(trouble) = desk.machine.trouble() {
+        painter.vline(x_of(trouble.way), rect.y_range(), egui::Stroke::new(2.0, colours.bad));
+    }
+    if let Some(way) = gone {
+        painter.vline(x_of(way), rect.y_range(), egui::Stroke::new(2.0, colours.accent));
+        painter.circle_filled(pos2(x_of(way), rect.center().y), 4.0, colours.accent);
+    }
+    if let Some(pointer) = response.interact_pointer_pos() {
+        let t = f64::from((pointer.x - inner.left()) / inner.width()).clamp(0.0, 1.0);
+        desk.go_to_moment(length * t);
     }
 }
 
