@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::job_file::{ExportSection, PlanJob};
-use crate::workspaces::blisk::job::plan::{PlanInputs, PlanJobError, PlanOutcome};
+use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use crate::workspaces::blisk::job::{plan_pictures, simulate};
 use crate::workspaces::blisk::report::build;
 use crate::workspaces::blisk::report::leftover::map_as_ply;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::workspaces::blisk::job::plan::PlanOutcome;
+use crate::workspaces::blisk::job::outcome::PlanOutcome;
 use crate::workspaces::blisk::scene::machine::{Moment, WholeMotion, meeting};
 use feed::copying::Copying;
 use feed::simulation::{Phase, Simulation};

@@ -11,7 +11,7 @@ use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::document::Document;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::stage::Stage;
-use crate::workspaces::blisk::job::plan::ElectrodeOutcome;
+use crate::workspaces::blisk::job::outcome::ElectrodeOutcome;
 use crate::workspaces::blisk::job::planned::{PartialPlan, Planned};
 use crate::workspaces::blisk::job::preview::Looked;
 use crate::workspaces::blisk::scene::machine::BodyShape;
