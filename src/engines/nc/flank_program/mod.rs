@@ -12,7 +12,7 @@ use super::approved_flank::ApprovedFlank;
 use super::post::{FeedMode, Post, PostError};
 use crate::block_feed::{LEAST_BLOCK_MINUTES, slow_down, whole_seconds};
 use crate::lines::Lines;
-use crate::program::NcError;
+use crate::lines::NcError;
 use feed::pose::Axis;
 use feed::quantise;
 use feed::quantise::{deg_text, mm_text};
