@@ -4,8 +4,8 @@ use std::path::Path;
 
 use super::project::{ProjectArguments, Settings};
 use super::{Answer, Session};
-use crate::workspaces::blisk::document::field_table::FIELDS;
 use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::export;
 use crate::workspaces::blisk::job::finish::finish_as_far_as_possible;
 use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanOutcome};
