@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process;
 
 use sparkpath::workspaces::blisk::commands::BliskCommand;
-use sparkpath::workspaces::blisk::document::field_table::FIELDS;
+use sparkpath::workspaces::blisk::document::job_file::field_table::FIELDS;
 use sparkpath::workspaces::commands::{CommandSet as _, FrameCommand};
 use sparkpath::workspaces::flank::commands::FlankCommand;
 use sparkpath::workspaces::mold::commands::MoldCommand;

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use super::project::{ProjectArguments, Settings};
 use super::{Answer, Session};
-use crate::workspaces::blisk::document::field_table::FIELDS;
 use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::export;
 use crate::workspaces::blisk::job::finish::finish_as_far_as_possible;
-use crate::workspaces::blisk::job::plan::{PlanInputs, PlanOutcome, prepare, run_prepared};
+use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanOutcome};
+use crate::workspaces::blisk::job::plan::{prepare, run_prepared};
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::sizing::auto_sized;
 use crate::workspaces::blisk::job::stages::input_file;

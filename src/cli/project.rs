@@ -88,8 +88,8 @@ fn read_project<P: Params>(file: &Path) -> anyhow::Result<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::workspaces::blisk::document::field_table::FIELDS;
     use crate::workspaces::blisk::document::job_file::PlanJob;
+    use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 
     fn read(file: &Path, set: &[&str]) -> anyhow::Result<PlanJob> {
         let set = set.iter().map(|text| setting(text).map_err(anyhow::Error::msg)).collect::<Result<_, _>>()?;

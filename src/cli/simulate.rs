@@ -8,7 +8,8 @@ use super::project::ProjectArguments;
 use super::{Answer, Session};
 use crate::workspaces::blisk::document::choice::Channels;
 use crate::workspaces::blisk::export::SIMULATE;
-use crate::workspaces::blisk::job::plan::{PlanOutcome, run_finished};
+use crate::workspaces::blisk::job::outcome::PlanOutcome;
+use crate::workspaces::blisk::job::plan::run_finished;
 use crate::workspaces::blisk::report::simulation::SimulationReport;
 use files::ExportFolder;
 
@@ -67,7 +68,7 @@ pub(super) fn simulate(
 }
 
 fn answers(outcome: &PlanOutcome) -> Answers {
-    let answer = |(i, e): (usize, &crate::workspaces::blisk::job::plan::ElectrodeOutcome)| ElectrodeAnswer {
+    let answer = |(i, e): (usize, &crate::workspaces::blisk::job::outcome::ElectrodeOutcome)| ElectrodeAnswer {
         index: i + 1,
         path: format!("Electrode {} {}.", i + 1, e.plan.verdict(&outcome.channel)),
         simulation: outcome.simulation(i).map(|s| SimulationReport::of(s)),

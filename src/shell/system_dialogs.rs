@@ -64,7 +64,8 @@ fn has_chooser(folder: &Path) -> bool {
     files.filter(|file| file.extension().is_some_and(|ending| ending == "portal") && file.is_file()).any(chooses)
 }
 
-#[cfg(all(test, unix, not(target_os = "macos")))]
+#[cfg(test)]
+#[cfg(all(unix, not(target_os = "macos")))]
 mod tests {
     use super::*;
 

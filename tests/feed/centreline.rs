@@ -9,7 +9,8 @@ use feed::pose::Pose;
 use geometry::exact::ExactMesh;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
-use sparkpath::workspaces::blisk::job::plan::{PlanInputs, PlanOutcome, kept, replay};
+use sparkpath::workspaces::blisk::job::outcome::{PlanInputs, PlanOutcome};
+use sparkpath::workspaces::blisk::job::plan::{kept, replay};
 use sparkpath::workspaces::blisk::report::build::report;
 use task::Task;
 

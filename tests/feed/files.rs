@@ -6,7 +6,7 @@ use std::path::Path;
 use files::{FileError, MANIFEST};
 use nc::post::{BUILT_IN, Post};
 use sparkpath::workspaces::blisk::export::{self, PlanFilesError};
-use sparkpath::workspaces::blisk::job::plan::PlanInputs;
+use sparkpath::workspaces::blisk::job::outcome::PlanInputs;
 use sparkpath::workspaces::blisk::report::build;
 use task::Cancel;
 

@@ -5,7 +5,8 @@ use std::sync::OnceLock;
 use super::*;
 use feed::jam::JamCause;
 use feed::plan_params::Strategy;
-use sparkpath::workspaces::blisk::job::plan::{ElectrodeOutcome, run_prepared};
+use sparkpath::workspaces::blisk::job::outcome::ElectrodeOutcome;
+use sparkpath::workspaces::blisk::job::plan::run_prepared;
 use sparkpath::workspaces::blisk::job::preview::live_way;
 use sparkpath::workspaces::blisk::job::sizing::{SizingRange, size};
 

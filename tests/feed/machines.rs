@@ -11,7 +11,8 @@ use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
 use sparkpath::workspaces::blisk::document::machine_file::{BUILT_IN, machine_table, read_machine};
 use sparkpath::workspaces::blisk::document::{Document, demonstration};
-use sparkpath::workspaces::blisk::job::plan::{PlanOutcome, kept};
+use sparkpath::workspaces::blisk::job::outcome::PlanOutcome;
+use sparkpath::workspaces::blisk::job::plan::kept;
 use task::Task;
 use wheel::parametric::ParametricBlisk;
 

@@ -4,7 +4,8 @@ use feed::problem::Node;
 use geometry::exact::ExactMesh;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::kept_plan::{KeptElectrode, KeptPlan};
-use sparkpath::workspaces::blisk::job::plan::{PlanInputs, PlanJobError, PlanOutcome, kept, replay, run};
+use sparkpath::workspaces::blisk::job::outcome::{PlanInputs, PlanJobError, PlanOutcome};
+use sparkpath::workspaces::blisk::job::plan::{kept, replay, run};
 use task::Task;
 use wheel::electrode::EntrySide;
 

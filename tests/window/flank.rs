@@ -15,7 +15,7 @@ use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::flank::FlankWorkspace;
 use sparkpath::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
-use sparkpath::workspaces::flank::panels::FlankDesk;
+use sparkpath::workspaces::flank::panels::desk::FlankDesk;
 
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home};

@@ -19,7 +19,7 @@ use mold::opening::Opening::MinusX;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::mold::MoldWorkspace;
 use sparkpath::workspaces::mold::document::MoldParams;
-use sparkpath::workspaces::mold::panels::MoldDesk;
+use sparkpath::workspaces::mold::panels::desk::MoldDesk;
 
 use crate::desk::{Desk, Home};
 

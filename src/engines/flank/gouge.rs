@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::FlankError;
 use super::cutter::FlankCutter;
-use super::frustum_distance::{EXACT, nearest_on};
+use super::frustum_distance::{EXACT, Frustum, nearest_on};
 use super::path::{FlankPath, FlankPose};
 use super::walls::Walls;
 use geometry::bvh::Bvh;
@@ -53,49 +53,6 @@ pub struct GougeCheck {
     pub cutter: Option<Clearance>,
     /// Of the holder from everything; none without a holder or if nothing is near.
     pub holder: Option<Clearance>,
-}
-
-/// A piece of a cone around an axis.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frustum {
-    /// Heights of its ends above the tip (mm).
-    pub heights: [f64; 2],
-    /// Radii of its ends (mm).
-    pub radii: [f64; 2],
-}
-
-impl Frustum {
-    /// Signed distance (mm) from it at `pose` to `p`, negative inside, and its gradient.
-    pub fn distance(&self, pose: &FlankPose, p: DVec3) -> (f64, DVec3) {
-        let d = p - pose.tip;
-        let h = d.dot(pose.axis);
-        let across = d - h * pose.axis;
-        let r = across.length();
-        let out = if r > 0.0 { across / r } else { pose.axis.any_orthonormal_vector() };
-        let [low, high] = self.heights;
-        let [below, above] = self.radii;
-        // The slant side as a line in the half-plane of r and h.
-        let (rise, run) = (high - low, above - below);
-        let length = rise.hypot(run);
-        let (normal_r, normal_h) = (rise / length, -run / length);
-        let side = (r - below) * normal_r + (h - low) * normal_h;
-        let faces = [(low - h, [0.0, -1.0]), (h - high, [0.0, 1.0]), (side, [normal_r, normal_h])];
-        // So near outside that what rounding leaves of a way to it tells no direction, its faces tell one.
-        let near_a_face = faces.iter().all(|f| f.0 <= 1e-7);
-        if near_a_face {
-            let (distance, [by_r, by_h]) =
-                faces.into_iter().fold((f64::NEG_INFINITY, [0.0; 2]), |a, b| if b.0 > a.0 { b } else { a });
-            return (distance, by_r * out + by_h * pose.axis);
-        }
-        // Outside: the nearest point of the three sides.
-        let along = (((r - below) * run + (h - low) * rise) / (length * length)).clamp(0.0, 1.0);
-        let feet = [[r.min(below), low], [r.min(above), high], [below + along * run, low + along * rise]];
-        let way = |[fr, fh]: [f64; 2]| [r - fr, h - fh];
-        let size = |f: &[f64; 2]| way(*f)[0].hypot(way(*f)[1]);
-        let near = feet.into_iter().min_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(feet[2]);
-        let (distance, [by_r, by_h]) = (size(&near), way(near));
-        (distance, (by_r * out + by_h * pose.axis) / distance.max(f64::MIN_POSITIVE))
-    }
 }
 
 impl GougeCheck {

@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::cutter::FlankCutter;
-use super::gouge::{Clearance, Frustum, GougeCheck, ToolPart, tool_of};
+use super::frustum_distance::Frustum;
+use super::gouge::{Clearance, GougeCheck, ToolPart, tool_of};
 use super::path::FlankPose;
 use geometry::inside::{generalised_winding_number, is_inside_of};
 use geometry::mesh::{Bounds, Mesh};

@@ -15,7 +15,8 @@ use super::FlankError;
 use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, GridPlace};
 use super::envelope;
-use super::gouge::{Frustum, ToolPart, tool_of};
+use super::frustum_distance::Frustum;
+use super::gouge::{ToolPart, tool_of};
 use super::path::{FlankPath, FlankPose};
 use task::Task;
 

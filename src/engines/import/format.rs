@@ -5,49 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::error::{ImportError, excerpt};
-use super::source::{RawMesh, Source, without_mark};
-use super::units::Unit;
+use super::source::{Content, Likeness, MeshFormat, without_mark};
 use super::{gltf, obj, stl};
-
-/// What the importer has to know of a format. Each format has one, in its own file.
-pub(super) struct MeshFormat {
-    /// How much a file looks like one of this format.
-    pub likeness: fn(&Content) -> Likeness,
-    /// Reads a file of this format.
-    pub read: fn(&Source) -> Result<RawMesh, ImportError>,
-    /// Unit that the format itself prescribes, and who says so.
-    pub unit: Option<(Unit, &'static str)>,
-}
-
-/// How much a file looks like one of a format.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Likeness {
-    /// Not at all.
-    No,
-    /// The name or a part of the content speaks for it; content that is of a foreign format speaks against it.
-    Perhaps,
-    /// The content begins as files of the format do.
-    Likely,
-    /// A signature, or a length that no other file has.
-    Certain,
-}
-
-impl Likeness {
-    /// This likeness if `holds`, else none.
-    pub fn when(self, holds: bool) -> Self {
-        if holds { self } else { Self::No }
-    }
-}
-
-/// A file as the formats look at it.
-pub(super) struct Content<'a> {
-    /// The whole content.
-    pub bytes: &'a [u8],
-    /// Beginning of the content without leading white space, if it is text.
-    pub text: Option<&'a [u8]>,
-    /// Ending of the file's name in small letters, without the dot.
-    pub ending: &'a str,
-}
 
 /// Lists the formats: each has a variant of [`Format`], a [`MeshFormat`] in its own file, and the ending of its files. Of two
 /// that are equally likely the first is taken.

@@ -10,10 +10,8 @@ use gltf::json::validation::Checked;
 use gltf::json::{Root, accessor};
 
 use super::error::ImportError;
-use super::format::{Content, Likeness, MeshFormat};
 use super::gltf_buffers::{self, Buffers, REMEDY};
-use super::report::count;
-use super::source::{RawMesh, Source};
+use super::source::{Content, Likeness, MeshFormat, RawMesh, Source, count};
 use super::units::Unit;
 use super::weld::weld_exact;
 

@@ -10,9 +10,7 @@ use glam::DVec3;
 use tobj::{LoadError, LoadOptions, Model};
 
 use super::error::{ImportError, excerpt};
-use super::format::{Content, Likeness, MeshFormat};
-use super::report::count;
-use super::source::{RawMesh, Source};
+use super::source::{Content, Likeness, MeshFormat, RawMesh, Source, count};
 use super::weld::weld_exact;
 use geometry::mesh::Mesh;
 

@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::format::Format;
 use super::holes::Hole;
 use super::repair::Repairs;
+use super::source::count;
 use super::units::{Unit, UnitChoice};
 use geometry::mesh::Mesh;
 
@@ -165,9 +166,4 @@ impl ImportReport {
         let assumption = "There are too many parts to see which lie inside others; all are taken for solid.";
         warn(nesting_unknown, assumption.to_owned());
     }
-}
-
-/// `3 holes`, `1 hole`.
-pub(super) fn count(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

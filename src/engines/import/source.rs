@@ -1,4 +1,4 @@
-//! A file's bytes on their way to a reader, with everything a reader needs to refuse them.
+//! What a reader of a format is, and a file's bytes on their way to it, with everything it needs to refuse them.
 
 use std::path::Path;
 
@@ -6,11 +6,52 @@ use glam::DVec3;
 
 use super::error::ImportError;
 use super::limits::ImportLimits;
+use super::units::Unit;
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
 
 /// How many items a reader handles between two looks at the cancel flag: a few milliseconds of work.
 const ITEMS_PER_CHECK: usize = 1 << 14;
+
+/// What the importer has to know of a format. Each format has one, in its own file.
+pub(super) struct MeshFormat {
+    /// How much a file looks like one of this format.
+    pub likeness: fn(&Content) -> Likeness,
+    /// Reads a file of this format.
+    pub read: fn(&Source) -> Result<RawMesh, ImportError>,
+    /// Unit that the format itself prescribes, and who says so.
+    pub unit: Option<(Unit, &'static str)>,
+}
+
+/// How much a file looks like one of a format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Likeness {
+    /// Not at all.
+    No,
+    /// The name or a part of the content speaks for it; content that is of a foreign format speaks against it.
+    Perhaps,
+    /// The content begins as files of the format do.
+    Likely,
+    /// A signature, or a length that no other file has.
+    Certain,
+}
+
+impl Likeness {
+    /// This likeness if `holds`, else none.
+    pub fn when(self, holds: bool) -> Self {
+        if holds { self } else { Self::No }
+    }
+}
+
+/// A file as the formats look at it.
+pub(super) struct Content<'a> {
+    /// The whole content.
+    pub bytes: &'a [u8],
+    /// Beginning of the content without leading white space, if it is text.
+    pub text: Option<&'a [u8]>,
+    /// Ending of the file's name in small letters, without the dot.
+    pub ending: &'a str,
+}
 
 /// The bytes of one file and the circumstances of reading them.
 pub(super) struct Source<'a> {
@@ -85,4 +126,9 @@ pub(super) fn tick(task: &Task, stage: &str, item: usize, total: usize) -> Resul
         task.check()?;
     }
     Ok(())
+}
+
+/// `3 holes`, `1 hole`.
+pub(super) fn count(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

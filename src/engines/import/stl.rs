@@ -10,8 +10,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use super::error::{ImportError, excerpt};
-use super::format::{Content, Likeness, MeshFormat};
-use super::source::{RawMesh, Source};
+use super::source::{Content, Likeness, MeshFormat, RawMesh, Source};
 use files::atomic::atomic_write;
 use geometry::mesh::{Mesh, unit_normal};
 use geometry::weld::Weld;

@@ -1,7 +1,7 @@
 //! The burn table as CSV.
 
 use super::burn_table::{BurnEntry, BurnTable, ElectrodeEntry, method_name, shape_name};
-use mold::electrode::check::CheckKind;
+use mold::electrode::finding::CheckKind;
 
 impl BurnTable {
     /// The table as CSV: a row for each burn, with commas between and points as decimal marks. Text with a comma, a

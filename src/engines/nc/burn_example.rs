@@ -4,7 +4,7 @@ use super::burn_table::{
     BlankEntry, BurnEntry, BurnTable, CheckEntry, CheckState, ElectrodeEntry, ElectrodeState, FamilyEntry, HolderEntry,
     OrbitEntry, Pose, SCHEMA,
 };
-use mold::electrode::check::CheckKind;
+use mold::electrode::finding::CheckKind;
 use mold::electrode::params::{Method, Shape};
 
 const AS_IT_IS: Pose = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];

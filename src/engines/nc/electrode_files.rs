@@ -239,8 +239,8 @@ mod tests {
     use crate::electrode_fixtures::set;
     use files::Override;
     use import::{ImportOptions, import_file};
-    use mold::electrode::check::CheckKind;
     use mold::electrode::design::IdleOverride;
+    use mold::electrode::finding::CheckKind;
     use task::Task;
 
     fn written(folder: &std::path::Path, set: &ElectrodeSet, formats: &[ElectrodeFormat]) -> WrittenElectrodes {

@@ -5,10 +5,11 @@ use glam::{DVec2, DVec3};
 use files::{Figures, Override};
 use geometry::mesh::Mesh;
 use mold::electrode::base::Base;
-use mold::electrode::check::{CheckKind, Finding, LeftOfRegion};
 use mold::electrode::design::Family;
 use mold::electrode::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use mold::electrode::division::Cut;
+use mold::electrode::finding::{CheckKind, Finding};
+use mold::electrode::leftover::LeftOfRegion;
 use mold::electrode::params::{ElectrodeParams, Holder, Method, Orbit, Stage};
 
 fn finding(kind: CheckKind, holds: bool, text: &str) -> Finding {

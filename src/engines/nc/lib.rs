@@ -19,4 +19,3 @@ pub mod lines;
 pub mod path_csv;
 pub mod post;
 pub mod program;
-pub mod tour;

@@ -1,7 +1,82 @@
-//! The lines of an NC program in the manner of a post: numbered blocks, comments, and the longest line.
+//! The lines of an NC program in the manner of a post: numbered blocks, comments, and the longest line; and why there are none.
 
 use super::post::Post;
-use crate::program::NcError;
+use feed::machine::BeyondTravel;
+
+/// Why no program could be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NcError {
+    /// The path moves an axis that the machine does not have.
+    #[error("the path moves axis {axis} at row {row}, which the machine does not have; plan for the axes it has")]
+    AxisNotOnMachine {
+        /// Letter of the axis.
+        axis: char,
+        /// Row, from 0.
+        row: usize,
+    },
+    /// The path moves an axis for which the post has no word.
+    #[error("the path moves axis {axis}, for which the post has no word; add it under [[axes]]")]
+    AxisNotInPost {
+        /// Letter of the axis.
+        axis: char,
+    },
+    /// A line is longer than the control allows.
+    #[error(
+        "a line of {length} characters is longer than the control's {limit}: {line:?}; \
+             shorten the post's words or raise max_line_length"
+    )]
+    LineTooLong {
+        /// Characters of the line.
+        length: usize,
+        /// Characters allowed.
+        limit: usize,
+        /// The line.
+        line: String,
+    },
+    /// The feed of a block is rounded to 0.
+    #[error(
+        "the F word of block {block} would be 0 with its {decimals} decimals; raise the feed or the decimals of the post"
+    )]
+    FeedTooSlow {
+        /// Number of the block.
+        block: usize,
+        /// Decimals of the F word.
+        decimals: usize,
+    },
+    /// The path leaves the travel of an axis.
+    #[error("{0}; the program is for another machine than the path was verified for")]
+    BeyondTravel(BeyondTravel),
+    /// The machine has bodies, but the motion was not simulated with them.
+    #[error("the machine has bodies, and the path was not simulated with them; simulate it")]
+    NotSimulated,
+    /// The motion was simulated for another machine.
+    #[error("the motion was simulated for {simulated}, but the program is for {asked}; simulate it again")]
+    OtherMachineSimulated {
+        /// Machine of the simulation.
+        simulated: String,
+        /// Machine of the program.
+        asked: String,
+    },
+    /// The post has no word for tool centre point control.
+    #[error(
+        "the post has no word for a control that follows the tool's tip ({wanted}); set tip_control to off, or take a \
+             post that has {wanted} under [tip_control], as the built-in example milling-tcp has"
+    )]
+    NoTipControl {
+        /// Key of the missing word.
+        wanted: &'static str,
+    },
+    /// A setting is out of range.
+    #[error("{name} is {value}, but must be {range}")]
+    Setting {
+        /// Name.
+        name: &'static str,
+        /// Value found.
+        value: f64,
+        /// Range of valid values.
+        range: &'static str,
+    },
+}
 
 /// Lines as they come.
 pub(super) struct Lines<'a> {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::frame::Axis;
+use super::frame::axis::Axis;
 use task::Cancelled;
 
 /// Why the axis, the blades or a channel could not be found.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::job_file::{ExportSection, PlanJob};
-use crate::workspaces::blisk::job::plan::{PlanInputs, PlanJobError, PlanOutcome};
+use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use crate::workspaces::blisk::job::{plan_pictures, simulate};
 use crate::workspaces::blisk::report::build;
 use crate::workspaces::blisk::report::leftover::map_as_ply;
@@ -15,9 +15,10 @@ use files::{ExportFolder, FileError};
 use geometry::mesh::Mesh;
 use import::stl_bytes;
 use nc::approved::{Approved, NotApproved};
+use nc::lines::NcError;
 use nc::path_csv::{PathCsvError, write_copying_csv, write_path_csv};
 use nc::post::{Post, PostError};
-use nc::program::{NcError, NcJob, NcProgram, is_program_for};
+use nc::program::{NcJob, NcProgram, is_program_for};
 use task::{Cancel, Cancelled, Task};
 use wheel::channel::Channel;
 

@@ -11,7 +11,11 @@ use crate::workspaces::flank::commands::FlankCommand;
 use crate::workspaces::flank::document::milling_machine_file::read_milling_machines;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice, WallsFile};
 use crate::workspaces::flank::electrode_part::flank_of;
-use crate::workspaces::flank::panels::{self, FlankDesk, FlankView, Fly, is_points_file, pair_of_guides};
+use crate::workspaces::flank::panels;
+use crate::workspaces::flank::panels::desk::{FlankDesk, Fly};
+use crate::workspaces::flank::panels::export;
+use crate::workspaces::flank::panels::guides::{is_points_file, pair};
+use crate::workspaces::flank::panels::view::FlankView;
 use crate::workspaces::flank::paths::FlankPath;
 use crate::workspaces::flank::work::{FlankWork, LoadedFlank};
 use crate::workspaces::hands::Hands;
@@ -130,7 +134,7 @@ impl FlankWorkspace {
         let both = match self.desk.first_guide.take() {
             // Of two after each other the first is the lower one.
             Some(lower) if lower != path => Some([lower, path.to_owned()]),
-            _ => pair_of_guides(path),
+            _ => pair(path),
         };
         match both {
             Some(both) => self.opening.go_on(Pending::Surface(FlankSource::guides(both)), cx),
@@ -140,7 +144,7 @@ impl FlankWorkspace {
 
     /// Takes two guides that were dropped together: the lower one is told by its name, or else comes first.
     fn take_guides(&mut self, files: [PathBuf; 2], cx: &mut Context) {
-        let named = pair_of_guides(&files[0]).filter(|pair| pair.iter().all(|file| files.contains(file)));
+        let named = pair(&files[0]).filter(|pair| pair.iter().all(|file| files.contains(file)));
         let source = FlankSource::guides(named.unwrap_or(files));
         self.opening.go_on(Pending::Surface(source), cx);
     }
@@ -188,7 +192,7 @@ impl FlankWorkspace {
             FlankPath::Open if is_project(&path) => self.opening.go_on(Pending::Open(path), cx),
             FlankPath::Open => self.take_file(&path, cx),
             FlankPath::Mesh => self.take_mesh(path, cx),
-            FlankPath::Lower => match (&self.desk.params().source, pair_of_guides(&path)) {
+            FlankPath::Lower => match (&self.desk.params().source, pair(&path)) {
                 (FlankSource::Guides { .. }, _) => self.take_guide(|lower, _| *lower = GuideSource::File(path)),
                 (_, Some(both)) => self.opening.go_on(Pending::Surface(FlankSource::guides(both)), cx),
                 // One alone is no surface.
@@ -415,8 +419,8 @@ impl Workspace for FlankWorkspace {
     }
 
     fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
-        match panels::export_dialog(ui, &mut self.desk, cx) {
-            Some(panels::Answer::Folder) => {
+        match export::show(ui, &mut self.desk, cx) {
+            Some(export::Answer::Folder) => {
                 cx.ask(FlankPath::Folder, "");
                 true
             }

@@ -1,4 +1,4 @@
-//! The least distance from a frustum to a triangle.
+//! A frustum, and the least distance from it to a triangle.
 //!
 //! The signed distance to a convex solid is convex, inside as well as outside (S. Boyd, L. Vandenberghe, Convex
 //! Optimization, 2004, section 8.1 and exercise 8.5), and changes by no more than the way. So it has one least value on a
@@ -11,7 +11,6 @@
 
 use glam::{DVec2, DVec3};
 
-use super::gouge::Frustum;
 use super::path::FlankPose;
 
 /// No place of a triangle is nearer than the one found by more than this (mm).
@@ -20,6 +19,49 @@ pub const EXACT: f64 = 1e-5;
 /// Most cuts of one triangle. They leave e^-90 of the area, less than rounding does: the distance is then exact to e^-45 of
 /// its range on the triangle.
 const MOST_CUTS: usize = 200;
+
+/// A piece of a cone around an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frustum {
+    /// Heights of its ends above the tip (mm).
+    pub heights: [f64; 2],
+    /// Radii of its ends (mm).
+    pub radii: [f64; 2],
+}
+
+impl Frustum {
+    /// Signed distance (mm) from it at `pose` to `p`, negative inside, and its gradient.
+    pub fn distance(&self, pose: &FlankPose, p: DVec3) -> (f64, DVec3) {
+        let d = p - pose.tip;
+        let h = d.dot(pose.axis);
+        let across = d - h * pose.axis;
+        let r = across.length();
+        let out = if r > 0.0 { across / r } else { pose.axis.any_orthonormal_vector() };
+        let [low, high] = self.heights;
+        let [below, above] = self.radii;
+        // The slant side as a line in the half-plane of r and h.
+        let (rise, run) = (high - low, above - below);
+        let length = rise.hypot(run);
+        let (normal_r, normal_h) = (rise / length, -run / length);
+        let side = (r - below) * normal_r + (h - low) * normal_h;
+        let faces = [(low - h, [0.0, -1.0]), (h - high, [0.0, 1.0]), (side, [normal_r, normal_h])];
+        // So near outside that what rounding leaves of a way to it tells no direction, its faces tell one.
+        let near_a_face = faces.iter().all(|f| f.0 <= 1e-7);
+        if near_a_face {
+            let (distance, [by_r, by_h]) =
+                faces.into_iter().fold((f64::NEG_INFINITY, [0.0; 2]), |a, b| if b.0 > a.0 { b } else { a });
+            return (distance, by_r * out + by_h * pose.axis);
+        }
+        // Outside: the nearest point of the three sides.
+        let along = (((r - below) * run + (h - low) * rise) / (length * length)).clamp(0.0, 1.0);
+        let feet = [[r.min(below), low], [r.min(above), high], [below + along * run, low + along * rise]];
+        let way = |[fr, fh]: [f64; 2]| [r - fr, h - fh];
+        let size = |f: &[f64; 2]| way(*f)[0].hypot(way(*f)[1]);
+        let near = feet.into_iter().min_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(feet[2]);
+        let (distance, [by_r, by_h]) = (size(&near), way(near));
+        (distance, (by_r * out + by_h * pose.axis) / distance.max(f64::MIN_POSITIVE))
+    }
+}
 
 /// The least distance (mm) from `frustum` at `pose` to a triangle and a place that has it, if it is less than `most`.
 /// Inside, distances are negative by the depth.

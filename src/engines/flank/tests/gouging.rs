@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::cutter::HolderPart;
-use crate::gouge::{Frustum, GougeCheck, ToolPart, check, slack};
+use crate::frustum_distance::Frustum;
+use crate::gouge::{GougeCheck, ToolPart, check, slack};
 use crate::path::{FlankPath, FlankPose};
 use crate::walls::{OwnTriangles, Walls};
 use geometry::mesh::Mesh;

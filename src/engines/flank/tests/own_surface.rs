@@ -1,7 +1,8 @@
 //! Effect of the tool on the design surface from elsewhere on the path.
 
 use super::*;
-use crate::gouge::{Frustum, ToolPart};
+use crate::frustum_distance::Frustum;
+use crate::gouge::ToolPart;
 use crate::own_leads::own_gouge_of_moves;
 use crate::own_surface::{EXACT, OwnSurfaceCheck, moving, own_surface};
 use crate::path::FlankPath;

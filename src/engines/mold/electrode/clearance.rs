@@ -5,9 +5,10 @@ use std::f64::consts::PI;
 use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::check::{CheckKind, Finding, GOUGE};
+use super::finding::{CheckKind, Finding};
 use super::params::{Orbit, Stage};
 use super::setting::ElectrodeError;
+use super::setting::GOUGE;
 use geometry::exact::{ExactMesh, ExactMeshError};
 use geometry::inside::winding_number;
 use geometry::mesh::{Mesh, unit_normal};

@@ -7,8 +7,9 @@ use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::base::Base;
-use super::check::{CheckKind, Finding, LeftOfRegion};
 use super::division::Cut;
+use super::finding::{CheckKind, Finding};
+use super::leftover::LeftOfRegion;
 use super::params::{ElectrodeParams, GivenName, Method};
 use geometry::mesh::{Bounds, Mesh};
 

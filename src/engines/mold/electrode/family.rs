@@ -5,7 +5,7 @@
 use glam::{DVec2, DVec3};
 
 use super::base::{Base, placed};
-use super::check::Obstacle;
+use super::clearance::Obstacle;
 pub use super::design::{Burn, Electrode, Family, PartId};
 use super::net_shape::burned;
 use super::params::{ElectrodeParams, Shape, Stage};

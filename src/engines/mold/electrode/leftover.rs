@@ -10,7 +10,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::burning::Burning;
-use super::check::{CheckKind, Finding, Obstacle};
+use super::clearance::Obstacle;
+use super::finding::{CheckKind, Finding};
 use super::params::{Orbit, Stage};
 use task::{Cancel, Cancelled};
 

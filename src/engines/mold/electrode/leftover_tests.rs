@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::check::{CheckKind, Finding};
 use super::design::ElectrodeSet;
+use super::finding::{CheckKind, Finding};
 use super::params::{ElectrodeParams, Orbit, Stage};
 use super::plan::plan;
 use super::setting::ElectrodeError;
@@ -99,13 +99,13 @@ fn checks_of_an_orbit_stop_when_they_are_told_to() {
     let electrode = &set.electrodes[0];
     let standing = electrode.burning(&electrode.mesh, &electrode.burns[0], &DMat3::IDENTITY);
     let cancel = Cancel::default();
-    let obstacle = super::check::Obstacle::new(&mold).unwrap().stopped_by(&cancel);
+    let obstacle = super::clearance::Obstacle::new(&mold).unwrap().stopped_by(&cancel);
     assert!(obstacle.clearance(&standing, &stage, 1.0).is_ok());
     cancel.cancel();
     let found = obstacle.clearance(&standing, &stage, 1.0);
     assert!(matches!(found, Err(ElectrodeError::Cancelled(_))), "{found:?}");
     let everything = |_: DVec3| true;
-    let milled = super::check::Milled { leaves: &everything, within: 0.05 };
+    let milled = super::leftover::Milled { leaves: &everything, within: 0.05 };
     let asked = ElectrodeParams { stages: vec![stage], ..params(GAP) };
     let found = plan(&mold, &[all], (&cutters(), &milled), &asked, &Task::silent(&cancel));
     assert!(matches!(found, Err(ElectrodeError::Cancelled(_))));
@@ -116,7 +116,7 @@ fn the_place_of_a_gouge_is_where_it_comes_nearest_and_stock_is_named() {
     // A long block whose middle comes near a ridge: its corners are far from it.
     let hollow = ring(&[(-9.0, -2.0), (9.0, -2.0), (9.0, 2.0), (0.5, 2.0), (0.0, 1.0), (-0.5, 2.0), (-9.0, 2.0)]);
     let mold = mold([30.0, 20.0, 10.0], &[(&hollow, 3.0)]);
-    let obstacle = super::check::Obstacle::new(&mold).unwrap();
+    let obstacle = super::clearance::Obstacle::new(&mold).unwrap();
     let block = |high: f64| {
         let outline = ring(&[(-8.0, -1.0), (8.0, -1.0), (8.0, high), (-8.0, high)]);
         geometry::solid::prism(&[&outline], -2.0, 1.0).unwrap()

@@ -12,6 +12,7 @@ pub mod combine;
 pub mod design;
 pub mod division;
 pub mod family;
+pub mod finding;
 pub mod footprint;
 pub mod h_edge;
 pub mod leftover;

@@ -1,7 +1,7 @@
 //! Files of the net shape: what is to come out is the electrode that is a gap smaller, so it is that one that is checked.
 
-use super::check::{CheckKind, Finding};
 use super::design::{Electrode, ElectrodeSet, PartId};
+use super::finding::{CheckKind, Finding};
 use super::params::Stage;
 
 /// Said where the two do not belong together.

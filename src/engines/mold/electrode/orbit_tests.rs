@@ -5,9 +5,10 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::burning::Burning;
-use super::check::{CheckKind, GOUGE};
 use super::design::{Electrode, ElectrodeSet};
+use super::finding::CheckKind;
 use super::params::{ElectrodeParams, Orbit, Stage};
+use super::setting::GOUGE;
 use super::tests::{GAP, mold, params, planned, region};
 use crate::fixtures::{dish, polygon, rectangle};
 use geometry::exact::ExactMesh;

@@ -6,7 +6,7 @@ use files::{Invalid, Override, Validate};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use super::check::CheckKind;
+use super::finding::CheckKind;
 use crate::cutter::CutterLibrary;
 
 /// A motion of the machine that widens the burn, in a plane across the burn direction.

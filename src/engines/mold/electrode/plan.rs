@@ -7,13 +7,13 @@ use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::base::placed;
-use super::check::{LeftOfRegion, Milled};
 use super::combine::Form;
 use super::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use super::division::{DivisionSettings, Part, divide};
 use super::earlier::{is_nothing, left_to_later, no_room, nothing, thick_only};
 use super::edits::{apply, named as named_by_edits, places, pointed_at};
 use super::family::into_families;
+use super::leftover::{LeftOfRegion, Milled};
 use super::names::named;
 use super::net_shape::{net, told_of_real};
 use super::params::{Edit, ElectrodeParams, Method, Shape, Stage};

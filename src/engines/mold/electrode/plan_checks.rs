@@ -7,13 +7,14 @@ use rayon::prelude::*;
 
 use super::base::on_plate;
 use super::burning::Burning;
-use super::check::{
-    CheckKind, Clearance, Finding, LeftOfRegion, Milled, Obstacle, Sample, leftover, machinable, watertight,
-};
+use super::check::{machinable, watertight};
+use super::clearance::{Clearance, Obstacle};
 use super::design::{Burn, Electrode, PartId, PartNode, RegionPlan};
 use super::division::CELL;
 use super::earlier::is_nothing;
+use super::finding::{CheckKind, Finding};
 use super::leftover::{Burns, Looked, left_by};
+use super::leftover::{LeftOfRegion, Milled, Sample, leftover};
 use super::params::{ElectrodeParams, Stage};
 use super::samples::{concave_edges, samples};
 use super::setting::{ElectrodeError, RegionToBurn, kept_clear, to_burn_frame};

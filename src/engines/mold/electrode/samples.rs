@@ -4,8 +4,8 @@
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::check::Sample;
 use super::leftover::Looked;
+use super::leftover::Sample;
 use super::setting::RegionToBurn;
 use geometry::exact::ExactMesh;
 use geometry::mesh::{Bounds, Edge, Mesh, unit_normal};

@@ -6,7 +6,6 @@ use std::f64::consts::TAU;
 use files::Invalid;
 use glam::{DMat3, DQuat, DVec2, DVec3};
 
-use super::check::GOUGE;
 use super::params::{Orbit, Stage};
 use crate::height_field::HeightFieldError;
 use geometry::exact::{ExactMesh, ExactMeshError};
@@ -16,6 +15,8 @@ use geometry::offset::{OffsetError, offset, offset_along_disc};
 use geometry::solid::{SolidError, unfolded};
 use task::Cancelled;
 
+/// By how much an electrode may come closer than the gap (mm): rounding of files, not of sparks.
+pub const GOUGE: f64 = 5e-4;
 /// How far off a burn surface a point of a tip may be to be part of it (mm).
 const ON_BURN: f64 = 1e-6;
 

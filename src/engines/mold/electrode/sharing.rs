@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::base::{Base, INTO_BASE, placed};
 use super::burning::Burning;
-use super::check::Obstacle;
+use super::clearance::Obstacle;
 use super::combine::{Form, near};
 use super::design::{Burn, Electrode, PartId};
 use super::division::Part;

@@ -6,12 +6,14 @@ use files::Validate;
 use glam::{DVec2, DVec3};
 
 use super::base::{on_plate, placed};
-use super::check::{CheckKind, Finding, Milled, machinable, watertight};
+use super::check::{machinable, watertight};
 use super::clearance::Obstacle;
 use super::combine::{Form, near};
 use super::design::{Electrode, ElectrodeSet};
+use super::finding::{CheckKind, Finding};
 use super::footprint::{grown, hull, shrunk};
 use super::h_edge::{h_edges, place};
+use super::leftover::Milled;
 use super::leftover::{Burns, Looked, left_by, leftover};
 use super::params::{Edit, ElectrodeParams, GivenName, Method, Orbit, Removal, Shape, Stage};
 use super::plan::plan;
@@ -214,10 +216,11 @@ fn broken_electrodes_are_caught_by_the_check_that_is_meant_for_it() {
     assert!(check(&raised).iter().all(|f| f.holds), "it gouges nothing");
     let stage = &short.stages[0];
     let burning = super::burning::Burning::new(&raised, stage).unwrap();
-    let floor = super::check::Sample { point: DVec3::new(1.0, 0.0, -5.0), normal: DVec3::Z, area: 1.0, thickest: 5.0 };
+    let floor =
+        super::leftover::Sample { point: DVec3::new(1.0, 0.0, -5.0), normal: DVec3::Z, area: 1.0, thickest: 5.0 };
     let everything = |_: DVec3| true;
     let milled = Milled { leaves: &everything, within: 0.05 };
-    let obstacle = super::check::Obstacle::new(&mold).unwrap();
+    let obstacle = super::clearance::Obstacle::new(&mold).unwrap();
     let burns = Burns { all: &[burning], fullest: None };
     let left = left_by(&burns, &[floor], (&obstacle, &milled), &Cancel::default()).unwrap()[0].left;
     assert!((left.thickness - 0.3).abs() < 1e-3, "{left:?}");

@@ -9,9 +9,9 @@ use serde::Serialize;
 
 use files::Override;
 use mold::electrode::base::round_blank;
-use mold::electrode::check::CheckKind;
 use mold::electrode::design::Family;
 use mold::electrode::design::{Burn, Electrode, ElectrodeSet};
+use mold::electrode::finding::CheckKind;
 use mold::electrode::params::{Method, Orbit, Shape};
 use mold::electrode::setting::to_burn_frame;
 use mold::opening::Opening;

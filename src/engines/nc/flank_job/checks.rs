@@ -1,145 +1,21 @@
 //! Checks of a flank path before it is exported, and notes for its reader.
 
-use files::{Figures, Override};
-use glam::DVec3;
-
 use super::clearances::{gouge, leads, own_surface};
-use super::{FlankInput, FlankResult, LoadedSurface, PathChoice, places};
-use crate::block_feed::LEAST_BLOCK_MINUTES;
+use super::input::{FlankInput, LoadedSurface};
+use super::places;
+use super::places::BELOW_MM;
+use super::result::{CheckKind, FlankCheck, FlankResult};
+use super::settings::PathChoice;
 use flank::FlankError;
 use flank::deviation::Deviation;
 use flank::guide::pairing_warning;
 use flank::guide_joining::Joining;
 use flank::inside_wall::open_edges_about;
-use flank::machine::joint_feed::Slowed;
 use flank::params::Objective;
 use flank::refine::beyond_bounds;
 
-/// How far below the flutes the surface may go (mm): the bottom's own rounding.
-pub(super) const BELOW_MM: f64 = 1e-3;
-/// The greatest figure of what is wrong: what is no number is as bad as that.
-const WORST: f64 = 1e9;
 /// Tolerance of kept bounds (mm).
 const KEPT_MM: f64 = 1e-4;
-
-/// Subject of a check.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum CheckKind {
-    /// The face of the mesh is ruled.
-    Ruled,
-    /// The points of guides agree with the smooth curves through them.
-    Guides,
-    /// The cutter is long and thin enough.
-    Cutter,
-    /// The path covers the whole surface.
-    Coverage,
-    /// Overcut and undercut are within their tolerances.
-    Deviation,
-    /// The bounds asked for are kept.
-    Bounds,
-    /// The swept envelope agrees with the static cutter.
-    Envelope,
-    /// The whole tool cuts the surface itself nowhere deeper than where it stands over it.
-    Surface,
-    /// The flutes gouge no neighbouring wall.
-    Gouge,
-    /// The holder touches nothing.
-    Holder,
-    /// Approach and retraction cut no wall, and the surface itself no deeper than the path's ends do.
-    Leads,
-    /// The machine can follow within its limits and the tolerance.
-    Machine,
-}
-
-impl CheckKind {
-    /// All checks.
-    pub const ALL: [Self; 12] = [
-        Self::Ruled,
-        Self::Guides,
-        Self::Cutter,
-        Self::Coverage,
-        Self::Deviation,
-        Self::Bounds,
-        Self::Envelope,
-        Self::Surface,
-        Self::Gouge,
-        Self::Holder,
-        Self::Leads,
-        Self::Machine,
-    ];
-
-    /// Name, by which it can be overridden.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ruled => "ruled",
-            Self::Guides => "guides",
-            Self::Cutter => "cutter",
-            Self::Coverage => "coverage",
-            Self::Deviation => "deviation",
-            Self::Bounds => "bounds",
-            Self::Envelope => "envelope",
-            Self::Surface => "surface",
-            Self::Gouge => "gouge",
-            Self::Holder => "holder",
-            Self::Leads => "leads",
-            Self::Machine => "machine",
-        }
-    }
-}
-
-/// Finding of a check.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FlankCheck {
-    /// Subject of the check.
-    pub kind: CheckKind,
-    /// Whether it is as it should be.
-    pub holds: bool,
-    /// Whether it fails and the user decided that it does not matter.
-    pub is_overridden: bool,
-    /// The finding with its figures.
-    pub text: String,
-    /// Place of the finding (mm), in the axes of the surface.
-    pub place: Option<DVec3>,
-    /// Parameter t of the path at the finding.
-    pub t: Option<f64>,
-    /// How bad it is, if it fails and that can be counted: see [`Figures`].
-    pub figures: Figures,
-    /// Why an override for it no longer holds.
-    pub lapsed: Option<String>,
-}
-
-impl FlankCheck {
-    pub(super) fn new(kind: CheckKind, holds: bool, text: String) -> Self {
-        let figures = Figures::new();
-        Self { kind, holds, is_overridden: false, text, place: None, t: None, figures, lapsed: None }
-    }
-
-    /// Check with the figures of its failure; figures within their limits are left out.
-    pub(super) fn with(mut self, figures: &[(&str, f64)]) -> Self {
-        let wrong = figures.iter().filter(|(_, figure)| !self.holds && (*figure > 0.0 || figure.is_nan()));
-        let kept = |figure: f64| if figure.is_finite() { figure.min(WORST) } else { WORST };
-        self.figures.extend(wrong.map(|(name, figure)| ((*name).to_owned(), kept(*figure))));
-        self
-    }
-
-    /// Takes `overrides` for the decisions on it, made of `part`.
-    pub fn decide(&mut self, part: &[String], overrides: &[Override]) {
-        let of_it = overrides.iter().filter(|o| !self.holds && o.check == self.kind.name());
-        let mut lapsed = Vec::new();
-        let mut is_overridden = false;
-        for one in of_it {
-            match one.lapsed(part, &self.figures) {
-                None => is_overridden = true,
-                Some(why) => lapsed.push(why),
-            }
-        }
-        (self.is_overridden, self.lapsed) = (is_overridden, lapsed.pop().filter(|_| !is_overridden));
-    }
-
-    pub(super) fn at(self, place: DVec3) -> Self {
-        Self { place: Some(place), ..self }
-    }
-}
 
 /// The checks of the path that is milled.
 pub(super) fn of(result: &FlankResult) -> Vec<FlankCheck> {
@@ -361,15 +237,6 @@ fn open_walls(result: &FlankResult, input: &FlankInput) -> Option<String> {
     ))
 }
 
-/// Overrides that override nothing, and why.
-pub(super) fn idle(part: &[String], checks: &[FlankCheck], overrides: &[Override]) -> Vec<String> {
-    let why = |one: &Override| match checks.iter().find(|c| !c.holds && c.kind.name() == one.check) {
-        None => Some("no check of this name fails: the override has no effect".to_owned()),
-        Some(check) => one.lapsed(part, &check.figures),
-    };
-    overrides.iter().filter_map(|one| Some(format!("override of {:?}: {}", one.check, why(one)?))).collect()
-}
-
 /// A refined path may sink a cone along its axis to have a fitting radius: what is below the lower guide is then in its
 /// way.
 fn sinks(result: &FlankResult) -> Option<String> {
@@ -391,26 +258,4 @@ fn sinks(result: &FlankResult) -> Option<String> {
             result.path.name()
         )
     })
-}
-
-/// Notes of the machine on a path that it can follow.
-pub(super) fn of_machine(result: &FlankResult) -> Vec<String> {
-    let Some(milled) = result.milled() else { return Vec::new() };
-    let mut warnings: Vec<String> = milled.line.singular.iter().map(ToString::to_string).collect();
-    let Some(Slowed { by_axis, short, .. }) = milled.slowed else { return warnings };
-    if let Some((moves, share, axis)) = by_axis {
-        warnings.push(format!(
-            "{moves} moves are slower than asked for, at most down to {:.1} % of the feed, so that axis {axis} does not exceed \
-             its speed",
-            100.0 * share
-        ));
-    }
-    if let Some((moves, share)) = short {
-        warnings.push(format!(
-            "{moves} moves are given {} s, the shortest time of a block, which leaves them {:.1} % of their speed at least",
-            60.0 * LEAST_BLOCK_MINUTES,
-            100.0 * share
-        ));
-    }
-    warnings
 }

@@ -3,8 +3,7 @@
 
 use glam::DVec3;
 
-use super::FlankResult;
-use super::checks::{CheckKind, FlankCheck};
+use super::result::{CheckKind, FlankCheck, FlankResult};
 use flank::gouge::{Clearance, ToolPart};
 
 /// In words, as many as the flutes, for the verbs behind.

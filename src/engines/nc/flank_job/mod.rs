@@ -3,123 +3,38 @@
 
 pub mod settings;
 
-use std::ops::Deref;
-use std::sync::Arc;
+mod checks;
+mod clearances;
+mod input;
+mod motion;
+mod places;
+mod result;
 
 use glam::DVec3;
 
-use crate::flank_job::settings::{CutDirection, MillingSettings, PathChoice};
-use files::{Override, sha256};
+use crate::flank_job::settings::CutDirection;
 use flank::FlankError;
-use flank::check_grid::{CheckGrid, CheckedPath};
-use flank::cutter::FlankCutter;
-use flank::fit_ruled::{Candidate, CandidateFit, RuledFit};
+use flank::check_grid::CheckGrid;
+use flank::fit_ruled::{CandidateFit, RuledFit};
 use flank::gouge;
 use flank::gouge::{Clearance, GougeCheck};
-use flank::guide::GuideCurve;
 use flank::guide_joining::Joining;
 use flank::inside_wall::within;
-use flank::machine::joint_feed::{Contact, Slowed};
-use flank::machine::kinematics::{Kinematics, ToolPose};
-use flank::machine::linearise::{LinearisationParams, MachinePath};
-use flank::machine::milling_machine::MillingMachine;
-use flank::machine::tool_path::{ToolPath, ToolPathError};
+use flank::machine::kinematics::ToolPose;
 use flank::own_leads::own_gouge_of_moves;
-use flank::own_surface::{OwnGouge, OwnSurfaceCheck, own_surface};
-use flank::params::FlankParams;
+use flank::own_surface::own_surface;
 use flank::path::{FlankPath, FlankPose};
-use flank::plan::{FlankPlan, plan_flank};
+use flank::plan::plan_flank;
 use flank::ruled_surface::{RuledSurface, Side};
 use flank::walls::{OwnTriangles, Walls};
-use geometry::mesh::Mesh;
-use task::{Cancel, Cancelled, Task};
-
-mod checks;
-mod clearances;
-mod motion;
-mod places;
-
-pub use checks::{CheckKind, FlankCheck};
+pub use input::{FlankInput, LoadedSurface};
+pub use motion::Milled;
 use motion::{chordal_deviation, leads, milled, tool_path};
+pub use result::{CheckKind, FlankCheck, FlankFacts, FlankResult, path_of};
+use task::{Cancel, Cancelled, Task};
 
 /// Distance from the surface within which a given wall counts as the surface itself (mm): the same part once more.
 const OWN_MM: f64 = 0.01;
-
-/// Source of a surface, read from its files.
-#[derive(Debug, Clone)]
-pub enum LoadedSurface {
-    /// Two guides.
-    Guides {
-        /// Guide that the cutter's bottom follows.
-        lower: GuideCurve,
-        /// Upper guide.
-        upper: GuideCurve,
-    },
-    /// A face of a mesh.
-    Face {
-        /// The mesh.
-        mesh: Arc<Mesh>,
-        /// Faces that could be milled, as [`flank_candidates`](flank::fit_ruled::flank_candidates) has them.
-        candidates: Arc<Vec<Candidate>>,
-        /// Number of the face, from 1.
-        number: usize,
-        /// Whether the rest of the mesh is looked at for gouges.
-        is_own_wall: bool,
-    },
-}
-
-impl LoadedSurface {
-    /// Digest of the guides, or of the mesh with the number of its face.
-    fn digest(&self) -> String {
-        let mut bytes = Vec::new();
-        let mut add =
-            |point: &DVec3| point.to_array().iter().for_each(|part| bytes.extend(part.to_bits().to_le_bytes()));
-        match self {
-            Self::Guides { lower, upper } => return sha256(format!("{lower:?} {upper:?}").as_bytes()),
-            Self::Face { mesh, number, .. } => {
-                mesh.vertices.iter().for_each(&mut add);
-                bytes.extend(mesh.triangles.iter().flatten().flat_map(|corner| corner.to_le_bytes()));
-                bytes.extend(number.to_le_bytes());
-            }
-        }
-        sha256(&bytes)
-    }
-}
-
-/// Input of a flank.
-#[derive(Debug, Clone)]
-pub struct FlankInput {
-    /// Name of the flank.
-    pub name: String,
-    /// The surface.
-    pub surface: LoadedSurface,
-    /// Doubts about the files of surface and walls, in words.
-    pub doubts: Vec<String>,
-    /// Side of the surface that the cutter stands on.
-    pub side: Side,
-    /// The cutter.
-    pub cutter: FlankCutter,
-    /// How the path is planned.
-    pub params: FlankParams,
-    /// Path that is milled.
-    pub path: PathChoice,
-    /// Other walls that must not be cut.
-    pub walls: Option<Arc<Mesh>>,
-    /// The machine; none for cutter locations only.
-    pub machine: Option<MillingMachine>,
-    /// Machine settings, clearances and motions of the milling.
-    pub milling: MillingSettings,
-    /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
-    pub envelope_tolerance_mm: f64,
-    /// How deep the path may cut into the surface, standing or moving (mm).
-    pub overcut_tolerance_mm: f64,
-    /// How much stock it may leave on the surface, standing or moving (mm).
-    pub undercut_tolerance_mm: f64,
-    /// Checks that do not keep anything from being exported.
-    pub overrides: Vec<Override>,
-    /// Whether checks are taken on the plan's own coarse grid, for a preview; nothing may be milled by them.
-    pub is_preview: bool,
-}
 
 /// Why there is no flank path at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -166,189 +81,6 @@ impl FlankJobError {
 impl From<Cancelled> for FlankJobError {
     fn from(cancelled: Cancelled) -> Self {
         Self::Flank(cancelled.into())
-    }
-}
-
-/// The path in the positions of a machine.
-#[derive(Debug, Clone)]
-pub struct Milled {
-    /// The machine.
-    pub machine: Kinematics,
-    /// Positions.
-    pub line: MachinePath,
-    /// Parameters of the positions.
-    pub params: LinearisationParams,
-    /// Where the flutes touch, for the feed.
-    pub contact: Contact,
-    /// Time of every move (min), one less than the positions.
-    pub move_minutes: Vec<f64>,
-    /// Time from the first position to the last (min).
-    pub minutes: f64,
-    /// Moves that are slower than asked for.
-    pub slowed: Option<Slowed>,
-}
-
-/// Results and checks of a flank.
-#[derive(Debug, Clone)]
-pub struct FlankFacts {
-    /// Name of the flank.
-    pub name: String,
-    /// Digest of what the surface was made of: what overrides were decided for.
-    pub part: String,
-    /// The surface, on the side that was chosen.
-    pub surface: RuledSurface,
-    /// The fit to the face of a mesh; none for guides.
-    pub fit: Option<RuledFit>,
-    /// How rows of points that are guides were joined; empty without such.
-    pub joinings: Vec<Joining>,
-    /// The paths.
-    pub plan: FlankPlan,
-    /// Path that is milled.
-    pub path: PathChoice,
-    /// Results of that path over the grid that it is checked on.
-    pub checked: CheckedPath,
-    /// Clearances; none if there is nothing that could be gouged.
-    pub gouge: Option<GougeCheck>,
-    /// Effect of the whole tool on the surface itself all along the path.
-    pub own_surface: OwnSurfaceCheck,
-    /// Clearances of the approach and of the retraction, each from the surface outwards.
-    pub lead_gouge: [Option<GougeCheck>; 2],
-    /// Where the approach and the retraction cut the surface itself deeper than the path does at its ends; t is the share
-    /// of the moves, from the surface outwards.
-    pub lead_own: [Option<OwnGouge>; 2],
-    /// The straight moves that lead to it and from it, outside first.
-    pub approach: Vec<ToolPose>,
-    /// Straight moves of the retraction, from the surface outwards.
-    pub retract: Vec<ToolPose>,
-    /// The machine's path, or why there is none; none of both without a machine.
-    pub milled: Option<Result<Milled, String>>,
-    /// Greatest chordal deviation of tip and flutes' top on straight moves (mm).
-    pub chordal_deviation_mm: f64,
-    /// Machine settings, clearances and motions of the milling.
-    pub milling: MillingSettings,
-    /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
-    pub envelope_tolerance_mm: f64,
-    /// How deep the path may cut into the surface, standing or moving (mm).
-    pub overcut_tolerance_mm: f64,
-    /// How much stock it may leave on the surface, standing or moving (mm).
-    pub undercut_tolerance_mm: f64,
-    /// Checks of the path.
-    pub checks: Vec<FlankCheck>,
-    /// Warnings on the path, in words.
-    pub warnings: Vec<String>,
-    /// Overrides that override nothing, and why, in words.
-    pub idle_overrides: Vec<String>,
-    /// Whether the checks were taken on the plan's own grid, to be quick: nothing is approved by them.
-    pub is_preview: bool,
-}
-
-/// A planned flank with its checks. Only [`flank()`] makes one, and its facts can be read but not changed, so that no check
-/// can be taken away and no path be exchanged for another one.
-///
-/// ```compile_fail,E0596
-/// fn unchecked(mut result: nc::flank_job::FlankResult) {
-///     result.checks.clear();
-/// }
-/// ```
-///
-/// ```compile_fail,E0451
-/// fn made_up(facts: nc::flank_job::FlankFacts) -> nc::flank_job::FlankResult {
-///     nc::flank_job::FlankResult { facts }
-/// }
-/// ```
-#[derive(Debug, Clone)]
-pub struct FlankResult {
-    facts: FlankFacts,
-}
-
-impl Deref for FlankResult {
-    type Target = FlankFacts;
-
-    fn deref(&self) -> &FlankFacts {
-        &self.facts
-    }
-}
-
-impl FlankResult {
-    /// The path that is milled.
-    pub fn path(&self) -> &FlankPath {
-        path_of(&self.plan, self.path)
-    }
-
-    /// Greatest overcut and undercut (mm) of the path that is milled as the cutter moves, on the grid of the plan or on that
-    /// of the checks, whichever is worse.
-    pub fn moving_most(&self) -> [f64; 2] {
-        let both = [&self.path().envelope.deviation, &self.checked.envelope.deviation];
-        let overcut = both.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut));
-        [overcut, both.iter().fold(0.0, |most: f64, d| most.max(d.most_undercut))]
-    }
-
-    /// Decides anew which failing checks are let pass.
-    pub fn decide(&mut self, overrides: &[Override]) {
-        let part = [self.part.clone()];
-        self.facts.checks.iter_mut().for_each(|check| check.decide(&part, overrides));
-        self.facts.idle_overrides = checks::idle(&part, &self.checks, overrides);
-    }
-
-    /// Flank with another name for its cutter, which appears in files only as text.
-    pub fn with_cutter_name(mut self, name: &str) -> Self {
-        name.clone_into(&mut self.facts.plan.cutter.name);
-        self
-    }
-
-    /// The decision to export although `check` fails, for this surface and as bad as it is now.
-    pub fn let_pass(&self, check: &FlankCheck) -> Override {
-        Override::decided(check.kind.name(), vec![self.part.clone()], &check.figures)
-    }
-
-    /// Overrides with the figures that they were decided for: those for any finding are for the finding made here.
-    pub fn remembered(&self, overrides: &[Override]) -> Vec<Override> {
-        let failing = |name: &str| self.checks.iter().find(|c| !c.holds && c.kind.name() == name);
-        let remembered = |one: &Override| match failing(&one.check) {
-            Some(check) if one.is_for_whatever() => self.let_pass(check),
-            _ => one.clone(),
-        };
-        overrides.iter().map(remembered).collect()
-    }
-
-    /// Whether every check holds.
-    pub fn holds(&self) -> bool {
-        self.checks.iter().all(|c| c.holds)
-    }
-
-    /// Why nothing is exported: the checks that fail and are not overridden; none if there are none such.
-    pub fn why_blocked(&self) -> Option<String> {
-        let failed = self.checks.iter().filter(|c| !c.holds && !c.is_overridden);
-        let lapsed = |c: &FlankCheck| c.lapsed.as_ref().map_or_else(String::new, |why| format!(" (override: {why})"));
-        let failed: Vec<String> = failed.map(|c| format!("{}: {}{}", c.kind.name(), c.text, lapsed(c))).collect();
-        (!failed.is_empty()).then(|| failed.join("; "))
-    }
-
-    /// Warnings on the path, and notes of the machine on it.
-    pub fn all_warnings(&self) -> Vec<String> {
-        self.warnings.iter().chain(&self.idle_overrides).cloned().chain(checks::of_machine(self)).collect()
-    }
-
-    /// The path that is milled with its leads, as a function for machines and posts.
-    ///
-    /// # Errors
-    /// [`ToolPathError`].
-    pub fn tool_path(&self) -> Result<ToolPath<'_>, ToolPathError> {
-        tool_path(self.path(), &self.approach, &self.retract)
-    }
-
-    /// The machine's path, if there is one.
-    pub fn milled(&self) -> Option<&Milled> {
-        self.milled.as_ref()?.as_ref().ok()
-    }
-}
-
-/// The path of a plan that was chosen.
-pub fn path_of(plan: &FlankPlan, choice: PathChoice) -> &FlankPath {
-    match choice {
-        PathChoice::Initial => &plan.initial,
-        PathChoice::Chosen => &plan.chosen,
-        PathChoice::Refined => &plan.refined,
     }
 }
 

@@ -2,13 +2,12 @@
 
 use glam::DVec3;
 
-use super::Milled;
 use crate::flank_job::settings::{CutDirection, MillingSettings};
-use crate::flank_program::milling_post;
+use crate::flank_program::settings::milling_post;
 use flank::cutter::FlankCutter;
 use flank::machine::joint_feed::{Contact, Slowed, paces};
-use flank::machine::kinematics::ToolPose;
-use flank::machine::linearise::linearise;
+use flank::machine::kinematics::{Kinematics, ToolPose};
+use flank::machine::linearise::{LinearisationParams, MachinePath, linearise};
 use flank::machine::milling_machine::MillingMachine;
 use flank::machine::tool_path::{ToolPath, ToolPathError};
 use flank::path::FlankPath;
@@ -17,6 +16,25 @@ use task::Cancel;
 
 /// How much longer than the machine's tool flutes and holder may be drawn (mm).
 const TOOL_MM: f64 = 1e-6;
+
+/// The path in the positions of a machine.
+#[derive(Debug, Clone)]
+pub struct Milled {
+    /// The machine.
+    pub machine: Kinematics,
+    /// Positions.
+    pub line: MachinePath,
+    /// Parameters of the positions.
+    pub params: LinearisationParams,
+    /// Where the flutes touch, for the feed.
+    pub contact: Contact,
+    /// Time of every move (min), one less than the positions.
+    pub move_minutes: Vec<f64>,
+    /// Time from the first position to the last (min).
+    pub minutes: f64,
+    /// Moves that are slower than asked for.
+    pub slowed: Option<Slowed>,
+}
 
 /// The moves that lead to both ends of a path, outside first: from the side onto the surface, and along the cutter's
 /// axis before that.

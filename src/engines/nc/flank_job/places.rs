@@ -2,11 +2,14 @@
 
 use glam::DVec3;
 
-use super::checks::{BELOW_MM, CheckKind, FlankCheck};
-use super::{FlankResult, PathChoice};
+use super::result::{CheckKind, FlankCheck, FlankResult};
+use super::settings::PathChoice;
 use flank::deviation::{Deviation, Feet};
 use flank::envelope::EnvelopeCheck;
 use flank::params::Objective;
+
+/// How far below the flutes the surface may go (mm): the bottom's own rounding.
+pub(super) const BELOW_MM: f64 = 1e-3;
 
 /// Completes the checks that fail: with the place, the cutter's place along the path, and advice.
 pub(super) fn complete(result: &FlankResult, checks: &mut [FlankCheck]) {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use flank::machine::linearise::LinearisationParams;
 use flank::machine::milling_machine::Workpiece;
 
-use crate::flank_program::{FlankNcSettings, milling_post};
+use crate::flank_program::settings::{FlankNcSettings, milling_post};
 
 /// Path of a plan that is milled.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]

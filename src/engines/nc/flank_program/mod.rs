@@ -4,7 +4,7 @@
 //! follow the tool's tip, X Y Z can be the tip on the workpiece, with the rotary axes or the tool's direction beside it.
 //! What is not verified, and so stands in the program's comments: the way to the first position.
 
-mod settings;
+pub(crate) mod settings;
 
 pub use settings::{BUILT_IN_POST, BUILT_IN_POSTS, FlankNcSettings, TipControl, milling_post, milling_posts};
 
@@ -12,7 +12,7 @@ use super::approved_flank::ApprovedFlank;
 use super::post::{FeedMode, Post, PostError};
 use crate::block_feed::{LEAST_BLOCK_MINUTES, slow_down, whole_seconds};
 use crate::lines::Lines;
-use crate::program::NcError;
+use crate::lines::NcError;
 use feed::pose::Axis;
 use feed::quantise;
 use feed::quantise::{deg_text, mm_text};

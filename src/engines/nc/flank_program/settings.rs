@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::block_feed::LEAST_BLOCK_MINUTES;
+use crate::lines::NcError;
 use crate::post::{self, FeedMode, Post, PostError};
-use crate::program::NcError;
 use flank::machine::joint_feed::{Contact, Feeds};
 use flank::machine::linearise::{Interpolation, LinearisationParams};
 

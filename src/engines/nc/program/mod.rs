@@ -4,21 +4,22 @@
 //! is a certified motion for that, and retracts along the same path. Every coordinate is the number of the path file, digit for digit. What is not verified, and so stands
 //! in the program's own comments: the way to the first position, and anything that a generator's servo adds.
 
+mod tour;
+
 use std::io::Read as _;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::approved::Approved;
-use super::post::{FeedMode, Post};
+use crate::approved::Approved;
 use crate::block_feed::{BlockFeed, Pace, Slowed, fastest_point_travel, programmed_length};
-use crate::lines::Lines;
-use crate::tour;
-use crate::tour::TourFeeds;
-use feed::machine::{BeyondTravel, MachineParams};
+use crate::lines::{Lines, NcError};
+use crate::post::{FeedMode, Post};
+use feed::machine::MachineParams;
 use feed::path::PathRow;
 use feed::pose::{Axis, Pose};
 use feed::quantise::{MM_DECIMALS, deg_text, floor_mm_text, mm_text};
+use tour::TourFeeds;
 
 /// Digits of a digest that a program shows; `report.json` has them all.
 const DIGEST_DIGITS: usize = 16;
@@ -35,81 +36,6 @@ pub fn is_program_for(file: &Path, what: &str) -> bool {
     // Some controls have capitals alone.
     let (text, what) = (String::from_utf8_lossy(&head).to_ascii_lowercase(), what.to_ascii_lowercase());
     is_read && text.lines().any(|line| line.contains("sparkpath ") && line.contains(&format!(": {what}")))
-}
-
-/// Why no program could be made.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum NcError {
-    /// The path moves an axis that the machine does not have.
-    #[error("the path moves axis {axis} at row {row}, which the machine does not have; plan for the axes it has")]
-    AxisNotOnMachine {
-        /// Letter of the axis.
-        axis: char,
-        /// Row, from 0.
-        row: usize,
-    },
-    /// The path moves an axis for which the post has no word.
-    #[error("the path moves axis {axis}, for which the post has no word; add it under [[axes]]")]
-    AxisNotInPost {
-        /// Letter of the axis.
-        axis: char,
-    },
-    /// A line is longer than the control allows.
-    #[error(
-        "a line of {length} characters is longer than the control's {limit}: {line:?}; \
-             shorten the post's words or raise max_line_length"
-    )]
-    LineTooLong {
-        /// Characters of the line.
-        length: usize,
-        /// Characters allowed.
-        limit: usize,
-        /// The line.
-        line: String,
-    },
-    /// The feed of a block is rounded to 0.
-    #[error(
-        "the F word of block {block} would be 0 with its {decimals} decimals; raise the feed or the decimals of the post"
-    )]
-    FeedTooSlow {
-        /// Number of the block.
-        block: usize,
-        /// Decimals of the F word.
-        decimals: usize,
-    },
-    /// The path leaves the travel of an axis.
-    #[error("{0}; the program is for another machine than the path was verified for")]
-    BeyondTravel(BeyondTravel),
-    /// The machine has bodies, but the motion was not simulated with them.
-    #[error("the machine has bodies, and the path was not simulated with them; simulate it")]
-    NotSimulated,
-    /// The motion was simulated for another machine.
-    #[error("the motion was simulated for {simulated}, but the program is for {asked}; simulate it again")]
-    OtherMachineSimulated {
-        /// Machine of the simulation.
-        simulated: String,
-        /// Machine of the program.
-        asked: String,
-    },
-    /// The post has no word for tool centre point control.
-    #[error(
-        "the post has no word for a control that follows the tool's tip ({wanted}); set tip_control to off, or take a \
-             post that has {wanted} under [tip_control], as the built-in example milling-tcp has"
-    )]
-    NoTipControl {
-        /// Key of the missing word.
-        wanted: &'static str,
-    },
-    /// A setting is out of range.
-    #[error("{name} is {value}, but must be {range}")]
-    Setting {
-        /// Name.
-        name: &'static str,
-        /// Value found.
-        value: f64,
-        /// Range of valid values.
-        range: &'static str,
-    },
 }
 
 /// Speeds and times of a program.
@@ -159,13 +85,13 @@ pub struct NcJob<'a> {
 }
 
 /// A job as the side of entry of an approved path has it.
-pub(super) struct TurnedJob<'a> {
+struct TurnedJob<'a> {
     program: &'a str,
     electrode_file: &'a str,
     /// The machine, its travels in the directions of W.
-    pub(super) machine: MachineParams,
+    machine: MachineParams,
     /// Whether the directions of the machine are turned by half a turn about Z against W.
-    pub(super) is_turned: bool,
+    is_turned: bool,
 }
 
 impl<'a> TurnedJob<'a> {
@@ -225,12 +151,12 @@ impl NcProgram {
 }
 
 /// The F words of a program.
-pub(super) struct Feeds {
+struct Feeds {
     approach: String,
     inwards: Vec<BlockFeed>,
     copying: Vec<BlockFeed>,
     outwards: Vec<BlockFeed>,
-    pub(super) tour: TourFeeds,
+    tour: TourFeeds,
 }
 
 impl Feeds {
@@ -252,7 +178,7 @@ impl Feeds {
     }
 }
 
-pub(super) fn check_axes(rows: &[PathRow], post: &Post, machine: &MachineParams) -> Result<(), NcError> {
+fn check_axes(rows: &[PathRow], post: &Post, machine: &MachineParams) -> Result<(), NcError> {
     for axis in Axis::ALL {
         if let Some(row) = rows.iter().position(|r| r.pose.get(axis) != 0.0) {
             if !machine.axes.axes().contains(&axis) {
@@ -393,7 +319,7 @@ fn motion(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
 }
 
 /// The move to the first position, and the word for the feed after it.
-pub(super) fn first_position(w: &mut Writer, first: &Pose, feeds: &Feeds) {
+fn first_position(w: &mut Writer, first: &Pose, feeds: &Feeds) {
     w.block(&format!("{} {} F{}", w.post.linear, w.axis_words(first), feeds.approach));
     if w.post.feed.word != w.post.feed.approach_word {
         w.block(&w.post.feed.word);
@@ -401,7 +327,7 @@ pub(super) fn first_position(w: &mut Writer, first: &Pose, feeds: &Feeds) {
 }
 
 /// Feed, burn, copying motion and retraction, from the first row back to it.
-pub(super) fn in_channel(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
+fn in_channel(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
     let (post, rows) = (w.post, &approved.path().rows);
     w.comment("Verified motion begins: feed to the final pose");
     w.moves(rows.iter().skip(1), &feeds.inwards);
@@ -423,13 +349,13 @@ pub(super) fn in_channel(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
     w.moves(rows.iter().rev().skip(1), &feeds.outwards);
 }
 
-pub(super) struct Writer<'a> {
+struct Writer<'a> {
     post: &'a Post,
     job: &'a TurnedJob<'a>,
     settings: &'a NcSettings,
     lines: Lines<'a>,
     /// Angle added to A: the turn to the channel (rad).
-    pub(super) turn: f64,
+    turn: f64,
 }
 
 impl<'a> Writer<'a> {
@@ -445,12 +371,12 @@ impl<'a> Writer<'a> {
         self.lines.block(words);
     }
 
-    pub(super) fn comment(&mut self, text: &str) {
+    fn comment(&mut self, text: &str) {
         self.lines.comment(text);
     }
 
     /// Linear motion through `rows`, in the pace of `feeds`. A feed per minute stays until another is given.
-    pub(super) fn moves<'r>(&mut self, rows: impl Iterator<Item = &'r PathRow>, feeds: &[BlockFeed]) {
+    fn moves<'r>(&mut self, rows: impl Iterator<Item = &'r PathRow>, feeds: &[BlockFeed]) {
         let mut given = "";
         for (row, feed) in rows.zip(feeds) {
             let words = format!("{} {}", self.post.linear, self.axis_words(&row.pose));
@@ -464,7 +390,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Whether the words of `axis` count the other way round than in W.
-    pub(super) fn counts_backwards(&self, axis: Axis) -> bool {
+    fn counts_backwards(&self, axis: Axis) -> bool {
         let is_turned = self.job.is_turned && MachineParams::TURNED.contains(&axis);
         self.post.axes.iter().any(|a| a.axis == axis && a.reversed) != is_turned
     }

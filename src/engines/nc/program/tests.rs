@@ -4,6 +4,7 @@ use crate::fixtures;
 use crate::fixtures::{OWN_CHANNEL, PITCH_DEG, Scene};
 use crate::path_csv::write_path_csv;
 use feed::certificate::Certificate;
+use feed::machine::BeyondTravel;
 use feed::machine::{AxisSet, TravelLimits};
 use feed::machine_model::{Body, Carrier, MachineModel};
 use feed::path::FeedPath;

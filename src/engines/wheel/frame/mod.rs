@@ -4,7 +4,7 @@
 //! meridional plane is sought where every circle passes the same number of even gaps whose walls face each
 //! other (`period`). The axis is then moved until the walls repeat best: every blade against the mean blade.
 
-mod axis;
+pub(crate) mod axis;
 mod period;
 pub(crate) mod slices;
 

@@ -1,5 +1,7 @@
 //! The state of the workspace: the document, its steps, the cursor, and what is shown. Panels draw it and push commands.
 
+pub mod kept_runs;
+pub mod machine_motion;
 mod shown;
 
 use std::sync::Arc;
@@ -9,11 +11,9 @@ use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::document::Document;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::stage::Stage;
-use crate::workspaces::blisk::job::plan::ElectrodeOutcome;
+use crate::workspaces::blisk::job::outcome::ElectrodeOutcome;
 use crate::workspaces::blisk::job::planned::{PartialPlan, Planned};
 use crate::workspaces::blisk::job::preview::Looked;
-use crate::workspaces::blisk::panels::kept_runs::KeptRuns;
-use crate::workspaces::blisk::panels::machine_motion::MachineMotion;
 use crate::workspaces::blisk::scene::machine::BodyShape;
 use crate::workspaces::blisk::scene::shapes::clearance_at_vertices;
 use crate::workspaces::blisk::scene::sweep::{FINE, swept_shape};
@@ -25,6 +25,8 @@ use crate::workspaces::context::{Context, LogLine};
 use crate::workspaces::news::{EventKind, WorkEvent};
 use feed::pose::Pose;
 use files::{AnyDocument as _, MovedFile};
+use kept_runs::KeptRuns;
+use machine_motion::MachineMotion;
 use render::mesh::RenderMesh;
 use render::scene::SectionPlane;
 use shown::Stood;

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::machine_motion::Trouble;
 use super::{BliskDesk, TrackSource};
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::machine_file::read_machine;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::planned::PartialPlan;
 use crate::workspaces::blisk::job::stages::FoundChannel;
-use crate::workspaces::blisk::panels::machine_motion::Trouble;
 use crate::workspaces::blisk::scene::Layer;
 use crate::workspaces::blisk::scene::leftover::{LeftoverShape, colour_limit, leftover_legend};
 use crate::workspaces::blisk::scene::machine::{BodyShape, MachineBody, Moment, body_shapes};

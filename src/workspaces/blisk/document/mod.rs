@@ -1,7 +1,6 @@
 //! The document of a blisk: the parameters of its plan, and what a project keeps of plans.
 
 pub mod choice;
-pub mod field_table;
 pub mod job_file;
 pub mod kept_plan;
 pub mod machine_file;
@@ -25,7 +24,7 @@ pub fn demonstration() -> Document {
 mod tests {
     use files::{AnyDocument as _, Field, Invalid, Kind};
 
-    use super::field_table::FIELDS;
+    use super::job_file::field_table::FIELDS;
     use super::kept_plan::{KeptPlan, KeptRun, check};
     use super::*;
 

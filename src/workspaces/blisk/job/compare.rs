@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_feeds};
+use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
+use super::plan::run_feeds;
 use super::prepared_blisk::PreparedBlisk;
 use super::stages::{FoundChannel, Part};
 use crate::workspaces::blisk::document::job_file::{BliskSection, PlanJob};
@@ -72,7 +73,7 @@ fn named(task: &Task, strategy: Strategy) -> Task {
 /// The figures of a plan that `strategy` made.
 pub fn run_of(strategy: Strategy, outcome: &PlanOutcome) -> Run {
     let electrodes = outcome.electrodes.iter().enumerate();
-    let of = |(i, e): (usize, &super::plan::ElectrodeOutcome)| {
+    let of = |(i, e): (usize, &super::outcome::ElectrodeOutcome)| {
         RunElectrode::of(i + 1, &e.plan, &e.electrode, &outcome.channel)
     };
     Run { strategy, failure: None, electrodes: electrodes.map(of).collect() }

@@ -5,63 +5,17 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::plan::{Clock, ElectrodeOutcome, PlanInputs, PlanJobError, PlanOutcome};
-use super::simulate::simulate;
-use crate::workspaces::blisk::document::job_file::PlanJob;
-use crate::workspaces::blisk::report::StageTime;
+use super::outcome::{Clock, ElectrodeOutcome, Finishing, PlanInputs, PlanJobError, PlanOutcome, Stock};
+use super::simulate::{Around, simulate};
 use feed::copying::{Copying, CopyingExtent, CopyingSettings, copying_motion};
 use feed::leftover::{Burn, Leftover, LeftoverError, Site, leftover};
 use feed::path::FeedPath;
 use feed::pose::Pose;
-use feed::simulation::Simulation;
 use feed::verify::Verifier;
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
-use wheel::channel::Channel;
 use wheel::electrode::Junctions;
 use wheel::surface_finder::SurfaceFinder;
-
-/// How the electrodes of a plan finish the channel once they are in.
-#[derive(Debug, Clone)]
-pub struct Finishing {
-    /// The copying motion of each electrode; empty if not every electrode has a certified path.
-    pub copying: Vec<Copying>,
-    /// The whole motion of each electrode on the machine; empty if the machine has no bodies and no other channels are
-    /// burnt.
-    pub simulations: Vec<Arc<Simulation>>,
-    /// Stage that was stopped, if one was: nothing can be approved then.
-    pub stopped: Option<&'static str>,
-    /// Times of the stages in order.
-    pub times: Vec<StageTime>,
-}
-
-/// What stock the electrodes of a plan leave of the channel, all together. A plan can be approved before that is known.
-#[derive(Debug, Clone)]
-pub struct Stock {
-    /// The stock, or why it cannot be told.
-    pub left: Result<Arc<Leftover>, String>,
-    /// Whether its computation was stopped.
-    pub is_stopped: bool,
-    /// Time of its computation.
-    pub times: Vec<StageTime>,
-}
-
-impl Finishing {
-    /// The first motion on the machine in which something comes too close, or an axis cannot go where it would have to.
-    pub fn collision(&self) -> Option<&Simulation> {
-        self.simulations.iter().map(|s| &**s).find(|s| !s.holds())
-    }
-}
-
-/// Where electrodes are finished.
-pub(super) struct Around<'a> {
-    pub job: &'a PlanJob,
-    /// The finished blisk in W.
-    pub blisk: &'a Mesh,
-    pub channel: &'a Arc<Channel>,
-    finder: SurfaceFinder,
-    junctions: Junctions,
-}
 
 /// Works out how the electrodes of `outcome` finish the channel, as far as that is not known: their copying motions, the
 /// whole motion on the machine, with which the plan can be approved, and then what stock they leave. `blisk` is that of

@@ -1,198 +1,28 @@
 //! From a blisk mesh to verified feed paths of its electrodes.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use std::time::Instant;
 
-use super::finish::{Finishing, Stock, finish};
-use super::prepared_blisk::PreparedBlisk;
+use super::finish::finish;
+use super::outcome::{Clock, ElectrodeOutcome, PlanInputs, PlanJobError, PlanOutcome};
+use super::prepared_blisk::{PreparedBlisk, electrode_of};
 use super::simulate;
 use crate::workspaces::blisk::document::job_file::PlanJob;
-use crate::workspaces::blisk::document::kept_plan::{KeptElectrode, KeptPlan, KeptPlanError};
-use crate::workspaces::blisk::document::machine_file::MachineFileError;
-use crate::workspaces::blisk::report::StageTime;
-use feed::copying::Copying;
-use feed::leftover::Leftover;
+use crate::workspaces::blisk::document::kept_plan::{KeptElectrode, KeptPlan};
 use feed::plan::{FeedPlan, PlanSettings};
-use feed::plan_params::PlanError;
 use feed::plan_params::Strategy;
 use feed::planner::{DrawnIn, plan_drawn_in, plan_feed};
 use feed::problem::Observe;
 use feed::problem::{Convergence, Node};
 use feed::replay::{Surroundings, replay_feed};
-use feed::simulation::Simulation;
-use feed::verify::VerifyError;
 use files::Validate as _;
-use geometry::exact::{ExactMesh, ExactMeshError};
-use geometry::frame::Frame;
+use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
 use wheel::channel::Channel;
-use wheel::electrode::{
-    Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, Sizing, from_user_mesh, make_electrodes,
-};
-use wheel::error::BliskError;
+use wheel::electrode::{Electrode, ElectrodeError, EnterSide, EntrySide, Sizing};
 use wheel::find_channel::find_channel;
 use wheel::surface_finder::SurfaceFinder;
-
-/// What a plan is made from.
-#[derive(Debug, Clone)]
-pub struct PlanInputs {
-    /// The blisk as loaded (mm).
-    pub blisk: Arc<Mesh>,
-    /// The user's own electrode in its final pose, in the blisk's coordinates (mm), if there is one.
-    pub own_electrode: Option<Arc<Mesh>>,
-    /// All parameters.
-    pub job: PlanJob,
-}
-
-/// What was found out about one electrode on one side.
-#[derive(Debug, Clone)]
-pub struct ElectrodeOutcome {
-    /// The electrode as it is exported, in W.
-    pub electrode: Electrode,
-    /// Plan of the electrode.
-    pub plan: FeedPlan,
-    /// Sides that were tried before, and why they were left.
-    pub tried: Vec<(EntrySide, String)>,
-}
-
-/// The answer of a plan.
-#[derive(Debug, Clone)]
-pub struct PlanOutcome {
-    /// The channel.
-    pub channel: Arc<Channel>,
-    /// The electrodes in the order of their parts.
-    pub electrodes: Vec<ElectrodeOutcome>,
-    /// Times of the stages in order.
-    pub times: Vec<StageTime>,
-    /// How they finish the channel. It is worked out after the feeds, which it does not change: see [`finish`].
-    finishing: OnceLock<Finishing>,
-    /// What stock they leave; worked out last.
-    stock: OnceLock<Stock>,
-}
-
-impl PlanOutcome {
-    /// Whether every electrode has a verified path, nothing is known to collide on the machine, and nothing that comes
-    /// after the feeds was stopped.
-    pub fn may_be_approved(&self) -> bool {
-        self.is_verified() && self.stopped().is_none() && self.finishing().is_none_or(|f| f.collision().is_none())
-    }
-
-    /// Stage after the feeds that was stopped, if one was.
-    pub fn stopped(&self) -> Option<&'static str> {
-        let of_stock = || self.stock()?.is_stopped.then_some("map of the residual stock");
-        self.finishing()?.stopped.or_else(of_stock)
-    }
-
-    /// Whether every electrode has a verified path.
-    pub fn is_verified(&self) -> bool {
-        !self.electrodes.is_empty() && self.electrodes.iter().all(|e| e.plan.is_verified())
-    }
-
-    /// How the electrodes finish the channel, once that is known.
-    pub fn finishing(&self) -> Option<&Finishing> {
-        self.finishing.get()
-    }
-
-    pub(super) fn finished_by(&self, finishing: Finishing) -> &Finishing {
-        self.finishing.get_or_init(|| finishing)
-    }
-
-    /// What stock the electrodes leave, once that is known or known to be unknown.
-    pub fn stock(&self) -> Option<&Stock> {
-        self.stock.get()
-    }
-
-    pub(super) fn leaving(&self, stock: Stock) -> &Stock {
-        self.stock.get_or_init(|| stock)
-    }
-
-    /// The copying motion of the electrode with this index, if that is known.
-    pub fn copying(&self, index: usize) -> Option<&Copying> {
-        self.finishing()?.copying.get(index)
-    }
-
-    /// The whole motion of the electrode with this index on the machine, if it was simulated.
-    pub fn simulation(&self, index: usize) -> Option<&Arc<Simulation>> {
-        self.finishing()?.simulations.get(index)
-    }
-
-    /// What stock is left, if that is known.
-    pub fn leftover(&self) -> Option<&Arc<Leftover>> {
-        self.stock()?.left.as_ref().ok()
-    }
-}
-
-/// Why a plan cannot be made. That there is no path is not an error but an answer.
-#[derive(Debug, thiserror::Error)]
-#[allow(missing_docs)]
-pub enum PlanJobError {
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    #[error("{0}")]
-    Job(String),
-    #[error(transparent)]
-    Invalid(#[from] files::Invalid),
-    #[error(transparent)]
-    Kept(#[from] KeptPlanError),
-    #[error(transparent)]
-    Blisk(BliskError),
-    #[error(transparent)]
-    Electrode(ElectrodeError),
-    #[error(transparent)]
-    Plan(PlanError),
-    #[error(transparent)]
-    Mesh(#[from] ExactMeshError),
-    #[error(transparent)]
-    Verify(VerifyError),
-    #[error(transparent)]
-    Machine(MachineFileError),
-}
-
-impl From<VerifyError> for PlanJobError {
-    fn from(error: VerifyError) -> Self {
-        match error {
-            VerifyError::Cancelled(cancelled) => cancelled.into(),
-            other => Self::Verify(other),
-        }
-    }
-}
-
-impl From<MachineFileError> for PlanJobError {
-    fn from(error: MachineFileError) -> Self {
-        match error {
-            MachineFileError::Cancelled(cancelled) => cancelled.into(),
-            other => Self::Machine(other),
-        }
-    }
-}
-
-impl From<BliskError> for PlanJobError {
-    fn from(error: BliskError) -> Self {
-        match error {
-            BliskError::Cancelled(cancelled) => cancelled.into(),
-            other => Self::Blisk(other),
-        }
-    }
-}
-
-impl From<ElectrodeError> for PlanJobError {
-    fn from(error: ElectrodeError) -> Self {
-        match error {
-            ElectrodeError::Cancelled(cancelled) => cancelled.into(),
-            other => Self::Electrode(other),
-        }
-    }
-}
-
-impl From<PlanError> for PlanJobError {
-    fn from(error: PlanError) -> Self {
-        match error {
-            PlanError::Cancelled(cancelled) => cancelled.into(),
-            other => Self::Plan(other),
-        }
-    }
-}
 
 /// Plans every electrode of the job, and works out how they finish the channel.
 ///
@@ -261,26 +91,6 @@ pub fn run_feeds(prepared: &PreparedBlisk, inputs: &PlanInputs, task: &Task) -> 
     JobPlanner { inputs, prepared, observe: &|_, _, _| (), explain: false, task, clock }.outcome()
 }
 
-/// Adds up the times of stages by name.
-#[derive(Clone, Default)]
-pub(super) struct Clock(pub(super) Vec<StageTime>);
-
-impl Clock {
-    pub(super) fn time<T>(&mut self, stage: &str, work: impl FnOnce() -> T) -> T {
-        let started = Instant::now();
-        let result = work();
-        self.add(stage, started.elapsed().as_secs_f64());
-        result
-    }
-
-    fn add(&mut self, stage: &str, seconds: f64) {
-        match self.0.iter_mut().find(|t| t.stage == stage) {
-            Some(known) => known.seconds += seconds,
-            None => self.0.push(StageTime { stage: stage.to_owned(), seconds }),
-        }
-    }
-}
-
 struct JobPlanner<'a> {
     inputs: &'a PlanInputs,
     prepared: &'a PreparedBlisk,
@@ -299,7 +109,7 @@ impl JobPlanner<'_> {
         }
         let electrodes = self.electrodes()?;
         let channel = self.prepared.space.channel.clone();
-        Ok(PlanOutcome { channel, electrodes, times: self.clock.0, finishing: OnceLock::new(), stock: OnceLock::new() })
+        Ok(PlanOutcome::new(channel, electrodes, self.clock.0))
     }
 
     fn electrodes(&mut self) -> Result<Vec<ElectrodeOutcome>, PlanJobError> {
@@ -393,35 +203,6 @@ impl JobPlanner<'_> {
     }
 }
 
-/// The electrode number `part` along X for a side, with its walls drawn in by a further `h` (rad), its vertices as a file
-/// will hold them.
-pub(super) fn electrode_of(
-    inputs: &PlanInputs,
-    channel: &Channel,
-    exact: &ExactMesh,
-    (part, side, h): (usize, EntrySide, f64),
-    task: &Task,
-) -> Result<Electrode, ElectrodeError> {
-    let params = &inputs.job.electrode;
-    let mut electrode = match &inputs.own_electrode {
-        Some(own) => {
-            from_user_mesh(own.in_frame(&channel.frame), channel, exact, params.spark_gap_mm, side, &task.cancel)?
-        }
-        None => {
-            let [low, high] = params.circumferential_reduction_deg;
-            let circumferential_reduction_deg = [low + h.to_degrees(), high + h.to_degrees()];
-            let params = ElectrodeParams { circumferential_reduction_deg, ..params.clone() };
-            let mut all = make_electrodes(channel, exact, &params, side, task)?;
-            // Electrodes are counted from the side of entry.
-            let (along, column) = (part / params.columns, part % params.columns);
-            let from_entry = if side == EntrySide::MinusX { along } else { params.parts - 1 - along };
-            all.swap_remove(from_entry * params.columns + column)
-        }
-    };
-    electrode.mesh = as_written(&electrode.mesh, &channel.frame);
-    Ok(electrode)
-}
-
 /// What concerns the feed in a job.
 pub(super) fn settings_of<'a>(job: &'a PlanJob, observe: &'a Observe<'a>) -> PlanSettings<'a> {
     PlanSettings {
@@ -464,13 +245,7 @@ pub fn replay(
         clock.add("certificate", plan.verify_seconds);
         electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new() });
     }
-    Ok(PlanOutcome {
-        channel: channel.clone(),
-        electrodes,
-        times: clock.0,
-        finishing: OnceLock::new(),
-        stock: OnceLock::new(),
-    })
+    Ok(PlanOutcome::new(channel.clone(), electrodes, clock.0))
 }
 
 /// What a project keeps of a plan: none unless every electrode has a certified path.
@@ -496,10 +271,4 @@ pub(super) fn sides(enter: EnterSide, part: usize, parts: usize) -> Vec<EntrySid
         sides.reverse();
     }
     sides
-}
-
-/// The mesh as its file will hold it: single precision in the coordinates of the loaded mesh. What is verified is
-/// what is written.
-fn as_written(mesh: &Mesh, frame: &Frame) -> Mesh {
-    mesh.mapped(|p| frame.from_parent(frame.to_parent(p).as_vec3().as_dvec3()))
 }

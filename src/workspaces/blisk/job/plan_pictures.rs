@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::plan::{PlanInputs, PlanOutcome};
+use super::outcome::{PlanInputs, PlanOutcome};
 use crate::widgets::camera::PICTURE_SIZE;
 use crate::workspaces::blisk::report::{Report, StageTime};
 use crate::workspaces::blisk::scene::pictures::{PlanPicture, PlanToShow, plan_pictures};

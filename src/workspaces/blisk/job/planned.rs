@@ -4,8 +4,10 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::finish::{Finishing, finish};
-use super::plan::{PlanInputs, PlanJobError, PlanOutcome, replay, run_prepared};
+use super::finish::finish;
+use super::outcome::Finishing;
+use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
+use super::plan::{replay, run_prepared};
 use super::prepared_blisk::PreparedBlisk;
 use super::simulate;
 use super::stages::{FoundChannel, Part};

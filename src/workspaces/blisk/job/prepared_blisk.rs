@@ -2,15 +2,19 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::plan::{Clock, PlanInputs, PlanJobError, electrode_of};
+use super::outcome::{Clock, PlanInputs, PlanJobError};
 use feed::prepared::PlanningSpace;
 use feed::prepared::PreparedElectrode;
 use feed::probes::Turns;
 use geometry::exact::ExactMesh;
+use geometry::frame::Frame;
 use geometry::mesh::Mesh;
 use task::Task;
 use wheel::channel::Channel;
-use wheel::electrode::{ElectrodeParams, EnterSide, EntrySide, Sizing, own_turns};
+use wheel::electrode::{
+    Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, Sizing, from_user_mesh, make_electrodes,
+    own_turns,
+};
 
 /// A blisk with everything prepared that does not change while electrodes and searches are tuned.
 pub struct PreparedBlisk {
@@ -110,4 +114,39 @@ impl PreparedBlisk {
         let turns = turns(&prepared);
         Ok((prepared, turns))
     }
+}
+
+/// The electrode number `part` along X for a side, with its walls drawn in by a further `h` (rad), its vertices as a file
+/// will hold them.
+pub(super) fn electrode_of(
+    inputs: &PlanInputs,
+    channel: &Channel,
+    exact: &ExactMesh,
+    (part, side, h): (usize, EntrySide, f64),
+    task: &Task,
+) -> Result<Electrode, ElectrodeError> {
+    let params = &inputs.job.electrode;
+    let mut electrode = match &inputs.own_electrode {
+        Some(own) => {
+            from_user_mesh(own.in_frame(&channel.frame), channel, exact, params.spark_gap_mm, side, &task.cancel)?
+        }
+        None => {
+            let [low, high] = params.circumferential_reduction_deg;
+            let circumferential_reduction_deg = [low + h.to_degrees(), high + h.to_degrees()];
+            let params = ElectrodeParams { circumferential_reduction_deg, ..params.clone() };
+            let mut all = make_electrodes(channel, exact, &params, side, task)?;
+            // Electrodes are counted from the side of entry.
+            let (along, column) = (part / params.columns, part % params.columns);
+            let from_entry = if side == EntrySide::MinusX { along } else { params.parts - 1 - along };
+            all.swap_remove(from_entry * params.columns + column)
+        }
+    };
+    electrode.mesh = as_written(&electrode.mesh, &channel.frame);
+    Ok(electrode)
+}
+
+/// The mesh as its file will hold it: single precision in the coordinates of the loaded mesh. What is verified is
+/// what is written.
+fn as_written(mesh: &Mesh, frame: &Frame) -> Mesh {
+    mesh.mapped(|p| frame.from_parent(frame.to_parent(p).as_vec3().as_dvec3()))
 }

@@ -3,8 +3,10 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::plan::{PlanInputs, PlanJobError, electrode_of, settings_of, sides};
+use super::outcome::{PlanInputs, PlanJobError};
+use super::plan::{settings_of, sides};
 use super::prepared_blisk::PreparedBlisk;
+use super::prepared_blisk::electrode_of;
 use feed::global::PreviewPath;
 use feed::planner::{DrawnIn, preview_path};
 use files::Validate as _;

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::plan::PlanOutcome;
+use super::outcome::PlanOutcome;
 
 /// A plan that may be approved and that the user released for export. It can only be made by [`Released::by_user`].
 ///

@@ -2,16 +2,28 @@
 
 use std::sync::Arc;
 
-use super::finish::Around;
-use super::plan::{ElectrodeOutcome, PlanJobError};
+use super::outcome::{ElectrodeOutcome, PlanJobError};
 use crate::workspaces::blisk::document::choice::Channels;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::machine_file::read_machine;
 use feed::copying::Copying;
 use feed::machine_model::MachineModel;
 use feed::simulation::{Scenario, Simulation, SimulationOptions, simulate as simulate_motion};
+use geometry::mesh::Mesh;
 use task::Task;
 use wheel::channel::Channel;
+use wheel::electrode::Junctions;
+use wheel::surface_finder::SurfaceFinder;
+
+/// Where electrodes are finished.
+pub(super) struct Around<'a> {
+    pub(super) job: &'a PlanJob,
+    /// The finished blisk in W.
+    pub(super) blisk: &'a Mesh,
+    pub(super) channel: &'a Arc<Channel>,
+    pub(super) finder: SurfaceFinder,
+    pub(super) junctions: Junctions,
+}
 
 /// Whether a program of this job may only be made after its whole motion was simulated: the machine has bodies, or other
 /// channels than that of the plan are burnt.

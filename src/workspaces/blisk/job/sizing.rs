@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::plan::{PlanInputs, PlanJobError, PlanOutcome, run_feeds, settings_of};
+use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
+use super::plan::{run_feeds, settings_of};
 use super::prepared_blisk::PreparedBlisk;
 use feed::genetic::ReductionMode;
 use feed::plan_params::PlanError;

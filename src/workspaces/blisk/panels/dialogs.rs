@@ -10,7 +10,7 @@ use super::forms::shown_choice;
 use crate::widgets::panel_parts::from_right;
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::document::choice::{DrawnPictures, MeshFrame};
-use crate::workspaces::blisk::document::field_table::FIELDS;
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::job_file::{ExportSection, PlanJob};
 use files::{Kind, MovedFile, Validate as _, Word};
 

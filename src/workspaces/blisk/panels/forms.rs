@@ -5,7 +5,7 @@ use egui::Ui;
 use crate::widgets::form::Form;
 use crate::widgets::panel_parts::file_name;
 use crate::workspaces::blisk::desk::BliskDesk;
-use crate::workspaces::blisk::document::field_table::FIELDS;
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::context::Context;
 use files::{Params as _, Word, get};

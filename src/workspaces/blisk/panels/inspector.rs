@@ -19,7 +19,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, view: &mut Blis
         selected(ui, desk, cx);
         pose(ui, desk, cx);
         contact(ui, desk, cx);
-        super::machine_motion::facts(ui, desk);
+        whole_motion(ui, desk);
         probe(ui, desk, cx, view);
     });
 }
@@ -166,5 +166,18 @@ fn probe(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, view: &mut BliskVi
                 view.clear_probe();
             }
         }
+    }
+}
+
+/// What was found out about the whole motion.
+fn whole_motion(ui: &mut Ui, desk: &mut BliskDesk) {
+    let Some(simulation) = desk.machine.simulation() else { return };
+    heading(ui, "Whole motion on the machine");
+    let colour = if simulation.holds() { ui.visuals().text_color() } else { palette(ui).bad };
+    ui.add(egui::Label::new(RichText::new(simulation.sentence()).color(colour)).wrap());
+    if let Some(way) = desk.machine.trouble().map(|trouble| trouble.way)
+        && ui.button("Go to the collision").clicked()
+    {
+        desk.go_to_moment(way);
     }
 }

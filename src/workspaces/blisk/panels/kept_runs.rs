@@ -1,187 +1,19 @@
-//! Plans that the user keeps beside the present one: their figures and the curves of their axes.
-
-use crate::workspaces::blisk::desk::BliskDesk;
-use std::sync::Arc;
+//! The plans that are kept beside the present one: their figures, with a button to remove each.
 
 use egui::{Color32, RichText, Role, Ui, WidgetInfo};
 
 use crate::widgets::theme::palette;
-use crate::workspaces::blisk::job::compare::{kept_run, run_of};
-use crate::workspaces::blisk::job::plan::{PlanOutcome, kept};
-use crate::workspaces::blisk::job::stages::{FoundChannel, Part};
-use crate::workspaces::blisk::report::Smoothness;
-use crate::workspaces::blisk::report::comparison::{AxisCourse, Run, RunElectrode};
-use feed::plan_params::Strategy;
+use crate::workspaces::blisk::desk::BliskDesk;
+use crate::workspaces::blisk::desk::kept_runs::{KeptRun, step_of};
+use crate::workspaces::blisk::document::kept_plan;
+use crate::workspaces::blisk::report::comparison::RunElectrode;
 use feed::pose::Axis;
-use feed::smoothness::axis_smoothness;
-use task::{Ended, Lane, Memo, Priority, Refusal, Same, Scheduler, State};
-
-use crate::workspaces::blisk::document::Document;
-use crate::workspaces::blisk::document::kept_plan::{self, KeptPlan};
-
-/// A run of the document: its number, what it was made from, and the step that its differences are taken over (mm).
-type Key = (usize, String, f64);
-
-/// The runs that are kept: what the document holds of them, made to be looked at.
-pub struct KeptRuns {
-    /// One after the other is made. What another channel was in the way of may be made of this one.
-    made: Memo<Key, KeptRun>,
-    channel: Option<Same<FoundChannel>>,
-}
-
-/// A run that is kept.
-pub struct KeptRun {
-    /// Number of the run, counted from 1.
-    number: usize,
-    /// Number of the run's colour among those of the theme.
-    colour: usize,
-    run: Run,
-    /// Digests of its paths.
-    paths: Vec<String>,
-}
 
 impl KeptRun {
-    /// The run `of` which `plan` is, with differences over steps of `step` (mm): those over others could not be compared.
-    fn new(of: &kept_plan::KeptRun, plan: &PlanOutcome, step: f64) -> Self {
-        let mut run = run_of(of.job.plan.strategy, plan);
-        for (kept, electrode) in run.electrodes.iter_mut().zip(&plan.electrodes) {
-            let Some(planned) = &electrode.plan.path else { continue };
-            let figures = Axis::ALL.map(|axis| axis_smoothness(&planned.curves, axis, step));
-            kept.smoothness = Smoothness::of(&figures);
-        }
-        // A file may name any colour.
-        let colour = of.colour % KeptRuns::MOST;
-        Self { number: of.number, colour, run, paths: paths(plan).map(str::to_owned).collect() }
-    }
-
-    /// Name of the run: its number and strategy.
-    pub fn name(&self) -> String {
-        name(self.number, self.run.strategy)
-    }
-
     /// Colour of the run among those of the theme.
     pub fn colour(&self, ui: &Ui) -> Color32 {
         palette(ui).runs[self.colour]
     }
-
-    /// How `axis` of electrode number `electrode` from 0 moves.
-    pub fn course(&self, electrode: usize, axis: Axis) -> Option<&AxisCourse> {
-        self.run.electrodes.get(electrode)?.course(axis.letter())
-    }
-}
-
-fn name(number: usize, strategy: Strategy) -> String {
-    format!("{number} {}", strategy.name())
-}
-
-impl KeptRuns {
-    /// Most runs that are kept.
-    pub const MOST: usize = 6;
-
-    /// An empty set of kept runs.
-    pub fn new(scheduler: &Scheduler) -> Self {
-        Self { made: Memo::new(scheduler, Lane::Quick, "Kept runs").remembering(usize::MAX), channel: None }
-    }
-
-    /// Kept runs that can be shown, in the order of keeping.
-    pub fn all(&self, document: &Document) -> Vec<&KeptRun> {
-        keyed(document).iter().filter_map(|(key, _)| Some(&**self.made.get(key)?)).collect()
-    }
-
-    /// Kept runs of `document` that cannot be shown, and why: number, name, reason.
-    fn absent(&self, document: &Document) -> Vec<(usize, String, String)> {
-        let reason = |key: &Key| match self.made.state(key) {
-            State::Failed(why) => format!("not compared: {why}"),
-            _ if self.channel.is_some() => "is being recomputed".to_owned(),
-            _ => "waits for part and channel".to_owned(),
-        };
-        let absent = keyed(document).into_iter().filter(|(key, _)| self.made.get(key).is_none());
-        absent.map(|(key, of)| (of.number, name(of.number, of.job.plan.strategy), reason(&key))).collect()
-    }
-
-    /// Whether one more can be kept, and `plan`, which must be certified, is not kept already.
-    pub fn can_keep(&self, plan: &PlanOutcome, document: &Document) -> bool {
-        plan.is_verified()
-            && kept_plan::KeptRun::all_of(document).len() < Self::MOST
-            && !self.all(document).iter().any(|run| run.paths.iter().map(String::as_str).eq(paths(plan)))
-    }
-
-    /// Keeps `plan`, which was made by the parameters of `document` of meshes with this content. Answers its name.
-    pub fn keep(&mut self, plan: &PlanOutcome, document: &mut Document, content: &str) -> Option<String> {
-        let job = document.params().clone();
-        let plan_kept = KeptPlan { inputs: KeptPlan::inputs_of(&job, content), electrodes: kept(plan)? };
-        let mut all = kept_plan::KeptRun::all_of(document);
-        let number = all.iter().map(|run| run.number).max().unwrap_or(0) + 1;
-        let is_free = |colour: &usize| all.iter().all(|run| run.colour != *colour);
-        let colour = (0..Self::MOST).find(is_free).unwrap_or(0);
-        let of = kept_plan::KeptRun::new(number, colour, job, plan_kept);
-        all.push(of.clone());
-        kept_plan::KeptRun::keep(&all, document);
-        let step = step_of(&all, document);
-        let run = Arc::new(KeptRun::new(&of, plan, step));
-        self.made.put(&key(&of, step), run.clone());
-        Some(run.name())
-    }
-
-    /// Keeps up with `document`: makes the runs that came with its file, once part and channel are there. Answers why some
-    /// are not shown.
-    pub fn follow(&mut self, document: &Document, of: Option<(&Arc<Part>, &Arc<FoundChannel>)>) -> Vec<String> {
-        let mut problems = Vec::new();
-        while let Some(Ended { key, result, .. }) = self.made.take() {
-            if let Err(Refusal::Failed(why)) = result {
-                problems.push(format!("the kept run {} is not shown: {why}", key.0));
-            }
-        }
-        let Some((part, found)) = of.map(|(part, found)| (part.clone(), Same(found.clone()))) else { return problems };
-        let runs = keyed(document);
-        if self.channel.as_ref() != Some(&found) {
-            runs.iter().for_each(|(key, _)| self.made.resume(key));
-            self.channel = Some(found.clone());
-        }
-        if self.made.under_way().is_some_and(|of| runs.iter().any(|(key, _)| key == of)) {
-            return problems;
-        }
-        let lacking = runs.into_iter().find(|(key, _)| self.made.wants(key));
-        let Some((key, of)) = lacking else { return problems };
-        let (now, step) = (document.params().clone(), key.2);
-        self.made.ask(&key, Priority::Background, move |work| {
-            let made = kept_run(&of, &now, &part, &found.0, &work.task);
-            made.map(|plan| KeptRun::new(&of, &plan, step)).map_err(|e| e.to_string())
-        });
-        problems
-    }
-
-    /// Whether one is being made.
-    pub fn is_busy(&self) -> bool {
-        self.made.is_busy()
-    }
-
-    /// Forgets them: another document is there.
-    pub fn forget(&mut self) {
-        self.made.clear();
-        self.channel = None;
-    }
-}
-
-fn key(run: &kept_plan::KeptRun, step: f64) -> Key {
-    (run.number, run.plan.inputs.clone(), step)
-}
-
-/// The runs of `document` with their keys.
-fn keyed(document: &Document) -> Vec<(Key, kept_plan::KeptRun)> {
-    let runs = kept_plan::KeptRun::all_of(document);
-    let step = step_of(&runs, document);
-    runs.into_iter().map(|run| (key(&run, step), run)).collect()
-}
-
-/// The step that differences of all `runs` are taken over, that of the first (mm).
-fn step_of(runs: &[kept_plan::KeptRun], document: &Document) -> f64 {
-    runs.first().map_or(document.params().plan.step_mm, |run| run.job.plan.step_mm)
-}
-
-/// Digests of the paths of `plan`.
-fn paths(plan: &PlanOutcome) -> impl Iterator<Item = &str> {
-    plan.electrodes.iter().filter_map(|e| Some(e.plan.path.as_ref()?.certificate.path_digest()))
 }
 
 /// Draws the figures of the kept runs for the electrode that is looked at, with a button to remove each.

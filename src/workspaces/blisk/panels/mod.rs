@@ -4,7 +4,6 @@ pub mod dialogs;
 pub mod forms;
 pub mod inspector;
 pub mod kept_runs;
-pub mod machine_motion;
 pub mod node_table;
 pub mod overlay;
 pub mod plots;

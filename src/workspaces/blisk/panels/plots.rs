@@ -8,8 +8,8 @@ use std::sync::Arc;
 use egui::{Color32, RichText, Ui};
 use egui_plot::{HLine, Line, LineStyle, PlotPoint, PlotPoints, VLine};
 
-use super::kept_runs::KeptRun;
 use crate::widgets::theme::palette;
+use crate::workspaces::blisk::desk::kept_runs::KeptRun;
 use crate::workspaces::blisk::scene::track::Track;
 use feed::pose::Axis;
 use feed::problem::Convergence;

@@ -11,7 +11,7 @@ use crate::widgets::panel_parts::grouped;
 use crate::widgets::panel_parts::{fact, notice, sentence};
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::document::stage::Stage;
-use crate::workspaces::blisk::job::plan::PlanOutcome;
+use crate::workspaces::blisk::job::outcome::PlanOutcome;
 use crate::workspaces::blisk::job::simulate;
 use feed::leftover::Leftover;
 use task::State;

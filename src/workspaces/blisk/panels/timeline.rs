@@ -4,7 +4,7 @@ use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::desk::BliskDesk;
 use crate::workspaces::commands::{CommandSet, Commanded};
 use crate::workspaces::context::Context;
-use egui::{Rect, RichText, Ui, pos2, vec2};
+use egui::{Align2, FontId, Rect, RichText, Ui, pos2, vec2};
 
 use crate::widgets::theme::palette;
 use crate::widgets::timeline::Strip;
@@ -21,7 +21,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         readout(ui, desk, cx);
     });
     strip(ui, desk);
-    super::machine_motion::strip(ui, desk);
+    whole_motion(ui, desk);
 }
 
 fn controls(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
@@ -158,6 +158,33 @@ fn scale(strip: &Strip, inner: Rect, length: f64, cursor: Option<f32>) {
         if cursor.is_none_or(|cursor| (x - cursor).abs() > 16.0) {
             strip.number(x, text);
         }
+    }
+}
+
+/// A strip with a part for everything that the machine does; a drag moves it.
+fn whole_motion(ui: &mut Ui, desk: &mut BliskDesk) {
+    let Some((motion, gone)) = desk.machine.motion() else { return };
+    let length = motion.length();
+    let strip = Strip::new(ui, 18.0, "Whole motion", (gone.unwrap_or(0.0), length > 0.0));
+    let (rect, painter, inner, colours) = (strip.rect, &strip.painter, strip.inner(), palette(ui));
+    let x_of = |way: f64| inner.left() + inner.width() * (way / length.max(1e-9)) as f32;
+    for (i, (phase, _, [from, to])) in motion.phases().enumerate() {
+        let part = Rect::from_x_y_ranges(x_of(from)..=x_of(to), rect.shrink(2.0).y_range());
+        let fill = if i % 2 == 0 { colours.faint.gamma_multiply(0.18) } else { colours.faint.gamma_multiply(0.32) };
+        painter.rect_filled(part, 2.0, fill);
+        if part.width() > 7.0 * phase.name().len() as f32 {
+            let font = FontId::proportional(10.0);
+            painter.text(part.center(), Align2::CENTER_CENTER, phase.name(), font, ui.visuals().text_color());
+        }
+    }
+    if let Some(trouble) = desk.machine.trouble() {
+        painter.vline(x_of(trouble.way), rect.y_range(), egui::Stroke::new(2.0, colours.bad));
+    }
+    if let Some(way) = gone {
+        strip.pin(x_of(way), rect.center().y, 4.0);
+    }
+    if let Some(t) = strip.dragged(inner) {
+        desk.go_to_moment(length * t);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The outcome of a plan in the words of the report.
 
 use crate::workspaces::blisk::document::job_file::PlanJob;
-use crate::workspaces::blisk::job::plan::{ElectrodeOutcome, PlanOutcome};
+use crate::workspaces::blisk::job::outcome::{ElectrodeOutcome, PlanOutcome};
 use crate::workspaces::blisk::report::StageTime;
 use crate::workspaces::blisk::report::leftover::LeftoverReport;
 use crate::workspaces::blisk::report::simulation::SimulationReport;

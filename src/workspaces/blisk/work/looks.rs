@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use super::{BliskWork, Wish};
 use crate::workspaces::blisk::document::stage::{Fingerprint, Stage};
-use crate::workspaces::blisk::job::plan::PlanInputs;
+use crate::workspaces::blisk::job::outcome::PlanInputs;
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::preview::Looked;
 use crate::workspaces::blisk::job::sizing::{SizeRow, SizingRange, size};

@@ -9,12 +9,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use crate::workspaces::blisk::document::Document;
-use crate::workspaces::blisk::document::field_table::FIELDS;
 use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::kept_plan::KeptPlan;
 use crate::workspaces::blisk::document::stage::{Fingerprint, Stage};
 use crate::workspaces::blisk::job::finish::finish;
-use crate::workspaces::blisk::job::plan::{PlanInputs, PlanOutcome, kept};
+use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanOutcome};
+use crate::workspaces::blisk::job::plan::kept;
 use crate::workspaces::blisk::job::planned::{Exported, Finished, PartialPlan, Planned, inputs_of};
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::released::{NotReleased, Released};

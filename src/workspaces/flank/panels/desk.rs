@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use glam::DVec3;
 
-use super::plots::Tab;
 use crate::workspaces::context::rest_left;
 use crate::workspaces::flank::document::milling_machine_file::{load_milling_machines, milling_machine};
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice, fields};
@@ -48,6 +47,17 @@ pub enum Standing {
     Stale,
     /// The plan of the present parameters.
     Planned,
+}
+
+/// A plot of the panel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Tab {
+    /// Sum of deviations over the rank.
+    Ranks,
+    /// Deviations along the guides, and where the cutter stands.
+    Deviation,
+    /// The machine's axes.
+    Machine,
 }
 
 /// The flank, what was made of it, and how it is looked at.

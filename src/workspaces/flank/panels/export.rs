@@ -2,7 +2,7 @@
 
 use crate::workspaces::commands::FrameCommand;
 use crate::workspaces::context::Context;
-use crate::workspaces::flank::panels::FlankDesk;
+use crate::workspaces::flank::panels::desk::FlankDesk;
 use egui::{RichText, Ui};
 
 use super::results;

@@ -3,11 +3,12 @@
 use crate::workspaces::commands::{CommandSet, FrameCommand};
 use crate::workspaces::context::Context;
 use crate::workspaces::flank::commands::FlankCommand;
-use crate::workspaces::flank::panels::FlankDesk;
+use crate::workspaces::flank::panels::desk::FlankDesk;
 use egui::{ProgressBar, RichText, Ui, vec2};
 use glam::DVec3;
 
 use super::desk::Standing;
+use super::source::CHOOSE_SIDE;
 use super::{results, source};
 use crate::widgets::form::Form;
 use crate::widgets::panel_parts::section;
@@ -17,7 +18,6 @@ use crate::workspaces::flank::document::FlankDocument;
 use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::paths::FlankPath;
 use files::{Validate, direction_words};
-use flank::ruled_surface::Side;
 use task::State;
 
 /// Height of the line that says how the plan stands (points).
@@ -108,14 +108,6 @@ fn path_of(key: &str) -> Option<FlankPath> {
         _ => return None,
     })
 }
-
-/// Both sides of a surface, what they are called, and what that means.
-pub const SIDES: [(Side, &str, &str); 2] = [
-    (Side::Positive, "+1", "Where the lower guide crossed with the ruling points to"),
-    (Side::Negative, "\u{2212}1", "The other side"),
-];
-/// What is said while nobody but the user can know the side.
-pub const CHOOSE_SIDE: &str = "Choose the side of the cutter, away from the part: +1 or \u{2212}1";
 
 /// What must not be cut.
 fn walls(ui: &mut Ui, desk: &FlankDesk, form: &mut Form<FlankDocument>) {

@@ -1,26 +1,23 @@
 //! The workspace of flanks: a ruled surface, the cutter that mills it with its side, the path in three steps, and what
 //! was checked of it. Like the rest of the window it computes nothing.
 
-mod desk;
-mod export;
+pub mod desk;
+pub mod export;
 mod form;
-mod guides;
+pub mod guides;
 mod plots;
 mod results;
 mod source;
 mod timeline;
-mod view;
-
-pub use desk::{FlankDesk, Fly};
-pub use export::{Answer, show as export_dialog};
-pub use guides::{is_points_file, pair as pair_of_guides};
-pub use view::FlankView;
+pub mod view;
 
 use crate::workspaces::context::Context;
 use egui::{Panel, Ui};
 
 use crate::workspaces::flank::commands::FlankCommand;
 use crate::workspaces::flank::paths::FlankPath;
+use desk::FlankDesk;
+use view::FlankView;
 
 /// Height of the panel of timeline and plots (points).
 const PLOTS: f32 = 236.0;

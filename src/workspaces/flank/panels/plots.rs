@@ -1,7 +1,7 @@
 //! Plots of a flank: the sum of deviations over the rank, deviations along the guides and where the cutter stands, and the
 //! axes of the machine.
 
-use crate::workspaces::flank::panels::FlankDesk;
+use crate::workspaces::flank::panels::desk::{FlankDesk, Tab};
 use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 use egui_plot::{GridInput, GridMark, HLine, Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, Points, VLine};
 
@@ -13,17 +13,6 @@ use crate::workspaces::flank::scene::contact_line;
 use crate::workspaces::flank::work::{AxisCurve, MachineCurves, Planned};
 use flank::plan::FlankPlan;
 use nc::flank_job::path_of;
-
-/// A plot of the panel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Tab {
-    /// Sum of deviations over the rank.
-    Ranks,
-    /// Deviations along the guides, and where the cutter stands.
-    Deviation,
-    /// The machine's axes.
-    Machine,
-}
 
 impl Tab {
     const ALL: [Self; 3] = [Self::Ranks, Self::Deviation, Self::Machine];

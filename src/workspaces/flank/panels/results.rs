@@ -1,6 +1,6 @@
 //! The right panel: the figures of the three paths, what was checked, and what the reader must know.
 
-use crate::workspaces::flank::panels::FlankDesk;
+use crate::workspaces::flank::panels::desk::FlankDesk;
 use egui::{Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
 use super::desk::Standing;

@@ -1,10 +1,9 @@
 //! Where the surface comes from: the program itself, two guide curves, or a face of a part.
 
-use crate::workspaces::flank::panels::FlankDesk;
+use crate::workspaces::flank::panels::desk::FlankDesk;
 use egui::{Align, Label, Layout, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use egui_extras::{Column, TableBuilder};
 
-use super::form::CHOOSE_SIDE;
 use crate::widgets::form::Form;
 use crate::widgets::panel_parts::{fact, notice};
 use crate::widgets::theme::palette;
@@ -16,6 +15,14 @@ use nc::flank_job::LoadedSurface;
 
 /// Height of the list of faces (points).
 const LIST: f32 = 150.0;
+
+/// Both sides of a surface, what they are called, and what that means.
+pub const SIDES: [(Side, &str, &str); 2] = [
+    (Side::Positive, "+1", "Where the lower guide crossed with the ruling points to"),
+    (Side::Negative, "\u{2212}1", "The other side"),
+];
+/// What is said while nobody but the user can know the side.
+pub const CHOOSE_SIDE: &str = "Choose the side of the cutter, away from the part: +1 or \u{2212}1";
 
 /// Draws the fields of the source. Answers the path that the user is to choose.
 pub fn show(ui: &mut Ui, desk: &FlankDesk, form: &mut Form<FlankDocument>) -> Option<FlankPath> {

@@ -1,7 +1,7 @@
 //! The timeline: the locations of the path from its start to its end, where the cutter stands, and how it is played.
 
 use crate::workspaces::context::Context;
-use crate::workspaces::flank::panels::FlankDesk;
+use crate::workspaces::flank::panels::desk::FlankDesk;
 use egui::{RichText, Role, Ui, WidgetInfo};
 
 use crate::widgets::theme::palette;

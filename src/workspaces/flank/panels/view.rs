@@ -3,14 +3,14 @@
 use crate::workspaces::commands::{Command, CommandSet, FrameCommand};
 use crate::workspaces::context::Context;
 use crate::workspaces::flank::commands::FlankCommand;
-use crate::workspaces::flank::panels::FlankDesk;
+use crate::workspaces::flank::panels::desk::FlankDesk;
 use std::sync::Arc;
 
 use egui::{Align2, FontId, Rect, RichText, Role, Ui, WidgetInfo, vec2};
 use glam::DVec3;
 
 use super::desk::{Fly, Standing};
-use super::form::{CHOOSE_SIDE, SIDES};
+use super::source::{CHOOSE_SIDE, SIDES};
 use crate::widgets::camera::bodies;
 use crate::widgets::overlay;
 use crate::widgets::theme::palette;

@@ -54,7 +54,7 @@ mod tests {
     use crate::workspaces::mold::document::holder_files::{HOLDERS, HOLDERS_FILE_NAME, HolderLibrary};
     use files::Override;
     use mold::cutter::{Cutter, CutterLibrary};
-    use mold::electrode::check::CheckKind;
+    use mold::electrode::finding::CheckKind;
     use mold::electrode::params::{Blanks, Edit, ElectrodeParams, Holder, Method, Orbit, Shape, Stage};
 
     /// The electrodes asked for in a project with this text after its kind.

@@ -2,7 +2,7 @@
 
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::commands::MoldCommand;
-use crate::workspaces::mold::panels::MoldDesk;
+use crate::workspaces::mold::panels::desk::MoldDesk;
 use egui::{Grid, RichText, Ui};
 
 use super::cutters;

@@ -4,8 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::electrode::ElectrodeDesk;
-use super::list::Column;
+use super::electrode::desk::ElectrodeDesk;
 use crate::widgets::form::Answer;
 use crate::workspaces::context::{Context, rest_left};
 use crate::workspaces::hands::{Gesture, Hands};
@@ -27,6 +26,33 @@ use task::{Priority, Scheduler, State};
 const REST: f64 = 0.3;
 /// How long nothing may change before electrodes are made again (s): a user who changes one setting often changes another.
 const REST_OF_DESIGN: f64 = 1.2;
+
+/// A column of the list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Column {
+    Index,
+    Volume,
+    Area,
+    Height,
+    Nearest,
+}
+
+impl Column {
+    /// All columns.
+    pub const ALL: [Self; 5] = [Self::Index, Self::Volume, Self::Area, Self::Height, Self::Nearest];
+
+    /// What a region, which is number `i`, is sorted by.
+    pub fn key(self, region: &UncutRegion, i: usize) -> f64 {
+        match self {
+            Self::Index => i as f64,
+            Self::Volume => region.volume,
+            Self::Area => region.plan_area,
+            Self::Height => region.depth,
+            Self::Nearest => region.nearest_cutter.map_or(-1.0, |c| c as f64),
+        }
+    }
+}
 
 /// What is asked, what was found, and how it is looked at.
 pub struct MoldDesk {

@@ -1,30 +1,18 @@
-//! The list of regions: sorted, filtered, selected.
+//! The lists: that of regions, sorted, filtered, selected, and in its place that of electrodes.
 
+use crate::workspaces::commands::CommandSet;
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::commands::MoldCommand;
 use egui::{Align, Align2, DragValue, Layout, RichText, Role, Sense, TextStyle, Ui, WidgetInfo, vec2};
 use egui_extras::{Column as Width, TableBuilder};
 
-use super::desk::MoldDesk;
+use super::desk::{Column, MoldDesk};
+use super::electrode;
 use crate::widgets::panel_parts::fact;
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::mold::scene::region_colour;
-use mold::uncut_region::UncutRegion;
-
-/// A column of the list.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
-pub enum Column {
-    Index,
-    Volume,
-    Area,
-    Height,
-    Nearest,
-}
 
 impl Column {
-    /// All columns.
-    pub const ALL: [Self; 5] = [Self::Index, Self::Volume, Self::Area, Self::Height, Self::Nearest];
     /// Columns that there is always room for.
     const NEEDED: [Self; 3] = [Self::Index, Self::Volume, Self::Height];
 
@@ -36,24 +24,31 @@ impl Column {
     fn width(self) -> Option<f32> {
         [Some(40.0), None, Some(66.0), Some(52.0), Some(58.0)][self as usize]
     }
-
-    /// What a region, which is number `i`, is sorted by.
-    pub fn key(self, region: &UncutRegion, i: usize) -> f64 {
-        match self {
-            Self::Index => i as f64,
-            Self::Volume => region.volume,
-            Self::Area => region.plan_area,
-            Self::Height => region.depth,
-            Self::Nearest => region.nearest_cutter.map_or(-1.0, |c| c as f64),
-        }
-    }
 }
 
 /// Below this width (points) there are the most needed columns only.
 const NARROW: f32 = 326.0;
 
-/// Draws the list.
-pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
+/// The list of regions or that of electrodes.
+pub(super) fn lists(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
+    if desk.electrodes.designed().is_some() {
+        ui.add_space(2.0);
+        ui.horizontal(|ui| {
+            for (name, is_shown) in [("Regions", false), ("Electrodes", true)] {
+                let is_on = desk.electrodes.is_shown == is_shown;
+                let response = ui.selectable_label(is_on, name).on_hover_text(MoldCommand::Electrodes.hint(ui.ctx()));
+                response.widget_info(|| WidgetInfo::selected(Role::Tab, true, is_on, format!("List of {name}")));
+                if response.clicked() && !is_on {
+                    cx.push(MoldCommand::Electrodes);
+                }
+            }
+        });
+    }
+    if desk.electrodes.seen().is_some() { electrode::list(ui, desk, cx) } else { show(ui, desk, cx) }
+}
+
+/// Draws the list of regions.
+fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
     ui.add_space(4.0);
     let is_narrow = ui.available_width() < NARROW;
     let listed = desk.listed();

@@ -3,24 +3,20 @@
 
 mod compare;
 mod cutters;
-mod desk;
+pub mod desk;
 mod electrode;
 mod list;
 mod panel;
 mod strip;
-mod view;
+pub mod view;
 
-pub use desk::MoldDesk;
-pub use electrode::ElectrodeDesk;
-pub use list::Column;
-pub use view::MoldView;
-
-use crate::workspaces::commands::CommandSet;
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::commands::MoldCommand;
-use egui::{Panel, Role, Ui, WidgetInfo};
+use egui::{Panel, Ui};
 
 use crate::workspaces::mold::paths::MoldPath;
+use desk::MoldDesk;
+use view::MoldView;
 
 /// Draws the workspace. Answers what a path is wanted for.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, view: &mut MoldView) -> Option<MoldPath> {
@@ -43,7 +39,7 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, view: &mut MoldV
         let list = Panel::right(if wide { "regions" } else { "regions instead" })
             .default_size(width)
             .size_range(228.0..=(0.4 * room).clamp(width, 480.0));
-        list.show(ui, |ui| lists(ui, desk, cx));
+        list.show(ui, |ui| list::lists(ui, desk, cx));
     }
     egui::CentralPanel::no_frame().show(ui, |ui| {
         let rect = ui.available_rect_before_wrap();
@@ -51,22 +47,4 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, view: &mut MoldV
         cx.folds(ui, rect, (MoldCommand::FoldPanel, is_formed), Some((MoldCommand::FoldList, is_listed)));
     });
     asked
-}
-
-/// The list of regions or that of electrodes.
-fn lists(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
-    if desk.electrodes.designed().is_some() {
-        ui.add_space(2.0);
-        ui.horizontal(|ui| {
-            for (name, is_shown) in [("Regions", false), ("Electrodes", true)] {
-                let is_on = desk.electrodes.is_shown == is_shown;
-                let response = ui.selectable_label(is_on, name).on_hover_text(MoldCommand::Electrodes.hint(ui.ctx()));
-                response.widget_info(|| WidgetInfo::selected(Role::Tab, true, is_on, format!("List of {name}")));
-                if response.clicked() && !is_on {
-                    cx.push(MoldCommand::Electrodes);
-                }
-            }
-        });
-    }
-    if desk.electrodes.seen().is_some() { electrode::list(ui, desk, cx) } else { list::show(ui, desk, cx) }
 }

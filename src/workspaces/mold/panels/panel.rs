@@ -3,7 +3,7 @@
 use crate::workspaces::commands::{CommandSet, FrameCommand};
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::commands::MoldCommand;
-use crate::workspaces::mold::panels::MoldDesk;
+use crate::workspaces::mold::panels::desk::MoldDesk;
 use egui::{ProgressBar, RichText, Ui, vec2};
 use files::Validate as _;
 
@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, with_list: bool)
         section(ui, "Electrodes", false, |ui| asked = electrode::form(ui, desk, cx).or(asked.take()));
         if with_list {
             section(ui, "List", true, |ui| {
-                ui.allocate_ui(vec2(ui.available_width(), LIST), |ui| super::lists(ui, desk, cx));
+                ui.allocate_ui(vec2(ui.available_width(), LIST), |ui| list::lists(ui, desk, cx));
             });
         }
         section(ui, "Compare cutters", false, |ui| asked = compare::show(ui, desk, cx).or(asked.take()));

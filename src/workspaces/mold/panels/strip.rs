@@ -1,6 +1,6 @@
 //! The strip over the view that goes through the layers.
 
-use crate::workspaces::mold::panels::MoldDesk;
+use crate::workspaces::mold::panels::desk::MoldDesk;
 use egui::{Rect, RichText, Slider, Ui};
 
 use super::list::{dim, stale};

@@ -3,12 +3,13 @@
 use crate::workspaces::commands::{Command, CommandSet};
 use crate::workspaces::context::{Context, standard_views};
 use crate::workspaces::mold::commands::MoldCommand;
-use crate::workspaces::mold::panels::MoldDesk;
+use crate::workspaces::mold::panels::desk::MoldDesk;
 use std::sync::Arc;
 
 use egui::{Rect, Stroke, Ui};
 
-use super::electrode::{self, Fly, Look};
+use super::electrode;
+use super::electrode::desk::{Fly, Look};
 use super::strip;
 use crate::widgets::overlay;
 use crate::widgets::theme::palette;

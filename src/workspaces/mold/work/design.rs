@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{FoundUncut, LoadedMold};
+use super::steps::{FoundUncut, LoadedMold};
 use crate::workspaces::mold::job::electrodes::electrodes;
 use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::electrodes::{ElectrodeShape, electrode_shapes};

@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Designed, LoadedMold};
+use super::design::Designed;
+use super::steps::LoadedMold;
 use crate::widgets::camera::PICTURE_SIZE;
 use crate::workspaces::mold::export::{EXPORT, export_electrodes};
 use crate::workspaces::mold::report::ElectrodesReport;

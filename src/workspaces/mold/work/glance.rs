@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::LoadedMold;
+use super::steps::LoadedMold;
 use crate::workspaces::mold::job::preview::{Preview, preview};
 use crate::workspaces::mold::job::uncut::UncutParams;
 use crate::workspaces::mold::scene::region_shapes;

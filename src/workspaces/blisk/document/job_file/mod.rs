@@ -1,11 +1,12 @@
 //! The parameters of a plan: what to plan, with what, and how. A project file has them as TOML; every key but the mesh has a
 //! default, and a key that is not known is an error, since a misspelt one would otherwise be ignored in silence.
 
+pub mod field_table;
+
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::field_table::FIELDS;
 use super::machine_file::{is_file, machine_table};
 use crate::workspaces::blisk::document::choice::{Channels, DrawnPictures, MeshFrame, WrittenFiles};
 use feed::genetic::{GeneticParams, ReductionMode};
@@ -13,6 +14,7 @@ use feed::machine::MachineParams;
 use feed::plan_params::PlanParams;
 use feed::plan_params::{Constraint, Strategy};
 use feed::verify::{VerifyError, VerifyOptions};
+use field_table::FIELDS;
 use files::{Invalid, Params, Validate};
 use import::Units;
 use nc::program::NcSettings;

@@ -1,7 +1,7 @@
 //! What was checked of the selected electrode, in words.
 
 use crate::workspaces::context::Context;
-use crate::workspaces::mold::panels::MoldDesk;
+use crate::workspaces::mold::panels::desk::MoldDesk;
 use std::collections::BTreeSet;
 
 use egui::{RichText, Ui};
@@ -9,8 +9,8 @@ use egui::{RichText, Ui};
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::mold::work::Designed;
 use crate::workspaces::news::EventKind;
-use mold::electrode::check::{CheckKind, Finding};
 use mold::electrode::design::IdleOverride;
+use mold::electrode::finding::{CheckKind, Finding};
 
 /// Draws the checks.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed, electrode: usize) {

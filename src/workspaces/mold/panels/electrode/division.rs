@@ -1,6 +1,6 @@
 //! How regions are divided into parts, and what the user changes about that.
 
-use crate::workspaces::mold::panels::MoldDesk;
+use crate::workspaces::mold::panels::desk::MoldDesk;
 use std::ops::RangeInclusive;
 
 use egui::{ComboBox, DragValue, RichText, Ui, vec2};
@@ -10,7 +10,7 @@ use super::checks;
 use crate::widgets::theme::palette;
 use crate::workspaces::mold::report::Division;
 use crate::workspaces::mold::work::Designed;
-use mold::electrode::check::LeftOfRegion;
+use mold::electrode::leftover::LeftOfRegion;
 use mold::electrode::params::{Edit, Method};
 
 /// Draws the division of these regions of an electrode, counted from 1.

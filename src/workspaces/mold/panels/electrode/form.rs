@@ -2,7 +2,7 @@
 
 use crate::workspaces::commands::FrameCommand;
 use crate::workspaces::context::Context;
-use crate::workspaces::mold::panels::MoldDesk;
+use crate::workspaces::mold::panels::desk::MoldDesk;
 use std::path::Path;
 
 use egui::{CollapsingHeader, RichText, Ui};

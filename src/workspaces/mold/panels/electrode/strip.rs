@@ -3,7 +3,7 @@
 use crate::workspaces::commands::{CommandSet, FrameCommand};
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::commands::MoldCommand;
-use crate::workspaces::mold::panels::MoldDesk;
+use crate::workspaces::mold::panels::desk::MoldDesk;
 use egui::{Rect, RichText, Slider, Ui};
 
 use super::desk::Fly;

@@ -1,14 +1,10 @@
-//! The whole motion on the machine: its strip below the timeline, and where it stands.
+//! The whole motion on the machine, and where it stands.
 
-use crate::workspaces::blisk::desk::BliskDesk;
 use std::sync::Arc;
 
-use egui::{Align2, FontId, Rect, Ui};
 use glam::DVec3;
 
-use crate::widgets::theme::palette;
-use crate::widgets::timeline::Strip;
-use crate::workspaces::blisk::job::plan::PlanOutcome;
+use crate::workspaces::blisk::job::outcome::PlanOutcome;
 use crate::workspaces::blisk::scene::machine::{Moment, WholeMotion, meeting};
 use feed::copying::Copying;
 use feed::simulation::{Phase, Simulation};
@@ -27,7 +23,7 @@ pub struct MachineMotion {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trouble {
     /// The way to it.
-    way: f64,
+    pub way: f64,
     /// Withdrawn distance on the feed (mm), if it is there.
     pub s: Option<f64>,
     /// The two points that come too close, in W at that instant.
@@ -62,6 +58,11 @@ impl MachineMotion {
         self.motion.as_ref()?.1.at(self.way?)
     }
 
+    /// The whole motion, and the way that it has gone; none of that while the timeline says where the electrode stands.
+    pub fn motion(&self) -> Option<(&WholeMotion, Option<f64>)> {
+        self.motion.as_ref().map(|(_, motion)| (motion, self.way))
+    }
+
     /// What was found out about it.
     pub fn simulation(&self) -> Option<&Arc<Simulation>> {
         self.motion.as_ref().map(|(simulation, _)| simulation)
@@ -82,47 +83,5 @@ impl MachineMotion {
     /// Where something comes too close first.
     pub fn trouble(&self) -> Option<&Trouble> {
         self.trouble.as_ref()
-    }
-}
-
-/// A strip with a part for everything that the machine does; a drag moves it.
-pub fn strip(ui: &mut Ui, desk: &mut BliskDesk) {
-    let Some((_, motion)) = &desk.machine.motion else { return };
-    let length = motion.length();
-    let strip = Strip::new(ui, 18.0, "Whole motion", (desk.machine.way.unwrap_or(0.0), length > 0.0));
-    let (rect, painter, inner, colours) = (strip.rect, &strip.painter, strip.inner(), palette(ui));
-    let x_of = |way: f64| inner.left() + inner.width() * (way / length.max(1e-9)) as f32;
-    for (i, (phase, _, [from, to])) in motion.phases().enumerate() {
-        let part = Rect::from_x_y_ranges(x_of(from)..=x_of(to), rect.shrink(2.0).y_range());
-        let fill = if i % 2 == 0 { colours.faint.gamma_multiply(0.18) } else { colours.faint.gamma_multiply(0.32) };
-        painter.rect_filled(part, 2.0, fill);
-        if part.width() > 7.0 * phase.name().len() as f32 {
-            let font = FontId::proportional(10.0);
-            painter.text(part.center(), Align2::CENTER_CENTER, phase.name(), font, ui.visuals().text_color());
-        }
-    }
-    if let Some(trouble) = desk.machine.trouble() {
-        painter.vline(x_of(trouble.way), rect.y_range(), egui::Stroke::new(2.0, colours.bad));
-    }
-    if let Some(way) = desk.machine.way {
-        strip.pin(x_of(way), rect.center().y, 4.0);
-    }
-    if let Some(t) = strip.dragged(inner) {
-        desk.go_to_moment(length * t);
-    }
-}
-
-/// What was found out about the whole motion.
-pub fn facts(ui: &mut Ui, desk: &mut BliskDesk) {
-    let Some(simulation) = desk.machine.simulation() else { return };
-    ui.add_space(6.0);
-    ui.separator();
-    ui.label(egui::RichText::new("Whole motion on the machine").small().color(palette(ui).faint));
-    let colour = if simulation.holds() { ui.visuals().text_color() } else { palette(ui).bad };
-    ui.add(egui::Label::new(egui::RichText::new(simulation.sentence()).color(colour)).wrap());
-    if let Some(way) = desk.machine.trouble().map(|trouble| trouble.way)
-        && ui.button("Go to the collision").clicked()
-    {
-        desk.go_to_moment(way);
     }
 }

@@ -1,9 +1,10 @@
 //! Program parts around the channel: the simulated approach, and the motion from one channel to the next.
 
-use super::approved::Approved;
-use super::post::Post;
+use super::{Feeds, TurnedJob, Writer, check_axes, first_position, in_channel};
+use crate::approved::Approved;
 use crate::block_feed::{BlockFeed, Pace};
-use crate::program::{Feeds, NcError, TurnedJob, Writer, check_axes, first_position, in_channel};
+use crate::lines::NcError;
+use crate::post::Post;
 use feed::path::PathRow;
 use feed::pose::{Axis, Pose};
 use feed::quantise::{deg_text, floor_mm_text};

@@ -1,16 +1,18 @@
 //! The window as a whole: its state, and what is done every frame.
 
+mod questions;
+
 use std::any::Any;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use egui::{Panel, Ui};
 
-use super::dialogs::{self, Answer, Dialog, Intent};
-use super::files::{Asking, Chosen, FileDialogs, Opened, PICTURE, PROJECT, Purpose};
-use super::palette::CommandPalette;
-use super::pictures::Pictures;
-use super::{menu, status};
+use crate::shell::dialogs::{self, Dialog, Intent};
+use crate::shell::files::{Asking, Chosen, FileDialogs, PICTURE, Purpose};
+use crate::shell::palette::CommandPalette;
+use crate::shell::pictures::Pictures;
+use crate::shell::{menu, status};
 use crate::widgets::theme;
 use crate::workspaces::commands::{Command, CommandSet, FrameCommand, Scope, pressed};
 use crate::workspaces::context::{Context, LogLine, Request, is_project};
@@ -349,50 +351,6 @@ impl SparkpathApp {
         self.with(owner, |workspace, cx| workspace.take_files(&files, cx));
     }
 
-    /// Does `intent`, after asking about unsaved work.
-    fn intend(&mut self, intent: Intent, ctx: &egui::Context) {
-        // What was to be done before is not wanted any more, nor what was answered for it.
-        self.after_save = None;
-        self.given_up.clear();
-        self.intend_from(0, intent, ctx);
-    }
-
-    /// Does `intent`, after asking about what is unsaved from workspace number `first` on.
-    fn intend_from(&mut self, first: usize, intent: Intent, ctx: &egui::Context) {
-        let mut asked = first..self.workspaces.len();
-        match asked.find(|i| self.is_endangered(*i, intent)) {
-            Some(i) => self.dialog = Dialog::Unsaved(i, intent),
-            None => self.carry_out(intent, ctx),
-        }
-    }
-
-    /// Whether `intent` would lose work of workspace number `i` that the user has not given up as it is now.
-    fn is_endangered(&self, i: usize, intent: Intent) -> bool {
-        let document = self.workspaces[i].document();
-        let given_up = self.given_up.get(i).copied().flatten();
-        intent.endangers(i) && document.is_unsaved() && given_up != Some(document.revision())
-    }
-
-    /// Goes on with what was to be done once the document of workspace number `i` was saved.
-    fn saved(&mut self, i: usize, ctx: &egui::Context) {
-        if let Some((_, intent)) = self.after_save.take_if(|(of, _)| *of == i) {
-            // From the first: another workspace may have been worked in while the dialog was open.
-            self.intend_from(0, intent, ctx);
-        }
-    }
-
-    fn carry_out(&mut self, intent: Intent, ctx: &egui::Context) {
-        match intent {
-            Intent::Quit => {
-                self.quitting = true;
-                let kinds = self.workspaces.iter().map(|one| one.about().id);
-                self.autosave.iter_mut().for_each(|autosave| kinds.clone().for_each(|kind| autosave.discard(kind)));
-                ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-            }
-            Intent::Replace(i) => self.with(i, |workspace, cx| workspace.proceed(cx)),
-        }
-    }
-
     /// Whether any document has unsaved work.
     fn is_unsaved(&self) -> bool {
         self.workspaces.iter().any(|one| one.document().is_unsaved())
@@ -401,145 +359,6 @@ impl SparkpathApp {
     /// The folder that a file dialog starts in.
     fn folder(&self) -> Option<PathBuf> {
         self.workspaces[self.shown].near().and_then(Path::parent).map(Path::to_owned)
-    }
-
-    /// Saves the document of workspace number `i`, in its file if it has one and that will do.
-    fn save(&mut self, i: usize, in_its_file: bool, ctx: &egui::Context) {
-        let document = self.workspaces[i].document();
-        match document.file().map(Path::to_owned).filter(|_| in_its_file) {
-            Some(file) => self.save_as(i, &file, ctx),
-            None => {
-                let name = format!("{}.sparkpath", document.name());
-                self.ask(Purpose { of: Asking::Document(i), info: &PROJECT }, &name, ctx);
-            }
-        }
-    }
-
-    fn save_as(&mut self, i: usize, file: &Path, ctx: &egui::Context) {
-        match self.workspaces[i].document_mut().save_as(file) {
-            Ok(()) => {
-                self.cx.opened(file);
-                self.say(EventKind::Done, format!("saved as {}", file.display()));
-                self.saved(i, ctx);
-            }
-            Err(why) => {
-                self.after_save.take_if(|(of, _)| *of == i);
-                self.error("The project was not saved", why.to_string());
-            }
-        }
-    }
-
-    /// Asks for a path, unless one is being asked for.
-    fn ask(&mut self, purpose: Purpose, name: &str, ctx: &egui::Context) {
-        self.files.is_typing_preferred = self.cx.preferences.types_paths;
-        let why = match self.files.ask(purpose, name, self.folder().as_deref(), ctx) {
-            Opened::Asked => return,
-            Opened::Busy => "Another file dialog is open: close it first",
-            Opened::Failed => "No thread could be started for the file dialog: close other programs and try again",
-        };
-        self.cancelled(purpose);
-        self.say(EventKind::Failed, why);
-    }
-
-    /// No path was given for `purpose`: what would have followed is off.
-    fn cancelled(&mut self, purpose: Purpose) {
-        match purpose.of {
-            Asking::Picture => {}
-            Asking::Document(i) => drop(self.after_save.take_if(|(of, _)| *of == i)),
-            Asking::Workspace(i, number) => {
-                self.given_up.clear();
-                self.with(i, |workspace, cx| workspace.no_path(number, cx));
-            }
-        }
-    }
-
-    /// Goes on with a path that was named for `purpose`, unless that would overwrite a file which nobody was asked
-    /// about.
-    fn named(&mut self, purpose: Purpose, path: PathBuf, how: Named, ctx: &egui::Context) {
-        let title = purpose.info.title;
-        if purpose.ending().is_some() && path.is_dir() {
-            self.cancelled(purpose);
-            return self.error(title, format!("{} is a folder. Add the name of a file to it.", path.display()));
-        }
-        if purpose.is_missing(&path) {
-            match how {
-                Named::Chosen => self.cancelled(purpose),
-                // The path can be mended.
-                Named::Typed => self.dialog = Dialog::Path(purpose, path.display().to_string()),
-            }
-            let text = format!("There is no file {}. Check its name and its folder.", path.display());
-            return self.error(title, text);
-        }
-        let whole = purpose.with_ending(path.clone());
-        let is_asked_about = how == Named::Chosen && whole == path;
-        if purpose.ending().is_some() && !is_asked_about && whole.exists() {
-            self.dialog = Dialog::Overwrite(purpose, whole);
-        } else {
-            self.chosen(purpose, whole, ctx);
-        }
-    }
-
-    fn chosen(&mut self, purpose: Purpose, path: PathBuf, ctx: &egui::Context) {
-        match purpose.of {
-            Asking::Picture => self.write_picture(&path),
-            Asking::Document(i) => self.save_as(i, &path, ctx),
-            Asking::Workspace(i, number) => {
-                let owner = if purpose.info.opens && is_project(&path) { self.owner(&path) } else { Some(i) };
-                match owner {
-                    Some(other) if other != i => self.with(other, |workspace, cx| workspace.take_files(&[path], cx)),
-                    Some(_) => self.with(i, |workspace, cx| workspace.take_path(number, path, cx)),
-                    None => self.cancelled(purpose),
-                }
-            }
-        }
-    }
-
-    fn answer(&mut self, answer: Answer, ctx: &egui::Context) {
-        let dialog = std::mem::take(&mut self.dialog);
-        match (answer, dialog) {
-            (Answer::SaveThen(intent), Dialog::Unsaved(i, _)) => {
-                self.after_save = Some((i, intent));
-                self.save(i, true, ctx);
-            }
-            (Answer::Discard(intent), Dialog::Unsaved(i, _)) => {
-                self.given_up.resize_with(self.workspaces.len(), || None);
-                self.given_up[i] = Some(self.workspaces[i].document().revision());
-                self.intend_from(i + 1, intent, ctx);
-            }
-            (Answer::Recover(i), Dialog::Recover(copies)) => self.recover(i, copies),
-            (Answer::ForgetCopies, Dialog::Recover(copies)) => copies.iter().for_each(Recovery::discard),
-            (Answer::Path(purpose, path), _) => {
-                self.dialog = std::mem::take(&mut self.behind);
-                self.named(purpose, path, Named::Typed, ctx);
-            }
-            (Answer::Overwrite, Dialog::Overwrite(purpose, path)) => self.chosen(purpose, path, ctx),
-            (Answer::Close, Dialog::Overwrite(purpose, _)) => self.cancelled(purpose),
-            (Answer::Close, Dialog::Path(purpose, _)) => {
-                self.cancelled(purpose);
-                self.dialog = std::mem::take(&mut self.behind);
-            }
-            (Answer::Close, Dialog::Error(..)) => self.dialog = std::mem::take(&mut self.behind),
-            _ => {}
-        }
-    }
-
-    /// Takes up the work of copy number `i`; those of other workspaces can still be taken up beside it.
-    fn recover(&mut self, i: usize, mut copies: Vec<Recovery>) {
-        let copy = copies.remove(i);
-        let Some(owner) = self.workspaces.iter().position(|one| one.about().id == copy.kind) else { return };
-        if let Err(why) = self.with(owner, |workspace, cx| workspace.recover(&copy, cx)) {
-            return self.error("The copy cannot be read", why);
-        }
-        if self.autosave_now() {
-            copy.discard();
-        }
-        self.shown = owner;
-        self.cx.take_turn(self.shown);
-        self.say(EventKind::Done, "unsaved work was recovered");
-        copies.retain(|other| other.kind != copy.kind);
-        if !copies.is_empty() {
-            self.dialog = Dialog::Recover(copies);
-        }
     }
 
     /// Brings the copies of unsaved work up to date. Tells whether there are as many as are needed.

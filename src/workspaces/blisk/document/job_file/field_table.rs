@@ -2,7 +2,7 @@
 
 use files::{Field, FieldTable, Group, Word, word};
 
-use super::job_file::PlanJob;
+use super::PlanJob;
 
 /// A greatest value that is none.
 const ANY: f64 = f64::INFINITY;

@@ -1,0 +1,239 @@
+//! What a plan is made from, and what comes out: of each electrode, of all together, or why there is none.
+
+use std::sync::{Arc, OnceLock};
+use std::time::Instant;
+
+use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::kept_plan::KeptPlanError;
+use crate::workspaces::blisk::document::machine_file::MachineFileError;
+use crate::workspaces::blisk::report::StageTime;
+use feed::copying::Copying;
+use feed::leftover::Leftover;
+use feed::plan::FeedPlan;
+use feed::plan_params::PlanError;
+use feed::simulation::Simulation;
+use feed::verify::VerifyError;
+use geometry::exact::ExactMeshError;
+use geometry::mesh::Mesh;
+use task::Cancelled;
+use wheel::channel::Channel;
+use wheel::electrode::{Electrode, ElectrodeError, EntrySide};
+use wheel::error::BliskError;
+
+/// What a plan is made from.
+#[derive(Debug, Clone)]
+pub struct PlanInputs {
+    /// The blisk as loaded (mm).
+    pub blisk: Arc<Mesh>,
+    /// The user's own electrode in its final pose, in the blisk's coordinates (mm), if there is one.
+    pub own_electrode: Option<Arc<Mesh>>,
+    /// All parameters.
+    pub job: PlanJob,
+}
+
+/// What was found out about one electrode on one side.
+#[derive(Debug, Clone)]
+pub struct ElectrodeOutcome {
+    /// The electrode as it is exported, in W.
+    pub electrode: Electrode,
+    /// Plan of the electrode.
+    pub plan: FeedPlan,
+    /// Sides that were tried before, and why they were left.
+    pub tried: Vec<(EntrySide, String)>,
+}
+
+/// The answer of a plan.
+#[derive(Debug, Clone)]
+pub struct PlanOutcome {
+    /// The channel.
+    pub channel: Arc<Channel>,
+    /// The electrodes in the order of their parts.
+    pub electrodes: Vec<ElectrodeOutcome>,
+    /// Times of the stages in order.
+    pub times: Vec<StageTime>,
+    /// How they finish the channel. It is worked out after the feeds, which it does not change: see
+    /// [`finish`](super::finish::finish).
+    finishing: OnceLock<Finishing>,
+    /// What stock they leave; worked out last.
+    stock: OnceLock<Stock>,
+}
+
+impl PlanOutcome {
+    /// What came out of the feeds; nothing is known yet of what comes after them.
+    pub(super) fn new(channel: Arc<Channel>, electrodes: Vec<ElectrodeOutcome>, times: Vec<StageTime>) -> Self {
+        Self { channel, electrodes, times, finishing: OnceLock::new(), stock: OnceLock::new() }
+    }
+
+    /// Whether every electrode has a verified path, nothing is known to collide on the machine, and nothing that comes
+    /// after the feeds was stopped.
+    pub fn may_be_approved(&self) -> bool {
+        self.is_verified() && self.stopped().is_none() && self.finishing().is_none_or(|f| f.collision().is_none())
+    }
+
+    /// Stage after the feeds that was stopped, if one was.
+    pub fn stopped(&self) -> Option<&'static str> {
+        let of_stock = || self.stock()?.is_stopped.then_some("map of the residual stock");
+        self.finishing()?.stopped.or_else(of_stock)
+    }
+
+    /// Whether every electrode has a verified path.
+    pub fn is_verified(&self) -> bool {
+        !self.electrodes.is_empty() && self.electrodes.iter().all(|e| e.plan.is_verified())
+    }
+
+    /// How the electrodes finish the channel, once that is known.
+    pub fn finishing(&self) -> Option<&Finishing> {
+        self.finishing.get()
+    }
+
+    pub(super) fn finished_by(&self, finishing: Finishing) -> &Finishing {
+        self.finishing.get_or_init(|| finishing)
+    }
+
+    /// What stock the electrodes leave, once that is known or known to be unknown.
+    pub fn stock(&self) -> Option<&Stock> {
+        self.stock.get()
+    }
+
+    pub(super) fn leaving(&self, stock: Stock) -> &Stock {
+        self.stock.get_or_init(|| stock)
+    }
+
+    /// The copying motion of the electrode with this index, if that is known.
+    pub fn copying(&self, index: usize) -> Option<&Copying> {
+        self.finishing()?.copying.get(index)
+    }
+
+    /// The whole motion of the electrode with this index on the machine, if it was simulated.
+    pub fn simulation(&self, index: usize) -> Option<&Arc<Simulation>> {
+        self.finishing()?.simulations.get(index)
+    }
+
+    /// What stock is left, if that is known.
+    pub fn leftover(&self) -> Option<&Arc<Leftover>> {
+        self.stock()?.left.as_ref().ok()
+    }
+}
+
+/// How the electrodes of a plan finish the channel once they are in.
+#[derive(Debug, Clone)]
+pub struct Finishing {
+    /// The copying motion of each electrode; empty if not every electrode has a certified path.
+    pub copying: Vec<Copying>,
+    /// The whole motion of each electrode on the machine; empty if the machine has no bodies and no other channels are
+    /// burnt.
+    pub simulations: Vec<Arc<Simulation>>,
+    /// Stage that was stopped, if one was: nothing can be approved then.
+    pub stopped: Option<&'static str>,
+    /// Times of the stages in order.
+    pub times: Vec<StageTime>,
+}
+
+/// What stock the electrodes of a plan leave of the channel, all together. A plan can be approved before that is known.
+#[derive(Debug, Clone)]
+pub struct Stock {
+    /// The stock, or why it cannot be told.
+    pub left: Result<Arc<Leftover>, String>,
+    /// Whether its computation was stopped.
+    pub is_stopped: bool,
+    /// Time of its computation.
+    pub times: Vec<StageTime>,
+}
+
+impl Finishing {
+    /// The first motion on the machine in which something comes too close, or an axis cannot go where it would have to.
+    pub fn collision(&self) -> Option<&Simulation> {
+        self.simulations.iter().map(|s| &**s).find(|s| !s.holds())
+    }
+}
+
+/// Why a plan cannot be made. That there is no path is not an error but an answer.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs)]
+pub enum PlanJobError {
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    #[error("{0}")]
+    Job(String),
+    #[error(transparent)]
+    Invalid(#[from] files::Invalid),
+    #[error(transparent)]
+    Kept(#[from] KeptPlanError),
+    #[error(transparent)]
+    Blisk(BliskError),
+    #[error(transparent)]
+    Electrode(ElectrodeError),
+    #[error(transparent)]
+    Plan(PlanError),
+    #[error(transparent)]
+    Mesh(#[from] ExactMeshError),
+    #[error(transparent)]
+    Verify(VerifyError),
+    #[error(transparent)]
+    Machine(MachineFileError),
+}
+
+impl From<VerifyError> for PlanJobError {
+    fn from(error: VerifyError) -> Self {
+        match error {
+            VerifyError::Cancelled(cancelled) => cancelled.into(),
+            other => Self::Verify(other),
+        }
+    }
+}
+
+impl From<MachineFileError> for PlanJobError {
+    fn from(error: MachineFileError) -> Self {
+        match error {
+            MachineFileError::Cancelled(cancelled) => cancelled.into(),
+            other => Self::Machine(other),
+        }
+    }
+}
+
+impl From<BliskError> for PlanJobError {
+    fn from(error: BliskError) -> Self {
+        match error {
+            BliskError::Cancelled(cancelled) => cancelled.into(),
+            other => Self::Blisk(other),
+        }
+    }
+}
+
+impl From<ElectrodeError> for PlanJobError {
+    fn from(error: ElectrodeError) -> Self {
+        match error {
+            ElectrodeError::Cancelled(cancelled) => cancelled.into(),
+            other => Self::Electrode(other),
+        }
+    }
+}
+
+impl From<PlanError> for PlanJobError {
+    fn from(error: PlanError) -> Self {
+        match error {
+            PlanError::Cancelled(cancelled) => cancelled.into(),
+            other => Self::Plan(other),
+        }
+    }
+}
+
+/// Adds up the times of stages by name.
+#[derive(Clone, Default)]
+pub(super) struct Clock(pub(super) Vec<StageTime>);
+
+impl Clock {
+    pub(super) fn time<T>(&mut self, stage: &str, work: impl FnOnce() -> T) -> T {
+        let started = Instant::now();
+        let result = work();
+        self.add(stage, started.elapsed().as_secs_f64());
+        result
+    }
+
+    pub(super) fn add(&mut self, stage: &str, seconds: f64) {
+        match self.0.iter_mut().find(|t| t.stage == stage) {
+            Some(known) => known.seconds += seconds,
+            None => self.0.push(StageTime { stage: stage.to_owned(), seconds }),
+        }
+    }
+}
