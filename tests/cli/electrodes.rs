@@ -82,7 +82,7 @@ fn what_is_wrong_with_files_and_words_is_answered_before_any_work() {
         (["--out", &file], &["file"]),
         (["--out", &deep], &["file/out"]),
         (["--override", "E01:gouges"], &["gouges", "watertight, gouge"]),
-        (["--electrode-cutters", "ball:-1"], &["ball:-1", "diameter_mm is -2 mm"]),
+        (["--electrode-cutters", "ball:-1"], &["ball:-1", "diameter_mm is -2: must"]),
         (["--out", &out], &["mold.stl"]),
     ] {
         let (code, said) = said(&sparkpath(&[&["electrodes", &mold, "--units", "mm"], &more[..]].concat()));

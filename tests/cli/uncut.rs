@@ -84,7 +84,7 @@ fn wrong_questions_are_answered_in_one_line() {
         "{said}"
     );
     for (arguments, words) in [
-        (["--cutters", "flat:0"], "diameter_mm is 0 mm"),
+        (["--cutters", "flat:0"], "diameter_mm is 0: must"),
         (["--cutters", "cone:1"], "is no cutter"),
         (["--opening", "up"], "expected +x"),
         (["--tolerance", "-1"], "tolerance_mm is -1"),
