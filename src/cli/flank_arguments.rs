@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::project::Settings;
 use super::{Session, flank_electrode, unit};
 use crate::workspaces::context::is_project;
 use crate::workspaces::flank::document::fields::FIELDS;
@@ -28,6 +29,8 @@ pub(super) struct FlankArguments {
     plan: PlanArguments,
     #[command(flatten)]
     pub(super) milling: MillingArguments,
+    #[command(flatten)]
+    settings: Settings,
     /// Writes what was asked as a file that can be given again.
     #[arg(long, value_name = "FILE")]
     pub(super) save: Option<PathBuf>,
@@ -226,6 +229,8 @@ impl FlankArguments {
             Some(file) if is_project(file) => Document::<FlankDocument>::open(file)?.params().clone(),
             _ => FlankDocument::default(),
         };
+        // Options of their own count more.
+        self.settings.apply(&FIELDS, &mut document)?;
         let surface = &self.surface;
         if surface.mesh.is_some() || surface.lower.is_some() || surface.demo.is_some() {
             // What a project says of its own part is not meant for the one that takes its place.

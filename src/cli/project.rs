@@ -19,7 +19,7 @@ pub(super) struct ProjectArguments {
 /// Parameters in place of the project's.
 #[derive(Debug, Clone, Args)]
 pub(super) struct Settings {
-    /// A parameter in place of the project's, as in electrode.spark_gap_mm=0.08; once for each.
+    /// A parameter in place of the project's, as in electrode.spark_gap_mm=0.08 or tolerance_mm=0.05; once for each.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = setting)]
     set: Vec<(String, String)>,
 }

@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::project::Settings;
 use super::{Answer, Session, unit};
 use crate::workspaces::context::is_project;
 use crate::workspaces::mold::document::cutter_file::CUTTERS;
+use crate::workspaces::mold::document::fields::FIELDS;
 use crate::workspaces::mold::document::standard::{open_mold, standard_mold};
 use crate::workspaces::mold::document::{MoldParams, part_of};
 use crate::workspaces::mold::job::uncut::uncut as find_uncut;
@@ -52,6 +54,8 @@ pub(super) struct MoldArguments {
     /// Writes what was asked as a project.
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
+    #[command(flatten)]
+    settings: Settings,
 }
 
 #[derive(Debug, Args)]
@@ -89,11 +93,14 @@ impl MoldArguments {
         };
         before.mesh = self.mesh.clone().or(before.mesh);
         before.units = self.units.unwrap_or(before.units);
+        self.settings.apply(&FIELDS, &mut before)?;
         let Some(path) = before.mesh.clone() else {
             anyhow::bail!("{}: mesh is missing; give one with --mesh", self.file.display())
         };
         // What is quick to find wrong comes first.
         let with_values = |mut params: MoldParams| {
+            // Options of their own count more.
+            self.settings.apply(&FIELDS, &mut params)?;
             self.apply(&mut params)?;
             more(&mut params)?;
             params.validate()?;

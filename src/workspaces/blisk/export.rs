@@ -55,7 +55,7 @@ pub enum PlanFilesError {
     NotApproved { electrode: usize, source: NotApproved },
 }
 
-/// Reports on a plan, draws its pictures and writes its files into `folder`; see [`write`]. `files` are those that the
+/// Reports on a plan, draws its pictures and writes its files into `folder`; see [`write()`]. `files` are those that the
 /// inputs were read from. Answers the report and the names of the files.
 ///
 /// # Errors

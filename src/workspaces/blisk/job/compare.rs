@@ -1,4 +1,4 @@
-//! Comparison of strategies: one set of electrodes planned by each of them. [`write`] writes the files.
+//! Comparison of strategies: one set of electrodes planned by each of them. [`write()`] writes the files.
 
 use std::path::Path;
 
