@@ -288,10 +288,10 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     let written = export(&other, (&result, &document), only_nc, &Task::default()).unwrap();
     assert_eq!(written.files, ["flank.json", "report.html"], "the report says why there is no program");
 
-    document.overrides = ["cutter", "coverage", "envelop"].map(Override::whatever).to_vec();
+    document.overrides = ["cutter", "coverage", "ruled"].map(Override::whatever).to_vec();
     let result = run(&loaded(&document));
     assert!(!result.holds() && result.why_blocked().is_none(), "{:?}", result.why_blocked());
-    assert!(result.all_warnings().iter().any(|w| w.contains("override of \"envelop\"")));
+    assert!(result.all_warnings().iter().any(|w| w.contains("override of \"ruled\"")));
     let (folder, written) = exported(&document, &result);
     assert!(written.files.contains(&CL_FILE.to_owned()) && written.blocked.is_none());
     assert!(read(&folder, CL_FILE).contains("WARNING: check cutter fails, overridden"));
@@ -320,7 +320,7 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     // Not even where the manifest was deleted, or the program was changed by hand.
     let edited = before.clone() + "\n";
     for has_manifest in [false, true] {
-        document.overrides = ["cutter", "coverage", "envelop"].map(Override::whatever).to_vec();
+        document.overrides = ["cutter", "coverage", "ruled"].map(Override::whatever).to_vec();
         write(&run(&loaded(&document)), &document);
         document.overrides.clear();
         std::fs::write(out.join("flank.ngc"), &edited).unwrap();
@@ -359,7 +359,7 @@ fn an_override_holds_for_what_it_was_given_for_and_for_nothing_worse() {
     assert!(entry["lapsed"].as_str().unwrap().contains("decide again"), "{entry}");
     assert_eq!(entry["given_for"], format!("too short mm {short:.4}"));
     // A name alone is for whatever there is, and is remembered for what there was.
-    document.overrides.iter_mut().for_each(|one| one.figures.clear());
+    document.overrides = document.overrides.iter().map(|one| Override::whatever(&one.check)).collect();
     assert!(run(&loaded(&document)).why_blocked().is_none());
     assert_eq!(worse.remembered(&document.overrides)[0], worse.let_pass(now));
 }

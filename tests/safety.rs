@@ -24,7 +24,6 @@ const NO_PROGRAM_TEXT: [(&str, &str); 15] = [
     ("file_stems", "names of files"),
     ("FlankResult::why_blocked", "checks that fail"),
     ("FlankResult::all_warnings", "warnings"),
-    ("Override::lapsed", "why an override no longer holds"),
     ("Override::given_for", "what an override was given for"),
     ("MillingSettings::take_machine", "the name of a machine"),
 ];

@@ -115,7 +115,7 @@ fn what_straight_moves_cut_between_the_records_is_checked() {
         );
         let deviation = check(&coarse, CheckKind::Deviation);
         assert!(!deviation.holds && deviation.text.contains("mm chordal deviation"), "{}", deviation.text);
-        assert!(deviation.text.contains("--tolerance"), "{}", deviation.text);
+        assert!(deviation.text.contains("linearisation tolerance"), "{}", deviation.text);
         let is_outside = distance > 50.0;
         let records = cl_text(&ApprovedFlank::new(&let_pass(&coarse)).unwrap()).unwrap();
         let cut = cut_by_records(&records, (50.0, 3.0, is_outside));

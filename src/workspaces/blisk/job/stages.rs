@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::plan::sides;
 use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::report::InputFile;
 use crate::workspaces::blisk::scene::shapes::{ChannelShapes, channel_shapes};
 use geometry::exact::ExactMesh;
@@ -184,7 +185,7 @@ pub fn channel(part: &Part, job: &PlanJob, task: &Task) -> Result<FoundChannel, 
 /// # Errors
 /// One line for the user, of the side that is tried first.
 pub fn electrodes(part: &Part, found: &FoundChannel, job: &PlanJob, task: &Task) -> Result<Electrodes, String> {
-    job.electrode.validate().map_err(|e| e.to_string())?;
+    job.electrode.validate().map_err(|problem| FIELDS.in_window(&problem))?;
     let (mut notes, mut made) = (Vec::new(), Vec::new());
     for &side in job.electrode.enter.candidates() {
         match on_side(part, found, job, side, task) {

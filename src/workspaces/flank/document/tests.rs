@@ -58,7 +58,7 @@ fn what_is_no_flank_is_answered_with_the_place_and_the_reason() {
         ("[cutter]\nradius_mm = 1\nlength_mm = 20\ntaper_deg = 60", "taper_deg is 60"),
         ("[plan]\ngrid = [1, 50]", "grid is 1"),
         ("[plan]\nlocations = 5", "locations is 5"),
-        ("[milling]\nlinearisation_mm = nan", "linearisation_mm is NaN"),
+        ("[milling]\nlinearisation_mm = nan", "linearisation_mm is nan"),
         ("[milling]\nretract_mm = -1", "retract_mm is -1"),
         ("[milling]\npost = \"nobody's\"", "nobody's"),
         ("[milling.program]\nfeed_mm_per_min = 0", "feed_mm_per_min is 0"),

@@ -164,7 +164,7 @@ mod tests {
         let file = folder.path().join("wrong.sparkpath");
         for (text, words) in [
             ("tolerance_mm = -1", "line 2: tolerance_mm is -1"),
-            ("tolerance_mm = nan", "tolerance_mm is NaN"),
+            ("tolerance_mm = nan", "tolerance_mm is nan"),
             ("opening = \"up\"", "unknown variant"),
             ("[[library.cutter]]\ndiameter_mm = 0", "line 3: library.cutter[0].diameter_mm is 0"),
             ("library = {}", "no cutter"),

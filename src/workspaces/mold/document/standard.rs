@@ -156,7 +156,7 @@ mod tests {
         let stages = "[[electrodes.stages]]\nname = \"a\"\n";
         for (text, words) in [
             ("[electrodes]\nmargin_mm = -1.0".to_owned(), "line 3: electrodes.margin_mm is -1: must be from"),
-            ("[electrodes]\nmargin_mm = nan".to_owned(), "margin_mm is NaN"),
+            ("[electrodes]\nmargin_mm = nan".to_owned(), "margin_mm is nan"),
             ("\n[electrodes]\nmargin = 1.0".to_owned(), "line 4: electrodes.margin: unknown field"),
             ("[electrodes]\nshape = \"big\"".to_owned(), "line 3: electrodes.shape: unknown variant"),
             ("[electrodes]\nstages = []".to_owned(), "no stage"),

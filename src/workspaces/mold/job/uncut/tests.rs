@@ -97,7 +97,7 @@ fn what_cannot_be_asked_is_answered_in_words() {
     let coarse =
         UncutParams { grid_step_mm: Some(0.6), ..UncutParams::of(CutterLibrary { cutter: vec![Cutter::flat(1.0)] }) };
     assert!(coarse.validate().unwrap_err().to_string().contains("give at most 0.5 mm"));
-    assert!(refused(&mesh, vec![Cutter::flat(-1.0)]).contains("diameter_mm is -2 mm"));
+    assert!(refused(&mesh, vec![Cutter::flat(-1.0)]).contains("diameter_mm is -2: must"));
     assert!(refused(&Mesh::default(), vec![Cutter::flat(1.0)]).contains("nothing to cut"));
 }
 
