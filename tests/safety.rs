@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const NO_PROGRAMS: [(&str, &str); 3] =
     [("BlockFeed", "one F word"), ("BurnSheet", "a template"), ("FlankCheck", "what a check found")];
 /// Public functions that return text that is no program, and what it is.
-const NO_PROGRAM_TEXT: [(&str, &str); 15] = [
+const NO_PROGRAM_TEXT: [(&str, &str); 14] = [
     ("Pace::approach", "one F word"),
     ("write_path_csv", "a table of a path, whose file says so if it is not verified"),
     ("write_copying_csv", "a table of a path"),
