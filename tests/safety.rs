@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const NO_PROGRAMS: [(&str, &str); 3] =
     [("BlockFeed", "one F word"), ("BurnSheet", "a template"), ("FlankCheck", "what a check found")];
 /// Public functions that return text that is no program, and what it is.
-const NO_PROGRAM_TEXT: [(&str, &str); 14] = [
+const NO_PROGRAM_TEXT: [(&str, &str); 13] = [
     ("Pace::approach", "one F word"),
     ("write_path_csv", "a table of a path, whose file says so if it is not verified"),
     ("write_copying_csv", "a table of a path"),
@@ -24,7 +24,6 @@ const NO_PROGRAM_TEXT: [(&str, &str); 14] = [
     ("file_stems", "names of files"),
     ("FlankResult::why_blocked", "checks that fail"),
     ("FlankResult::all_warnings", "warnings"),
-    ("Override::given_for", "what an override was given for"),
     ("MillingSettings::take_machine", "the name of a machine"),
 ];
 /// Functions that every walk has to meet, or else it looks in the wrong place.

@@ -33,7 +33,14 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, view: &mut Flan
         let (least, width) = if wide { (300.0, 0.26 * room.x) } else { (290.0, 0.5 * room.x) };
         let width = width.clamp(least, 380.0);
         let panel = Panel::left("flank").default_size(width).size_range(least..=(0.45 * room.x).clamp(width, 480.0));
-        panel.show(ui, |ui| form::show(ui, desk, cx, !wide)).inner
+        // In a part of its own, so that no text of a moment makes the panel wider.
+        let own = |ui: &mut Ui| {
+            let rect = ui.available_rect_before_wrap();
+            let asked = form::show(&mut ui.new_child(egui::UiBuilder::new().max_rect(rect)), desk, cx, !wide);
+            ui.allocate_rect(rect, egui::Sense::hover());
+            asked
+        };
+        panel.show(ui, own).inner
     } else {
         None
     };

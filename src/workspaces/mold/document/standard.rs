@@ -174,7 +174,7 @@ mod tests {
             ("[electrodes]\noverrides = [3]".to_owned(), "NAME:CHECK"),
             (
                 "[[electrodes.holders]]\nname = \"flat\"\nsize_mm = [1.0, 0.0]\nheight_mm = 2.0".to_owned(),
-                "holder \"flat\": size_mm",
+                "holders[0].size_mm",
             ),
             ("[electrodes.blanks]\nsides_mm = [2.0, 1.0]\nincrement_mm = 5.0".to_owned(), "sides must rise"),
             ("[layers]\nspacing_mm = 0.0".to_owned(), "line 3: layers.spacing_mm is 0"),
