@@ -10,7 +10,7 @@
 //!
 //! ```
 //! use import::{ImportOptions, Units, import_bytes};
-//! use task::{Cancel, Progress};
+//! use task::Task;
 //!
 //! let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 //! let options = ImportOptions { units: Units::Inch, ..ImportOptions::default() };
