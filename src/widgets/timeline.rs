@@ -8,7 +8,7 @@ use super::theme::{Palette, palette};
 
 /// A strip as wide as there is room.
 pub struct Strip {
-    /// Its place in the window.
+    /// Place of the strip in the window.
     pub rect: Rect,
     /// Draws in it.
     pub painter: Painter,
