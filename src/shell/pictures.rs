@@ -25,6 +25,11 @@ impl Pictures {
         self.0.push(memo);
     }
 
+    /// Whether one is being written.
+    pub fn is_busy(&self) -> bool {
+        !self.0.is_empty()
+    }
+
     /// What became of pictures since the last call: the file of each, or why there is none.
     pub fn written(&mut self) -> Vec<Result<PathBuf, String>> {
         let ended: Vec<_> = self.0.iter_mut().filter_map(Memo::take).collect();

@@ -26,7 +26,7 @@ fn a_wrong_number_is_told_beside_its_field() {
     desk.assert_shows("Spark gap is 9 mm: must be from 0.005 to 2 mm");
     assert!(desk.step_says(Stage::Electrode, "failed") && desk.step_says(Stage::Channel, "done"));
     let State::Failed(why) = desk.state(Stage::Electrode) else { panic!() };
-    assert!(why.contains("spark_gap_mm"), "{why}");
+    assert!(why.contains("Spark gap"), "{why}");
     desk.key(Key::F5);
     desk.until_idle();
     assert_eq!(desk.state(Stage::Plan), State::Stale, "nothing is planned from a wrong number");

@@ -230,7 +230,7 @@ impl SparkpathApp {
 
     /// Whether something is being worked on.
     pub fn is_busy(&self) -> bool {
-        self.workspaces.iter().any(|one| one.is_busy())
+        self.pictures.is_busy() || self.workspaces.iter().any(|one| one.is_busy())
     }
 
     /// Whether a document is being read.
