@@ -123,11 +123,11 @@ pub trait Workspace: Any + Commanded {
     /// Does what it has asked to do in place of its document, once no unsaved work stands in the way.
     fn proceed(&mut self, cx: &mut Context);
 
-    /// Takes unsaved work that an earlier program left behind.
+    /// Begins to read unsaved work that an earlier program left behind, and asks for [`Request::Recovered`] once it has
+    /// taken it; says why it cannot be read.
     ///
-    /// # Errors
-    /// One line why it cannot be read.
-    fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String>;
+    /// [`Request::Recovered`]: super::context::Request::Recovered
+    fn recover(&mut self, copy: Recovery, cx: &mut Context);
 
     /// Goes on with the path that it has asked for under this number.
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context);

@@ -26,9 +26,9 @@ use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_p
 use crate::workspaces::hands::Hands;
 use crate::workspaces::message::Message;
 use crate::workspaces::news::EventKind;
-use crate::workspaces::opening::Opening;
+use crate::workspaces::opening::{Incoming, NotOpened, Opening, Source};
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
-use files::{AnyDocument, Params as _, Recovery};
+use files::{AnyDocument, MovedFile, Params as _, Recovery};
 use nc::post::Post;
 use render::view::StandardView;
 use task::{Scheduler, State, Task};
@@ -41,8 +41,16 @@ enum Pending {
     Open(PathBuf),
     AskOpen,
     Demonstration,
-    /// A document that was read with its part.
-    Take(Arc<(Document, Arc<Part>)>),
+    /// A document that was read.
+    Take(Arc<Incoming<PlanJob, Parts>>),
+}
+
+/// What the files of a document hold.
+enum Parts {
+    /// The part.
+    Read(Arc<Part>),
+    /// Nothing was read of them: some are gone or have changed.
+    Moved(Vec<MovedFile>),
 }
 
 /// The workspace of blisks.
@@ -52,7 +60,7 @@ pub struct BliskWorkspace {
     view: BliskView,
     curves: Curves,
     tab: Tab,
-    opening: Opening<Pending, (Document, Arc<Part>)>,
+    opening: Opening<Pending, PlanJob, Parts>,
     /// The file that is looked for.
     locating: Option<PathBuf>,
 }
@@ -70,39 +78,39 @@ impl BliskWorkspace {
         }
     }
 
-    /// Reads the part of `document`, which then takes the place of the present one.
-    fn begin(&mut self, document: Document) {
-        self.opening.begin(move |task| {
-            let part = stages::load(document.params(), task)?;
-            Ok((document, Arc::new(part)))
+    /// Reads a document from `source`, which then takes the place of the present one. Where a file of it `may_be_moved`
+    /// that is asked about first.
+    fn begin(&mut self, source: Source<PlanJob>, may_be_moved: bool) {
+        self.opening.begin(source, move |document, task| {
+            kept_plan::check(document).map_err(|why| {
+                let file = document.file().map_or_else(String::new, |file| format!("{}: ", file.display()));
+                NotOpened::Document(format!("{file}{why}"))
+            })?;
+            let moved = if may_be_moved { document.moved_files() } else { Vec::new() };
+            if !moved.is_empty() {
+                return Ok(Parts::Moved(moved));
+            }
+            Ok(Parts::Read(Arc::new(stages::load(document.params(), task)?)))
         });
     }
 
-    /// The document at `path`, without its part; says why there is none.
-    fn document_at(&mut self, path: &Path, cx: &mut Context) -> Option<Document> {
-        if !is_project(path) {
-            return Some(Document::new(PlanJob::for_mesh(path)));
+    /// Reads the project or the mesh at `path`.
+    fn begin_at(&mut self, path: &Path) {
+        if is_project(path) {
+            self.begin(Source::Project(path.to_owned()), true);
+        } else {
+            self.begin(Source::New(Document::new(PlanJob::for_mesh(path))), false);
         }
-        let opened = Document::open(path).map_err(|e| e.to_string());
-        let readable = |document: Document| match kept_plan::check(&document) {
-            Ok(()) => Ok(document),
-            Err(why) => Err(format!("{}: {why}", path.display())),
+    }
+
+    /// Takes what was read in the place of the present document.
+    fn take(&mut self, opened: &Incoming<PlanJob, Parts>, cx: &mut Context) {
+        let part = match &opened.loaded {
+            Some(Parts::Read(part)) => Some(part.clone()),
+            _ => None,
         };
-        match opened.and_then(readable) {
-            Ok(document) => {
-                let moved = document.moved_files();
-                if moved.is_empty() {
-                    return Some(document);
-                }
-                self.desk.dialog = Some(BliskDialog::Moved(Box::new(document), moved));
-                cx.request(Request::Dialog);
-            }
-            Err(why) => {
-                cx.not_opened(path);
-                cx.error("This project cannot be opened", why);
-            }
-        }
-        None
+        self.replace(opened.document.clone(), part, cx);
+        opened.copy.iter().for_each(|copy| cx.request(Request::Recovered(copy.clone())));
     }
 
     /// Takes `document` in the place of the present one.
@@ -254,7 +262,7 @@ impl BliskWorkspace {
 
     fn open_anyway(&mut self, cx: &mut Context) {
         if let Some(BliskDialog::Moved(document, _)) = self.desk.dialog.take() {
-            self.begin(*document);
+            self.begin(Source::New(*document), false);
             cx.request(Request::CloseDialog);
         }
     }
@@ -370,7 +378,12 @@ impl Workspace for BliskWorkspace {
 
     fn follow(&mut self, cx: &mut Context, hands: Hands, seconds: f64, is_shown: bool) {
         if let Some(opened) = self.opening.take(cx) {
-            self.opening.go_on(Pending::Take(opened), cx);
+            if let Some(Parts::Moved(moved)) = &opened.loaded {
+                self.desk.dialog = Some(BliskDialog::Moved(Box::new(opened.document.clone()), moved.clone()));
+                cx.request(Request::Dialog);
+            } else {
+                self.opening.go_on(Pending::Take(opened), cx);
+            }
         }
         // Nothing is made of a blisk that nobody has looked at.
         if !is_shown && self.desk.work.state(Stage::Part) == State::Missing {
@@ -392,8 +405,10 @@ impl Workspace for BliskWorkspace {
     }
 
     fn open(&mut self, path: &Path, cx: &mut Context) {
-        if let Some(document) = self.document_at(path, cx) {
-            self.replace(document, None, cx);
+        if is_project(path) {
+            self.begin_at(path);
+        } else {
+            self.replace(Document::new(PlanJob::for_mesh(path)), None, cx);
         }
     }
 
@@ -403,22 +418,16 @@ impl Workspace for BliskWorkspace {
 
     fn proceed(&mut self, cx: &mut Context) {
         match self.opening.pending.take() {
-            Some(Pending::Open(path)) => {
-                if let Some(document) = self.document_at(&path, cx) {
-                    self.begin(document);
-                }
-            }
+            Some(Pending::Open(path)) => self.begin_at(&path),
             Some(Pending::AskOpen) => cx.ask(BliskPath::Open, ""),
             Some(Pending::Demonstration) => self.replace(demonstration(), None, cx),
-            Some(Pending::Take(opened)) => self.replace(opened.0.clone(), Some(opened.1.clone()), cx),
+            Some(Pending::Take(opened)) => self.take(&opened, cx),
             None => {}
         }
     }
 
-    fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String> {
-        let document = copy.open().map_err(|e| e.to_string())?;
-        self.replace(document, None, cx);
-        Ok(())
+    fn recover(&mut self, copy: Recovery, _cx: &mut Context) {
+        self.begin(Source::Copy(copy), false);
     }
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {

@@ -21,7 +21,7 @@ use crate::workspaces::flank::work::{FlankWork, LoadedFlank};
 use crate::workspaces::hands::Hands;
 use crate::workspaces::message::{ElectrodePart, Message};
 use crate::workspaces::news::EventKind;
-use crate::workspaces::opening::Opening;
+use crate::workspaces::opening::{Incoming, Opening, Source};
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
 use files::{AnyDocument, Document, Recovery};
 use flank::machine::milling_machine::MillingMachine;
@@ -41,14 +41,8 @@ enum Pending {
     Electrode(Arc<ElectrodePart>),
     /// A path that is named for this.
     Ask(FlankPath),
-    /// A flank that was read.
-    Take(Arc<Incoming>),
-}
-
-/// A flank, and what the files of its surface hold.
-struct Incoming {
-    document: Document<FlankDocument>,
-    loaded: Arc<LoadedFlank>,
+    /// A flank that was read, with what the files of its surface hold.
+    Take(Arc<Incoming<FlankDocument, Arc<LoadedFlank>>>),
 }
 
 /// The workspace of flanks.
@@ -56,7 +50,7 @@ pub struct FlankWorkspace {
     /// The flank and what has been made of it.
     pub desk: FlankDesk,
     view: FlankView,
-    opening: Opening<Pending, Incoming>,
+    opening: Opening<Pending, FlankDocument, Arc<LoadedFlank>>,
 }
 
 impl FlankWorkspace {
@@ -65,19 +59,19 @@ impl FlankWorkspace {
         Self { desk: FlankDesk::new(scheduler), view: FlankView::default(), opening: Opening::new(scheduler) }
     }
 
-    /// Reads the files of `document`, which then takes the place of the present flank.
-    fn begin(&mut self, document: Document<FlankDocument>) {
-        self.opening.begin(move |task| {
-            let loaded = Arc::new(FlankWork::read(document.params(), task)?);
-            Ok(Incoming { document, loaded })
-        });
+    /// Reads a flank and the files of its surface; it then takes the place of the present one.
+    fn begin(&mut self, source: Source<FlankDocument>) {
+        self.opening.begin(source, |document, task| Ok(Arc::new(FlankWork::read(document.params(), task)?)));
     }
 
     /// Puts `opened` in the place of the present flank.
-    fn put(&mut self, opened: &Incoming, cx: &mut Context) {
+    fn put(&mut self, opened: &Incoming<FlankDocument, Arc<LoadedFlank>>, cx: &mut Context) {
         self.desk.replace(opened.document.clone());
-        self.desk.work.put(opened.document.params(), opened.loaded.clone());
+        if let Some(loaded) = &opened.loaded {
+            self.desk.work.put(opened.document.params(), loaded.clone());
+        }
         self.tell_of_opened(cx);
+        opened.copy.iter().for_each(|copy| cx.request(Request::Recovered(copy.clone())));
     }
 
     fn tell_of_opened(&self, cx: &mut Context) {
@@ -161,11 +155,6 @@ impl FlankWorkspace {
         if self.desk.first_guide.take().is_some() {
             cx.say_in_passing("No upper guide was named: the lower one is not taken either");
         }
-    }
-
-    /// The flank in the project `path`; says why there is none.
-    fn document_at(path: &Path, cx: &mut Context) -> Option<Document<FlankDocument>> {
-        Document::open(path).map_err(|error| cx.not_a_project(path, &error)).ok()
     }
 
     /// Takes another mesh, in place of one as what the user goes on with.
@@ -367,11 +356,8 @@ impl Workspace for FlankWorkspace {
         self.desk.file()
     }
 
-    fn open(&mut self, path: &Path, cx: &mut Context) {
-        if let Some(document) = Self::document_at(path, cx) {
-            self.desk.replace(document);
-            self.tell_of_opened(cx);
-        }
+    fn open(&mut self, path: &Path, _cx: &mut Context) {
+        self.begin(Source::Project(path.to_owned()));
     }
 
     fn take_files(&mut self, files: &[PathBuf], cx: &mut Context) {
@@ -387,12 +373,10 @@ impl Workspace for FlankWorkspace {
 
     fn proceed(&mut self, cx: &mut Context) {
         match self.opening.pending.take() {
-            Some(Pending::Open(path)) => {
-                if let Some(document) = Self::document_at(&path, cx) {
-                    self.begin(document);
-                }
+            Some(Pending::Open(path)) => self.begin(Source::Project(path)),
+            Some(Pending::Surface(source)) => {
+                self.begin(Source::New(Document::new(self.desk.params().of_another(source))));
             }
-            Some(Pending::Surface(source)) => self.begin(Document::new(self.desk.params().of_another(source))),
             Some(Pending::Ask(what)) => cx.ask(what, ""),
             Some(Pending::Take(opened)) => self.put(&opened, cx),
             Some(Pending::Electrode(part)) => self.take_electrode(&part, cx),
@@ -400,10 +384,8 @@ impl Workspace for FlankWorkspace {
         }
     }
 
-    fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String> {
-        self.desk.replace(copy.open().map_err(|e| e.to_string())?);
-        cx.request(Request::Show);
-        Ok(())
+    fn recover(&mut self, copy: Recovery, _cx: &mut Context) {
+        self.begin(Source::Copy(copy));
     }
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use egui::Ui;
 
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
-use crate::workspaces::context::{Context, PathSet, Request, first, has_ending, is_project};
+use crate::workspaces::context::{Context, PathSet, Request, first, is_project};
 use crate::workspaces::hands::Hands;
 use crate::workspaces::message::{ElectrodePart, Message};
 use crate::workspaces::mold::commands::MoldCommand;
@@ -19,9 +19,9 @@ use crate::workspaces::mold::paths::MoldPath;
 use crate::workspaces::mold::scene::{MoldLook, RegionColours};
 use crate::workspaces::mold::work::{LoadedMold, read_part};
 use crate::workspaces::news::EventKind;
-use crate::workspaces::opening::Opening;
+use crate::workspaces::opening::{Incoming, Opening, Source};
 use crate::workspaces::workspace::{About, Menu, Workspace, held_in_fields};
-use files::{AnyDocument, Document, Recovery};
+use files::{AnyDocument, Document, Recovery, paths};
 use nc::burn_template::BurnSheet;
 use task::{Scheduler, State};
 
@@ -32,7 +32,7 @@ pub struct MoldWorkspace {
     /// The mold, what is asked about it and what was found.
     pub desk: MoldDesk,
     view: MoldView,
-    opening: Opening<Pending, Incoming>,
+    opening: Opening<Pending, MoldParams, Option<Arc<LoadedMold>>>,
 }
 
 /// What takes the place of the mold once nothing stands in the way.
@@ -40,15 +40,11 @@ enum Pending {
     Open(PathBuf),
     Ask,
     /// A mold that was read.
-    Take(Arc<Incoming>),
+    Take(Arc<MoldIncoming>),
 }
 
-/// A mold, and its mesh once that was read.
-#[derive(Clone)]
-struct Incoming {
-    document: Document<MoldParams>,
-    part: Option<Arc<LoadedMold>>,
-}
+/// A mold that was read, with its mesh if it names one.
+type MoldIncoming = Incoming<MoldParams, Option<Arc<LoadedMold>>>;
 
 impl MoldWorkspace {
     /// An empty workspace.
@@ -83,19 +79,24 @@ impl MoldWorkspace {
         if is_harmless { self.proceed(cx) } else { cx.request(request) }
     }
 
-    /// The mold at `path`, a project or a mesh, which is not read yet; says why there is none.
-    fn mold_at(&self, path: &Path, cx: &mut Context) -> Option<Document<MoldParams>> {
-        if !is_project(path) {
-            return Some(self.desk.begun(path));
-        }
-        let opened = Document::open(path);
-        opened.map_err(|error| cx.not_a_project(path, &error)).ok()
+    /// Reads a mold, which then takes the place of the present one.
+    fn begin(&mut self, source: Source<MoldParams>) {
+        self.opening.begin(source, |document, task| {
+            let params = document.params();
+            let part = params.mesh.as_ref().map(|mesh| read_part(mesh, params.units, task));
+            Ok(part.transpose()?.map(Arc::new))
+        });
     }
 
-    /// Puts `opened` in the place of the present mold.
-    fn take(&mut self, opened: Incoming, cx: &mut Context) {
-        self.desk.replace(opened.document);
-        if let Some(part) = opened.part {
+    /// Where the mold at `path` is read from, a project or a mesh.
+    fn source(&self, path: &Path) -> Source<MoldParams> {
+        if is_project(path) { Source::Project(path.to_owned()) } else { Source::New(self.desk.begun(path)) }
+    }
+
+    /// Puts `document` in the place of the present mold, with its mesh if that was read.
+    fn take(&mut self, document: Document<MoldParams>, part: Option<Arc<LoadedMold>>, cx: &mut Context) {
+        self.desk.replace(document);
+        if let Some(part) = part {
             self.desk.work.put(self.desk.document.params(), part);
         }
         cx.request(Request::Show);
@@ -313,14 +314,15 @@ impl Workspace for MoldWorkspace {
     }
 
     fn open(&mut self, path: &Path, cx: &mut Context) {
-        if let Some(document) = self.mold_at(path, cx) {
-            self.take(Incoming { document, part: None }, cx);
+        match self.source(path) {
+            Source::New(document) => self.take(document, None, cx),
+            project => self.begin(project),
         }
     }
 
     fn take_files(&mut self, files: &[PathBuf], cx: &mut Context) {
         let path = first(files);
-        if has_ending(path, ".toml") {
+        if paths::has_ending(path, ".toml") {
             self.load_cutters(path, false, cx)
         } else {
             self.intend(Pending::Open(path.to_owned()), cx)
@@ -329,24 +331,18 @@ impl Workspace for MoldWorkspace {
 
     fn proceed(&mut self, cx: &mut Context) {
         match self.opening.pending.take() {
-            Some(Pending::Open(path)) => {
-                let Some(document) = self.mold_at(&path, cx) else { return };
-                self.opening.begin(move |task| {
-                    let params = document.params();
-                    let part = params.mesh.as_ref().map(|mesh| read_part(mesh, params.units, task));
-                    Ok(Incoming { part: part.transpose()?.map(Arc::new), document })
-                });
-            }
+            Some(Pending::Open(path)) => self.begin(self.source(&path)),
             Some(Pending::Ask) => cx.ask(MoldPath::Open, ""),
-            Some(Pending::Take(opened)) => self.take((*opened).clone(), cx),
+            Some(Pending::Take(opened)) => {
+                self.take(opened.document.clone(), opened.loaded.clone().flatten(), cx);
+                opened.copy.iter().for_each(|copy| cx.request(Request::Recovered(copy.clone())));
+            }
             None => {}
         }
     }
 
-    fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String> {
-        self.desk.replace(copy.open().map_err(|e| e.to_string())?);
-        cx.request(Request::Show);
-        Ok(())
+    fn recover(&mut self, copy: Recovery, _cx: &mut Context) {
+        self.begin(Source::Copy(copy));
     }
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {

@@ -13,7 +13,7 @@ use crate::workspaces::flank::work::{ExportChoice, FlankWork, Planned, Sketch};
 use crate::workspaces::hands::{Gesture, Hands};
 use crate::workspaces::news::{EventKind, WorkEvent};
 use files::user_folder::user_folder;
-use files::{AnyDocument, Document, Validate};
+use files::{AnyDocument, Document};
 use flank::machine::milling_machine::Workpiece;
 use flank::path::FlankPath;
 use flank::ruled_surface::Side;
@@ -247,7 +247,7 @@ impl FlankDesk {
 
     /// Whether a plan can be asked for.
     pub fn can_plan(&self) -> bool {
-        self.document.params().validate().is_ok() && self.state() != State::Running
+        self.document.problem().is_none() && self.state() != State::Running
     }
 
     /// Whether what is shown is the plan of the present parameters.
@@ -286,7 +286,7 @@ impl FlankDesk {
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
         let mut events = self.work.follow(self.document.params(), priority);
         let state = self.state();
-        let is_valid = self.document.params().validate().is_ok();
+        let is_valid = self.document.problem().is_none();
         // While it is planned for the first time the surface is shown at once.
         let is_first = state == State::Running && matches!(self.surface_from(), (None, None));
         if is_valid && (is_first || !matches!(state, State::Ready | State::Running)) {
@@ -355,8 +355,8 @@ impl FlankDesk {
 
     /// Why there is no path with the present parameters, if that is known.
     pub fn why_not(&self) -> Option<String> {
-        if let Err(why) = self.document.params().validate() {
-            return Some(fields::FIELDS.in_window(&why));
+        if let Some(why) = self.document.problem() {
+            return Some(fields::FIELDS.in_window(why));
         }
         for state in [
             self.work.source_state(self.document.params()),
