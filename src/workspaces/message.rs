@@ -1,4 +1,4 @@
-//! What one workspace gives to another through the window.
+//! Messages from one workspace to another.
 
 use std::sync::Arc;
 
@@ -8,14 +8,14 @@ use glam::DVec3;
 use mold::electrode::design::Electrode as MoldElectrode;
 use wheel::electrode::Electrode as BliskElectrode;
 
-/// A plain value for whichever workspace takes it.
+/// A plain value, handled by the first workspace that accepts it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Message {
     /// An electrode whose flanks are to be milled.
     MillFlanks(Arc<ElectrodePart>),
 }
 
-/// An electrode, and how it stands while its flanks are milled.
+/// An electrode with its orientation for milling its flanks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElectrodePart {
     /// Name of the electrode.

@@ -9,6 +9,7 @@ pub mod flank;
 pub mod hands;
 pub mod message;
 pub mod mold;
+pub mod moved_files;
 pub mod news;
 pub mod opening;
 pub mod preferences;

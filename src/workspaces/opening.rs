@@ -8,13 +8,13 @@ use super::commands::{Command, CommandSet, FrameCommand};
 use super::context::{Context, Request};
 use super::news::EventKind;
 
-/// What takes the place of the document, a `P` that waits for the user's leave and a `T` that is being read with its part.
-/// A part that cannot be read takes the place of nothing.
+/// The replacement of a workspace's document: a `P` that waits until unsaved work is dealt with, and a `T` that is
+/// being read with its part. A part that cannot be read replaces nothing.
 pub struct Opening<P, T> {
-    /// What takes the place of the document once nothing stands in the way.
+    /// Replacement of the document, done once unsaved work is dealt with.
     pub pending: Option<P>,
     memo: Memo<u64, T>,
-    /// How often something was opened.
+    /// Number of documents opened so far.
     number: u64,
 }
 
@@ -24,26 +24,26 @@ impl<P, T: Send + Sync + 'static> Opening<P, T> {
         Self { pending: None, memo: Memo::new(scheduler, Lane::Quick, "Open").remembering(1), number: 0 }
     }
 
-    /// Reads a document; what was being read is given up.
+    /// Reads a document and drops the one being read.
     pub fn begin(&mut self, read: impl FnOnce(&Task) -> Result<T, String> + Send + 'static) {
         self.number += 1;
         self.memo.restart(&self.number, Priority::Shown, move |work| read(&work.task));
     }
 
-    /// Goes on with `pending`, after asking about unsaved work.
+    /// Replaces the document by `pending` after the question about unsaved work.
     pub fn intend(&mut self, pending: P, cx: &mut Context) {
         self.stop();
         self.pending = Some(pending);
         cx.request(Request::Replace);
     }
 
-    /// Goes on with `pending` on the way to what was asked for before.
+    /// Replaces the document by `pending` within a replacement that was asked about already.
     pub fn go_on(&mut self, pending: P, cx: &mut Context) {
         self.pending = Some(pending);
         cx.request(Request::GoOn);
     }
 
-    /// What has been read; says why something was not.
+    /// The document that has been read; reports the reason if it could not be read.
     pub fn take(&mut self, cx: &mut Context) -> Option<Arc<T>> {
         let ended = self.memo.take()?;
         // What was read is held by who takes it.
@@ -59,27 +59,27 @@ impl<P, T: Send + Sync + 'static> Opening<P, T> {
         None
     }
 
-    /// What is being read, and how far it is.
+    /// The document being read, with its progress.
     pub fn doing(&self) -> Option<&Doing> {
         self.memo.doing()
     }
 
-    /// Whether something is being read.
+    /// Whether a document is being read.
     pub fn is_busy(&self) -> bool {
         self.memo.is_busy()
     }
 
-    /// Whether `command` cancels what is being read.
+    /// Whether `command` cancels the reading.
     pub fn is_ended_by(&self, command: Command) -> bool {
         FrameCommand::of(command) == Some(FrameCommand::Cancel) && self.is_busy()
     }
 
-    /// Cancels it, as the user asked.
+    /// Cancels the reading at the user's wish.
     pub fn cancel(&mut self) {
         self.memo.cancel();
     }
 
-    /// Gives it up: something else is wanted now.
+    /// Stops the reading because another document is wanted.
     pub fn stop(&mut self) {
         self.memo.stop();
     }

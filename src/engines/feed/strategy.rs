@@ -74,7 +74,7 @@ pub trait SearchStrategy: Sync {
         false
     }
 
-    /// Where a project keeps the parameters, as a JSON pointer; none of a strategy without parameters.
+    /// Key of the table of the strategy's own parameters; none of a strategy without parameters.
     fn parameters(&self) -> Option<&'static str> {
         None
     }

@@ -1,6 +1,7 @@
 //! The paths that the workspace asks for.
 
 use crate::workspaces::context::{MESHES, OPEN, PathInfo, PathKind, PathSet, TOML};
+use crate::workspaces::moved_files::FIND;
 
 /// What the workspace asks paths for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,7 +29,7 @@ impl PathSet for BliskPath {
             (P::ElectrodeMesh, PathInfo::new("Your own electrode", PathKind::Read("Meshes", MESHES, false))),
             (P::Post, PathInfo::new("Your own NC post", PathKind::Read("Post", TOML, false))),
             (P::Machine, PathInfo::new("Your own machine", PathKind::Read("Machine", TOML, false))),
-            (P::MovedFile, PathInfo::new("Find the file", PathKind::Read("Files", &[], false))),
+            (P::MovedFile, FIND),
         ];
         &TABLE
     }

@@ -7,7 +7,7 @@ use egui::{Panel, RichText, Ui};
 
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::commands::BliskCommand;
-use crate::workspaces::blisk::desk::{BliskDesk, BliskDialog};
+use crate::workspaces::blisk::desk::BliskDesk;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::machine_file::read_machine;
 use crate::workspaces::blisk::document::stage::Stage;
@@ -25,6 +25,7 @@ use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, F
 use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project};
 use crate::workspaces::hands::Hands;
 use crate::workspaces::message::Message;
+use crate::workspaces::moved_files::{self, MovedFiles};
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
@@ -53,8 +54,7 @@ pub struct BliskWorkspace {
     curves: Curves,
     tab: Tab,
     opening: Opening<Pending, (Document, Arc<Part>)>,
-    /// The file that is looked for.
-    locating: Option<PathBuf>,
+    moved: MovedFiles<PlanJob>,
 }
 
 impl BliskWorkspace {
@@ -66,7 +66,7 @@ impl BliskWorkspace {
             curves: Curves::default(),
             tab: Tab::Positions,
             opening: Opening::new(scheduler),
-            locating: None,
+            moved: MovedFiles::default(),
         }
     }
 
@@ -89,20 +89,13 @@ impl BliskWorkspace {
             Err(why) => Err(format!("{}: {why}", path.display())),
         };
         match opened.and_then(readable) {
-            Ok(document) => {
-                let moved = document.moved_files();
-                if moved.is_empty() {
-                    return Some(document);
-                }
-                self.desk.dialog = Some(BliskDialog::Moved(Box::new(document), moved));
-                cx.request(Request::Dialog);
-            }
+            Ok(document) => self.moved.checked(document, cx),
             Err(why) => {
                 cx.not_opened(path);
                 cx.error("This project cannot be opened", why);
+                None
             }
         }
-        None
     }
 
     /// Takes `document` in the place of the present one.
@@ -240,24 +233,6 @@ impl BliskWorkspace {
             cx.error("Nothing was exported", why);
         }
     }
-
-    /// Takes the file at `path` in the place of one that the project to be opened has lost.
-    fn found_file(&mut self, path: &Path, cx: &mut Context) {
-        let Some(BliskDialog::Moved(document, moved)) = &mut self.desk.dialog else { return };
-        let Some(old) = self.locating.take() else { return };
-        document.replace_file(&old, path);
-        moved.retain(|m| m.path != old);
-        if moved.is_empty() {
-            self.open_anyway(cx);
-        }
-    }
-
-    fn open_anyway(&mut self, cx: &mut Context) {
-        if let Some(BliskDialog::Moved(document, _)) = self.desk.dialog.take() {
-            self.begin(*document);
-            cx.request(Request::CloseDialog);
-        }
-    }
 }
 
 impl Commanded for BliskWorkspace {
@@ -296,7 +271,7 @@ impl Workspace for BliskWorkspace {
             Some(F::Cancel) if self.opening.is_busy() => self.opening.cancel(),
             Some(F::Cancel) => self.desk.work.cancel(),
             Some(F::Export) => {
-                self.desk.dialog = Some(BliskDialog::Export);
+                self.moved.forget();
                 cx.request(Request::Dialog);
             }
             Some(along @ (F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode)) => {
@@ -432,36 +407,27 @@ impl Workspace for BliskWorkspace {
             }
             Some(BliskPath::Post) => self.take_post(&path, cx),
             Some(BliskPath::Machine) => self.take_machine(&path, cx),
-            Some(BliskPath::MovedFile) => self.found_file(&path, cx),
+            Some(BliskPath::MovedFile) => self.moved.found(&path, cx).into_iter().for_each(|found| self.begin(found)),
             None => {}
         }
     }
 
     fn dialog_title(&self) -> &'static str {
-        match self.desk.dialog {
-            Some(BliskDialog::Moved(..)) => "Files of this project",
-            _ => "Export",
-        }
+        if self.moved.is_asking() { moved_files::TITLE } else { "Export" }
     }
 
     fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
-        let answer = match &self.desk.dialog {
-            Some(BliskDialog::Export) => dialogs::export(ui, &mut self.desk),
-            Some(BliskDialog::Moved(document, moved)) => dialogs::moved(ui, document.params(), moved),
-            None => Some(Answer::Close),
-        };
-        match answer {
+        if self.moved.is_asking() {
+            let opened = self.moved.dialog(ui, cx, BliskPath::MovedFile);
+            opened.into_iter().for_each(|document| self.begin(document));
+            return !self.moved.is_asking();
+        }
+        match dialogs::export(ui, &mut self.desk) {
             Some(Answer::OwnPost) => cx.ask(BliskPath::Post, ""),
             Some(Answer::Folder) => {
                 cx.ask(BliskPath::ExportFolder, "");
                 return true;
             }
-            Some(Answer::Locate(old)) => {
-                let title = format!("Where is {}?", old.display());
-                self.locating = Some(old);
-                cx.ask(BliskPath::MovedFile, &title);
-            }
-            Some(Answer::OpenAnyway) => self.open_anyway(cx),
             Some(Answer::Close) => return true,
             None => {}
         }

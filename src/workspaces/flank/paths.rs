@@ -1,6 +1,7 @@
 //! The paths that the workspace asks for.
 
 use crate::workspaces::context::{MESHES, PathInfo, PathKind, PathSet, TOML};
+use crate::workspaces::moved_files::FIND;
 
 /// What the workspace asks paths for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,6 +22,8 @@ pub enum FlankPath {
     Post,
     /// Folder for the exported files.
     Folder,
+    /// A file of a project that is elsewhere now.
+    MovedFile,
 }
 
 impl PathSet for FlankPath {
@@ -31,7 +34,7 @@ impl PathSet for FlankPath {
         const fn file(title: &'static str, what: &'static str, endings: &'static [&'static str]) -> PathInfo {
             PathInfo::new(title, PathKind::Read(what, endings, true))
         }
-        static TABLE: [(P, PathInfo); 8] = [
+        static TABLE: [(P, PathInfo); 9] = [
             (P::Open, PathInfo { opens: true, ..file("Open a flank", "Flanks, meshes and points", OPEN) }),
             (P::Lower, file("Points of the lower guide curve", "Points", POINTS)),
             (P::Upper, file("Points of the upper guide curve", "Points", POINTS)),
@@ -40,6 +43,7 @@ impl PathSet for FlankPath {
             (P::Machine, file("Your own milling machine", "Machine", TOML)),
             (P::Post, file("Your own post for milling", "Post", TOML)),
             (P::Folder, PathInfo::new("Folder for the flank's files", PathKind::Folder)),
+            (P::MovedFile, FIND),
         ];
         &TABLE
     }

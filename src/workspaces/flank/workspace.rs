@@ -20,6 +20,7 @@ use crate::workspaces::flank::paths::FlankPath;
 use crate::workspaces::flank::work::{FlankWork, LoadedFlank};
 use crate::workspaces::hands::Hands;
 use crate::workspaces::message::{ElectrodePart, Message};
+use crate::workspaces::moved_files::{self, MovedFiles};
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
@@ -57,12 +58,14 @@ pub struct FlankWorkspace {
     pub desk: FlankDesk,
     view: FlankView,
     opening: Opening<Pending, Incoming>,
+    moved: MovedFiles<FlankDocument>,
 }
 
 impl FlankWorkspace {
     /// The workspace with a surface that comes with the program.
     pub fn new(scheduler: &Scheduler) -> Self {
-        Self { desk: FlankDesk::new(scheduler), view: FlankView::default(), opening: Opening::new(scheduler) }
+        let (desk, view, opening) = (FlankDesk::new(scheduler), FlankView::default(), Opening::new(scheduler));
+        Self { desk, view, opening, moved: MovedFiles::default() }
     }
 
     /// Reads the files of `document`, which then takes the place of the present flank.
@@ -164,8 +167,9 @@ impl FlankWorkspace {
     }
 
     /// The flank in the project `path`; says why there is none.
-    fn document_at(path: &Path, cx: &mut Context) -> Option<Document<FlankDocument>> {
-        Document::open(path).map_err(|error| cx.not_a_project(path, &error)).ok()
+    fn document_at(&mut self, path: &Path, cx: &mut Context) -> Option<Document<FlankDocument>> {
+        let opened = Document::open(path).map_err(|error| cx.not_a_project(path, &error)).ok()?;
+        self.moved.checked(opened, cx)
     }
 
     /// Takes another mesh, in place of one as what the user goes on with.
@@ -215,6 +219,7 @@ impl FlankWorkspace {
                 Err(e) => cx.error("This is no post", e.to_string()),
             },
             FlankPath::Folder => self.export(&path, cx),
+            FlankPath::MovedFile => self.moved.found(&path, cx).into_iter().for_each(|found| self.begin(found)),
         }
     }
 
@@ -334,6 +339,7 @@ impl Workspace for FlankWorkspace {
             Some(F::Cancel) => desk.work.cancel(),
             Some(F::Export) => {
                 desk.changed_files = desk.work.changed_files(desk.document.params());
+                self.moved.forget();
                 cx.request(Request::Dialog);
             }
             Some(F::Play) => desk.play(),
@@ -368,7 +374,7 @@ impl Workspace for FlankWorkspace {
     }
 
     fn open(&mut self, path: &Path, cx: &mut Context) {
-        if let Some(document) = Self::document_at(path, cx) {
+        if let Some(document) = self.document_at(path, cx) {
             self.desk.replace(document);
             self.tell_of_opened(cx);
         }
@@ -388,7 +394,7 @@ impl Workspace for FlankWorkspace {
     fn proceed(&mut self, cx: &mut Context) {
         match self.opening.pending.take() {
             Some(Pending::Open(path)) => {
-                if let Some(document) = Self::document_at(&path, cx) {
+                if let Some(document) = self.document_at(&path, cx) {
                     self.begin(document);
                 }
             }
@@ -418,7 +424,16 @@ impl Workspace for FlankWorkspace {
         }
     }
 
+    fn dialog_title(&self) -> &'static str {
+        if self.moved.is_asking() { moved_files::TITLE } else { "Export" }
+    }
+
     fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
+        if self.moved.is_asking() {
+            let opened = self.moved.dialog(ui, cx, FlankPath::MovedFile);
+            opened.into_iter().for_each(|document| self.begin(document));
+            return !self.moved.is_asking();
+        }
         match export::show(ui, &mut self.desk, cx) {
             Some(export::Answer::Folder) => {
                 cx.ask(FlankPath::Folder, "");

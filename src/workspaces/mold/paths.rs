@@ -1,6 +1,7 @@
 //! The paths that the workspace asks for.
 
 use crate::workspaces::context::{OPEN, PathInfo, PathKind, PathSet, TOML};
+use crate::workspaces::moved_files::FIND;
 
 /// What the workspace asks paths for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,18 +18,21 @@ pub enum MoldPath {
     BurnSheet,
     /// Where the cutters are saved.
     SaveCutters,
+    /// A file of a project that is elsewhere now.
+    MovedFile,
 }
 
 impl PathSet for MoldPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use MoldPath as P;
-        static TABLE: [(P, PathInfo); 6] = [
+        static TABLE: [(P, PathInfo); 7] = [
             (P::Open, PathInfo::open("Open a mold", PathKind::Read("Molds and meshes", OPEN, false))),
             (P::Cutters, PathInfo::new("Load cutters", PathKind::Read("Cutters", TOML, false))),
             (P::OtherCutters, PathInfo::new("Load cutters to compare with", PathKind::Read("Cutters", TOML, false))),
             (P::ElectrodeFolder, PathInfo::new("Folder for the electrodes", PathKind::Folder)),
             (P::BurnSheet, PathInfo::new("Template of the burn sheet", PathKind::Read("", &[], false))),
             (P::SaveCutters, PathInfo::new("Save cutters", PathKind::Write("Cutters", ".toml"))),
+            (P::MovedFile, FIND),
         ];
         &TABLE
     }

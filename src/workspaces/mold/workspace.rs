@@ -18,6 +18,7 @@ use crate::workspaces::mold::panels::view::MoldView;
 use crate::workspaces::mold::paths::MoldPath;
 use crate::workspaces::mold::scene::{MoldLook, RegionColours};
 use crate::workspaces::mold::work::{LoadedMold, read_part};
+use crate::workspaces::moved_files::{self, MovedFiles};
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::Opening;
 use crate::workspaces::workspace::{About, Menu, Workspace, held_in_fields};
@@ -33,6 +34,7 @@ pub struct MoldWorkspace {
     pub desk: MoldDesk,
     view: MoldView,
     opening: Opening<Pending, Incoming>,
+    moved: MovedFiles<MoldParams>,
 }
 
 /// What takes the place of the mold once nothing stands in the way.
@@ -53,7 +55,8 @@ struct Incoming {
 impl MoldWorkspace {
     /// An empty workspace.
     pub fn new(scheduler: &Scheduler) -> Self {
-        Self { desk: MoldDesk::new(scheduler), view: MoldView::default(), opening: Opening::new(scheduler) }
+        let (desk, view, opening) = (MoldDesk::new(scheduler), MoldView::default(), Opening::new(scheduler));
+        Self { desk, view, opening, moved: MovedFiles::default() }
     }
 
     /// Whether `pending` loses nothing: the cutters that were chosen before there was a mold stay.
@@ -84,12 +87,21 @@ impl MoldWorkspace {
     }
 
     /// The mold at `path`, a project or a mesh, which is not read yet; says why there is none.
-    fn mold_at(&self, path: &Path, cx: &mut Context) -> Option<Document<MoldParams>> {
+    fn mold_at(&mut self, path: &Path, cx: &mut Context) -> Option<Document<MoldParams>> {
         if !is_project(path) {
             return Some(self.desk.begun(path));
         }
-        let opened = Document::open(path);
-        opened.map_err(|error| cx.not_a_project(path, &error)).ok()
+        let opened = Document::open(path).map_err(|error| cx.not_a_project(path, &error)).ok()?;
+        self.moved.checked(opened, cx)
+    }
+
+    /// Reads the mesh of `document`, which then takes the place of the present mold.
+    fn begin(&mut self, document: Document<MoldParams>) {
+        self.opening.begin(move |task| {
+            let params = document.params();
+            let part = params.mesh.as_ref().map(|mesh| read_part(mesh, params.units, task));
+            Ok(Incoming { part: part.transpose()?.map(Arc::new), document })
+        });
     }
 
     /// Puts `opened` in the place of the present mold.
@@ -330,12 +342,9 @@ impl Workspace for MoldWorkspace {
     fn proceed(&mut self, cx: &mut Context) {
         match self.opening.pending.take() {
             Some(Pending::Open(path)) => {
-                let Some(document) = self.mold_at(&path, cx) else { return };
-                self.opening.begin(move |task| {
-                    let params = document.params();
-                    let part = params.mesh.as_ref().map(|mesh| read_part(mesh, params.units, task));
-                    Ok(Incoming { part: part.transpose()?.map(Arc::new), document })
-                });
+                if let Some(document) = self.mold_at(&path, cx) {
+                    self.begin(document);
+                }
             }
             Some(Pending::Ask) => cx.ask(MoldPath::Open, ""),
             Some(Pending::Take(opened)) => self.take((*opened).clone(), cx),
@@ -349,9 +358,20 @@ impl Workspace for MoldWorkspace {
         Ok(())
     }
 
+    fn dialog_title(&self) -> &'static str {
+        moved_files::TITLE
+    }
+
+    fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
+        let opened = self.moved.dialog(ui, cx, MoldPath::MovedFile);
+        opened.into_iter().for_each(|document| self.begin(document));
+        !self.moved.is_asking()
+    }
+
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {
         match MoldPath::at(number) {
             Some(MoldPath::Open) => self.go_on(Pending::Open(path), cx),
+            Some(MoldPath::MovedFile) => self.moved.found(&path, cx).into_iter().for_each(|found| self.begin(found)),
             Some(MoldPath::Cutters) => self.load_cutters(&path, false, cx),
             Some(MoldPath::OtherCutters) => self.load_cutters(&path, true, cx),
             Some(MoldPath::SaveCutters) => self.save_cutters(&path, cx),

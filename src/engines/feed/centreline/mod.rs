@@ -48,7 +48,7 @@ impl SearchStrategy for CentrelineParams {
     }
 
     fn parameters(&self) -> Option<&'static str> {
-        Some("/plan/centreline")
+        Some("plan.centreline")
     }
 
     fn symbols(&self) -> Vec<StrategySymbol> {

@@ -35,6 +35,11 @@ pub trait Params: Clone + PartialEq + Serialize + DeserializeOwned + Validate + 
     /// Replaces the path of every file that is named: project files have them as seen from their own folder.
     fn change_paths(&mut self, change: &mut dyn FnMut(&Path) -> PathBuf);
 
+    /// Whether nothing can be shown without the file at `path`, which is one of those that are named.
+    fn needs(&self, _path: &Path) -> bool {
+        true
+    }
+
     /// Takes over what a file that is named says of the keys that are not given, as the travels of a machine. Called once
     /// paths are those of the system, with keys of a project file or those that have just been changed.
     ///
@@ -232,9 +237,11 @@ impl<P: Params> Document<P> {
     }
 
     /// Notes the content of a file that was read, for the project file.
-    pub fn note_file(&mut self, path: &Path, sha256: &str) {
-        self.files.retain(|file| file.path != path);
-        self.files.push(PartFile { path: path.to_owned(), sha256: sha256.to_owned() });
+    pub fn note_file(&mut self, read: &PartFile) {
+        if !self.files.contains(read) {
+            self.files.retain(|file| file.path != read.path);
+            self.files.push(read.clone());
+        }
     }
 
     /// The files that the parameters name and that are gone, or hold something else than when they were noted.

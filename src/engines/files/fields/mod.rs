@@ -3,6 +3,7 @@
 //! A [`Field`] names its parameter by a key path such as `electrode.holder_mm[0]` into the JSON form of a parameter
 //! struct, which is what serde makes of it. Where the struct has an `Option`, JSON has null.
 
+pub mod listing;
 pub mod table;
 pub mod text;
 

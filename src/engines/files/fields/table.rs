@@ -27,7 +27,7 @@ pub struct Group {
 /// All parameters of a `P`, in the order of its forms.
 #[derive(Debug)]
 pub struct FieldTable<P> {
-    groups: &'static [Group],
+    pub(super) groups: &'static [Group],
     defaults: fn(&P) -> P,
 }
 
@@ -40,25 +40,6 @@ pub struct Place {
     pub key: String,
     /// Name for a reader, as in `Stages 2, Gap`.
     pub label: String,
-}
-
-/// A parameter with its value, for reports.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Entry {
-    /// Heading.
-    pub group: &'static str,
-    /// Key.
-    pub key: String,
-    /// Name.
-    pub label: String,
-    /// Name in the papers; may be empty.
-    pub symbol: &'static str,
-    /// The value as a reader sees it.
-    pub value: String,
-    /// Unit; may be empty.
-    pub unit: &'static str,
-    /// Whether it is the default.
-    pub is_default: bool,
 }
 
 impl<P: Default> FieldTable<P> {
@@ -220,20 +201,6 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
             return "Several parameters".to_owned();
         }
         change_of(field, get(&before, field.key), get(&now, field.key))
-    }
-
-    /// Every parameter that counts, with its value.
-    pub fn entries(&self, params: &P) -> Vec<Entry> {
-        let (values, defaults) = (self.values(params), self.values(&self.defaults(params)));
-        let mut all = Vec::new();
-        for group in self.groups {
-            for field in group.fields.iter().filter(|field| field.is_shown(&values)) {
-                let is_default = get(&values, field.key) == get(&defaults, field.key);
-                let place = Place { field, key: field.key.to_owned(), label: field.label.to_owned() };
-                entries_of(&mut all, group.name, &place, get(&values, field.key), is_default);
-            }
-        }
-        all
     }
 
     /// The table in Markdown, for the manual.
@@ -404,24 +371,6 @@ fn change_of(field: &Field, before: &Value, now: &Value) -> String {
     format!("{} {}{inner}", field.label, i + 1)
 }
 
-fn entries_of(all: &mut Vec<Entry>, group: &'static str, place: &Place, value: &Value, is_default: bool) {
-    let Place { field, key, label } = place;
-    if let (Kind::Rows { fields, .. }, Some(rows)) = (field.kind, value.as_array()) {
-        for (i, row) in rows.iter().enumerate() {
-            for field in fields.iter().filter(|field| field.is_shown(row)) {
-                let key = format!("{key}[{i}].{}", field.key);
-                let place = Place { field, key, label: format!("{label} {}, {}", i + 1, field.label) };
-                entries_of(all, group, &place, get(row, field.key), is_default);
-            }
-        }
-        return;
-    }
-    // A unit belongs to a number.
-    let unit = if value.is_number() || value.is_array() { field.unit } else { "" };
-    let value = field.show_label(value);
-    all.push(Entry { group, key: key.clone(), label: label.clone(), symbol: field.symbol, value, unit, is_default });
-}
-
 fn markdown_row(out: &mut String, field: &Field, prefix: &str, default: Option<&Value>) {
     let cell = |text: &str| text.replace('|', "\\|").replace('\n', " ");
     let key = format!("{prefix}{}", field.key);
@@ -445,17 +394,29 @@ fn markdown_row(out: &mut String, field: &Field, prefix: &str, default: Option<&
 /// The words in the last name of a key, without its unit: a key that no field has is still no word for a window.
 fn words_of(key: &str) -> String {
     let name = steps(key).filter(|step| step.parse::<u32>().is_err()).last().unwrap_or_default();
-    let units = ["_mm_per_min", "_mm2", "_mm3", "_mm", "_deg", "_min", "_s"];
-    let bare = units.iter().find_map(|unit| name.strip_suffix(unit)).unwrap_or(name);
-    bare.replace('_', " ")
+    named_unit(name).0.replace('_', " ")
 }
 
-fn capital(words: &str) -> String {
+/// A name without the unit at its end, and the unit; empty where the name has none.
+pub(super) fn named_unit(name: &str) -> (&str, &'static str) {
+    const UNITS: [(&str, &str); 7] = [
+        ("_mm_per_min", "mm/min"),
+        ("_mm2", "mm\u{b2}"),
+        ("_mm3", "mm\u{b3}"),
+        ("_mm", "mm"),
+        ("_deg", "deg"),
+        ("_min", "min"),
+        ("_s", "s"),
+    ];
+    UNITS.iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit))).unwrap_or((name, ""))
+}
+
+pub(super) fn capital(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-fn text_of(value: &Value) -> String {
+pub(super) fn text_of(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
         other => other.to_string(),

@@ -24,21 +24,13 @@ use crate::workspaces::commands::{Command, CommandSet, Commanded, FrameCommand};
 use crate::workspaces::context::{Context, LogLine};
 use crate::workspaces::news::{EventKind, WorkEvent};
 use feed::pose::Pose;
-use files::{AnyDocument as _, MovedFile};
+use files::AnyDocument as _;
 use kept_runs::KeptRuns;
 use machine_motion::MachineMotion;
 use render::mesh::RenderMesh;
 use render::scene::SectionPlane;
 use shown::Stood;
 use task::{Lane, Memo, Priority, Refusal, Same, Scheduler, State};
-
-/// The dialogs of the workspace.
-pub enum BliskDialog {
-    /// What is exported and where.
-    Export,
-    /// A project, and files of it that are gone or have changed.
-    Moved(Box<Document>, Vec<MovedFile>),
-}
 
 /// Where the electrode stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,8 +74,6 @@ pub struct BliskDesk {
     /// The bodies of the machine with this name, whose file was read so often.
     bodies: Memo<(String, u64), Vec<BodyShape>>,
     stood: Stood,
-    /// The dialog that is open.
-    pub dialog: Option<BliskDialog>,
     /// Plans that are kept to compare with.
     pub kept: KeptRuns,
     /// Withdrawn distances at which ghosts of the electrode are pinned (mm).
@@ -127,7 +117,6 @@ impl BliskDesk {
             stood: Stood::default(),
             kept: KeptRuns::new(scheduler),
             machine: MachineMotion::default(),
-            dialog: None,
             step: Stage::Part,
             cursor: Cursor { electrode: 0, s: 0.0, playing: false, speed: 10.0 },
             layers: Layers::default(),

@@ -6,6 +6,7 @@ use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use super::plan::run_feeds;
 use super::prepared_blisk::PreparedBlisk;
 use super::stages::{FoundChannel, Part};
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::job_file::{BliskSection, PlanJob};
 use crate::workspaces::blisk::document::kept_plan::{KeptPlan, KeptRun};
 use crate::workspaces::blisk::export::PlanFilesError;
@@ -102,16 +103,12 @@ pub fn kept_run(
 
 /// The comparison of `runs` of `job`, whose meshes were read from `files`.
 pub fn comparison(runs: Vec<Run>, job: &PlanJob, files: Vec<InputFile>) -> Comparison {
-    let mut parameters = serde_json::to_value(job_for(job, Strategy::default())).unwrap_or_default();
-    if let Some(plan) = parameters.get_mut("plan").and_then(|plan| plan.as_object_mut()) {
-        plan.remove("strategy");
-    }
     Comparison {
         schema: SCHEMA,
         program_version: env!("CARGO_PKG_VERSION"),
         inputs: files,
         step_mm: job.plan.step_mm,
-        parameters,
+        parameters: FIELDS.list(&job_for(job, Strategy::default())).without("plan.strategy"),
         runs,
     }
 }

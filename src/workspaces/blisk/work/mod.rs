@@ -24,7 +24,7 @@ use crate::workspaces::blisk::job::stages::{self, Electrodes, FoundChannel, Part
 use crate::workspaces::blisk::report::InputFile;
 use crate::workspaces::blisk::scene::leftover::LeftoverShape;
 use crate::workspaces::news::{EventKind, WorkEvent};
-use files::Validate as _;
+use files::{PartFile, Validate as _};
 use looks::Looks;
 use task::{Doing, Lane, Memo, Priority, Same, Scheduler, State, Task};
 
@@ -163,8 +163,9 @@ impl BliskWork {
         self.take();
         self.refresh(document.params());
         let read = self.part().into_iter().flat_map(|part| &part.files);
-        read.filter(|file| !file.sha256.is_empty())
-            .for_each(|file| document.note_file(file.path.as_ref(), &file.sha256));
+        let read = read.filter(|file| !file.sha256.is_empty());
+        let part_file = |file: &InputFile| PartFile { path: file.path.clone().into(), sha256: file.sha256.clone() };
+        read.map(part_file).for_each(|file| document.note_file(&file));
         if self.released.is_some() && self.released().is_none() {
             self.withdraw();
             self.say(Stage::Export, EventKind::Cancelled, "release withdrawn: an input changed");

@@ -272,6 +272,16 @@ impl Params for FlankDocument {
         }
     }
 
+    /// The files of the surface are needed; walls, a machine or a post can be chosen later.
+    fn needs(&self, path: &Path) -> bool {
+        let is_file = |guide: &GuideSource| matches!(guide, GuideSource::File(file) if file == path);
+        match &self.source {
+            FlankSource::Demonstration { .. } => false,
+            FlankSource::Guides { lower, upper } => is_file(lower) || is_file(upper),
+            FlankSource::Mesh(mesh) => mesh.file == path,
+        }
+    }
+
     // Machines and posts are names unless they end in `.toml`.
     fn change_paths(&mut self, change: &mut dyn FnMut(&Path) -> PathBuf) {
         match &mut self.source {

@@ -285,6 +285,7 @@ impl FlankDesk {
         }
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
         let mut events = self.work.follow(self.document.params(), priority);
+        self.work.files(self.document.params()).iter().for_each(|file| self.document.note_file(file));
         let state = self.state();
         let is_valid = self.document.params().validate().is_ok();
         // While it is planned for the first time the surface is shown at once.

@@ -1,5 +1,6 @@
 //! The report on a planned flank.
 
+use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::document::{
     DemonstrationSurface, FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice,
 };
@@ -7,7 +8,7 @@ use crate::workspaces::flank::report::{
     AxisEntry, AxisSlowedEntry, CheckEntry, ClearanceEntry, Figures, FitEntry, FlankReport, LocationsEntry,
     MachineEntry, PaperEntry, PathEntry, RanksEntry, SCHEMA, ShortEntry, SlowedEntry, SurfaceEntry,
 };
-use files::Override;
+use files::{Override, ParameterList};
 use flank::fit_ruled::RuledFit;
 use flank::gouge::{Clearance, ToolPart};
 use flank::machine::joint_feed::Slowed;
@@ -64,12 +65,12 @@ pub fn report(result: &FlankResult, document: &FlankDocument) -> FlankReport {
 }
 
 /// Every parameter; of a mesh that the document holds only what it is called.
-fn parameters(document: &FlankDocument) -> serde_json::Value {
+fn parameters(document: &FlankDocument) -> ParameterList {
     let mut document = document.clone();
     if let FlankSource::Mesh(MeshFlank { kept: Some(kept), .. }) = &mut document.source {
         kept.obj = format!("{} bytes", kept.obj.len()).into();
     }
-    serde_json::to_value(&document).unwrap_or_default()
+    FIELDS.list(&document)
 }
 
 /// The answer in a sentence.

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use files::ParameterList;
 use files::report::{PageError, Picture, png_url};
 use flank::cutter::FlankCutter;
 use flank::deviation::Deviation;
@@ -57,7 +58,7 @@ pub struct FlankReport {
     /// What the reader must know.
     pub warnings: Vec<String>,
     /// Every parameter, defaults included.
-    pub parameters: serde_json::Value,
+    pub parameters: ParameterList,
 }
 
 /// A surface.

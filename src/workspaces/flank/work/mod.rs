@@ -10,7 +10,7 @@ mod tests;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use files::Validate;
+use files::{PartFile, Validate};
 use task::{Doing, Lane, Memo, Priority, Scheduler, State, Task};
 
 use stamps::Stamp;
@@ -152,6 +152,12 @@ impl FlankWork {
     fn stamps(&self, document: &FlankDocument) -> impl Iterator<Item = &Stamp> {
         let source = self.loaded(document).into_iter().flat_map(|loaded| &loaded.stamps);
         source.chain(self.walls(document).into_iter().map(|walls| &walls.stamp))
+    }
+
+    /// The files of `document` with what they held when they were read.
+    pub fn files(&self, document: &FlankDocument) -> Vec<PartFile> {
+        let source = self.loaded(document).into_iter().flat_map(|loaded| &loaded.files);
+        source.chain(self.walls(document).and_then(|walls| walls.file.as_ref())).cloned().collect()
     }
 
     /// Reads all files again.

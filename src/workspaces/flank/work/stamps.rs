@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use crate::workspaces::flank::document::{FlankSource, GuideSource};
+use files::{PartFile, sha256_of};
 
 /// A file, its size (bytes) and when it was written, as far as that is known.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -36,6 +37,12 @@ impl Stamp {
         files.into_iter().map(Self::of).collect()
     }
 
+    /// The file with its digest, unless it has changed since or cannot be read.
+    pub fn part_file(&self) -> Option<PartFile> {
+        let sha256 = sha256_of(&self.file).ok()?;
+        self.changed().is_none().then(|| PartFile { path: self.file.clone(), sha256 })
+    }
+
     /// The file, if it looks otherwise now or is gone.
     pub fn changed(&self) -> Option<&Path> {
         (Self::of(&self.file) != *self).then_some(&self.file)
@@ -54,8 +61,10 @@ mod tests {
         let stamps = Stamp::of_source(&FlankSource::guides([lower.clone(), upper.clone()]));
         let changed = || stamps.iter().filter_map(Stamp::changed).collect::<Vec<_>>();
         assert!(stamps.len() == 2 && changed().is_empty());
+        assert_eq!(stamps[1].part_file().unwrap().sha256, files::sha256(b"1,2,3"));
         std::fs::write(&upper, "1,2,3,4").unwrap();
         assert_eq!(changed(), [upper.as_path()]);
+        assert_eq!(stamps[1].part_file(), None, "what was read is not what is there now");
         std::fs::remove_file(&lower).unwrap();
         assert_eq!(changed(), [lower.as_path(), upper.as_path()]);
         assert!(Stamp::of_source(&FlankSource::default()).is_empty());

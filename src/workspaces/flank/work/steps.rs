@@ -10,6 +10,7 @@ use crate::workspaces::flank::document::{FlankDocument, FlankSource, PathChoice,
 use crate::workspaces::flank::inputs;
 use crate::workspaces::flank::inputs::{FromFile, input, load_machine, load_surface};
 use crate::workspaces::flank::scene::{FlankShapes, FlankSurface};
+use files::PartFile;
 use files::user_folder::user_folder;
 use flank::FlankError;
 use flank::params::FlankParams;
@@ -31,6 +32,8 @@ pub struct LoadedFlank {
     pub surface: LoadedSurface,
     /// The part that it is a face of, for the screen.
     pub part: Option<Arc<RenderMesh>>,
+    /// The surface's files as they were read.
+    pub files: Vec<PartFile>,
     /// Stamps of the surface's files as they were read.
     pub(super) stamps: Vec<Stamp>,
     /// What its file leaves in doubt, in words.
@@ -62,6 +65,8 @@ pub struct LoadedWalls {
     pub mesh: Arc<Mesh>,
     /// Shape of the walls for the screen.
     pub shape: Arc<RenderMesh>,
+    /// The walls' file as it was read.
+    pub file: Option<PartFile>,
     /// Stamp of the walls' file as it was read.
     pub(super) stamp: Stamp,
     /// What their file leaves in doubt, in words.
@@ -140,7 +145,8 @@ pub(super) fn load(source: &FlankSource, task: &Task) -> Result<LoadedFlank, Str
         LoadedSurface::Guides { .. } => None,
         LoadedSurface::Face { mesh, .. } => Some(Arc::new(RenderMesh::new(mesh))),
     };
-    Ok(LoadedFlank { surface, part, doubts, stamps })
+    let files = stamps.iter().filter_map(Stamp::part_file).collect();
+    Ok(LoadedFlank { surface, part, files, doubts, stamps })
 }
 
 /// Reads walls.
@@ -152,7 +158,7 @@ pub(super) fn load_walls(walls: &WallsFile, unit: Unit, task: &Task) -> Result<L
     let found = inputs::load_walls(walls, unit, task).map_err(|e| e.to_string())?;
     let FromFile { value: mesh, doubts } = found;
     let shape = Arc::new(RenderMesh::new(&mesh));
-    Ok(LoadedWalls { mesh, shape, doubts, stamp })
+    Ok(LoadedWalls { mesh, shape, doubts, file: stamp.part_file(), stamp })
 }
 
 /// Plans.

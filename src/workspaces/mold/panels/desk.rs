@@ -327,6 +327,7 @@ impl MoldDesk {
         self.follow_params();
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
         let mut events = self.work.follow(self.document.params(), priority);
+        self.work.mold().into_iter().for_each(|mold| self.document.note_file(&mold.file));
         events.extend(self.follow_part());
         self.follow_answer();
         self.electrodes.follow(self.work.designed());

@@ -6,8 +6,10 @@ pub mod uncut_ply;
 
 use serde::Serialize;
 
-use files::Override;
+use crate::workspaces::mold::document::MoldParams;
+use crate::workspaces::mold::document::fields::FIELDS;
 use files::report::PageError;
+use files::{Override, ParameterList};
 use mold::electrode::design::IdleOverride;
 use mold::electrode::design::{Electrode, ElectrodeSet, PartNode, RegionPlan};
 use mold::electrode::params::Edit;
@@ -42,7 +44,7 @@ pub struct ElectrodesReport {
     /// Every region.
     pub regions: Vec<RegionEntry>,
     /// Every parameter, defaults included.
-    pub parameters: serde_json::Value,
+    pub parameters: ParameterList,
 }
 
 /// An electrode that is not exported.
@@ -138,7 +140,9 @@ impl ElectrodesReport {
             unmet_edits: set.unmet_edits().into_iter().map(|e| set.params.edits[e].to_string()).collect(),
             model: MODEL,
             regions: set.regions.iter().enumerate().map(|(r, plan)| region(set, r, plan)).collect(),
-            parameters: serde_json::to_value(&set.params).unwrap_or_default(),
+            parameters: FIELDS
+                .list(&MoldParams { electrodes: set.params.clone(), ..MoldParams::default() })
+                .of_table("electrodes"),
             overridden,
             table,
         }

@@ -8,6 +8,7 @@ use crate::workspaces::mold::job::compare::{Comparison, compare as compare_answe
 use crate::workspaces::mold::job::uncut::{Uncut, UncutError, UncutParams, uncut};
 use crate::workspaces::mold::report::uncut::UncutReport;
 use crate::workspaces::mold::scene::{RegionShape, faces_shape, region_shapes};
+use files::PartFile;
 use geometry::mesh::Mesh;
 use import::{ImportOptions, ImportReport, Units, import_file};
 use render::mesh::RenderMesh;
@@ -26,6 +27,8 @@ pub struct LoadedMold {
     pub report: ImportReport,
     /// Volume (mm^3).
     pub volume: f64,
+    /// File of the mold as it was read.
+    pub file: PartFile,
     /// What tells it from any other: digest of the file and the unit that it was read in.
     pub sha256: String,
 }
@@ -73,8 +76,9 @@ pub fn load(path: &Path, units: Units, task: &Task) -> Result<LoadedMold, String
     let shape = Arc::new(RenderMesh::new(&imported.mesh));
     task.check().map_err(|e| e.to_string())?;
     let sha256 = part_of(&imported);
+    let file = PartFile { path: path.to_owned(), sha256: imported.sha256 };
     let volume = imported.mesh.volume();
-    Ok(LoadedMold { name, mesh: Arc::new(imported.mesh), shape, report: imported.report, volume, sha256 })
+    Ok(LoadedMold { name, file, mesh: Arc::new(imported.mesh), shape, report: imported.report, volume, sha256 })
 }
 
 /// Finds what the cutters leave.

@@ -253,6 +253,11 @@ impl Params for PlanJob {
         }
     }
 
+    /// Meshes are needed; a machine or a post can be chosen later.
+    fn needs(&self, path: &Path) -> bool {
+        [&self.blisk.mesh, &self.electrode.mesh].into_iter().flatten().any(|mesh| mesh == path)
+    }
+
     /// Axes, travels and speeds of the machine that is named, but for those that are given.
     fn complete(&mut self, is_given: &dyn Fn(&str) -> bool) -> Result<(), Invalid> {
         let name = self.machine.name.clone();
