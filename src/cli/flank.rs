@@ -9,7 +9,7 @@ use crate::workspaces::flank::export::{ExportChoice, export};
 use crate::workspaces::flank::inputs::{input, load_machine, load_surface, load_walls, walls_unit};
 use crate::workspaces::flank::report::FlankReport;
 use crate::workspaces::flank::report::build::{report, sentence};
-use files::user_folder::user_folder;
+use files::paths::user_folder;
 use files::{Document, ExportFolder, Params};
 use flank::fit_ruled::{Candidate, CandidateFit};
 use nc::flank_job::{FlankResult, LoadedSurface, flank as plan};

@@ -12,7 +12,7 @@ use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank, 
 use crate::workspaces::flank::electrode_part::{keep_off_base, turn_over};
 use crate::workspaces::flank::inputs::load_machine;
 use files::Override;
-use files::user_folder::user_folder;
+use files::paths::user_folder;
 use files::{Document, Validate};
 use flank::cutter::HolderPart;
 use flank::params::Objective;

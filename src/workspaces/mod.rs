@@ -13,7 +13,6 @@ pub mod moved_files;
 pub mod news;
 pub mod opening;
 pub mod preferences;
-pub mod recent;
 pub mod registry;
 pub mod workspace;
 

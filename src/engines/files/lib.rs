@@ -20,8 +20,6 @@ pub mod paths;
 pub mod report;
 mod result_cache;
 mod toml_file;
-pub mod user_folder;
-pub mod word_or_table;
 
 pub use atomic::{atomic_write, write_bytes};
 pub use document::autosave::{Autosave, Recovery};

@@ -6,7 +6,7 @@ use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank};
 use crate::workspaces::flank::inputs::{FlankLoadError, load_machine};
 use crate::workspaces::message::ElectrodePart;
-use files::user_folder::user_folder;
+use files::paths::user_folder;
 use flank::fit_ruled::RuledFitParams;
 use flank::machine::milling_machine::Workpiece;
 use flank::params::FlankParams;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-use crate::widgets::colours::{BAD, HIGH, MACHINE, STEEL};
+use crate::widgets::theme::{BAD, HIGH, MACHINE, STEEL};
 use crate::workspaces::flank::document::PathChoice;
 use flank::cutter::FlankCutter;
 use flank::deviation::Deviation;

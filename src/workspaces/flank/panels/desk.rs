@@ -12,7 +12,7 @@ use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource
 use crate::workspaces::flank::work::{ExportChoice, FlankWork, Planned, Sketch};
 use crate::workspaces::hands::{Gesture, Hands};
 use crate::workspaces::news::{EventKind, WorkEvent};
-use files::user_folder::user_folder;
+use files::paths::user_folder;
 use files::{AnyDocument, Document, Validate};
 use flank::machine::milling_machine::Workpiece;
 use flank::path::FlankPath;

@@ -11,7 +11,7 @@ use crate::workspaces::flank::inputs;
 use crate::workspaces::flank::inputs::{FromFile, input, load_machine, load_surface};
 use crate::workspaces::flank::scene::{FlankShapes, FlankSurface};
 use files::PartFile;
-use files::user_folder::user_folder;
+use files::paths::user_folder;
 use flank::FlankError;
 use flank::params::FlankParams;
 use flank::ruled_surface::Side;

@@ -2,7 +2,6 @@
 
 mod page;
 pub mod uncut;
-pub mod uncut_ply;
 
 use serde::Serialize;
 

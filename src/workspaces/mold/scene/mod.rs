@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::widgets::colours::{BAD, STEEL};
+use crate::widgets::theme::{BAD, STEEL};
 use crate::workspaces::mold::scene::electrodes::BurnOf;
 use geometry::mesh::{Mesh, normal_times_two_areas};
 use mold::opening::Opening;

@@ -3,7 +3,6 @@
 
 mod design;
 mod electrode_export;
-mod glance;
 mod steps;
 
 use files::Validate;
@@ -17,14 +16,13 @@ use crate::workspaces::news::{EventKind, WorkEvent};
 pub use design::Designed;
 use electrode_export::{Exported, export};
 use files::{Params, ResultCache};
-pub use glance::Glance;
 use import::Units;
 use mold::cutter::CutterLibrary;
 use mold::electrode::design::ElectrodeSet;
 use mold::electrode::params::ElectrodeParams;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::ElectrodeFormat;
-pub use steps::{FoundUncut, LoadedMold, load as read_part};
+pub use steps::{FoundUncut, Glance, LoadedMold, load as read_part};
 use task::{Doing, Lane, Memo, Priority, Scheduler, State};
 
 /// What a mesh is read from: the file, its unit, how often it was asked for.
@@ -300,7 +298,7 @@ impl MoldWork {
     pub fn glance(&mut self, params: &MoldParams) {
         let Ok((question, mold)) = self.asked(params) else { return };
         let asked = question.1.clone();
-        self.glances.ask(&question, self.priority, move |work| glance::look(&mold, &asked, &work.task.cancel));
+        self.glances.ask(&question, self.priority, move |work| steps::glance(&mold, &asked, &work.task.cancel));
     }
 
     /// Forgets what was seen at a glance.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::workspaces::mold::document::part_of;
 use crate::workspaces::mold::job::compare::{Comparison, compare as compare_answers};
+use crate::workspaces::mold::job::preview::{Preview, preview};
 use crate::workspaces::mold::job::uncut::{Uncut, UncutError, UncutParams, uncut};
 use crate::workspaces::mold::report::uncut::UncutReport;
 use crate::workspaces::mold::scene::{RegionShape, faces_shape, region_shapes};
@@ -12,7 +13,7 @@ use files::PartFile;
 use geometry::mesh::Mesh;
 use import::{ImportOptions, ImportReport, Units, import_file};
 use render::mesh::RenderMesh;
-use task::Task;
+use task::{Cancel, Task};
 
 /// A mold as loaded.
 #[derive(Debug)]
@@ -114,4 +115,25 @@ pub(super) fn compare(
     let other = find(mold, params, task)?;
     let comparison = compare_answers(&mold.mesh, &found.uncut, &other.uncut, task);
     Ok((other, comparison.map_err(|e| e.to_string())?))
+}
+
+/// The result of a quick look.
+#[derive(Debug)]
+pub struct Glance {
+    /// Figures of what is left.
+    pub preview: Preview,
+    /// Shape of what is left on the mold, for the screen.
+    pub shape: Arc<RenderMesh>,
+}
+
+/// Takes a quick look at what the cutters leave.
+///
+/// # Errors
+/// One line if it cannot be looked at.
+pub(super) fn glance(mold: &LoadedMold, params: &UncutParams, cancel: &Cancel) -> Result<Glance, String> {
+    let preview = preview(&mold.mesh, params, cancel).map_err(|e| e.to_string())?;
+    let cells = preview.regions.iter().flat_map(|r| &r.cells);
+    let surface: Vec<_> = cells.flat_map(|cell| cell.pieces(0)).collect();
+    let shape = region_shapes(&mold.mesh, &surface, 1, params.opening).swap_remove(0).shape;
+    Ok(Glance { preview, shape })
 }

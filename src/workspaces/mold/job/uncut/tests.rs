@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::*;
 use crate::workspaces::mold::report::uncut::UncutReport;
-use crate::workspaces::mold::report::uncut_ply::surface_as_ply;
+use crate::workspaces::mold::report::uncut::surface_as_ply;
 use geometry::mesh::unit_normal;
 use mold::fixtures::{dish, pocket, polygon, rectangle};
 
