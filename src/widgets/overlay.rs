@@ -8,8 +8,8 @@ use super::theme::palette;
 use super::viewport::Viewport;
 use render::colour_map::{ColourMap, Legend};
 
-/// The bar of colours with round values beside it and a mark at the value that counts, or at the middle of a map that has
-/// one. Answers where it is.
+/// The bar of colours with round values beside it and a mark at the value that counts, or at the middle of a map that
+/// has one. Answers where it is.
 pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) -> Rect {
     let size = vec2(14.0, (rect.height() - 150.0).clamp(50.0, 180.0));
     let bar = Rect::from_min_size(pos2(rect.left() + 18.0, rect.top() + 78.0), size);

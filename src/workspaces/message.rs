@@ -40,8 +40,8 @@ impl ElectrodePart {
         Self { name, of: mold.to_owned(), mesh, up: UP_OF_MOLDS, is_upside_down: true }
     }
 
-    /// Number `number` (from 1) of a blisk, in its own axes or, given the `frame` of these, in those of the blisk's mesh.
-    /// Up is outwards.
+    /// Number `number` (from 1) of a blisk, in its own axes or, given the `frame` of these, in those of the blisk's
+    /// mesh. Up is outwards.
     pub fn of_blisk(electrode: &BliskElectrode, (number, blisk): (usize, &str), frame: Option<&Frame>) -> Self {
         let (mesh, up) = match frame {
             Some(frame) => (electrode.mesh.in_parent_of(frame), frame.z),

@@ -1,6 +1,6 @@
 //! The workspaces, each in a folder of its own, and what the window and all of them share: the trait
-//! [`Workspace`](workspace::Workspace), commands as data, and the [`Context`](context::Context) through which a workspace
-//! asks the window. [`registry`] is the one place that lists them.
+//! [`Workspace`](workspace::Workspace), commands as data, and the [`Context`](context::Context) through which a
+//! workspace asks the window. [`registry`] is the one place that lists them.
 
 pub mod blisk;
 pub mod commands;

@@ -1,5 +1,5 @@
-//! Files of a project that are gone or have changed since it was saved: the user finds them, takes them as they are now, or
-//! opens the project without them.
+//! Files of a project that are gone or have changed since it was saved: the user finds them, takes them as they are
+//! now, or opens the project without them.
 
 use std::path::{Path, PathBuf};
 
@@ -28,7 +28,8 @@ impl<P> Default for MovedFiles<P> {
 }
 
 impl<P: Params> MovedFiles<P> {
-    /// Returns `document` if its files are those that it was saved with. Otherwise the document waits and the user is asked.
+    /// Returns `document` if its files are those that it was saved with. Otherwise the document waits and the user is
+    /// asked.
     pub fn checked(&mut self, document: Document<P>, cx: &mut Context) -> Option<Document<P>> {
         let moved = document.moved_files();
         if moved.is_empty() {
@@ -49,8 +50,8 @@ impl<P: Params> MovedFiles<P> {
         (self.waiting, self.sought) = (None, None);
     }
 
-    /// Puts the file at `path` in the place of the one that is looked for. Returns the project once no file is left to ask
-    /// about.
+    /// Puts the file at `path` in the place of the one that is looked for. Returns the project once no file is left to
+    /// ask about.
     pub fn found(&mut self, path: &Path, cx: &mut Context) -> Option<Document<P>> {
         let (document, moved) = self.waiting.as_mut()?;
         let sought = self.sought.take()?;
@@ -63,8 +64,8 @@ impl<P: Params> MovedFiles<P> {
         self.waiting.take().map(|(document, _)| document)
     }
 
-    /// Draws the dialog, which asks for `find` where a file is to be found. Returns the project that the user opens with its
-    /// files as they are. Afterwards [`is_asking`](Self::is_asking) tells whether the dialog stays open.
+    /// Draws the dialog, which asks for `find` where a file is to be found. Returns the project that the user opens
+    /// with its files as they are. Afterwards [`is_asking`](Self::is_asking) tells whether the dialog stays open.
     pub fn dialog(&mut self, ui: &mut Ui, cx: &mut Context, find: impl PathSet) -> Option<Document<P>> {
         let (document, moved) = self.waiting.as_ref()?;
         for file in moved {

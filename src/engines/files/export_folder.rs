@@ -99,8 +99,8 @@ pub struct Published {
     pub files: Vec<PathBuf>,
     /// Files of the former export that the present one does not have, and that were removed.
     pub removed: Vec<String>,
-    /// Files of the former export that someone changed since, or that no manifest knows: the former name, and the one that they have
-    /// now.
+    /// Files of the former export that someone changed since, or that no manifest knows: the former name, and the one
+    /// that they have now.
     pub set_aside: Vec<[String; 2]>,
 }
 
@@ -151,8 +151,8 @@ impl ExportFolder {
     /// Opens the folder for an export of the kind `by`, and makes it if it is missing.
     ///
     /// # Errors
-    /// [`FileError`] if it cannot be made, nothing can be written into it, or its manifest cannot be read: without it an
-    /// older program could stay beside a report that refuses it.
+    /// [`FileError`] if it cannot be made, nothing can be written into it, or its manifest cannot be read: without it
+    /// an older program could stay beside a report that refuses it.
     pub fn open(folder: &Path, by: &'static str) -> Result<Self, FileError> {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         manifest_in(folder)?;

@@ -64,8 +64,8 @@ impl From<Table> for Override {
 
 impl<'de> Deserialize<'de> for Override {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        const EXPECTED: &str = "the name of a check, \"CHECK:FIGURE\", \"NAME:CHECK\" or \"NAME:CHECK:FIGURE\", or a table \
-                                with of, check, most, parts, figures";
+        const EXPECTED: &str = "the name of a check, \"CHECK:FIGURE\", \"NAME:CHECK\" or \"NAME:CHECK:FIGURE\", or a \
+                                table with of, check, most, parts, figures";
         word_or_table::<Self, Table, D>(deserializer, EXPECTED)
     }
 }

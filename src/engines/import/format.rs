@@ -8,8 +8,8 @@ use super::error::{ImportError, excerpt};
 use super::source::{Content, Likeness, MeshFormat, without_mark};
 use super::{gltf, obj, stl};
 
-/// Lists the formats: each has a variant of [`Format`], a [`MeshFormat`] in its own file, and the ending of its files. Of two
-/// that are equally likely the first is taken.
+/// Lists the formats: each has a variant of [`Format`], a [`MeshFormat`] in its own file, and the ending of its files.
+/// Of two that are equally likely the first is taken.
 macro_rules! formats {
     ($($(#[$doc:meta])* $format:ident: $about:path, $ending:literal;)+) => {
         /// A format of mesh files.

@@ -116,7 +116,8 @@ pub struct AxisWord {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TipWords {
-    /// The word after which X Y Z are the tip and the rotary axes are given, e.g. `G43.4`; none if the control has none.
+    /// The word after which X Y Z are the tip and the rotary axes are given, e.g. `G43.4`; none if the control has
+    /// none.
     #[serde(default)]
     pub angles: Option<String>,
     /// The word after which X Y Z are the tip and I J K the tool's direction, e.g. `G43.5`; none if it has none.

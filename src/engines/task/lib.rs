@@ -1,7 +1,7 @@
 //! Long computations: progress, cancelling, and values that are computed in the background and remembered.
 //!
-//! A job is a pure function of its inputs and a [`Task`], which may be shared between threads. A [`Memo`] runs such jobs
-//! on the two threads of a [`Scheduler`] and keeps what they answer.
+//! A job is a pure function of its inputs and a [`Task`], which may be shared between threads. A [`Memo`] runs such
+//! jobs on the two threads of a [`Scheduler`] and keeps what they answer.
 
 mod memo;
 mod scheduler;

@@ -13,16 +13,16 @@ use crate::{Cancel, Progress, Task};
 /// State of a key: the first of these that holds.
 ///
 /// 1. **Running**: work for the key waits or runs.
-/// 2. **Ready**: the value of the key is remembered. A value is a fact: an attempt to make it once more that failed or was
-///    cancelled does not take it away.
+/// 2. **Ready**: the value of the key is remembered. A value is a fact: an attempt to make it once more that failed or
+///    was cancelled does not take it away.
 /// 3. **Failed** or **Cancelled**: the last attempt ended so. It does not begin again by itself, only by
 ///    [`Memo::restart`], or by [`Memo::resume`] and asking again.
 /// 4. **Stale**: nothing is known of the key, but a value of another key is.
 /// 5. **Missing**: nothing is known at all.
 ///
 /// The state does not choose what is shown. In every state [`Memo::get`] answers the key's own value and nothing else,
-/// [`Memo::last`] the value that was made or asked for last, whatever its key, and [`Memo::partial`] what the latest work for
-/// the key has found so far. Whoever shows the value of another key has asked for just that.
+/// [`Memo::last`] the value that was made or asked for last, whatever its key, and [`Memo::partial`] what the latest
+/// work for the key has found so far. Whoever shows the value of another key has asked for just that.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum State {
     /// No value of any key is known.

@@ -32,8 +32,8 @@ pub fn fit_of(part: &ElectrodePart) -> RuledFitParams {
     RuledFitParams { up: part.up, stands_on_base: part.is_upside_down, ..RuledFitParams::default() }
 }
 
-/// Has the cutter's bottom end at the lower guide unless it was told where to: under an electrode's tips its base goes on,
-/// and what reaches below gouges it.
+/// Has the cutter's bottom end at the lower guide unless it was told where to: under an electrode's tips its base goes
+/// on, and what reaches below gouges it.
 pub fn keep_off_base(document: &mut FlankDocument) {
     if document.plan.below_mm == FlankParams::default().below_mm {
         document.plan.below_mm = 0.0;

@@ -85,9 +85,9 @@ impl WrittenFlank {
     }
 }
 
-/// Writes the report, and what can be milled unless a check fails, as far as they are chosen, into `folder`, which is made
-/// if it is not there: all of it or nothing. What is there of an earlier path and is not written anew does not keep its
-/// name, so that it cannot be taken for what belongs to this one.
+/// Writes the report, and what can be milled unless a check fails, as far as they are chosen, into `folder`, which is
+/// made if it is not there: all of it or nothing. What is there of an earlier path and is not written anew does not
+/// keep its name, so that it cannot be taken for what belongs to this one.
 ///
 /// # Errors
 /// One line naming the file or what is wrong; cancelled.

@@ -108,8 +108,8 @@ pub fn load_machine(
     Ok(Some(machine))
 }
 
-/// The unit of walls whose file says none: the one given for the part, else mm, as guides are in. It is never guessed: in
-/// another unit than the surface's they would be far off, and nothing would seem to be gouged.
+/// The unit of walls whose file says none: the one given for the part, else mm, as guides are in. It is never guessed:
+/// in another unit than the surface's they would be far off, and nothing would seem to be gouged.
 pub fn walls_unit(document: &FlankDocument) -> Unit {
     match &document.source {
         FlankSource::Mesh(mesh) if mesh.kept.is_none() => mesh.units.given().unwrap_or(Unit::Mm),
@@ -125,8 +125,8 @@ pub fn load_walls(walls: &WallsFile, unit: Unit, task: &Task) -> Result<FromFile
     import(&walls.file, (walls.units, Undeclared::Take(unit)), task)
 }
 
-/// What the surface is made of. Of a mesh every face that could be milled is fitted: this is the long part. A mesh without a
-/// unit that by its size is not in mm is refused.
+/// What the surface is made of. Of a mesh every face that could be milled is fitted: this is the long part. A mesh
+/// without a unit that by its size is not in mm is refused.
 ///
 /// # Errors
 /// [`FlankLoadError`].

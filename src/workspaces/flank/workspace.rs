@@ -101,7 +101,8 @@ impl FlankWorkspace {
         }
     }
 
-    /// Takes another guide curve: the surface is another one, and what was decided on the former one does not hold for it.
+    /// Takes another guide curve: the surface is another one, and what was decided on the former one does not hold for
+    /// it.
     fn take_guide(&mut self, change: impl FnOnce(&mut GuideSource, &mut GuideSource)) {
         self.edit_flank(|params| {
             if let FlankSource::Guides { lower, upper } = &mut params.source {

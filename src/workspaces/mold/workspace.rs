@@ -169,8 +169,8 @@ impl MoldWorkspace {
         let Some((electrode, _)) = self.desk.electrodes.chosen() else { return };
         if !self.desk.electrodes.designed().is_some_and(|made| made.is_proven) {
             // What was read from a file is shown, but proves nothing.
-            let why = "These electrodes were kept from an earlier session. Find the rest material and create the electrodes \
-                       again first.";
+            let why = "These electrodes were kept from an earlier session. Find the rest material and create the \
+                       electrodes again first.";
             return cx.error("No flank to mill", why.to_owned());
         }
         let part = ElectrodePart::of_mold(electrode, &self.desk.document.name());

@@ -28,7 +28,8 @@ pub struct Autosave {
 }
 
 impl Autosave {
-    /// Starts keeping copies in `folder`, which is made if missing. Copies are [due](Self::is_due) `every` so many seconds.
+    /// Starts keeping copies in `folder`, which is made if missing. Copies are [due](Self::is_due) `every` so many
+    /// seconds.
     ///
     /// # Errors
     /// If the folder cannot be written.

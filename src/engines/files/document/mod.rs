@@ -18,8 +18,8 @@ use crate::document::history::History;
 use crate::{FileError, Invalid, Validate};
 use project::{CopyNote, Project};
 
-/// Parameters that a document can hold. Their TOML form has no key called `kind`, `version`, `files`, `results`, `kept` or
-/// `autosave`, which are the project file's own.
+/// Parameters that a document can hold. Their TOML form has no key called `kind`, `version`, `files`, `results`, `kept`
+/// or `autosave`, which are the project file's own.
 pub trait Params: Clone + PartialEq + Serialize + DeserializeOwned + Validate + Default {
     /// Kind of the project in files, as in `mold`.
     const KIND: &'static str;

@@ -7,7 +7,8 @@ use serde_json::Value;
 use super::table::{FieldTable, Group, Place, capital, named_unit, text_of};
 use super::{Kind, get, steps};
 
-/// The parameters of a report: a tree of keys and values for programs, which is what is serialised, and a list for people.
+/// The parameters of a report: a tree of keys and values for programs, which is what is serialised, and a list for
+/// people.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[serde(transparent)]
 pub struct ParameterList {

@@ -210,8 +210,13 @@ mod tests {
             ALL,
             &json!({
                 "name": hostile, "ok": true, "rows": [[hostile, "1"], ["b", "2"]], "plot": "<svg></svg>",
-                "picture": {"title": hostile, "caption": hostile, "url": data_url("image/png", b"x"), "legend": [["#fff", hostile]]},
-                "entries": [{"group": hostile, "label": hostile, "symbol": "", "value": hostile, "unit": "", "is_default": true}],
+                "picture": {
+                    "title": hostile, "caption": hostile, "url": data_url("image/png", b"x"),
+                    "legend": [["#fff", hostile]],
+                },
+                "entries": [{
+                    "group": hostile, "label": hostile, "symbol": "", "value": hostile, "unit": "", "is_default": true,
+                }],
             }),
         )
         .unwrap();
@@ -229,11 +234,16 @@ mod tests {
 
     #[test]
     fn parameters_stand_under_their_headings_with_symbol_and_unit() {
-        let entry = |group: &str, label: &str, symbol: &str, value: &str, unit: &str, is_default: bool| json!({"group": group, "label": label, "symbol": symbol, "value": value, "unit": unit, "is_default": is_default});
+        let entry = |[group, label, symbol, value, unit]: [&str; 5], is_default: bool| {
+            json!({
+                "group": group, "label": label, "symbol": symbol, "value": value, "unit": unit,
+                "is_default": is_default,
+            })
+        };
         let entries = [
-            entry("Path", "Step <k>", "k", "0.5", "mm", false),
-            entry("Path", "Kept", "", "", "", true),
-            entry("Checks", "Depth", "", "<none>", "", true),
+            entry(["Path", "Step <k>", "k", "0.5", "mm"], false),
+            entry(["Path", "Kept", "", "", ""], true),
+            entry(["Checks", "Depth", "", "<none>", ""], true),
         ];
         let text = "{% import 'kit.html.jinja' as kit %}{{ kit.parameters(entries) }}";
         let page = made(text, &json!({ "entries": entries })).unwrap();
@@ -249,8 +259,7 @@ mod tests {
 
     #[test]
     fn rows_without_a_value_are_left_out_and_a_list_has_a_row_for_each() {
-        let text = "{% import 'kit.html.jinja' as kit %}{% call kit.pairs('', [['a', none], ['b', ['<1>', '2']], ['c', kit.code('x')]]) %}\
-            {{ kit.pair('d', '3') }}{% endcall %}";
+        let text = "{% import 'kit.html.jinja' as kit %}{% call kit.pairs('', [['a', none], ['b', ['<1>', '2']], ['c', kit.code('x')]]) %}{{ kit.pair('d', '3') }}{% endcall %}";
         let html = made(text, &json!({})).unwrap();
         let cells: Vec<&str> = html.split("<td>").skip(1).filter_map(|cell| cell.split("</td>").next()).collect();
         assert_eq!(cells, ["b", "&lt;1&gt;", "b", "2", "c", "<code>x</code>", "d", "3"]);

@@ -152,8 +152,8 @@ impl<'a> Standing<'a> {
         Self { mesh, up, bottom_mm: params.stands_on_base.then_some(low + Self::NEAR * (high - low)) }
     }
 
-    /// The less the earlier: of a part on a base the flanks above it that can be milled, then its others; what lies comes
-    /// last.
+    /// The less the earlier: of a part on a base the flanks above it that can be milled, then its others; what lies
+    /// comes last.
     fn rank(&self, candidate: &Candidate) -> u8 {
         if candidate.kind == CandidateKind::Plane && candidate.outwards.dot(self.up).abs() > Self::LIES {
             return 3;

@@ -20,8 +20,8 @@ pub struct RuledFitParams {
     /// Upward direction, from the lower guide to the upper one. Of two equal ways to rule a face the rulings that run
     /// along it are taken.
     pub up: DVec3,
-    /// Whether the part stands on a base that is not milled, as an electrode with its blank: flanks that begin above the
-    /// lowest place of the part then come first.
+    /// Whether the part stands on a base that is not milled, as an electrode with its blank: flanks that begin above
+    /// the lowest place of the part then come first.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub stands_on_base: bool,
 }
@@ -77,8 +77,8 @@ pub enum RuledFitError {
     Cancelled,
     /// No four sides.
     #[error(
-        "the border of the face has no four sides, two guides and two end rulings; choose another one, which is a strip: faces that go over into each \
-         other smoothly are one flank together in the list"
+        "the border of the face has no four sides, two guides and two end rulings; choose another one, which is a \
+         strip: faces that go over into each other smoothly are one flank together in the list"
     )]
     NoSides,
     /// Triangles to which no distance can be measured.

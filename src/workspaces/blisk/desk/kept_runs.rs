@@ -38,7 +38,8 @@ pub struct KeptRun {
 }
 
 impl KeptRun {
-    /// The run `of` which `plan` is, with differences over steps of `step` (mm): those over others could not be compared.
+    /// The run `of` which `plan` is, with differences over steps of `step` (mm): those over others could not be
+    /// compared.
     fn new(of: &kept_plan::KeptRun, plan: &PlanOutcome, step: f64) -> Self {
         let mut run = run_of(of.job.plan.strategy, plan);
         for (kept, electrode) in run.electrodes.iter_mut().zip(&plan.electrodes) {
@@ -115,8 +116,8 @@ impl KeptRuns {
         Some(run.name())
     }
 
-    /// Keeps up with `document`: makes the runs that came with its file, once part and channel are there. Answers why some
-    /// are not shown.
+    /// Keeps up with `document`: makes the runs that came with its file, once part and channel are there. Answers why
+    /// some are not shown.
     pub fn follow(&mut self, document: &Document, of: Option<(&Arc<Part>, &Arc<FoundChannel>)>) -> Vec<String> {
         let mut problems = Vec::new();
         while let Some(Ended { key, result, .. }) = self.made.take() {

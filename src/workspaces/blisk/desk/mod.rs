@@ -1,4 +1,5 @@
-//! The state of the workspace: the document, its steps, the cursor, and what is shown. Panels draw it and push commands.
+//! The state of the workspace: the document, its steps, the cursor, and what is shown. Panels draw it and push
+//! commands.
 
 pub mod kept_runs;
 pub mod machine_motion;

@@ -17,9 +17,9 @@ use feed::plan_params::Strategy;
 use files::ExportFolder;
 use task::{Cancel, Progress, Task};
 
-/// Plans every electrode of the job by each of `strategies` and shows `finished` each run as it ends. Electrodes are those
-/// that the job gives: none is drawn in further by the genetic search. A strategy that cannot be followed on this job says
-/// why in its run.
+/// Plans every electrode of the job by each of `strategies` and shows `finished` each run as it ends. Electrodes are
+/// those that the job gives: none is drawn in further by the genetic search. A strategy that cannot be followed on this
+/// job says why in its run.
 ///
 /// # Errors
 /// When told to stop, and the first strategy's own if none can be followed.
@@ -80,8 +80,8 @@ pub fn run_of(strategy: Strategy, outcome: &PlanOutcome) -> Run {
     Run { strategy, failure: None, electrodes: electrodes.map(of).collect() }
 }
 
-/// The figures of a plan that was kept with the parameters `kept.job`: its nodes are joined and verified anew on the part
-/// and the channel of `now`.
+/// The figures of a plan that was kept with the parameters `kept.job`: its nodes are joined and verified anew on the
+/// part and the channel of `now`.
 ///
 /// # Errors
 /// If it is of other meshes or of another channel, is none that its parameters allow, or when told to stop.

@@ -1,5 +1,5 @@
-//! The dialog of the export: files, the frame of the electrode meshes, the post, and pictures. Every choice is a parameter of
-//! the job like any other.
+//! The dialog of the export: files, the frame of the electrode meshes, the post, and pictures. Every choice is a
+//! parameter of the job like any other.
 
 use crate::workspaces::blisk::desk::BliskDesk;
 use egui::{ComboBox, RichText, Ui};

@@ -171,7 +171,8 @@ fn failure(plan: &FeedPlan, channel: &Channel) -> Option<Failure> {
     if let Some(jam) = &plan.jam {
         let remedy = match jam.cause {
             JamCause::Contact(_) => {
-                "Increase the circumferential reduction on that wall, divide the channel otherwise, or take the other side of entry."
+                "Increase the circumferential reduction on that wall, divide the channel otherwise, or take the \
+                 other side of entry."
             }
             JamCause::Travel { .. } => "Another machine, less exit_clearance_mm or the other side of entry would help.",
             JamCause::NothingLeft { .. } => "A smaller h_max_deg, more parts or the other side of entry may help.",

@@ -103,7 +103,8 @@ fn leaves(result: &FlankResult) -> String {
     let [nu, nv] = path.deviation.counted_grid();
     let [overcut, undercut] = result.moving_most();
     format!(
-        "The {} path has a total absolute deviation of {:.3} mm over {nu} x {nv} samples, ratio {:.3} to the initial {:.3} mm; swept envelope: overcut up to {:.1} \u{b5}m, undercut up to {:.1} \u{b5}m.",
+        "The {} path has a total absolute deviation of {:.3} mm over {nu} x {nv} samples, ratio {:.3} to the \
+         initial {:.3} mm; swept envelope: overcut up to {:.1} \u{b5}m, undercut up to {:.1} \u{b5}m.",
         result.path.name(),
         path.deviation.sum,
         result.plan.ratio(path),

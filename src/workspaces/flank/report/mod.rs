@@ -40,8 +40,8 @@ pub struct FlankReport {
     pub grid: [usize; 2],
     /// The first locations.
     pub locations: LocationsEntry,
-    /// Greatest overcut and undercut (mm) of the path that is milled as the cutter moves, on `grid` or on that of the checks,
-    /// whichever is worse.
+    /// Greatest overcut and undercut (mm) of the path that is milled as the cutter moves, on `grid` or on that of the
+    /// checks, whichever is worse.
     pub moving_most_mm: [f64; 2],
     /// The initial path, that of the best rank, the refined one.
     pub paths: Vec<PathEntry>,

@@ -312,7 +312,8 @@ impl FlankWork {
         self.stamps(document).filter_map(Stamp::changed).map(Path::to_owned).collect()
     }
 
-    /// Writes the files of the plan into `folder`: of one of which a check fails that is not overridden only the report.
+    /// Writes the files of the plan into `folder`: of one of which a check fails that is not overridden only the
+    /// report.
     ///
     /// # Errors
     /// One line if there is no plan of `document`.

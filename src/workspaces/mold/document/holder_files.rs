@@ -43,9 +43,9 @@ impl Validate for HolderLibrary {
     }
 }
 
-/// A user's holders: `holders.toml` in `user_folder` in its order, and those of each file `holders/SUPPLIER.toml` there,
-/// called `SUPPLIER: name`. Where there are suppliers, all are put in order of size, so that the first that is large enough
-/// is the smallest. Without any such file, those that the program brings along.
+/// A user's holders: `holders.toml` in `user_folder` in its order, and those of each file `holders/SUPPLIER.toml`
+/// there, called `SUPPLIER: name`. Where there are suppliers, all are put in order of size, so that the first that is
+/// large enough is the smallest. Without any such file, those that the program brings along.
 ///
 /// # Errors
 /// [`FileError`], also where two holders would have the same name.

@@ -106,8 +106,8 @@ impl MoldParams {
         }
     }
 
-    /// Parameters without what was decided for one part only: where it opens to, how its regions are divided and burned,
-    /// which of its electrodes are exported although a check fails, and what they are called.
+    /// Parameters without what was decided for one part only: where it opens to, how its regions are divided and
+    /// burned, which of its electrodes are exported although a check fails, and what they are called.
     pub fn undecided(&self) -> Self {
         let (edits, overrides, names) = (Vec::new(), Vec::new(), Vec::new());
         let electrodes = ElectrodeParams { edits, overrides, names, ..self.electrodes.clone() };

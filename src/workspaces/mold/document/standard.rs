@@ -11,8 +11,8 @@ pub const STANDARD: &str = include_str!("../../../../assets/mold.sparkpath");
 /// What a user's standard is called in the user's folder.
 pub const STANDARD_FILE: &str = "mold.sparkpath";
 
-/// Where a mold begins: `mold.sparkpath` in `user_folder` if it is there, without its mesh and what was decided for that;
-/// else what holds without a file. Where it names no holder they are those of [`load_holders`].
+/// Where a mold begins: `mold.sparkpath` in `user_folder` if it is there, without its mesh and what was decided for
+/// that; else what holds without a file. Where it names no holder they are those of [`load_holders`].
 ///
 /// # Errors
 /// [`FileError`].

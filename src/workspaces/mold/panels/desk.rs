@@ -24,7 +24,8 @@ use task::{Priority, Scheduler, State};
 
 /// How long nothing may change before what was seen at a glance is found exactly.
 const REST: f64 = 0.3;
-/// How long nothing may change before electrodes are made again (s): a user who changes one setting often changes another.
+/// How long nothing may change before electrodes are made again (s): a user who changes one setting often changes
+/// another.
 const REST_OF_DESIGN: f64 = 1.2;
 
 /// A column of the list.
@@ -90,7 +91,8 @@ pub struct MoldDesk {
     pub other: CutterLibrary,
     /// Whether only regions are shown of which the other cutters would leave nothing.
     pub only_vanishing: bool,
-    /// Whether the exact answer follows a change by itself, once there was one, and the electrodes, once they were made.
+    /// Whether the exact answer follows a change by itself, once there was one, and the electrodes, once they were
+    /// made.
     pub follows: bool,
     /// The region that the view is to fly to.
     pub fly_to: Option<usize>,
@@ -183,7 +185,8 @@ impl MoldDesk {
     }
 
     /// The document of the mold whose mesh is at `mesh`: with the cutters that there are, and nothing that was decided
-    /// for another mold. Where there was none, everything that was chosen, and is still in no file, was chosen for this one.
+    /// for another mold. Where there was none, everything that was chosen, and is still in no file, was chosen for this
+    /// one.
     pub fn begun(&self, mesh: &Path) -> Document<MoldParams> {
         let params = self.params();
         if params.mesh.is_none() {
@@ -319,8 +322,8 @@ impl MoldDesk {
         self.work.is_designed_of(self.document.params())
     }
 
-    /// Takes in what has been made, once a frame. Answers what has happened, and after how long there is something to be
-    /// done again.
+    /// Takes in what has been made, once a frame. Answers what has happened, and after how long there is something to
+    /// be done again.
     pub fn follow(&mut self, hands: Hands, is_seen: bool, now: f64) -> (Vec<WorkEvent>, Option<Duration>) {
         self.now = now;
         self.gesture.follow(hands, &mut self.document);

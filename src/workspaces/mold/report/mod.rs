@@ -66,10 +66,14 @@ pub struct IdleEntry {
 
 /// What is counted where there are several stages.
 const MODEL: &str = "A stage leaves a layer for the next one on the whole surface of a region: as thick as the next \
-    one's electrode is larger (the difference of their undersizes), and no less than its stock. It takes what the stages \
-    before it left, down to that layer; the last one takes all the rest, so that the stages together take what the cutters \
-    left. Minutes are those volumes at the removal rate of the stage's finish, and the setting of each burn. Tips on one base \
-    go down together: their burn takes as long as the slowest of them by itself, each at the rate that its own area seen along \
+    one's electrode is larger (the difference of their undersizes), and no less than its stock. It takes what the \
+    stages \
+    before it left, down to that layer; the last one takes all the rest, so that the stages together take what the \
+    cutters \
+    left. Minutes are those volumes at the removal rate of the stage's finish, and the setting of each burn. Tips on \
+    one base \
+    go down together: their burn takes as long as the slowest of them by itself, each at the rate that its own area \
+    seen along \
     the burn allows, and no less than all of them together at the generator's greatest rate.";
 
 /// A region and how it is burned.

@@ -151,7 +151,8 @@ impl UncutReport {
         if let Some(AgreementReport { layers, field, field_step_mm }) = &self.agreement {
             let _ = writeln!(
                 text,
-                "Flat cutters by layers: {} regions, {:.3} mm3; by height map, step {field_step_mm:.4} mm: {} regions, {:.3} mm3.",
+                "Flat cutters by layers: {} regions, {:.3} mm3; by height map, step {field_step_mm:.4} mm: {} \
+                 regions, {:.3} mm3.",
                 layers.regions, layers.volume_mm3, field.regions, field.volume_mm3
             );
         }
@@ -160,14 +161,16 @@ impl UncutReport {
             let share = if volume > 0.0 { format!(" ({:.1} %)", 100.0 * off_mm3 / volume) } else { String::new() };
             let _ = writeln!(
                 text,
-                "All cutters by height map, step {step_mm:.4} mm; with step {coarser_step_mm:.4} mm: {} regions, {:.3} mm3. Estimated error of the volume {off_mm3:.3} mm3{share}.",
+                "All cutters by height map, step {step_mm:.4} mm; with step {coarser_step_mm:.4} mm: {} regions, \
+                 {:.3} mm3. Estimated error of the volume {off_mm3:.3} mm3{share}.",
                 coarser.regions, coarser.volume_mm3
             );
         }
         if let Some(BallAgreement { places, median_mm, ninetieth_mm }) = self.ball_agreement {
             let _ = writeln!(
                 text,
-                "Ball cutters, height map against exact search at {places} points: median {median_mm:.4} mm, 90 % within {ninetieth_mm:.4} mm."
+                "Ball cutters, height map against exact search at {places} points: median {median_mm:.4} mm, 90 % \
+                 within {ninetieth_mm:.4} mm."
             );
         }
         if !self.regions.is_empty() {
@@ -185,7 +188,8 @@ impl UncutReport {
             let (height, thickness, faces) = (r.height_mm, r.thickness_mm, r.faces.len());
             let _ = writeln!(
                 text,
-                "{index:>4} {volume:>12.4} {plan:>12.4} {surface:>12.3} {height:>10.3} {thickness:>12.3} {faces:>6}   {:<40} {nearest}",
+                "{index:>4} {volume:>12.4} {plan:>12.4} {surface:>12.3} {height:>10.3} {thickness:>12.3} \
+                 {faces:>6}   {:<40} {nearest}",
                 at.join(" ")
             );
         }
@@ -232,8 +236,8 @@ fn regions(uncut: &Uncut) -> Vec<RegionReport> {
 }
 
 /// The pieces of the surface as PLY, in the axes of the mesh: every corner with the height of what is left above it
-/// (`depth`, mm), every triangle with its region, counted from 1, and the triangle of the mesh that it is of, counted from
-/// 0.
+/// (`depth`, mm), every triangle with its region, counted from 1, and the triangle of the mesh that it is of, counted
+/// from 0.
 pub fn surface_as_ply(pieces: &[SurfacePiece], opening: Opening) -> Vec<u8> {
     let mut bytes = format!(
         "ply\nformat binary_little_endian 1.0\ncomment sparkpath: what cutters leave uncut, mm\nelement vertex {}\n\

@@ -35,8 +35,8 @@ impl Designed {
         self.report.sentence_with(&self.set, overrides).replace("mm3", "mm³").replace("mm^3", "mm³")
     }
 
-    /// A place in each part of a region that was not divided further, by its number, by which changes name it, upright (mm): none if
-    /// the region is not burned straight down, or none was found.
+    /// A place in each part of a region that was not divided further, by its number, by which changes name it, upright
+    /// (mm): none if the region is not burned straight down, or none was found.
     pub fn leaves(&self, region: usize) -> Vec<Option<DVec3>> {
         let Some(plan) = self.set.regions.get(region) else { return Vec::new() };
         let is_straight = plan.direction.dot(DVec3::NEG_Z) > 1.0 - 1e-12;

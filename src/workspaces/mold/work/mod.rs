@@ -1,5 +1,5 @@
-//! Everything that is computed for a mold: the mesh, what its cutters leave, a quick look while a cutter is changed, what
-//! other cutters would leave, electrodes for what is left, and their files.
+//! Everything that is computed for a mold: the mesh, what its cutters leave, a quick look while a cutter is changed,
+//! what other cutters would leave, electrodes for what is left, and their files.
 
 mod design;
 mod electrode_export;

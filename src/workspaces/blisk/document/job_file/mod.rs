@@ -1,5 +1,5 @@
-//! The parameters of a plan: what to plan, with what, and how. A project file has them as TOML; every key but the mesh has a
-//! default, and a key that is not known is an error, since a misspelt one would otherwise be ignored in silence.
+//! The parameters of a plan: what to plan, with what, and how. A project file has them as TOML; every key but the mesh
+//! has a default, and a key that is not known is an error, since a misspelt one would otherwise be ignored in silence.
 
 pub mod field_table;
 

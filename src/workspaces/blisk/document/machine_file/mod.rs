@@ -139,7 +139,8 @@ fn text_of(name: &str) -> Result<(String, PathBuf), MachineFileError> {
     Ok((text, file.parent().map(Path::to_owned).unwrap_or_default()))
 }
 
-/// Axes, travels and speeds of the machine `name`, a built-in one or a file, under the keys of `[machine]` of a project.
+/// Axes, travels and speeds of the machine `name`, a built-in one or a file, under the keys of `[machine]` of a
+/// project.
 ///
 /// # Errors
 /// [`MachineFileError`].

@@ -357,8 +357,8 @@ impl ElectrodeDesk {
     }
 }
 
-/// The burn of an electrode that a place belongs to: of those for a region of which most is left there, or else of all, the
-/// one whose axis is nearest.
+/// The burn of an electrode that a place belongs to: of those for a region of which most is left there, or else of all,
+/// the one whose axis is nearest.
 fn burn_at(electrode: &Electrode, regions: &[RegionPlan], place: DVec3) -> usize {
     let is_left_there = |burn: &Burn| {
         let mut own = burn.parts.iter().filter_map(|part| regions.get(part.region));
