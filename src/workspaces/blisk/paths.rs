@@ -3,7 +3,7 @@
 use crate::workspaces::context::{MESHES, OPEN, PathInfo, PathKind, PathSet, TOML};
 use crate::workspaces::moved_files::FIND;
 
-/// What the workspace asks paths for.
+/// Purpose of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BliskPath {
     /// Project or mesh to open.

@@ -1,4 +1,4 @@
-//! The workspace of blisks as the window knows it.
+//! The workspace of blisks.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -37,7 +37,7 @@ use task::{Scheduler, State, Task};
 static ABOUT: About =
     About { id: "blisk", name: "Blisk", switch: CommandInfo::new("Workspace: blisk feed"), menu: "Plan" };
 
-/// What takes the place of the document once nothing stands in the way.
+/// Replacement of the document, done once unsaved work is dealt with.
 enum Pending {
     Open(PathBuf),
     AskOpen,
@@ -48,7 +48,7 @@ enum Pending {
 
 /// The workspace of blisks.
 pub struct BliskWorkspace {
-    /// The document and what has been made of it.
+    /// The document and the results made from it.
     pub desk: BliskDesk,
     view: BliskView,
     curves: Curves,
@@ -58,7 +58,7 @@ pub struct BliskWorkspace {
 }
 
 impl BliskWorkspace {
-    /// The workspace on the demonstration blisk.
+    /// The workspace with the demonstration blisk.
     pub fn new(scheduler: &Scheduler) -> Self {
         Self {
             desk: BliskDesk::new(demonstration(), scheduler),
@@ -70,7 +70,7 @@ impl BliskWorkspace {
         }
     }
 
-    /// Reads the part of `document`, which then takes the place of the present one.
+    /// Reads the part of `document`, which then replaces the present one.
     fn begin(&mut self, document: Document) {
         self.opening.begin(move |task| {
             let part = stages::load(document.params(), task)?;
@@ -78,7 +78,7 @@ impl BliskWorkspace {
         });
     }
 
-    /// The document at `path`, without its part; says why there is none.
+    /// The document at `path`, without its part. Shows the reason if there is none.
     fn document_at(&mut self, path: &Path, cx: &mut Context) -> Option<Document> {
         if !is_project(path) {
             return Some(Document::new(PlanJob::for_mesh(path)));
@@ -98,7 +98,7 @@ impl BliskWorkspace {
         }
     }
 
-    /// Takes `document` in the place of the present one.
+    /// Replaces the present document.
     pub fn replace(&mut self, document: Document, part: Option<Arc<Part>>, cx: &mut Context) {
         let desk = &mut self.desk;
         desk.work.reset(document.params(), part);
@@ -137,7 +137,7 @@ impl BliskWorkspace {
         }
     }
 
-    /// Plans and verifies what was looked at quickly, once nothing moves any more.
+    /// Plans and verifies the previewed path once the user has stopped editing.
     fn plan_at_rest(&mut self, cx: &mut Context, hands: Hands) {
         if hands == Hands::Holding || !self.desk.can_plan() {
             return;
@@ -197,7 +197,7 @@ impl BliskWorkspace {
         }
     }
 
-    /// Takes the post in this file, if it is one.
+    /// Sets the post of this file, or shows why the file is no post.
     pub fn take_post(&mut self, path: &Path, cx: &mut Context) {
         let name = path.to_string_lossy().into_owned();
         match Post::named(&name) {
@@ -210,7 +210,7 @@ impl BliskWorkspace {
         }
     }
 
-    /// Takes the machine in the file `path`; says why not if it is none.
+    /// Sets the machine of the file `path`, or shows why the file is no machine.
     pub fn take_machine(&mut self, path: &Path, cx: &mut Context) {
         let name = path.to_string_lossy().into_owned();
         let mut job = self.desk.document.params().clone();
@@ -223,7 +223,7 @@ impl BliskWorkspace {
         }
     }
 
-    /// Writes the files of the released plan into `folder`, as the export dialog does; says why not if it cannot.
+    /// Writes the files of the released plan into `folder`, or shows why that is not possible.
     pub fn export(&mut self, folder: &Path, cx: &mut Context) {
         let write: ExportWork = Box::new(|folder, released, inputs, files, task| {
             let exported = export::export(folder, released.plan(), inputs, files, task);

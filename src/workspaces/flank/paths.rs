@@ -3,7 +3,7 @@
 use crate::workspaces::context::{MESHES, PathInfo, PathKind, PathSet, TOML};
 use crate::workspaces::moved_files::FIND;
 
-/// What the workspace asks paths for.
+/// Purpose of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FlankPath {
     /// A flank that was saved, or a mesh with one.

@@ -3,7 +3,7 @@
 use crate::workspaces::context::{OPEN, PathInfo, PathKind, PathSet, TOML};
 use crate::workspaces::moved_files::FIND;
 
-/// What the workspace asks paths for.
+/// Purpose of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MoldPath {
     /// The mesh of a mold, or a mold that was saved.

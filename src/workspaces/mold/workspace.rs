@@ -1,4 +1,4 @@
-//! The workspace of molds as the window knows it.
+//! The workspace of molds.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -30,14 +30,14 @@ static ABOUT: About = About { id: "mold", name: "Mold", switch: CommandInfo::new
 
 /// The workspace of molds.
 pub struct MoldWorkspace {
-    /// The mold, what is asked about it and what was found.
+    /// The mold, its parameters and results.
     pub desk: MoldDesk,
     view: MoldView,
     opening: Opening<Pending, Incoming>,
     moved: MovedFiles<MoldParams>,
 }
 
-/// What takes the place of the mold once nothing stands in the way.
+/// Replacement of the mold, done once unsaved work is dealt with.
 enum Pending {
     Open(PathBuf),
     Ask,
@@ -45,7 +45,7 @@ enum Pending {
     Take(Arc<Incoming>),
 }
 
-/// A mold, and its mesh once that was read.
+/// A mold with its mesh, once the mesh has been read.
 #[derive(Clone)]
 struct Incoming {
     document: Document<MoldParams>,
@@ -59,7 +59,7 @@ impl MoldWorkspace {
         Self { desk, view, opening, moved: MovedFiles::default() }
     }
 
-    /// Whether `pending` loses nothing: the cutters that were chosen before there was a mold stay.
+    /// Whether `pending` loses no work: cutters that were chosen before there was a mold stay.
     fn is_harmless(&self, pending: &Pending) -> bool {
         self.desk.params().mesh.is_none()
             && match pending {
@@ -69,13 +69,13 @@ impl MoldWorkspace {
             }
     }
 
-    /// Goes on with `pending`, after asking about unsaved work.
+    /// Replaces the mold by `pending` after the question about unsaved work.
     fn intend(&mut self, pending: Pending, cx: &mut Context) {
         self.opening.stop();
         self.request(pending, Request::Replace, cx);
     }
 
-    /// Goes on with `pending` on the way to what was asked for before.
+    /// Replaces the mold by `pending` within a replacement that was asked about already.
     fn go_on(&mut self, pending: Pending, cx: &mut Context) {
         self.request(pending, Request::GoOn, cx);
     }
@@ -86,7 +86,7 @@ impl MoldWorkspace {
         if is_harmless { self.proceed(cx) } else { cx.request(request) }
     }
 
-    /// The mold at `path`, a project or a mesh, which is not read yet; says why there is none.
+    /// The mold at `path`, a project or a mesh, not read yet. Shows the reason if there is none.
     fn mold_at(&mut self, path: &Path, cx: &mut Context) -> Option<Document<MoldParams>> {
         if !is_project(path) {
             return Some(self.desk.begun(path));
@@ -95,7 +95,7 @@ impl MoldWorkspace {
         self.moved.checked(opened, cx)
     }
 
-    /// Reads the mesh of `document`, which then takes the place of the present mold.
+    /// Reads the mesh of `document`, which then replaces the present mold.
     fn begin(&mut self, document: Document<MoldParams>) {
         self.opening.begin(move |task| {
             let params = document.params();
@@ -104,7 +104,7 @@ impl MoldWorkspace {
         });
     }
 
-    /// Puts `opened` in the place of the present mold.
+    /// Replaces the present mold by `opened`.
     fn take(&mut self, opened: Incoming, cx: &mut Context) {
         self.desk.replace(opened.document);
         if let Some(part) = opened.part {
@@ -128,7 +128,7 @@ impl MoldWorkspace {
         }
     }
 
-    /// A template that is wrong changes nothing.
+    /// Sets the template of the burn sheet. A wrong template changes nothing.
     fn take_burn_sheet(&mut self, path: &Path, cx: &mut Context) {
         match BurnSheet::read(path) {
             Ok(sheet) => self.desk.electrodes.sheet = sheet,
@@ -143,7 +143,7 @@ impl MoldWorkspace {
         }
     }
 
-    /// Writes the files of the electrodes into `folder`; says why not if it cannot.
+    /// Writes the files of the electrodes into `folder`, or shows why that is not possible.
     pub fn export(&mut self, folder: &Path, cx: &mut Context) {
         let desk = &mut self.desk;
         let formats = desk.electrodes.formats();
@@ -154,7 +154,7 @@ impl MoldWorkspace {
         }
     }
 
-    /// Along the way of the electrode that is selected.
+    /// Steps along the burn of the selected electrode.
     fn step_along_burn(&mut self, command: FrameCommand) {
         let burns = &mut self.desk.electrodes;
         match command {

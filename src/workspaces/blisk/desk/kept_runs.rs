@@ -15,17 +15,17 @@ use feed::pose::Axis;
 use feed::smoothness::axis_smoothness;
 use task::{Ended, Lane, Memo, Priority, Refusal, Same, Scheduler, State};
 
-/// A run of the document: its number, what it was made from, and the step that its differences are taken over (mm).
+/// Key of a kept run: its number, the digest of its inputs, and the step of its differences (mm).
 type Key = (usize, String, f64);
 
-/// The runs that are kept: what the document holds of them, made to be looked at.
+/// The kept runs: content of the document, computed to be shown.
 pub struct KeptRuns {
-    /// One after the other is made. What another channel was in the way of may be made of this one.
+    /// Runs are computed one after the other. A run that failed for another channel may succeed for this one.
     made: Memo<Key, KeptRun>,
     channel: Option<Same<FoundChannel>>,
 }
 
-/// A run that is kept.
+/// A kept run.
 pub struct KeptRun {
     /// Number of the run, counted from 1.
     pub number: usize,
@@ -38,8 +38,7 @@ pub struct KeptRun {
 }
 
 impl KeptRun {
-    /// The run `of` which `plan` is, with differences over steps of `step` (mm): those over others could not be
-    /// compared.
+    /// The run `of` with `plan`. Differences are taken over steps of `step` (mm), the same for all runs.
     fn new(of: &kept_plan::KeptRun, plan: &PlanOutcome, step: f64) -> Self {
         let mut run = run_of(of.job.plan.strategy, plan);
         for (kept, electrode) in run.electrodes.iter_mut().zip(&plan.electrodes) {
@@ -57,7 +56,7 @@ impl KeptRun {
         name(self.number, self.run.strategy)
     }
 
-    /// How `axis` of electrode number `electrode` from 0 moves.
+    /// Course of `axis` for electrode number `electrode`, from 0.
     pub fn course(&self, electrode: usize, axis: Axis) -> Option<&AxisCourse> {
         self.run.electrodes.get(electrode)?.course(axis.letter())
     }
@@ -68,7 +67,7 @@ fn name(number: usize, strategy: Strategy) -> String {
 }
 
 impl KeptRuns {
-    /// Most runs that are kept.
+    /// Greatest number of kept runs.
     pub const MOST: usize = 6;
 
     /// An empty set of kept runs.
@@ -81,7 +80,7 @@ impl KeptRuns {
         keyed(document).iter().filter_map(|(key, _)| Some(&**self.made.get(key)?)).collect()
     }
 
-    /// Kept runs of `document` that cannot be shown, and why: number, name, reason.
+    /// Kept runs of `document` that cannot be shown: number, name, reason.
     pub fn absent(&self, document: &Document) -> Vec<(usize, String, String)> {
         let reason = |key: &Key| match self.made.state(key) {
             State::Failed(why) => format!("not compared: {why}"),
@@ -92,14 +91,14 @@ impl KeptRuns {
         absent.map(|(key, of)| (of.number, name(of.number, of.job.plan.strategy), reason(&key))).collect()
     }
 
-    /// Whether one more can be kept, and `plan`, which must be certified, is not kept already.
+    /// Whether another run can be kept, and the certified `plan` is not kept already.
     pub fn can_keep(&self, plan: &PlanOutcome, document: &Document) -> bool {
         plan.is_verified()
             && kept_plan::KeptRun::all_of(document).len() < Self::MOST
             && !self.all(document).iter().any(|run| run.paths.iter().map(String::as_str).eq(paths(plan)))
     }
 
-    /// Keeps `plan`, which was made by the parameters of `document` of meshes with this content. Answers its name.
+    /// Keeps `plan`, made with the parameters of `document` from meshes with this content. Returns its name.
     pub fn keep(&mut self, plan: &PlanOutcome, document: &mut Document, content: &str) -> Option<String> {
         let job = document.params().clone();
         let plan_kept = KeptPlan { inputs: KeptPlan::inputs_of(&job, content), electrodes: kept(plan)? };
@@ -116,8 +115,8 @@ impl KeptRuns {
         Some(run.name())
     }
 
-    /// Keeps up with `document`: makes the runs that came with its file, once part and channel are there. Answers why
-    /// some are not shown.
+    /// Follows `document`: computes the runs of its file once part and channel are there. Returns the reasons why some
+    /// are not shown.
     pub fn follow(&mut self, document: &Document, of: Option<(&Arc<Part>, &Arc<FoundChannel>)>) -> Vec<String> {
         let mut problems = Vec::new();
         while let Some(Ended { key, result, .. }) = self.made.take() {
@@ -144,12 +143,12 @@ impl KeptRuns {
         problems
     }
 
-    /// Whether one is being made.
+    /// Whether a run is being computed.
     pub fn is_busy(&self) -> bool {
         self.made.is_busy()
     }
 
-    /// Forgets them: another document is there.
+    /// Forgets all runs, because another document is open.
     pub fn forget(&mut self) {
         self.made.clear();
         self.channel = None;
@@ -167,7 +166,7 @@ fn keyed(document: &Document) -> Vec<(Key, kept_plan::KeptRun)> {
     runs.into_iter().map(|run| (key(&run, step), run)).collect()
 }
 
-/// The step that differences of all `runs` are taken over, that of the first (mm).
+/// Step of the differences of all `runs`, that of the first (mm).
 pub fn step_of(runs: &[kept_plan::KeptRun], document: &Document) -> f64 {
     runs.first().map_or(document.params().plan.step_mm, |run| run.job.plan.step_mm)
 }

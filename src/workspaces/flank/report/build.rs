@@ -17,9 +17,9 @@ use flank::ruled_surface::{RuledSurface, Side};
 use geometry::nurbs::NurbsCurve;
 use nc::flank_job::{FlankResult, Milled, path_of};
 
-/// Places at which lengths are measured.
+/// Number of samples for lengths.
 const LOOKS: usize = 512;
-/// How far a radius may be off the paper's 1 mm to be compared with it (mm).
+/// Greatest difference of a radius from the paper's 1 mm for a comparison (mm).
 const NEAR_MM: f64 = 0.02;
 /// The most points of the curve of an axis.
 const MOST_POINTS: usize = 4000;
@@ -64,7 +64,7 @@ pub fn report(result: &FlankResult, document: &FlankDocument) -> FlankReport {
     }
 }
 
-/// Every parameter; of a mesh that the document holds only what it is called.
+/// Every parameter. Of a mesh in the document only the size is listed.
 fn parameters(document: &FlankDocument) -> ParameterList {
     let mut document = document.clone();
     if let FlankSource::Mesh(MeshFlank { kept: Some(kept), .. }) = &mut document.source {

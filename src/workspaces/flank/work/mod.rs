@@ -1,5 +1,4 @@
-//! The work on a flank behind the window: what its files hold, a quick look while something is changed, the plan, and
-//! its files.
+//! The background work on a flank: reading its files, previews, the plan, and the export.
 
 mod curves;
 mod stamps;

@@ -1,4 +1,4 @@
-//! What files looked like when they were read, to tell whether they have changed since.
+//! Size and time of files when they were read, to notice later changes.
 
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -6,7 +6,7 @@ use std::time::SystemTime;
 use crate::workspaces::flank::document::{FlankSource, GuideSource};
 use files::{PartFile, sha256_of};
 
-/// A file, its size (bytes) and when it was written, as far as that is known.
+/// A file with its size (bytes) and time of writing, as far as known.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stamp {
     file: PathBuf,
@@ -14,7 +14,7 @@ pub struct Stamp {
 }
 
 impl Stamp {
-    /// The present one.
+    /// The present stamp of `file`.
     pub fn of(file: &Path) -> Self {
         let seen = std::fs::metadata(file).ok().map(|data| (data.len(), data.modified().ok()));
         Self { file: file.to_owned(), seen }
@@ -43,7 +43,7 @@ impl Stamp {
         self.changed().is_none().then(|| PartFile { path: self.file.clone(), sha256 })
     }
 
-    /// The file, if it looks otherwise now or is gone.
+    /// The file, if its stamp differs now or it is gone.
     pub fn changed(&self) -> Option<&Path> {
         (Self::of(&self.file) != *self).then_some(&self.file)
     }

@@ -1,4 +1,4 @@
-//! Machine files: what a [`MachineModel`] and the keys of `[machine]` of a project are read from.
+//! Machine files, from which a [`MachineModel`] and the keys of `[machine]` of a project are read.
 //!
 //! A machine is a URDF file (see `urdf.rs`) or a TOML file: axes, travels and speeds under the keys of `[machine]` of a
 //! job, and a list of bodies.
@@ -49,7 +49,7 @@ const LARGEST_FILE: u64 = 4 << 20;
 /// Files of machines that are no URDF.
 const MACHINE: TomlFile<toml::Table> = TomlFile::new("machine");
 
-/// Why a machine cannot be had.
+/// Reason why a machine cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum MachineFileError {
     /// The file cannot be read, or is no machine file.
