@@ -7,8 +7,10 @@ use egui::{Key, Modifiers, Role, pos2, vec2};
 use egui_kittest::kittest::{By, Queryable as _};
 use egui_kittest::{Harness, HarnessBuilder, Node};
 use feed::plan_params::Strategy;
+use files::AnyDocument as _;
 use import::write_stl;
 use sparkpath::shell::run::{Folders, Opening, SparkpathApp};
+use sparkpath::workspaces::blisk::document::Document;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::{BliskDesk, BliskWorkspace};
@@ -52,6 +54,15 @@ impl Home {
     pub fn part(&self, blisk: &ParametricBlisk) -> PathBuf {
         let file = self.path("part.stl");
         write_stl(&file, &mesh(blisk)).unwrap();
+        file
+    }
+
+    /// Writes the mesh of `blisk`, and a project of it with a quick search and what `change` does to that.
+    pub fn project(&self, blisk: &ParametricBlisk, change: impl FnOnce(&mut PlanJob)) -> PathBuf {
+        let mut job = quick(PlanJob::for_mesh(&self.part(blisk)));
+        change(&mut job);
+        let file = self.path("part.sparkpath");
+        Document::new(job).save_as(&file).unwrap();
         file
     }
 
@@ -156,6 +167,13 @@ impl Desk {
         while self.blisk().work.is_busy() {
             self.until("all work is done", |desk| !desk.blisk().work.is_busy());
         }
+    }
+
+    /// Until `stage` is done, whatever follows it.
+    #[track_caller]
+    pub fn until_done(&mut self, stage: Stage) {
+        self.settle();
+        self.until("the step is done", |desk| desk.state(stage) == State::Ready);
     }
 
     pub fn log(&self) -> Vec<String> {

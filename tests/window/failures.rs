@@ -16,7 +16,7 @@ use crate::desk::{Desk, Home};
 fn a_wrong_number_is_told_beside_its_field() {
     let home = Home::new();
     let mut desk = home.start(Opening::Demonstration);
-    desk.until_idle();
+    desk.until_done(Stage::Plan);
     desk.open_step(Stage::Electrode);
     desk.enter("Spark gap", "abc");
     desk.assert_shows("Spark gap: \"abc\" is not a number; enter a number from 0.005 to 2 mm; it stays 0.1 mm");
@@ -31,7 +31,7 @@ fn a_wrong_number_is_told_beside_its_field() {
     desk.until_idle();
     assert_eq!(desk.state(Stage::Plan), State::Stale, "nothing is planned from a wrong number");
     desk.enter("Spark gap", "0.1");
-    desk.until_idle();
+    desk.until_done(Stage::Electrode);
     assert!(!desk.shows("must be from") && desk.step_says(Stage::Electrode, "done"));
 }
 
@@ -97,7 +97,7 @@ fn a_broken_project_is_said_to_be_broken_and_what_was_open_stays() {
     desk.assert_shows("This project cannot be opened");
     desk.assert_shows("broken.sparkpath");
     desk.press("Close");
-    desk.until_idle();
+    desk.until_done(Stage::Electrode);
     assert!(desk.step_says(Stage::Electrode, "done") && !desk.shows("This project cannot be opened"));
 }
 
@@ -138,11 +138,10 @@ fn a_failed_open_changes_nothing() {
     // A mold that fails is not gone to either.
     fails(&mut desk, &kept);
     desk.press_role(Role::Tab, "Blisk workspace");
-    desk.until_idle();
+    desk.until_done(Stage::Part);
     let core = desk.blisk();
     let (job, part) = (core.document.params().clone(), core.work.part().unwrap().clone());
     fails(&mut desk, &broken);
-    desk.until_idle();
     let core = desk.blisk();
     assert!(*core.document.params() == job && Arc::ptr_eq(core.work.part().unwrap(), &part));
     assert!(desk.step_says(Stage::Part, "done"));

@@ -2,26 +2,31 @@
 
 use egui::{Key, Role};
 use egui_kittest::kittest::{By, Queryable as _};
-use feed::plan_params::Strategy;
+use feed::plan_params::{PlanParams, Strategy};
 use files::AnyDocument as _;
 use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptRun;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use task::State;
-use wheel::electrode::EnterSide;
 
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home};
 
-/// Plans by `strategy` with reductions that let the electrode out.
-fn plan(desk: &mut Desk, strategy: Strategy) {
-    let core = desk.blisk_mut();
-    let mut job = core.document.params().clone();
+/// Reductions that let the electrode out.
+fn reduced(job: &mut PlanJob) {
     job.electrode.circumferential_reduction_deg = [3.0, 3.0];
     job.electrode.radial_reduction_mm = 1.0;
+}
+
+/// Plans by `strategy`.
+fn plan(desk: &mut Desk, strategy: Strategy) {
+    desk.until_done(Stage::Electrode);
+    let core = desk.blisk_mut();
+    let mut job = core.document.params().clone();
     job.plan.strategy = strategy;
     core.edit("Strategy", job, false);
-    desk.until_idle();
+    desk.until_done(Stage::Electrode);
     desk.key(Key::F5);
     desk.until("the plan is done", |d| d.state(Stage::Plan) == State::Ready);
     desk.open_step(Stage::Plan);
@@ -48,9 +53,7 @@ fn certified(desk: &Desk) -> String {
 #[test]
 fn a_kept_run_stands_in_the_comparison_until_it_is_removed() {
     let home = Home::new();
-    let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
-    desk.until_idle();
-    desk.quicken();
+    let mut desk = home.start(Opening::File(home.project(&easy_blisk(), reduced)));
     plan(&mut desk, Strategy::Genetic);
     assert!(!has(&desk, Role::Button, "Comparison"), "nothing is kept yet");
     desk.press("Keep for comparison");
@@ -102,20 +105,12 @@ fn a_kept_run_stands_in_the_comparison_until_it_is_removed() {
 #[test]
 fn sizes_are_of_the_parameters_that_they_were_found_with() {
     let home = Home::new();
-    let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
-    desk.until_idle();
-    let edit = |desk: &mut Desk, change: &dyn Fn(&mut sparkpath::workspaces::blisk::document::job_file::PlanJob)| {
-        let core = desk.blisk_mut();
-        let mut job = core.document.params().clone();
-        change(&mut job);
-        core.edit("Job", job, false);
-        desk.until_idle();
-    };
-    edit(&mut desk, &|job| {
-        job.electrode.enter = EnterSide::MinusX;
+    let project = home.project(&easy_blisk(), |job| {
+        (job.plan.strategy, job.plan.step_mm) = (PlanParams::default().strategy, 0.8);
         job.electrode.radial_reduction_mm = 1.0;
-        job.plan.step_mm = 0.8;
     });
+    let mut desk = home.start(Opening::File(project));
+    desk.until_done(Stage::Electrode);
     desk.open_step(Stage::Electrode);
     desk.press("Find sizes");
     desk.open_step(Stage::Verify);
@@ -134,7 +129,8 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     let electrode = desk.blisk().document.params().electrode.clone();
     assert_eq!(electrode.circumferential_reduction_deg, row.reduction_deg);
     assert!(!has(&desk, Role::Label, of_other), "what is taken is of these parameters");
-    edit(&mut desk, &|job| job.electrode.radial_reduction_mm = 1.1);
+    desk.enter("Radial reduction", "1.1");
+    desk.until_done(Stage::Electrode);
     desk.assert_shows(of_other);
     let file = home.part(&easy_blisk());
     desk.window.state_mut().open(&file);

@@ -3,14 +3,13 @@
 use egui::{Key, Role};
 use egui_kittest::SnapshotOptions;
 use sparkpath::shell::run::Opening;
-use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::scene::Layer;
 use sparkpath::workspaces::preferences::ThemeChoice;
 use task::State;
 
 use crate::common::{curved_blisk, easy_blisk};
-use crate::desk::{Desk, Home, quick};
+use crate::desk::{Desk, Home};
 
 impl Desk {
     /// Compares the window with the picture `name`.
@@ -54,17 +53,16 @@ fn planned(home: &Home) -> Desk {
 }
 
 fn planned_in(home: &Home, pixels: [u16; 2], scale: f32) -> Desk {
-    let mut desk = home.start_in(Opening::File(home.part(&easy_blisk())), pixels, scale);
-    desk.until_idle();
-    let mut job = quick(desk.blisk().document.params().clone());
-    job.electrode.circumferential_reduction_deg = [3.0, 3.0];
-    job.electrode.radial_reduction_mm = 1.0;
-    plan(&mut desk, job);
+    let project = home.project(&easy_blisk(), |job| {
+        job.electrode.circumferential_reduction_deg = [3.0, 3.0];
+        job.electrode.radial_reduction_mm = 1.0;
+    });
+    let mut desk = home.start_in(Opening::File(project), pixels, scale);
+    plan(&mut desk);
     desk
 }
 
-fn plan(desk: &mut Desk, job: PlanJob) {
-    desk.blisk_mut().edit("Job", job, false);
+fn plan(desk: &mut Desk) {
     desk.until_idle();
     desk.key(Key::F5);
     desk.until("the plan has ended", |d| matches!(d.state(Stage::Plan), State::Ready | State::Failed(_)));
@@ -168,12 +166,12 @@ fn a_window_of_1920_by_1080() {
 #[test]
 fn an_electrode_that_cannot_come_out_jams_at_a_node() {
     let home = Home::new();
-    let mut desk = home.start(Opening::File(home.part(&curved_blisk())));
-    desk.until_idle();
-    let mut job = quick(desk.blisk().document.params().clone());
-    job.electrode.circumferential_reduction_deg = [1.5, 1.5];
-    (job.genetic.population, job.genetic.generations) = (8, 3);
-    plan(&mut desk, job);
+    let project = home.project(&curved_blisk(), |job| {
+        job.electrode.circumferential_reduction_deg = [1.5, 1.5];
+        (job.genetic.population, job.genetic.generations) = (8, 3);
+    });
+    let mut desk = home.start(Opening::File(project));
+    plan(&mut desk);
     desk.assert_shows("jams at node");
     assert!(desk.step_says(Stage::Plan, "failed") && !desk.blisk().work.can_release());
     let jam = desk.blisk().outcome().unwrap().plan.jam.unwrap();
@@ -192,7 +190,7 @@ fn an_electrode_that_cannot_come_out_jams_at_a_node() {
 fn wrong_input() {
     let home = Home::new();
     let mut desk = home.start(Opening::Demonstration);
-    desk.until_idle();
+    desk.until_done(Stage::Plan);
     desk.open_step(Stage::Electrode);
     desk.enter("Spark gap", "9");
     desk.until_idle();

@@ -14,7 +14,7 @@ use sparkpath::workspaces::preferences::ThemeChoice;
 use task::State;
 
 use crate::common::easy_blisk;
-use crate::desk::{Desk, Home, quick};
+use crate::desk::{Desk, Home};
 
 /// Half the edges of the post that is in the way, and its middle, from the seat of the bed (mm).
 const POST: [[f64; 3]; 2] = [[4.0, 4.0, 100.0], [70.0, 18.0, 50.0]];
@@ -49,11 +49,8 @@ fn until_checked(desk: &mut Desk) {
 #[test]
 fn a_machine_is_seen_from_its_choice_to_its_collision() {
     let home = Home::new();
-    let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
-    desk.until_idle();
-    let mut job = quick(desk.blisk().document.params().clone());
-    job.electrode.circumferential_reduction_deg = [3.0, 3.0];
-    desk.blisk_mut().edit("Job", job.clone(), false);
+    let project = home.project(&easy_blisk(), |job| job.electrode.circumferential_reduction_deg = [3.0, 3.0]);
+    let mut desk = home.start(Opening::File(project));
     desk.until_idle();
     assert!(bodies(&desk).is_empty(), "no machine is chosen");
     let machine = machine_with_a_post(&home);

@@ -7,6 +7,7 @@ use egui::{Key, Modifiers};
 use files::{AnyDocument, Recovery};
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
+use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::document::{Document, demonstration};
 use sparkpath::workspaces::mold::document::MoldParams;
 
@@ -230,7 +231,7 @@ fn a_mold_and_a_blisk_of_one_program_are_both_recovered() {
 fn a_picture_of_the_view_is_written() {
     let home = Home::new();
     let mut desk = home.start(Opening::Demonstration);
-    desk.until_idle();
+    desk.until_done(Stage::Electrode);
     control(&mut desk, Key::K);
     desk.window.event(egui::Event::Text("save picture".to_owned()));
     desk.settle();

@@ -28,12 +28,14 @@ pub(super) struct Cutter {
 /// Poses with the way of the axes up to each of them.
 struct Motion {
     poses: Vec<Pose>,
+    /// Placement of the electrode at each of them: sines and cosines once, not at every look.
+    placements: Vec<DAffine3>,
     /// Turn of A (rad), slides (mm), turns of B and C (rad), added up.
     ways: Vec<[f64; 3]>,
 }
 
 impl Motion {
-    fn new(poses: Vec<Pose>) -> Self {
+    fn new(poses: Vec<Pose>, reference_point: DVec3) -> Self {
         let mut way = [0.0; 3];
         let mut ways = Vec::with_capacity(poses.len());
         for (i, pose) in poses.iter().enumerate() {
@@ -44,7 +46,8 @@ impl Motion {
             way[2] += (pose.b - last.b).abs() + (pose.c - last.c).abs();
             ways.push(way);
         }
-        Self { poses, ways }
+        let placements = poses.iter().map(|pose| pose.placement(reference_point)).collect();
+        Self { poses, placements, ways }
     }
 
     /// Position of `u`, in rows: the row before it and the share of the motion to the next.
@@ -53,9 +56,12 @@ impl Motion {
         (row, (row + 1).min(self.poses.len() - 1), u - row as f64)
     }
 
-    fn pose(&self, u: f64) -> Pose {
+    fn placement(&self, u: f64, reference_point: DVec3) -> DAffine3 {
         let (row, next, share) = self.place(u);
-        self.poses[row].lerp(&self.poses[next], share)
+        if share == 0.0 {
+            return self.placements[row];
+        }
+        self.poses[row].lerp(&self.poses[next], share).placement(reference_point)
     }
 
     fn way(&self, u: f64) -> [f64; 3] {
@@ -85,7 +91,11 @@ impl Cutter {
     ) -> Result<Self, CutterError> {
         let (exact, bounds) = (ExactMesh::new(mesh)?, within(mesh, span_x));
         let field = DistanceField::build(mesh, &exact, bounds.grown(REACH), CELL, task)?;
-        let motions = motions.into_iter().filter(|poses| !poses.is_empty()).map(Motion::new).collect();
+        let motions = motions
+            .into_iter()
+            .filter(|poses| !poses.is_empty())
+            .map(|poses| Motion::new(poses, reference_point))
+            .collect();
         Ok(Self { field, bounds, reference_point, motions })
     }
 
@@ -97,8 +107,8 @@ impl Cutter {
     /// The least signed distance (mm) from `p`, in W, to the electrode at the rows of its first motion, or `known` if
     /// it is nowhere less: mostly near the least of all, since that motion bends where the electrode is at a wall.
     pub(super) fn at_rows(&self, p: DVec3, known: f64) -> f64 {
-        let rows = self.motions.first().map_or(&[][..], |m| &m.poses);
-        rows.iter().filter_map(|pose| self.look(pose, p).distance).fold(known, f64::min)
+        let rows = self.motions.first().map_or(&[][..], |m| &m.placements);
+        rows.iter().filter_map(|placement| self.look(placement, p).distance).fold(known, f64::min)
     }
 
     /// The least signed distance (mm) from `p`, in W, to the electrode over the continuous motions, or `known` if it is
@@ -111,8 +121,7 @@ impl Cutter {
         known
     }
 
-    fn look(&self, pose: &Pose, p: DVec3) -> Look {
-        let placement: DAffine3 = pose.placement(self.reference_point);
+    fn look(&self, placement: &DAffine3, p: DVec3) -> Look {
         // Rigid: the transposed turn is the inverse one.
         let q = placement.matrix3.transpose() * (p - placement.translation);
         let distance = self.field.value(q);
@@ -127,7 +136,7 @@ impl Cutter {
     fn least_over(&self, motion: &Motion, p: DVec3, mut known: f64, enough: f64) -> f64 {
         let radius = p.y.hypot(p.z);
         let look = |u: f64, known: &mut f64| {
-            let look = self.look(&motion.pose(u), p);
+            let look = self.look(&motion.placement(u, self.reference_point), p);
             *known = known.min(look.distance.unwrap_or(f64::INFINITY));
             look
         };
