@@ -1,4 +1,4 @@
-//! Every parameter of a mold, as forms, steps that can be undone, messages and the command line see it.
+//! Every parameter of a mold. Forms, `--set`, reports and the names of steps of undo are made from this table.
 
 use super::MoldParams;
 use files::{Field, FieldTable, Group, Variant, When, Word, word};
@@ -77,7 +77,7 @@ const CUTTER: &[Field] = &[
 const NEW_CUTTER: &str = "{ diameter_mm = 2.0 }";
 const CUTTERS: &str = "The cutters, of which a region is uncut where none reaches. A new one is flat.";
 
-/// The cutters that others are compared with.
+/// The other cutters of the comparison.
 pub static LIBRARY: FieldTable<CutterLibrary> = FieldTable::new(&[Group {
     section: "",
     name: "",
@@ -250,7 +250,7 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
     },
 ]);
 
-/// What makes `now` another than `before`, as a step that can be undone is called.
+/// Name of the step from `before` to `now`, for undo.
 pub fn change(before: &MoldParams, now: &MoldParams) -> String {
     let (old, new) = (&before.electrodes, &now.electrodes);
     if new.edits.len() < old.edits.len() {

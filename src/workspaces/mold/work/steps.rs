@@ -1,4 +1,4 @@
-//! The steps of the work on a mold, each a pure function of what it is given.
+//! The steps of the work on a mold, pure functions of their inputs.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -18,48 +18,48 @@ use task::{Cancel, Task};
 /// A mold as loaded.
 #[derive(Debug)]
 pub struct LoadedMold {
-    /// What to call it.
+    /// Name of the mold.
     pub name: String,
     /// Mesh of the mold (mm, in the axes of its file).
     pub mesh: Arc<Mesh>,
     /// Shape of the mold for the screen.
     pub shape: Arc<RenderMesh>,
-    /// What the import found.
+    /// Report of the import.
     pub report: ImportReport,
     /// Volume (mm^3).
     pub volume: f64,
     /// File of the mold as it was read.
     pub file: PartFile,
-    /// What tells it from any other: digest of the file and the unit that it was read in.
+    /// Digest of the part: digest of the file and the unit that it was read in.
     pub sha256: String,
 }
 
 impl LoadedMold {
-    /// What was read, in a sentence.
+    /// The import in a sentence.
     pub fn sentence(&self) -> String {
         format!("{}: {} triangles", self.name, self.mesh.triangles.len())
     }
 }
 
-/// What the cutters leave of a mold, with all that is shown of it.
+/// Uncut regions with everything shown of them.
 #[derive(Debug)]
 pub struct FoundUncut {
-    /// The answer.
+    /// Uncut regions.
     pub uncut: Uncut,
-    /// The answer in figures and words.
+    /// Report on the uncut regions.
     pub report: UncutReport,
     /// The regions for the screen.
     pub shapes: Vec<RegionShape>,
-    /// The faces that look away from the cutters, for the screen.
+    /// Undercut faces, for the screen.
     pub invert: Option<Arc<RenderMesh>>,
-    /// The greatest height of what is left (mm).
+    /// Greatest height of rest material (mm).
     pub deepest: f64,
-    /// Whether it was computed by this program since it was started, and not read from a file.
+    /// Whether this run of the program has computed the result, rather than read it from a file.
     pub is_proven: bool,
 }
 
 impl FoundUncut {
-    /// What was found, in a sentence.
+    /// The result in a sentence.
     pub fn sentence(&self) -> String {
         let kept = if self.is_proven { "" } else { " Kept from an earlier session." };
         format!("{}{kept}", self.report.sentence.replace("mm3", "mm³"))
@@ -82,7 +82,7 @@ pub fn load(path: &Path, units: Units, task: &Task) -> Result<LoadedMold, String
     Ok(LoadedMold { name, file, mesh: Arc::new(imported.mesh), shape, report: imported.report, volume, sha256 })
 }
 
-/// Finds what the cutters leave.
+/// Searches the uncut regions.
 ///
 /// # Errors
 /// One line for the user.
@@ -94,7 +94,7 @@ pub(super) fn find(mold: &LoadedMold, params: &UncutParams, task: &Task) -> Resu
     Ok(shown)
 }
 
-/// What was found, with all that is shown of it.
+/// The uncut regions with everything shown of them.
 pub(super) fn shown(mold: &LoadedMold, found: Uncut, is_proven: bool) -> FoundUncut {
     let shapes = region_shapes(&mold.mesh, &found.surface, found.regions.len(), found.params.opening);
     let invert = faces_shape(&mold.mesh, &found.stack.invert.triangles);
@@ -102,7 +102,7 @@ pub(super) fn shown(mold: &LoadedMold, found: Uncut, is_proven: bool) -> FoundUn
     FoundUncut { report: UncutReport::of(&found), uncut: found, shapes, invert, deepest, is_proven }
 }
 
-/// Finds what other cutters leave, and how that compares with what was found.
+/// Searches the uncut regions of other cutters, and compares them with the result.
 ///
 /// # Errors
 /// One line for the user.
@@ -117,19 +117,19 @@ pub(super) fn compare(
     Ok((other, comparison.map_err(|e| e.to_string())?))
 }
 
-/// The result of a quick look.
+/// A preview of uncut regions.
 #[derive(Debug)]
 pub struct Glance {
-    /// Figures of what is left.
+    /// Figures of the uncut regions.
     pub preview: Preview,
-    /// Shape of what is left on the mold, for the screen.
+    /// Shape of the uncut regions on the mold, for the screen.
     pub shape: Arc<RenderMesh>,
 }
 
-/// Takes a quick look at what the cutters leave.
+/// Previews the uncut regions.
 ///
 /// # Errors
-/// One line if it cannot be looked at.
+/// One line if there is no preview.
 pub(super) fn glance(mold: &LoadedMold, params: &UncutParams, cancel: &Cancel) -> Result<Glance, String> {
     let preview = preview(&mold.mesh, params, cancel).map_err(|e| e.to_string())?;
     let cells = preview.regions.iter().flat_map(|r| &r.cells);
