@@ -11,7 +11,7 @@ use feed::quantise::{DEG_DECIMALS, MM_DECIMALS};
 use files::{FileError, Invalid, TomlFile, Validate};
 
 /// The posts that come with the program: name and text.
-pub const BUILT_IN: [(&str, &str); 2] = [
+pub const BUILT_IN: &[(&str, &str)] = &[
     ("iso", include_str!("../../../assets/posts/iso.toml")),
     ("beckhoff-edm", include_str!("../../../assets/posts/beckhoff-edm.toml")),
 ];
@@ -195,7 +195,7 @@ impl Post {
     pub fn load(name: &str, user_folder: Option<&Path>) -> Result<Self, PostError> {
         // A name is a file name here, never a way out of the folder.
         let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
-        let unknown = || PostError::Unknown { name: name.to_owned(), known: BUILT_IN.map(|(n, _)| n).to_vec() };
+        let unknown = || PostError::Unknown { name: name.to_owned(), known: BUILT_IN.iter().map(|(n, _)| *n).collect() };
         if !plain {
             return Err(unknown());
         }

@@ -12,8 +12,8 @@ use flank::machine::linearise::{Interpolation, LinearisationParams};
 pub const BUILT_IN_POST: (&str, &str) = ("milling", include_str!("../../../../assets/posts/milling.toml"));
 
 /// The posts for milling that come with the program: name and text.
-pub const BUILT_IN_POSTS: [(&str, &str); 2] =
-    [BUILT_IN_POST, ("milling-tcp", include_str!("../../../../assets/posts/milling-tcp.toml"))];
+pub const BUILT_IN_POSTS: &[(&str, &str)] =
+    &[BUILT_IN_POST, ("milling-tcp", include_str!("../../../../assets/posts/milling-tcp.toml"))];
 
 /// Meaning of X Y Z in a program.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -122,5 +122,5 @@ pub fn milling_post(name: &str) -> Result<Post, PostError> {
 
 /// Names of the built-in posts, those for milling first.
 pub fn milling_posts() -> Vec<&'static str> {
-    BUILT_IN_POSTS.iter().chain(&post::BUILT_IN).map(|(name, _)| *name).collect()
+    BUILT_IN_POSTS.iter().chain(post::BUILT_IN).map(|(name, _)| *name).collect()
 }
