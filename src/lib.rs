@@ -3,8 +3,8 @@
 //! ruled flanks are milled.
 //!
 //! The engines are crates of their own under `src/engines`: [`task`], [`files`], [`geometry`], [`import`], [`wheel`],
-//! [`feed`], [`mold`], [`flank`], [`nc`] and [`render`]. None of them knows a window, a document or a job. This crate is
-//! the program on top of them:
+//! [`feed`], [`mold`], [`flank`], [`nc`] and [`render`]. None of them knows a window, a document or a job. This crate
+//! is the program on top of them:
 //!
 //! * [`workspaces`]: blisk, mold and flank, each with its document, jobs, reports, scenes and panels.
 //! * [`widgets`]: parts of the window that every workspace uses.

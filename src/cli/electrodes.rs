@@ -46,12 +46,12 @@ pub(super) struct ElectrodesArguments {
     /// A library of cutters (TOML) that mill the electrodes.
     #[arg(long, value_name = "FILE")]
     electrode_library: Option<PathBuf>,
-    /// Holders (TOML) [default: those of the project; else holders.toml and holders/SUPPLIER.toml in your settings, or else the
-    /// built-in ones].
+    /// Holders (TOML) [default: those of the project; else holders.toml and holders/SUPPLIER.toml in your settings, or
+    /// else the built-in ones].
     #[arg(long, value_name = "FILE")]
     holders: Option<PathBuf>,
-    /// Exports an electrode although a check fails, as in E03:leftover; with a figure, as in E03:leftover:0.05, only while
-    /// none of the check's figures is greater. May be given more than once.
+    /// Exports an electrode although a check fails, as in E03:leftover; with a figure, as in E03:leftover:0.05, only
+    /// while none of the check's figures is greater. May be given more than once.
     #[arg(long = "override", value_name = "NAME:CHECK[:FIGURE]", value_parser = electrode_override)]
     overrides: Vec<Override>,
     /// Formats of the electrode files, with commas between.
@@ -63,8 +63,8 @@ pub(super) struct ElectrodesArguments {
     /// No pictures in the report.
     #[arg(long)]
     no_pictures: bool,
-    /// Folder for the electrode files, burn_table.csv, burn_table.json, burn_sheet.txt and report.html, made if it is not
-    /// there.
+    /// Folder for the electrode files, burn_table.csv, burn_table.json, burn_sheet.txt and report.html, made if it is
+    /// not there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -87,8 +87,8 @@ impl From<Format> for ElectrodeFormat {
     }
 }
 
-/// Designs the electrodes, checks them, writes what passes. The answer is no where a check fails, overridden or not, or a
-/// region has no electrode.
+/// Designs the electrodes, checks them, writes what passes. The answer is no where a check fails, overridden or not, or
+/// a region has no electrode.
 pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> anyhow::Result<Answer> {
     // What can be told before the work should not be told after it.
     let sheet = arguments.template.as_deref().map_or_else(|| Ok(BurnSheet::standard()), BurnSheet::read)?;
@@ -127,7 +127,8 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     }
     if !uncut.stack.invert.triangles.is_empty() {
         lines.push(format!(
-            "{} undercut faces ({:.2} mm2) are not reachable and get no electrode: give another --opening, or plan a slide",
+            "{} undercut faces ({:.2} mm2) are not reachable and get no electrode: give another --opening, or plan \
+             a slide",
             uncut.stack.invert.triangles.len(),
             uncut.stack.invert.area
         ));
@@ -225,7 +226,8 @@ fn corners(set: &ElectrodeSet) -> Option<String> {
     let most = kept.max_by(|a, b| a.thickness.total_cmp(&b.thickness)).filter(|left| left.thickness > tolerance)?;
     let p = most.place;
     Some(format!(
-        "residual stock in sharp corners is up to {:.4} mm, allowed rest {tolerance} mm, as near ({:.3}, {:.3}, {:.3}); a smaller spark gap leaves less",
+        "residual stock in sharp corners is up to {:.4} mm, allowed rest {tolerance} mm, as near ({:.3}, {:.3}, \
+         {:.3}); a smaller spark gap leaves less",
         most.thickness, p.x, p.y, p.z
     ))
 }

@@ -9,12 +9,13 @@ use crate::workspaces::flank::export::{ExportChoice, export};
 use crate::workspaces::flank::inputs::{input, load_machine, load_surface, load_walls, walls_unit};
 use crate::workspaces::flank::report::FlankReport;
 use crate::workspaces::flank::report::build::{report, sentence};
-use files::user_folder::user_folder;
+use files::paths::user_folder;
 use files::{Document, ExportFolder, Params};
 use flank::fit_ruled::{Candidate, CandidateFit};
 use nc::flank_job::{FlankResult, LoadedSurface, flank as plan};
 
-/// Plans the flank, checks the path, writes what may be milled. The answer is no where a check fails, overridden or not.
+/// Plans the flank, checks the path, writes what may be milled. The answer is no where a check fails, overridden or
+/// not.
 pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Result<Answer> {
     // What is quick to find wrong comes before what takes long.
     if let Some(folder) = &arguments.out {
@@ -101,7 +102,8 @@ fn lines(result: &FlankResult) -> Vec<String> {
     for (name, path) in result.plan.paths() {
         let (d, moving) = (&path.deviation, &path.envelope.deviation);
         lines.push(format!(
-            "{name}: total absolute deviation {:.3} mm ({}), mean {:.2} um, rms {:.2} um, overcut {:.1} um, undercut {:.1} um; swept envelope: total {:.3} mm, overcut {:.1} um, undercut {:.1} um",
+            "{name}: total absolute deviation {:.3} mm ({}), mean {:.2} um, rms {:.2} um, overcut {:.1} um, \
+             undercut {:.1} um; swept envelope: total {:.3} mm, overcut {:.1} um, undercut {:.1} um",
             d.sum,
             result.plan.ratio_words(d.sum),
             1e3 * d.mean,

@@ -12,7 +12,7 @@ use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank, 
 use crate::workspaces::flank::electrode_part::{keep_off_base, turn_over};
 use crate::workspaces::flank::inputs::load_machine;
 use files::Override;
-use files::user_folder::user_folder;
+use files::paths::user_folder;
 use files::{Document, Validate};
 use flank::cutter::HolderPart;
 use flank::params::Objective;
@@ -34,8 +34,8 @@ pub(super) struct FlankArguments {
     /// Writes what was asked as a file that can be given again.
     #[arg(long, value_name = "FILE")]
     pub(super) save: Option<PathBuf>,
-    /// Folder for report.html, flank.json, and, where no check fails, path.csv, flank.cl and the NC program; made if it is
-    /// not there.
+    /// Folder for report.html, flank.json, and, where no check fails, path.csv, flank.cl and the NC program; made if it
+    /// is not there.
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
 }
@@ -46,8 +46,9 @@ pub(super) struct SurfaceArguments {
     /// A project (.sparkpath) of a flank, which the other arguments change, or a mesh as with --mesh.
     #[arg(value_name = "PROJECT|MESH")]
     file: Option<PathBuf>,
-    /// The guide curve that the cutter's bottom follows: a CSV file with x, y, z (mm) of a point on each line. Points are
-    /// joined by one smooth curve (a cubic spline): what is straight needs points along it, and at a corner the flank ends.
+    /// The guide curve that the cutter's bottom follows: a CSV file with x, y, z (mm) of a point on each line. Points
+    /// are joined by one smooth curve (a cubic spline): what is straight needs points along it, and at a corner the
+    /// flank ends.
     #[arg(long, value_name = "CSV", requires = "upper", conflicts_with_all = ["mesh", "demo"])]
     lower: Option<PathBuf>,
     /// The other guide curve, in the same direction.
@@ -56,12 +57,12 @@ pub(super) struct SurfaceArguments {
     /// A mesh with a flank to be milled, such as an electrode: STL, OBJ, glTF or GLB.
     #[arg(long, value_name = "MESH", conflicts_with = "demo")]
     mesh: Option<PathBuf>,
-    /// An electrode with a flank to be milled, by its name: one of a mold, of a blisk or of a folder with exported ones, which
-    /// --of names. Those of a mold stand upside down, tips to the spindle.
+    /// An electrode with a flank to be milled, by its name: one of a mold, of a blisk or of a folder with exported
+    /// ones, which --of names. Those of a mold stand upside down, tips to the spindle.
     #[arg(long, value_name = "NAME", requires = "of", conflicts_with_all = ["mesh", "demo", "lower"])]
     electrode: Option<String>,
-    /// Where the electrode is from: the project of a mold or a blisk (.sparkpath), for which it is made anew, or a folder that
-    /// `electrodes` has written.
+    /// Where the electrode is from: the project of a mold or a blisk (.sparkpath), for which it is made anew, or a
+    /// folder that `electrodes` has written.
     #[arg(long, value_name = "PATH", requires = "electrode")]
     of: Option<PathBuf>,
     /// Number of the flank of the mesh, from 1 as --list has them: the largest first, planes that lie last, and of an
@@ -78,8 +79,8 @@ pub(super) struct SurfaceArguments {
     /// [default: +z].
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
     up: Option<String>,
-    /// Unit of the mesh and of the walls: auto, mm, cm, m, inch. With auto their files tell it; a mesh that says none is
-    /// taken in mm, or refused if it is small or large for that, and such walls are taken in mm [default: auto].
+    /// Unit of the mesh and of the walls: auto, mm, cm, m, inch. With auto their files tell it; a mesh that says none
+    /// is taken in mm, or refused if it is small or large for that, and such walls are taken in mm [default: auto].
     #[arg(long, value_name = "UNIT", value_parser = unit)]
     units: Option<Units>,
     /// A surface that comes with the program: a or b, those of the paper that the method is from.
@@ -107,8 +108,8 @@ struct CutterArguments {
     /// Length of the flutes (mm) [default: 30].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     length: Option<String>,
-    /// What is above the flutes, from below, with commas between: length:radius or length:lower radius:upper radius (mm),
-    /// as in 30:3,20:10:15.
+    /// What is above the flutes, from below, with commas between: length:radius or length:lower radius:upper radius
+    /// (mm), as in 30:3,20:10:15.
     #[arg(long, value_name = "PARTS", value_delimiter = ',', value_parser = holder_part)]
     holder: Vec<HolderPart>,
 }
@@ -162,8 +163,8 @@ pub(super) struct MillingArguments {
     /// Where the workpiece's zero is on the machine (mm), three numbers with commas between [default: the machine's].
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     zero: Option<String>,
-    /// The machine's direction along which the workpiece's Z points, as -z for one that is clamped upside down [default: the
-    /// machine's].
+    /// The machine's direction along which the workpiece's Z points, as -z for one that is clamped upside down
+    /// [default: the machine's].
     #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true)]
     clamp_z: Option<String>,
     /// The machine's direction along which the workpiece's X points [default: the machine's].
@@ -194,13 +195,13 @@ pub(super) struct MillingArguments {
     /// How far it is lifted along its axis there (mm) [default: 30].
     #[arg(long, value_name = "MM", allow_negative_numbers = true)]
     retract: Option<String>,
-    /// What X Y Z of the program mean: off (positions of the axes), angles (the tip, with the rotary axes: G43.4) or vector
-    /// (the tip, with the tool's direction: G43.5) [default: off].
+    /// What X Y Z of the program mean: off (positions of the axes), angles (the tip, with the rotary axes: G43.4) or
+    /// vector (the tip, with the tool's direction: G43.5) [default: off].
     #[arg(long, value_name = "NAME")]
     tip_control: Option<String>,
-    /// Exports although this check fails: ruled, guides, cutter, coverage, deviation, bounds, envelope, surface, gouge, holder,
-    /// leads, machine. With a figure, as in gouge:0.12, only while none of the check's figures is greater. May be given more
-    /// than once.
+    /// Exports although this check fails: ruled, guides, cutter, coverage, deviation, bounds, envelope, surface, gouge,
+    /// holder, leads, machine. With a figure, as in gouge:0.12, only while none of the check's figures is greater. May
+    /// be given more than once.
     #[arg(long = "override", value_name = "CHECK[:FIGURE]", value_parser = check_override)]
     overrides: Vec<Override>,
 }
@@ -281,8 +282,8 @@ impl SurfaceArguments {
             }
             (_, _, _, Some(_)) => document.source = FlankSource::default(),
             _ if self.file.is_none() && self.electrode.is_none() => anyhow::bail!(
-                "no surface was given; name a .sparkpath file, --lower and --upper guide curves, a --mesh, an --electrode, or \
-                 --demo a"
+                "no surface was given; name a .sparkpath file, --lower and --upper guide curves, a --mesh, an \
+                 --electrode, or --demo a"
             ),
             _ => {}
         }
@@ -444,9 +445,11 @@ fn holder_part(text: &str) -> Result<HolderPart, String> {
 fn flank_number(text: &str) -> Result<u32, String> {
     match text.trim().parse::<u32>() {
         Ok(number) if number > 0 => Ok(number),
-        _ => Err("expected one number from 1, as --list has them; faces that go over into each other smoothly are one flank \
-                  together there, others are milled one after the other"
-            .to_owned()),
+        _ => {
+            Err("expected one number from 1, as --list has them; faces that go over into each other smoothly are one \
+                  flank together there, others are milled one after the other"
+                .to_owned())
+        }
     }
 }
 

@@ -66,8 +66,8 @@ pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<F
         Ok(FoundElectrode { source: FlankSource::Mesh(source), is_upside_down: true })
     } else {
         anyhow::bail!(
-            "{}: electrodes are in the project of a mold or a blisk (.sparkpath), or in a folder that `sparkpath electrodes` \
-             has written, with {TABLE}; one in a file of its own is given with --mesh",
+            "{}: electrodes are in the project of a mold or a blisk (.sparkpath), or in a folder that `sparkpath \
+             electrodes` has written, with {TABLE}; one in a file of its own is given with --mesh",
             of.display()
         )
     }

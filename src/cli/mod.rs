@@ -92,8 +92,8 @@ enum Command {
         #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=20))]
         parts: u8,
     },
-    /// The paths of several strategies on the same electrodes, side by side: clearance, smoothness, times. The project's own
-    /// strategy does not matter.
+    /// The paths of several strategies on the same electrodes, side by side: clearance, smoothness, times. The
+    /// project's own strategy does not matter.
     Compare {
         #[command(flatten)]
         project: ProjectArguments,
@@ -104,8 +104,8 @@ enum Command {
         #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = compare::strategy())]
         strategies: Vec<Strategy>,
     },
-    /// The whole motion of a plan on its machine: approach, feed, copying, retraction and the other channels, with every
-    /// body of the machine.
+    /// The whole motion of a plan on its machine: approach, feed, copying, retraction and the other channels, with
+    /// every body of the machine.
     Simulate {
         #[command(flatten)]
         project: ProjectArguments,
@@ -120,7 +120,8 @@ enum Command {
     Uncut(uncut::UncutArguments),
     /// Electrodes for what milling cutters leave of a mold: files, burn table, burn sheet, report.
     Electrodes(electrodes::ElectrodesArguments),
-    /// A ruled surface milled with the flank of a cutter on five axes: path, checks, report, cutter locations, NC program.
+    /// A ruled surface milled with the flank of a cutter on five axes: path, checks, report, cutter locations, NC
+    /// program.
     Flank(Box<flank_arguments::FlankArguments>),
     /// Opens the window on a mold.
     Mold {
@@ -202,8 +203,8 @@ struct RenderArguments {
 struct InspectArguments {
     #[command(flatten)]
     project: ProjectArguments,
-    /// Measured sections of the channel's walls in W: a CSV file with the columns section, side (low or high), x, and y, z
-    /// or r, theta_deg. Their surfaces are compared with the mesh.
+    /// Measured sections of the channel's walls in W: a CSV file with the columns section, side (low or high), x, and
+    /// y, z or r, theta_deg. Their surfaces are compared with the mesh.
     #[arg(long, value_name = "CSV")]
     sections: Option<PathBuf>,
 }
@@ -257,8 +258,8 @@ fn require_closed(path: &Path, imported: &Imported) -> anyhow::Result<()> {
     let report = &imported.report;
     anyhow::ensure!(
         imported.mesh.is_watertight(),
-        "{}: the surface is not closed ({} holes, {} edges of more than two triangles), so it has no inside and nothing can be \
-         proven about it; close it in the program it came from",
+        "{}: the surface is not closed ({} holes, {} edges of more than two triangles), so it has no inside and \
+         nothing can be proven about it; close it in the program it came from",
         path.display(),
         report.hole_count,
         report.non_manifold_edges

@@ -128,7 +128,8 @@ fn auto(prepared: &PreparedBlisk, inputs: &PlanInputs, session: &Session) -> any
                 );
             }
             None => say!(
-                "size       not feasible: no reduction gives an extraction path; planned with {low:.3} and {high:.3} deg"
+                "size       not feasible: no reduction gives an extraction path; planned with {low:.3} and \
+                 {high:.3} deg"
             ),
         }
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::project::ProjectArguments;
 use super::{Answer, RenderArguments, Session, render_project};
 use crate::widgets::camera::{NamedView, into_channel, standard};
-use crate::widgets::colours::mesh_colour;
+use crate::widgets::theme::mesh_colour;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::job::outcome::PlanInputs;
 use crate::workspaces::blisk::job::plan::run_prepared;

@@ -16,7 +16,7 @@ use crate::workspaces::mold::job::uncut::uncut;
 use crate::workspaces::mold::scene::electrodes::electrode_shapes;
 use crate::workspaces::mold::scene::pictures::electrode_pictures;
 use crate::workspaces::mold::scene::{MoldLook, MoldScene, RegionColours, build_mold, faces_shape, region_shapes};
-use files::user_folder::user_folder;
+use files::paths::user_folder;
 use files::{Document, Params};
 use nc::flank_job::{LoadedSurface, flank};
 use render::camera::Camera;

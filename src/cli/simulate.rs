@@ -44,8 +44,8 @@ pub(super) fn simulate(
     }
     if !inputs.job.machine.has_bodies() && inputs.job.export.channels == Channels::Own {
         anyhow::bail!(
-            "{}: machine.name is missing, and so there are no bodies to simulate; give --set machine.name=xyzac, a machine \
-             file, or --channels",
+            "{}: machine.name is missing, and so there are no bodies to simulate; give --set machine.name=xyzac, a \
+             machine file, or --channels",
             project.file.display()
         );
     }

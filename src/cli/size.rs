@@ -35,6 +35,7 @@ fn line(row: &SizeRow) -> String {
     let enter = row.enter.name();
     let SizeRow { parts, least_thickness_mm, volume_mm3, certified_mm, .. } = row;
     format!(
-        "{parts:>5}  {enter:>5}  {low:>7.3}  {high:>8.3}  {least_thickness_mm:>12.3}  {volume_mm3:>10.1}  {certified_mm:>12.4}"
+        "{parts:>5}  {enter:>5}  {low:>7.3}  {high:>8.3}  {least_thickness_mm:>12.3}  {volume_mm3:>10.1}  \
+         {certified_mm:>12.4}"
     )
 }

@@ -13,8 +13,8 @@ use crate::workspaces::mold::document::standard::{open_mold, standard_mold};
 use crate::workspaces::mold::document::{MoldParams, part_of};
 use crate::workspaces::mold::job::uncut::uncut as find_uncut;
 use crate::workspaces::mold::report::uncut::UncutReport;
-use crate::workspaces::mold::report::uncut_ply::surface_as_ply;
-use files::user_folder::user_folder;
+use crate::workspaces::mold::report::uncut::surface_as_ply;
+use files::paths::user_folder;
 use files::{Document, ExportFolder, Validate};
 use import::{Imported, Units};
 use mold::cutter::{Cutter, CutterLibrary};
@@ -29,14 +29,15 @@ pub(super) struct MoldArguments {
     /// The mold, in the place of the project's.
     #[arg(long, value_name = "MESH")]
     mesh: Option<PathBuf>,
-    /// The cutters, with commas between: kind:radius, or kind:radius/reach/holder radius, as in flat:1,ball:0.5/20/12; a
-    /// bull-nose is bull:radius:corner [default: the built-in ones].
+    /// The cutters, with commas between: kind:radius, or kind:radius/reach/holder radius, as in flat:1,ball:0.5/20/12;
+    /// a bull-nose is bull:radius:corner [default: the built-in ones].
     #[arg(long, value_name = "CUTTERS", value_delimiter = ',', conflicts_with = "library")]
     cutters: Vec<Cutter>,
     /// A library of cutters (TOML).
     #[arg(long, value_name = "FILE")]
     library: Option<PathBuf>,
-    /// The direction in which the mold's opening looks, from where the cutters come: +x, -x, +y, -y, +z, -z [default: +z].
+    /// The direction in which the mold's opening looks, from where the cutters come: +x, -x, +y, -y, +z, -z [default:
+    /// +z].
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
     opening: Option<Opening>,
     /// Thickness of the residue up to which it counts as cut (mm) [default: 0.02].
@@ -78,8 +79,8 @@ pub(super) struct AskedMold {
 }
 
 impl MoldArguments {
-    /// What is asked, and the mold; `more` are the values that are given beside these. What a project says of another part
-    /// is not meant for this one.
+    /// What is asked, and the mold; `more` are the values that are given beside these. What a project says of another
+    /// part is not meant for this one.
     pub(super) fn read(
         &self,
         more: impl Fn(&mut MoldParams) -> anyhow::Result<()>,
@@ -133,8 +134,8 @@ impl MoldArguments {
     }
 }
 
-/// Finds what the cutters leave, prints it and writes it into the folder if there is one. The answer is no where the mesh
-/// is not whole.
+/// Finds what the cutters leave, prints it and writes it into the folder if there is one. The answer is no where the
+/// mesh is not whole.
 pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Result<Answer> {
     let AskedMold { params, imported, path } = arguments.mold.read(|_| Ok(()), session)?;
     let found = find_uncut(&imported.mesh, &params.uncut(), &session.task)

@@ -71,7 +71,8 @@ pub enum Chosen {
     Path(Purpose, PathBuf),
     /// The user chose nothing.
     Cancelled(Purpose),
-    /// The path is to be typed: the system has no file dialogs, or they are not wanted. With the name that was proposed.
+    /// The path is to be typed: the system has no file dialogs, or they are not wanted. With the name that was
+    /// proposed.
     ToType(Purpose, String),
 }
 

@@ -18,8 +18,8 @@ pub fn preflight() -> Window {
     let has_display = cfg!(not(all(unix, not(target_os = "macos")))) || named("DISPLAY") || named("WAYLAND_DISPLAY");
     if !has_display {
         return Window::Impossible(
-            "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set): run it on a desktop, or use the commands \
-             that need no window, such as `sparkpath demo --out DIR`; `sparkpath --help` lists them"
+            "there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set): run it on a desktop, or use the \
+             commands that need no window, such as `sparkpath demo --out DIR`; `sparkpath --help` lists them"
                 .to_owned(),
         );
     }

@@ -22,8 +22,8 @@ pub fn show(ui: &mut Ui, (workspaces, shown): (&mut [Box<dyn Workspace>], usize)
     });
 }
 
-/// What was said last in workspace number `shown`, unless it is of a failure that is none any more; and whether it is of
-/// other parameters than the present ones.
+/// What was said last in workspace number `shown`, unless it is of a failure that is none any more; and whether it is
+/// of other parameters than the present ones.
 pub fn last_said<'a>(here: &dyn Workspace, shown: usize, cx: &'a Context) -> Option<(&'a LogLine, bool)> {
     let line = cx.log.iter().rev().find(|line| line.workspace == shown)?;
     let standing = here.standing(line);

@@ -35,8 +35,9 @@ impl System {
         }
     }
 
-    /// Whether it has file dialogs: everywhere but on free desktops, and there with zenity, or with a portal on the session
-    /// bus that has a file chooser behind it. Without one the portal answers, but as if its user had chosen nothing.
+    /// Whether it has file dialogs: everywhere but on free desktops, and there with zenity, or with a portal on the
+    /// session bus that has a file chooser behind it. Without one the portal answers, but as if its user had chosen
+    /// nothing.
     pub fn has_dialogs(&self) -> bool {
         const PORTAL: &str = "dbus-1/services/org.freedesktop.portal.Desktop.service";
         const BACKENDS: &str = "xdg-desktop-portal/portals";

@@ -58,8 +58,8 @@ pub fn into_channel(channel: &Channel, side: EntrySide, camera: Camera, aspect: 
     onto(channel, side, &bounds.grown(0.25 * bounds.size().length()), camera, aspect)
 }
 
-/// A camera with the direction of view of [`into_channel`] and all of an electrode in the picture: `electrode` is the box
-/// around it or around its poses in the coordinates of the loaded mesh (mm).
+/// A camera with the direction of view of [`into_channel`] and all of an electrode in the picture: `electrode` is the
+/// box around it or around its poses in the coordinates of the loaded mesh (mm).
 pub fn electrode_in_channel(channel: &Channel, side: EntrySide, electrode: &Bounds, aspect: f64) -> Camera {
     let walls = walls(channel);
     let both = Bounds { min: walls.min.min(electrode.min), max: walls.max.max(electrode.max) };

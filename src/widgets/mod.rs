@@ -1,8 +1,6 @@
 //! Parts of the window that every workspace uses.
 
 pub mod camera;
-pub mod colours;
-pub mod folds;
 pub mod form;
 pub mod overlay;
 pub mod panel_parts;

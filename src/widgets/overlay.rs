@@ -1,4 +1,5 @@
-//! What is drawn over every 3-D view: a row of buttons, the three axes, the bar of colours, captions.
+//! What is drawn over every 3-D view: a row of buttons, the three axes, the bar of colours, captions, and
+//! the handles that fold the panels beside the view.
 
 use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
 use glam::DVec3;
@@ -7,8 +8,8 @@ use super::theme::palette;
 use super::viewport::Viewport;
 use render::colour_map::{ColourMap, Legend};
 
-/// The bar of colours with round values beside it and a mark at the value that counts, or at the middle of a map that has
-/// one. Answers where it is.
+/// The bar of colours with round values beside it and a mark at the value that counts, or at the middle of a map that
+/// has one. Answers where it is.
 pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) -> Rect {
     let size = vec2(14.0, (rect.height() - 150.0).clamp(50.0, 180.0));
     let bar = Rect::from_min_size(pos2(rect.left() + 18.0, rect.top() + 78.0), size);
@@ -211,4 +212,47 @@ pub fn callout(ui: &mut Ui, rect: Rect, at: egui::Pos2, colour: Color32, text: &
     painter.galley(area.min + vec2(8.0, 4.0), galley, ink);
     let response = ui.interact(area, ui.scope_id().with("callout"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
+}
+
+/// A panel beside the view that folds.
+pub struct Folding<'a> {
+    /// Whether the panel is on the left.
+    pub is_left: bool,
+    /// Whether the panel is shown, not folded.
+    pub is_there: bool,
+    /// The name of its handle.
+    pub name: &'a str,
+    /// The name with the keys, if there are any.
+    pub hint: String,
+}
+
+/// Draws the handles over the view in `rect`. Answers the number of the one that was clicked.
+pub fn folds(ui: &mut Ui, rect: Rect, panels: &[Folding]) -> Option<usize> {
+    const SIZE: egui::Vec2 = vec2(12.0, 46.0);
+    let inwards = vec2(0.5 * SIZE.x, 0.0);
+    let mut clicked = None;
+    for (i, panel) in panels.iter().enumerate() {
+        let at = if panel.is_left { rect.left_center() + inwards } else { rect.right_center() - inwards };
+        if fold_handle(ui, Rect::from_center_size(at, SIZE), panel) {
+            clicked = Some(i);
+        }
+    }
+    clicked
+}
+
+/// A handle of a folded panel, which points to where the panel goes. Answers whether it was clicked.
+fn fold_handle(ui: &mut Ui, rect: Rect, panel: &Folding) -> bool {
+    let response = ui.interact(rect, ui.scope_id().with(("fold", panel.name)), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, panel.name));
+    let visuals = ui.visuals();
+    let (fill, ink) = if response.hovered() {
+        (visuals.widgets.hovered.weak_bg_fill, visuals.strong_text_color())
+    } else {
+        (visuals.window_fill.gamma_multiply(0.88), palette(ui).faint)
+    };
+    ui.painter().rect_filled(rect, 3.0, fill);
+    let points_right = panel.is_left != panel.is_there;
+    let sign = if points_right { "\u{23f5}" } else { "\u{23f4}" };
+    ui.painter().text(rect.center(), Align2::CENTER_CENTER, sign, FontId::proportional(10.0), ink);
+    response.on_hover_text(&panel.hint).clicked()
 }

@@ -17,7 +17,8 @@ pub struct Strip {
 }
 
 impl Strip {
-    /// An empty strip of so much `height` (points), called `name`, with the present value and whether it can be changed.
+    /// An empty strip of so much `height` (points), called `name`, with the present value and whether it can be
+    /// changed.
     pub fn new(ui: &mut Ui, height: f32, name: &str, (value, is_enabled): (f64, bool)) -> Self {
         let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::slider(is_enabled, value, name));

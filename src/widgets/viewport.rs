@@ -100,8 +100,8 @@ impl Viewport {
         (&self.scene, &self.camera)
     }
 
-    /// Draws `scene`, and fits it in when `fitted_to` changes. Answers where it is, and what was clicked if something was:
-    /// nothing may have been met.
+    /// Draws `scene`, and fits it in when `fitted_to` changes. Answers where it is, and what was clicked if something
+    /// was: nothing may have been met.
     pub fn show(
         &mut self,
         ui: &mut Ui,

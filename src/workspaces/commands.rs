@@ -1,4 +1,5 @@
-//! Commands as data: name, keys and needs stand in one place; menus, palette, buttons and keys are made from them.
+//! Commands as data: name, keys and requirement stand in one place, from which menus, palette, buttons and shortcuts
+//! are made.
 //!
 //! Every workspace has an enum of its own commands with a table; the window has [`FrameCommand`], whose commands mean
 //! something in every workspace. [`Command`] is any of them, without its type.
@@ -6,14 +7,14 @@
 use egui::{Key, KeyboardShortcut, Modifiers};
 use render::view::StandardView;
 
-/// Name, keys and needs of a command.
+/// Name, keys and requirement of a command.
 #[derive(Debug, PartialEq)]
 pub struct CommandInfo {
     /// Name of the command.
     pub name: &'static str,
     /// Keyboard shortcut.
     pub keys: Option<KeyboardShortcut>,
-    /// Reason why the command cannot be done now, where that is not plain to see.
+    /// Reason why the command cannot be run now, where that is not plain to see.
     pub needs: Option<&'static str>,
 }
 
@@ -23,35 +24,35 @@ impl CommandInfo {
         Self { name, keys: None, needs: None }
     }
 
-    /// The command with this key.
+    /// Adds a shortcut of one key.
     pub const fn key(self, key: Key) -> Self {
         Self { keys: Some(KeyboardShortcut::new(Modifiers::NONE, key)), ..self }
     }
 
-    /// The command with Ctrl and this key.
+    /// Adds a shortcut of Ctrl and this key.
     pub const fn ctrl(self, key: Key) -> Self {
         Self { keys: Some(KeyboardShortcut::new(Modifiers::COMMAND, key)), ..self }
     }
 
-    /// The command with Ctrl, Shift and this key.
+    /// Adds a shortcut of Ctrl, Shift and this key.
     pub const fn ctrl_shift(self, key: Key) -> Self {
         let both = Modifiers { shift: true, ..Modifiers::COMMAND };
         Self { keys: Some(KeyboardShortcut::new(both, key)), ..self }
     }
 
-    /// The command with the reason that is shown while it cannot be done.
+    /// Adds the reason that is shown while the command cannot be run.
     pub const fn needing(self, why: &'static str) -> Self {
         Self { needs: Some(why), ..self }
     }
 
-    /// Whether the keys are those that text fields and sliders need for themselves.
+    /// Whether text fields and sliders need the keys themselves.
     fn yields_to_focus(&self) -> bool {
         self.keys.is_some_and(|s| {
             s.modifiers == Modifiers::NONE && !matches!(s.logical_key, Key::F5 | Key::F6 | Key::F7 | Key::F8)
         })
     }
 
-    /// The name with the keys, for a tooltip.
+    /// Tooltip: the name with the shortcut.
     pub fn hint(&self, ctx: &egui::Context) -> String {
         match self.keys {
             Some(keys) => format!("{}  ({})", self.name, ctx.format_shortcut(&keys)),
@@ -78,7 +79,7 @@ pub struct Command {
     pub scope: Scope,
     /// Number in the table of its scope.
     pub index: usize,
-    /// Name, keys and needs of the command.
+    /// Name, keys and requirement of the command.
     pub info: &'static CommandInfo,
 }
 
@@ -105,7 +106,7 @@ pub trait CommandSet: Copy + PartialEq + 'static {
         Command { scope: Self::SCOPE, index, info }
     }
 
-    /// `command` with its type, if it is one of these.
+    /// The typed command, if `command` belongs to this set.
     fn of(command: Command) -> Option<Self> {
         let is_one = command.scope == Self::SCOPE;
         Self::table().get(command.index).filter(|_| is_one).map(|(command, _)| *command)
@@ -122,7 +123,7 @@ pub trait CommandSet: Copy + PartialEq + 'static {
         all.iter().map(|command| command.command()).collect()
     }
 
-    /// The name with the keys, for a tooltip.
+    /// Tooltip: the name with the shortcut.
     fn hint(self, ctx: &egui::Context) -> String {
         self.command().info.hint(ctx)
     }
@@ -134,12 +135,12 @@ impl<C: CommandSet> From<C> for Command {
     }
 }
 
-/// Groups of commands for a menu, with a line between two of them.
+/// Groups of commands for a menu, separated by lines.
 pub type Groups = Vec<Vec<Command>>;
 
-/// What commands act on.
+/// An object that commands act on.
 pub trait Commanded {
-    /// Whether `command` can be done now.
+    /// Whether `command` can be run now.
     fn is_enabled(&self, command: Command) -> bool;
 }
 
@@ -216,7 +217,7 @@ impl CommandSet for FrameCommand {
     }
 }
 
-/// Commands of `commands` whose keys were pressed; `taken` tells that someone else takes keys without Ctrl.
+/// The commands among `commands` whose keys were pressed. `taken` tells that another widget takes keys without Ctrl.
 pub fn pressed(ctx: &egui::Context, mut commands: Vec<Command>, taken: bool) -> Vec<Command> {
     let typing = taken || ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
     // More modifiers first: Ctrl+Shift+S must not be taken for Ctrl+S.

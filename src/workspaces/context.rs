@@ -9,8 +9,7 @@ use super::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand}
 use super::message::Message;
 use super::news::{EventKind, WorkEvent};
 use super::preferences::Preferences;
-use crate::widgets::folds::{self, Folding};
-use crate::widgets::overlay::{self, ViewButton};
+use crate::widgets::overlay::{self, Folding, ViewButton};
 use crate::widgets::theme::palette;
 use files::{FileError, Recovery, ResultCache, paths};
 use render::view::StandardView;
@@ -39,7 +38,7 @@ pub struct LogLine {
 }
 
 impl LogLine {
-    /// A line that is said now.
+    /// A line with the present time.
     pub fn now(kind: EventKind, text: impl Into<String>) -> Self {
         let (at, text) = (SystemTime::now(), text.into());
         Self { at, kind, text, took: None, workspace: 0, topic: None, revision: 0 }
@@ -69,7 +68,7 @@ impl PathInfo {
     }
 }
 
-/// What is chosen in a file dialog.
+/// Kind of path that a file dialog asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathKind {
     /// A file to read: what such files are called, their endings (all files without), and whether one that is not there
@@ -110,51 +109,52 @@ pub enum Request {
     Dialog,
     /// Closes the workspace's own dialog.
     CloseDialog,
-    /// Goes on with what takes the place of the document, after asking about unsaved work.
+    /// Replaces the document, after the question about unsaved work.
     Replace,
-    /// To go on with the replacement on the way to what was asked for before: what the user has given up for it is not asked about again.
+    /// Replaces the document as part of a replacement that was asked about already: the user is not asked again about
+    /// work given up for it.
     GoOn,
     /// Shows the workspace.
     Show,
-    /// The work of this copy has been taken up: the copy itself is of no use any more.
+    /// Tells that the work of this copy has been recovered, so that the copy can go.
     Recovered(Recovery),
-    /// Hands a message to the workspace that takes it.
+    /// Sends a message to the workspace that accepts it.
     Send(Message),
 }
 
 /// The window as a workspace sees it.
 pub struct Context {
-    /// What the user prefers.
+    /// Preferences of the user.
     pub preferences: Preferences,
-    /// Everything that has been said.
+    /// The log.
     pub log: Vec<LogLine>,
-    /// Results that are shown again at once, if there is a folder for them.
+    /// Cache of results, if there is a folder for it.
     pub results: Option<ResultCache>,
-    /// The time of the present frame (s), since the window opened.
+    /// Time of the present frame (s), since the window opened.
     pub now: f64,
-    /// A sentence that passes, who said it and when.
+    /// A sentence that is shown for a moment, with the number of its workspace and its time.
     passing: Option<(String, usize, f64)>,
     commands: Vec<Command>,
     requests: Vec<(usize, Request)>,
     wake: Option<Duration>,
-    /// The number of the workspace whose turn it is.
+    /// Number of the workspace that acts.
     turn: usize,
 }
 
 impl Context {
-    /// A window in which nothing was said.
+    /// A context with an empty log.
     pub fn new(preferences: Preferences) -> Self {
         let (log, commands, requests) = (Vec::new(), Vec::new(), Vec::new());
         let now = 0.0;
         Self { preferences, log, results: None, now, passing: None, commands, requests, wake: None, turn: 0 }
     }
 
-    /// Asks for `command` at the end of the frame.
+    /// Has `command` run at the end of the frame.
     pub fn push(&mut self, command: impl Into<Command>) {
         self.commands.push(command.into());
     }
 
-    /// A button for a command of `desk`, greyed while it cannot be done.
+    /// A button for a command of `desk`, disabled while the command cannot be run.
     pub fn button(&mut self, ui: &mut Ui, desk: &impl Commanded, command: impl CommandSet, text: &str, primary: bool) {
         let command = command.command();
         let enabled = desk.is_enabled(command);
@@ -173,8 +173,9 @@ impl Context {
         }
     }
 
-    /// The buttons that play what `desk` shows and step along it, so wide (points): first, back, on and last are called
-    /// `names`, which `are_hints` has their tooltips say in place of the commands' own.
+    /// The buttons that play and step the motion of `desk`, each `width` points wide. `names` are the names of the
+    /// buttons first, back, on and last; with `are_hints` the tooltips show these in place of the names of the
+    /// commands.
     pub fn play_buttons(
         &mut self,
         ui: &mut Ui,
@@ -203,7 +204,7 @@ impl Context {
         }
     }
 
-    /// Says what is being worked on, how far it is and how long it will take, with a button that cancels it.
+    /// Shows the work under way with its progress, the time left, and a button that cancels it.
     pub fn doing(&mut self, ui: &mut Ui, doing: &Doing) {
         let stage = if doing.stage.is_empty() { doing.what } else { &doing.stage };
         let (percent, faint) = (100.0 * doing.fraction, palette(ui).faint);
@@ -223,7 +224,7 @@ impl Context {
         ui.separator();
     }
 
-    /// The row of buttons over a view: short names, commands, and whether what they show is on.
+    /// The row of buttons over a view: for each its short name, its command, and whether what it shows is on.
     pub fn view_buttons(
         &mut self,
         ui: &mut Ui,
@@ -243,8 +244,8 @@ impl Context {
         }
     }
 
-    /// The handles that fold the panels beside the view in `rect`: the commands that do, and whether the one on the left
-    /// is there, and that on the right if it has a handle.
+    /// The handles that fold the panels beside the view in `rect`: for each panel its command and whether the panel is
+    /// open. The right panel may have no handle.
     pub fn folds<C: CommandSet>(&mut self, ui: &mut Ui, rect: egui::Rect, left: (C, bool), right: Option<(C, bool)>) {
         let panels: Vec<(C, bool)> = [left].into_iter().chain(right).collect();
         let folding = |(i, (command, is_there)): (usize, &(C, bool))| {
@@ -252,7 +253,7 @@ impl Context {
             Folding { is_left: i == 0, is_there: *is_there, name: info.name, hint: info.hint(ui.ctx()) }
         };
         let handles: Vec<Folding> = panels.iter().enumerate().map(folding).collect();
-        if let Some((command, _)) = folds::show(ui, rect, &handles).and_then(|i| panels.get(i)) {
+        if let Some((command, _)) = overlay::folds(ui, rect, &handles).and_then(|i| panels.get(i)) {
             self.push(*command);
         }
     }
@@ -262,12 +263,12 @@ impl Context {
         self.note(LogLine::now(kind, text));
     }
 
-    /// Adds a line of the workspace whose turn it is.
+    /// Adds a line of the workspace that acts.
     pub fn note(&mut self, line: LogLine) {
         self.log.push(LogLine { workspace: self.turn, ..line });
     }
 
-    /// Adds what became of work on revision `revision` of the document, and comes back after `wait`.
+    /// Adds reports of work on `revision` of the document, and has a frame drawn after `wait`.
     pub fn note_events(&mut self, (events, wait): (Vec<WorkEvent>, Option<Duration>), revision: u64) {
         for WorkEvent { kind, text, took } in events {
             self.note(LogLine { took, revision, ..LogLine::now(kind, text) });
@@ -275,19 +276,19 @@ impl Context {
         wait.into_iter().for_each(|wait| self.wake_after(wait));
     }
 
-    /// Says `text` for a moment, in place of what was said last: it is no news that the log should hold.
+    /// Shows `text` for a moment, in place of the last such text. The log does not keep it.
     pub fn say_in_passing(&mut self, text: impl Into<String>) {
         self.passing = Some((text.into(), self.turn, self.now));
     }
 
-    /// What workspace number `workspace` said in passing, and how long it is still to be seen.
+    /// The passing text of workspace number `workspace`, and the time for which it is still shown.
     pub fn passing(&self, workspace: usize) -> Option<(&str, Duration)> {
         let (text, _, since) = self.passing.as_ref().filter(|(_, of, _)| *of == workspace)?;
         let left = rest_left(*since, PASSING, self.now);
         (!left.is_zero()).then_some((text, left))
     }
 
-    /// Asks for a path; `name` is proposed where a file is written.
+    /// Asks the user for a path. `name` is proposed where a file is written.
     pub fn ask<P: PathSet>(&mut self, path: P, name: &str) {
         let found = P::table().iter().enumerate().find(|(_, (one, _))| *one == path);
         if let Some((number, (_, info))) = found {
@@ -295,12 +296,12 @@ impl Context {
         }
     }
 
-    /// Tells of something that went wrong.
+    /// Shows an error.
     pub fn error(&mut self, title: impl Into<String>, text: impl Into<String>) {
         self.request(Request::Error(title.into(), text.into()));
     }
 
-    /// Asks something of the window.
+    /// Makes a request to the window.
     pub fn request(&mut self, request: Request) {
         self.requests.push((self.turn, request));
     }
@@ -310,38 +311,38 @@ impl Context {
         self.wake = Some(self.wake.map_or(wait, |before| before.min(wait)));
     }
 
-    /// Puts a file in front of those opened last.
+    /// Puts a file first among the recent files.
     pub fn opened(&mut self, file: &Path) {
         self.preferences.recent.add(file);
     }
 
-    /// Forgets a file that cannot be opened.
+    /// Removes a file that cannot be opened from the recent files.
     pub fn not_opened(&mut self, file: &Path) {
         self.preferences.recent.remove(file);
     }
 
-    /// Tells that the project in `file` cannot be opened, and forgets it.
+    /// Shows that the project in `file` cannot be opened, and removes it from the recent files.
     pub fn not_a_project(&mut self, file: &Path, why: &FileError) {
         self.not_opened(file);
         self.error("This project cannot be opened", why.to_string());
     }
 
-    /// Gives workspace number `turn` its turn.
+    /// Sets the number of the workspace that acts.
     pub fn take_turn(&mut self, turn: usize) {
         self.turn = turn;
     }
 
-    /// The commands asked for since the last call.
+    /// Takes the commands requested since the last call.
     pub fn take_commands(&mut self) -> Vec<Command> {
         std::mem::take(&mut self.commands)
     }
 
-    /// What was asked of the window since the last call, with the number of the workspace that did.
+    /// Takes the requests since the last call, each with the number of its workspace.
     pub fn take_requests(&mut self) -> Vec<(usize, Request)> {
         std::mem::take(&mut self.requests)
     }
 
-    /// After how long a frame is wanted.
+    /// Time until the next frame that is needed, if any.
     pub fn take_wake(&mut self) -> Option<Duration> {
         self.wake.take()
     }
@@ -360,17 +361,17 @@ pub fn standard_views() -> Vec<(&'static str, Command, bool)> {
     views.map(|(name, command)| (name, command.command(), false)).to_vec()
 }
 
-/// How long it is from `now` until `wait` after `since`, all in seconds.
+/// Time from `now` until `wait` after `since`, all in seconds.
 pub fn rest_left(since: f64, wait: f64, now: f64) -> Duration {
     Duration::from_secs_f64((since + wait - now).max(0.0))
 }
 
-/// Whether `path` is named as a project.
+/// Whether `path` has the ending of a project.
 pub fn is_project(path: &Path) -> bool {
     paths::has_ending(path, ".sparkpath")
 }
 
-/// The first of `files`, which there is where any were dropped.
+/// The first of `files`; an empty path if there is none.
 pub fn first(files: &[PathBuf]) -> &Path {
     files.first().map_or(Path::new(""), PathBuf::as_path)
 }

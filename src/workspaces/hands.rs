@@ -1,21 +1,21 @@
-//! What the hands of the user do: the changes that are made meanwhile are one step.
+//! Input activity of the user. Changes during one gesture form one step of undo.
 
 use files::{Document, Params};
 
-/// What the hands of the user do.
+/// Input activity of the user.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Hands {
-    /// The hands rest.
+    /// No button or key is in use.
     #[default]
     Idle,
-    /// A button of the mouse is held down: what is dragged is not at rest.
+    /// A button of the mouse is held down, as in a drag.
     Holding,
     /// A text is being typed.
     Typing,
 }
 
 impl Hands {
-    /// The state of the hands in this frame.
+    /// Input activity in this frame.
     pub fn of(ctx: &egui::Context) -> Self {
         match (ctx.input(|i| i.pointer.any_down()), ctx.egui_wants_keyboard_input()) {
             (true, _) => Self::Holding,
@@ -25,7 +25,7 @@ impl Hands {
     }
 }
 
-/// What the hands do to a document, in this frame and the one before.
+/// Input activity in this frame and the one before, as it concerns a document.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Gesture {
     now: Hands,
@@ -33,7 +33,7 @@ pub struct Gesture {
 }
 
 impl Gesture {
-    /// Notes what the hands do, once a frame; with something new the gesture before ends.
+    /// Notes the activity of a frame. A new activity ends the gesture before.
     pub fn follow<P: Params>(&mut self, hands: Hands, document: &mut Document<P>) {
         (self.before, self.now) = (self.now, hands);
         if self.before == Hands::Idle || (hands != Hands::Idle && hands != self.before) {
@@ -41,7 +41,7 @@ impl Gesture {
         }
     }
 
-    /// Whether a change that is made now belongs to a gesture. The frame in which a button is let go still does.
+    /// Whether a change made now belongs to a gesture. The frame in which a button is released still belongs to it.
     pub fn goes_on(self) -> bool {
         self.now != Hands::Idle || self.before != Hands::Idle
     }

@@ -1,4 +1,4 @@
-//! What one workspace gives to another through the window.
+//! Messages from one workspace to another.
 
 use std::sync::Arc;
 
@@ -9,14 +9,14 @@ use glam::DVec3;
 use mold::electrode::design::Electrode as MoldElectrode;
 use wheel::electrode::Electrode as BliskElectrode;
 
-/// A plain value for whichever workspace takes it.
+/// A plain value, handled by the first workspace that accepts it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Message {
     /// An electrode whose flanks are to be milled.
     MillFlanks(Arc<ElectrodePart>),
 }
 
-/// An electrode, and how it stands while its flanks are milled.
+/// An electrode with its orientation for milling its flanks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElectrodePart {
     /// Name of the electrode.
@@ -46,8 +46,8 @@ impl ElectrodePart {
         Self { name, of: mold.to_owned(), mesh, up: UP_OF_MOLDS, base, is_upside_down: true }
     }
 
-    /// Number `number` (from 1) of a blisk, in its own axes or, given the `frame` of these, in those of the blisk's mesh.
-    /// Up is outwards.
+    /// Number `number` (from 1) of a blisk, in its own axes or, given the `frame` of these, in those of the blisk's
+    /// mesh. Up is outwards.
     pub fn of_blisk(electrode: &BliskElectrode, (number, blisk): (usize, &str), frame: Option<&Frame>) -> Self {
         let (mesh, up, outwards) = match frame {
             Some(frame) => (electrode.mesh.in_parent_of(frame), frame.z, frame.x),

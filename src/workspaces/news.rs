@@ -1,15 +1,15 @@
-//! What the works behind the workspaces have to say.
+//! Reports of finished work for the log.
 
 use std::time::Duration;
 
 use task::{Ended, Refusal};
 
-/// What became of work.
+/// Outcome of work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EventKind {
     /// Work is done.
     Done,
-    /// Work is done, and the answer is no.
+    /// Work is done; its result is negative, as a failed check.
     Refused,
     /// Work was cancelled.
     Cancelled,
@@ -17,19 +17,19 @@ pub enum EventKind {
     Failed,
 }
 
-/// Something for the log.
+/// Report of a finished piece of work.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorkEvent {
-    /// What became of it.
+    /// Outcome of the work.
     pub kind: EventKind,
     /// Text of the event, one sentence.
     pub text: String,
-    /// How long it was worked on.
+    /// Time that the work took.
     pub took: Option<Duration>,
 }
 
 impl WorkEvent {
-    /// What became of work for `what`. `sentence` says what came out.
+    /// The report on the work called `what`. `sentence` describes a value.
     pub fn of<K, V>(what: &str, ended: Ended<K, V>, sentence: impl FnOnce(&V) -> (EventKind, String)) -> Self {
         let (kind, text) = match &ended.result {
             Ok(value) => sentence(value),

@@ -3,34 +3,38 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use files::{Document, Params, Recovery};
+use files::{Document, MovedFile, Params, Recovery};
 use task::{Doing, Lane, Memo, Priority, Refusal, Scheduler, Task};
 
 use super::commands::{Command, CommandSet, FrameCommand};
 use super::context::{Context, Request};
+use super::moved_files::MovedFiles;
 use super::news::EventKind;
 
-/// Where a document comes from.
+/// Origin of a document.
 pub enum Source<P> {
-    /// A project file.
+    /// A project file. The user is asked about its files that are gone or have changed.
     Project(PathBuf),
     /// A copy of unsaved work.
     Copy(Recovery),
-    /// A document that is in no file yet.
-    New(Document<P>),
+    /// A document that is there already.
+    There(Document<P>),
 }
 
-/// A document that was read, with what its files hold.
+/// A document that was read, with the content of its files.
 pub struct Incoming<P, L> {
     /// The document.
     pub document: Document<P>,
-    /// What its files hold; none if a copy of unsaved work names files that cannot be read, which is no reason to lose it.
+    /// Content of its files. None while the user is asked about them, and if a copy of unsaved work names files that
+    /// cannot be read: the work is not lost for that.
     pub loaded: Option<L>,
-    /// The copy that the document was read from, if it was.
+    /// Copy that the document was read from, if it was.
     pub copy: Option<Recovery>,
+    /// Files of a project that are gone or have changed.
+    moved: Vec<MovedFile>,
 }
 
-/// Why no document takes the place of the present one: one line.
+/// Reason why a document was not opened, in one line.
 pub enum NotOpened {
     /// The document itself cannot be read.
     Document(String),
@@ -44,26 +48,29 @@ impl From<String> for NotOpened {
     }
 }
 
-/// A document that was read, or the file of which none could be and why.
+/// A document that was read, or the file that is none and why.
 type Read<P, L> = Result<Arc<Incoming<P, L>>, (Option<PathBuf>, String)>;
 
-/// What takes the place of the document: a `W` that waits for the user's leave, and a document of parameters `P` that is
-/// being read with what its files hold, an `L`. What cannot be read takes the place of nothing.
+/// The replacement of a workspace's document: a `W` that waits until unsaved work is dealt with, and a document of
+/// parameters `P` that is being read with the content `L` of its files. A document that cannot be read replaces nothing.
 pub struct Opening<W, P, L> {
-    /// What takes the place of the document once nothing stands in the way.
+    /// Replacement of the document, done once unsaved work is dealt with.
     pub pending: Option<W>,
+    /// Project that waits until the user has been asked about its files.
+    pub moved: MovedFiles<P>,
     memo: Memo<u64, Read<P, L>>,
-    /// How often something was opened.
+    /// Number of documents opened so far.
     number: u64,
 }
 
 impl<W, P: Params + Send + Sync + 'static, L: Send + Sync + 'static> Opening<W, P, L> {
     /// An idle reader: no document is being read.
     pub fn new(scheduler: &Scheduler) -> Self {
-        Self { pending: None, memo: Memo::new(scheduler, Lane::Quick, "Open").remembering(1), number: 0 }
+        let memo = Memo::new(scheduler, Lane::Quick, "Open").remembering(1);
+        Self { pending: None, moved: MovedFiles::default(), memo, number: 0 }
     }
 
-    /// Reads a document from `source`, and by `load` what its files hold; what was being read is given up.
+    /// Reads a document from `source`, and by `load` the content of its files. Drops the document being read.
     pub fn begin(
         &mut self,
         source: Source<P>,
@@ -74,44 +81,53 @@ impl<W, P: Params + Send + Sync + 'static, L: Send + Sync + 'static> Opening<W, 
             let (file, copy, document) = match source {
                 Source::Project(file) => (Some(file.clone()), None, Document::open(&file)),
                 Source::Copy(copy) => (None, Some(copy.clone()), copy.open()),
-                Source::New(document) => (None, None, Ok(document)),
+                Source::There(document) => (None, None, Ok(document)),
             };
             let document = match document {
                 Ok(document) => document,
                 Err(why) => return Ok(Err((file, why.to_string()))),
             };
             work.task.check().map_err(|e| e.to_string())?;
+            let moved = if file.is_some() { document.moved_files() } else { Vec::new() };
+            if !moved.is_empty() {
+                return Ok(Ok(Arc::new(Incoming { document, loaded: None, copy, moved })));
+            }
             let loaded = match load(&document, &work.task) {
                 Ok(loaded) => Some(loaded),
                 Err(NotOpened::Document(why)) => return Ok(Err((file, why))),
                 Err(NotOpened::Part(_)) if copy.is_some() && !work.task.cancel.is_cancelled() => None,
                 Err(NotOpened::Part(why)) => return Err(why),
             };
-            Ok(Ok(Arc::new(Incoming { document, loaded, copy })))
+            Ok(Ok(Arc::new(Incoming { document, loaded, copy, moved })))
         });
     }
 
-    /// Goes on with `pending`, after asking about unsaved work.
+    /// Replaces the document by `pending` after the question about unsaved work.
     pub fn intend(&mut self, pending: W, cx: &mut Context) {
         self.stop();
         self.pending = Some(pending);
         cx.request(Request::Replace);
     }
 
-    /// Goes on with `pending` on the way to what was asked for before.
+    /// Replaces the document by `pending` within a replacement that was asked about already.
     pub fn go_on(&mut self, pending: W, cx: &mut Context) {
         self.pending = Some(pending);
         cx.request(Request::GoOn);
     }
 
-    /// What has been read; says why something was not.
+    /// The document that has been read. Shows the reason if it could not be read, and asks the user about files that are
+    /// gone or have changed.
     pub fn take(&mut self, cx: &mut Context) -> Option<Arc<Incoming<P, L>>> {
-        // What was given up for something else may have come to its end.
+        // Work that was superseded may have ended meanwhile.
         let ended = std::iter::from_fn(|| self.memo.take()).find(|ended| ended.key == self.number)?;
         // What was read is held by who takes it.
         self.memo.clear();
         let (title, why) = match ended.result.as_deref() {
-            Ok(Ok(opened)) => return Some(opened.clone()),
+            Ok(Ok(opened)) if opened.moved.is_empty() => return Some(opened.clone()),
+            Ok(Ok(opened)) => {
+                self.moved.ask(opened.document.clone(), opened.moved.clone(), cx);
+                return None;
+            }
             Ok(Err((Some(file), why))) => {
                 cx.not_opened(file);
                 ("This project cannot be opened", why)
@@ -128,27 +144,27 @@ impl<W, P: Params + Send + Sync + 'static, L: Send + Sync + 'static> Opening<W, 
         None
     }
 
-    /// What is being read, and how far it is.
+    /// The document being read, with its progress.
     pub fn doing(&self) -> Option<&Doing> {
         self.memo.doing()
     }
 
-    /// Whether something is being read.
+    /// Whether a document is being read.
     pub fn is_busy(&self) -> bool {
         self.memo.is_busy()
     }
 
-    /// Whether `command` cancels what is being read.
+    /// Whether `command` cancels the reading.
     pub fn is_ended_by(&self, command: Command) -> bool {
         FrameCommand::of(command) == Some(FrameCommand::Cancel) && self.is_busy()
     }
 
-    /// Cancels it, as the user asked.
+    /// Cancels the reading at the user's wish.
     pub fn cancel(&mut self) {
         self.memo.cancel();
     }
 
-    /// Gives it up: something else is wanted now.
+    /// Stops the reading because another document is wanted.
     pub fn stop(&mut self) {
         self.memo.stop();
     }

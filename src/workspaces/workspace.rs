@@ -1,4 +1,4 @@
-//! What the window knows of a workspace.
+//! The interface between the window and a workspace.
 
 use std::any::Any;
 use std::path::{Path, PathBuf};
@@ -13,15 +13,15 @@ use crate::widgets::viewport::Viewport;
 use files::{AnyDocument, Recovery};
 use task::Doing;
 
-/// What is said of every document of a workspace.
+/// Names of a workspace, the same for all its documents.
 pub struct About {
-    /// The kind of its documents, in files and on the command line.
+    /// Kind of the documents, in files and on the command line.
     pub id: &'static str,
-    /// What the switch calls it.
+    /// Name in the switch of the window.
     pub name: &'static str,
-    /// The command that shows it.
+    /// Command that shows the workspace.
     pub switch: CommandInfo,
-    /// The name of its menu.
+    /// Name of the workspace's menu.
     pub menu: &'static str,
 }
 
@@ -38,61 +38,61 @@ pub enum Menu {
     View,
 }
 
-/// How a line of the log stands to what there is now.
+/// State of a line of the log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
     /// The line holds.
     Current,
-    /// The line is of other parameters than the present ones.
+    /// The line was written for other parameters than the present ones.
     Stale,
-    /// The line is of a failure that is none any more.
+    /// The line tells of a failure that has been remedied since.
     Over,
 }
 
 /// A workspace of the window: what it is about, with a document of its own.
 ///
-/// The window asks it for everything that concerns its document and its panels; a workspace asks the window through its
-/// [`Context`]. Workspaces do not know each other: what they exchange is a [`Message`].
+/// The window calls these methods for everything that concerns the document and the panels; a workspace asks the window
+/// through its [`Context`]. Workspaces do not know each other: they exchange values as a [`Message`].
 pub trait Workspace: Any + Commanded {
-    /// What is said of all its documents.
+    /// Names of the workspace.
     fn about(&self) -> &'static About;
 
     /// Commands of the workspace.
     fn commands(&self) -> Vec<Command>;
 
-    /// The commands that it adds to a menu.
+    /// Commands that the workspace adds to a menu.
     fn menu(&self, menu: Menu) -> Groups;
 
-    /// Does `command`, one of its own or of the window, at `now` (s).
+    /// Runs `command`, a command of the workspace or of the window, at `now` (s).
     fn run(&mut self, command: Command, cx: &mut Context, now: f64);
 
-    /// Draws its panels and its view.
+    /// Draws the panels and the view of the workspace.
     fn ui(&mut self, ui: &mut Ui, cx: &mut Context);
 
-    /// What is being worked on, and how far it is.
+    /// Work under way, with its progress.
     fn doing(&self) -> Option<&Doing> {
         None
     }
 
-    /// Draws what is being worked on, in the status bar.
+    /// Draws the work under way in the status bar.
     fn status(&mut self, ui: &mut Ui, cx: &mut Context, is_shown: bool) {
         if let Some(now) = self.doing().filter(|_| is_shown) {
             cx.doing(ui, now);
         }
     }
 
-    /// The number of triangles that the status bar tells.
+    /// Number of triangles shown in the status bar.
     fn triangles(&self) -> Option<usize> {
         None
     }
 
-    /// Takes in what has been made, once a frame, and goes on by `seconds` what is played.
+    /// Collects finished work, once a frame, and advances a playing motion by `seconds`.
     fn follow(&mut self, cx: &mut Context, hands: Hands, seconds: f64, is_shown: bool);
 
-    /// Whether something is being worked on.
+    /// Whether work is under way.
     fn is_busy(&self) -> bool;
 
-    /// Whether a document is being read that is to take the place of the present one.
+    /// Whether a document is being read to replace the present one.
     fn is_opening(&self) -> bool {
         false
     }
@@ -100,72 +100,73 @@ pub trait Workspace: Any + Commanded {
     /// The 3-D view.
     fn viewport(&self) -> &Viewport;
 
-    /// Mutable viewport, to be moved.
+    /// The 3-D view, to move its camera.
     fn viewport_mut(&mut self) -> &mut Viewport;
 
     /// The document.
     fn document(&self) -> &dyn AnyDocument;
 
-    /// Mutable document, to be saved, or for a step to be undone, which [`Self::follow`] takes in.
+    /// The document, to save it or to undo a step. [`Self::follow`] takes the change in.
     fn document_mut(&mut self) -> &mut dyn AnyDocument;
 
-    /// A file in whose folder file dialogs start.
+    /// File in whose folder file dialogs start.
     fn near(&self) -> Option<&Path> {
         self.document().file()
     }
 
-    /// Opens the document or the mesh at `path`, in whose place there was no unsaved work.
+    /// Opens the document or the mesh at `path`. The caller has asked about unsaved work.
     fn open(&mut self, path: &Path, cx: &mut Context);
 
-    /// Takes files that were dropped, or one that was opened.
+    /// Takes files that were dropped on the window, or one that was opened.
     fn take_files(&mut self, files: &[PathBuf], cx: &mut Context);
 
-    /// Does what it has asked to do in place of its document, once no unsaved work stands in the way.
+    /// Carries out the replacement of the document that the workspace has asked for. The window calls this after the
+    /// question about unsaved work.
     fn proceed(&mut self, cx: &mut Context);
 
-    /// Begins to read unsaved work that an earlier program left behind, and asks for [`Request::Recovered`] once it has
-    /// taken it; says why it cannot be read.
+    /// Begins to read unsaved work of an earlier run of the program. Requests [`Request::Recovered`] once the work has
+    /// replaced the document, or shows why it cannot be read.
     ///
     /// [`Request::Recovered`]: super::context::Request::Recovered
     fn recover(&mut self, copy: Recovery, cx: &mut Context);
 
-    /// Goes on with the path that it has asked for under this number.
+    /// Takes the path that the workspace has asked for under this number.
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context);
 
-    /// No path was given for this number: what would have followed is off.
+    /// Tells that the user gave no path for this number, so that the pending step is dropped.
     fn no_path(&mut self, _number: usize, _cx: &mut Context) {}
 
-    /// The title of its dialog.
+    /// Title of the workspace's dialog.
     fn dialog_title(&self) -> &'static str {
         "Export"
     }
 
-    /// Draws its dialog. Tells whether it is to be closed.
+    /// Draws the workspace's dialog. Returns whether the dialog is to be closed.
     fn dialog(&mut self, _ui: &mut Ui, _cx: &mut Context) -> bool {
         true
     }
 
-    /// Takes what another workspace gives. Tells whether it is something for this one.
+    /// Takes a message of another workspace. Returns whether this workspace handles the message.
     fn receive(&mut self, _message: &Message, _cx: &mut Context) -> bool {
         false
     }
 
-    /// Reads the user's own lists from `folder`.
+    /// Reads the user's own lists (cutters, holders, machines) from `folder`.
     fn take_user_files(&mut self, _folder: &Path, _cx: &mut Context) {}
 
-    /// How often the document was changed, where that is counted.
+    /// Number of changes of the document, where the workspace counts them.
     fn revision(&self) -> u64 {
         0
     }
 
-    /// How a line of the log stands to what there is now.
+    /// State of a line of the log with the present document.
     fn standing(&self, _line: &LogLine) -> Standing {
         Standing::Current
     }
 }
 
-/// The methods of [`Workspace`] that give what every workspace holds: `ABOUT`, commands, and the fields `desk`, `view` and
-/// `opening`.
+/// Implements the methods of [`Workspace`] that return a field: `ABOUT`, the commands, and the fields `desk`, `view`
+/// and `opening`.
 macro_rules! held_in_fields {
     ($commands:ty) => {
         fn about(&self) -> &'static About {

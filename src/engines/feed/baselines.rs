@@ -3,8 +3,8 @@
 //!
 //! - Free travel (Kang et al. 2018, P0's reference 11): the electrode goes straight on along the main direction as long
 //!   as it is free; where it is stopped, the other axes are set so that it can go straight on furthest.
-//! - Greatest least distance (Ayesta et al. 2016, P0's reference 10): at every node the electrode stands where the least
-//!   distance to the blisk is greatest.
+//! - Greatest least distance (Ayesta et al. 2016, P0's reference 10): at every node the electrode stands where the
+//!   least distance to the blisk is greatest.
 //!
 //! Neither looks at smoothness.
 

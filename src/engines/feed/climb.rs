@@ -142,8 +142,8 @@ impl ClearanceModel<'_> {
     }
 
     /// The step that gains most for the worst of `lacking`, to first order, less half its square over `trust` (mm), and
-    /// what it is expected to gain (mm). Solved in the dual: weights of the probes, at first all on the worst, are moved
-    /// from the least to the most pressing one.
+    /// what it is expected to gain (mm). Solved in the dual: weights of the probes, at first all on the worst, are
+    /// moved from the least to the most pressing one.
     fn steepest(&self, pose: &Pose, lacking: &[Shortfall], axes: &[Axis], trust: f64) -> (Pose, f64) {
         const ROUNDS: usize = 60;
         let slopes: Vec<Slopes> = lacking.iter().map(|short| self.scaled_slopes(pose, short, axes)).collect();

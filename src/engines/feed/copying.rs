@@ -124,8 +124,8 @@ impl Copying {
 }
 
 impl CopyingMotion {
-    /// Whether the clearance is proven over the whole motion, which starts and ends in the final pose, within the travel
-    /// of the axes.
+    /// Whether the clearance is proven over the whole motion, which starts and ends in the final pose, within the
+    /// travel of the axes.
     pub fn holds(&self) -> bool {
         let c = &self.certificate;
         let ends = [self.path.rows.first(), self.path.rows.last()];
@@ -230,7 +230,8 @@ fn reachable(
         if room >= LEAST_MOVE {
             let drops = LIFTS.into_iter().filter(|drop| *drop < room).map(|drop| top - drop);
             turns.extend(first_good_turn(turn, drops, &at_height)?);
-            // Where a leaning wall lets it turn less the higher it is, the corner at the shroud wants the top all the same.
+            // Where a leaning wall lets it turn less the higher it is, the corner at the shroud wants the top all the
+            // same.
             let highest = at_height(top)?;
             if highest.a.abs() >= WORTH_A_TURN * turn.abs() && !turns.contains(&highest) {
                 turns.push(highest);

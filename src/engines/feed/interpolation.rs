@@ -60,8 +60,8 @@ const MOST_ROWS: usize = 1_000_000;
 pub enum InterpolationError {
     /// Rounding alone moves the electrode's points further than allowed.
     #[error(
-        "plan.interpolation.chord_error_mm is {chord_error}: rounding of rows alone moves the electrode by up to {rounding:.6} \
-         mm; allow more"
+        "plan.interpolation.chord_error_mm is {chord_error}: rounding of rows alone moves the electrode by up to \
+         {rounding:.6} mm; allow more"
     )]
     Rounding {
         /// Chordal deviation allowed (mm).
@@ -71,8 +71,8 @@ pub enum InterpolationError {
     },
     /// The curve bends so much that it would take too many rows to follow it.
     #[error(
-        "the curve bends so much {s:.3} mm before the final pose that it takes {pieces:.0} rows to the next node, more than \
-         10000; raise plan.interpolation.chord_error_mm"
+        "the curve bends so much {s:.3} mm before the final pose that it takes {pieces:.0} rows to the next node, more \
+         than 10000; raise plan.interpolation.chord_error_mm"
     )]
     TooManyRows {
         /// Where (mm withdrawn).

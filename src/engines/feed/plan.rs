@@ -82,7 +82,8 @@ impl FeedPlan {
                 TravelVerdict::Within | TravelVerdict::NotJudged => "was not verified".to_owned(),
             },
             (None, Some(PlannedPath { certificate: c, .. })) => format!(
-                "has an extraction path, but with a clearance of only {:.4} mm to the {}, {:.2} mm before the final pose; {}",
+                "has an extraction path, but with a clearance of only {:.4} mm to the {}, {:.2} mm before the final \
+                 pose; {}",
                 c.least().distance,
                 channel.surface_name(c.least().surface),
                 c.least().s,

@@ -1,4 +1,4 @@
-//! Parameters of a plan, and why a plan cannot be made.
+//! Parameters of a plan, and reasons why a plan cannot be made.
 
 use files::Invalid;
 use serde::{Deserialize, Serialize};
@@ -28,7 +28,7 @@ macro_rules! strategies {
         pub enum Strategy { $($(#[$doc])* #[serde(rename = $name)] $strategy),+ }
 
         impl Strategy {
-            /// Every strategy in the order in which a user is shown them.
+            /// Every strategy, in the order of the interface.
             pub const ALL: &'static [Self] = &[$(Self::$strategy),+];
 
             /// Name of the strategy in project files.
@@ -52,14 +52,14 @@ macro_rules! strategies {
 strategies! {
     /// The adaptive genetic algorithm of P0.
     Genetic: "genetic", "genetic", |_, genetic| genetic;
-    /// The widest path over many poses for each node, then polished as a whole.
+    /// Searches the widest path over many poses for each node, then polishes it as a whole.
     #[default]
     Global: "global", "global", |plan, _| &plan.global;
-    /// Straight on along the main direction as far as it goes (Kang et al. 2018); to compare with.
+    /// Moves along the main direction as far as possible (Kang et al. 2018); for comparison.
     FreeTravel: "free-travel", "free travel", |_, _| &FreeTravel;
-    /// The greatest least distance at every node (Ayesta et al. 2016); to compare with.
+    /// Maximises the least distance at every node (Ayesta et al. 2016); for comparison.
     MaxMinDistance: "max-min-distance", "max. min. distance", |_, _| &MaxMinDistance;
-    /// Along the centreline of the channel, P1.
+    /// Follows the centreline of the channel, P1.
     Centreline: "centreline", "centreline", |plan, _| &plan.centreline;
 }
 
@@ -85,13 +85,13 @@ pub enum Constraint {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PlanParams {
-    /// How the path is searched for.
+    /// Strategy of the search.
     pub strategy: Strategy,
     /// Constraint that a pose must meet during the search.
     pub constraint: Constraint,
     /// Distance between nodes along the main direction (mm).
     pub step_mm: f64,
-    /// How far out of the blisk the electrode is withdrawn (mm).
+    /// Distance by which the electrode is retracted out of the blisk (mm).
     pub exit_clearance_mm: f64,
     /// Clearance wanted beyond the spark gap as soon as the electrode has left its final pose (mm).
     pub margin_mm: f64,
@@ -103,7 +103,7 @@ pub struct PlanParams {
     pub angle: AngleParams,
     /// The centreline strategy.
     pub centreline: CentrelineParams,
-    /// How nodes are joined.
+    /// Interpolation between nodes.
     pub interpolation: InterpolationParams,
     /// The global strategy.
     pub global: GlobalParams,
@@ -130,13 +130,13 @@ impl Default for PlanParams {
 /// Reason why a plan cannot be made. A search without a path is a result, not an error.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum PlanError {
-    /// Cancelled.
+    /// The plan was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// A parameter cannot be used.
     #[error(transparent)]
     Params(#[from] Invalid),
-    /// No rows can be made that keep to the curve.
+    /// The rows cannot keep to the curve.
     #[error(transparent)]
     Rows(#[from] InterpolationError),
     /// A distance field cannot be built.
@@ -196,7 +196,7 @@ impl From<ElectrodeError> for PlanError {
 }
 
 impl PlanParams {
-    /// Whether every parameter is within its range.
+    /// Checks that every parameter is within its range.
     pub fn validate(&self) -> Result<(), Invalid> {
         for (key, value, range) in [
             ("plan.step_mm", self.step_mm, [0.01, 10.0]),

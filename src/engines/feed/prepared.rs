@@ -111,8 +111,8 @@ impl PreparedElectrode {
         &self.electrode
     }
 
-    /// The model of its clearance in `space`, for which it was prepared. With walls drawn in it is as true as the turned
-    /// walls are those of an electrode made with such reductions: to some thousandths of a mm at corners.
+    /// The model of its clearance in `space`, for which it was prepared. With walls drawn in it is as true as the
+    /// turned walls are those of an electrode made with such reductions: to some thousandths of a mm at corners.
     pub fn model<'a>(&'a self, space: &'a PlanningSpace) -> ClearanceModel<'a> {
         ClearanceModel::new(self.bodies(space), self.samples.clone(), space.edges.clone())
     }

@@ -20,7 +20,8 @@ pub struct Sample {
     /// Extra clearance demanded beyond that of all samples (mm), where the verifier found less clearance than the
     /// search.
     pub extra: f64,
-    /// Greatest angles by which the low and the high wall can be drawn in with the point still part of the electrode (rad).
+    /// Greatest angles by which the low and the high wall can be drawn in with the point still part of the electrode
+    /// (rad).
     pub stays_to: [f64; 2],
 }
 

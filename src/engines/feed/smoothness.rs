@@ -21,7 +21,8 @@ pub struct AxisSmoothness {
 /// Most steps that a path is sampled in, however long it is.
 const MOST_STEPS: f64 = 1e5;
 
-/// The smoothness of `axis`, sampled every `step` mm of withdrawn distance, in longer steps where these would be too many.
+/// The smoothness of `axis`, sampled every `step` mm of withdrawn distance, in longer steps where these would be too
+/// many.
 pub fn axis_smoothness(curves: &AxisCurves, axis: Axis, step: f64) -> AxisSmoothness {
     let curve = curves.axis(axis);
     let way = curve.knots()[curve.knots().len() - 1];

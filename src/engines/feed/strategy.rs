@@ -1,4 +1,4 @@
-//! What a strategy is: a way of searching for the path of an electrode, with its parameters.
+//! The interface of a strategy: a way to search the path of an electrode, with its parameters.
 
 use glam::DVec3;
 
@@ -29,12 +29,13 @@ impl StrategySymbol {
 /// Free candidates for a node, best first, and the convergence of their search.
 pub type Candidates = Result<(Vec<Candidate>, Convergence), Cancelled>;
 
-/// How a path is searched for. The parameters of a strategy are what implements it.
+/// A search for a path, implemented by the parameters of the strategy.
 ///
-/// A strategy searches node by node, from the final pose outwards, and then gives [`candidates`](Self::candidates); or it
-/// searches the whole path at once, and then answers [`whole_path`](Self::whole_path).
+/// A strategy either searches node by node, from the final pose outwards, and implements
+/// [`candidates`](Self::candidates); or it searches the whole path at once, and implements
+/// [`whole_path`](Self::whole_path).
 pub trait SearchStrategy: Sync {
-    /// Free candidates for the node of `at`, best first, and the convergence of their search.
+    /// Free candidates for the node of `at`, best first, with the convergence of their search.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -42,12 +43,13 @@ pub trait SearchStrategy: Sync {
         Ok((Vec::new(), Convergence::none(at.s)))
     }
 
-    /// Whether the whole path is searched for at once.
+    /// Whether the strategy searches the whole path at once.
     fn is_whole(&self) -> bool {
         false
     }
 
-    /// The whole path, begun near the path `known` if that has nodes; only of a strategy that [is whole](Self::is_whole).
+    /// The whole path, starting near the path `known` if that has nodes. Called only if the strategy [is
+    /// whole](Self::is_whole).
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -61,7 +63,8 @@ pub trait SearchStrategy: Sync {
         Ok(SearchOutcome { nodes: known.to_vec(), convergence: Vec::new(), jam: None })
     }
 
-    /// The path of `nodes` after the verifier asked for more clearance: moved as a whole where the strategy can.
+    /// The path of `nodes` after the verifier has asked for more clearance, moved as a whole if the strategy can do
+    /// that.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -74,17 +77,17 @@ pub trait SearchStrategy: Sync {
         false
     }
 
-    /// Where a project keeps the parameters, as a JSON pointer; none of a strategy without parameters.
+    /// Key of the table of the strategy's own parameters; none of a strategy without parameters.
     fn parameters(&self) -> Option<&'static str> {
         None
     }
 
-    /// What reports list of the parameters.
+    /// Parameters for reports.
     fn symbols(&self) -> Vec<StrategySymbol> {
         Vec::new()
     }
 
-    /// What reports list of an axis that moves by up to `half` either way in one step (mm or rad).
+    /// Symbols for reports of an axis that moves by up to `half` either way in one step (mm or rad).
     fn axis_symbols(&self, _axis: Axis, _half: f64) -> Vec<StrategySymbol> {
         Vec::new()
     }

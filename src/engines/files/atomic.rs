@@ -1,4 +1,4 @@
-//! Files that are either the old one or the whole new one, never a torn one.
+//! Atomic writing: a file is either the old one or the whole new one.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -8,11 +8,11 @@ use crate::FileError;
 
 /// Writes a file through `write` under a temporary name in the same folder and renames it to `path` at the end.
 ///
-/// Whoever reads `path` meanwhile sees the former file or the complete new one; on any error the former file stays
-/// as it was and the temporary one is removed. The folder must exist.
+/// A reader of `path` sees the former file or the complete new one. After an error the former file is unchanged and the
+/// temporary file is removed. The folder must exist.
 ///
 /// # Errors
-/// Whatever `write` answers, and every error of the file system.
+/// The errors of `write` and of the file system.
 pub fn atomic_write(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -41,7 +41,7 @@ pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     atomic_write(path, |file| file.write_all(bytes)).map_err(|source| FileError::unwritable(path, source))
 }
 
-/// The error without the temporary name that its text ends with: nobody asked for that file.
+/// The error without the temporary name at its end, which the user does not know.
 fn without_path(error: io::Error) -> io::Error {
     let text = error.to_string();
     let cause = text.split_once(" at path ").map(|(cause, _)| cause.to_owned());

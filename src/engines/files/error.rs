@@ -1,15 +1,15 @@
-//! What can be wrong with parameters and with files.
+//! Errors of parameters and of files.
 
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Parameters that can be told to be usable before anything is computed with them.
+/// Parameters that can be checked before anything is computed with them.
 pub trait Validate {
-    /// Whether every value is possible, alone and together with the others.
+    /// Checks that every value is possible, alone and together with the others.
     ///
     /// # Errors
-    /// The first value that is not.
+    /// The first value that is not possible.
     fn validate(&self) -> Result<(), Invalid>;
 }
 
@@ -26,14 +26,15 @@ pub struct Invalid {
     pub key: String,
     /// The value, without its unit; empty where none was given.
     pub value: String,
-    /// What is allowed, or what to do.
+    /// Remedy: what is allowed, or what to do.
     pub remedy: String,
 }
 
 impl std::error::Error for Invalid {}
 
 impl fmt::Display for Invalid {
-    /// For the command line: with the key. Windows show [`FieldTable::in_window`](crate::FieldTable::in_window).
+    /// The command line shows this text with the key. Windows show
+    /// [`FieldTable::in_window`](crate::FieldTable::in_window).
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match (self.key.is_empty(), self.value.is_empty()) {
             (true, _) => f.write_str(&self.remedy),
@@ -49,7 +50,7 @@ impl Invalid {
         Self { key: key.into(), value: value.to_string(), remedy: remedy.into() }
     }
 
-    /// Something wrong with `key` as a whole, such as an empty list.
+    /// An error of `key` as a whole, such as an empty list.
     pub fn of(key: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self::new(key, "", remedy)
     }
@@ -65,10 +66,10 @@ impl Invalid {
         Self { key, ..self }
     }
 
-    /// Whether `value` lies from `least` to `greatest`, which may be infinite.
+    /// Checks that `value` lies from `least` to `greatest`, which may be infinite.
     ///
     /// # Errors
-    /// What is allowed, if it does not. Not a number is never allowed.
+    /// The allowed range, if `value` lies outside or is not a number.
     pub fn unless_within(key: &str, value: f64, [least, greatest]: [f64; 2], unit: &str) -> Result<(), Self> {
         if (least..=greatest).contains(&value) && value.is_finite() {
             return Ok(());
@@ -77,7 +78,7 @@ impl Invalid {
     }
 }
 
-/// What numbers are allowed, in words.
+/// The allowed numbers in words.
 pub(crate) fn allowed([least, greatest]: [f64; 2], unit: &str) -> String {
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     match (least.is_finite(), greatest.is_finite()) {
@@ -88,44 +89,44 @@ pub(crate) fn allowed([least, greatest]: [f64; 2], unit: &str) -> String {
     }
 }
 
-/// Why a file cannot be read or written: file, line, key, remedy.
+/// Reason why a file cannot be read or written: file, line, key, remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
-    /// The system does not give it.
+    /// The system cannot read the file.
     #[error("{}: cannot be read ({source}); check the path", file.display())]
     Unreadable {
         /// The file.
         file: PathBuf,
-        /// What the system said.
+        /// Message of the system.
         source: io::Error,
     },
-    /// The system does not take it.
+    /// The system cannot write the file.
     #[error("{}: cannot be written ({source}); check that the folder exists, is writable and has room", file.display())]
     Unwritable {
         /// The file.
         file: PathBuf,
-        /// What the system said.
+        /// Message of the system.
         source: io::Error,
     },
-    /// Larger than such a file can be.
+    /// The file is larger than files of its kind may be.
     #[error("{}: more than {most} bytes, which no {what} has; open another file", file.display())]
     TooLarge {
         /// The file.
         file: PathBuf,
         /// The kind of file that was expected, such as `library of cutters`.
         what: String,
-        /// The most that is read (bytes).
+        /// Greatest size that is read (bytes).
         most: u64,
     },
-    /// Not written, because it could not be read again.
+    /// The file was not written, because it could not be read again.
     #[error("{}: not written: {problem}", file.display())]
     NotWritten {
         /// The file.
         file: PathBuf,
-        /// Why, and what to do.
+        /// Reason and remedy.
         problem: String,
     },
-    /// No text, no TOML, or a key that is unknown or of the wrong kind.
+    /// The file is no text or no TOML, or has a key that is unknown or of the wrong kind.
     #[error("{}: {}{problem}; {remedy}", file.display(), place(*line, key))]
     Syntax {
         /// The file.
@@ -134,9 +135,9 @@ pub enum FileError {
         line: Option<usize>,
         /// The key at this place; empty if there is none.
         key: String,
-        /// What is wrong.
+        /// Reason.
         problem: String,
-        /// What to do.
+        /// Remedy.
         remedy: &'static str,
     },
     /// A value that is not possible.
@@ -157,22 +158,22 @@ fn place(line: Option<usize>, key: &str) -> String {
 }
 
 impl FileError {
-    /// The system does not give `file`.
+    /// The system cannot read `file`.
     pub fn unreadable(file: &Path, source: io::Error) -> Self {
         Self::Unreadable { file: file.to_owned(), source }
     }
 
-    /// The system does not take `file`.
+    /// The system cannot write `file`.
     pub fn unwritable(file: &Path, source: io::Error) -> Self {
         Self::Unwritable { file: file.to_owned(), source }
     }
 
-    /// Something in `file`, which is not placed.
+    /// A wrong value in `file`, without its line.
     pub fn invalid(file: &Path, source: Invalid) -> Self {
         Self::Invalid { file: file.to_owned(), line: None, source }
     }
 
-    /// Whether there is no such file.
+    /// Whether the file does not exist.
     pub fn is_not_found(&self) -> bool {
         matches!(self, Self::Unreadable { source, .. } if source.kind() == io::ErrorKind::NotFound)
     }

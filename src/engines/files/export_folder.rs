@@ -1,4 +1,4 @@
-//! A folder that gets all files of an export or none, and knows its own files by a manifest.
+//! A folder into which an export writes all of its files or none. A manifest names the files of the exports.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 use crate::document::sha256;
 use crate::{FileError, Invalid, TomlFile, Validate, sha256_of};
 
-/// The name of the manifest: the files that exports wrote into the folder, and the SHA-256 of each.
+/// Name of the manifest, which lists the files that exports wrote into the folder, with the SHA-256 of each.
 pub const MANIFEST: &str = "export_manifest.toml";
-/// What is put behind the name of a file that is not to be taken for one of the present export.
+/// Ending added to the name of a file that must not be taken for one of the present export.
 const OLD: &str = "old";
 const MANIFEST_FILE: TomlFile<Manifest> = TomlFile::new("manifest of an export").at_most(16 << 20);
 
@@ -27,13 +27,13 @@ struct Manifest {
 #[serde(deny_unknown_fields)]
 struct OwnFile {
     name: String,
-    /// What wrote it.
+    /// Kind of the export.
     by: String,
     sha256: String,
 }
 
 impl Validate for Manifest {
-    /// A name is that of a file in the folder, never a way out of it.
+    /// Checked name of a file in the folder, without a path.
     fn validate(&self) -> Result<(), Invalid> {
         match self.file.iter().position(|file| !is_plain(&file.name)) {
             Some(i) => Err(Invalid::new(
@@ -46,7 +46,7 @@ impl Validate for Manifest {
     }
 }
 
-/// Whether `name` is that of a file in a folder, on every system.
+/// Whether `name` is the name of a file in a folder, on every system.
 fn is_plain(name: &str) -> bool {
     let has_path = name.chars().any(|c| matches!(c, '/' | '\\' | ':') || c.is_control());
     !(name.is_empty() || name == "." || name == ".." || has_path)
@@ -71,15 +71,15 @@ fn manifest_in(folder: &Path) -> Result<Manifest, FileError> {
     }
 }
 
-/// A folder into which files are written unseen, and moved all together at the end.
+/// A folder into which files are written hidden, and moved all together at the end.
 ///
-/// New files wait in a hidden folder within the export folder: beside it there may be another file system, or no right to write. Until they are
-/// [published](Self::publish) the folder is as it was; dropped before, nothing of them stays, nor do folders that were made
-/// for them.
+/// New files wait in a hidden folder within the export folder; beside the export folder there may be another file
+/// system, or no permission to write. Until the files are [published](Self::publish) the export folder stays as it was.
+/// If the value is dropped before, nothing remains of the files and of the folders made for them.
 #[derive(Debug)]
 pub struct ExportFolder {
     folder: PathBuf,
-    /// What writes, as in `flank`: its exports replace each other, and leave those of others alone.
+    /// Kind of the export, as in `flank`. Exports of a kind replace each other and leave other kinds alone.
     by: &'static str,
     /// Other exports whose files are removed as well, because they are about the former export.
     replaced: &'static [&'static str],
@@ -92,20 +92,20 @@ pub struct ExportFolder {
     _made: MadeFolders,
 }
 
-/// What publishing did beside writing.
+/// Result of publishing.
 #[derive(Debug, Default)]
 pub struct Published {
     /// The files that were written, in order.
     pub files: Vec<PathBuf>,
     /// Files of the former export that the present one does not have, and that were removed.
     pub removed: Vec<String>,
-    /// Files of the former export that someone changed since, or that no manifest knows: the former name, and the one that they have
-    /// now.
+    /// Files of the former export that someone changed since, or that no manifest knows: the former name, and the one
+    /// that they have now.
     pub set_aside: Vec<[String; 2]>,
 }
 
 impl Published {
-    /// What became of files of former exports, a sentence each.
+    /// What happened to files of former exports, a sentence each.
     pub fn notes(&self) -> Vec<String> {
         let removed = self.removed.iter().map(|name| format!("{name} of an earlier export was removed"));
         let renamed = self.set_aside.iter();
@@ -113,7 +113,7 @@ impl Published {
     }
 }
 
-/// Folders that were made, the innermost first, which go again unless something is in them.
+/// Folders that were made, the innermost first. They are removed again unless they hold files.
 #[derive(Debug, Default)]
 struct MadeFolders(Vec<PathBuf>);
 
@@ -125,7 +125,7 @@ impl Drop for MadeFolders {
 }
 
 impl ExportFolder {
-    /// Whether something can be written into `folder`, which is not made: asked before work whose results go there.
+    /// Checks that files can be written into `folder`, without making it. Called before work whose results go there.
     ///
     /// # Errors
     /// [`FileError`] naming the folder.
@@ -136,7 +136,7 @@ impl ExportFolder {
         manifest_in(folder).map(drop)
     }
 
-    /// Writes these files and no others, as one export of the kind `by`.
+    /// Writes these files, and no others, as one export of the kind `by`.
     ///
     /// # Errors
     /// [`FileError`]; everything is then as it was before.
@@ -148,11 +148,11 @@ impl ExportFolder {
         out.publish()
     }
 
-    /// The folder, made if it is not there, for an export of the kind `by`.
+    /// Opens the folder for an export of the kind `by`, and makes it if it is missing.
     ///
     /// # Errors
-    /// [`FileError`] if it cannot be made, nothing can be written into it, or its manifest cannot be read: without it an
-    /// older program could stay beside a report that refuses it.
+    /// [`FileError`] if it cannot be made, nothing can be written into it, or its manifest cannot be read: without it
+    /// an older program could stay beside a report that refuses it.
     pub fn open(folder: &Path, by: &'static str) -> Result<Self, FileError> {
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         manifest_in(folder)?;
@@ -170,13 +170,13 @@ impl ExportFolder {
         Ok(Self { folder, by, replaced: &[], waiting, new: Vec::new(), unknown: Vec::new(), _made: made })
     }
 
-    /// Has the files of these other kinds go as well: what was told about the former export is wrong of this one.
+    /// Also removes the files of exports of these kinds, which describe the former export.
     #[must_use]
     pub fn replacing(self, others: &'static [&'static str]) -> Self {
         Self { replaced: others, ..self }
     }
 
-    /// Has files set aside that are `own` and that no manifest knows, as after it was deleted.
+    /// Sets aside the files that are `own` and that no manifest lists, for example after the manifest was deleted.
     #[must_use]
     pub fn setting_aside(self, own: impl Fn(&Path) -> bool) -> Self {
         let unknown = self.names().into_iter().filter(|name| own(&self.path(name))).collect();
@@ -197,10 +197,10 @@ impl ExportFolder {
         names
     }
 
-    /// Writes a file; one that has the name already is replaced when all are published.
+    /// Writes a file, which replaces one of the same name when all are published.
     ///
     /// # Errors
-    /// [`FileError`] that names the file where it is to be.
+    /// [`FileError`] with the final path of the file.
     pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<PathBuf, FileError> {
         let path = self.path(name);
         let written = || -> io::Result<()> {
@@ -224,9 +224,9 @@ impl ExportFolder {
         Ok(path)
     }
 
-    /// Moves all files to where they are to be. Files of the former export of this kind that this one does not have go
-    /// first, so that no program stands beside a report that refuses it; those that someone changed since are renamed to
-    /// `NAME.old`. Other files of the folder stay.
+    /// Moves all files to their final places. Files of the former export of this kind that the new one lacks are
+    /// removed first, so that no program stays beside a report that refuses it. Those that someone has changed since
+    /// are renamed to `NAME.old`. Other files of the folder stay.
     ///
     /// # Errors
     /// [`FileError`]; everything is then as it was before.
@@ -280,7 +280,7 @@ impl ExportFolder {
         Ok(published)
     }
 
-    /// `NAME.old`, or `NAME.old-2` and so on where there is one of that name.
+    /// `NAME.old`, or `NAME.old-2` and so on if that name is taken.
     fn free_name(&self, name: &str) -> Option<String> {
         let numbered = (2..).map(|n: u64| format!("{name}.{OLD}-{n}"));
         let mut names = std::iter::once(format!("{name}.{OLD}")).chain(numbered);

@@ -20,8 +20,6 @@ pub mod paths;
 pub mod report;
 mod result_cache;
 mod toml_file;
-pub mod user_folder;
-pub mod word_or_table;
 
 pub use atomic::{atomic_write, write_bytes};
 pub use document::autosave::{Autosave, Recovery};
@@ -30,7 +28,8 @@ pub use document::project::{LARGEST_PROJECT, kind_of};
 pub use document::{AnyDocument, Document, MovedFile, Params, PartFile, sha256, sha256_of};
 pub use error::{FileError, Invalid, Validate};
 pub use export_folder::{ExportFolder, MANIFEST, Published};
-pub use fields::table::{Entry, FieldTable, Group, Place};
+pub use fields::listing::{Entry, ParameterList};
+pub use fields::table::{FieldTable, Group, Place};
 pub use fields::text::{AXIS_NAMES, direction_words, inline_toml};
 pub use fields::{Field, Instead, Kind, Range, Variant, When, Word, get, put, word};
 pub use overrides::{Figures, Override};

@@ -1,40 +1,42 @@
-//! Decisions to export although a check fails.
+//! Overrides: decisions to export although a check fails.
 
 use std::collections::BTreeMap;
 use std::fmt;
+use std::marker::PhantomData;
 use std::str::FromStr;
 
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{DeserializeOwned, Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::Invalid;
-use crate::word_or_table::word_or_table;
 
-/// By how much a figure may be worse than when it was decided (mm, or the figure's own unit): what another run of the same
-/// makes of it.
+/// Tolerance by which a figure may be worse than at the decision (mm, or the figure's own unit): the difference between
+/// two runs of the same computation.
 pub const NO_WORSE: f64 = 1e-3;
 
-/// How bad what a check found is: for each of its figures, by name, a number that is greater the worse it is.
+/// Figures of a failed check, by name. A greater number is worse.
 pub type Figures = BTreeMap<String, f64>;
 
-/// A check that keeps nothing from being exported, and what that was decided for.
+/// A check that does not block the export, with the findings that this was decided for.
 ///
-/// In files it is a text or a table. What is worse now than it was then is no longer let pass, and another part inherits no
-/// decision.
+/// Files have a text or a table. An override does not cover findings that are worse than at the decision, nor other
+/// parts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Override {
-    /// Name of the thing that was checked, such as an electrode; empty where there is one thing only.
+    /// Name of the checked object, such as an electrode; empty where there is only one.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub of: String,
-    /// The check, by name.
+    /// Name of the check.
     pub check: String,
-    /// The greatest that any figure of it may be; none for whatever it is.
+    /// Greatest value that any figure may have; none for any value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub most: Option<f64>,
-    /// What was checked when it was decided: the parts that an electrode burned, or the digest of a surface; empty for
-    /// whatever it is.
+    /// Checked parts at the decision: the parts that an electrode burned, or the digest of a surface; empty for any
+    /// parts.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<String>,
-    /// The figures when it was decided; empty for whatever they are.
+    /// Figures at the decision; empty for any figures.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub figures: Figures,
 }
@@ -62,31 +64,31 @@ impl From<Table> for Override {
 
 impl<'de> Deserialize<'de> for Override {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        const EXPECTED: &str = "the name of a check, \"CHECK:FIGURE\", \"NAME:CHECK\" or \"NAME:CHECK:FIGURE\", or a table \
-                                with of, check, most, parts, figures";
+        const EXPECTED: &str = "the name of a check, \"CHECK:FIGURE\", \"NAME:CHECK\" or \"NAME:CHECK:FIGURE\", or a \
+                                table with of, check, most, parts, figures";
         word_or_table::<Self, Table, D>(deserializer, EXPECTED)
     }
 }
 
 impl Override {
-    /// One for a check whatever it finds.
+    /// An override of a check for any finding.
     pub fn whatever(check: &str) -> Self {
         let (of, parts) = (String::new(), Vec::new());
         Self { of, check: check.to_owned(), most: None, parts, figures: Figures::new() }
     }
 
-    /// One for a check of these parts, as bad as it is now.
+    /// An override of a check of these parts, for the present figures.
     pub fn decided(check: &str, parts: Vec<String>, figures: &Figures) -> Self {
         Self { parts, figures: figures.clone(), ..Self::whatever(check) }
     }
 
-    /// Whether it names no figure, so that it holds whatever the check finds.
+    /// Whether the override names no figure and so covers any finding of the check.
     pub fn is_for_whatever(&self) -> bool {
         self.most.is_none() && self.figures.is_empty()
     }
 
-    /// Why it no longer holds for what a check of its name finds `now` on `parts`: they are others, or some figures are
-    /// worse than when it was decided. None while it holds.
+    /// Reason why the override no longer covers what a check of its name finds `now` on `parts`: the parts are others,
+    /// or a figure is worse than at the decision. None while the override holds.
     pub fn lapsed(&self, parts: &[String], now: &Figures) -> Option<String> {
         if !self.parts.is_empty() && self.parts != parts {
             return Some("this was decided for another part; it does not hold: decide again".to_owned());
@@ -128,10 +130,10 @@ impl Override {
         (!all.is_empty()).then(|| all.join(", "))
     }
 
-    /// Whether it can be kept: its check is one of `checks`, and it is for something by name where it must be (`is_named`).
+    /// Checks that the override names one of `checks`, and an object where it must (`is_named`).
     ///
     /// # Errors
-    /// What is wrong, and what it may be.
+    /// The wrong part, and what is allowed.
     pub fn validate(&self, checks: &[&str], is_named: bool) -> Result<(), Invalid> {
         let numbers = self.most.iter().chain(self.figures.values());
         if let Some(n) = numbers.copied().find(|n| !(0.0..=1e9).contains(n)) {
@@ -184,6 +186,40 @@ impl FromStr for Override {
             [of, check] if !of.is_empty() => Ok(Self { of: of.to_owned(), most, ..Self::whatever(check) }),
             _ => Err("expected CHECK, CHECK:FIGURE, NAME:CHECK or NAME:CHECK:FIGURE".to_owned()),
         }
+    }
+}
+
+/// Reads a value from a word, by [`FromStr`], or from the table `T`. `expected` describes the allowed values.
+///
+/// # Errors
+/// The error of [`FromStr`] or of the table, or that the value is neither a word nor a table.
+fn word_or_table<'de, V, T, D>(deserializer: D, expected: &'static str) -> Result<V, D::Error>
+where
+    V: FromStr<Err = String> + From<T>,
+    T: DeserializeOwned,
+    D: Deserializer<'de>,
+{
+    deserializer.deserialize_any(WordOrTable { expected, of: PhantomData::<(V, T)> })
+}
+
+struct WordOrTable<V, T> {
+    expected: &'static str,
+    of: PhantomData<(V, T)>,
+}
+
+impl<'de, V: FromStr<Err = String> + From<T>, T: DeserializeOwned> Visitor<'de> for WordOrTable<V, T> {
+    type Value = V;
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(self.expected)
+    }
+
+    fn visit_str<E: Error>(self, word: &str) -> Result<V, E> {
+        word.parse().map_err(E::custom)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, table: A) -> Result<V, A::Error> {
+        T::deserialize(MapAccessDeserializer::new(table)).map(V::from)
     }
 }
 

@@ -1,8 +1,8 @@
-//! Paths as files name them: as seen from the folder that the file is in.
+//! Paths in files, relative to the folder of the file.
 
 use std::path::{Path, PathBuf};
 
-/// `path` as seen from the root; an empty one is the working folder.
+/// `path` as an absolute path; an empty one is the working folder.
 pub fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(if path.as_os_str().is_empty() { Path::new(".") } else { path })
         .unwrap_or_else(|_| path.to_owned())
@@ -23,7 +23,7 @@ pub fn without_detours(path: &Path) -> PathBuf {
     short
 }
 
-/// The folder that files named in `file` are seen from.
+/// Folder that paths in `file` are relative to.
 pub fn folder_of(file: &Path) -> PathBuf {
     absolute(file.parent().unwrap_or(Path::new("")))
 }
@@ -33,7 +33,7 @@ pub fn has_ending(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|e| ending.strip_prefix('.').is_some_and(|own| e.eq_ignore_ascii_case(own)))
 }
 
-/// `path` as seen from the absolute `folder`, with `..` where it lies beside it; absolute where they share no root.
+/// `path` relative to the absolute `folder`, with `..` where it lies beside it; absolute where both share no root.
 pub fn relative(path: &Path, folder: &Path) -> PathBuf {
     let path = absolute(path);
     let common = path.components().zip(folder.components()).take_while(|(a, b)| a == b).count();
@@ -42,6 +42,12 @@ pub fn relative(path: &Path, folder: &Path) -> PathBuf {
     }
     let up = folder.components().skip(common).map(|_| std::path::Component::ParentDir);
     up.chain(path.components().skip(common)).collect()
+}
+
+/// The folder of the user's settings and lists, if the system has one. The program looks there for `mold.sparkpath`,
+/// `holders.toml` and the folder `holders`.
+pub fn user_folder() -> Option<PathBuf> {
+    Some(directories::ProjectDirs::from("", "", "sparkpath")?.config_dir().to_owned())
 }
 
 #[cfg(test)]

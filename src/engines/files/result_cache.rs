@@ -1,7 +1,7 @@
-//! Results of long computations, kept in a folder of the program's own so that they are shown again at once.
+//! Results of long computations, kept in a folder of the program so that they are shown again at once.
 //!
-//! A result is found by what it was asked with, whose hash is the name of its file. What is read back is what this program
-//! wrote, to the last bit; that says nothing about whether it is right.
+//! The hash of a result's inputs is the name of its file. A result is read back to the last bit as this program wrote
+//! it; that does not tell whether the result is right.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -18,16 +18,16 @@ use serde::de::DeserializeOwned;
 use crate::document::sha256;
 use crate::write_bytes;
 
-/// How the name of a result ends.
+/// Ending of the name of a result.
 const ENDING: &str = "kept";
-/// Changes when results have other fields.
+/// Version of the form of results.
 const VERSION: u32 = 2;
 /// Most bytes of an unpacked result.
 const LARGEST_PLAIN: u64 = 4 << 30;
 /// Bytes of the hash before a result, in hexadecimal.
 const HASH: usize = 64;
 
-/// What tells this build of the program from any other, so that no build shows what another one has found.
+/// Fingerprint of this build of the program: a build shows only its own results.
 fn build() -> &'static str {
     static BUILD: OnceLock<String> = OnceLock::new();
     BUILD.get_or_init(|| {
@@ -38,7 +38,7 @@ fn build() -> &'static str {
     })
 }
 
-/// A folder of results, of which the oldest go when they are too large together.
+/// A folder of results. The oldest results are removed when the folder grows too large.
 #[derive(Debug, Clone)]
 pub struct ResultCache {
     folder: PathBuf,
@@ -62,7 +62,7 @@ impl ResultCache {
         self.file(what, key).is_some_and(|file| file.is_file())
     }
 
-    /// The result `what` for `key`; one that is damaged is none, and goes.
+    /// The result `what` for `key`. A damaged result counts as none and is removed.
     pub fn get<K: Serialize, V: DeserializeOwned>(&self, what: &str, key: &K) -> Option<V> {
         let file = self.file(what, key)?;
         let mut bytes = Vec::new();
@@ -86,7 +86,7 @@ impl ResultCache {
         value
     }
 
-    /// Keeps the result `what` for `key`. Where it cannot be kept it is computed again another time.
+    /// Keeps the result `what` for `key`. A result that cannot be kept is computed again another time.
     pub fn put<K: Serialize, V: Serialize>(&self, what: &str, key: &K, value: &V) {
         let pack = || {
             let mut plain = Vec::new();

@@ -38,12 +38,12 @@ pub struct TomlFile<T> {
 }
 
 impl<T> TomlFile<T> {
-    /// The file of a `what`, of at most 1 MiB.
+    /// A file of a `what`, of at most 1 MiB.
     pub const fn new(what: &'static str) -> Self {
         Self { what, largest: 1 << 20, of: PhantomData }
     }
 
-    /// This kind of file with at most `bytes` bytes.
+    /// Sets the greatest size (bytes).
     #[must_use]
     pub const fn at_most(self, bytes: u64) -> Self {
         Self { largest: bytes, ..self }
@@ -59,10 +59,10 @@ impl<T: Validate + DeserializeOwned> TomlFile<T> {
         self.parse(&read_text(file, self.what, self.largest)?, file)
     }
 
-    /// The content of `file`; none if there is no such file, as of a user's own list.
+    /// The content of `file`; none if the file does not exist, for optional lists of the user.
     ///
     /// # Errors
-    /// [`FileError`] of a file that is there.
+    /// [`FileError`] if the file exists but cannot be read.
     pub fn read_if_there(&self, file: &Path) -> Result<Option<T>, FileError> {
         match self.read(file) {
             Err(error) if error.is_not_found() => Ok(None),
@@ -80,10 +80,10 @@ impl<T: Validate + DeserializeOwned> TomlFile<T> {
         Ok(content)
     }
 
-    /// Writes `content`, all of it or nothing.
+    /// Writes `content` atomically.
     ///
     /// # Errors
-    /// [`FileError`], also of a content that could not be read again; what was there before then still is.
+    /// [`FileError`], also if the content could not be read again; a former file then stays.
     pub fn write(&self, file: &Path, content: &T) -> Result<(), FileError>
     where
         T: Serialize,
@@ -98,7 +98,7 @@ fn unwritten(file: &Path, problem: String) -> FileError {
     FileError::NotWritten { file: file.to_owned(), problem }
 }
 
-/// Writes `text` unless it is longer than what is read again.
+/// Writes `text` unless it is longer than such a file may be.
 pub(crate) fn write_text(file: &Path, text: &str, largest: u64) -> Result<(), FileError> {
     let size = text.len() as u64;
     if size > largest {
@@ -107,7 +107,7 @@ pub(crate) fn write_text(file: &Path, text: &str, largest: u64) -> Result<(), Fi
     write_bytes(file, text.as_bytes())
 }
 
-/// The text in `file`, the file of a `what` with at most `most` bytes. No more than that is read, whatever it is.
+/// The text in `file`, a file of a `what` with at most `most` bytes. At most so many bytes are read.
 ///
 /// # Errors
 /// [`FileError`] if it cannot be read, is larger, or is no UTF-8.
@@ -130,7 +130,7 @@ pub fn read_text(file: &Path, what: &str, most: u64) -> Result<String, FileError
     })
 }
 
-/// What the parser found wrong in `text`.
+/// The parser's error in `text`.
 pub(crate) fn syntax(file: &Path, text: &str, error: &toml::de::Error) -> FileError {
     let start = error.span().map(|span| span.start);
     let problem = one_line(error.message());
@@ -143,7 +143,7 @@ pub(crate) fn syntax(file: &Path, text: &str, error: &toml::de::Error) -> FileEr
 }
 
 impl FileError {
-    /// A value that is not possible in `file`, whose text is `text`, with the line that its key is in.
+    /// The error of a value in `file`, whose text is `text`, with the line of its key.
     pub fn placed(file: &Path, text: &str, source: Invalid) -> Self {
         let line = place_of(text, &source.key).map(|at| line_of(text, at));
         Self::Invalid { file: file.to_owned(), line, source }
@@ -158,12 +158,12 @@ fn line_of(text: &str, at: usize) -> usize {
     text.bytes().take(at).filter(|byte| *byte == b'\n').count() + 1
 }
 
-/// Where `key` stands in `text`.
+/// Offset of `key` in `text`.
 fn place_of(text: &str, key: &str) -> Option<usize> {
     place_in(DeTable::parse(text).ok()?.get_ref(), key)
 }
 
-/// Tells which keys stand in `text`, which is parsed once that is asked.
+/// Returns a function that tells whether `text` has a key. The text is parsed once, at the first question.
 pub(crate) fn keys_in(text: &str) -> impl Fn(&str) -> bool {
     let root = OnceCell::new();
     move |key| {

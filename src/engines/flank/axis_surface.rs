@@ -1,5 +1,5 @@
-//! The surface that the cutter's axis sweeps: ruled between two cubic B-splines, P4 (8) and (9). Around a closed surface
-//! they are closed too: what is beyond their end is their beginning.
+//! The surface that the cutter's axis sweeps: ruled between two cubic B-splines, P4 (8) and (9). Around a closed
+//! surface they are closed too: what is beyond their end is their beginning.
 
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
@@ -137,7 +137,8 @@ impl AxisSurface {
         Self::with(basis, [lower, upper], u0_range)
     }
 
-    /// The closed surface with these control points of C_b and C_t, as many of both and 4 at least; u0 is its parameter.
+    /// The closed surface with these control points of C_b and C_t, as many of both and 4 at least; u0 is its
+    /// parameter.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -160,8 +161,8 @@ impl AxisSurface {
         Ok(Self { basis, lower, upper, pieces, u0_range })
     }
 
-    /// Least squares through the tips and upper ends of `locations`, whose u0 must rise; closed if they go once around a
-    /// closed surface, from u0 = 0 to 1.
+    /// Least squares through the tips and upper ends of `locations`, whose u0 must rise; closed if they go once around
+    /// a closed surface, from u0 = 0 to 1.
     ///
     /// # Errors
     /// [`FlankError::Singular`] if there are too few locations.
@@ -190,7 +191,8 @@ impl AxisSurface {
         Self::with(basis, [points(0), points(3)], range)
     }
 
-    /// How far tips and upper ends of `locations` are from the places of both curves that belong to their u0, at most (mm).
+    /// How far tips and upper ends of `locations` are from the places of both curves that belong to their u0, at most
+    /// (mm).
     pub fn furthest(&self, locations: &[CutterLocation]) -> f64 {
         let [from, to] = self.u0_range;
         let off = |location: &CutterLocation| {
@@ -241,8 +243,9 @@ impl AxisSurface {
         self.pieces.len()
     }
 
-    /// The axis at the middle of a stretch, `middle` and `half` as shares of a piece, and how far its lower end (mm) and
-    /// its unit vector move from there at most: bounds by the terms of the cubics, which nothing on the stretch exceeds.
+    /// The axis at the middle of a stretch, `middle` and `half` as shares of a piece, and how far its lower end (mm)
+    /// and its unit vector move from there at most: bounds by the terms of the cubics, which nothing on the stretch
+    /// exceeds.
     pub(super) fn stretch(&self, piece: usize, middle: f64, half: f64) -> (AxisAt, [f64; 2]) {
         let moves = |c: [DVec3; 4]| {
             let first = c[1] + middle * (2.0 * c[2] + 3.0 * middle * c[3]);

@@ -1,5 +1,5 @@
-//! The grid that a path is checked on. It hangs on the surface alone: the grid that a path is planned on may be as coarse
-//! as its user likes, and what lies between its places would not be seen.
+//! The grid that a path is checked on. It hangs on the surface alone: the grid that a path is planned on may be as
+//! coarse as its user likes, and what lies between its places would not be seen.
 
 use super::FlankError;
 use super::cutter::FlankCutter;

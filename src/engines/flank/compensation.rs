@@ -146,8 +146,8 @@ impl Compensation {
     }
 }
 
-/// The triangle that [J | -deviation] is turned into: blocks by themselves, a few at a time, each time together with what
-/// is left of those before. The order is fixed, and no more than a few blocks are held.
+/// The triangle that [J | -deviation] is turned into: blocks by themselves, a few at a time, each time together with
+/// what is left of those before. The order is fixed, and no more than a few blocks are held.
 fn triangle(
     grid: &DesignGrid,
     axis: &AxisSurface,
@@ -241,8 +241,8 @@ impl Measured {
         Ok(Self { axis, deviation, feet, grazing, lag, heights_mm })
     }
 
-    /// Least and greatest t that the path must have to cover the surface, standing and moving; 0 and 1 of a closed path,
-    /// which has every t.
+    /// Least and greatest t that the path must have to cover the surface, standing and moving; 0 and 1 of a closed
+    /// path, which has every t.
     pub fn t_range(&self) -> [f64; 2] {
         if self.axis.is_closed() {
             return [0.0, 1.0];

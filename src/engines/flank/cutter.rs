@@ -86,8 +86,8 @@ impl FlankCutter {
         self.length_mm + self.holder.iter().map(|part| part.length_mm).sum::<f64>()
     }
 
-    /// Forgets its name where it is still that of `before`, whose flutes had another form: it would say what the cutter no
-    /// longer is.
+    /// Forgets its name where it is still that of `before`, whose flutes had another form: it would say what the cutter
+    /// no longer is.
     pub fn forget_stale_name(&mut self, before: &Self) {
         let is_other = self.radius_mm != before.radius_mm || self.taper_deg != before.taper_deg;
         if is_other && self.name == before.name {
@@ -135,8 +135,8 @@ impl FlankCutter {
         Ok(())
     }
 
-    /// Whether it is long enough for `surface` and fits into its hollows, judged with its axis along the rulings and its
-    /// bottom `below_mm` below the lower guide.
+    /// Whether it is long enough for `surface` and fits into its hollows, judged with its axis along the rulings and
+    /// its bottom `below_mm` below the lower guide.
     ///
     /// # Errors
     /// [`FlankError::CutterTooShort`] or [`FlankError::CutterTooThick`] with the place; or as [`Self::validate`] and

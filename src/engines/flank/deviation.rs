@@ -80,8 +80,8 @@ impl Deviation {
         [self.grid[0] - usize::from(self.is_closed && self.grid[0] > 1), self.grid[1]]
     }
 
-    /// Whether the cutter touches everywhere to within [`SETTLED_MM`]: there is nothing to gain, and what seems less still
-    /// has come about by sliding along the surface.
+    /// Whether the cutter touches everywhere to within [`SETTLED_MM`]: there is nothing to gain, and what seems less
+    /// still has come about by sliding along the surface.
     pub fn is_settled(&self) -> bool {
         self.most_undercut.max(-self.most_overcut) <= SETTLED_MM
     }
@@ -231,8 +231,8 @@ fn deviation_at(cutter: &FlankCutter, place: &GridPlace, axis: &AxisAt, a: f64) 
 }
 
 /// The place (t, a) of the axis over a place of the surface. Where the axis runs unevenly and nothing is known of where
-/// it stands, it is looked for further and further around; past an end of the path only if none of the path's own places
-/// near that end is as good.
+/// it stands, it is looked for further and further around; past an end of the path only if none of the path's own
+/// places near that end is as good.
 fn over(axis: &AxisSurface, cutter: &FlankCutter, place: &GridPlace, start: Option<DVec2>) -> Option<(DVec2, AxisAt)> {
     const AROUND: [f64; 8] = [-0.01, 0.01, -0.02, 0.02, -0.04, 0.04, -0.08, 0.08];
     if let Some(start) = start {

@@ -22,13 +22,13 @@ pub struct EnvelopeCheck {
     pub greatest_difference: f64,
     /// Places without a grazing point over them; there the standing cutter's deviation stands.
     pub without: usize,
-    /// Least and greatest t at which it grazes over a place; beyond 0 or 1 the path had to go on to do so. A closed path
-    /// has every t: 0 and 1.
+    /// Least and greatest t at which it grazes over a place; beyond 0 or 1 the path had to go on to do so. A closed
+    /// path has every t: 0 and 1.
     pub t_range: [f64; 2],
 }
 
-/// The point (mm) where the cutter at `t` grazes its envelope with the sphere around `height` (mm) above its tip, on the
-/// side that `normal` points away from; none where the cutter moves along its own axis too steeply to graze.
+/// The point (mm) where the cutter at `t` grazes its envelope with the sphere around `height` (mm) above its tip, on
+/// the side that `normal` points away from; none where the cutter moves along its own axis too steeply to graze.
 pub fn grazing_point(
     axis: &AxisSurface,
     cutter: &FlankCutter,

@@ -1,9 +1,10 @@
-//! Gouging of neighbouring walls by the cutter, and of everything by its holder: the least clearance along the path. What of a
-//! mesh is a wall, [`Walls`] tells.
+//! Gouging of neighbouring walls by the cutter, and of everything by its holder: the least clearance along the path.
+//! What of a mesh is a wall, [`Walls`] tells.
 //!
 //! The tool is a stack of frusta; each is convex, and so is the signed distance to it. Boxes of the mesh and triangles
 //! are left out where that distance cannot be less than the least found, and stretches of the path where the tool
-//! cannot come nearer by moving. So nothing is stepped over: no clearance is less than the answer by more than [`slack`], 0.001 mm near a touch.
+//! cannot come nearer by moving. So nothing is stepped over: no clearance is less than the answer by more than
+//! [`slack`], 0.001 mm near a touch.
 
 use std::collections::BinaryHeap;
 
@@ -73,11 +74,12 @@ impl GougeCheck {
             let place = format!("at ({:.3}, {:.3}, {:.3}), t = {t:.4}", at.x, at.y, at.z);
             match c.part {
                 ToolPart::Cutter => format!(
-                    "the cutter gouges a neighbouring wall {depth:.4} mm deep {place}; take a thinner or shorter cutter, or end \
-                     the path before"
+                    "the cutter gouges a neighbouring wall {depth:.4} mm deep {place}; take a thinner or shorter \
+                     cutter, or end the path before"
                 ),
                 ToolPart::Holder(part) => format!(
-                    "part {} of the holder runs {depth:.4} mm into the part {place}; take longer flutes or a slimmer holder",
+                    "part {} of the holder runs {depth:.4} mm into the part {place}; take longer flutes or a \
+                     slimmer holder",
                     part + 1
                 ),
             }
@@ -220,8 +222,8 @@ fn least(
     }
 }
 
-/// How much less (mm) a clearance may be than the one that is answered: where nothing is touched, and where all is lost,
-/// it need not be known so well. A tool that slides along a wall would else be looked at everywhere.
+/// How much less (mm) a clearance may be than the one that is answered: where nothing is touched, and where all is
+/// lost, it need not be known so well. A tool that slides along a wall would else be looked at everywhere.
 pub fn slack(distance_mm: f64) -> f64 {
     const SHARE: f64 = 0.05;
     TOLERANCE.max(SHARE * distance_mm.abs())

@@ -93,8 +93,8 @@ pub fn pairing_warning(lower: &GuideCurve, upper: &GuideCurve) -> Option<String>
     };
     (low.len() != high.len()).then(|| {
         format!(
-            "the lower guide has {} points and the upper one {}: rulings join places at the same share of each row's length, \
-             not point to point; give as many points of both for rulings between them",
+            "the lower guide has {} points and the upper one {}: rulings join places at the same share of each row's \
+             length, not point to point; give as many points of both for rulings between them",
             low.len(),
             high.len()
         )
@@ -110,8 +110,8 @@ impl GuideCurve {
     pub const MOST_POINTS: usize = 20_000;
 
     /// The points of a text with x, y, z (mm) on each line, as a cubic through them. Empty lines, lines that start with
-    /// `#` and one line of headings are passed over. Where semicolons or blanks separate numbers, these may have decimal
-    /// commas.
+    /// `#` and one line of headings are passed over. Where semicolons or blanks separate numbers, these may have
+    /// decimal commas.
     ///
     /// # Errors
     /// [`FlankError::Unreadable`] and [`FlankError::SamePoint`] with the line, [`FlankError::TooFewPoints`],
@@ -210,8 +210,8 @@ fn through_at(parameters: &[f64], points: &[DVec3], degree: usize) -> Result<Nur
     NurbsCurve::through_at(parameters, points, degree, Some([slope; 2]))
 }
 
-/// Whether points end where they begin without a corner there: the line through them does not turn much more than at the
-/// points beside.
+/// Whether points end where they begin without a corner there: the line through them does not turn much more than at
+/// the points beside.
 fn is_ring(points: &[DVec3]) -> bool {
     /// Allowance for the turn of the seam over that of the points beside it: a factor, and an angle (rad).
     const MORE: [f64; 2] = [1.5, 0.1];
@@ -239,8 +239,8 @@ fn from_zero_to_one(knots: &KnotVector) -> Result<KnotVector, NurbsError> {
     KnotVector::new(knots.degree(), stretched)
 }
 
-/// Three finite numbers, and nothing else. Beside semicolons commas are those of decimals, and so they are beside blanks
-/// that stand alone between numbers.
+/// Three finite numbers, and nothing else. Beside semicolons commas are those of decimals, and so they are beside
+/// blanks that stand alone between numbers.
 fn point_of(line: &str) -> Option<DVec3> {
     let is_gap = |c: char| c == ';' || c.is_whitespace();
     let three = |words: &mut dyn Iterator<Item = String>| {

@@ -35,8 +35,8 @@ impl Joining {
     /// points stand at uneven distances, twice where the curvature changes.
     const TIMES: f64 = 4.0;
 
-    /// Of each guide that is a row of points joined by a smooth curve, where it leaves the lines between them most; first
-    /// of all where the points do not account for that.
+    /// Of each guide that is a row of points joined by a smooth curve, where it leaves the lines between them most;
+    /// first of all where the points do not account for that.
     ///
     /// # Errors
     /// As [`GuideCurve::curve`], of a guide that is no curve.
@@ -57,9 +57,10 @@ impl Joining {
         let next = point + 1;
         if *is_doubtful {
             format!(
-                "the points of the {which} guide are joined by a smooth curve, which leaves the straight line between points \
-                 {point} and {next} by {departure_mm:.3} mm, where the line through the points turns by {:.1} degrees: give more \
-                 points where it should stay straight or is bent sharply, and a flank of its own for each side of a corner",
+                "the points of the {which} guide are joined by a smooth curve, which leaves the straight line between \
+                 points {point} and {next} by {departure_mm:.3} mm, where the line through the points turns by {:.1} \
+                 degrees: give more points where it should stay straight or is bent sharply, and a flank of its own \
+                 for each side of a corner",
                 turn.to_degrees()
             )
         } else {

@@ -1,6 +1,6 @@
 //! How high the cutter stands along its axis: nothing in the deviations holds it there. A cylinder deviates no more
-//! wherever it stands along its axis, and a cone little, so that a step which gains next to nothing may carry the flutes'
-//! end above the surface, or the bottom far below it.
+//! wherever it stands along its axis, and a cone little, so that a step which gains next to nothing may carry the
+//! flutes' end above the surface, or the bottom far below it.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -19,8 +19,8 @@ pub struct Heights {
 }
 
 impl Heights {
-    /// How much deeper than the first path's the bottom may be (mm): a cone that sinks along its axis has any radius, but
-    /// something may be below.
+    /// How much deeper than the first path's the bottom may be (mm): a cone that sinks along its axis has any radius,
+    /// but something may be below.
     const DEEPER_MM: f64 = 0.05;
     /// How far beyond them a path may go (mm): half of what the bottom is usually below the lower guide.
     pub const BEYOND_MM: f64 = 0.05;
@@ -43,8 +43,8 @@ impl Heights {
         self.beyond(path) <= self.beyond(before).max(Self::BEYOND_MM)
     }
 
-    /// The path, if it keeps them as [`Self::keeps_as`]; that of a cylinder also after it has been put back along its axis,
-    /// for what an endless cylinder sweeps stays the same.
+    /// The path, if it keeps them as [`Self::keeps_as`]; that of a cylinder also after it has been put back along its
+    /// axis, for what an endless cylinder sweeps stays the same.
     pub fn kept(&self, grid: &DesignGrid, path: Measured, before: &Measured, cutter: &FlankCutter) -> Option<Measured> {
         if self.keeps_as(&path, before) {
             return Some(path);

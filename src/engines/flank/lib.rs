@@ -77,8 +77,8 @@ pub enum FlankError {
     },
     /// A line of points that cannot be read.
     #[error(
-        "guide curve, line {line}: {text:?} is no point; write x, y, z in mm, separated by commas, semicolons or blanks; \
-         numbers with decimal commas are separated by semicolons or blanks"
+        "guide curve, line {line}: {text:?} is no point; write x, y, z in mm, separated by commas, semicolons or \
+         blanks; numbers with decimal commas are separated by semicolons or blanks"
     )]
     Unreadable {
         /// Number of the line, from 1.
@@ -94,8 +94,8 @@ pub enum FlankError {
     },
     /// Guide curves that meet.
     #[error(
-        "the guide curves come within {distance_mm:.2e} mm of each other at u = {lower_u:.4} of the lower and {upper_u:.4} of \
-         the upper one: they cross or touch; shorten them, or give two that stay apart"
+        "the guide curves come within {distance_mm:.2e} mm of each other at u = {lower_u:.4} of the lower and \
+         {upper_u:.4} of the upper one: they cross or touch; shorten them, or give two that stay apart"
     )]
     GuidesMeet {
         /// How near (mm).
@@ -107,8 +107,8 @@ pub enum FlankError {
     },
     /// A surface that turns over.
     #[error(
-        "the ruled surface folds over at u = {u:.4}, v = {v:.4}: neighbouring rulings cross there; reverse one of the guide \
-         curves, or match their parameters"
+        "the ruled surface folds over at u = {u:.4}, v = {v:.4}: neighbouring rulings cross there; reverse one of the \
+         guide curves, or match their parameters"
     )]
     Folds {
         /// Along the guides.
@@ -118,8 +118,9 @@ pub enum FlankError {
     },
     /// A side that only the user can know.
     #[error(
-        "on which side of the surface the cutter stands must be said: at the surface's middle, ({:.2}, {:.2}, {:.2}), the positive \
-         side is towards ({:.2}, {:.2}, {:.2}) and the negative side opposite; choose the one away from the part",
+        "on which side of the surface the cutter stands must be said: at the surface's middle, ({:.2}, {:.2}, {:.2}), \
+         the positive side is towards ({:.2}, {:.2}, {:.2}) and the negative side opposite; choose the one away from \
+         the part",
         point.x, point.y, point.z, normal.x, normal.y, normal.z
     )]
     SideOpen {
@@ -130,9 +131,9 @@ pub enum FlankError {
     },
     /// A surface that turns too far along a ruling.
     #[error(
-        "the normal turns by {turn_deg:.0} deg along the ruling at u = {u:.4}: no straight cutter lies along a ruling that \
-         turns by 90 deg or more; reverse one guide if they run against each other, divide the surface, or match the guide curves' \
-         parameters"
+        "the normal turns by {turn_deg:.0} deg along the ruling at u = {u:.4}: no straight cutter lies along a ruling \
+         that turns by 90 deg or more; reverse one guide if they run against each other, divide the surface, or match \
+         the guide curves' parameters"
     )]
     Twisted {
         /// Along the guides.
@@ -152,8 +153,8 @@ pub enum FlankError {
     },
     /// A cutter whose flutes end below the upper guide.
     #[error(
-        "the flutes are {length_mm:.3} mm long and must be {needed_mm:.3} mm to reach the upper guide curve at u = {u:.3}; take a \
-         longer cutter or divide the surface along v"
+        "the flutes are {length_mm:.3} mm long and must be {needed_mm:.3} mm to reach the upper guide curve at u = \
+         {u:.3}; take a longer cutter or divide the surface along v"
     )]
     CutterTooShort {
         /// Length of the flutes (mm).
@@ -165,8 +166,8 @@ pub enum FlankError {
     },
     /// A cutter that does not fit into a hollow of the surface.
     #[error(
-        "the cutter's radius is {radius_mm:.3} mm at u = {u:.3}, v = {v:.3} where the surface is hollow with a radius of only \
-         {hollow_mm:.3} mm; take a cutter of less than that, or the other side of the surface"
+        "the cutter's radius is {radius_mm:.3} mm at u = {u:.3}, v = {v:.3} where the surface is hollow with a radius \
+         of only {hollow_mm:.3} mm; take a cutter of less than that, or the other side of the surface"
     )]
     CutterTooThick {
         /// Radius of the cutter there, along the normal (mm).
@@ -190,9 +191,9 @@ pub enum FlankError {
     },
     /// Places of the surface that no place of the axis stands over.
     #[error(
-        "{count} places of the surface, the first at u = {u:.3}, v = {v:.3}, have no place of the axis over them: the path is too \
-         far from the surface for its deviation to be measured; take a thinner cutter, the other side of the surface, or divide \
-         the surface"
+        "{count} places of the surface, the first at u = {u:.3}, v = {v:.3}, have no place of the axis over them: the \
+         path is too far from the surface for its deviation to be measured; take a thinner cutter, the other side of \
+         the surface, or divide the surface"
     )]
     Unmeasured {
         /// Number of places.

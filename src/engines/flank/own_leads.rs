@@ -1,7 +1,7 @@
 //! Effect of the whole tool on the design surface itself on the straight moves that lead to a path and away from it.
 //!
-//! Guaranteed: no place of the grid is cut deeper than said, by more than [`EXACT`]. Not guaranteed: what happens between
-//! places of the grid.
+//! Guaranteed: no place of the grid is cut deeper than said, by more than [`EXACT`]. Not guaranteed: what happens
+//! between places of the grid.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,9 +15,9 @@ use super::own_surface::{EXACT, OwnGouge};
 use super::path::FlankPose;
 use task::Cancel;
 
-/// The place of the surface that the tool cuts deepest beyond what is expected while its tip goes straight through `places`
-/// (mm) without turning; its t is the share of these moves. The first of the places is the end of the path: as deep as the
-/// tool lies there is expected, and `tolerance_mm` beyond it is allowed. None if nothing is cut deeper.
+/// The place of the surface that the tool cuts deepest beyond what is expected while its tip goes straight through
+/// `places` (mm) without turning; its t is the share of these moves. The first of the places is the end of the path: as
+/// deep as the tool lies there is expected, and `tolerance_mm` beyond it is allowed. None if nothing is cut deeper.
 ///
 /// # Errors
 /// Cancelled.
@@ -53,9 +53,9 @@ pub fn own_gouge_of_moves(
     Ok(deeper.max_by(|a, b| a.excess_mm().total_cmp(&b.excess_mm())))
 }
 
-/// The least distance (mm) of a point to a frustum whose tip goes straight from one end to the other, and at which share
-/// of the way, if it is less than `most`. The distance to a convex body is convex along a straight line, so that its
-/// slope says on which side of a place the least lies.
+/// The least distance (mm) of a point to a frustum whose tip goes straight from one end to the other, and at which
+/// share of the way, if it is less than `most`. The distance to a convex body is convex along a straight line, so that
+/// its slope says on which side of a place the least lies.
 fn least_on_move(
     frustum: &Frustum,
     ([from, to], axis): ([DVec3; 2], DVec3),

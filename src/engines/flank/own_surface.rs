@@ -1,8 +1,8 @@
 //! Effect of the whole tool on the design surface itself, all along the path.
 //!
-//! Deviation and envelope are taken where the cutter stands over a place. Elsewhere on the path it may come back to that
-//! place from aside: the other lip of a groove, the other leg of a corner. So every place of a grid is held against
-//! every position of flutes and holder; stretches of the path are divided until none can hide a deeper cut.
+//! Deviation and envelope are taken where the cutter stands over a place. Elsewhere on the path it may come back to
+//! that place from aside: the other lip of a groove, the other leg of a corner. So every place of a grid is held
+//! against every position of flutes and holder; stretches of the path are divided until none can hide a deeper cut.
 //!
 //! Guaranteed: no place of the grid is cut deeper than said, by more than [`EXACT`]. Not guaranteed: what happens
 //! between places of the grid.
@@ -82,8 +82,9 @@ impl OwnSurfaceCheck {
             ToolPart::Holder(i) => format!("part {} of the holder", i + 1),
         };
         format!(
-            "{part} cut the surface itself {:.4} mm deep at u = {:.4}, v = {:.4} while at t = {:.4} ({} of {nu} x {nv} places \
-             are cut deeper than {} mm beyond what is expected there, {:.4} mm); take a thinner cutter, or divide the surface",
+            "{part} cut the surface itself {:.4} mm deep at u = {:.4}, v = {:.4} while at t = {:.4} ({} of {nu} x {nv} \
+             places are cut deeper than {} mm beyond what is expected there, {:.4} mm); take a thinner cutter, or \
+             divide the surface",
             worst.depth_mm, worst.u, worst.v, worst.t, self.count, self.tolerance_mm, worst.expected_mm
         )
     }

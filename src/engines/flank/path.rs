@@ -53,8 +53,8 @@ pub struct FlankPath {
 }
 
 impl FlankPath {
-    /// The path with all that is to be known of it, and `poses` places along it. `cutter` is what touches: the one above
-    /// `below_mm`.
+    /// The path with all that is to be known of it, and `poses` places along it. `cutter` is what touches: the one
+    /// above `below_mm`.
     pub(super) fn of(grid: &DesignGrid, cutter: &FlankCutter, path: Measured, (poses, below_mm): (usize, f64)) -> Self {
         let Measured { axis, deviation, feet, .. } = path;
         let envelope = envelope::check(grid, &axis, cutter, (&deviation, &feet));

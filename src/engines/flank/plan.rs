@@ -59,8 +59,8 @@ impl FlankPlan {
         path.deviation.sum / self.initial.deviation.sum.max(f64::MIN_POSITIVE)
     }
 
-    /// Whether there is any deviation to speak of: a plane or a cylinder is touched everywhere from the start, and shares
-    /// of what rounding leaves mean nothing.
+    /// Whether there is any deviation to speak of: a plane or a cylinder is touched everywhere from the start, and
+    /// shares of what rounding leaves mean nothing.
     pub fn has_deviation(&self) -> bool {
         self.initial.deviation.mean > ROUNDING_MM
     }
@@ -262,13 +262,13 @@ fn covering_start(
     Ok(Start { fit_mm: path.axis.furthest(&locations), locations, path })
 }
 
-/// How far a path around a closed surface may be from its locations (mm): a twentieth of the overcut that is usually let
-/// pass.
+/// How far a path around a closed surface may be from its locations (mm): a twentieth of the overcut that is usually
+/// let pass.
 pub const RING_FIT_MM: f64 = 0.005;
 
-/// Locations once around a closed surface, the last where the first is, and their closed path: it needs no more to cover
-/// the surface. A ring turns by 360 degrees, for which the control points asked for may be too few: they are made more
-/// until the path keeps to its locations and to those midway between them.
+/// Locations once around a closed surface, the last where the first is, and their closed path: it needs no more to
+/// cover the surface. A ring turns by 360 degrees, for which the control points asked for may be too few: they are made
+/// more until the path keeps to its locations and to those midway between them.
 fn closed_start(
     (surface, cutter): (&RuledSurface, &FlankCutter),
     params: &FlankParams,

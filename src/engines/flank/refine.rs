@@ -1,9 +1,9 @@
 //! Refinement beyond P4: damped Gauss-Newton steps with the exact derivative, for sums of absolute values by
 //! re-weighting, with bounds by growing penalties.
 //!
-//! Guaranteed: the answer is no worse in its objective than the start, covers the surface, along it and in height, if the
-//! start does, and none of its control points has moved back behind the one before. Not guaranteed: that no other path is
-//! better. Steps stop where the moving cutter no longer does what the standing one does, see [`envelope`].
+//! Guaranteed: the answer is no worse in its objective than the start, covers the surface, along it and in height, if
+//! the start does, and none of its control points has moved back behind the one before. Not guaranteed: that no other
+//! path is better. Steps stop where the moving cutter no longer does what the standing one does, see [`envelope`].
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;

@@ -121,8 +121,8 @@ impl RuledSurface {
         &self.upper
     }
 
-    /// Whether both guides end where they start and go on from there without a corner: u is then any number, and the place
-    /// at u + 1 is that at u.
+    /// Whether both guides end where they start and go on from there without a corner: u is then any number, and the
+    /// place at u + 1 is that at u.
     pub fn is_closed(&self) -> bool {
         self.is_closed
     }
@@ -204,8 +204,8 @@ impl RuledSurface {
         if bend > 0.0 { 1.0 / bend } else { f64::INFINITY }
     }
 
-    /// Curvature (1/mm) across the ruling, positive where it is hollow for the cutter. A ruling does not bend, so this is
-    /// twice the mean curvature.
+    /// Curvature (1/mm) across the ruling, positive where it is hollow for the cutter. A ruling does not bend, so this
+    /// is twice the mean curvature.
     fn bend_across(&self, u: f64, v: f64) -> f64 {
         let [[b1, d1, s1], [b2, d2, s2]] = self.guides(u);
         let (ru, rv, ruu, ruv) = (d1.lerp(d2, v), b2 - b1, s1.lerp(s2, v), d2 - d1);

@@ -5,13 +5,13 @@
 //!   [`super::own_surface`]. Which ones they are is known by their number where the face was picked from the mesh; what
 //!   merely lies near the surface is a wall.
 //! - Every other triangle is a wall, and the depth of its points in the flutes is a gouge.
-//! - Walls that touch the face's border at a convex or smooth edge are in the flutes there as deep as the border itself:
-//!   by what the path cuts the surface too deep at that place, and by what the border, which is made of chords, stands
-//!   out of the surface. So much of their depth counts as touching, and no more. Walls that lean towards the tool, as a
-//!   floor or a step does, have no such allowance.
+//! - Walls that touch the face's border at a convex or smooth edge are in the flutes there as deep as the border
+//!   itself: by what the path cuts the surface too deep at that place, and by what the border, which is made of chords,
+//!   stands out of the surface. So much of their depth counts as touching, and no more. Walls that lean towards the
+//!   tool, as a floor or a step does, have no such allowance.
 //!
-//! Not guaranteed: walls that touch the border between corners of its triangles only are not known to touch it, and have
-//! no allowance either.
+//! Not guaranteed: walls that touch the border between corners of its triangles only are not known to touch it, and
+//! have no allowance either.
 
 use std::collections::HashMap;
 

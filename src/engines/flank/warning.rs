@@ -43,13 +43,15 @@ fn of_whole(surface: &RuledSurface, plan: &FlankPlan) -> Vec<PlanWarning> {
     let [along, across] = plan.ranks.grid;
     if plan.ranks.grid != plan.params.grid {
         warnings.push(format!(
-            "the grid is fine: ranks were tried on one of {along} x {across} places, and the sums over ranks are of that one"
+            "the grid is fine: ranks were tried on one of {along} x {across} places, and the sums over ranks are of \
+             that one"
         ));
     }
     let before = &plan.initial.deviation;
     if before.is_settled() {
         warnings.push(format!(
-            "the deviation of the initial path is at most {:.4} mm, within the rounding of guides with three decimals: the initial path is also the chosen one",
+            "the deviation of the initial path is at most {:.4} mm, within the rounding of guides with three \
+             decimals: the initial path is also the chosen one",
             before.most_undercut.max(-before.most_overcut)
         ));
     } else if plan.ranks.best == 0 {
@@ -66,15 +68,15 @@ fn of_refined(plan: &FlankPlan) -> Vec<String> {
     if is_worse(before.most_undercut, after.most_undercut) {
         let (a, b) = (before.most_undercut, after.most_undercut);
         warnings.push(format!(
-            "the refined path's sum is less, but its greatest undercut is {b:.4} mm where the initial one's is {a:.4} mm; bound \
-             the undercut if that matters"
+            "the refined path's sum is less, but its greatest undercut is {b:.4} mm where the initial one's is {a:.4} \
+             mm; bound the undercut if that matters"
         ));
     }
     if is_worse(-before.most_overcut, -after.most_overcut) {
         let (a, b) = (-before.most_overcut, -after.most_overcut);
         warnings.push(format!(
-            "the refined path's sum is less, but its greatest overcut is {b:.4} mm where the initial one's is {a:.4} mm; bound \
-             the overcut if that matters"
+            "the refined path's sum is less, but its greatest overcut is {b:.4} mm where the initial one's is {a:.4} \
+             mm; bound the overcut if that matters"
         ));
     }
     warnings
@@ -93,8 +95,8 @@ fn of_locations(plan: &FlankPlan) -> Option<String> {
     let first = missed().next()?;
     let worst = missed().filter_map(|l| l.middle_mm).fold(0.0, |worst: f64, m| worst.max(m.abs()));
     Some(format!(
-        "{} of {} locations, the first at u0 = {:.4}, cannot touch the surface midway however far the upper contact slides \
-         within {} of u: each was put where it comes nearest to it, at worst {worst:.1e} mm off",
+        "{} of {} locations, the first at u0 = {:.4}, cannot touch the surface midway however far the upper contact \
+         slides within {} of u: each was put where it comes nearest to it, at worst {worst:.1e} mm off",
         missed().count(),
         plan.locations.len(),
         first.u0,
@@ -107,8 +109,8 @@ fn of_ring(plan: &FlankPlan) -> Option<String> {
     let axis = &plan.initial.axis;
     (axis.is_closed() && plan.fit_mm > RING_FIT_MM).then(|| {
         format!(
-            "around the ring the first path is up to {:.4} mm off its locations with {} control points of each curve, as many as \
-             a grid of {} places around is given; take a finer grid along u, or more control points",
+            "around the ring the first path is up to {:.4} mm off its locations with {} control points of each curve, \
+             as many as a grid of {} places around is given; take a finer grid along u, or more control points",
             plan.fit_mm,
             axis.lower().len(),
             plan.params.grid[0]
@@ -125,9 +127,9 @@ fn of_bounds(plan: &FlankPlan) -> Option<String> {
     let beyond = path_beyond_bounds(plan.params.objective, &plan.refined);
     (beyond > KEPT).then(|| {
         format!(
-            "the bounds asked for are not kept: the refined path goes {beyond:.4} mm beyond them, with overcut up to {overcut:.4} \
-             mm and undercut up to {undercut:.4} mm, standing or moving; widen them, or take a thinner cutter or more control \
-             points"
+            "the bounds asked for are not kept: the refined path goes {beyond:.4} mm beyond them, with overcut up to \
+             {overcut:.4} mm and undercut up to {undercut:.4} mm, standing or moving; widen them, or take a thinner \
+             cutter or more control points"
         )
     })
 }
@@ -137,15 +139,15 @@ fn of_coverage(name: &str, path: &FlankPath) -> Vec<String> {
     let [first, last] = path.coverage.t_range;
     if !path.coverage.is_whole {
         warnings.push(format!(
-            "the {name} path does not cover the surface: it runs from t = 0 to 1 and {first:.4} to {last:.4} are needed; \
-             deviations past its ends are those of the path gone on"
+            "the {name} path does not cover the surface: it runs from t = 0 to 1 and {first:.4} to {last:.4} are \
+             needed; deviations past its ends are those of the path gone on"
         ));
     }
     let [lowest, _] = path.coverage.height_range_mm;
     if lowest < -5e-3 {
         warnings.push(format!(
-            "on the {name} path the flutes end {:.4} mm above the lowest line of the surface that they should cut; raise \
-             Extend below (--below) by that much",
+            "on the {name} path the flutes end {:.4} mm above the lowest line of the surface that they should cut; \
+             raise Extend below (--below) by that much",
             -lowest
         ));
     }
@@ -158,7 +160,8 @@ fn of_envelope(path: &FlankPath) -> Option<String> {
     let differs = (moving.sum - still.sum).abs() > 0.05 * still.sum && still.mean > 1e-6;
     (differs || path.envelope.without > 0).then(|| {
         format!(
-            "total absolute deviation: swept envelope {:.4} mm, static {:.4} mm, at most {:.4} mm apart at one sample; {} samples have no grazing point",
+            "total absolute deviation: swept envelope {:.4} mm, static {:.4} mm, at most {:.4} mm apart at one \
+             sample; {} samples have no grazing point",
             moving.sum, still.sum, path.envelope.greatest_difference, path.envelope.without
         )
     })

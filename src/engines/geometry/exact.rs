@@ -93,8 +93,8 @@ impl ExactMesh {
         query::distance(&Pose::IDENTITY, &self.shape, &pose, &other.shape).map_or(f64::NAN, |d| d.distance)
     }
 
-    /// The point of this mesh that is nearest to `other` moved by `shift`; none if they touch or cross, or are further apart
-    /// than `within`.
+    /// The point of this mesh that is nearest to `other` moved by `shift`; none if they touch or cross, or are further
+    /// apart than `within`.
     pub fn nearest_to(&self, other: &ExactMesh, shift: DVec3, within: f64) -> Option<DVec3> {
         let pose = Pose::from_translation(shift);
         match query::closest_points(&Pose::IDENTITY, &self.shape, &pose, &other.shape, within) {

@@ -20,14 +20,15 @@ pub fn winding_number(mesh: &ExactMesh, p: DVec3) -> i32 {
     agreed(|direction| signed_crossings(mesh.triangles_along(p, direction), p, direction))
 }
 
-/// Whether `p` is inside of a mesh of which only few points are asked: every triangle is looked at, nothing is prepared.
+/// Whether `p` is inside of a mesh of which only few points are asked: every triangle is looked at, nothing is
+/// prepared.
 pub fn is_inside_of(mesh: &Mesh, p: DVec3) -> bool {
     agreed(|direction| signed_crossings(mesh.iter_corners(), p, direction)) != 0
 }
 
-/// How often a mesh that need not be closed winds around `p`: where it is closed, outwards, 1 inside and 0 outside; where
-/// something of it is missing, less than 1 by the share of all directions in which `p` looks out of it. One is inside of
-/// what lacks little where this is above a half.
+/// How often a mesh that need not be closed winds around `p`: where it is closed, outwards, 1 inside and 0 outside;
+/// where something of it is missing, less than 1 by the share of all directions in which `p` looks out of it. One is
+/// inside of what lacks little where this is above a half.
 pub fn generalised_winding_number(mesh: &Mesh, p: DVec3) -> f64 {
     mesh.iter_corners().map(|corners| half_solid_angle(&corners, p)).sum::<f64>() / TAU
 }

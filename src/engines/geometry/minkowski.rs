@@ -1,14 +1,14 @@
 //! Sweep of a solid along a segment, or along the sides of a rectangle: its Minkowski sum with them.
 //!
-//! Every face is moved to the end of the segment that it looks to, and where faces that look to different ends meet, the
-//! edge between them sweeps a parallelogram. This surface is closed. It winds around a point as often as the solid meets
-//! the segment through that point in pieces, so that what it winds around at least once is the sum (Guibas, Ramshaw and
-//! Stolfi, A Kinetic Framework for Computational Geometry, FOCS 1983). The sum with a rectangle is that with one of its
-//! sides and then with the other: a frame around a pin meets a rectangle in one piece with a hole, which would be counted as
-//! none.
+//! Every face is moved to the end of the segment that it looks to, and where faces that look to different ends meet,
+//! the edge between them sweeps a parallelogram. This surface is closed. It winds around a point as often as the solid
+//! meets the segment through that point in pieces, so that what it winds around at least once is the sum (Guibas,
+//! Ramshaw and Stolfi, A Kinetic Framework for Computational Geometry, FOCS 1983). The sum with a rectangle is that
+//! with one of its sides and then with the other: a frame around a pin meets a rectangle in one piece with a hole,
+//! which would be counted as none.
 //!
-//! **Guaranteed:** but for the rounding of coordinates the sum is exact, whatever the solid: nothing that is shorter than
-//! the segment is lost or turned over.
+//! **Guaranteed:** but for the rounding of coordinates the sum is exact, whatever the solid: nothing that is shorter
+//! than the segment is lost or turned over.
 
 use std::collections::HashMap;
 
@@ -17,8 +17,8 @@ use glam::{DVec2, DVec3};
 use super::mesh::{Mesh, unit_normal};
 use super::solid::{SolidError, wound};
 
-/// Slope of a face along the segment up to which it counts as parallel to it. What this does to the sum is no thicker than
-/// the slope times the segment.
+/// Slope of a face along the segment up to which it counts as parallel to it. What this does to the sum is no thicker
+/// than the slope times the segment.
 const PARALLEL: f64 = 1e-9;
 
 /// Step to which [`on_grid`] rounds coordinates (mm): exact in binary, so that shifts by multiples of it are exact too.
@@ -29,8 +29,8 @@ pub fn up_to_grid(length: f64) -> f64 {
     (length / GRID).ceil() * GRID
 }
 
-/// A mesh with its vertices on a grid of a millionth of a micrometre. What was level or upright but for the rounding of its
-/// coordinates is so exactly; moved along itself it would else cross itself in slivers without thickness.
+/// A mesh with its vertices on a grid of a millionth of a micrometre. What was level or upright but for the rounding of
+/// its coordinates is so exactly; moved along itself it would else cross itself in slivers without thickness.
 pub fn on_grid(mesh: &Mesh) -> Mesh {
     mesh.mapped(|p| (p / GRID).round() * GRID)
 }
@@ -95,8 +95,8 @@ mod tests {
         difference(&block, &prism(&[hole], -1.0, 3.0).unwrap()).unwrap()
     }
 
-    /// Area of the part of a convex polygon from where the rectangle stays within it: what all shifts of it by the corners
-    /// have in common.
+    /// Area of the part of a convex polygon from where the rectangle stays within it: what all shifts of it by the
+    /// corners have in common.
     fn eroded_area(polygon: &[DVec2], half: DVec2) -> f64 {
         let mut kept = polygon.to_vec();
         for (x, y) in [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)] {

@@ -21,13 +21,15 @@ const MOST: usize = 40;
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum OffsetError {
     /// The faces at a vertex look all ways.
-    #[error("at ({:.3}, {:.3}, {:.3}) faces look in opposite directions (a point or a wall without thickness), so that the surface has no offset there", .0.x, .0.y, .0.z)]
+    #[error("at ({:.3}, {:.3}, {:.3}) faces look in opposite directions (a point or a wall without thickness), so that \
+         the surface has no offset there", .0.x, .0.y, .0.z)]
     Pointed(DVec3),
 }
 
-/// `mesh` with every face moved outwards by at least `distance` of its unit normal (mm), and each vertex as little as that
-/// allows: edges stay sharp, nothing comes closer to its own face. Vertices keep their numbers; flat faces may be divided
-/// into other triangles. Where a hollow or a step is narrower than the way of its corners the moved faces cross each other.
+/// `mesh` with every face moved outwards by at least `distance` of its unit normal (mm), and each vertex as little as
+/// that allows: edges stay sharp, nothing comes closer to its own face. Vertices keep their numbers; flat faces may be
+/// divided into other triangles. Where a hollow or a step is narrower than the way of its corners the moved faces cross
+/// each other.
 ///
 /// # Errors
 /// [`OffsetError`].
@@ -35,10 +37,11 @@ pub fn offset(mesh: &Mesh, distance: impl Fn(DVec3) -> f64 + Sync) -> Result<Mes
     moved(mesh, |own| least_shift(&own.iter().map(|n| (*n, distance(*n))).collect::<Vec<_>>()))
 }
 
-/// `mesh` with every face moved outwards by `distance` and by what a disc across Z of this radius sweeps beyond it (mm), as
-/// by [`offset`] with `distance` and the radius times the part of the normal across Z. Of the shifts that are enough for the
-/// faces at a vertex, it takes the one with its part for the disc across Z: the least one would go along the normal, so that
-/// where a floor rises into a fillet the corners of its lowest faces would stay behind, before those further up.
+/// `mesh` with every face moved outwards by `distance` and by what a disc across Z of this radius sweeps beyond it
+/// (mm), as by [`offset`] with `distance` and the radius times the part of the normal across Z. Of the shifts that are
+/// enough for the faces at a vertex, it takes the one with its part for the disc across Z: the least one would go along
+/// the normal, so that where a floor rises into a fillet the corners of its lowest faces would stay behind, before
+/// those further up.
 ///
 /// # Errors
 /// [`OffsetError`].
@@ -53,8 +56,8 @@ pub fn offset_along_disc(mesh: &Mesh, distance: f64, radius: f64) -> Result<Mesh
     })
 }
 
-/// The shortest shift across Z by which faces with these normals are moved as far as by a disc; none where they look all
-/// ways around, or so many that it would go much further than the disc.
+/// The shortest shift across Z by which faces with these normals are moved as far as by a disc; none where they look
+/// all ways around, or so many that it would go much further than the disc.
 fn across_z(normals: &[DVec3], radius: f64) -> Option<DVec3> {
     /// Part of a normal across Z up to which a face is level: rounding of files.
     const LEVEL: f64 = 1e-4;

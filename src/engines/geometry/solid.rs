@@ -55,8 +55,8 @@ pub fn unfolded(surface: Mesh) -> Result<Mesh, SolidError> {
     if soup(&surface)?.has_self_intersections() { wound(&surface) } else { Ok(surface) }
 }
 
-/// The solid that a closed surface bounds which crosses itself, with edges that more than two faces may meet in: what it winds
-/// around at least once.
+/// The solid that a closed surface bounds which crosses itself, with edges that more than two faces may meet in: what
+/// it winds around at least once.
 ///
 /// # Errors
 /// [`SolidError::NotClosed`], [`SolidError::Failed`].
@@ -79,9 +79,9 @@ fn combine(a: &Mesh, b: &Mesh, operation: OpType) -> Result<Mesh, SolidError> {
     }
 }
 
-/// A surface as it is. Read as a solid it would be tidied first, and where faces lie folded on one another that moves it: each
-/// triangle gets corners of its own, so that it is read as a heap of triangles. Those without any area would be left out of
-/// the heap, which would then not be closed: they are taken in by their neighbours.
+/// A surface as it is. Read as a solid it would be tidied first, and where faces lie folded on one another that moves
+/// it: each triangle gets corners of its own, so that it is read as a heap of triangles. Those without any area would
+/// be left out of the heap, which would then not be closed: they are taken in by their neighbours.
 fn soup(surface: &Mesh) -> Result<Manifold, SolidError> {
     let corners: Vec<DVec3> = without_collinear(surface).into_iter().flatten().collect();
     let numbers = 0..corners.len() as u32;
@@ -93,8 +93,8 @@ fn soup(surface: &Mesh) -> Result<Manifold, SolidError> {
     }
 }
 
-/// The triangles of a surface less those whose corners lie on a line: each of these and its neighbour across its longest
-/// side are two triangles that meet in its third corner instead, so that the surface is the same.
+/// The triangles of a surface less those whose corners lie on a line: each of these and its neighbour across its
+/// longest side are two triangles that meet in its third corner instead, so that the surface is the same.
 fn without_collinear(surface: &Mesh) -> Vec<[DVec3; 3]> {
     /// Height of a triangle up to which its corners lie on a line (mm): what rounding makes of none.
     const HAIR: f64 = 1e-12;
@@ -182,8 +182,9 @@ fn mesh(found: &Manifold) -> Mesh {
     Mesh { vertices, triangles }
 }
 
-/// Triangles between the rings of a connected set of the plane, its outer boundary counter-clockwise and first, its holes
-/// clockwise: numbers of their points, all rings counted on, turning counter-clockwise. Every point of a ring is a corner.
+/// Triangles between the rings of a connected set of the plane, its outer boundary counter-clockwise and first, its
+/// holes clockwise: numbers of their points, all rings counted on, turning counter-clockwise. Every point of a ring is
+/// a corner.
 ///
 /// # Errors
 /// [`SolidError::Outline`] where rings cross so that the triangles do not fill what they bound.
@@ -231,8 +232,8 @@ pub fn prism(rings: &[&[DVec2]], low: f64, high: f64) -> Result<Mesh, SolidError
     Ok(Mesh { vertices, triangles })
 }
 
-/// Whether a mesh is closed as files know it: with vertices within `within` (mm) taken for one, each side of a triangle has
-/// exactly one neighbour, which runs the other way.
+/// Whether a mesh is closed as files know it: with vertices within `within` (mm) taken for one, each side of a triangle
+/// has exactly one neighbour, which runs the other way.
 pub fn is_closed(mesh: &Mesh, within: f64) -> bool {
     welded(mesh, within).is_watertight()
 }
@@ -243,7 +244,8 @@ pub fn open_edges(mesh: &Mesh, within: f64) -> usize {
     sides.iter().filter(|((a, b), count)| **count != 1 || sides.get(&(*b, *a)) != Some(&1)).count()
 }
 
-/// The triangles of a mesh whose vertices within `within` (mm) are one, without those that are none then. Without places.
+/// The triangles of a mesh whose vertices within `within` (mm) are one, without those that are none then. Without
+/// places.
 fn welded(mesh: &Mesh, within: f64) -> Mesh {
     let mut known = HashMap::new();
     let places: Vec<u32> = mesh
@@ -299,7 +301,8 @@ mod tests {
 
     #[test]
     fn a_triangle_without_area_is_taken_in_by_its_neighbour_and_the_surface_stays_closed() {
-        // A block with a corner in the middle of a side that only one of the two faces there knows, and a triangle between.
+        // A block with a corner in the middle of a side that only one of the two faces there knows, and a triangle
+        // between.
         let mut mesh = block(DVec3::ZERO, DVec3::splat(2.0));
         let [a, b, c] = mesh.triangles[0];
         let middle = mesh.vertices.len() as u32;

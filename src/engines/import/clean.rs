@@ -106,9 +106,9 @@ const ROUNDS: usize = 8;
 
 /// Gives triangles lower than `height` (mm) a height by exchanging their longest edge.
 ///
-/// A triangle of this kind has a corner on its opposite edge. Taking it out would leave a crack that no two edges share;
-/// the exchange instead splits its neighbour at that corner and keeps the surface as closed as it was. No point of the
-/// surface moves by more than `height`.
+/// A triangle of this kind has a corner on its opposite edge. Taking it out would leave a crack that no two edges
+/// share; the exchange instead splits its neighbour at that corner and keeps the surface as closed as it was. No point
+/// of the surface moves by more than `height`.
 pub(super) fn exchange_slivers(mesh: &mut Mesh, height: f64, task: &Task) -> Result<Slivers, Cancelled> {
     let mut result = Slivers::default();
     for _ in 0..ROUNDS {

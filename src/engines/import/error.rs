@@ -67,8 +67,8 @@ pub enum ImportError {
     },
     /// The unit would have to be guessed, and that is too dangerous.
     #[error(
-        "{file}: it says no unit, and a wrong guess would mill a part of another size (it may be {guess}); set the unit: \
-         `--units mm` or `--units inch` on the command line, beside the part in the window"
+        "{file}: it says no unit, and a wrong guess would mill a part of another size (it may be {guess}); set the \
+         unit: `--units mm` or `--units inch` on the command line, beside the part in the window"
     )]
     UnitOpen {
         /// Path as given.

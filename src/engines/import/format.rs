@@ -1,4 +1,4 @@
-//! Formats of mesh files. A format is told by its content; the name is only a hint where the content leaves a doubt.
+//! Formats of mesh files. The content decides the format; the name is a hint where the content is ambiguous.
 
 use std::path::Path;
 
@@ -8,8 +8,8 @@ use super::error::{ImportError, excerpt};
 use super::source::{Content, Likeness, MeshFormat, without_mark};
 use super::{gltf, obj, stl};
 
-/// Lists the formats: each has a variant of [`Format`], a [`MeshFormat`] in its own file, and the ending of its files. Of two
-/// that are equally likely the first is taken.
+/// Lists the formats: each has a variant of [`Format`], a [`MeshFormat`] in its own file, and the ending of its files.
+/// Of two that are equally likely the first is taken.
 macro_rules! formats {
     ($($(#[$doc:meta])* $format:ident: $about:path, $ending:literal;)+) => {
         /// A format of mesh files.
@@ -43,13 +43,13 @@ formats! {
     Obj: obj::TEXT, "obj";
 }
 
-/// How much of a text is looked at to tell what it is (bytes).
+/// Length of text that is looked at to recognise its format (bytes).
 const HEAD: usize = 1 << 16;
 
-/// The format of a file of the given content and name.
+/// Format of a file with this content and name.
 ///
 /// # Errors
-/// [`ImportError::UnknownFormat`], with what the content looks like.
+/// [`ImportError::UnknownFormat`], with what the content resembles.
 pub fn detect(name: &str, bytes: &[u8]) -> Result<Format, ImportError> {
     let ending = Path::new(name).extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
     let head = &bytes[..bytes.len().min(HEAD)];
@@ -82,7 +82,7 @@ fn unknown(name: &str, found: String) -> ImportError {
     ImportError::UnknownFormat { file: name.to_owned(), found }
 }
 
-/// Name of a known format that is no mesh for this program, by the beginning of its text.
+/// Name of a known format that this program does not read, by the beginning of its text.
 fn foreign(text: &[u8]) -> Option<&'static str> {
     let known: [(&[u8], &str); 5] = [
         (b"ISO-10303-21", "the file is a STEP file"),

@@ -23,8 +23,8 @@ pub(super) static ASCII: MeshFormat = MeshFormat { likeness: like_ascii, read: r
 /// How many bytes may follow the last triangle of a binary file that is not named `.stl`.
 const STRAY_BYTES: u64 = 1024;
 
-/// A binary file may well open with the word "solid", but no text has such bytes where the number of triangles stands that
-/// its length comes out right.
+/// A binary file may well open with the word "solid", but no text has such bytes where the number of triangles stands
+/// that its length comes out right.
 fn like_binary(content: &Content) -> Likeness {
     let length = content.bytes.len() as u64;
     let promised = promised_triangles(content.bytes).map(binary_length);

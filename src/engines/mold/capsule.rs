@@ -13,7 +13,8 @@ pub type Interval = [f64; 2];
 /// How much nearer than the radius counts as too near (mm): rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// Intervals of `t` in `[0, length]` where `from + t along` (`along` of length 1) is nearer than `radius` to the segment.
+/// Intervals of `t` in `[0, length]` where `from + t along` (`along` of length 1) is nearer than `radius` to the
+/// segment.
 pub fn on_line(from: DVec2, along: DVec2, length: f64, segment: [DVec2; 2], radius: f64, blocked: &mut Vec<Interval>) {
     let [a, b] = segment;
     let mut cuts = vec![0.0, length];

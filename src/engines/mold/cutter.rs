@@ -124,7 +124,8 @@ impl std::str::FromStr for Cutter {
 
     fn from_str(text: &str) -> Result<Self, Invalid> {
         let unreadable = || {
-            let forms = "write kind:radius, or kind:radius/reach/holder radius, in mm, as in flat:1, ball:0.5/20/12 or bull:3:0.5";
+            let forms = "write kind:radius, or kind:radius/reach/holder radius, in mm, as in flat:1, ball:0.5/20/12 or \
+                 bull:3:0.5";
             Invalid::of("", format!("{text:?} is no cutter; {forms}"))
         };
         let number = |part: &str| part.trim().parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(unreadable);

@@ -1,9 +1,9 @@
 //! Invert faces, which look downwards, and the shadow that they throw on what lies below.
 //!
-//! A cutter from above cannot reach an invert face, and material above a place is in its way there. So a layer at height
-//! z is blocked by S(z), the union of the mold's sections at z and above. Material above z either goes on down to z or
-//! ends in a face that looks downwards; hence S(z) is the section at z united with the plan projection of the parts of
-//! such faces above z, exactly. Without invert faces it is the section as it is.
+//! A cutter from above cannot reach an invert face, and material above a place is in its way there. So a layer at
+//! height z is blocked by S(z), the union of the mold's sections at z and above. Material above z either goes on down
+//! to z or ends in a face that looks downwards; hence S(z) is the section at z united with the plan projection of the
+//! parts of such faces above z, exactly. Without invert faces it is the section as it is.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

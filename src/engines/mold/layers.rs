@@ -85,7 +85,8 @@ pub struct FirstLayers {
     pub floors: Vec<f64>,
 }
 
-/// The first layers of `mesh`, also at horizontal faces less each of `reaches` (mm): there the holder's obstacles change.
+/// The first layers of `mesh`, also at horizontal faces less each of `reaches` (mm): there the holder's obstacles
+/// change.
 pub fn first_layers(mesh: &Mesh, reaches: &[f64], settings: &LayerSettings) -> FirstLayers {
     let bounds = mesh.bounds();
     let (bottom, top) = (bounds.min.z, bounds.max.z);
@@ -158,7 +159,8 @@ fn joined(mut spans: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     joined
 }
 
-/// Heights of vertices that have none lower beside them, above the bottom and in a surface that looks upwards, in order.
+/// Heights of vertices that have none lower beside them, above the bottom and in a surface that looks upwards, in
+/// order.
 fn hollows(mesh: &Mesh) -> Vec<f64> {
     let bottom = mesh.bounds().min.z;
     let mut is_lowest = vec![true; mesh.vertices.len()];

@@ -1,6 +1,7 @@
 //! Regions: what is left of a mold, joined from the pieces of its layers.
 //!
-//! Pieces of neighbouring layers that overlap in plan belong to one region. Its volume is the trapezoid over its pieces.
+//! Pieces of neighbouring layers that overlap in plan belong to one region. Its volume is the trapezoid over its
+//! pieces.
 
 use glam::DVec2;
 use rayon::prelude::*;

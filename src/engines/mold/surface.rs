@@ -2,9 +2,9 @@
 //!
 //! Floors lie under what is left, walls beside it: a point of the surface belongs to a region if the grid's cell just
 //! outside it does and the point is no higher than the cutters leave there. A triangle is halved until all of it does,
-//! none of it does, or it is as small as two cells: the boundary is that fine. Faces that look down are never uncut: they
-//! are invert. Free forms under a rounded cutter have a boundary everywhere; where their pieces would be too many for a
-//! computer's memory, all of the surface is split half as finely, and so on.
+//! none of it does, or it is as small as two cells: the boundary is that fine. Faces that look down are never uncut:
+//! they are invert. Free forms under a rounded cutter have a boundary everywhere; where their pieces would be too many
+//! for a computer's memory, all of the surface is split half as finely, and so on.
 
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -20,7 +20,8 @@ use task::{Cancel, Cancelled};
 const FINENESS: f64 = 2.0;
 /// How far outside the surface the grid is asked, in cells times the horizontal part of the normal.
 const BESIDE: f64 = 0.75;
-/// By how many cells a point may lie below the material of the cell beside it, which has one height for all of the cell.
+/// By how many cells a point may lie below the material of the cell beside it, which has one height for all of the
+/// cell.
 const BELOW: f64 = 2.5;
 /// The z component of the unit normal below which a face is a wall, which may stand out of what is left.
 const WALL: f64 = 0.5;
@@ -60,8 +61,8 @@ impl SurfacePiece {
     }
 }
 
-/// Where the pieces of a surface pass just above the height `z` (mm): the segments of that layer that the cutters do not touch, each
-/// with its region.
+/// Where the pieces of a surface pass just above the height `z` (mm): the segments of that layer that the cutters do
+/// not touch, each with its region.
 pub fn segments_at(pieces: &[SurfacePiece], z: f64) -> Vec<(u32, [DVec3; 2])> {
     let crossing = |a: DVec3, b: DVec3| ((a.z <= z) != (b.z <= z)).then(|| a.lerp(b, (z - a.z) / (b.z - a.z)));
     let segment = |piece: &SurfacePiece| {
@@ -164,8 +165,8 @@ impl Face<'_> {
             Cover::Partly => None,
             // Under other material, or above what is left.
             Cover::Wholly { from, to, .. } if high < from[0] - slack || low > to[1] + ROUNDING => return Ok(()),
-            // What is left over a floor reaches above it everywhere unless something else is over it; beside a wall it may
-            // end halfway up.
+            // What is left over a floor reaches above it everywhere unless something else is over it; beside a wall it
+            // may end halfway up.
             Cover::Wholly { region, from, to } => {
                 let is_whole = if self.normal.z >= WALL { from[1] <= high + slack } else { to[0] >= high - ROUNDING };
                 is_whole.then_some(region)

@@ -1,8 +1,8 @@
 //! Regions of what is left, by all that is known of them.
 //!
 //! The grid of heights knows every kind of cutter, the layers know flat ones better. Where only flat cutters count, a
-//! region's extent in plan and volume are those of the layers, and the grid adds what it knows of it, and regions that lie between
-//! layers. Where rounded cutters count too, regions are those of the grid.
+//! region's extent in plan and volume are those of the layers, and the grid adds what it knows of it, and regions that
+//! lie between layers. Where rounded cutters count too, regions are those of the grid.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};

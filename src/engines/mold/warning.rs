@@ -17,8 +17,8 @@ pub enum MoldWarning {
     },
     /// The mesh has gaps: what they open is missing.
     #[error(
-        "the surface is open in {layers} layers from z = {from:.3} to {to:.3} mm, first at x = {:.3}, y = {:.3}: what is \
-         left uncut there is not known; repair the mesh",
+        "the surface is open in {layers} layers from z = {from:.3} to {to:.3} mm, first at x = {:.3}, y = {:.3}: what \
+         is left uncut there is not known; repair the mesh",
         place[0], place[1]
     )]
     Open {
@@ -63,8 +63,9 @@ pub enum MoldWarning {
     },
     /// A field of heights that sees too little.
     #[error(
-        "the field of heights has a step of {step:.4} mm, more than a tenth of the smallest cutter's radius of {radius} mm: \
-         what rounded cutters leave in corners may be missed; leave out the smallest cutters, or cut the mold in parts"
+        "the field of heights has a step of {step:.4} mm, more than a tenth of the smallest cutter's radius of \
+         {radius} mm: what rounded cutters leave in corners may be missed; leave out the smallest cutters, or cut the \
+         mold in parts"
     )]
     CoarseGrid {
         /// Step (mm).
@@ -74,8 +75,8 @@ pub enum MoldWarning {
     },
     /// Regions that flat cutters leave and the field of heights does not show.
     #[error(
-        "{regions} regions that flat cutters leave, up to {thickness:.4} mm thick, are too thin for the field of heights: \
-         whether the rounded cutters take them is not known"
+        "{regions} regions that flat cutters leave, up to {thickness:.4} mm thick, are too thin for the field of \
+         heights: whether the rounded cutters take them is not known"
     )]
     ThinRegions {
         /// Number of regions.
@@ -85,9 +86,9 @@ pub enum MoldWarning {
     },
     /// A surface in coarser pieces than it should have.
     #[error(
-        "the surface of what is left has more pieces than a computer holds with ease: its boundary is drawn as coarse as \
-         {fineness:.3} mm, and faces, areas of surfaces and lengths of segments are that rough; volumes and plan areas \
-         are as fine as ever"
+        "the surface of what is left has more pieces than a computer holds with ease: its boundary is drawn as coarse \
+         as {fineness:.3} mm, and faces, areas of surfaces and lengths of segments are that rough; volumes and plan \
+         areas are as fine as ever"
     )]
     CoarseSurface {
         /// Longest side of its smallest pieces (mm).

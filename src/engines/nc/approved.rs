@@ -115,12 +115,13 @@ pub enum NotApproved {
 }
 
 impl Approved {
-    /// Approves `path` on the strength of `certificate`, for the `blisk` at hand and the `electrode` that it is exported
-    /// with, in its final pose; both meshes in W.
+    /// Approves `path` on the strength of `certificate`, for the `blisk` at hand and the `electrode` that it is
+    /// exported with, in its final pose; both meshes in W.
     ///
     /// # Errors
-    /// [`NotApproved`] unless the certificate holds, proves a clearance above zero and axes within their travel, and was made for this very
-    /// path with this path's spark gap and for these very meshes, and the path is rounded as files are.
+    /// [`NotApproved`] unless the certificate holds, proves a clearance above zero and axes within their travel, and
+    /// was made for this very path with this path's spark gap and for these very meshes, and the path is rounded as
+    /// files are.
     pub fn new(path: FeedPath, certificate: Certificate, blisk: &Mesh, electrode: &Mesh) -> Result<Self, NotApproved> {
         let c = &certificate;
         if c.path_digest() != path.digest() || c.row_clearance().len() != path.rows.len() {
@@ -243,7 +244,8 @@ impl Approved {
         &self.path
     }
 
-    /// The side of the blisk, in W, that the electrode enters from, as the verifier found it: what the machine is turned by.
+    /// The side of the blisk, in W, that the electrode enters from, as the verifier found it: what the machine is
+    /// turned by.
     pub fn enters_from(&self) -> EntrySide {
         self.enters_from
     }

@@ -52,8 +52,8 @@ impl<'a> ApprovedFlank<'a> {
     /// Approves a flank on the strength of its checks.
     ///
     /// # Errors
-    /// [`NotApprovedFlank`] if a check fails that is not overridden by name for what it finds, if the checks are those of a
-    /// quick look, or if the path has no tool.
+    /// [`NotApprovedFlank`] if a check fails that is not overridden by name for what it finds, if the checks are those
+    /// of a quick look, or if the path has no tool.
     pub fn new(result: &'a FlankResult) -> Result<Self, NotApprovedFlank> {
         if let Some(failed) = result.why_blocked() {
             return Err(NotApprovedFlank::Checks(failed));

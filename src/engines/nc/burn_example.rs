@@ -10,8 +10,8 @@ use mold::electrode::params::{Method, Shape};
 const AS_IT_IS: Pose = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 
 impl BurnTable {
-    /// Two tables with everything that a template may meet: one where all is there that can be, and one with an electrode
-    /// in each state, of which two lack what may be missing.
+    /// Two tables with everything that a template may meet: one where all is there that can be, and one with an
+    /// electrode in each state, of which two lack what may be missing.
     pub(super) fn examples() -> [Self; 2] {
         let all = [ElectrodeState::Ok, ElectrodeState::Overridden, ElectrodeState::Blocked];
         let several = all.map(|state| electrode(state, state == ElectrodeState::Ok)).to_vec();

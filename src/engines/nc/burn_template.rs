@@ -1,7 +1,7 @@
 //! The burn table as text of any form, through a template that users edit.
 //!
-//! Templates are in the language of Jinja; they see the keys of `burn_table.json`. What they name and the table does not
-//! have is an error and no gap in the text, because burn sheets are read by machines too. Beside the filters of the
+//! Templates are in the language of Jinja; they see the keys of `burn_table.json`. What they name and the table does
+//! not have is an error and no gap in the text, because burn sheets are read by machines too. Beside the filters of the
 //! language there are
 //! - `fixed(decimals)`: a number with so many decimals, `-` where there is none;
 //! - `left(width)` and `right(width)`: text filled up with blanks.
@@ -76,8 +76,8 @@ impl BurnSheet {
         &self.name
     }
 
-    /// The template in `file`, tried on examples of all that a table may hold: electrodes take their time, and what is wrong
-    /// with their sheet should be known before.
+    /// The template in `file`, tried on examples of all that a table may hold: electrodes take their time, and what is
+    /// wrong with their sheet should be known before.
     ///
     /// # Errors
     /// [`TemplateError`] with the line.
@@ -164,7 +164,8 @@ fn explained(error: &Error, template: &str, name: &str) -> TemplateError {
     }
     let remedy = match error.kind() {
         ErrorKind::UndefinedError => {
-            "the names are those of the keys of burn_table.json, and of what may be none nothing can be had: ask before with if"
+            "the names are those of the keys of burn_table.json, and of what may be none nothing can be had: ask \
+             before with if"
         }
         ErrorKind::UnknownFilter => {
             "filters are fixed, left, right, and those of Jinja: join, upper, default and others"
@@ -216,7 +217,8 @@ mod tests {
     #[test]
     fn a_users_template_makes_a_format_of_its_own() {
         let template = "{% for e in electrodes if e.state != 'blocked' %}\n{% for b in e.burns %}\n\
-            ({{ e.name|left(5) }})X{{ b.x_mm|fixed(3) }} C{{ b.c_deg|fixed(1)|right(6) }} H{{ e.holder.name if e.holder }}\n\
+            ({{ e.name|left(5) }})X{{ b.x_mm|fixed(3) }} C{{ b.c_deg|fixed(1)|right(6) }} \
+            H{{ e.holder.name if e.holder }}\n\
             {% endfor %}\n{% endfor %}\nM30\n";
         let expected = "(E01  )X12.346 C  90.0 Hholder 25\n(E01  )X-1.000 C-135.0 Hholder 25\n\
                         (E02-finish)X0.000 C   0.0 H\nM30\n";

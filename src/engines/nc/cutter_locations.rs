@@ -9,8 +9,8 @@ use flank::machine::tool_path::{Section, ToolPath, ToolPathError};
 /// The longest remark line.
 const LONGEST_LINE: usize = 100;
 
-/// The APT text of the path that is milled: `GOTO/x,y,z,i,j,k` with the middle of the cutter's bottom and the unit vector
-/// to the spindle, both in the workpiece's frame.
+/// The APT text of the path that is milled: `GOTO/x,y,z,i,j,k` with the middle of the cutter's bottom and the unit
+/// vector to the spindle, both in the workpiece's frame.
 ///
 /// # Errors
 /// [`ToolPathError`] where the path has no tool.

@@ -1,7 +1,7 @@
 //! Electrodes as mesh files. Those with a check that fails are left out, unless the user overrode it by name.
 //!
-//! A file holds an electrode in its own axes: the origin is the middle of its base's underside, the tips reach down along
-//! -Z. Its name says what a shop needs to know of it, as in `E01_finish_g0.05_copper_x1.stl`.
+//! A file holds an electrode in its own axes: the origin is the middle of its base's underside, the tips reach down
+//! along -Z. Its name says what a shop needs to know of it, as in `E01_finish_g0.05_copper_x1.stl`.
 
 use std::path::PathBuf;
 
@@ -157,8 +157,8 @@ pub fn why_blocked(set: &ElectrodeSet, electrode: usize) -> Option<String> {
     Some(format!("{}; correct it, or release it by its name, {}", told.join("; "), set.electrodes[electrode].name))
 }
 
-/// Names of the electrodes' files without their endings, all different even where small and large letters are the same; those
-/// of one body have one.
+/// Names of the electrodes' files without their endings, all different even where small and large letters are the same;
+/// those of one body have one.
 pub fn file_stems(set: &ElectrodeSet) -> Vec<String> {
     let mut stems: Vec<String> = Vec::new();
     for e in 0..set.electrodes.len() {

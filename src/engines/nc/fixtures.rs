@@ -1,5 +1,5 @@
-//! A box that is fed past a wall, with its certificate, copying motion and simulation, all of them really verified, and a
-//! made-up report: for the tests of this floor.
+//! A box that is fed past a wall, with its certificate, copying motion and simulation, all of them really verified, and
+//! a made-up report: for the tests of this floor.
 
 use std::sync::OnceLock;
 
@@ -26,8 +26,8 @@ pub fn path() -> FeedPath {
     Scene::new(EntrySide::MinusX).path
 }
 
-/// The certificate of `path` in the scene from -X: of [`path`] it holds, and its least clearance of 0.1032 mm is 3 mm before
-/// the final pose.
+/// The certificate of `path` in the scene from -X: of [`path`] it holds, and its least clearance of 0.1032 mm is 3 mm
+/// before the final pose.
 pub fn certificate(path: &FeedPath) -> Certificate {
     static OF_PATH: OnceLock<Certificate> = OnceLock::new();
     let scene = Scene::new(EntrySide::MinusX);

@@ -1,4 +1,5 @@
-//! The lines of an NC program in the manner of a post: numbered blocks, comments, and the longest line; and why there are none.
+//! The lines of an NC program in the manner of a post: numbered blocks, comments, and the longest line; and why there
+//! are none.
 
 use super::post::Post;
 use feed::machine::BeyondTravel;
@@ -35,7 +36,8 @@ pub enum NcError {
     },
     /// The feed of a block is rounded to 0.
     #[error(
-        "the F word of block {block} would be 0 with its {decimals} decimals; raise the feed or the decimals of the post"
+        "the F word of block {block} would be 0 with its {decimals} decimals; raise the feed or the decimals of the \
+         post"
     )]
     FeedTooSlow {
         /// Number of the block.

@@ -1,4 +1,4 @@
-//! NC dialects as data: a post is a TOML file that says how a control wants its words written.
+//! Posts: NC dialects as data. A post is a TOML file that describes how a control wants its words written.
 //!
 //! Built-in posts are compiled in from `assets/posts`; a file of the same name in a user folder takes their place.
 
@@ -11,16 +11,16 @@ use feed::quantise::{DEG_DECIMALS, MM_DECIMALS};
 use files::{FileError, Invalid, TomlFile, Validate};
 
 /// The posts that come with the program: name and text.
-pub const BUILT_IN: [(&str, &str); 2] = [
+pub const BUILT_IN: &[(&str, &str)] = &[
     ("iso", include_str!("../../../assets/posts/iso.toml")),
     ("beckhoff-edm", include_str!("../../../assets/posts/beckhoff-edm.toml")),
 ];
 
-/// Extensions of the other files that are written and read: a program may not be taken for one of them, nor take its
-/// place.
+/// Extensions of other files that the program reads or writes. A program must not have one of them, to be neither
+/// confused with such a file nor written over it.
 const OTHER_RESULTS: [&str; 10] = ["csv", "stl", "obj", "png", "json", "html", "toml", "cl", "old", "sparkpath"];
 
-/// Why a post cannot be used.
+/// Reason why a post cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum PostError {
     /// No post has this name.
@@ -40,7 +40,7 @@ pub enum PostError {
 /// Files of posts.
 const POST: TomlFile<Post> = TomlFile::new("post");
 
-/// How the F word gives the speed of a block.
+/// Meaning of the number in the F word.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FeedMode {
@@ -60,14 +60,14 @@ pub struct FeedWords {
     pub mode: FeedMode,
     /// The word that switches this mode on, e.g. `G94`.
     pub word: String,
-    /// The word for feed per minute, in which the first position is approached: where that starts is not known,
-    /// so its time cannot be given.
+    /// The word for feed per minute, used to approach the first position: the start of that motion is unknown, so its
+    /// time cannot be given.
     pub approach_word: String,
     /// Decimals of the F word.
     pub decimals: usize,
 }
 
-/// How comments are marked.
+/// Marks of a comment.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CommentStyle {
@@ -81,9 +81,9 @@ pub struct CommentStyle {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Decimals {
-    /// Of lengths (mm).
+    /// Decimals of lengths (mm).
     pub mm: usize,
-    /// Of angles (degrees).
+    /// Decimals of angles (degrees).
     pub deg: usize,
 }
 
@@ -99,7 +99,7 @@ pub struct BlockNumbers {
     pub last: u32,
 }
 
-/// One axis word.
+/// An axis word.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisWord {
@@ -107,26 +107,27 @@ pub struct AxisWord {
     pub axis: Axis,
     /// Address on the control, e.g. `X`.
     pub word: String,
-    /// Whether the machine counts this axis the other way round.
+    /// Whether the machine counts this axis in the opposite sense.
     #[serde(default)]
     pub reversed: bool,
 }
 
-/// The words of a control that follows the tool's tip. The number of the length offset is written behind as `H1`.
+/// Words of a control that follows the tool's tip. The number of the length offset follows as `H1`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TipWords {
-    /// The word after which X Y Z are the tip and the rotary axes are given, e.g. `G43.4`; none if the control has none.
+    /// The word after which X Y Z are the tip and the rotary axes are given, e.g. `G43.4`; none if the control has
+    /// none.
     #[serde(default)]
     pub angles: Option<String>,
     /// The word after which X Y Z are the tip and I J K the tool's direction, e.g. `G43.5`; none if it has none.
     #[serde(default)]
     pub vector: Option<String>,
-    /// The word that ends it, e.g. `G49`.
+    /// The word that ends the mode, e.g. `G49`.
     pub off: String,
 }
 
-/// How a control wants its program written.
+/// Description of the programs of a control.
 ///
 /// Lines of `program_start`, `safe_start`, `burn`, `safe_end`, `program_end` and `dwell` may hold the
 /// placeholders `{program}` (name of the program) and `{seconds}` (dwell).
@@ -137,7 +138,7 @@ pub struct Post {
     pub title: String,
     /// File name extension without the dot.
     pub extension: String,
-    /// Longest line the control takes, without the line end (characters).
+    /// Longest line that the control accepts, without the line end (characters).
     pub max_line_length: usize,
     /// Whether lines end with CR LF instead of LF.
     pub crlf: bool,
@@ -149,7 +150,7 @@ pub struct Post {
     pub exact_path: String,
     /// Blocks before the first motion, with the electrode clear of the blisk.
     pub safe_start: Vec<String>,
-    /// Blocks in the final pose: where the burn is to be put.
+    /// Blocks in the final pose, for the burn.
     pub burn: Vec<String>,
     /// The dwell block, written after `burn` when a dwell is asked for.
     pub dwell: String,
@@ -161,25 +162,25 @@ pub struct Post {
     pub linear: String,
     /// The F word.
     pub feed: FeedWords,
-    /// How comments are marked.
+    /// Marks of comments.
     pub comment: CommentStyle,
     /// Decimals of coordinates.
     pub decimals: Decimals,
-    /// Numbering of blocks; none without it.
+    /// Numbering of blocks; none if blocks have no numbers.
     #[serde(default)]
     pub block_numbers: Option<BlockNumbers>,
-    /// How the control is told to follow the tool's tip; it does not know how without it.
+    /// Words for following the tool's tip; none if the control cannot do that.
     #[serde(default)]
     pub tip_control: Option<TipWords>,
-    /// Axis words in the order they are written.
+    /// Axis words in the order of writing.
     pub axes: Vec<AxisWord>,
 }
 
 impl Post {
-    /// The built-in post of this name, or the one in this file if it ends in `.toml`.
+    /// The built-in post of this name, or the post in this file if the name ends in `.toml`.
     ///
     /// # Errors
-    /// [`PostError`] when there is no such post or its file is not one.
+    /// [`PostError`] if there is no such post, or its file is wrong.
     pub fn named(name: &str) -> Result<Self, PostError> {
         if !name.ends_with(".toml") {
             return Self::load(name, None);
@@ -194,7 +195,8 @@ impl Post {
     pub fn load(name: &str, user_folder: Option<&Path>) -> Result<Self, PostError> {
         // A name is a file name here, never a way out of the folder.
         let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
-        let unknown = || PostError::Unknown { name: name.to_owned(), known: BUILT_IN.map(|(n, _)| n).to_vec() };
+        let unknown =
+            || PostError::Unknown { name: name.to_owned(), known: BUILT_IN.iter().map(|(n, _)| *n).collect() };
         if !plain {
             return Err(unknown());
         }
@@ -206,7 +208,7 @@ impl Post {
         Self::from_toml(text, name)
     }
 
-    /// Reads a post; `origin` (file or name) goes into error messages.
+    /// Reads a post. `origin` (file or name) is named in errors.
     ///
     /// # Errors
     /// [`PostError`] naming the key.

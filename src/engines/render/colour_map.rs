@@ -127,8 +127,8 @@ impl Legend {
         if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) }
     }
 
-    /// Round values to write beside the bar, from `min` to `max`, about `count` of them; of a map with a middle its ends,
-    /// the middle and, where there is room, what lies half way.
+    /// Round values to write beside the bar, from `min` to `max`, about `count` of them; of a map with a middle its
+    /// ends, the middle and, where there is room, what lies half way.
     pub fn ticks(&self, count: usize) -> Vec<f64> {
         let span = self.max - self.min;
         if !(span > 0.0 && span.is_finite()) || count == 0 {

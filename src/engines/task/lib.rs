@@ -1,7 +1,7 @@
-//! Long computations: how one says where it stands and is told to stop, and who makes what is asked for and remembers it.
+//! Long computations: progress, cancelling, and values that are computed in the background and remembered.
 //!
-//! A job is a pure function of its inputs and a [`Task`], which may be shared between threads. A [`Memo`] runs such jobs
-//! on the two threads of a [`Scheduler`] and keeps what they answer.
+//! A job is a pure function of its inputs and a [`Task`], which may be shared between threads. A [`Memo`] runs such
+//! jobs on the two threads of a [`Scheduler`] and keeps what they answer.
 
 mod memo;
 mod scheduler;
@@ -14,17 +14,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub use memo::{Doing, Ended, Memo, Refusal, Same, State, Work};
 pub use scheduler::{Lane, Priority, Scheduler};
 
-/// The answer of a computation that was told to stop.
+/// The result of a computation that was cancelled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]
 pub struct Cancelled;
 
-/// A flag that many may raise and the computation looks at, at least every 50 ms of work.
+/// A flag that cancels computations. Every computation looks at the flag at least every 50 ms of work.
 #[derive(Debug, Clone, Default)]
 pub struct Cancel(Arc<AtomicBool>);
 
 impl Cancel {
-    /// Asks every computation that holds this flag to stop.
+    /// Tells every computation that holds this flag to stop.
     pub fn cancel(&self) {
         self.0.store(true, Ordering::Relaxed);
     }
@@ -43,9 +43,9 @@ impl Cancel {
 /// One report of progress.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Update<'a> {
-    /// What is being done, e.g. `"distance field"`.
+    /// Name of the stage, e.g. `"distance field"`.
     pub stage: &'a str,
-    /// How much of the stage is done, 0 to 1.
+    /// Share of the stage that is done, 0 to 1.
     pub fraction: f64,
     /// Detail for the reader, may be empty.
     pub message: &'a str,
@@ -53,7 +53,7 @@ pub struct Update<'a> {
 
 type Sink = dyn Fn(&Update) + Send + Sync;
 
-/// Where a computation reports to.
+/// Receiver of the progress of a computation.
 #[derive(Clone)]
 pub struct Progress(Arc<Sink>);
 
@@ -82,23 +82,23 @@ impl Default for Progress {
     }
 }
 
-/// What every job is given: where it reports to, and what tells it to stop. The default reports to nobody and is never
-/// told to stop.
+/// What every job is given: a receiver of progress and a flag that cancels the job. The default reports to nobody and
+/// is never cancelled.
 #[derive(Clone, Default)]
 pub struct Task {
-    /// Where the job says how far it is.
+    /// Receiver of the job's progress.
     pub progress: Progress,
-    /// Looked at at least every 50 ms of work.
+    /// Flag that cancels the job.
     pub cancel: Cancel,
 }
 
 impl Task {
-    /// Reports to nobody and stops when `cancel` is raised.
+    /// A task that reports to nobody and stops when `cancel` is raised.
     pub fn silent(cancel: &Cancel) -> Self {
         Self { progress: Progress::default(), cancel: cancel.clone() }
     }
 
-    /// A part of the job, whose stages are all called `stage`.
+    /// A task for a part of the job, whose stages are all called `stage`.
     pub fn as_stage(&self, stage: &'static str) -> Self {
         Self { progress: self.progress.as_stage(stage), cancel: self.cancel.clone() }
     }
@@ -108,7 +108,7 @@ impl Task {
         self.progress.report(stage, fraction, message);
     }
 
-    /// `Err(Cancelled)` once the job is told to stop, for use with `?`.
+    /// `Err(Cancelled)` once the job is cancelled, for use with `?`.
     pub fn check(&self) -> Result<(), Cancelled> {
         self.cancel.check()
     }

@@ -1,4 +1,4 @@
-//! Values that are computed for keys, and what is known of them.
+//! Values that are computed for keys in the background, and their state.
 
 use std::any::Any;
 use std::collections::VecDeque;
@@ -10,37 +10,37 @@ use std::time::{Duration, Instant};
 use crate::scheduler::{Job, JobId, Lane, Priority, Queue, Scheduler};
 use crate::{Cancel, Progress, Task};
 
-/// What is known of a key: the first of these that holds.
+/// State of a key: the first of these that holds.
 ///
 /// 1. **Running**: work for the key waits or runs.
-/// 2. **Ready**: the value of the key is remembered. A value is a fact: an attempt to make it once more that failed or was
-///    cancelled does not take it away.
+/// 2. **Ready**: the value of the key is remembered. A value is a fact: an attempt to make it once more that failed or
+///    was cancelled does not take it away.
 /// 3. **Failed** or **Cancelled**: the last attempt ended so. It does not begin again by itself, only by
 ///    [`Memo::restart`], or by [`Memo::resume`] and asking again.
 /// 4. **Stale**: nothing is known of the key, but a value of another key is.
 /// 5. **Missing**: nothing is known at all.
 ///
 /// The state does not choose what is shown. In every state [`Memo::get`] answers the key's own value and nothing else,
-/// [`Memo::last`] the value that was made or asked for last, whatever its key, and [`Memo::partial`] what the latest work for
-/// the key has found so far. Whoever shows the value of another key has asked for just that.
+/// [`Memo::last`] the value that was made or asked for last, whatever its key, and [`Memo::partial`] what the latest
+/// work for the key has found so far. Whoever shows the value of another key has asked for just that.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum State {
-    /// Nothing, and no value of another key either.
+    /// No value of any key is known.
     Missing,
-    /// Work for it waits or runs.
+    /// Work for the key waits or runs.
     Running,
-    /// Value.
+    /// The value of the key is remembered.
     Ready,
-    /// Nothing; there is a value of another key.
+    /// A value of another key is remembered, none of this key.
     Stale,
-    /// There is no value: one line why.
+    /// Work for the key failed: one line with the reason.
     Failed(String),
-    /// The user cancelled its work.
+    /// The user cancelled work for the key.
     Cancelled,
 }
 
 impl State {
-    /// Why there is no value although work for it has ended: in one line.
+    /// One line with the reason why work ended without a value.
     pub fn why_not(&self) -> Option<&str> {
         match self {
             Self::Failed(why) => Some(why),
@@ -50,42 +50,42 @@ impl State {
     }
 }
 
-/// Why work ended without a value.
+/// Reason why work ended without a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Refusal {
-    /// Work that could not be done: one line for the user.
+    /// The work failed: one line for the user.
     Failed(String),
-    /// The user cancelled it.
+    /// The user cancelled the work.
     Cancelled,
 }
 
-/// How work has ended.
+/// The end of a piece of work.
 #[derive(Debug)]
 pub struct Ended<K, V> {
     /// Key that the work was done for.
     pub key: K,
-    /// What came out.
+    /// Value, or reason why there is none.
     pub result: Result<Arc<V>, Refusal>,
-    /// How long it ran.
+    /// Time that the work ran.
     pub took: Duration,
 }
 
-/// What is being worked on.
+/// Work under way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Doing {
     /// Name of the memo that the work is for.
     pub what: &'static str,
-    /// What is being done, in the words of the computation: "waiting" before it begins, and then empty at first.
+    /// Stage of the computation: "waiting" before the work begins, then empty at first.
     pub stage: String,
-    /// How much of the stage is done, 0 to 1.
+    /// Share of the stage that is done, 0 to 1.
     pub fraction: f64,
     /// Detail, may be empty.
     pub message: String,
-    /// Whether it has not begun yet.
+    /// Whether the work has not begun yet.
     pub is_waiting: bool,
-    /// When it began, or was asked for.
+    /// Time when the work began, or was asked for.
     pub since: Instant,
-    /// When the stage began.
+    /// Time when the stage began.
     pub stage_since: Instant,
 }
 
@@ -95,7 +95,7 @@ impl Doing {
         Self { what, stage, fraction: 0.0, message: String::new(), is_waiting, since: now, stage_since: now }
     }
 
-    /// Time that the stage will still take if it goes on as it did; none while that cannot be told.
+    /// Time that the stage will still take at its present pace; none while that is unknown.
     pub fn time_left(&self) -> Option<Duration> {
         let spent = self.stage_since.elapsed();
         let is_known = self.fraction > 0.03 && self.fraction < 1.0 && spent > Duration::from_millis(500);
@@ -103,15 +103,15 @@ impl Doing {
     }
 }
 
-/// What work reports to, and what tells it to stop.
+/// What a piece of work is given: its task and a receiver of partial results.
 pub struct Work<P> {
-    /// What the job is given.
+    /// Progress and cancelling.
     pub task: Task,
     partial: Box<dyn Fn(P) + Send + Sync>,
 }
 
 impl<P> Work<P> {
-    /// Says what has been found so far; takes the place of what was said before.
+    /// Reports a partial result, which replaces the one before.
     pub fn partial(&self, found: P) {
         (self.partial)(found);
     }
@@ -195,21 +195,21 @@ struct Next<K, V, P> {
     work: Attempt<V, P>,
 }
 
-/// Values by their keys: those that are remembered, and one that is being made.
+/// Values by their keys: remembered values, and one that is being computed.
 ///
-/// A key holds all that the value depends on. What depends on the value of another memo has in its key what tells that value
-/// from any other: a fingerprint, or the value itself as [`Same`].
+/// A key holds everything that its value depends on. A value that depends on another memo's value has a fingerprint of
+/// that value in its key, or the value itself as [`Same`].
 ///
-/// Work is a function of what it has captured, and must not wait for another memo.
-/// The latest key wins: work for another one is cancelled. What has happened since is taken in by [`take`](Self::take), to be
-/// called once a frame; nothing else changes what the memo answers, but for asking and cancelling.
+/// Work is a function of what it has captured, and must not wait for another memo. The latest key wins: work for
+/// another key is cancelled. The memo changes its answers only in [`take`](Self::take), which is called once a frame,
+/// and where values are asked for or cancelled.
 pub struct Memo<K, V, P = ()> {
     queue: Arc<Queue>,
     lane: Lane,
     what: &'static str,
     remembered: usize,
     lets_finish: bool,
-    /// Remembered values; the one that was made or asked for last comes last.
+    /// Remembered values; the one computed or asked for last comes last.
     values: Vec<(K, Arc<V>)>,
     refusals: Vec<(K, Refusal)>,
     run: Option<Run<K>>,
@@ -222,7 +222,7 @@ pub struct Memo<K, V, P = ()> {
 }
 
 impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
-    /// Knows nothing yet. `what` names it to the user.
+    /// An empty memo. `what` is the name shown to the user.
     pub fn new(scheduler: &Scheduler, lane: Lane, what: &'static str) -> Self {
         let (sender, messages) = channel();
         Self {
@@ -243,20 +243,21 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         }
     }
 
-    /// Remembers so many values, at least one, and forgets first what was not asked for the longest.
+    /// Sets the number of remembered values, at least 1. The value that was not asked for the longest is forgotten
+    /// first.
     pub fn remembering(mut self, values: usize) -> Self {
         self.remembered = values.max(1);
         self
     }
 
-    /// Lets work for an earlier key come to its end; that for the latest key begins after it. For previews, of which none
-    /// would ever be seen while a slider moves if each change cancelled the last.
+    /// Lets work for an earlier key finish before work for the latest key begins. This is for previews: if each change
+    /// of a slider cancelled the last preview, none would ever be seen.
     pub fn letting_finish(mut self) -> Self {
         self.lets_finish = true;
         self
     }
 
-    /// What is known of `key`.
+    /// State of `key`.
     pub fn state(&self, key: &K) -> State {
         let is_next = self.next.as_ref().is_some_and(|next| next.key == *key);
         if is_next || self.run.as_ref().is_some_and(|run| run.key == *key) {
@@ -278,27 +279,28 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         self.values.iter().find(|(of, _)| of == key).map(|(_, value)| value)
     }
 
-    /// The value that was made or asked for last, and its key.
+    /// The value that was computed or asked for last, with its key.
     pub fn last(&self) -> Option<(&K, &Arc<V>)> {
         self.values.last().map(|(of, value)| (of, value))
     }
 
-    /// What the latest work has found so far, if it is for `key`: while it runs, and after it failed or was cancelled.
+    /// Partial result of the latest work, if that is for `key`. The result stays after the work failed or was
+    /// cancelled.
     pub fn partial(&self, key: &K) -> Option<&P> {
         self.partial.as_ref().filter(|(of, _)| of == key).map(|(_, found)| found)
     }
 
-    /// What is being worked on.
+    /// Work under way.
     pub fn doing(&self) -> Option<&Doing> {
         self.run.as_ref().map(|run| &run.doing)
     }
 
-    /// The key that work waits or runs for.
+    /// Key that work waits or runs for.
     pub fn under_way(&self) -> Option<&K> {
         self.run.as_ref().map(|run| &run.key)
     }
 
-    /// Whether [`ask`](Self::ask) would begin work for `key`: worth asking where what the work captures is large.
+    /// Whether [`ask`](Self::ask) would begin work for `key`. Check this first where the work captures large values.
     pub fn wants(&self, key: &K) -> bool {
         matches!(self.state(key), State::Missing | State::Stale)
     }
@@ -308,7 +310,8 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         self.run.is_some()
     }
 
-    /// Wants the value of `key`: `work` makes it unless it is known, is being made, could not be made or was cancelled.
+    /// Asks for the value of `key`. `work` computes the value unless the value is known, is being computed, or the last
+    /// attempt failed or was cancelled.
     pub fn ask(
         &mut self,
         key: &K,
@@ -323,7 +326,7 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         self.state(key)
     }
 
-    /// Has `work` make the value of `key` at the user's wish, whatever is known of it.
+    /// Computes the value of `key` by `work` at the user's wish, whatever the state of the key.
     pub fn restart(
         &mut self,
         key: &K,
@@ -334,13 +337,13 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         self.begin(key, priority, Box::new(work));
     }
 
-    /// Forgets that work for `key` failed or was cancelled: it begins when it is asked for again.
+    /// Forgets that work for `key` failed or was cancelled, so that the work begins when the key is asked for again.
     pub fn resume(&mut self, key: &K) {
         self.refusals.retain(|(of, _)| of != key);
     }
 
-    /// Turns to `key` without asking for work: work for any other is of no use any more, and the value of this one, if it is
-    /// remembered, becomes the last one.
+    /// Turns to `key` without asking for work: cancels work for other keys, and makes the value of `key`, if
+    /// remembered, the last one.
     pub fn turn_to(&mut self, key: &K) {
         self.receive();
         self.next.take_if(|next| next.key != *key);
@@ -352,7 +355,7 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         }
     }
 
-    /// Gives what waits or runs another priority.
+    /// Changes the priority of the work that waits or runs.
     pub fn prioritise(&mut self, priority: Priority) {
         if let Some(next) = &mut self.next {
             next.priority = priority;
@@ -363,7 +366,7 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         }
     }
 
-    /// Cancels what waits or runs, at the user's wish: it does not begin again by itself.
+    /// Cancels the work that waits or runs at the user's wish. The work does not begin again by itself.
     pub fn cancel(&mut self) {
         if let Some(next) = self.next.take() {
             self.refuse(next.key, Refusal::Cancelled);
@@ -374,14 +377,14 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         }
     }
 
-    /// Takes `value` for that of `key`, such as one that was saved.
+    /// Remembers `value` as the value of `key`, for example one that was saved.
     pub fn put(&mut self, key: &K, value: Arc<V>) {
         self.receive();
         self.remember(key.clone(), value);
     }
 
-    /// Cancels what waits or runs because nobody wants it any more. It may be asked for again, unless the user had
-    /// cancelled it already.
+    /// Cancels the work that waits or runs because its value is not needed any more. The work may be asked for again,
+    /// unless the user has cancelled it before.
     pub fn stop(&mut self) {
         self.next = None;
         let Some(run) = self.run.take() else { return };
@@ -391,7 +394,7 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         }
     }
 
-    /// Forgets everything, and cancels what runs.
+    /// Forgets all values and cancels the work that runs.
     pub fn clear(&mut self) {
         self.stop();
         self.partial = None;
@@ -400,7 +403,7 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
         self.ended.clear();
     }
 
-    /// Takes in what has happened. Answers, one after the other, how work has ended that was not superseded.
+    /// Takes in finished work. Returns the ends of work that was not superseded, one for each call.
     pub fn take(&mut self) -> Option<Ended<K, V>> {
         self.receive();
         self.ended.pop_front()
@@ -490,7 +493,7 @@ impl<K, V, P> Drop for Memo<K, V, P> {
     }
 }
 
-/// A shared value as a part of a key: two are the same if they are one, not if they are alike.
+/// A shared value as a part of a key: two are equal if they are the same object, not if their contents are equal.
 #[derive(Debug)]
 pub struct Same<T>(pub Arc<T>);
 

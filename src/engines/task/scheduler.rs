@@ -1,4 +1,4 @@
-//! Two threads that all [memos](crate::Memo) of the program share; how they are shared is told at [`Scheduler`].
+//! The two threads that all [memos](crate::Memo) of the program share; [`Scheduler`] explains how.
 
 use std::cell::Cell;
 use std::cmp::Reverse;
@@ -7,31 +7,31 @@ use std::thread::JoinHandle;
 
 use crate::Cancel;
 
-/// Thread that work is done on.
+/// Thread that work runs on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Lane {
-    /// At most a few seconds: files that are read or written, a preview while a slider moves, colours.
+    /// Work of at most a few seconds: reading and writing files, previews, colours.
     Quick,
-    /// Anything longer: plans, simulations, searches for what is left uncut.
+    /// Longer work: plans, simulations, searches for uncut regions.
     Long,
 }
 
-/// What comes first in a lane, before what waits and before what runs.
+/// Priority of work within a lane, over waiting and running work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Priority {
-    /// What goes on beside everything else, such as a table of sizes.
+    /// Work in the background, such as a table of sizes.
     Background,
-    /// Wanted, but not seen at the moment, such as the plan of a workspace that is not shown.
+    /// Work for what is not visible at the moment, such as the plan of a workspace that is not shown.
     Normal,
-    /// What the user looks at.
+    /// Work for what the user looks at.
     Shown,
 }
 
-/// Work as the scheduler sees it.
+/// A piece of work.
 pub(crate) trait Job: Send {
-    /// Works, until it is done or told to stop.
+    /// Runs until the work is done or cancelled.
     fn run(self: Box<Self>, cancel: &Cancel);
-    /// Takes note that there will be no result.
+    /// Notes that there will be no result.
     fn give_up(self: Box<Self>);
 }
 
@@ -67,7 +67,7 @@ struct Jobs {
 }
 
 impl Jobs {
-    /// Takes out what the thread of `lane` does next, if it comes before work of the priority `than`.
+    /// Takes out the next job of `lane`, if its priority is higher than `than`.
     fn next(&mut self, lane: Lane, than: Option<Priority>) -> Option<(Waiting, Cancel)> {
         let is_shown = |w: &Waiting| w.priority == Priority::Shown;
         let is_mine = |w: &Waiting| match (w.lane, lane) {
@@ -85,7 +85,7 @@ impl Jobs {
     }
 }
 
-/// What scheduler, threads and memos share.
+/// Shared state of scheduler, threads and memos.
 pub(crate) struct Queue {
     jobs: Mutex<Jobs>,
     changed: Condvar,
@@ -98,7 +98,7 @@ impl Queue {
         self.jobs.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Tells the program that there is something new.
+    /// Wakes the program to take in news.
     pub(crate) fn wake(&self) {
         (self.wake)();
     }
@@ -138,7 +138,7 @@ impl Queue {
         }
     }
 
-    /// Does, in the midst of the work of this thread, what has come to wait and is of a higher priority than that.
+    /// Runs waiting work of a higher priority within the present work of this thread.
     pub(crate) fn let_pass(&self) {
         let Some((lane, id)) = HERE.get() else { return };
         loop {
@@ -182,30 +182,28 @@ impl Queue {
     }
 }
 
-/// Does the work of all memos. Dropping it stops what runs and waits for the end of its threads; what is asked of a memo
-/// after that counts as cancelled.
+/// Runs the work of all memos. Dropping the scheduler stops the work and waits for the end of its threads; later
+/// requests to a memo count as cancelled.
 ///
-/// **How many threads.** Heavy work is parallel inside, on the pool of rayon, which has one thread for each core. What
-/// starts such work only waits for it, so that two more threads are enough: one for each [`Lane`]. Together cores + 2
-/// threads stand, however many memos there are. Work is not started on rayon's own threads: one of them that waits for a
-/// part of a preview could steal a whole plan and keep the preview until that is made.
+/// **How many threads.** Heavy work is parallel inside, on rayon's pool, which has one thread for each core. The code
+/// that starts such work only waits for the pool, so two more threads suffice: one for each [`Lane`]. The program has
+/// cores + 2 threads, however many memos there are. Work does not start on rayon's own threads: a thread of the pool
+/// that waits for a part of a preview could take up a whole plan and delay the preview until the plan is done.
 ///
-/// **Who comes first.** Quick work never waits for long work. While the thread of long work is free, that does the quick
-/// work that the user looks at, on all cores. All other quick work is done by its own thread, without rayon's pool: what
-/// is given to the pool while long work runs waits until that leaves it a thread, which may take seconds. Within a lane
-/// the higher [`Priority`] comes first, and of equals the one that was submitted first. Running work lets what is of a
-/// higher priority pass: whenever it reports [`Progress`](crate::Progress) on the thread of its lane, which it does
-/// between its parallel stages, that is done first, there and then, and the work goes on after it. So it holds no lock
-/// while it
-/// reports.
+/// **Which work comes first.** Quick work never waits for long work. While the thread of long work is free, this thread
+/// does the quick work that the user looks at, on all cores. All other quick work is done by its own thread, without
+/// rayon's pool: work given to the pool waits until long work leaves a thread free, which may take seconds. Within a
+/// lane the higher [`Priority`] comes first, and among equals the work submitted first. Running work lets work of a
+/// higher priority pass whenever it reports [`Progress`](crate::Progress) on the thread of its lane, which happens
+/// between parallel stages. Work must therefore hold no lock while it reports.
 pub struct Scheduler {
     queue: Arc<Queue>,
     threads: Vec<JoinHandle<()>>,
 }
 
 impl Scheduler {
-    /// Starts a thread for each lane, and names those of rayon's pool ("pool 0") unless it stands already. `wake` is
-    /// called from any thread whenever there is something for a memo to [take in](crate::Memo::take).
+    /// Starts a thread for each lane, and names the threads of rayon's pool ("pool 0") unless the pool exists already.
+    /// `wake` is called from any thread whenever a memo has news to [take in](crate::Memo::take).
     ///
     /// # Errors
     /// If the system gives no thread.
@@ -228,13 +226,13 @@ impl Scheduler {
         Ok(scheduler)
     }
 
-    /// Without threads, for tests: work is done by [`run_next`](Self::run_next).
+    /// A scheduler without threads, for tests: [`run_next`](Self::run_next) does the work.
     pub fn manual(wake: impl Fn() + Send + Sync + 'static) -> Self {
         let queue = Queue { jobs: Mutex::default(), changed: Condvar::new(), wake: Box::new(wake) };
         Self { queue: Arc::new(queue), threads: Vec::new() }
     }
 
-    /// Does here what the thread of `lane` would do next. Answers whether there was anything to do.
+    /// Runs the next job of `lane` here. Returns whether there was one.
     pub fn run_next(&self, lane: Lane) -> bool {
         let next = self.queue.lock().next(lane, None);
         let is_any = next.is_some();

@@ -473,8 +473,8 @@ fn a_shared_value_is_the_same_as_itself_alone() {
     assert!(Same(a.clone()) == Same(a.clone()) && Same(a) != Same(b));
 }
 
-/// Whatever is asked, cancelled and run in whatever order: a value is that of its key, no more are remembered than may be,
-/// one piece of work at most is under way, and in the end nothing is.
+/// Whatever is asked, cancelled and run in whatever order: a value is that of its key, no more are remembered than may
+/// be, one piece of work at most is under way, and in the end nothing is.
 #[test]
 fn laws_that_hold_after_any_history() {
     let mut seed = 1_u64;

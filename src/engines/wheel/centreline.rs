@@ -1,9 +1,10 @@
 //! The centreline of a channel (P1): in each section circles inscribed between the two walls, their centres joined, the
 //! middle of all sections, and a NURBS curve through it.
 //!
-//! A section is the curve of both walls at the same share of the height. It is unrolled into a plane of meridional length
-//! and of arc length at its mean radius, where the circles are found. Their centres are taken back to space by the true
-//! places of the two points of contact, so that unrolling costs an error of second order along the channel only.
+//! A section is the curve of both walls at the same share of the height. It is unrolled into a plane of meridional
+//! length and of arc length at its mean radius, where the circles are found. Their centres are taken back to space by
+//! the true places of the two points of contact, so that unrolling costs an error of second order along the channel
+//! only.
 
 use glam::DVec3;
 use serde::Serialize;
@@ -372,7 +373,8 @@ impl CentrelineSummary {
         Self::of_walls(&walls, [channel.low.side, channel.high.side], mesh, cancel)
     }
 
-    /// The figures of a low and a high wall, which are these sides of their blades; the blisk `mesh` is in the same frame.
+    /// The figures of a low and a high wall, which are these sides of their blades; the blisk `mesh` is in the same
+    /// frame.
     ///
     /// # Errors
     /// [`CentrelineError`].
@@ -401,8 +403,8 @@ impl CentrelineSummary {
 mod tests {
     use super::*;
 
-    /// Half of a round bore of radius `radius` about `axis`, its middle line at (sine, cosine) 0: `side` -1 is the wall of
-    /// smaller theta. `axis` gives place and sideways direction at a share of the length.
+    /// Half of a round bore of radius `radius` about `axis`, its middle line at (sine, cosine) 0: `side` -1 is the wall
+    /// of smaller theta. `axis` gives place and sideways direction at a share of the length.
     fn half_bore(axis: impl Fn(f64) -> [DVec3; 2], radius: f64, side: f64, nu: usize, nv: usize) -> NurbsWall {
         let angle = |v: usize| 1.4 * (2.0 * v as f64 / (nv - 1) as f64 - 1.0);
         let mut points = Vec::new();

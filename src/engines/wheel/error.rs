@@ -16,8 +16,8 @@ pub enum BliskError {
     Mesh(String),
     /// Only a part of a blisk.
     #[error(
-        "the mesh is no whole blisk: its surface covers only about {covered_deg:.0} of 360 degrees around the axis {axis}; \
-         load the whole blisk, or give the right axis with blisk.axis"
+        "the mesh is no whole blisk: its surface covers only about {covered_deg:.0} of 360 degrees around the axis \
+         {axis}; load the whole blisk, or give the right axis with blisk.axis"
     )]
     Partial {
         /// Angle that the surface covers (deg).
@@ -89,8 +89,8 @@ pub enum BliskError {
     },
     /// The walls could not be followed over the whole channel.
     #[error(
-        "the channel's walls were lost at x {x:.3}, r {r:.3} mm about the axis, where the blades do not bound it on both \
-         sides; bound the channel with blisk.hub_radius_mm and blisk.shroud_radius_mm"
+        "the channel's walls were lost at x {x:.3}, r {r:.3} mm about the axis, where the blades do not bound it on \
+         both sides; bound the channel with blisk.hub_radius_mm and blisk.shroud_radius_mm"
     )]
     LostWall {
         /// Where (mm along the axis).

@@ -54,8 +54,8 @@ impl Passage {
         Self { low: Looked::new(low), high: Looked::new(high) }
     }
 
-    /// Up to `count` circles in order along the covered part of the passage, where a circle has a point of contact on both
-    /// curves: as many as fit, at least half of them. None where there is no such part.
+    /// Up to `count` circles in order along the covered part of the passage, where a circle has a point of contact on
+    /// both curves: as many as fit, at least half of them. None where there is no such part.
     pub fn circles(&self, count: usize) -> Option<Vec<InscribedCircle>> {
         let [start, end] = self.low.curve.domain();
         let at = |i: usize| start + (end - start) * i as f64 / Self::LOOKS as f64;

@@ -10,8 +10,8 @@
 //! | `y`, `z` | mm, in the workpiece frame W |
 //! | `r`, `theta_deg` | instead of `y` and `z`: mm from the axis, degrees about it from +Z |
 //!
-//! The points of a side stand in order from edge to edge, in either direction. Empty lines and lines that begin with `#`
-//! are passed over.
+//! The points of a side stand in order from edge to edge, in either direction. Empty lines and lines that begin with
+//! `#` are passed over.
 
 use std::io::Read;
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! The window as a whole: its state, and what is done every frame.
+//! The window: its state, and the work of each frame.
 
 mod questions;
 
@@ -21,20 +21,20 @@ use crate::workspaces::news::EventKind;
 use crate::workspaces::preferences::{Preferences, ThemeChoice};
 use crate::workspaces::registry::workspaces;
 use crate::workspaces::workspace::Workspace;
-use files::user_folder::user_folder;
+use files::paths::user_folder;
 use files::{Autosave, Recovery, ResultCache, kind_of};
 use render::camera::Camera;
 use render::scene::Scene;
 use task::Scheduler;
 
-/// Where the program keeps what is its own.
+/// Folders of the program.
 #[derive(Debug, Clone)]
 pub struct Folders {
-    /// Preferences, and the user's own lists.
+    /// Preferences and the user's own lists.
     pub config: PathBuf,
     /// Copies of unsaved work.
     pub autosave: PathBuf,
-    /// Results that are shown again at once.
+    /// Cache of results.
     pub results: PathBuf,
 }
 
@@ -47,7 +47,7 @@ impl Folders {
     }
 }
 
-/// What the window opens on.
+/// Content that the window opens with.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub enum Opening {
     /// The built-in demonstration blisk.
@@ -59,49 +59,49 @@ pub enum Opening {
     In(&'static str, Option<PathBuf>),
 }
 
-/// What is said when a dialog of the system is closed: some close without ever having been seen.
+/// Message after a file dialog of the system closes without a choice. Some close without ever having been visible.
 const NOTHING_CHOSEN: &str =
     "No file was chosen. If no dialog appeared: Edit, Preferences, File dialogs, Type paths in this window";
 
-/// How long unsaved work may be without a copy (s).
+/// Interval of copies of unsaved work (s).
 const AUTOSAVE: f64 = 2.0;
 
-/// The most that results may take together (bytes).
+/// Greatest size of the cache of results (bytes).
 const MOST_RESULTS: u64 = 512 << 20;
 
-/// How a path was named.
+/// Origin of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Named {
-    /// In a dialog of the system, which asks before a file is overwritten.
+    /// From a dialog of the system, which asks before a file is overwritten.
     Chosen,
-    /// Typed.
+    /// Typed by the user.
     Typed,
 }
 
 /// The window.
 pub struct SparkpathApp {
     workspaces: Vec<Box<dyn Workspace>>,
-    /// The number of the one that is shown.
+    /// Number of the workspace that is shown.
     shown: usize,
     cx: Context,
-    /// Does the work of the workspaces.
+    /// Runs the work of the workspaces.
     scheduler: Scheduler,
     palette: CommandPalette,
     dialog: Dialog,
-    /// What was asked before the present dialog, and is asked again after it, the last first.
+    /// Dialogs behind the present one, shown again after it, the last first.
     behind: Vec<Dialog>,
     files: FileDialogs,
     pictures: Pictures,
     log_open: bool,
     folders: Option<Folders>,
     autosave: Option<Autosave>,
-    /// Why copies could not be written when that was tried last.
+    /// Errors of the last attempt to write copies.
     not_copied: Vec<String>,
     saved_preferences: Preferences,
-    /// What the user wants done once this workspace's document is saved.
+    /// Intent that follows once the document of this workspace is saved.
     after_save: Option<(usize, Intent)>,
-    /// Of each workspace what the user would not save on the way to what is opened: it is not asked about again as long as
-    /// nothing of it is changed.
+    /// For each workspace the revision that the user gave up for the present replacement: the user is not asked about
+    /// it again while it is unchanged.
     given_up: Vec<Option<u64>>,
     adapter: String,
     quitting: bool,
@@ -111,10 +111,10 @@ pub struct SparkpathApp {
 }
 
 impl SparkpathApp {
-    /// The window's state. `folders` is where preferences and copies are kept, if anywhere.
+    /// The window's state. `folders` are the folders of preferences, copies and results, if any.
     ///
     /// # Errors
-    /// If there is no GPU state to draw with or no thread to work on.
+    /// If there is no GPU state to draw with, or a thread cannot be started.
     pub fn new(cc: &eframe::CreationContext, opening: &Opening, folders: Option<Folders>) -> Result<Self, String> {
         let ctx = cc.egui_ctx.clone();
         let no_thread = |e| format!("no thread could be started to work on: {e}");
@@ -123,7 +123,7 @@ impl SparkpathApp {
         Self::with_workspaces(cc, (opening, folders), list, scheduler)
     }
 
-    /// The window's state with these workspaces, of which there is one at least.
+    /// The window's state with these workspaces, at least one.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -191,7 +191,7 @@ impl SparkpathApp {
         &self.title
     }
 
-    /// Preferences, the log, and what is asked of the window.
+    /// Preferences, log and requests.
     pub fn context(&self) -> &Context {
         &self.cx
     }
@@ -201,12 +201,12 @@ impl SparkpathApp {
         &mut self.cx
     }
 
-    /// The name in files of the workspace that is shown.
+    /// Kind of the workspace that is shown.
     pub fn shown(&self) -> &'static str {
         self.workspaces[self.shown].about().id
     }
 
-    /// Shows the workspace with this name in files.
+    /// Shows the workspace of this kind.
     pub fn show(&mut self, id: &str) {
         self.shown = self.workspaces.iter().position(|one| one.about().id == id).unwrap_or(self.shown);
         self.cx.take_turn(self.shown);
@@ -222,13 +222,13 @@ impl SparkpathApp {
         self.workspaces.iter_mut().find_map(|one| (&mut **one as &mut dyn Any).downcast_mut())
     }
 
-    /// Has the workspace of this type do something, if there is one: for tests and benchmarks.
+    /// Calls `act` on the workspace of this type, if there is one: for tests and benchmarks.
     pub fn act<W: Workspace, R>(&mut self, act: impl FnOnce(&mut W, &mut Context) -> R) -> Option<R> {
         let i = self.workspaces.iter().position(|one| (&**one as &dyn Any).is::<W>())?;
         self.with(i, |workspace, cx| (workspace as &mut dyn Any).downcast_mut().map(|workspace| act(workspace, cx)))
     }
 
-    /// Whether something is being worked on.
+    /// Whether work is under way.
     pub fn is_busy(&self) -> bool {
         self.pictures.is_busy() || self.workspaces.iter().any(|one| one.is_busy())
     }
@@ -238,18 +238,18 @@ impl SparkpathApp {
         self.workspaces.iter().any(|one| one.is_opening())
     }
 
-    /// What was said last in the workspace that is shown, unless it is of a failure that is none any more; and whether it
-    /// is of other parameters than the present ones.
+    /// The last line of the log in the workspace that is shown, except failures remedied since; and whether the line is
+    /// of other parameters than the present ones.
     pub fn last_said(&self) -> Option<(&LogLine, bool)> {
         status::last_said(&*self.workspaces[self.shown], self.shown, &self.cx)
     }
 
-    /// Has paths typed even where the system has file dialogs: for tests.
+    /// Has paths typed even if the system has file dialogs: for tests.
     pub fn type_paths(&mut self) {
         self.files.typed = true;
     }
 
-    /// What the 3-D view shows.
+    /// Scene of the 3-D view.
     pub fn scene(&self) -> &Scene {
         self.workspaces[self.shown].viewport().picture().0
     }
@@ -259,12 +259,12 @@ impl SparkpathApp {
         self.workspaces[self.shown].viewport().picture().1
     }
 
-    /// Longest time that a frame has taken to lay out since the last call, drawing apart (s).
+    /// Longest layout of a frame since the last call, without drawing (s).
     pub fn take_slowest_frame(&mut self) -> f64 {
         std::mem::take(&mut self.slowest_frame)
     }
 
-    /// Opens a document or a mesh, in whose place there was no unsaved work.
+    /// Opens a document or a mesh. The caller has asked about unsaved work.
     pub fn open(&mut self, path: &Path) {
         if let Some(owner) = self.owner(path) {
             self.give_up(owner);
@@ -274,7 +274,8 @@ impl SparkpathApp {
         }
     }
 
-    /// The workspace that opens `path`: of a project that of its kind, else the one that is shown. Says why there is none.
+    /// Number of the workspace that opens `path`: for a project the workspace of its kind, else the one that is shown.
+    /// Shows the reason if there is none.
     fn owner(&mut self, path: &Path) -> Option<usize> {
         if !is_project(path) {
             return Some(self.shown);
@@ -290,7 +291,7 @@ impl SparkpathApp {
         owner
     }
 
-    /// Gives workspace number `i` its turn.
+    /// Calls `act` on workspace number `i`, which is the one that acts meanwhile.
     fn with<R>(&mut self, i: usize, act: impl FnOnce(&mut dyn Workspace, &mut Context) -> R) -> R {
         self.cx.take_turn(i);
         let answer = act(&mut *self.workspaces[i], &mut self.cx);
@@ -304,7 +305,7 @@ impl SparkpathApp {
         self.cx.note(LogLine { revision, ..LogLine::now(kind, text) });
     }
 
-    /// Tells of something that went wrong; what was asked before is asked again after that.
+    /// Shows an error in front of the present dialog.
     fn error(&mut self, title: impl Into<String>, text: impl Into<String>) {
         self.put_up(Dialog::Error(title.into(), text.into()));
     }
@@ -323,7 +324,7 @@ impl SparkpathApp {
         std::mem::replace(&mut self.dialog, self.behind.pop().unwrap_or_default())
     }
 
-    /// Does what workspaces have asked of the window.
+    /// Carries out the requests of the workspaces.
     fn attend(&mut self, ctx: &egui::Context) {
         loop {
             let requests = self.cx.take_requests();
@@ -358,7 +359,7 @@ impl SparkpathApp {
         }
     }
 
-    /// Opens files in the workspace where they belong.
+    /// Opens files in the workspace that they belong to.
     fn open_here(&mut self, mut files: Vec<PathBuf>) {
         let Some(first) = files.first() else { return };
         self.given_up.clear();
@@ -379,7 +380,7 @@ impl SparkpathApp {
         self.workspaces[self.shown].near().and_then(Path::parent).map(Path::to_owned)
     }
 
-    /// Brings the copies of unsaved work up to date. Tells whether there are as many as are needed.
+    /// Updates the copies of unsaved work. Returns whether every copy could be written.
     fn autosave_now(&mut self) -> bool {
         let Some(autosave) = &mut self.autosave else { return false };
         // One that fails keeps no other from its copy; it is tried again next time.
@@ -403,7 +404,7 @@ impl SparkpathApp {
         self.pictures.write(path, scene, *camera, &self.scheduler);
     }
 
-    /// Says what became of the pictures that were asked for.
+    /// Reports the pictures that were written.
     fn follow_pictures(&mut self) {
         for written in self.pictures.written() {
             match written {
@@ -413,7 +414,7 @@ impl SparkpathApp {
         }
     }
 
-    /// The commands that mean something now, and those that show a workspace.
+    /// The commands available now, and those that switch the workspace.
     fn commands(&self) -> Vec<Command> {
         let mut all = FrameCommand::all();
         all.extend(self.workspaces[self.shown].commands());
@@ -542,7 +543,7 @@ impl SparkpathApp {
         }
     }
 
-    /// Keeps the copies of unsaved work up, and has frames drawn for that and while something is worked on.
+    /// Updates the copies of unsaved work in time, and requests frames for that and while work is under way.
     fn keep_up(&mut self, ctx: &egui::Context) {
         // What was given up on purpose is not kept again while the window closes.
         if !self.quitting && self.autosave.as_mut().is_some_and(|autosave| autosave.is_due(self.cx.now)) {

@@ -1,4 +1,4 @@
-//! What the user is asked, and what follows from the answer: unsaved work, paths, copies.
+//! Questions to the user (unsaved work, paths, copies) and what follows from the answers.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use crate::workspaces::news::EventKind;
 use files::Recovery;
 
 impl SparkpathApp {
-    /// Does `intent`, after asking about unsaved work.
+    /// Carries out `intent` after the question about unsaved work.
     pub(super) fn intend(&mut self, intent: Intent, ctx: &egui::Context) {
         // What was to be done before is not wanted any more, nor what was answered for it.
         self.after_save = None;
@@ -18,7 +18,7 @@ impl SparkpathApp {
         self.intend_from(0, intent, ctx);
     }
 
-    /// Does `intent`, after asking about what is unsaved from workspace number `first` on.
+    /// Carries out `intent` after the questions about unsaved work, from workspace number `first` on.
     pub(super) fn intend_from(&mut self, first: usize, intent: Intent, ctx: &egui::Context) {
         let mut asked = first..self.workspaces.len();
         match asked.find(|i| self.is_endangered(*i, intent)) {
@@ -34,7 +34,7 @@ impl SparkpathApp {
         intent.endangers(i) && document.is_unsaved() && given_up != Some(document.revision())
     }
 
-    /// Goes on with what was to be done once the document of workspace number `i` was saved.
+    /// Carries out the intent that waits for the document of workspace number `i` to be saved.
     fn saved(&mut self, i: usize, ctx: &egui::Context) {
         if let Some((_, intent)) = self.after_save.take_if(|(of, _)| *of == i) {
             // From the first: another workspace may have been worked in while the dialog was open.
@@ -54,7 +54,7 @@ impl SparkpathApp {
         }
     }
 
-    /// Saves the document of workspace number `i`, in its file if it has one and that will do.
+    /// Saves the document of workspace number `i`, in its own file if it has one and `in_its_file` is set.
     pub(super) fn save(&mut self, i: usize, in_its_file: bool, ctx: &egui::Context) {
         let document = self.workspaces[i].document();
         match document.file().map(Path::to_owned).filter(|_| in_its_file) {
@@ -80,7 +80,7 @@ impl SparkpathApp {
         }
     }
 
-    /// Asks for a path, unless one is being asked for.
+    /// Asks for a path, unless another dialog is open.
     pub(super) fn ask(&mut self, purpose: Purpose, name: &str, ctx: &egui::Context) {
         self.files.is_typing_preferred = self.cx.preferences.types_paths;
         let why = match self.files.ask(purpose, name, self.folder().as_deref(), ctx) {
@@ -92,7 +92,7 @@ impl SparkpathApp {
         self.say(EventKind::Failed, why);
     }
 
-    /// No path was given for `purpose`: what would have followed is off.
+    /// Drops what was to follow a path for `purpose`, because none was given.
     pub(super) fn cancelled(&mut self, purpose: Purpose) {
         match purpose.of {
             Asking::Picture => {}
@@ -104,8 +104,7 @@ impl SparkpathApp {
         }
     }
 
-    /// Goes on with a path that was named for `purpose`, unless that would overwrite a file which nobody was asked
-    /// about.
+    /// Takes a path for `purpose`, unless that would overwrite a file without asking.
     pub(super) fn named(&mut self, purpose: Purpose, path: PathBuf, how: Named, ctx: &egui::Context) {
         let title = purpose.info.title;
         if purpose.ending().is_some() && path.is_dir() {
@@ -165,13 +164,13 @@ impl SparkpathApp {
         }
     }
 
-    /// What workspace number `i` has unsaved now is not asked about.
+    /// Has the unsaved work of workspace number `i`, as it is now, not asked about.
     pub(super) fn give_up(&mut self, i: usize) {
         self.given_up.resize_with(self.workspaces.len(), || None);
         self.given_up[i] = Some(self.workspaces[i].document().revision());
     }
 
-    /// Has the work of copy number `i` taken up; those of other workspaces can still be taken up beside it.
+    /// Recovers the work of copy number `i`; copies of other workspaces can still be recovered beside it.
     fn recover(&mut self, i: usize, mut copies: Vec<Recovery>) {
         let copy = copies.remove(i);
         let Some(owner) = self.workspaces.iter().position(|one| one.about().id == copy.kind) else { return };

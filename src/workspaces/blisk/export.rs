@@ -55,8 +55,8 @@ pub enum PlanFilesError {
     NotApproved { electrode: usize, source: NotApproved },
 }
 
-/// Reports on a plan, draws its pictures and writes its files into `folder`; see [`write()`]. `files` are those that the
-/// inputs were read from. Answers the report and the names of the files.
+/// Reports on a plan, draws its pictures and writes its files into `folder`; see [`write()`]. `files` are those that
+/// the inputs were read from. Answers the report and the names of the files.
 ///
 /// # Errors
 /// [`PlanFilesError`]; if the post cannot be used or nothing can be written there, before anything is drawn.
@@ -80,8 +80,8 @@ pub fn export(
 }
 
 /// Makes everything first and publishes it at the end, NC programs last, so that an error or an interruption leaves no
-/// program beside results that it does not belong to. Files of an earlier plan in the folder do not keep their names, nor
-/// verdicts on it. Returns the names of the files and enters them in `report`.
+/// program beside results that it does not belong to. Files of an earlier plan in the folder do not keep their names,
+/// nor verdicts on it. Returns the names of the files and enters them in `report`.
 ///
 /// Only what the job asks for is written; what an earlier plan left behind of the rest goes all the same. A path
 /// that is not verified is written for study as `path_K.unverified.csv`, and never as NC.

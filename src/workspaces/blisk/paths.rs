@@ -1,9 +1,10 @@
 //! The paths that the workspace asks for.
 
 use crate::workspaces::context::{PROJECT, PathInfo, PathKind, PathSet, TOML};
+use crate::workspaces::moved_files::FIND;
 use import::MESH_ENDINGS;
 
-/// What the workspace asks paths for.
+/// Purpose of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BliskPath {
     /// Project or mesh to open.
@@ -35,7 +36,7 @@ impl PathSet for BliskPath {
             (P::ElectrodeMesh, PathInfo::new("Your own electrode", PathKind::Read("Meshes", &[MESH_ENDINGS], false))),
             (P::Post, PathInfo::new("Your own NC post", PathKind::Read("Post", &[TOML], false))),
             (P::Machine, PathInfo::new("Your own machine", PathKind::Read("Machine", &[TOML], false))),
-            (P::MovedFile, PathInfo::new("Find the file", PathKind::Read("Files", &[], false))),
+            (P::MovedFile, FIND),
         ];
         &TABLE
     }

@@ -1,4 +1,4 @@
-//! The workspace of blisks as the window knows it.
+//! The workspace of blisks.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use egui::{Panel, RichText, Ui};
 
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::commands::BliskCommand;
-use crate::workspaces::blisk::desk::{BliskDesk, BliskDialog};
+use crate::workspaces::blisk::desk::BliskDesk;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::machine_file::read_machine;
 use crate::workspaces::blisk::document::stage::Stage;
@@ -25,10 +25,11 @@ use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, F
 use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project};
 use crate::workspaces::hands::Hands;
 use crate::workspaces::message::Message;
+use crate::workspaces::moved_files;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::{Incoming, NotOpened, Opening, Source};
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
-use files::{AnyDocument, MovedFile, Params as _, Recovery};
+use files::{AnyDocument, Params as _, Recovery};
 use nc::post::Post;
 use render::view::StandardView;
 use task::{Scheduler, State, Task};
@@ -36,37 +37,27 @@ use task::{Scheduler, State, Task};
 static ABOUT: About =
     About { id: "blisk", name: "Blisk", switch: CommandInfo::new("Workspace: blisk feed"), menu: "Plan" };
 
-/// What takes the place of the document once nothing stands in the way.
+/// Replacement of the document, done once unsaved work is dealt with.
 enum Pending {
     Open(PathBuf),
     AskOpen,
     Demonstration,
-    /// A document that was read.
-    Take(Arc<Incoming<PlanJob, Parts>>),
-}
-
-/// What the files of a document hold.
-enum Parts {
-    /// The part.
-    Read(Arc<Part>),
-    /// Nothing was read of them: some are gone or have changed.
-    Moved(Vec<MovedFile>),
+    /// A document that was read with its part.
+    Take(Arc<Incoming<PlanJob, Arc<Part>>>),
 }
 
 /// The workspace of blisks.
 pub struct BliskWorkspace {
-    /// The document and what has been made of it.
+    /// The document and the results made from it.
     pub desk: BliskDesk,
     view: BliskView,
     curves: Curves,
     tab: Tab,
-    opening: Opening<Pending, PlanJob, Parts>,
-    /// The file that is looked for.
-    locating: Option<PathBuf>,
+    opening: Opening<Pending, PlanJob, Arc<Part>>,
 }
 
 impl BliskWorkspace {
-    /// The workspace on the demonstration blisk.
+    /// The workspace with the demonstration blisk.
     pub fn new(scheduler: &Scheduler) -> Self {
         Self {
             desk: BliskDesk::new(demonstration(), scheduler),
@@ -74,46 +65,27 @@ impl BliskWorkspace {
             curves: Curves::default(),
             tab: Tab::Positions,
             opening: Opening::new(scheduler),
-            locating: None,
         }
     }
 
-    /// Reads a document from `source`, which then takes the place of the present one. Where a file of it `may_be_moved`
-    /// that is asked about first.
-    fn begin(&mut self, source: Source<PlanJob>, may_be_moved: bool) {
-        self.opening.begin(source, move |document, task| {
+    /// Reads a document with its part, which then replaces the present one.
+    fn begin(&mut self, source: Source<PlanJob>) {
+        self.opening.begin(source, |document, task| {
             kept_plan::check(document).map_err(|why| {
                 let file = document.file().map_or_else(String::new, |file| format!("{}: ", file.display()));
                 NotOpened::Document(format!("{file}{why}"))
             })?;
-            let moved = if may_be_moved { document.moved_files() } else { Vec::new() };
-            if !moved.is_empty() {
-                return Ok(Parts::Moved(moved));
-            }
-            Ok(Parts::Read(Arc::new(stages::load(document.params(), task)?)))
+            Ok(Arc::new(stages::load(document.params(), task)?))
         });
     }
 
-    /// Reads the project or the mesh at `path`.
-    fn begin_at(&mut self, path: &Path) {
-        if is_project(path) {
-            self.begin(Source::Project(path.to_owned()), true);
-        } else {
-            self.begin(Source::New(Document::new(PlanJob::for_mesh(path))), false);
-        }
-    }
-
-    /// Takes what was read in the place of the present document.
-    fn take(&mut self, opened: &Incoming<PlanJob, Parts>, cx: &mut Context) {
-        let part = match &opened.loaded {
-            Some(Parts::Read(part)) => Some(part.clone()),
-            _ => None,
-        };
-        self.replace(opened.document.clone(), part, cx);
+    /// Replaces the present document by the one that was read.
+    fn take(&mut self, opened: &Incoming<PlanJob, Arc<Part>>, cx: &mut Context) {
+        self.replace(opened.document.clone(), opened.loaded.clone(), cx);
         opened.copy.iter().for_each(|copy| cx.request(Request::Recovered(copy.clone())));
     }
 
-    /// Takes `document` in the place of the present one.
+    /// Replaces the present document.
     pub fn replace(&mut self, document: Document, part: Option<Arc<Part>>, cx: &mut Context) {
         let desk = &mut self.desk;
         desk.work.reset(document.params(), part);
@@ -152,7 +124,7 @@ impl BliskWorkspace {
         }
     }
 
-    /// Plans and verifies what was looked at quickly, once nothing moves any more.
+    /// Plans and verifies the previewed path once the user has stopped editing.
     fn plan_at_rest(&mut self, cx: &mut Context, hands: Hands) {
         if hands == Hands::Holding || !self.desk.can_plan() {
             return;
@@ -212,7 +184,7 @@ impl BliskWorkspace {
         }
     }
 
-    /// Takes the post in this file, if it is one.
+    /// Sets the post of this file, or shows why the file is no post.
     pub fn take_post(&mut self, path: &Path, cx: &mut Context) {
         let name = path.to_string_lossy().into_owned();
         match Post::named(&name) {
@@ -225,7 +197,7 @@ impl BliskWorkspace {
         }
     }
 
-    /// Takes the machine in the file `path`; says why not if it is none.
+    /// Sets the machine of the file `path`, or shows why the file is no machine.
     pub fn take_machine(&mut self, path: &Path, cx: &mut Context) {
         let name = path.to_string_lossy().into_owned();
         let mut job = self.desk.document.params().clone();
@@ -238,7 +210,7 @@ impl BliskWorkspace {
         }
     }
 
-    /// Writes the files of the released plan into `folder`, as the export dialog does; says why not if it cannot.
+    /// Writes the files of the released plan into `folder`, or shows why that is not possible.
     pub fn export(&mut self, folder: &Path, cx: &mut Context) {
         let write: ExportWork = Box::new(|folder, released, inputs, files, task| {
             let exported = export::export(folder, released.plan(), inputs, files, task);
@@ -246,24 +218,6 @@ impl BliskWorkspace {
         });
         if let Err(why) = self.desk.work.start_export(folder, write) {
             cx.error("Nothing was exported", why);
-        }
-    }
-
-    /// Takes the file at `path` in the place of one that the project to be opened has lost.
-    fn found_file(&mut self, path: &Path, cx: &mut Context) {
-        let Some(BliskDialog::Moved(document, moved)) = &mut self.desk.dialog else { return };
-        let Some(old) = self.locating.take() else { return };
-        document.replace_file(&old, path);
-        moved.retain(|m| m.path != old);
-        if moved.is_empty() {
-            self.open_anyway(cx);
-        }
-    }
-
-    fn open_anyway(&mut self, cx: &mut Context) {
-        if let Some(BliskDialog::Moved(document, _)) = self.desk.dialog.take() {
-            self.begin(Source::New(*document), false);
-            cx.request(Request::CloseDialog);
         }
     }
 }
@@ -304,7 +258,7 @@ impl Workspace for BliskWorkspace {
             Some(F::Cancel) if self.opening.is_busy() => self.opening.cancel(),
             Some(F::Cancel) => self.desk.work.cancel(),
             Some(F::Export) => {
-                self.desk.dialog = Some(BliskDialog::Export);
+                self.opening.moved.forget();
                 cx.request(Request::Dialog);
             }
             Some(along @ (F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode)) => {
@@ -378,12 +332,7 @@ impl Workspace for BliskWorkspace {
 
     fn follow(&mut self, cx: &mut Context, hands: Hands, seconds: f64, is_shown: bool) {
         if let Some(opened) = self.opening.take(cx) {
-            if let Some(Parts::Moved(moved)) = &opened.loaded {
-                self.desk.dialog = Some(BliskDialog::Moved(Box::new(opened.document.clone()), moved.clone()));
-                cx.request(Request::Dialog);
-            } else {
-                self.opening.go_on(Pending::Take(opened), cx);
-            }
+            self.opening.go_on(Pending::Take(opened), cx);
         }
         // Nothing is made of a blisk that nobody has looked at.
         if !is_shown && self.desk.work.state(Stage::Part) == State::Missing {
@@ -406,7 +355,7 @@ impl Workspace for BliskWorkspace {
 
     fn open(&mut self, path: &Path, cx: &mut Context) {
         if is_project(path) {
-            self.begin_at(path);
+            self.begin(Source::Project(path.to_owned()));
         } else {
             self.replace(Document::new(PlanJob::for_mesh(path)), None, cx);
         }
@@ -418,7 +367,8 @@ impl Workspace for BliskWorkspace {
 
     fn proceed(&mut self, cx: &mut Context) {
         match self.opening.pending.take() {
-            Some(Pending::Open(path)) => self.begin_at(&path),
+            Some(Pending::Open(path)) if is_project(&path) => self.begin(Source::Project(path)),
+            Some(Pending::Open(path)) => self.begin(Source::There(Document::new(PlanJob::for_mesh(&path)))),
             Some(Pending::AskOpen) => cx.ask(BliskPath::Open, ""),
             Some(Pending::Demonstration) => self.replace(demonstration(), None, cx),
             Some(Pending::Take(opened)) => self.take(&opened, cx),
@@ -427,7 +377,7 @@ impl Workspace for BliskWorkspace {
     }
 
     fn recover(&mut self, copy: Recovery, _cx: &mut Context) {
-        self.begin(Source::Copy(copy), false);
+        self.begin(Source::Copy(copy));
     }
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {
@@ -441,36 +391,29 @@ impl Workspace for BliskWorkspace {
             }
             Some(BliskPath::Post) => self.take_post(&path, cx),
             Some(BliskPath::Machine) => self.take_machine(&path, cx),
-            Some(BliskPath::MovedFile) => self.found_file(&path, cx),
+            Some(BliskPath::MovedFile) => {
+                self.opening.moved.found(&path, cx).into_iter().for_each(|found| self.begin(Source::There(found)))
+            }
             None => {}
         }
     }
 
     fn dialog_title(&self) -> &'static str {
-        match self.desk.dialog {
-            Some(BliskDialog::Moved(..)) => "Files of this project",
-            _ => "Export",
-        }
+        if self.opening.moved.is_asking() { moved_files::TITLE } else { "Export" }
     }
 
     fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
-        let answer = match &self.desk.dialog {
-            Some(BliskDialog::Export) => dialogs::export(ui, &mut self.desk),
-            Some(BliskDialog::Moved(document, moved)) => dialogs::moved(ui, document.params(), moved),
-            None => Some(Answer::Close),
-        };
-        match answer {
+        if self.opening.moved.is_asking() {
+            let opened = self.opening.moved.dialog(ui, cx, BliskPath::MovedFile);
+            opened.into_iter().for_each(|document| self.begin(Source::There(document)));
+            return !self.opening.moved.is_asking();
+        }
+        match dialogs::export(ui, &mut self.desk) {
             Some(Answer::OwnPost) => cx.ask(BliskPath::Post, ""),
             Some(Answer::Folder) => {
                 cx.ask(BliskPath::ExportFolder, "");
                 return true;
             }
-            Some(Answer::Locate(old)) => {
-                let title = format!("Where is {}?", old.display());
-                self.locating = Some(old);
-                cx.ask(BliskPath::MovedFile, &title);
-            }
-            Some(Answer::OpenAnyway) => self.open_anyway(cx),
             Some(Answer::Close) => return true,
             None => {}
         }

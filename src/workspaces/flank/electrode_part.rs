@@ -1,4 +1,4 @@
-//! An electrode that was just made, as the part whose flanks are milled.
+//! The flank of an electrode that another workspace hands over.
 
 use glam::DVec3;
 
@@ -6,7 +6,7 @@ use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank};
 use crate::workspaces::flank::inputs::{FlankLoadError, load_machine};
 use crate::workspaces::message::ElectrodePart;
-use files::user_folder::user_folder;
+use files::paths::user_folder;
 use flank::fit_ruled::RuledFitParams;
 use flank::machine::milling_machine::Workpiece;
 use flank::params::FlankParams;
@@ -14,7 +14,7 @@ use flank::params::FlankParams;
 /// The flank of `part` that is milled first, with the cutter, the plan and the machine of `before`.
 ///
 /// # Errors
-/// [`FlankLoadError`] if the machine cannot be read, or the mesh is none.
+/// [`FlankLoadError`] if the machine or the mesh cannot be read.
 pub fn flank_of(part: &ElectrodePart, before: &FlankDocument) -> Result<FlankDocument, FlankLoadError> {
     let kept = KeptMesh::new(&part.name, &part.of, &part.mesh).map_err(FlankLoadError)?;
     let fit = fit_of(part);
@@ -27,13 +27,13 @@ pub fn flank_of(part: &ElectrodePart, before: &FlankDocument) -> Result<FlankDoc
     Ok(document)
 }
 
-/// How ruled surfaces are fitted to the faces of `part`.
+/// Parameters for fitting ruled surfaces to the faces of `part`.
 pub fn fit_of(part: &ElectrodePart) -> RuledFitParams {
     RuledFitParams { up: part.up, base: part.base, ..RuledFitParams::default() }
 }
 
-/// Has the cutter's bottom end at the lower guide unless it was told where to: under an electrode's tips its base goes on,
-/// and what reaches below gouges it.
+/// Ends the cutter's bottom at the lower guide unless another depth is given: below an electrode's tips is its base,
+/// which a deeper cutter would gouge.
 pub fn keep_off_base(document: &mut FlankDocument) {
     if document.plan.below_mm == FlankParams::default().below_mm {
         document.plan.below_mm = 0.0;

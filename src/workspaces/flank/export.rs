@@ -20,17 +20,17 @@ use task::Task;
 pub const CL_FILE: &str = "flank.cl";
 /// The file of the path as a table.
 pub const CSV_FILE: &str = "path.csv";
-/// What the NC program is called, without its ending.
+/// Name of the NC program, without its ending.
 pub const PROGRAM: &str = "flank";
 
 /// The report for programs.
 pub const JSON_FILE: &str = "flank.json";
 /// The report for people.
 pub const REPORT_FILE: &str = "report.html";
-/// What the manifest of a folder calls an export of a flank.
+/// Name of the export in the manifest of a folder.
 const EXPORT: &str = "flank";
 
-/// A choice of the files that are written.
+/// Files to write.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ExportChoice {
     /// Cutter locations.
@@ -47,29 +47,29 @@ impl ExportChoice {
     /// All files.
     pub const ALL: Self = Self { cl: true, nc: true, csv: true, report: true };
 
-    /// Whether there is anything to write.
+    /// Whether any file is chosen.
     pub fn any(self) -> bool {
         self.cl || self.nc || self.csv || self.report
     }
 }
 
-/// What was written.
+/// Result of an export.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WrittenFlank {
     /// The folder.
     pub folder: PathBuf,
     /// Names of the files.
     pub files: Vec<String>,
-    /// Why there is nothing to mill among them; none if there is.
+    /// Reason why there is no file to mill by; none if there is one.
     pub blocked: Option<String>,
-    /// Names of the checks that fail: those that block it, or else those that are let pass.
+    /// Names of the failed checks: those that block the export, or else those overridden.
     pub failing: Vec<&'static str>,
-    /// What became of files of earlier exports, in words.
+    /// What happened to files of earlier exports, in words.
     pub former: Vec<String>,
 }
 
 impl WrittenFlank {
-    /// What was written, and what was not and why.
+    /// The files that were written, and those that were not with the reason.
     pub fn sentence(&self) -> String {
         let mut text = format!("{} written to {}", self.files.join(", "), self.folder.display());
         if let Some(why) = &self.blocked {
@@ -85,12 +85,12 @@ impl WrittenFlank {
     }
 }
 
-/// Writes the report, and what can be milled unless a check fails, as far as they are chosen, into `folder`, which is made
-/// if it is not there: all of it or nothing. What is there of an earlier path and is not written anew does not keep its
-/// name, so that it cannot be taken for what belongs to this one.
+/// Writes the chosen files into `folder`, which is made if missing: the report, and the files to mill by unless a check
+/// fails. Either all files are written or none. Files of an earlier path that are not written anew do not keep their
+/// names, so that they cannot be taken for files of this path.
 ///
 /// # Errors
-/// One line naming the file or what is wrong; cancelled.
+/// One line naming the file or the fault; cancelled.
 pub fn export(
     folder: &Path,
     (result, document): (&FlankResult, &FlankDocument),
@@ -135,14 +135,14 @@ pub fn export(
     Ok(WrittenFlank { folder: folder.to_owned(), files, blocked, failing, former })
 }
 
-/// Whether a file is one to mill a flank by, whatever post it was made with.
+/// Whether a file is one to mill a flank by, of any post.
 fn is_of_a_flank(file: &Path) -> bool {
     let name = file.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     let is_named = name.strip_prefix(PROGRAM).is_some_and(|rest| rest.starts_with('.') && !rest[1..].contains('.'));
     [CSV_FILE, CL_FILE].contains(&name) || is_named && is_program_for(file, &format!("flank path {PROGRAM}"))
 }
 
-/// The locations of a path with the deviations of the places of the grid that are nearest to each.
+/// The locations of a path with the deviations at the nearest samples of the grid.
 pub fn path_csv(path: &FlankPath) -> String {
     let count = path.poses.len();
     let mut near: Vec<Vec<f64>> = vec![Vec::new(); count];

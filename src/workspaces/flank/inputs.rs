@@ -1,4 +1,4 @@
-//! Reads what a [`FlankDocument`] names, for [`nc::flank_job`]. This module reads files.
+//! Reads the files of a [`FlankDocument`] for [`nc::flank_job`].
 
 use std::path::Path;
 use std::sync::Arc;
@@ -20,28 +20,28 @@ use task::Task;
 /// The largest file of points (bytes).
 const LARGEST_FILE: u64 = 16 << 20;
 
-/// What was read from a file, and what that leaves in doubt.
+/// A value from a file, with doubts about it.
 #[derive(Debug, Clone)]
 pub struct FromFile<T> {
     /// The value that was read.
     pub value: T,
-    /// What the reader must know of it, in words.
+    /// Doubts that the reader must know, in words.
     pub doubts: Vec<String>,
 }
 
 impl<T> FromFile<T> {
-    /// What there is no doubt of.
+    /// A value without doubts.
     pub fn certain(value: T) -> Self {
         Self { value, doubts: Vec::new() }
     }
 }
 
-/// Why a flank's files are of no use: one line with the file and what to do, or cancelled.
+/// Reason why a flank's files cannot be used: one line with the file and the remedy, or cancelled.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct FlankLoadError(pub String);
 
-/// All that `document` names, read. `user_folder` is where a user's own machines are.
+/// Reads everything that `document` names. `user_folder` holds the user's own machines.
 ///
 /// # Errors
 /// [`FlankLoadError`].
@@ -55,7 +55,7 @@ pub fn load(document: &FlankDocument, user_folder: Option<&Path>, task: &Task) -
     Ok(input(document, surface, walls, machine))
 }
 
-/// The job's input from a document and what was read for it.
+/// Input of the job from a document and what was read for it.
 pub fn input(
     document: &FlankDocument,
     surface: FromFile<LoadedSurface>,
@@ -85,7 +85,7 @@ pub fn input(
     }
 }
 
-/// The machine that `document` names; none if it names none.
+/// The machine of `document`, if it names one.
 ///
 /// # Errors
 /// [`FlankLoadError`].
@@ -108,8 +108,8 @@ pub fn load_machine(
     Ok(Some(machine))
 }
 
-/// The unit of walls whose file says none: the one given for the part, else mm, as guides are in. It is never guessed: in
-/// another unit than the surface's they would be far off, and nothing would seem to be gouged.
+/// Unit of walls whose file states none: the unit given for the part, else mm, as for guides. The unit is never
+/// guessed: in a wrong unit the walls would be far away, and no gouge would be found.
 pub fn walls_unit(document: &FlankDocument) -> Unit {
     match &document.source {
         FlankSource::Mesh(mesh) if mesh.kept.is_none() => mesh.units.given().unwrap_or(Unit::Mm),
@@ -117,7 +117,7 @@ pub fn walls_unit(document: &FlankDocument) -> Unit {
     }
 }
 
-/// The walls that must not be cut; in `unit` where neither their file nor the user says one.
+/// Reads the walls, in `unit` where neither their file nor the user states one.
 ///
 /// # Errors
 /// [`FlankLoadError`].
@@ -125,8 +125,8 @@ pub fn load_walls(walls: &WallsFile, unit: Unit, task: &Task) -> Result<FromFile
     import(&walls.file, (walls.units, Undeclared::Take(unit)), task)
 }
 
-/// What the surface is made of. Of a mesh every face that could be milled is fitted: this is the long part. A mesh without a
-/// unit that by its size is not in mm is refused.
+/// Reads the surface. For a mesh every face that could be milled is fitted, which takes longest. A mesh without a unit
+/// whose size does not suit mm is refused.
 ///
 /// # Errors
 /// [`FlankLoadError`].
@@ -144,7 +144,7 @@ pub fn load_surface(source: &FlankSource, task: &Task) -> Result<FromFile<Loaded
     }
 }
 
-/// A guide curve.
+/// Reads a guide curve.
 ///
 /// # Errors
 /// [`FlankLoadError`].
@@ -190,7 +190,7 @@ fn import(
     Ok(FromFile { value: Arc::new(imported.mesh), doubts })
 }
 
-/// A mesh that a document holds, with the care that is taken of any file: it may have been read from one.
+/// Reads a mesh that the document itself holds, with the same checks as a file.
 fn import_kept(kept: &KeptMesh, task: &Task) -> Result<Arc<Mesh>, FlankLoadError> {
     let options = ImportOptions { units: Units::Mm, ..ImportOptions::default() };
     let name = format!("{}.obj", kept.name);

@@ -1,9 +1,10 @@
 //! The paths that the workspace asks for.
 
 use crate::workspaces::context::{Endings, PROJECT, PathInfo, PathKind, PathSet, TOML};
+use crate::workspaces::moved_files::FIND;
 use import::MESH_ENDINGS;
 
-/// What the workspace asks paths for.
+/// Purpose of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FlankPath {
     /// A flank that was saved, or a mesh with one.
@@ -22,6 +23,8 @@ pub enum FlankPath {
     Post,
     /// Folder for the exported files.
     Folder,
+    /// A file of a project that is elsewhere now.
+    MovedFile,
 }
 
 impl PathSet for FlankPath {
@@ -32,7 +35,7 @@ impl PathSet for FlankPath {
         const fn file(title: &'static str, what: &'static str, endings: Endings) -> PathInfo {
             PathInfo::new(title, PathKind::Read(what, endings, true))
         }
-        static TABLE: [(P, PathInfo); 8] = [
+        static TABLE: [(P, PathInfo); 9] = [
             (P::Open, PathInfo { opens: true, ..file("Open a flank", "Flanks, meshes and points", OPEN) }),
             (P::Lower, file("Points of the lower guide curve", "Points", &[POINTS])),
             (P::Upper, file("Points of the upper guide curve", "Points", &[POINTS])),
@@ -41,6 +44,7 @@ impl PathSet for FlankPath {
             (P::Machine, file("Your own milling machine", "Machine", &[TOML])),
             (P::Post, file("Your own post for milling", "Post", &[TOML])),
             (P::Folder, PathInfo::new("Folder for the flank's files", PathKind::Folder)),
+            (P::MovedFile, FIND),
         ];
         &TABLE
     }

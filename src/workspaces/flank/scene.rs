@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-use crate::widgets::colours::{BAD, HIGH, MACHINE, STEEL};
+use crate::widgets::theme::{BAD, HIGH, MACHINE, STEEL};
 use crate::workspaces::flank::document::PathChoice;
 use flank::cutter::FlankCutter;
 use flank::deviation::Deviation;
@@ -115,8 +115,8 @@ impl FlankSurface {
         made.seen_round(&mesh.vertices)
     }
 
-    /// The surface with the directions in which it is seen as a whole, where its ends are near to each other for its width:
-    /// the way from one end to the other is then no measure of it.
+    /// The surface with the directions in which it is seen as a whole, where its ends are near to each other for its
+    /// width: the way from one end to the other is then no measure of it.
     fn seen_round(self, vertices: &[DVec3]) -> Self {
         let across = self.rulings.iter().map(|r| r[1] - r[0]).sum::<DVec3>() / self.rulings.len() as f64;
         let up = across.normalize_or_zero();
@@ -267,8 +267,8 @@ fn swept_by_axis(path: &FlankPath) -> Mesh {
     Mesh { vertices: (0..ALONG).flat_map(ends).collect(), triangles: lattice([ALONG, 2]) }
 }
 
-/// Where the cutter at `t` is over the surface: places (u, v) with their deviation (mm), from the lower guide up. Places
-/// that no place of the path at `t` stands over are left out.
+/// Where the cutter at `t` is over the surface: places (u, v) with their deviation (mm), from the lower guide up.
+/// Places that no place of the path at `t` stands over are left out.
 pub fn contact_line(path: &FlankPath, t: f64) -> Vec<[f64; 3]> {
     let [n, m] = path.deviation.grid;
     let foot = |i: usize, j: usize| path.feet.at.get(i * m + j).map_or(f64::NAN, |q| q.x);

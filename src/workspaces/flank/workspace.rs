@@ -1,4 +1,4 @@
-//! The workspace of flanks as the window knows it.
+//! The workspace of flanks.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,6 +20,7 @@ use crate::workspaces::flank::paths::FlankPath;
 use crate::workspaces::flank::work::{FlankWork, LoadedFlank};
 use crate::workspaces::hands::Hands;
 use crate::workspaces::message::{ElectrodePart, Message};
+use crate::workspaces::moved_files;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::{Incoming, Opening, Source};
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
@@ -32,39 +33,39 @@ use task::Scheduler;
 static ABOUT: About =
     About { id: "flank", name: "Flank", switch: CommandInfo::new("Workspace: flank milling"), menu: "Flank" };
 
-/// What takes the place of the flank once nothing stands in the way.
+/// Replacement of the flank, done once unsaved work is dealt with.
 enum Pending {
     Open(PathBuf),
-    /// Another surface to be milled.
+    /// Another surface to mill.
     Surface(FlankSource),
-    /// An electrode whose flanks are to be milled.
+    /// An electrode whose flanks are milled.
     Electrode(Arc<ElectrodePart>),
-    /// A path that is named for this.
+    /// A path to be asked for.
     Ask(FlankPath),
-    /// A flank that was read, with what the files of its surface hold.
+    /// A flank that was read.
     Take(Arc<Incoming<FlankDocument, Arc<LoadedFlank>>>),
 }
 
 /// The workspace of flanks.
 pub struct FlankWorkspace {
-    /// The flank and what has been made of it.
+    /// The flank and the results made from it.
     pub desk: FlankDesk,
     view: FlankView,
     opening: Opening<Pending, FlankDocument, Arc<LoadedFlank>>,
 }
 
 impl FlankWorkspace {
-    /// The workspace with a surface that comes with the program.
+    /// The workspace with a built-in surface.
     pub fn new(scheduler: &Scheduler) -> Self {
         Self { desk: FlankDesk::new(scheduler), view: FlankView::default(), opening: Opening::new(scheduler) }
     }
 
-    /// Reads a flank and the files of its surface; it then takes the place of the present one.
+    /// Reads a flank with the files of its surface, which then replaces the present flank.
     fn begin(&mut self, source: Source<FlankDocument>) {
         self.opening.begin(source, |document, task| Ok(Arc::new(FlankWork::read(document.params(), task)?)));
     }
 
-    /// Puts `opened` in the place of the present flank.
+    /// Replaces the present flank by `opened`.
     fn put(&mut self, opened: &Incoming<FlankDocument, Arc<LoadedFlank>>, cx: &mut Context) {
         self.desk.replace(opened.document.clone());
         if let Some(loaded) = &opened.loaded {
@@ -81,7 +82,7 @@ impl FlankWorkspace {
         self.say(cx, EventKind::Done, format!("{} opened", document.name()));
     }
 
-    /// Whether a path that is named for this takes the place of the whole flank.
+    /// Whether a path for `what` replaces the whole flank.
     fn is_another(&self, what: FlankPath) -> bool {
         let source = &self.desk.params().source;
         match what {
@@ -92,7 +93,7 @@ impl FlankWorkspace {
         }
     }
 
-    /// Takes another guide curve: the surface is another one, and what was decided on the former one does not hold for it.
+    /// Changes a guide curve. Overrides of the former surface are dropped.
     fn take_guide(&mut self, change: impl FnOnce(&mut GuideSource, &mut GuideSource)) {
         self.edit_flank(|params| {
             if let FlankSource::Guides { lower, upper } = &mut params.source {
@@ -102,12 +103,12 @@ impl FlankWorkspace {
         });
     }
 
-    /// Adds a line to the log that is of the present flank.
+    /// Adds a line about the present flank to the log.
     fn say(&self, cx: &mut Context, kind: EventKind, text: impl Into<String>) {
         cx.note(LogLine { revision: self.desk.revision(), ..LogLine::now(kind, text) });
     }
 
-    /// Takes an electrode in the place of a flank of which nothing is unsaved. The cutter and the machine stay.
+    /// Replaces the flank by a flank of `electrode`. Cutter and machine stay.
     fn take_electrode(&mut self, electrode: &ElectrodePart, cx: &mut Context) {
         match flank_of(electrode, self.desk.params()) {
             Ok(params) => {
@@ -119,7 +120,7 @@ impl FlankWorkspace {
         }
     }
 
-    /// Takes a file that was dropped or opened: the points of a guide curve, or else a part with the flank.
+    /// Takes a file that was dropped or opened: the points of a guide curve, or a part with the flank.
     fn take_file(&mut self, path: &Path, cx: &mut Context) {
         if !is_points_file(path) {
             let mesh = FlankSource::Mesh(MeshFlank::of(path));
@@ -136,28 +137,28 @@ impl FlankWorkspace {
         }
     }
 
-    /// Takes two guides that were dropped together: the lower one is told by its name, or else comes first.
+    /// Takes two guides that were dropped together. Their names tell which is the lower one; otherwise the first is.
     fn take_guides(&mut self, files: [PathBuf; 2], cx: &mut Context) {
         let named = pair(&files[0]).filter(|pair| pair.iter().all(|file| files.contains(file)));
         let source = FlankSource::guides(named.unwrap_or(files));
         self.opening.go_on(Pending::Surface(source), cx);
     }
 
-    /// Keeps the lower guide until the upper one is named: one alone is no surface.
+    /// Keeps the lower guide until the upper one is named, because one guide is no surface.
     fn ask_for_upper(&mut self, lower: &Path, cx: &mut Context) {
         self.desk.first_guide = Some(lower.to_owned());
         cx.say_in_passing("This is the lower guide: choose or drop the upper one");
         cx.ask(FlankPath::Upper, "");
     }
 
-    /// No upper guide was named: the lower one that waited for it is not taken.
+    /// Drops the lower guide, because no upper guide was named.
     fn forget_first_guide(&mut self, cx: &mut Context) {
         if self.desk.first_guide.take().is_some() {
             cx.say_in_passing("No upper guide was named: the lower one is not taken either");
         }
     }
 
-    /// Takes another mesh, in place of one as what the user goes on with.
+    /// Takes another mesh. If the present flank has one, the mesh is replaced and the other parameters stay.
     fn take_mesh(&mut self, path: PathBuf, cx: &mut Context) {
         let FlankSource::Mesh(mesh) = &self.desk.params().source else {
             return self.opening.go_on(Pending::Surface(FlankSource::Mesh(MeshFlank::of(&path))), cx);
@@ -175,7 +176,7 @@ impl FlankWorkspace {
         self.desk.edit(params);
     }
 
-    /// Goes on with a path that was named for something of the flank.
+    /// Takes a path that was asked for.
     fn take(&mut self, what: FlankPath, path: PathBuf, cx: &mut Context) {
         match what {
             FlankPath::Open if is_project(&path) => self.opening.go_on(Pending::Open(path), cx),
@@ -204,10 +205,13 @@ impl FlankWorkspace {
                 Err(e) => cx.error("This is no post", e.to_string()),
             },
             FlankPath::Folder => self.export(&path, cx),
+            FlankPath::MovedFile => {
+                self.opening.moved.found(&path, cx).into_iter().for_each(|found| self.begin(Source::There(found)))
+            }
         }
     }
 
-    /// Takes the machine in this file; of several the first one, and the others are in the list.
+    /// Sets the machine of this file. If the file has several, the first one is set and the others are listed.
     fn take_milling_machine(&mut self, file: &Path, cx: &mut Context) {
         let machines = match read_milling_machines(file) {
             Ok(machines) => machines,
@@ -234,7 +238,7 @@ impl FlankWorkspace {
         }
     }
 
-    /// Writes the files of the plan into `folder`; says why not if it cannot.
+    /// Writes the files of the plan into `folder`, or shows why that is not possible.
     pub fn export(&mut self, folder: &Path, cx: &mut Context) {
         let desk = &mut self.desk;
         if let Err(why) = desk.work.export(desk.document.params(), folder, desk.choice) {
@@ -323,6 +327,7 @@ impl Workspace for FlankWorkspace {
             Some(F::Cancel) => desk.work.cancel(),
             Some(F::Export) => {
                 desk.changed_files = desk.work.changed_files(desk.document.params());
+                self.opening.moved.forget();
                 cx.request(Request::Dialog);
             }
             Some(F::Play) => desk.play(),
@@ -375,7 +380,7 @@ impl Workspace for FlankWorkspace {
         match self.opening.pending.take() {
             Some(Pending::Open(path)) => self.begin(Source::Project(path)),
             Some(Pending::Surface(source)) => {
-                self.begin(Source::New(Document::new(self.desk.params().of_another(source))));
+                self.begin(Source::There(Document::new(self.desk.params().of_another(source))));
             }
             Some(Pending::Ask(what)) => cx.ask(what, ""),
             Some(Pending::Take(opened)) => self.put(&opened, cx),
@@ -400,7 +405,16 @@ impl Workspace for FlankWorkspace {
         }
     }
 
+    fn dialog_title(&self) -> &'static str {
+        if self.opening.moved.is_asking() { moved_files::TITLE } else { "Export" }
+    }
+
     fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
+        if self.opening.moved.is_asking() {
+            let opened = self.opening.moved.dialog(ui, cx, FlankPath::MovedFile);
+            opened.into_iter().for_each(|document| self.begin(Source::There(document)));
+            return !self.opening.moved.is_asking();
+        }
         match export::show(ui, &mut self.desk, cx) {
             Some(export::Answer::Folder) => {
                 cx.ask(FlankPath::Folder, "");

@@ -11,9 +11,9 @@ use nc::electrode_files::{
 /// What the manifest of a folder calls an export of electrodes.
 pub const EXPORT: &str = "electrodes";
 
-/// Writes and publishes the electrodes that may be exported in all `formats`, `burn_table.csv` and `.json`, the burn sheet,
-/// and the report with its pictures. Electrode files of earlier exports do not stay under their names. A sheet that cannot be made of this table takes nothing else with it: why is told
-/// in what was written.
+/// Writes and publishes the electrodes that may be exported in all `formats`, `burn_table.csv` and `.json`, the burn
+/// sheet, and the report with its pictures. Electrode files of earlier exports do not stay under their names. A sheet
+/// that cannot be made of this table takes nothing else with it: why is told in what was written.
 ///
 /// # Errors
 /// [`ElectrodeExportError`]; then nothing was written.

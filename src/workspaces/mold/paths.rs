@@ -1,9 +1,10 @@
 //! The paths that the workspace asks for.
 
 use crate::workspaces::context::{PROJECT, PathInfo, PathKind, PathSet, TOML};
+use crate::workspaces::moved_files::FIND;
 use import::MESH_ENDINGS;
 
-/// What the workspace asks paths for.
+/// Purpose of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MoldPath {
     /// The mesh of a mold, or a mold that was saved.
@@ -18,12 +19,14 @@ pub enum MoldPath {
     BurnSheet,
     /// Where the cutters are saved.
     SaveCutters,
+    /// A file of a project that is elsewhere now.
+    MovedFile,
 }
 
 impl PathSet for MoldPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use MoldPath as P;
-        static TABLE: [(P, PathInfo); 6] = [
+        static TABLE: [(P, PathInfo); 7] = [
             (
                 P::Open,
                 PathInfo::open("Open a mold", PathKind::Read("Molds and meshes", &[PROJECT, MESH_ENDINGS], false)),
@@ -33,6 +36,7 @@ impl PathSet for MoldPath {
             (P::ElectrodeFolder, PathInfo::new("Folder for the electrodes", PathKind::Folder)),
             (P::BurnSheet, PathInfo::new("Template of the burn sheet", PathKind::Read("", &[], false))),
             (P::SaveCutters, PathInfo::new("Save cutters", PathKind::Write("Cutters", ".toml"))),
+            (P::MovedFile, FIND),
         ];
         &TABLE
     }

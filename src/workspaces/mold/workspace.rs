@@ -1,4 +1,4 @@
-//! The workspace of molds as the window knows it.
+//! The workspace of molds.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,6 +18,7 @@ use crate::workspaces::mold::panels::view::MoldView;
 use crate::workspaces::mold::paths::MoldPath;
 use crate::workspaces::mold::scene::{MoldLook, RegionColours};
 use crate::workspaces::mold::work::{LoadedMold, read_part};
+use crate::workspaces::moved_files;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::{Incoming, Opening, Source};
 use crate::workspaces::workspace::{About, Menu, Workspace, held_in_fields};
@@ -29,22 +30,19 @@ static ABOUT: About = About { id: "mold", name: "Mold", switch: CommandInfo::new
 
 /// The workspace of molds.
 pub struct MoldWorkspace {
-    /// The mold, what is asked about it and what was found.
+    /// The mold, its parameters and results.
     pub desk: MoldDesk,
     view: MoldView,
     opening: Opening<Pending, MoldParams, Option<Arc<LoadedMold>>>,
 }
 
-/// What takes the place of the mold once nothing stands in the way.
+/// Replacement of the mold, done once unsaved work is dealt with.
 enum Pending {
     Open(PathBuf),
     Ask,
     /// A mold that was read.
-    Take(Arc<MoldIncoming>),
+    Take(Arc<Incoming<MoldParams, Option<Arc<LoadedMold>>>>),
 }
-
-/// A mold that was read, with its mesh if it names one.
-type MoldIncoming = Incoming<MoldParams, Option<Arc<LoadedMold>>>;
 
 impl MoldWorkspace {
     /// An empty workspace.
@@ -52,7 +50,7 @@ impl MoldWorkspace {
         Self { desk: MoldDesk::new(scheduler), view: MoldView::default(), opening: Opening::new(scheduler) }
     }
 
-    /// Whether `pending` loses nothing: the cutters that were chosen before there was a mold stay.
+    /// Whether `pending` loses no work: cutters that were chosen before there was a mold stay.
     fn is_harmless(&self, pending: &Pending) -> bool {
         self.desk.params().mesh.is_none()
             && match pending {
@@ -62,13 +60,13 @@ impl MoldWorkspace {
             }
     }
 
-    /// Goes on with `pending`, after asking about unsaved work.
+    /// Replaces the mold by `pending` after the question about unsaved work.
     fn intend(&mut self, pending: Pending, cx: &mut Context) {
         self.opening.stop();
         self.request(pending, Request::Replace, cx);
     }
 
-    /// Goes on with `pending` on the way to what was asked for before.
+    /// Replaces the mold by `pending` within a replacement that was asked about already.
     fn go_on(&mut self, pending: Pending, cx: &mut Context) {
         self.request(pending, Request::GoOn, cx);
     }
@@ -79,7 +77,7 @@ impl MoldWorkspace {
         if is_harmless { self.proceed(cx) } else { cx.request(request) }
     }
 
-    /// Reads a mold, which then takes the place of the present one.
+    /// Reads a mold with its mesh, which then replaces the present mold.
     fn begin(&mut self, source: Source<MoldParams>) {
         self.opening.begin(source, |document, task| {
             let params = document.params();
@@ -88,12 +86,12 @@ impl MoldWorkspace {
         });
     }
 
-    /// Where the mold at `path` is read from, a project or a mesh.
+    /// Source of the mold at `path`, a project or a mesh.
     fn source(&self, path: &Path) -> Source<MoldParams> {
-        if is_project(path) { Source::Project(path.to_owned()) } else { Source::New(self.desk.begun(path)) }
+        if is_project(path) { Source::Project(path.to_owned()) } else { Source::There(self.desk.begun(path)) }
     }
 
-    /// Puts `document` in the place of the present mold, with its mesh if that was read.
+    /// Replaces the present mold by `document`, with its mesh if that was read.
     fn take(&mut self, document: Document<MoldParams>, part: Option<Arc<LoadedMold>>, cx: &mut Context) {
         self.desk.replace(document);
         if let Some(part) = part {
@@ -117,7 +115,7 @@ impl MoldWorkspace {
         }
     }
 
-    /// A template that is wrong changes nothing.
+    /// Sets the template of the burn sheet. A wrong template changes nothing.
     fn take_burn_sheet(&mut self, path: &Path, cx: &mut Context) {
         match BurnSheet::read(path) {
             Ok(sheet) => self.desk.electrodes.sheet = sheet,
@@ -132,7 +130,7 @@ impl MoldWorkspace {
         }
     }
 
-    /// Writes the files of the electrodes into `folder`; says why not if it cannot.
+    /// Writes the files of the electrodes into `folder`, or shows why that is not possible.
     pub fn export(&mut self, folder: &Path, cx: &mut Context) {
         let desk = &mut self.desk;
         let formats = desk.electrodes.formats();
@@ -143,7 +141,7 @@ impl MoldWorkspace {
         }
     }
 
-    /// Along the way of the electrode that is selected.
+    /// Steps along the burn of the selected electrode.
     fn step_along_burn(&mut self, command: FrameCommand) {
         let burns = &mut self.desk.electrodes;
         match command {
@@ -158,8 +156,8 @@ impl MoldWorkspace {
         let Some((electrode, _)) = self.desk.electrodes.chosen() else { return };
         if !self.desk.electrodes.designed().is_some_and(|made| made.is_proven) {
             // What was read from a file is shown, but proves nothing.
-            let why = "These electrodes were kept from an earlier session. Find the rest material and create the electrodes \
-                       again first.";
+            let why = "These electrodes were kept from an earlier session. Find the rest material and create the \
+                       electrodes again first.";
             return cx.error("No flank to mill", why.to_owned());
         }
         let part = ElectrodePart::of_mold(electrode, &self.desk.document.name());
@@ -315,7 +313,7 @@ impl Workspace for MoldWorkspace {
 
     fn open(&mut self, path: &Path, cx: &mut Context) {
         match self.source(path) {
-            Source::New(document) => self.take(document, None, cx),
+            Source::There(document) => self.take(document, None, cx),
             project => self.begin(project),
         }
     }
@@ -345,9 +343,22 @@ impl Workspace for MoldWorkspace {
         self.begin(Source::Copy(copy));
     }
 
+    fn dialog_title(&self) -> &'static str {
+        moved_files::TITLE
+    }
+
+    fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
+        let opened = self.opening.moved.dialog(ui, cx, MoldPath::MovedFile);
+        opened.into_iter().for_each(|document| self.begin(Source::There(document)));
+        !self.opening.moved.is_asking()
+    }
+
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {
         match MoldPath::at(number) {
             Some(MoldPath::Open) => self.go_on(Pending::Open(path), cx),
+            Some(MoldPath::MovedFile) => {
+                self.opening.moved.found(&path, cx).into_iter().for_each(|found| self.begin(Source::There(found)))
+            }
             Some(MoldPath::Cutters) => self.load_cutters(&path, false, cx),
             Some(MoldPath::OtherCutters) => self.load_cutters(&path, true, cx),
             Some(MoldPath::SaveCutters) => self.save_cutters(&path, cx),

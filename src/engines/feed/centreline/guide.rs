@@ -56,7 +56,8 @@ impl Guide {
         if s == 0.0 { self.start } else { self.line.length_at_x(self.core.x + self.direction * s) }
     }
 
-    /// Withdrawn distance along X of the node a `step` of arc length after the one at `s` (mm). Always greater than `s`.
+    /// Withdrawn distance along X of the node a `step` of arc length after the one at `s` (mm). Always greater than
+    /// `s`.
     pub fn next_s(&self, s: f64, step: f64) -> f64 {
         let next = self.line.at_length(self.arc_length(s) + self.direction * step)[0];
         let along_x = self.direction * (next.x - self.core.x);
@@ -81,8 +82,8 @@ impl Guide {
     }
 }
 
-/// The middle of the electrode's section through `place`, square to `normal`: half way between the walls, and from there
-/// half way between hub and shroud. Where a line leaves through no surface the place stays as it is.
+/// The middle of the electrode's section through `place`, square to `normal`: half way between the walls, and from
+/// there half way between hub and shroud. Where a line leaves through no surface the place stays as it is.
 fn section_middle(electrode: &ExactMesh, place: DVec3, normal: DVec3) -> DVec3 {
     const REACH: f64 = 1e3;
     let outwards = DVec3::new(0.0, place.y, place.z).normalize_or(DVec3::Z);

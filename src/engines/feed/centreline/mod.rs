@@ -1,10 +1,10 @@
 //! The centreline strategy of P1: the electrode's core point is carried along the centreline of the channel in steps of
 //! arc length; at each node the posture is adjusted until all distances are safe.
 //!
-//! P1 resolves a contact by adjusting the posture, by a greater safety gap, or by a shorter step. Here the posture climbs
-//! the distance field from some starts that are given by the line and by the motion so far; then the same is tried with a
-//! greater gap, which keeps to the middle of the room there is; steps are shortened by the frame that all strategies share.
-//! The X axis follows the line alone, so that nodes keep their order; P1 leaves open which axis does.
+//! P1 resolves a contact by adjusting the posture, by a greater safety gap, or by a shorter step. Here the posture
+//! climbs the distance field from some starts that are given by the line and by the motion so far; then the same is
+//! tried with a greater gap, which keeps to the middle of the room there is; steps are shortened by the frame that all
+//! strategies share. The X axis follows the line alone, so that nodes keep their order; P1 leaves open which axis does.
 
 mod guide;
 #[cfg(test)]
@@ -25,7 +25,8 @@ use task::{Cancel, Cancelled};
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CentrelineParams {
-    /// By how much the gap that postures are adjusted for is increased where the plain one leads to no free motion (mm).
+    /// By how much the gap that postures are adjusted for is increased where the plain one leads to no free motion
+    /// (mm).
     pub safety_increase_mm: f64,
 }
 
@@ -48,7 +49,7 @@ impl SearchStrategy for CentrelineParams {
     }
 
     fn parameters(&self) -> Option<&'static str> {
-        Some("/plan/centreline")
+        Some("plan.centreline")
     }
 
     fn symbols(&self) -> Vec<StrategySymbol> {
@@ -79,8 +80,8 @@ impl<'a> CentrelineStep<'a> {
         Self { params, problem, guide, task }
     }
 
-    /// Free postures at the node, those of the plain gap first, the best of each gap first. Where the search has gone back
-    /// from a jam, those of an increased gap come first, of another one each time.
+    /// Free postures at the node, those of the plain gap first, the best of each gap first. Where the search has gone
+    /// back from a jam, those of an increased gap come first, of another one each time.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -103,8 +104,8 @@ impl<'a> CentrelineStep<'a> {
         Ok((found.into_iter().map(|(_, candidate)| candidate).collect(), trace))
     }
 
-    /// Postures to adjust: the core point on the line, turned with the line, turned on as before, or not turned; and the
-    /// motion as before, and the last posture, wherever they leave the core point.
+    /// Postures to adjust: the core point on the line, turned with the line, turned on as before, or not turned; and
+    /// the motion as before, and the last posture, wherever they leave the core point.
     fn starts(&self) -> Vec<Pose> {
         let NodeTask { from, x, before, duration, .. } = *self.task;
         let ratio = duration / before.duration;

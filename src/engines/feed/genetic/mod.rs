@@ -77,7 +77,7 @@ impl SearchStrategy for GeneticParams {
     }
 
     fn parameters(&self) -> Option<&'static str> {
-        Some("/genetic")
+        Some("genetic")
     }
 
     fn symbols(&self) -> Vec<StrategySymbol> {

@@ -85,7 +85,7 @@ impl SearchStrategy for GlobalParams {
     }
 
     fn parameters(&self) -> Option<&'static str> {
-        Some("/plan/global")
+        Some("plan.global")
     }
 
     fn symbols(&self) -> Vec<StrategySymbol> {

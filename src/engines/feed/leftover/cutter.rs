@@ -104,8 +104,8 @@ impl Cutter {
         self.field.value(p)
     }
 
-    /// The least signed distance (mm) from `p`, in W, to the electrode at the rows of its first motion, or `known` if it
-    /// is nowhere less: mostly near the least of all, since that motion bends where the electrode is at a wall.
+    /// The least signed distance (mm) from `p`, in W, to the electrode at the rows of its first motion, or `known` if
+    /// it is nowhere less: mostly near the least of all, since that motion bends where the electrode is at a wall.
     pub(super) fn at_rows(&self, p: DVec3, known: f64) -> f64 {
         let rows = self.motions.first().map_or(&[][..], |m| &m.placements);
         rows.iter().filter_map(|placement| self.look(placement, p).distance).fold(known, f64::min)

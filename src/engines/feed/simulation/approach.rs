@@ -26,8 +26,8 @@ pub(super) fn candidates(scenario: &Scenario, clear: f64) -> Vec<Approach> {
     [vec![up, out, first], vec![out, first], vec![first]].map(shortened).to_vec()
 }
 
-/// `value` (mm), rounded as files are, as far as the travel of `axis` goes, seen from `from`, which may itself be beyond
-/// it.
+/// `value` (mm), rounded as files are, as far as the travel of `axis` goes, seen from `from`, which may itself be
+/// beyond it.
 fn within(machine: &MachineParams, axis: Axis, value: f64, from: f64) -> f64 {
     let [least, most] = machine.travel(axis);
     let [least, most] = [least.min(from), most.max(from)];

@@ -97,9 +97,9 @@ pub(super) fn placed(scenario: &Scenario) -> Vec<Body> {
     scenario.model.bodies.iter().map(in_w).collect()
 }
 
-/// `poses` with only the axes that move `moving` against `fixed`. Blisk and table turn against A, and nothing else moves
-/// them. Of a tool's axes X, Y and Z do not count against the head, which they carry too, and A not against the bed,
-/// which it does not turn; C and B turn what the electrode carries, and not the head.
+/// `poses` with only the axes that move `moving` against `fixed`. Blisk and table turn against A, and nothing else
+/// moves them. Of a tool's axes X, Y and Z do not count against the head, which they carry too, and A not against the
+/// bed, which it does not turn; C and B turn what the electrode carries, and not the head.
 pub(super) fn relative(poses: &[Pose], moving: &Mover, fixed: &Obstacle) -> Vec<Pose> {
     if moving.on_table {
         return poses.iter().map(|pose| Pose { a: -pose.a, ..Pose::FINAL }).collect();

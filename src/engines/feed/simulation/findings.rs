@@ -43,8 +43,8 @@ pub struct PairReport {
     pub certified: f64,
     /// The smallest clearance met.
     pub least: Place,
-    /// The first instant at which they touch, if they do. On the way from one channel to another it is told of the widest
-    /// way, which stands for the others where channels are alike.
+    /// The first instant at which they touch, if they do. On the way from one channel to another it is told of the
+    /// widest way, which stands for the others where channels are alike.
     pub contact: Option<Place>,
 }
 
@@ -189,8 +189,8 @@ impl Simulation {
         self.findings.pairs.is_empty() || self.findings.visits.is_empty()
     }
 
-    /// Of the pairs that do not keep what is asked for the worst; if there are none, of those with a body of the machine
-    /// the one that comes nearest to it.
+    /// Of the pairs that do not keep what is asked for the worst; if there are none, of those with a body of the
+    /// machine the one that comes nearest to it.
     pub fn tightest(&self) -> Option<&PairReport> {
         let failing = self.pairs().iter().filter(|p| !p.holds());
         let bodies = self.pairs().iter().filter(|p| p.during.is_none());
@@ -218,8 +218,8 @@ impl Simulation {
             _ if self.is_empty() => "Nothing was simulated: the feed has no rows; plan it again.".to_owned(),
             None => format!("The machine has no bodies; the electrode stays clear of the blisk in {channels}."),
             Some(pair) if pair.holds() => format!(
-                "Nothing collides in {channels}: {} clearances of bodies are proven, the least of the machine's own, of {} and \
-                 {}, {} mm of {:.3} mm. The blisk is taken as finished.",
+                "Nothing collides in {channels}: {} clearances of bodies are proven, the least of the machine's own, \
+                 of {} and {}, {} mm of {:.3} mm. The blisk is taken as finished.",
                 self.pairs().len(),
                 pair.moving,
                 pair.fixed,
@@ -268,8 +268,8 @@ impl PairReport {
         let Self { moving, fixed, required, certified, .. } = self;
         match &self.contact {
             Some(at) => format!(
-                "COLLISION: {moving} meets {fixed} in the {} of channel {}, at row {:.3} ({}). A path that turns the electrode \
-                 less (strategy global), a longer shank or slimmer bodies may be clear.",
+                "COLLISION: {moving} meets {fixed} in the {} of channel {}, at row {:.3} ({}). A path that turns the \
+                 electrode less (strategy global), a longer shank or slimmer bodies may be clear.",
                 at.phase.name(),
                 at.channel,
                 at.row,

@@ -9,9 +9,9 @@
 //! cables, hoses and doors that no one has described. The blisk is taken as
 //! finished: of stock, before and during the burn, nothing is known here.
 //!
-//! A blisk looks the same from every channel, if its mesh does: that is proven first, triangle by triangle, and what the
-//! two are apart is taken off the clearances. Where it is not so, every channel is tested by itself. Tables and beds need
-//! not look the same, and are tested in every channel.
+//! A blisk looks the same from every channel, if its mesh does: that is proven first, triangle by triangle, and what
+//! the two are apart is taken off the clearances. Where it is not so, every channel is tested by itself. Tables and
+//! beds need not look the same, and are tested in every channel.
 
 mod approach;
 mod bodies;

@@ -12,9 +12,9 @@ const SAME: f64 = 1e-3;
 /// How many triangles are processed between two checks of the cancel flag.
 const PER_CHECK: usize = 16384;
 
-/// How far points of `blisk` are from the blisk at most (mm) when it is turned about X so that what is at one of `turns`
-/// (rad) comes to 0. None unless vertices come to vertices one to one and every turned triangle is, corner by corner, a
-/// triangle of the mesh: otherwise surfaces may be the same and not be known to be.
+/// How far points of `blisk` are from the blisk at most (mm) when it is turned about X so that what is at one of
+/// `turns` (rad) comes to 0. None unless vertices come to vertices one to one and every turned triangle is, corner by
+/// corner, a triangle of the mesh: otherwise surfaces may be the same and not be known to be.
 pub(super) fn error_of(
     blisk: &Mesh,
     turns: impl Iterator<Item = f64>,

@@ -142,8 +142,8 @@ impl<'a> Run<'a> {
         bodies.movers.iter().flat_map(with_all).filter(|(moving, _, fixed)| moving.could_meet(fixed))
     }
 
-    /// The clearance asked for outside the feed (mm). The electrode starts its feed where the plan withdrew it to, which
-    /// may be nearer than bodies shall come; `allowance` is taken off what is proven there (mm).
+    /// The clearance asked for outside the feed (mm). The electrode starts its feed where the plan withdrew it to,
+    /// which may be nearer than bodies shall come; `allowance` is taken off what is proven there (mm).
     fn required_outside(&self, moving: &Mover, fixed: &Obstacle, allowance: f64) -> f64 {
         let usual = self.scenario.machine.body_clearance_mm;
         if moving.is_electrode && fixed.is_blisk() {
@@ -373,8 +373,8 @@ impl<'a> Run<'a> {
         Ok(known)
     }
 
-    /// The first contact in the order of time. What A turns is tested over all that A goes through, in one go that knows
-    /// no order, so that the tour itself is walked.
+    /// The first contact in the order of time. What A turns is tested over all that A goes through, in one go that
+    /// knows no order, so that the tour itself is walked.
     fn first_contact(&self, pair: &Pair, test: &Test, legs: &Legs) -> Result<Option<Place>, Cancelled> {
         let tour: Vec<&Leg> = if test.moving.on_table { legs.all.iter().collect() } else { test.legs.clone() };
         for leg in tour {

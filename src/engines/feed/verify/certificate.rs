@@ -153,8 +153,8 @@ impl Certificate {
         self.findings.ends_right
     }
 
-    /// The side of the blisk, in W, that the electrode enters from: the one that all of it is beyond at the first row. None
-    /// where the motion does not begin outside.
+    /// The side of the blisk, in W, that the electrode enters from: the one that all of it is beyond at the first row.
+    /// None where the motion does not begin outside.
     pub fn enters_from(&self) -> Option<EntrySide> {
         self.findings.enters_from
     }

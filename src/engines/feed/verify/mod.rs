@@ -86,7 +86,8 @@ pub enum VerifyError {
     RowOutOfRange(usize),
     /// A tolerance that leaves too little of the spark gap.
     #[error(
-        "tolerance_mm is {tolerance_mm}: it must be 0 or more, and less than half of the path's spark gap of {spark_gap_mm} mm"
+        "tolerance_mm is {tolerance_mm}: it must be 0 or more, and less than half of the path's spark gap of \
+         {spark_gap_mm} mm"
     )]
     Tolerance {
         /// How far below the spark gap the clearance may fall (mm).
@@ -110,8 +111,8 @@ pub enum VerifyError {
 }
 
 impl VerifyOptions {
-    /// Checks every parameter's range for paths of this spark gap (mm). No certificate is made of others: a clearance of
-    /// half the gap or less would pass for one of the gap.
+    /// Checks every parameter's range for paths of this spark gap (mm). No certificate is made of others: a clearance
+    /// of half the gap or less would pass for one of the gap.
     ///
     /// # Errors
     /// [`VerifyError`] that names the parameter.

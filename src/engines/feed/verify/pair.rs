@@ -124,8 +124,8 @@ impl Pair<'_> {
     }
 
     /// Bounds the clearance over the continuous motion through `poses`, all axes linear between them; none if there is
-    /// nothing that could meet. A body that starts inside the other has a clearance of 0. `before` is the clearance over
-    /// a motion that was looked at before: the answer is that over both.
+    /// nothing that could meet. A body that starts inside the other has a clearance of 0. `before` is the clearance
+    /// over a motion that was looked at before: the answer is that over both.
     ///
     /// # Errors
     /// [`Cancelled`].

@@ -1,7 +1,7 @@
-//! Unsaved work, kept in a folder of the program's own while there is any, so that it survives a kill.
+//! Copies of unsaved work in a folder of the program, which survive a crash.
 //!
-//! Each running program holds a lock on `<process>.lock` as long as it lives, and keeps `<process>.<kind>.sparkpath` for
-//! each workspace with unsaved work. A copy whose lock can be taken was left by a program that did not end properly.
+//! A running program holds a lock on `<process>.lock`, and keeps `<process>.<kind>.sparkpath` for each workspace with
+//! unsaved work. A copy without a held lock was left by a program that did not end properly.
 
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
@@ -15,23 +15,24 @@ use crate::toml_file::write_text;
 
 const ENDING: &str = "sparkpath";
 
-/// Keeps the copies of one running program.
+/// The copies of one running program.
 #[derive(Debug)]
 pub struct Autosave {
     folder: PathBuf,
     process: String,
     every: f64,
     last: f64,
-    /// Kinds that have a copy, and the revision of what it holds.
+    /// Kinds that have a copy, with the revision of its content.
     written: BTreeMap<&'static str, u64>,
     _lock: File,
 }
 
 impl Autosave {
-    /// Starts keeping copies in `folder`, which is made if it is not there; one is [due](Self::is_due) every so many seconds.
+    /// Starts keeping copies in `folder`, which is made if missing. Copies are [due](Self::is_due) `every` so many
+    /// seconds.
     ///
     /// # Errors
-    /// If nothing can be written there.
+    /// If the folder cannot be written.
     pub fn start(folder: &Path, every: f64) -> std::io::Result<Self> {
         std::fs::create_dir_all(folder)?;
         // Numbers of processes come again, and one process may keep several sets.
@@ -47,7 +48,7 @@ impl Autosave {
         Err(std::io::Error::other("no free name for a copy"))
     }
 
-    /// Whether it is time `now` (s) to [update](Self::update) all copies; from then on the time counts anew.
+    /// Whether the copies are to be [updated](Self::update) `now` (s). If so, the time counts anew.
     pub fn is_due(&mut self, now: f64) -> bool {
         let is_due = now - self.last >= self.every;
         if is_due {
@@ -56,11 +57,11 @@ impl Autosave {
         is_due
     }
 
-    /// Writes a copy if `document` has unsaved work that the copy lacks; removes the copy if it has none. Parameters that
-    /// are not possible, as while a number is typed, leave the copy as it was.
+    /// Writes a copy if `document` has unsaved work that the copy lacks, and removes the copy if it has none.
+    /// Parameters that are not possible, for example while a number is typed, leave the copy as it was.
     ///
     /// # Errors
-    /// [`FileError`]; the copy before then still is there.
+    /// [`FileError`]; the former copy stays.
     pub fn update(&mut self, document: &dyn AnyDocument) -> Result<(), FileError> {
         let kind = document.kind();
         self.discard_saved(document);
@@ -86,7 +87,7 @@ impl Autosave {
         }
     }
 
-    /// Removes the copy of this kind: the work is saved, or was given up on purpose.
+    /// Removes the copy of this kind, because the work is saved or was given up on purpose.
     pub fn discard(&mut self, kind: &'static str) {
         if self.written.remove(kind).is_some() {
             // A copy that cannot be removed is offered at the next start, which loses nothing.
@@ -132,14 +133,14 @@ pub struct Recovery {
     copy: PathBuf,
     /// The kind of the workspace, as in `mold`.
     pub kind: String,
-    /// What the part is called; empty if that is not known.
+    /// Name of the part; empty if unknown.
     pub part: String,
-    /// The project file that it was to be saved in, if it had one.
+    /// The project file of the work, if it had one.
     pub file: Option<PathBuf>,
 }
 
 impl Recovery {
-    /// The copies in `folder` that no living program keeps, in the order of their names.
+    /// The copies in `folder` without a running program, in the order of their names.
     pub fn find(folder: &Path) -> Vec<Self> {
         copies_of(folder, "").into_iter().filter_map(Self::of).collect()
     }
@@ -168,7 +169,7 @@ impl Recovery {
         }
     }
 
-    /// The work as it was, unsaved. The copy stays until [`discard`](Self::discard).
+    /// The unsaved work. The copy stays until [`discard`](Self::discard).
     ///
     /// # Errors
     /// [`FileError`] if the copy cannot be read.
@@ -181,7 +182,7 @@ impl Recovery {
         &self.copy
     }
 
-    /// When the copy was written.
+    /// Time when the copy was written.
     pub fn written(&self) -> Option<SystemTime> {
         std::fs::metadata(&self.copy).and_then(|m| m.modified()).ok()
     }

@@ -1,21 +1,21 @@
-//! Undo and redo over whole sets of parameters: a set is a few hundred bytes, so a step keeps all of it.
+//! Undo and redo over whole sets of parameters. A set has a few hundred bytes, so that each step keeps one.
 
-/// Most steps that are kept.
+/// Greatest number of steps kept.
 const DEPTH: usize = 500;
 
-/// One step: what was done, and the parameters on the other side of it.
+/// A step: its name, and the parameters on the other side of it.
 #[derive(Debug, Clone, PartialEq)]
 struct Step<T> {
     label: String,
     params: T,
 }
 
-/// The steps over parameters `T` that can be undone and done again.
+/// The steps of parameters `T` for undo and redo.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History<T> {
     past: Vec<Step<T>>,
     future: Vec<Step<T>>,
-    /// Whether the last step is one of a gesture that still goes on: a slider being dragged, a number being typed.
+    /// Whether the last step belongs to a gesture in progress: a slider being dragged, a number being typed.
     is_open: bool,
 }
 
@@ -26,7 +26,7 @@ impl<T> Default for History<T> {
 }
 
 impl<T: Clone> History<T> {
-    /// Notes that `before` is about to be changed. Changes `in_gesture` with the same label make one step, until
+    /// Records that `before` is about to change. Changes `in_gesture` with the same label form one step, until
     /// [`end_gesture`](Self::end_gesture).
     pub fn record(&mut self, label: &str, before: &T, in_gesture: bool) {
         let continued = in_gesture && self.is_open && self.undo_label() == Some(label);
@@ -41,7 +41,7 @@ impl<T: Clone> History<T> {
         }
     }
 
-    /// Ends a gesture: the next change is a step of its own.
+    /// Ends a gesture. The next change is a step of its own.
     pub fn end_gesture(&mut self) {
         self.is_open = false;
     }
@@ -67,12 +67,12 @@ impl<T: Clone> History<T> {
         self.past.iter_mut().chain(&mut self.future).for_each(|step| change(&mut step.params));
     }
 
-    /// What undo would take back.
+    /// Name of the step that undo takes back.
     pub fn undo_label(&self) -> Option<&str> {
         self.past.last().map(|s| s.label.as_str())
     }
 
-    /// What redo would do again.
+    /// Name of the step that redo does again.
     pub fn redo_label(&self) -> Option<&str> {
         self.future.last().map(|s| s.label.as_str())
     }

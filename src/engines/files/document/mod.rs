@@ -1,5 +1,5 @@
-//! The document of a workspace: parameters with undo and redo, a project file, results that are kept in it, and whether
-//! there is unsaved work.
+//! The document of a workspace: parameters with undo and redo, a project file, results kept in the file, and the state
+//! of unsaved work.
 
 pub mod autosave;
 pub mod history;
@@ -19,73 +19,78 @@ use crate::document::history::History;
 use crate::{FileError, Invalid, Validate};
 use project::{CopyNote, Project};
 
-/// Parameters that a document can hold. Their TOML form has no key called `kind`, `version`, `files`, `results`, `kept` or
-/// `autosave`, which are the project file's own.
+/// Parameters that a document can hold. Their TOML form has no key called `kind`, `version`, `files`, `results`, `kept`
+/// or `autosave`, which are the project file's own.
 pub trait Params: Clone + PartialEq + Serialize + DeserializeOwned + Validate + Default {
-    /// The word for the workspace in project files, as in `mold`.
+    /// Kind of the project in files, as in `mold`.
     const KIND: &'static str;
 
-    /// What the part is called, as in `b_slots.stl`; empty if there is none.
+    /// Name of the part, as in `b_slots.stl`; empty if there is none.
     fn part(&self) -> String;
 
-    /// What to call a document without a file; the part unless said otherwise.
+    /// Name of a document without a file; by default the name of the part.
     fn name(&self) -> String {
         self.part()
     }
 
-    /// Replaces the path of every file that is named: project files have them as seen from their own folder.
+    /// Replaces the path of every file in the parameters. Project files have paths relative to their own folder.
     fn change_paths(&mut self, change: &mut dyn FnMut(&Path) -> PathBuf);
 
-    /// Takes over what a file that is named says of the keys that are not given, as the travels of a machine. Called once
-    /// paths are those of the system, with keys of a project file or those that have just been changed.
+    /// Whether nothing can be shown without the file at `path`, which is one of those that are named.
+    fn needs(&self, _path: &Path) -> bool {
+        true
+    }
+
+    /// Fills in the keys that are not given from a file in the parameters, as the travels of a machine. Called once
+    /// paths are absolute, with the keys of a project file or the keys just changed.
     ///
     /// # Errors
-    /// If that file cannot be read.
+    /// If the file cannot be read.
     fn complete(&mut self, _is_given: &dyn Fn(&str) -> bool) -> Result<(), Invalid> {
         Ok(())
     }
 }
 
-/// The document of any workspace, for whoever does not know its parameters.
+/// The document of any workspace, for callers that do not know its parameters.
 pub trait AnyDocument {
-    /// The word for the workspace in project files.
+    /// Kind of the project in files.
     fn kind(&self) -> &'static str;
 
-    /// The name to show: that of the project file, or else of the part.
+    /// Name to show: that of the project file, or else of the part.
     fn name(&self) -> String;
 
     /// The project file, if there is one.
     fn file(&self) -> Option<&Path>;
 
-    /// Whether there are changes that no file holds.
+    /// Whether there are unsaved changes.
     fn is_unsaved(&self) -> bool;
 
-    /// A number that no state of any document had before, taken anew with each change of the user's work.
+    /// A number that is unique among all states of all documents, and changes with the user's work.
     fn revision(&self) -> u64;
 
-    /// A number like [`revision`](Self::revision) that changes with anything that a file holds, results included.
+    /// A number like [`revision`](Self::revision) that changes with everything that a file holds, results included.
     fn content_revision(&self) -> u64;
 
-    /// What undo would take back, or do `again`.
+    /// Name of the step that undo takes back, or that redo does `again`.
     fn undo_label(&self, again: bool) -> Option<&str>;
 
-    /// Takes the last step back, or does the one `again` that was taken back last. Tells whether there was one.
+    /// Undoes the last step, or does `again` the step undone last. Returns whether there was one.
     fn undo(&mut self, again: bool) -> bool;
 
-    /// Saves as `file` and makes it the document's own.
+    /// Saves as `file`, which becomes the document's own.
     ///
     /// # Errors
-    /// [`FileError`]; what was there before then still is.
+    /// [`FileError`]; a former file then stays.
     fn save_as(&mut self, file: &Path) -> Result<(), FileError>;
 
-    /// The text of a copy of the work, to lie at `copy`; none while the parameters are not possible.
+    /// Text of a copy of the work, to be kept at `copy`; none while the parameters are not possible.
     ///
     /// # Errors
     /// [`FileError`].
     fn copy(&self, copy: &Path) -> Result<Option<String>, FileError>;
 }
 
-/// A file that the parameters name, and what it held when it was read.
+/// A file in the parameters with the digest of what was read from it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PartFile {
@@ -95,12 +100,12 @@ pub struct PartFile {
     pub sha256: String,
 }
 
-/// A file that is not what the project was made with.
+/// A file of a project that is gone or has changed.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MovedFile {
-    /// Where it was.
+    /// Former path.
     pub path: PathBuf,
-    /// Whether there still is a file, with other content.
+    /// Whether a file with other content is there.
     pub is_changed: bool,
 }
 
@@ -112,7 +117,7 @@ pub struct Document<P> {
     problem: OnceLock<Option<Invalid>>,
     history: History<P>,
     file: Option<PathBuf>,
-    /// What its file holds, or what a new document starts with; none if no file holds anything of it.
+    /// Parameters in the file, or those of a new document; none if no file holds the work.
     saved: Option<P>,
     files: Vec<PartFile>,
     results: BTreeMap<String, String>,
@@ -156,7 +161,7 @@ impl<P: Params> Document<P> {
         }
     }
 
-    /// Opens a project file. Ask for [`moved_files`](Self::moved_files) before anything is read from them.
+    /// Opens a project file. Check [`moved_files`](Self::moved_files) before files of the parameters are read.
     ///
     /// # Errors
     /// [`FileError`], also of a file of another workspace or of a newer program.
@@ -164,7 +169,7 @@ impl<P: Params> Document<P> {
         Ok(Self::of(Project::read(file)?, Some(file.to_owned())))
     }
 
-    /// The document in the text of a project, as one that is built in; files that it names are seen from `folder`.
+    /// The document in the text of a project, such as a built-in one. Paths are relative to `folder`.
     ///
     /// # Errors
     /// [`FileError`].
@@ -177,7 +182,7 @@ impl<P: Params> Document<P> {
         Self { saved: None, ..Self::of(project, file) }
     }
 
-    /// A copy of the document that belongs to no file.
+    /// A copy of the document without a file.
     #[must_use]
     pub fn detached(&self) -> Self {
         Self { file: None, ..self.clone() }
@@ -188,13 +193,13 @@ impl<P: Params> Document<P> {
         &self.params
     }
 
-    /// The first thing that is wrong with the parameters, which is looked for once for each change of them.
+    /// The first problem of the parameters, which is looked for once for each change of them.
     pub fn problem(&self) -> Option<&Invalid> {
         self.problem.get_or_init(|| self.params.validate().err()).as_ref()
     }
 
-    /// Makes `params` the parameters, as one step named `label`. Those `in_gesture` (a drag, a number being typed) with
-    /// the same label make one step together, until [`end_gesture`](Self::end_gesture). Tells whether anything changed.
+    /// Sets the parameters as one step named `label`. Edits `in_gesture` (a drag, a number being typed) with the same
+    /// label form one step, until [`end_gesture`](Self::end_gesture). Returns whether anything changed.
     pub fn edit(&mut self, label: &str, params: P, in_gesture: bool) -> bool {
         if params == self.params {
             return false;
@@ -205,14 +210,14 @@ impl<P: Params> Document<P> {
         true
     }
 
-    /// Makes `params` the parameters as part of the last step, so that undo takes both back together.
+    /// Sets the parameters as part of the last step, so that undo takes both back together.
     pub fn complete_step(&mut self, params: P) {
         self.params = params;
         self.touch_params();
     }
 
-    /// Changes the parameters and those of every step alike, which is no step of its own: what the program notes of the
-    /// part. What the file is taken to hold changes too if `is_in_file`, so that no unsaved work comes of it.
+    /// Changes the parameters in the present state and in every step, without a step of its own: for facts about the
+    /// part. With `is_in_file` the saved state changes too, so that the change is not unsaved work.
     pub fn amend(&mut self, is_in_file: bool, mut change: impl FnMut(&mut P)) {
         change(&mut self.params);
         self.history.change_all(&mut change);
@@ -233,47 +238,50 @@ impl<P: Params> Document<P> {
         self.touch_params();
     }
 
-    /// Ends a gesture: the button was released, the field was left.
+    /// Ends a gesture, when a button is released or a field is left.
     pub fn end_gesture(&mut self) {
         self.history.end_gesture();
     }
 
-    /// A result under this name, in the workspace's own form. What a computation found is checked before it is used:
-    /// a file never vouches for a path.
+    /// The kept result of this name, in the workspace's own form. A result of a computation is checked before use: a
+    /// file never proves a path.
     pub fn result(&self, name: &str) -> Option<&str> {
         self.results.get(name).map(String::as_str)
     }
 
-    /// Notes a result that can be computed again, for the project file; none removes it. That is no unsaved work.
+    /// Notes a result that can be computed again for the project file; none removes it. The note is not unsaved work.
     pub fn note_result(&mut self, name: &str, result: Option<String>) {
         note(&mut self.results, name, result);
         self.content_revision = next_revision();
     }
 
-    /// What the user decided to keep under this name.
+    /// The content that the user keeps under this name.
     pub fn kept(&self, name: &str) -> Option<&str> {
         self.kept.get(name).map(String::as_str)
     }
 
-    /// A number like [`revision`](AnyDocument::revision) that changes with what is kept.
+    /// A number like [`revision`](AnyDocument::revision) that changes with the kept content.
     pub fn kept_revision(&self) -> u64 {
         self.kept_revision
     }
 
-    /// Keeps what may be nowhere else, as runs to compare with; none removes it. That is unsaved work.
+    /// Keeps content that may be nowhere else, such as runs to compare with; none removes it. The change is unsaved
+    /// work.
     pub fn keep(&mut self, name: &str, content: Option<String>) {
         note(&mut self.kept, name, content);
         self.kept_revision = next_revision();
         self.touch();
     }
 
-    /// Notes the content of a file that was read, for the project file.
-    pub fn note_file(&mut self, path: &Path, sha256: &str) {
-        self.files.retain(|file| file.path != path);
-        self.files.push(PartFile { path: path.to_owned(), sha256: sha256.to_owned() });
+    /// Notes the digest of a file that was read, for the project file.
+    pub fn note_file(&mut self, read: &PartFile) {
+        if !self.files.contains(read) {
+            self.files.retain(|file| file.path != read.path);
+            self.files.push(read.clone());
+        }
     }
 
-    /// The files that the parameters name and that are gone, or hold something else than when they were noted.
+    /// The files in the parameters that are gone, or whose content differs from the noted digest.
     pub fn moved_files(&self) -> Vec<MovedFile> {
         let mut moved = Vec::new();
         for path in used(&self.params) {
@@ -291,15 +299,15 @@ impl<P: Params> Document<P> {
         moved
     }
 
-    /// Puts `found` in the place of the file that was at `path`, whatever it holds. That is unsaved work and no step.
+    /// Replaces the path `path` by `found`, whatever the file holds. The change is unsaved work, but no step.
     pub fn replace_file(&mut self, path: &Path, found: &Path) {
         self.params.change_paths(&mut |file| if file == path { found.to_owned() } else { file.to_owned() });
         self.files.retain(|file| file.path != path && file.path != found);
         self.touch();
     }
 
-    /// Writes the parameters alone as a project file, as for the command line on another machine. The document's own file
-    /// stays what it is.
+    /// Writes only the parameters as a project file, for the command line on another machine. The document keeps its
+    /// own file.
     ///
     /// # Errors
     /// [`FileError`].
@@ -307,7 +315,7 @@ impl<P: Params> Document<P> {
         Project { params: self.params.clone(), ..Project::default() }.write(file)
     }
 
-    /// What a file of this document holds.
+    /// Content of the document's project file.
     pub(crate) fn project(&self) -> Project<P> {
         let used = used(&self.params);
         Project {
@@ -373,7 +381,7 @@ impl<P: Params> AnyDocument for Document<P> {
     }
 }
 
-/// A number that was not given before.
+/// A number that was not used before.
 fn next_revision() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     NEXT.fetch_add(1, Ordering::Relaxed)
@@ -386,7 +394,7 @@ fn note(all: &mut BTreeMap<String, String>, name: &str, content: Option<String>)
     }
 }
 
-/// The files that `params` name, each once.
+/// The files in `params`, each once.
 fn used(params: &impl Params) -> Vec<PathBuf> {
     let mut paths: Vec<PathBuf> = Vec::new();
     params.clone().change_paths(&mut |path| {

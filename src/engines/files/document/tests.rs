@@ -172,8 +172,9 @@ fn a_project_is_opened_as_it_was_saved_and_finds_its_files_beside_it() {
     let nested = BTreeMap::from([("a b".to_owned(), 1.0 / 3.0)]);
     let params = Mold { mesh: Some(old.join("part.stl")), nested, cutters: vec![0.1 + 0.2], ..Mold::default() };
     let mut document = Document::new(params);
-    document.note_file(&old.join("part.stl"), &sha256_of(&old.join("part.stl")).unwrap());
-    document.note_file(&old.join("unused.stl"), "0");
+    let of = |path: PathBuf, sha256: String| PartFile { path, sha256 };
+    document.note_file(&of(old.join("part.stl"), sha256_of(&old.join("part.stl")).unwrap()));
+    document.note_file(&of(old.join("unused.stl"), "0".to_owned()));
     document.note_result("plan", Some("{\"nodes\": [1e-300, '''\"\"\"]}\r\n\u{1}".to_owned()));
     assert!(!document.is_unsaved(), "the same search finds a result again");
     document.keep("runs", Some("[1]".to_owned()));
@@ -200,7 +201,7 @@ fn lost_and_changed_files_are_told_apart_and_replaced() {
     let [mesh, found, file] = ["part.stl", "found.stl", "a.sparkpath"].map(|name| folder.path().join(name));
     fs::write(&mesh, "solid").unwrap();
     let mut document = Document::new(Mold { mesh: Some(mesh.clone()), ..Mold::default() });
-    document.note_file(&mesh, &sha256_of(&mesh).unwrap());
+    document.note_file(&PartFile { path: mesh.clone(), sha256: sha256_of(&mesh).unwrap() });
     document.save_as(&file).unwrap();
     fs::write(&mesh, "other").unwrap();
     let mut opened = Document::<Mold>::open(&file).unwrap();

@@ -1,8 +1,9 @@
-//! One parameter as forms, command line, files and reports see it.
+//! Description of a parameter for forms, command line, files and reports.
 //!
 //! A [`Field`] names its parameter by a key path such as `electrode.holder_mm[0]` into the JSON form of a parameter
-//! struct, which is what serde makes of it. Where the struct has an `Option`, JSON has null.
+//! struct, as serde writes it. An `Option` that is `None` is null there.
 
+pub mod listing;
 pub mod table;
 pub mod text;
 
@@ -11,7 +12,7 @@ use serde_json::Value;
 use crate::Invalid;
 use crate::error::allowed;
 
-/// One parameter. Made by the functions that name its kind, then completed by the others:
+/// A parameter. Constructors set its kind, further methods its properties:
 ///
 /// ```
 /// # use files::Field;
@@ -30,42 +31,42 @@ pub struct Field {
     pub symbol: &'static str,
     /// Unit; may be empty.
     pub unit: &'static str,
-    /// What values it takes.
+    /// Kind of its values.
     pub kind: Kind,
-    /// When it counts.
+    /// Condition under which the parameter counts.
     pub when: When,
     /// Help text: the effect of the field.
     pub help: &'static str,
 }
 
-/// What values a parameter takes.
+/// Kind of values of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// A number.
     Number {
-        /// The values that are allowed.
+        /// Allowed values.
         range: Range,
-        /// Whether it is a whole one.
+        /// Whether only whole numbers are allowed.
         is_whole: bool,
-        /// Decimals that it is shown with.
+        /// Decimals shown.
         decimals: usize,
-        /// Change per point of dragging; 0 for one that goes by the decimals.
+        /// Change per point of dragging; 0 to derive it from the decimals.
         step: f64,
         /// The range of its slider, if it has one.
         slider: Option<Range>,
         /// Value that may stand in place of a number.
         instead: Instead,
     },
-    /// Numbers in a row.
+    /// A list of numbers.
     Numbers {
-        /// What each of them may be.
+        /// Allowed range of each number.
         range: Range,
-        /// Whether they are whole ones.
+        /// Whether only whole numbers are allowed.
         is_whole: bool,
-        /// How many there are; any number of them without it.
+        /// Length of the list; any length if none.
         count: Option<usize>,
     },
-    /// A direction: along an axis, or any other by its three parts.
+    /// A direction: along an axis, or three components.
     Direction,
     /// Yes or no.
     Flag,
@@ -73,38 +74,38 @@ pub enum Kind {
     Text,
     /// The path of a file, or none.
     File,
-    /// One of some words.
+    /// A choice among words.
     Choice(&'static [Word]),
-    /// One of some words, or the path of a file.
+    /// A choice among words, or the path of a file.
     ChoiceOrFile(&'static [Word]),
-    /// One of some words, or a value of this other form, which the struct itself checks.
+    /// A choice among words, or a value of another form, which the struct itself checks.
     ChoiceOr(&'static [Word], &'static str),
-    /// One of some tables, told apart by the word under `tag`.
+    /// A choice among tables, told apart by the word under `tag`.
     Variant {
         /// Key of the word in the table.
         tag: &'static str,
         /// The tables.
         variants: &'static [Variant],
     },
-    /// Tables of one kind below each other.
+    /// A list of tables of one kind.
     Rows {
         /// The columns; their keys are relative to a row.
         fields: &'static [Field],
         /// A new row, as an inline table of TOML.
         new: &'static str,
-        /// Whether a new row stands before the others.
+        /// Whether a new row is put first.
         is_first: bool,
     },
 }
 
-/// What a number may be instead of one.
+/// Alternative to a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Instead {
     /// Always a number.
     Never,
-    /// This word, as `"auto"`; the number is what giving one starts with.
+    /// The word, as `"auto"`; a number starts with this value.
     Word(&'static str, f64),
-    /// Nothing at all; likewise.
+    /// No value; a number starts with this value.
     Nothing(f64),
 }
 
@@ -124,7 +125,7 @@ pub const fn word(word: &'static str, label: &'static str, help: &'static str) -
     Word { word, label, help }
 }
 
-/// One of several tables.
+/// A table to choose among several.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Variant {
     /// Word under the tag.
@@ -144,15 +145,15 @@ impl Range {
     }
 }
 
-/// When a parameter counts, and is shown. Keys are those of the table that the field stands in: of all parameters, or of
+/// Condition under which a parameter counts and is shown. Keys are those of the table of the field: all parameters, or
 /// a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum When {
     /// Always.
     Always,
-    /// When the value under the key is one of these words; nothing is the empty word.
+    /// If the value under the key is one of these words; no value is the empty word.
     Is(&'static str, &'static [&'static str]),
-    /// When it is none of them.
+    /// If the value under the key is none of these words.
     IsNot(&'static str, &'static [&'static str]),
 }
 
@@ -208,17 +209,17 @@ impl Field {
         Self::of(key, label, Kind::File)
     }
 
-    /// One of `words`.
+    /// A choice among `words`.
     pub const fn choice(key: &'static str, label: &'static str, words: &'static [Word]) -> Self {
         Self::of(key, label, Kind::Choice(words))
     }
 
-    /// One of `words`, or a file.
+    /// A choice among `words`, or a file.
     pub const fn choice_or_file(key: &'static str, label: &'static str, words: &'static [Word]) -> Self {
         Self::of(key, label, Kind::ChoiceOrFile(words))
     }
 
-    /// One of `words`, or a value of the form that `other` tells, as `numbers like 0,1,2`.
+    /// A choice among `words`, or a value of the form that `other` describes, as `numbers like 0,1,2`.
     pub const fn choice_or(
         key: &'static str,
         label: &'static str,
@@ -228,7 +229,7 @@ impl Field {
         Self::of(key, label, Kind::ChoiceOr(words, other))
     }
 
-    /// One of `variants`, told apart by the word under `tag`.
+    /// A choice among `variants`, told apart by the word under `tag`.
     pub const fn variant(
         key: &'static str,
         label: &'static str,
@@ -238,30 +239,30 @@ impl Field {
         Self::of(key, label, Kind::Variant { tag, variants })
     }
 
-    /// Rows of `fields`, a new one of which begins as the inline table `new`.
+    /// Rows of `fields`. A new row has the content of the inline table `new`.
     pub const fn rows(key: &'static str, label: &'static str, fields: &'static [Self], new: &'static str) -> Self {
         Self::of(key, label, Kind::Rows { fields, new, is_first: false })
     }
 
-    /// This field with its symbol in the papers.
+    /// Sets the symbol in the papers.
     #[must_use]
     pub const fn symbol(self, symbol: &'static str) -> Self {
         Self { symbol, ..self }
     }
 
-    /// This field with a sentence on what it does.
+    /// Sets the help text: a sentence on the effect of the parameter.
     #[must_use]
     pub const fn help(self, help: &'static str) -> Self {
         Self { help, ..self }
     }
 
-    /// This field, which counts only under a condition.
+    /// Sets the condition under which the parameter counts.
     #[must_use]
     pub const fn when(self, when: When) -> Self {
         Self { when, ..self }
     }
 
-    /// A number shown with so many decimals.
+    /// Sets the number of decimals shown.
     #[must_use]
     pub const fn decimals(mut self, places: usize) -> Self {
         if let Kind::Number { decimals, .. } = &mut self.kind {
@@ -270,7 +271,7 @@ impl Field {
         self
     }
 
-    /// A number that changes by so much per point of dragging, in its unit.
+    /// Sets the change per point of dragging, in the unit of the number.
     #[must_use]
     pub const fn step(mut self, by: f64) -> Self {
         if let Kind::Number { step, .. } = &mut self.kind {
@@ -279,7 +280,7 @@ impl Field {
         self
     }
 
-    /// A number with a slider from `least` to `greatest`.
+    /// Adds a slider from `least` to `greatest`.
     #[must_use]
     pub const fn slider(mut self, least: f64, greatest: f64) -> Self {
         if let Kind::Number { slider, .. } = &mut self.kind {
@@ -288,7 +289,7 @@ impl Field {
         self
     }
 
-    /// A number that may also be `word`; giving one starts with `start`.
+    /// Allows `word` in place of a number; a number starts with `start`.
     #[must_use]
     pub const fn or_word(mut self, word: &'static str, start: f64) -> Self {
         if let Kind::Number { instead, .. } = &mut self.kind {
@@ -297,7 +298,7 @@ impl Field {
         self
     }
 
-    /// A number that may be missing; giving one starts with `start`.
+    /// Allows no value; a number starts with `start`.
     #[must_use]
     pub const fn or_nothing(mut self, start: f64) -> Self {
         if let Kind::Number { instead, .. } = &mut self.kind {
@@ -306,7 +307,7 @@ impl Field {
         self
     }
 
-    /// Exactly `number` numbers.
+    /// Sets the length of the list.
     #[must_use]
     pub const fn count(mut self, number: usize) -> Self {
         if let Kind::Numbers { count, .. } = &mut self.kind {
@@ -315,7 +316,7 @@ impl Field {
         self
     }
 
-    /// Rows of which a new one stands before the others.
+    /// Puts new rows first.
     #[must_use]
     pub const fn first(mut self) -> Self {
         if let Kind::Rows { is_first, .. } = &mut self.kind {
@@ -324,7 +325,7 @@ impl Field {
         self
     }
 
-    /// Whole numbers.
+    /// Allows whole numbers only.
     #[must_use]
     pub const fn whole(mut self) -> Self {
         if let Kind::Numbers { is_whole, .. } = &mut self.kind {
@@ -333,12 +334,12 @@ impl Field {
         self
     }
 
-    /// Whether it is a whole number, or several.
+    /// Whether the parameter is a whole number or a list of them.
     pub fn is_whole(&self) -> bool {
         matches!(self.kind, Kind::Number { is_whole: true, .. } | Kind::Numbers { is_whole: true, .. })
     }
 
-    /// How much a number changes per point of dragging.
+    /// Change of a number per point of dragging.
     pub fn drag_step(&self) -> f64 {
         match self.kind {
             Kind::Number { step, .. } if step > 0.0 => step,
@@ -347,7 +348,7 @@ impl Field {
         }
     }
 
-    /// The numbers that it may be, if it is one or several.
+    /// Allowed range of a number or a list of numbers.
     pub fn range(&self) -> Option<Range> {
         match self.kind {
             Kind::Number { range, .. } | Kind::Numbers { range, .. } => Some(range),
@@ -355,7 +356,7 @@ impl Field {
         }
     }
 
-    /// What is allowed, in words; nothing where anything is.
+    /// Allowed values in words; none if anything is allowed.
     pub fn allowed(&self) -> Option<String> {
         let whole = |is_whole: bool, text: String| if is_whole { format!("{text}, a whole number") } else { text };
         let words = |words: &[Word]| words.iter().map(|w| w.word).collect::<Vec<_>>().join(", ");
@@ -387,7 +388,7 @@ impl Field {
         }
     }
 
-    /// Whether it counts with `values`, those of the table or row that it stands in.
+    /// Whether the parameter counts with `values`, those of its table or row.
     pub fn is_shown(&self, values: &Value) -> bool {
         let has = |key: &str, words: &[&str]| words.contains(&plain(get(values, key)).as_str());
         match self.when {
@@ -397,7 +398,7 @@ impl Field {
         }
     }
 
-    /// Whether `value` is allowed; errors call it `key`.
+    /// Checks that `value` is allowed; errors name it `key`.
     ///
     /// # Errors
     /// What is allowed.
@@ -457,8 +458,8 @@ pub fn get<'a>(values: &'a Value, key: &str) -> &'a Value {
     steps(key).try_fold(values, step).unwrap_or(&Value::Null)
 }
 
-/// Puts `value` under `key`, where it or at least the table around it must be; one that may be missing begins empty.
-/// Tells whether it is there.
+/// Puts `value` under `key`, whose table must exist; an optional table begins empty. Returns whether the value is
+/// there.
 pub fn put(values: &mut Value, key: &str, value: Value) -> bool {
     let all: Vec<&str> = steps(key).collect();
     let Some((last, path)) = all.split_last() else { return false };
@@ -488,7 +489,7 @@ pub fn put(values: &mut Value, key: &str, value: Value) -> bool {
     true
 }
 
-/// A value as one word.
+/// A value as plain text.
 fn plain(value: &Value) -> String {
     match value {
         Value::Null => String::new(),

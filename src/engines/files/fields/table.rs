@@ -14,24 +14,24 @@ use crate::toml_file::one_line;
 /// Parameters under one heading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Group {
-    /// The step or tab of the workspace that they belong to; may be empty.
+    /// Step or tab of the workspace; may be empty.
     pub section: &'static str,
-    /// The heading.
+    /// Heading.
     pub name: &'static str,
-    /// Whether few need to touch them: a form then starts with them folded.
+    /// Whether forms show the group folded at first, because few users need it.
     pub is_folded: bool,
     /// The parameters.
     pub fields: &'static [Field],
 }
 
-/// All parameters of a `P`, in the order of its forms.
+/// The fields of all parameters of a `P`, in the order of its forms.
 #[derive(Debug)]
 pub struct FieldTable<P> {
-    groups: &'static [Group],
+    pub(super) groups: &'static [Group],
     defaults: fn(&P) -> P,
 }
 
-/// A field and the parameter that it stands for: one of several if it is that of a row.
+/// A field with the place of its parameter, which may lie in a row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Place {
     /// The field.
@@ -40,25 +40,6 @@ pub struct Place {
     pub key: String,
     /// Name for a reader, as in `Stages 2, Gap`.
     pub label: String,
-}
-
-/// A parameter with its value, for reports.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Entry {
-    /// Heading.
-    pub group: &'static str,
-    /// Key.
-    pub key: String,
-    /// Name.
-    pub label: String,
-    /// Name in the papers; may be empty.
-    pub symbol: &'static str,
-    /// The value as a reader sees it.
-    pub value: String,
-    /// Unit; may be empty.
-    pub unit: &'static str,
-    /// Whether it is the default.
-    pub is_default: bool,
 }
 
 impl<P: Default> FieldTable<P> {
@@ -73,7 +54,7 @@ fn default_of<P: Default>(_: &P) -> P {
 }
 
 impl<P: Serialize + DeserializeOwned> FieldTable<P> {
-    /// This table with defaults that depend on other parameters, such as the part.
+    /// Sets defaults that depend on other parameters, such as the part.
     #[must_use]
     pub const fn with_defaults(self, defaults: fn(&P) -> P) -> Self {
         Self { defaults, ..self }
@@ -84,7 +65,7 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         self.groups.iter().flat_map(|group| group.fields)
     }
 
-    /// The parameters as JSON, which [`get`] and [`put`] work on. A form makes them once a frame.
+    /// The parameters as JSON, for [`get`] and [`put`]. A form makes them once a frame.
     pub fn values(&self, params: &P) -> Value {
         // Parameters are numbers, words, lists and tables, all of which JSON has.
         serde_json::to_value(params).unwrap_or_default()
@@ -103,7 +84,7 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
     /// The parameter called `key`.
     ///
     /// # Errors
-    /// If there is none; the answer names the nearest one.
+    /// If there is no such parameter; the error suggests the nearest key.
     pub fn find(&self, key: &str) -> Result<Place, Invalid> {
         find(self.fields(), key, "", "").ok_or_else(|| {
             let last = |key: &str| steps(key).last().unwrap_or_default().to_owned();
@@ -118,8 +99,8 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         })
     }
 
-    /// The parameters with `text` for `key`, as the command line gives them. What it means together with the others
-    /// is left to their validation, for several may be set one after the other.
+    /// The parameters with the value `text` for `key`, as the command line gives it. Conditions between parameters are
+    /// left to validation, because several may be set one after the other.
     ///
     /// # Errors
     /// If there is no such parameter, or it cannot have this value.
@@ -140,11 +121,11 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         Ok(place.field.show(get(&self.values(params), &place.key)))
     }
 
-    /// The parameters in `values` with another one for `key`, as forms give it. What is out of its range is taken, to be
-    /// shown as wrong in its place; what the struct cannot hold is not.
+    /// The parameters in `values` with another value for `key`, as forms give it. A value out of range is accepted, so
+    /// that the form can mark it; a value that the struct cannot hold is refused.
     ///
     /// # Errors
-    /// If there is no such place, or it cannot hold the value.
+    /// If the key does not exist, or cannot hold the value.
     pub fn put(&self, values: &Value, key: &str, value: Value) -> Result<P, Invalid> {
         let none = || Invalid::of(key, "there is no such parameter in these; add the row or choose the variant first");
         let (mut values, given) = (values.clone(), value.clone());
@@ -165,17 +146,17 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         if is_lost { Err(none()) } else { Ok(params) }
     }
 
-    /// The parameters with the default for `key`.
+    /// The parameters with the default value for `key`.
     ///
     /// # Errors
-    /// If there is no such parameter, or no default, as for that of a row.
+    /// If there is no such parameter, or it has no default, as in a row.
     pub fn reset(&self, params: &P, key: &str) -> Result<P, Invalid> {
         let defaults = self.values(&self.defaults(params));
         let place = self.find(key)?;
         self.put(&self.values(params), &place.key, get(&defaults, &place.key).clone())
     }
 
-    /// Whether every parameter that counts is in its range.
+    /// Checks that every parameter that counts is in its range.
     ///
     /// # Errors
     /// The first that is not.
@@ -185,7 +166,7 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         counting.try_for_each(|field| field.check(field.key, get(&values, field.key)))
     }
 
-    /// What is wrong, in the words of the window: with labels and units, and without keys.
+    /// The error in the words of the window: with labels and units, without keys.
     pub fn in_window(&self, problem: &Invalid) -> String {
         let Invalid { key, value, remedy } = problem;
         let (label, unit) = match self.find(key) {
@@ -201,7 +182,7 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         }
     }
 
-    /// What makes `now` another than `before`, as a step that can be undone is called.
+    /// Name of the step from `before` to `now`, for undo.
     pub fn change(&self, before: &P, now: &P) -> String {
         let (before, now) = (self.values(before), self.values(now));
         let differs = |field: &&Field| match field.kind {
@@ -222,20 +203,6 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         change_of(field, get(&before, field.key), get(&now, field.key))
     }
 
-    /// Every parameter that counts, with its value.
-    pub fn entries(&self, params: &P) -> Vec<Entry> {
-        let (values, defaults) = (self.values(params), self.values(&self.defaults(params)));
-        let mut all = Vec::new();
-        for group in self.groups {
-            for field in group.fields.iter().filter(|field| field.is_shown(&values)) {
-                let is_default = get(&values, field.key) == get(&defaults, field.key);
-                let place = Place { field, key: field.key.to_owned(), label: field.label.to_owned() };
-                entries_of(&mut all, group.name, &place, get(&values, field.key), is_default);
-            }
-        }
-        all
-    }
-
     /// The table in Markdown, for the manual.
     pub fn markdown(&self, params: &P) -> String {
         let defaults = self.values(&self.defaults(params));
@@ -252,8 +219,8 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         out
     }
 
-    /// What is wrong with the table itself, for a test: every key must be there, its default allowed, every word and every
-    /// new row understood, and values beyond a range refused by `validate` too.
+    /// Faults of the table, for a test: every key must exist, its default be allowed, every word and every new row be
+    /// understood, and values beyond a range be refused by `validate` too.
     pub fn audit(&self, params: &P, validate: impl Fn(&P) -> bool) -> Vec<String> {
         let values = self.values(params);
         let mut faults = Vec::new();
@@ -285,7 +252,7 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         faults
     }
 
-    /// The parameters with each number in turn just beyond its range, and its key: for tests of what is said of them.
+    /// The parameters with each number in turn just beyond its range, with its key: for tests of error messages.
     pub fn beyond(&self, params: &P) -> Vec<(String, P)> {
         let values = self.values(params);
         let mut all = Vec::new();
@@ -309,7 +276,7 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         all
     }
 
-    /// `values` with what the condition of `field` asks for.
+    /// `values` changed so that the condition of `field` holds.
     fn where_it_counts(&self, field: &Field, values: &Value) -> Value {
         let mut values = values.clone();
         if let When::IsNot(key, words) = field.when
@@ -334,7 +301,7 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
     }
 }
 
-/// Values that a field must be able to have.
+/// Values that a field must accept.
 fn possible(field: &Field) -> Vec<Value> {
     match field.kind {
         Kind::Choice(words) | Kind::ChoiceOrFile(words) | Kind::ChoiceOr(words, _) => {
@@ -404,24 +371,6 @@ fn change_of(field: &Field, before: &Value, now: &Value) -> String {
     format!("{} {}{inner}", field.label, i + 1)
 }
 
-fn entries_of(all: &mut Vec<Entry>, group: &'static str, place: &Place, value: &Value, is_default: bool) {
-    let Place { field, key, label } = place;
-    if let (Kind::Rows { fields, .. }, Some(rows)) = (field.kind, value.as_array()) {
-        for (i, row) in rows.iter().enumerate() {
-            for field in fields.iter().filter(|field| field.is_shown(row)) {
-                let key = format!("{key}[{i}].{}", field.key);
-                let place = Place { field, key, label: format!("{label} {}, {}", i + 1, field.label) };
-                entries_of(all, group, &place, get(row, field.key), is_default);
-            }
-        }
-        return;
-    }
-    // A unit belongs to a number.
-    let unit = if value.is_number() || value.is_array() { field.unit } else { "" };
-    let value = field.show_label(value);
-    all.push(Entry { group, key: key.clone(), label: label.clone(), symbol: field.symbol, value, unit, is_default });
-}
-
 fn markdown_row(out: &mut String, field: &Field, prefix: &str, default: Option<&Value>) {
     let cell = |text: &str| text.replace('|', "\\|").replace('\n', " ");
     let key = format!("{prefix}{}", field.key);
@@ -442,20 +391,32 @@ fn markdown_row(out: &mut String, field: &Field, prefix: &str, default: Option<&
     }
 }
 
-/// The words in the last name of a key, without its unit: a key that no field has is still no word for a window.
+/// The words in the last name of a key, without its unit: for windows, which show no keys, where no field has the key.
 fn words_of(key: &str) -> String {
     let name = steps(key).filter(|step| step.parse::<u32>().is_err()).last().unwrap_or_default();
-    let units = ["_mm_per_min", "_mm2", "_mm3", "_mm", "_deg", "_min", "_s"];
-    let bare = units.iter().find_map(|unit| name.strip_suffix(unit)).unwrap_or(name);
-    bare.replace('_', " ")
+    named_unit(name).0.replace('_', " ")
 }
 
-fn capital(words: &str) -> String {
+/// A name without the unit at its end, and the unit; empty if the name has none.
+pub(super) fn named_unit(name: &str) -> (&str, &'static str) {
+    const UNITS: [(&str, &str); 7] = [
+        ("_mm_per_min", "mm/min"),
+        ("_mm2", "mm\u{b2}"),
+        ("_mm3", "mm\u{b3}"),
+        ("_mm", "mm"),
+        ("_deg", "deg"),
+        ("_min", "min"),
+        ("_s", "s"),
+    ];
+    UNITS.iter().find_map(|(end, unit)| Some((name.strip_suffix(end)?, *unit))).unwrap_or((name, ""))
+}
+
+pub(super) fn capital(words: &str) -> String {
     let mut letters = words.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-fn text_of(value: &Value) -> String {
+pub(super) fn text_of(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
         other => other.to_string(),

@@ -255,7 +255,7 @@ fn a_change_is_called_after_its_parameter() {
 #[test]
 fn reports_and_the_manual_have_every_parameter() {
     let genetic = set("plan.strategy", "genetic").unwrap();
-    let entries = TABLE.entries(&genetic);
+    let entries = TABLE.list(&genetic).entries;
     let entry = |key: &str| entries.iter().find(|e| e.key == key).unwrap();
     assert_eq!((&*entry("plan.strategy").value, entry("plan.strategy").is_default), ("genetic search", false));
     assert_eq!(
@@ -264,6 +264,9 @@ fn reports_and_the_manual_have_every_parameter() {
     );
     assert_eq!(entry("stages[0].gap_mm").label, "Stages 1, Spark gap");
     assert!(!entries.iter().any(|e| e.key == "plan.objective.overcut_mm"), "it does not count");
+    let unlisted = entry("unlisted_mm");
+    assert_eq!((&*unlisted.label, &*unlisted.value, unlisted.unit), ("Unlisted", "3.0", "mm"), "no field describes it");
+    assert_eq!(entries.last(), Some(unlisted), "what has a field is not told twice");
     let manual = TABLE.markdown(&Params::default());
     for field in TABLE.fields() {
         assert!(manual.contains(&format!("| `{}` |", field.key)) && manual.contains(field.help), "{}", field.key);

@@ -1,4 +1,4 @@
-//! Values as people type and read them.
+//! Values as text, as users type and read them.
 
 use serde_json::Value;
 
@@ -23,7 +23,7 @@ impl Field {
         }
     }
 
-    /// `value` as a reader sees it: words to choose by their labels.
+    /// `value` for a reader: words by their labels.
     pub fn show_label(&self, value: &Value) -> String {
         if self.kind == Kind::Direction {
             return direction_words(value);
@@ -40,10 +40,10 @@ impl Field {
         found.map_or(text, str::to_owned)
     }
 
-    /// What `text` stands for, which errors call `key`.
+    /// The value of `text`; errors name it `key`.
     ///
     /// # Errors
-    /// What is allowed, if `text` is not.
+    /// The allowed values, if `text` is not allowed.
     pub fn parse(&self, key: &str, text: &str) -> Result<Value, Invalid> {
         let text = text.trim();
         let wrong = || {
@@ -83,7 +83,7 @@ impl Field {
     }
 }
 
-/// A number without a useless `.0`, anything else as it is.
+/// A number without a useless `.0`; other values unchanged.
 fn number(value: &Value) -> String {
     let text = plain(value);
     match value {
@@ -92,7 +92,7 @@ fn number(value: &Value) -> String {
     }
 }
 
-/// A typed number; its decimals may stand behind a comma, its minus may be a real one.
+/// A typed number, with a decimal point or comma, and a hyphen or a real minus sign.
 pub(crate) fn read_number(text: &str, is_whole: bool) -> Option<Value> {
     let plain: String = text.chars().filter(|c| !c.is_whitespace()).collect();
     let plain = plain.replace(',', ".").replace('\u{2212}', "-");
@@ -110,12 +110,12 @@ pub(crate) fn read_number(text: &str, is_whole: bool) -> Option<Value> {
     }
 }
 
-/// The inline value of TOML in a table of parameters; null if it is none, which the table's test finds out.
+/// The value of inline TOML in a field table; null if it is wrong, which the table's test finds.
 pub fn inline_toml(text: &str) -> Value {
     read_toml(text).unwrap_or_default()
 }
 
-/// Numbers with commas, blanks or `x` between; beside semicolons commas are decimal ones.
+/// Numbers separated by commas, blanks or `x`. If there are semicolons, these separate and commas are decimal.
 fn read_numbers(text: &str, is_whole: bool) -> Option<Value> {
     let inner = text.strip_prefix('[').and_then(|t| t.strip_suffix(']')).unwrap_or(text);
     let has_semicolon = inner.contains(';');
@@ -127,7 +127,7 @@ fn read_numbers(text: &str, is_whole: bool) -> Option<Value> {
     words.map(|word| read_number(word, is_whole)).collect::<Option<Vec<_>>>().map(Value::from)
 }
 
-/// Axes, as they are written.
+/// Axes with their names.
 const AXES: [(&str, [f64; 3]); 6] = [
     ("+Z", [0.0, 0.0, 1.0]),
     ("\u{2212}Z", [0.0, 0.0, -1.0]),
@@ -140,13 +140,13 @@ const AXES: [(&str, [f64; 3]); 6] = [
 /// Names of the directions along axes, as windows show them.
 pub const AXIS_NAMES: [&str; 6] = [AXES[0].0, AXES[1].0, AXES[2].0, AXES[3].0, AXES[4].0, AXES[5].0];
 
-/// The three parts of a direction; none if it has others, or some that are no numbers.
+/// The three components of a direction; none if there are not three numbers.
 pub(super) fn parts(value: &Value) -> Option<[f64; 3]> {
     let all: Vec<f64> = value.as_array()?.iter().filter_map(Value::as_f64).filter(|part| part.is_finite()).collect();
     all.try_into().ok()
 }
 
-/// The name of a direction: that of its axis, or else its three parts.
+/// Name of a direction: that of its axis, or its three components.
 pub fn direction_words(value: &Value) -> String {
     const HAIR: f64 = 1e-6;
     let Some(parts) = parts(value) else { return String::new() };
@@ -159,7 +159,7 @@ pub fn direction_words(value: &Value) -> String {
     }
 }
 
-/// A letter with its sign, or three numbers.
+/// Reads a letter with its sign, or three numbers.
 fn read_direction(text: &str) -> Option<Value> {
     let upper = text.to_uppercase().replace('-', "\u{2212}");
     let signed = if upper.len() == 1 { format!("+{upper}") } else { upper };

@@ -9,7 +9,6 @@
 //! - `small`: four decimals, or an exponent where these would say nothing;
 //! - `numbers(decimals)`: several of them with commas between, a dash where there are none;
 //! - `point`: the numbers of a point with three decimals;
-//! - `leaves`: pairs of a dotted name and a text, one for each leaf of a tree of parameters;
 //! - `file_name`: the last part of a path in either system's notation.
 
 pub mod plot;
@@ -92,7 +91,6 @@ pub fn page(template: &Template, report: &impl Serialize) -> Result<String, Page
     environment.add_filter("small", |value: &Value| figure(value, small));
     environment.add_filter("numbers", |value: &Value, decimals: usize| numbers(value, decimals));
     environment.add_filter("point", |value: &Value| numbers(value, 3));
-    environment.add_filter("leaves", leaves);
     environment.add_filter("file_name", |path: &str| file_name(path).to_owned());
     for (name, text) in [
         ("page.html.jinja", include_str!("page.html.jinja")),
@@ -133,29 +131,6 @@ fn numbers(value: &Value, decimals: usize) -> Result<String, Error> {
     }
     let texts = value.try_iter()?.map(|v| figure(&v, |n| number(n, decimals.min(12))));
     Ok(texts.collect::<Result<Vec<_>, Error>>()?.join(", "))
-}
-
-/// Dotted names and texts of the leaves of `tree`.
-fn leaves(tree: &Value) -> Result<Vec<Vec<String>>, Error> {
-    let wrong = |e: serde_json::Error| Error::new(ErrorKind::InvalidOperation, e.to_string());
-    let mut leaves = Vec::new();
-    add_leaves(&mut leaves, String::new(), &serde_json::to_value(tree).map_err(wrong)?);
-    Ok(leaves)
-}
-
-/// Adds the leaves of `tree`, which is called `name`, each with its dotted name; what is null is left out.
-fn add_leaves(leaves: &mut Vec<Vec<String>>, name: String, tree: &serde_json::Value) {
-    match tree {
-        serde_json::Value::Object(map) => {
-            for (key, value) in map {
-                let name = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };
-                add_leaves(leaves, name, value);
-            }
-        }
-        serde_json::Value::Null => {}
-        serde_json::Value::String(text) => leaves.push(vec![name, text.clone()]),
-        other => leaves.push(vec![name, other.to_string().replace(',', ", ")]),
-    }
 }
 
 /// What stands where there is no number.
@@ -224,7 +199,7 @@ mod tests {
         {% set head = ['name', '#mm'] %}{% call kit.table('', 'Rows', head) %}\
         {% for cells in rows %}{{ kit.row(head, cells) }}{% endfor %}{% endcall %}\
         {{ kit.header('Head', name, ok, name) }}{{ kit.key([['none', none|number(1), 'x'], ['two', 2, 'mm']]) }}\
-        {{ kit.parameters(tree) }}\
+        {{ kit.parameters(entries) }}\
         {{ kit.figure(picture) }}<div class=\"plot\">{{ plot|safe }}</div>{% endblock %}\
         {% block footer %}Sparkpath{% endblock %}";
 
@@ -235,13 +210,18 @@ mod tests {
             ALL,
             &json!({
                 "name": hostile, "ok": true, "rows": [[hostile, "1"], ["b", "2"]], "plot": "<svg></svg>",
-                "picture": {"title": hostile, "caption": hostile, "url": data_url("image/png", b"x"), "legend": [["#fff", hostile]]},
-                "tree": {hostile: [hostile]},
+                "picture": {
+                    "title": hostile, "caption": hostile, "url": data_url("image/png", b"x"),
+                    "legend": [["#fff", hostile]],
+                },
+                "entries": [{
+                    "group": hostile, "label": hostile, "symbol": "", "value": hostile, "unit": "", "is_default": true,
+                }],
             }),
         )
         .unwrap();
         assert!(!html.contains("<script") && !html.contains('\u{0}') && !html.contains("http") && !html.contains("49"));
-        assert_eq!(html.matches("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;&quot;&amp;").count(), 11);
+        assert_eq!(html.matches("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;&quot;&amp;").count(), 13);
         assert!(html.starts_with("<!doctype html>") && html.contains("<svg></svg>") && html.contains("\u{2212}1.2"));
         assert!(html.contains("src=\"data:image/png;base64,eA==\"") && html.contains("<td class=\"num\">2</td>"));
         assert!(html.contains(STYLE), "the stylesheet is in the page, as it is");
@@ -253,18 +233,33 @@ mod tests {
     }
 
     #[test]
-    fn parameters_are_listed_leaf_by_leaf() {
-        let tree =
-            json!({"plan": {"weights": {"a1": 0.5}, "none": null}, "blisk": {"mesh": "<x>"}, "n": [1, 2.0], "k": 3});
-        let text = "{% for name, value in tree|leaves %}{{ name }}={{ value }};{% endfor %}";
-        let listed = made(text, &json!({"tree": tree})).unwrap();
-        assert_eq!(listed, "blisk.mesh=&lt;x&gt;;k=3;n=[1, 2.0];plan.weights.a1=0.5;");
+    fn parameters_stand_under_their_headings_with_symbol_and_unit() {
+        let entry = |[group, label, symbol, value, unit]: [&str; 5], is_default: bool| {
+            json!({
+                "group": group, "label": label, "symbol": symbol, "value": value, "unit": unit,
+                "is_default": is_default,
+            })
+        };
+        let entries = [
+            entry(["Path", "Step <k>", "k", "0.5", "mm"], false),
+            entry(["Path", "Kept", "", "", ""], true),
+            entry(["Checks", "Depth", "", "<none>", ""], true),
+        ];
+        let text = "{% import 'kit.html.jinja' as kit %}{{ kit.parameters(entries) }}";
+        let page = made(text, &json!({ "entries": entries })).unwrap();
+        assert!(page.contains("<caption>Path</caption>") && page.contains("<caption>Checks</caption>"), "{page}");
+        assert!(page.contains("<td>Step &lt;k&gt; <small>k</small></td><td><b>0.5</b> mm</td>"), "{page}");
+        assert!(page.contains("<td>Kept</td><td>\u{2013}</td>") && page.contains("<td>&lt;none&gt;</td>"), "{page}");
+        for tag in ["table", "tbody", "tr", "td", "div", "p"] {
+            let opened = page.matches(&format!("<{tag}>")).count() + page.matches(&format!("<{tag} ")).count();
+            assert_eq!(opened, page.matches(&format!("</{tag}>")).count(), "{tag}");
+        }
+        assert_eq!(page.matches("<table").count(), 2);
     }
 
     #[test]
     fn rows_without_a_value_are_left_out_and_a_list_has_a_row_for_each() {
-        let text = "{% import 'kit.html.jinja' as kit %}{% call kit.pairs('', [['a', none], ['b', ['<1>', '2']], ['c', kit.code('x')]]) %}\
-            {{ kit.pair('d', '3') }}{% endcall %}";
+        let text = "{% import 'kit.html.jinja' as kit %}{% call kit.pairs('', [['a', none], ['b', ['<1>', '2']], ['c', kit.code('x')]]) %}{{ kit.pair('d', '3') }}{% endcall %}";
         let html = made(text, &json!({})).unwrap();
         let cells: Vec<&str> = html.split("<td>").skip(1).filter_map(|cell| cell.split("</td>").next()).collect();
         assert_eq!(cells, ["b", "&lt;1&gt;", "b", "2", "c", "<code>x</code>", "d", "3"]);

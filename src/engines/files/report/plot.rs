@@ -1,5 +1,5 @@
-//! Line plots as small SVG pictures. Colours and fonts come from the classes in the stylesheet of reports, so one picture
-//! serves light, dark and paper.
+//! Line plots as small SVG pictures. Colours and fonts come from the classes in the stylesheet of reports, so one
+//! picture serves light, dark and paper.
 
 use std::fmt::Write;
 

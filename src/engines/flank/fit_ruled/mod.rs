@@ -3,7 +3,8 @@
 //! The border of the face is cut at four corners into two guides and two end rulings; ways to do so are tried, and the
 //! one with the best fit stays. Both guides are cubic B-splines with common knots, so that rulings join equal
 //! parameters. Gauss-Newton steps on their control points make the distances of the face from the surface small, feet
-//! being looked for anew at each; pieces that are off are halved until the surface is within the tolerance or gets no better.
+//! being looked for anew at each; pieces that are off are halved until the surface is within the tolerance or gets no
+//! better.
 //!
 //! The corners of triangles lie on the surface that was tessellated, places inside of them do not: the fit goes by the
 //! corners, and both are measured. A face whose triangles are coarse says little about the surface between its corners;
@@ -84,11 +85,12 @@ pub struct RuledFit {
     pub lost_mm: f64,
     /// The tolerance that was asked for (mm).
     pub tolerance_mm: f64,
-    /// Whether the form of the face is ruled within the tolerance: the corners are as near as that, other places and those
-    /// of the surface nearer than the tolerance and the chord error together, of which twenty tolerances are allowed for.
+    /// Whether the form of the face is ruled within the tolerance: the corners are as near as that, other places and
+    /// those of the surface nearer than the tolerance and the chord error together, of which twenty tolerances are
+    /// allowed for.
     pub is_ruled: bool,
-    /// Whether what mills the surface mills all of the face: neither the face nor a piece of it reaches beyond the surface
-    /// by more than the tolerance and the chord error together, and the latter is not above twenty tolerances.
+    /// Whether what mills the surface mills all of the face: neither the face nor a piece of it reaches beyond the
+    /// surface by more than the tolerance and the chord error together, and the latter is not above twenty tolerances.
     pub covers: bool,
     /// Whether the face runs all around: both guides end where they start, with the same slope and the same bend.
     pub is_closed: bool,
@@ -242,8 +244,8 @@ fn longer(samples: &mut Samples, strip: &Strip, most: f64) -> Option<Strip> {
     Some(longer)
 }
 
-/// The strip with its ends let go, where these may be no rulings: it then reaches beyond the face. None where it is good
-/// enough as it is.
+/// The strip with its ends let go, where these may be no rulings: it then reaches beyond the face. None where it is
+/// good enough as it is.
 fn released(trial: &Trial, params: &RuledFitParams) -> Option<Trial> {
     if trial.sides.is_ring || trial.error <= params.tolerance_mm {
         return None;
@@ -309,7 +311,8 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
     ));
     if fit.chord_mm > MOST_CHORD * within {
         words.push(format!(
-            "the triangles are too coarse: they leave {:.4} mm, and no more than {:.4} mm is allowed for; export the mesh finer",
+            "the triangles are too coarse: they leave {:.4} mm, and no more than {:.4} mm is allowed for; export \
+             the mesh finer",
             fit.chord_mm,
             MOST_CHORD * within
         ));
@@ -337,8 +340,8 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
     }
     if fit.uncovered_mm > much {
         words.push(format!(
-            "NOT COVERED: the face reaches up to {:.3} mm beyond the surface, farthest at {}, and stays unmilled there: its ends \
-             are bent, or it has other than four sides",
+            "NOT COVERED: the face reaches up to {:.3} mm beyond the surface, farthest at {}, and stays unmilled \
+             there: its ends are bent, or it has other than four sides",
             fit.uncovered_mm,
             place(fit.uncovered_at)
         ));

@@ -103,8 +103,8 @@ pub enum RuledFitError {
     Cancelled,
     /// No four sides.
     #[error(
-        "the border of the face has no four sides, two guides and two end rulings; choose another one, which is a strip: faces that go over into each \
-         other smoothly are one flank together in the list"
+        "the border of the face has no four sides, two guides and two end rulings; choose another one, which is a \
+         strip: faces that go over into each other smoothly are one flank together in the list"
     )]
     NoSides,
     /// Triangles to which no distance can be measured.

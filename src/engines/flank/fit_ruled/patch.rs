@@ -316,16 +316,16 @@ pub(super) fn mean_normal(mesh: &Mesh, triangles: &[u32]) -> DVec3 {
 /// Estimated greatest distance between the triangles and a smooth surface through their corners (mm); zero over flats.
 ///
 /// The estimate comes from the turn of the triangles against each other. A flat that goes over into a rounding turns at
-/// their seam only: normals at the seam that are the mean of both would make a bulge of the whole flat. So triangles are
-/// compared within one smooth piece of the face: each flat, and the curved facets between flats.
+/// their seam only: normals at the seam that are the mean of both would make a bulge of the whole flat. So triangles
+/// are compared within one smooth piece of the face: each flat, and the curved facets between flats.
 fn chord_error(patch: &Patch) -> f64 {
     let piece = smooth_pieces(patch);
     along_sides(patch, &piece).max(across_sides(patch, &piece))
 }
 
 /// The smooth piece that each triangle belongs to. Faces side by side are one piece, whether a plane is among them or
-/// not, unless just one of both is a plane: what is flat beside something curved is flat, but planes beside planes may be
-/// the coarse triangles of one curved surface.
+/// not, unless just one of both is a plane: what is flat beside something curved is flat, but planes beside planes may
+/// be the coarse triangles of one curved surface.
 fn smooth_pieces(patch: &Patch) -> Vec<u32> {
     let found = Segmentation::of(&patch.mesh(), &SegmentationSettings::default());
     let is_flat: Vec<bool> = found.faces.iter().map(|f| matches!(f.kind, FaceKind::Plane { .. })).collect();
@@ -339,8 +339,8 @@ fn smooth_pieces(patch: &Patch) -> Vec<u32> {
     found.face_of.iter().map(|face| pieces.first(*face as usize) as u32).collect()
 }
 
-/// The greatest height, over the sides of triangles, of the cubic that has the piece's normals at both ends: a quarter of
-/// the turn of the chord, as of a circle's.
+/// The greatest height, over the sides of triangles, of the cubic that has the piece's normals at both ends: a quarter
+/// of the turn of the chord, as of a circle's.
 fn along_sides(patch: &Patch, piece: &[u32]) -> f64 {
     let mut normals: HashMap<(u32, u32), DVec3> = HashMap::with_capacity(patch.points.len());
     for (t, corners) in patch.triangles.iter().enumerate() {

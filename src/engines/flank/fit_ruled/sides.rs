@@ -74,8 +74,8 @@ fn is_ring(patch: &Patch, loops: [&Vec<u32>; 2]) -> bool {
         && short > 0.05 * long
 }
 
-/// A ring with its seam at a ruling: where the longest side of its lower border starts, which is at a corner of a wall all
-/// around or where a rounding goes over into a plane.
+/// A ring with its seam at a ruling: where the longest side of its lower border starts, which is at a corner of a wall
+/// all around or where a rounding goes over into a plane.
 fn ring(patch: &Patch, [first, second]: [&Vec<u32>; 2], up: DVec3) -> Vec<Sides> {
     let height = |around: &Vec<u32>| {
         let sum: f64 = around.iter().map(|&v| patch.points[v as usize].dot(up)).sum();
@@ -139,8 +139,8 @@ impl Border {
         self.points[i].lerp(self.points[(i + 1) % n], part.clamp(0.0, 1.0))
     }
 
-    /// Points where the border turns into the face by 25 degrees or more, at once and over a stretch, with the angle, in
-    /// order: the sharpest within their stretch.
+    /// Points where the border turns into the face by 25 degrees or more, at once and over a stretch, with the angle,
+    /// in order: the sharpest within their stretch.
     fn corners(&self) -> Vec<(usize, f64)> {
         let n = self.points.len();
         let reach = 0.012 * self.total();

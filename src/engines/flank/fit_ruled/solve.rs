@@ -251,8 +251,8 @@ fn densely(side: &[(DVec3, DVec3, f64)]) -> Vec<(DVec3, DVec3, f64)> {
     side.windows(2).flat_map(between).chain(side.last().copied()).collect()
 }
 
-/// The first of three unknowns of control point `i`, those of the upper guide counted on. Those of a ring go around both
-/// ways by turns, so that its last ones stand beside its first.
+/// The first of three unknowns of control point `i`, those of the upper guide counted on. Those of a ring go around
+/// both ways by turns, so that its last ones stand beside its first.
 fn first_unknown(i: usize, knots: &Knots) -> usize {
     let n = knots.count();
     let (side, i) = (i / n, i % n);
@@ -264,8 +264,8 @@ fn first_unknown(i: usize, knots: &Knots) -> usize {
     6 * place + 3 * side
 }
 
-/// How far the unknowns of four neighbouring control points are apart at most, and one more: three control points, or six
-/// where they go both ways by turns.
+/// How far the unknowns of four neighbouring control points are apart at most, and one more: three control points, or
+/// six where they go both ways by turns.
 fn band_width(knots: &Knots) -> usize {
     6 * if knots.is_closed { 7 } else { 4 }
 }

@@ -77,8 +77,8 @@ fn fitted(form: &Form, tolerance_mm: f64) -> RuledFit {
     fit_ruled(&mesh, &front, &RuledFitParams { tolerance_mm, ..RuledFitParams::default() }, &Cancel::default()).unwrap()
 }
 
-/// The greatest distance of places of `form` from the fit, and of both its guides from the edges of `form`, which may be
-/// the other way round.
+/// The greatest distance of places of `form` from the fit, and of both its guides from the edges of `form`, which may
+/// be the other way round.
 fn off_form(form: &Form, fit: &RuledFit) -> [f64; 2] {
     let edge = |v: f64| -> Vec<DVec3> { (0..=200).map(|i| form(i as f64 / 200.0, v)).collect() };
     let edges = [edge(0.0), edge(1.0)];
@@ -146,8 +146,8 @@ fn the_tool_stands_outside_and_the_lower_guide_below() {
     }
 }
 
-/// A sphere's zone about the equator: rulings are chords of its meridians, whose sagitta s is R (1 - cos(a)). No line is
-/// nearer to an arc than s/2 at its worst place, and the chord is s away.
+/// A sphere's zone about the equator: rulings are chords of its meridians, whose sagitta s is R (1 - cos(a)). No line
+/// is nearer to an arc than s/2 at its worst place, and the chord is s away.
 #[test]
 fn a_sphere_is_not_ruled_by_its_sagitta() {
     for (radius, half) in [(30.0, 0.15f64), (12.0, 0.3)] {

@@ -1,13 +1,14 @@
 //! A frustum, and the least distance from it to a triangle.
 //!
 //! The signed distance to a convex solid is convex, inside as well as outside (S. Boyd, L. Vandenberghe, Convex
-//! Optimization, 2004, section 8.1 and exercise 8.5), and changes by no more than the way. So it has one least value on a
-//! triangle, and a tangent plane at any place shows a half of the triangle that cannot hold it. The triangle is cut at
-//! its centroid again and again (A. Yu. Levin, On an algorithm for the minimization of convex functions, Soviet
-//! Mathematics Doklady 6, 1965): each cut takes away 1 - 1/e of the area at least, whatever the triangle's shape and size.
-//! A long sliver and a large face that the flutes touch along a line take as few cuts as any other.
+//! Optimization, 2004, section 8.1 and exercise 8.5), and changes by no more than the way. So it has one least value on
+//! a triangle, and a tangent plane at any place shows a half of the triangle that cannot hold it. The triangle is cut
+//! at its centroid again and again (A. Yu. Levin, On an algorithm for the minimization of convex functions, Soviet
+//! Mathematics Doklady 6, 1965): each cut takes away 1 - 1/e of the area at least, whatever the triangle's shape and
+//! size. A long sliver and a large face that the flutes touch along a line take as few cuts as any other.
 //!
-//! Guaranteed: the distance is that of the place named, and no place is nearer by more than [`EXACT`], but for rounding.
+//! Guaranteed: the distance is that of the place named, and no place is nearer by more than [`EXACT`], but for
+//! rounding.
 
 use glam::{DVec2, DVec3};
 
@@ -16,8 +17,8 @@ use super::path::FlankPose;
 /// No place of a triangle is nearer than the one found by more than this (mm).
 pub const EXACT: f64 = 1e-5;
 
-/// Most cuts of one triangle. They leave e^-90 of the area, less than rounding does: the distance is then exact to e^-45 of
-/// its range on the triangle.
+/// Most cuts of one triangle. They leave e^-90 of the area, less than rounding does: the distance is then exact to
+/// e^-45 of its range on the triangle.
 const MOST_CUTS: usize = 200;
 
 /// A piece of a cone around an axis.

@@ -1,4 +1,5 @@
-//! Distances against golden sections nested in each other, dense sampling and figures by hand, and how many cuts they take.
+//! Distances against golden sections nested in each other, dense sampling and figures by hand, and how many cuts they
+//! take.
 
 use proptest::prelude::*;
 

@@ -1,5 +1,5 @@
-//! How long each move takes, so that the flank is milled at the feed that is asked for, no axis is too fast and no move is
-//! shorter than the control takes.
+//! How long each move takes, so that the flank is milled at the feed that is asked for, no axis is too fast and no move
+//! is shorter than the control takes.
 
 use super::kinematics::Kinematics;
 use super::linearise::{Interpolation, MachinePath, MachinePoint, on_the_way};
@@ -44,8 +44,8 @@ pub struct Pace {
     pub section: Section,
     /// Time (min).
     pub minutes: f64,
-    /// The longest way along the workpiece (mm) of tip, flutes' top and, in the cut, where the flutes touch at these two
-    /// heights: what is to have the feed.
+    /// The longest way along the workpiece (mm) of tip, flutes' top and, in the cut, where the flutes touch at these
+    /// two heights: what is to have the feed.
     pub way_mm: f64,
     /// Share of the programmed feed; 1 where no axis is too fast.
     pub share: f64,

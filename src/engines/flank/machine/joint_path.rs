@@ -58,7 +58,8 @@ pub enum MillingError {
     },
     /// A tolerance that cannot be kept.
     #[error(
-        "{at}: chordal deviation {deviation_mm:.5} mm, and more points do not reduce it; raise the linearisation tolerance or smooth the path there"
+        "{at}: chordal deviation {deviation_mm:.5} mm, and more points do not reduce it; raise the linearisation \
+         tolerance or smooth the path there"
     )]
     ChordalDeviation {
         /// Place on the path.

@@ -2,9 +2,9 @@
 //!
 //! All vectors are in the machine's directions with every rotary axis at zero. The tool's direction in the workpiece is
 //! d = R(a, alpha) R(b, beta) s, where a is the rotary axis next to the workpiece, b the one next to the tool, both
-//! followed from the workpiece to the tool, and s the spindle. R(b, beta) s is where the cone about a through d meets the
-//! cone about b through s: two solutions, one where the cones touch, none where they miss each other. Where d lies along
-//! a, alpha is free: the machine's pole.
+//! followed from the workpiece to the tool, and s the spindle. R(b, beta) s is where the cone about a through d meets
+//! the cone about b through s: two solutions, one where the cones touch, none where they miss each other. Where d lies
+//! along a, alpha is free: the machine's pole.
 
 use glam::{DMat3, DVec3};
 
@@ -134,8 +134,8 @@ impl Kinematics {
         joints.linear + self.offset()
     }
 
-    /// A vector of the workpiece's frame in the machine's directions, with both rotary axes at zero: what a control that
-    /// follows the tool's tip is given.
+    /// A vector of the workpiece's frame in the machine's directions, with both rotary axes at zero: what a control
+    /// that follows the tool's tip is given.
     pub fn in_machine(&self, v: DVec3) -> DVec3 {
         self.mount * v
     }
@@ -199,8 +199,8 @@ impl Kinematics {
         angle.min(std::f64::consts::PI - angle)
     }
 
-    /// Both values of the rotary axes (rad, each within half a turn of zero) that give the tool this direction, unit, of
-    /// the workpiece's frame. At the pole the value of [`Self::pole_axis`] means nothing.
+    /// Both values of the rotary axes (rad, each within half a turn of zero) that give the tool this direction, unit,
+    /// of the workpiece's frame. At the pole the value of [`Self::pole_axis`] means nothing.
     ///
     /// # Errors
     /// [`MachineError::Unreachable`].

@@ -18,8 +18,8 @@ use super::singular::{SingularPassage, passages};
 use super::tool_path::ToolPath;
 use task::Cancel;
 
-/// Decimals of X, Y, Z (mm) and of the rotary axes (degrees) in programs: positions are rounded to them before the moves
-/// are measured.
+/// Decimals of X, Y, Z (mm) and of the rotary axes (degrees) in programs: positions are rounded to them before the
+/// moves are measured.
 pub const MM_DECIMALS: usize = 5;
 /// Decimals of angles (deg) in programs.
 pub const DEG_DECIMALS: usize = 6;
@@ -27,7 +27,8 @@ pub const DEG_DECIMALS: usize = 6;
 const PIECES: usize = 16;
 /// Part of the tolerance that leaving the exact direction near the pole may take.
 const POLE_SHARE: f64 = 0.25;
-/// Directions are not known better than this (rad): coordinates of guides have six decimals or so, and rulings a few mm.
+/// Directions are not known better than this (rad): coordinates of guides have six decimals or so, and rulings a few
+/// mm.
 const ROUNDING_RAD: f64 = 1e-6;
 /// Part of the tolerance that what is rounding may take.
 const ROUNDING_SHARE: f64 = 0.5;
@@ -86,8 +87,8 @@ impl LinearisationParams {
         wrong.map_or(Ok(()), |(name, value, _, _, range)| Err(MillingError::Setting { name, value, range }))
     }
 
-    /// So near to the pole the tool is taken to be at it (rad), where its axis stays as it is: a direction that is off the
-    /// pole by rounding says nothing of where that should stand.
+    /// So near to the pole the tool is taken to be at it (rad), where its axis stays as it is: a direction that is off
+    /// the pole by rounding says nothing of where that should stand.
     pub(super) fn pole_rad(&self) -> f64 {
         let tolerance_rad = self.linearisation_mm / self.reach_mm.max(1.0);
         (POLE_SHARE * tolerance_rad).max(ROUNDING_RAD.min(ROUNDING_SHARE * tolerance_rad))
@@ -119,7 +120,8 @@ pub struct MachinePoint {
     pub s: f64,
     /// The five axes, rounded to the decimals of programs.
     pub joints: Joints,
-    /// The tip in the workpiece's frame, rounded likewise in the machine's directions: for a control that follows the tip.
+    /// The tip in the workpiece's frame, rounded likewise in the machine's directions: for a control that follows the
+    /// tip.
     pub tip: DVec3,
     /// Unit direction to the spindle in the workpiece's frame, as the rotary axes give it.
     pub axis: DVec3,

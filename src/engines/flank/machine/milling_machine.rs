@@ -2,8 +2,8 @@
 //!
 //! A machine has three straight axes at right angles and two rotary axes, each carried by the head or by the table:
 //! head-head, head-table and table-table. Only the motion of the head relative to the table counts here, so it does not
-//! matter which slide of X, Y, Z is under which part. All vectors are in the machine's directions with every rotary axis
-//! at zero.
+//! matter which slide of X, Y, Z is under which part. All vectors are in the machine's directions with every rotary
+//! axis at zero.
 
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};

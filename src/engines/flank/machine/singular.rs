@@ -61,7 +61,8 @@ impl std::fmt::Display for SingularPassage {
             Passage::Swung { by_deg, over_mm } => {
                 write!(
                     f,
-                    "{axis} swings by {by_deg:.1} degrees over {over_mm:.3} mm of the path, which a workpiece clamped tilted avoids"
+                    "{axis} swings by {by_deg:.1} degrees over {over_mm:.3} mm of the path, which a workpiece \
+                     clamped tilted avoids"
                 )
             }
         }

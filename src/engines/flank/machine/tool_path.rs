@@ -249,8 +249,8 @@ impl<'a> ToolPath<'a> {
     }
 
     /// The path as straight moves of tip and axis, for a control or a post that does the rest: no point of the tool's
-    /// axis from the tip up to `reach_mm` is further than `tolerance_mm` from where it would be. Measured at 7 places of
-    /// every move.
+    /// axis from the tip up to `reach_mm` is further than `tolerance_mm` from where it would be. Measured at 7 places
+    /// of every move.
     ///
     /// # Errors
     /// [`ToolPathError`].

@@ -9,8 +9,8 @@ fn checked(surface: &RuledSurface, path: &FlankPath, cutter: &FlankCutter) -> Ch
     CheckGrid::new(surface).checked(path, &cutter.above(path.below_mm).unwrap()).unwrap()
 }
 
-/// A wall of 300 mm with guides of `count` points each and a bump towards the cutter, 0.6 mm high and about 1.5 mm wide,
-/// midway between two places of a grid of 100.
+/// A wall of 300 mm with guides of `count` points each and a bump towards the cutter, 0.6 mm high and about 1.5 mm
+/// wide, midway between two places of a grid of 100.
 fn wall_with_a_bump(count: u32) -> RuledSurface {
     const LENGTH: f64 = 300.0;
     let middle = LENGTH * 49.5 / 99.0;
@@ -31,8 +31,8 @@ fn a_bump_between_two_places_of_the_plan_is_seen_by_the_check() {
     let path = &plan.initial;
     assert!(path.deviation.most_overcut > -0.01, "the plan does not see it: {}", path.deviation.most_overcut);
     let found = checked(&surface, path, &cutter);
-    // A straight path is 3 mm off the wall, so that what the moving cutter takes off the bump is its height, measured along
-    // normals that lean beside the top.
+    // A straight path is 3 mm off the wall, so that what the moving cutter takes off the bump is its height, measured
+    // along normals that lean beside the top.
     let grid = CheckGrid::new(&surface);
     let cut = grid.places.places().zip(&found.envelope.deviation.values).map(|(place, e)| e * place.normal.y);
     let height = cut.fold(0.0, f64::max);

@@ -65,7 +65,8 @@ fn guides_written_with_four_decimals_do_not_make_the_path_wander() {
     }
 }
 
-/// An upright wall of 40 by 15 mm, turned by 20 degrees, whose guides have five points each that are off by up to `off` (mm).
+/// An upright wall of 40 by 15 mm, turned by 20 degrees, whose guides have five points each that are off by up to `off`
+/// (mm).
 fn upright(off: f64) -> RuledSurface {
     let turn = glam::DMat3::from_rotation_z(20f64.to_radians());
     let guide = |z: f64| {

@@ -6,7 +6,8 @@ use super::*;
 use crate::heights::Heights;
 use crate::path::FlankPath;
 
-/// A surface between two rows of `count` points at shares from 0 to 1, with coordinates rounded to multiples of `digit` (mm).
+/// A surface between two rows of `count` points at shares from 0 to 1, with coordinates rounded to multiples of `digit`
+/// (mm).
 fn wall((count, digit): (u32, f64), [lower, upper]: [&dyn Fn(f64) -> DVec3; 2]) -> RuledSurface {
     let guide = |of: &dyn Fn(f64) -> DVec3| {
         let points = (0..count).map(|i| of(f64::from(i) / f64::from(count - 1)));

@@ -310,10 +310,10 @@ fn on_axis_grid(
     Ok((Deviation::of(size, values), feet))
 }
 
-/// How far above a point (mm) its normal first enters the cutter's flutes anywhere on the path, by brute force: the part
-/// of the cone between two `heights` above the tip (mm), at `samples` places of the path and ever finer around the
-/// nearest. None if it never does. Where the normal has left the cutter again below the point, that is the other side of
-/// a wall and does not count. For checks: it knows nothing of envelopes.
+/// How far above a point (mm) its normal first enters the cutter's flutes anywhere on the path, by brute force: the
+/// part of the cone between two `heights` above the tip (mm), at `samples` places of the path and ever finer around the
+/// nearest. None if it never does. Where the normal has left the cutter again below the point, that is the other side
+/// of a wall and does not count. For checks: it knows nothing of envelopes.
 pub(super) fn swept_above(
     axis: &AxisSurface,
     cutter: &FlankCutter,

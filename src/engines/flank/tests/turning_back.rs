@@ -3,8 +3,8 @@
 use super::*;
 use crate::path::FlankPath;
 
-/// A bulged wall that leans by 3 mm on 20 mm, through as many points of the lower and the upper guide. Those of the upper
-/// one are unevenly spread if the counts differ.
+/// A bulged wall that leans by 3 mm on 20 mm, through as many points of the lower and the upper guide. Those of the
+/// upper one are unevenly spread if the counts differ.
 fn bulged([lower, upper]: [u32; 2], side: Side) -> RuledSurface {
     let guide = |count: u32, power: f64, (lean, z): (f64, f64)| {
         let at = |u: f64| DVec3::new(60.0 * u, 8.0 * (std::f64::consts::PI * u).sin() + lean, z);

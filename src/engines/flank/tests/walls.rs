@@ -58,8 +58,8 @@ fn ledge() -> (Mesh, Vec<u32>) {
     part(&section, &[[0, 1, 3], [1, 2, 3], [0, 3, 4], [0, 4, 5]])
 }
 
-/// How far the triangles of the wall are off its surface: a quarter of what the fourth corner of a quadrangle is off the
-/// plane of the others. It is all that tolerances, errors and chords of a fit can be told by.
+/// How far the triangles of the wall are off its surface: a quarter of what the fourth corner of a quadrangle is off
+/// the plane of the others. It is all that tolerances, errors and chords of a fit can be told by.
 const CHORD: f64 = 2.0 * LEAN / PARTS as f64 / 4.0;
 /// Distance within which triangles count as the surface itself: error, chord and tolerance of a fit.
 const NEAR: f64 = 2.0 * CHORD + 0.01;

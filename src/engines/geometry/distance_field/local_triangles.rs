@@ -170,8 +170,8 @@ impl LocalTriangles {
         best
     }
 
-    /// Takes triangle `i` for the nearest to `p` if it is nearer than `best`; `least` is the distance of the best, or a hair
-    /// more: what is as near to the last bit must still be tested.
+    /// Takes triangle `i` for the nearest to `p` if it is nearer than `best`; `least` is the distance of the best, or a
+    /// hair more: what is as near to the last bit must still be tested.
     #[inline]
     fn take_if_nearer(&self, p: DVec3, i: u32, best: &mut Nearest, least: &mut f64) {
         let d = self.triangles[i as usize].distance_squared(p);
@@ -182,8 +182,8 @@ impl LocalTriangles {
         }
     }
 
-    /// Signed distance from `p` to its nearest triangle, the point there that is nearest, and the normal in it. Infinite
-    /// where there is no nearest.
+    /// Signed distance from `p` to its nearest triangle, the point there that is nearest, and the normal in it.
+    /// Infinite where there is no nearest.
     pub(super) fn signed(&self, p: DVec3, best: Nearest) -> (f64, DVec3, DVec3) {
         if best.distance_squared.is_infinite() {
             return (f64::INFINITY, p, DVec3::ZERO);

@@ -117,8 +117,8 @@ impl DistanceField {
         })
     }
 
-    /// Signed distance at `p`, or any value from `enough` to it if it is known to be greater (mm): where it is enough to
-    /// know that, a cell's triangles need not be tested. `None` outside the field's bounds.
+    /// Signed distance at `p`, or any value from `enough` to it if it is known to be greater (mm): where it is enough
+    /// to know that, a cell's triangles need not be tested. `None` outside the field's bounds.
     #[inline]
     pub fn value_or_enough(&self, p: DVec3, enough: f64) -> Option<f64> {
         /// For rounding to single precision (mm).

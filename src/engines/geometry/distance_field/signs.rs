@@ -234,7 +234,8 @@ impl DistanceField {
         Ok(())
     }
 
-    /// The triangles that can be nearest to some point of a cell, or cross it, in order of their distance from its centre.
+    /// The triangles that can be nearest to some point of a cell, or cross it, in order of their distance from its
+    /// centre.
     fn triangles_near(&self, exact: &ExactMesh, cell: [usize; 3]) -> Vec<Candidate> {
         let center = self.point_in(cell, DVec3::splat(0.5));
         // Twice half the diagonal, and rounding.

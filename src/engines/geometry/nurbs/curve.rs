@@ -136,8 +136,8 @@ impl NurbsCurve {
         })
     }
 
-    /// `best`, or a point of the stretch that is more than `near` nearer to `p`. `ends` are the distances at the ends of
-    /// the stretch: between them no point is nearer than half their sum less half the greatest length between.
+    /// `best`, or a point of the stretch that is more than `near` nearer to `p`. `ends` are the distances at the ends
+    /// of the stretch: between them no point is nearer than half their sum less half the greatest length between.
     fn nearer_on(
         &self,
         p: DVec3,

@@ -54,8 +54,8 @@ impl KnotVector {
         Self::new(degree, knots)
     }
 
-    /// Knots for the interpolation at `parameters`: each inner one the mean of `degree` neighbouring parameters, so that
-    /// every piece has its share of points. With `tangents` there is room for a derivative at both ends.
+    /// Knots for the interpolation at `parameters`: each inner one the mean of `degree` neighbouring parameters, so
+    /// that every piece has its share of points. With `tangents` there is room for a derivative at both ends.
     pub(super) fn averaged(degree: usize, parameters: &[f64], tangents: bool) -> Result<Self, NurbsError> {
         let n = parameters.len();
         let means = |from: usize, to: usize| -> Vec<f64> {

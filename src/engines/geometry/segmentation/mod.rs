@@ -1,12 +1,12 @@
 //! Faces and edges of a triangle mesh, as the solid had them that was tessellated.
 //!
 //! First triangles are joined to facets, each in one plane. Strips of facets that turn by equal steps are grown into
-//! cylinders and cones as far as all corners lie on the fitted surface. Of what is left, facets that can be chords of one
-//! curved surface make patches of free form, bounded by sharp edges; the others are planes.
+//! cylinders and cones as far as all corners lie on the fitted surface. Of what is left, facets that can be chords of
+//! one curved surface make patches of free form, bounded by sharp edges; the others are planes.
 //!
-//! Faces side by side on one surface come out as one, the two halves of a bore for instance. Spheres, tori and all other
-//! forms are free. A row of a sphere or torus can never be told from a short cone by itself; it is taken for what it is if
-//! such rows go on beside it.
+//! Faces side by side on one surface come out as one, the two halves of a bore for instance. Spheres, tori and all
+//! other forms are free. A row of a sphere or torus can never be told from a short cone by itself; it is taken for what
+//! it is if such rows go on beside it.
 
 mod chains;
 mod facets;
@@ -135,7 +135,8 @@ pub struct Edge {
     pub angle: f64,
     /// Whether it is a straight line.
     pub is_straight: bool,
-    /// The greatest distance of a vertex from the line through the ends, or from the first vertex of a closed chain (mm).
+    /// The greatest distance of a vertex from the line through the ends, or from the first vertex of a closed chain
+    /// (mm).
     pub bend: f64,
     /// Length (mm).
     pub length: f64,
@@ -158,8 +159,8 @@ pub struct Segmentation {
     pub faces: Vec<Face>,
     /// The number of the face of each triangle.
     pub face_of: Vec<u32>,
-    /// In the order of their faces. Sides of triangles without exactly one neighbour that agrees which way is out, at the
-    /// border of an open mesh for instance, belong to none.
+    /// In the order of their faces. Sides of triangles without exactly one neighbour that agrees which way is out, at
+    /// the border of an open mesh for instance, belong to none.
     pub edges: Vec<Edge>,
 }
 
@@ -172,8 +173,8 @@ enum Surface {
 }
 
 impl Segmentation {
-    /// Finds the faces and edges of `mesh`, vertices at the same place taken as one. Triangles without area go to a face
-    /// beside them; those with corners that are no points make a face of free form together.
+    /// Finds the faces and edges of `mesh`, vertices at the same place taken as one. Triangles without area go to a
+    /// face beside them; those with corners that are no points make a face of free form together.
     pub fn of(mesh: &Mesh, settings: &SegmentationSettings) -> Self {
         let topology = Topology::of(mesh);
         let plane_tolerance = settings.plane_tolerance.max(4.0 * topology.rounding);

@@ -97,8 +97,8 @@ impl Revolved {
         (found.origin.is_finite() && slope.is_finite() && slope > 0.0).then_some(found)
     }
 
-    /// This surface moved and turned until the squares of the distances of `points` are least, or their mean is less than
-    /// the square of `enough`.
+    /// This surface moved and turned until the squares of the distances of `points` are least, or their mean is less
+    /// than the square of `enough`.
     pub(super) fn fitted(self, points: &[DVec3], enough: f64) -> Self {
         let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
         let mut now = self.about(middle);

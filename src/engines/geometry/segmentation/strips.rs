@@ -18,9 +18,9 @@ const EQUAL_TURNS: f64 = 1.6;
 const EQUAL_AXES: f64 = 0.9;
 /// Rounds of growing and fitting at most.
 const ROUNDS: usize = 12;
-/// Tolerances that are tried, each so many times as wide as the one before, the last being that of the settings. A region
-/// is believed at the first one where the next hardly adds to it. A patch of another form grows with the tolerance, and a
-/// wide tolerance takes in what goes on beside a cylinder.
+/// Tolerances that are tried, each so many times as wide as the one before, the last being that of the settings. A
+/// region is believed at the first one where the next hardly adds to it. A patch of another form grows with the
+/// tolerance, and a wide tolerance takes in what goes on beside a cylinder.
 const STEP: f64 = 4.0;
 /// Number of tolerances.
 const LEVELS: i32 = 5;
@@ -256,8 +256,8 @@ impl Grower<'_> {
         reached
     }
 
-    /// The region with narrow facets in its midst whose corners lie on the surface: these may be tilted, as one of which
-    /// the long side runs around the axis.
+    /// The region with narrow facets in its midst whose corners lie on the surface: these may be tilted, as one of
+    /// which the long side runs around the axis.
     fn with_narrow(&self, mut region: Region, tolerance: f64) -> Region {
         let largest = NARROW * self.area(&region) / region.facets.len() as f64;
         let mut members: HashSet<u32> = region.facets.iter().copied().collect();

@@ -69,8 +69,8 @@ impl SweptSurface {
     /// as linear.
     pub const STEP: f64 = 0.1;
 
-    /// The surface that `body`, closed and oriented outwards, sweeps in `placements` in the order of its motion, made on a
-    /// lattice of about `cells` cells.
+    /// The surface that `body`, closed and oriented outwards, sweeps in `placements` in the order of its motion, made
+    /// on a lattice of about `cells` cells.
     ///
     /// # Errors
     /// If body or way are empty or not finite, or when cancelled.

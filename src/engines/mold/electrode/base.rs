@@ -31,8 +31,8 @@ pub struct Base {
 }
 
 impl Base {
-    /// The base under tips with this box, centred on them, and the length of the blank that both are made from (mm). It is
-    /// round where there is a round blank of less volume than the rectangular one.
+    /// The base under tips with this box, centred on them, and the length of the blank that both are made from (mm). It
+    /// is round where there is a round blank of less volume than the rectangular one.
     pub fn under(tips: &Bounds, params: &ElectrodeParams) -> (Self, f64) {
         let size = tips.size();
         let side = |length: f64| params.blanks.side(length + 2.0 * params.base_margin_mm);

@@ -44,9 +44,9 @@ impl Burning {
 
     /// How far a point is from what is burned (mm); 0 or less within it. Never too small.
     ///
-    /// The nearest point of the electrode itself is not always the one that comes nearest on its orbit: beside a wall that
-    /// the orbit reaches, the nearest may be a floor that it does not. It is looked for from places all around the orbit,
-    /// each moved on along the orbit to where the point that is nearest from there comes nearest.
+    /// The nearest point of the electrode itself is not always the one that comes nearest on its orbit: beside a wall
+    /// that the orbit reaches, the nearest may be a floor that it does not. It is looked for from places all around the
+    /// orbit, each moved on along the orbit to where the point that is nearest from there comes nearest.
     pub fn beyond(&self, p: DVec3) -> f64 {
         /// Places of the orbit that are begun at, and how often each is moved on at most.
         const PLACES: usize = 16;

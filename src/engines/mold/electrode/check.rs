@@ -58,7 +58,8 @@ pub fn machinable(
             let volume = left.iter().map(|r| r.volume).sum::<f64>();
             let thickness = left.iter().map(|r| r.normal_depth).fold(0.0, f64::max);
             let text = format!(
-                "not millable: the cutters leave rest material at {} places, {volume:.3} mm^3 in all, up to {thickness:.3} mm thick; divide it there, or add a smaller cutter",
+                "not millable: the cutters leave rest material at {} places, {volume:.3} mm^3 in all, up to \
+                 {thickness:.3} mm thick; divide it there, or add a smaller cutter",
                 left.len(),
             );
             let finding = Finding::new(CheckKind::Machinable, false, text, Some(back(worst.bounds.center())));

@@ -44,22 +44,25 @@ impl Obstacle {
         self.mesh.nearest(p).signed_distance.abs()
     }
 
-    /// Distance from a point to its surface, negative within (mm), and the unit vector to the point from the nearest of it.
+    /// Distance from a point to its surface, negative within (mm), and the unit vector to the point from the nearest of
+    /// it.
     pub(super) fn off(&self, p: DVec3) -> (f64, DVec3) {
         let nearest = self.mesh.nearest(p);
         (nearest.signed_distance, (p - nearest.point).normalize_or_zero())
     }
 
-    /// How near the electrode, which stands where it burns, comes to the mold there and on its way straight up by `lift` (mm).
+    /// How near the electrode, which stands where it burns, comes to the mold there and on its way straight up by
+    /// `lift` (mm).
     ///
     /// While a body moves, the boundary of what it sweeps is made of its first and last place and of what its edges
-    /// sweep: these are held against the mold exactly.
-    /// The holder needs none: the base, and all that is above it, begins higher than any point of the mold by the extension.
+    /// sweep: these are held against the mold exactly. The holder needs none: the base, and all that is above it,
+    /// begins higher than any point of the mold by the extension.
     ///
     /// # Errors
     /// [`ElectrodeError::Exact`], [`ElectrodeError::Cancelled`].
     pub fn clearance(&self, electrode: &Mesh, stage: &Stage, lift: f64) -> Result<Clearance, ElectrodeError> {
-        // Without a gap surfaces touch, and touching cannot be told from crossing: the electrode is tried a hair smaller.
+        // Without a gap surfaces touch, and touching cannot be told from crossing: the electrode is tried a hair
+        // smaller.
         let (hair, smaller);
         let electrode = if stage.gap_mm + stage.stock_mm < 2.0 * GOUGE {
             hair = 2.0 * GOUGE;
@@ -183,7 +186,8 @@ impl Clearance {
                 format!("{way} the distance to the mold is {found:.4} mm (required: {asked})")
             } else {
                 format!(
-                    "{way} the distance to the mold is only {found:.4} mm (required: {asked}); reduce the spark gap or the depth of the burn"
+                    "{way} the distance to the mold is only {found:.4} mm (required: {asked}); reduce the spark gap \
+                     or the depth of the burn"
                 )
             };
             let figure = match self.inside {
@@ -206,8 +210,8 @@ fn inset(mesh: &Mesh, by: f64) -> Mesh {
     offset(&turned(mesh), |_| by).map_or_else(|_| mesh.clone(), |moved| turned(&moved))
 }
 
-/// Places of an electrode that burns: the middle of its orbit, and so many around it that it bulges less beyond them than
-/// [`BULGE`].
+/// Places of an electrode that burns: the middle of its orbit, and so many around it that it bulges less beyond them
+/// than [`BULGE`].
 fn burning_places(orbit: Orbit) -> Vec<DVec3> {
     std::iter::once(DVec3::ZERO).chain(orbit_places(orbit)).collect()
 }

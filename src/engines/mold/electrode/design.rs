@@ -13,8 +13,8 @@ use super::leftover::LeftOfRegion;
 use super::params::{ElectrodeParams, GivenName, Method};
 use geometry::mesh::{Bounds, Mesh};
 
-/// Where a part of a region is: the region's place in the list, and the part's number, which is the same for the same place
-/// in every stage.
+/// Where a part of a region is: the region's place in the list, and the part's number, which is the same for the same
+/// place in every stage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct PartId {
     /// The region.
@@ -58,8 +58,8 @@ pub enum Family {
     Member {
         /// Name of the shared body.
         name: String,
-        /// Where the middle of its own tips is, from the middle of the base, which is the datum, in the electrode's axes
-        /// (mm).
+        /// Where the middle of its own tips is, from the middle of the base, which is the datum, in the electrode's
+        /// axes (mm).
         offset: DVec2,
     },
     /// Own base, although a shared one was asked for.
@@ -258,8 +258,8 @@ impl ElectrodeSet {
         }
     }
 
-    /// The parts of regions that an electrode burns, each with its area in plan: a part that is merged with another has a
-    /// larger one, whatever it is called.
+    /// The parts of regions that an electrode burns, each with its area in plan: a part that is merged with another has
+    /// a larger one, whatever it is called.
     pub fn parts_of(&self, electrode: usize) -> Vec<String> {
         let electrode = &self.electrodes[electrode];
         let area = |id: &PartId| {

@@ -1,8 +1,8 @@
 //! Division of a region until its tips can be milled.
 //!
-//! An H-edge that stands upright is where the walls of two faces meet. Cutting the footprint along one of the walls leaves
-//! one part on whose boundary that wall goes on straight (the face is enlarged), and parts beyond it. These reach back over
-//! the cut by the overlap, between their own walls enlarged, so that nothing is left between them.
+//! An H-edge that stands upright is where the walls of two faces meet. Cutting the footprint along one of the walls
+//! leaves one part on whose boundary that wall goes on straight (the face is enlarged), and parts beyond it. These
+//! reach back over the cut by the overlap, between their own walls enlarged, so that nothing is left between them.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -79,8 +79,8 @@ pub struct DivisionSettings {
     pub overlap: f64,
     /// The least width of a part (mm).
     pub least: f64,
-    /// Whether parts that are narrower are left out, for the stages that come after; else nothing is divided where there
-    /// would be one.
+    /// Whether parts that are narrower are left out, for the stages that come after; else nothing is divided where
+    /// there would be one.
     pub leaves_out_thin: bool,
 }
 
@@ -246,8 +246,8 @@ fn both(a: &[Outline], b: &[Outline]) -> Vec<Outline> {
     flat(plane::intersection(a, b))
 }
 
-/// The length of a shape's sides on the line of a cut, and the strips by which it reaches back over them, between its own
-/// walls enlarged.
+/// The length of a shape's sides on the line of a cut, and the strips by which it reaches back over them, between its
+/// own walls enlarged.
 fn back_over(shape: &Shape, through: DVec2, outward: DVec2, by: f64) -> (f64, Vec<Outline>) {
     let off = |p: DVec2| (p - through).dot(outward);
     let (mut length, mut strips) = (0.0, Vec::new());

@@ -1,5 +1,5 @@
-//! Stages that others follow. What they have no tip for, as it would be too thin or as the gap leaves no room, is left to
-//! those after them: a roughing electrode keeps its thick part, and the finishing one burns the rest alone.
+//! Stages that others follow. What they have no tip for, as it would be too thin or as the gap leaves no room, is left
+//! to those after them: a roughing electrode keeps its thick part, and the finishing one burns the rest alone.
 
 use super::design::LeftOut;
 use super::division::{CELL, Part};
@@ -9,9 +9,9 @@ use super::setting::{RegionToBurn, Setting};
 use crate::outline::Outline;
 use crate::plane;
 
-/// Takes out the parts that are nowhere as thick as `least` (mm), each with its number; what share of a region, given in
-/// plan, the others burn, and whether one was taken out that would be thick enough by less than what regions are known to.
-/// `is_lacking` says that division has left out parts already.
+/// Takes out the parts that are nowhere as thick as `least` (mm), each with its number; what share of a region, given
+/// in plan, the others burn, and whether one was taken out that would be thick enough by less than what regions are
+/// known to. `is_lacking` says that division has left out parts already.
 pub(super) fn thick_only(
     setting: &Setting,
     parts: &mut Vec<(usize, Part)>,
@@ -39,19 +39,20 @@ pub(super) fn left_to_later(stage: &Stage, number: usize, (share, is_close): (f6
     let name = &stage.name;
     let mut text = if share > 0.0 {
         format!(
-            "{name} stage: it keeps to what is thick; {:.0} % of the region in plan, where its tip would be thinner than the \
-             least size of {least} mm, is burned by the stages after it alone",
+            "{name} stage: it keeps to what is thick; {:.0} % of the region in plan, where its tip would be thinner \
+             than the least size of {least} mm, is burned by the stages after it alone",
             100.0 * (1.0 - share)
         )
     } else {
         format!(
-            "{name} stage: left out, its head would be thinner than the least size of {least} mm; the later stages burn alone"
+            "{name} stage: left out, its head would be thinner than the least size of {least} mm; the later stages \
+             burn alone"
         )
     };
     if is_close {
         text += &format!(
-            "; it is so by less than {CELL} mm, to which regions are known, so that one of two places alike may have a tip: a \
-             least size that much smaller gives both one"
+            "; it is so by less than {CELL} mm, to which regions are known, so that one of two places alike may have a \
+             tip: a least size that much smaller gives both one"
         );
     }
     LeftOut { stage: number, text }
@@ -76,7 +77,8 @@ pub(super) fn is_nothing(region: &RegionToBurn, params: &ElectrodeParams) -> boo
 pub(super) fn nothing(stage: &Stage, number: usize, thickness: f64) -> LeftOut {
     let name = &stage.name;
     let text = format!(
-        "{name} stage: there is nothing to burn, as what is left is {thickness:.4} mm thick, about as thin as the tolerance"
+        "{name} stage: there is nothing to burn, as what is left is {thickness:.4} mm thick, about as thin as the \
+         tolerance"
     );
     LeftOut { stage: number, text }
 }

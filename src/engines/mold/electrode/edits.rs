@@ -41,8 +41,8 @@ impl Edit {
     }
 }
 
-/// Makes a change to the parts of a region; whether it meets them. `plan` takes a place of the upright mold to the plan of
-/// the burn frame.
+/// Makes a change to the parts of a region; whether it meets them. `plan` takes a place of the upright mold to the plan
+/// of the burn frame.
 ///
 /// # Errors
 /// [`TipError`].
@@ -103,9 +103,9 @@ fn merge(burned: &Burned, tree: &mut Part, places: [DVec2; 2]) -> Result<bool, T
     Ok(true)
 }
 
-/// The way to the undivided part that a point names: the part whose share of the region holds it, else of those whose tip
-/// or share does the one whose share is nearest, else the nearest part beside it. What is left often lies along walls only,
-/// with the tip between them, and a neighbour's margin may reach over a part.
+/// The way to the undivided part that a point names: the part whose share of the region holds it, else of those whose
+/// tip or share does the one whose share is nearest, else the nearest part beside it. What is left often lies along
+/// walls only, with the tip between them, and a neighbour's margin may reach over a part.
 fn holder(tree: &Part, p: DVec2) -> Option<Vec<usize>> {
     let mut ways = Vec::new();
     ways_to(tree, Vec::new(), &mut ways);
@@ -130,8 +130,8 @@ fn ways_to<'a>(tree: &'a Part, way: Vec<usize>, ways: &mut Vec<(Vec<usize>, &'a 
     }
 }
 
-/// For each of these regions the changes to a division that may meet it, by their places in the list: of those nearest to
-/// it in plan. Tips of neighbours overlap, and a change is for one region.
+/// For each of these regions the changes to a division that may meet it, by their places in the list: of those nearest
+/// to it in plan. Tips of neighbours overlap, and a change is for one region.
 pub(super) fn named(
     regions: &[&RegionToBurn],
     edits: &[Edit],
@@ -150,8 +150,8 @@ pub(super) fn named(
     offs.iter().map(|of| (0..edits.len()).filter(|e| is_near(of, *e)).collect()).collect()
 }
 
-/// For each region those of the changes that say how it is made and from where, by their places in the list: each is for the
-/// region nearest to its place, if that is near enough.
+/// For each region those of the changes that say how it is made and from where, by their places in the list: each is
+/// for the region nearest to its place, if that is near enough.
 pub(super) fn pointed_at(regions: &[RegionToBurn], edits: &[Edit]) -> Vec<Vec<usize>> {
     let mut of = vec![Vec::new(); regions.len()];
     for (number, edit) in edits.iter().enumerate() {
@@ -185,7 +185,8 @@ pub(super) fn off_in_plan(region: &RegionToBurn, plan: impl Fn(DVec3) -> DVec2, 
     region.corners.iter().map(of).fold(f64::INFINITY, f64::min)
 }
 
-/// A point of each undivided part that names it, in plan: of its share of the region and of no other's where there is one.
+/// A point of each undivided part that names it, in plan: of its share of the region and of no other's where there is
+/// one.
 pub(super) fn places(tree: &Part) -> Vec<Option<DVec2>> {
     let leaves = tree.leaves();
     let flat = |shapes: Vec<plane::Shape>| shapes.into_iter().flatten().collect::<Vec<Outline>>();

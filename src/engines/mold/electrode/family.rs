@@ -1,6 +1,6 @@
-//! Families: the electrodes of several stages for the same places, in a row on one base and one holder. The machine goes
-//! from one burn to the next by the place of each stage's tips on the base; while one stage burns the tips of the others
-//! must keep clear of the mold too.
+//! Families: the electrodes of several stages for the same places, in a row on one base and one holder. The machine
+//! goes from one burn to the next by the place of each stage's tips on the base; while one stage burns the tips of the
+//! others must keep clear of the mold too.
 
 use glam::{DVec2, DVec3};
 
@@ -23,8 +23,8 @@ const LONGEST: f64 = 200.0;
 /// A row of electrodes: which, and where the middle of the tips of each is from that of the base (mm).
 type Row = Vec<(usize, DVec2)>;
 
-/// Sets electrodes of several stages that burn the same places on one base, as far as they fit. `like` are electrodes of
-/// which these are the net shapes: they get the same places.
+/// Sets electrodes of several stages that burn the same places on one base, as far as they fit. `like` are electrodes
+/// of which these are the net shapes: they get the same places.
 pub(super) fn into_families(
     mold: &Mesh,
     electrodes: &mut [Electrode],
@@ -127,7 +127,8 @@ fn row(
         is_held = true;
     }
     Ok(Err(if is_held {
-        "the heads of one stage would enter the mold while another stage burns, at any position on a base that fits a holder"
+        "the heads of one stage would enter the mold while another stage burns, at any position on a base that fits \
+         a holder"
             .to_owned()
     } else {
         "no holder is large enough for a base with the heads of all stages".to_owned()

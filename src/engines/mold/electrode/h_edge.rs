@@ -1,7 +1,8 @@
 //! H-edges: edges that a tip would have and no cutter makes.
 //!
 //! Where a mold's edge is convex the tip's is concave. A cutter makes a concave edge only if its flat end does, along a
-//! horizontal straight edge between two planes (which wire erosion makes too); others split the region (P3, section 4.3).
+//! horizontal straight edge between two planes (which wire erosion makes too); others split the region (P3, section
+//! 4.3).
 
 use glam::DVec2;
 

@@ -1,9 +1,9 @@
 //! Residual stock of a region after its burns, and the part of it that no electrode can burn with this spark.
 //!
-//! The spark rounds what it burns: an electrode that has all the room that the gap and the orbit allow, the fullest one,
-//! still leaves something in corners. What an electrode leaves there besides it is held against the tolerance. Where the
-//! fullest one does not come at all, as in a slot that is narrower than twice the gap, it is no excuse: a corner is where
-//! faces meet at an angle, near what it burns, and not where they stand opposite to one another.
+//! The spark rounds what it burns: an electrode that has all the room that the gap and the orbit allow, the fullest
+//! one, still leaves something in corners. What an electrode leaves there besides it is held against the tolerance.
+//! Where the fullest one does not come at all, as in a slot that is narrower than twice the gap, it is no excuse: a
+//! corner is where faces meet at an angle, near what it burns, and not where they stand opposite to one another.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -25,8 +25,8 @@ const LEAST_STEP: f64 = 1e-4;
 const STEPS: usize = 200;
 /// Cosine of the angle of two normals below which faces stand opposite to one another.
 const OPPOSED: f64 = -0.7;
-/// How far a corner's end may be from what the fullest electrode burns, of the radius of what burns: where two faces meet
-/// at 45 degrees, or two at 60 on a floor.
+/// How far a corner's end may be from what the fullest electrode burns, of the radius of what burns: where two faces
+/// meet at 45 degrees, or two at 60 on a floor.
 const FARTHEST: f64 = 1.65;
 
 /// A part of a mold's surface that cutters leave, as leftovers are looked for on it.
@@ -126,8 +126,8 @@ fn left_at(burns: &Burns, sample: &Sample, mold: &Obstacle, milled: &Milled) -> 
 
 /// Walk along a sample's normal through the residual stock.
 struct March {
-    /// How far off any face the way comes (mm): along an edge a normal runs beside another face, and what is nearer to that
-    /// one is counted there.
+    /// How far off any face the way comes (mm): along an edge a normal runs beside another face, and what is nearer to
+    /// that one is counted there.
     thickness: f64,
     /// How far at most it was from what is burned (mm).
     farthest: f64,
@@ -183,8 +183,8 @@ impl Looked {
 const SQUARE: &str =
     "; a square orbit reaches only into corners of walls along X and Y: a circular one, or none, leaves less";
 
-/// The finding for what is left of the parts that an electrode is for: what is left beyond what the spark keeps in corners
-/// is held against the tolerance.
+/// The finding for what is left of the parts that an electrode is for: what is left beyond what the spark keeps in
+/// corners is held against the tolerance.
 pub fn leftover(left: &LeftOfRegion, tolerance: f64, stage: &Stage, looked: Looked) -> Finding {
     let holds = left.excess <= tolerance;
     let apart =
@@ -196,7 +196,8 @@ pub fn leftover(left: &LeftOfRegion, tolerance: f64, stage: &Stage, looked: Look
         )
     } else {
         format!(
-            "residual stock {:.4} mm beyond the corner radius, allowed rest {tolerance:.4} mm; {:.4} mm^3 in all{}; {apart}",
+            "residual stock {:.4} mm beyond the corner radius, allowed rest {tolerance:.4} mm; {:.4} mm^3 in all{}; \
+             {apart}",
             left.excess,
             left.volume,
             if matches!(stage.orbit, Orbit::Square { .. }) { SQUARE } else { "" }

@@ -62,7 +62,8 @@ fn a_slot_that_no_electrode_enters_is_no_corner() {
 
 #[test]
 fn corners_are_forgiven_what_the_spark_cannot_burn_however_sharp_and_no_more() {
-    // Pockets with corners of 60, 90 and 120 degrees: a ball of radius g leaves g (1 - sin(angle / 2)) where two faces meet.
+    // Pockets with corners of 60, 90 and 120 degrees: a ball of radius g leaves g (1 - sin(angle / 2)) where two faces
+    // meet.
     for (sides, gap) in [(3, 0.1), (4, 0.1), (6, 0.1), (4, 0.3)] {
         let outline: Vec<DVec2> =
             (0..sides).map(|i| DVec2::from_angle(0.2 + 2.0 * PI * f64::from(i) / f64::from(sides)) * 3.0).collect();

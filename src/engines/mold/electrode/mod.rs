@@ -1,8 +1,8 @@
 //! Electrodes for what the cutters leave.
 //!
-//! A region of what is left is burned by the tip of an electrode: the part of a prism over the region that keeps the spark
-//! gap from the mold. Where a mold's convex edges would leave the tip edges that no cutter makes (H-edges), the region is
-//! divided. Everything here stands in the burn frame: the electrode comes down along -Z.
+//! A region of what is left is burned by the tip of an electrode: the part of a prism over the region that keeps the
+//! spark gap from the mold. Where a mold's convex edges would leave the tip edges that no cutter makes (H-edges), the
+//! region is divided. Everything here stands in the burn frame: the electrode comes down along -Z.
 
 pub mod base;
 pub mod burning;

@@ -1,6 +1,6 @@
-//! Names of electrodes. A name, once given, belongs to what the electrode burned then: when regions are divided otherwise, or
-//! other parts share an electrode, an electrode that burns most of the same places keeps it, a name that no electrode has any
-//! more stays free, and what is new gets a number after all that were ever given.
+//! Names of electrodes. A name, once given, belongs to what the electrode burned then: when regions are divided
+//! otherwise, or other parts share an electrode, an electrode that burns most of the same places keeps it, a name that
+//! no electrode has any more stays free, and what is new gets a number after all that were ever given.
 
 use std::cmp::Reverse;
 
@@ -20,8 +20,8 @@ use crate::plane;
 /// What is burned: the regions, how, and their parts.
 pub(super) type Burned<'a> = (&'a [RegionToBurn], &'a [RegionPlan], &'a Parts);
 
-/// Names electrodes: the same number for all stages where they burn the same parts. Answers all numbers that were given,
-/// those of `params` first.
+/// Names electrodes: the same number for all stages where they burn the same parts. Answers all numbers that were
+/// given, those of `params` first.
 pub(super) fn named(electrodes: &mut [Electrode], params: &ElectrodeParams, burned: Burned) -> Vec<GivenName> {
     let mut forms: Vec<Vec<PartId>> = Vec::new();
     let mut form_of = Vec::new();
@@ -83,7 +83,8 @@ fn numbers(forms: &[Vec<PartId>], given: &[GivenName], burned: Burned) -> Vec<Op
     found
 }
 
-/// The part at a place: of the region that is nearest to it in plan, and of several the one that is nearest to it in space.
+/// The part at a place: of the region that is nearest to it in plan, and of several the one that is nearest to it in
+/// space.
 fn part_at(place: DVec3, (regions, plans, parts): Burned) -> Option<PartId> {
     let near = regions.iter().enumerate().filter_map(|(r, region)| {
         let turned = to_burn_frame(plans[r].direction);

@@ -1,12 +1,13 @@
-//! Files of the net shape: what is to come out is the electrode that is a gap smaller, so it is that one that is checked.
+//! Files of the net shape: what is to come out is the electrode that is a gap smaller, so it is that one that is
+//! checked.
 
 use super::design::{Electrode, ElectrodeSet, PartId};
 use super::finding::{CheckKind, Finding};
 use super::params::Stage;
 
 /// Said where the two do not belong together.
-const OTHER_NET: &str = "without gap it is divided or shared otherwise than with it, so that its net shape is not that of an electrode: \
-    write undersized shapes";
+const OTHER_NET: &str = "without gap it is divided or shared otherwise than with it, so that its net shape is not that \
+    of an electrode: write undersized shapes";
 
 /// The stage as files of the net shape hold it.
 pub(super) fn net(stage: &Stage) -> Stage {
@@ -18,8 +19,8 @@ pub(super) fn burned(electrode: &Electrode) -> Vec<Vec<PartId>> {
     electrode.burns.iter().map(|burn| burn.parts.clone()).collect()
 }
 
-/// The electrodes of the files with the findings of those that they become. One that no real electrode is the undersize of
-/// was not checked, and fails; so does each region of which a real electrode has no file.
+/// The electrodes of the files with the findings of those that they become. One that no real electrode is the undersize
+/// of was not checked, and fails; so does each region of which a real electrode has no file.
 pub(super) fn told_of_real(mut filed: ElectrodeSet, made: ElectrodeSet) -> ElectrodeSet {
     let is_of =
         |a: &Electrode, b: &Electrode| a.stage == b.stage && a.direction == b.direction && burned(a) == burned(b);

@@ -198,7 +198,8 @@ fn a_circular_orbit_keeps_the_gap_where_a_floor_rises_into_a_fillet() {
 
 #[test]
 fn places_share_a_tip_only_where_it_keeps_the_gap_all_along_its_orbit() {
-    // Two slots, the second narrower by so much that their tips are laid onto each other, and nearer than the gap allows.
+    // Two slots, the second narrower by so much that their tips are laid onto each other, and nearer than the gap
+    // allows.
     for (narrower, electrodes) in [(0.0, 1), (0.003, 2)] {
         let slot = |x: f64, y: f64, width: f64| -> Vec<DVec2> {
             rectangle(6.0, width).iter().map(|p| *p + DVec2::new(x, y)).collect()

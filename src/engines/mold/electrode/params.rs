@@ -159,8 +159,8 @@ pub struct Holder {
 pub struct Blanks {
     /// Sides that rectangular blanks come in (mm), rising; beyond the largest, sides are rounded up.
     pub sides_mm: Vec<f64>,
-    /// Diameters that round blanks come in (mm), rising. One is taken where it is less than the rectangular blank; none where
-    /// the list is empty.
+    /// Diameters that round blanks come in (mm), rising. One is taken where it is less than the rectangular blank; none
+    /// where the list is empty.
     pub diameters_mm: Vec<f64>,
     /// Step to which lengths, and sides beyond the list, are rounded up (mm).
     pub increment_mm: f64,
@@ -330,8 +330,8 @@ pub struct ElectrodeParams {
     pub cutters: Option<CutterLibrary>,
     /// Blanks.
     pub blanks: Blanks,
-    /// Holders, the one that is tried first before the others. None are those of the user's library, which whoever reads
-    /// parameters puts in: a list of its own here would be another one than that library.
+    /// Holders, the one that is tried first before the others. None are those of the user's library, which whoever
+    /// reads parameters puts in: a list of its own here would be another one than that library.
     pub holders: Vec<Holder>,
     /// Burning times.
     pub removal: Removal,
@@ -452,8 +452,8 @@ impl ElectrodeParams {
             let is_known = self.stages[..i].iter().any(|s| s.name.eq_ignore_ascii_case(name));
             if is_known || name.is_empty() || !name.chars().all(is_plain) {
                 return wrong(format!(
-                    "two stages are called {name:?}, or a name is empty or holds more than letters, digits, - and _: file \
-                     names carry it"
+                    "two stages are called {name:?}, or a name is empty or holds more than letters, digits, - and _: \
+                     file names carry it"
                 ));
             }
         }
@@ -462,8 +462,8 @@ impl ElectrodeParams {
             if later_mm > earlier_mm {
                 let [earlier, later] = [0, 1].map(|i| &pair[i].name);
                 return wrong(format!(
-                    "stage {later} has an undersize of {later_mm} mm and follows {earlier} with {earlier_mm} mm: it would \
-                     remove nothing; put the roughing stage first"
+                    "stage {later} has an undersize of {later_mm} mm and follows {earlier} with {earlier_mm} mm: it \
+                     would remove nothing; put the roughing stage first"
                 ));
             }
         }

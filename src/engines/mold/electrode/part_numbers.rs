@@ -1,8 +1,8 @@
 //! Numbers of parts, the same place by the same number in every stage.
 //!
-//! Each stage divides a region for itself: where its gap is wider it has other parts. A part of one stage is that of another
-//! if most of each, in plan, is most of the other. The last stage numbers its parts in the order of its tree; what other
-//! stages have besides gets numbers of its own, so that no two places share one.
+//! Each stage divides a region for itself: where its gap is wider it has other parts. A part of one stage is that of
+//! another if most of each, in plan, is most of the other. The last stage numbers its parts in the order of its tree;
+//! what other stages have besides gets numbers of its own, so that no two places share one.
 
 use std::collections::BTreeMap;
 
@@ -74,11 +74,12 @@ pub(super) fn renumber(tree: &mut PartNode, numbers: &[usize]) {
     tree.parts.iter_mut().for_each(|part| renumber(part, numbers));
 }
 
-/// Volume that each stage takes of each part that it has a tip for (mm^3). `made` says of each stage which share of each region
-/// it has tips for.
+/// Volume that each stage takes of each part that it has a tip for (mm^3). `made` says of each stage which share of
+/// each region it has tips for.
 ///
-/// A region's volume belongs to the parts of the last stage by area. Of these each earlier stage takes what its own parts
-/// cover, so that all burns together take the region's volume, and a part that roughing passed over is left whole.
+/// A region's volume belongs to the parts of the last stage by area. Of these each earlier stage takes what its own
+/// parts cover, so that all burns together take the region's volume, and a part that roughing passed over is left
+/// whole.
 pub(super) fn volumes(
     regions: &[RegionToBurn],
     plans: &[RegionPlan],

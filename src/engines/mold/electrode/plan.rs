@@ -209,8 +209,8 @@ fn leaves(
     Ok(leaves)
 }
 
-/// The parts of a region that a stage has tips for, by numbers that are the same in every stage, what share of the region
-/// they burn, and whether a part was left out by hardly more than regions are known to.
+/// The parts of a region that a stage has tips for, by numbers that are the same in every stage, what share of the
+/// region they burn, and whether a part was left out by hardly more than regions are known to.
 fn numbered(
     setting: &Setting,
     (region, stage): (usize, usize),

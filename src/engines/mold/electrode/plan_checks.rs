@@ -257,7 +257,8 @@ fn left_of(
     Ok(left)
 }
 
-/// The parts that have a sample to burn: the nearest in plan within `reach` of it, of those that stand over one another all.
+/// The parts that have a sample to burn: the nearest in plan within `reach` of it, of those that stand over one another
+/// all.
 fn own_parts(sample: &Sample, parts: &[(usize, Vec<Outline>)], reach: f64) -> Vec<usize> {
     let p = sample.point.truncate();
     let off: Vec<(usize, f64)> = parts.iter().map(|(part, free)| (*part, plane::off(free, p))).collect();
@@ -285,7 +286,8 @@ fn nobodys(left: &Left, tolerance: f64) -> Option<String> {
     let LeftOfRegion { excess, place: p, .. } = left.of_none;
     (excess > tolerance).then(|| {
         format!(
-            "residual stock {excess:.4} mm where no head reaches, as near ({:.3}, {:.3}, {:.3}), allowed rest {tolerance:.4} mm: reduce spark gap or orbit, or add a cutter",
+            "residual stock {excess:.4} mm where no head reaches, as near ({:.3}, {:.3}, {:.3}), allowed rest \
+             {tolerance:.4} mm: reduce spark gap or orbit, or add a cutter",
             p.x, p.y, p.z
         )
     })

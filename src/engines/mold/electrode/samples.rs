@@ -1,5 +1,5 @@
-//! Where leftovers are looked for on a region's surface: evenly on its faces, and closely along the edges where the spark
-//! rounds them and along the cuts between parts.
+//! Where leftovers are looked for on a region's surface: evenly on its faces, and closely along the edges where the
+//! spark rounds them and along the cuts between parts.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -18,8 +18,8 @@ const FINE: f64 = 0.2;
 const SAMPLES: f64 = 6000.0;
 /// Turn of a concave edge from which on the spark leaves something in it that is worth looking at.
 const LEAST_TURN_DEG: f64 = 15.0;
-/// Distances from an edge at which it is looked at, and the widths that these stand for, of the radius that burns: such that
-/// the area that it leaves in a right angle comes out, and where that is thickest.
+/// Distances from an edge at which it is looked at, and the widths that these stand for, of the radius that burns: such
+/// that the area that it leaves in a right angle comes out, and where that is thickest.
 const FROM_EDGE: [(f64, f64); 4] = [(0.11, 0.22), (0.29, 0.0), (0.344, 0.2), (0.661, 0.58)];
 /// Upwards part of an edge's direction from which on the orbit rounds it.
 const UPRIGHT: f64 = 0.5;
@@ -190,8 +190,8 @@ impl Surface<'_> {
     }
 }
 
-/// Where leftovers of a region are looked for, given the corners of its surface in the burn frame, the mold's edges, the
-/// cuts between its parts and the radii with which the spark rounds level and upright edges (mm).
+/// Where leftovers of a region are looked for, given the corners of its surface in the burn frame, the mold's edges,
+/// the cuts between its parts and the radii with which the spark rounds level and upright edges (mm).
 pub(super) fn samples(
     corners: &[[DVec3; 3]],
     region: &RegionToBurn,

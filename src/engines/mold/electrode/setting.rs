@@ -139,8 +139,8 @@ pub fn to_burn_frame(direction: DVec3) -> DMat3 {
     DMat3::from_quat(DQuat::from_rotation_arc(direction, DVec3::NEG_Z))
 }
 
-/// Volume of the layer that a stage leaves of a region for the next one (mm^3): as thick as that one's electrode is larger
-/// than its own, and no less than its stock.
+/// Volume of the layer that a stage leaves of a region for the next one (mm^3): as thick as that one's electrode is
+/// larger than its own, and no less than its stock.
 pub(super) fn layer(region: &RegionToBurn, turned: &DMat3, [stage, next]: [&Stage; 2]) -> f64 {
     let of = |corners: &[DVec3; 3]| {
         let [a, b, c] = corners.map(|p| *turned * p);

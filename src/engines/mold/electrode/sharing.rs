@@ -109,8 +109,8 @@ impl Own {
     }
 }
 
-/// Whether the tip of `first`, moved, burns what another leaf's own tip does as well as that one, and keeps the gap where it
-/// burns and on its way there.
+/// Whether the tip of `first`, moved, burns what another leaf's own tip does as well as that one, and keeps the gap
+/// where it burns and on its way there.
 fn serves(
     setting: &Setting,
     mold: &Obstacle,
@@ -126,7 +126,8 @@ fn serves(
     if own.0.par_iter().any(|(p, by_own)| other.beyond(*p) > (by_own + WORSE).max(least)) {
         return Ok(false);
     }
-    // Most of what does not keep the gap is told by a corner. Moved, it may have less room on its orbit than at its middle.
+    // Most of what does not keep the gap is told by a corner. Moved, it may have less room on its orbit than at its
+    // middle.
     if !moved.vertices.iter().all(|p| setting.keeps_gap(*p)) {
         return Ok(false);
     }

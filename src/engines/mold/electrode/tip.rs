@@ -44,8 +44,8 @@ pub enum TipError {
     NoRoom,
     /// Nothing of the mold's surface is known to bound the region.
     #[error(
-        "no part of the mold's surface was found to bound the region, so that there is nothing to make a tip for: find what \
-         is left with a finer grid"
+        "no part of the mold's surface was found to bound the region, so that there is nothing to make a tip for: find \
+         what is left with a finer grid"
     )]
     NoSurface,
     /// The solids could not be combined.
@@ -235,8 +235,8 @@ pub fn tip(burned: &Burned, footprint: &Footprint) -> Result<Mesh, TipError> {
     if tip.triangles.is_empty() { Err(TipError::NoRoom) } else { Ok(tip) }
 }
 
-/// The prism over a shape less the mold. Where faces lie in one another so that the solids cannot be distinguished, the shape
-/// is moved by a hair.
+/// The prism over a shape less the mold. Where faces lie in one another so that the solids cannot be distinguished, the
+/// shape is moved by a hair.
 fn trimmed(burned: &Burned, footprint: &Footprint, shape: &Shape) -> Result<Mesh, TipError> {
     let mut found = Err(TipError::NoRoom);
     for by in HAIRS {
@@ -257,8 +257,8 @@ fn trimmed(burned: &Burned, footprint: &Footprint, shape: &Shape) -> Result<Mesh
     found
 }
 
-/// The pieces of a tip less those that keep the gap nowhere: in a hollow narrower than the gap the walls, moved past one
-/// another, bound a hollow that is none. At the cap even that may be far enough above the rim.
+/// The pieces of a tip less those that keep the gap nowhere: in a hollow narrower than the gap the walls, moved past
+/// one another, bound a hollow that is none. At the cap even that may be far enough above the rim.
 fn real(burned: &Burned, cap: f64, part: Mesh) -> Mesh {
     let mut groups = Groups::of(part.vertices.len());
     for [a, b, c] in &part.triangles {

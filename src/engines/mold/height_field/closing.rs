@@ -38,7 +38,8 @@ pub struct Closing {
 }
 
 impl Closing {
-    /// How much is left above the material of `field` at a cell (mm), up to rounding; nothing where there is no material.
+    /// How much is left above the material of `field` at a cell (mm), up to rounding; nothing where there is no
+    /// material.
     pub fn residue(&self, field: &HeightField, cell: usize) -> f64 {
         let left = self.heights.get(cell).zip(field.heights.get(cell)).map(|(left, height)| left - height);
         left.filter(|left| left.is_finite()).map_or(0.0, f64::from)

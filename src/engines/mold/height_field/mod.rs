@@ -42,7 +42,8 @@ pub enum HeightFieldError {
     BadStep(f64),
     /// A grid with too many cells for a computer's memory.
     #[error(
-        "a grid of {step} mm over {width:.1} x {depth:.1} mm has {} million cells and at most {} million are possible; a step of {coarser:.3} mm will do",
+        "a grid of {step} mm over {width:.1} x {depth:.1} mm has {} million cells and at most {} million are \
+         possible; a step of {coarser:.3} mm will do",
         (cells / 1e6).ceil(), MOST_CELLS / 1e6
     )]
     TooManyCells {

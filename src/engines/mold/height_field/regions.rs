@@ -186,8 +186,8 @@ fn measured(field: &HeightField, closing: &Closing, cells: Vec<u32>) -> FieldReg
     region
 }
 
-/// The connected pieces of what `more` leaves above what `less` leaves, where that is thicker than `tolerance` (mm) along
-/// the normal of the material's surface, the largest first. Both are of `field`.
+/// The connected pieces of what `more` leaves above what `less` leaves, where that is thicker than `tolerance` (mm)
+/// along the normal of the material's surface, the largest first. Both are of `field`.
 ///
 /// # Errors
 /// [`HeightFieldError::OtherGrid`], [`HeightFieldError::Cancelled`].

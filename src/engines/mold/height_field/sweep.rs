@@ -1,7 +1,7 @@
 //! The greatest value under a cutter's surface, for a tile of places at once.
 //!
-//! With values v and a surface of height s this is max over the surface of v - s. Discs are rows of range maxima, each of
-//! two overlapping ranges whose length is a power of two. Rising surfaces are gone through in patches. In both, what
+//! With values v and a surface of height s this is max over the surface of v - s. Discs are rows of range maxima, each
+//! of two overlapping ranges whose length is a power of two. Rising surfaces are gone through in patches. In both, what
 //! cannot exceed the least value found so far is passed over: over level ground that is nearly everything.
 
 use std::ops::Range;
@@ -109,7 +109,8 @@ impl Tile {
         }
     }
 
-    /// Raises all rows of places to the row of values whose maxima are in the levels; `row` counts from the first place's.
+    /// Raises all rows of places to the row of values whose maxima are in the levels; `row` counts from the first
+    /// place's.
     fn raise_by_row(&mut self, row: isize, chords: &[Chord], width: usize, from: isize) {
         let lowest = chords.first().map_or(0, |c| c.row);
         for (i, best) in self.best.chunks_exact_mut(TILE_COLUMNS).enumerate() {

@@ -26,8 +26,8 @@ const MOST_EXCHANGES: usize = 64;
 /// The half-spaces whose planes hold the nearest point: a start for the next search among the same ones.
 pub type Held = Vec<HalfSpace>;
 
-/// The point of all `spaces` that is nearest to `p`; none if they have no point in common, or hardly one. `held` is what
-/// held the nearest point of another `p`, or empty.
+/// The point of all `spaces` that is nearest to `p`; none if they have no point in common, or hardly one. `held` is
+/// what held the nearest point of another `p`, or empty.
 ///
 /// At most three planes hold it. Whenever a further plane is violated, the nearest point of the four is that of one to
 /// three of them, the new one among them; this is the scheme of linear programming in few dimensions

@@ -34,7 +34,8 @@ fn over_a_floor_the_ball_leaves_a_fillet_along_the_wall() {
         let exact = -4.0 + 1.0 - (1.0 - u * u).sqrt();
         assert!((left - exact).abs() < 1e-5, "{off_wall}: {left} {exact}");
     }
-    // On the land around the pocket nothing is left, and in a corner that the ball does not see all up to where it rests.
+    // On the land around the pocket nothing is left, and in a corner that the ball does not see all up to where it
+    // rests.
     assert!(ball.lowest(DVec2::new(6.0, 5.0)).height.abs() < 1e-9);
     assert!(ball.lowest(DVec2::new(3.95, 2.95)).height > -0.1);
 }

@@ -179,8 +179,8 @@ pub struct FamilyEntry {
     pub name: String,
     /// The electrodes of the other stages.
     pub others: Vec<String>,
-    /// Where the middle of this stage's tips is, from the middle of the base, which is the datum: X and Y in the electrode's
-    /// own axes (mm).
+    /// Where the middle of this stage's tips is, from the middle of the base, which is the datum: X and Y in the
+    /// electrode's own axes (mm).
     pub offset_mm: [f64; 2],
 }
 
@@ -206,10 +206,11 @@ pub struct BurnEntry {
     pub y_mm: f64,
     /// Z (mm).
     pub z_mm: f64,
-    /// How far it is turned, counter-clockwise seen from the machine's head, along the burn (degrees, above -180 up to 180).
+    /// How far it is turned, counter-clockwise seen from the machine's head, along the burn (degrees, above -180 up to
+    /// 180).
     pub c_deg: f64,
-    /// Unit vector along which the electrode's own X axis looks: with the direction of the lift, its own Z axis, it says how
-    /// the electrode stands wherever it burns from.
+    /// Unit vector along which the electrode's own X axis looks: with the direction of the lift, its own Z axis, it
+    /// says how the electrode stands wherever it burns from.
     pub x_axis: [f64; 3],
     /// From the axes of the electrode's file to those of this table.
     pub pose: Pose,
@@ -219,7 +220,8 @@ pub struct BurnEntry {
     pub volume_mm3: f64,
     /// Minutes that it takes.
     pub minutes: f64,
-    /// Parts of regions that it burns: `R3.2` is part 2 of region 3. Without the letter spreadsheets would read numbers.
+    /// Parts of regions that it burns: `R3.2` is part 2 of region 3. Without the letter spreadsheets would read
+    /// numbers.
     pub parts: Vec<String>,
     /// The regions that these belong to, rising.
     pub regions: Vec<usize>,
@@ -395,7 +397,8 @@ fn warnings(set: &ElectrodeSet, electrode: &Electrode) -> Vec<String> {
         let stage = &set.params.stages[electrode.stage];
         let [wall, floor] = [DVec3::X, DVec3::Z].map(|n| stage.undersize(n));
         warnings.push(format!(
-            "the file has the net shape: mill the electrode smaller by {wall:.4} mm at the sides and {floor:.4} mm at the bottom"
+            "the file has the net shape: mill the electrode smaller by {wall:.4} mm at the sides and {floor:.4} mm \
+             at the bottom"
         ));
     }
     warnings

@@ -77,8 +77,9 @@ fn the_json_has_the_keys_that_templates_name() {
     let electrode = &json["electrodes"][2];
     assert_eq!(
         keys(electrode),
-        "base_height_mm blank burn_area_mm2 burns checks family finish_vdi front_area_mm2 gap_mm holder lift material method \
-         minutes name orbit quantity roughness_um shape stage state undersize_floor_mm undersize_wall_mm volume_mm3 warnings"
+        "base_height_mm blank burn_area_mm2 burns checks family finish_vdi front_area_mm2 gap_mm holder lift material \
+         method minutes name orbit quantity roughness_um shape stage state undersize_floor_mm undersize_wall_mm \
+         volume_mm3 warnings"
     );
     assert_eq!(
         keys(&electrode["burns"][0]),

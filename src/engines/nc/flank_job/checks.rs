@@ -88,8 +88,8 @@ fn cutter(result: &FlankResult) -> FlankCheck {
             };
             let mut text = error.to_string();
             if matches!(error, FlankError::CutterTooThick { .. }) && !result.joinings.is_empty() {
-                text += "; if the guides are measured points, their noise may be all of that hollow, as the curve goes through \
-                         every one of them: smooth them, or take points that stand further apart";
+                text += "; if the guides are measured points, their noise may be all of that hollow, as the curve goes \
+                         through every one of them: smooth them, or take points that stand further apart";
             }
             FlankCheck { place, ..FlankCheck::new(CheckKind::Cutter, false, text) }.with(figure.as_slice())
         }
@@ -126,8 +126,8 @@ fn coverage(result: &FlankResult) -> FlankCheck {
     FlankCheck::new(CheckKind::Coverage, missing.is_empty(), text).with(&figures)
 }
 
-/// Deviations of the path that is milled: standing and moving, over the grid that it was planned on and over the one for
-/// checks.
+/// Deviations of the path that is milled: standing and moving, over the grid that it was planned on and over the one
+/// for checks.
 fn deviations(result: &FlankResult) -> [&Deviation; 4] {
     let (path, checked) = (result.path(), &result.checked);
     [&path.deviation, &path.envelope.deviation, &checked.deviation, &checked.envelope.deviation]
@@ -140,8 +140,8 @@ fn greatest(result: &FlankResult) -> [f64; 2] {
     [overcut, all.iter().fold(0.0, |most: f64, d| most.max(d.most_undercut))]
 }
 
-/// The worse of the standing and the moving cutter, to which the fit of a face adds its own error, and the straight moves
-/// that are written how far they leave the path.
+/// The worse of the standing and the moving cutter, to which the fit of a face adds its own error, and the straight
+/// moves that are written how far they leave the path.
 fn deviation(result: &FlankResult) -> FlankCheck {
     let off_mm = result.fit.as_ref().map_or(0.0, |fit| fit.error.greatest_mm);
     let chordal_deviation_mm = result.chordal_deviation_mm;
@@ -149,7 +149,8 @@ fn deviation(result: &FlankResult) -> FlankCheck {
     let allowed = [result.overcut_tolerance_mm, result.undercut_tolerance_mm];
     let holds = overcut <= allowed[0] && undercut <= allowed[1];
     let mut text = format!(
-        "overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm, static or swept envelope, on {}; allowed: {} and {} mm",
+        "overcut up to {overcut:.4} mm, undercut up to {undercut:.4} mm, static or swept envelope, on {}; allowed: \
+         {} and {} mm",
         result.checked.words, allowed[0], allowed[1]
     );
     if result.fit.is_some() {
@@ -197,8 +198,8 @@ fn machine(result: &FlankResult) -> Option<FlankCheck> {
             CheckKind::Machine,
             true,
             format!(
-                "{} positions of {} within its limits; between them tip and flutes' top leave the path by {:.5} mm at most, \
-                 allowed: {} mm",
+                "{} positions of {} within its limits; between them tip and flutes' top leave the path by {:.5} mm at \
+                 most, allowed: {} mm",
                 milled.line.points.len(),
                 milled.machine.machine().name,
                 milled.line.deviation_mm,
@@ -254,7 +255,8 @@ fn sinks(result: &FlankResult) -> Option<String> {
     };
     (deepest > asked + SUNK_MM).then(|| {
         format!(
-            "the {} path moves the cutter's bottom up to {deepest:.2} mm below the lower guide, {asked} mm were requested: check that nothing is there{instead}",
+            "the {} path moves the cutter's bottom up to {deepest:.2} mm below the lower guide, {asked} mm were \
+             requested: check that nothing is there{instead}",
             result.path.name()
         )
     })

@@ -1,5 +1,5 @@
-//! The checks of what the tool may touch nowhere: the surface itself from elsewhere, walls, and both on the way to the path
-//! and away from it.
+//! The checks of what the tool may touch nowhere: the surface itself from elsewhere, walls, and both on the way to the
+//! path and away from it.
 
 use glam::DVec3;
 
@@ -22,7 +22,8 @@ struct OnLead {
     text: String,
 }
 
-/// Approach and retraction against the surface itself, and against walls if there are any: the worse of both comes first.
+/// Approach and retraction against the surface itself, and against walls if there are any: the worse of both comes
+/// first.
 pub(super) fn leads(result: &FlankResult) -> FlankCheck {
     let tolerance = result.plan.params.gouge_tolerance_mm;
     let (own, wall) = (own_on_leads(result), nearest_on_leads(result));
@@ -32,8 +33,8 @@ pub(super) fn leads(result: &FlankResult) -> FlankCheck {
         by_mm: depth_mm,
         point,
         text: format!(
-            "on the {name} {} go {depth_mm:.4} mm deep into a wall; allowed: {tolerance} mm{}; change lead-in or retract distance \
-             (--aside, --retract), or move the walls away",
+            "on the {name} {} go {depth_mm:.4} mm deep into a wall; allowed: {tolerance} mm{}; change lead-in or \
+             retract distance (--aside, --retract), or move the walls away",
             part_name(part),
             with_deviation(result)
         ),
@@ -53,8 +54,8 @@ pub(super) fn leads(result: &FlankResult) -> FlankCheck {
     let part = part_name(part);
     let text = if depth_mm > 0.0 {
         format!(
-            "on approach and retraction {part} go {depth_mm:.4} mm deep into a wall; allowed: {tolerance} mm{}; the surface \
-             itself is cut nowhere deeper than by the path's ends",
+            "on approach and retraction {part} go {depth_mm:.4} mm deep into a wall; allowed: {tolerance} mm{}; the \
+             surface itself is cut nowhere deeper than by the path's ends",
             with_deviation(result)
         )
     } else {
@@ -69,8 +70,8 @@ fn own_on_leads(result: &FlankResult) -> Option<OnLead> {
     let own = LEADS.into_iter().zip(result.lead_own).filter_map(|(name, own)| Some((name, own?)));
     let (name, own) = own.max_by(|a, b| a.1.excess_mm().total_cmp(&b.1.excess_mm()))?;
     let text = format!(
-        "on the {name} {} cut the surface itself {:.4} mm deep at u = {:.4}, v = {:.4}, where the end of the path cuts {:.4} mm; \
-         {tolerance} mm more are allowed; shorten the lead-in (--aside), or take a thinner cutter",
+        "on the {name} {} cut the surface itself {:.4} mm deep at u = {:.4}, v = {:.4}, where the end of the path cuts \
+         {:.4} mm; {tolerance} mm more are allowed; shorten the lead-in (--aside), or take a thinner cutter",
         part_name(own.part),
         own.depth_mm,
         own.u,

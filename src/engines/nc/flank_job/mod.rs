@@ -1,5 +1,5 @@
-//! A flank milled with the side of a cutter: the surface, the path in three steps, the checks of the one that is milled,
-//! and its positions on a machine. Pure: it reads no files.
+//! A flank milled with the side of a cutter: the surface, the path in three steps, the checks of the one that is
+//! milled, and its positions on a machine. Pure: it reads no files.
 
 pub mod settings;
 
@@ -172,7 +172,8 @@ pub fn flank(input: &FlankInput, task: &Task) -> Result<FlankResult, FlankJobErr
 /// As [`flank()`].
 pub fn surface(input: &FlankInput) -> Result<(RuledSurface, Option<RuledFit>), FlankJobError> {
     let (surface, fit) = surface_as_given(input)?;
-    // Along u with the rulings upwards the cutter goes on the right of the surface if it stands where R_u x R_v points to.
+    // Along u with the rulings upwards the cutter goes on the right of the surface if it stands where R_u x R_v points
+    // to.
     let is_climb = surface.side() == Side::Negative;
     let is_wanted = is_climb == (input.milling.cut == CutDirection::Climb);
     Ok((if is_wanted { surface } else { surface.reversed() }, fit))

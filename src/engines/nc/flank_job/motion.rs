@@ -102,7 +102,8 @@ pub(super) fn milled(
     let (tool_mm, gauge_mm) = (cutter.tool_length(), machine.gauge_length_mm);
     if tool_mm > gauge_mm + TOOL_MM {
         return Err(format!(
-            "flutes and holder are {tool_mm:.3} mm long, gauge length is {gauge_mm:.3} mm: correct the gauge length or shorten the holder"
+            "flutes and holder are {tool_mm:.3} mm long, gauge length is {gauge_mm:.3} mm: correct the gauge length \
+             or shorten the holder"
         ));
     }
     let machine = machine.kinematics().map_err(|e| e.to_string())?;

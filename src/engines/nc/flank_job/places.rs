@@ -32,8 +32,8 @@ fn is_of_surface(kind: CheckKind) -> bool {
     )
 }
 
-/// The worst place for the check, of the plan's grid or of that of the checks (mm): that which gave the figure. None where
-/// no place is worse than others.
+/// The worst place for the check, of the plan's grid or of that of the checks (mm): that which gave the figure. None
+/// where no place is worse than others.
 fn worst(result: &FlankResult, kind: CheckKind) -> Option<DVec3> {
     let found = grids(result).map(|grid| {
         let badness = |k: usize| badness(result, &grid, k, kind).unwrap_or(0.0);

@@ -167,8 +167,8 @@ pub struct FlankFacts {
     pub own_surface: OwnSurfaceCheck,
     /// Clearances of the approach and of the retraction, each from the surface outwards.
     pub lead_gouge: [Option<GougeCheck>; 2],
-    /// Where the approach and the retraction cut the surface itself deeper than the path does at its ends; t is the share
-    /// of the moves, from the surface outwards.
+    /// Where the approach and the retraction cut the surface itself deeper than the path does at its ends; t is the
+    /// share of the moves, from the surface outwards.
     pub lead_own: [Option<OwnGouge>; 2],
     /// The straight moves that lead to it and from it, outside first.
     pub approach: Vec<ToolPose>,
@@ -196,8 +196,8 @@ pub struct FlankFacts {
     pub is_preview: bool,
 }
 
-/// A planned flank with its checks. Only [`flank()`](super::flank()) makes one, and its facts can be read but not changed,
-/// so that no check can be taken away and no path be exchanged for another one.
+/// A planned flank with its checks. Only [`flank()`](super::flank()) makes one, and its facts can be read but not
+/// changed, so that no check can be taken away and no path be exchanged for another one.
 ///
 /// ```compile_fail,E0596
 /// fn unchecked(mut result: nc::flank_job::FlankResult) {
@@ -229,8 +229,8 @@ impl FlankResult {
         path_of(&self.plan, self.path)
     }
 
-    /// Greatest overcut and undercut (mm) of the path that is milled as the cutter moves, on the grid of the plan or on that
-    /// of the checks, whichever is worse.
+    /// Greatest overcut and undercut (mm) of the path that is milled as the cutter moves, on the grid of the plan or on
+    /// that of the checks, whichever is worse.
     pub fn moving_most(&self) -> [f64; 2] {
         let both = [&self.path().envelope.deviation, &self.checked.envelope.deviation];
         let overcut = both.iter().fold(0.0, |most: f64, d| most.max(-d.most_overcut));
@@ -322,14 +322,15 @@ pub(super) fn of_machine(result: &FlankResult) -> Vec<String> {
     let Some(Slowed { by_axis, short, .. }) = milled.slowed else { return warnings };
     if let Some((moves, share, axis)) = by_axis {
         warnings.push(format!(
-            "{moves} moves are slower than asked for, at most down to {:.1} % of the feed, so that axis {axis} does not exceed \
-             its speed",
+            "{moves} moves are slower than asked for, at most down to {:.1} % of the feed, so that axis {axis} does \
+             not exceed its speed",
             100.0 * share
         ));
     }
     if let Some((moves, share)) = short {
         warnings.push(format!(
-            "{moves} moves are given {} s, the shortest time of a block, which leaves them {:.1} % of their speed at least",
+            "{moves} moves are given {} s, the shortest time of a block, which leaves them {:.1} % of their speed \
+             at least",
             60.0 * LEAST_BLOCK_MINUTES,
             100.0 * share
         ));

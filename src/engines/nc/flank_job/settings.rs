@@ -105,8 +105,8 @@ impl Default for MillingSettings {
 }
 
 impl MillingSettings {
-    /// Takes another machine. Where the workpiece stands on the former one, and how long the tool is on it, says nothing of
-    /// this one: both are then as its file says. Answers in words what was forgotten, if anything.
+    /// Takes another machine. Where the workpiece stands on the former one, and how long the tool is on it, says
+    /// nothing of this one: both are then as its file says. Answers in words what was forgotten, if anything.
     pub fn take_machine(&mut self, machine: &str) -> Option<String> {
         if self.machine == machine {
             return None;

@@ -1,8 +1,8 @@
 //! NC programs of flank paths: the positions of a five-axis milling machine in the words of a post.
 //!
 //! X Y Z A B C are positions of the machine's axes: the control needs no knowledge of the machine. For controls that
-//! follow the tool's tip, X Y Z can be the tip on the workpiece, with the rotary axes or the tool's direction beside it.
-//! What is not verified, and so stands in the program's comments: the way to the first position.
+//! follow the tool's tip, X Y Z can be the tip on the workpiece, with the rotary axes or the tool's direction beside
+//! it. What is not verified, and so stands in the program's comments: the way to the first position.
 
 pub(crate) mod settings;
 
@@ -89,12 +89,12 @@ impl FlankNc {
         Words::new(machine, post, settings).map(|_| ())
     }
 
-    /// Writes the program called `name` of the path that is milled, on the machine and in the words of the post that it was
-    /// checked with.
+    /// Writes the program called `name` of the path that is milled, on the machine and in the words of the post that it
+    /// was checked with.
     ///
     /// # Errors
-    /// [`FlankNcError`] when no machine has the path, the post cannot be read or lacks an axis or a word, or a line gets
-    /// longer than the control takes.
+    /// [`FlankNcError`] when no machine has the path, the post cannot be read or lacks an axis or a word, or a line
+    /// gets longer than the control takes.
     pub fn new(approved: &ApprovedFlank, name: &str) -> Result<Self, FlankNcError> {
         let result = approved.result();
         let milled = result.milled().ok_or(FlankNcError::NoMachine)?;
@@ -117,7 +117,8 @@ impl FlankNc {
     /// Writes the program of any path, approved or not: for [`FlankNc::new`] and its tests.
     ///
     /// # Errors
-    /// [`NcError`] when the post lacks an axis or the word for what is asked, a setting is out of range, or a line gets longer than the control takes.
+    /// [`NcError`] when the post lacks an axis or the word for what is asked, a setting is out of range, or a line gets
+    /// longer than the control takes.
     fn of(job: &FlankNcJob, post: &Post, settings: &FlankNcSettings) -> Result<Self, NcError> {
         settings.validate()?;
         if settings.tip_control.interpolation() != job.params.interpolation {
@@ -163,18 +164,19 @@ fn header(w: &mut Lines, job: &FlankNcJob, settings: &FlankNcSettings) {
              tool length offset and no tool tip control may be active."
         }
         TipControl::Angles => {
-            "X Y Z are the tip from the workpiece zero, along the machine's axes as they stand with both rotary axes at \
-             zero; they turn with the table. Tool tip control is on."
+            "X Y Z are the tip from the workpiece zero, along the machine's axes as they stand with both rotary axes \
+             at zero; they turn with the table. Tool tip control is on."
         }
         TipControl::Vector => {
-            "X Y Z are the tip from the workpiece zero and I J K the direction to the spindle, along the machine's axes as \
-             they stand with both rotary axes at zero. The control chooses the rotary axes, so that the moves between \
-             were measured for the ones that Sparkpath would choose."
+            "X Y Z are the tip from the workpiece zero and I J K the direction to the spindle, along the machine's \
+             axes as they stand with both rotary axes at zero. The control chooses the rotary axes, so that the moves \
+             between were measured for the ones that Sparkpath would choose."
         }
     });
     let (asked, bound) = (job.params.linearisation_mm, job.line.deviation_mm);
     w.comment(&format!(
-        "Between the points the tool leaves the path by {:.5} mm at most, from the tip to {} mm above, asked for: {asked} mm",
+        "Between the points the tool leaves the path by {:.5} mm at most, from the tip to {} mm above, asked for: \
+         {asked} mm",
         (bound * 1e5).ceil() / 1e5,
         job.params.reach_mm
     ));
@@ -192,8 +194,8 @@ fn speed_comments(
 ) {
     let FlankNcSettings { feed_mm_per_min: feed, lead_mm_per_min: lead, .. } = settings;
     w.comment(&format!(
-        "Feed {feed} mm/min along the workpiece of what is fastest there of the flutes: either end of their axis, or where \
-         they touch at its height; also onto the flank and off it. Other moves {lead} mm/min"
+        "Feed {feed} mm/min along the workpiece of what is fastest there of the flutes: either end of their axis, or \
+         where they touch at its height; also onto the flank and off it. Other moves {lead} mm/min"
     ));
     w.comment(match post.feed.mode {
         FeedMode::PerMinute => {
@@ -205,8 +207,8 @@ fn speed_comments(
     });
     if let Some((blocks, share)) = stretched {
         w.comment(&format!(
-            "SHORT MOVES: {blocks} moves are given {} s, the shortest time of a block, which leaves them {:.1} percent of \
-             their speed at least",
+            "SHORT MOVES: {blocks} moves are given {} s, the shortest time of a block, which leaves them {:.1} percent \
+             of their speed at least",
             60.0 * LEAST_BLOCK_MINUTES,
             100.0 * share
         ));
@@ -215,8 +217,8 @@ fn speed_comments(
         None if stretched.is_some() => w.comment("No axis would exceed its speed."),
         None => w.comment("No axis would exceed its speed: the feed is as asked for throughout."),
         Some((blocks, share, axis)) => w.comment(&format!(
-            "LOWERED FEED: {blocks} moves are slower than asked for, so that no axis exceeds its speed, at most down to \
-             {:.1} percent, for axis {axis}",
+            "LOWERED FEED: {blocks} moves are slower than asked for, so that no axis exceeds its speed, at most down \
+             to {:.1} percent, for axis {axis}",
             100.0 * share
         )),
     }

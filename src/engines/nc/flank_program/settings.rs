@@ -12,8 +12,8 @@ use flank::machine::linearise::{Interpolation, LinearisationParams};
 pub const BUILT_IN_POST: (&str, &str) = ("milling", include_str!("../../../../assets/posts/milling.toml"));
 
 /// The posts for milling that come with the program: name and text.
-pub const BUILT_IN_POSTS: [(&str, &str); 2] =
-    [BUILT_IN_POST, ("milling-tcp", include_str!("../../../../assets/posts/milling-tcp.toml"))];
+pub const BUILT_IN_POSTS: &[(&str, &str)] =
+    &[BUILT_IN_POST, ("milling-tcp", include_str!("../../../../assets/posts/milling-tcp.toml"))];
 
 /// Meaning of X Y Z in a program.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -22,8 +22,8 @@ pub enum TipControl {
     /// Positions of the axes.
     #[default]
     Off,
-    /// The tip on the workpiece in the machine's directions, with the rotary axes (G43.4 on many controls); the post must
-    /// have the word.
+    /// The tip on the workpiece in the machine's directions, with the rotary axes (G43.4 on many controls); the post
+    /// must have the word.
     Angles,
     /// Tip on the workpiece with the tool's direction as I J K (G43.5 on many controls); the post must have the word.
     /// The control chooses the rotary axes.
@@ -91,8 +91,8 @@ impl FlankNcSettings {
         wrong.map_or(Ok(()), |(name, value, _, _, range)| Err(NcError::Setting { name, value, range }))
     }
 
-    /// The feeds of a program in the words of `post`, along positions that were made with `params`, of flutes that touch as
-    /// `contact` says.
+    /// The feeds of a program in the words of `post`, along positions that were made with `params`, of flutes that
+    /// touch as `contact` says.
     pub fn feeds(&self, params: &LinearisationParams, post: &Post, contact: Option<Contact>) -> Feeds {
         let is_timed = post.feed.mode != FeedMode::PerMinute;
         Feeds {
@@ -122,5 +122,5 @@ pub fn milling_post(name: &str) -> Result<Post, PostError> {
 
 /// Names of the built-in posts, those for milling first.
 pub fn milling_posts() -> Vec<&'static str> {
-    BUILT_IN_POSTS.iter().chain(&post::BUILT_IN).map(|(name, _)| *name).collect()
+    BUILT_IN_POSTS.iter().chain(post::BUILT_IN).map(|(name, _)| *name).collect()
 }

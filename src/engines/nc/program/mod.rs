@@ -1,8 +1,9 @@
 //! NC programs: an approved path in the words of a control.
 //!
-//! The program feeds along the path to the final pose, stops there for the burn, copies along the walls where there
-//! is a certified motion for that, and retracts along the same path. Every coordinate is the number of the path file, digit for digit. What is not verified, and so stands
-//! in the program's own comments: the way to the first position, and anything that a generator's servo adds.
+//! The program feeds along the path to the final pose, stops there for the burn, copies along the walls where there is
+//! a certified motion for that, and retracts along the same path. Every coordinate is the number of the path file,
+//! digit for digit. What is not verified, and so stands in the program's own comments: the way to the first position,
+//! and anything that a generator's servo adds.
 
 mod tour;
 
@@ -204,8 +205,8 @@ fn speed_comments(w: &mut Writer, slowed: Option<Slowed>) {
     match slowed {
         None => w.comment("No axis would exceed them: the feed is as asked for throughout."),
         Some(Slowed { blocks, of, least_share, axis }) => w.comment(&format!(
-            "LOWERED FEED: {blocks} of {of} blocks are slower than asked for, so that no axis exceeds them, at most down to \
-             {:.1} percent, for axis {}",
+            "LOWERED FEED: {blocks} of {of} blocks are slower than asked for, so that no axis exceeds them, at most \
+             down to {:.1} percent, for axis {}",
             100.0 * least_share,
             axis.letter()
         )),
@@ -253,8 +254,8 @@ fn header(w: &mut Writer, approved: &Approved) {
     }
     if w.job.is_turned {
         w.comment(
-            "THE MACHINE IS TURNED BY HALF A TURN ABOUT Z AGAINST W: the electrode enters from -X of W, and the blisk is \
-             mounted with that side towards +X of the machine. X Y A B of this program are those of the machine, \
+            "THE MACHINE IS TURNED BY HALF A TURN ABOUT Z AGAINST W: the electrode enters from -X of W, and the blisk \
+             is mounted with that side towards +X of the machine. X Y A B of this program are those of the machine, \
              opposite to those of W.",
         );
     }

@@ -254,8 +254,8 @@ fn depth_stencil(kind: Kind) -> wgpu::DepthStencilState {
     }
 }
 
-/// What is seen through is drawn as if it lay a little behind where it is: where it coincides with a solid body, such as a
-/// swept volume with the body that sweeps it, the solid one is seen, and not specks of both.
+/// What is seen through is drawn as if it lay a little behind where it is: where it coincides with a solid body, such
+/// as a swept volume with the body that sweeps it, the solid one is seen, and not specks of both.
 fn bias(kind: Kind) -> wgpu::DepthBiasState {
     match kind {
         Kind::SurfaceDepth | Kind::SurfaceBlended => {

@@ -180,9 +180,9 @@ pub enum ElectrodeError {
     },
     /// The middle of the channel is inside the blisk's mesh.
     #[error(
-        "the channel's middle at x = {x:.2} mm, radius {r:.2} mm is inside the blisk's mesh: either the channel is wrong, or \
-         the mesh is folded near there (blade tips often are); mend the mesh, or stay below the tips by raising \
-         radial_reduction_mm"
+        "the channel's middle at x = {x:.2} mm, radius {r:.2} mm is inside the blisk's mesh: either the channel is \
+         wrong, or the mesh is folded near there (blade tips often are); mend the mesh, or stay below the tips by \
+         raising radial_reduction_mm"
     )]
     InsideBlisk {
         /// Place along X (mm).
@@ -230,8 +230,9 @@ pub enum ElectrodeError {
     },
     /// The electrode came out nearer to the blisk than the gap.
     #[error(
-        "the electrode is only {clearance:.4} mm from the blisk at ({:.2}, {:.2}, {:.2}) mm in the workpiece frame, the \
-         gap is {gap:.4} mm: look at the blisk's mesh there, it may be coarse, open or crossing itself", at.x, at.y, at.z
+        "the electrode is only {clearance:.4} mm from the blisk at ({:.2}, {:.2}, {:.2}) mm in the workpiece frame, \
+         the gap is {gap:.4} mm: look at the blisk's mesh there, it may be coarse, open or crossing itself",
+        at.x, at.y, at.z
     )]
     TooClose {
         /// Least distance (mm).
@@ -252,8 +253,8 @@ pub enum ElectrodeError {
     InsideOut(f64),
     /// An own mesh crosses the blisk.
     #[error(
-        "the electrode's mesh touches or crosses the blisk in its final pose: it must be given in the final pose, in the \
-         frame and units of the blisk's mesh"
+        "the electrode's mesh touches or crosses the blisk in its final pose: it must be given in the final pose, in \
+         the frame and units of the blisk's mesh"
     )]
     Interferes,
 }

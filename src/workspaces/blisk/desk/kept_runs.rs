@@ -15,21 +15,21 @@ use feed::pose::Axis;
 use feed::smoothness::axis_smoothness;
 use task::{Ended, Lane, Memo, Priority, Refusal, Same, Scheduler, State};
 
-/// A run of the document: its number, what it was made from, and the step that its differences are taken over (mm).
+/// Key of a kept run: its number, the digest of its inputs, and the step of its differences (mm).
 type Key = (usize, String, f64);
 
-/// The runs that are kept: what the document holds of them, made to be looked at.
+/// The kept runs: content of the document, computed to be shown.
 pub struct KeptRuns {
-    /// The runs of the document, which are read once for each change of what it keeps.
+    /// Runs of the document, read once for each change of its kept content.
     runs: Vec<kept_plan::KeptRun>,
-    /// What tells what they were read from.
+    /// Revision of the kept content that the runs were read from.
     read: Option<u64>,
-    /// One after the other is made. What another channel was in the way of may be made of this one.
+    /// Runs are computed one after the other. A run that failed for another channel may succeed for this one.
     made: Memo<Key, KeptRun>,
     channel: Option<Same<FoundChannel>>,
 }
 
-/// A run that is kept.
+/// A kept run.
 pub struct KeptRun {
     /// Number of the run, counted from 1.
     pub number: usize,
@@ -42,7 +42,7 @@ pub struct KeptRun {
 }
 
 impl KeptRun {
-    /// The run `of` which `plan` is, with differences over steps of `step` (mm): those over others could not be compared.
+    /// The run `of` with `plan`. Differences are taken over steps of `step` (mm), the same for all runs.
     fn new(of: &kept_plan::KeptRun, plan: &PlanOutcome, step: f64) -> Self {
         let mut run = run_of(of.job.plan.strategy, plan);
         for (kept, electrode) in run.electrodes.iter_mut().zip(&plan.electrodes) {
@@ -60,7 +60,7 @@ impl KeptRun {
         name(self.number, self.run.strategy)
     }
 
-    /// How `axis` of electrode number `electrode` from 0 moves.
+    /// Course of `axis` for electrode number `electrode`, from 0.
     pub fn course(&self, electrode: usize, axis: Axis) -> Option<&AxisCourse> {
         self.run.electrodes.get(electrode)?.course(axis.letter())
     }
@@ -82,7 +82,7 @@ impl KeptRuns {
         self.keyed().filter_map(|(key, _)| Some(&**self.made.get(&key)?)).collect()
     }
 
-    /// Kept runs that cannot be shown, and why: number, name, reason.
+    /// Kept runs that cannot be shown: number, name, reason.
     pub fn absent(&self) -> Vec<(usize, String, String)> {
         let reason = |key: &Key| match self.made.state(key) {
             State::Failed(why) => format!("not compared: {why}"),
@@ -93,18 +93,18 @@ impl KeptRuns {
         absent.map(|(key, of)| (of.number, name(of.number, of.job.plan.strategy), reason(&key))).collect()
     }
 
-    /// Whether one more can be kept, and `plan`, which must be certified, is not kept already.
+    /// Whether another run can be kept, and the certified `plan` is not kept already.
     pub fn can_keep(&self, plan: &PlanOutcome) -> bool {
         plan.is_verified()
             && self.runs.len() < kept_plan::KeptRun::MOST
             && !self.all().iter().any(|run| run.paths.iter().map(String::as_str).eq(paths(plan)))
     }
 
-    /// Keeps `plan`, which was made by the parameters of `document` of meshes with this content. Answers its name; none
-    /// of a plan without a path.
+    /// Keeps `plan`, made with the parameters of `document` from meshes with this content. Returns its name; none of a
+    /// plan without a path.
     ///
     /// # Errors
-    /// One line if there is no room for it.
+    /// One line if there is no room for the plan.
     pub fn keep(
         &mut self,
         plan: &PlanOutcome,
@@ -143,7 +143,7 @@ impl KeptRuns {
         }
     }
 
-    /// Keeps up with `document`: makes the runs that came with its file, once part and channel are there. Answers why some
+    /// Follows `document`: computes the runs of its file once part and channel are there. Returns the reasons why some
     /// are not shown.
     pub fn follow(&mut self, document: &Document, of: Option<(&Arc<Part>, &Arc<FoundChannel>)>) -> Vec<String> {
         self.read(document);
@@ -172,12 +172,12 @@ impl KeptRuns {
         problems
     }
 
-    /// Whether one is being made.
+    /// Whether a run is being computed.
     pub fn is_busy(&self) -> bool {
         self.made.is_busy()
     }
 
-    /// Forgets them: another document is there.
+    /// Forgets all runs, because another document is open.
     pub fn forget(&mut self) {
         self.made.clear();
         self.runs.clear();

@@ -1,4 +1,4 @@
-//! The whole motion on the machine, and where it stands.
+//! The whole motion on the machine, and the position shown of it.
 
 use std::sync::Arc;
 
@@ -9,29 +9,29 @@ use crate::workspaces::blisk::scene::machine::{Moment, WholeMotion, meeting};
 use feed::copying::Copying;
 use feed::simulation::{Phase, Simulation};
 
-/// Where the machine stands in its whole motion.
+/// State of the whole motion on the machine.
 #[derive(Default)]
 pub struct MachineMotion {
-    /// The way that it has gone; none while the timeline above says where the electrode stands.
+    /// Distance travelled; none while the timeline above positions the electrode.
     way: Option<f64>,
     motion: Option<(Arc<Simulation>, WholeMotion)>,
-    /// Where something comes too close first.
+    /// First place where bodies come too close.
     trouble: Option<Trouble>,
 }
 
-/// Where something comes too close.
+/// A place where bodies come too close.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trouble {
-    /// The way to it.
+    /// Distance travelled up to this place.
     pub way: f64,
-    /// Withdrawn distance on the feed (mm), if it is there.
+    /// Retract distance on the feed (mm), if the place is on the feed.
     pub s: Option<f64>,
-    /// The two points that come too close, in W at that instant.
+    /// The two points that come too close, in W at that moment.
     pub points: [DVec3; 2],
 }
 
 impl MachineMotion {
-    /// Keeps up with the electrode that is looked at.
+    /// Follows the electrode that is shown.
     pub fn follow(&mut self, plan: Option<&Arc<PlanOutcome>>, electrode: usize) {
         let simulation = plan.and_then(|p| p.simulation(electrode));
         if simulation.map(Arc::as_ptr) == self.motion.as_ref().map(|(s, _)| Arc::as_ptr(s)) {
@@ -53,34 +53,34 @@ impl MachineMotion {
         });
     }
 
-    /// The moment of the whole motion that is looked at, if it is that and not the timeline above.
+    /// The moment of the whole motion that is shown, unless the timeline above is.
     pub fn shown(&self) -> Option<Moment> {
         self.motion.as_ref()?.1.at(self.way?)
     }
 
-    /// The whole motion, and the way that it has gone; none of that while the timeline says where the electrode stands.
+    /// The whole motion and the distance travelled; no distance while the timeline above is shown.
     pub fn motion(&self) -> Option<(&WholeMotion, Option<f64>)> {
         self.motion.as_ref().map(|(_, motion)| (motion, self.way))
     }
 
-    /// What was found out about it.
+    /// Result of the simulation.
     pub fn simulation(&self) -> Option<&Arc<Simulation>> {
         self.motion.as_ref().map(|(simulation, _)| simulation)
     }
 
-    /// Goes to `way`, or back to the timeline above.
+    /// Shows the whole motion at `way`, or the timeline above if none.
     pub fn go_to(&mut self, way: Option<f64>) {
         self.way = way;
     }
 
-    /// Goes on by `way`. None if it is not looked at, or whether there is more of it.
+    /// Advances by `way`. Returns whether there is more of the motion; none if the motion is not shown.
     pub fn advance(&mut self, way: f64) -> Option<bool> {
         let (now, length) = (self.way?, self.motion.as_ref()?.1.length());
         self.way = Some((now + way).min(length));
         Some(now + way < length)
     }
 
-    /// Where something comes too close first.
+    /// First place where bodies come too close.
     pub fn trouble(&self) -> Option<&Trouble> {
         self.trouble.as_ref()
     }

@@ -1,4 +1,5 @@
-//! The state of the workspace: the document, its steps, the cursor, and what is shown. Panels draw it and push commands.
+//! The state of the workspace: the document, its steps, the cursor, and what is shown. Panels draw the state and push
+//! commands.
 
 pub mod kept_runs;
 pub mod machine_motion;
@@ -24,7 +25,7 @@ use crate::workspaces::commands::{Command, CommandSet, Commanded, FrameCommand};
 use crate::workspaces::context::{Context, LogLine};
 use crate::workspaces::news::{EventKind, WorkEvent};
 use feed::pose::Pose;
-use files::{AnyDocument as _, MovedFile};
+use files::AnyDocument as _;
 use kept_runs::KeptRuns;
 use machine_motion::MachineMotion;
 use render::mesh::RenderMesh;
@@ -32,20 +33,12 @@ use render::scene::SectionPlane;
 use shown::Stood;
 use task::{Lane, Memo, Priority, Refusal, Same, Scheduler, State};
 
-/// The dialogs of the workspace.
-pub enum BliskDialog {
-    /// What is exported and where.
-    Export,
-    /// A project, and files of it that are gone or have changed.
-    Moved(Box<Document>, Vec<MovedFile>),
-}
-
-/// Where the electrode stands.
+/// Position of the electrode that is shown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cursor {
-    /// Number of the electrode that is looked at, from 0.
+    /// Number of the electrode that is shown, from 0.
     pub electrode: usize,
-    /// Distance withdrawn (mm).
+    /// Retract distance (mm).
     pub s: f64,
     /// Whether the motion is played.
     pub playing: bool,
@@ -53,7 +46,7 @@ pub struct Cursor {
     pub speed: f64,
 }
 
-/// The document, what has been made of it, and how it is looked at.
+/// The document, the results made from it, and how they are shown.
 pub struct BliskDesk {
     /// The parameters.
     pub document: Document,
@@ -61,7 +54,7 @@ pub struct BliskDesk {
     pub work: BliskWork,
     /// The step whose form is open.
     pub step: Stage,
-    /// Where the electrode stands.
+    /// Position of the electrode that is shown.
     pub cursor: Cursor,
     /// Visibility, colour and opacity of each layer.
     pub layers: Layers,
@@ -73,31 +66,29 @@ pub struct BliskDesk {
     pub colours: bool,
     /// Whether the stock left on the surfaces of the channel is shown as colours.
     pub leftover: bool,
-    /// The electrode's clearance at its vertices in some pose.
+    /// Clearance of the electrode at its vertices in a pose.
     coloured: Memo<ColourKey, Vec<f32>>,
-    /// The room that the electrode passes through along a track.
+    /// Swept volume of the electrode along a track.
     swept: Memo<Same<Track>, Arc<RenderMesh>>,
     /// The whole motion on the machine.
     pub machine: MachineMotion,
-    /// The bodies of the machine with this name, whose file was read so often.
+    /// Bodies of the machine with this name, and the number of times that its file was read.
     bodies: Memo<(String, u64), Vec<BodyShape>>,
     stood: Stood,
-    /// The dialog that is open.
-    pub dialog: Option<BliskDialog>,
     /// Plans that are kept to compare with.
     pub kept: KeptRuns,
     /// Withdrawn distances at which ghosts of the electrode are pinned (mm).
     pub ghosts: Vec<f64>,
     /// Whether clicks in the view measure.
     pub measuring: bool,
-    /// Where the plots have the first pose and the final one on the screen (points), for the timeline above them.
+    /// Positions of the first and the final pose in the plots on the screen (points), for the timeline above them.
     pub span: Option<[f32; 2]>,
-    /// The track of the electrode that is looked at; made again when its source changes.
+    /// Track of the electrode that is shown; made again when its source changes.
     track: Arc<Track>,
     track_of: TrackSource,
 }
 
-/// What colours were computed for.
+/// Key of computed colours.
 #[derive(Clone, PartialEq)]
 struct ColourKey {
     /// The electrode's shape.
@@ -105,7 +96,7 @@ struct ColourKey {
     pose: Pose,
 }
 
-/// What a track was made from.
+/// Source of a track.
 #[derive(Clone, PartialEq, Default)]
 enum TrackSource {
     #[default]
@@ -127,7 +118,6 @@ impl BliskDesk {
             stood: Stood::default(),
             kept: KeptRuns::new(scheduler),
             machine: MachineMotion::default(),
-            dialog: None,
             step: Stage::Part,
             cursor: Cursor { electrode: 0, s: 0.0, playing: false, speed: 10.0 },
             layers: Layers::default(),
@@ -143,7 +133,7 @@ impl BliskDesk {
         }
     }
 
-    /// Takes in what has been made, and keeps up with it.
+    /// Takes in finished work and starts what follows from it.
     pub fn follow(&mut self, cx: &mut Context, is_shown: bool) {
         let priority = if is_shown { Priority::Shown } else { Priority::Normal };
         for (stage, WorkEvent { kind, text, took }) in self.work.follow(&mut self.document, priority) {
@@ -160,25 +150,25 @@ impl BliskDesk {
         self.follow_swept(cx);
     }
 
-    /// Whether anything at all waits or runs.
+    /// Whether any work waits or runs.
     pub fn is_busy(&self) -> bool {
         let shown = self.coloured.is_busy() || self.swept.is_busy() || self.bodies.is_busy();
         shown || self.kept.is_busy() || self.work.is_busy() || self.work.is_looking()
     }
 
-    /// Moves the cursor to where `s` is withdrawn, or as far as there are poses.
+    /// Moves the cursor to the retract distance `s` (mm), or as far as there are poses.
     pub fn go_to(&mut self, s: f64) {
         self.machine.go_to(None);
         self.cursor.s = s.clamp(0.0, self.track.length());
         self.cursor.playing = false;
     }
 
-    /// Changes parameters. `dragging` tells that more changes of the same kind may follow at once.
+    /// Changes the parameters. With `dragging` the change belongs to a gesture, and more changes may follow.
     pub fn edit(&mut self, label: &str, job: PlanJob, dragging: bool) {
         self.document.edit(label, job, dragging);
     }
 
-    /// Ends what was one gesture: the button is released, the field is left.
+    /// Ends a gesture, when a button is released or a field is left.
     pub fn end_gesture(&mut self) {
         self.document.end_gesture();
     }
@@ -191,12 +181,12 @@ impl BliskDesk {
             && self.work.state(Stage::Plan) != State::Running
     }
 
-    /// Whether the present plan can be kept to compare with: its strategy is known while no parameter has changed.
+    /// Whether the present plan can be kept to compare with. Its strategy is known only while no parameter has changed.
     pub fn can_keep(&self) -> bool {
         self.work.state(Stage::Plan) == State::Ready && self.work.plan().is_some_and(|plan| self.kept.can_keep(plan))
     }
 
-    /// Keeps the present plan, which [`can_keep`](Self::can_keep) says can be.
+    /// Keeps the present plan. Check [`can_keep`](Self::can_keep) first.
     pub fn keep(&mut self, cx: &mut Context) {
         let (Some(plan), Some(part)) = (self.work.plan(), self.work.part()) else { return };
         match self.kept.keep(plan, &mut self.document, &part.content()) {
@@ -205,7 +195,7 @@ impl BliskDesk {
         }
     }
 
-    /// Has the runs made that came with the document.
+    /// Computes the runs that came with the document.
     fn follow_kept(&mut self, cx: &mut Context) {
         let found = self.work.channel().filter(|_| self.work.state(Stage::Channel) == State::Ready);
         for why in self.kept.follow(&self.document, self.work.part().zip(found)) {
@@ -213,23 +203,23 @@ impl BliskDesk {
         }
     }
 
-    /// What the plan found about the electrode that is looked at.
+    /// Result of the plan for the electrode that is shown.
     pub fn outcome(&self) -> Option<&ElectrodeOutcome> {
         self.work.plan().and_then(|p| p.electrodes.get(self.cursor.electrode))
     }
 
-    /// Number of electrodes that can be looked at.
+    /// Number of electrodes that can be shown.
     pub fn electrode_count(&self) -> usize {
         let planned = self.work.plan().map(|p| p.electrodes.len());
         planned.or(self.work.electrodes().map(|e| e.electrodes.len())).unwrap_or(0)
     }
 
-    /// The poses of the electrode that is looked at.
+    /// Poses of the electrode that is shown.
     pub fn track(&self) -> &Track {
         &self.track
     }
 
-    /// The track, shared with whoever keeps it.
+    /// The shared track.
     pub fn shared_track(&self) -> Arc<Track> {
         self.track.clone()
     }
@@ -260,7 +250,7 @@ impl BliskDesk {
         (self.track, self.track_of) = (Arc::new(track), source);
     }
 
-    /// Has the electrode's clearance computed at the pose of the cursor, if it is to be seen.
+    /// Computes the clearance of the electrode at the pose of the cursor, if its colours are shown.
     fn follow_colours(&mut self) {
         while self.coloured.take().is_some() {}
         if !self.colours {
@@ -279,7 +269,7 @@ impl BliskDesk {
         });
     }
 
-    /// Has the room made that the electrode passes through, if it is to be seen and all its poses are known.
+    /// Computes the swept volume of the electrode, if it is shown and all its poses are known.
     fn follow_swept(&mut self, cx: &mut Context) {
         while let Some(ended) = self.swept.take() {
             if let Err(Refusal::Failed(why)) = ended.result {
@@ -299,12 +289,12 @@ impl BliskDesk {
         });
     }
 
-    /// The room that the electrode passes through, in W, once it is made.
+    /// The swept volume in W, once computed.
     pub fn swept(&self) -> Option<&Arc<RenderMesh>> {
         self.swept.get(&Same(self.track.clone())).map(|shape| &**shape)
     }
 
-    /// Pins a ghost of the electrode where the cursor stands, or takes the one there away.
+    /// Pins a ghost of the electrode at the cursor, or removes the one there.
     pub fn toggle_ghost(&mut self) {
         let s = self.cursor.s;
         let before = self.ghosts.len();
@@ -315,7 +305,7 @@ impl BliskDesk {
         }
     }
 
-    /// Moves the playing cursor on by `elapsed`. Tells whether it still moves.
+    /// Advances the playing cursor by `elapsed`. Returns whether it still moves.
     pub fn advance(&mut self, elapsed: Duration) -> bool {
         if !self.cursor.playing {
             return false;

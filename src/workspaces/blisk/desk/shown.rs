@@ -1,4 +1,4 @@
-//! What is shown of the electrode: which one, in which pose, in which colours, and what stands about it.
+//! The electrode as shown: its pose, its colours, and the bodies around it.
 
 use std::sync::Arc;
 
@@ -28,11 +28,11 @@ use render::scene::{SectionPlane, SurfaceValues};
 use task::{Priority, Refusal, Same, State};
 use wheel::electrode::Electrode;
 
-/// The bodies of the machine as they stand, and what they stand about.
+/// The bodies of the machine in their places, with the state that they belong to.
 #[derive(Default)]
 pub(super) struct Stood(Option<About>, Arc<Vec<MachineBody>>);
 
-/// What bodies stand about.
+/// State that the places of the bodies belong to.
 #[derive(PartialEq)]
 struct About {
     bodies: Same<Vec<BodyShape>>,
@@ -42,17 +42,17 @@ struct About {
 }
 
 impl BliskDesk {
-    /// The moment of the whole motion on the machine that is shown, if it is that and not a pose of the track.
+    /// The moment of the whole motion on the machine that is shown, unless a pose of the track is.
     pub fn moment(&self) -> Option<Moment> {
         self.machine.shown().filter(|_| !self.is_tuning() && self.searched().is_none())
     }
 
-    /// Withdrawn distance of the electrode on the track (mm); none while the machine is shown where no feed is.
+    /// Retract distance of the electrode on the track (mm); none while the machine is shown off the feed.
     pub fn feed_cursor(&self) -> Option<f64> {
         self.moment().map_or(Some(self.cursor.s), |moment| moment.s)
     }
 
-    /// Shows the whole motion at `way`; the cursor goes along where that is on the feed.
+    /// Shows the whole motion at `way`. The cursor follows where that is on the feed.
     pub fn go_to_moment(&mut self, way: f64) {
         self.cursor.playing = false;
         self.machine.go_to(Some(way));
@@ -65,12 +65,12 @@ impl BliskDesk {
         }
     }
 
-    /// The bodies of the machine about the electrode that is shown.
+    /// The bodies of the machine around the electrode that is shown.
     pub fn machine_bodies(&self) -> &Arc<Vec<MachineBody>> {
         &self.stood.1
     }
 
-    /// Reads the machine of the parameters, and keeps its bodies up with the electrode that is shown.
+    /// Reads the machine of the parameters, and places its bodies for the electrode that is shown.
     pub(super) fn follow_bodies(&mut self, cx: &mut Context) {
         while let Some(ended) = self.bodies.take() {
             if let Err(Refusal::Failed(why)) = ended.result {
@@ -116,7 +116,7 @@ impl BliskDesk {
         self.moment().map(|moment| moment.pose).or_else(on_track).unwrap_or_default()
     }
 
-    /// The electrode's clearance as colours, as far as it is computed.
+    /// Clearance of the electrode as colours, as far as computed.
     pub fn colour_values(&self) -> Option<SurfaceValues> {
         let (_, shape) = self.shown_electrode()?;
         let (_, values) = self.coloured.last().filter(|(key, _)| self.colours && Arc::ptr_eq(&key.shape.0, shape))?;
@@ -125,19 +125,19 @@ impl BliskDesk {
         Some(SurfaceValues { values: values.clone(), map: legend.map, range })
     }
 
-    /// The stock that is left, if it is known and of the electrodes that are shown.
+    /// The residual stock, if it is known and belongs to the electrodes that are shown.
     pub fn leftover_shape(&self) -> Option<&LeftoverShape> {
         let is_current = self.work.state(Stage::Plan) == State::Ready && !self.is_tuning();
         self.work.leftover_shape().filter(|_| is_current)
     }
 
-    /// The stock left on the surfaces of the channel with its colours, if it is to be seen and known.
+    /// The residual stock on the surfaces of the channel as colours, if it is shown and known.
     pub fn leftover_values(&self) -> Option<(&Arc<RenderMesh>, SurfaceValues)> {
         let shape = self.leftover_shape().filter(|_| self.leftover)?;
         Some((&shape.shape, shape.values(self.leftover_limit(shape))))
     }
 
-    /// What the colours of the stock left mean.
+    /// Legend of the colours of the residual stock.
     pub fn leftover_legend(&self) -> Option<Legend> {
         Some(leftover_legend(self.leftover_limit(self.leftover_shape()?)))
     }
@@ -146,7 +146,7 @@ impl BliskDesk {
         colour_limit(shape.greatest, self.document.params().electrode.spark_gap_mm)
     }
 
-    /// Shows the stock left in the channel, or the electrode again.
+    /// Shows the residual stock in the channel, or the electrode again.
     pub fn toggle_leftover(&mut self) {
         self.leftover = !self.leftover;
         if self.leftover {
@@ -155,14 +155,14 @@ impl BliskDesk {
         self.layers.get_mut(Layer::Electrode).visible = !self.leftover;
     }
 
-    /// Shows the electrode again where there is no stock to be shown any more.
+    /// Shows the electrode again if there is no residual stock to show any more.
     pub(super) fn follow_leftover(&mut self) {
         if self.leftover && self.leftover_shape().is_none() {
             self.toggle_leftover();
         }
     }
 
-    /// What the colours mean.
+    /// Legend of the colours.
     pub fn colour_legend(&self) -> Legend {
         let gap = self.document.params().electrode.spark_gap_mm;
         // While the electrode moves its colours come after it.
@@ -177,18 +177,19 @@ impl BliskDesk {
         }
     }
 
-    /// Whether the electrode is being tuned, so that the plan there may be is not its own.
+    /// Whether the electrode is being tuned, so that the plan may belong to another one.
     pub fn is_tuning(&self) -> bool {
         let changed = self.work.state(Stage::Plan) != State::Ready;
         self.is_live() || (changed && self.step <= Stage::Electrode)
     }
 
-    /// Whether the poses are those of a quick look.
+    /// Whether the poses are those of a preview.
     pub fn is_live(&self) -> bool {
         matches!(self.track_of, TrackSource::Live(_))
     }
 
-    /// The electrode that is shown and its shape: while parameters are tuned as it would be, not as it was planned.
+    /// The electrode that is shown, with its shape. While parameters are tuned, it is the electrode of the present
+    /// parameters, not the planned one.
     pub fn shown_electrode(&self) -> Option<(&Electrode, &Arc<RenderMesh>)> {
         let (p, i) = (&self.work, self.cursor.electrode);
         if let Some(partial) = self.searched() {
@@ -203,8 +204,7 @@ impl BliskDesk {
         if self.is_tuning() { tuned.or(planned) } else { planned.or(tuned) }
     }
 
-    /// The electrode that is shown as the part whose flanks are milled, in the axes in which it is exported. Up is
-    /// outwards.
+    /// The electrode that is shown as a part for milling its flanks, in the axes of its export. Up is outwards.
     pub fn electrode_to_mill(&self) -> Option<ElectrodePart> {
         let (electrode, _) = self.shown_electrode()?;
         let (part, channel) = (self.work.part()?, &self.work.channel()?.channel);
@@ -213,13 +213,13 @@ impl BliskDesk {
         Some(ElectrodePart::of_blisk(electrode, named, is_of_mesh.then_some(&channel.frame)))
     }
 
-    /// The plan that is being made, if its nodes are those of the track.
+    /// The plan being made, if its nodes are those of the track.
     fn searched(&self) -> Option<&PartialPlan> {
         let is_shown = matches!(self.track_of, TrackSource::Partial(_));
         self.work.partial_plan().filter(|partial| is_shown && !partial.nodes.is_empty()).map(|partial| &**partial)
     }
 
-    /// Where the feed comes closest or jams, in one point of the electrode in its final pose and one of the blisk, both
+    /// The closest point of the feed, or the jam: a point of the electrode in its final pose and one of the blisk, both
     /// in W.
     pub fn contact(&self) -> Option<[DVec3; 2]> {
         let plan = &self.outcome().filter(|_| self.searched().is_none())?.plan;
@@ -230,20 +230,20 @@ impl BliskDesk {
         Some([least.on_electrode, least.on_blisk])
     }
 
-    /// Withdrawn distance at which that is (mm).
+    /// Retract distance of that place (mm).
     pub fn contact_s(&self) -> Option<f64> {
         let plan = &self.outcome().filter(|_| self.searched().is_none())?.plan;
         plan.jam.map(|j| j.s).or_else(|| Some(plan.path.as_ref()?.certificate.least().s))
     }
 
-    /// Where something comes too close in the whole motion on the machine; that counts more than where the feed comes
-    /// closest.
+    /// The place where bodies come too close in the whole motion on the machine. It takes precedence over the closest
+    /// point of the feed.
     pub fn trouble(&self) -> Option<&Trouble> {
         self.machine.trouble().filter(|_| self.searched().is_none())
     }
 
-    /// The clearance that is required, and how much less of it still counts as kept (mm): of the path that is shown, or
-    /// of the present parameters.
+    /// The required clearance, and the accepted shortfall (mm): of the path that is shown, or of the present
+    /// parameters.
     pub fn required(&self) -> [f64; 2] {
         let path = self.outcome().filter(|_| self.track.is_path).and_then(|o| o.plan.path.as_ref());
         let job = self.document.params();
@@ -251,18 +251,18 @@ impl BliskDesk {
         path.map_or(of_job, |p| [p.certificate.required(), p.certificate.tolerance()])
     }
 
-    /// The least clearance that counts as kept (mm). That of nodes is as exact as the field that they were searched in.
+    /// The least clearance that is accepted (mm). At nodes it is as exact as the field of the search.
     pub fn least_wanted(&self) -> f64 {
         let [required, tolerance] = self.required();
         required - tolerance - if self.track.is_path { 0.0 } else { DistanceField::ACCURACY }
     }
 
-    /// Whether what is shown of the plan belongs to other parameters.
+    /// Whether the plan that is shown belongs to other parameters.
     pub fn plan_is_stale(&self) -> bool {
         self.work.state(Stage::Plan) == State::Stale
     }
 
-    /// Plays, or goes to another node.
+    /// Plays, or moves to another node.
     pub fn step_along(&mut self, command: FrameCommand) {
         let track = self.track.clone();
         let cursor = &mut self.cursor;
@@ -289,7 +289,7 @@ impl BliskDesk {
         };
     }
 
-    /// Cuts through everything, or shows all of it again.
+    /// Shows a section through everything, or everything again.
     pub fn toggle_section(&mut self) {
         self.section = match (self.section, self.work.part()) {
             (None, Some(part)) => {

@@ -1,8 +1,9 @@
-//! Files of a plan that are written, and their frame: the choices of `[export]` beside the post. By default all.
+//! Choices of `[export]` beside the post: the files of a plan, and the frame of the meshes. By default all files are
+//! written.
 
 use serde::{Deserialize, Serialize};
 
-/// The frame that electrode meshes are written in.
+/// Frame of the electrode meshes.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum MeshFrame {
@@ -23,7 +24,7 @@ impl MeshFrame {
     }
 }
 
-/// `[export.files]`: which files are written.
+/// `[export.files]`: files that are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WrittenFiles {
@@ -49,7 +50,7 @@ impl Default for WrittenFiles {
 }
 
 impl WrittenFiles {
-    /// Every kind with its key, in the order of the fields.
+    /// Every kind of file with its key, in the order of the fields.
     pub fn kinds(&self) -> [(&'static str, bool); 6] {
         [
             ("electrode", self.electrode),
@@ -61,13 +62,13 @@ impl WrittenFiles {
         ]
     }
 
-    /// Whether anything is written at all.
+    /// Whether any file is written.
     pub fn any(&self) -> bool {
         self.kinds().iter().any(|(_, wanted)| *wanted)
     }
 }
 
-/// `[export.pictures]`: which pictures are drawn, for the report and as files.
+/// `[export.pictures]`: pictures that are drawn, for the report and as files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DrawnPictures {
@@ -96,11 +97,11 @@ impl DrawnPictures {
     }
 }
 
-/// `channels` of `[export]`: which channels the motion is simulated in and the program burns.
+/// `channels` of `[export]`: channels in which the motion is simulated and the program burns.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "toml::Value", into = "String")]
 pub enum Channels {
-    /// The channel that was planned in.
+    /// The channel of the plan.
     #[default]
     Own,
     /// All channels of the blisk.
@@ -109,13 +110,13 @@ pub enum Channels {
     These(Vec<usize>),
 }
 
-/// What to write for them, where something else was.
+/// Remedy for a wrong value.
 const CHANNELS_FORM: &str = "give \"own\", \"all\", or numbers as in [0, 1, 2] or \"0,1,2\"";
 
 impl TryFrom<toml::Value> for Channels {
     type Error = String;
 
-    /// The choice as files have it: a word, numbers with commas between, a number, or a list.
+    /// The choice in files: a word, numbers with commas between, a number, or a list.
     fn try_from(value: toml::Value) -> Result<Self, String> {
         let wrong = || format!("channels = {value}: {CHANNELS_FORM}");
         let number = |v: &toml::Value| v.as_integer().and_then(|n| usize::try_from(n).ok()).ok_or_else(wrong);
@@ -132,7 +133,7 @@ impl TryFrom<toml::Value> for Channels {
 impl std::str::FromStr for Channels {
     type Err = String;
 
-    /// Reads a choice of channels from a text, where a list may stand in brackets.
+    /// Reads a choice of channels from text. A list may be in brackets.
     fn from_str(text: &str) -> Result<Self, String> {
         let number = |n: &str| n.trim().parse::<usize>();
         match text.trim() {
@@ -158,10 +159,10 @@ impl From<Channels> for String {
 }
 
 impl Channels {
-    /// Numbers of the chosen channels, each once, in a blisk with `total` channels of which `own` was planned in.
+    /// Numbers of the chosen channels, each once, in a blisk with `total` channels. `own` is the channel of the plan.
     ///
     /// # Errors
-    /// One line if there is no channel of a number.
+    /// One line if a number is that of no channel.
     pub fn numbers(&self, total: usize, own: usize) -> Result<Vec<usize>, String> {
         let mut numbers = match self {
             Self::Own => vec![own],

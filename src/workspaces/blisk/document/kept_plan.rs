@@ -1,5 +1,5 @@
-//! What a project keeps of a plan: the nodes that were found, as JSON in one text. The path through them is made and
-//! verified anew when the project is opened, so that a file can never vouch for a path.
+//! The part of a plan that a project keeps: the nodes, as JSON in one text. The path through them is made and verified
+//! anew when the project is opened, so that a file never proves a path.
 
 use std::path::PathBuf;
 
@@ -14,11 +14,11 @@ use feed::problem::Node;
 use files::Params as _;
 use wheel::electrode::EntrySide;
 
-/// The nodes of a plan and what they belong to.
+/// The nodes of a plan, with the digest of its inputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeptPlan {
-    /// What the plan was made from; see [`inputs_of`](Self::inputs_of).
+    /// Digest of the inputs of the plan; see [`inputs_of`](Self::inputs_of).
     pub inputs: String,
     /// The electrodes in the order of their parts.
     pub electrodes: Vec<KeptElectrode>,
@@ -28,9 +28,9 @@ pub struct KeptPlan {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeptElectrode {
-    /// The side it enters from.
+    /// Side from which the electrode enters.
     pub side: EntrySide,
-    /// Additional circumferential reduction that it was made with (rad).
+    /// Additional circumferential reduction of the electrode (rad).
     pub h: f64,
     /// Nodes from the final pose outwards.
     #[serde(with = "rows")]
@@ -63,7 +63,7 @@ mod rows {
     }
 }
 
-/// A plan that is kept to compare with, and what it was made with.
+/// A plan kept for comparison, with its parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeptRun {
@@ -71,29 +71,29 @@ pub struct KeptRun {
     pub number: usize,
     /// Number of the run's colour among those of the window.
     pub colour: usize,
-    /// Parameters of the plan. Files are kept by name only; the plan holds what was read from them.
+    /// Parameters of the plan. Of files only the names are kept; the plan holds what was read from them.
     pub job: PlanJob,
     /// Nodes of the plan.
     pub plan: KeptPlan,
 }
 
-/// Why a kept plan is not used: this program does not make such a plan of the project.
+/// Reason why a kept plan is not used: this program would not make such a plan of the project.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the plan kept in the project is not used, because {what}; plan anew")]
 pub struct KeptPlanError {
-    /// What is wrong with it.
+    /// Reason.
     what: &'static str,
 }
 
-/// The result that the plan of a document is.
+/// Name of the result for the plan of a document.
 const PLAN: &str = "plan";
-/// What the runs of a document are kept as.
+/// Name of the content for the runs of a document.
 const RUNS: &str = "runs";
 
-/// Whether what `document` keeps can be read.
+/// Checks that the plans in `document` can be read.
 ///
 /// # Errors
-/// One line on what cannot.
+/// One line naming what cannot be read.
 pub fn check(document: &Document) -> Result<(), String> {
     let damaged = |what: &str, e: serde_json::Error| {
         format!("the project is damaged: {what} cannot be read ({e}); remove it from the file to open the rest")
@@ -126,17 +126,18 @@ fn fits(text: &str) -> Result<(), String> {
 }
 
 impl KeptRun {
-    /// Most runs that a document keeps.
+    /// Greatest number of runs that a document keeps.
     pub const MOST: usize = 6;
-    /// Most that all of them take (bytes).
+    /// Greatest size of all of them together (bytes).
     pub const MOST_BYTES: usize = 16 << 20;
 
-    /// The plans that `document` keeps to compare with, in the order of keeping.
+    /// The plans that `document` keeps for comparison, in the order of keeping.
     pub fn all_of(document: &Document) -> Vec<Self> {
         document.kept(RUNS).and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default()
     }
 
-    /// Has `document` keep these runs and no others. That is unsaved work: their parameters may be nowhere else.
+    /// Makes `document` keep these runs and no others. The change is unsaved work, because their parameters may be
+    /// nowhere else.
     ///
     /// # Errors
     /// One line if they are too large to be kept; then nothing is changed.
@@ -154,23 +155,24 @@ impl KeptRun {
     }
 }
 
-/// Longest way that is taken up (mm): the largest coordinate that the verifier takes.
+/// Longest accepted path (mm): the largest coordinate of the verifier.
 const LONGEST: f64 = 1e4;
-/// Rounding of a distance (mm) or an angle (rad) that was written to a file and read again.
+/// Tolerance of a distance (mm) or an angle (rad) that was written to a file and read again.
 const ROUNDING: f64 = 1e-9;
 
 impl KeptPlan {
-    /// The plan that `document` was left with.
+    /// The plan kept in `document`.
     pub fn of(document: &Document) -> Option<Self> {
         document.result(PLAN).and_then(|text| serde_json::from_str(text).ok())
     }
 
-    /// Notes the plan for the project file of `document`. That is no unsaved work: the same search finds it again.
+    /// Notes the plan for the project file of `document`. The note is not unsaved work, because the same search finds
+    /// the plan again.
     pub fn note(&self, document: &mut Document) {
         document.note_result(PLAN, serde_json::to_string(self).ok());
     }
 
-    /// Checks what a search always keeps to, since a file may say anything.
+    /// Checks the conditions that every search fulfils, because a file may hold anything.
     ///
     /// # Errors
     /// [`KeptPlanError`] unless there is an electrode for every part of `job`, each from a side and with a reduction
@@ -196,7 +198,7 @@ impl KeptPlan {
         Ok(())
     }
 
-    /// SHA-256 of everything that a plan depends on, in hexadecimal: the content of the meshes, not where they lie.
+    /// SHA-256 of everything that a plan depends on, in hexadecimal: of meshes the content, not the path.
     pub fn inputs_of(job: &PlanJob, content: &str) -> String {
         let PlanJob { mut blisk, mut electrode, machine, plan, genetic, verify, export: _ } = job.clone();
         for mesh in [&mut blisk.mesh, &mut electrode.mesh] {

@@ -37,14 +37,14 @@ impl Stage {
     }
 }
 
-/// SHA-256 of everything a step's result depends on. A result whose fingerprint is not that of the present
-/// parameters is stale.
+/// SHA-256 of everything that the result of a step depends on. A result with another fingerprint than that of the
+/// present parameters is stale.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Fingerprint([u8; 32]);
 
 impl Fingerprint {
-    /// The fingerprint of what `stage` depends on in `job`, `mesh` being the content of the part (and of the user's
-    /// own electrode) as far as it is known.
+    /// Fingerprint of the inputs of `stage` in `job`. `mesh` is the content of the part, and of the user's own
+    /// electrode, as far as known.
     pub fn of(stage: Stage, job: &PlanJob, mesh: &str) -> Self {
         let mut hash = Sha256::new();
         hash.update(mesh);

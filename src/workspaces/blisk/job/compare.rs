@@ -6,6 +6,7 @@ use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use super::plan::run_feeds;
 use super::prepared_blisk::PreparedBlisk;
 use super::stages::{FoundChannel, Part};
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::job_file::{BliskSection, PlanJob};
 use crate::workspaces::blisk::document::kept_plan::{KeptPlan, KeptRun};
 use crate::workspaces::blisk::export::PlanFilesError;
@@ -16,9 +17,9 @@ use feed::plan_params::Strategy;
 use files::ExportFolder;
 use task::{Cancel, Progress, Task};
 
-/// Plans every electrode of the job by each of `strategies` and shows `finished` each run as it ends. Electrodes are those
-/// that the job gives: none is drawn in further by the genetic search. A strategy that cannot be followed on this job says
-/// why in its run.
+/// Plans every electrode of the job by each of `strategies` and shows `finished` each run as it ends. Electrodes are
+/// those that the job gives: none is drawn in further by the genetic search. A strategy that cannot be followed on this
+/// job says why in its run.
 ///
 /// # Errors
 /// When told to stop, and the first strategy's own if none can be followed.
@@ -79,8 +80,8 @@ pub fn run_of(strategy: Strategy, outcome: &PlanOutcome) -> Run {
     Run { strategy, failure: None, electrodes: electrodes.map(of).collect() }
 }
 
-/// The figures of a plan that was kept with the parameters `kept.job`: its nodes are joined and verified anew on the part
-/// and the channel of `now`.
+/// The figures of a plan that was kept with the parameters `kept.job`: its nodes are joined and verified anew on the
+/// part and the channel of `now`.
 ///
 /// # Errors
 /// If it is of other meshes or of another channel, is none that its parameters allow, or when told to stop.
@@ -102,16 +103,12 @@ pub fn kept_run(
 
 /// The comparison of `runs` of `job`, whose meshes were read from `files`.
 pub fn comparison(runs: Vec<Run>, job: &PlanJob, files: Vec<InputFile>) -> Comparison {
-    let mut parameters = serde_json::to_value(job_for(job, Strategy::default())).unwrap_or_default();
-    if let Some(plan) = parameters.get_mut("plan").and_then(|plan| plan.as_object_mut()) {
-        plan.remove("strategy");
-    }
     Comparison {
         schema: SCHEMA,
         program_version: env!("CARGO_PKG_VERSION"),
         inputs: files,
         step_mm: job.plan.step_mm,
-        parameters,
+        parameters: FIELDS.list(&job_for(job, Strategy::default())).without("plan.strategy"),
         runs,
     }
 }

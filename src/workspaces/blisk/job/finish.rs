@@ -17,9 +17,9 @@ use task::{Cancelled, Task};
 use wheel::electrode::Junctions;
 use wheel::surface_finder::SurfaceFinder;
 
-/// Works out how the electrodes of `outcome` finish the channel, as far as that is not known: their copying motions, the
-/// whole motion on the machine, with which the plan can be approved, and then what stock they leave. `blisk` is that of
-/// `inputs` in W.
+/// Works out how the electrodes of `outcome` finish the channel, as far as that is not known: their copying motions,
+/// the whole motion on the machine, with which the plan can be approved, and then what stock they leave. `blisk` is
+/// that of `inputs` in W.
 ///
 /// # Errors
 /// If a copying motion cannot be judged, or when told to stop; what is whole by then is known from then on.

@@ -45,8 +45,8 @@ pub fn run_finished(prepared: &PreparedBlisk, inputs: &PlanInputs, task: &Task) 
 /// Makes the blisk of a job ready for planning.
 ///
 /// # Errors
-/// If the machine or its bodies cannot be read, if there is no channel, or one that is too large or not all that are to be
-/// burnt, or when told to stop.
+/// If the machine or its bodies cannot be read, if there is no channel, or one that is too large or not all that are to
+/// be burnt, or when told to stop.
 pub fn prepare(inputs: &PlanInputs, task: &Task) -> Result<PreparedBlisk, PlanJobError> {
     let job = &inputs.job;
     job.validate()?;
@@ -63,7 +63,8 @@ pub fn prepare(inputs: &PlanInputs, task: &Task) -> Result<PreparedBlisk, PlanJo
     Ok(prepared)
 }
 
-/// Looks at a plan while it is made: at the electrode that a way is searched for, and at what was found; see [`Observe`].
+/// Looks at a plan while it is made: at the electrode that a way is searched for, and at what was found; see
+/// [`Observe`].
 pub type ObservePlan<'a> = dyn Fn(&Arc<Electrode>, &[Node], &[Convergence]) + Sync + 'a;
 
 /// Plans every electrode of the job on a blisk that was made ready before; `observe` is shown the nodes as they are

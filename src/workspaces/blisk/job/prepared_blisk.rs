@@ -116,8 +116,8 @@ impl PreparedBlisk {
     }
 }
 
-/// The electrode number `part` along X for a side, with its walls drawn in by a further `h` (rad), its vertices as a file
-/// will hold them.
+/// The electrode number `part` along X for a side, with its walls drawn in by a further `h` (rad), its vertices as a
+/// file will hold them.
 pub(super) fn electrode_of(
     inputs: &PlanInputs,
     channel: &Channel,

@@ -38,8 +38,8 @@ impl LiveWay {
     }
 }
 
-/// Looks for a way of the electrode number `part` along X with the parameters of the job: on the side that is tried first,
-/// and where that fails on the other; of two that fail the one that gets further.
+/// Looks for a way of the electrode number `part` along X with the parameters of the job: on the side that is tried
+/// first, and where that fails on the other; of two that fail the one that gets further.
 ///
 /// # Errors
 /// If the electrode cannot be made, or when told to stop.

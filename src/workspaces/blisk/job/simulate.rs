@@ -25,8 +25,8 @@ pub(super) struct Around<'a> {
     pub(super) junctions: Junctions,
 }
 
-/// Whether a program of this job may only be made after its whole motion was simulated: the machine has bodies, or other
-/// channels than that of the plan are burnt.
+/// Whether a program of this job may only be made after its whole motion was simulated: the machine has bodies, or
+/// other channels than that of the plan are burnt.
 pub fn is_needed(job: &PlanJob) -> bool {
     job.machine.has_bodies() || job.export.channels != Channels::Own
 }
@@ -52,8 +52,9 @@ pub fn check_channels(job: &PlanJob, channel: &Channel) -> Result<(), PlanJobErr
     job.export.channels.numbers(channel.blades, channel.index).map(drop).map_err(PlanJobError::Job)
 }
 
-/// Adds to `known` the whole motion of every electrode, each with its copying motion, if the machine has bodies or other
-/// channels than that of the plan are burnt; otherwise nothing. When told to stop, those that are whole are there.
+/// Adds to `known` the whole motion of every electrode, each with its copying motion, if the machine has bodies or
+/// other channels than that of the plan are burnt; otherwise nothing. When told to stop, those that are whole are
+/// there.
 pub(super) fn simulate(
     around: &Around,
     electrodes: &[ElectrodeOutcome],

@@ -122,9 +122,9 @@ pub fn size(
     Ok(rows)
 }
 
-/// `[electrode] size = "auto"`: `inputs` with the reductions, and the side of entry, of the thickest electrodes that come out in as many parts as it
-/// asks for, to be planned with the strategy that found them; and the row they come from. With the reductions that it
-/// gives, and no row, if none lets them out: planning these tells where they jam.
+/// `[electrode] size = "auto"`: `inputs` with the reductions, and the side of entry, of the thickest electrodes that
+/// come out in as many parts as it asks for, to be planned with the strategy that found them; and the row they come
+/// from. With the reductions that it gives, and no row, if none lets them out: planning these tells where they jam.
 ///
 /// # Errors
 /// As sizing has them.
@@ -298,8 +298,8 @@ fn row_of(outcome: &PlanOutcome, parts: usize, enter: EnterSide, reduction_deg: 
     })
 }
 
-/// Where electrode number `limiting` from 0 of a plan is closest to a wall on its way out: of walls it is drawn in, and so
-/// they keep it from being thicker. Without such a place that of its least clearance.
+/// Where electrode number `limiting` from 0 of a plan is closest to a wall on its way out: of walls it is drawn in, and
+/// so they keep it from being thicker. Without such a place that of its least clearance.
 fn limit_of(outcome: &PlanOutcome, limiting: usize) -> Option<SizeLimit> {
     let electrode = outcome.electrodes.get(limiting)?;
     let planned = electrode.plan.path.as_ref()?;

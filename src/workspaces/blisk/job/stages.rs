@@ -157,8 +157,8 @@ const LINE_POINTS: usize = 200;
 pub fn channel(part: &Part, job: &PlanJob, task: &Task) -> Result<FoundChannel, String> {
     if let Some(report) = part.report.as_ref().filter(|r| !r.watertight) {
         return Err(format!(
-            "the surface is not closed ({} holes, {} edges of more than two triangles), so it has no inside and nothing can \
-             be proven about it; close it in the program it came from",
+            "the surface is not closed ({} holes, {} edges of more than two triangles), so it has no inside and \
+             nothing can be proven about it; close it in the program it came from",
             report.hole_count, report.non_manifold_edges
         ));
     }

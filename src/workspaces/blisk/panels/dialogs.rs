@@ -1,7 +1,5 @@
-//! The dialogs of the workspace: what is exported (files, the frame of the electrode meshes, the post, and pictures, every
-//! choice a parameter of the job like any other), and files of a project that are gone or have changed.
-
-use std::path::PathBuf;
+//! The dialog of the export: files, the frame of the electrode meshes, the post, and pictures. Every choice is a
+//! parameter of the job like any other.
 
 use crate::workspaces::blisk::desk::BliskDesk;
 use egui::{ComboBox, RichText, Ui};
@@ -10,9 +8,9 @@ use super::forms::shown_choice;
 use crate::widgets::panel_parts::from_right;
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::document::choice::{DrawnPictures, MeshFrame};
+use crate::workspaces::blisk::document::job_file::ExportSection;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
-use crate::workspaces::blisk::document::job_file::{ExportSection, PlanJob};
-use files::{Kind, MovedFile, Word};
+use files::{Kind, Word};
 
 /// Room for the names of files (points).
 const NAMES: f32 = 150.0;
@@ -24,38 +22,8 @@ pub enum Answer {
     Folder,
     /// Choose an NC post of one's own, and go on with the export.
     OwnPost,
-    /// Look for the file that was here.
-    Locate(PathBuf),
-    /// Open the project with the files as they are.
-    OpenAnyway,
     /// Close the dialog.
     Close,
-}
-
-/// Draws the dialog about the files of `job` that `moved`.
-pub fn moved(ui: &mut Ui, job: &PlanJob, moved: &[MovedFile]) -> Option<Answer> {
-    let mut answer = None;
-    for file in moved {
-        let what = if file.is_changed { "has changed since the project was saved" } else { "no longer exists" };
-        ui.label(format!("{} {what}.", file.path.display()));
-        if ui.button("Find it…").clicked() {
-            answer = Some(Answer::Locate(file.path.clone()));
-        }
-        ui.add_space(4.0);
-    }
-    ui.add_space(10.0);
-    from_right(ui, |ui| {
-        // Without its meshes there is nothing to show; a machine or a post can be chosen later.
-        let is_mesh = |path: &PathBuf| [&job.blisk.mesh, &job.electrode.mesh].contains(&&Some(path.clone()));
-        let text = if moved.iter().all(|file| file.is_changed) { "Use as it is now" } else { "Open without" };
-        if moved.iter().all(|file| file.is_changed || !is_mesh(&file.path)) && ui.button(text).clicked() {
-            answer = Some(Answer::OpenAnyway);
-        }
-        if ui.button("Cancel").clicked() {
-            answer = Some(Answer::Close);
-        }
-    });
-    answer
 }
 
 /// Draws the dialog of the export. Choices go into the document at once.

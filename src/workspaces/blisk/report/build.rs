@@ -1,6 +1,7 @@
 //! The outcome of a plan in the words of the report.
 
 use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::job::outcome::{ElectrodeOutcome, PlanOutcome};
 use crate::workspaces::blisk::report::StageTime;
 use crate::workspaces::blisk::report::leftover::LeftoverReport;
@@ -16,6 +17,7 @@ use feed::plan_params::{Constraint, Strategy};
 use feed::pose::{Axis, Pose};
 use feed::strategy::SearchStrategy;
 use feed::wall_clearances::{ClearanceGauge, WallClearances};
+use files::ParameterList;
 use task::Cancel;
 use wheel::channel::Channel;
 use wheel::electrode::EntrySide;
@@ -169,7 +171,8 @@ fn failure(plan: &FeedPlan, channel: &Channel) -> Option<Failure> {
     if let Some(jam) = &plan.jam {
         let remedy = match jam.cause {
             JamCause::Contact(_) => {
-                "Increase the circumferential reduction on that wall, divide the channel otherwise, or take the other side of entry."
+                "Increase the circumferential reduction on that wall, divide the channel otherwise, or take the \
+                 other side of entry."
             }
             JamCause::Travel { .. } => "Another machine, less exit_clearance_mm or the other side of entry would help.",
             JamCause::NothingLeft { .. } => "A smaller h_max_deg, more parts or the other side of entry may help.",
@@ -215,18 +218,12 @@ fn strategy_of(job: &PlanJob) -> &dyn SearchStrategy {
 }
 
 /// The parameters of `job` but for those of strategies, and of a constraint, that had no part in its plan.
-fn parameters(job: &PlanJob) -> serde_json::Value {
-    let mut all = serde_json::to_value(job).unwrap_or_default();
+fn parameters(job: &PlanJob) -> ParameterList {
     let own = strategy_of(job).parameters();
     let others = Strategy::ALL.iter().filter_map(|other| other.search(&job.plan, &job.genetic).parameters());
-    let constraint = (job.plan.constraint != Constraint::Angle).then_some("/plan/angle");
-    for pointer in others.filter(|other| Some(*other) != own).chain(constraint) {
-        let Some((table, key)) = pointer.rsplit_once('/') else { continue };
-        if let Some(table) = all.pointer_mut(table).and_then(serde_json::Value::as_object_mut) {
-            table.remove(key);
-        }
-    }
-    all
+    let constraint = (job.plan.constraint != Constraint::Angle).then_some("plan.angle");
+    let idle = others.filter(|other| Some(*other) != own).chain(constraint);
+    idle.fold(FIELDS.list(job), ParameterList::without)
 }
 
 /// The papers' symbols, and the parameters of the strategy, with the values they had.
@@ -399,21 +396,26 @@ mod tests {
             Symbol { symbol, meaning, value, unit }
         };
         let of_one = [
-            (Strategy::Genetic, "/genetic", "p_m"),
-            (Strategy::Global, "/plan/global", "poses"),
-            (Strategy::Centreline, "/plan/centreline", "increase"),
+            (Strategy::Genetic, "genetic", "p_m"),
+            (Strategy::Global, "plan.global", "poses"),
+            (Strategy::Centreline, "plan.centreline", "increase"),
         ];
         for (strategy, section, named) in of_one {
             job.plan.strategy = strategy;
             let listed = parameters(&job);
-            assert!(listed.pointer("/plan/angle").is_none() && listed.pointer("/plan/step_mm").is_some());
+            let has = |key: &str| {
+                let is_entered = listed.entries.iter().any(|e| e.key.starts_with(&format!("{key}.")) || e.key == key);
+                assert_eq!(is_entered, !files::get(&listed.tree, key).is_null(), "{key}");
+                is_entered
+            };
+            assert!(!has("plan.angle") && has("plan.step_mm"));
             let symbols = strategy_symbols(&job, &symbol);
             for (_, other, name) in of_one {
-                assert_eq!(listed.pointer(other).is_some(), other == section, "{strategy:?} {other}");
+                assert_eq!(has(other), other == section, "{strategy:?} {other}");
                 assert_eq!(symbols.iter().any(|s| s.symbol == name), name == named, "{strategy:?} {name}");
             }
         }
         job.plan.constraint = Constraint::Angle;
-        assert!(parameters(&job).pointer("/plan/angle").is_some());
+        assert!(parameters(&job).entries.iter().any(|e| e.label == "Angle of the angle test" && e.unit == "deg"));
     }
 }

@@ -8,6 +8,8 @@ pub(super) use nc::fixtures::{certificate, path};
 
 use super::*;
 use crate::workspaces::blisk::document::choice::MeshFrame;
+use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 
 /// A report on one electrode that comes out and one that jams.
 pub(crate) fn report() -> Report {
@@ -29,11 +31,7 @@ pub(crate) fn report() -> Report {
             repairs: vec!["merged 12 duplicate vertices".to_owned()],
         }],
         blisk: blisk(path.frame),
-        parameters: serde_json::json!({
-            "blisk": {"mesh": "turbine60.stl", "units": "mm", "axis": "auto"},
-            "electrode": {"spark_gap_mm": 0.1, "circumferential_reduction_deg": [1.03, 1.03], "parts": 1},
-            "genetic": {"population": 60, "generations": 80, "seed": 1},
-        }),
+        parameters: FIELDS.list(&PlanJob::for_mesh("turbine60.stl".as_ref())),
         symbols: symbols(),
         electrodes: vec![verified(&path), jammed()],
         leftover: None,

@@ -21,6 +21,7 @@ use feed::certificate::{Certificate, Contact};
 use feed::path::PathRow;
 use feed::pose::{Axis, Pose};
 use feed::smoothness::AxisSmoothness;
+use files::ParameterList;
 use files::report::Picture;
 use geometry::frame::Frame;
 use nc::block_feed::Slowed;
@@ -53,7 +54,7 @@ pub struct Report {
     /// What was found in the blisk.
     pub blisk: BliskSummary,
     /// The parameters of the job, defaults included, but for those of strategies that were not followed.
-    pub parameters: serde_json::Value,
+    pub parameters: ParameterList,
     /// The papers' symbols, and the parameters of the strategy.
     pub symbols: Vec<Symbol>,
     /// Electrodes with their paths.

@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::workspaces::blisk::report::{Convergence, ElectrodeReport, Motion, Report};
 use feed::pose::Axis;
 use feed::quantise::MM_DECIMALS;
+use files::Entry;
 use files::report::plot::{Plot, Series};
 use files::report::{PageError, Picture, Template, file_name};
 
@@ -14,6 +15,7 @@ pub(super) fn page(report: &Report) -> Result<String, PageError> {
     #[derive(Serialize)]
     struct Page<'a> {
         report: &'a Report,
+        parameters: &'a [Entry],
         part: &'a str,
         pictures: &'a [Picture],
         no_pictures: Option<&'a str>,
@@ -21,6 +23,7 @@ pub(super) fn page(report: &Report) -> Result<String, PageError> {
     }
     let page = Page {
         report,
+        parameters: &report.parameters.entries,
         part: report.inputs.first().map_or("", |input| file_name(&input.path)),
         pictures: &report.pictures,
         no_pictures: report.no_pictures.as_deref(),

@@ -22,8 +22,8 @@ pub struct SimulationReport {
     pub approach: Vec<PoseReport>,
     /// Least time at the axes' greatest speeds, without burning (min).
     pub least_minutes: f64,
-    /// How far the blisk is from itself, turned by channels, at most (mm); none if the meshes of its channels differ, so
-    /// that each was tested by itself.
+    /// How far the blisk is from itself, turned by channels, at most (mm); none if the meshes of its channels differ,
+    /// so that each was tested by itself.
     pub period_error_mm: Option<f64>,
     /// Every pair of bodies that may meet.
     pub pairs: Vec<PairFigures>,
@@ -52,8 +52,8 @@ pub struct PairFigures {
     /// The smallest clearance met, and where.
     pub least_mm: f64,
     pub least_at: PlaceReport,
-    /// The first instant at which they touch, if they do; on the way from channel to channel that of the widest way where
-    /// channels are alike.
+    /// The first instant at which they touch, if they do; on the way from channel to channel that of the widest way
+    /// where channels are alike.
     pub contact: Option<PlaceReport>,
 }
 

@@ -64,7 +64,8 @@ fn whatever_comes_from_input_is_escaped() {
         ..InputFile::default()
     };
     report.blisk.assumed = vec![evil.clone()];
-    report.parameters = serde_json::json!({ evil.clone(): { evil.clone(): [evil.clone()] } });
+    let entry = &mut report.parameters.entries[0];
+    (entry.label, entry.value) = (evil.clone(), evil.clone());
     report.symbols[0] = Symbol { symbol: evil.clone(), meaning: evil.clone(), value: evil.clone(), unit: evil.clone() };
     report.times[0].stage = evil.clone();
     report.program_version = evil.clone();
@@ -104,7 +105,7 @@ fn an_empty_report_is_still_a_page() {
     let mut report = fixtures::report();
     report.electrodes = vec![ElectrodeReport { motion: Some(Motion::default()), ..ElectrodeReport::default() }];
     (report.inputs, report.symbols, report.times) = (vec![], vec![], vec![]);
-    report.parameters = serde_json::Value::Null;
+    report.parameters = Default::default();
     assert!(report.html().unwrap().contains("No path."));
 }
 

@@ -153,8 +153,8 @@ fn sentence(c: &Certificate, surface: &str) -> String {
         TravelVerdict::Beyond(beyond) => format!("; {beyond}"),
     };
     format!(
-        "{verdict}: certified clearance {:.5} mm, least met {:.5} mm, required {:.5} mm less {:.5} mm; least against the \
-         {surface} at row {:.2}, {:.3} mm before the final pose{ends}{travel}",
+        "{verdict}: certified clearance {:.5} mm, least met {:.5} mm, required {:.5} mm less {:.5} mm; least against \
+         the {surface} at row {:.2}, {:.3} mm before the final pose{ends}{travel}",
         c.certified(),
         c.least().distance,
         c.required(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::widgets::colours::STEEL;
+use crate::widgets::theme::STEEL;
 use crate::workspaces::blisk::scene::{Layer, from_w, layer_id};
 use feed::leftover::DeviationMap;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};

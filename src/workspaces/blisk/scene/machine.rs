@@ -71,8 +71,8 @@ fn moved(carrier: Carrier, pose: &Pose, reference_point: DVec3) -> DAffine3 {
     }
 }
 
-/// Where the pair that keeps its clearance least meets, if it does not keep what is asked for: the two points in W at that
-/// instant, as seen from the blisk.
+/// Where the pair that keeps its clearance least meets, if it does not keep what is asked for: the two points in W at
+/// that instant, as seen from the blisk.
 pub fn meeting(simulation: &Simulation, reference_point: DVec3) -> Option<(Place, [DVec3; 2])> {
     let pair = simulation.tightest().filter(|pair| !pair.holds())?;
     let place = pair.contact.unwrap_or(pair.least);

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::widgets::colours::{BAD, COPPER, GHOST, HIGH, LOW, MACHINE, STEEL};
+use crate::widgets::theme::{BAD, COPPER, GHOST, HIGH, LOW, MACHINE, STEEL};
 use crate::workspaces::blisk::scene::machine::MachineBody;
 use crate::workspaces::blisk::scene::shapes::ChannelShapes;
 use crate::workspaces::blisk::scene::track::{Station, Track};

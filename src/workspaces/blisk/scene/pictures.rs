@@ -184,8 +184,8 @@ impl<'a> Drawn<'a> {
             file: "view_2_leftover.png".to_owned(),
             title: "Residual stock on the surfaces of the channel".to_owned(),
             caption: format!(
-                "Unfolded and seen from within, X upwards; from the right {high}, hub, {low}{shroud}. The colours end at \
-                 {limit:.3} mm either way. {}",
+                "Unfolded and seen from within, X upwards; from the right {high}, hub, {low}{shroud}. The colours end \
+                 at {limit:.3} mm either way. {}",
                 left.sentence(channel)
             ),
             legend: colours.into_iter().zip(names).collect(),
@@ -271,8 +271,8 @@ impl<'a> Drawn<'a> {
         })
     }
 
-    /// The section through `place`, the direction that is up in it, and along what it is seen: across the surface that is
-    /// near, which for a wall means from outside, and otherwise from the side of entry.
+    /// The section through `place`, the direction that is up in it, and along what it is seen: across the surface that
+    /// is near, which for a wall means from outside, and otherwise from the side of entry.
     fn section(&self, i: usize, place: &Place) -> (SectionPlane, DVec3, &'static str) {
         let frame = &self.plan.channel.frame;
         let [_, at] = place.points;
@@ -296,7 +296,8 @@ impl<'a> Drawn<'a> {
         }
         let Some(least) = plan.path.as_ref().map(|p| p.certificate.least()) else { return String::new() };
         format!(
-            "Its path from {side} to the final pose. The solid one is at the smallest clearance (red dot): {:.4} mm to the {}, {}.",
+            "Its path from {side} to the final pose. The solid one is at the smallest clearance (red dot): {:.4} mm \
+             to the {}, {}.",
             least.distance,
             self.plan.channel.surface_name(least.surface),
             if least.s > 0.0 {

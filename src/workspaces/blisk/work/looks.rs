@@ -105,8 +105,8 @@ impl BliskWork {
         self.prepared.is_busy() || self.looks.looks.is_busy() || self.looks.sizes.is_busy()
     }
 
-    /// Whether it is time to plan and verify what was looked at: it comes out, nothing has changed for a while, and it was
-    /// not planned yet at `time` (s). If it is not time yet, tells how long to wait.
+    /// Whether it is time to plan and verify what was looked at: it comes out, nothing has changed for a while, and it
+    /// was not planned yet at `time` (s). If it is not time yet, tells how long to wait.
     pub fn is_at_rest(&self, time: f64) -> Result<(), Option<Duration>> {
         let (Some((seen, since)), Some(now)) = (&self.looks.seen, &self.now) else { return Err(None) };
         let is_shown = self.looked().is_some_and(|looked| Arc::ptr_eq(looked, &seen.0));

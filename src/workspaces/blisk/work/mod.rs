@@ -1,5 +1,5 @@
-//! Everything that is computed for a blisk: its part, channel and electrodes, which follow the document by themselves; the
-//! plan, which the user starts; what comes after it, and its files. Quick looks and sizes stand in `looks`.
+//! Everything that is computed for a blisk: its part, channel and electrodes, which follow the document by themselves;
+//! the plan, which the user starts; what comes after it, and its files. Quick looks and sizes stand in `looks`.
 
 mod looks;
 #[cfg(test)]
@@ -24,11 +24,12 @@ use crate::workspaces::blisk::job::stages::{self, Electrodes, FoundChannel, Part
 use crate::workspaces::blisk::report::InputFile;
 use crate::workspaces::blisk::scene::leftover::LeftoverShape;
 use crate::workspaces::news::{EventKind, WorkEvent};
-use files::Validate as _;
+use files::{PartFile, Validate as _};
 use looks::Looks;
 use task::{Doing, Lane, Memo, Priority, Same, Scheduler, State, Task};
 
-/// Writes a released plan of these inputs, which were read from these files, into a folder; answers the names of the files.
+/// Writes a released plan of these inputs, which were read from these files, into a folder; answers the names of the
+/// files.
 pub type ExportWork =
     Box<dyn FnOnce(&Path, &Released, &PlanInputs, Vec<InputFile>, &Task) -> Result<Vec<String>, String> + Send>;
 
@@ -169,8 +170,9 @@ impl BliskWork {
         self.take();
         self.refresh(document.params());
         let read = self.part().into_iter().flat_map(|part| &part.files);
-        read.filter(|file| !file.sha256.is_empty())
-            .for_each(|file| document.note_file(file.path.as_ref(), &file.sha256));
+        let read = read.filter(|file| !file.sha256.is_empty());
+        let part_file = |file: &InputFile| PartFile { path: file.path.clone().into(), sha256: file.sha256.clone() };
+        read.map(part_file).for_each(|file| document.note_file(&file));
         if self.released.is_some() && self.released().is_none() {
             self.withdraw();
             self.say(Stage::Export, EventKind::Cancelled, "release withdrawn: an input changed");
@@ -375,8 +377,8 @@ impl BliskWork {
         self.wishes.contains(&Wish::Plan) || self.now.as_ref().is_some_and(is_running)
     }
 
-    /// How `stage` stands for the document of the last [`follow`](Self::follow). What begins by itself and was cancelled
-    /// has failed; what only the user begins is then as it was before.
+    /// How `stage` stands for the document of the last [`follow`](Self::follow). What begins by itself and was
+    /// cancelled has failed; what only the user begins is then as it was before.
     pub fn state(&self, stage: Stage) -> State {
         let Some(now) = &self.now else { return State::Missing };
         let early = |state| match state {
@@ -495,15 +497,16 @@ impl BliskWork {
         (!self.is_planning() && plan.may_be_approved()).then_some(plan)
     }
 
-    /// Whether the plan can be released: its motions are known, the whole one on the machine too. The residual stock does
-    /// not matter for that.
+    /// Whether the plan can be released: its motions are known, the whole one on the machine too. The residual stock
+    /// does not matter for that.
     pub fn can_release(&self) -> bool {
         let is_stopped = matches!(self.finishing(), State::Failed(_));
         let is_needed = self.now.as_ref().is_none_or(|now| simulate::is_needed(&now.job));
         self.certified().is_some_and(|plan| plan.finishing().is_some() || is_stopped && !is_needed)
     }
 
-    /// Releases the plan, as the user wishes. It can be exported from then on, until an input changes or it is planned anew.
+    /// Releases the plan, as the user wishes. It can be exported from then on, until an input changes or it is planned
+    /// anew.
     ///
     /// # Errors
     /// One line if there is no certified plan for the present parameters, or another one is being made.

@@ -1,4 +1,4 @@
-//! Every parameter of a flank, as forms, steps that can be undone, messages and the command line see it.
+//! Every parameter of a flank. Forms, `--set`, reports and the names of steps of undo are made from this table.
 
 use super::FlankDocument;
 use files::{Field, FieldTable, Group, Variant, When, Word, word};
@@ -297,7 +297,7 @@ pub static FIELDS: FieldTable<FlankDocument> = FieldTable::new(&[
     },
 ]);
 
-/// What makes `now` another than `before`, as a step that can be undone is called.
+/// Name of the step from `before` to `now`, for undo.
 pub fn change(before: &FlankDocument, now: &FlankDocument) -> String {
     if let Some(new) = now.overrides.iter().find(|one| !before.overrides.contains(one)) {
         return format!("Override of {}", new.check);

@@ -1,4 +1,4 @@
-//! A mesh that a document holds itself, as it is in no file.
+//! A mesh inside a document, which is in no file of its own.
 
 use std::fmt;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use geometry::mesh::Mesh;
 use import::obj_bytes;
 
-/// A mesh as the text of an OBJ file (mm), which copies of it share: nothing is lost of it in a file.
+/// A mesh as the text of an OBJ file (mm), shared by copies. The text holds the mesh exactly.
 #[derive(Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeptMesh {
@@ -33,7 +33,7 @@ impl KeptMesh {
     /// Keeps `mesh` (mm).
     ///
     /// # Errors
-    /// One line if it is none that can be kept.
+    /// One line if the mesh cannot be kept.
     pub fn new(name: &str, of: &str, mesh: &Mesh) -> Result<Self, String> {
         let wrong = |why: String| format!("{name} cannot be kept: {why}; make it again");
         let bytes = obj_bytes(name, mesh).map_err(|e| wrong(e.to_string()))?;

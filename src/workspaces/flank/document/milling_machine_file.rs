@@ -7,20 +7,20 @@ use serde::{Deserialize, Serialize};
 use files::{FileError, Invalid, TomlFile, Validate};
 use flank::machine::milling_machine::{MachineError, MillingMachine};
 
-/// The file that holds without one, with remarks: to be copied and changed.
+/// The built-in file with comments, to be copied and changed.
 pub const STANDARD_FILE: &str = include_str!("../../../../assets/milling_machines.toml");
-/// What this file is called in a user's folder.
+/// Name of the file in the user's folder.
 pub const FILE_NAME: &str = "milling_machines.toml";
-/// The most machines.
+/// Greatest number of machines.
 const MOST_MACHINES: usize = 256;
 
-/// Why a file of milling machines cannot be had.
+/// Reason why a milling machine cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum MillingMachineFileError {
     /// The file cannot be read, or is no machine file.
     #[error(transparent)]
     File(#[from] FileError),
-    /// A file with more than one machine.
+    /// The file has several machines.
     #[error("{file}: it has {} machines; say which, as {file}#{}: {}", known.len(), known[0], known.join(", "))]
     Several {
         /// The file.
@@ -28,7 +28,7 @@ pub enum MillingMachineFileError {
         /// Names of the machines in the file.
         known: Vec<String>,
     },
-    /// No machine of that name.
+    /// There is no machine of that name.
     #[error("there is no milling machine {name:?}; there are {}", known.join(", "))]
     Unknown {
         /// The name.
@@ -70,7 +70,7 @@ impl Validate for MachineLibrary {
     }
 }
 
-/// Milling machines: `milling_machines.toml` in `user_folder` if it is there, else those that the program brings along.
+/// Milling machines: those of `milling_machines.toml` in `user_folder` if it exists, else the built-in ones.
 ///
 /// # Errors
 /// [`FileError`].
@@ -91,8 +91,7 @@ pub fn read_milling_machines(file: &Path) -> Result<Vec<MillingMachine>, FileErr
     Ok(MACHINES.read(file)?.machine)
 }
 
-/// The file of a machine that is given as `FILE.toml` or as `FILE.toml#NAME`, and its name; none of a machine that is
-/// given by its name alone.
+/// File and name of a machine given as `FILE.toml` or `FILE.toml#NAME`; none of a machine given by name alone.
 pub fn file_of_machine(machine: &str) -> Option<(&str, Option<&str>)> {
     const ENDING: &str = ".toml";
     if machine.ends_with(ENDING) {
@@ -102,8 +101,8 @@ pub fn file_of_machine(machine: &str) -> Option<(&str, Option<&str>)> {
     file.ends_with(ENDING).then_some((file, Some(name)))
 }
 
-/// The machine called `name`; or the one of the file `name`, which ends in `.toml` and has no other machine; or one of
-/// such a file that has more, as `FILE.toml#NAME`.
+/// The machine called `name`; or the only machine of the file `name`, which ends in `.toml`; or a machine of a file
+/// with several, as `FILE.toml#NAME`.
 ///
 /// # Errors
 /// [`MillingMachineFileError`].

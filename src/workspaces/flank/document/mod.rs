@@ -1,4 +1,4 @@
-//! What a user chooses for a flank to be milled.
+//! The parameters of a flank to be milled.
 
 pub mod fields;
 pub mod kept_mesh;
@@ -23,7 +23,7 @@ use nc::flank_job::CheckKind;
 pub use nc::flank_job::settings::{CutDirection, MillingSettings, PathChoice};
 use nc::flank_program::milling_post;
 
-/// A surface that comes with the program: those of the paper that the method is from (P4).
+/// A built-in surface, of the paper that the method is from (P4).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum DemonstrationSurface {
@@ -38,9 +38,9 @@ pub enum DemonstrationSurface {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GuidePair {
-    /// The lower one.
+    /// Lower guide.
     pub lower: GuideCurve,
-    /// The upper one.
+    /// Upper guide.
     pub upper: GuideCurve,
 }
 
@@ -56,7 +56,7 @@ impl DemonstrationSurface {
     /// Guide curves of the surface.
     ///
     /// # Errors
-    /// Only in a program that was built with a file that is none.
+    /// Only if the program was built with a wrong file.
     pub fn guides(self) -> Result<GuidePair, String> {
         let text = match self {
             Self::A => include_str!("../../../../assets/flank_a.toml"),
@@ -65,7 +65,7 @@ impl DemonstrationSurface {
         toml::from_str(text).map_err(|e| e.message().to_owned())
     }
 
-    /// The share of the initial sum of deviations that the paper's method leaves on it.
+    /// Ratio of the paper's refined sum of deviations to the initial one.
     pub fn paper_ratio(self) -> f64 {
         match self {
             Self::A => 0.541,
@@ -74,7 +74,7 @@ impl DemonstrationSurface {
     }
 }
 
-/// Where a guide curve comes from.
+/// Source of a guide curve.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GuideSource {
@@ -95,11 +95,11 @@ pub struct MeshFlank {
     pub units: Units,
     /// Number of the face among those that could be milled, by area, from 1.
     pub candidate: usize,
-    /// How the ruled surface is fitted.
+    /// Parameters of the fit of the ruled surface.
     pub fit: RuledFitParams,
-    /// Whether the rest of the mesh is looked at for gouges.
+    /// Whether the rest of the mesh is checked for gouges.
     pub is_own_wall: bool,
-    /// The mesh itself (mm) where it is in no file, as an electrode that was just designed.
+    /// The mesh itself (mm) if it is in no file, such as an electrode just designed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kept: Option<KeptMesh>,
 }
@@ -121,7 +121,7 @@ impl MeshFlank {
         Self { file: file.to_owned(), ..Self::default() }
     }
 
-    /// What the mesh is called: the name of its file, or its own.
+    /// Name of the mesh: that of its file, or its own.
     pub fn part(&self) -> String {
         match &self.kept {
             Some(kept) => kept.words(),
@@ -130,11 +130,11 @@ impl MeshFlank {
     }
 }
 
-/// Where the surface comes from.
+/// Source of the surface.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum FlankSource {
-    /// A surface that comes with the program.
+    /// A built-in surface.
     Demonstration {
         /// The surface.
         surface: DemonstrationSurface,
@@ -164,7 +164,7 @@ impl Default for FlankSource {
     }
 }
 
-/// Other walls that must not be cut.
+/// Neighbouring walls that must not be cut.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WallsFile {
@@ -175,31 +175,31 @@ pub struct WallsFile {
     pub units: Units,
 }
 
-/// A flank, the cutter, and how it is milled.
+/// A flank, the cutter, and parameters of the milling.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FlankDocument {
-    /// Where the surface comes from.
+    /// Source of the surface.
     pub source: FlankSource,
     /// Side of the surface that the cutter stands on.
     pub side: Side,
     /// The cutter.
     pub cutter: FlankCutter,
-    /// How the path is planned.
+    /// Parameters of the path.
     pub plan: FlankParams,
     /// Path that is milled.
     pub path: PathChoice,
-    /// Other walls that must not be cut.
+    /// Neighbouring walls that must not be cut.
     pub walls: Option<WallsFile>,
     /// Machine, post, clearances and motions of the milling.
     pub milling: MillingSettings,
-    /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
+    /// Greatest difference between the swept envelope and the static deviation at any sample (mm).
     pub envelope_tolerance_mm: f64,
-    /// How deep the path may cut into the surface, standing or moving (mm).
+    /// Greatest overcut, static or of the swept envelope (mm).
     pub overcut_tolerance_mm: f64,
-    /// How much stock it may leave on the surface, standing or moving (mm).
+    /// Greatest undercut, static or of the swept envelope (mm).
     pub undercut_tolerance_mm: f64,
-    /// Checks that do not keep anything from being exported.
+    /// Overridden checks.
     pub overrides: Vec<Override>,
 }
 
@@ -272,6 +272,16 @@ impl Params for FlankDocument {
         }
     }
 
+    /// The files of the surface are needed; walls, a machine or a post can be chosen later.
+    fn needs(&self, path: &Path) -> bool {
+        let is_file = |guide: &GuideSource| matches!(guide, GuideSource::File(file) if file == path);
+        match &self.source {
+            FlankSource::Demonstration { .. } => false,
+            FlankSource::Guides { lower, upper } => is_file(lower) || is_file(upper),
+            FlankSource::Mesh(mesh) => mesh.file == path,
+        }
+    }
+
     // Machines and posts are names unless they end in `.toml`.
     fn change_paths(&mut self, change: &mut dyn FnMut(&Path) -> PathBuf) {
         match &mut self.source {
@@ -302,7 +312,7 @@ impl Params for FlankDocument {
 }
 
 impl FlankDocument {
-    /// A copy of the document for another surface: without side, walls, clamping, and decisions on what checks found.
+    /// A copy of the document for another surface: without side, walls, clamping and overrides.
     pub fn of_another(&self, source: FlankSource) -> Self {
         let milling = MillingSettings { workpiece: None, ..self.milling.clone() };
         let (side, walls, overrides) = (Side::Automatic, None, Vec::new());

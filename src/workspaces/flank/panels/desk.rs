@@ -1,4 +1,4 @@
-//! The state of the workspace: the flank, what was made of it, and how that is looked at.
+//! The state of the workspace: the flank, the results made from it, and how they are shown.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource
 use crate::workspaces::flank::work::{ExportChoice, FlankWork, Planned, Sketch};
 use crate::workspaces::hands::{Gesture, Hands};
 use crate::workspaces::news::{EventKind, WorkEvent};
-use files::user_folder::user_folder;
+use files::paths::user_folder;
 use files::{AnyDocument, Document};
 use flank::machine::milling_machine::Workpiece;
 use flank::path::FlankPath;
@@ -20,28 +20,28 @@ use flank::ruled_surface::Side;
 use nc::flank_job::path_of;
 use task::{Priority, Scheduler, State};
 
-/// How long nothing may change before what was seen at a glance is planned in full.
+/// Delay after the last change until a previewed plan is computed in full (s).
 const REST: f64 = 0.3;
-/// How long the whole path takes while it is played (s).
+/// Duration of playing the whole path (s).
 const WAY: f64 = 8.0;
 
-/// Where the view is to go.
+/// Target of a flight of the view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fly {
     /// Onto the surface, from the cutter's side.
     Onto,
-    /// Square to the surface.
+    /// Perpendicular to the surface.
     Square,
     /// To a place (mm).
     Place(DVec3),
 }
 
-/// What is known of the present flank.
+/// State of the shown result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
-    /// Nothing is known.
+    /// There is no result.
     Nothing,
-    /// A quick look.
+    /// A preview.
     Sketch,
     /// The plan of other parameters.
     Stale,
@@ -54,44 +54,44 @@ pub enum Standing {
 pub enum Tab {
     /// Sum of deviations over the rank.
     Ranks,
-    /// Deviations along the guides, and where the cutter stands.
+    /// Deviations along the guides, with the position of the cutter.
     Deviation,
     /// The machine's axes.
     Machine,
 }
 
-/// The flank, what was made of it, and how it is looked at.
+/// The flank, the results made from it, and how they are shown.
 pub struct FlankDesk {
-    /// Whether the panel on the left is there, or folded away.
+    /// Whether the panel on the left is open.
     pub shows_panel: bool,
-    /// Whether the panel of results is there, where it has one of its own.
+    /// Whether the panel of results is open, where the results have their own panel.
     pub shows_list: bool,
-    /// Whether the panel on the left shows the results, where they have no panel of their own.
+    /// Whether the panel on the left shows the results, where these have no panel of their own.
     pub shows_figures: bool,
-    /// Whether plots are shown where the window is too low for them and the view.
+    /// Whether plots are shown in a window too low for both plots and view.
     pub shows_plots: bool,
     /// The flank.
     pub document: Document<FlankDocument>,
-    /// The parameters that were followed last.
+    /// Parameters of the last frame.
     followed: FlankDocument,
     gesture: Gesture,
     /// Results computed from the flank.
     pub work: FlankWork,
-    /// Whether the plan follows a change by itself, once there was one.
+    /// Whether a change starts a new plan, once there is one.
     pub follows: bool,
-    /// The path that is shown.
+    /// Path that is shown.
     pub path: PathChoice,
     /// Whether all three paths are shown, side by side.
     pub is_side_by_side: bool,
-    /// Whether deviations are those of the moving cutter.
+    /// Whether the deviations shown are those of the swept envelope.
     pub is_moving: bool,
-    /// Whether the cutter is shown, at one path and at paths side by side, whose maps it covers.
+    /// Whether the cutter is shown: for one path, and for paths side by side, whose maps it covers.
     shows_cutters: [bool; 2],
     /// Whether the surface that the cutter's axis sweeps is shown.
     pub shows_axis: bool,
     /// Whether rulings are drawn.
     pub shows_rulings: bool,
-    /// Where on the path the cutter stands, 0 to 1.
+    /// Position of the cutter on the path, 0 to 1.
     pub t: f64,
     /// Whether the motion is played.
     pub is_playing: bool,
@@ -101,34 +101,34 @@ pub struct FlankDesk {
     pub rank: Option<usize>,
     /// Whether limits are drawn where they are in the plots of the machine.
     pub shows_limits: bool,
-    /// The place that is pointed at (mm).
+    /// Place under the pointer (mm).
     pub place: Option<DVec3>,
-    /// Where the view is to go.
+    /// Target of the next flight of the view.
     pub fly: Option<Fly>,
     /// The files that are written.
     pub choice: ExportChoice,
-    /// Names and titles of the machines that there are.
+    /// Names and titles of the available machines.
     pub machines: Vec<[String; 2]>,
-    /// Files that had changed since they were read when an export was last asked for.
+    /// Files that had changed since they were read, when an export was last asked for.
     pub changed_files: Vec<PathBuf>,
-    /// The lower guide of two, until the upper one is named.
+    /// The lower guide, until the upper one is named.
     pub first_guide: Option<PathBuf>,
-    /// How often the flank was changed.
+    /// Number of changes of the flank.
     revision: u64,
-    /// The machine that was looked up last, and where workpieces stand on it, if there is one of this name.
+    /// The machine looked up last, with the workpiece position in its file, if there is such a machine.
     clamped: (String, Option<Workpiece>),
     /// The time of the last frame (s).
     now: f64,
-    /// When something was last changed of which the plan is not known.
+    /// Time of the last change without a plan.
     edited: Option<f64>,
     shown: Option<Arc<Planned>>,
-    /// The surface that the view has flown onto.
+    /// Surface that the view has flown to.
     looked_at: Option<FlankSource>,
     standing: Standing,
 }
 
 impl FlankDesk {
-    /// The workspace with a surface that comes with the program.
+    /// The state with a built-in surface.
     pub fn new(scheduler: &Scheduler) -> Self {
         Self {
             shows_panel: true,
@@ -177,7 +177,7 @@ impl FlankDesk {
         self.document.params()
     }
 
-    /// Takes `document` in the place of the present one.
+    /// Replaces the document.
     pub fn replace(&mut self, document: Document<FlankDocument>) {
         if self.params().source == document.params().source {
             self.work.reload();
@@ -192,7 +192,7 @@ impl FlankDesk {
         self.work.forget_sketch();
     }
 
-    /// Project file of the document, or else a file that the surface is made from.
+    /// Project file of the document, or a file of its surface.
     pub fn file(&self) -> Option<&Path> {
         let source = match &self.params().source {
             FlankSource::Demonstration { .. } => None,
@@ -203,7 +203,7 @@ impl FlankDesk {
         self.document.file().or(source)
     }
 
-    /// Takes other parameters. While they go on changing they are looked at quickly.
+    /// Changes the parameters. While they go on changing they are previewed.
     pub fn edit(&mut self, mut params: FlankDocument) {
         let label = fields::change(self.params(), &params);
         params.cutter.forget_stale_name(&self.params().cutter);
@@ -211,7 +211,7 @@ impl FlankDesk {
         self.follow_params();
     }
 
-    /// Takes in that the parameters have changed.
+    /// Notes a change of the parameters.
     fn follow_params(&mut self) {
         let params = self.document.params();
         if *params == self.followed {
@@ -230,47 +230,47 @@ impl FlankDesk {
         }
     }
 
-    /// How often the flank was changed, or took another's place.
+    /// Number of changes and replacements of the flank.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Where workpieces stand on the machine as its file says; none without a machine, or with one that cannot be read.
+    /// Position of workpieces on the machine as its file gives it; none without a machine that can be read.
     pub fn workpiece_of_machine(&self) -> Option<&Workpiece> {
         self.clamped.1.as_ref().filter(|_| self.clamped.0 == self.document.params().milling.machine)
     }
 
-    /// How the plan of the present parameters stands.
+    /// State of the plan of the present parameters.
     pub fn state(&self) -> State {
         self.work.state(self.document.params())
     }
 
-    /// Whether a plan can be asked for.
+    /// Whether a plan can be started.
     pub fn can_plan(&self) -> bool {
         self.document.problem().is_none() && self.state() != State::Running
     }
 
-    /// Whether what is shown is the plan of the present parameters.
+    /// Whether the shown result is the plan of the present parameters.
     pub fn is_planned(&self) -> bool {
         self.standing == Standing::Planned
     }
 
-    /// What is known of the present flank.
+    /// State of the shown result.
     pub fn standing(&self) -> Standing {
         self.standing
     }
 
-    /// Begins to plan.
+    /// Starts the plan.
     ///
     /// # Errors
-    /// One line why it cannot be planned.
+    /// One line why the flank cannot be planned.
     pub fn plan(&mut self) -> Result<(), String> {
         self.edited = None;
         self.work.plan(self.document.params())
     }
 
-    /// Takes in what has been made, once a frame; nothing is made of a flank that nobody has looked at (`is_seen`).
-    /// Answers what has happened, and after how long there is something to be done again.
+    /// Takes in finished work, once a frame. Nothing is computed for a flank that nobody has seen (`is_seen`). Returns
+    /// the reports, and the time until the next action.
     pub fn follow(&mut self, hands: Hands, is_seen: bool, now: f64) -> (Vec<WorkEvent>, Option<Duration>) {
         self.now = now;
         self.gesture.follow(hands, &mut self.document);
@@ -285,6 +285,7 @@ impl FlankDesk {
         }
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
         let mut events = self.work.follow(self.document.params(), priority);
+        self.work.files(self.document.params()).iter().for_each(|file| self.document.note_file(file));
         let state = self.state();
         let is_valid = self.document.problem().is_none();
         // While it is planned for the first time the surface is shown at once.
@@ -312,7 +313,7 @@ impl FlankDesk {
         (events, None)
     }
 
-    /// Shows what is known of the present flank.
+    /// Chooses the result to show.
     fn follow_answer(&mut self) {
         let is_planned = self.work.is_planned_of(self.document.params());
         let sketched = self.sketched().and_then(|sketch| sketch.planned.as_ref().ok()).cloned();
@@ -340,7 +341,7 @@ impl FlankDesk {
         }
     }
 
-    /// The plan or the quick look that the present surface is known from, whatever cutter they are of.
+    /// The plan or the preview that gives the present surface, for any cutter.
     pub fn surface_from(&self) -> (Option<&Arc<Planned>>, Option<&Arc<Sketch>>) {
         let is_same = self.work.is_planned_of_surface(self.document.params());
         let planned = self.shown.as_ref().or(self.work.planned().filter(|_| is_same));
@@ -348,12 +349,12 @@ impl FlankDesk {
         (planned, sketch)
     }
 
-    /// What was seen at a glance of the present parameters, or while they are dragged of the last ones.
+    /// The preview of the present parameters, or while they are dragged of the last ones.
     pub fn sketched(&self) -> Option<&Arc<Sketch>> {
         self.work.sketched(self.document.params(), self.gesture.is_holding())
     }
 
-    /// Why there is no path with the present parameters, if that is known.
+    /// Reason why there is no path with the present parameters, if known.
     pub fn why_not(&self) -> Option<String> {
         if let Some(why) = self.document.problem() {
             return Some(fields::FIELDS.in_window(why));
@@ -370,17 +371,18 @@ impl FlankDesk {
         self.work.sketched(self.document.params(), false).and_then(|sketch| sketch.planned.as_ref().err().cloned())
     }
 
-    /// Where the cutter's side is to be chosen before there can be a path: see [`Sketch::open_side`].
+    /// Where the user must choose the side of the cutter before there can be a path: see [`Sketch::open_side`].
     pub fn open_side(&self) -> Option<[DVec3; 2]> {
         self.work.sketched(self.document.params(), false)?.open_side
     }
 
-    /// Has the cutter stand on this side of the surface.
+    /// Sets the side of the cutter.
     pub fn choose_side(&mut self, side: Side) {
         self.edit(FlankDocument { side, ..self.document.params().clone() });
     }
 
-    /// What is shown: the plan of the present parameters, a quick look, or the plan of others; see [`Self::standing`].
+    /// The shown result: the plan of the present parameters, a preview, or the plan of other parameters; see
+    /// [`Self::standing`].
     pub fn planned(&self) -> Option<&Arc<Planned>> {
         self.shown.as_ref()
     }
@@ -400,18 +402,18 @@ impl FlankDesk {
         self.shows_cutters[usize::from(self.is_side_by_side)]
     }
 
-    /// Shows it, or hides it.
+    /// Shows or hides the cutter.
     pub fn toggle_cutter(&mut self) {
         let shows = &mut self.shows_cutters[usize::from(self.is_side_by_side)];
         *shows = !*shows;
     }
 
-    /// Goes to `t` and stays there.
+    /// Moves the cutter to `t` and stops playing.
     pub fn go_to(&mut self, t: f64) {
         (self.t, self.is_playing) = (t.clamp(0.0, 1.0), false);
     }
 
-    /// Moves the cutter one location further, or back.
+    /// Moves the cutter by one location, forwards or backwards.
     pub fn step(&mut self, forward: bool) {
         let places = self.shown_path().map_or(1, |path| path.poses.len().max(2) - 1) as f64;
         let at = self.t * places;
@@ -419,7 +421,7 @@ impl FlankDesk {
         self.go_to(next / places);
     }
 
-    /// Begins to go along, or stops.
+    /// Starts or stops playing.
     pub fn play(&mut self) {
         self.is_playing = !self.is_playing;
         if self.is_playing && self.t >= 1.0 {
@@ -427,7 +429,7 @@ impl FlankDesk {
         }
     }
 
-    /// Goes on by so many seconds, if it is played.
+    /// Advances a playing motion by `seconds`.
     pub fn advance(&mut self, seconds: f64) {
         if self.is_playing {
             self.t = (self.t + seconds / WAY).min(1.0);
@@ -435,7 +437,7 @@ impl FlankDesk {
         }
     }
 
-    /// Points at a place, with the cutter at `t` if that is known, and flies there.
+    /// Marks a place, moves the cutter to `t` if that is known, and flies there.
     pub fn point_at(&mut self, place: DVec3, t: Option<f64>) {
         (self.place, self.fly) = (Some(place), Some(Fly::Place(place)));
         // The checks are of the path that is milled.

@@ -59,7 +59,8 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) -> Option<Answe
         }
         _ if !desk.choice.any() => RichText::new("No file is chosen: nothing would be written.").color(palette(ui).bad),
         _ => {
-            let text = "Files of an earlier path in the folder are removed; those that were changed since are renamed to .old.";
+            let text = "Files of an earlier path in the folder are removed; those that were changed since are renamed \
+                 to .old.";
             RichText::new(text).color(palette(ui).warning)
         }
     };

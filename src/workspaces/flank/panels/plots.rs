@@ -1,5 +1,5 @@
-//! Plots of a flank: the sum of deviations over the rank, deviations along the guides and where the cutter stands, and the
-//! axes of the machine.
+//! Plots of a flank: the sum of deviations over the rank, deviations along the guides and where the cutter stands, and
+//! the axes of the machine.
 
 use crate::workspaces::flank::panels::desk::{FlankDesk, Tab};
 use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};

@@ -43,8 +43,8 @@ pub fn show(ui: &mut Ui, desk: &FlankDesk, form: &mut Form<FlankDocument>) -> Op
     asked
 }
 
-/// Takes another source than that of `before`. Answers what a path is wanted for: what needs files is only taken once they
-/// are named.
+/// Takes another source than that of `before`. Answers what a path is wanted for: what needs files is only taken once
+/// they are named.
 fn take(form: &mut Form<FlankDocument>, before: &FlankDocument) -> Option<FlankPath> {
     let source = form.params().source.clone();
     if source == before.source {

@@ -1,5 +1,6 @@
 //! The report on a planned flank.
 
+use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::document::{
     DemonstrationSurface, FlankDocument, FlankSource, GuideSource, MeshFlank, PathChoice,
 };
@@ -7,7 +8,7 @@ use crate::workspaces::flank::report::{
     AxisEntry, AxisSlowedEntry, CheckEntry, ClearanceEntry, Figures, FitEntry, FlankReport, LocationsEntry,
     MachineEntry, PaperEntry, PathEntry, RanksEntry, SCHEMA, ShortEntry, SlowedEntry, SurfaceEntry,
 };
-use files::Override;
+use files::{Override, ParameterList};
 use flank::fit_ruled::RuledFit;
 use flank::gouge::{Clearance, ToolPart};
 use flank::machine::joint_feed::Slowed;
@@ -16,9 +17,9 @@ use flank::ruled_surface::{RuledSurface, Side};
 use geometry::nurbs::NurbsCurve;
 use nc::flank_job::{FlankResult, Milled, path_of};
 
-/// Places at which lengths are measured.
+/// Number of samples for lengths.
 const LOOKS: usize = 512;
-/// How far a radius may be off the paper's 1 mm to be compared with it (mm).
+/// Greatest difference of a radius from the paper's 1 mm for a comparison (mm).
 const NEAR_MM: f64 = 0.02;
 /// The most points of the curve of an axis.
 const MOST_POINTS: usize = 4000;
@@ -63,13 +64,13 @@ pub fn report(result: &FlankResult, document: &FlankDocument) -> FlankReport {
     }
 }
 
-/// Every parameter; of a mesh that the document holds only what it is called.
-fn parameters(document: &FlankDocument) -> serde_json::Value {
+/// Every parameter. Of a mesh in the document only the size is listed.
+fn parameters(document: &FlankDocument) -> ParameterList {
     let mut document = document.clone();
     if let FlankSource::Mesh(MeshFlank { kept: Some(kept), .. }) = &mut document.source {
         kept.obj = format!("{} bytes", kept.obj.len()).into();
     }
-    serde_json::to_value(&document).unwrap_or_default()
+    FIELDS.list(&document)
 }
 
 /// The answer in a sentence.
@@ -102,7 +103,8 @@ fn leaves(result: &FlankResult) -> String {
     let [nu, nv] = path.deviation.counted_grid();
     let [overcut, undercut] = result.moving_most();
     format!(
-        "The {} path has a total absolute deviation of {:.3} mm over {nu} x {nv} samples, ratio {:.3} to the initial {:.3} mm; swept envelope: overcut up to {:.1} \u{b5}m, undercut up to {:.1} \u{b5}m.",
+        "The {} path has a total absolute deviation of {:.3} mm over {nu} x {nv} samples, ratio {:.3} to the \
+         initial {:.3} mm; swept envelope: overcut up to {:.1} \u{b5}m, undercut up to {:.1} \u{b5}m.",
         result.path.name(),
         path.deviation.sum,
         result.plan.ratio(path),

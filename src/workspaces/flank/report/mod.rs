@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use files::ParameterList;
 use files::report::{PageError, Picture, png_url};
 use flank::cutter::FlankCutter;
 use flank::deviation::Deviation;
@@ -16,20 +17,20 @@ use geometry::nurbs::FitError;
 /// Version of the keys of `flank.json`.
 pub const SCHEMA: u32 = 2;
 
-/// All that a report says of a flank path. Lengths in mm, places in the axes of the surface.
+/// Content of the report on a flank path. Lengths in mm, places in the axes of the surface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FlankReport {
     /// [`SCHEMA`].
     pub schema: u32,
     /// Version of the program.
     pub program_version: &'static str,
-    /// What the flank is called.
+    /// Name of the flank.
     pub name: String,
-    /// The answer in a sentence.
+    /// The result in a sentence.
     pub sentence: String,
     /// Whether every check holds.
     pub holds: bool,
-    /// Why no path was exported; none if it was, or may be.
+    /// Reason why no path was exported; none if there is no obstacle.
     pub blocked: Option<String>,
     /// The surface.
     pub surface: SurfaceEntry,
@@ -39,25 +40,25 @@ pub struct FlankReport {
     pub grid: [usize; 2],
     /// The first locations.
     pub locations: LocationsEntry,
-    /// Greatest overcut and undercut (mm) of the path that is milled as the cutter moves, on `grid` or on that of the checks,
-    /// whichever is worse.
+    /// Greatest overcut and undercut (mm) of the path that is milled as the cutter moves, on `grid` or on that of the
+    /// checks, whichever is worse.
     pub moving_most_mm: [f64; 2],
     /// The initial path, that of the best rank, the refined one.
     pub paths: Vec<PathEntry>,
-    /// What the paper's method left, on its own grids.
+    /// Ratios of the paper's method, on its own grids.
     pub paper: PaperEntry,
     /// Sums over ranks.
     pub ranks: RanksEntry,
-    /// What was checked of the path that is milled.
+    /// Checks of the path that is milled.
     pub checks: Vec<CheckEntry>,
     /// Clearances of the path that is milled.
     pub clearances: Vec<ClearanceEntry>,
     /// Positions of the path on the machine; none without a machine.
     pub machine: Option<MachineEntry>,
-    /// What the reader must know.
+    /// Warnings.
     pub warnings: Vec<String>,
     /// Every parameter, defaults included.
-    pub parameters: serde_json::Value,
+    pub parameters: ParameterList,
 }
 
 /// A surface.
@@ -90,7 +91,7 @@ pub struct FitEntry {
     pub error_corners: FitError,
     /// Place of the greatest distance (mm).
     pub worst: [f64; 3],
-    /// How far the triangles may be off a smooth surface (mm).
+    /// Greatest distance of the triangles from a smooth surface (mm).
     pub chord_mm: f64,
     /// The fit in words.
     pub words: Vec<String>,
@@ -101,15 +102,15 @@ pub struct FitEntry {
 pub struct LocationsEntry {
     /// Number of locations.
     pub count: usize,
-    /// Locations that touch the surface as they were asked to.
+    /// Locations with all required contacts.
     pub touching: usize,
-    /// Locations put where they come nearest to touching the surface.
+    /// Locations without all required contacts, placed nearest to them.
     pub nearest: usize,
     /// u of the first and of the last contact on the lower guide.
     pub u0_range: [f64; 2],
     /// Control points of each of the two curves through them.
     pub control_points: usize,
-    /// Control points that were asked for: around a ring there may be more.
+    /// Requested control points; around a ring there may be more.
     pub control_points_asked: usize,
     /// Greatest distance of these curves from the locations (mm).
     pub fit_mm: f64,
@@ -225,7 +226,7 @@ pub struct CheckEntry {
     pub lapsed: Option<String>,
 }
 
-/// Where a part of the tool is nearest to a wall.
+/// Least distance of a part of the tool from a wall.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ClearanceEntry {
     /// The part.
@@ -253,20 +254,20 @@ pub struct MachineEntry {
     pub deviation_mm: f64,
     /// Time (min).
     pub minutes: f64,
-    /// Moves that are slower than asked for; none if all have the feed that was asked for.
+    /// Moves slower than the requested feed; none if all have it.
     pub slowed: Option<SlowedEntry>,
-    /// Where the pole is passed.
+    /// Places where the pole is passed.
     pub singular: Vec<String>,
     /// Axes of the machine over time.
     pub axes: Vec<AxisEntry>,
 }
 
-/// Moves that are slower than asked for.
+/// Moves slower than the requested feed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SlowedEntry {
     /// Number of slowed moves, for whichever reason.
     pub moves: usize,
-    /// The least share of the feed that is left.
+    /// Least share of the feed that remains.
     pub least_share: f64,
     /// Moves where an axis would be too fast.
     pub for_axes: Option<AxisSlowedEntry>,
@@ -279,9 +280,9 @@ pub struct SlowedEntry {
 pub struct AxisSlowedEntry {
     /// Number of moves.
     pub moves: usize,
-    /// The least share of the feed that the axes leave.
+    /// Least share of the feed that the axes allow.
     pub least_share: f64,
-    /// The axis that leaves it.
+    /// Axis that limits the feed most.
     pub axis: char,
 }
 
@@ -290,7 +291,7 @@ pub struct AxisSlowedEntry {
 pub struct ShortEntry {
     /// Number of moves.
     pub moves: usize,
-    /// The least share of their speed that is left.
+    /// Least share of their speed that remains.
     pub least_share: f64,
 }
 

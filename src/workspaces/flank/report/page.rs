@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::workspaces::flank::report::{AxisEntry, DeviationMaps, FlankReport, PathEntry};
+use files::Entry;
 use files::report::plot::{Plot, Series};
 use files::report::{PageError, Template, number};
 use flank::plan::WITHIN_ROUNDING;
@@ -16,6 +17,7 @@ pub(super) fn page(report: &FlankReport, maps: &DeviationMaps) -> Result<String,
     #[derive(Serialize)]
     struct Page<'a> {
         report: &'a FlankReport,
+        parameters: &'a [Entry],
         /// The path that is milled.
         milled: Option<&'a PathEntry>,
         /// Stands for the share of an initial sum that is nothing but rounding.
@@ -29,6 +31,7 @@ pub(super) fn page(report: &FlankReport, maps: &DeviationMaps) -> Result<String,
     let axes = report.machine.iter().flat_map(|machine| machine.axes.iter().enumerate());
     let page = Page {
         report,
+        parameters: &report.parameters.entries,
         milled: report.milled(),
         within_rounding: WITHIN_ROUNDING,
         maps,

@@ -1,13 +1,13 @@
-//! Curves over a flank's path for plots: made where the work is done and not where they are shown.
+//! Curves over a flank's path for plots, computed in the background.
 
 use flank::deviation::Deviation;
 use flank::machine::tool_path::Section;
 use nc::flank_job::FlankResult;
 
-/// How far a path is off along the guides: for each u the least, the greatest and the mean absolute deviation over v.
+/// Deviations of a path along the guides: for each u the least, the greatest and the mean absolute deviation over v.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Profile {
-    /// Along the guides.
+    /// Parameter u along the guides.
     pub u: Vec<f64>,
     /// Least deviation (mm).
     pub least: Vec<f64>,
@@ -39,7 +39,7 @@ pub struct AxisCurve {
     pub letter: char,
     /// "mm" or "deg".
     pub unit: &'static str,
-    /// Values of the axis: of X, Y, Z where the spindle nose is in machine coordinates, which is what is limited.
+    /// Values of the axis; for X, Y, Z those of the spindle nose in machine coordinates, which the limits hold for.
     pub values: Vec<f64>,
     /// Limits of the axis.
     pub limits: [f64; 2],
@@ -51,7 +51,7 @@ impl AxisCurve {
         self.values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(*v), b.max(*v)])
     }
 
-    /// How far it stays from the nearer limit.
+    /// Distance to the nearer limit.
     pub fn room(&self) -> f64 {
         let ([least, greatest], [from, to]) = (self.range(), self.limits);
         (least - from).min(to - greatest)
@@ -61,11 +61,11 @@ impl AxisCurve {
 /// The axes of a machine over the cut.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MachineCurves {
-    /// The path's own parameter at each position.
+    /// Path parameter of each position.
     pub t: Vec<f64>,
     /// X, Y, Z and both rotary axes.
     pub axes: Vec<AxisCurve>,
-    /// Where the machine's pole is passed closely, and what is said of that.
+    /// Places where the path passes near the machine's pole, with a sentence on each.
     pub singular: Vec<(f64, String)>,
     /// Time from the first position to the last (min).
     pub minutes: f64,

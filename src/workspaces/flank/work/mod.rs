@@ -1,5 +1,4 @@
-//! The work on a flank behind the window: what its files hold, a quick look while something is changed, the plan, and
-//! its files.
+//! The background work on a flank: reading its files, previews, the plan, and the export.
 
 mod curves;
 mod stamps;
@@ -10,7 +9,7 @@ mod tests;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use files::Validate;
+use files::{PartFile, Validate};
 use task::{Doing, Lane, Memo, Priority, Scheduler, State, Task};
 
 use stamps::Stamp;
@@ -153,6 +152,12 @@ impl FlankWork {
     fn stamps(&self, document: &FlankDocument) -> impl Iterator<Item = &Stamp> {
         let source = self.loaded(document).into_iter().flat_map(|loaded| &loaded.stamps);
         source.chain(self.walls(document).into_iter().map(|walls| &walls.stamp))
+    }
+
+    /// The files of `document` with what they held when they were read.
+    pub fn files(&self, document: &FlankDocument) -> Vec<PartFile> {
+        let source = self.loaded(document).into_iter().flat_map(|loaded| &loaded.files);
+        source.chain(self.walls(document).and_then(|walls| walls.file.as_ref())).cloned().collect()
     }
 
     /// Reads all files again.
@@ -307,7 +312,8 @@ impl FlankWork {
         self.stamps(document).filter_map(Stamp::changed).map(Path::to_owned).collect()
     }
 
-    /// Writes the files of the plan into `folder`: of one of which a check fails that is not overridden only the report.
+    /// Writes the files of the plan into `folder`: of one of which a check fails that is not overridden only the
+    /// report.
     ///
     /// # Errors
     /// One line if there is no plan of `document`.

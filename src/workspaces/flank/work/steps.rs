@@ -1,4 +1,4 @@
-//! The steps of the work on a flank, each a function of what it is given.
+//! The steps of the work on a flank, pure functions of their inputs.
 
 use std::sync::Arc;
 
@@ -10,7 +10,8 @@ use crate::workspaces::flank::document::{FlankDocument, FlankSource, PathChoice,
 use crate::workspaces::flank::inputs;
 use crate::workspaces::flank::inputs::{FromFile, input, load_machine, load_surface};
 use crate::workspaces::flank::scene::{FlankShapes, FlankSurface};
-use files::user_folder::user_folder;
+use files::PartFile;
+use files::paths::user_folder;
 use flank::FlankError;
 use flank::params::FlankParams;
 use flank::ruled_surface::Side;
@@ -20,24 +21,26 @@ use nc::flank_job::{FlankInput, FlankJobError, FlankResult, LoadedSurface, flank
 use render::mesh::RenderMesh;
 use task::{Cancel, Task};
 
-/// Places of the grid of a quick look, and its most rounds of refinement.
+/// Grid of a preview, and its greatest number of iterations.
 const SKETCH_GRID: [usize; 2] = [34, 18];
 const SKETCH_ROUNDS: usize = 8;
 
-/// What a surface is made of, as loaded.
+/// The surface of a flank, as loaded.
 #[derive(Debug)]
 pub struct LoadedFlank {
     /// The surface.
     pub surface: LoadedSurface,
-    /// The part that it is a face of, for the screen.
+    /// The part with the face, for the screen.
     pub part: Option<Arc<RenderMesh>>,
+    /// The surface's files as they were read.
+    pub files: Vec<PartFile>,
     /// Stamps of the surface's files as they were read.
     pub(super) stamps: Vec<Stamp>,
-    /// What its file leaves in doubt, in words.
+    /// Doubts about its file, in words.
     pub doubts: Vec<String>,
 }
 
-/// What is said of a file, with what it leaves in doubt.
+/// A sentence on a file, with the doubts about it.
 fn with_doubts(text: String, doubts: &[String]) -> String {
     std::iter::once(text).chain(doubts.iter().cloned()).collect::<Vec<_>>().join("; ")
 }
@@ -62,9 +65,11 @@ pub struct LoadedWalls {
     pub mesh: Arc<Mesh>,
     /// Shape of the walls for the screen.
     pub shape: Arc<RenderMesh>,
+    /// The walls' file as it was read.
+    pub file: Option<PartFile>,
     /// Stamp of the walls' file as it was read.
     pub(super) stamp: Stamp,
-    /// What their file leaves in doubt, in words.
+    /// Doubts about their file, in words.
     pub doubts: Vec<String>,
 }
 
@@ -74,7 +79,7 @@ impl LoadedWalls {
     }
 }
 
-/// A planned flank with all that is shown of it.
+/// A planned flank, with its shapes and curves.
 #[derive(Debug)]
 pub struct Planned {
     /// The planned flank.
@@ -95,7 +100,7 @@ impl Planned {
         Self { machine: MachineCurves::of(&result), shapes, profiles, result }
     }
 
-    /// What came out, in a sentence.
+    /// The result in a sentence.
     pub fn sentence(&self) -> String {
         let plan = &self.result.plan;
         let sums = PathChoice::ALL.map(|path| nc::flank_job::path_of(plan, path).deviation.sum);
@@ -116,19 +121,19 @@ impl Planned {
     }
 }
 
-/// What was seen at a glance.
+/// A preview of a flank.
 #[derive(Debug)]
 pub struct Sketch {
     /// The surface, if there is one.
     pub surface: Option<FlankSurface>,
-    /// A plan on a coarse grid, or why there is none.
+    /// A plan on a coarse grid, or the reason why there is none.
     pub planned: Result<Arc<Planned>, String>,
-    /// Where the side of the cutter is still to be chosen: a place of the surface, and the unit vector to its positive
-    /// side there.
+    /// A place of the surface with the unit vector to its positive side, where the user must choose the side of the
+    /// cutter.
     pub open_side: Option<[DVec3; 2]>,
 }
 
-/// Reads what a surface is made of.
+/// Reads the surface of `source`.
 ///
 /// # Errors
 /// One line naming file, place and remedy.
@@ -140,7 +145,8 @@ pub(super) fn load(source: &FlankSource, task: &Task) -> Result<LoadedFlank, Str
         LoadedSurface::Guides { .. } => None,
         LoadedSurface::Face { mesh, .. } => Some(Arc::new(RenderMesh::new(mesh))),
     };
-    Ok(LoadedFlank { surface, part, doubts, stamps })
+    let files = stamps.iter().filter_map(Stamp::part_file).collect();
+    Ok(LoadedFlank { surface, part, files, doubts, stamps })
 }
 
 /// Reads walls.
@@ -152,7 +158,7 @@ pub(super) fn load_walls(walls: &WallsFile, unit: Unit, task: &Task) -> Result<L
     let found = inputs::load_walls(walls, unit, task).map_err(|e| e.to_string())?;
     let FromFile { value: mesh, doubts } = found;
     let shape = Arc::new(RenderMesh::new(&mesh));
-    Ok(LoadedWalls { mesh, shape, doubts, stamp })
+    Ok(LoadedWalls { mesh, shape, doubts, file: stamp.part_file(), stamp })
 }
 
 /// Plans.
@@ -171,7 +177,7 @@ pub(super) fn plan(
     Ok(Planned::of(result))
 }
 
-/// Looks quickly: on a coarse grid, with few rounds, without walls and machine.
+/// Computes a preview: on a coarse grid, with few iterations, without walls and machine.
 pub(super) fn sketch(document: &FlankDocument, loaded: LoadedSurface, cancel: &Cancel) -> Sketch {
     let least =
         FlankParams { grid: SKETCH_GRID, rounds: document.plan.rounds.min(SKETCH_ROUNDS), ..document.plan.clone() };

@@ -1,4 +1,4 @@
-//! Every parameter of a mold, as forms, steps that can be undone, messages and the command line see it.
+//! Every parameter of a mold. Forms, `--set`, reports and the names of steps of undo are made from this table.
 
 use super::MoldParams;
 use files::{Field, FieldTable, Group, Variant, When, Word, word};
@@ -77,7 +77,7 @@ const CUTTER: &[Field] = &[
 const NEW_CUTTER: &str = "{ diameter_mm = 2.0 }";
 const CUTTERS: &str = "The cutters, of which a region is uncut where none reaches. A new one is flat.";
 
-/// The cutters that others are compared with.
+/// The other cutters of the comparison.
 pub static LIBRARY: FieldTable<CutterLibrary> = FieldTable::new(&[Group {
     section: "",
     name: "",
@@ -110,9 +110,17 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
         section: "Electrodes",
         name: "Stages",
         is_folded: false,
-        fields: &[Field::rows("electrodes.stages", "Stages", STAGE, "{ name = \"rough\", gap_mm = 0.25, finish_vdi = 32.0 }")
-            .first()
-            .help("The burns that a place goes through, each with an electrode of its own size. A new one is a roughing stage.")],
+        fields: &[Field::rows(
+            "electrodes.stages",
+            "Stages",
+            STAGE,
+            "{ name = \"rough\", gap_mm = 0.25, finish_vdi = 32.0 }",
+        )
+        .first()
+        .help(
+            "The burns that a place goes through, each with an electrode of its own size. A new one is a \
+             roughing stage.",
+        )],
     },
     Group {
         section: "Electrodes",
@@ -131,9 +139,10 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
             Field::number("electrodes.least_size_mm", "Least size", "mm", 0.0, 1000.0)
                 .step(0.05)
                 .help("Least width of a part; a region is not divided into narrower ones."),
-            Field::number("electrodes.tolerance_mm", "Allowed rest", "mm", 1e-4, 1.0)
-                .step(0.001)
-                .help("Residual stock allowed across the surface, beyond what the spark gap's radius leaves in corners."),
+            Field::number("electrodes.tolerance_mm", "Allowed rest", "mm", 1e-4, 1.0).step(0.001).help(
+                "Residual stock allowed across the surface, beyond what the spark gap's radius leaves in \
+                 corners.",
+            ),
         ],
     },
     Group {
@@ -188,8 +197,10 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
         fields: &[
             Field::numbers("electrodes.blanks.sides_mm", "Sides", "mm", 1e-3, 1e4)
                 .help("Sides of rectangular blanks, rising."),
-            Field::numbers("electrodes.blanks.diameters_mm", "Diameters", "mm", 1e-3, 1e4)
-                .help("Diameters of round blanks, rising; used where a round blank is smaller than the rectangular one."),
+            Field::numbers("electrodes.blanks.diameters_mm", "Diameters", "mm", 1e-3, 1e4).help(
+                "Diameters of round blanks, rising; used where a round blank is smaller than the rectangular \
+                 one.",
+            ),
             Field::number("electrodes.blanks.increment_mm", "Increment", "mm", 0.1, 100.0)
                 .step(0.05)
                 .help("Lengths, and sides beyond the largest, are rounded up to this."),
@@ -199,8 +210,13 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
         section: "Electrodes",
         name: "Holders",
         is_folded: true,
-        fields: &[Field::rows("electrodes.holders", "Holders", HOLDER, "{ name = \"holder\", size_mm = [30.0, 30.0], height_mm = 20.0 }")
-            .help("The holders, of which the first that is large enough is taken.")],
+        fields: &[Field::rows(
+            "electrodes.holders",
+            "Holders",
+            HOLDER,
+            "{ name = \"holder\", size_mm = [30.0, 30.0], height_mm = 20.0 }",
+        )
+        .help("The holders, of which the first that is large enough is taken.")],
     },
     Group {
         section: "Electrodes",
@@ -234,7 +250,7 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
     },
 ]);
 
-/// What makes `now` another than `before`, as a step that can be undone is called.
+/// Name of the step from `before` to `now`, for undo.
 pub fn change(before: &MoldParams, now: &MoldParams) -> String {
     let (old, new) = (&before.electrodes, &now.electrodes);
     if new.edits.len() < old.edits.len() {

@@ -7,13 +7,13 @@ use serde::{Deserialize, Serialize};
 use files::{FileError, Invalid, TomlFile, Validate};
 use mold::electrode::params::{ElectrodeParams, Holder};
 
-/// The list that the program brings along, with remarks: to be copied and changed.
+/// The built-in list with comments, to be copied and changed.
 pub const STANDARD_HOLDERS: &str = include_str!("../../../../assets/holders.toml");
-/// What a user's own list is called in the user's folder.
+/// Name of the user's list in the user's folder.
 pub const HOLDERS_FILE_NAME: &str = "holders.toml";
-/// The folder beside it with a file for each supplier.
+/// Name of the folder beside it, with a file for each supplier.
 pub const SUPPLIERS_FOLDER: &str = "holders";
-/// The most files of suppliers.
+/// Greatest number of suppliers' files.
 const MOST_SUPPLIERS: usize = 256;
 
 /// A file of holders: a list `[[holder]]` with the keys of [`Holder`].
@@ -43,9 +43,9 @@ impl Validate for HolderLibrary {
     }
 }
 
-/// A user's holders: `holders.toml` in `user_folder` in its order, and those of each file `holders/SUPPLIER.toml` there,
-/// called `SUPPLIER: name`. Where there are suppliers, all are put in order of size, so that the first that is large enough
-/// is the smallest. Without any such file, those that the program brings along.
+/// The user's holders: those of `holders.toml` in `user_folder` in their order, and those of each file
+/// `holders/SUPPLIER.toml`, named `SUPPLIER: name`. If there are suppliers, all holders are sorted by size, so that the
+/// first large enough is the smallest. Without any file, the built-in holders.
 ///
 /// # Errors
 /// [`FileError`], also where two holders would have the same name.

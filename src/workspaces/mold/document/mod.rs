@@ -1,4 +1,4 @@
-//! What a user chooses for a mold.
+//! The parameters of a mold.
 
 pub mod cutter_file;
 pub mod fields;
@@ -18,7 +18,7 @@ use mold::electrode::params::ElectrodeParams;
 use mold::layers::LayerSettings;
 use mold::opening::Opening;
 
-/// A mold and the question about it.
+/// Parameters of a mold.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MoldParams {
@@ -26,22 +26,21 @@ pub struct MoldParams {
     pub mesh: Option<PathBuf>,
     /// Unit of the mesh.
     pub units: Units,
-    /// The part that everything was decided for: the digest of its file and the unit it was read in, as they were when
-    /// it was read last. None before that.
+    /// The part that decisions were made for: the digest of its file and the unit, as read last. None before that.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub part: Option<String>,
-    /// The direction in which its opening looks, in the axes of the mesh.
+    /// Opening direction, in the axes of the mesh.
     pub opening: Opening,
     /// Thickness of the residue, across the mold's surface, up to which it counts as cut (mm).
     pub tolerance_mm: f64,
-    /// Step of the height map (mm); none for as fine as it has to be and can be.
+    /// Step of the height map (mm); none to choose it automatically.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid_step_mm: Option<f64>,
-    /// How finely the mold is cut into layers.
+    /// Settings of the layers.
     pub layers: LayerSettings,
     /// The cutters.
     pub library: CutterLibrary,
-    /// What is asked of electrodes for what they leave. Without holders these are those of the user's library.
+    /// Parameters of electrodes. If there are no holders, those of the user's library are used.
     pub electrodes: ElectrodeParams,
 }
 
@@ -95,7 +94,7 @@ impl Params for MoldParams {
 }
 
 impl MoldParams {
-    /// What is asked of the cutters.
+    /// Parameters of the search for uncut regions.
     pub fn uncut(&self) -> UncutParams {
         UncutParams {
             library: self.library.clone(),
@@ -106,8 +105,8 @@ impl MoldParams {
         }
     }
 
-    /// Parameters without what was decided for one part only: where it opens to, how its regions are divided and burned,
-    /// which of its electrodes are exported although a check fails, and what they are called.
+    /// The parameters without decisions for one part: opening direction, division and burn directions of regions,
+    /// overrides, and names of electrodes.
     pub fn undecided(&self) -> Self {
         let (edits, overrides, names) = (Vec::new(), Vec::new(), Vec::new());
         let electrodes = ElectrodeParams { edits, overrides, names, ..self.electrodes.clone() };
@@ -122,7 +121,7 @@ impl MoldParams {
     }
 }
 
-/// What tells a part from any other: the digest of its file, and the unit that it was read in.
+/// Digest of a part: digest of its file, and the unit that it was read in.
 pub fn part_of(imported: &Imported) -> String {
     format!("{} {}", imported.sha256, imported.report.unit.name())
 }

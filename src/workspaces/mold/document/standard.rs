@@ -1,4 +1,4 @@
-//! Where a mold begins: the user's standard, as a project without a mesh.
+//! Parameters of a new mold: the user's standard, a project without a mesh.
 
 use std::path::Path;
 
@@ -6,13 +6,13 @@ use super::MoldParams;
 use super::holder_files::load_holders;
 use files::{Document, FileError};
 
-/// The project that says what holds without one, with remarks: to be copied and changed.
+/// The built-in standard with comments, to be copied and changed.
 pub const STANDARD: &str = include_str!("../../../../assets/mold.sparkpath");
-/// What a user's standard is called in the user's folder.
+/// Name of the user's standard in the user's folder.
 pub const STANDARD_FILE: &str = "mold.sparkpath";
 
-/// Where a mold begins: `mold.sparkpath` in `user_folder` if it is there, without its mesh and what was decided for that;
-/// else what holds without a file. Where it names no holder they are those of [`load_holders`].
+/// Parameters of a new mold: `mold.sparkpath` in `user_folder` if it exists, without its mesh and decisions for that;
+/// else the built-in standard. Without holders it gets those of [`load_holders`].
 ///
 /// # Errors
 /// [`FileError`].
@@ -28,7 +28,7 @@ pub fn standard_mold(user_folder: Option<&Path>) -> Result<MoldParams, FileError
     with_holders(params, user_folder)
 }
 
-/// The parameters in a project. Where it names no holder they are those of [`load_holders`].
+/// The parameters in a project. Without holders they get those of [`load_holders`].
 ///
 /// # Errors
 /// [`FileError`].
@@ -36,7 +36,7 @@ pub fn open_mold(project: &Path, user_folder: Option<&Path>) -> Result<MoldParam
     with_holders(Document::<MoldParams>::open(project)?.params().clone(), user_folder)
 }
 
-/// The parameters with the user's holders if they name none.
+/// The parameters with the user's holders, if they name none.
 fn with_holders(mut params: MoldParams, user_folder: Option<&Path>) -> Result<MoldParams, FileError> {
     if params.electrodes.holders.is_empty() {
         params.electrodes.holders = load_holders(user_folder)?;

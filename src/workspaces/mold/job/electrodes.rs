@@ -30,7 +30,8 @@ pub enum ElectrodesError {
     Electrode(#[from] ElectrodeError),
     /// A mold that does not enclose anything.
     #[error(
-        "electrodes need a closed mold: this one has {0} open edges; repair it first, or import it with its holes closed"
+        "electrodes need a closed mold: this one has {0} open edges; repair it first, or import it with its holes \
+         closed"
     )]
     Open(usize),
 }

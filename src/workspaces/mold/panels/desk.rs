@@ -1,4 +1,4 @@
-//! The state of the workspace: the question, the answer, and how it is looked at.
+//! The state of the workspace: the mold, the results, and how they are shown.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -22,9 +22,10 @@ use mold::electrode::params::GivenName;
 use mold::uncut_region::UncutRegion;
 use task::{Priority, Scheduler, State};
 
-/// How long nothing may change before what was seen at a glance is found exactly.
+/// Delay after the last change until a preview is followed by the exact result (s).
 const REST: f64 = 0.3;
-/// How long nothing may change before electrodes are made again (s): a user who changes one setting often changes another.
+/// Delay after the last change until electrodes are made again (s): a user who changes one setting often changes
+/// another.
 const REST_OF_DESIGN: f64 = 1.2;
 
 /// A column of the list.
@@ -42,7 +43,7 @@ impl Column {
     /// All columns.
     pub const ALL: [Self; 5] = [Self::Index, Self::Volume, Self::Area, Self::Height, Self::Nearest];
 
-    /// What a region, which is number `i`, is sorted by.
+    /// Sort key of the region number `i`.
     pub fn key(self, region: &UncutRegion, i: usize) -> f64 {
         match self {
             Self::Index => i as f64,
@@ -54,65 +55,65 @@ impl Column {
     }
 }
 
-/// What is asked, what was found, and how it is looked at.
+/// The mold, the results, and how they are shown.
 pub struct MoldDesk {
-    /// Whether the panel on the left is there, or folded away.
+    /// Whether the panel on the left is open.
     pub shows_panel: bool,
-    /// Whether the list of regions or electrodes is there, where it has a panel of its own.
+    /// Whether the list of regions or electrodes is open, where it has its own panel.
     pub shows_list: bool,
-    /// Whether a small window shows the list in the place of the panel on the left.
+    /// Whether a small window shows the list in place of the panel on the left.
     pub shows_list_instead: bool,
-    /// Whether the window is a small one.
+    /// Whether the window is small.
     pub is_small: bool,
-    /// The mold and what is asked about it.
+    /// The mold with its parameters.
     pub document: Document<MoldParams>,
-    /// What has been made of it.
+    /// Results computed from the parameters.
     pub work: MoldWork,
-    /// The region that is selected.
+    /// Region that is selected.
     pub selected: Option<usize>,
-    /// The region that the list was scrolled to.
+    /// Region that the list has scrolled to.
     pub scrolled_to: Option<usize>,
-    /// Whether no other region is shown.
+    /// Whether only the selected region is shown.
     pub isolated: bool,
-    /// What the regions' colours say.
+    /// Meaning of the colours of regions.
     pub colours: RegionColours,
-    /// Whether the mold gives way to what is left on it.
+    /// Whether the mold is shown transparent.
     pub is_faint: bool,
-    /// Whether the faces that look away from the cutters are shown in a colour of their own.
+    /// Whether undercut faces are shown in their own colour.
     pub shows_invert: bool,
-    /// The layer that is looked at.
+    /// Layer that is shown.
     pub layer: Option<usize>,
-    /// What the list is sorted by, and whether the greatest comes first.
+    /// Sort column of the list, and whether the greatest comes first.
     pub sort: (Column, bool),
-    /// Regions of less volume are not shown (mm^3).
+    /// Least volume of regions that are shown (mm^3).
     pub least_volume: f64,
-    /// The cutters that are compared with.
+    /// Other cutters, for the comparison.
     pub other: CutterLibrary,
-    /// Whether only regions are shown of which the other cutters would leave nothing.
+    /// Whether only regions are shown that vanish with the other cutters.
     pub only_vanishing: bool,
-    /// Whether the exact answer follows a change by itself, once there was one, and the electrodes, once they were made.
+    /// Whether a change starts the exact search, once there was a result, and the electrodes, once they were made.
     pub follows: bool,
-    /// The region that the view is to fly to.
+    /// Region that the view flies to next.
     pub fly_to: Option<usize>,
-    /// The parameters that were followed last.
+    /// Parameters of the last frame.
     followed: MoldParams,
     gesture: Gesture,
-    /// Where a mold begins: the user's own standard.
+    /// Parameters of a new mold: the user's own standard.
     standard: MoldParams,
     /// The time of the last frame (s).
     now: f64,
-    /// When something was last changed of which the answer is not known.
+    /// Time of the last change without a result.
     edited: Option<f64>,
-    /// When something was last changed that electrodes depend on, until they are made again.
+    /// Time of the last change that electrodes depend on, until they are made again.
     changed: Option<f64>,
-    /// Electrodes for what is left.
+    /// State of the electrodes.
     pub electrodes: ElectrodeDesk,
-    /// The answer that the present selection belongs to.
+    /// Result that the present selection belongs to.
     shown: Option<Arc<FoundUncut>>,
 }
 
 impl MoldDesk {
-    /// An empty workspace.
+    /// The state without a mold.
     pub fn new(scheduler: &Scheduler) -> Self {
         let electrodes = ElectrodeDesk::default();
         let mut params = MoldParams::default();
@@ -148,7 +149,7 @@ impl MoldDesk {
         }
     }
 
-    /// Shows the panel on the left, or folds it away. A small window has room for it or for the list.
+    /// Opens or folds the panel on the left. A small window shows either the panel or the list.
     pub fn fold_panel(&mut self) {
         if self.is_small && self.shows_list_instead {
             (self.shows_panel, self.shows_list_instead) = (true, false);
@@ -157,8 +158,8 @@ impl MoldDesk {
         }
     }
 
-    /// Takes the standard of molds, and the holders, from the files in the user's folder. What is wrong with them is
-    /// answered, a line each, and then holds as without them.
+    /// Reads the standard of molds and the holders from the user's folder. Returns a line for each error; the built-in
+    /// values are then used.
     pub fn take_user_files(&mut self, folder: &Path) -> Vec<String> {
         let mut wrong = Vec::new();
         match load_holders(Some(folder)) {
@@ -182,8 +183,8 @@ impl MoldDesk {
         self.document.params()
     }
 
-    /// The document of the mold whose mesh is at `mesh`: with the cutters that there are, and nothing that was decided
-    /// for another mold. Where there was none, everything that was chosen, and is still in no file, was chosen for this one.
+    /// A new document for the mesh at `mesh`: with the present cutters, and without decisions for another mold. If
+    /// there was no mold before, unsaved choices are kept for this one.
     pub fn begun(&self, mesh: &Path) -> Document<MoldParams> {
         let params = self.params();
         if params.mesh.is_none() {
@@ -195,7 +196,7 @@ impl MoldDesk {
         Document::new(MoldParams { mesh, library, ..self.standard.clone() })
     }
 
-    /// Takes `document` in the place of the present one.
+    /// Replaces the document.
     pub fn replace(&mut self, document: Document<MoldParams>) {
         self.document = document;
         let holders = &self.electrodes.holders;
@@ -212,15 +213,15 @@ impl MoldDesk {
         (self.is_faint, self.layer, self.least_volume, self.only_vanishing) = (false, None, 0.0, false);
     }
 
-    /// Notes something of the part in the document, which asks for nothing to be made anew.
+    /// Notes a fact about the part in the document, without computing anything anew.
     fn note(&mut self, is_in_file: bool, change: impl FnMut(&mut MoldParams)) {
         self.follow_params();
         self.document.amend(is_in_file, change);
         self.followed = self.params().clone();
     }
 
-    /// Has the parameters belong to the mold that was read. Where they belong to another one, what was decided for that
-    /// is dropped. Answers what there is to be said.
+    /// Ties the parameters to the mold that was read. Decisions for another mold are dropped. Returns the report of
+    /// that.
     fn follow_part(&mut self) -> Option<WorkEvent> {
         let part = self.work.part(self.document.params())?.to_owned();
         let own = self.params().part.clone();
@@ -239,14 +240,14 @@ impl MoldDesk {
         (before != *self.params()).then(|| WorkEvent { kind: EventKind::Refused, text: text.to_owned(), took: None })
     }
 
-    /// Takes other parameters. While they go on changing they are looked at quickly.
+    /// Changes the parameters. While they go on changing they are previewed.
     pub fn edit(&mut self, params: MoldParams) {
         let label = fields::change(self.params(), &params);
         self.document.edit(&label, params, self.gesture.goes_on());
         self.follow_params();
     }
 
-    /// Takes what a form has come to.
+    /// Takes the answer of a form.
     pub fn take(&mut self, answer: Answer<MoldParams>, cx: &mut Context) {
         if let Some(edit) = answer.edit {
             self.edit(edit.params);
@@ -254,7 +255,7 @@ impl MoldDesk {
         answer.said.into_iter().for_each(|said| cx.say_in_passing(said));
     }
 
-    /// Takes in that the parameters have changed.
+    /// Notes a change of the parameters.
     fn follow_params(&mut self) {
         let params = self.document.params();
         if *params == self.followed {
@@ -270,7 +271,7 @@ impl MoldDesk {
         }
     }
 
-    /// How the answer for the present parameters stands.
+    /// State of the result for the present parameters.
     pub fn state(&self) -> State {
         self.work.state(self.document.params())
     }
@@ -279,20 +280,20 @@ impl MoldDesk {
         self.document.problem().map_or(Ok(()), |problem| Err(fields::FIELDS.in_window(problem)))
     }
 
-    /// Begins to look for what is left.
+    /// Starts the search for rest material.
     ///
     /// # Errors
-    /// One line why it cannot be looked for.
+    /// One line why the search cannot start.
     pub fn find(&mut self) -> Result<(), String> {
         self.edited = None;
         self.check()?;
         self.work.find(self.document.params())
     }
 
-    /// Begins to make electrodes for what is left, which is looked for first if it is not known.
+    /// Starts to make electrodes for the rest material, after searching it if needed.
     ///
     /// # Errors
-    /// One line why none can be made.
+    /// One line why electrodes cannot be made.
     pub fn design(&mut self) -> Result<(), String> {
         (self.edited, self.changed) = (None, None);
         self.check()?;
@@ -300,13 +301,13 @@ impl MoldDesk {
         self.work.design(self.document.params())
     }
 
-    /// Stops what runs: none of it begins again by itself.
+    /// Stops all work at the user's wish. None of it begins again by itself.
     pub fn cancel(&mut self) {
         self.electrodes.is_awaited = false;
         self.work.cancel();
     }
 
-    /// How the electrodes for the present parameters stand.
+    /// State of the electrodes for the present parameters.
     pub fn design_state(&self) -> State {
         self.work.design_state(self.document.params())
     }
@@ -316,14 +317,14 @@ impl MoldDesk {
         self.work.is_designed_of(self.document.params())
     }
 
-    /// Takes in what has been made, once a frame. Answers what has happened, and after how long there is something to be
-    /// done again.
+    /// Takes in finished work, once a frame. Returns the reports, and the time until the next action.
     pub fn follow(&mut self, hands: Hands, is_seen: bool, now: f64) -> (Vec<WorkEvent>, Option<Duration>) {
         self.now = now;
         self.gesture.follow(hands, &mut self.document);
         self.follow_params();
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
         let mut events = self.work.follow(self.document.params(), priority);
+        self.work.mold().into_iter().for_each(|mold| self.document.note_file(&mold.file));
         events.extend(self.follow_part());
         self.follow_answer();
         self.electrodes.follow(self.work.designed());
@@ -339,7 +340,7 @@ impl MoldDesk {
         (events, wait)
     }
 
-    /// Keeps the names that electrodes were given: they stay theirs whatever is changed, or taken back.
+    /// Keeps the names of electrodes: a name, once given, stays through changes and undo.
     fn keep_names(&mut self) {
         let Some(made) = self.work.designed().filter(|_| self.is_designed()) else { return };
         let known = &self.params().electrodes.names;
@@ -354,7 +355,7 @@ impl MoldDesk {
         self.note(is_saved, |params| params.electrodes.names.clone_from(&names));
     }
 
-    /// Looks at a change at a glance, and exactly once nothing changes any more. Answers after how long to come back.
+    /// Previews a change, and searches exactly once nothing changes any more. Returns the time until the next action.
     fn find_again(&mut self, hands: Hands) -> Result<Option<Duration>, String> {
         let state = self.state();
         if state == State::Ready {
@@ -371,8 +372,8 @@ impl MoldDesk {
         if wait.is_zero() { self.find().map(|()| None) } else { Ok(Some(wait)) }
     }
 
-    /// Makes electrodes again that are of other parameters, all stages of them, once nothing changes any more and it is
-    /// known what is left. Answers after how long to come back.
+    /// Makes outdated electrodes again, in all stages, once nothing changes any more and the rest material is known.
+    /// Returns the time until the next action.
     fn design_again(&mut self, hands: Hands) -> Result<Option<Duration>, String> {
         let Some(changed) = self.changed else { return Ok(None) };
         let state = self.design_state();
@@ -398,7 +399,7 @@ impl MoldDesk {
         self.work.design(self.document.params()).map(|()| None)
     }
 
-    /// What belongs to another answer is selected no more.
+    /// Clears the selection if it belongs to another result.
     fn follow_answer(&mut self) {
         let now = self.work.found();
         if now.map(Arc::as_ptr) == self.shown.as_ref().map(Arc::as_ptr) {
@@ -423,24 +424,24 @@ impl MoldDesk {
         });
     }
 
-    /// The answer that is shown: of the present parameters or of earlier ones.
+    /// The result that is shown: of the present parameters or of earlier ones.
     pub fn found(&self) -> Option<&Arc<FoundUncut>> {
         self.shown.as_ref()
     }
 
-    /// Label of the answer that is shown if it is out of date.
+    /// Label of the shown result if it is out of date.
     pub fn found_of_others(&self) -> Option<&'static str> {
         let found = self.shown.as_ref().filter(|_| !self.work.is_found_of(self.document.params()))?;
         let is_of_cutters = found.uncut.params.library != self.document.params().library;
         Some(if is_of_cutters { "Out of date (other cutters)" } else { "Out of date" })
     }
 
-    /// What was seen at a glance of the present parameters, or while they are dragged of the last ones.
+    /// The preview of the present parameters, or while they are dragged of the last ones.
     pub fn glanced(&self) -> Option<&Arc<Glance>> {
         self.work.glanced(self.document.params(), self.gesture.is_holding())
     }
 
-    /// The regions that are left.
+    /// Uncut regions.
     pub fn regions(&self) -> &[UncutRegion] {
         self.shown.as_ref().map_or(&[], |found| &found.uncut.regions)
     }
@@ -452,13 +453,13 @@ impl MoldDesk {
         Some(Bounds::of([min, max].map(|p| uncut.params.opening.in_mesh(p))))
     }
 
-    /// The layer that is looked at, and its number.
+    /// The layer that is shown, with its number.
     pub fn layer(&self) -> Option<(&LayerFound, usize)> {
         let number = self.layer?;
         Some((self.shown.as_ref()?.uncut.layers.get(number)?, number))
     }
 
-    /// Begins or ends to look at layers, with the one where most is left.
+    /// Shows layers, beginning with the one that has most rest material, or hides them.
     pub fn toggle_layers(&mut self) {
         let layers = self.shown.as_ref().map_or(&[][..], |found| &found.uncut.layers);
         // Of equals the highest: less of the mold is cut away.
@@ -466,7 +467,7 @@ impl MoldDesk {
         self.layer = if self.layer.is_some() { None } else { fullest };
     }
 
-    /// The numbers of the regions in the list, in its order.
+    /// Numbers of the regions in the order of the list.
     pub fn listed(&self) -> Vec<usize> {
         let regions = self.regions();
         let other = self.work.other().filter(|_| self.only_vanishing);
@@ -491,7 +492,7 @@ impl MoldDesk {
         visible
     }
 
-    /// The cutter that comes nearest to a region, as it is called.
+    /// Name of the best cutter for a region.
     pub fn nearest(&self, region: &UncutRegion) -> String {
         let library = self.shown.as_ref().map(|found| &found.uncut.params.library);
         let cutter = region.nearest_cutter.and_then(|i| library?.cutter.get(i));

@@ -2,12 +2,13 @@
 
 mod page;
 pub mod uncut;
-pub mod uncut_ply;
 
 use serde::Serialize;
 
-use files::Override;
+use crate::workspaces::mold::document::MoldParams;
+use crate::workspaces::mold::document::fields::FIELDS;
 use files::report::PageError;
+use files::{Override, ParameterList};
 use mold::electrode::design::IdleOverride;
 use mold::electrode::design::{Electrode, ElectrodeSet, PartNode, RegionPlan};
 use mold::electrode::params::Edit;
@@ -42,7 +43,7 @@ pub struct ElectrodesReport {
     /// Every region.
     pub regions: Vec<RegionEntry>,
     /// Every parameter, defaults included.
-    pub parameters: serde_json::Value,
+    pub parameters: ParameterList,
 }
 
 /// An electrode that is not exported.
@@ -65,10 +66,14 @@ pub struct IdleEntry {
 
 /// What is counted where there are several stages.
 const MODEL: &str = "A stage leaves a layer for the next one on the whole surface of a region: as thick as the next \
-    one's electrode is larger (the difference of their undersizes), and no less than its stock. It takes what the stages \
-    before it left, down to that layer; the last one takes all the rest, so that the stages together take what the cutters \
-    left. Minutes are those volumes at the removal rate of the stage's finish, and the setting of each burn. Tips on one base \
-    go down together: their burn takes as long as the slowest of them by itself, each at the rate that its own area seen along \
+    one's electrode is larger (the difference of their undersizes), and no less than its stock. It takes what the \
+    stages \
+    before it left, down to that layer; the last one takes all the rest, so that the stages together take what the \
+    cutters \
+    left. Minutes are those volumes at the removal rate of the stage's finish, and the setting of each burn. Tips on \
+    one base \
+    go down together: their burn takes as long as the slowest of them by itself, each at the rate that its own area \
+    seen along \
     the burn allows, and no less than all of them together at the generator's greatest rate.";
 
 /// A region and how it is burned.
@@ -138,7 +143,9 @@ impl ElectrodesReport {
             unmet_edits: set.unmet_edits().into_iter().map(|e| set.params.edits[e].to_string()).collect(),
             model: MODEL,
             regions: set.regions.iter().enumerate().map(|(r, plan)| region(set, r, plan)).collect(),
-            parameters: serde_json::to_value(&set.params).unwrap_or_default(),
+            parameters: FIELDS
+                .list(&MoldParams { electrodes: set.params.clone(), ..MoldParams::default() })
+                .of_table("electrodes"),
             overridden,
             table,
         }

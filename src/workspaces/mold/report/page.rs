@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Serialize;
 
 use crate::workspaces::mold::report::ElectrodesReport;
+use files::Entry;
 use files::report::{PageError, Picture, Template};
 
 /// The page of `report`, with pictures, each a caption and PNG bytes.
@@ -13,6 +14,7 @@ pub(super) fn page(report: &ElectrodesReport, pictures: &[(String, Vec<u8>)]) ->
     #[derive(Serialize)]
     struct Page<'a> {
         report: &'a ElectrodesReport,
+        parameters: &'a [Entry],
         pictures: Vec<Picture>,
         /// Electrodes to make; a body that several stages share is one piece.
         pieces: u32,
@@ -35,6 +37,7 @@ pub(super) fn page(report: &ElectrodesReport, pictures: &[(String, Vec<u8>)]) ->
     };
     let page = Page {
         report,
+        parameters: &report.parameters.entries,
         pictures: pictures.iter().map(picture).collect(),
         pieces: bodies.into_values().fold(0, u32::saturating_add),
         needs_model: stages > 1 || electrodes.iter().flat_map(|e| &e.burns).any(|burn| burn.parts.len() > 1),

@@ -6,6 +6,8 @@ use serde::Serialize;
 
 use crate::workspaces::mold::job::uncut::{Coarser, Found, LayerFound, Uncut};
 use mold::ball_agreement::BallAgreement;
+use mold::opening::Opening;
+use mold::surface::SurfacePiece;
 use mold::uncut_region::UncutRegion;
 
 /// What `uncut.json` holds. Places are in the axes of the mesh.
@@ -149,7 +151,8 @@ impl UncutReport {
         if let Some(AgreementReport { layers, field, field_step_mm }) = &self.agreement {
             let _ = writeln!(
                 text,
-                "Flat cutters by layers: {} regions, {:.3} mm3; by height map, step {field_step_mm:.4} mm: {} regions, {:.3} mm3.",
+                "Flat cutters by layers: {} regions, {:.3} mm3; by height map, step {field_step_mm:.4} mm: {} \
+                 regions, {:.3} mm3.",
                 layers.regions, layers.volume_mm3, field.regions, field.volume_mm3
             );
         }
@@ -158,14 +161,16 @@ impl UncutReport {
             let share = if volume > 0.0 { format!(" ({:.1} %)", 100.0 * off_mm3 / volume) } else { String::new() };
             let _ = writeln!(
                 text,
-                "All cutters by height map, step {step_mm:.4} mm; with step {coarser_step_mm:.4} mm: {} regions, {:.3} mm3. Estimated error of the volume {off_mm3:.3} mm3{share}.",
+                "All cutters by height map, step {step_mm:.4} mm; with step {coarser_step_mm:.4} mm: {} regions, \
+                 {:.3} mm3. Estimated error of the volume {off_mm3:.3} mm3{share}.",
                 coarser.regions, coarser.volume_mm3
             );
         }
         if let Some(BallAgreement { places, median_mm, ninetieth_mm }) = self.ball_agreement {
             let _ = writeln!(
                 text,
-                "Ball cutters, height map against exact search at {places} points: median {median_mm:.4} mm, 90 % within {ninetieth_mm:.4} mm."
+                "Ball cutters, height map against exact search at {places} points: median {median_mm:.4} mm, 90 % \
+                 within {ninetieth_mm:.4} mm."
             );
         }
         if !self.regions.is_empty() {
@@ -183,7 +188,8 @@ impl UncutReport {
             let (height, thickness, faces) = (r.height_mm, r.thickness_mm, r.faces.len());
             let _ = writeln!(
                 text,
-                "{index:>4} {volume:>12.4} {plan:>12.4} {surface:>12.3} {height:>10.3} {thickness:>12.3} {faces:>6}   {:<40} {nearest}",
+                "{index:>4} {volume:>12.4} {plan:>12.4} {surface:>12.3} {height:>10.3} {thickness:>12.3} \
+                 {faces:>6}   {:<40} {nearest}",
                 at.join(" ")
             );
         }
@@ -227,4 +233,55 @@ fn regions(uncut: &Uncut) -> Vec<RegionReport> {
         }
     };
     uncut.regions.iter().enumerate().map(report).collect()
+}
+
+/// The pieces of the surface as PLY, in the axes of the mesh: every corner with the height of what is left above it
+/// (`depth`, mm), every triangle with its region, counted from 1, and the triangle of the mesh that it is of, counted
+/// from 0.
+pub fn surface_as_ply(pieces: &[SurfacePiece], opening: Opening) -> Vec<u8> {
+    let mut bytes = format!(
+        "ply\nformat binary_little_endian 1.0\ncomment sparkpath: what cutters leave uncut, mm\nelement vertex {}\n\
+         property float x\nproperty float y\nproperty float z\nproperty float depth\n\
+         element face {}\nproperty list uchar int vertex_indices\nproperty int region\nproperty int face\nend_header\n",
+        3 * pieces.len(),
+        pieces.len()
+    )
+    .into_bytes();
+    for piece in pieces {
+        for (p, depth) in piece.corners.iter().zip(piece.depth) {
+            let [x, y, z] = opening.in_mesh(*p).as_vec3().to_array();
+            [x, y, z, depth].iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+        }
+    }
+    for (i, piece) in pieces.iter().enumerate() {
+        let first = 3 * i as i32;
+        bytes.push(3);
+        let numbers = [first, first + 1, first + 2, piece.region as i32 + 1, piece.face as i32];
+        numbers.iter().for_each(|v| bytes.extend(v.to_le_bytes()));
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+
+    #[test]
+    fn every_piece_has_its_corners_its_region_and_its_face() {
+        let corners = [DVec3::X, DVec3::Y, DVec3::Z];
+        let pieces = [SurfacePiece { corners, face: 7, region: 2, depth: [0.5, 1.0, 1.5] }];
+        let bytes = surface_as_ply(&pieces, Opening::PlusX);
+        let end = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+        let header = std::str::from_utf8(&bytes[..end]).unwrap();
+        assert!(header.contains("element vertex 3\n") && header.contains("element face 1\n"), "{header}");
+        let body = &bytes[end..];
+        assert_eq!(body.len(), 3 * 16 + 1 + 5 * 4);
+        let vertex: Vec<f32> = body[..16].chunks(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect();
+        let in_mesh = Opening::PlusX.in_mesh(DVec3::X).as_vec3();
+        assert_eq!(vertex, [in_mesh.x, in_mesh.y, in_mesh.z, 0.5]);
+        let numbers: Vec<i32> = body[49..].chunks(4).map(|b| i32::from_le_bytes(b.try_into().unwrap())).collect();
+        assert_eq!((body[48], numbers), (3, vec![0, 1, 2, 3, 7]));
+    }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use crate::widgets::camera::onto_section;
-use crate::widgets::colours::BAD;
+use crate::widgets::theme::BAD;
 use crate::workspaces::mold::scene::region_colour;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
 use mold::electrode::design::{Burn, Electrode, ElectrodeSet};

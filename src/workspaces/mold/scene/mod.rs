@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::widgets::colours::{BAD, STEEL};
+use crate::widgets::theme::{BAD, STEEL};
 use crate::workspaces::mold::scene::electrodes::BurnOf;
 use geometry::mesh::{Mesh, normal_times_two_areas};
 use mold::opening::Opening;
@@ -22,8 +22,8 @@ use render::scene::{Grid, LineSet, Object, ObjectId, Scene, SectionPlane, Surfac
 
 /// Faces that look away from the cutters.
 const INVERT: Colour = Colour::rgb(0x9a, 0x78, 0xb8);
-/// How far before the mold's own surface something is shown on it, in parts of the mold's diagonal, so that the one does
-/// not shine through the other.
+/// How far before the mold's own surface something is shown on it, in parts of the mold's diagonal, so that the one
+/// does not shine through the other.
 const BEFORE: f64 = 3e-4;
 /// How far from a layer the mold is cut, in the same parts: layers lie on horizontal faces, or just below them.
 const OFF: f64 = 1e-6;
@@ -99,8 +99,8 @@ pub fn faces_shape(mesh: &Mesh, faces: &[u32]) -> Option<Arc<RenderMesh>> {
     Some(Arc::new(RenderMesh::new(&lifted(part, before(mesh)))))
 }
 
-/// The colour of region or electrode number `i` from 0. Neighbours in the list differ most, all of them are told apart from one
-/// another as far as there are colours, and none is like what is selected.
+/// The colour of region or electrode number `i` from 0. Neighbours in the list differ most, all of them are told apart
+/// from one another as far as there are colours, and none is like what is selected.
 pub fn region_colour(i: usize) -> Colour {
     COLOURS[i % COLOURS.len()]
 }

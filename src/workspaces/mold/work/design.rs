@@ -1,4 +1,4 @@
-//! Electrodes for what was found, with all that is shown of them.
+//! Electrodes for uncut regions, with everything shown of them.
 
 use glam::DVec3;
 
@@ -12,31 +12,31 @@ use mold::electrode::params::ElectrodeParams;
 use mold::opening::Opening;
 use task::Task;
 
-/// Electrodes with all that is shown of them.
+/// Electrodes with everything shown of them.
 #[derive(Debug)]
 pub struct Designed {
     /// The electrodes.
     pub set: ElectrodeSet,
-    /// The electrodes in figures and words, nothing overridden.
+    /// Report on the electrodes, without overrides.
     pub report: ElectrodesReport,
     /// The electrodes for the screen.
     pub shapes: Vec<ElectrodeShape>,
-    /// Where the mold opens to.
+    /// Opening direction of the mold.
     pub opening: Opening,
-    /// A place of each region's surface, upright, by which changes name it (mm).
+    /// A place on the surface of each region, upright, by which changes name the region (mm).
     pub places: Vec<Option<DVec3>>,
-    /// Whether they were made by this program since it was started, from what it found then.
+    /// Whether this run of the program has computed them, rather than read them from a file.
     pub is_proven: bool,
 }
 
 impl Designed {
-    /// The answer in a sentence if these are the user's overrides.
+    /// The result in a sentence, with these overrides of the user.
     pub fn sentence(&self, overrides: &[Override]) -> String {
         self.report.sentence_with(&self.set, overrides).replace("mm3", "mm³").replace("mm^3", "mm³")
     }
 
-    /// A place in each part of a region that was not divided further, by its number, by which changes name it, upright (mm): none if
-    /// the region is not burned straight down, or none was found.
+    /// A place in each undivided part of a region, by number of the part; changes name the part by it. Upright (mm);
+    /// none if the region is not burned straight down, or no place was found.
     pub fn leaves(&self, region: usize) -> Vec<Option<DVec3>> {
         let Some(plan) = self.set.regions.get(region) else { return Vec::new() };
         let is_straight = plan.direction.dot(DVec3::NEG_Z) > 1.0 - 1e-12;
@@ -56,7 +56,7 @@ fn leaf_places(node: &PartNode, z: f64, places: &mut Vec<Option<DVec3>>) {
     }
 }
 
-/// Makes electrodes for what was `found` of `mold`.
+/// Makes electrodes for the regions `found` on `mold`.
 ///
 /// # Errors
 /// One line for the user.
@@ -72,7 +72,7 @@ pub(super) fn design(
     Ok(shown(mold, found, set, found.is_proven))
 }
 
-/// Electrodes that were made for what was `found` of `mold`, with all that is shown of them, nothing overridden.
+/// The electrodes with everything shown of them, without overrides.
 pub(super) fn shown(mold: &LoadedMold, found: &FoundUncut, set: ElectrodeSet, is_proven: bool) -> Designed {
     let uncut = &found.uncut;
     let mut places = vec![None; set.regions.len()];

@@ -16,15 +16,15 @@ use nc::electrode_files::{ElectrodeFormat, LeftOut};
 use render::offscreen::{Offscreen, RenderError};
 use task::Task;
 
-/// What was written.
+/// Result of an export.
 #[derive(Debug)]
 pub struct Exported {
     folder: PathBuf,
     files: usize,
     left_out: Vec<LeftOut>,
-    /// What became of files of earlier exports, in words.
+    /// What happened to files of earlier exports, in words.
     former: Vec<String>,
-    /// Overrides for what electrodes of their names no longer burn, in words.
+    /// Overrides that no longer hold, in words.
     lapsed: Vec<String>,
     /// Reason why there is no burn sheet.
     no_sheet: Option<String>,
@@ -33,7 +33,7 @@ pub struct Exported {
 }
 
 impl Exported {
-    /// What was written, and what was not and why.
+    /// The files that were written, and those that were not with the reason.
     pub fn sentence(&self) -> String {
         let plural = if self.files == 1 { "" } else { "s" };
         let mut text = format!("{} file{plural} and the burn table written to {}", self.files, self.folder.display());
@@ -53,7 +53,7 @@ impl Exported {
     }
 }
 
-/// Writes all of it into `folder`, which is made if it is not there. Electrodes that are blocked have no file.
+/// Writes all files into `folder`, which is made if missing. Blocked electrodes have no file.
 ///
 /// # Errors
 /// One line naming the file.

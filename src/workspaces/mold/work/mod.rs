@@ -1,9 +1,8 @@
-//! Everything that is computed for a mold: the mesh, what its cutters leave, a quick look while a cutter is changed, what
-//! other cutters would leave, electrodes for what is left, and their files.
+//! The background work on a mold: reading its mesh, uncut regions, previews, the comparison with other cutters,
+//! electrodes, and their files.
 
 mod design;
 mod electrode_export;
-mod glance;
 mod steps;
 
 use files::Validate;
@@ -17,54 +16,53 @@ use crate::workspaces::news::{EventKind, WorkEvent};
 pub use design::Designed;
 use electrode_export::{Exported, export};
 use files::{Params, ResultCache};
-pub use glance::Glance;
 use import::Units;
 use mold::cutter::CutterLibrary;
 use mold::electrode::design::ElectrodeSet;
 use mold::electrode::params::ElectrodeParams;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::ElectrodeFormat;
-pub use steps::{FoundUncut, LoadedMold, load as read_part};
+pub use steps::{FoundUncut, Glance, LoadedMold, load as read_part};
 use task::{Doing, Lane, Memo, Priority, Scheduler, State};
 
-/// What a mesh is read from: the file, its unit, how often it was asked for.
+/// Key of a mesh: the file, its unit, and the number of reloads.
 type MeshKey = (PathBuf, Units, u64);
-/// What is asked of a mold: what tells the mesh from any other, and the question.
+/// Key of uncut regions: the digest of the mesh, and the parameters.
 type Question = (String, UncutParams);
-/// What is asked of electrodes: for what is left of which mold, and how they are to be.
+/// Key of electrodes: the key of the uncut regions, and the parameters of electrodes.
 type DesignQuestion = (Question, ElectrodeParams);
 
 /// What was computed anew of what had been kept: the question, and both answers.
 type Proof = (DesignQuestion, Arc<FoundUncut>, Arc<Designed>);
 
-/// What results are called where they are kept.
+/// Names of kept results.
 const UNCUT: &str = "uncut";
 const ELECTRODES: &str = "electrodes";
 
-/// Everything that is computed for a mold.
+/// The background work on a mold.
 pub struct MoldWork {
-    /// One is remembered: who comes back to a file reads it as it is then.
+    /// Only one mesh is remembered: a file is read again when the user comes back to it.
     mold: Memo<MeshKey, LoadedMold>,
     /// Answers with their shapes are large: a few are remembered, so that undo is instant.
     found: Memo<Question, FoundUncut>,
     other: Memo<(Question, CutterLibrary), (FoundUncut, Comparison)>,
     glances: Memo<Question, Glance>,
     designed: Memo<DesignQuestion, Designed>,
-    /// Whether electrodes are wanted as soon as it is known what is left.
+    /// Whether electrodes are made once the uncut regions are known.
     is_waiting: bool,
     /// Exports, each with what was proven for it.
     exported: Memo<u64, (Exported, Option<Proof>)>,
     exports: u64,
     reloads: u64,
     priority: Priority,
-    /// What was computed earlier, if that is kept.
+    /// Cache of results, if there is one.
     pub results: Option<ResultCache>,
-    /// What was last looked for there.
+    /// Key looked up last in the cache.
     looked_up: (Option<Question>, Option<DesignQuestion>),
 }
 
 impl MoldWork {
-    /// The work on a mold without any result yet.
+    /// The work without any result.
     pub fn new(scheduler: &Scheduler) -> Self {
         Self {
             mold: Memo::new(scheduler, Lane::Quick, "Mold").remembering(1),
@@ -82,7 +80,7 @@ impl MoldWork {
         }
     }
 
-    /// Takes in what has been made, and loads the mesh that `params` name. Answers what has happened.
+    /// Takes in finished work, and reads the mesh of `params`. Returns the reports.
     pub fn follow(&mut self, params: &MoldParams, priority: Priority) -> Vec<WorkEvent> {
         self.priority = priority;
         let mut events = Vec::new();
@@ -112,7 +110,7 @@ impl MoldWork {
         events
     }
 
-    /// Has what was proven take the place of what was kept from an earlier session, where that still is remembered.
+    /// Replaces what was kept from an earlier session by what was proven, where that is still remembered.
     fn take_proof(&mut self, (asked, found, made): &Proof) {
         if self.found.get(&asked.0).is_some() {
             self.found.put(&asked.0, found.clone());
@@ -122,7 +120,7 @@ impl MoldWork {
         }
     }
 
-    /// What other parameters lead to is of no use to anybody. A mesh that is being loaded may be the same as before.
+    /// Cancels work for other parameters. A mesh being read may be the same as before.
     fn turn_to(&mut self, params: &MoldParams) {
         match self.question(params) {
             Some(question) => {
@@ -144,7 +142,7 @@ impl MoldWork {
         self.designed.prioritise(self.priority);
     }
 
-    /// Makes electrodes that were asked for before it was known what is left.
+    /// Makes electrodes that were asked for before the uncut regions were known.
     fn follow_wish(&mut self, params: &MoldParams) -> Option<WorkEvent> {
         if !self.is_waiting || self.state(params) == State::Running {
             return None;
@@ -155,7 +153,7 @@ impl MoldWork {
         Some(WorkEvent { kind: EventKind::Failed, text: format!("Electrodes: {why}"), took: None })
     }
 
-    /// Loads the mesh that `params` name, unless that is done.
+    /// Reads the mesh of `params`, unless that is done.
     fn load(&mut self, params: &MoldParams) {
         let Some(key) = self.mesh_key(params) else { return };
         let (path, units) = (key.0.clone(), key.1);
@@ -166,7 +164,7 @@ impl MoldWork {
         Some((params.mesh.clone()?, params.units, self.reloads))
     }
 
-    /// Takes `mold` for what the files of `params` hold.
+    /// Takes `mold` as the mesh of `params`.
     pub fn put(&mut self, params: &MoldParams, mold: Arc<LoadedMold>) {
         if let Some(key) = self.mesh_key(params) {
             self.mold.put(&key, mold);
@@ -178,24 +176,24 @@ impl MoldWork {
         self.reloads += 1;
     }
 
-    /// How the mesh of `params` stands.
+    /// State of the mesh of `params`.
     pub fn mold_state(&self, params: &MoldParams) -> State {
         self.mesh_key(params).map_or(State::Missing, |key| self.mold.state(&key))
     }
 
-    /// The mold that was loaded last.
+    /// The mold that was read last.
     pub fn mold(&self) -> Option<&Arc<LoadedMold>> {
         self.mold.last().map(|(_, mold)| mold)
     }
 
-    /// The mold of `params`, if it is there. While its mesh is read again it is the one that is known.
+    /// The mold of `params`, if read. While the mesh is read again, the known one.
     fn current_mold(&self, params: &MoldParams) -> Option<&Arc<LoadedMold>> {
         let ((path, units, _), mold) = self.mold.last()?;
         let is_same = params.mesh.as_ref() == Some(path) && params.units == *units;
         (is_same && !matches!(self.mold_state(params), State::Failed(_) | State::Cancelled)).then_some(mold)
     }
 
-    /// What tells the part of `params` from any other, once it was read.
+    /// Digest of the part of `params`, once read.
     pub fn part(&self, params: &MoldParams) -> Option<&str> {
         let mold = self.current_mold(params).filter(|_| self.mold_state(params) == State::Ready);
         mold.map(|mold| mold.sha256.as_str())
@@ -205,33 +203,33 @@ impl MoldWork {
         self.current_mold(params).map(|mold| (mold.sha256.clone(), params.uncut()))
     }
 
-    /// What is asked of `params`, and the mold that it is asked of.
+    /// Key for `params`, and the mold.
     fn asked(&self, params: &MoldParams) -> Result<(Question, Arc<LoadedMold>), String> {
         let asked = self.question(params).zip(self.current_mold(params).cloned());
         asked.ok_or_else(|| "load a mold first".to_owned())
     }
 
-    /// How the answer for `params` stands.
+    /// State of the uncut regions for `params`.
     pub fn state(&self, params: &MoldParams) -> State {
         self.question(params).map_or_else(|| of_no_mold(&self.found), |question| self.found.state(&question))
     }
 
-    /// What was found or asked for last, for whatever parameters: see [`state`](Self::state).
+    /// The uncut regions found or asked for last, for any parameters: see [`state`](Self::state).
     pub fn found(&self) -> Option<&Arc<FoundUncut>> {
         let (question, found) = self.found.last()?;
         // What is left of another mold cannot be shown on this one.
         self.mold().filter(|mold| mold.sha256 == question.0).map(|_| found)
     }
 
-    /// Whether what was [`found`](Self::found) answers `params`, whatever is being worked on.
+    /// Whether the [`found`](Self::found) regions belong to `params`.
     pub fn is_found_of(&self, params: &MoldParams) -> bool {
         self.found.last().is_some_and(|(of, _)| self.question(params).as_ref() == Some(of))
     }
 
-    /// Looks for what the cutters leave.
+    /// Searches the uncut regions.
     ///
     /// # Errors
-    /// One line if it cannot be asked.
+    /// One line if the search cannot start.
     pub fn find(&mut self, params: &MoldParams) -> Result<(), String> {
         let (question, mold) = self.asked(params)?;
         question.1.validate().map_err(|e| e.to_string())?;
@@ -250,7 +248,7 @@ impl MoldWork {
         Ok(())
     }
 
-    /// Takes up what was computed earlier for `params`, where nothing was asked for them since.
+    /// Takes a result for `params` from the cache, if nothing was asked for them since.
     fn take_up(&mut self, params: &MoldParams) {
         let (Some(results), Ok((question, mold))) = (self.results.clone(), self.asked(params)) else { return };
         if self.looked_up.0.as_ref() != Some(&question) {
@@ -280,7 +278,7 @@ impl MoldWork {
         }
     }
 
-    /// Looks for what `library` would leave, to compare it with what was found for `params`.
+    /// Searches the uncut regions of `library`, to compare them with those for `params`.
     ///
     /// # Errors
     /// One line if it cannot be asked.
@@ -296,64 +294,63 @@ impl MoldWork {
         Ok(())
     }
 
-    /// How the comparison of `params` with `library` stands.
+    /// State of the comparison of `params` with `library`.
     pub fn comparison_state(&self, params: &MoldParams, library: &CutterLibrary) -> State {
         let question = self.question(params);
         question.map_or(State::Missing, |question| self.other.state(&(question, library.clone())))
     }
 
-    /// Whether the [`other`](Self::other) answer is the comparison of `params` with `library`.
+    /// Whether the [`other`](Self::other) result compares `params` with `library`.
     pub fn is_other_of(&self, params: &MoldParams, library: &CutterLibrary) -> bool {
         self.other.last().is_some_and(|((of, with), _)| with == library && self.question(params).as_ref() == Some(of))
     }
 
-    /// What the other library leaves and how that compares with what is shown; none of another answer.
+    /// Uncut regions of the other library and the comparison with the shown result; none for another result.
     pub fn other(&self) -> Option<&Arc<(FoundUncut, Comparison)>> {
         let ((question, _), other) = self.other.last()?;
         self.found.last().filter(|(of, _)| *of == question).map(|_| other)
     }
 
-    /// Looks quickly at what the cutters leave, unless that is known or being looked at. While it is asked again and
-    /// again with other cutters every look comes to its end, and the last one is of the last.
+    /// Previews the uncut regions, unless they are known or being previewed. While the cutters go on changing, every
+    /// preview is finished and the last one is for the last cutters.
     pub fn glance(&mut self, params: &MoldParams) {
         let Ok((question, mold)) = self.asked(params) else { return };
         let asked = question.1.clone();
-        self.glances.ask(&question, self.priority, move |work| glance::look(&mold, &asked, &work.task.cancel));
+        self.glances.ask(&question, self.priority, move |work| steps::glance(&mold, &asked, &work.task.cancel));
     }
 
-    /// Forgets what was seen at a glance.
+    /// Forgets the preview.
     pub fn forget_glance(&mut self) {
         self.glances.clear();
     }
 
-    /// Forgets the mesh of another mold, which is read anew even if it is in the same file, what was seen of it at a
-    /// glance, and what was wished for it.
+    /// Forgets the mesh of another mold, which is read anew even from the same file, and previews and wishes for it.
     pub fn begin_anew(&mut self) {
         self.mold.clear();
         self.forget_glance();
         self.is_waiting = false;
     }
 
-    /// What was seen at a glance of `params`; while they go on changing (`is_held`) also of earlier ones, but never of
-    /// another mold.
+    /// The preview for `params`; while they go on changing (`is_held`) also for earlier ones, but never for another
+    /// mold.
     pub fn glanced(&self, params: &MoldParams, is_held: bool) -> Option<&Arc<Glance>> {
         let question = self.question(params)?;
         let before = self.glances.last().filter(|(of, _)| is_held && of.0 == question.0);
         self.glances.get(&question).or(before.map(|(_, glance)| glance))
     }
 
-    /// What is being worked on.
+    /// Work under way.
     pub fn doing(&self) -> Option<&Doing> {
         let all = [self.mold.doing(), self.found.doing(), self.other.doing()];
         all.into_iter().chain([self.designed.doing(), self.exported.doing()]).flatten().next()
     }
 
-    /// Whether anything waits or runs.
+    /// Whether work waits or runs.
     pub fn is_busy(&self) -> bool {
         self.is_waiting || self.doing().is_some() || self.glances.is_busy()
     }
 
-    /// Stops what runs, at the user's wish: none of it begins again by itself.
+    /// Stops all work at the user's wish. None of it begins again by itself.
     pub fn cancel(&mut self) {
         self.is_waiting = false;
         self.mold.cancel();
@@ -363,10 +360,10 @@ impl MoldWork {
         self.exported.cancel();
     }
 
-    /// Makes electrodes for what is left, which is looked for first where it is not known.
+    /// Makes electrodes for the uncut regions, after searching them if needed.
     ///
     /// # Errors
-    /// One line if it cannot be asked.
+    /// One line if the search cannot start.
     pub fn design(&mut self, params: &MoldParams) -> Result<(), String> {
         params.electrodes.validate().map_err(|e| e.to_string())?;
         let (question, mold) = self.asked(params)?;
@@ -392,7 +389,7 @@ impl MoldWork {
         Ok(())
     }
 
-    /// How the electrodes for `params` stand.
+    /// State of the electrodes for `params`.
     pub fn design_state(&self, params: &MoldParams) -> State {
         if self.is_waiting {
             return State::Running;
@@ -401,13 +398,13 @@ impl MoldWork {
         self.question(params).map_or_else(|| of_no_mold(&self.designed), state)
     }
 
-    /// The electrodes that were made or asked for last for the present mold, for whatever parameters.
+    /// The electrodes made or asked for last for the present mold, for any parameters.
     pub fn designed(&self) -> Option<&Arc<Designed>> {
         let ((question, _), made) = self.designed.last()?;
         self.mold().filter(|mold| mold.sha256 == question.0).map(|_| made)
     }
 
-    /// Whether [`designed`](Self::designed) answers `params`.
+    /// Whether [`designed`](Self::designed) belongs to `params`.
     pub fn is_designed_of(&self, params: &MoldParams) -> bool {
         let asked = self.question(params).map(|question| design_question(question, &params.electrodes));
         self.designed.last().is_some_and(|(of, _)| asked.as_ref() == Some(of))
@@ -463,18 +460,18 @@ fn is_as_shown(shown: &ElectrodeSet, now: &ElectrodeSet) -> bool {
     bodies(shown) == bodies(now) && shown.checks == now.checks
 }
 
-/// What of `electrodes` they depend on: not which are exported, nor the names they had before, which they keep.
+/// The parameters that electrodes depend on: neither overrides nor former names, which they keep.
 fn design_question(question: Question, electrodes: &ElectrodeParams) -> DesignQuestion {
     let (overrides, names, material) = (Vec::new(), Vec::new(), String::new());
     (question, ElectrodeParams { overrides, names, material, ..electrodes.clone() })
 }
 
-/// What of `electrodes` is the key of those that are kept: the names too, which are given for good.
+/// The parameters in the key of kept electrodes: with the names, which are given for good.
 fn kept_electrodes(electrodes: &ElectrodeParams) -> ElectrodeParams {
     ElectrodeParams { overrides: Vec::new(), material: String::new(), ..electrodes.clone() }
 }
 
-/// How a value stands while there is no mold that it could be of.
+/// State of a value while there is no mold.
 fn of_no_mold<K: Clone + PartialEq, V: Send + 'static>(memo: &Memo<K, V>) -> State {
     if memo.last().is_some() { State::Stale } else { State::Missing }
 }

@@ -1,61 +1,65 @@
-//! The steps of the work on a mold, each a pure function of what it is given.
+//! The steps of the work on a mold, pure functions of their inputs.
 
 use std::path::Path;
 use std::sync::Arc;
 
 use crate::workspaces::mold::document::part_of;
 use crate::workspaces::mold::job::compare::{Comparison, compare as compare_answers};
+use crate::workspaces::mold::job::preview::{Preview, preview};
 use crate::workspaces::mold::job::uncut::{Uncut, UncutError, UncutParams, uncut};
 use crate::workspaces::mold::report::uncut::UncutReport;
 use crate::workspaces::mold::scene::{RegionShape, faces_shape, region_shapes};
+use files::PartFile;
 use geometry::mesh::Mesh;
 use import::{ImportOptions, ImportReport, Units, import_file};
 use render::mesh::RenderMesh;
-use task::Task;
+use task::{Cancel, Task};
 
 /// A mold as loaded.
 #[derive(Debug)]
 pub struct LoadedMold {
-    /// What to call it.
+    /// Name of the mold.
     pub name: String,
     /// Mesh of the mold (mm, in the axes of its file).
     pub mesh: Arc<Mesh>,
     /// Shape of the mold for the screen.
     pub shape: Arc<RenderMesh>,
-    /// What the import found.
+    /// Report of the import.
     pub report: ImportReport,
     /// Volume (mm^3).
     pub volume: f64,
-    /// What tells it from any other: digest of the file and the unit that it was read in.
+    /// File of the mold as it was read.
+    pub file: PartFile,
+    /// Digest of the part: digest of the file and the unit that it was read in.
     pub sha256: String,
 }
 
 impl LoadedMold {
-    /// What was read, in a sentence.
+    /// The import in a sentence.
     pub fn sentence(&self) -> String {
         format!("{}: {} triangles", self.name, self.mesh.triangles.len())
     }
 }
 
-/// What the cutters leave of a mold, with all that is shown of it.
+/// Uncut regions with everything shown of them.
 #[derive(Debug)]
 pub struct FoundUncut {
-    /// The answer.
+    /// Uncut regions.
     pub uncut: Uncut,
-    /// The answer in figures and words.
+    /// Report on the uncut regions.
     pub report: UncutReport,
     /// The regions for the screen.
     pub shapes: Vec<RegionShape>,
-    /// The faces that look away from the cutters, for the screen.
+    /// Undercut faces, for the screen.
     pub invert: Option<Arc<RenderMesh>>,
-    /// The greatest height of what is left (mm).
+    /// Greatest height of rest material (mm).
     pub deepest: f64,
-    /// Whether it was computed by this program since it was started, and not read from a file.
+    /// Whether this run of the program has computed the result, rather than read it from a file.
     pub is_proven: bool,
 }
 
 impl FoundUncut {
-    /// What was found, in a sentence.
+    /// The result in a sentence.
     pub fn sentence(&self) -> String {
         let kept = if self.is_proven { "" } else { " Kept from an earlier session." };
         format!("{}{kept}", self.report.sentence.replace("mm3", "mm³"))
@@ -73,11 +77,12 @@ pub fn load(path: &Path, units: Units, task: &Task) -> Result<LoadedMold, String
     let shape = Arc::new(RenderMesh::new(&imported.mesh));
     task.check().map_err(|e| e.to_string())?;
     let sha256 = part_of(&imported);
+    let file = PartFile { path: path.to_owned(), sha256: imported.sha256 };
     let volume = imported.mesh.volume();
-    Ok(LoadedMold { name, mesh: Arc::new(imported.mesh), shape, report: imported.report, volume, sha256 })
+    Ok(LoadedMold { name, file, mesh: Arc::new(imported.mesh), shape, report: imported.report, volume, sha256 })
 }
 
-/// Finds what the cutters leave.
+/// Searches the uncut regions.
 ///
 /// # Errors
 /// One line for the user.
@@ -89,7 +94,7 @@ pub(super) fn find(mold: &LoadedMold, params: &UncutParams, task: &Task) -> Resu
     Ok(shown)
 }
 
-/// What was found, with all that is shown of it.
+/// The uncut regions with everything shown of them.
 pub(super) fn shown(mold: &LoadedMold, found: Uncut, is_proven: bool) -> FoundUncut {
     let shapes = region_shapes(&mold.mesh, &found.surface, found.regions.len(), found.params.opening);
     let invert = faces_shape(&mold.mesh, &found.stack.invert.triangles);
@@ -97,7 +102,7 @@ pub(super) fn shown(mold: &LoadedMold, found: Uncut, is_proven: bool) -> FoundUn
     FoundUncut { report: UncutReport::of(&found), uncut: found, shapes, invert, deepest, is_proven }
 }
 
-/// Finds what other cutters leave, and how that compares with what was found.
+/// Searches the uncut regions of other cutters, and compares them with the result.
 ///
 /// # Errors
 /// One line for the user.
@@ -110,4 +115,25 @@ pub(super) fn compare(
     let other = find(mold, params, task)?;
     let comparison = compare_answers(&mold.mesh, &found.uncut, &other.uncut, task);
     Ok((other, comparison.map_err(|e| e.to_string())?))
+}
+
+/// A preview of uncut regions.
+#[derive(Debug)]
+pub struct Glance {
+    /// Figures of the uncut regions.
+    pub preview: Preview,
+    /// Shape of the uncut regions on the mold, for the screen.
+    pub shape: Arc<RenderMesh>,
+}
+
+/// Previews the uncut regions.
+///
+/// # Errors
+/// One line if there is no preview.
+pub(super) fn glance(mold: &LoadedMold, params: &UncutParams, cancel: &Cancel) -> Result<Glance, String> {
+    let preview = preview(&mold.mesh, params, cancel).map_err(|e| e.to_string())?;
+    let cells = preview.regions.iter().flat_map(|r| &r.cells);
+    let surface: Vec<_> = cells.flat_map(|cell| cell.pieces(0)).collect();
+    let shape = region_shapes(&mold.mesh, &surface, 1, params.opening).swap_remove(0).shape;
+    Ok(Glance { preview, shape })
 }

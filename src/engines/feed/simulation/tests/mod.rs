@@ -331,7 +331,8 @@ fn what_is_nearest_between_channels_is_told_of_a_way_of_the_tour() {
         let [drum, needle] = [&parts.blisk, &needle].map(|mesh| ExactMesh::new(mesh).unwrap());
         drum.distance_to(&needle, &pose.placement(O))
     };
-    // The widest way is that from channel 3 at -90 degrees to channel 2 at 180, and the channel of the plan is not burnt.
+    // The widest way is that from channel 3 at -90 degrees to channel 2 at 180, and the channel of the plan is not
+    // burnt.
     for channels in [&[2, 3][..], &[0, 1], &[1, 2]] {
         let simulation = parts.simulate_clear(channels, 9.0);
         let turns = [simulation.visits()[0].turn, simulation.visits()[1].turn];

@@ -321,8 +321,8 @@ fn a_cutter_location_file_read_back_is_the_path() {
     assert_eq!(gotos.iter().filter(|i| **i < cut).count(), 2);
 }
 
-/// Control points of a refined path of a cone on a ruled surface of 40 x 10 mm (surface A): the bottom of the cutter and a
-/// point 10 mm above it on its axis. Independent reference computation, six decimals.
+/// Control points of a refined path of a cone on a ruled surface of 40 x 10 mm (surface A): the bottom of the cutter
+/// and a point 10 mm above it on its axis. Independent reference computation, six decimals.
 const LOWER: [[f64; 3]; 10] = [
     [69.383713, 1.043067, -9.232281],
     [71.025644, 1.883528, -9.060402],

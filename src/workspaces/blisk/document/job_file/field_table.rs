@@ -1,4 +1,4 @@
-//! Every parameter of a blisk's plan: forms, `--set`, reports and what a step of undo is called are made from this table.
+//! Every parameter of a blisk's plan. Forms, `--set`, reports and the names of steps of undo are made from this table.
 
 use files::{Field, FieldTable, Group, Word, word};
 
@@ -50,24 +50,34 @@ fn defaults(job: &PlanJob) -> PlanJob {
     }
 }
 
-#[rustfmt::skip]
 const GROUPS: &[Group] = &[
     Group {
         section: "Part",
         name: "Mesh",
         is_folded: false,
-        fields: &[
-            Field::choice("blisk.units", "Unit", UNITS).help("Unit of the mesh file. Automatic goes by the file and by its size; the reason is shown below."),
-        ],
+        fields: &[Field::choice("blisk.units", "Unit", UNITS).help(
+            "Unit of the mesh file. Automatic goes by the file and by its size; the reason is shown \
+             below.",
+        )],
     },
     Group {
         section: "Channel",
         name: "Blisk",
         is_folded: false,
         fields: &[
-            Field::choice_or("blisk.axis", "Axis", AXES, "{ direction = [0, 0, 1], point = [0, 0, 0] }").symbol("X").help("The blisk's axis in the coordinates of the mesh. It becomes the X axis of the workpiece frame W."),
-            Field::integer("blisk.blades", "Blades", 2.0, 1000.0).or_word("auto", 60.0).help("Number of blades around the axis."),
-            Field::integer("blisk.channel", "Channel", 0.0, ANY).help("Which channel: 0 is the one nearest to the mesh's +Z, the others follow in the sense of a right-handed turn about X."),
+            Field::choice_or("blisk.axis", "Axis", AXES, "{ direction = [0, 0, 1], point = [0, 0, 0] }")
+                .symbol("X")
+                .help(
+                    "The blisk's axis in the coordinates of the mesh. It becomes the X axis of the workpiece \
+                     frame W.",
+                ),
+            Field::integer("blisk.blades", "Blades", 2.0, 1000.0)
+                .or_word("auto", 60.0)
+                .help("Number of blades around the axis."),
+            Field::integer("blisk.channel", "Channel", 0.0, ANY).help(
+                "Which channel: 0 is the one nearest to the mesh's +Z, the others follow in the sense of a \
+                 right-handed turn about X.",
+            ),
         ],
     },
     Group {
@@ -75,8 +85,17 @@ const GROUPS: &[Group] = &[
         name: "Radii",
         is_folded: true,
         fields: &[
-            Field::number("blisk.hub_radius_mm", "Hub radius", "mm", 1e-6, ANY).or_word("auto", 100.0).symbol("R_h").help("Radius of the hub along the whole channel; found from the mesh unless given."),
-            Field::number("blisk.shroud_radius_mm", "Shroud radius", "mm", 1e-6, ANY).or_word("auto", 125.0).symbol("R_c").help("Radius of the shroud, or of the blade tips, along the whole channel; found from the mesh unless given."),
+            Field::number("blisk.hub_radius_mm", "Hub radius", "mm", 1e-6, ANY)
+                .or_word("auto", 100.0)
+                .symbol("R_h")
+                .help("Radius of the hub along the whole channel; found from the mesh unless given."),
+            Field::number("blisk.shroud_radius_mm", "Shroud radius", "mm", 1e-6, ANY)
+                .or_word("auto", 125.0)
+                .symbol("R_c")
+                .help(
+                    "Radius of the shroud, or of the blade tips, along the whole channel; found from the mesh \
+                     unless given.",
+                ),
         ],
     },
     Group {
@@ -84,8 +103,12 @@ const GROUPS: &[Group] = &[
         name: "Wall grid",
         is_folded: true,
         fields: &[
-            Field::integer("blisk.wall_points_chord", "Points along chord", 5.0, 2000.0).symbol("n_u").help("Points of a channel wall from edge to edge."),
-            Field::integer("blisk.wall_points_span", "Points across", 5.0, 2000.0).symbol("n_v").help("Points of a channel wall from hub to shroud."),
+            Field::integer("blisk.wall_points_chord", "Points along chord", 5.0, 2000.0)
+                .symbol("n_u")
+                .help("Points of a channel wall from edge to edge."),
+            Field::integer("blisk.wall_points_span", "Points across", 5.0, 2000.0)
+                .symbol("n_v")
+                .help("Points of a channel wall from hub to shroud."),
         ],
     },
     Group {
@@ -93,10 +116,24 @@ const GROUPS: &[Group] = &[
         name: "Size",
         is_folded: false,
         fields: &[
-            Field::number("electrode.spark_gap_mm", "Spark gap", "mm", 0.005, 2.0).slider(0.02, 0.4).symbol("g").help("Distance between the burning faces and the finished blisk in the final pose; the path keeps it all the way."),
-            Field::number("electrode.circumferential_reduction_deg[0]", "Reduction, low wall", "deg", 0.0, 45.0).slider(0.0, 4.0).symbol("h").help("Angle by which this side of the electrode is turned about X away from its wall. A larger angle gives more clearance and leaves more stock for the copying motion."),
-            Field::number("electrode.circumferential_reduction_deg[1]", "Reduction, high wall", "deg", 0.0, 45.0).slider(0.0, 4.0).symbol("h").help("Angle by which this side of the electrode is turned about X away from its wall."),
-            Field::number("electrode.radial_reduction_mm", "Radial reduction", "mm", 0.0, 100.0).slider(0.0, 3.0).help("Distance by which the shroud side is moved inwards along the radius."),
+            Field::number("electrode.spark_gap_mm", "Spark gap", "mm", 0.005, 2.0).slider(0.02, 0.4).symbol("g").help(
+                "Distance between the burning faces and the finished blisk in the final pose; the path \
+                 keeps it all the way.",
+            ),
+            Field::number("electrode.circumferential_reduction_deg[0]", "Reduction, low wall", "deg", 0.0, 45.0)
+                .slider(0.0, 4.0)
+                .symbol("h")
+                .help(
+                    "Angle by which this side of the electrode is turned about X away from its wall. A larger \
+                     angle gives more clearance and leaves more stock for the copying motion.",
+                ),
+            Field::number("electrode.circumferential_reduction_deg[1]", "Reduction, high wall", "deg", 0.0, 45.0)
+                .slider(0.0, 4.0)
+                .symbol("h")
+                .help("Angle by which this side of the electrode is turned about X away from its wall."),
+            Field::number("electrode.radial_reduction_mm", "Radial reduction", "mm", 0.0, 100.0)
+                .slider(0.0, 3.0)
+                .help("Distance by which the shroud side is moved inwards along the radius."),
         ],
     },
     Group {
@@ -104,12 +141,26 @@ const GROUPS: &[Group] = &[
         name: "Entry",
         is_folded: false,
         fields: &[
-            Field::choice("electrode.enter", "Enter from", SIDES).help("Side of the blisk, in W, from which the electrode enters and to which it is retracted."),
-            Field::integer("electrode.parts", "Parts", 1.0, 20.0).help("Number of electrodes along X (split along the passage)."),
-            Field::number("electrode.overlap_mm", "Overlap", "mm", 0.0, 100.0).decimals(2).help("Overlap along X of the burns of two neighbouring parts, spark gaps included; with 0 they only meet."),
-            Field::integer("electrode.columns", "Columns", 1.0, 2.0).help("2 splits every part left and right along the middle surface of the channel; each electrode burns one wall."),
-            Field::number("electrode.column_overlap_mm", "Column overlap", "mm", -20.0, 20.0).decimals(2).help("Overlap along the circumference of the burns of the two columns, spark gaps included; a negative value leaves a web."),
-            Field::number("electrode.column_split", "Column split", "", 0.1, 0.9).slider(0.1, 0.9).decimals(2).help("Share of the channel's width that belongs to the low column."),
+            Field::choice("electrode.enter", "Enter from", SIDES)
+                .help("Side of the blisk, in W, from which the electrode enters and to which it is retracted."),
+            Field::integer("electrode.parts", "Parts", 1.0, 20.0)
+                .help("Number of electrodes along X (split along the passage)."),
+            Field::number("electrode.overlap_mm", "Overlap", "mm", 0.0, 100.0).decimals(2).help(
+                "Overlap along X of the burns of two neighbouring parts, spark gaps included; with 0 they \
+                 only meet.",
+            ),
+            Field::integer("electrode.columns", "Columns", 1.0, 2.0).help(
+                "2 splits every part left and right along the middle surface of the channel; each electrode \
+                 burns one wall.",
+            ),
+            Field::number("electrode.column_overlap_mm", "Column overlap", "mm", -20.0, 20.0).decimals(2).help(
+                "Overlap along the circumference of the burns of the two columns, spark gaps included; a \
+                 negative value leaves a web.",
+            ),
+            Field::number("electrode.column_split", "Column split", "", 0.1, 0.9)
+                .slider(0.1, 0.9)
+                .decimals(2)
+                .help("Share of the channel's width that belongs to the low column."),
         ],
     },
     Group {
@@ -117,33 +168,63 @@ const GROUPS: &[Group] = &[
         name: "Body",
         is_folded: true,
         fields: &[
-            Field::number("electrode.overrun_mm", "Overrun", "mm", 0.0, 100.0).decimals(2).help("How far the burning part reaches past the tips of the blades' edges, at most to the blisk's face."),
-            Field::number("electrode.shank_inset_mm", "Shank inset", "mm", 0.02, 20.0).decimals(2).help("How much smaller than the burning part the shank is all round."),
-            Field::number("electrode.channel_shank_inset_mm", "Inset between blades", "mm", 0.02, 20.0).decimals(2).help("The same for the shank of a part that stands deeper in the channel."),
-            Field::number("electrode.shank_length_mm", "Shank length", "mm", 0.5, 500.0).decimals(1).help("How far the shank reaches out of the blisk's face."),
-            Field::number("electrode.holder_mm[0]", "Holder along X", "mm", 0.5, 500.0).decimals(1).help("Length of the holder block along X."),
-            Field::number("electrode.holder_mm[1]", "Holder across", "mm", 0.5, 500.0).decimals(1).help("Width of the holder block; it grows where the shank is larger."),
-            Field::number("electrode.holder_mm[2]", "Holder along radius", "mm", 0.5, 500.0).decimals(1).help("Height of the holder block; it grows where the shank is larger."),
+            Field::number("electrode.overrun_mm", "Overrun", "mm", 0.0, 100.0).decimals(2).help(
+                "How far the burning part reaches past the tips of the blades' edges, at most to the \
+                 blisk's face.",
+            ),
+            Field::number("electrode.shank_inset_mm", "Shank inset", "mm", 0.02, 20.0)
+                .decimals(2)
+                .help("How much smaller than the burning part the shank is all round."),
+            Field::number("electrode.channel_shank_inset_mm", "Inset between blades", "mm", 0.02, 20.0)
+                .decimals(2)
+                .help("The same for the shank of a part that stands deeper in the channel."),
+            Field::number("electrode.shank_length_mm", "Shank length", "mm", 0.5, 500.0)
+                .decimals(1)
+                .help("How far the shank reaches out of the blisk's face."),
+            Field::number("electrode.holder_mm[0]", "Holder along X", "mm", 0.5, 500.0)
+                .decimals(1)
+                .help("Length of the holder block along X."),
+            Field::number("electrode.holder_mm[1]", "Holder across", "mm", 0.5, 500.0)
+                .decimals(1)
+                .help("Width of the holder block; it grows where the shank is larger."),
+            Field::number("electrode.holder_mm[2]", "Holder along radius", "mm", 0.5, 500.0)
+                .decimals(1)
+                .help("Height of the holder block; it grows where the shank is larger."),
         ],
     },
     Group {
         section: "Electrode",
         name: "Own electrode",
         is_folded: true,
-        fields: &[
-            Field::file("electrode.mesh", "Mesh").help("An electrode of your own instead of a derived one, in its final pose in the coordinates of the blisk's mesh (mm)."),
-        ],
+        fields: &[Field::file("electrode.mesh", "Mesh").help(
+            "An electrode of your own instead of a derived one, in its final pose in the coordinates of \
+             the blisk's mesh (mm).",
+        )],
     },
     Group {
         section: "Plan",
         name: "Path",
         is_folded: false,
         fields: &[
-            Field::choice("plan.strategy", "Strategy", STRATEGIES).help("Search for the extraction path. Global: path of greatest clearance, with the reason where there is none. Genetic: the algorithm of the papers. Centreline: along the middle of the channel. The other two are for comparison."),
-            Field::number("plan.step_mm", "Step", "mm", 0.01, 10.0).decimals(2).symbol("k").help("Distance between nodes along X, or along the centreline if that is followed; halved where no free pose is found."),
-            Field::number("plan.exit_clearance_mm", "Exit clearance", "mm", 0.1, 200.0).decimals(1).help("Distance by which the electrode is retracted out of the blisk."),
-            Field::number("plan.margin_mm", "Margin", "mm", 0.0, 5.0).slider(0.0, 0.5).help("Clearance wanted beyond the spark gap as soon as the electrode has left its final pose."),
-            Field::choice("plan.constraint", "Constraint", CONSTRAINTS).help("What a pose must meet during the search: the distance to the surface, or the paper's comparison of angles. The verifier has the last word either way."),
+            Field::choice("plan.strategy", "Strategy", STRATEGIES).help(
+                "Search for the extraction path. Global: path of greatest clearance, with the reason where \
+                 there is none. Genetic: the algorithm of the papers. Centreline: along the middle of the \
+                 channel. The other two are for comparison.",
+            ),
+            Field::number("plan.step_mm", "Step", "mm", 0.01, 10.0).decimals(2).symbol("k").help(
+                "Distance between nodes along X, or along the centreline if that is followed; halved where \
+                 no free pose is found.",
+            ),
+            Field::number("plan.exit_clearance_mm", "Exit clearance", "mm", 0.1, 200.0)
+                .decimals(1)
+                .help("Distance by which the electrode is retracted out of the blisk."),
+            Field::number("plan.margin_mm", "Margin", "mm", 0.0, 5.0)
+                .slider(0.0, 0.5)
+                .help("Clearance wanted beyond the spark gap as soon as the electrode has left its final pose."),
+            Field::choice("plan.constraint", "Constraint", CONSTRAINTS).help(
+                "What a pose must meet during the search: the distance to the surface, or the paper's \
+                 comparison of angles. The verifier has the last word either way.",
+            ),
         ],
     },
     Group {
@@ -151,18 +232,24 @@ const GROUPS: &[Group] = &[
         name: "Global search",
         is_folded: false,
         fields: &[
-            Field::integer("plan.global.poses", "Poses", 2.0, 1000.0).help("Poses kept for each node; three times as many are tried before it is given up."),
-            Field::number("plan.global.room_mm", "Clearance margin", "mm", 0.0, 5.0).decimals(2).help("Clearance beyond the required one up to which a wider path counts as better."),
-            Field::number("plan.global.room_kept", "Margin kept", "", 0.0, 1.0).slider(0.0, 1.0).decimals(2).help("Share of the clearance margin that polishing keeps: 0 gives the smoothest path, 1 the widest."),
+            Field::integer("plan.global.poses", "Poses", 2.0, 1000.0)
+                .help("Poses kept for each node; three times as many are tried before it is given up."),
+            Field::number("plan.global.room_mm", "Clearance margin", "mm", 0.0, 5.0)
+                .decimals(2)
+                .help("Clearance beyond the required one up to which a wider path counts as better."),
+            Field::number("plan.global.room_kept", "Margin kept", "", 0.0, 1.0).slider(0.0, 1.0).decimals(2).help(
+                "Share of the clearance margin that polishing keeps: 0 gives the smoothest path, 1 the \
+                 widest.",
+            ),
         ],
     },
     Group {
         section: "Plan",
         name: "Centreline search",
         is_folded: true,
-        fields: &[
-            Field::number("plan.centreline.safety_increase_mm", "Gap increase", "mm", 0.0, 5.0).slider(0.0, 0.5).help("Additional distance to the walls where the spark gap alone leads to no free motion."),
-        ],
+        fields: &[Field::number("plan.centreline.safety_increase_mm", "Gap increase", "mm", 0.0, 5.0)
+            .slider(0.0, 0.5)
+            .help("Additional distance to the walls where the spark gap alone leads to no free motion.")],
     },
     Group {
         section: "Plan",
@@ -171,13 +258,33 @@ const GROUPS: &[Group] = &[
         fields: &[
             Field::integer("genetic.population", "Population", 4.0, 10000.0).help("Individuals in a generation."),
             Field::integer("genetic.generations", "Generations", 1.0, 10000.0).help("Generations for each node."),
-            Field::number("genetic.crossover", "Crossover", "", 0.0, 1.0).slider(0.0, 1.0).decimals(2).symbol("k1, k3").help("Probability of crossover of parents worse than average; it falls to 0 for the best."),
-            Field::number("genetic.mutation", "Mutation", "", 0.0, 1.0).slider(0.0, 1.0).decimals(2).symbol("k2, k4").help("Probability that a gene of an individual worse than average mutates; it falls to 0 for the best."),
-            Field::number("genetic.precision_mm", "Precision Y, Z", "mm", 1e-5, 0.1).decimals(5).help("Step of Y and Z in the coding of an individual (8)."),
-            Field::number("genetic.precision_deg", "Precision A, B, C, h", "deg", 1e-5, 0.1).decimals(5).help("Step of angles in the coding of an individual (8)."),
-            Field::choice("genetic.h", "Reduction h", H_MODES).symbol("h").help("Given: the reduction above. Search: the least additional reduction with an extraction path."),
-            Field::number("genetic.h_max_deg", "Greatest h", "deg", 0.01, 20.0).decimals(2).help("The most that is searched for on top of the given reductions."),
-            Field::integer("genetic.seed", "Seed", 0.0, ANY).help("The same seed gives the same path, to the last bit."),
+            Field::number("genetic.crossover", "Crossover", "", 0.0, 1.0)
+                .slider(0.0, 1.0)
+                .decimals(2)
+                .symbol("k1, k3")
+                .help("Probability of crossover of parents worse than average; it falls to 0 for the best."),
+            Field::number("genetic.mutation", "Mutation", "", 0.0, 1.0)
+                .slider(0.0, 1.0)
+                .decimals(2)
+                .symbol("k2, k4")
+                .help(
+                    "Probability that a gene of an individual worse than average mutates; it falls to 0 for the \
+                     best.",
+                ),
+            Field::number("genetic.precision_mm", "Precision Y, Z", "mm", 1e-5, 0.1)
+                .decimals(5)
+                .help("Step of Y and Z in the coding of an individual (8)."),
+            Field::number("genetic.precision_deg", "Precision A, B, C, h", "deg", 1e-5, 0.1)
+                .decimals(5)
+                .help("Step of angles in the coding of an individual (8)."),
+            Field::choice("genetic.h", "Reduction h", H_MODES)
+                .symbol("h")
+                .help("Given: the reduction above. Search: the least additional reduction with an extraction path."),
+            Field::number("genetic.h_max_deg", "Greatest h", "deg", 0.01, 20.0)
+                .decimals(2)
+                .help("The most that is searched for on top of the given reductions."),
+            Field::integer("genetic.seed", "Seed", 0.0, ANY)
+                .help("The same seed gives the same path, to the last bit."),
         ],
     },
     Group {
@@ -185,16 +292,54 @@ const GROUPS: &[Group] = &[
         name: "Weights",
         is_folded: true,
         fields: &[
-            Field::number("plan.weights.a3", "Smoothness", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("a3").help("Weight of smooth motion against centring; only the ratio of the two counts."),
-            Field::number("plan.weights.b3", "Centring", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("b3").help("Weight of staying in the middle of the channel."),
-            Field::number("plan.weights.a1", "Smooth Z", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("a1").help("Weight of Z among the axes."),
-            Field::number("plan.weights.b1", "Smooth Y", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("b1").help("Weight of Y among the axes."),
-            Field::number("plan.weights.c1", "Smooth C", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("c1").help("Weight of C among the axes."),
-            Field::number("plan.weights.d1", "Smooth A", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).help("Weight of A among the axes, where the machine has it; the paper keeps A still."),
-            Field::number("plan.weights.e1", "Smooth B", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).help("Weight of B among the axes, where the machine has it."),
-            Field::number("plan.weights.a2", "Equal distances", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("a2").help("Weight of equal least distances to both walls."),
-            Field::number("plan.weights.b2", "Even along low wall", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("b2").help("Weight of even distances along the low wall (the paper's left)."),
-            Field::number("plan.weights.c2", "Even along high wall", "", 0.0, ANY).slider(0.0, 1.0).decimals(2).symbol("c2").help("Weight of even distances along the high wall (the paper's right)."),
+            Field::number("plan.weights.a3", "Smoothness", "", 0.0, ANY)
+                .slider(0.0, 1.0)
+                .decimals(2)
+                .symbol("a3")
+                .help("Weight of smooth motion against centring; only the ratio of the two counts."),
+            Field::number("plan.weights.b3", "Centring", "", 0.0, ANY)
+                .slider(0.0, 1.0)
+                .decimals(2)
+                .symbol("b3")
+                .help("Weight of staying in the middle of the channel."),
+            Field::number("plan.weights.a1", "Smooth Z", "", 0.0, ANY)
+                .slider(0.0, 1.0)
+                .decimals(2)
+                .symbol("a1")
+                .help("Weight of Z among the axes."),
+            Field::number("plan.weights.b1", "Smooth Y", "", 0.0, ANY)
+                .slider(0.0, 1.0)
+                .decimals(2)
+                .symbol("b1")
+                .help("Weight of Y among the axes."),
+            Field::number("plan.weights.c1", "Smooth C", "", 0.0, ANY)
+                .slider(0.0, 1.0)
+                .decimals(2)
+                .symbol("c1")
+                .help("Weight of C among the axes."),
+            Field::number("plan.weights.d1", "Smooth A", "", 0.0, ANY)
+                .slider(0.0, 1.0)
+                .decimals(2)
+                .help("Weight of A among the axes, where the machine has it; the paper keeps A still."),
+            Field::number("plan.weights.e1", "Smooth B", "", 0.0, ANY)
+                .slider(0.0, 1.0)
+                .decimals(2)
+                .help("Weight of B among the axes, where the machine has it."),
+            Field::number("plan.weights.a2", "Equal distances", "", 0.0, ANY)
+                .slider(0.0, 1.0)
+                .decimals(2)
+                .symbol("a2")
+                .help("Weight of equal least distances to both walls."),
+            Field::number("plan.weights.b2", "Even along low wall", "", 0.0, ANY)
+                .slider(0.0, 1.0)
+                .decimals(2)
+                .symbol("b2")
+                .help("Weight of even distances along the low wall (the paper's left)."),
+            Field::number("plan.weights.c2", "Even along high wall", "", 0.0, ANY)
+                .slider(0.0, 1.0)
+                .decimals(2)
+                .symbol("c2")
+                .help("Weight of even distances along the high wall (the paper's right)."),
         ],
     },
     Group {
@@ -203,9 +348,17 @@ const GROUPS: &[Group] = &[
         is_folded: false,
         fields: &[
             Field::choice("machine.axes", "Axes", MACHINES).help("Axes that the machine moves together."),
-            Field::choice_or_file("machine.name", "Bodies", BODIES).help("The machine whose axes, travels and bodies count: the whole motion is simulated with its head, holder and table. A machine is a TOML file; one of your own can be chosen."),
-            Field::number("machine.body_clearance_mm", "Body clearance", "mm", 0.01, 100.0).decimals(2).help("How far bodies of the machine stay from each other and from the blisk."),
-            Field::choice_or("export.channels", "Channels", CHANNELS, "numbers as in 0,1,2").help("In which channels the motion is simulated and which the NC program burns, A turning the blisk to them."),
+            Field::choice_or_file("machine.name", "Bodies", BODIES).help(
+                "The machine whose axes, travels and bodies count: the whole motion is simulated with its \
+                 head, holder and table. A machine is a TOML file; one of your own can be chosen.",
+            ),
+            Field::number("machine.body_clearance_mm", "Body clearance", "mm", 0.01, 100.0)
+                .decimals(2)
+                .help("How far bodies of the machine stay from each other and from the blisk."),
+            Field::choice_or("export.channels", "Channels", CHANNELS, "numbers as in 0,1,2").help(
+                "In which channels the motion is simulated and which the NC program burns, A turning the \
+                 blisk to them.",
+            ),
         ],
     },
     Group {
@@ -213,10 +366,20 @@ const GROUPS: &[Group] = &[
         name: "Fine points",
         is_folded: true,
         fields: &[
-            Field::number("plan.field_cell_mm", "Field cell", "mm", 0.05, 2.0).decimals(2).help("Size of a cell of the distance field that the search works on."),
-            Field::choice("plan.interpolation.kind", "Curve", CURVES).help("What joins the nodes of each axis: cubic splines whose knots are the nodes, or NURBS with averaged knots."),
-            Field::integer("plan.interpolation.degree", "Degree of NURBS", 3.0, 5.0).symbol("p").help("The degree of the NURBS through the nodes; splines are cubic."),
-            Field::number("plan.interpolation.chord_error_mm", "Chord error", "mm", 5e-5, 0.1).decimals(5).help("How far linear motion between rows may be from the curves through the nodes, anywhere on the electrode."),
+            Field::number("plan.field_cell_mm", "Field cell", "mm", 0.05, 2.0)
+                .decimals(2)
+                .help("Size of a cell of the distance field that the search works on."),
+            Field::choice("plan.interpolation.kind", "Curve", CURVES).help(
+                "What joins the nodes of each axis: cubic splines whose knots are the nodes, or NURBS with \
+                 averaged knots.",
+            ),
+            Field::integer("plan.interpolation.degree", "Degree of NURBS", 3.0, 5.0)
+                .symbol("p")
+                .help("The degree of the NURBS through the nodes; splines are cubic."),
+            Field::number("plan.interpolation.chord_error_mm", "Chord error", "mm", 5e-5, 0.1).decimals(5).help(
+                "How far linear motion between rows may be from the curves through the nodes, anywhere on \
+                 the electrode.",
+            ),
         ],
     },
     Group {
@@ -224,9 +387,14 @@ const GROUPS: &[Group] = &[
         name: "Certificate",
         is_folded: false,
         fields: &[
-            Field::number("verify.tolerance_mm", "Tolerance", "mm", 0.0, 0.05).decimals(4).help("Accepted shortfall of the clearance below the spark gap."),
-            Field::number("verify.resolution_mm", "Resolution", "mm", 1e-6, 1.0).decimals(6).help("How close the proven bound comes to the smallest clearance met."),
-            Field::flag("verify.stop_at_violation", "Stop at violation").help("Stops at the first violation without searching for others."),
+            Field::number("verify.tolerance_mm", "Tolerance", "mm", 0.0, 0.05)
+                .decimals(4)
+                .help("Accepted shortfall of the clearance below the spark gap."),
+            Field::number("verify.resolution_mm", "Resolution", "mm", 1e-6, 1.0)
+                .decimals(6)
+                .help("How close the proven bound comes to the smallest clearance met."),
+            Field::flag("verify.stop_at_violation", "Stop at violation")
+                .help("Stops at the first violation without searching for others."),
         ],
     },
     Group {
@@ -234,10 +402,20 @@ const GROUPS: &[Group] = &[
         name: "NC program",
         is_folded: false,
         fields: &[
-            Field::choice_or_file("export.post", "Post-processor", POSTS).help("The words that the control understands. A post is a TOML file; one of your own can be chosen."),
-            Field::number("export.nc.feed_mm_per_min", "Feed", "mm/min", 0.001, 100000.0).decimals(1).help("Feed towards the final pose. While eroding, the generator's servo sets the pace; this is its limit."),
-            Field::number("export.nc.retract_mm_per_min", "Retraction", "mm/min", 0.001, 100000.0).decimals(1).help("Feed of the approach and of the retraction."),
-            Field::number("export.nc.burn_dwell_s", "Dwell", "s", 0.0, 1e6).decimals(1).help("Dwell in the final pose after the stop for the burn; 0 for none."),
+            Field::choice_or_file("export.post", "Post-processor", POSTS).help(
+                "The words that the control understands. A post is a TOML file; one of your own can be \
+                 chosen.",
+            ),
+            Field::number("export.nc.feed_mm_per_min", "Feed", "mm/min", 0.001, 100000.0).decimals(1).help(
+                "Feed towards the final pose. While eroding, the generator's servo sets the pace; this is \
+                 its limit.",
+            ),
+            Field::number("export.nc.retract_mm_per_min", "Retraction", "mm/min", 0.001, 100000.0)
+                .decimals(1)
+                .help("Feed of the approach and of the retraction."),
+            Field::number("export.nc.burn_dwell_s", "Dwell", "s", 0.0, 1e6)
+                .decimals(1)
+                .help("Dwell in the final pose after the stop for the burn; 0 for none."),
         ],
     },
     Group {
@@ -245,13 +423,22 @@ const GROUPS: &[Group] = &[
         name: "Files",
         is_folded: true,
         fields: &[
-            Field::choice("export.frame", "Electrode in", FRAMES).help("The frame of electrode_K.stl: that of the loaded mesh, or the workpiece frame W, whose place in the loaded mesh stands in every result."),
-            Field::flag("export.files.electrode", "Electrode").help("electrode_K.stl: each electrode in its final pose."),
+            Field::choice("export.frame", "Electrode in", FRAMES).help(
+                "The frame of electrode_K.stl: that of the loaded mesh, or the workpiece frame W, whose \
+                 place in the loaded mesh stands in every result.",
+            ),
+            Field::flag("export.files.electrode", "Electrode")
+                .help("electrode_K.stl: each electrode in its final pose."),
             Field::flag("export.files.path", "Path").help("path_K.csv: the rows of the motion, in W."),
-            Field::flag("export.files.nc", "NC program").help("path_K.nc through the post. Only a certified path has one."),
+            Field::flag("export.files.nc", "NC program")
+                .help("path_K.nc through the post. Only a certified path has one."),
             Field::flag("export.files.report", "Report").help("report.html for people and report.json for programs."),
-            Field::flag("export.files.leftover", "Residual stock").help("leftover.ply: the surface of the channel with the residual stock at every vertex. copying_K.csv: the copying motion of each certified path."),
-            Field::flag("export.files.pictures", "Pictures").help("The pictures as PNG files. The page of the report holds them in any case."),
+            Field::flag("export.files.leftover", "Residual stock").help(
+                "leftover.ply: the surface of the channel with the residual stock at every vertex. \
+                 copying_K.csv: the copying motion of each certified path.",
+            ),
+            Field::flag("export.files.pictures", "Pictures")
+                .help("The pictures as PNG files. The page of the report holds them in any case."),
         ],
     },
     Group {
@@ -260,10 +447,13 @@ const GROUPS: &[Group] = &[
         is_folded: true,
         fields: &[
             Field::flag("export.pictures.whole", "Whole blisk").help("The whole blisk with its electrodes before it."),
-            Field::flag("export.pictures.final_pose", "Final pose").help("Each electrode in its final pose in the channel."),
+            Field::flag("export.pictures.final_pose", "Final pose")
+                .help("Each electrode in its final pose in the channel."),
             Field::flag("export.pictures.sweep", "Sweep").help("Each electrode in many poses along its path."),
-            Field::flag("export.pictures.closest", "Closest point").help("A section where each electrode comes closest, or jams."),
-            Field::flag("export.pictures.leftover", "Residual stock").help("The residual stock on the surfaces of the channel, as colours."),
+            Field::flag("export.pictures.closest", "Closest point")
+                .help("A section where each electrode comes closest, or jams."),
+            Field::flag("export.pictures.leftover", "Residual stock")
+                .help("The residual stock on the surfaces of the channel, as colours."),
         ],
     },
     // What no form shows: files and the command line alone have it.
@@ -273,19 +463,40 @@ const GROUPS: &[Group] = &[
         is_folded: true,
         fields: &[
             Field::file("blisk.mesh", "Blisk").help("Mesh file of the finished blisk."),
-            Field::choice("electrode.size", "Size", SIZES).help("Reductions as given, or the least ones for which there is an extraction path."),
-            Field::numbers("machine.travel_x_mm", "Travel of X", "mm", -ANY, ANY).count(2).help("Least and greatest X about the final pose."),
-            Field::numbers("machine.travel_y_mm", "Travel of Y", "mm", -ANY, ANY).count(2).help("Least and greatest Y about the final pose."),
-            Field::numbers("machine.travel_z_mm", "Travel of Z", "mm", -ANY, ANY).count(2).help("Least and greatest Z about the final pose."),
-            Field::numbers("machine.travel_a_deg", "Travel of A", "deg", -ANY, ANY).count(2).help("Least and greatest A about the final pose."),
-            Field::numbers("machine.travel_b_deg", "Travel of B", "deg", -ANY, ANY).count(2).help("Least and greatest B about the final pose."),
-            Field::numbers("machine.travel_c_deg", "Travel of C", "deg", -ANY, ANY).count(2).help("Least and greatest C about the final pose."),
-            Field::number("machine.speed_mm_min", "Speed of X, Y, Z", "mm/min", 0.0, ANY).help("Greatest speed of the linear axes."),
-            Field::number("machine.speed_deg_min", "Speed of A, B, C", "deg/min", 0.0, ANY).help("Greatest speed of the rotary axes."),
-            Field::number("plan.angle.delta1_mm", "Distance of the angle test", "mm", 0.0, ANY).symbol("Delta1").help("Distance that the angle test keeps from hub and shroud."),
-            Field::number("plan.angle.delta2_deg", "Angle of the angle test", "deg", 0.0, 90.0).symbol("Delta2").help("Angle that the angle test keeps."),
-            Field::choice("plan.interpolation.ends", "Ends of splines", ENDS).help("What holds at both ends of a cubic spline."),
-            Field::integer("genetic.elite", "Elite", 1.0, 5000.0).help("Best individuals that pass unchanged, at most half the population."),
+            Field::choice("electrode.size", "Size", SIZES)
+                .help("Reductions as given, or the least ones for which there is an extraction path."),
+            Field::numbers("machine.travel_x_mm", "Travel of X", "mm", -ANY, ANY)
+                .count(2)
+                .help("Least and greatest X about the final pose."),
+            Field::numbers("machine.travel_y_mm", "Travel of Y", "mm", -ANY, ANY)
+                .count(2)
+                .help("Least and greatest Y about the final pose."),
+            Field::numbers("machine.travel_z_mm", "Travel of Z", "mm", -ANY, ANY)
+                .count(2)
+                .help("Least and greatest Z about the final pose."),
+            Field::numbers("machine.travel_a_deg", "Travel of A", "deg", -ANY, ANY)
+                .count(2)
+                .help("Least and greatest A about the final pose."),
+            Field::numbers("machine.travel_b_deg", "Travel of B", "deg", -ANY, ANY)
+                .count(2)
+                .help("Least and greatest B about the final pose."),
+            Field::numbers("machine.travel_c_deg", "Travel of C", "deg", -ANY, ANY)
+                .count(2)
+                .help("Least and greatest C about the final pose."),
+            Field::number("machine.speed_mm_min", "Speed of X, Y, Z", "mm/min", 0.0, ANY)
+                .help("Greatest speed of the linear axes."),
+            Field::number("machine.speed_deg_min", "Speed of A, B, C", "deg/min", 0.0, ANY)
+                .help("Greatest speed of the rotary axes."),
+            Field::number("plan.angle.delta1_mm", "Distance of the angle test", "mm", 0.0, ANY)
+                .symbol("Delta1")
+                .help("Distance that the angle test keeps from hub and shroud."),
+            Field::number("plan.angle.delta2_deg", "Angle of the angle test", "deg", 0.0, 90.0)
+                .symbol("Delta2")
+                .help("Angle that the angle test keeps."),
+            Field::choice("plan.interpolation.ends", "Ends of splines", ENDS)
+                .help("What holds at both ends of a cubic spline."),
+            Field::integer("genetic.elite", "Elite", 1.0, 5000.0)
+                .help("Best individuals that pass unchanged, at most half the population."),
         ],
     },
 ];

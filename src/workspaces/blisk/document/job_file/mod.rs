@@ -1,5 +1,5 @@
-//! The parameters of a plan: what to plan, with what, and how. A project file has them as TOML; every key but the mesh has a
-//! default, and a key that is not known is an error, since a misspelt one would otherwise be ignored in silence.
+//! The parameters of a plan, in a project file as TOML. Every key but the mesh has a default. An unknown key is an
+//! error, because a misspelt key would otherwise be ignored.
 
 pub mod field_table;
 
@@ -21,11 +21,11 @@ use nc::program::NcSettings;
 use wheel::electrode::{ElectrodeParams, EnterSide, Sizing};
 use wheel::options::{Auto, AxisChoice, BliskOptions};
 
-/// What to plan, with what, and how.
+/// Parameters of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlanJob {
-    /// `[blisk]`: mesh and unit, and how its channel is found.
+    /// `[blisk]`: mesh, unit, and how the channel is found.
     #[serde(default)]
     pub blisk: BliskSection,
     /// `[electrode]`: how the electrode is made, or the user's own.
@@ -61,7 +61,7 @@ pub struct BliskSection {
     pub options: BliskOptions,
 }
 
-/// The keys of `[blisk]` beside each other: serde knows no unknown key in a struct that is in several parts.
+/// The keys of `[blisk]` in one struct: serde finds unknown keys only there.
 #[derive(Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct BliskKeys {
@@ -116,7 +116,7 @@ pub struct ExportSection {
     pub post: String,
     /// Frame of the electrode meshes: `"mesh"` or `"w"`.
     pub frame: MeshFrame,
-    /// Channels that the motion is simulated in and the NC program burns, the blisk being turned to them by A.
+    /// Channels in which the motion is simulated and the NC program burns. The blisk is turned to them by A.
     pub channels: Channels,
     /// Files that are written.
     pub files: WrittenFiles,
@@ -140,7 +140,7 @@ impl Default for ExportSection {
 }
 
 impl ExportSection {
-    /// Whether any picture is drawn, which is so only if a file shall hold it.
+    /// Whether any picture is drawn: only if a file holds it.
     pub fn draws_any(&self) -> bool {
         (self.files.report || self.files.pictures) && self.pictures.any()
     }
@@ -191,7 +191,7 @@ impl PlanJob {
 }
 
 impl Validate for PlanJob {
-    /// Whether every parameter is usable, as far as that can be told before a mesh is seen.
+    /// Checks that every parameter is usable, as far as that is known before a mesh is read.
     fn validate(&self) -> Result<(), Invalid> {
         FIELDS.check(self)?;
         let other = |problem: &dyn std::fmt::Display| Invalid::of("", problem.to_string());
@@ -251,6 +251,11 @@ impl Params for PlanJob {
                 *name = change(Path::new(name)).to_string_lossy().into_owned();
             }
         }
+    }
+
+    /// Meshes are needed; a machine or a post can be chosen later.
+    fn needs(&self, path: &Path) -> bool {
+        [&self.blisk.mesh, &self.electrode.mesh].into_iter().flatten().any(|mesh| mesh == path)
     }
 
     /// Axes, travels and speeds of the machine that is named, but for those that are given. What its file does not say

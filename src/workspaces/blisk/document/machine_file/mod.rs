@@ -1,4 +1,4 @@
-//! Machine files: what a [`MachineModel`] and the keys of `[machine]` of a project are read from.
+//! Machine files, from which a [`MachineModel`] and the keys of `[machine]` of a project are read.
 //!
 //! A machine is a URDF file (see `urdf.rs`) or a TOML file: axes, travels and speeds under the keys of `[machine]` of a
 //! job, and a list of bodies.
@@ -15,18 +15,16 @@
 //! centre_mm = [15.0, 0.0, 0.0]
 //! ```
 
-mod builtin;
-mod shape;
 #[cfg(test)]
 mod tests;
 mod urdf;
 
+use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use serde::Deserialize;
 
-pub use builtin::BUILT_IN;
 use feed::machine::MachineParams;
 use feed::machine_model::{Body, Carrier, MachineModel};
 use files::{FileError, Invalid, TomlFile, read_text};
@@ -35,9 +33,13 @@ use import::{ImportError, ImportOptions, Units, import_file};
 use task::{Cancelled, Task};
 use urdf::{Look, UrdfBody};
 
-/// The most bodies that a machine may have, and the most triangles of all of them.
+/// Names of the built-in machines.
+pub const BUILT_IN: [&str; 3] = ["xyzc", "xyzac", "xyzabc"];
+/// Sides of the prism that stands for a cylinder.
+const SIDES: u32 = 96;
+/// Greatest number of bodies of a machine.
 const MOST_BODIES: usize = 64;
-/// See [`MOST_BODIES`].
+/// Greatest number of triangles of all bodies of a machine.
 const MOST_TRIANGLES: usize = 500_000;
 /// Greatest size and coordinate of a body (mm).
 const LARGEST: f64 = 1e4;
@@ -47,7 +49,7 @@ const LARGEST_FILE: u64 = 4 << 20;
 /// Files of machines that are no URDF.
 const MACHINE: TomlFile<toml::Table> = TomlFile::new("machine");
 
-/// Why a machine cannot be had.
+/// Reason why a machine cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum MachineFileError {
     /// The file cannot be read, or is no machine file.
@@ -128,7 +130,7 @@ fn is_urdf(name: &str) -> bool {
 /// A machine's text, and the folder that paths in it are relative to.
 fn text_of(name: &str) -> Result<(String, PathBuf), MachineFileError> {
     if !is_file(name) {
-        let text = builtin::text_of(name);
+        let text = built_in_text(name);
         let text = text.ok_or_else(|| MachineFileError::NoSuchMachine { name: name.to_owned() })?;
         return Ok((text.to_owned(), PathBuf::new()));
     }
@@ -137,7 +139,8 @@ fn text_of(name: &str) -> Result<(String, PathBuf), MachineFileError> {
     Ok((text, file.parent().map(Path::to_owned).unwrap_or_default()))
 }
 
-/// Axes, travels and speeds of the machine `name`, a built-in one or a file, under the keys of `[machine]` of a project.
+/// Axes, travels and speeds of the machine `name`, a built-in one or a file, under the keys of `[machine]` of a
+/// project.
 ///
 /// # Errors
 /// [`MachineFileError`].
@@ -281,14 +284,14 @@ fn primitive(entry: &BodyEntry) -> Result<Mesh, String> {
         for value in size {
             length("size_mm", value)?;
         }
-        return Ok(shape::cuboid(DVec3::from_array(size), centre));
+        return Ok(cuboid(DVec3::from_array(size), centre));
     }
     if entry.size_mm.is_some() {
         return Err("size_mm belongs to shape = \"box\"".to_owned());
     }
     let radius = length("radius_mm", need(entry.radius_mm, "radius_mm", "cylinder")?)?;
     let along = length("length_mm", need(entry.length_mm, "length_mm", "cylinder")?)?;
-    Ok(shape::cylinder(radius, along, need(entry.axis, "axis", "cylinder")? as usize, centre))
+    Ok(cylinder(radius, along, need(entry.axis, "axis", "cylinder")? as usize, centre))
 }
 
 /// The mesh in `file`, its vertices at `place`, if it is closed.
@@ -330,4 +333,50 @@ fn read_mesh(machine: &str, folder: &Path, entry: &BodyEntry, task: &Task) -> Re
         false => Ok(mesh),
         true => Err(wrong(format!("a coordinate is beyond {LARGEST} mm; check the unit"))),
     }
+}
+
+/// The file of the built-in machine called `name`.
+fn built_in_text(name: &str) -> Option<&'static str> {
+    match name {
+        "xyzc" => Some(include_str!("../../../../../assets/machines/xyzc.toml")),
+        "xyzac" => Some(include_str!("../../../../../assets/machines/xyzac.toml")),
+        "xyzabc" => Some(include_str!("../../../../../assets/machines/xyzabc.toml")),
+        _ => None,
+    }
+}
+
+/// The box of this size about `centre` (mm).
+fn cuboid(size: DVec3, centre: DVec3) -> Mesh {
+    let least = centre - 0.5 * size;
+    let mut mesh = Mesh::cuboid(size);
+    mesh.vertices.iter_mut().for_each(|p| *p = least + *p);
+    mesh
+}
+
+/// A prism about the cylinder with this radius and length (mm) about `centre`, its axis along coordinate `axis`. It
+/// is circumscribed, so that no point of the cylinder is outside it; it is larger by 0.054 percent of the radius at
+/// most.
+fn cylinder(radius: f64, length: f64, axis: usize, centre: DVec3) -> Mesh {
+    let outer = radius / (PI / f64::from(SIDES)).cos();
+    let rim = |k: u32, along: f64| {
+        let (sine, cosine) = (TAU * f64::from(k) / f64::from(SIDES)).sin_cos();
+        let mut p = DVec3::ZERO;
+        (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (along, outer * cosine, outer * sine);
+        centre + p
+    };
+    let ends = [-0.5 * length, 0.5 * length];
+    let mut vertices: Vec<DVec3> =
+        ends.iter().flat_map(|&along| (0..SIDES).map(move |k| (k, along))).map(|(k, a)| rim(k, a)).collect();
+    for along in ends {
+        let mut p = DVec3::ZERO;
+        p[axis] = along;
+        vertices.push(centre + p);
+    }
+    let (low, high) = (2 * SIDES, 2 * SIDES + 1);
+    let side = |k: u32| {
+        let next = (k + 1) % SIDES;
+        let (far, far_next) = (k + SIDES, next + SIDES);
+        [[k, next, far_next], [k, far_next, far], [low, next, k], [high, far, far_next]]
+    };
+    Mesh { vertices, triangles: (0..SIDES).flat_map(side).collect() }
 }

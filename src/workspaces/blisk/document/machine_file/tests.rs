@@ -35,7 +35,7 @@ fn the_built_in_machines_have_their_axes_and_bodies_of_every_kind() {
 fn a_cylinder_is_never_smaller_than_it_is_given() {
     for axis in 0..3 {
         let centre = DVec3::new(3.0, -2.0, 7.0);
-        let mesh = shape::cylinder(40.0, 25.0, axis, centre);
+        let mesh = cylinder(40.0, 25.0, axis, centre);
         assert!(mesh.is_watertight());
         let round = PI * 40.0 * 40.0 * 25.0;
         assert!(mesh.volume() > round && mesh.volume() < 1.0004 * round, "{}", mesh.volume());

@@ -24,7 +24,6 @@ use std::path::{Path, PathBuf};
 use glam::{DAffine3, DMat3, DVec3};
 use roxmltree::{Document, Node};
 
-use super::shape;
 use feed::machine::AxisSet;
 use feed::machine_model::Carrier;
 use feed::pose::Axis;
@@ -288,9 +287,9 @@ fn look(collision: Node, to_carrier: DAffine3, folder: &Path) -> Result<Look, St
             if size.min_element() <= 0.0 || size.max_element() >= 10.0 {
                 return Err("size must be from 0 to 10 m along every axis".to_owned());
             }
-            Ok(placed(shape::cuboid(size * MM, DVec3::ZERO)))
+            Ok(placed(super::cuboid(size * MM, DVec3::ZERO)))
         }
-        "cylinder" => Ok(placed(shape::cylinder(length("radius")? * MM, length("length")? * MM, 2, DVec3::ZERO))),
+        "cylinder" => Ok(placed(super::cylinder(length("radius")? * MM, length("length")? * MM, 2, DVec3::ZERO))),
         "mesh" => {
             let file = attribute(shape, "filename")?;
             if file.contains("://") {

@@ -10,6 +10,7 @@ use crate::workspaces::blisk::report::{InputFile, ObjectiveReport, ReportError, 
 use feed::plan::FeedPlan;
 use feed::plan_params::Strategy;
 use feed::pose::Axis;
+use files::ParameterList;
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, EntrySide};
 
@@ -30,7 +31,7 @@ pub struct Comparison {
     /// Withdrawn distance from one value to the next, of which differences are taken (mm).
     pub step_mm: f64,
     /// Every parameter of the job but the strategy, defaults included.
-    pub parameters: serde_json::Value,
+    pub parameters: ParameterList,
     /// The runs in the order that was asked for.
     pub runs: Vec<Run>,
 }

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::{AxisCourse, Comparison, RunElectrode};
 use feed::plan_params::Strategy;
 use feed::pose::Axis;
+use files::Entry;
 use files::report::plot::{Plot, Series};
 use files::report::{PageError, Template, file_name};
 
@@ -14,6 +15,7 @@ pub(super) fn page(comparison: &Comparison) -> Result<String, PageError> {
     #[derive(Serialize)]
     struct Page<'a> {
         comparison: &'a Comparison,
+        parameters: &'a [Entry],
         part: &'a str,
         certified: Vec<Strategy>,
         electrodes: Vec<ElectrodeRuns<'a>>,
@@ -21,6 +23,7 @@ pub(super) fn page(comparison: &Comparison) -> Result<String, PageError> {
     let electrodes = comparison.runs.iter().map(|r| r.electrodes.len()).max().unwrap_or(0);
     let page = Page {
         comparison,
+        parameters: &comparison.parameters.entries,
         part: comparison.inputs.first().map_or("", |input| file_name(&input.path)),
         certified: comparison.runs.iter().filter(|r| r.is_certified()).map(|r| r.strategy).collect(),
         electrodes: (0..electrodes).map(|i| ElectrodeRuns::of(comparison, i)).collect(),

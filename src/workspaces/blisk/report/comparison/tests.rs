@@ -1,4 +1,6 @@
 use super::*;
+use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 
 fn electrode(certified: bool) -> RunElectrode {
     let smoothness = |axis, unit, rms| Smoothness {
@@ -42,7 +44,7 @@ fn comparison() -> Comparison {
         program_version: "0",
         inputs: Vec::new(),
         step_mm: 0.8,
-        parameters: serde_json::json!({"plan": {"step_mm": 0.8}}),
+        parameters: FIELDS.list(&PlanJob::demonstration()).without("plan.strategy"),
         runs: vec![
             run(Strategy::Genetic, vec![electrode(true)]),
             run(Strategy::FreeTravel, vec![electrode(false)]),
@@ -82,6 +84,7 @@ fn the_page_shows_every_run_escapes_and_closes_what_it_opens() {
     let count = |what: &str| html.matches(what).count();
     assert_eq!(["path class=\"c0\"", "circle class=\"c0\"", "circle class=\"c2\""].map(count), [1, 2, 2]);
     assert!(html.contains("Certified: genetic."));
+    assert!(html.contains("<td>Spark gap") && !html.contains("<td>Strategy</td>"), "each run has its own strategy");
 }
 
 #[test]

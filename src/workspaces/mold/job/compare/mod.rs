@@ -1,7 +1,7 @@
 //! What another library of cutters would take away of what the present one leaves.
 //!
-//! Both are told by the same method: by layers where only flat cutters count in either, else by one field of heights for
-//! both. Where the one leaves what the other takes is always told by that field.
+//! Both are told by the same method: by layers where only flat cutters count in either, else by one field of heights
+//! for both. Where the one leaves what the other takes is always told by that field.
 
 #[cfg(test)]
 mod tests;
@@ -150,8 +150,8 @@ pub fn compare(mesh: &Mesh, now: &Uncut, other: &Uncut, task: &Task) -> Result<C
     Ok(comparison)
 }
 
-/// The step of a field for both (mm). A step as fine as the smallest cutter alone asks for would take too long with a large
-/// rounded one: of the two the coarser, unless what the smallest cutter leaves would not be seen.
+/// The step of a field for both (mm). A step as fine as the smallest cutter alone asks for would take too long with a
+/// large rounded one: of the two the coarser, unless what the smallest cutter leaves would not be seen.
 fn common_step(now: &Uncut, other: &Uncut) -> f64 {
     let (fine, coarse) = (now.grid_step.min(other.grid_step), now.grid_step.max(other.grid_step));
     let all = [now, other].into_iter().flat_map(|uncut| uncut.params.library.needed());
@@ -259,8 +259,8 @@ impl Both<'_> {
     }
 }
 
-/// For each region of `now` the volume that the other library leaves of it (mm^3), and how many regions of the other one
-/// lie where nothing of `now` is.
+/// For each region of `now` the volume that the other library leaves of it (mm^3), and how many regions of the other
+/// one lie where nothing of `now` is.
 fn remains(now: &Uncut, other: &Uncut, both: &Both, cancel: &Cancel) -> Result<(Vec<f64>, usize), Cancelled> {
     let overlaps: Vec<_> =
         both.present.regions.par_iter().map(|r| both.of_region(r, cancel)).collect::<Result<_, _>>()?;

@@ -1,7 +1,8 @@
 //! What the cutters of a library leave of a mold.
 //!
-//! Flat cutters are followed exactly, layer by layer. Where a library has rounded cutters too, what all of them leave is
-//! told by the field of heights. What flat cutters leave is always found both ways, and how far the two agree is told.
+//! Flat cutters are followed exactly, layer by layer. Where a library has rounded cutters too, what all of them leave
+//! is told by the field of heights. What flat cutters leave is always found both ways, and how far the two agree is
+//! told.
 
 mod layer_figures;
 mod step;
@@ -160,8 +161,8 @@ impl Uncut {
         found(self.regions.iter().map(|r| r.volume))
     }
 
-    /// The segments of the layer nearest to a height that no cutter touches, as runs of points (mm): exact where only flat
-    /// cutters count, else at that very height as fine as the surface is split.
+    /// The segments of the layer nearest to a height that no cutter touches, as runs of points (mm): exact where only
+    /// flat cutters count, else at that very height as fine as the surface is split.
     pub fn segments(&self, z: f64) -> Vec<Vec<DVec3>> {
         if !self.is_of_flats() {
             return segments_at(&self.surface, z).into_iter().map(|(_, ends)| ends.to_vec()).collect();
@@ -176,8 +177,8 @@ impl Uncut {
         nearest.map_or_else(Vec::new, of_layer)
     }
 
-    /// The pieces of a layer, by its place in the stack, that belong to regions; none where regions are those of the field
-    /// of heights.
+    /// The pieces of a layer, by its place in the stack, that belong to regions; none where regions are those of the
+    /// field of heights.
     pub fn pieces(&self, layer: usize) -> impl Iterator<Item = &UncutPiece> {
         let own = self.regions.iter().flat_map(|r| &r.pieces).filter(move |[k, _]| *k == layer);
         own.map(move |[_, i]| &self.stack.layers[layer].pieces[*i])
@@ -289,8 +290,8 @@ pub(super) fn on_field(
     Ok((closing, regions))
 }
 
-/// What is found by heights twice as far apart as `step` (mm); none where that is too coarse for the smallest cutter. The
-/// error falls at least in proportion to the step, so that what this differs by is about as far as `step` is off.
+/// What is found by heights twice as far apart as `step` (mm); none where that is too coarse for the smallest cutter.
+/// The error falls at least in proportion to the step, so that what this differs by is about as far as `step` is off.
 fn coarser(mesh: &Mesh, params: &UncutParams, step: f64, cancel: &Cancel) -> Result<Option<Coarser>, UncutError> {
     let coarse = UncutParams { grid_step_mm: Some(2.0 * step), ..params.clone() };
     if coarse.validate().is_err() {

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::*;
 use crate::workspaces::mold::report::uncut::UncutReport;
-use crate::workspaces::mold::report::uncut_ply::surface_as_ply;
+use crate::workspaces::mold::report::uncut::surface_as_ply;
 use geometry::mesh::unit_normal;
 use mold::fixtures::{dish, pocket, polygon, rectangle};
 
@@ -164,7 +164,8 @@ fn what_an_overhang_covers_is_neither_left_nor_cut() {
             assert!((region.volume / (6.0 * corner) - 1.0).abs() < within, "{}", region.volume);
             assert!((region.plan_area / corner - 1.0).abs() < 0.05, "{}", region.plan_area);
         }
-        // The surface under it: the floor within the mouth, and the mouth's own walls. The wide walls are in the shadow.
+        // The surface under it: the floor within the mouth, and the mouth's own walls. The wide walls are in the
+        // shadow.
         let upness = |p: &SurfacePiece| unit_normal(mesh.corners(p.face as usize)).z;
         for piece in &left.surface {
             let out = piece.corners.map(|p| (p.x.abs() - 3.0).max(p.y.abs() - 2.0)).into_iter().fold(-3.0, f64::max);

@@ -1,4 +1,4 @@
-//! How electrodes are looked at.
+//! State of the view of electrodes.
 
 use std::sync::Arc;
 
@@ -16,38 +16,38 @@ use nc::electrode_files::ElectrodeFormat;
 use render::camera::Camera;
 use render::scene::SectionPlane;
 
-/// Steps that the way of an electrode is gone through in.
+/// Number of steps of an electrode's motion.
 const STEPS: f64 = 12.0;
-/// How long all of it takes (s).
+/// Duration of playing the whole motion (s).
 const WAY: f64 = 6.0;
-/// Half the side of the box around a place that the view flies to, in parts of the mold's diagonal.
+/// Half the side of the box that the view flies to, as a share of the mold's diagonal.
 const AROUND: f64 = 0.06;
 
-/// Where the view is to go.
+/// Target of a flight of the view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fly {
-    /// So that this box fills it (in the axes of the mesh).
+    /// A box, to fill the view (in the axes of the mesh).
     Into(Bounds),
-    /// So that everything is seen.
+    /// Everything.
     All,
-    /// Onto a cut.
+    /// A section.
     Onto(Camera),
-    /// Back to where the view was before the cut.
+    /// The view before the section.
     Back,
-    /// Above the mold, looking down.
+    /// From above the mold.
     Above,
 }
 
-/// A place that is pointed at.
+/// A marked place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pointed {
-    /// The place, in the upright mold (mm).
+    /// Place in the upright mold (mm).
     pub at: DVec3,
-    /// What is there, with its figures.
+    /// Text on the place, with its figures.
     pub text: String,
 }
 
-/// The part of the desk's state that a picture depends on.
+/// Part of the state that a picture depends on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Look {
     selected: Option<BurnOf>,
@@ -58,49 +58,49 @@ pub struct Look {
     cut: Option<BurnCut>,
     place: Option<DVec3>,
     stage: usize,
-    /// The first end of a line that a part is to be split along; none yet if only the line is wanted.
+    /// First end of the line along which a part is split; none before the first click.
     split: Option<Option<DVec3>>,
 }
 
-/// The state of the view of electrodes: what is selected, cut, moved and pointed at.
+/// The state of the view of electrodes: selection, section, motion and marks.
 pub struct ElectrodeDesk {
-    /// Whether electrodes are looked at, or else regions.
+    /// Whether electrodes are shown instead of regions.
     pub is_shown: bool,
-    /// The burn that is selected.
+    /// Burn that is selected.
     pub selected: Option<BurnOf>,
-    /// The electrode that the list was scrolled to.
+    /// Electrode that the list has scrolled to.
     pub scrolled_to: Option<usize>,
-    /// Whether no other is shown.
+    /// Whether only the selected electrode is shown.
     pub is_alone: bool,
-    /// How far they are lifted out and apart, 0 to 1.
+    /// Share by which electrodes are lifted out and apart, 0 to 1.
     pub exploded: f64,
-    /// How the mold is shown.
+    /// Look of the mold.
     pub look: MoldLook,
-    /// Where on its way the selected one is, 0 to 1; none while it stands where it has burned.
+    /// Position of the selected electrode on its motion, 0 to 1; none in the burning position.
     pub time: Option<f64>,
     /// Whether the motion is played.
     pub is_playing: bool,
-    /// The cut through the selected burn.
+    /// Section through the selected burn.
     pub cut: Option<BurnCut>,
-    /// The place that is pointed at.
+    /// Marked place.
     pub place: Option<Pointed>,
-    /// The stage that is shown.
+    /// Stage that is shown.
     pub stage: usize,
-    /// Parts that are to be merged: each a region's number and the part's.
+    /// Parts to merge: number of the region and of the part.
     pub parts: Vec<(usize, usize)>,
-    /// See [`Look`].
+    /// Line along which a part is split; see [`Look`].
     pub split: Option<Option<DVec3>>,
-    /// The region that was to be split, if the line is drawn for one.
+    /// Region to split, if the line is drawn for one region.
     pub split_region: Option<usize>,
-    /// Whether files of each format are written.
+    /// Whether each format is written.
     pub formats: [bool; 3],
-    /// How the burn sheet is written.
+    /// Template of the burn sheet.
     pub sheet: BurnSheet,
-    /// Where the view is to go.
+    /// Target of the next flight of the view.
     pub fly: Option<Fly>,
-    /// Whether electrodes were asked for, to be looked at once they are made.
+    /// Whether electrodes are shown once they are made.
     pub is_awaited: bool,
-    /// Holders that there are.
+    /// Available holders.
     pub holders: Vec<Holder>,
     shown: Option<Arc<Designed>>,
 }
@@ -134,13 +134,13 @@ impl Default for ElectrodeDesk {
 }
 
 impl ElectrodeDesk {
-    /// Looks at electrodes of another mold as at the first ones. What is written and what there is stays.
+    /// Resets the view for another mold. The choice of formats and the holders stay.
     pub fn begin_anew(&mut self) {
         let Self { formats, sheet, holders, .. } = std::mem::take(self);
         *self = Self { formats, sheet, holders, ..Self::default() };
     }
 
-    /// Takes in what was made. What was selected stays selected if there still is an electrode of that name.
+    /// Takes in new electrodes. The selection stays if an electrode of that name still exists.
     pub fn follow(&mut self, now: Option<&Arc<Designed>>) {
         if now.map(Arc::as_ptr) == self.shown.as_ref().map(Arc::as_ptr) {
             return;
@@ -169,22 +169,22 @@ impl ElectrodeDesk {
         }
     }
 
-    /// What is shown of electrodes.
+    /// Electrodes to show.
     pub fn designed(&self) -> Option<&Arc<Designed>> {
         self.shown.as_ref()
     }
 
-    /// The electrodes while they are looked at, which they are not while a line is drawn on the mold.
+    /// The electrodes while they are shown, which they are not while a line is drawn on the mold.
     pub fn seen(&self) -> Option<&Arc<Designed>> {
         self.shown.as_ref().filter(|_| self.is_shown)
     }
 
-    /// The electrode that is selected, and its burn.
+    /// The selected electrode with its burn.
     pub fn chosen(&self) -> Option<(&Electrode, &Burn)> {
         self.selected?.find(&self.shown.as_ref()?.set)
     }
 
-    /// Selects a burn. What was seen of another is over.
+    /// Selects a burn, and resets what was shown of another one.
     pub fn select(&mut self, at: BurnOf) {
         if self.selected != Some(at) {
             (self.time, self.is_playing, self.place) = (None, false, None);
@@ -198,7 +198,7 @@ impl ElectrodeDesk {
         }
     }
 
-    /// Selects none.
+    /// Clears the selection.
     pub fn deselect(&mut self) {
         if self.cut.take().is_some() {
             self.fly = Some(Fly::Back);
@@ -206,18 +206,18 @@ impl ElectrodeDesk {
         (self.selected, self.is_alone, self.time, self.is_playing, self.place) = (None, false, None, false, None);
     }
 
-    /// The way of the selected burn.
+    /// Motion of the selected burn.
     pub fn way(&self) -> Option<BurnWay> {
         let lift = self.shown.as_ref()?.set.params.lift_mm;
         self.chosen().map(|(_, burn)| BurnWay::of(burn, lift))
     }
 
-    /// What the selected electrode does, and how far above its last place it is (mm).
+    /// Phase of the selected electrode's motion, and its height above the burning position (mm).
     pub fn moment(&self) -> Option<(BurnPhase, f64)> {
         Some(self.way()?.at(self.time?))
     }
 
-    /// Moves the electrode one step along its way, or back.
+    /// Moves the electrode by one step, forwards or backwards.
     pub fn step(&mut self, forward: bool) {
         // Where it has burned is two thirds of the way.
         let at = self.time.unwrap_or(2.0 / 3.0) * STEPS;
@@ -225,7 +225,7 @@ impl ElectrodeDesk {
         (self.time, self.is_playing) = (Some((next / STEPS).clamp(0.0, 1.0)), false);
     }
 
-    /// Begins to go along the way, or stops.
+    /// Starts or stops playing.
     pub fn play(&mut self) {
         self.is_playing = !self.is_playing;
         if self.is_playing && self.time.is_none_or(|t| t >= 1.0) {
@@ -233,14 +233,14 @@ impl ElectrodeDesk {
         }
     }
 
-    /// Goes on by so many seconds.
+    /// Advances a playing motion by `seconds`.
     pub fn advance(&mut self, seconds: f64) {
         let time = self.time.unwrap_or(0.0) + seconds / WAY;
         self.time = Some(time.min(1.0));
         self.is_playing &= time < 1.0;
     }
 
-    /// Cuts through the selected burn, or ends to.
+    /// Shows or hides a section through the selected burn.
     pub fn toggle_cut(&mut self) {
         if self.cut.take().is_some() {
             self.fly = Some(Fly::Back);
@@ -249,20 +249,20 @@ impl ElectrodeDesk {
         }
     }
 
-    /// Cuts like this, and looks at it.
+    /// Shows this section and flies to it.
     pub fn look_onto(&mut self, cut: BurnCut) {
         let (Some(made), Some(at)) = (&self.shown, self.selected) else { return };
         self.fly = cut.camera(at, &made.set, &made.shapes, made.opening).map(Fly::Onto);
         self.cut = Some(cut);
     }
 
-    /// The plane of the cut, in the axes of the mesh.
+    /// Plane of the section, in the axes of the mesh.
     pub fn plane(&self) -> Option<SectionPlane> {
         let (made, at, cut) = (self.seen()?, self.selected?, self.cut?);
         cut.plane(at, &made.set, &made.shapes, made.opening)
     }
 
-    /// Points at a place of the upright `mold`, says what is there, and flies to it.
+    /// Marks a place of the upright `mold` with a text, and flies there.
     pub fn point_at(&mut self, place: DVec3, text: String, mold: &Bounds) {
         let Some(made) = &self.shown else { return };
         let at = made.opening.in_mesh(place);
@@ -272,7 +272,7 @@ impl ElectrodeDesk {
         (self.exploded, self.time, self.is_playing, self.cut) = (0.0, None, false, None);
     }
 
-    /// Points at a place of an electrode, whose burn there is shown alone: others would hide it.
+    /// Marks a place of an electrode and shows its burn alone, because others would hide it.
     pub fn point_at_burn(&mut self, electrode: usize, (place, text): (DVec3, String), mold: &Bounds) {
         let Some(made) = self.shown.clone() else { return };
         let burn = made.set.electrodes.get(electrode).map_or(0, |e| burn_at(e, &made.set.regions, place));
@@ -287,7 +287,7 @@ impl ElectrodeDesk {
         self.fly = bounds.map(|b| Fly::Into(b.grown(0.15 * b.size().length())));
     }
 
-    /// What is shown of them beside a mold with this box.
+    /// Electrodes to show beside a mold with this box.
     pub fn scene(&self, mold: Bounds) -> Option<ElectrodeScene<'_>> {
         let made = self.seen().filter(|_| self.split.is_none())?;
         Some(ElectrodeScene {
@@ -319,19 +319,18 @@ impl ElectrodeDesk {
         }
     }
 
-    /// Begins to draw a line that a part of this region is split along.
+    /// Starts drawing a line along which a part of this region is split.
     pub fn begin_split(&mut self, region: usize) {
         self.deselect();
         (self.split, self.split_region, self.fly) = (Some(None), Some(region), Some(Fly::Above));
     }
 
-    /// Ends to draw a line.
+    /// Stops drawing the line.
     pub fn give_up_split(&mut self) {
         (self.split, self.split_region) = (None, None);
     }
 
-    /// Takes a click on the mold for an end of the line that a part is split along. Answers the change once both are
-    /// known.
+    /// Takes a click on the mold as an end of the splitting line. Returns the change once both ends are known.
     pub fn click(&mut self, place: DVec3) -> Option<Edit> {
         match self.split? {
             None => {
@@ -345,20 +344,20 @@ impl ElectrodeDesk {
         }
     }
 
-    /// The formats that are written.
+    /// Formats to write.
     pub fn formats(&self) -> Vec<ElectrodeFormat> {
         ElectrodeFormat::ALL.into_iter().zip(self.formats).filter(|(_, is_on)| *is_on).map(|(f, _)| f).collect()
     }
 
-    /// Whether an electrode is exported although a check fails, or need not be.
+    /// Export state of an electrode: whether it is exported despite a failed check, or need not be.
     pub fn is_let_pass(&self, electrode: usize, params: &ElectrodeParams) -> bool {
         let Some(made) = self.shown.as_ref().filter(|made| electrode < made.set.electrodes.len()) else { return false };
         !made.set.is_blocked_with(electrode, &params.overrides)
     }
 }
 
-/// The burn of an electrode that a place belongs to: of those for a region of which most is left there, or else of all, the
-/// one whose axis is nearest.
+/// The burn of an electrode that a place belongs to: among the burns for the region with most rest material there, or
+/// among all, the one with the nearest axis.
 fn burn_at(electrode: &Electrode, regions: &[RegionPlan], place: DVec3) -> usize {
     let is_left_there = |burn: &Burn| {
         let mut own = burn.parts.iter().filter_map(|part| regions.get(part.region));

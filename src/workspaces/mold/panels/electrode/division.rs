@@ -77,7 +77,8 @@ fn in_words(left: &LeftOfRegion) -> String {
     }
 }
 
-/// From where a region is burned: along `now`, unless a change says otherwise. Another direction than straight down is one.
+/// From where a region is burned: along `now`, unless a change says otherwise. Another direction than straight down is
+/// one.
 fn direction(ui: &mut Ui, desk: &mut MoldDesk, (r, place): (usize, DVec3), now: DVec3) {
     let own = |edit: &Edit| matches!(edit, Edit::Burn { place: of, .. } if *of == place);
     let mut params = desk.document.params().clone();

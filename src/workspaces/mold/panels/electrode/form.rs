@@ -91,7 +91,8 @@ fn holders(ui: &mut Ui, form: &mut Form<MoldParams>, known: &[Holder]) {
     }
 }
 
-/// The changes that the user made to the division, each of which can be taken away; those at the places `unmet` do nothing.
+/// The changes that the user made to the division, each of which can be taken away; those at the places `unmet` do
+/// nothing.
 fn edits(ui: &mut Ui, form: &mut Form<MoldParams>, unmet: &[usize]) {
     let edits = &form.params().electrodes.edits;
     if edits.is_empty() {
@@ -126,7 +127,8 @@ fn answer(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath
         notice(ui, palette(ui).bad, why);
     }
     let Some(made) = desk.electrodes.designed().cloned() else {
-        let text = "\"Create electrodes\" designs electrodes for the rest material; the rest material is found first if needed.";
+        let text = "\"Create electrodes\" designs electrodes for the rest material; the rest material is found first \
+             if needed.";
         ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
         return None;
     };
