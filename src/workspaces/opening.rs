@@ -1,9 +1,9 @@
 //! Documents that are read in the background, before they take the place of what is open.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use files::{Document, MovedFile, Params, Recovery};
+use files::{AnyDocument as _, Document, MovedFile, Params, Recovery};
 use task::{Doing, Lane, Memo, Priority, Refusal, Scheduler, Task};
 
 use super::commands::{Command, CommandSet, FrameCommand};
@@ -78,17 +78,18 @@ impl<W, P: Params + Send + Sync + 'static, L: Send + Sync + 'static> Opening<W, 
     ) {
         self.number += 1;
         self.memo.restart(&self.number, Priority::Shown, move |work| {
+            let asks_about_files = matches!(source, Source::Project(_));
             let (file, copy, document) = match source {
                 Source::Project(file) => (Some(file.clone()), None, Document::open(&file)),
                 Source::Copy(copy) => (None, Some(copy.clone()), copy.open()),
-                Source::There(document) => (None, None, Ok(document)),
+                Source::There(document) => (document.file().map(Path::to_owned), None, Ok(document)),
             };
             let document = match document {
                 Ok(document) => document,
                 Err(why) => return Ok(Err((file, why.to_string()))),
             };
             work.task.check().map_err(|e| e.to_string())?;
-            let moved = if file.is_some() { document.moved_files() } else { Vec::new() };
+            let moved = if asks_about_files { document.moved_files() } else { Vec::new() };
             if !moved.is_empty() {
                 return Ok(Ok(Arc::new(Incoming { document, loaded: None, copy, moved })));
             }
