@@ -31,6 +31,7 @@ impl<P: Params> MovedFiles<P> {
     /// Returns `document` if its files are those that it was saved with. Otherwise the document waits and the user is
     /// asked.
     pub fn checked(&mut self, document: Document<P>, cx: &mut Context) -> Option<Document<P>> {
+        self.forget();
         let moved = document.moved_files();
         if moved.is_empty() {
             return Some(document);

@@ -195,7 +195,8 @@ impl Post {
     pub fn load(name: &str, user_folder: Option<&Path>) -> Result<Self, PostError> {
         // A name is a file name here, never a way out of the folder.
         let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "-_".contains(c));
-        let unknown = || PostError::Unknown { name: name.to_owned(), known: BUILT_IN.iter().map(|(n, _)| *n).collect() };
+        let unknown =
+            || PostError::Unknown { name: name.to_owned(), known: BUILT_IN.iter().map(|(n, _)| *n).collect() };
         if !plain {
             return Err(unknown());
         }
