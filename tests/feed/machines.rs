@@ -66,7 +66,7 @@ fn with_more_axes_the_genetic_search_gives_a_certified_plan_that_nothing_collide
 fn is_certified_and_nothing_collides(name: &str, strategy: Strategy) {
     assert!(BUILT_IN.contains(&name));
     let mut job = easy_job();
-    (job.machine, job.plan.strategy) = (machine(name), strategy);
+    (job.machine, job.plan.strategy, job.plan.step_mm) = (machine(name), strategy, 1.6);
     let machine = job.machine.clone();
     let outcome = plan(mesh(&easy_blisk()), job);
     assert!(outcome.is_verified(), "{name}: {}", outcome.electrodes[0].plan.verdict(&outcome.channel));
