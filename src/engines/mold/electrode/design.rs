@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use super::base::Base;
 use super::division::Cut;
 use super::finding::{CheckKind, Finding};
-use super::leftover::LeftOfRegion;
 use super::params::{ElectrodeParams, GivenName, Method};
+use super::residual_stock::LeftOfRegion;
 use geometry::mesh::{Bounds, Mesh};
 
 /// Identifier of a part of a region: the index of the region in the list, and the number of the part, which is the same

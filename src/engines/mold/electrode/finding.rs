@@ -15,14 +15,15 @@ pub enum CheckKind {
     /// The electrode keeps the gap on its way in and out.
     Approach,
     /// The parts that the electrode was made for are burned.
-    Leftover,
+    #[serde(rename = "leftover")]
+    ResidualStock,
     /// The electrode can be milled.
     Machinable,
 }
 
 impl CheckKind {
     /// All checks, in the order in which they are made.
-    pub const ALL: [Self; 5] = [Self::Watertight, Self::Gouge, Self::Approach, Self::Leftover, Self::Machinable];
+    pub const ALL: [Self; 5] = [Self::Watertight, Self::Gouge, Self::Approach, Self::ResidualStock, Self::Machinable];
 
     /// Name of the check.
     pub fn name(self) -> &'static str {
@@ -30,7 +31,7 @@ impl CheckKind {
             Self::Watertight => "watertight",
             Self::Gouge => "gouge",
             Self::Approach => "approach",
-            Self::Leftover => "leftover",
+            Self::ResidualStock => "leftover",
             Self::Machinable => "machinable",
         }
     }
