@@ -75,7 +75,7 @@ fn plan_easy(job: PlanJob) -> PlanOutcome {
     run_feeds(ready(), &easy_inputs(job), &Task::default()).unwrap()
 }
 
-/// The feeds alone, where copying motions and leftover do not matter.
+/// The feeds alone, where copying motions and residual stock do not matter.
 fn plan(blisk: Mesh, job: PlanJob) -> PlanOutcome {
     let inputs = PlanInputs { blisk: blisk.into(), own_electrode: None, job };
     let task = Task::default();
@@ -149,7 +149,7 @@ fn the_copying_motion_is_certified_and_brings_the_walls_to_their_gap() {
     let motion = copying.certified().unwrap_or_else(|| panic!("{}", copying.sentence()));
     let rows = &motion.path.rows;
     assert!(rows.len() > 2 && rows[0].pose == Pose::FINAL && rows[rows.len() - 1].pose == Pose::FINAL);
-    let left = outcome.leftover().unwrap();
+    let left = outcome.residual_stock().unwrap();
     // Nothing is cut deeper than the tolerance of the certificates, which is less than is counted.
     assert!(left.deepest().is_none(), "{:?}", left.deepest());
     let reduced = easy_job().electrode.circumferential_reduction_deg[0].to_radians();

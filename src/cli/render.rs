@@ -191,7 +191,7 @@ fn project_picture(part: &Part, found: &FoundChannel, shown: &Shown, arguments: 
         contact: None,
         trouble: None,
         values: None,
-        leftover: None,
+        residual_stock: None,
         layers: &layers,
         selected: None,
         ghosts: &[],

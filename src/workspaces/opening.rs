@@ -77,6 +77,7 @@ impl<W, P: Params + Send + Sync + 'static, L: Send + Sync + 'static> Opening<W, 
         load: impl FnOnce(&Document<P>, &Task) -> Result<L, NotOpened> + Send + 'static,
     ) {
         self.number += 1;
+        self.moved.forget();
         self.memo.restart(&self.number, Priority::Shown, move |work| {
             let asks_about_files = matches!(source, Source::Project(_));
             let (file, copy, document) = match source {

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use egui::{Key, Role};
-use files::AnyDocument;
+use files::{AnyDocument, Document};
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::BliskWorkspace;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::paths::BliskPath;
 use sparkpath::workspaces::context::Context;
-use sparkpath::workspaces::flank::document::FlankSource;
+use sparkpath::workspaces::flank::document::{FlankDocument, FlankSource, WallsFile};
 use task::State;
 
 use crate::common::{curved_blisk, easy_blisk};
@@ -181,4 +181,76 @@ fn a_failed_open_changes_nothing() {
     let core = desk.blisk();
     assert!(*core.document.params() == job && Arc::ptr_eq(core.work.part().unwrap(), &part));
     assert!(desk.step_says(Stage::Part, "done"));
+}
+
+#[test]
+fn a_mold_whose_mesh_is_elsewhere_or_has_changed_asks() {
+    let home = Home::new();
+    let mesh = home.mold();
+    let [project, elsewhere] = ["stepped.sparkpath", "elsewhere.stl"].map(|name| home.path(name));
+    let mut desk = home.start(Opening::In("mold", Some(mesh.clone())));
+    desk.until_loaded();
+    desk.mold_mut().document.save_as(&project).unwrap();
+    std::fs::rename(&mesh, &elsewhere).unwrap();
+    desk.drop_file(&project);
+    desk.assert_shows("no longer exists");
+    assert!(!desk.shows("Open without"), "there would be nothing to show");
+    desk.press("Find it…");
+    desk.type_path(&elsewhere);
+    desk.until("the mold is found", |desk| desk.mold().params().mesh.as_ref() == Some(&elsewhere));
+    desk.until_loaded();
+    let document = &desk.mold().document;
+    assert!(document.file() == Some(project.as_path()) && document.is_unsaved(), "the file names the former mesh");
+
+    desk.mold_mut().document.save_as(&project).unwrap();
+    std::fs::copy("tests/data/cube.stl", &elsewhere).unwrap();
+    desk.drop_file(&project);
+    desk.assert_shows("has changed since the project was saved");
+    desk.press("Cancel");
+    assert!(!desk.shows("has changed since") && !desk.app().is_opening());
+    desk.drop_file(&project);
+    desk.press("Use as it is now");
+    desk.until("the other mesh is there", |desk| desk.mold().work.mold().is_some_and(|m| m.mesh.triangles.len() == 12));
+}
+
+#[test]
+fn a_flank_whose_files_are_gone_or_have_changed_asks() {
+    let home = Home::new();
+    let [lower, upper, walls, project] =
+        ["lower.csv", "upper.csv", "walls.stl", "flank.sparkpath"].map(|name| home.path(name));
+    let write = |file: &std::path::Path, z: f64| {
+        std::fs::write(file, format!("0,0,{z}\n10,2,{z}\n20,2,{z}\n30,0,{z}\n")).unwrap();
+    };
+    write(&lower, 0.0);
+    write(&upper, 10.0);
+    std::fs::copy("tests/data/cube.stl", &walls).unwrap();
+    let walled = Some(WallsFile { file: walls.clone(), units: Default::default() });
+    let source = FlankSource::guides([lower, upper.clone()]);
+    Document::new(FlankDocument { source, walls: walled, ..Default::default() }).export(&project).unwrap();
+    let mut desk = home.start(Opening::File(project.clone()));
+    desk.until("all is read", |desk| {
+        let (work, params) = (&desk.flank().work, desk.flank().document.params());
+        work.loaded(params).is_some() && work.walls(params).is_some()
+    });
+    desk.flank_mut().document.save_as(&project).unwrap();
+
+    write(&upper, 11.0);
+    desk.drop_file(&project);
+    desk.assert_shows("upper.csv has changed since the project was saved");
+    assert!(!desk.shows("lower.csv has changed") && !desk.shows("walls.stl has changed"));
+    desk.press("Cancel");
+    std::fs::remove_file(&walls).unwrap();
+    write(&upper, 10.0);
+    desk.drop_file(&project);
+    desk.assert_shows("walls.stl no longer exists");
+    desk.press("Open without");
+    desk.until("it is open without its walls", |desk| {
+        let (work, params) = (&desk.flank().work, desk.flank().document.params());
+        matches!(work.walls_state(params), State::Failed(_)) && work.loaded(params).is_some()
+    });
+    assert_eq!(desk.flank().document.file(), Some(project.as_path()));
+    std::fs::remove_file(&upper).unwrap();
+    desk.drop_file(&project);
+    desk.assert_shows("upper.csv no longer exists");
+    assert!(!desk.shows("Open without"), "without its guide there is no surface");
 }

@@ -44,6 +44,10 @@ impl Desk {
         &self.app().workspace::<FlankWorkspace>().unwrap().desk
     }
 
+    pub fn flank_mut(&mut self) -> &mut FlankDesk {
+        &mut self.window.state_mut().workspace_mut::<FlankWorkspace>().unwrap().desk
+    }
+
     fn until_planned(&mut self) {
         self.until("the flank is planned", |desk| desk.flank().state() == State::Ready && desk.flank().is_planned());
         self.settle();

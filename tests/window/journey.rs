@@ -147,8 +147,8 @@ fn verify_and_release(desk: &mut Desk) {
     desk.until_idle();
     desk.press("Show the residual stock");
     let core = desk.blisk();
-    assert!(core.leftover_values().is_some() && !core.layers.get(Layer::Electrode).visible);
-    let (legend, left) = (core.leftover_legend().unwrap(), core.work.plan().unwrap().leftover().unwrap());
+    assert!(core.residual_stock_values().is_some() && !core.layers.get(Layer::Electrode).visible);
+    let (legend, left) = (core.residual_stock_legend().unwrap(), core.work.plan().unwrap().residual_stock().unwrap());
     let thickest = left.surfaces.iter().map(|s| s.left.depth_mm.max(s.overcut.depth_mm)).fold(0.0, f64::max);
     assert!(legend.max >= thickest - 1e-6 && legend.min == -legend.max, "{thickest} beyond {legend:?}");
     desk.settle();
@@ -156,7 +156,7 @@ fn verify_and_release(desk: &mut Desk) {
     let from = walls.center().distance(desk.app().camera().target);
     assert!(from < 0.5 * walls.size().length(), "the view went to the walls, {from} mm off");
     desk.press("Show the electrode");
-    assert!(desk.blisk().leftover_values().is_none());
+    assert!(desk.blisk().residual_stock_values().is_none());
     desk.open_step(Stage::Export);
     let folder = tempfile::tempdir().unwrap();
     let early = folder.path().join("early");
@@ -197,7 +197,7 @@ fn an_edit_withdraws_the_release(desk: &mut Desk) {
     desk.enter("Radial reduction", "1.2");
     desk.until_idle();
     let core = desk.blisk();
-    assert!(!core.leftover && core.layers.get(Layer::Electrode).visible, "of this electrode there is no map");
+    assert!(!core.residual_stock && core.layers.get(Layer::Electrode).visible, "of this electrode there is no map");
     assert!(core.work.released().is_none());
     assert!(desk.step_says(Stage::Plan, "out of date") && desk.step_says(Stage::Export, "out of date"));
     assert!(desk.log().iter().any(|line| line.contains("release withdrawn: an input changed")));

@@ -43,7 +43,7 @@ fn nothing_is_released_before_its_copying_motions_are_known_or_given_up() {
     let work = &mut desk.blisk_mut().work;
     let plan = work.plan().unwrap().clone();
     assert!(plan.finishing().is_none(), "the verdict does not wait for the stock that is left");
-    assert!(work.leftover_shape().is_none() && !work.can_release() && work.release().is_err());
+    assert!(work.residual_stock_shape().is_none() && !work.can_release() && work.release().is_err());
     work.cancel();
     desk.until_idle();
     desk.open_step(Stage::Verify);
@@ -54,7 +54,7 @@ fn nothing_is_released_before_its_copying_motions_are_known_or_given_up() {
     desk.until_idle();
     let work = &desk.blisk().work;
     assert!(Arc::ptr_eq(&plan, work.plan().unwrap()) && work.can_release() && work.released().is_none());
-    assert!(plan.leftover().is_some() && work.leftover_shape().is_some());
+    assert!(plan.residual_stock().is_some() && work.residual_stock_shape().is_some());
     assert!(desk.log().iter().any(|line| line.contains("remain in the channel")), "{:#?}", desk.log());
 }
 
@@ -70,7 +70,7 @@ fn a_release_does_not_wait_for_the_residual_stock_and_outlives_it() {
     desk.blisk_mut().work.release().unwrap();
     desk.until_idle();
     let work = &desk.blisk().work;
-    assert!(work.released().is_some() && work.plan().unwrap().leftover().is_some());
+    assert!(work.released().is_some() && work.plan().unwrap().residual_stock().is_some());
 }
 
 #[test]

@@ -9,8 +9,8 @@ use mold::electrode::design::Family;
 use mold::electrode::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use mold::electrode::division::Cut;
 use mold::electrode::finding::{CheckKind, Finding};
-use mold::electrode::leftover::LeftOfRegion;
 use mold::electrode::params::{ElectrodeParams, Holder, Method, Orbit, Stage};
+use mold::electrode::residual_stock::LeftOfRegion;
 
 fn finding(kind: CheckKind, holds: bool, text: &str) -> Finding {
     let place = (!holds).then_some(DVec3::new(1.0, 2.0, -3.00004));
@@ -120,7 +120,7 @@ pub fn set() -> ElectrodeSet {
         ],
         checks: vec![
             checks(&[]),
-            checks(&[CheckKind::Leftover]),
+            checks(&[CheckKind::ResidualStock]),
             // An open surface is not tried with the cutters.
             checks(&[CheckKind::Watertight, CheckKind::Gouge]).into_iter().take(4).collect(),
         ],

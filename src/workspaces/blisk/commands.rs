@@ -22,7 +22,7 @@ pub enum BliskCommand {
     Measure,
     Colours,
     /// Shows the stock left in the channel as colours.
-    Leftover,
+    ResidualStock,
     MillFlanks,
     Step(Stage),
 }
@@ -51,7 +51,7 @@ impl CommandSet for BliskCommand {
             (C::WholeBlisk, info("Show the whole blisk").key(Key::B)),
             (C::Measure, info("Measure").key(Key::M)),
             (C::Colours, info("Clearance colours")),
-            (C::Leftover, info("Residual stock colours")),
+            (C::ResidualStock, info("Residual stock colours")),
             (C::MillFlanks, info("Mill the electrode's flanks").needing("Select an electrode that is up to date")),
             (C::Step(Stage::Part), info("Step 1: Part")),
             (C::Step(Stage::Channel), info("Step 2: Channel")),

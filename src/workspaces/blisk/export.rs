@@ -7,7 +7,7 @@ use crate::workspaces::blisk::document::job_file::{ExportSection, PlanJob};
 use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use crate::workspaces::blisk::job::{plan_pictures, simulate};
 use crate::workspaces::blisk::report::build;
-use crate::workspaces::blisk::report::leftover::map_as_ply;
+use crate::workspaces::blisk::report::residual_stock::map_as_ply;
 use crate::workspaces::blisk::report::{FeedLowered, InputFile, Report, ReportError, Written};
 use feed::copying::Copying;
 use feed::machine_model::MachineModel;
@@ -107,15 +107,15 @@ pub fn write(
         files.extend(own);
         programs.extend(program);
     }
-    if let (Some(leftover), true) = (outcome.leftover(), inputs.job.export.files.leftover) {
-        let map = &leftover.map;
+    if let (Some(residual_stock), true) = (outcome.residual_stock(), inputs.job.export.files.residual_stock) {
+        let map = &residual_stock.map;
         let ply = match inputs.job.export.frame {
             MeshFrame::Mesh => map_as_ply(map, &map.mesh.in_parent_of(&outcome.channel.frame)),
             MeshFrame::W => map_as_ply(map, &map.mesh),
         };
-        files.push((LEFTOVER_FILE.to_owned(), ply));
-        if let Some(report) = &mut report.leftover {
-            report.file = Some(LEFTOVER_FILE.to_owned());
+        files.push((RESIDUAL_STOCK_FILE.to_owned(), ply));
+        if let Some(report) = &mut report.residual_stock {
+            report.file = Some(RESIDUAL_STOCK_FILE.to_owned());
         }
     }
     if inputs.job.export.files.pictures {
@@ -169,7 +169,7 @@ fn reports(
 }
 
 /// The map of the stock that is left.
-const LEFTOVER_FILE: &str = "leftover.ply";
+const RESIDUAL_STOCK_FILE: &str = "leftover.ply";
 
 /// What the files of all electrodes share.
 struct Context<'a> {
@@ -216,7 +216,7 @@ fn electrode_files(
         files.push((format!("path_{k}{}.csv", if holds { "" } else { ".unverified" }), csv));
     }
     let copying = whole.copying(k - 1).and_then(Copying::certified).filter(|_| holds);
-    if let (Some(copying), true) = (copying, wanted.leftover) {
+    if let (Some(copying), true) = (copying, wanted.residual_stock) {
         let csv = write_copying_csv(&copying.path, copying.certificate.row_clearance())?.into_bytes();
         files.push((format!("copying_{k}.csv"), csv));
     }

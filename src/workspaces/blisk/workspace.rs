@@ -169,9 +169,9 @@ impl BliskWorkspace {
                 view.clear_probe();
             }
             BliskCommand::Colours => desk.colours = !desk.colours,
-            BliskCommand::Leftover => {
-                desk.toggle_leftover();
-                if desk.leftover {
+            BliskCommand::ResidualStock => {
+                desk.toggle_residual_stock();
+                if desk.residual_stock {
                     view.look_into_channel(desk, now);
                 }
             }
@@ -242,7 +242,7 @@ impl Workspace for BliskWorkspace {
                 vec![[&first[..], &of(&[C::Release, C::Withdraw])].concat(), of(&[C::MillFlanks])]
             }
             Menu::View => {
-                vec![of(&[C::Section, C::IntoChannel, C::WholeBlisk]), of(&[C::Measure, C::Colours, C::Leftover])]
+                vec![of(&[C::Section, C::IntoChannel, C::WholeBlisk]), of(&[C::Measure, C::Colours, C::ResidualStock])]
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Distance of an electrode from the mold, where it burns and on its way in and out.
+//! Distance of an electrode from the mold, in the burning position and on the way in and out.
 
 use std::f64::consts::PI;
 
@@ -15,7 +15,7 @@ use geometry::mesh::{Mesh, unit_normal};
 use geometry::offset::offset;
 use task::Cancel;
 
-/// How far an orbit may bulge beyond the places of it that are tried (mm).
+/// Greatest excess of an orbit beyond its sampled places (mm).
 const BULGE: f64 = 2e-4;
 
 /// A mold that electrodes must keep clear of.
@@ -51,12 +51,12 @@ impl Obstacle {
         (nearest.signed_distance, (p - nearest.point).normalize_or_zero())
     }
 
-    /// How near the electrode, which stands where it burns, comes to the mold there and on its way straight up by
-    /// `lift` (mm).
+    /// Least distance of the electrode from the mold (mm), in the burning position and on its way straight up by `lift`
+    /// (mm).
     ///
-    /// While a body moves, the boundary of what it sweeps is made of its first and last place and of what its edges
-    /// sweep: these are held against the mold exactly. The holder needs none: the base, and all that is above it,
-    /// begins higher than any point of the mold by the extension.
+    /// The boundary of the volume that a moving body sweeps consists of its first and last position and of the surfaces
+    /// swept by its edges; these are compared with the mold exactly. The holder needs no check: base and holder begin
+    /// above the highest point of the mold by the extension.
     ///
     /// # Errors
     /// [`ElectrodeError::Exact`], [`ElectrodeError::Cancelled`].
@@ -86,7 +86,7 @@ impl Obstacle {
         Ok(Clearance { near: [burning, way], inside })
     }
 
-    /// The least distance of a body at these shifts, and at which of them, the first of those that are alike.
+    /// Least distance of a body at these shifts, with the first shift that has it.
     fn least(&self, body: &ExactMesh, shifts: &[DVec3]) -> Result<(f64, DVec3), ElectrodeError> {
         let at = |shift: &DVec3| -> Result<(f64, DVec3), ElectrodeError> {
             self.cancel.check()?;
@@ -97,7 +97,7 @@ impl Obstacle {
         Ok(all.into_iter().fold((f64::INFINITY, DVec3::ZERO), nearer))
     }
 
-    /// Whether a body that stands beside the tips that burn keeps the gap there and on its way.
+    /// Whether a body beside the burning tips keeps the gap, in place and on its way.
     ///
     /// # Errors
     /// [`ElectrodeError::Exact`], [`ElectrodeError::Cancelled`].
@@ -109,13 +109,13 @@ impl Obstacle {
         Ok(self.clearance(beside, stage, lift)?.findings(stage).iter().all(|finding| finding.holds))
     }
 
-    /// A vertex that stands inside the mold.
+    /// A vertex inside the mold.
     fn inside(&self, electrode: &Mesh) -> Option<DVec3> {
         let is_inside = |p: &&DVec3| self.distance(**p) > GOUGE && winding_number(&self.mesh, **p) != 0;
         electrode.vertices.iter().find(is_inside).copied()
     }
 
-    /// Where a body, shifted, comes nearest to the mold or crosses its surface.
+    /// Place where a shifted body is nearest to the mold or crosses its surface.
     fn contact(&self, (mesh, exact): (&Mesh, &ExactMesh), shift: DVec3) -> Option<DVec3> {
         /// Further than any body comes near (mm).
         const FAR: f64 = 1e3;
@@ -135,32 +135,32 @@ fn edges(mesh: &Mesh) -> impl Iterator<Item = [DVec3; 2]> + '_ {
     mesh.iter_corners().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]])
 }
 
-/// Where the way from one point to another first crosses a surface.
+/// First crossing of the line between two points with a surface.
 fn crossed(surface: &ExactMesh, from: DVec3, to: DVec3) -> Option<DVec3> {
     let along = (to - from).try_normalize()?;
     surface.first_crossing(from, along, from.distance(to)).map(|t| from + along * t)
 }
 
-/// How near a body may come to the mold (mm).
+/// Required distance of a body from the mold (mm).
 fn needed(stage: &Stage) -> f64 {
     stage.gap_mm + stage.stock_mm - GOUGE
 }
 
-/// How near a body comes.
+/// Distance of a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Near {
     /// Least distance (mm).
     distance: f64,
-    /// Where, if that is too near.
+    /// Place of the least distance, if that is too small.
     place: Option<DVec3>,
 }
 
-/// How near an electrode comes to the mold.
+/// Distances of an electrode from the mold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clearance {
-    /// Where it burns, and on its way in and out.
+    /// Distance in the burning position, and on the way in and out.
     near: [Near; 2],
-    /// A vertex of it that stands inside the mold.
+    /// A vertex of the electrode inside the mold.
     inside: Option<DVec3>,
 }
 
@@ -171,7 +171,7 @@ impl Clearance {
         if badness(&other) > badness(&self) { other } else { self }
     }
 
-    /// Whether the gap of a stage is kept where it burns, and on the way in and out.
+    /// Checks that the gap of a stage is kept in the burning position, and on the way in and out.
     pub fn findings(&self, stage: &Stage) -> [Finding; 2] {
         let asked = if stage.stock_mm > 0.0 {
             format!("gap {:.4} mm and stock {:.4} mm", stage.gap_mm, stage.stock_mm)

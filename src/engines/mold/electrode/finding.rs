@@ -1,4 +1,4 @@
-//! Subjects of the checks of electrodes, and what such a check finds.
+//! Checks of electrodes and their findings.
 
 use files::Figures;
 use glam::DVec3;
@@ -10,27 +10,28 @@ use serde::{Deserialize, Serialize};
 pub enum CheckKind {
     /// The surface is closed.
     Watertight,
-    /// The electrode keeps the gap where it burns.
+    /// The electrode keeps the gap in the burning position.
     Gouge,
     /// The electrode keeps the gap on its way in and out.
     Approach,
     /// The parts that the electrode was made for are burned.
-    Leftover,
+    #[serde(rename = "leftover")]
+    ResidualStock,
     /// The electrode can be milled.
     Machinable,
 }
 
 impl CheckKind {
     /// All checks, in the order in which they are made.
-    pub const ALL: [Self; 5] = [Self::Watertight, Self::Gouge, Self::Approach, Self::Leftover, Self::Machinable];
+    pub const ALL: [Self; 5] = [Self::Watertight, Self::Gouge, Self::Approach, Self::ResidualStock, Self::Machinable];
 
-    /// How it is called.
+    /// Name of the check.
     pub fn name(self) -> &'static str {
         match self {
             Self::Watertight => "watertight",
             Self::Gouge => "gouge",
             Self::Approach => "approach",
-            Self::Leftover => "leftover",
+            Self::ResidualStock => "leftover",
             Self::Machinable => "machinable",
         }
     }
@@ -41,17 +42,17 @@ impl CheckKind {
 pub struct Finding {
     /// Subject of the check.
     pub kind: CheckKind,
-    /// Whether it holds.
+    /// Whether the check holds.
     pub holds: bool,
     /// The finding in words, with its figures.
     pub text: String,
-    /// Where, in the upright mold (mm).
+    /// Place of the finding, in the upright mold (mm).
     pub place: Option<DVec3>,
-    /// How bad it is, if it fails; see [`Figures`].
+    /// Figures of a failed check; see [`Figures`].
     pub figures: Figures,
 }
 
-/// The greatest figure of what is wrong: what is no number is as bad as that.
+/// Figure of a failure without a number.
 const WORST: f64 = 1e9;
 
 impl Finding {
@@ -60,12 +61,12 @@ impl Finding {
         Self { kind, holds, text, place, figures: Figures::new() }
     }
 
-    /// One that does not hold, as bad as this figure says.
+    /// A failed finding with this figure.
     pub(super) fn failed(kind: CheckKind, text: String, figure: (&str, f64)) -> Self {
         Self::new(kind, false, text, None).with(&[figure])
     }
 
-    /// This finding with the figures of its failure.
+    /// Sets the figures of the failure.
     pub(super) fn with(mut self, figures: &[(&str, f64)]) -> Self {
         let worst = |figure: f64| if figure.is_finite() { figure.clamp(0.0, WORST) } else { WORST };
         let wrong = figures.iter().filter(|_| !self.holds);

@@ -15,11 +15,11 @@ pub mod family;
 pub mod finding;
 pub mod footprint;
 pub mod h_edge;
-pub mod leftover;
 pub mod names;
 pub mod params;
 pub mod plan;
 pub mod plan_checks;
+pub mod residual_stock;
 pub mod setting;
 pub mod tip;
 
@@ -31,11 +31,11 @@ mod samples;
 mod sharing;
 
 #[cfg(test)]
-mod leftover_tests;
-#[cfg(test)]
 mod orbit_tests;
 #[cfg(test)]
 mod plan_tests;
+#[cfg(test)]
+mod residual_stock_tests;
 #[cfg(test)]
 mod stages_tests;
 #[cfg(test)]

@@ -59,7 +59,7 @@ fn joined(net: &mut [Finding], real: &[Finding]) {
 
 /// A finding that tells of the burn of a body without gap, which nobody burns.
 fn not_checked(finding: &mut Finding) {
-    if matches!(finding.kind, CheckKind::Gouge | CheckKind::Approach | CheckKind::Leftover) {
+    if matches!(finding.kind, CheckKind::Gouge | CheckKind::Approach | CheckKind::ResidualStock) {
         *finding = Finding::failed(finding.kind, OTHER_NET.to_owned(), ("not_checked", 1.0));
     }
 }

@@ -29,7 +29,7 @@ pub enum Orbit {
 }
 
 impl Orbit {
-    /// How much further than without it a burn goes along the unit normal of a face (mm).
+    /// Distance along a face's unit normal by which the orbit extends the burn (mm).
     pub fn reach(self, normal: DVec3) -> f64 {
         match self {
             Self::None => 0.0,
@@ -38,8 +38,8 @@ impl Orbit {
         }
     }
 
-    /// Whether an electrode that was made for it is right for it turned about the burn direction, too (radians): the
-    /// machine does not turn the orbit with it.
+    /// Whether an electrode made for this orbit also suits it when turned about the burn direction (radians): the
+    /// machine does not turn the orbit.
     pub fn fits_turned(self, turn: f64) -> bool {
         /// Rounding of a quarter turn (rad).
         const HAIR: f64 = 1e-6;
@@ -47,7 +47,7 @@ impl Orbit {
         !matches!(self, Self::Square { .. }) || (quarters - quarters.round()).abs() < HAIR
     }
 
-    /// The place within it that is nearest to a point of the plane around its middle (mm).
+    /// The point of the orbit nearest to `p`, in the plane about its middle (mm).
     pub fn nearest(self, p: DVec2) -> DVec2 {
         match self {
             Self::None => DVec2::ZERO,
@@ -65,13 +65,13 @@ impl Orbit {
     }
 }
 
-/// One of the burns that a place goes through, each with an electrode of its own size.
+/// A stage: one of the burns of a place, each with an electrode of its own size.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Stage {
     /// Name: rough, finish.
     pub name: String,
-    /// Spark gap (mm): how far from the electrode material is taken.
+    /// Spark gap (mm): distance between electrode and burned surface.
     pub gap_mm: f64,
     /// Stock left for the stages after this one (mm), on every face.
     #[serde(default)]
@@ -79,10 +79,10 @@ pub struct Stage {
     /// The orbit.
     #[serde(default)]
     pub orbit: Orbit,
-    /// Surface finish to be reached (VDI 3400).
+    /// Required surface finish (VDI 3400).
     #[serde(default = "usual_finish")]
     pub finish_vdi: f64,
-    /// How many electrodes are made.
+    /// Number of electrodes to make.
     #[serde(default = "one")]
     pub quantity: u32,
 }
@@ -101,12 +101,12 @@ impl Stage {
         Self { name: "finish".into(), gap_mm, stock_mm: 0.0, orbit: Orbit::None, finish_vdi: 24.0, quantity: 1 }
     }
 
-    /// How far an electrode stays from a face with this unit normal (mm): gap, stock and orbit.
+    /// Distance of the electrode from a face with this unit normal (mm): gap, stock and orbit.
     pub fn undersize(&self, normal: DVec3) -> f64 {
         self.gap_mm + self.stock_mm + self.orbit.reach(normal)
     }
 
-    /// The most that it stays from an upright face (mm): with a square orbit from one that stands aslant.
+    /// Greatest distance from an upright face (mm); with a square orbit from a face aslant.
     pub fn most_across(&self) -> f64 {
         [DVec3::X, DVec3::new(FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0)]
             .map(|n| self.undersize(n))
@@ -114,53 +114,53 @@ impl Stage {
             .fold(0.0, f64::max)
     }
 
-    /// Roughness that the finish stands for (Ra, micrometres; VDI 3400: 20 log10 of ten times it).
+    /// Roughness Ra of the finish (micrometres; VDI 3400: 20 log10 of ten times it).
     pub fn roughness_um(&self) -> f64 {
         10f64.powf(self.finish_vdi / 20.0) / 10.0
     }
 }
 
-/// Shape that electrode files hold.
+/// Shape in electrode files.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shape {
-    /// The electrode as it is made: smaller than the cavity by gap and orbit.
+    /// The electrode as milled: smaller than the cavity by gap and orbit.
     #[default]
     Undersized,
     /// The shape of the cavity; the gap is an attribute, and the electrode is milled that much smaller.
     Net,
 }
 
-/// How a tip is made from a region.
+/// Method of making a tip from a region.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// The region's own outline led up: for regions of whole faces.
+    /// Extrudes the region's own outline: for regions of whole faces.
     Extruding,
-    /// A box around the region, trimmed by the faces: for regions that hold parts of faces.
+    /// Trims a box around the region by the faces: for regions with parts of faces.
     Cutting,
 }
 
-/// A block that electrodes are made from.
+/// A holder for electrodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Holder {
     /// Name.
     pub name: String,
-    /// Largest blank that it holds, along X and Y (mm).
+    /// Largest blank, along X and Y (mm).
     pub size_mm: [f64; 2],
     /// Height above the blank (mm).
     pub height_mm: f64,
 }
 
-/// How blanks are chosen.
+/// Sizes of blanks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Blanks {
-    /// Sides that rectangular blanks come in (mm), rising; beyond the largest, sides are rounded up.
+    /// Sides of rectangular blanks (mm), rising; larger sides are rounded up.
     pub sides_mm: Vec<f64>,
-    /// Diameters that round blanks come in (mm), rising. One is taken where it is less than the rectangular blank; none
-    /// where the list is empty.
+    /// Diameters of round blanks (mm), rising. A round blank is taken where it is smaller than the rectangular one; an
+    /// empty list means none.
     pub diameters_mm: Vec<f64>,
     /// Step to which lengths, and sides beyond the list, are rounded up (mm).
     pub increment_mm: f64,
@@ -193,7 +193,7 @@ impl Blanks {
     }
 }
 
-/// How fast material is burned away.
+/// Removal rate.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Removal {
@@ -203,7 +203,7 @@ pub struct Removal {
     pub most_mm3_min: f64,
     /// Finish that the rate is stated for (VDI 3400).
     pub at_vdi: f64,
-    /// How much rougher a finish burns ten times as fast (VDI).
+    /// Difference in finish for a tenfold rate (VDI).
     pub tenfold_vdi: f64,
     /// Time for each burn beside burning: positioning, rinsing, measuring (minutes).
     pub setting_min: f64,
@@ -216,16 +216,16 @@ impl Default for Removal {
 }
 
 impl Removal {
-    /// Minutes for one burn of `volume` (mm^3) with a front of `area` (mm^2, seen along the burn) at a finish.
+    /// Duration of a burn of `volume` (mm^3) with a front of `area` (mm^2, seen along the burn) at a finish (minutes).
     pub fn minutes(&self, volume: f64, area: f64, finish_vdi: f64) -> f64 {
         let slower = 10f64.powf((finish_vdi - self.at_vdi) / self.tenfold_vdi).min(1.0);
         let rate = (self.per_area_mm_min * area).min(self.most_mm3_min) * slower;
         self.setting_min + if rate > 0.0 { volume / rate } else { 0.0 }
     }
 
-    /// Minutes for one burn with several tips, each the volume that it takes (mm^3) and its front (mm^2). They go down
-    /// together: it takes as long as the slowest of them by itself, and no less than all of them as one, whose rate the
-    /// generator limits. So tips on one base never burn faster than one of them.
+    /// Duration of a burn with several tips (minutes), given the volume (mm^3) and the front (mm^2) of each. The tips
+    /// go down together: the burn takes as long as the slowest tip alone, and no less than all tips as one at the
+    /// generator's greatest rate. So tips on one base never burn faster than one of them.
     pub fn minutes_of_tips(&self, tips: &[(f64, f64)], finish_vdi: f64) -> f64 {
         let all = tips.iter().fold((0.0, 0.0), |sum, tip| (sum.0 + tip.0, sum.1 + tip.1));
         let each = tips.iter().chain([&all]).map(|(volume, area)| self.minutes(*volume, *area, finish_vdi));
@@ -233,32 +233,32 @@ impl Removal {
     }
 }
 
-/// A change that the user made to the division.
+/// A user's change of the division.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "change", deny_unknown_fields)]
 pub enum Edit {
-    /// The parts that these two places name become one: those that hold them, or else the nearest whose tips do.
+    /// Merges the parts at these two places: those that contain them, or the nearest whose tips do.
     Merge {
         /// Places of the mold, upright (mm).
         places: [DVec3; 2],
     },
-    /// The part that the middle of a line names is cut along it.
+    /// Splits the part at the middle of a line along this line.
     Split {
         /// Places of the mold at the line's ends, upright (mm).
         line: [DVec3; 2],
     },
-    /// The part that holds a place is made by this method.
+    /// Makes the part at a place by this method.
     Make {
         /// A place of the mold, upright (mm).
         place: DVec3,
         /// Method of making it.
         method: Method,
     },
-    /// The region that holds a place is burned along another direction.
+    /// Burns the region at a place along another direction.
     Burn {
         /// A place of the mold, upright (mm).
         place: DVec3,
-        /// Where the electrode goes, upright: straight down is (0, 0, -1).
+        /// Burn direction, upright: straight down is (0, 0, -1).
         direction: DVec3,
     },
 }
@@ -279,13 +279,13 @@ impl std::fmt::Display for Edit {
     }
 }
 
-/// A number that was given to an electrode, and what it burned then.
+/// A number given to an electrode, with the places it burned then.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GivenName {
     /// The number: 4 of `E04`.
     pub number: usize,
-    /// A place of each part of a region that it burned, in the upright mold (mm).
+    /// A place of each burned part of a region, in the upright mold (mm).
     pub places: Vec<DVec3>,
 }
 
@@ -293,53 +293,52 @@ pub struct GivenName {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ElectrodeParams {
-    /// The burns.
+    /// Stages.
     pub stages: Vec<Stage>,
-    /// Shape that files hold.
+    /// Shape in files.
     pub shape: Shape,
-    /// How far tips reach beyond what is left, where the mold leaves room (mm).
+    /// Distance by which heads extend beyond the uncut region, where the mold allows it (mm).
     pub margin_mm: f64,
-    /// How far parts of a divided region reach over one another (mm).
+    /// Overlap of the parts of a divided region (mm).
     pub overlap_mm: f64,
     /// Least width of a part (mm).
     pub least_size_mm: f64,
-    /// From the mold's top to the base (mm).
+    /// Distance from the mold's top to the base (mm).
     pub extension_mm: f64,
     /// Least height of the base (mm).
     pub base_height_mm: f64,
-    /// How far the base reaches beyond the tips (mm).
+    /// Distance by which the base extends beyond the heads (mm).
     pub base_margin_mm: f64,
-    /// The corner of the base that is cut off to show how it stands (mm along each side).
+    /// Chamfer at the corner of the base that shows the orientation (mm along each side).
     pub datum_corner_mm: f64,
-    /// One electrode for congruent places.
+    /// Whether congruent places share an electrode.
     pub share: bool,
-    /// Width up to which tips that lie near one another stand on one base (mm); 0 for none.
+    /// Greatest width of neighbouring heads on one base (mm); 0 for none.
     pub together_mm: f64,
     /// Whether electrodes of several stages for the same places stand on one base, as a family.
     pub family: bool,
-    /// Room between the tips of a family at least (mm).
+    /// Least distance between the heads of a family (mm).
     pub family_spacing_mm: f64,
-    /// How far an electrode is lifted (mm).
+    /// Retract distance after the burn (mm).
     pub lift_mm: f64,
-    /// Tolerance of residual stock (mm): thickness across the surface up to which a place counts as burned, beyond what
-    /// the gap's radius leaves in edges.
+    /// Allowed residual stock (mm): thickness across the surface, beyond what the spark gap's radius leaves in corners.
     pub tolerance_mm: f64,
     /// Material of the electrodes.
     pub material: String,
-    /// The cutters that mill them; none for the library that mills the mold.
+    /// Cutters that mill the electrodes; none for those of the mold.
     pub cutters: Option<CutterLibrary>,
     /// Blanks.
     pub blanks: Blanks,
-    /// Holders, the one that is tried first before the others. None are those of the user's library, which whoever
-    /// reads parameters puts in: a list of its own here would be another one than that library.
+    /// Holders in the order of trying. An empty list stands for the user's library, which the reader of the parameters
+    /// fills in.
     pub holders: Vec<Holder>,
     /// Burning times.
     pub removal: Removal,
     /// Changes by the user.
     pub edits: Vec<Edit>,
-    /// Electrodes that are exported although a check fails.
+    /// Overridden checks.
     pub overrides: Vec<Override>,
-    /// The names that were given to electrodes before: they keep them.
+    /// Names given to electrodes before, which they keep.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub names: Vec<GivenName>,
 }
@@ -374,7 +373,7 @@ impl Default for ElectrodeParams {
     }
 }
 
-/// The most stages and the most holders.
+/// Greatest numbers of stages and of holders.
 const MOST: [(&str, usize); 2] = [("stages", 16), ("holders", 256)];
 
 impl Validate for ElectrodeParams {

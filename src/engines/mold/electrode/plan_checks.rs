@@ -13,9 +13,9 @@ use super::design::{Burn, Electrode, PartId, PartNode, RegionPlan};
 use super::division::CELL;
 use super::earlier::is_nothing;
 use super::finding::{CheckKind, Finding};
-use super::leftover::{Burns, Looked, left_by};
-use super::leftover::{LeftOfRegion, Milled, Sample, leftover};
 use super::params::{ElectrodeParams, Stage};
+use super::residual_stock::{Burns, Looked, left_by};
+use super::residual_stock::{LeftOfRegion, Milled, Sample, residual_stock};
 use super::samples::{concave_edges, samples};
 use super::setting::{ElectrodeError, RegionToBurn, kept_clear, to_burn_frame};
 use super::tip::joined;
@@ -107,7 +107,7 @@ pub(super) fn checked(
         if let Some(setting) = of_direction(electrode.direction) {
             findings.extend(clearances(electrode, setting, &stages[electrode.stage], params)?);
         }
-        findings.extend(leftovers(electrode, &left, stages, params));
+        findings.extend(residual_stock_of(electrode, &left, stages, params));
         if is_closed {
             findings.push(milling(electrode, cutters, params, cancel)?);
         }
@@ -142,7 +142,12 @@ fn clearances(
 }
 
 /// Residual stock of the parts that an electrode is for, each once.
-fn leftovers(electrode: &Electrode, left: &[Left], stages: &[Stage], params: &ElectrodeParams) -> Option<Finding> {
+fn residual_stock_of(
+    electrode: &Electrode,
+    left: &[Left],
+    stages: &[Stage],
+    params: &ElectrodeParams,
+) -> Option<Finding> {
     let own: BTreeSet<PartId> = electrode.burns.iter().flat_map(|b| &b.parts).copied().collect();
     let looked = own.iter().map(|p| left[p.region].looked).reduce(Looked::and)?;
     if electrode.stage + 1 < stages.len() {
@@ -150,7 +155,7 @@ fn leftovers(electrode: &Electrode, left: &[Left], stages: &[Stage], params: &El
     }
     let of_part = |p: &PartId| left[p.region].of_parts.get(&p.part).copied();
     let all = own.iter().filter_map(of_part).fold(LeftOfRegion::default(), LeftOfRegion::and);
-    Some(leftover(&all, params.tolerance_mm, &stages[electrode.stage], looked))
+    Some(residual_stock(&all, params.tolerance_mm, &stages[electrode.stage], looked))
 }
 
 /// Whether it can be milled.
@@ -184,7 +189,7 @@ fn too_short_a_lift(lift: f64, burn: &Burn) -> Finding {
 /// Finding for an earlier stage, whose residual stock the later stages burn.
 fn for_later() -> Finding {
     let text = "what it leaves is for the stages after it".to_owned();
-    Finding::new(CheckKind::Leftover, true, text, None)
+    Finding::new(CheckKind::ResidualStock, true, text, None)
 }
 
 fn thin(params: &ElectrodeParams) -> Finding {

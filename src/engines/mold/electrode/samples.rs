@@ -1,11 +1,11 @@
-//! Where leftovers are looked for on a region's surface: evenly on its faces, and closely along the edges where the
+//! Samples for residual stock on a region's surface: evenly on its faces, and closely along the edges where the
 //! spark rounds them and along the cuts between parts.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::leftover::Looked;
-use super::leftover::Sample;
+use super::residual_stock::Looked;
+use super::residual_stock::Sample;
 use super::setting::RegionToBurn;
 use geometry::exact::ExactMesh;
 use geometry::mesh::{Bounds, Edge, Mesh, unit_normal};
@@ -190,7 +190,7 @@ impl Surface<'_> {
     }
 }
 
-/// Where leftovers of a region are looked for, given the corners of its surface in the burn frame, the mold's edges,
+/// Samples for the residual stock of a region, given the corners of its surface in the burn frame, the mold's edges,
 /// the cuts between its parts and the radii with which the spark rounds level and upright edges (mm).
 pub(super) fn samples(
     corners: &[[DVec3; 3]],

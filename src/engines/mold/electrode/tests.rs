@@ -13,10 +13,10 @@ use super::design::{Electrode, ElectrodeSet};
 use super::finding::{CheckKind, Finding};
 use super::footprint::{grown, hull, shrunk};
 use super::h_edge::{h_edges, place};
-use super::leftover::Milled;
-use super::leftover::{Burns, Looked, left_by, leftover};
 use super::params::{Edit, ElectrodeParams, GivenName, Method, Orbit, Removal, Shape, Stage};
 use super::plan::plan;
+use super::residual_stock::Milled;
+use super::residual_stock::{Burns, Looked, left_by, residual_stock};
 use super::setting::{ElectrodeError, RegionToBurn};
 use crate::cutter::{Cutter, CutterLibrary};
 use crate::fixtures::rectangle;
@@ -217,14 +217,14 @@ fn broken_electrodes_are_caught_by_the_check_that_is_meant_for_it() {
     let stage = &short.stages[0];
     let burning = super::burning::Burning::new(&raised, stage).unwrap();
     let floor =
-        super::leftover::Sample { point: DVec3::new(1.0, 0.0, -5.0), normal: DVec3::Z, area: 1.0, thickest: 5.0 };
+        super::residual_stock::Sample { point: DVec3::new(1.0, 0.0, -5.0), normal: DVec3::Z, area: 1.0, thickest: 5.0 };
     let everything = |_: DVec3| true;
     let milled = Milled { leaves: &everything, within: 0.05 };
     let obstacle = super::clearance::Obstacle::new(&mold).unwrap();
     let burns = Burns { all: &[burning], fullest: None };
     let left = left_by(&burns, &[floor], (&obstacle, &milled), &Cancel::default()).unwrap()[0].left;
     assert!((left.thickness - 0.3).abs() < 1e-3, "{left:?}");
-    assert!(!leftover(&left, params.tolerance_mm, &params.stages[0], Looked::default()).holds);
+    assert!(!residual_stock(&left, params.tolerance_mm, &params.stages[0], Looked::default()).holds);
 }
 
 #[test]

@@ -65,7 +65,7 @@ pub struct BliskDesk {
     /// Whether the electrode is coloured by its clearance.
     pub colours: bool,
     /// Whether the stock left on the surfaces of the channel is shown as colours.
-    pub leftover: bool,
+    pub residual_stock: bool,
     /// Clearance of the electrode at its vertices in a pose.
     coloured: Memo<ColourKey, Vec<f32>>,
     /// Swept volume of the electrode along a track.
@@ -124,7 +124,7 @@ impl BliskDesk {
             selected: None,
             section: None,
             colours: false,
-            leftover: false,
+            residual_stock: false,
             ghosts: Vec::new(),
             measuring: false,
             span: None,
@@ -143,7 +143,7 @@ impl BliskDesk {
         self.follow_track();
         self.machine.follow(self.work.plan(), self.cursor.electrode);
         self.follow_moment();
-        self.follow_leftover();
+        self.follow_residual_stock();
         self.follow_kept(cx);
         self.follow_bodies(cx);
         self.follow_colours();
@@ -344,7 +344,7 @@ impl Commanded for BliskDesk {
             BliskCommand::Ghost => !self.track().is_empty() && self.feed_cursor().is_some(),
             BliskCommand::Keep => self.can_keep(),
             BliskCommand::Colours => self.work.state(Stage::Electrode) != State::Missing,
-            BliskCommand::Leftover => self.leftover_shape().is_some(),
+            BliskCommand::ResidualStock => self.residual_stock_shape().is_some(),
             BliskCommand::MillFlanks => {
                 self.work.state(Stage::Electrode) == State::Ready && self.shown_electrode().is_some()
             }

@@ -12,8 +12,8 @@ use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::planned::PartialPlan;
 use crate::workspaces::blisk::job::stages::FoundChannel;
 use crate::workspaces::blisk::scene::Layer;
-use crate::workspaces::blisk::scene::leftover::{LeftoverShape, colour_limit, leftover_legend};
 use crate::workspaces::blisk::scene::machine::{BodyShape, MachineBody, Moment, body_shapes};
+use crate::workspaces::blisk::scene::residual_stock::{ResidualStockShape, colour_limit, residual_stock_legend};
 use crate::workspaces::commands::FrameCommand;
 use crate::workspaces::context::Context;
 use crate::workspaces::message::ElectrodePart;
@@ -126,39 +126,39 @@ impl BliskDesk {
     }
 
     /// The residual stock, if it is known and belongs to the electrodes that are shown.
-    pub fn leftover_shape(&self) -> Option<&LeftoverShape> {
+    pub fn residual_stock_shape(&self) -> Option<&ResidualStockShape> {
         let is_current = self.work.state(Stage::Plan) == State::Ready && !self.is_tuning();
-        self.work.leftover_shape().filter(|_| is_current)
+        self.work.residual_stock_shape().filter(|_| is_current)
     }
 
     /// The residual stock on the surfaces of the channel as colours, if it is shown and known.
-    pub fn leftover_values(&self) -> Option<(&Arc<RenderMesh>, SurfaceValues)> {
-        let shape = self.leftover_shape().filter(|_| self.leftover)?;
-        Some((&shape.shape, shape.values(self.leftover_limit(shape))))
+    pub fn residual_stock_values(&self) -> Option<(&Arc<RenderMesh>, SurfaceValues)> {
+        let shape = self.residual_stock_shape().filter(|_| self.residual_stock)?;
+        Some((&shape.shape, shape.values(self.residual_stock_limit(shape))))
     }
 
     /// Legend of the colours of the residual stock.
-    pub fn leftover_legend(&self) -> Option<Legend> {
-        Some(leftover_legend(self.leftover_limit(self.leftover_shape()?)))
+    pub fn residual_stock_legend(&self) -> Option<Legend> {
+        Some(residual_stock_legend(self.residual_stock_limit(self.residual_stock_shape()?)))
     }
 
-    fn leftover_limit(&self, shape: &LeftoverShape) -> f64 {
+    fn residual_stock_limit(&self, shape: &ResidualStockShape) -> f64 {
         colour_limit(shape.greatest, self.document.params().electrode.spark_gap_mm)
     }
 
     /// Shows the residual stock in the channel, or the electrode again.
-    pub fn toggle_leftover(&mut self) {
-        self.leftover = !self.leftover;
-        if self.leftover {
+    pub fn toggle_residual_stock(&mut self) {
+        self.residual_stock = !self.residual_stock;
+        if self.residual_stock {
             self.layers.into_channel();
         }
-        self.layers.get_mut(Layer::Electrode).visible = !self.leftover;
+        self.layers.get_mut(Layer::Electrode).visible = !self.residual_stock;
     }
 
     /// Shows the electrode again if there is no residual stock to show any more.
-    pub(super) fn follow_leftover(&mut self) {
-        if self.leftover && self.leftover_shape().is_none() {
-            self.toggle_leftover();
+    pub(super) fn follow_residual_stock(&mut self) {
+        if self.residual_stock && self.residual_stock_shape().is_none() {
+            self.toggle_residual_stock();
         }
     }
 

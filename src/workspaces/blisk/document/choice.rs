@@ -36,16 +36,17 @@ pub struct WrittenFiles {
     pub nc: bool,
     /// `report.json` and `report.html`
     pub report: bool,
-    /// `leftover.ply`: the surface of the channel with the stock left at every vertex, and `copying_K.csv`, the copying
-    /// motion of a verified path.
-    pub leftover: bool,
+    /// `leftover.ply`: the surface of the channel with the residual stock at every vertex, and `copying_K.csv`, the
+    /// copying motion of a verified path.
+    #[serde(rename = "leftover")]
+    pub residual_stock: bool,
     /// The pictures as PNG files; the page of the report holds them in any case.
     pub pictures: bool,
 }
 
 impl Default for WrittenFiles {
     fn default() -> Self {
-        Self { electrode: true, path: true, nc: true, report: true, leftover: true, pictures: true }
+        Self { electrode: true, path: true, nc: true, report: true, residual_stock: true, pictures: true }
     }
 }
 
@@ -57,7 +58,7 @@ impl WrittenFiles {
             ("path", self.path),
             ("nc", self.nc),
             ("report", self.report),
-            ("leftover", self.leftover),
+            ("leftover", self.residual_stock),
             ("pictures", self.pictures),
         ]
     }
@@ -80,20 +81,21 @@ pub struct DrawnPictures {
     pub sweep: bool,
     /// A section where each electrode comes closest, or jams.
     pub closest: bool,
-    /// The stock left on the surfaces of the channel.
-    pub leftover: bool,
+    /// The residual stock on the surfaces of the channel.
+    #[serde(rename = "leftover")]
+    pub residual_stock: bool,
 }
 
 impl Default for DrawnPictures {
     fn default() -> Self {
-        Self { whole: true, final_pose: true, sweep: true, closest: true, leftover: true }
+        Self { whole: true, final_pose: true, sweep: true, closest: true, residual_stock: true }
     }
 }
 
 impl DrawnPictures {
     /// Whether any picture is drawn.
     pub fn any(&self) -> bool {
-        self.whole || self.final_pose || self.sweep || self.closest || self.leftover
+        self.whole || self.final_pose || self.sweep || self.closest || self.residual_stock
     }
 }
 

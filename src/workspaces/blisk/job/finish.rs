@@ -8,9 +8,9 @@ use glam::DVec3;
 use super::outcome::{Clock, ElectrodeOutcome, Finishing, PlanInputs, PlanJobError, PlanOutcome, Stock};
 use super::simulate::{Around, simulate};
 use feed::copying::{Copying, CopyingExtent, CopyingSettings, copying_motion};
-use feed::leftover::{Burn, Leftover, LeftoverError, Site, leftover};
 use feed::path::FeedPath;
 use feed::pose::Pose;
+use feed::residual_stock::{Burn, ResidualStock, ResidualStockError, Site, residual_stock};
 use feed::verify::Verifier;
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
@@ -113,9 +113,9 @@ impl<'a> Around<'a> {
             return unknown("the residual stock needs a certified path of every electrode");
         }
         let mut clock = Clock::default();
-        match clock.time("leftover", || left_by(self, &outcome.electrodes, &motions.copying, task)) {
+        match clock.time("residual stock", || left_by(self, &outcome.electrodes, &motions.copying, task)) {
             Ok(left) => Stock { left: Ok(Arc::new(left)), is_stopped: false, times: clock.0 },
-            Err(LeftoverError::Cancelled(_)) => {
+            Err(ResidualStockError::Cancelled(_)) => {
                 Stock { is_stopped: true, ..unknown("the residual stock is not known: the computation was cancelled") }
             }
             // A plan is good without it.
@@ -148,7 +148,7 @@ fn left_by(
     electrodes: &[ElectrodeOutcome],
     motions: &[Copying],
     task: &Task,
-) -> Result<Leftover, LeftoverError> {
+) -> Result<ResidualStock, ResidualStockError> {
     let poses = |path: &FeedPath| -> Vec<Pose> { path.rows.iter().map(|row| row.pose).collect() };
     let burns: Vec<Burn> = electrodes
         .iter()
@@ -171,5 +171,5 @@ fn left_by(
         junctions: around.junctions.clone(),
         proven,
     };
-    leftover(&site, &burns, task)
+    residual_stock(&site, &burns, task)
 }

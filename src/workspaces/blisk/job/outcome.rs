@@ -8,9 +8,9 @@ use crate::workspaces::blisk::document::kept_plan::KeptPlanError;
 use crate::workspaces::blisk::document::machine_file::MachineFileError;
 use crate::workspaces::blisk::report::StageTime;
 use feed::copying::Copying;
-use feed::leftover::Leftover;
 use feed::plan::FeedPlan;
 use feed::plan_params::PlanError;
+use feed::residual_stock::ResidualStock;
 use feed::simulation::Simulation;
 use feed::verify::VerifyError;
 use geometry::exact::ExactMeshError;
@@ -110,7 +110,7 @@ impl PlanOutcome {
     }
 
     /// What stock is left, if that is known.
-    pub fn leftover(&self) -> Option<&Arc<Leftover>> {
+    pub fn residual_stock(&self) -> Option<&Arc<ResidualStock>> {
         self.stock()?.left.as_ref().ok()
     }
 }
@@ -133,7 +133,7 @@ pub struct Finishing {
 #[derive(Debug, Clone)]
 pub struct Stock {
     /// The stock, or why it cannot be told.
-    pub left: Result<Arc<Leftover>, String>,
+    pub left: Result<Arc<ResidualStock>, String>,
     /// Whether its computation was stopped.
     pub is_stopped: bool,
     /// Time of its computation.

@@ -36,7 +36,7 @@ fn draw(outcome: &PlanOutcome, inputs: &PlanInputs, task: &Task) -> Result<Vec<P
         blisk: &inputs.blisk,
         channel: &outcome.channel,
         electrodes: outcome.electrodes.iter().map(|e| (&e.electrode, &e.plan)).collect(),
-        leftover: outcome.leftover().map(|left| &**left),
+        residual_stock: outcome.residual_stock().map(|left| &**left),
         spark_gap: inputs.job.electrode.spark_gap_mm,
     };
     let pictures = plan_pictures(&plan, &inputs.job.export.pictures, task)?;

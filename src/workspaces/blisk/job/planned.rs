@@ -13,7 +13,7 @@ use super::simulate;
 use super::stages::{FoundChannel, Part};
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::kept_plan::KeptPlan;
-use crate::workspaces::blisk::scene::leftover::LeftoverShape;
+use crate::workspaces::blisk::scene::residual_stock::ResidualStockShape;
 use crate::workspaces::news::EventKind;
 use feed::problem::{Convergence, Node};
 use feed::simulation::Simulation;
@@ -127,7 +127,7 @@ pub struct Finished {
     /// What stock is left, or why that cannot be told; and what collides on the machine.
     said: Result<String, String>,
     /// The stock that is left, for the screen.
-    pub leftover: Option<LeftoverShape>,
+    pub residual_stock: Option<ResidualStockShape>,
 }
 
 impl Finished {
@@ -142,7 +142,7 @@ impl Finished {
         let said = left.as_ref().map(|left| left.sentence(&outcome.channel)).map_err(Clone::clone);
         Ok(Self {
             said: collision.map_or(said, Err),
-            leftover: left.as_ref().ok().map(|left| LeftoverShape::new(&left.map)),
+            residual_stock: left.as_ref().ok().map(|left| ResidualStockShape::new(&left.map)),
         })
     }
 

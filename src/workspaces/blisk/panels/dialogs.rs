@@ -75,7 +75,7 @@ fn files(ui: &mut Ui, export: &mut ExportSection) -> Option<Answer> {
             }
         });
         ui.end_row();
-        tick(ui, &mut files.leftover, file("leftover.ply, copying_K.csv"));
+        tick(ui, &mut files.residual_stock, file("leftover.ply, copying_K.csv"));
         says(ui, "residual stock, copying motion");
         ui.end_row();
         tick(ui, &mut files.report, file("report.html, .json"));
@@ -138,6 +138,6 @@ fn pictures(ui: &mut Ui, drawn: &mut DrawnPictures) {
         tick(ui, &mut drawn.final_pose, "Final pose");
         tick(ui, &mut drawn.sweep, "Sweep");
         tick(ui, &mut drawn.closest, "Closest point");
-        tick(ui, &mut drawn.leftover, "Residual stock");
+        tick(ui, &mut drawn.residual_stock, "Residual stock");
     });
 }

@@ -13,7 +13,7 @@ use crate::widgets::theme::palette;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::outcome::PlanOutcome;
 use crate::workspaces::blisk::job::simulate;
-use feed::leftover::Leftover;
+use feed::residual_stock::ResidualStock;
 use task::State;
 use wheel::channel::Channel;
 use wheel::electrode::EntrySide;
@@ -223,7 +223,7 @@ fn verify(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
 fn awaited(desk: &BliskDesk) -> &'static str {
     match desk.work.doing().filter(|doing| doing.what == Stage::Verify.name()).map(|doing| &*doing.stage) {
         Some("simulation") => "the whole motion is being simulated on the machine",
-        Some("leftover") => "the residual stock is being computed",
+        Some("residual stock") => "the residual stock is being computed",
         _ => "the copying motions are being computed",
     }
 }
@@ -242,15 +242,15 @@ fn finishing(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, plan: &PlanOut
             }
         }
         _ => {
-            if let Some(left) = plan.leftover() {
-                leftover(ui, desk, cx, left, &plan.channel);
+            if let Some(left) = plan.residual_stock() {
+                residual_stock(ui, desk, cx, left, &plan.channel);
             }
         }
     }
 }
 
 /// What stock is left, surface by surface.
-fn leftover(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, left: &Leftover, channel: &Channel) {
+fn residual_stock(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, left: &ResidualStock, channel: &Channel) {
     let length = cx.preferences.length;
     ui.add_space(6.0);
     ui.strong(if desk.plan_is_stale() { "Residual stock, out of date" } else { "Residual stock" });
@@ -263,8 +263,8 @@ fn leftover(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, left: &Leftover
             fact(ui, &format!("Overcut, {name}"), length.show(figures.overcut.depth_mm, 3));
         }
     }
-    let text = if desk.leftover { "Show the electrode" } else { "Show the residual stock" };
-    cx.button(ui, desk, BliskCommand::Leftover, text, false);
+    let text = if desk.residual_stock { "Show the electrode" } else { "Show the residual stock" };
+    cx.button(ui, desk, BliskCommand::ResidualStock, text, false);
 }
 
 fn export(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {

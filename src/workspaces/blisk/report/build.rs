@@ -4,7 +4,7 @@ use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::job::outcome::{ElectrodeOutcome, PlanOutcome};
 use crate::workspaces::blisk::report::StageTime;
-use crate::workspaces::blisk::report::leftover::LeftoverReport;
+use crate::workspaces::blisk::report::residual_stock::ResidualStockReport;
 use crate::workspaces::blisk::report::simulation::SimulationReport;
 use crate::workspaces::blisk::report::{
     BliskSummary, ClearancePlace, Convergence, DistancesReport, ElectrodeReport, Failure, InputFile, Motion,
@@ -35,8 +35,8 @@ pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> R
         parameters: parameters(job),
         symbols: symbols(outcome, job),
         electrodes,
-        leftover: outcome.leftover().map(|l| LeftoverReport::of(l, &outcome.channel)),
-        no_leftover: outcome.stock().and_then(|stock| stock.left.as_ref().err()).cloned(),
+        residual_stock: outcome.residual_stock().map(|l| ResidualStockReport::of(l, &outcome.channel)),
+        no_residual_stock: outcome.stock().and_then(|stock| stock.left.as_ref().err()).cloned(),
         written: Written::default(),
         times: times(outcome),
         pictures: Vec::new(),
@@ -61,7 +61,7 @@ fn verdict(outcome: &PlanOutcome) -> Verdict {
             )
         })
         .collect();
-    let left = outcome.leftover().map(|l| l.sentence(&outcome.channel));
+    let left = outcome.residual_stock().map(|l| l.sentence(&outcome.channel));
     let simulated = outcome.finishing().into_iter().flat_map(|f| &f.simulations).map(|s| s.sentence());
     let stopped = outcome.stopped().map(|stage| format!("The {stage} was stopped, so that there is no NC program."));
     let sentence = sentences.into_iter().chain(simulated).chain(stopped).chain(left).collect::<Vec<_>>().join(" ");

@@ -34,8 +34,8 @@ pub(crate) fn report() -> Report {
         parameters: FIELDS.list(&PlanJob::for_mesh("turbine60.stl".as_ref())),
         symbols: symbols(),
         electrodes: vec![verified(&path), jammed()],
-        leftover: None,
-        no_leftover: None,
+        residual_stock: None,
+        no_residual_stock: None,
         written: Written {
             electrode_frame: MeshFrame::W,
             post: "beckhoff-edm".to_owned(),

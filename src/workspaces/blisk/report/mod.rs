@@ -7,15 +7,15 @@ pub mod build;
 pub mod comparison;
 #[cfg(test)]
 pub mod fixtures;
-pub mod leftover;
 mod page;
+pub mod residual_stock;
 pub mod simulation;
 pub mod verify;
 
 use serde::Serialize;
 
 use crate::workspaces::blisk::document::choice::MeshFrame;
-use crate::workspaces::blisk::report::leftover::{CopyingReport, LeftoverReport};
+use crate::workspaces::blisk::report::residual_stock::{CopyingReport, ResidualStockReport};
 use crate::workspaces::blisk::report::simulation::SimulationReport;
 use feed::certificate::{Certificate, Contact};
 use feed::path::PathRow;
@@ -60,9 +60,11 @@ pub struct Report {
     /// Electrodes with their paths.
     pub electrodes: Vec<ElectrodeReport>,
     /// Stock that the electrodes leave in the channel; none if not every path is verified.
-    pub leftover: Option<LeftoverReport>,
+    #[serde(rename = "leftover")]
+    pub residual_stock: Option<ResidualStockReport>,
     /// Reason why the stock left cannot be told, if it cannot.
-    pub no_leftover: Option<String>,
+    #[serde(rename = "no_leftover")]
+    pub no_residual_stock: Option<String>,
     /// What was written.
     pub written: Written,
     /// Time per stage.

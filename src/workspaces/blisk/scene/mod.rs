@@ -1,9 +1,9 @@
 //! The scene of a job: which bodies are shown, where, and in which colours.
 
 pub mod caps;
-pub mod leftover;
 pub mod machine;
 pub mod pictures;
+pub mod residual_stock;
 pub mod shapes;
 pub mod sweep;
 pub mod track;
@@ -189,7 +189,7 @@ pub struct SceneInputs<'a> {
     /// A quantity on the electrode.
     pub values: Option<&'a SurfaceValues>,
     /// What stock is left on the surfaces of the channel.
-    pub leftover: Option<(&'a Arc<RenderMesh>, &'a SurfaceValues)>,
+    pub residual_stock: Option<(&'a Arc<RenderMesh>, &'a SurfaceValues)>,
     /// How things look.
     pub layers: &'a Layers,
     /// What is selected.
@@ -239,7 +239,7 @@ pub fn build(inputs: &SceneInputs) -> Scene {
             scene.lines.push(LineSet { on_top: true, width_px: 2.0, ..LineSet::new(vec![line], look.colour) });
         }
     }
-    if let Some((map, values)) = inputs.leftover {
+    if let Some((map, values)) = inputs.residual_stock {
         let object = Object::new(layer_id(Layer::Unshrouded), map.clone(), STEEL).at(to_mesh);
         scene.objects.push(Object { edges: false, values: Some(values.clone()), ..object });
     }
@@ -355,7 +355,7 @@ mod tests {
         let mut layers = Layers::default();
         let lines = |layers: &Layers| {
             let inputs = SceneInputs {
-                leftover: None,
+                residual_stock: None,
                 blisk: None,
                 channel: Some((&channel, &shapes)),
                 electrode: None,

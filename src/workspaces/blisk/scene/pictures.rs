@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::leftover::{colour_limit, greatest, leftover_legend, unfolded};
+use super::residual_stock::{colour_limit, greatest, residual_stock_legend, unfolded};
 use super::shapes::{ChannelShapes, channel_shapes};
 use super::sweep::{COARSE, swept_shape};
 use super::track::Track;
@@ -13,8 +13,8 @@ use crate::widgets::camera::PICTURE_SIZE;
 use crate::widgets::camera::{bodies, electrode_in_channel, from_entry, onto_section};
 use crate::workspaces::blisk::document::choice::DrawnPictures;
 use crate::workspaces::blisk::scene::{Layer, Layers, SceneInputs, build, layer_id};
-use feed::leftover::Leftover;
 use feed::plan::FeedPlan;
+use feed::residual_stock::ResidualStock;
 use geometry::mesh::Mesh;
 use geometry::swept::SweptError;
 use render::camera::Camera;
@@ -41,7 +41,7 @@ pub struct PlanToShow<'a> {
     /// The electrodes with their plans, in the order of the report.
     pub electrodes: Vec<(&'a Electrode, &'a FeedPlan)>,
     /// Stock that the electrodes leave, if that is known.
-    pub leftover: Option<&'a Leftover>,
+    pub residual_stock: Option<&'a ResidualStock>,
     /// Spark gap (mm).
     pub spark_gap: f64,
 }
@@ -69,7 +69,7 @@ pub struct PlanPicture {
 pub fn plan_pictures(plan: &PlanToShow, wanted: &DrawnPictures, task: &Task) -> Result<Vec<PlanPicture>, Cancelled> {
     let drawn = Drawn::new(plan, wanted, task)?;
     let mut pictures = Vec::from_iter(wanted.whole.then(|| drawn.whole()));
-    pictures.extend(plan.leftover.filter(|_| wanted.leftover).map(|left| drawn.leftover(left)));
+    pictures.extend(plan.residual_stock.filter(|_| wanted.residual_stock).map(|left| drawn.residual_stock(left)));
     for i in 0..plan.electrodes.len() {
         pictures.extend(wanted.final_pose.then(|| drawn.final_pose(i)));
         pictures.extend(wanted.sweep.then(|| drawn.sweep(i)));
@@ -130,7 +130,7 @@ impl<'a> Drawn<'a> {
             contact: self.place(i).map(|p| p.points),
             trouble: None,
             values: None,
-            leftover: None,
+            residual_stock: None,
             layers,
             selected: None,
             ghosts: &[],
@@ -168,7 +168,7 @@ impl<'a> Drawn<'a> {
     }
 
     /// What is left on the surfaces of the channel.
-    fn leftover(&self, left: &Leftover) -> PlanPicture {
+    fn residual_stock(&self, left: &ResidualStock) -> PlanPicture {
         let channel = self.plan.channel;
         let limit = colour_limit(greatest(&left.map), self.plan.spark_gap);
         let (objects, around) = unfolded(&left.map, channel, limit);
@@ -179,7 +179,7 @@ impl<'a> Drawn<'a> {
         let [low, high] = [Surface::LowWall, Surface::HighWall].map(|wall| channel.surface_name(wall));
         let shroud = if channel.shrouded { ", shroud" } else { "" };
         let names = ["overcut", "as it should be", "residual stock"];
-        let colours = [0.0, 0.5, 1.0].map(|t| leftover_legend(limit).map.at(t));
+        let colours = [0.0, 0.5, 1.0].map(|t| residual_stock_legend(limit).map.at(t));
         PlanPicture {
             file: "view_2_leftover.png".to_owned(),
             title: "Residual stock on the surfaces of the channel".to_owned(),

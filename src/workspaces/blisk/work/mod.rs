@@ -22,7 +22,7 @@ use crate::workspaces::blisk::job::released::{NotReleased, Released};
 use crate::workspaces::blisk::job::simulate;
 use crate::workspaces::blisk::job::stages::{self, Electrodes, FoundChannel, Part};
 use crate::workspaces::blisk::report::InputFile;
-use crate::workspaces::blisk::scene::leftover::LeftoverShape;
+use crate::workspaces::blisk::scene::residual_stock::ResidualStockShape;
 use crate::workspaces::news::{EventKind, WorkEvent};
 use files::{PartFile, Validate as _};
 use looks::Looks;
@@ -467,8 +467,8 @@ impl BliskWork {
     }
 
     /// The stock that the electrodes of the plan leave, for the screen.
-    pub fn leftover_shape(&self) -> Option<&LeftoverShape> {
-        self.finished.get(&Same(self.planned()?.clone()))?.leftover.as_ref()
+    pub fn residual_stock_shape(&self) -> Option<&ResidualStockShape> {
+        self.finished.get(&Same(self.planned()?.clone()))?.residual_stock.as_ref()
     }
 
     /// What the plan that runs has found so far.

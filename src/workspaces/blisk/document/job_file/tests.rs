@@ -133,8 +133,14 @@ fn a_project_finds_its_files_wherever_it_lies_and_says_what_was_chosen() {
 #[test]
 fn an_export_of_nothing_is_refused_and_draws_nothing() {
     let mut job = PlanJob::demonstration();
-    job.export.files =
-        WrittenFiles { electrode: false, path: false, nc: false, report: false, leftover: false, pictures: false };
+    job.export.files = WrittenFiles {
+        electrode: false,
+        path: false,
+        nc: false,
+        report: false,
+        residual_stock: false,
+        pictures: false,
+    };
     assert!(problem(&job).contains("export.files"));
     assert!(!job.export.draws_any());
     job.export.files.report = true;

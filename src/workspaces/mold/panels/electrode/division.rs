@@ -10,8 +10,8 @@ use super::checks;
 use crate::widgets::theme::palette;
 use crate::workspaces::mold::report::Division;
 use crate::workspaces::mold::work::Designed;
-use mold::electrode::leftover::LeftOfRegion;
 use mold::electrode::params::{Edit, Method};
+use mold::electrode::residual_stock::LeftOfRegion;
 
 /// Draws the division of these regions of an electrode, counted from 1.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, regions): (usize, &[usize])) {

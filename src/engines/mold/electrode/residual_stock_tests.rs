@@ -1,4 +1,4 @@
-//! Leftovers whose size is known.
+//! Residual stock of known size.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
@@ -36,8 +36,8 @@ fn planned_all(mold: &Mesh, stage: Stage) -> ElectrodeSet {
     planned(mold, &[all], &ElectrodeParams { stages: vec![stage], ..params(GAP) })
 }
 
-fn leftover(findings: &[Finding]) -> &Finding {
-    findings.iter().find(|f| f.kind == CheckKind::Leftover).unwrap()
+fn residual_stock(findings: &[Finding]) -> &Finding {
+    findings.iter().find(|f| f.kind == CheckKind::ResidualStock).unwrap()
 }
 
 #[test]
@@ -56,7 +56,11 @@ fn a_slot_that_no_electrode_enters_is_no_corner() {
         assert!((0.9 * slot..1.15 * slot + 0.3).contains(&left.volume), "{width}: {} {slot}", left.volume);
         assert!(set.regions[0].reason.as_ref().is_some_and(|t| t.contains("where no head reaches")), "{width}");
         // The pocket itself is burned, and its electrode is not to blame.
-        assert!(set.electrodes.iter().zip(&set.checks).all(|(_, found)| leftover(found).holds), "{:?}", set.checks);
+        assert!(
+            set.electrodes.iter().zip(&set.checks).all(|(_, found)| residual_stock(found).holds),
+            "{:?}",
+            set.checks
+        );
     }
 }
 
@@ -70,7 +74,7 @@ fn corners_are_forgiven_what_the_spark_cannot_burn_however_sharp_and_no_more() {
         let mold = mold([20.0, 20.0, 10.0], &[(&outline, 3.0)]);
         let set = planned_all(&mold, Stage::finish(gap));
         let left = set.regions[0].left;
-        assert!(leftover(&set.checks[0]).holds, "{sides} {gap}: {:?}", set.checks);
+        assert!(residual_stock(&set.checks[0]).holds, "{sides} {gap}: {:?}", set.checks);
         let two = gap * (1.0 - (PI * (0.5 - 1.0 / f64::from(sides))).sin().min(FRAC_1_SQRT_2));
         assert!(left.excess < 2e-3 && left.thickness > 0.7 * two, "{sides} {gap}: {left:?} {two}");
     }
@@ -87,7 +91,7 @@ fn what_a_sharp_floor_edge_keeps_is_found_in_a_pocket_however_large() {
     assert!((left.thickness - GAP * (1.0 - FRAC_1_SQRT_2)).abs() < 0.2 * GAP, "{left:?}");
     let volume = (1.0 - PI / 4.0) * GAP * GAP * (4.0 * size + 4.0 * depth);
     assert!((left.volume - volume).abs() < 0.2 * volume, "{} {volume}", left.volume);
-    let said = &leftover(&set.checks[0]).text;
+    let said = &residual_stock(&set.checks[0]).text;
     assert!(said.contains("sampled every"), "{said}");
 }
 
@@ -106,7 +110,7 @@ fn checks_of_an_orbit_stop_when_they_are_told_to() {
     let found = obstacle.clearance(&standing, &stage, 1.0);
     assert!(matches!(found, Err(ElectrodeError::Cancelled(_))), "{found:?}");
     let everything = |_: DVec3| true;
-    let milled = super::leftover::Milled { leaves: &everything, within: 0.05 };
+    let milled = super::residual_stock::Milled { leaves: &everything, within: 0.05 };
     let asked = ElectrodeParams { stages: vec![stage], ..params(GAP) };
     let found = plan(&mold, &[all], (&cutters(), &milled), &asked, &Task::silent(&cancel));
     assert!(matches!(found, Err(ElectrodeError::Cancelled(_))));

@@ -121,7 +121,7 @@ pub struct DeviationMap {
 
 /// Residual stock that the electrodes of a channel leave.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Leftover {
+pub struct ResidualStock {
     /// The map.
     pub map: DeviationMap,
     /// Figures of each surface.
@@ -130,7 +130,7 @@ pub struct Leftover {
     pub stock: Stock,
 }
 
-impl Leftover {
+impl ResidualStock {
     /// The surface with the thickest stock left above the tolerance, and that layer.
     pub fn thickest(&self) -> Option<(Surface, Layer)> {
         worst(self.surfaces.iter().map(|s| (s.surface, s.left)))
@@ -165,7 +165,7 @@ fn worst(layers: impl Iterator<Item = (Surface, Layer)>) -> Option<(Surface, Lay
 
 /// Why it cannot be told.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum LeftoverError {
+pub enum ResidualStockError {
     /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -183,7 +183,7 @@ pub enum LeftoverError {
     NoSurface,
 }
 
-impl From<CutterError> for LeftoverError {
+impl From<CutterError> for ResidualStockError {
     fn from(error: CutterError) -> Self {
         use geometry::distance_field::FieldError;
         match error {
@@ -197,8 +197,8 @@ impl From<CutterError> for LeftoverError {
 ///
 /// # Errors
 /// If an electrode or the channel cannot be searched, or when cancelled.
-pub fn leftover(site: &Site, burns: &[Burn], task: &Task) -> Result<Leftover, LeftoverError> {
-    let task = task.as_stage("leftover");
+pub fn residual_stock(site: &Site, burns: &[Burn], task: &Task) -> Result<ResidualStock, ResidualStockError> {
+    let task = task.as_stage("residual stock");
     let mut cutters = Vec::with_capacity(burns.len());
     let [from, to] = site.channel.span_x();
     let span = [from - 1.0, to + 1.0];
@@ -208,14 +208,14 @@ pub fn leftover(site: &Site, burns: &[Burn], task: &Task) -> Result<Leftover, Le
         cutters.push(Cutter::new(&electrode.mesh, electrode.reference_point, span, motions, &task)?);
     }
     let removal = Removal { cutters, spark_gap: site.spark_gap };
-    let passage = Passage::new(site.channel).ok_or(LeftoverError::NoWalls)?;
+    let passage = Passage::new(site.channel).ok_or(ResidualStockError::NoWalls)?;
     let patch = surface::patch(site, &passage, &task.cancel)?;
     let deviation = surface::deviations(&patch, &removal, least_deviation(site), &task)?;
     let surfaces = surface::figures(&patch, &deviation, removal.most());
     let stock = volume::stock(site.channel, &passage, &removal, &task)?;
     let deviation = Arc::new(deviation.into_iter().map(|d| d as f32).collect());
     let map = DeviationMap { mesh: Arc::new(patch.mesh), surfaces: patch.surfaces, deviation };
-    Ok(Leftover { map, surfaces, stock })
+    Ok(ResidualStock { map, surfaces, stock })
 }
 
 /// A deviation that no motion can make much less (mm): what is proven, and twice the error of the field.

@@ -53,7 +53,7 @@ pub(super) fn stock(channel: &Channel, passage: &Passage, removal: &Removal, tas
             }
         }
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        task.report("leftover", 0.7 + 0.3 * done as f64 / planes as f64, "volume of the channel");
+        task.report("residual stock", 0.7 + 0.3 * done as f64 / planes as f64, "volume of the channel");
         Ok(sum)
     };
     let sums: Vec<Result<Passed, Cancelled>> = (0..planes).into_par_iter().map(plane).collect();

@@ -29,7 +29,7 @@ const OPPOSED: f64 = -0.7;
 /// meet at 45 degrees, or two at 60 on a floor.
 const FARTHEST: f64 = 1.65;
 
-/// A part of a mold's surface that cutters leave, as leftovers are looked for on it.
+/// A sample of the uncut surface, at which residual stock is measured.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample {
     /// Middle (mm).
@@ -185,7 +185,7 @@ const SQUARE: &str =
 
 /// The finding for what is left of the parts that an electrode is for: what is left beyond what the spark keeps in
 /// corners is held against the tolerance.
-pub fn leftover(left: &LeftOfRegion, tolerance: f64, stage: &Stage, looked: Looked) -> Finding {
+pub fn residual_stock(left: &LeftOfRegion, tolerance: f64, stage: &Stage, looked: Looked) -> Finding {
     let holds = left.excess <= tolerance;
     let apart =
         format!("sampled every {:.2} mm on faces, every {:.2} mm along edges", looked.on_faces, looked.along_edges);
@@ -203,6 +203,6 @@ pub fn leftover(left: &LeftOfRegion, tolerance: f64, stage: &Stage, looked: Look
             if matches!(stage.orbit, Orbit::Square { .. }) { SQUARE } else { "" }
         )
     };
-    let finding = Finding::new(CheckKind::Leftover, holds, text, (!holds).then_some(left.place));
+    let finding = Finding::new(CheckKind::ResidualStock, holds, text, (!holds).then_some(left.place));
     finding.with(&[("excess_mm", left.excess)])
 }

@@ -4,13 +4,13 @@ use glam::DVec3;
 use serde::Serialize;
 
 use feed::copying::{Copying, CopyingExtent};
-use feed::leftover::{DeviationMap, Layer, Leftover, TOLERANCE};
+use feed::residual_stock::{DeviationMap, Layer, ResidualStock, TOLERANCE};
 use geometry::mesh::Mesh;
 use wheel::channel::Channel;
 
 /// What the electrodes leave of their channel.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct LeftoverReport {
+pub struct ResidualStockReport {
     /// The answer in a sentence.
     pub sentence: String,
     /// Deviations up to this count as none (mm).
@@ -60,18 +60,18 @@ impl From<&Layer> for LayerReport {
     }
 }
 
-impl LeftoverReport {
-    /// The figures of `leftover` in `channel`.
-    pub fn of(leftover: &Leftover, channel: &Channel) -> Self {
-        let surfaces = leftover.surfaces.iter().map(|s| SurfaceReport {
+impl ResidualStockReport {
+    /// The figures of `residual_stock` in `channel`.
+    pub fn of(residual_stock: &ResidualStock, channel: &Channel) -> Self {
+        let surfaces = residual_stock.surfaces.iter().map(|s| SurfaceReport {
             surface: channel.surface_name(s.surface).to_owned(),
             area_mm2: s.area_mm2,
             left: (&s.left).into(),
             overcut: (&s.overcut).into(),
         });
-        let stock = &leftover.stock;
+        let stock = &residual_stock.stock;
         Self {
-            sentence: leftover.sentence(channel),
+            sentence: residual_stock.sentence(channel),
             tolerance_mm: TOLERANCE,
             channel_volume_mm3: stock.channel_mm3,
             left_volume_mm3: stock.left_mm3,

@@ -57,28 +57,28 @@ fn make(params: &ElectrodeParams) -> Vec<Electrode> {
     make_electrodes(&PART.channel, &PART.exact, params, EntrySide::MinusX, &task).unwrap()
 }
 
-fn left_by(burns: &[Burn]) -> Leftover {
-    leftover(&site(), burns, &Task::default()).unwrap()
+fn left_by(burns: &[Burn]) -> ResidualStock {
+    residual_stock(&site(), burns, &Task::default()).unwrap()
 }
 
-fn standing(electrodes: &[Electrode]) -> Leftover {
+fn standing(electrodes: &[Electrode]) -> ResidualStock {
     let burn = |electrode| Burn { electrode, feed: Vec::new(), copying: Vec::new() };
     left_by(&electrodes.iter().map(burn).collect::<Vec<_>>())
 }
 
 /// Residual stock of electrodes made with `params`, sampled closely where they meet.
-fn divided(params: &ElectrodeParams) -> Leftover {
+fn divided(params: &ElectrodeParams) -> ResidualStock {
     let electrodes = make(params);
     assert!(electrodes.iter().all(|e| e.mesh.is_watertight()) && electrodes.len() == params.count());
     let burns: Vec<_> =
         electrodes.iter().map(|electrode| Burn { electrode, feed: Vec::new(), copying: Vec::new() }).collect();
     let site = Site { junctions: Junctions::of(&PART.channel, params).unwrap(), ..site() };
-    leftover(&site, &burns, &Task::default()).unwrap()
+    residual_stock(&site, &burns, &Task::default()).unwrap()
 }
 
 /// Greatest deviation of the vertices near a surface that tells how far a point lies from it, away from hub, shroud
 /// and the blades' edges.
-fn ridge(found: &Leftover, surfaces: [Surface; 2], off: impl Fn(DVec3) -> f64, near: f64) -> f64 {
+fn ridge(found: &ResidualStock, surfaces: [Surface; 2], off: impl Fn(DVec3) -> f64, near: f64) -> f64 {
     let map = &found.map;
     let mine = map.mesh.triangles.iter().zip(&map.surfaces).filter(|(_, s)| surfaces.contains(s));
     mine.flat_map(|(t, _)| t)
@@ -133,7 +133,7 @@ fn made(copying: Copying) -> CopyingMotion {
 }
 
 /// Vertices on walls, away from hub, shroud and the blades' edges, with their deviation and whether on the low wall.
-fn on_walls(found: &Leftover) -> Vec<(DVec3, f64, bool)> {
+fn on_walls(found: &ResidualStock) -> Vec<(DVec3, f64, bool)> {
     let map = &found.map;
     let mut seen = vec![None; map.mesh.vertices.len()];
     for (triangle, surface) in map.mesh.triangles.iter().zip(&map.surfaces) {
@@ -272,7 +272,7 @@ fn columns_that_overlap_leave_no_more_than_one_electrode_and_a_web_where_they_do
     assert!(overlapping.iter().all(|e| e.mesh.is_watertight()) && overlapping.len() == 2);
     let found = standing(&overlapping);
     assert!(found.stock.left_mm3 < whole.stock.left_mm3 + 0.5, "{:?} {:?}", found.stock, whole.stock);
-    let thickest = |l: &Leftover| l.thickest().map_or(0.0, |(_, layer)| layer.depth_mm);
+    let thickest = |l: &ResidualStock| l.thickest().map_or(0.0, |(_, layer)| layer.depth_mm);
     assert!(thickest(&found) < thickest(&whole) + ERROR, "{:?} {:?}", found.thickest(), whole.thickest());
 
     let apart = make(&columns(-1.0));

@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use crate::widgets::theme::STEEL;
 use crate::workspaces::blisk::scene::{Layer, from_w, layer_id};
-use feed::leftover::DeviationMap;
+use feed::residual_stock::DeviationMap;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
 use render::colour_map::{ColourMap, Legend};
 use render::mesh::RenderMesh;
@@ -21,7 +21,7 @@ const ROOM: f64 = 1.5;
 
 /// A map made for the screen.
 #[derive(Debug, Clone)]
-pub struct LeftoverShape {
+pub struct ResidualStockShape {
     /// Hub and walls, in W.
     pub shape: Arc<RenderMesh>,
     /// Thickness of the stock left at its vertices (mm).
@@ -30,7 +30,7 @@ pub struct LeftoverShape {
     pub greatest: f64,
 }
 
-impl LeftoverShape {
+impl ResidualStockShape {
     /// The surfaces of `map` that one sees who looks into the channel: all but the shroud.
     pub fn new(map: &DeviationMap) -> Self {
         let (mesh, values) = part_of(map, |surface| surface != Surface::Shroud);
@@ -69,7 +69,7 @@ pub fn colour_limit(greatest: f64, spark_gap: f64) -> f64 {
 }
 
 /// What the colours mean, up to `limit` (mm) either way.
-pub fn leftover_legend(limit: f64) -> Legend {
+pub fn residual_stock_legend(limit: f64) -> Legend {
     Legend {
         title: "Residual stock".to_owned(),
         unit: "mm".to_owned(),
@@ -81,7 +81,7 @@ pub fn leftover_legend(limit: f64) -> Legend {
 }
 
 fn surface_values(values: Arc<Vec<f32>>, limit: f64) -> SurfaceValues {
-    let legend = leftover_legend(limit);
+    let legend = residual_stock_legend(limit);
     SurfaceValues { values, map: legend.map, range: [legend.min as f32, legend.max as f32] }
 }
 
@@ -195,7 +195,7 @@ mod tests {
 
     #[test]
     fn the_shape_leaves_the_shroud_out_and_keeps_the_values() {
-        let shape = LeftoverShape::new(&map());
+        let shape = ResidualStockShape::new(&map());
         assert_eq!(shape.greatest, 11.0, "that of the shroud");
         assert_eq!(*shape.values, (0..9).map(|i| i as f32).collect::<Vec<_>>());
         assert!((shape.shape.bounds().min.z - (100.0 + BEFORE)).abs() < 1e-5);

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{Layer, LeftoverError, Passage, Removal, Site, SurfaceFigures, TOLERANCE};
+use super::{Layer, Passage, Removal, ResidualStockError, Site, SurfaceFigures, TOLERANCE};
 use geometry::frame::Cylindrical;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
 use geometry::weld::Weld;
@@ -37,7 +37,7 @@ pub(super) struct Patch {
 }
 
 /// The triangles of the blisk that bound the channel.
-pub(super) fn patch(site: &Site, passage: &Passage, cancel: &Cancel) -> Result<Patch, LeftoverError> {
+pub(super) fn patch(site: &Site, passage: &Passage, cancel: &Cancel) -> Result<Patch, ResidualStockError> {
     let walls = site.channel.low.points.iter().chain(&site.channel.high.points).copied();
     let around = Bounds::of(walls).grown(1.0);
     let longest = |p: DVec3, q: DVec3| if at_junction(site, passage, p, q) { EDGE_AT_JUNCTION } else { EDGE };
@@ -63,7 +63,7 @@ pub(super) fn patch(site: &Site, passage: &Passage, cancel: &Cancel) -> Result<P
         surfaces.push(surface);
     }
     let mesh = Mesh { vertices: weld.into_points(), triangles };
-    if mesh.triangles.is_empty() { Err(LeftoverError::NoSurface) } else { Ok(Patch { mesh, surfaces }) }
+    if mesh.triangles.is_empty() { Err(ResidualStockError::NoSurface) } else { Ok(Patch { mesh, surfaces }) }
 }
 
 /// Whether an edge comes near a junction of two electrodes, or crosses it.
@@ -126,7 +126,7 @@ pub(super) fn deviations(patch: &Patch, removal: &Removal, enough: f64, task: &T
             task.check()?;
             let found: Vec<f64> = batch.iter().map(|&p| removal.deviation(p, enough)).collect();
             let done = done.fetch_add(batch.len(), Ordering::Relaxed) + batch.len();
-            task.report("leftover", 0.7 * done as f64 / all as f64, "surfaces of the channel");
+            task.report("residual stock", 0.7 * done as f64 / all as f64, "surfaces of the channel");
             Ok(found)
         })
         .collect();
