@@ -42,7 +42,7 @@ fn a_wrong_number_is_told_beside_its_field() {
 fn what_is_asked_meanwhile_comes_first_and_no_question_is_lost() {
     let home = Home::new();
     let mut desk = home.start(Opening::Demonstration);
-    desk.until_idle();
+    desk.until_done(Stage::Part);
     let act = |desk: &mut Desk, act: fn(&mut Context)| {
         desk.window.state_mut().act(|_: &mut BliskWorkspace, cx| act(cx));
         desk.settle();

@@ -511,7 +511,10 @@ fn decisions_do_not_pass_to_another_mesh_in_the_same_file() {
     assert!(desk.log().iter().any(|line| line.contains("overrides") && line.contains("dropped")), "{:?}", desk.log());
     // Nor by way of the file, nor by undo.
     let mut desk = home.start(Opening::In("mold", Some(file)));
+    desk.settle();
+    desk.press("Use as it is now");
     desk.until_loaded();
+    desk.settle();
     assert!(is_clean(&desk));
     let tolerant = MoldParams { tolerance_mm: 0.05, ..desk.mold().document.params().clone() };
     desk.mold_mut().edit(tolerant);

@@ -142,7 +142,7 @@ fn a_project_is_read_behind_the_window() {
     let file = home.path("other.sparkpath");
     project(&file, 45);
     let mut desk = home.start(Opening::Demonstration);
-    desk.until_idle();
+    desk.until_done(Stage::Part);
     desk.window.state_mut().open(&file);
     assert!(desk.app().is_opening() && seed(&desk) != 45, "it is not read at once");
     desk.settle();

@@ -153,7 +153,14 @@ impl Columns {
     fn of(ui: &Ui, fields: &'static [Field], extra: Option<(usize, f32)>) -> Self {
         let room = ui.available_width() - NUMBER - 2.0 * GAP;
         let font = egui::TextStyle::Small.resolve(ui.style());
-        let mut all: Vec<Column> = fields.iter().map(|field| Self::column(ui, field, &font)).collect();
+        // A unit is said once and holds for the columns that follow.
+        let mut unit = "";
+        let mut column = |field: &'static Field| {
+            let said = if field.unit == unit { "" } else { field.unit };
+            unit = field.unit;
+            Self::column(ui, (field, said), &font)
+        };
+        let mut all: Vec<Column> = fields.iter().map(&mut column).collect();
         if let Some((after, width)) = extra {
             all.insert(after.min(all.len()), Column { field: None, head: String::new(), width, line: 0 });
         }
@@ -174,9 +181,9 @@ impl Columns {
         Self { all, lines: line + 1 }
     }
 
-    fn column(ui: &Ui, field: &'static Field, font: &egui::FontId) -> Column {
+    fn column(ui: &Ui, (field, unit): (&'static Field, &str), font: &egui::FontId) -> Column {
         let name = if field.symbol.is_empty() { field.label } else { field.symbol };
-        let head = if field.unit.is_empty() { name.to_owned() } else { format!("{name} {}", field.unit) };
+        let head = if unit.is_empty() { name.to_owned() } else { format!("{name} {unit}") };
         let least = match field.kind {
             Kind::Text => 40.0,
             Kind::Choice(_) | Kind::ChoiceOrFile(_) | Kind::Variant { .. } => 62.0,
