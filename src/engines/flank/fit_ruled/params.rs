@@ -9,7 +9,7 @@ use task::Cancelled;
 /// Number of control points of each guide while ways to divide the border are tried.
 pub(super) const FIRST_COUNT: usize = 7;
 
-/// How a ruled surface is fitted.
+/// Parameters of the fit of a ruled surface.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RuledFitParams {
@@ -51,7 +51,7 @@ impl RuledFitParams {
     }
 }
 
-/// Why no ruled surface is fitted.
+/// Reason why no ruled surface is fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RuledFitError {
     /// A parameter without meaning.

@@ -43,7 +43,7 @@ fn same_kind(before: &Value, now: &Value) -> Option<f64> {
     }
 }
 
-/// The kind of the cutter in `row`, which is called `name`. Answers the row with another one.
+/// The kind of the cutter in `row`, which is called `name`. Returns the row with another one.
 fn kind(ui: &mut Ui, name: &str, row: &Value) -> Option<Value> {
     let cutter = Cutter::deserialize(row).ok()?;
     let now = cutter.kind();
