@@ -19,43 +19,43 @@ pub struct Purpose {
 /// Part of the program that asks for a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asking {
-    /// The window: where the picture is saved.
+    /// The window, to save a picture.
     Picture,
-    /// The window: where the document of this workspace is saved; then the program goes on with what it was asked for.
+    /// The window, to save the document of this workspace.
     Document(usize),
-    /// A workspace, by its number, for the path of this number in its table.
+    /// A workspace: its number, and the number of the path in its table.
     Workspace(usize, usize),
 }
 
-/// Where the picture is saved.
+/// Path of a picture.
 pub static PICTURE: PathInfo = PathInfo { title: "Save picture", kind: PathKind::Write("PNG", ".png"), opens: false };
 
-/// Where a document is saved.
+/// Path of a document.
 pub static PROJECT: PathInfo =
     PathInfo { title: "Save project", kind: PathKind::Write("Project", ".sparkpath"), opens: false };
 
-/// The dialog that is open, if one is.
+/// The open dialog, if any.
 #[derive(Default)]
 pub struct FileDialogs {
     open: Option<Asked>,
-    /// Whether paths are typed even where the system has dialogs.
+    /// Whether paths are typed even if the system has dialogs.
     pub typed: bool,
-    /// Whether the user would rather type them.
+    /// Whether the user prefers typing.
     pub is_typing_preferred: bool,
 }
 
-/// What became of a question for a path.
+/// Result of asking for a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Opened {
     /// A dialog asks for the path.
     Asked,
-    /// Another one is still open.
+    /// Another dialog is open.
     Busy,
-    /// The system gives no thread to ask on.
+    /// No thread could be started for the dialog.
     Failed,
 }
 
-/// What was asked, and where the answer comes from.
+/// The question, with the channel of its answer.
 struct Asked {
     purpose: Purpose,
     name: String,
@@ -64,30 +64,30 @@ struct Asked {
     is_typed: bool,
 }
 
-/// What became of a dialog.
+/// Result of a dialog.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Chosen {
     /// The path that was chosen.
     Path(Purpose, PathBuf),
     /// The user chose nothing.
     Cancelled(Purpose),
-    /// The path is to be typed: the system has no file dialogs, or they are not wanted. With the name that was
-    /// proposed.
+    /// The path must be typed, because the system has no file dialogs or the user prefers typing. With the proposed
+    /// name.
     ToType(Purpose, String),
 }
 
 impl Purpose {
-    /// How the name of a file ends that is written for this; none if no file is written.
+    /// Ending of the file that is written; none if no file is written.
     pub fn ending(&self) -> Option<&'static str> {
         if let PathKind::Write(_, ending) = self.info.kind { Some(ending) } else { None }
     }
 
-    /// Whether this needs a file that there is not at `path`.
+    /// Whether the file at `path` must exist but does not.
     pub fn is_missing(&self, path: &Path) -> bool {
         matches!(self.info.kind, PathKind::Read(_, _, true)) && !path.is_file()
     }
 
-    /// `path` with the ending that belongs to this, after whatever dots the name has.
+    /// `path` with the ending of this purpose, added after any dots in the name.
     pub fn with_ending(&self, path: PathBuf) -> PathBuf {
         match self.ending() {
             Some(ending) if !paths::has_ending(&path, ending) => {
@@ -140,7 +140,7 @@ impl FileDialogs {
         if self.open.is_some() { Opened::Asked } else { Opened::Failed }
     }
 
-    /// What became of the dialog since the last call.
+    /// Result of the dialog since the last call.
     pub fn chosen(&mut self) -> Option<Chosen> {
         let asked = self.open.as_ref()?;
         let path = match asked.answer.try_recv() {

@@ -22,7 +22,7 @@ pub struct CubicSpline {
     seconds: Vec<f64>,
 }
 
-/// Why points cannot be interpolated.
+/// Reason why points cannot be interpolated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum SplineError {
     /// Too few points or unequal numbers of knots and values.

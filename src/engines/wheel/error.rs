@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::frame::axis::Axis;
 use task::Cancelled;
 
-/// Why the axis, the blades or a channel could not be found.
+/// Reason why the axis, the blades or a channel could not be found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BliskError {
     /// A key of the project is wrong.
@@ -50,7 +50,7 @@ pub enum BliskError {
         axis: Axis,
         /// How many gaps there are.
         count: usize,
-        /// Why they are no channels.
+        /// Reason why they are no channels.
         reason: &'static str,
     },
     /// The channel that is asked for does not exist.

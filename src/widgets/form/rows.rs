@@ -14,7 +14,7 @@ const NUMBER: f32 = 22.0;
 /// Room that a heading leaves before the next one (points).
 const APART: f32 = 6.0;
 
-/// A column of a table that is no parameter itself, such as what several of them make together.
+/// A column without a parameter of its own, such as a value derived from several parameters.
 pub struct ExtraColumn<'a> {
     /// Heading of the column.
     pub head: &'a str,
@@ -22,15 +22,15 @@ pub struct ExtraColumn<'a> {
     pub after: usize,
     /// Width (points).
     pub width: f32,
-    /// Draws the cell of a row. Answers another row.
+    /// Draws the cell of a row. Returns the changed row, if any.
     pub draw: &'a mut dyn FnMut(&mut Ui, &str, &Value) -> Option<Value>,
     /// What a row is called whose name is empty.
     pub called: fn(&Value) -> Option<String>,
 }
 
 impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
-    /// Draws the rows under `key` as a table: a line for each, or as many as its columns need. The number before a row
-    /// has what can be done with it.
+    /// Draws the rows under `key` as a table: a line for each, or as many lines as the columns need. The number of a
+    /// row opens its menu.
     pub fn rows(&mut self, ui: &mut Ui, key: &str, mut extra: Option<ExtraColumn>) {
         let Ok(place) = self.table.find(key) else { return };
         let Kind::Rows { fields, is_first, .. } = place.field.kind else { return };
@@ -143,7 +143,7 @@ struct Column {
     line: usize,
 }
 
-/// The columns of a table, in as many lines as its room makes necessary.
+/// The columns of a table, in as many lines as the available width requires.
 struct Columns {
     all: Vec<Column>,
     lines: usize,
@@ -214,7 +214,7 @@ fn text_width(ui: &Ui, text: &str, font: &egui::FontId) -> f32 {
     ui.painter().layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::WHITE).size().x + 1.0
 }
 
-/// Another row: what the table says, with a name that no other has.
+/// A new row as the table defines it, with a unique name.
 fn new_row(place: &Place, rows: &[Value]) -> Value {
     let Kind::Rows { new, .. } = place.field.kind else { return Value::Null };
     let mut row = inline_toml(new);

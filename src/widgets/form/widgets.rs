@@ -10,11 +10,11 @@ use crate::widgets::panel_parts::{file_name, parsed_or, short};
 use crate::widgets::theme::tick;
 use files::{AXIS_NAMES, Instead, Kind, Place, Range, Word, direction_words, get, inline_toml};
 
-/// Labels this short are shown beside each other, all at once.
+/// Greatest length of labels that are shown side by side.
 const SHORT: usize = 4;
 /// What stands for an empty text.
 pub(super) const NOTHING: &str = "\u{2013}";
-/// The most letters of a text.
+/// Greatest length of a text.
 const LETTERS: usize = 4000;
 
 /// Draws the widgets of a row.
@@ -57,7 +57,7 @@ pub(super) fn narrow(ui: &mut Ui, place: &Place, value: &Value, width: f32, hint
     }
 }
 
-/// Gives a widget the name of its parameter, and says what that is when it is pointed at.
+/// Names a widget after its parameter, and adds the help text as a tooltip.
 fn named(ui: &mut Ui, place: &Place, add: impl FnOnce(&mut Ui) -> Response) -> Response {
     let response = add(ui);
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(place.label.clone()));
@@ -137,7 +137,7 @@ fn whole(number: f64) -> Value {
     if rounded < 0.0 { Value::from(rounded as i64) } else { Value::from(rounded as u64) }
 }
 
-/// A number that may be missing, which is a dash.
+/// An optional number; a dash if missing.
 fn number_or_dash(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
     let mut at = value.as_f64().unwrap_or_default();
     let wrong = RefCell::default();
@@ -160,7 +160,7 @@ fn along(response: &Response, value: Value) -> Option<Change> {
     response.changed().then_some(if is_held { Change::Along(value) } else { Change::To(value) })
 }
 
-/// Numbers beside each other: of three each is called by its axis.
+/// Numbers side by side; three are named after the axes.
 fn numbers(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
     let mut all = value.as_array().cloned().unwrap_or_default();
     let each = (width - GAP * all.len().saturating_sub(1) as f32) / all.len().max(1) as f32;
@@ -187,7 +187,7 @@ pub(super) fn is_short(words: &[Word]) -> bool {
     words.len() <= 6 && words.iter().all(|word| word.label.chars().count() <= SHORT)
 }
 
-/// Short words of which one is chosen, all of them to be seen.
+/// A choice of short words, all visible.
 fn chips(ui: &mut Ui, words: &[Word], value: &Value) -> Option<Change> {
     ui.spacing_mut().item_spacing.x = 2.0;
     let chosen = words.iter().filter(|word| {
@@ -198,7 +198,7 @@ fn chips(ui: &mut Ui, words: &[Word], value: &Value) -> Option<Change> {
     chosen.last().map(|word| Change::To(word.word.into()))
 }
 
-/// A list that opens.
+/// A choice in a drop-down list.
 fn combo(ui: &mut Ui, place: &Place, now: &str, width: f32, add: impl FnOnce(&mut Ui)) {
     named(ui, place, |ui| {
         let list = egui::ComboBox::from_id_salt(&place.key).selected_text(now).truncate().width(width);
@@ -236,7 +236,7 @@ fn choice(
     change
 }
 
-/// Another table keeps what both have.
+/// A choice of tables. A new table keeps the values that both have.
 fn variant(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
     let Kind::Variant { tag, variants } = place.field.kind else { return None };
     let now = get(value, tag).as_str();
@@ -267,7 +267,7 @@ fn file(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change>
     chosen.on_hover_text(path.unwrap_or(place.field.help)).clicked().then_some(Change::Choose)
 }
 
-/// A direction: one along an axis, or any other by its three parts.
+/// A direction: along an axis, or three components.
 fn direction(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
     let id = ui.make_persistent_id((&place.key, "other"));
     let words = direction_words(value);
@@ -288,7 +288,7 @@ fn direction(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Ch
     if is_other { numbers(ui, place, value, others).or(change) } else { change }
 }
 
-/// A text, or numbers as one, which are taken once the field is left: what is half typed changes nothing.
+/// A text, or numbers as text, taken when the field is left: a half-typed text changes nothing.
 fn text(ui: &mut Ui, place: &Place, value: &Value, width: f32, hint: &str) -> Option<Change> {
     let id = ui.make_persistent_id((&place.key, "typed"));
     let shown = place.field.show(value);

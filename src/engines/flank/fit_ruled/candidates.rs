@@ -51,7 +51,7 @@ impl CandidateKind {
 pub enum CandidateFit {
     /// The surface, ruled within the tolerance or not.
     Fitted(Box<RuledFit>),
-    /// Why there is none.
+    /// Reason why there is none.
     Refused(RuledFitError),
     /// Too small a face to be looked at.
     NotTried,

@@ -28,7 +28,7 @@ impl PartBase {
     }
 }
 
-/// How a ruled surface is fitted.
+/// Parameters of the fit of a ruled surface.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RuledFitParams {
@@ -77,7 +77,7 @@ impl RuledFitParams {
     }
 }
 
-/// Why no ruled surface is fitted.
+/// Reason why no ruled surface is fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RuledFitError {
     /// A parameter without meaning.

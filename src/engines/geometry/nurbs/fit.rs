@@ -180,7 +180,7 @@ impl NurbsCurve {
 impl NurbsSurface {
     /// The bicubic surface skinned over `sections`, each with the same number of points: cubics along the sections with
     /// shared parameters, then cubics from section to section through their control points. Parameters are means of
-    /// the chord lengths over all sections and over all points; end tangents are those of parabolas. Answers the
+    /// the chord lengths over all sections and over all points; end tangents are those of parabolas. Returns the
     /// surface and the parameters of the points in u, along the sections, and in v, across them.
     ///
     /// # Errors

@@ -15,7 +15,7 @@ use files::{Kind, Word};
 /// Room for the names of files (points).
 const NAMES: f32 = 150.0;
 
-/// What the user answered.
+/// Answer of the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
     /// Choose the folder and export.
@@ -106,7 +106,7 @@ fn frame(ui: &mut Ui, frame: &mut MeshFrame) {
     named(&response.response, "Frame of the electrode meshes");
 }
 
-/// Answers whether a post of one's own is wanted.
+/// Draws the choice of the post. Returns whether the user wants a post of their own.
 fn post(ui: &mut Ui, post: &mut String) -> bool {
     let words = posts();
     let mut own = false;

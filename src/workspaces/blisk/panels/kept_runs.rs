@@ -62,7 +62,7 @@ fn heads(ui: &mut Ui, axes: &[Axis]) {
     ui.end_row();
 }
 
-/// The cells that name a run and remove it. Tells whether it is to be removed.
+/// The cells that name a run and remove it. Returns whether it is to be removed.
 fn named(ui: &mut Ui, run: &KeptRun) -> bool {
     let colour = run.colour(ui);
     ui.horizontal(|ui| {
@@ -73,7 +73,7 @@ fn named(ui: &mut Ui, run: &KeptRun) -> bool {
     remove_button(ui, &run.name())
 }
 
-/// A button that removes the run called `name`. Tells whether it is pressed.
+/// A button that removes the run called `name`. Returns whether it is pressed.
 fn remove_button(ui: &mut Ui, name: &str) -> bool {
     let response = ui.add(egui::Button::new("×").small()).on_hover_text("Remove it from the comparison");
     let name = format!("Remove {name}");

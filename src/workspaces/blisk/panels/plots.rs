@@ -260,7 +260,7 @@ fn convergence(ui: &mut Ui, desk: &mut BliskDesk) {
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Plot convergence"));
 }
 
-/// Says that there is nothing to plot, if so.
+/// Shows that there is nothing to plot, if so.
 fn nothing(ui: &mut Ui, desk: &BliskDesk) -> bool {
     let empty = desk.track().is_empty();
     if empty {

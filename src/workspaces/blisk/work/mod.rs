@@ -164,7 +164,7 @@ impl BliskWork {
         self.events.push((stage, WorkEvent { kind, text, took: None }));
     }
 
-    /// Takes in what has been made, and makes what `document` needs. Answers what has happened.
+    /// Takes in what has been made, and makes what `document` needs. Returns what has happened.
     pub fn follow(&mut self, document: &mut Document, priority: Priority) -> Vec<StageEvent> {
         self.priority = priority;
         self.take();
@@ -566,7 +566,7 @@ impl BliskWork {
     }
 }
 
-/// Takes in what has become of the work for `stage`. Tells whether any has ended.
+/// Takes in what has become of the work for `stage`. Returns whether any has ended.
 fn drain<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static>(
     events: &mut Vec<StageEvent>,
     stage: Stage,

@@ -23,7 +23,7 @@ use task::State;
 /// Height of the line that says how the plan stands (points).
 const ROW: f32 = 22.0;
 
-/// Draws it, `with_results` also what came out. Answers what a path is wanted for.
+/// Draws the panel, with the results if `with_results`. Returns the purpose of the path to ask for, if any.
 pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, with_results: bool) -> Option<FlankPath> {
     let mut asked = None;
     ui.add_space(2.0);
@@ -71,7 +71,7 @@ fn plan(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
     });
 }
 
-/// What is being done, what is wrong, or what is known, in one line.
+/// Work under way, error or result, in one line.
 fn standing(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
     let colours = palette(ui);
     let is_possible = desk.document.problem().is_none();
@@ -96,7 +96,7 @@ fn standing(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
     ui.add(egui::Label::new(RichText::new(&text).small().color(colour)).truncate()).on_hover_text(text);
 }
 
-/// What a path is wanted for, of the parameter under `key`.
+/// Purpose of the path for the parameter under `key`.
 fn path_of(key: &str) -> Option<FlankPath> {
     Some(match key {
         "source.file" => FlankPath::Mesh,
@@ -109,7 +109,7 @@ fn path_of(key: &str) -> Option<FlankPath> {
     })
 }
 
-/// What must not be cut.
+/// Walls that must not be cut.
 fn walls(ui: &mut Ui, desk: &FlankDesk, form: &mut Form<FlankDocument>) {
     form.section(ui, "Walls");
     if let Some(why) = desk.work.walls_state(desk.document.params()).why_not() {
@@ -139,7 +139,7 @@ fn machine(ui: &mut Ui, desk: &FlankDesk, form: &mut Form<FlankDocument>, cx: &m
     form.group(ui, "Program");
 }
 
-/// Where the workpiece stands on the machine, and the directions in which it is clamped.
+/// Position and clamping directions of the workpiece on the machine.
 fn clamping(ui: &mut Ui, desk: &FlankDesk, form: &mut Form<FlankDocument>) {
     let of_machine = desk.workpiece_of_machine();
     let mut is_own = form.params().milling.workpiece.is_some();

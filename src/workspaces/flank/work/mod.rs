@@ -73,7 +73,7 @@ impl FlankWork {
         }
     }
 
-    /// Takes in what has been made, and loads what `document` names. Answers what has happened.
+    /// Takes in what has been made, and loads what `document` names. Returns what has happened.
     pub fn follow(&mut self, document: &FlankDocument, priority: Priority) -> Vec<WorkEvent> {
         self.priority = priority;
         let mut events = Vec::new();

@@ -1,4 +1,4 @@
-//! What other cutters would leave.
+//! Comparison with other cutters.
 
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::commands::MoldCommand;
@@ -15,7 +15,7 @@ use crate::workspaces::mold::paths::MoldPath;
 use files::Validate as _;
 use mold::cutter::Cutter;
 
-/// Draws the comparison. Answers the path that the user is to choose.
+/// Draws the comparison. Returns the path that the user is to choose.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
     let mut asked = None;
     ui.horizontal_wrapped(|ui| {

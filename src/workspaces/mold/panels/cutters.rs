@@ -48,7 +48,7 @@ fn label(row: &Value) -> Option<String> {
     Cutter::deserialize(row).ok().map(|cutter| cutter.label())
 }
 
-/// The kind of the cutter in `row`, which is called `name`. Answers the row with another one.
+/// The kind of the cutter in `row`, which is called `name`. Returns the row with another one.
 fn kind(ui: &mut Ui, name: &str, row: &Value) -> Option<Value> {
     let cutter = Cutter::deserialize(row).ok()?;
     let now = cutter.kind();

@@ -77,7 +77,7 @@ impl UncutParams {
     }
 }
 
-/// Why a mold has no answer.
+/// Reason why a mold has no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum UncutError {
     /// A parameter is not possible.
