@@ -49,7 +49,7 @@ impl CubicSpline {
         Ok(Self { knots: knots.to_vec(), values: values.to_vec(), seconds })
     }
 
-    /// Where the polynomial pieces join.
+    /// Parameters at which the polynomial pieces join.
     pub fn knots(&self) -> &[f64] {
         &self.knots
     }

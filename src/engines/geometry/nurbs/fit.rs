@@ -9,7 +9,7 @@ use super::curve::NurbsCurve;
 use super::knots::{KnotVector, MAX_DEGREE};
 use super::surface::NurbsSurface;
 
-/// How far a fit is from what it was made from.
+/// Distances of a fit from its data.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct FitError {
     /// Greatest distance (mm).
