@@ -76,7 +76,7 @@ fn with(document: &Document<Mold>, tolerance_mm: f64) -> Mold {
 #[test]
 fn what_is_wrong_is_looked_for_once_for_each_change() {
     let mut document = Document::<Flank>::default();
-    let mut told = |document: &Document<Flank>, is_wrong: bool| {
+    let told = |document: &Document<Flank>, is_wrong: bool| {
         let before = VALIDATED.get();
         assert_eq!([(); 3].map(|()| document.problem().is_some()), [is_wrong; 3]);
         VALIDATED.get() - before
