@@ -25,6 +25,7 @@ use mold::electrode::design::{Electrode, ElectrodeSet};
 use mold::electrode::finding::CheckKind;
 use mold::electrode::params::Shape;
 use mold::opening::Opening;
+use nc::burn_table::NotBurned;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::{ElectrodeFormat, WrittenElectrodes};
 use render::mesh::RenderMesh;
@@ -101,7 +102,8 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     let set = find_electrodes(&imported.mesh, &uncut, &asked.electrodes, &session.task)
         .map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
     let file_name = mesh.file_name().map_or(name, |n| n.to_string_lossy().into_owned());
-    let report = ElectrodesReport::of(&set, &file_name, asked.opening);
+    let mut report = ElectrodesReport::of(&set, &file_name, asked.opening);
+    report.table.notes.extend(imported.report.unit_doubt());
     let mut lines = lines(&set, &report);
     let mut has_all_files = true;
     if let Some(folder) = folder {
@@ -125,12 +127,12 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     if !is_whole {
         lines.push("the rest material is not known for all of the mold: see `sparkpath uncut`".to_owned());
     }
-    if !uncut.stack.invert.triangles.is_empty() {
+    if let Some(faces) = uncut.undercut() {
         lines.push(format!(
             "{} undercut faces ({:.2} mm2) are not reachable and get no electrode: give another --opening, or plan \
              a slide",
-            uncut.stack.invert.triangles.len(),
-            uncut.stack.invert.area
+            faces.triangles.len(),
+            faces.area
         ));
     }
     super::terminal::finish();
@@ -205,10 +207,10 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
             format!("    {} fails: {}{place}", f.kind.name(), f.text)
         }));
     }
-    for (number, region) in set.regions.iter().enumerate() {
-        let is_burned = |e: &Electrode| e.burns.iter().flat_map(|b| &b.parts).any(|part| part.region == number);
+    for NotBurned { region, why } in &report.table.not_burned {
+        let is_burned = |e: &Electrode| e.burns.iter().flat_map(|b| &b.parts).any(|part| part.region + 1 == *region);
         let what = if set.electrodes.iter().any(is_burned) { "" } else { " has no electrode" };
-        lines.extend(region.reason.as_ref().map(|t| format!("region {}{what}: {t}", number + 1)));
+        lines.push(format!("region {region}{what}: {why}"));
     }
     lines.extend(corners(set));
     let idle = set.idle_overrides(&set.params.overrides);

@@ -88,7 +88,9 @@ fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<Electro
     let asked = Document::<MoldParams>::open(file)?.params().clone();
     let Some(mesh) = &asked.mesh else { anyhow::bail!("{}: it names no mesh; choose one and save it", file.display()) };
     let imported = session.import(mesh, asked.units)?;
-    let (asked, mold) = (asked.of_part(&part_of(&imported)), imported.mesh);
+    let of_part = asked.of_part(&part_of(&imported));
+    session.note_dropped(mesh, &asked, &of_part);
+    let (asked, mold) = (of_part, imported.mesh);
     let task = &session.task;
     let wrong = |e: String| anyhow::anyhow!("{}: {e}", file.display());
     let left = uncut(&mold, &asked.uncut(), task).map_err(|e| wrong(e.to_string()))?;

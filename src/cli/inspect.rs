@@ -19,7 +19,7 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
     let Some(file) = mesh else {
         anyhow::bail!("{}: blisk.mesh is missing; give a mesh", arguments.project.file.display())
     };
-    let imported = session.import(&file, units)?;
+    let imported = session.import_silently(&file, units)?;
     let inspection = inspect_blisk(&imported.mesh, &options, &session.task)?;
     let measured = match (&arguments.sections, &inspection.channel) {
         (Some(file), Some(channel)) => {
@@ -59,13 +59,14 @@ fn measured(file: &Path, mesh: &Mesh, sides: [BladeSide; 2], session: &Session) 
 fn print_import(imported: &Imported) {
     let r = &imported.report;
     say!(
-        "file         {:?}, {} triangles read, {} kept, {} vertices",
-        r.format,
+        "file         {}, {} triangles read, {} kept, {} vertices",
+        r.format.name(),
         r.triangles_read,
         r.triangles,
         r.vertices
     );
-    say!("unit         {}: {}", r.unit.name(), r.unit_reason);
+    // The reason of a guess is among the notes.
+    say!("unit         {}", if r.unit_certain { &r.unit_reason } else { r.unit.name() });
     say!(
         "surface      {}, {} parts, {} holes, {} non-manifold edges",
         if r.watertight { "watertight" } else { "open" },

@@ -39,6 +39,7 @@ use crate::shell::run::Opening;
 use crate::shell::startup::run_window;
 use crate::widgets::camera::NamedView;
 use crate::workspaces::blisk::document::choice::Channels;
+use crate::workspaces::mold::document::MoldParams;
 use ::render::colour::Theme;
 use feed::plan_params::Strategy;
 use feed::pose::Axis;
@@ -246,10 +247,36 @@ struct Session {
 }
 
 impl Session {
-    /// Imports a mesh file.
+    /// Imports a mesh file. Notes that its unit is a guess.
     fn import(&self, path: &Path, units: Units) -> anyhow::Result<Imported> {
+        let imported = self.import_silently(path, units)?;
+        if let Some(doubt) = imported.report.unit_doubt() {
+            self.note(&format!("{}: {doubt}", path.display()));
+        }
+        Ok(imported)
+    }
+
+    /// Imports a mesh file whose report is printed.
+    fn import_silently(&self, path: &Path, units: Units) -> anyhow::Result<Imported> {
         let options = ImportOptions { units, ..Default::default() };
         Ok(import_file(path, &options, &self.task)?)
+    }
+
+    /// Notes on standard error which decisions of `before`, for a former mesh, are not among `params` for `mesh`.
+    fn note_dropped(&self, mesh: &Path, before: &MoldParams, params: &MoldParams) {
+        if let Some(dropped) = params.dropped(before) {
+            self.note(&format!("{}: {dropped}", mesh.display()));
+        }
+    }
+
+    /// Prints a note on standard error.
+    fn note(&self, text: &str) {
+        terminal::finish();
+        terminal::print_error(&if self.json {
+            serde_json::json!({ "note": text }).to_string()
+        } else {
+            format!("note: {text}")
+        });
     }
 }
 

@@ -43,7 +43,9 @@ pub(super) fn of_mold(file: &Path, arguments: &RenderArguments, session: &Sessio
     let asked = open_mold(file, user_folder().as_deref())?;
     let Some(mesh) = &asked.mesh else { return Err(message("mesh is missing; name one in the project".to_owned())) };
     let imported = session.import(mesh, asked.units)?;
-    let asked = asked.of_part(&part_of(&imported));
+    let of_part = asked.of_part(&part_of(&imported));
+    session.note_dropped(mesh, &asked, &of_part);
+    let asked = of_part;
     let mold = Arc::new(RenderMesh::new(&imported.mesh));
     let found = uncut(&imported.mesh, &asked.uncut(), &session.task).map_err(|e| message(e.to_string()))?;
     let (mut scene, own) = match arguments.electrode {

@@ -110,6 +110,7 @@ impl MoldArguments {
         with_values(before.clone())?;
         let imported = session.import(&path, before.units)?;
         let params = with_values(before.of_part(&part_of(&imported)))?;
+        session.note_dropped(&path, &with_values(before)?, &params);
         if let Some(file) = &self.save {
             Document::new(params.clone()).export(file)?;
         }
@@ -134,14 +135,15 @@ impl MoldArguments {
     }
 }
 
-/// Finds what the cutters leave, prints it and writes it into the folder if there is one. The answer is no where the
-/// mesh is not whole.
+/// Finds what the cutters leave, prints it and writes it into the folder if there is one. The answer is no where it is
+/// not known for all of the mold.
 pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Result<Answer> {
     let AskedMold { params, imported, path } = arguments.mold.read(|_| Ok(()), session)?;
     let found = find_uncut(&imported.mesh, &params.uncut(), &session.task)
         .map_err(|e| anyhow::anyhow!("{}: {e}", path.display()))?;
     let report = UncutReport::of(&found);
-    let text = report.text();
+    let notes: Vec<String> = imported.report.unit_doubt().into_iter().collect();
+    let text = report.text(&notes);
     let json = serde_json::to_string_pretty(&serde_json::json!({
         "sha256": imported.sha256, "import": imported.report, "uncut": report,
     }))?;

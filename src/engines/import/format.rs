@@ -20,6 +20,11 @@ macro_rules! formats {
         impl Format {
             const ALL: &'static [Self] = &[$(Self::$format),+];
 
+            /// Name in a sentence.
+            pub fn name(self) -> &'static str {
+                self.about().name
+            }
+
             pub(super) fn about(self) -> &'static MeshFormat {
                 match self { $(Self::$format => &$about),+ }
             }

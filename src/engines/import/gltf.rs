@@ -17,9 +17,9 @@ use super::weld::weld_exact;
 
 const UNIT: Option<(Unit, &str)> = Some((Unit::M, "the glTF standard"));
 /// glTF 2.0 as JSON.
-pub(super) static TEXT: MeshFormat = MeshFormat { likeness: like_text, read, unit: UNIT };
+pub(super) static TEXT: MeshFormat = MeshFormat { name: "glTF", likeness: like_text, read, unit: UNIT };
 /// glTF 2.0 in one binary file.
-pub(super) static BINARY: MeshFormat = MeshFormat { likeness: like_binary, read, unit: UNIT };
+pub(super) static BINARY: MeshFormat = MeshFormat { name: "binary glTF", likeness: like_binary, read, unit: UNIT };
 
 fn like_text(content: &Content) -> Likeness {
     let names_asset = || content.bytes.windows(7).any(|word| word == b"\"asset\"");

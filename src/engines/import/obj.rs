@@ -15,7 +15,7 @@ use super::weld::weld_exact;
 use geometry::mesh::Mesh;
 
 /// Wavefront OBJ.
-pub(super) static TEXT: MeshFormat = MeshFormat { likeness, read, unit: None };
+pub(super) static TEXT: MeshFormat = MeshFormat { name: "OBJ", likeness, read, unit: None };
 
 fn likeness(content: &Content) -> Likeness {
     let Some(text) = content.text else { return Likeness::No };

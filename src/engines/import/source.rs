@@ -15,6 +15,8 @@ const ITEMS_PER_CHECK: usize = 1 << 14;
 
 /// Description of a format for the importer. Each format has one, in its own file.
 pub(super) struct MeshFormat {
+    /// Name in a sentence.
+    pub name: &'static str,
     /// Likeness of a file to this format.
     pub likeness: fn(&Content) -> Likeness,
     /// Reads a file of this format.

@@ -16,9 +16,11 @@ use geometry::mesh::{Mesh, unit_normal};
 use geometry::weld::Weld;
 
 /// Binary STL.
-pub(super) static BINARY: MeshFormat = MeshFormat { likeness: like_binary, read: read_binary, unit: None };
+pub(super) static BINARY: MeshFormat =
+    MeshFormat { name: "binary STL", likeness: like_binary, read: read_binary, unit: None };
 /// ASCII STL.
-pub(super) static ASCII: MeshFormat = MeshFormat { likeness: like_ascii, read: read_ascii, unit: None };
+pub(super) static ASCII: MeshFormat =
+    MeshFormat { name: "text STL", likeness: like_ascii, read: read_ascii, unit: None };
 
 /// How many bytes may follow the last triangle of a binary file that is not named `.stl`.
 const STRAY_BYTES: u64 = 1024;

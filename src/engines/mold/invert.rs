@@ -20,6 +20,8 @@ use task::{Cancel, Cancelled};
 const DOWNWARDS: f64 = -1e-3;
 /// How far above the mesh's bottom a face must reach not to belong to its base (mm).
 const BASE: f64 = 1e-6;
+/// Area of faces that look downwards up to which it is rounding (mm^2).
+pub const LEAST_INVERT: f64 = 1e-2;
 /// Gaps up to this width between a section and a shadow are rounding, and are closed (mm).
 const GAP: f64 = 2e-5;
 

@@ -153,6 +153,8 @@ impl Work<'_> {
         let crossing: Vec<bool> = sections.par_iter_mut().map(uncross).collect();
         self.seen.note(&sections, &crossing, heights);
         self.shadows.cast(&mut sections, cancel)?;
+        // Metal over an opening at the bottom is a floor: an opening is what is open all the way up.
+        self.seen.note_openings(&sections, heights);
         let at: HashMap<u64, usize> = all.iter().enumerate().map(|(i, z)| (z.to_bits(), i)).collect();
         let section = |z: f64| at.get(&z.to_bits()).map(|&i| &sections[i]);
         let left = |z: &f64| {
@@ -211,9 +213,15 @@ impl Seen {
             self.has_material |= !(section.outlines.is_empty() && section.open.is_empty());
             self.open.extend(section.open.first().map(|[end, _]| (z, end.to_array())));
             self.crossing.extend(crosses.then_some(z));
-            if self.openings.is_none_or(|(lowest, _)| z < lowest) {
+        }
+    }
+
+    /// Notes the openings of the lowest of `sections`, which have the shadow of what lies above them.
+    fn note_openings(&mut self, sections: &[Section], heights: &[f64]) {
+        for section in sections.iter().filter(|s| heights.contains(&s.z)) {
+            if self.openings.is_none_or(|(lowest, _)| section.z < lowest) {
                 let holes = section.outlines.iter().map(Outline::area).filter(|a| *a < 0.0);
-                self.openings = Some((z, -holes.sum::<f64>()));
+                self.openings = Some((section.z, -holes.sum::<f64>()));
             }
         }
     }
@@ -371,6 +379,8 @@ mod tests {
         assert!(matches!(warnings(&with(&whole, &second))[..], [MoldWarning::Crossing { .. }]));
         let through = frame(&rectangle(20.0, 20.0), &sides, 5.0);
         assert!(matches!(warnings(&through)[..], [MoldWarning::NoFloor { area }] if (area - 144.0).abs() < 1e-6));
+        // A pocket that opens downwards has metal over it: nothing passes through.
+        assert_eq!(warnings(&whole.mapped(|p| DVec3::new(p.x, -p.y, -p.z))), []);
         // A round pocket of 24 facets: each corner is R (1 / cos 7.5 degrees - 1) deep.
         let round = polygon(24, 8.0);
         let faceted = warnings(&pocket(&polygon(24, 12.0), &round, &round, [10.0, 8.0]));

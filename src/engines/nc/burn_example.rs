@@ -2,7 +2,7 @@
 
 use super::burn_table::{
     BlankEntry, BurnEntry, BurnTable, CheckEntry, CheckState, ElectrodeEntry, ElectrodeState, FamilyEntry, HolderEntry,
-    OrbitEntry, Pose, SCHEMA,
+    NotBurned, OrbitEntry, Pose, SCHEMA,
 };
 use mold::electrode::finding::CheckKind;
 use mold::electrode::params::{Method, Shape};
@@ -27,6 +27,8 @@ impl BurnTable {
             minutes: 12.5,
             burns: electrodes.len(),
             electrodes,
+            not_burned: vec![NotBurned { region: 2, why: "there is nothing to burn".to_owned() }],
+            notes: vec!["to be seen to".to_owned()],
         })
     }
 }

@@ -7,7 +7,7 @@ use super::finding::{CheckKind, Finding};
 use crate::cutter::CutterLibrary;
 use crate::height_field;
 use crate::height_field::{HeightField, HeightFieldError};
-use crate::invert::InvertFaces;
+use crate::invert::{InvertFaces, LEAST_INVERT};
 use geometry::mesh::Mesh;
 use geometry::solid;
 use task::Cancel;
@@ -17,8 +17,6 @@ const WELD: f64 = 1e-6;
 
 /// Cells of the smallest radius on the grid on which it is tried whether an electrode can be milled.
 const MILLING_CELLS: f64 = 20.0;
-/// Area of faces that look away from the cutters up to which it is rounding (mm^2).
-const LEAST_INVERT: f64 = 1e-2;
 
 /// Whether a surface is closed.
 pub fn watertight(mesh: &Mesh) -> Finding {

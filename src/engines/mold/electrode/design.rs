@@ -1,5 +1,6 @@
 //! Electrodes, from tips to burns.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use files::{Figures, Override};
@@ -318,6 +319,21 @@ impl ElectrodeSet {
     /// Indices of regions without an electrode for every part.
     pub fn without_electrode(&self) -> Vec<usize> {
         (0..self.regions.len()).filter(|r| self.regions[*r].reason.is_some()).collect()
+    }
+
+    /// Indices of regions that no electrode burns, as there is nothing to burn.
+    pub fn needing_none(&self) -> Vec<usize> {
+        let burned: BTreeSet<usize> =
+            self.electrodes.iter().flat_map(|e| &e.burns).flat_map(|b| &b.parts).map(|part| part.region).collect();
+        let needs_none = |r: &usize| self.regions[*r].reason.is_none() && !burned.contains(r);
+        (0..self.regions.len()).filter(needs_none).collect()
+    }
+
+    /// Reason why no electrode burns a region, or a part of it; none where all is burned.
+    pub fn why_not_burned(&self, region: usize) -> Option<&str> {
+        let plan = &self.regions[region];
+        let left_out = || plan.left_out.last().map_or("there is nothing to burn", |left| &left.text);
+        plan.reason.as_deref().or_else(|| self.needing_none().contains(&region).then(left_out))
     }
 
     /// User's changes that apply to no region, or change nothing: their indices in the list.

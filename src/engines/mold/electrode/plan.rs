@@ -89,7 +89,12 @@ fn plan_stages(
                     Ok(electrode) => electrodes.push(electrode),
                     Err(ElectrodeError::Solid(error)) => {
                         let ids = group.burns.iter().flat_map(|(.., ids)| ids).map(|i| leaves[*i].id.region);
-                        ids.for_each(|r| plans[r].reason = Some(format!("{} stage: {error}", stage.name)));
+                        let why = format!(
+                            "{} stage: the heads and their base make no closed body: {error}; divide the region, or \
+                             change the margin of the heads",
+                            stage.name
+                        );
+                        ids.for_each(|r| plans[r].reason = Some(why.clone()));
                     }
                     Err(other) => return Err(other),
                 }
@@ -202,6 +207,7 @@ fn leaves(
                 plan.left_out.push(no_room(&setting.stage, number));
             }
             Err(other) => {
+                let other = other.placed(|p| setting.turned.transpose() * p);
                 plan.reason.get_or_insert(format!("{} stage: {other}", setting.stage.name));
             }
         }

@@ -48,12 +48,57 @@ pub enum TipError {
          what is left with a finer grid"
     )]
     NoSurface,
+    /// The trimmed tip is no body that can be used.
+    #[error("{fault} at ({:.3}, {:.3}, {:.3}): {}", place.x, place.y, place.z, fault.remedy())]
+    Unusable {
+        /// Fault of the tip.
+        fault: TipFault,
+        /// Place of the fault, in the burn frame (mm).
+        place: DVec3,
+    },
     /// The solids could not be combined.
-    #[error(transparent)]
+    #[error("the head could not be trimmed by the mold: {0}; change the margin of the heads, or divide the region")]
     Solid(#[from] SolidError),
     /// Told to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl TipError {
+    /// The error with its place, which is in the burn frame, mapped by `to`.
+    pub(super) fn placed(self, to: impl Fn(DVec3) -> DVec3) -> Self {
+        match self {
+            Self::Unusable { fault, place } => Self::Unusable { fault, place: to(place) },
+            other => other,
+        }
+    }
+}
+
+/// Fault of a trimmed tip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum TipFault {
+    /// Two of its faces meet.
+    #[error("the head touches itself")]
+    TouchesItself,
+    /// A wall of the mold hangs over it.
+    #[error("a wall of the mold, with the spark gap, hangs over the head")]
+    Undercut,
+    /// A part of it lies in what it was trimmed by.
+    #[error("the head comes nearer to the mold than the spark gap")]
+    Enters,
+}
+
+impl TipFault {
+    fn remedy(self) -> &'static str {
+        match self {
+            Self::Undercut => {
+                "it cannot be withdrawn that way; burn the region from another direction, or divide it there"
+            }
+            Self::TouchesItself | Self::Enters => {
+                "divide the region there, or change the spark gap or the margin of the heads"
+            }
+        }
+    }
 }
 
 /// The mold as the electrodes see it, in the burn frame.
@@ -241,17 +286,17 @@ fn trimmed(burned: &Burned, footprint: &Footprint, shape: &Shape) -> Result<Mesh
     let mut found = Err(TipError::NoRoom);
     for by in HAIRS {
         let moved = if by == 0.0 { vec![shape.clone()] } else { plane::grown(shape, by) };
-        let part = |shape: &Shape| -> Result<Mesh, SolidError> {
+        let part = |shape: &Shape| -> Result<Mesh, TipError> {
             let rings: Vec<&[DVec2]> = shape.iter().map(Outline::points).collect();
             let part = solid::difference(&solid::prism(&rings, footprint.low, footprint.cap)?, burned.kept_clear)?;
             match fault(burned, footprint, &part) {
                 None => Ok(real(burned, footprint.cap, part)),
-                Some(fault) => Err(SolidError::Failed(fault.to_owned())),
+                Some((fault, place)) => Err(TipError::Unusable { fault, place }),
             }
         };
         match moved.iter().map(part).collect::<Result<Vec<Mesh>, _>>() {
             Ok(parts) => return Ok(parts.into_iter().fold(Mesh::default(), joined)),
-            Err(error) => found = Err(error.into()),
+            Err(error) => found = Err(error),
         }
     }
     found
@@ -285,8 +330,8 @@ fn real(burned: &Burned, cap: f64, part: Mesh) -> Mesh {
     kept
 }
 
-/// Fault of a tip that was trimmed.
-fn fault(burned: &Burned, footprint: &Footprint, part: &Mesh) -> Option<&'static str> {
+/// Fault of a tip that was trimmed, and its place.
+fn fault(burned: &Burned, footprint: &Footprint, part: &Mesh) -> Option<(TipFault, DVec3)> {
     /// How far a corner may be within what is kept clear (mm), and how far faces may look up.
     const WITHIN: f64 = 1e-5;
     const UPWARDS: f64 = 1e-2;
@@ -294,17 +339,17 @@ fn fault(burned: &Burned, footprint: &Footprint, part: &Mesh) -> Option<&'static
         return None;
     }
     if !part.is_watertight() || !solid::is_closed(part, 1e-6) {
-        return Some("the trimmed tip touches itself");
+        return Some((TipFault::TouchesItself, part.bounds().center()));
     }
-    let is_folded = |corners: [DVec3; 3]| {
-        let twice = normal_times_two_areas(corners);
-        twice.z > UPWARDS * twice.length() && twice.length() > 1e-6 && !is_cap(corners, footprint.cap)
+    let is_folded = |corners: &[DVec3; 3]| {
+        let twice = normal_times_two_areas(*corners);
+        twice.z > UPWARDS * twice.length() && twice.length() > 1e-6 && !is_cap(*corners, footprint.cap)
     };
-    if part.iter_corners().any(is_folded) {
-        return Some("the mold with the spark gap undercuts the head");
+    if let Some(corners) = part.iter_corners().find(is_folded) {
+        return Some((TipFault::Undercut, corners.iter().sum::<DVec3>() / 3.0));
     }
-    let is_within = |p: &DVec3| burned.exact.nearest(*p).signed_distance < -WITHIN;
-    part.vertices.iter().any(is_within).then_some("the trimmed tip enters what it was trimmed by")
+    let is_within = |p: &&DVec3| burned.exact.nearest(**p).signed_distance < -WITHIN;
+    part.vertices.iter().find(is_within).map(|p| (TipFault::Enters, *p))
 }
 
 /// Both meshes as one, side by side.

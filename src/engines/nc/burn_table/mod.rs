@@ -49,6 +49,19 @@ pub struct BurnTable {
     pub burns: usize,
     /// The electrodes; those for the first stage first.
     pub electrodes: Vec<ElectrodeEntry>,
+    /// Regions that are not burned, or not wholly.
+    pub not_burned: Vec<NotBurned>,
+    /// Notes on the mold, in words.
+    pub notes: Vec<String>,
+}
+
+/// A region that is not burned, or not wholly.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NotBurned {
+    /// The region, counted from 1.
+    pub region: usize,
+    /// Reason, in words.
+    pub why: String,
 }
 
 /// An electrode.
@@ -284,6 +297,8 @@ impl BurnTable {
             minutes: set.minutes(),
             burns: electrodes.iter().map(|e| e.burns.len()).sum(),
             electrodes,
+            not_burned: not_burned(set),
+            notes: Vec::new(),
         }
     }
 
@@ -294,6 +309,11 @@ impl BurnTable {
     pub fn json(&self) -> Result<String, serde_json::Error> {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
+}
+
+fn not_burned(set: &ElectrodeSet) -> Vec<NotBurned> {
+    let regions = (0..set.regions.len()).filter_map(|r| Some((r, set.why_not_burned(r)?)));
+    regions.map(|(r, why)| NotBurned { region: r + 1, why: why.to_owned() }).collect()
 }
 
 /// Name of a shape.

@@ -113,6 +113,31 @@ impl MoldParams {
         Self { opening: Opening::default(), electrodes, ..self.clone() }
     }
 
+    /// Decisions of `before` that these parameters no longer have, because the part is another one, in words; none
+    /// if there were none.
+    pub fn dropped(&self, before: &Self) -> Option<String> {
+        let mut dropped = Vec::new();
+        if self.opening != before.opening {
+            dropped.push(format!("opening direction {} (now {})", before.opening.name(), self.opening.name()));
+        }
+        let (own, former) = (&self.electrodes, &before.electrodes);
+        let lists = [
+            (former.edits.iter().filter(|edit| !own.edits.contains(edit)).count(), "change of divisions and burns"),
+            (former.overrides.iter().filter(|one| !own.overrides.contains(one)).count(), "override"),
+            (former.names.iter().filter(|name| !own.names.contains(name)).count(), "name of electrodes"),
+        ];
+        for (count, what) in lists.into_iter().filter(|(count, _)| *count > 0) {
+            let (one, rest) = what.split_once(' ').map_or((what, String::new()), |(one, of)| (one, format!(" {of}")));
+            dropped.push(format!("{count} {one}{}{rest}", if count == 1 { "" } else { "s" }));
+        }
+        (!dropped.is_empty()).then(|| {
+            format!(
+                "the mesh or its unit has changed: what was chosen for the former one is dropped: {}; choose it again",
+                dropped.join(", ")
+            )
+        })
+    }
+
     /// A copy of the parameters without the decisions that were made for another part than `part`.
     pub fn of_part(&self, part: &str) -> Self {
         let is_other = self.part.as_ref().is_some_and(|own| own != part);

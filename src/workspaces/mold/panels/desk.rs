@@ -232,12 +232,10 @@ impl MoldDesk {
             self.note(true, |params| params.part = params.part.take().or_else(|| Some(part.clone())));
             return None;
         }
-        let before = MoldParams { part: Some(part.clone()), ..self.params().clone() };
         let now = self.params().of_part(&part);
+        let dropped = now.dropped(self.params());
         self.document.complete_step(now);
-        let text = "Mold: its mesh or unit has changed: opening direction, divisions and overrides that were chosen \
-                    for the former one are dropped; choose them again";
-        (before != *self.params()).then(|| WorkEvent { kind: EventKind::Refused, text: text.to_owned(), took: None })
+        dropped.map(|text| WorkEvent { kind: EventKind::Refused, text: format!("Mold: {text}"), took: None })
     }
 
     /// Changes the parameters. While they go on changing they are previewed.

@@ -211,6 +211,11 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> St
         let what = if without.len() == 1 { "Region" } else { "Regions" };
         text += &format!(" {what} not burned, or not wholly: {}.", without.join(", "));
     }
+    let none: Vec<String> = set.needing_none().iter().map(|r| (r + 1).to_string()).collect();
+    if !none.is_empty() {
+        let what = if none.len() == 1 { "Region" } else { "Regions" };
+        text += &format!(" {what} left out, as within the tolerance there is nothing to burn: {}.", none.join(", "));
+    }
     let warnings = table.electrodes.iter().map(|e| e.warnings.len()).sum();
     if warnings > 0 {
         text += &format!(" {} of electrodes.", counted(warnings, "warning"));
@@ -218,7 +223,7 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> St
     for edit in set.unmet_edits() {
         text += &format!(" Change {} has no effect: {}.", edit + 1, why_unmet(&set.params.edits[edit]));
     }
-    if set.holds() {
+    if set.holds() && !set.electrodes.is_empty() {
         text += " Every check holds.";
     }
     text

@@ -15,7 +15,7 @@ use mold::uncut_region::UncutRegion;
 pub struct UncutReport {
     /// What was found, in a sentence.
     pub sentence: String,
-    /// Whether the mesh is such that the answer holds for all of it.
+    /// Whether the answer is known for all of the mold.
     pub is_whole: bool,
     /// The cutters, as they are called.
     pub cutters: Vec<String>,
@@ -135,9 +135,12 @@ impl UncutReport {
         }
     }
 
-    /// The report in lines for a terminal.
-    pub fn text(&self) -> String {
+    /// The report in lines for a terminal, with `notes` on the mold.
+    pub fn text(&self, notes: &[String]) -> String {
         let mut text = format!("{}\n", self.sentence);
+        for note in notes {
+            let _ = writeln!(text, "note: {note}");
+        }
         for warning in &self.warnings {
             let _ = writeln!(text, "warning: {warning}");
         }
@@ -202,17 +205,31 @@ const AT_TOLERANCE: f64 = 1.5;
 
 fn sentence(uncut: &Uncut) -> String {
     let Found { regions, volume_mm3 } = uncut.found();
-    let doubt = if uncut.is_whole() { "" } else { "; see the warnings: the rest material may be larger" };
+    let doubt = if uncut.is_sound() { "" } else { "; see the warnings: the rest material may be larger" };
     let limit = AT_TOLERANCE * uncut.params.tolerance_mm;
     let thin = match uncut.regions.iter().filter(|r| r.thickness <= limit).count() {
         0 => String::new(),
         thin => format!(", {thin} of them no thicker than {limit:.3} mm, about the tolerance"),
     };
-    match regions {
-        0 => format!("The cutters reach everything{doubt}."),
-        1 => format!("The cutters leave 1 region of {volume_mm3:.3} mm3{thin}{doubt}."),
-        _ => format!("The cutters leave {regions} regions of {volume_mm3:.3} mm3 together{thin}{doubt}."),
-    }
+    let undercut = uncut.undercut().map(|faces| (counted(faces.triangles.len(), "undercut face"), faces.area));
+    let undercut = undercut.map(|(faces, area)| format!("{faces} of {area:.2} mm2"));
+    let found = match (regions, &undercut) {
+        (0, None) => "The cutters reach everything".to_owned(),
+        (0, Some(faces)) => format!("The cutters reach everything but {faces}"),
+        (1, _) => format!("The cutters leave 1 region of {volume_mm3:.3} mm3{thin}"),
+        _ => format!("The cutters leave {regions} regions of {volume_mm3:.3} mm3 together{thin}"),
+    };
+    let unreached =
+        undercut.filter(|_| regions > 0).map_or_else(String::new, |faces| format!(", and do not reach {faces}"));
+    let unknown = match uncut.unknown_regions() {
+        0 => String::new(),
+        count => format!("; whether they take {} more is not known", counted(count, "thin region")),
+    };
+    format!("{found}{unreached}{unknown}{doubt}.")
+}
+
+fn counted(n: usize, one: &str) -> String {
+    if n == 1 { format!("1 {one}") } else { format!("{n} {one}s") }
 }
 
 fn regions(uncut: &Uncut) -> Vec<RegionReport> {

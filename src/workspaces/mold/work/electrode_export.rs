@@ -70,7 +70,8 @@ pub(super) fn export(
         Err(RenderError::Cancelled(cancelled)) => return Err(cancelled.to_string()),
         Err(error) => (Vec::new(), Some(error.to_string())),
     };
-    let report = ElectrodesReport::of(set, name, designed.opening);
+    let mut report = ElectrodesReport::of(set, name, designed.opening);
+    report.table.notes.extend(mold.report.unit_doubt());
     task.check().map_err(|e| e.to_string())?;
     let (written, published) =
         export_electrodes(opened, (set, &report), sheet, &pictures, formats).map_err(|e| e.to_string())?;

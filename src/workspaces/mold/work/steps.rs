@@ -62,7 +62,7 @@ impl FoundUncut {
     /// The result in a sentence.
     pub fn sentence(&self) -> String {
         let kept = if self.is_proven { "" } else { " Kept from an earlier session." };
-        format!("{}{kept}", self.report.sentence.replace("mm3", "mm³"))
+        format!("{}{kept}", self.report.sentence.replace("mm3", "mm³").replace("mm2", "mm²"))
     }
 }
 

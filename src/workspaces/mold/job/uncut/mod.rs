@@ -20,6 +20,7 @@ use mold::ball_agreement::{BallAgreement, ball_agreement};
 use mold::cutter::{Cutter, CutterKind, CutterLibrary};
 use mold::height_field;
 use mold::height_field::{Closing, Covered, FieldRegion, HeightField, HeightFieldError};
+use mold::invert::{InvertFaces, LEAST_INVERT};
 use mold::layers::LayerSettings;
 use mold::opening::Opening;
 use mold::piece::UncutPiece;
@@ -184,8 +185,8 @@ impl Uncut {
         own.map(move |[_, i]| &self.stack.layers[layer].pieces[*i])
     }
 
-    /// Whether mesh and grid are such that the answer holds for all of the mold.
-    pub fn is_whole(&self) -> bool {
+    /// Whether mesh and grid are such that the answer holds for all that looks to the cutters.
+    pub fn is_sound(&self) -> bool {
         let breaks = |w: &MoldWarning| {
             use MoldWarning::{Crossing, Empty, NotClosed, Open};
             let is_answered_by_grid = || !self.is_of_flats();
@@ -193,6 +194,22 @@ impl Uncut {
                 || matches!(w, MoldWarning::CoarseGrid { .. }) && is_answered_by_grid()
         };
         !self.stack.warnings.iter().any(breaks)
+    }
+
+    /// Faces that look away from the cutters, if there are more of them than rounding makes.
+    pub fn undercut(&self) -> Option<&InvertFaces> {
+        Some(&self.stack.invert).filter(|invert| invert.area > LEAST_INVERT)
+    }
+
+    /// Number of thin regions of which it is not known whether rounded cutters take them.
+    pub fn unknown_regions(&self) -> usize {
+        let unknown = |w: &MoldWarning| if let MoldWarning::ThinRegions { regions, .. } = w { *regions } else { 0 };
+        self.stack.warnings.iter().map(unknown).sum()
+    }
+
+    /// Whether the answer is known for all of the mold: it is sound, no region is unknown, and no face looks away.
+    pub fn is_whole(&self) -> bool {
+        self.is_sound() && self.unknown_regions() == 0 && self.undercut().is_none()
     }
 }
 

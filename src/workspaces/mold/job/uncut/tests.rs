@@ -144,7 +144,7 @@ fn a_ball_leaves_the_same_askew_to_the_grid() {
     assert!(grid.coarser.regions == 1 && grid.coarser_step_mm == 2.0 * left.grid_step);
     let (off, said) = ((volume_mm3 - exact).abs(), grid.off_mm3);
     assert!(off < 3.0 * said && said < 0.05 * exact, "{off} {said}");
-    assert!(UncutReport::of(&left).text().contains("Estimated error of the volume"));
+    assert!(UncutReport::of(&left).text(&[]).contains("Estimated error of the volume"));
     assert!(answer(&mesh, vec![Cutter::flat(1.0)]).unwrap().coarser.is_none());
 }
 
