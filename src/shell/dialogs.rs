@@ -37,6 +37,19 @@ pub enum Dialog {
     Error(String, String),
 }
 
+impl Dialog {
+    /// Whether both ask the same.
+    pub fn is_alike(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Path(a, _), Self::Path(b, _)) | (Self::Overwrite(a, _), Self::Overwrite(b, _)) => a == b,
+            (Self::Workspace(a), Self::Workspace(b)) => a == b,
+            // Each has its own to tell.
+            (Self::Error(..), Self::Error(..)) => false,
+            _ => std::mem::discriminant(self) == std::mem::discriminant(other),
+        }
+    }
+}
+
 /// Action that follows once unsaved work is dealt with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Intent {

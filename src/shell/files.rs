@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use super::system_dialogs::System;
-use crate::workspaces::context::{PathInfo, PathKind};
+use crate::workspaces::context::{Endings, PathInfo, PathKind};
+use files::paths;
 
 /// Purpose of a chosen path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -88,9 +89,8 @@ impl Purpose {
 
     /// `path` with the ending of this purpose, added after any dots in the name.
     pub fn with_ending(&self, path: PathBuf) -> PathBuf {
-        let name = path.as_os_str().to_string_lossy().to_lowercase();
         match self.ending() {
-            Some(ending) if !name.ends_with(ending) => {
+            Some(ending) if !paths::has_ending(&path, ending) => {
                 let mut whole = path.into_os_string();
                 whole.push(ending);
                 whole.into()
@@ -128,7 +128,7 @@ impl FileDialogs {
                 }
                 PathKind::Read(what, endings, _) => {
                     if !endings.is_empty() {
-                        dialog = dialog.add_filter(what, endings);
+                        dialog = dialog.add_filter(what, &in_both_cases(endings));
                     }
                     dialog.add_filter("All files", &["*"]).pick_file()
                 }
@@ -157,9 +157,20 @@ impl FileDialogs {
     }
 }
 
+/// All `endings`, each once in small letters and once in capitals: some systems tell them apart.
+fn in_both_cases(endings: Endings) -> Vec<String> {
+    let small = endings.iter().flat_map(|kind| kind.iter());
+    let mut all: Vec<String> = small.flat_map(|ending| [ending.to_string(), ending.to_uppercase()]).collect();
+    let mut seen = std::collections::BTreeSet::new();
+    all.retain(|ending| seen.insert(ending.clone()));
+    all
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::workspaces::blisk::paths::BliskPath;
+    use crate::workspaces::context::PathSet as _;
 
     static OPEN: PathInfo = PathInfo { title: "Open", kind: PathKind::Read("", &[], false), opens: true };
     static SAVE: PathInfo = PathInfo { title: "Save", kind: PathKind::Write("", ".sparkpath"), opens: false };
@@ -183,6 +194,23 @@ mod tests {
         assert_eq!(files.chosen(), None);
         sender.send(None).unwrap();
         assert_eq!(files.chosen(), Some(Chosen::Cancelled(purpose(&OPEN))));
+    }
+
+    #[test]
+    fn dialogs_offer_every_mesh_that_is_read_in_both_cases() {
+        let read = |path: BliskPath| match BliskPath::table().iter().find(|(one, _)| *one == path).unwrap().1.kind {
+            PathKind::Read(_, endings, _) => in_both_cases(endings),
+            _ => Vec::new(),
+        };
+        let (meshes, open) = (read(BliskPath::ElectrodeMesh), read(BliskPath::Open));
+        for ending in import::MESH_ENDINGS {
+            let is_once = |all: &[String], ending: &str| all.iter().filter(|one| *one == ending).count() == 1;
+            assert!(
+                is_once(&meshes, ending) && is_once(&open, &ending.to_uppercase()),
+                "{ending}: {meshes:?} {open:?}"
+            );
+        }
+        assert!(open.iter().any(|ending| ending == "sparkpath") && !meshes.iter().any(|ending| ending == "sparkpath"));
     }
 
     #[test]

@@ -80,15 +80,15 @@ pub struct Form<P: 'static> {
 }
 
 impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
-    /// A form of `table` for `params`.
-    pub fn new(table: &'static FieldTable<P>, params: &P) -> Self {
+    /// A form of `table` for `params`, with which this is wrong.
+    pub fn new(table: &'static FieldTable<P>, params: &P, problem: Option<&Invalid>) -> Self {
         Self {
             table,
             before: params.clone(),
             params: params.clone(),
             values: table.values(params),
             defaults: table.values(&table.defaults(params)),
-            problem: params.validate().err(),
+            problem: problem.cloned(),
             changed: String::new(),
             in_gesture: false,
             wanted: None,

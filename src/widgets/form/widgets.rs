@@ -12,6 +12,8 @@ use files::{AXIS_NAMES, Instead, Kind, Place, Range, Word, direction_words, get,
 
 /// Greatest length of labels that are shown side by side.
 const SHORT: usize = 4;
+/// What stands for an empty text.
+pub(super) const NOTHING: &str = "\u{2013}";
 /// Greatest length of a text.
 const LETTERS: usize = 4000;
 
@@ -38,14 +40,15 @@ pub(super) fn widget(
         Kind::File => file(ui, place, value, widths.wide),
         Kind::Numbers { count: Some(_), .. } => numbers(ui, place, value, widths.wide),
         Kind::Direction => direction(ui, place, value, widths.wide),
-        Kind::Numbers { .. } | Kind::Text => text(ui, place, value, widths.wide),
+        Kind::Numbers { .. } | Kind::Text => text(ui, place, value, widths.wide, NOTHING),
         Kind::Rows { .. } => None,
     }
 }
 
-/// Draws the widget of a cell of a table.
-pub(super) fn narrow(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
+/// Draws the widget of a cell of a table, an empty text with this `hint`.
+pub(super) fn narrow(ui: &mut Ui, place: &Place, value: &Value, width: f32, hint: &str) -> Option<Change> {
     match place.field.kind {
+        Kind::Text => text(ui, place, value, width, hint),
         Kind::Number { instead: Instead::Never, decimals, .. } => {
             drag(ui, place, value.as_f64().unwrap_or_default(), width, (0, decimals))
         }
@@ -286,7 +289,7 @@ fn direction(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Ch
 }
 
 /// A text, or numbers as text, taken when the field is left: a half-typed text changes nothing.
-fn text(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
+fn text(ui: &mut Ui, place: &Place, value: &Value, width: f32, hint: &str) -> Option<Change> {
     let id = ui.make_persistent_id((&place.key, "typed"));
     let shown = place.field.show(value);
     let typed = ui.data_mut(|d| d.get_temp::<(String, String)>(id)).filter(|(of, _)| *of == shown);
@@ -295,7 +298,7 @@ fn text(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change>
     if read(&text).is_err() {
         mark(ui);
     }
-    let edit = TextEdit::singleline(&mut text).id(id.with("text")).char_limit(LETTERS).hint_text("\u{2013}");
+    let edit = TextEdit::singleline(&mut text).id(id.with("text")).char_limit(LETTERS).hint_text(hint);
     let response = named(ui, place, |ui| ui.add_sized(vec2(width, HEIGHT), edit.clip_text(true)));
     match read(&text) {
         Ok(new) if !response.has_focus() => {

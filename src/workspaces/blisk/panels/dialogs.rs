@@ -10,7 +10,7 @@ use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::document::choice::{DrawnPictures, MeshFrame};
 use crate::workspaces::blisk::document::job_file::ExportSection;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
-use files::{Kind, Validate as _, Word};
+use files::{Kind, Word};
 
 /// Room for the names of files (points).
 const NAMES: f32 = 150.0;
@@ -37,7 +37,7 @@ pub fn export(ui: &mut Ui, desk: &mut BliskDesk) -> Option<Answer> {
     ui.add_enabled_ui(drawn, |ui| pictures(ui, &mut export.pictures));
     ui.add_space(8.0);
     let is_any = export.files.any();
-    let problem = job.validate().err().map(|problem| FIELDS.in_window(&problem));
+    let problem = desk.document.problem().map(|problem| FIELDS.in_window(problem));
     let (colour, text) = match &problem {
         Some(_) if !is_any => (palette(ui).bad, "No file is chosen: nothing would be written."),
         Some(problem) => (palette(ui).bad, problem.as_str()),

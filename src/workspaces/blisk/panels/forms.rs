@@ -23,7 +23,7 @@ pub enum Request {
 
 /// Draws the fields of `stage`. Changes go into the document at once.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) -> Option<Request> {
-    let mut form = Form::new(&FIELDS, desk.document.params());
+    let mut form = Form::new(&FIELDS, desk.document.params(), desk.document.problem());
     form.section(ui, stage.name());
     let answer = form.answer();
     if let Some(edit) = answer.edit {

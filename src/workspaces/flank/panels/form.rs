@@ -17,7 +17,7 @@ use crate::widgets::theme::{palette, tick};
 use crate::workspaces::flank::document::FlankDocument;
 use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::paths::FlankPath;
-use files::{Validate, direction_words};
+use files::direction_words;
 use task::State;
 
 /// Height of the line that says how the plan stands (points).
@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, with_results: b
         return None;
     }
     egui::ScrollArea::vertical().id_salt("flank form").auto_shrink([false, false]).show(ui, |ui| {
-        let mut form = Form::new(&FIELDS, desk.document.params());
+        let mut form = Form::new(&FIELDS, desk.document.params(), desk.document.problem());
         section(ui, "Surface", true, |ui| asked = source::show(ui, desk, &mut form));
         section(ui, "Cutter", true, |ui| form.section(ui, "Cutter"));
         section(ui, "Path", true, |ui| form.section(ui, "Path"));
@@ -74,7 +74,7 @@ fn plan(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
 /// Work under way, error or result, in one line.
 fn standing(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
     let colours = palette(ui);
-    let is_possible = desk.document.params().validate().is_ok();
+    let is_possible = desk.document.problem().is_none();
     if let Some(doing) = desk.work.doing().filter(|_| is_possible).cloned() {
         let bar = ui.add(ProgressBar::new(doing.fraction as f32).desired_width(110.0).desired_height(8.0));
         let percent = format!("{} {:.0} %", doing.stage, 100.0 * doing.fraction);

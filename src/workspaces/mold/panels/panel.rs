@@ -62,7 +62,7 @@ fn mold(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> 
     if let Some(why) = state.why_not() {
         notice(ui, palette(ui).bad, why);
     }
-    let mut form = Form::new(&FIELDS, desk.document.params());
+    let mut form = Form::new(&FIELDS, desk.document.params(), desk.document.problem());
     for key in ["units", "opening", "tolerance_mm"] {
         form.row(ui, key);
     }
@@ -91,7 +91,7 @@ fn facts(ui: &mut Ui, desk: &MoldDesk, cx: &mut Context) {
 
 fn library(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
     let mut asked = None;
-    let mut form = Form::new(&FIELDS, desk.document.params());
+    let mut form = Form::new(&FIELDS, desk.document.params(), desk.document.problem());
     cutters::table(ui, &mut form, "library.cutter");
     ui.horizontal_wrapped(|ui| {
         if ui.button("Load…").on_hover_text("A library of cutters (TOML)").clicked() {

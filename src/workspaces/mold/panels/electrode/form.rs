@@ -21,7 +21,7 @@ use nc::electrode_files::ElectrodeFormat;
 
 /// Draws the form. Returns the path that the user is to choose.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
-    let mut form = Form::new(&FIELDS, desk.document.params());
+    let mut form = Form::new(&FIELDS, desk.document.params(), desk.document.problem());
     for group in ["Stages", "Heads", "Sharing", "Base", "Files", "Blanks"] {
         form.group(ui, group);
     }
