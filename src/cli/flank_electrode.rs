@@ -12,12 +12,12 @@ use crate::workspaces::blisk::job::stages;
 use crate::workspaces::context::is_project;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::{FlankSource, MeshFlank};
-use crate::workspaces::message::{ElectrodePart, UP_OF_MOLDS};
+use crate::workspaces::message::{BASE_OF_MOLDS, ElectrodePart, UP_OF_MOLDS};
 use crate::workspaces::mold::document::{MoldParams, part_of};
 use crate::workspaces::mold::job::electrodes::electrodes;
 use crate::workspaces::mold::job::uncut::uncut;
 use files::{Document, Params as _, kind_of};
-use flank::fit_ruled::RuledFitParams;
+use flank::fit_ruled::{PartBase, RuledFitParams};
 use import::Units;
 use nc::electrode_files::is_file_of;
 
@@ -56,7 +56,11 @@ pub(super) fn find(name: &str, of: &Path, session: &Session) -> anyhow::Result<F
         // Exported STL and OBJ are in mm.
         let source = MeshFlank {
             units: Units::Mm,
-            fit: RuledFitParams { up: UP_OF_MOLDS, stands_on_base: true, ..RuledFitParams::default() },
+            fit: RuledFitParams {
+                up: UP_OF_MOLDS,
+                base: Some(PartBase::at_end(BASE_OF_MOLDS)),
+                ..RuledFitParams::default()
+            },
             ..MeshFlank::of(&of_folder(name, of)?)
         };
         Ok(FoundElectrode { source: FlankSource::Mesh(source), is_upside_down: true })

@@ -110,6 +110,14 @@ mod tests {
         assert_eq!(electrode.circumferential_reduction_deg, [1.5, 0.8]);
         let machine = read(&file, &["machine.name=xyzc", "machine.speed_mm_min=7"]).unwrap().machine;
         assert_eq!((machine.axes, machine.speed_mm_min), (feed::machine::AxisSet::XYZC, 7.0));
+        // What the file of a machine does not say is as the project says.
+        let own = folder.path().join("own.toml");
+        std::fs::write(&own, "axes = \"XYZC\"\nspeed_deg_min = 90.0\n").unwrap();
+        let machine = "[machine]\naxes = \"XYZABC\"\nspeed_mm_min = 70.0\nspeed_deg_min = 80.0\n";
+        std::fs::write(&file, format!("kind = \"blisk\"\n{machine}")).unwrap();
+        let machine = read(&file, &[&format!("machine.name={}", own.display())]).unwrap().machine;
+        assert_eq!(machine.axes, feed::machine::AxisSet::XYZC);
+        assert_eq!((machine.speed_mm_min, machine.speed_deg_min), (70.0, 90.0));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Windows that ask or tell: unsaved work, recovery, moved meshes, preferences, export, log, about.
+//! Dialogs of the window: unsaved work, recovery, preferences, paths, errors, log, about.
 
 use std::path::PathBuf;
 
@@ -13,36 +13,49 @@ use crate::workspaces::preferences::{LengthUnit, Navigation, Preferences, ThemeC
 use crate::workspaces::workspace::Workspace;
 use files::Recovery;
 
-/// What the user is asked, one thing at a time.
+/// The question to the user, one at a time.
 #[derive(Default)]
 pub enum Dialog {
     /// No question.
     #[default]
     None,
-    /// Unsaved work of this workspace is about to be lost by this.
+    /// Unsaved work of this workspace would be lost by the intent.
     Unsaved(usize, Intent),
-    /// Work that an earlier program left behind.
+    /// An earlier run of the program left unsaved work.
     Recover(Vec<Recovery>),
     /// Preferences.
     Preferences,
     /// The dialog of this workspace.
     Workspace(usize),
-    /// A path, typed because the system has no file dialogs or because the user would rather type.
+    /// A path to type, because the system has no file dialogs or the user prefers typing.
     Path(Purpose, String),
     /// A chosen file exists already.
     Overwrite(Purpose, PathBuf),
     /// About the program.
     About,
-    /// Something went wrong: title and text.
+    /// An error: title and text.
     Error(String, String),
 }
 
-/// What is done once unsaved work is out of the way.
+impl Dialog {
+    /// Whether both ask the same.
+    pub fn is_alike(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Path(a, _), Self::Path(b, _)) | (Self::Overwrite(a, _), Self::Overwrite(b, _)) => a == b,
+            (Self::Workspace(a), Self::Workspace(b)) => a == b,
+            // Each has its own to tell.
+            (Self::Error(..), Self::Error(..)) => false,
+            _ => std::mem::discriminant(self) == std::mem::discriminant(other),
+        }
+    }
+}
+
+/// Action that follows once unsaved work is dealt with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Intent {
     /// Ends the program.
     Quit,
-    /// Goes on with what takes the place of this workspace's document.
+    /// Replaces the document of this workspace.
     Replace(usize),
 }
 
@@ -56,14 +69,14 @@ impl Intent {
     }
 }
 
-/// What the user answered.
+/// Answer of the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
-    /// Save, then do it.
+    /// Save, then carry out the intent.
     SaveThen(Intent),
-    /// Do it, whatever is lost.
+    /// Carry out the intent without saving.
     Discard(Intent),
-    /// Take over the work of this copy.
+    /// Recover the work of this copy.
     Recover(usize),
     /// Remove the copies.
     ForgetCopies,
@@ -75,7 +88,7 @@ pub enum Answer {
     Close,
 }
 
-/// Draws what is asked. Answers what the user answered.
+/// Draws the dialog. Returns the answer of the user.
 pub fn show(
     ctx: &egui::Context,
     (workspaces, cx): (&mut [Box<dyn Workspace>], &mut Context),
@@ -143,7 +156,7 @@ fn contents(
     }
 }
 
-/// Buttons from right to left, the first the one that goes on.
+/// Buttons from right to left; the first one confirms.
 fn buttons(ui: &mut Ui, all: &[(&str, Answer)]) -> Option<Answer> {
     ui.add_space(10.0);
     let mut answer = None;
@@ -272,7 +285,7 @@ fn about(ui: &mut Ui, adapter: &str) -> Option<Answer> {
     buttons(ui, &[("Close", Answer::Close)])
 }
 
-/// The log in a window of its own.
+/// Draws the log in a window of its own.
 pub fn log(ctx: &egui::Context, cx: &Context, open: &mut bool) {
     let window =
         egui::Window::new("Log").open(open).default_size([560.0, 260.0]).anchor(Align2::LEFT_BOTTOM, [12.0, -40.0]);

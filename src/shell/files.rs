@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use super::system_dialogs::System;
-use crate::workspaces::context::{PathInfo, PathKind};
+use crate::workspaces::context::{Endings, PathInfo, PathKind};
+use files::paths;
 
 /// Purpose of a chosen path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,43 +19,43 @@ pub struct Purpose {
 /// Part of the program that asks for a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Asking {
-    /// The window: where the picture is saved.
+    /// The window, to save a picture.
     Picture,
-    /// The window: where the document of this workspace is saved; then the program goes on with what it was asked for.
+    /// The window, to save the document of this workspace.
     Document(usize),
-    /// A workspace, by its number, for the path of this number in its table.
+    /// A workspace: its number, and the number of the path in its table.
     Workspace(usize, usize),
 }
 
-/// Where the picture is saved.
+/// Path of a picture.
 pub static PICTURE: PathInfo = PathInfo { title: "Save picture", kind: PathKind::Write("PNG", ".png"), opens: false };
 
-/// Where a document is saved.
+/// Path of a document.
 pub static PROJECT: PathInfo =
     PathInfo { title: "Save project", kind: PathKind::Write("Project", ".sparkpath"), opens: false };
 
-/// The dialog that is open, if one is.
+/// The open dialog, if any.
 #[derive(Default)]
 pub struct FileDialogs {
     open: Option<Asked>,
-    /// Whether paths are typed even where the system has dialogs.
+    /// Whether paths are typed even if the system has dialogs.
     pub typed: bool,
-    /// Whether the user would rather type them.
+    /// Whether the user prefers typing.
     pub is_typing_preferred: bool,
 }
 
-/// What became of a question for a path.
+/// Result of asking for a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Opened {
     /// A dialog asks for the path.
     Asked,
-    /// Another one is still open.
+    /// Another dialog is open.
     Busy,
-    /// The system gives no thread to ask on.
+    /// No thread could be started for the dialog.
     Failed,
 }
 
-/// What was asked, and where the answer comes from.
+/// The question, with the channel of its answer.
 struct Asked {
     purpose: Purpose,
     name: String,
@@ -63,34 +64,33 @@ struct Asked {
     is_typed: bool,
 }
 
-/// What became of a dialog.
+/// Result of a dialog.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Chosen {
     /// The path that was chosen.
     Path(Purpose, PathBuf),
     /// The user chose nothing.
     Cancelled(Purpose),
-    /// The path is to be typed: the system has no file dialogs, or they are not wanted. With the name that was
-    /// proposed.
+    /// The path must be typed, because the system has no file dialogs or the user prefers typing. With the proposed
+    /// name.
     ToType(Purpose, String),
 }
 
 impl Purpose {
-    /// How the name of a file ends that is written for this; none if no file is written.
+    /// Ending of the file that is written; none if no file is written.
     pub fn ending(&self) -> Option<&'static str> {
         if let PathKind::Write(_, ending) = self.info.kind { Some(ending) } else { None }
     }
 
-    /// Whether this needs a file that there is not at `path`.
+    /// Whether the file at `path` must exist but does not.
     pub fn is_missing(&self, path: &Path) -> bool {
         matches!(self.info.kind, PathKind::Read(_, _, true)) && !path.is_file()
     }
 
-    /// `path` with the ending that belongs to this, after whatever dots the name has.
+    /// `path` with the ending of this purpose, added after any dots in the name.
     pub fn with_ending(&self, path: PathBuf) -> PathBuf {
-        let name = path.as_os_str().to_string_lossy().to_lowercase();
         match self.ending() {
-            Some(ending) if !name.ends_with(ending) => {
+            Some(ending) if !paths::has_ending(&path, ending) => {
                 let mut whole = path.into_os_string();
                 whole.push(ending);
                 whole.into()
@@ -128,7 +128,7 @@ impl FileDialogs {
                 }
                 PathKind::Read(what, endings, _) => {
                     if !endings.is_empty() {
-                        dialog = dialog.add_filter(what, endings);
+                        dialog = dialog.add_filter(what, &in_both_cases(endings));
                     }
                     dialog.add_filter("All files", &["*"]).pick_file()
                 }
@@ -140,7 +140,7 @@ impl FileDialogs {
         if self.open.is_some() { Opened::Asked } else { Opened::Failed }
     }
 
-    /// What became of the dialog since the last call.
+    /// Result of the dialog since the last call.
     pub fn chosen(&mut self) -> Option<Chosen> {
         let asked = self.open.as_ref()?;
         let path = match asked.answer.try_recv() {
@@ -157,9 +157,20 @@ impl FileDialogs {
     }
 }
 
+/// All `endings`, each once in small letters and once in capitals: some systems tell them apart.
+fn in_both_cases(endings: Endings) -> Vec<String> {
+    let small = endings.iter().flat_map(|kind| kind.iter());
+    let mut all: Vec<String> = small.flat_map(|ending| [ending.to_string(), ending.to_uppercase()]).collect();
+    let mut seen = std::collections::BTreeSet::new();
+    all.retain(|ending| seen.insert(ending.clone()));
+    all
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::workspaces::blisk::paths::BliskPath;
+    use crate::workspaces::context::PathSet as _;
 
     static OPEN: PathInfo = PathInfo { title: "Open", kind: PathKind::Read("", &[], false), opens: true };
     static SAVE: PathInfo = PathInfo { title: "Save", kind: PathKind::Write("", ".sparkpath"), opens: false };
@@ -183,6 +194,23 @@ mod tests {
         assert_eq!(files.chosen(), None);
         sender.send(None).unwrap();
         assert_eq!(files.chosen(), Some(Chosen::Cancelled(purpose(&OPEN))));
+    }
+
+    #[test]
+    fn dialogs_offer_every_mesh_that_is_read_in_both_cases() {
+        let read = |path: BliskPath| match BliskPath::table().iter().find(|(one, _)| *one == path).unwrap().1.kind {
+            PathKind::Read(_, endings, _) => in_both_cases(endings),
+            _ => Vec::new(),
+        };
+        let (meshes, open) = (read(BliskPath::ElectrodeMesh), read(BliskPath::Open));
+        for ending in import::MESH_ENDINGS {
+            let is_once = |all: &[String], ending: &str| all.iter().filter(|one| *one == ending).count() == 1;
+            assert!(
+                is_once(&meshes, ending) && is_once(&open, &ending.to_uppercase()),
+                "{ending}: {meshes:?} {open:?}"
+            );
+        }
+        assert!(open.iter().any(|ending| ending == "sparkpath") && !meshes.iter().any(|ending| ending == "sparkpath"));
     }
 
     #[test]

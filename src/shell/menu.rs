@@ -7,7 +7,7 @@ use crate::workspaces::context::Context;
 use crate::workspaces::workspace::{Menu, Workspace};
 use render::view::StandardView;
 
-/// Draws it for the workspace that is shown. Answers a file to be opened from the list of recent ones.
+/// Draws the menu bar for the workspace that is shown. Returns a file chosen among the recent ones.
 pub fn show(
     ui: &mut Ui,
     (workspaces, shown): (&[Box<dyn Workspace>], usize),
@@ -53,7 +53,7 @@ fn groups(ui: &mut Ui, here: &dyn Workspace, cx: &mut Context, groups: &Groups) 
     }
 }
 
-/// The steps that can be undone, by their names.
+/// Undo and redo with the names of their steps.
 fn edit(ui: &mut Ui, here: &dyn Workspace, cx: &mut Context) {
     let [undo, redo] = [false, true].map(|again| here.document().undo_label(again));
     named(ui, here, cx, FrameCommand::Undo.command(), undo.map(|l| format!("Undo {l}")));
@@ -62,7 +62,7 @@ fn edit(ui: &mut Ui, here: &dyn Workspace, cx: &mut Context) {
     item(ui, here, cx, FrameCommand::Preferences.command());
 }
 
-/// The switch between the workspaces, always in the same place, and before it what the window is about.
+/// The switch between the workspaces, always in the same place, and before it the title.
 fn title(ui: &mut Ui, (workspaces, shown): (&[Box<dyn Workspace>], usize), cx: &mut Context) {
     // From right to left.
     for (i, workspace) in workspaces.iter().enumerate().rev() {

@@ -1,4 +1,4 @@
-//! The command palette: every command by a few letters of its name.
+//! The command palette: finds commands by a few letters of their names.
 
 use egui::{Align2, Key, RichText, Ui, vec2};
 
@@ -6,7 +6,7 @@ use crate::widgets::theme::palette;
 use crate::workspaces::commands::Command;
 use crate::workspaces::context::Context;
 
-/// The state of the palette: the text that is typed and the command that is chosen.
+/// The state of the palette: the typed text and the chosen command.
 #[derive(Debug, Default)]
 pub struct CommandPalette {
     open: bool,
@@ -106,7 +106,7 @@ fn matches(name: &str, typed: &str) -> bool {
     typed.chars().filter(|c| !c.is_whitespace()).flat_map(char::to_lowercase).all(|c| letters.any(|l| l == c))
 }
 
-/// Whether `name` holds what is `typed` as it stands, case apart.
+/// Whether `name` contains the text `typed`, ignoring case.
 fn holds(name: &str, typed: &str) -> bool {
     name.to_lowercase().contains(&typed.trim().to_lowercase())
 }

@@ -1,4 +1,4 @@
-//! Pictures of the view, drawn and written one after the other: a software renderer takes seconds for one.
+//! Pictures of the view, drawn and written one after the other: a software renderer takes seconds for each.
 
 use std::path::{Path, PathBuf};
 
@@ -11,12 +11,12 @@ use task::{Cancel, Lane, Memo, Priority, Refusal, Scheduler};
 /// Width and height (pixels).
 const SIZE: [u32; 2] = [1920, 1200];
 
-/// The pictures that are being written: each in a memo of its own, so that none takes another's place.
+/// The pictures being written, each in its own memo, so that none replaces another.
 #[derive(Default)]
 pub struct Pictures(Vec<Memo<PathBuf, ()>>);
 
 impl Pictures {
-    /// Has `scene` drawn and written to `path`, after those asked for before.
+    /// Draws `scene` and writes it to `path`, after earlier pictures.
     pub fn write(&mut self, path: &Path, scene: Scene, camera: Camera, scheduler: &Scheduler) {
         let (mut memo, file) = (Memo::new(scheduler, Lane::Quick, "Picture"), path.to_owned());
         memo.restart(&path.to_owned(), Priority::Normal, move |work| {
@@ -25,12 +25,12 @@ impl Pictures {
         self.0.push(memo);
     }
 
-    /// Whether one is being written.
+    /// Whether a picture is being written.
     pub fn is_busy(&self) -> bool {
         !self.0.is_empty()
     }
 
-    /// What became of pictures since the last call: the file of each, or why there is none.
+    /// Pictures finished since the last call: the file of each, or the reason why there is none.
     pub fn written(&mut self) -> Vec<Result<PathBuf, String>> {
         let ended: Vec<_> = self.0.iter_mut().filter_map(Memo::take).collect();
         self.0.retain(Memo::is_busy);

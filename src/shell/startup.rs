@@ -1,18 +1,18 @@
-//! Opens the window, and says in plain words what stands in its way.
+//! Opens the window, or explains why it cannot be opened.
 
 use super::run::{Folders, Opening, SparkpathApp};
 use crate::workspaces::preferences::Preferences;
 
-/// What there is to open a window with.
+/// Preconditions of a window.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Window {
-    /// Everything.
+    /// All preconditions are met.
     Possible,
-    /// Nothing to show it on, or nothing to draw it with: why, and what to do.
+    /// There is no display or no graphics device: reason and remedy.
     Impossible(String),
 }
 
-/// Whether a window can be opened here, told before anything is tried.
+/// Checks whether a window can be opened, before anything is tried.
 pub fn preflight() -> Window {
     let named = |name: &str| std::env::var_os(name).is_some_and(|v| !v.is_empty());
     let has_display = cfg!(not(all(unix, not(target_os = "macos")))) || named("DISPLAY") || named("WAYLAND_DISPLAY");
@@ -34,7 +34,7 @@ pub fn preflight() -> Window {
     Window::Possible
 }
 
-/// Gives the computations as many threads as the user prefers, unless the command line has said how many.
+/// Sets the number of threads that the user prefers, unless the command line sets one.
 fn take_threads() {
     let threads = Folders::of_user().map_or(0, |folders| Preferences::read(&folders.config).threads);
     if threads > 0 {
@@ -43,10 +43,10 @@ fn take_threads() {
     }
 }
 
-/// Opens the window and stays until it is closed.
+/// Opens the window and returns when it is closed.
 ///
 /// # Errors
-/// In plain words, what stands in its way.
+/// The obstacle in plain words.
 pub fn run_window(opening: Opening) -> Result<(), String> {
     if let Window::Impossible(why) = preflight() {
         return Err(why);

@@ -1,4 +1,4 @@
-//! The status bar: what is being worked on, how far it is, how long it will take; the last thing said; the mesh.
+//! The status bar: work under way with its progress and time left, the last message, and the mesh.
 
 use egui::{RichText, Ui, vec2};
 
@@ -22,8 +22,8 @@ pub fn show(ui: &mut Ui, (workspaces, shown): (&mut [Box<dyn Workspace>], usize)
     });
 }
 
-/// What was said last in workspace number `shown`, unless it is of a failure that is none any more; and whether it is
-/// of other parameters than the present ones.
+/// The last line of the log in workspace number `shown`, except failures remedied since; and whether the line is of
+/// other parameters than the present ones.
 pub fn last_said<'a>(here: &dyn Workspace, shown: usize, cx: &'a Context) -> Option<(&'a LogLine, bool)> {
     let line = cx.log.iter().rev().find(|line| line.workspace == shown)?;
     let standing = here.standing(line);
@@ -65,7 +65,7 @@ fn facts(ui: &mut Ui, here: &dyn Workspace, cx: &Context) {
     }
 }
 
-/// The colour of a kind of news.
+/// Colour of a kind of message.
 pub fn colour_of(ui: &Ui, kind: EventKind) -> egui::Color32 {
     match kind {
         EventKind::Done => ui.visuals().text_color(),

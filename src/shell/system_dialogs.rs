@@ -1,19 +1,19 @@
-//! Whether the system has file dialogs, told before one is asked for: one that fails answers as one that was cancelled.
+//! Detection of the system's file dialogs: a dialog that fails cannot be told from one that was cancelled.
 
 use std::ffi::OsString;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-/// The facts about the system that decide which file dialogs there are.
+/// Facts about the system that decide which file dialogs exist.
 pub struct System {
     /// Folders of programs.
     pub programs: Vec<PathBuf>,
     /// Folders of shared data.
     pub data: Vec<PathBuf>,
-    /// Whether programs can talk to each other: a session bus.
+    /// Whether there is a session bus, over which programs talk to each other.
     pub has_bus: bool,
-    /// Whether this program runs in a sandbox, which brings dialogs along.
+    /// Whether this program runs in a sandbox, which provides dialogs.
     pub is_sandboxed: bool,
 }
 
@@ -35,9 +35,9 @@ impl System {
         }
     }
 
-    /// Whether it has file dialogs: everywhere but on free desktops, and there with zenity, or with a portal on the
-    /// session bus that has a file chooser behind it. Without one the portal answers, but as if its user had chosen
-    /// nothing.
+    /// Whether there are file dialogs: on every system but free desktops, and there with zenity, or with a portal on
+    /// the session bus that has a file chooser behind it. A portal without a file chooser answers as if the user had
+    /// chosen nothing.
     pub fn has_dialogs(&self) -> bool {
         const PORTAL: &str = "dbus-1/services/org.freedesktop.portal.Desktop.service";
         const BACKENDS: &str = "xdg-desktop-portal/portals";
@@ -50,10 +50,10 @@ impl System {
     }
 }
 
-/// Whether any of the backends described in a folder chooses files.
+/// Whether a backend described in a folder provides a file chooser.
 fn has_chooser(folder: &Path) -> bool {
     const CHOOSER: &str = "org.freedesktop.impl.portal.FileChooser";
-    /// Most that is read of a backend's description, which has a few lines (bytes).
+    /// Greatest number of bytes read of a backend's description, which has a few lines.
     const MOST: u64 = 65_536;
     let chooses = |file: PathBuf| {
         let mut text = String::new();

@@ -12,7 +12,7 @@ use wheel::electrode::EntrySide;
 /// Width and height of a picture of a report (pixels).
 pub const PICTURE_SIZE: [u32; 2] = [1400, 900];
 
-/// A view that has a name.
+/// A named view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NamedView {
     /// A standard view of engineering drawing.
@@ -24,7 +24,7 @@ pub enum NamedView {
 impl NamedView {
     const CHANNEL: &'static str = "channel";
 
-    /// The view of that name, if there is one.
+    /// The view of this name, if there is one.
     pub fn from_name(name: &str) -> Option<Self> {
         if name.eq_ignore_ascii_case(Self::CHANNEL) {
             return Some(Self::Channel);
@@ -74,14 +74,14 @@ fn onto(channel: &Channel, side: EntrySide, bounds: &Bounds, camera: Camera, asp
     camera
 }
 
-/// Straight onto a section, `up` upwards, with `at` in the middle and a picture `height` high (mm).
+/// A camera square to a section, with `up` upwards, `at` in the middle, and a picture `height` high (mm).
 pub fn onto_section(plane: &SectionPlane, up: DVec3, at: DVec3, height: f64) -> Camera {
     let camera = Camera { projection: Projection::Orthographic, target: at, ..Camera::default() };
     let distance = 0.5 * height / (0.5 * camera.field_of_view).tan();
     Camera { orientation: looking(plane.normal, up), distance, ..camera }
 }
 
-/// The whole part from the side that an electrode enters from, `channel` on top.
+/// A camera on the whole part from the side of entry, with `channel` on top.
 pub fn from_entry(channel: &Channel, side: EntrySide, scene: &Scene, aspect: f64) -> Camera {
     let frame = &channel.frame;
     let towards_viewer = frame.x * (0.9 * side.sign()) + frame.z * 0.45 - frame.y * 0.55;

@@ -1,5 +1,5 @@
-//! What is drawn over every 3-D view: a row of buttons, the three axes, the bar of colours, captions, and
-//! the handles that fold the panels beside the view.
+//! Overlays of every 3-D view: a row of buttons, the three axes, the legend of colours, captions, and the handles that
+//! fold the panels beside the view.
 
 use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
 use glam::DVec3;
@@ -8,8 +8,8 @@ use super::theme::palette;
 use super::viewport::Viewport;
 use render::colour_map::{ColourMap, Legend};
 
-/// The bar of colours with round values beside it and a mark at the value that counts, or at the middle of a map that
-/// has one. Answers where it is.
+/// The legend of colours with round values beside it, and a mark at the limit, or at the middle of a symmetric map.
+/// Returns its rectangle.
 pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) -> Rect {
     let size = vec2(14.0, (rect.height() - 150.0).clamp(50.0, 180.0));
     let bar = Rect::from_min_size(pos2(rect.left() + 18.0, rect.top() + 78.0), size);
@@ -72,11 +72,11 @@ pub struct ViewButton {
     pub hint: String,
     /// Whether the button can be pressed.
     pub is_enabled: bool,
-    /// Whether what the button shows is on.
+    /// Whether the button is on.
     pub is_on: bool,
 }
 
-/// A row of buttons. Answers the number of the one that was pressed.
+/// A row of buttons. Returns the index of the pressed one.
 pub fn buttons(ui: &mut Ui, rect: Rect, views: &[ViewButton]) -> Option<usize> {
     let area = Rect::from_min_size(rect.min + vec2(8.0, 8.0), vec2((rect.width() - 120.0).max(60.0), 26.0));
     let mut child =
@@ -113,7 +113,7 @@ fn gizmo_centre(rect: Rect) -> egui::Pos2 {
     pos2(rect.right() - 52.0, rect.top() + 52.0)
 }
 
-/// What the three axes cover of a view.
+/// Rectangle of the three axes in a view.
 pub fn gizmo_area(rect: Rect) -> Rect {
     Rect::from_center_size(gizmo_centre(rect), vec2(92.0, 92.0))
 }
@@ -163,7 +163,7 @@ fn letter(axis: DVec3) -> char {
     ['X', 'Y', 'Z'][i]
 }
 
-/// What can be done with an empty view, in its middle: a title and lines below.
+/// Hints in the middle of an empty view: a title and lines below.
 pub fn empty(ui: &Ui, rect: Rect, title: &str, lines: &[&str]) {
     let (above, below) = if lines.len() > 1 { (40.0, 0.0) } else { (24.0, 8.0) };
     let (c, painter) = (rect.center(), ui.painter());
@@ -187,9 +187,9 @@ pub fn caption(ui: &mut Ui, rect: Rect, above: f32, colour: Color32, text: &str)
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
 }
 
-/// A ring around a place in the view at `at`, and what is said of it beside, where there is room.
+/// A ring around the place `at` of the view, with a text beside it where there is room.
 pub fn callout(ui: &mut Ui, rect: Rect, at: egui::Pos2, colour: Color32, text: &str) {
-    /// Radius of the ring, and how far off the words are (points).
+    /// Radius of the ring, and distance of the text (points).
     const RING: f32 = 12.0;
     const OFF: egui::Vec2 = vec2(30.0, -34.0);
     let ink = ui.visuals().strong_text_color();
@@ -218,15 +218,15 @@ pub fn callout(ui: &mut Ui, rect: Rect, at: egui::Pos2, colour: Color32, text: &
 pub struct Folding<'a> {
     /// Whether the panel is on the left.
     pub is_left: bool,
-    /// Whether the panel is shown, not folded.
+    /// Whether the panel is open.
     pub is_there: bool,
-    /// The name of its handle.
+    /// Name of the handle.
     pub name: &'a str,
-    /// The name with the keys, if there are any.
+    /// Tooltip: the name with the shortcut.
     pub hint: String,
 }
 
-/// Draws the handles over the view in `rect`. Answers the number of the one that was clicked.
+/// Draws the handles over the view in `rect`. Returns the index of the clicked one.
 pub fn folds(ui: &mut Ui, rect: Rect, panels: &[Folding]) -> Option<usize> {
     const SIZE: egui::Vec2 = vec2(12.0, 46.0);
     let inwards = vec2(0.5 * SIZE.x, 0.0);
@@ -240,7 +240,7 @@ pub fn folds(ui: &mut Ui, rect: Rect, panels: &[Folding]) -> Option<usize> {
     clicked
 }
 
-/// A handle of a folded panel, which points to where the panel goes. Answers whether it was clicked.
+/// A handle of a panel, which points in the direction of its motion. Returns whether it was clicked.
 fn fold_handle(ui: &mut Ui, rect: Rect, panel: &Folding) -> bool {
     let response = ui.interact(rect, ui.scope_id().with(("fold", panel.name)), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, panel.name));

@@ -1,4 +1,4 @@
-//! Parts that the panels of several workspaces are made of.
+//! Parts of panels that several workspaces use.
 
 use std::cell::RefCell;
 
@@ -6,7 +6,7 @@ use egui::{CollapsingHeader, Color32, Rect, RichText, Sense, Ui, UiBuilder, pos2
 
 use super::theme::palette;
 
-/// A part of a panel that folds.
+/// A section of a panel that folds.
 pub fn section(ui: &mut Ui, name: &str, open: bool, body: impl FnOnce(&mut Ui)) {
     let title = RichText::new(name).strong();
     CollapsingHeader::new(title).id_salt(name).default_open(open).show_unindented(ui, |ui| {
@@ -15,7 +15,7 @@ pub fn section(ui: &mut Ui, name: &str, open: bool, body: impl FnOnce(&mut Ui)) 
     });
 }
 
-/// A name before what is chosen, as in the forms of the other workspace.
+/// A label before a choice, as in forms.
 pub fn named<R>(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui, egui::Id) -> R) -> R {
     let row = ui.horizontal(|ui| {
         let layout = egui::Layout::left_to_right(egui::Align::Center);
@@ -53,8 +53,8 @@ pub fn notice(ui: &mut Ui, colour: Color32, text: &str) {
     ui.add_space(4.0);
 }
 
-/// A name on the left and its value on the right: words end at the edge, numbers stand below each other with their
-/// units in a column of their own. A long value takes from the name's room, but not all of it.
+/// A name on the left and its value on the right. Words end at the edge; numbers stand below each other with their
+/// units in their own column. A long value takes room from the name, but not all of it.
 pub fn fact(ui: &mut Ui, name: &str, value: impl Into<String>) {
     const UNITS: f32 = 36.0;
     let width = ui.available_width();
@@ -80,7 +80,7 @@ pub fn fact(ui: &mut Ui, name: &str, value: impl Into<String>) {
     }
 }
 
-/// The number that `value` is, and its unit, which may be empty; none if it is words.
+/// The number in `value` and its unit, which may be empty; none if it is not a number.
 fn number_and_unit(value: &str) -> Option<(&str, &str)> {
     let is_number = |text: &str| text.chars().all(|c| c.is_ascii_digit() || "+-. ".contains(c)) && !text.is_empty();
     if is_number(value) {
@@ -90,7 +90,7 @@ fn number_and_unit(value: &str) -> Option<(&str, &str)> {
     (is_number(number) && ["mm", "in", "deg", "s", "mm²", "mm³"].contains(&unit)).then_some((number, unit))
 }
 
-/// A sentence as it begins where it stands by itself; names of files and keys stay as they are.
+/// A text with a capital at its beginning; names of files and keys stay unchanged.
 pub fn sentence(text: &str) -> String {
     let first = text.split(' ').next().unwrap_or_default();
     if !first.chars().all(|c| c.is_ascii_lowercase() || ",:".contains(c)) {
@@ -105,7 +105,7 @@ pub fn file_name(path: &str) -> String {
     std::path::Path::new(path).file_name().map_or(path.to_owned(), |n| n.to_string_lossy().into_owned())
 }
 
-/// A typed number; what is none goes into `wrong`.
+/// A typed number; a wrong text is put into `wrong`.
 pub fn parsed_or(text: &str, wrong: &RefCell<Option<String>>) -> Option<f64> {
     let number = parsed(text);
     if number.is_none() && !text.trim().is_empty() {
@@ -114,7 +114,7 @@ pub fn parsed_or(text: &str, wrong: &RefCell<Option<String>>) -> Option<f64> {
     number
 }
 
-/// A number in the room that a field has: one that is far out of every range is written with an exponent.
+/// A number for a field of limited width: one far out of every range is written with an exponent.
 pub fn short(number: f64, decimals: std::ops::RangeInclusive<usize>) -> String {
     const LARGE: f64 = 1e6;
     if number.abs() < LARGE {
@@ -124,7 +124,7 @@ pub fn short(number: f64, decimals: std::ops::RangeInclusive<usize>) -> String {
     }
 }
 
-/// A typed number; its decimals may stand behind a comma.
+/// A typed number, with a decimal point or comma.
 fn parsed(text: &str) -> Option<f64> {
     let plain: String = text.chars().filter(|c| !c.is_whitespace()).collect();
     plain.replace(',', ".").replace('\u{2212}', "-").parse().ok().filter(|n: &f64| n.is_finite())

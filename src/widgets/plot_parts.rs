@@ -1,11 +1,11 @@
-//! Parts of plots: what their lines are, and round values on their axes.
+//! Parts of plots: legends, and round values on axes.
 
 use egui::{Color32, RichText, Ui, Vec2, Vec2b};
 use egui_plot::{GridInput, GridMark, Plot};
 
 use super::theme::palette;
 
-/// What the lines of a plot are, above it: over it they would hide each other.
+/// Legend of the lines of a plot, above the plot, where it hides no line.
 pub fn legend<'a>(ui: &mut Ui, entries: impl IntoIterator<Item = (Color32, &'a str)>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = egui::vec2(4.0, 0.0);
@@ -19,7 +19,7 @@ pub fn legend<'a>(ui: &mut Ui, entries: impl IntoIterator<Item = (Color32, &'a s
     });
 }
 
-/// A plot that stays where it is, with lines at round values and this share of its range free at its edges.
+/// A fixed plot with grid lines at round values, and this share of its range free at its edges.
 pub fn still(ui: &Ui, name: &str, margin: Vec2) -> Plot<'static> {
     Plot::new(name.to_owned())
         .allow_drag(false)
@@ -36,19 +36,19 @@ pub fn still(ui: &Ui, name: &str, margin: Vec2) -> Plot<'static> {
         .y_axis_min_width(44.0)
 }
 
-/// Says in its place why there is no plot.
+/// Shows in place of a plot why there is none.
 pub fn says(ui: &mut Ui, text: &str) {
     ui.centered_and_justified(|ui| ui.add(egui::Label::new(RichText::new(text).color(palette(ui).faint)).wrap()));
 }
 
-/// The number of a line, with as many decimals as its step has.
+/// Label of a grid line, with as many decimals as the step has.
 pub fn round_text(mark: GridMark) -> String {
     let decimals = (-mark.step_size.log10()).ceil().clamp(0.0, 9.0) as usize;
     // `+ 0.0` takes the sign from a zero.
     format!("{:.decimals$}", (mark.value / mark.step_size).round() * mark.step_size + 0.0)
 }
 
-/// About `count` lines at round values, each with its number.
+/// About `count` grid lines at round values, each with its label.
 pub fn round_steps(input: GridInput, count: f64) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let rough = (high - low) / count;

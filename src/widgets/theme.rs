@@ -1,13 +1,13 @@
-//! Colours, spacing and text sizes of the window: quiet greys, one accent, and four colours that mean something.
+//! Colours, spacing and text sizes of the window: quiet greys, an accent, and four colours with a meaning.
 
 use egui::style::{Selection, WidgetVisuals, Widgets};
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, Style, TextStyle, Visuals, vec2};
 use render::colour::Colour;
 
-/// The colours that mean something, in the present theme.
+/// Colours with a meaning, in the present theme.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Palette {
-    /// What can be done next, what is selected.
+    /// Next action, selection.
     pub accent: Color32,
     /// Done, kept, certified.
     pub good: Color32,
@@ -76,7 +76,7 @@ pub fn palette(ui: &egui::Ui) -> &'static Palette {
     if ui.visuals().dark_mode { &DARK } else { &LIGHT }
 }
 
-/// A box to tick, with an edge, without which an empty one could hardly be seen.
+/// A checkbox with an edge, so that an empty one is well visible.
 pub fn tick<'a>(ui: &mut egui::Ui, on: &'a mut bool, text: impl egui::IntoAtoms<'a>) -> egui::Response {
     ui.scope(|ui| {
         let edge = palette(ui).faint.gamma_multiply(0.7);
@@ -86,7 +86,7 @@ pub fn tick<'a>(ui: &mut egui::Ui, on: &'a mut bool, text: impl egui::IntoAtoms<
     .inner
 }
 
-/// Gives both themes of `ctx` their looks.
+/// Sets the style of both themes of `ctx`.
 pub fn install(ctx: &egui::Context) {
     ctx.set_style_of(egui::Theme::Dark, style(true));
     ctx.set_style_of(egui::Theme::Light, style(false));
@@ -182,7 +182,7 @@ fn widgets(dark: bool, line: Color32, accent: Color32) -> Widgets {
 pub const STEEL: Colour = Colour::rgb(0x9d, 0xab, 0xba);
 /// Electrodes.
 pub const COPPER: Colour = Colour::rgb(0xd0, 0x83, 0x4f);
-/// Electrodes elsewhere on their way.
+/// Previous positions of electrodes.
 pub const GHOST: Colour = Colour::rgb(0xe0, 0xb0, 0x8a);
 /// The low wall.
 pub const LOW: Colour = Colour::rgb(0x6f, 0xa8, 0xa0);
@@ -190,10 +190,10 @@ pub const LOW: Colour = Colour::rgb(0x6f, 0xa8, 0xa0);
 pub const HIGH: Colour = Colour::rgb(0x8a, 0x96, 0xc8);
 /// Bodies of a machine.
 pub const MACHINE: Colour = Colour::rgb(0x7d, 0x86, 0x8c);
-/// Where something is too near.
+/// Collisions and places that are too near.
 pub const BAD: Colour = Colour::rgb(0xe5, 0x48, 0x4d);
 
-/// Of the mesh that is number `i`, from 0, of those shown together: no two of six are alike.
+/// Colour of mesh number `i`, from 0, among those shown together: no two of six are alike.
 pub fn mesh_colour(i: usize) -> Colour {
     const OTHERS: [Colour; 6] =
         [STEEL, COPPER, LOW, HIGH, Colour::rgb(0xc9, 0xb4, 0x5a), Colour::rgb(0xb5, 0x7f, 0xa8)];

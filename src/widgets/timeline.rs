@@ -1,4 +1,4 @@
-//! A timeline: a strip along which something happens, with marks and numbers, and a pin that is dragged.
+//! A timeline: a strip with marks, numbers, and a pin to drag.
 
 use egui::{
     Align2, EventFilter, FontId, Key, Painter, Rect, Response, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
@@ -6,19 +6,18 @@ use egui::{
 
 use super::theme::{Palette, palette};
 
-/// A strip as wide as there is room.
+/// A strip over the available width.
 pub struct Strip {
     /// Place of the strip in the window.
     pub rect: Rect,
-    /// Draws in it.
+    /// Painter of the strip.
     pub painter: Painter,
     response: Response,
     colours: &'static Palette,
 }
 
 impl Strip {
-    /// An empty strip of so much `height` (points), called `name`, with the present value and whether it can be
-    /// changed.
+    /// An empty strip of this `height` (points), called `name`, with the present value and whether it can be changed.
     pub fn new(ui: &mut Ui, height: f32, name: &str, (value, is_enabled): (f64, bool)) -> Self {
         let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::slider(is_enabled, value, name));
@@ -27,12 +26,12 @@ impl Strip {
         Self { rect, painter, response, colours: palette(ui) }
     }
 
-    /// The part of the strip that is used where nothing else says which.
+    /// Usual inner part of the strip.
     pub fn inner(&self) -> Rect {
         self.rect.shrink2(vec2(12.0, 0.0))
     }
 
-    /// Says why there is nothing in the strip.
+    /// Shows why the strip is empty.
     pub fn say(&self, text: &str) {
         let font = FontId::proportional(12.0);
         self.painter.text(self.rect.center(), Align2::CENTER_CENTER, text, font, self.colours.faint);
@@ -44,7 +43,7 @@ impl Strip {
         self.painter.text(at, Align2::CENTER_CENTER, text, FontId::proportional(10.0), self.colours.faint);
     }
 
-    /// Marks the place at `x`, so far `above` the bottom (points): a warning, or a fault unless it `holds`.
+    /// Marks a place at `x`, `above` points over the bottom: as a warning, or as a fault unless it `holds`.
     pub fn mark(&self, x: f32, above: f32, holds: bool) {
         let tip = pos2(x, self.rect.bottom() - above);
         let triangle = vec![tip, tip + vec2(-4.0, -6.0), tip + vec2(4.0, -6.0)];
@@ -58,13 +57,14 @@ impl Strip {
         self.painter.circle_filled(pos2(x, y), radius, self.colours.accent);
     }
 
-    /// Where the pin is dragged to, from 0 on the left of `inner` to 1 on its right.
+    /// Position to which the pin is dragged, from 0 on the left of `inner` to 1 on its right.
     pub fn dragged(&self, inner: Rect) -> Option<f64> {
         let pointer = self.response.interact_pointer_pos()?;
         Some(f64::from((pointer.x - inner.left()) / inner.width()).clamp(0.0, 1.0))
     }
 
-    /// Keeps the keys that step while the strip has the focus, which they would otherwise move; Escape gives it up.
+    /// Keeps the stepping keys while the strip has the focus, which they would otherwise move. Escape releases the
+    /// focus.
     pub fn keep_keys(&self, ui: &Ui) {
         if self.response.has_focus() {
             let lock = EventFilter { horizontal_arrows: true, ..Default::default() };

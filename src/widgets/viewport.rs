@@ -1,4 +1,4 @@
-//! The 3-D view: the camera, and what the mouse does with it.
+//! The 3-D view: its camera, and the mouse actions.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -16,12 +16,12 @@ use render::renderer::Quality;
 use render::scene::Scene;
 use render::view::StandardView;
 
-/// How long a change of view takes (s).
+/// Duration of a change of view (s).
 const FLIGHT: f64 = 0.25;
-/// How long after the last movement the view is drawn with full care (s).
+/// Delay after the last movement until the view is drawn in full quality (s).
 const REST: f64 = 0.16;
 
-/// Something that a scene was made of. It is held: the next one might else lie at its address.
+/// Source of a scene. It is held, because another object might otherwise get its address.
 #[derive(Debug)]
 pub struct Source<T>(pub Option<Arc<T>>);
 
@@ -34,18 +34,18 @@ impl<T> PartialEq for Source<T> {
     }
 }
 
-/// What moves in the scene.
+/// Motion in the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moves {
     /// No motion.
     Nothing,
-    /// What is shown is played.
+    /// A motion is played.
     Playing,
-    /// What is shown follows a search.
+    /// The scene follows a search.
     Searching,
 }
 
-/// Which mouse button does what in the 3-D view; the wheel zooms to the cursor in every preset.
+/// Mouse buttons of the 3-D view. The wheel zooms to the cursor in every preset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Navigation {
@@ -73,7 +73,7 @@ pub struct Viewport {
     pivot: DVec3,
     /// The time of the last frame (s).
     now: f64,
-    /// When it was last moved (s).
+    /// Time of the last movement (s).
     moved: Option<f64>,
     scene: Arc<Scene>,
     fitted_to: Option<usize>,
@@ -95,13 +95,13 @@ impl Default for Viewport {
 }
 
 impl Viewport {
-    /// The scene and where it is seen from.
+    /// The scene and its camera.
     pub fn picture(&self) -> (&Arc<Scene>, &Camera) {
         (&self.scene, &self.camera)
     }
 
-    /// Draws `scene`, and fits it in when `fitted_to` changes. Answers where it is, and what was clicked if something
-    /// was: nothing may have been met.
+    /// Draws `scene`, and fits it into the view when `fitted_to` changes. Returns the rectangle of the view, and the
+    /// click if there was one, with what it met.
     pub fn show(
         &mut self,
         ui: &mut Ui,
@@ -134,7 +134,7 @@ impl Viewport {
         DVec2::new(p.x.into(), p.y.into())
     }
 
-    /// Where in the view, which fills `rect`, the point `at` is seen; none behind the camera.
+    /// Position of the point `at` in the view, which fills `rect`; none behind the camera.
     pub fn seen_at(&self, ui: &Ui, rect: Rect, at: DVec3) -> Option<Pos2> {
         let p = self.camera.project(at, self.size)?.pixel / f64::from(ui.pixels_per_point());
         Some(rect.min + vec2(p.x as f32, p.y as f32))
@@ -201,9 +201,8 @@ impl Viewport {
         }
     }
 
-    /// Draws with less care while something moves, and once more with all care when it rests. A search moves the
-    /// electrode from node to node: drawn with all care in software, it would keep the window from its keys and
-    /// from saying that they were heard.
+    /// Chooses the quality: reduced while something moves, full once at rest. A search moves the electrode from node to
+    /// node: in full quality a software renderer would block the keys and messages of the window.
     fn quality(&mut self, ui: &Ui, moves: Moves) -> Quality {
         if moves == Moves::Searching {
             self.moved = Some(self.now);
@@ -217,7 +216,7 @@ impl Viewport {
         Quality::Moving
     }
 
-    /// Width over height.
+    /// Ratio of width to height.
     pub fn aspect(&self) -> f64 {
         f64::from(self.size[0]) / f64::from(self.size[1])
     }
@@ -226,7 +225,7 @@ impl Viewport {
         self.flight = Some((self.camera, camera, now));
     }
 
-    /// Moves so that everything is seen.
+    /// Moves the camera so that everything is visible.
     pub fn fit(&mut self, at_once: bool) {
         let mut camera = self.camera;
         camera.fit(&bodies(&self.scene), self.aspect());
@@ -237,20 +236,20 @@ impl Viewport {
         }
     }
 
-    /// Turns to a standard view of everything.
+    /// Turns the camera to a standard view of everything.
     pub fn look(&mut self, view: StandardView, now: f64) {
         let camera = standard(view, &self.scene, self.camera, self.aspect());
         self.fly_to(camera, now);
     }
 
-    /// Moves so that `bounds` fills the view, from the present direction.
+    /// Moves the camera so that `bounds` fills the view, in the present direction.
     pub fn fly_into(&mut self, bounds: &Bounds, now: f64) {
         let mut camera = self.camera;
         camera.fit(bounds, self.aspect());
         self.fly_to(camera, now);
     }
 
-    /// Turns to `camera`.
+    /// Turns the camera to `camera`.
     pub fn fly_onto(&mut self, camera: Camera, now: f64) {
         self.fly_to(camera, now);
     }

@@ -1,4 +1,4 @@
-//! Between the renderer and the window: draws a scene when it has changed, shows the picture every frame.
+//! Connection to the renderer: draws a scene when it has changed, and shows the picture in every frame.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use render::camera::Camera;
 use render::renderer::{Quality, Renderer};
 use render::scene::Scene;
 
-/// What lives beside the window's own GPU state.
+/// State beside the window's own GPU state.
 struct Gpu {
     renderer: Renderer,
     pipeline: wgpu::RenderPipeline,
@@ -16,7 +16,7 @@ struct Gpu {
     shown: Option<Shown>,
 }
 
-/// The picture that was drawn last.
+/// Picture drawn last.
 struct Shown {
     scene: Arc<Scene>,
     camera: Camera,
@@ -84,7 +84,7 @@ impl Gpu {
     }
 }
 
-/// A picture to be shown in the window.
+/// A picture to show in the window.
 pub struct Picture {
     /// Scene of the picture.
     pub scene: Arc<Scene>,

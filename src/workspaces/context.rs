@@ -11,7 +11,7 @@ use super::news::{EventKind, WorkEvent};
 use super::preferences::Preferences;
 use crate::widgets::overlay::{self, Folding, ViewButton};
 use crate::widgets::theme::palette;
-use files::{FileError, ResultCache};
+use files::{FileError, Recovery, ResultCache, paths};
 use render::view::StandardView;
 use task::Doing;
 
@@ -73,7 +73,7 @@ impl PathInfo {
 pub enum PathKind {
     /// A file to read: what such files are called, their endings (all files without), and whether one that is not there
     /// is refused at once.
-    Read(&'static str, &'static [&'static str], bool),
+    Read(&'static str, Endings, bool),
     /// A file to write: what such files are called, and their ending with its dot.
     Write(&'static str, &'static str),
     /// A folder.
@@ -91,12 +91,13 @@ pub trait PathSet: Copy + PartialEq + 'static {
     }
 }
 
+/// Kinds of files, each with its endings, without the dot and in small letters.
+pub type Endings = &'static [&'static [&'static str]];
+
 /// Ending of posts, machines and libraries.
 pub const TOML: &[&str] = &["toml"];
-/// Endings of projects and meshes.
-pub const OPEN: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB", "sparkpath"];
-/// Endings of meshes.
-pub const MESHES: &[&str] = &["stl", "STL", "obj", "OBJ", "gltf", "glb", "GLTF", "GLB"];
+/// Ending of projects.
+pub const PROJECT: &[&str] = &["sparkpath"];
 
 /// A request of a workspace to the window.
 pub enum Request {
@@ -115,6 +116,8 @@ pub enum Request {
     GoOn,
     /// Shows the workspace.
     Show,
+    /// Tells that the work of this copy has been recovered, so that the copy can go.
+    Recovered(Recovery),
     /// Sends a message to the workspace that accepts it.
     Send(Message),
 }
@@ -363,14 +366,9 @@ pub fn rest_left(since: f64, wait: f64, now: f64) -> Duration {
     Duration::from_secs_f64((since + wait - now).max(0.0))
 }
 
-/// Whether the name of `path` ends with `ending`, whatever its case.
-pub fn has_ending(path: &Path, ending: &str) -> bool {
-    path.as_os_str().to_string_lossy().to_lowercase().ends_with(ending)
-}
-
 /// Whether `path` has the ending of a project.
 pub fn is_project(path: &Path) -> bool {
-    has_ending(path, ".sparkpath")
+    paths::has_ending(path, ".sparkpath")
 }
 
 /// The first of `files`; an empty path if there is none.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use flank::fit_ruled::PartBase;
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
 use glam::DVec3;
@@ -26,27 +27,37 @@ pub struct ElectrodePart {
     pub mesh: Mesh,
     /// Direction of the cutter's axis on the electrode.
     pub up: DVec3,
+    /// Base of the electrode, which is not milled; none of an electrode of the user's own that burns nowhere.
+    pub base: Option<PartBase>,
     /// Whether the electrode is clamped upside down: its base on the table, its tips to the spindle.
     pub is_upside_down: bool,
 }
 
 /// Direction upwards on electrodes of molds, whose files have their tips along -Z.
 pub const UP_OF_MOLDS: DVec3 = DVec3::NEG_Z;
+/// Direction to the base of electrodes of molds.
+pub const BASE_OF_MOLDS: DVec3 = DVec3::Z;
 
 impl ElectrodePart {
     /// An electrode of a `mold`: as in its file, tips down.
     pub fn of_mold(electrode: &MoldElectrode, mold: &str) -> Self {
         let (name, mesh) = (electrode.name.clone(), electrode.mesh.clone());
-        Self { name, of: mold.to_owned(), mesh, up: UP_OF_MOLDS, is_upside_down: true }
+        let base = Some(PartBase::at_end(BASE_OF_MOLDS));
+        Self { name, of: mold.to_owned(), mesh, up: UP_OF_MOLDS, base, is_upside_down: true }
     }
 
     /// Number `number` (from 1) of a blisk, in its own axes or, given the `frame` of these, in those of the blisk's
     /// mesh. Up is outwards.
     pub fn of_blisk(electrode: &BliskElectrode, (number, blisk): (usize, &str), frame: Option<&Frame>) -> Self {
-        let (mesh, up) = match frame {
-            Some(frame) => (electrode.mesh.in_parent_of(frame), frame.z),
-            None => (electrode.mesh.clone(), DVec3::Z),
+        let (mesh, up, outwards) = match frame {
+            Some(frame) => (electrode.mesh.in_parent_of(frame), frame.z, frame.x),
+            None => (electrode.mesh.clone(), DVec3::Z, DVec3::X),
         };
-        Self { name: format!("electrode {number}"), of: blisk.to_owned(), mesh, up, is_upside_down: false }
+        // Shoulder, shank and holder begin where it stops to burn.
+        let towards = electrode.enters_from.sign() * outwards;
+        let burning = mesh.triangles.iter().zip(&electrode.faces).filter(|(_, face)| face.burns());
+        let along = burning.flat_map(|(corners, _)| corners).map(|&v| mesh.vertices[v as usize].dot(towards));
+        let base = along.reduce(f64::max).map(|from| PartBase { towards, from_mm: Some(from) });
+        Self { name: format!("electrode {number}"), of: blisk.to_owned(), mesh, up, base, is_upside_down: false }
     }
 }

@@ -28,17 +28,10 @@ impl<P> Default for MovedFiles<P> {
 }
 
 impl<P: Params> MovedFiles<P> {
-    /// Returns `document` if its files are those that it was saved with. Otherwise the document waits and the user is
-    /// asked.
-    pub fn checked(&mut self, document: Document<P>, cx: &mut Context) -> Option<Document<P>> {
-        self.forget();
-        let moved = document.moved_files();
-        if moved.is_empty() {
-            return Some(document);
-        }
-        self.waiting = Some((document, moved));
+    /// Asks the user about `moved` files of `document`, which waits for the answer.
+    pub fn ask(&mut self, document: Document<P>, moved: Vec<MovedFile>, cx: &mut Context) {
+        (self.waiting, self.sought) = (Some((document, moved)), None);
         cx.request(Request::Dialog);
-        None
     }
 
     /// Whether a project waits for an answer.
@@ -135,11 +128,13 @@ mod tests {
         document.save_as(&file).unwrap();
         let open = || Document::<Two>::open(&file).unwrap();
         let (mut moved, mut cx) = (MovedFiles::default(), Context::new(Preferences::default()));
-        assert!(moved.checked(open(), &mut cx).is_some() && !moved.is_asking() && cx.take_requests().is_empty());
+        assert!(open().moved_files().is_empty() && !moved.is_asking());
 
         std::fs::remove_file(&lower).unwrap();
         std::fs::write(&upper, "2").unwrap();
-        assert!(moved.checked(open(), &mut cx).is_none() && moved.is_asking());
+        let ask = |moved: &mut MovedFiles<Two>, cx: &mut Context| moved.ask(open(), open().moved_files(), cx);
+        ask(&mut moved, &mut cx);
+        assert!(moved.is_asking());
         assert!(matches!(cx.take_requests()[..], [(_, Request::Dialog)]));
         assert!(moved.found(&other, &mut cx).is_none(), "none is looked for");
         moved.sought = Some(lower.clone());
@@ -150,7 +145,8 @@ mod tests {
         assert!(found.is_unsaved() && !moved.is_asking());
         assert!(matches!(cx.take_requests()[..], [(_, Request::CloseDialog)]));
 
-        assert!(moved.checked(open(), &mut cx).is_none() && moved.is_asking());
+        ask(&mut moved, &mut cx);
+        assert!(moved.is_asking());
         moved.forget();
         assert!(!moved.is_asking() && moved.found(&file, &mut cx).is_none());
     }

@@ -1,61 +1,148 @@
 //! Documents that are read in the background, before they take the place of what is open.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use files::{AnyDocument as _, Document, MovedFile, Params, Recovery};
 use task::{Doing, Lane, Memo, Priority, Refusal, Scheduler, Task};
 
 use super::commands::{Command, CommandSet, FrameCommand};
 use super::context::{Context, Request};
+use super::moved_files::MovedFiles;
 use super::news::EventKind;
 
-/// The replacement of a workspace's document: a `P` that waits until unsaved work is dealt with, and a `T` that is
-/// being read with its part. A part that cannot be read replaces nothing.
-pub struct Opening<P, T> {
+/// Origin of a document.
+pub enum Source<P> {
+    /// A project file. The user is asked about its files that are gone or have changed.
+    Project(PathBuf),
+    /// A copy of unsaved work.
+    Copy(Recovery),
+    /// A document that is there already.
+    There(Document<P>),
+}
+
+/// A document that was read, with the content of its files.
+pub struct Incoming<P, L> {
+    /// The document.
+    pub document: Document<P>,
+    /// Content of its files. None while the user is asked about them, and if a copy of unsaved work names files that
+    /// cannot be read: the work is not lost for that.
+    pub loaded: Option<L>,
+    /// Copy that the document was read from, if it was.
+    pub copy: Option<Recovery>,
+    /// Files of a project that are gone or have changed.
+    moved: Vec<MovedFile>,
+}
+
+/// Reason why a document was not opened, in one line.
+pub enum NotOpened {
+    /// The document itself cannot be read.
+    Document(String),
+    /// A file that it names cannot be read.
+    Part(String),
+}
+
+impl From<String> for NotOpened {
+    fn from(why: String) -> Self {
+        Self::Part(why)
+    }
+}
+
+/// A document that was read, or the file that is none and why.
+type Read<P, L> = Result<Arc<Incoming<P, L>>, (Option<PathBuf>, String)>;
+
+/// The replacement of a workspace's document: a `W` that waits until unsaved work is dealt with, and a document of
+/// parameters `P` that is being read with the content `L` of its files. A document that cannot be read replaces nothing.
+pub struct Opening<W, P, L> {
     /// Replacement of the document, done once unsaved work is dealt with.
-    pub pending: Option<P>,
-    memo: Memo<u64, T>,
+    pub pending: Option<W>,
+    /// Project that waits until the user has been asked about its files.
+    pub moved: MovedFiles<P>,
+    memo: Memo<u64, Read<P, L>>,
     /// Number of documents opened so far.
     number: u64,
 }
 
-impl<P, T: Send + Sync + 'static> Opening<P, T> {
+impl<W, P: Params + Send + Sync + 'static, L: Send + Sync + 'static> Opening<W, P, L> {
     /// An idle reader: no document is being read.
     pub fn new(scheduler: &Scheduler) -> Self {
-        Self { pending: None, memo: Memo::new(scheduler, Lane::Quick, "Open").remembering(1), number: 0 }
+        let memo = Memo::new(scheduler, Lane::Quick, "Open").remembering(1);
+        Self { pending: None, moved: MovedFiles::default(), memo, number: 0 }
     }
 
-    /// Reads a document and drops the one being read.
-    pub fn begin(&mut self, read: impl FnOnce(&Task) -> Result<T, String> + Send + 'static) {
+    /// Reads a document from `source`, and by `load` the content of its files. Drops the document being read.
+    pub fn begin(
+        &mut self,
+        source: Source<P>,
+        load: impl FnOnce(&Document<P>, &Task) -> Result<L, NotOpened> + Send + 'static,
+    ) {
         self.number += 1;
-        self.memo.restart(&self.number, Priority::Shown, move |work| read(&work.task));
+        self.moved.forget();
+        self.memo.restart(&self.number, Priority::Shown, move |work| {
+            let asks_about_files = matches!(source, Source::Project(_));
+            let (file, copy, document) = match source {
+                Source::Project(file) => (Some(file.clone()), None, Document::open(&file)),
+                Source::Copy(copy) => (None, Some(copy.clone()), copy.open()),
+                Source::There(document) => (document.file().map(Path::to_owned), None, Ok(document)),
+            };
+            let document = match document {
+                Ok(document) => document,
+                Err(why) => return Ok(Err((file, why.to_string()))),
+            };
+            work.task.check().map_err(|e| e.to_string())?;
+            let moved = if asks_about_files { document.moved_files() } else { Vec::new() };
+            if !moved.is_empty() {
+                return Ok(Ok(Arc::new(Incoming { document, loaded: None, copy, moved })));
+            }
+            let loaded = match load(&document, &work.task) {
+                Ok(loaded) => Some(loaded),
+                Err(NotOpened::Document(why)) => return Ok(Err((file, why))),
+                Err(NotOpened::Part(_)) if copy.is_some() && !work.task.cancel.is_cancelled() => None,
+                Err(NotOpened::Part(why)) => return Err(why),
+            };
+            Ok(Ok(Arc::new(Incoming { document, loaded, copy, moved })))
+        });
     }
 
     /// Replaces the document by `pending` after the question about unsaved work.
-    pub fn intend(&mut self, pending: P, cx: &mut Context) {
+    pub fn intend(&mut self, pending: W, cx: &mut Context) {
         self.stop();
         self.pending = Some(pending);
         cx.request(Request::Replace);
     }
 
     /// Replaces the document by `pending` within a replacement that was asked about already.
-    pub fn go_on(&mut self, pending: P, cx: &mut Context) {
+    pub fn go_on(&mut self, pending: W, cx: &mut Context) {
         self.pending = Some(pending);
         cx.request(Request::GoOn);
     }
 
-    /// The document that has been read; reports the reason if it could not be read.
-    pub fn take(&mut self, cx: &mut Context) -> Option<Arc<T>> {
-        let ended = self.memo.take()?;
+    /// The document that has been read. Shows the reason if it could not be read, and asks the user about files that are
+    /// gone or have changed.
+    pub fn take(&mut self, cx: &mut Context) -> Option<Arc<Incoming<P, L>>> {
+        // Work that was superseded may have ended meanwhile.
+        let ended = std::iter::from_fn(|| self.memo.take()).find(|ended| ended.key == self.number)?;
         // What was read is held by who takes it.
         self.memo.clear();
-        match ended.result {
-            Ok(opened) => return Some(opened),
-            Err(Refusal::Cancelled) => cx.say(EventKind::Cancelled, "Open: cancelled"),
-            Err(Refusal::Failed(why)) => {
-                cx.say(EventKind::Failed, format!("Open: {why}"));
-                cx.error("The file cannot be opened", why);
+        let (title, why) = match ended.result.as_deref() {
+            Ok(Ok(opened)) if opened.moved.is_empty() => return Some(opened.clone()),
+            Ok(Ok(opened)) => {
+                self.moved.ask(opened.document.clone(), opened.moved.clone(), cx);
+                return None;
             }
-        }
+            Ok(Err((Some(file), why))) => {
+                cx.not_opened(file);
+                ("This project cannot be opened", why)
+            }
+            Ok(Err((None, why))) => ("The copy cannot be read", why),
+            Err(Refusal::Failed(why)) => ("The file cannot be opened", why),
+            Err(Refusal::Cancelled) => {
+                cx.say(EventKind::Cancelled, "Open: cancelled");
+                return None;
+            }
+        };
+        cx.say(EventKind::Failed, format!("Open: {why}"));
+        cx.error(title, why.clone());
         None
     }
 

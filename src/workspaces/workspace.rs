@@ -124,11 +124,11 @@ pub trait Workspace: Any + Commanded {
     /// question about unsaved work.
     fn proceed(&mut self, cx: &mut Context);
 
-    /// Takes over unsaved work of an earlier run of the program.
+    /// Begins to read unsaved work of an earlier run of the program. Requests [`Request::Recovered`] once the work has
+    /// replaced the document, or shows why it cannot be read.
     ///
-    /// # Errors
-    /// One line with the reason why the copy cannot be read.
-    fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String>;
+    /// [`Request::Recovered`]: super::context::Request::Recovered
+    fn recover(&mut self, copy: Recovery, cx: &mut Context);
 
     /// Takes the path that the workspace has asked for under this number.
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context);

@@ -469,6 +469,9 @@ fn what_was_computed_is_shown_at_once_when_its_project_is_opened_and_proven_befo
     assert_eq!(shapes(&kept.set), shapes(&made.set));
     assert!(bodies(&desk) > 0 && !desk.mold().regions().is_empty());
     assert_eq!(export(&mut desk, &after), files, "what is exported is computed anew, and is the same to the last bit");
+    let is_proven =
+        |desk: &Desk| desk.mold().electrodes.designed().unwrap().is_proven && desk.mold().found().unwrap().is_proven;
+    assert!(is_proven(&desk), "what was proven is not computed once more");
 
     // Of other parameters nothing was kept.
     let mut params = desk.mold().document.params().clone();

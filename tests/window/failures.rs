@@ -5,7 +5,10 @@ use std::sync::Arc;
 use egui::{Key, Role};
 use files::{AnyDocument, Document};
 use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::blisk::BliskWorkspace;
 use sparkpath::workspaces::blisk::document::stage::Stage;
+use sparkpath::workspaces::blisk::paths::BliskPath;
+use sparkpath::workspaces::context::Context;
 use sparkpath::workspaces::flank::document::{FlankDocument, FlankSource, WallsFile};
 use task::State;
 
@@ -33,6 +36,39 @@ fn a_wrong_number_is_told_beside_its_field() {
     desk.enter("Spark gap", "0.1");
     desk.until_done(Stage::Electrode);
     assert!(!desk.shows("must be from") && desk.step_says(Stage::Electrode, "done"));
+}
+
+#[test]
+fn what_is_asked_meanwhile_comes_first_and_no_question_is_lost() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::Demonstration);
+    desk.until_done(Stage::Part);
+    let act = |desk: &mut Desk, act: fn(&mut Context)| {
+        desk.window.state_mut().act(|_: &mut BliskWorkspace, cx| act(cx));
+        desk.settle();
+    };
+    act(&mut desk, |cx| cx.ask(BliskPath::Post, ""));
+    act(&mut desk, |cx| cx.ask(BliskPath::Machine, ""));
+    act(&mut desk, |cx| {
+        cx.error("One thing is wrong", "The one");
+        cx.error("Another is wrong", "The other");
+    });
+    for (title, button) in
+        [("Another is wrong", "Close"), ("One thing is wrong", "Close"), ("Your own machine", "Cancel")]
+    {
+        desk.assert_shows(title);
+        desk.press(button);
+    }
+    desk.assert_shows("Your own NC post");
+    desk.type_path(&home.path("none.toml"));
+    desk.assert_shows("This is no post");
+    desk.press("Close");
+    assert!(!desk.shows("Type or paste the path") && !desk.shows("wrong"));
+    // Asked twice it is asked once.
+    act(&mut desk, |cx| cx.ask(BliskPath::Post, ""));
+    act(&mut desk, |cx| cx.ask(BliskPath::Post, ""));
+    desk.press("Cancel");
+    assert!(!desk.shows("Type or paste the path"));
 }
 
 #[test]

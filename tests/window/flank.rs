@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use task::State;
+use wheel::electrode::ElectrodeFace;
 
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{By, Queryable as _};
@@ -380,6 +381,18 @@ fn a_blisks_electrode_is_milled_without_a_file() {
     assert_eq!(desk.app().shown(), "flank");
     let part = desk.until_faces();
     assert!((part / volume - 1.0).abs() < 1e-9, "{part} {volume}");
+    // What is milled first is a wall of it, and neither its shank nor its holder.
+    let faces = &desk.blisk().work.electrodes().unwrap().electrodes[0].faces;
+    let mesh = desk.blisk().electrode_to_mill().unwrap().mesh;
+    let is_wall = |face: &ElectrodeFace| matches!(face, ElectrodeFace::LowWall | ElectrodeFace::HighWall);
+    let walls = mesh.triangles.iter().zip(faces).filter(|(_, face)| is_wall(face));
+    let walls: Vec<DVec3> = walls.flat_map(|(corners, _)| corners.map(|v| mesh.vertices[v as usize])).collect();
+    let loaded = desk.flank().work.loaded(desk.flank().params()).unwrap().clone();
+    let LoadedSurface::Face { mesh, candidates, .. } = &loaded.surface else { panic!("no face of a part") };
+    let corners = candidates[0].triangles.iter().flat_map(|&t| mesh.triangles[t as usize]);
+    let off = |v: u32| walls.iter().map(|p| p.distance(mesh.vertices[v as usize])).fold(f64::INFINITY, f64::min);
+    let off = corners.map(off).fold(0.0, f64::max);
+    assert!(off < 1e-6, "{off}: {}", candidates[0].summary());
     assert_eq!(desk.flank().document.name(), "electrode 1 flank 1");
 }
 

@@ -140,9 +140,9 @@ impl Workspace for Notes {
         }
     }
 
-    fn recover(&mut self, copy: &Recovery, _cx: &mut Context) -> Result<(), String> {
-        self.document = copy.open().map_err(|e| e.to_string())?;
-        Ok(())
+    fn recover(&mut self, copy: Recovery, cx: &mut Context) {
+        self.document = copy.open().unwrap();
+        cx.request(Request::Recovered(copy));
     }
 
     fn take_path(&mut self, _number: usize, _path: PathBuf, _cx: &mut Context) {}

@@ -88,7 +88,7 @@ fn a_kept_run_stands_in_the_comparison_until_it_is_removed() {
     let mut foreign = kept[0].clone();
     (foreign.number, foreign.plan.inputs) = (7, "another part".to_owned());
     kept.push(foreign);
-    KeptRun::keep(&kept, &mut desk.blisk_mut().document);
+    KeptRun::keep(&kept, &mut desk.blisk_mut().document).unwrap();
     desk.until("it is refused", |d| d.shows("not compared: it is of another part or channel"));
     desk.picture("comparison_foreign_dark");
     desk.press("Remove 7 genetic");

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use task::State;
 
 use egui::{Key, Modifiers, Role, vec2};
-use egui_kittest::kittest::{By, Queryable as _};
+use egui_kittest::kittest::{By, NodeT as _, Queryable as _};
 use files::Override;
 use files::{AnyDocument, Document};
 use geometry::mesh::Mesh;
@@ -117,6 +117,12 @@ fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
     let home = Home::new();
     let mut desk = found(&home);
     desk.assert_shows("The cutters leave 8 regions");
+    let name = desk.window.get(By::new().role(Role::TextInput).label("Cutters 1, Name"));
+    assert_eq!(
+        name.accesskit_node().placeholder(),
+        Some("flat 6"),
+        "a cutter without a name is called after its shape"
+    );
     let exact = 4.0 * corner(3.0, 5.0) + 4.0 * corner(3.0, 4.0);
     assert!((desk.volume() / exact - 1.0).abs() < 1e-3, "{} {exact}", desk.volume());
     // The blisk was not worked on behind it.
@@ -505,7 +511,10 @@ fn decisions_do_not_pass_to_another_mesh_in_the_same_file() {
     assert!(desk.log().iter().any(|line| line.contains("overrides") && line.contains("dropped")), "{:?}", desk.log());
     // Nor by way of the file, nor by undo.
     let mut desk = home.start(Opening::In("mold", Some(file)));
+    desk.settle();
+    desk.press("Use as it is now");
     desk.until_loaded();
+    desk.settle();
     assert!(is_clean(&desk));
     let tolerant = MoldParams { tolerance_mm: 0.05, ..desk.mold().document.params().clone() };
     desk.mold_mut().edit(tolerant);

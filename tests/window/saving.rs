@@ -135,6 +135,27 @@ fn a_project_is_saved_under_a_name_that_opens_and_over_nothing_unasked() {
     desk.assert_shows("is a folder");
 }
 
+/// However large a project is, nobody waits for it: what is open stays until all of the other one was read.
+#[test]
+fn a_project_is_read_behind_the_window() {
+    let home = Home::new();
+    let file = home.path("other.sparkpath");
+    project(&file, 45);
+    let mut desk = home.start(Opening::Demonstration);
+    desk.until_done(Stage::Part);
+    desk.window.state_mut().open(&file);
+    assert!(desk.app().is_opening() && seed(&desk) != 45, "it is not read at once");
+    desk.settle();
+    assert!(seed(&desk) == 45 && desk.blisk().document.file() == Some(&*file) && !desk.shows(UNSAVED));
+    // What is opened last is what is opened.
+    let [slow, last] = ["slow.sparkpath", "last.sparkpath"].map(|name| home.path(name));
+    project(&slow, 46);
+    project(&last, 47);
+    [&slow, &last].into_iter().for_each(|file| desk.window.state_mut().open(file));
+    desk.settle();
+    assert_eq!(seed(&desk), 47);
+}
+
 /// Whether a program that ended left a copy.
 fn is_left(home: &Home) -> bool {
     !Recovery::find(&home.folders().autosave).is_empty()
@@ -225,6 +246,28 @@ fn a_mold_and_a_blisk_of_one_program_are_both_recovered() {
     desk.press("Don't save");
     drop(desk);
     assert!(!is_left(&home), "it was given up on purpose");
+}
+
+#[test]
+fn a_mold_whose_mesh_is_gone_is_recovered_without_the_picture_of_another() {
+    let home = Home::new();
+    let other = home.path("other.stl");
+    std::fs::copy(home.mold(), &other).unwrap();
+    let mut desk = home.start(Opening::In("mold", Some(other.clone())));
+    desk.until_loaded();
+    let params = MoldParams { tolerance_mm: 0.07, ..desk.mold().document.params().clone() };
+    desk.mold_mut().edit(params.clone());
+    until_kept(&mut desk, &home);
+    drop(desk);
+    std::fs::remove_file(&other).unwrap();
+    let mut desk = home.start(Opening::In("mold", Some(home.mold())));
+    desk.until_loaded();
+    assert!(desk.mold().work.mold().is_some());
+    desk.press("Recover");
+    desk.until("the mesh was looked for", |d| !d.mold().work.is_busy());
+    assert!(*desk.mold().document.params() == params && desk.mold().document.is_unsaved());
+    assert!(desk.mold().work.mold().is_none(), "it is another part's");
+    desk.assert_shows("other.stl: cannot be read");
 }
 
 #[test]

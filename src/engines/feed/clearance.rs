@@ -216,7 +216,7 @@ impl<'a> ClearanceModel<'a> {
         self.electrode.samples().len() + self.blisk.samples().len()
     }
 
-    /// Where the electrode is out of the blisk.
+    /// The region in which the electrode is out of the blisk.
     pub fn outside(&self) -> &Outside {
         self.bodies.outside
     }

@@ -6,7 +6,7 @@ use super::clearance::{ClearanceModel, Lacking, NearbyPoses, Shortfall};
 use super::pose::{Axis, Pose};
 use super::probes::{Demand, Instant, Turns};
 
-/// Where an ascent ended.
+/// End of an ascent.
 #[derive(Debug, Clone, Copy)]
 pub struct Ascent {
     /// The pose.
@@ -22,7 +22,7 @@ pub(super) type Slopes = [f64; 6];
 
 impl ClearanceModel<'_> {
     /// Moves `start` along `axes` towards freedom by following the distance fields: in each round every probe that
-    /// lacks clearance shifts the pose by the smallest motion that would mend it. Answers the best pose met
+    /// lacks clearance shifts the pose by the smallest motion that would mend it. Returns the best pose met
     /// and the probe that still lacks most there, none if the pose is free.
     pub fn climb(
         &self,

@@ -13,7 +13,7 @@ use geometry::frame::Frame;
 use geometry::spline::EndCondition;
 use glam::DVec3;
 
-/// How nodes are joined.
+/// Parameters of the interpolation between nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct InterpolationParams {
@@ -41,7 +41,7 @@ impl InterpolationParams {
         Invalid::unless_within("degree", self.degree as f64, [3.0, 5.0], "")
     }
 
-    /// How nodes are joined.
+    /// Interpolation between nodes.
     pub fn joining(&self) -> Joining {
         match self.kind {
             CurveKind::Spline => Joining::Spline(self.ends),
@@ -55,7 +55,7 @@ const MOST_PIECES: f64 = 1e4;
 /// Most rows of a path.
 const MOST_ROWS: usize = 1_000_000;
 
-/// Why no rows can be made that keep to the curve.
+/// Reason why no rows can be made that keep to the curve.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum InterpolationError {
     /// Rounding alone moves the electrode's points further than allowed.

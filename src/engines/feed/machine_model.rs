@@ -73,7 +73,7 @@ impl MachineModel {
     }
 }
 
-/// Where a machine stands about one electrode and a blisk.
+/// Position of a machine relative to an electrode and a blisk.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
     side: EntrySide,

@@ -21,9 +21,9 @@ use wheel::electrode::{Electrode, ElectrodeError};
 pub struct FeedPlan {
     /// Nodes from the final pose outwards.
     pub nodes: Vec<Node>,
-    /// How each node's search converged.
+    /// Convergence of the search for each node.
     pub convergence: Vec<Convergence>,
-    /// Where the search jammed, if it did.
+    /// Place where the search jammed, if it did.
     pub jam: Option<Jam>,
     /// The path, if the electrode came out.
     pub path: Option<PlannedPath>,

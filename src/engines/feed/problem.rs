@@ -108,7 +108,7 @@ pub struct Node {
     pub objective: ObjectiveValue,
 }
 
-/// How the objective fell over the generations at one node.
+/// Course of the objective over the generations at a node.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Convergence {
     /// Withdrawn distance of the node (mm).

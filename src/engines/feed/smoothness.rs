@@ -14,7 +14,7 @@ pub struct AxisSmoothness {
     pub rms_second_difference: f64,
     /// Greatest size of a second difference (mm or deg).
     pub max_second_difference: f64,
-    /// How often the first difference changes its sign: reversals.
+    /// Number of sign changes of the first difference: reversals.
     pub sign_changes: usize,
 }
 

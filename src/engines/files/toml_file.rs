@@ -1,5 +1,6 @@
 //! TOML files of any kind: bounded in size, parsed, validated, written atomically.
 
+use std::cell::OnceCell;
 use std::fs::File;
 use std::io::Read;
 use std::marker::PhantomData;
@@ -162,10 +163,14 @@ fn place_of(text: &str, key: &str) -> Option<usize> {
     place_in(DeTable::parse(text).ok()?.get_ref(), key)
 }
 
-/// Returns a function that tells whether `text` has a key.
+/// Returns a function that tells whether `text` has a key. The text is parsed once, at the first question.
 pub(crate) fn keys_in(text: &str) -> impl Fn(&str) -> bool {
-    let root = DeTable::parse(text).ok();
-    move |key| root.as_ref().is_some_and(|root| place_in(root.get_ref(), key).is_some())
+    let root = OnceCell::new();
+    move |key| {
+        root.get_or_init(|| DeTable::parse(text).ok())
+            .as_ref()
+            .is_some_and(|root| place_in(root.get_ref(), key).is_some())
+    }
 }
 
 fn place_in(root: &DeTable, key: &str) -> Option<usize> {

@@ -87,7 +87,7 @@ pub struct CheckedPath {
     pub words: String,
     /// Deviation of the standing cutter.
     pub deviation: Deviation,
-    /// Where the axis stands over the places of the grid.
+    /// Foot points of the axis over the samples of the grid.
     pub feet: Feet,
     /// Coverage of the surface.
     pub coverage: Coverage,

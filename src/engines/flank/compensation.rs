@@ -44,7 +44,7 @@ pub enum Model {
     Moving,
 }
 
-/// How the deviation at a place changes with the control points.
+/// Dependence of the deviation at a sample on the control points.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Row {
     /// Numbers of four control points.
@@ -201,7 +201,7 @@ pub struct Measured {
     pub axis: AxisSurface,
     /// Deviation over the design surface.
     pub deviation: Deviation,
-    /// Where the axis stands over the places of the grid.
+    /// Foot points of the axis over the samples of the grid.
     pub feet: Feet,
     /// Least and greatest t at which the moving cutter grazes the surface's ends.
     grazing: [f64; 2],

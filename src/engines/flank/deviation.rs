@@ -1,4 +1,4 @@
-//! How far the cutter is off the design surface: P4 (7), with feet on the surface gone on past its edges.
+//! Deviation of the cutter from the design surface: P4 (7), with foot points on the surface extended past its edges.
 //!
 //! The deviation of a place of the surface is taken where a place of the axis stands over it, that is, on the normal
 //! there: `(P - R) . n - rho(h)`, with the sphere inscribed in the cutter around P. Clamping feet to the surface's

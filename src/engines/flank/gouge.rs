@@ -20,7 +20,7 @@ use super::walls::Walls;
 use geometry::bvh::Bvh;
 use task::{Cancel, Task};
 
-/// How exact clearances are near a touch (mm).
+/// Accuracy of clearances near contact (mm).
 pub const TOLERANCE: f64 = 1e-3;
 
 /// Part of the tool that comes near.
@@ -50,9 +50,9 @@ pub struct Clearance {
 /// Least clearances of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct GougeCheck {
-    /// Of the flutes from neighbouring walls; none if there are none near.
+    /// Clearance of the flutes from neighbouring walls; none if there are none near.
     pub cutter: Option<Clearance>,
-    /// Of the holder from everything; none without a holder or if nothing is near.
+    /// Clearance of the holder from everything; none without a holder or if nothing is near.
     pub holder: Option<Clearance>,
 }
 

@@ -148,7 +148,7 @@ impl GuideCurve {
         Ok(Self::Points { points, degree: 3 })
     }
 
-    /// Why it is no curve; of a row of points in words of points, which are counted from 1.
+    /// Reason why it is no curve; of a row of points in words of points, which are counted from 1.
     fn wrong(&self, which: &'static str, reason: NurbsError) -> FlankError {
         let Self::Points { points, .. } = self else { return FlankError::Guide { which, reason } };
         let problem = match reason {

@@ -15,9 +15,9 @@ pub struct Joining {
     pub which: &'static str,
     /// The first of the two points between which that is, counted from 1.
     pub point: usize,
-    /// How far it leaves the line between the two (mm).
+    /// Greatest distance of the curve from the line between the two points (mm).
     pub departure_mm: f64,
-    /// Where it is then (mm).
+    /// Place of that distance (mm).
     pub at: DVec3,
     /// How much the line through the points turns at the one of the two where it turns more (rad).
     pub turn: f64,

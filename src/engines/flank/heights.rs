@@ -22,7 +22,8 @@ impl Heights {
     /// How much deeper than the first path's the bottom may be (mm): a cone that sinks along its axis has any radius,
     /// but something may be below.
     const DEEPER_MM: f64 = 0.05;
-    /// How far beyond them a path may go (mm): half of what the bottom is usually below the lower guide.
+    /// Greatest accepted distance of a path beyond the heights (mm): half of the usual depth of the bottom below the
+    /// lower guide.
     pub const BEYOND_MM: f64 = 0.05;
 
     /// Heights of a first path, whose cutter touches the lower guide with its rim.
@@ -32,7 +33,7 @@ impl Heights {
         Self { floor: rim, ceiling: first.heights_mm[1].max(rim) + Self::DEEPER_MM }
     }
 
-    /// How far a path is beyond them (mm); 0 within.
+    /// Distance of a path beyond the heights (mm); 0 within.
     pub fn beyond(&self, path: &Measured) -> f64 {
         let [low, high] = path.heights_mm;
         (self.floor - low).max(high - self.ceiling).max(0.0)

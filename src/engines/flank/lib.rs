@@ -42,7 +42,7 @@ use glam::DVec3;
 use geometry::nurbs::NurbsError;
 use task::Cancelled;
 
-/// Why there is no flank path.
+/// Reason why there is no flank path.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FlankError {
     /// A guide curve that cannot be made.
@@ -50,7 +50,7 @@ pub enum FlankError {
     Guide {
         /// Name of the guide: lower, upper.
         which: &'static str,
-        /// Why not.
+        /// Reason why not.
         reason: NurbsError,
     },
     /// A row of points that is no curve.
@@ -186,7 +186,7 @@ pub enum FlankError {
         u0: f64,
         /// On the upper guide.
         u1: f64,
-        /// Why not.
+        /// Reason why not.
         reason: &'static str,
     },
     /// Places of the surface that no place of the axis stands over.

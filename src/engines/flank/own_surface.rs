@@ -20,7 +20,7 @@ use super::gouge::{ToolPart, tool_of};
 use super::path::{FlankPath, FlankPose};
 use task::Task;
 
-/// How exact depths are (mm).
+/// Accuracy of depths (mm).
 pub const EXACT: f64 = 1e-3;
 
 /// A place of the design surface that the tool cuts deeper than the moving cutter does where it stands over it.
@@ -30,26 +30,26 @@ pub struct OwnGouge {
     pub u: f64,
     /// Along the ruling.
     pub v: f64,
-    /// Where it is (mm).
+    /// Position (mm).
     pub point: DVec3,
     /// Part of the tool that cuts the surface.
     pub part: ToolPart,
     /// Parameter t of the path at the place.
     pub t: f64,
-    /// How deep it lies in the tool (mm).
+    /// Depth of the point in the tool (mm).
     pub depth_mm: f64,
-    /// How deep the moving cutter cuts where it stands over it (mm); 0 if it leaves stock.
+    /// Depth of cut of the swept envelope above it (mm); 0 if it leaves stock.
     pub expected_mm: f64,
 }
 
 impl OwnGouge {
-    /// How much deeper it is cut than expected (mm).
+    /// Depth beyond the expected one (mm).
     pub fn excess_mm(&self) -> f64 {
         self.depth_mm - self.expected_mm
     }
 }
 
-/// How the whole tool keeps off the design surface.
+/// Check of the whole tool against the design surface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OwnSurfaceCheck {
     /// Places along u and v.

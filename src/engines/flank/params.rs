@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::FlankError;
 
-/// How the cutter is placed first.
+/// Initial placing of the cutter.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OffsetMethod {
@@ -35,11 +35,11 @@ pub enum Objective {
     },
 }
 
-/// How a flank path is planned.
+/// Parameters of a flank path.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FlankParams {
-    /// How the cutter is placed first.
+    /// Initial placing of the cutter.
     pub offset: OffsetMethod,
     /// Number of cutter locations, P4's m.
     pub locations: usize,
@@ -49,12 +49,12 @@ pub struct FlankParams {
     pub grid: [usize; 2],
     /// Whether locations go on past the ends of the guides until the whole surface is covered.
     pub is_covering: bool,
-    /// How far past the last place needed they go, in u.
+    /// Distance by which paths extend past the last place needed, in u.
     pub overrun_u: f64,
     /// How far the cutter's bottom reaches below the lower guide, along the axis (mm). Paths need some: locations move
     /// along the axis too, by less than 0.05 mm upwards and about as much downwards.
     pub below_mm: f64,
-    /// How far the upper contact may slide away from the lower, in u.
+    /// Greatest sliding of the upper contact from the lower one, in u.
     pub slide_u: f64,
     /// Objective that the refined path minimises.
     pub objective: Objective,

@@ -38,13 +38,13 @@ pub struct Coverage {
 pub struct FlankPath {
     /// The surface that its axis sweeps, from the height that touches the lower guide.
     pub axis: AxisSurface,
-    /// How far the cutter's bottom is below that height (mm).
+    /// Depth of the cutter's bottom below that height (mm).
     pub below_mm: f64,
     /// Places along it, as many as locations were asked for.
     pub poses: Vec<FlankPose>,
     /// Deviation of the standing cutter over the design surface.
     pub deviation: Deviation,
-    /// Where the axis stands over the places of the grid.
+    /// Foot points of the axis over the samples of the grid.
     pub feet: Feet,
     /// Coverage of the surface.
     pub coverage: Coverage,

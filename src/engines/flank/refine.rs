@@ -49,13 +49,13 @@ impl Merit {
     }
 }
 
-/// How far beyond the bounds of an objective a path goes (mm).
+/// Excess of a path over the bounds of an objective (mm).
 pub fn beyond_bounds(objective: Objective, deviation: &Deviation) -> f64 {
     let [least, most] = bounds_of(objective);
     (deviation.most_undercut - most).max(least - deviation.most_overcut).max(0.0)
 }
 
-/// How far beyond the bounds of an objective a path goes (mm), standing or moving, whichever is worse.
+/// Excess of a path over the bounds of an objective (mm), static or of the swept envelope, whichever is worse.
 pub fn path_beyond_bounds(objective: Objective, path: &FlankPath) -> f64 {
     beyond_bounds(objective, &path.deviation).max(beyond_bounds(objective, &path.envelope.deviation))
 }

@@ -42,7 +42,7 @@ pub struct SurfacePlace {
     pub u: f64,
     /// Along the ruling, 0 on the lower guide and 1 on the upper.
     pub v: f64,
-    /// Where it is (mm).
+    /// Position (mm).
     pub point: DVec3,
     /// Derivative by u.
     pub along_u: DVec3,

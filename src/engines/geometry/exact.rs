@@ -14,7 +14,7 @@ pub struct ExactMesh {
     shape: TriMesh,
 }
 
-/// Why a mesh cannot be queried.
+/// Reason why a mesh cannot be queried.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ExactMeshError {
     /// There are no triangles.

@@ -8,7 +8,7 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// So many things; there are never as many as do not fit.
+    /// `count` groups of one item each; `count` always fits.
     pub fn of(count: usize) -> Self {
         Self { earlier: (0..count as u32).collect() }
     }

@@ -17,7 +17,7 @@ const SLACK: f64 = 1e-9;
 /// Normals of a vertex at most that are combined by threes; of more, those of the largest faces go first.
 const MOST: usize = 40;
 
-/// Why a surface cannot be moved.
+/// Reason why a surface cannot be moved.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum OffsetError {
     /// The faces at a vertex look all ways.

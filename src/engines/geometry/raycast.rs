@@ -1,4 +1,4 @@
-//! Where rays meet a mesh, through parry3d-f64's bounding volume hierarchy.
+//! Intersections of rays with a mesh, through parry3d-f64's bounding volume hierarchy.
 
 use glam::DVec3;
 use parry3d_f64::query::{Ray, RayCast};
@@ -13,7 +13,7 @@ pub struct RayMesh {
     shape: TriMesh,
 }
 
-/// Where a ray met a mesh.
+/// Intersection of a ray with a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayHit {
     /// Distance from the ray's origin, in lengths of its direction.

@@ -9,7 +9,7 @@ use manifold_rust::types::{BooleanEngine, Error, MeshGL64, OpType, WindingRule};
 use super::mesh::Mesh;
 use super::weld::Weld;
 
-/// Why solids cannot be combined.
+/// Reason why solids cannot be combined.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SolidError {
     /// A solid whose surface is not closed.

@@ -22,7 +22,7 @@ pub struct CubicSpline {
     seconds: Vec<f64>,
 }
 
-/// Why points cannot be interpolated.
+/// Reason why points cannot be interpolated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum SplineError {
     /// Too few points or unequal numbers of knots and values.
@@ -49,7 +49,7 @@ impl CubicSpline {
         Ok(Self { knots: knots.to_vec(), values: values.to_vec(), seconds })
     }
 
-    /// Where the polynomial pieces join.
+    /// Parameters at which the polynomial pieces join.
     pub fn knots(&self) -> &[f64] {
         &self.knots
     }

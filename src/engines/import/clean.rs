@@ -95,9 +95,9 @@ fn without(mesh: &Mesh, dropped: impl Iterator<Item = u32>) -> Mesh {
 /// Result of removing the triangles without height.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(super) struct Slivers {
-    /// How many were given a height by exchanging an edge with a neighbour.
+    /// Number of slivers given a height by exchanging an edge with a neighbour.
     pub exchanged: usize,
-    /// How many could not be helped and stay.
+    /// Number of slivers that remain.
     pub kept: usize,
 }
 

@@ -4,7 +4,7 @@ use std::io;
 
 use task::Cancelled;
 
-/// Why a mesh file was not imported. Its text is one line that names the file, the place in it and the remedy.
+/// Reason why a mesh file was not imported. Its text is one line that names the file, the place in it and the remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum ImportError {
     /// The file cannot be opened or read.

@@ -1,4 +1,4 @@
-//! Where a surface ends: its boundary loops.
+//! Boundary loops of a surface.
 
 use glam::DVec3;
 use serde::Serialize;

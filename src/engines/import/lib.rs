@@ -60,7 +60,7 @@ pub use units::{Undeclared, Unit, Units};
 
 use source::{RawMesh, Source};
 
-/// How a mesh file is to be read.
+/// Options for reading a mesh file.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImportOptions {
@@ -76,7 +76,7 @@ pub struct ImportOptions {
 }
 
 impl ImportOptions {
-    /// Says what is wrong with these options, if anything is.
+    /// Checks these options.
     ///
     /// # Errors
     /// [`ImportError::BadOption`].

@@ -1,4 +1,4 @@
-//! How much an import may take, checked by arithmetic before anything is allocated.
+//! Limits of an import, checked by arithmetic before anything is allocated.
 
 use serde::{Deserialize, Serialize};
 
@@ -30,7 +30,7 @@ const BYTES_PER_TRIANGLE: u64 = 100;
 const BYTES_PER_VERTEX: u64 = 100;
 
 impl ImportLimits {
-    /// Says what is wrong with these limits, if anything is.
+    /// Checks these limits.
     ///
     /// # Errors
     /// [`ImportError::BadOption`] for a limit of zero or more triangles than can be numbered.

@@ -94,7 +94,7 @@ struct Lines<'a> {
     /// Buffer of the text that is read next, and the position in it.
     plain: Vec<u8>,
     read: usize,
-    /// Why nothing more is read.
+    /// Reason why nothing more is read.
     refusal: Option<ImportError>,
 }
 
@@ -216,7 +216,7 @@ impl<'a> Lines<'a> {
         self.source.malformed(format!("line {}", self.line), problem, remedy)
     }
 
-    /// Why the crate stopped at the current line.
+    /// Reason why the crate stopped at the current line.
     fn explained(&mut self, error: LoadError) -> ImportError {
         self.refusal.take().unwrap_or_else(|| self.error(error.to_string(), "export the file again"))
     }

@@ -17,7 +17,7 @@ pub struct ImportReport {
     pub format: Format,
     /// Unit of the coordinates in the file.
     pub unit: Unit,
-    /// Why this unit is taken.
+    /// Reason why this unit is taken.
     pub unit_reason: String,
     /// Whether the unit is beyond doubt; if not, ask the user.
     pub unit_certain: bool,
@@ -122,7 +122,7 @@ impl ImportReport {
         report
     }
 
-    /// Why the unit may be another, in a sentence; none if it is beyond doubt.
+    /// Reason why the unit may be another, in a sentence; none if it is beyond doubt.
     pub fn unit_doubt(&self) -> Option<String> {
         (!self.unit_certain).then(|| format!("The unit is a guess: {}. Set it if this is wrong.", self.unit_reason))
     }

@@ -1,4 +1,4 @@
-//! What a reader of a format is, and a file's bytes on their way to it, with everything it needs to refuse them.
+//! The interface of a reader of a format, and the bytes of a file with all limits a reader needs.
 
 use std::path::Path;
 
@@ -13,9 +13,9 @@ use task::{Cancelled, Task};
 /// How many items a reader handles between two looks at the cancel flag: a few milliseconds of work.
 const ITEMS_PER_CHECK: usize = 1 << 14;
 
-/// What the importer has to know of a format. Each format has one, in its own file.
+/// Description of a format for the importer. Each format has one, in its own file.
 pub(super) struct MeshFormat {
-    /// How much a file looks like one of this format.
+    /// Likeness of a file to this format.
     pub likeness: fn(&Content) -> Likeness,
     /// Reads a file of this format.
     pub read: fn(&Source) -> Result<RawMesh, ImportError>,
@@ -23,7 +23,7 @@ pub(super) struct MeshFormat {
     pub unit: Option<(Unit, &'static str)>,
 }
 
-/// How much a file looks like one of a format.
+/// Likeness of a file to a format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Likeness {
     /// Not at all.
@@ -63,7 +63,7 @@ pub(super) struct Source<'a> {
     pub folder: Option<&'a Path>,
     /// Limits of the import.
     pub limits: &'a ImportLimits,
-    /// Where progress goes.
+    /// Receiver of progress, and cancelling.
     pub task: &'a Task,
 }
 

@@ -47,7 +47,7 @@ pub struct Approved {
     simulation: Option<Simulation>,
 }
 
-/// Why a path cannot be exported as NC.
+/// Reason why a path cannot be exported as NC.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotApproved {
     /// The certificate belongs to another path.
@@ -265,7 +265,7 @@ mod tests {
     use feed::pose::Axis;
     use feed::verify::VerifyOptions;
 
-    /// Why `path` is not approved on the strength of `certificate`, for the meshes of the scene.
+    /// Reason why `path` is not approved on the strength of `certificate`, for the meshes of the scene.
     fn refused(scene: &Scene, path: &FeedPath, certificate: Certificate) -> NotApproved {
         Approved::new(path.clone(), certificate, &scene.blisk, &scene.electrode).unwrap_err()
     }

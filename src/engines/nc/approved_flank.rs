@@ -34,7 +34,7 @@ pub struct ApprovedFlank<'a> {
     path: ToolPath<'a>,
 }
 
-/// Why a flank may not be milled.
+/// Reason why a flank may not be milled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NotApprovedFlank {
     /// Checks fail that were not overridden: their names and findings.

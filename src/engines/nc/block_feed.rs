@@ -1,4 +1,4 @@
-//! How far, and so how long, the electrode moves within one block, and the F word that says so.
+//! Distance and duration of the electrode's motion within a block, and the F word for them.
 
 use glam::DVec3;
 
@@ -93,7 +93,7 @@ pub(super) fn whole_seconds(minutes: f64, decimals: usize) -> f64 {
     (minutes * 60.0 * steps - ROUNDING).ceil() / steps
 }
 
-/// How many blocks of a program are slower than asked for, and by how much.
+/// Slowed blocks of a program.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slowed {
     /// Blocks that are slower.

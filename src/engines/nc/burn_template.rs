@@ -24,7 +24,7 @@ const MOST_STEPS: u64 = 50_000_000;
 const WIDEST: usize = 1000;
 const MOST_DECIMALS: usize = 12;
 
-/// Why a template makes no text.
+/// Reason why a template makes no text.
 #[derive(Debug, thiserror::Error)]
 pub enum TemplateError {
     /// File cannot be read.

@@ -31,7 +31,7 @@ impl ElectrodeFormat {
     /// All formats.
     pub const ALL: [Self; 3] = [Self::Stl, Self::Obj, Self::Glb];
 
-    /// How file names end, and how it is called.
+    /// Ending of file names, and name of the format.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Stl => "stl",
@@ -53,11 +53,14 @@ impl ElectrodeFormat {
     }
 }
 
-/// Why electrodes cannot be written.
+/// Reason why electrodes cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub enum ElectrodeExportError {
     /// A mesh that a format cannot hold.
-    #[error("electrode {electrode} as {format}: {source}; choose another format, or plan the electrodes again", format = format.extension())]
+    #[error(
+        "electrode {electrode} as {format}: {source}; choose another format, or plan the electrodes again",
+        format = format.extension()
+    )]
     Mesh {
         /// The electrode.
         electrode: String,
@@ -84,7 +87,7 @@ pub struct WrittenElectrodes {
     pub files: Vec<ElectrodeFile>,
     /// Electrodes without files.
     pub left_out: Vec<LeftOut>,
-    /// Why there is no burn sheet, if there is none.
+    /// Reason why there is no burn sheet, if there is none.
     pub no_sheet: Option<String>,
 }
 
@@ -138,7 +141,7 @@ pub fn write_electrode_files(
     Ok(written)
 }
 
-/// Why an electrode may not be exported; none if it may.
+/// Reason why an electrode may not be exported; none if it may.
 pub fn why_blocked(set: &ElectrodeSet, electrode: usize) -> Option<String> {
     if !set.is_blocked(electrode) {
         return None;

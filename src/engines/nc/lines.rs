@@ -4,7 +4,7 @@
 use super::post::Post;
 use feed::machine::BeyondTravel;
 
-/// Why no program could be made.
+/// Reason why no program could be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NcError {
     /// The path moves an axis that the machine does not have.

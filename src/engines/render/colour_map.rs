@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use super::colour::Colour;
 
-/// How many colours a map is tabulated with.
+/// Number of colours in the table of a map.
 pub const TABLE_SIZE: usize = 256;
 
 /// A map from numbers to colours. The maps are our own: a few control points in Oklab (B. Ottosson, A
@@ -121,7 +121,7 @@ impl Legend {
         self.map.at((value - self.min) / (self.max - self.min))
     }
 
-    /// Where `value` lies along the bar, 0 at `min` and 1 at `max`, clipped.
+    /// Position of `value` along the bar, 0 at `min` and 1 at `max`, clipped.
     pub fn place(&self, value: f64) -> f64 {
         let t = (value - self.min) / (self.max - self.min);
         if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) }

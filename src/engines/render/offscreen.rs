@@ -16,7 +16,7 @@ const PATIENCE: Duration = Duration::from_millis(30);
 /// Rows of a picture that are compressed between two looks.
 const ROWS: usize = 32;
 
-/// Why there is no picture.
+/// Reason why there is no picture.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum RenderError {
     /// Cancelled.

@@ -109,7 +109,7 @@ pub struct Grid {
     pub center: DVec3,
     /// Distance of its lines (mm); every tenth is stronger.
     pub spacing: f64,
-    /// Where it has faded out (mm).
+    /// Radius at which it has faded out (mm).
     pub radius: f64,
 }
 
@@ -188,7 +188,7 @@ impl SectionPlane {
         if self.point.is_finite() { self.normal.try_normalize() } else { None }
     }
 
-    /// How far `p` lies on the side that is taken away (mm), negative on the side that stays.
+    /// Distance of `p` on the removed side (mm), negative on the side that stays.
     pub fn height(&self, p: DVec3) -> Option<f64> {
         self.unit_normal().map(|n| n.dot(p - self.point))
     }

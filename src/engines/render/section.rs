@@ -1,4 +1,4 @@
-//! Where a section plane cuts meshes.
+//! Intersections of a section plane with meshes.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -36,7 +36,7 @@ impl CutCache {
         entry.0.clone()
     }
 
-    /// To be called after each picture: forgets what it did not use.
+    /// Drops what the last picture did not use. Called after each picture.
     pub fn finish_picture(&mut self) {
         let round = self.round;
         self.cuts.retain(|_, (_, used)| *used == round);

@@ -24,7 +24,7 @@ pub struct ChannelCircle {
     pub center: DVec3,
     /// Radius of the circle (mm).
     pub radius: f64,
-    /// Where it touches the low and the high wall (mm).
+    /// Contacts with the low and the high wall (mm).
     pub contacts: [DVec3; 2],
 }
 
@@ -34,13 +34,13 @@ pub struct Centreline {
     curve: NurbsCurve,
     /// Circles of each section, from the hub outwards, in order along the channel.
     pub sections: Vec<Vec<ChannelCircle>>,
-    /// How far the curve is from the middles of the sections, half of which it was drawn through.
+    /// Distances of the curve from the middles of the sections, half of which it was fitted to.
     pub fit: FitError,
     /// Lengths along the curve at evenly spaced parameters (mm).
     lengths: Vec<f64>,
 }
 
-/// Why there is no centreline.
+/// Reason why there is no centreline.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum CentrelineError {
     /// The walls or the middles cannot be joined.

@@ -127,7 +127,7 @@ pub struct Channel {
     pub high: ChannelWall,
     /// Narrowest place between the walls.
     pub throat: Throat,
-    /// How much the middle line turns between its two ends, seen along the radius (rad).
+    /// Turn of the middle line between its two ends, seen along the radius (rad).
     pub turning: f64,
     /// X extent of the blisk at the channel's radii: its two faces (mm).
     pub faces_x: [f64; 2],

@@ -7,7 +7,7 @@ use super::frame::axis::Axis;
 use geometry::frame::Cylindrical;
 use task::Cancelled;
 
-/// Why the axis, the blades or a channel could not be found.
+/// Reason why the axis, the blades or a channel could not be found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BliskError {
     /// A key of the project is wrong.
@@ -52,7 +52,7 @@ pub enum BliskError {
         axis: Axis,
         /// How many gaps there are.
         count: usize,
-        /// Why they are no channels.
+        /// Reason why they are no channels.
         reason: &'static str,
     },
     /// The channel that is asked for does not exist.

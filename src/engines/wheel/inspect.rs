@@ -63,7 +63,7 @@ pub struct ChannelSummary {
     pub faces_x_mm: [f64; 2],
     /// The narrowest place between the walls.
     pub throat: Throat,
-    /// How much the middle line turns (deg).
+    /// Turn of the middle line (deg).
     pub turning_deg: f64,
     /// How well the surfaces agree with the mesh.
     pub agreement: Vec<Agreement>,

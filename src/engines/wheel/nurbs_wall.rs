@@ -23,7 +23,7 @@ pub struct NurbsWall {
     pub off_points: FitError,
 }
 
-/// Why there are no walls through measured sections.
+/// Reason why there are no walls through measured sections.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MeasuredError {
     /// Cancelled.
@@ -117,7 +117,7 @@ impl NurbsWall {
         distance(0.5 * (low + high)).sqrt()
     }
 
-    /// How far the surface is from `mesh`, which is in the same frame: at its points and half way between them.
+    /// Distances of the surface from `mesh`, in the same frame: at its points and half way between them.
     pub fn off_mesh(&self, mesh: &ExactMesh) -> FitError {
         let halved = |t: &[f64]| -> Vec<f64> {
             let between = t.windows(2).flat_map(|w| [w[0], 0.5 * (w[0] + w[1])]);

@@ -86,7 +86,7 @@ pub enum AxisChoice {
     Line(AxisLine),
 }
 
-/// How the channel of a blisk is found.
+/// Options for finding the channel of a blisk.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BliskOptions {

@@ -31,7 +31,7 @@ pub struct MeasuredSection {
     pub high: Vec<DVec3>,
 }
 
-/// Why a table of sections cannot be used.
+/// Reason why a table of sections cannot be used.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SectionsError {
     /// The table is larger than any measurement.

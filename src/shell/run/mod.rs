@@ -88,8 +88,8 @@ pub struct SparkpathApp {
     scheduler: Scheduler,
     palette: CommandPalette,
     dialog: Dialog,
-    /// Dialog behind the present one, shown again after it.
-    behind: Dialog,
+    /// Dialogs behind the present one, shown again after it, the last first.
+    behind: Vec<Dialog>,
     files: FileDialogs,
     pictures: Pictures,
     log_open: bool,
@@ -148,7 +148,7 @@ impl SparkpathApp {
             scheduler,
             palette: CommandPalette::default(),
             dialog: if copies.is_empty() { Dialog::None } else { Dialog::Recover(copies) },
-            behind: Dialog::None,
+            behind: Vec::new(),
             files: FileDialogs::default(),
             pictures: Pictures::default(),
             log_open: false,
@@ -267,6 +267,9 @@ impl SparkpathApp {
     /// Opens a document or a mesh. The caller has asked about unsaved work.
     pub fn open(&mut self, path: &Path) {
         if let Some(owner) = self.owner(path) {
+            self.give_up(owner);
+            // What is to be seen is worked on from the beginning.
+            self.shown = owner;
             self.with(owner, |workspace, cx| workspace.open(path, cx));
         }
     }
@@ -304,10 +307,21 @@ impl SparkpathApp {
 
     /// Shows an error in front of the present dialog.
     fn error(&mut self, title: impl Into<String>, text: impl Into<String>) {
-        let before = std::mem::replace(&mut self.dialog, Dialog::Error(title.into(), text.into()));
-        if !matches!(before, Dialog::None) {
-            self.behind = before;
-        }
+        self.put_up(Dialog::Error(title.into(), text.into()));
+    }
+
+    /// Asks what `dialog` asks, and what was asked before again after that. A question that is asked once more is asked
+    /// once.
+    fn put_up(&mut self, dialog: Dialog) {
+        let before = std::mem::replace(&mut self.dialog, dialog);
+        self.behind.push(before);
+        let now = &self.dialog;
+        self.behind.retain(|one| !matches!(one, Dialog::None) && !one.is_alike(now));
+    }
+
+    /// Asks what was asked before the present dialog, which is answered.
+    fn take_down(&mut self) -> Dialog {
+        std::mem::replace(&mut self.dialog, self.behind.pop().unwrap_or_default())
     }
 
     /// Carries out the requests of the workspaces.
@@ -323,15 +337,19 @@ impl SparkpathApp {
                         self.ask(Purpose { of: Asking::Workspace(i, number), info }, &name, ctx);
                     }
                     Request::Error(title, text) => self.error(title, text),
-                    Request::Dialog => self.dialog = Dialog::Workspace(i),
-                    Request::CloseDialog if matches!(self.dialog, Dialog::Workspace(_)) => self.dialog = Dialog::None,
-                    Request::CloseDialog => self.behind = Dialog::None,
+                    Request::Dialog => self.put_up(Dialog::Workspace(i)),
+                    Request::CloseDialog => {
+                        // On top of all others, whatever it was behind.
+                        self.put_up(Dialog::Workspace(i));
+                        self.take_down();
+                    }
                     Request::Replace => self.intend(Intent::Replace(i), ctx),
                     Request::GoOn => self.intend_from(0, Intent::Replace(i), ctx),
                     Request::Show => {
                         self.shown = i;
                         self.cx.take_turn(i);
                     }
+                    Request::Recovered(copy) => self.recovered(i, &copy),
                     Request::Send(message) => {
                         let all = 0..self.workspaces.len();
                         all.into_iter().any(|i| self.with(i, |workspace, cx| workspace.receive(&message, cx)));
@@ -427,14 +445,14 @@ impl SparkpathApp {
             Some(F::Fit) => self.workspaces[shown].viewport_mut().fit(false),
             Some(F::View(view)) => self.workspaces[shown].viewport_mut().look(view, now),
             Some(F::Projection) => self.workspaces[shown].viewport_mut().toggle_projection(),
-            Some(F::Preferences) => self.dialog = Dialog::Preferences,
+            Some(F::Preferences) => self.put_up(Dialog::Preferences),
             Some(F::Theme) => {
                 let dark = ctx.theme() == egui::Theme::Dark;
                 self.cx.preferences.theme = if dark { ThemeChoice::Light } else { ThemeChoice::Dark };
             }
             Some(F::Palette) => self.palette.toggle(),
             Some(F::Log) => self.log_open = !self.log_open,
-            Some(F::About) => self.dialog = Dialog::About,
+            Some(F::About) => self.put_up(Dialog::About),
             _ => self.with(shown, |workspace, cx| workspace.run(command, cx, now)),
         }
     }
@@ -477,7 +495,7 @@ impl SparkpathApp {
             Some(Chosen::ToType(purpose, name)) => {
                 let name = if purpose.ending().is_some() { &*name } else { "" };
                 let start = self.folder().unwrap_or_default().join(name).display().to_string();
-                self.behind = std::mem::replace(&mut self.dialog, Dialog::Path(purpose, start));
+                self.put_up(Dialog::Path(purpose, start));
             }
             None => {}
         }

@@ -22,7 +22,7 @@ impl SparkpathApp {
     pub(super) fn intend_from(&mut self, first: usize, intent: Intent, ctx: &egui::Context) {
         let mut asked = first..self.workspaces.len();
         match asked.find(|i| self.is_endangered(*i, intent)) {
-            Some(i) => self.dialog = Dialog::Unsaved(i, intent),
+            Some(i) => self.put_up(Dialog::Unsaved(i, intent)),
             None => self.carry_out(intent, ctx),
         }
     }
@@ -115,7 +115,7 @@ impl SparkpathApp {
             match how {
                 Named::Chosen => self.cancelled(purpose),
                 // The path can be mended.
-                Named::Typed => self.dialog = Dialog::Path(purpose, path.display().to_string()),
+                Named::Typed => self.put_up(Dialog::Path(purpose, path.display().to_string())),
             }
             let text = format!("There is no file {}. Check its name and its folder.", path.display());
             return self.error(title, text);
@@ -123,7 +123,7 @@ impl SparkpathApp {
         let whole = purpose.with_ending(path.clone());
         let is_asked_about = how == Named::Chosen && whole == path;
         if purpose.ending().is_some() && !is_asked_about && whole.exists() {
-            self.dialog = Dialog::Overwrite(purpose, whole);
+            self.put_up(Dialog::Overwrite(purpose, whole));
         } else {
             self.chosen(purpose, whole, ctx);
         }
@@ -145,50 +145,49 @@ impl SparkpathApp {
     }
 
     pub(super) fn answer(&mut self, answer: Answer, ctx: &egui::Context) {
-        let dialog = std::mem::take(&mut self.dialog);
+        let dialog = self.take_down();
         match (answer, dialog) {
             (Answer::SaveThen(intent), Dialog::Unsaved(i, _)) => {
                 self.after_save = Some((i, intent));
                 self.save(i, true, ctx);
             }
             (Answer::Discard(intent), Dialog::Unsaved(i, _)) => {
-                self.given_up.resize_with(self.workspaces.len(), || None);
-                self.given_up[i] = Some(self.workspaces[i].document().revision());
+                self.give_up(i);
                 self.intend_from(i + 1, intent, ctx);
             }
             (Answer::Recover(i), Dialog::Recover(copies)) => self.recover(i, copies),
             (Answer::ForgetCopies, Dialog::Recover(copies)) => copies.iter().for_each(Recovery::discard),
-            (Answer::Path(purpose, path), _) => {
-                self.dialog = std::mem::take(&mut self.behind);
-                self.named(purpose, path, Named::Typed, ctx);
-            }
+            (Answer::Path(purpose, path), _) => self.named(purpose, path, Named::Typed, ctx),
             (Answer::Overwrite, Dialog::Overwrite(purpose, path)) => self.chosen(purpose, path, ctx),
-            (Answer::Close, Dialog::Overwrite(purpose, _)) => self.cancelled(purpose),
-            (Answer::Close, Dialog::Path(purpose, _)) => {
-                self.cancelled(purpose);
-                self.dialog = std::mem::take(&mut self.behind);
-            }
-            (Answer::Close, Dialog::Error(..)) => self.dialog = std::mem::take(&mut self.behind),
+            (Answer::Close, Dialog::Overwrite(purpose, _) | Dialog::Path(purpose, _)) => self.cancelled(purpose),
             _ => {}
         }
+    }
+
+    /// Has the unsaved work of workspace number `i`, as it is now, not asked about.
+    pub(super) fn give_up(&mut self, i: usize) {
+        self.given_up.resize_with(self.workspaces.len(), || None);
+        self.given_up[i] = Some(self.workspaces[i].document().revision());
     }
 
     /// Recovers the work of copy number `i`; copies of other workspaces can still be recovered beside it.
     fn recover(&mut self, i: usize, mut copies: Vec<Recovery>) {
         let copy = copies.remove(i);
         let Some(owner) = self.workspaces.iter().position(|one| one.about().id == copy.kind) else { return };
-        if let Err(why) = self.with(owner, |workspace, cx| workspace.recover(&copy, cx)) {
-            return self.error("The copy cannot be read", why);
+        copies.retain(|other| other.kind != copy.kind);
+        if !copies.is_empty() {
+            self.put_up(Dialog::Recover(copies));
         }
+        self.with(owner, |workspace, cx| workspace.recover(copy, cx));
+    }
+
+    /// The work of `copy` was taken up by workspace number `owner`.
+    pub(super) fn recovered(&mut self, owner: usize, copy: &Recovery) {
         if self.autosave_now() {
             copy.discard();
         }
         self.shown = owner;
         self.cx.take_turn(self.shown);
         self.say(EventKind::Done, "unsaved work was recovered");
-        copies.retain(|other| other.kind != copy.kind);
-        if !copies.is_empty() {
-            self.dialog = Dialog::Recover(copies);
-        }
     }
 }

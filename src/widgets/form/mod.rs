@@ -1,4 +1,4 @@
-//! Forms made from a table of parameters: label, value, unit, default, and what is wrong in its place.
+//! Forms made from a table of parameters: label, value, unit, default, and errors beside the field.
 
 mod rows;
 mod widgets;
@@ -16,7 +16,7 @@ pub use rows::ExtraColumn;
 
 /// Width of a number (points).
 const VALUE: f32 = 74.0;
-/// Width of a slider, or of what else stands before a number.
+/// Width of a slider, or of another widget before a number.
 const MIDDLE: f32 = 90.0;
 /// Least width of a form that has room for sliders.
 const ROOM_FOR_SLIDERS: f32 = 280.0;
@@ -29,39 +29,39 @@ const GAP: f32 = 4.0;
 
 /// A change of a field.
 enum Change {
-    /// A value of its own.
+    /// A single change.
     To(Value),
-    /// A value among many that come while the button is down or keys step a slider.
+    /// A change within a gesture: a button is down, or keys step a slider.
     Along(Value),
-    /// A file is to be chosen.
+    /// The user wants to choose a file.
     Choose,
-    /// No change: what was typed is no number.
+    /// No change: the typed text is not a number.
     NoNumber(String),
-    /// No change: what was typed is not allowed.
+    /// No change: the typed value is not allowed.
     Wrong(Invalid),
 }
 
-/// Parameters that a form has changed.
+/// Parameters changed by a form.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Edit<P> {
     /// All parameters after the change.
     pub params: P,
-    /// Key of the parameter that was changed; empty if the change was made in another way than by a field.
+    /// Key of the changed parameter; empty if no field was used.
     pub key: String,
-    /// Name of the change, as a step that can be undone.
+    /// Name of the change for undo.
     pub label: String,
-    /// Whether the change is one of many in a gesture of the mouse or keys.
+    /// Whether the change belongs to a gesture.
     pub in_gesture: bool,
 }
 
-/// What a form has come to in a frame.
+/// Result of a form in a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer<P> {
-    /// What was changed, if anything was.
+    /// The change, if there was one.
     pub edit: Option<Edit<P>>,
     /// The key of the parameter for which a file is to be chosen.
     pub wanted: Option<String>,
-    /// What is to be said of what was typed.
+    /// Message about the typed text.
     pub said: Option<String>,
 }
 
@@ -80,15 +80,15 @@ pub struct Form<P: 'static> {
 }
 
 impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
-    /// A form of `table` for `params`.
-    pub fn new(table: &'static FieldTable<P>, params: &P) -> Self {
+    /// A form of `table` for `params`, with which this is wrong.
+    pub fn new(table: &'static FieldTable<P>, params: &P, problem: Option<&Invalid>) -> Self {
         Self {
             table,
             before: params.clone(),
             params: params.clone(),
             values: table.values(params),
             defaults: table.values(&table.defaults(params)),
-            problem: params.validate().err(),
+            problem: problem.cloned(),
             changed: String::new(),
             in_gesture: false,
             wanted: None,
@@ -106,20 +106,20 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
         get(&self.values, key)
     }
 
-    /// Changes the parameters in another way than by a field.
+    /// Changes the parameters without a field.
     pub fn change(&mut self, edit: impl FnOnce(&mut P)) {
         edit(&mut self.params);
         self.values = self.table.values(&self.params);
     }
 
-    /// What was changed, and what is asked for.
+    /// The change, and what the user asks for.
     pub fn answer(self) -> Answer<P> {
         let Self { table, before, params, changed: key, in_gesture, wanted, said, .. } = self;
         let label = if params == before { None } else { Some(table.change(&before, &params)) };
         Answer { edit: label.map(|label| Edit { params, key, label, in_gesture }), wanted, said }
     }
 
-    /// Draws the groups of `section`, those that few need to touch folded unless something in them is no default.
+    /// Draws the groups of `section`. Groups for few users are folded unless a value in them differs from its default.
     pub fn section(&mut self, ui: &mut Ui, section: &str) {
         for group in self.table.groups(section) {
             self.draw(ui, group);
@@ -169,7 +169,7 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
         self.row_with(ui, key, &[]);
     }
 
-    /// Draws the same, which offers further words with their labels.
+    /// Draws the parameter as [`Self::row`] does, with further words to choose and their labels.
     pub fn row_with(&mut self, ui: &mut Ui, key: &str, also: &[[String; 2]]) {
         let Ok(place) = self.table.find(key) else { return };
         if !place.field.is_shown(&self.values) {
@@ -207,7 +207,7 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
         self.take(&place, &value, change);
     }
 
-    /// What is wrong with the value of a field, in the words of the window.
+    /// The error of a field's value, in the words of the window.
     fn problem_of(&self, place: &Place, value: &Value) -> Option<String> {
         let own = place.field.check(&place.key, value).err();
         let has_rows = matches!(place.field.kind, Kind::Rows { .. });
@@ -216,7 +216,7 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
         own.or(of_all).map(|problem| sentence(&self.table.in_window(&problem)))
     }
 
-    /// Puts a value in the place of that of `key`, if the parameters can hold it.
+    /// Replaces the value of `key`, if the parameters can hold the new one.
     pub fn put(&mut self, key: &str, value: Value) {
         // A value that the parameters themselves cannot hold never leaves its field.
         if let Ok(params) = self.table.put(&self.values, key, value) {
@@ -240,7 +240,7 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
     }
 }
 
-/// The name of fields that belong together.
+/// Heading of a group of fields.
 pub fn heading(ui: &mut Ui, name: &str) {
     if !name.is_empty() {
         ui.add_space(4.0);
@@ -248,13 +248,13 @@ pub fn heading(ui: &mut Ui, name: &str) {
     }
 }
 
-/// Widths of the places of a row: label, slider, number. Numbers stand below each other, whatever stands before them.
+/// Widths of the columns of a row: label, slider, number. Numbers stand below each other.
 #[derive(Clone, Copy)]
 struct Widths {
     label: f32,
-    /// Nothing where there is no room for sliders, or no need.
+    /// Width of the slider; 0 where there is no room or need for sliders.
     middle: f32,
-    /// What takes the places of slider and number together.
+    /// Width of slider and number together.
     wide: f32,
 }
 
@@ -300,7 +300,7 @@ fn label(ui: &mut Ui, field: &Field, is_changed: bool) -> Response {
     ui.add(egui::Label::new(name).truncate().selectable(false).sense(egui::Sense::click()))
 }
 
-/// Gives the edge of the next widgets the colour of what is wrong.
+/// Colours the edge of the next widgets as wrong.
 fn mark(ui: &mut Ui) {
     let bad = palette(ui).bad;
     let widgets = &mut ui.visuals_mut().widgets;
@@ -308,7 +308,7 @@ fn mark(ui: &mut Ui) {
     widgets.hovered.bg_stroke = egui::Stroke::new(1.0, bad);
 }
 
-/// What is wrong, below its field.
+/// The error text below a field.
 pub fn complain(ui: &mut Ui, problem: &str) {
     ui.with_layout(egui::Layout::top_down(egui::Align::Max), |ui| {
         ui.add(egui::Label::new(RichText::new(problem).small().color(palette(ui).bad)).wrap());
@@ -331,7 +331,7 @@ fn tooltip(ui: &mut Ui, field: &Field, default: Option<&Value>) {
     ui.weak(field.key);
 }
 
-/// Says that `text`, which was typed, is no number, and what is asked for.
+/// The message that `text`, which was typed, is not a number, with the allowed values.
 fn no_number(place: &Place, value: &Value, text: &str) -> String {
     let Place { field, label, .. } = place;
     let unit = if field.unit.is_empty() { String::new() } else { format!(" {}", field.unit) };

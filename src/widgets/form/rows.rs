@@ -11,8 +11,10 @@ use files::{Field, Kind, Place, Validate, get, inline_toml};
 
 /// Width of the number of a row (points).
 const NUMBER: f32 = 22.0;
+/// Room that a heading leaves before the next one (points).
+const APART: f32 = 6.0;
 
-/// A column of a table that is no parameter itself, such as what several of them make together.
+/// A column without a parameter of its own, such as a value derived from several parameters.
 pub struct ExtraColumn<'a> {
     /// Heading of the column.
     pub head: &'a str,
@@ -20,13 +22,15 @@ pub struct ExtraColumn<'a> {
     pub after: usize,
     /// Width (points).
     pub width: f32,
-    /// Draws the cell of a row. Answers another row.
+    /// Draws the cell of a row. Returns the changed row, if any.
     pub draw: &'a mut dyn FnMut(&mut Ui, &str, &Value) -> Option<Value>,
+    /// What a row is called whose name is empty.
+    pub called: fn(&Value) -> Option<String>,
 }
 
 impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
-    /// Draws the rows under `key` as a table: a line for each, or as many as its columns need. The number before a row
-    /// has what can be done with it.
+    /// Draws the rows under `key` as a table: a line for each, or as many lines as the columns need. The number of a
+    /// row opens its menu.
     pub fn rows(&mut self, ui: &mut Ui, key: &str, mut extra: Option<ExtraColumn>) {
         let Ok(place) = self.table.find(key) else { return };
         let Kind::Rows { fields, is_first, .. } = place.field.kind else { return };
@@ -41,6 +45,8 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
                 columns.heads(ui, extra.as_ref().map_or("", |extra| extra.head));
             }
             for (i, row) in rows.iter().enumerate() {
+                let called = extra.as_ref().and_then(|extra| (extra.called)(row));
+                let hint = called.as_deref().unwrap_or(widgets::NOTHING);
                 for line in 0..columns.lines {
                     ui.horizontal(|ui| {
                         if line == 0 {
@@ -67,7 +73,7 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
                                 if is_there && field.check(&inner.key, value).is_err() {
                                     mark(ui);
                                 }
-                                is_there.then(|| widgets::narrow(ui, &inner, value, column.width)).flatten()
+                                is_there.then(|| widgets::narrow(ui, &inner, value, column.width, hint)).flatten()
                             });
                             if line > 0 && is_there {
                                 ui.label(RichText::new(column.head.clone()).small().color(palette(ui).faint));
@@ -137,7 +143,7 @@ struct Column {
     line: usize,
 }
 
-/// The columns of a table, in as many lines as its room makes necessary.
+/// The columns of a table, in as many lines as the available width requires.
 struct Columns {
     all: Vec<Column>,
     lines: usize,
@@ -145,9 +151,16 @@ struct Columns {
 
 impl Columns {
     fn of(ui: &Ui, fields: &'static [Field], extra: Option<(usize, f32)>) -> Self {
-        let room = ui.available_width() - NUMBER - 4.0 * GAP;
+        let room = ui.available_width() - NUMBER - 2.0 * GAP;
         let font = egui::TextStyle::Small.resolve(ui.style());
-        let mut all: Vec<Column> = fields.iter().map(|field| Self::column(ui, field, &font)).collect();
+        // A unit is said once and holds for the columns that follow.
+        let mut unit = "";
+        let mut column = |field: &'static Field| {
+            let said = if field.unit == unit { "" } else { field.unit };
+            unit = field.unit;
+            Self::column(ui, (field, said), &font)
+        };
+        let mut all: Vec<Column> = fields.iter().map(&mut column).collect();
         if let Some((after, width)) = extra {
             all.insert(after.min(all.len()), Column { field: None, head: String::new(), width, line: 0 });
         }
@@ -168,9 +181,9 @@ impl Columns {
         Self { all, lines: line + 1 }
     }
 
-    fn column(ui: &Ui, field: &'static Field, font: &egui::FontId) -> Column {
+    fn column(ui: &Ui, (field, unit): (&'static Field, &str), font: &egui::FontId) -> Column {
         let name = if field.symbol.is_empty() { field.label } else { field.symbol };
-        let head = if field.unit.is_empty() { name.to_owned() } else { format!("{name} {}", field.unit) };
+        let head = if unit.is_empty() { name.to_owned() } else { format!("{name} {unit}") };
         let least = match field.kind {
             Kind::Text => 40.0,
             Kind::Choice(_) | Kind::ChoiceOrFile(_) | Kind::Variant { .. } => 62.0,
@@ -178,7 +191,7 @@ impl Columns {
             Kind::Flag => NUMBER,
             _ => 50.0,
         };
-        Column { field: Some(field), width: least.max(text_width(ui, &head, font)), head, line: 0 }
+        Column { field: Some(field), width: least.max(text_width(ui, &head, font) + APART), head, line: 0 }
     }
 
     /// The headings of the first line.
@@ -201,7 +214,7 @@ fn text_width(ui: &Ui, text: &str, font: &egui::FontId) -> f32 {
     ui.painter().layout_no_wrap(text.to_owned(), font.clone(), egui::Color32::WHITE).size().x + 1.0
 }
 
-/// Another row: what the table says, with a name that no other has.
+/// A new row as the table defines it, with a unique name.
 fn new_row(place: &Place, rows: &[Value]) -> Value {
     let Kind::Rows { new, .. } = place.field.kind else { return Value::Null };
     let mut row = inline_toml(new);

@@ -10,9 +10,11 @@ use crate::widgets::panel_parts::{file_name, parsed_or, short};
 use crate::widgets::theme::tick;
 use files::{AXIS_NAMES, Instead, Kind, Place, Range, Word, direction_words, get, inline_toml};
 
-/// Labels this short are shown beside each other, all at once.
+/// Greatest length of labels that are shown side by side.
 const SHORT: usize = 4;
-/// The most letters of a text.
+/// What stands for an empty text.
+pub(super) const NOTHING: &str = "\u{2013}";
+/// Greatest length of a text.
 const LETTERS: usize = 4000;
 
 /// Draws the widgets of a row.
@@ -38,14 +40,15 @@ pub(super) fn widget(
         Kind::File => file(ui, place, value, widths.wide),
         Kind::Numbers { count: Some(_), .. } => numbers(ui, place, value, widths.wide),
         Kind::Direction => direction(ui, place, value, widths.wide),
-        Kind::Numbers { .. } | Kind::Text => text(ui, place, value, widths.wide),
+        Kind::Numbers { .. } | Kind::Text => text(ui, place, value, widths.wide, NOTHING),
         Kind::Rows { .. } => None,
     }
 }
 
-/// Draws the widget of a cell of a table.
-pub(super) fn narrow(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
+/// Draws the widget of a cell of a table, an empty text with this `hint`.
+pub(super) fn narrow(ui: &mut Ui, place: &Place, value: &Value, width: f32, hint: &str) -> Option<Change> {
     match place.field.kind {
+        Kind::Text => text(ui, place, value, width, hint),
         Kind::Number { instead: Instead::Never, decimals, .. } => {
             drag(ui, place, value.as_f64().unwrap_or_default(), width, (0, decimals))
         }
@@ -54,7 +57,7 @@ pub(super) fn narrow(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> O
     }
 }
 
-/// Gives a widget the name of its parameter, and says what that is when it is pointed at.
+/// Names a widget after its parameter, and adds the help text as a tooltip.
 fn named(ui: &mut Ui, place: &Place, add: impl FnOnce(&mut Ui) -> Response) -> Response {
     let response = add(ui);
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(place.label.clone()));
@@ -134,7 +137,7 @@ fn whole(number: f64) -> Value {
     if rounded < 0.0 { Value::from(rounded as i64) } else { Value::from(rounded as u64) }
 }
 
-/// A number that may be missing, which is a dash.
+/// An optional number; a dash if missing.
 fn number_or_dash(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
     let mut at = value.as_f64().unwrap_or_default();
     let wrong = RefCell::default();
@@ -157,7 +160,7 @@ fn along(response: &Response, value: Value) -> Option<Change> {
     response.changed().then_some(if is_held { Change::Along(value) } else { Change::To(value) })
 }
 
-/// Numbers beside each other: of three each is called by its axis.
+/// Numbers side by side; three are named after the axes.
 fn numbers(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
     let mut all = value.as_array().cloned().unwrap_or_default();
     let each = (width - GAP * all.len().saturating_sub(1) as f32) / all.len().max(1) as f32;
@@ -184,7 +187,7 @@ pub(super) fn is_short(words: &[Word]) -> bool {
     words.len() <= 6 && words.iter().all(|word| word.label.chars().count() <= SHORT)
 }
 
-/// Short words of which one is chosen, all of them to be seen.
+/// A choice of short words, all visible.
 fn chips(ui: &mut Ui, words: &[Word], value: &Value) -> Option<Change> {
     ui.spacing_mut().item_spacing.x = 2.0;
     let chosen = words.iter().filter(|word| {
@@ -195,7 +198,7 @@ fn chips(ui: &mut Ui, words: &[Word], value: &Value) -> Option<Change> {
     chosen.last().map(|word| Change::To(word.word.into()))
 }
 
-/// A list that opens.
+/// A choice in a drop-down list.
 fn combo(ui: &mut Ui, place: &Place, now: &str, width: f32, add: impl FnOnce(&mut Ui)) {
     named(ui, place, |ui| {
         let list = egui::ComboBox::from_id_salt(&place.key).selected_text(now).truncate().width(width);
@@ -233,7 +236,7 @@ fn choice(
     change
 }
 
-/// Another table keeps what both have.
+/// A choice of tables. A new table keeps the values that both have.
 fn variant(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
     let Kind::Variant { tag, variants } = place.field.kind else { return None };
     let now = get(value, tag).as_str();
@@ -264,7 +267,7 @@ fn file(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change>
     chosen.on_hover_text(path.unwrap_or(place.field.help)).clicked().then_some(Change::Choose)
 }
 
-/// A direction: one along an axis, or any other by its three parts.
+/// A direction: along an axis, or three components.
 fn direction(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
     let id = ui.make_persistent_id((&place.key, "other"));
     let words = direction_words(value);
@@ -285,8 +288,8 @@ fn direction(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Ch
     if is_other { numbers(ui, place, value, others).or(change) } else { change }
 }
 
-/// A text, or numbers as one, which are taken once the field is left: what is half typed changes nothing.
-fn text(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
+/// A text, or numbers as text, taken when the field is left: a half-typed text changes nothing.
+fn text(ui: &mut Ui, place: &Place, value: &Value, width: f32, hint: &str) -> Option<Change> {
     let id = ui.make_persistent_id((&place.key, "typed"));
     let shown = place.field.show(value);
     let typed = ui.data_mut(|d| d.get_temp::<(String, String)>(id)).filter(|(of, _)| *of == shown);
@@ -295,7 +298,7 @@ fn text(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change>
     if read(&text).is_err() {
         mark(ui);
     }
-    let edit = TextEdit::singleline(&mut text).id(id.with("text")).char_limit(LETTERS).hint_text("\u{2013}");
+    let edit = TextEdit::singleline(&mut text).id(id.with("text")).char_limit(LETTERS).hint_text(hint);
     let response = named(ui, place, |ui| ui.add_sized(vec2(width, HEIGHT), edit.clip_text(true)));
     match read(&text) {
         Ok(new) if !response.has_focus() => {

@@ -31,7 +31,7 @@ pub const VERIFY: &str = "verify";
 /// What the manifest of a folder calls an export of `sparkpath simulate`.
 pub const SIMULATE: &str = "simulate";
 
-/// Why results cannot be written.
+/// Reason why results cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum PlanFilesError {
@@ -56,7 +56,7 @@ pub enum PlanFilesError {
 }
 
 /// Reports on a plan, draws its pictures and writes its files into `folder`; see [`write()`]. `files` are those that
-/// the inputs were read from. Answers the report and the names of the files.
+/// the inputs were read from. Returns the report and the names of the files.
 ///
 /// # Errors
 /// [`PlanFilesError`]; if the post cannot be used or nothing can be written there, before anything is drawn.

@@ -1,7 +1,8 @@
 //! The paths that the workspace asks for.
 
-use crate::workspaces::context::{MESHES, OPEN, PathInfo, PathKind, PathSet, TOML};
+use crate::workspaces::context::{PROJECT, PathInfo, PathKind, PathSet, TOML};
 use crate::workspaces::moved_files::FIND;
+use import::MESH_ENDINGS;
 
 /// Purpose of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,11 +25,17 @@ impl PathSet for BliskPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use BliskPath as P;
         static TABLE: [(P, PathInfo); 6] = [
-            (P::Open, PathInfo::open("Open a project or a mesh", PathKind::Read("Projects and meshes", OPEN, false))),
+            (
+                P::Open,
+                PathInfo::open(
+                    "Open a project or a mesh",
+                    PathKind::Read("Projects and meshes", &[PROJECT, MESH_ENDINGS], false),
+                ),
+            ),
             (P::ExportFolder, PathInfo::new("Folder for the exported files", PathKind::Folder)),
-            (P::ElectrodeMesh, PathInfo::new("Your own electrode", PathKind::Read("Meshes", MESHES, false))),
-            (P::Post, PathInfo::new("Your own NC post", PathKind::Read("Post", TOML, false))),
-            (P::Machine, PathInfo::new("Your own machine", PathKind::Read("Machine", TOML, false))),
+            (P::ElectrodeMesh, PathInfo::new("Your own electrode", PathKind::Read("Meshes", &[MESH_ENDINGS], false))),
+            (P::Post, PathInfo::new("Your own NC post", PathKind::Read("Post", &[TOML], false))),
+            (P::Machine, PathInfo::new("Your own machine", PathKind::Read("Machine", &[TOML], false))),
             (P::MovedFile, FIND),
         ];
         &TABLE

@@ -25,9 +25,9 @@ use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, F
 use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project};
 use crate::workspaces::hands::Hands;
 use crate::workspaces::message::Message;
-use crate::workspaces::moved_files::{self, MovedFiles};
+use crate::workspaces::moved_files;
 use crate::workspaces::news::EventKind;
-use crate::workspaces::opening::Opening;
+use crate::workspaces::opening::{Incoming, NotOpened, Opening, Source};
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
 use files::{AnyDocument, Params as _, Recovery};
 use nc::post::Post;
@@ -43,7 +43,7 @@ enum Pending {
     AskOpen,
     Demonstration,
     /// A document that was read with its part.
-    Take(Arc<(Document, Arc<Part>)>),
+    Take(Arc<Incoming<PlanJob, Arc<Part>>>),
 }
 
 /// The workspace of blisks.
@@ -53,8 +53,7 @@ pub struct BliskWorkspace {
     view: BliskView,
     curves: Curves,
     tab: Tab,
-    opening: Opening<Pending, (Document, Arc<Part>)>,
-    moved: MovedFiles<PlanJob>,
+    opening: Opening<Pending, PlanJob, Arc<Part>>,
 }
 
 impl BliskWorkspace {
@@ -66,36 +65,24 @@ impl BliskWorkspace {
             curves: Curves::default(),
             tab: Tab::Positions,
             opening: Opening::new(scheduler),
-            moved: MovedFiles::default(),
         }
     }
 
-    /// Reads the part of `document`, which then replaces the present one.
-    fn begin(&mut self, document: Document) {
-        self.opening.begin(move |task| {
-            let part = stages::load(document.params(), task)?;
-            Ok((document, Arc::new(part)))
+    /// Reads a document with its part, which then replaces the present one.
+    fn begin(&mut self, source: Source<PlanJob>) {
+        self.opening.begin(source, |document, task| {
+            kept_plan::check(document).map_err(|why| {
+                let file = document.file().map_or_else(String::new, |file| format!("{}: ", file.display()));
+                NotOpened::Document(format!("{file}{why}"))
+            })?;
+            Ok(Arc::new(stages::load(document.params(), task)?))
         });
     }
 
-    /// The document at `path`, without its part. Shows the reason if there is none.
-    fn document_at(&mut self, path: &Path, cx: &mut Context) -> Option<Document> {
-        if !is_project(path) {
-            return Some(Document::new(PlanJob::for_mesh(path)));
-        }
-        let opened = Document::open(path).map_err(|e| e.to_string());
-        let readable = |document: Document| match kept_plan::check(&document) {
-            Ok(()) => Ok(document),
-            Err(why) => Err(format!("{}: {why}", path.display())),
-        };
-        match opened.and_then(readable) {
-            Ok(document) => self.moved.checked(document, cx),
-            Err(why) => {
-                cx.not_opened(path);
-                cx.error("This project cannot be opened", why);
-                None
-            }
-        }
+    /// Replaces the present document by the one that was read.
+    fn take(&mut self, opened: &Incoming<PlanJob, Arc<Part>>, cx: &mut Context) {
+        self.replace(opened.document.clone(), opened.loaded.clone(), cx);
+        opened.copy.iter().for_each(|copy| cx.request(Request::Recovered(copy.clone())));
     }
 
     /// Replaces the present document.
@@ -271,7 +258,7 @@ impl Workspace for BliskWorkspace {
             Some(F::Cancel) if self.opening.is_busy() => self.opening.cancel(),
             Some(F::Cancel) => self.desk.work.cancel(),
             Some(F::Export) => {
-                self.moved.forget();
+                self.opening.moved.forget();
                 cx.request(Request::Dialog);
             }
             Some(along @ (F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode)) => {
@@ -367,8 +354,10 @@ impl Workspace for BliskWorkspace {
     }
 
     fn open(&mut self, path: &Path, cx: &mut Context) {
-        if let Some(document) = self.document_at(path, cx) {
-            self.replace(document, None, cx);
+        if is_project(path) {
+            self.begin(Source::Project(path.to_owned()));
+        } else {
+            self.replace(Document::new(PlanJob::for_mesh(path)), None, cx);
         }
     }
 
@@ -378,22 +367,17 @@ impl Workspace for BliskWorkspace {
 
     fn proceed(&mut self, cx: &mut Context) {
         match self.opening.pending.take() {
-            Some(Pending::Open(path)) => {
-                if let Some(document) = self.document_at(&path, cx) {
-                    self.begin(document);
-                }
-            }
+            Some(Pending::Open(path)) if is_project(&path) => self.begin(Source::Project(path)),
+            Some(Pending::Open(path)) => self.begin(Source::There(Document::new(PlanJob::for_mesh(&path)))),
             Some(Pending::AskOpen) => cx.ask(BliskPath::Open, ""),
             Some(Pending::Demonstration) => self.replace(demonstration(), None, cx),
-            Some(Pending::Take(opened)) => self.replace(opened.0.clone(), Some(opened.1.clone()), cx),
+            Some(Pending::Take(opened)) => self.take(&opened, cx),
             None => {}
         }
     }
 
-    fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String> {
-        let document = copy.open().map_err(|e| e.to_string())?;
-        self.replace(document, None, cx);
-        Ok(())
+    fn recover(&mut self, copy: Recovery, _cx: &mut Context) {
+        self.begin(Source::Copy(copy));
     }
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {
@@ -407,20 +391,22 @@ impl Workspace for BliskWorkspace {
             }
             Some(BliskPath::Post) => self.take_post(&path, cx),
             Some(BliskPath::Machine) => self.take_machine(&path, cx),
-            Some(BliskPath::MovedFile) => self.moved.found(&path, cx).into_iter().for_each(|found| self.begin(found)),
+            Some(BliskPath::MovedFile) => {
+                self.opening.moved.found(&path, cx).into_iter().for_each(|found| self.begin(Source::There(found)))
+            }
             None => {}
         }
     }
 
     fn dialog_title(&self) -> &'static str {
-        if self.moved.is_asking() { moved_files::TITLE } else { "Export" }
+        if self.opening.moved.is_asking() { moved_files::TITLE } else { "Export" }
     }
 
     fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
-        if self.moved.is_asking() {
-            let opened = self.moved.dialog(ui, cx, BliskPath::MovedFile);
-            opened.into_iter().for_each(|document| self.begin(document));
-            return !self.moved.is_asking();
+        if self.opening.moved.is_asking() {
+            let opened = self.opening.moved.dialog(ui, cx, BliskPath::MovedFile);
+            opened.into_iter().for_each(|document| self.begin(Source::There(document)));
+            return !self.opening.moved.is_asking();
         }
         match dialogs::export(ui, &mut self.desk) {
             Some(Answer::OwnPost) => cx.ask(BliskPath::Post, ""),

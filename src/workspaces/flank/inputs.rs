@@ -171,10 +171,8 @@ fn load_mesh(flank: &MeshFlank, task: &Task) -> Result<FromFile<LoadedSurface>, 
             (import(&flank.file, unit, task)?, flank.file.display().to_string())
         }
     };
-    task.report("faces that could be milled", 0.0, "");
-    let candidates = flank_candidates(&mesh, &flank.fit, &task.cancel);
+    let candidates = flank_candidates(&mesh, &flank.fit, task);
     let candidates = candidates.map_err(|e| FlankLoadError(format!("{name}: {e}")))?;
-    task.report("faces that could be milled", 1.0, "");
     let MeshFlank { candidate: number, is_own_wall, .. } = *flank;
     let surface = LoadedSurface::Face { mesh, candidates: Arc::new(candidates), number, is_own_wall };
     Ok(FromFile { value: surface, doubts })

@@ -20,9 +20,9 @@ use crate::workspaces::flank::paths::FlankPath;
 use crate::workspaces::flank::work::{FlankWork, LoadedFlank};
 use crate::workspaces::hands::Hands;
 use crate::workspaces::message::{ElectrodePart, Message};
-use crate::workspaces::moved_files::{self, MovedFiles};
+use crate::workspaces::moved_files;
 use crate::workspaces::news::EventKind;
-use crate::workspaces::opening::Opening;
+use crate::workspaces::opening::{Incoming, Opening, Source};
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
 use files::{AnyDocument, Document, Recovery};
 use flank::machine::milling_machine::MillingMachine;
@@ -43,13 +43,7 @@ enum Pending {
     /// A path to be asked for.
     Ask(FlankPath),
     /// A flank that was read.
-    Take(Arc<Incoming>),
-}
-
-/// A flank with the content of the files of its surface.
-struct Incoming {
-    document: Document<FlankDocument>,
-    loaded: Arc<LoadedFlank>,
+    Take(Arc<Incoming<FlankDocument, Arc<LoadedFlank>>>),
 }
 
 /// The workspace of flanks.
@@ -57,30 +51,28 @@ pub struct FlankWorkspace {
     /// The flank and the results made from it.
     pub desk: FlankDesk,
     view: FlankView,
-    opening: Opening<Pending, Incoming>,
-    moved: MovedFiles<FlankDocument>,
+    opening: Opening<Pending, FlankDocument, Arc<LoadedFlank>>,
 }
 
 impl FlankWorkspace {
     /// The workspace with a built-in surface.
     pub fn new(scheduler: &Scheduler) -> Self {
-        let (desk, view, opening) = (FlankDesk::new(scheduler), FlankView::default(), Opening::new(scheduler));
-        Self { desk, view, opening, moved: MovedFiles::default() }
+        Self { desk: FlankDesk::new(scheduler), view: FlankView::default(), opening: Opening::new(scheduler) }
     }
 
-    /// Reads the files of `document`, which then replaces the present flank.
-    fn begin(&mut self, document: Document<FlankDocument>) {
-        self.opening.begin(move |task| {
-            let loaded = Arc::new(FlankWork::read(document.params(), task)?);
-            Ok(Incoming { document, loaded })
-        });
+    /// Reads a flank with the files of its surface, which then replaces the present flank.
+    fn begin(&mut self, source: Source<FlankDocument>) {
+        self.opening.begin(source, |document, task| Ok(Arc::new(FlankWork::read(document.params(), task)?)));
     }
 
     /// Replaces the present flank by `opened`.
-    fn put(&mut self, opened: &Incoming, cx: &mut Context) {
+    fn put(&mut self, opened: &Incoming<FlankDocument, Arc<LoadedFlank>>, cx: &mut Context) {
         self.desk.replace(opened.document.clone());
-        self.desk.work.put(opened.document.params(), opened.loaded.clone());
+        if let Some(loaded) = &opened.loaded {
+            self.desk.work.put(opened.document.params(), loaded.clone());
+        }
         self.tell_of_opened(cx);
+        opened.copy.iter().for_each(|copy| cx.request(Request::Recovered(copy.clone())));
     }
 
     fn tell_of_opened(&self, cx: &mut Context) {
@@ -166,12 +158,6 @@ impl FlankWorkspace {
         }
     }
 
-    /// The flank in the project `path`. Shows the reason if there is none.
-    fn document_at(&mut self, path: &Path, cx: &mut Context) -> Option<Document<FlankDocument>> {
-        let opened = Document::open(path).map_err(|error| cx.not_a_project(path, &error)).ok()?;
-        self.moved.checked(opened, cx)
-    }
-
     /// Takes another mesh. If the present flank has one, the mesh is replaced and the other parameters stay.
     fn take_mesh(&mut self, path: PathBuf, cx: &mut Context) {
         let FlankSource::Mesh(mesh) = &self.desk.params().source else {
@@ -219,7 +205,9 @@ impl FlankWorkspace {
                 Err(e) => cx.error("This is no post", e.to_string()),
             },
             FlankPath::Folder => self.export(&path, cx),
-            FlankPath::MovedFile => self.moved.found(&path, cx).into_iter().for_each(|found| self.begin(found)),
+            FlankPath::MovedFile => {
+                self.opening.moved.found(&path, cx).into_iter().for_each(|found| self.begin(Source::There(found)))
+            }
         }
     }
 
@@ -339,7 +327,7 @@ impl Workspace for FlankWorkspace {
             Some(F::Cancel) => desk.work.cancel(),
             Some(F::Export) => {
                 desk.changed_files = desk.work.changed_files(desk.document.params());
-                self.moved.forget();
+                self.opening.moved.forget();
                 cx.request(Request::Dialog);
             }
             Some(F::Play) => desk.play(),
@@ -373,11 +361,8 @@ impl Workspace for FlankWorkspace {
         self.desk.file()
     }
 
-    fn open(&mut self, path: &Path, cx: &mut Context) {
-        if let Some(document) = self.document_at(path, cx) {
-            self.desk.replace(document);
-            self.tell_of_opened(cx);
-        }
+    fn open(&mut self, path: &Path, _cx: &mut Context) {
+        self.begin(Source::Project(path.to_owned()));
     }
 
     fn take_files(&mut self, files: &[PathBuf], cx: &mut Context) {
@@ -393,12 +378,10 @@ impl Workspace for FlankWorkspace {
 
     fn proceed(&mut self, cx: &mut Context) {
         match self.opening.pending.take() {
-            Some(Pending::Open(path)) => {
-                if let Some(document) = self.document_at(&path, cx) {
-                    self.begin(document);
-                }
+            Some(Pending::Open(path)) => self.begin(Source::Project(path)),
+            Some(Pending::Surface(source)) => {
+                self.begin(Source::There(Document::new(self.desk.params().of_another(source))));
             }
-            Some(Pending::Surface(source)) => self.begin(Document::new(self.desk.params().of_another(source))),
             Some(Pending::Ask(what)) => cx.ask(what, ""),
             Some(Pending::Take(opened)) => self.put(&opened, cx),
             Some(Pending::Electrode(part)) => self.take_electrode(&part, cx),
@@ -406,10 +389,8 @@ impl Workspace for FlankWorkspace {
         }
     }
 
-    fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String> {
-        self.desk.replace(copy.open().map_err(|e| e.to_string())?);
-        cx.request(Request::Show);
-        Ok(())
+    fn recover(&mut self, copy: Recovery, _cx: &mut Context) {
+        self.begin(Source::Copy(copy));
     }
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {
@@ -425,14 +406,14 @@ impl Workspace for FlankWorkspace {
     }
 
     fn dialog_title(&self) -> &'static str {
-        if self.moved.is_asking() { moved_files::TITLE } else { "Export" }
+        if self.opening.moved.is_asking() { moved_files::TITLE } else { "Export" }
     }
 
     fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
-        if self.moved.is_asking() {
-            let opened = self.moved.dialog(ui, cx, FlankPath::MovedFile);
-            opened.into_iter().for_each(|document| self.begin(document));
-            return !self.moved.is_asking();
+        if self.opening.moved.is_asking() {
+            let opened = self.opening.moved.dialog(ui, cx, FlankPath::MovedFile);
+            opened.into_iter().for_each(|document| self.begin(Source::There(document)));
+            return !self.opening.moved.is_asking();
         }
         match export::show(ui, &mut self.desk, cx) {
             Some(export::Answer::Folder) => {

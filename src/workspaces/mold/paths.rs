@@ -1,7 +1,8 @@
 //! The paths that the workspace asks for.
 
-use crate::workspaces::context::{OPEN, PathInfo, PathKind, PathSet, TOML};
+use crate::workspaces::context::{PROJECT, PathInfo, PathKind, PathSet, TOML};
 use crate::workspaces::moved_files::FIND;
+use import::MESH_ENDINGS;
 
 /// Purpose of a path.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,9 +27,12 @@ impl PathSet for MoldPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use MoldPath as P;
         static TABLE: [(P, PathInfo); 7] = [
-            (P::Open, PathInfo::open("Open a mold", PathKind::Read("Molds and meshes", OPEN, false))),
-            (P::Cutters, PathInfo::new("Load cutters", PathKind::Read("Cutters", TOML, false))),
-            (P::OtherCutters, PathInfo::new("Load cutters to compare with", PathKind::Read("Cutters", TOML, false))),
+            (
+                P::Open,
+                PathInfo::open("Open a mold", PathKind::Read("Molds and meshes", &[PROJECT, MESH_ENDINGS], false)),
+            ),
+            (P::Cutters, PathInfo::new("Load cutters", PathKind::Read("Cutters", &[TOML], false))),
+            (P::OtherCutters, PathInfo::new("Load cutters to compare with", PathKind::Read("Cutters", &[TOML], false))),
             (P::ElectrodeFolder, PathInfo::new("Folder for the electrodes", PathKind::Folder)),
             (P::BurnSheet, PathInfo::new("Template of the burn sheet", PathKind::Read("", &[], false))),
             (P::SaveCutters, PathInfo::new("Save cutters", PathKind::Write("Cutters", ".toml"))),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use egui::Ui;
 
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
-use crate::workspaces::context::{Context, PathSet, Request, first, has_ending, is_project};
+use crate::workspaces::context::{Context, PathSet, Request, first, is_project};
 use crate::workspaces::hands::Hands;
 use crate::workspaces::message::{ElectrodePart, Message};
 use crate::workspaces::mold::commands::MoldCommand;
@@ -18,11 +18,11 @@ use crate::workspaces::mold::panels::view::MoldView;
 use crate::workspaces::mold::paths::MoldPath;
 use crate::workspaces::mold::scene::{MoldLook, RegionColours};
 use crate::workspaces::mold::work::{LoadedMold, read_part};
-use crate::workspaces::moved_files::{self, MovedFiles};
+use crate::workspaces::moved_files;
 use crate::workspaces::news::EventKind;
-use crate::workspaces::opening::Opening;
+use crate::workspaces::opening::{Incoming, Opening, Source};
 use crate::workspaces::workspace::{About, Menu, Workspace, held_in_fields};
-use files::{AnyDocument, Document, Recovery};
+use files::{AnyDocument, Document, Recovery, paths};
 use nc::burn_template::BurnSheet;
 use task::{Scheduler, State};
 
@@ -33,8 +33,7 @@ pub struct MoldWorkspace {
     /// The mold, its parameters and results.
     pub desk: MoldDesk,
     view: MoldView,
-    opening: Opening<Pending, Incoming>,
-    moved: MovedFiles<MoldParams>,
+    opening: Opening<Pending, MoldParams, Option<Arc<LoadedMold>>>,
 }
 
 /// Replacement of the mold, done once unsaved work is dealt with.
@@ -42,21 +41,13 @@ enum Pending {
     Open(PathBuf),
     Ask,
     /// A mold that was read.
-    Take(Arc<Incoming>),
-}
-
-/// A mold with its mesh, once the mesh has been read.
-#[derive(Clone)]
-struct Incoming {
-    document: Document<MoldParams>,
-    part: Option<Arc<LoadedMold>>,
+    Take(Arc<Incoming<MoldParams, Option<Arc<LoadedMold>>>>),
 }
 
 impl MoldWorkspace {
     /// An empty workspace.
     pub fn new(scheduler: &Scheduler) -> Self {
-        let (desk, view, opening) = (MoldDesk::new(scheduler), MoldView::default(), Opening::new(scheduler));
-        Self { desk, view, opening, moved: MovedFiles::default() }
+        Self { desk: MoldDesk::new(scheduler), view: MoldView::default(), opening: Opening::new(scheduler) }
     }
 
     /// Whether `pending` loses no work: cutters that were chosen before there was a mold stay.
@@ -86,28 +77,24 @@ impl MoldWorkspace {
         if is_harmless { self.proceed(cx) } else { cx.request(request) }
     }
 
-    /// The mold at `path`, a project or a mesh, not read yet. Shows the reason if there is none.
-    fn mold_at(&mut self, path: &Path, cx: &mut Context) -> Option<Document<MoldParams>> {
-        if !is_project(path) {
-            return Some(self.desk.begun(path));
-        }
-        let opened = Document::open(path).map_err(|error| cx.not_a_project(path, &error)).ok()?;
-        self.moved.checked(opened, cx)
-    }
-
-    /// Reads the mesh of `document`, which then replaces the present mold.
-    fn begin(&mut self, document: Document<MoldParams>) {
-        self.opening.begin(move |task| {
+    /// Reads a mold with its mesh, which then replaces the present mold.
+    fn begin(&mut self, source: Source<MoldParams>) {
+        self.opening.begin(source, |document, task| {
             let params = document.params();
             let part = params.mesh.as_ref().map(|mesh| read_part(mesh, params.units, task));
-            Ok(Incoming { part: part.transpose()?.map(Arc::new), document })
+            Ok(part.transpose()?.map(Arc::new))
         });
     }
 
-    /// Replaces the present mold by `opened`.
-    fn take(&mut self, opened: Incoming, cx: &mut Context) {
-        self.desk.replace(opened.document);
-        if let Some(part) = opened.part {
+    /// Source of the mold at `path`, a project or a mesh.
+    fn source(&self, path: &Path) -> Source<MoldParams> {
+        if is_project(path) { Source::Project(path.to_owned()) } else { Source::There(self.desk.begun(path)) }
+    }
+
+    /// Replaces the present mold by `document`, with its mesh if that was read.
+    fn take(&mut self, document: Document<MoldParams>, part: Option<Arc<LoadedMold>>, cx: &mut Context) {
+        self.desk.replace(document);
+        if let Some(part) = part {
             self.desk.work.put(self.desk.document.params(), part);
         }
         cx.request(Request::Show);
@@ -325,14 +312,15 @@ impl Workspace for MoldWorkspace {
     }
 
     fn open(&mut self, path: &Path, cx: &mut Context) {
-        if let Some(document) = self.mold_at(path, cx) {
-            self.take(Incoming { document, part: None }, cx);
+        match self.source(path) {
+            Source::There(document) => self.take(document, None, cx),
+            project => self.begin(project),
         }
     }
 
     fn take_files(&mut self, files: &[PathBuf], cx: &mut Context) {
         let path = first(files);
-        if has_ending(path, ".toml") {
+        if paths::has_ending(path, ".toml") {
             self.load_cutters(path, false, cx)
         } else {
             self.intend(Pending::Open(path.to_owned()), cx)
@@ -341,21 +329,18 @@ impl Workspace for MoldWorkspace {
 
     fn proceed(&mut self, cx: &mut Context) {
         match self.opening.pending.take() {
-            Some(Pending::Open(path)) => {
-                if let Some(document) = self.mold_at(&path, cx) {
-                    self.begin(document);
-                }
-            }
+            Some(Pending::Open(path)) => self.begin(self.source(&path)),
             Some(Pending::Ask) => cx.ask(MoldPath::Open, ""),
-            Some(Pending::Take(opened)) => self.take((*opened).clone(), cx),
+            Some(Pending::Take(opened)) => {
+                self.take(opened.document.clone(), opened.loaded.clone().flatten(), cx);
+                opened.copy.iter().for_each(|copy| cx.request(Request::Recovered(copy.clone())));
+            }
             None => {}
         }
     }
 
-    fn recover(&mut self, copy: &Recovery, cx: &mut Context) -> Result<(), String> {
-        self.desk.replace(copy.open().map_err(|e| e.to_string())?);
-        cx.request(Request::Show);
-        Ok(())
+    fn recover(&mut self, copy: Recovery, _cx: &mut Context) {
+        self.begin(Source::Copy(copy));
     }
 
     fn dialog_title(&self) -> &'static str {
@@ -363,15 +348,17 @@ impl Workspace for MoldWorkspace {
     }
 
     fn dialog(&mut self, ui: &mut Ui, cx: &mut Context) -> bool {
-        let opened = self.moved.dialog(ui, cx, MoldPath::MovedFile);
-        opened.into_iter().for_each(|document| self.begin(document));
-        !self.moved.is_asking()
+        let opened = self.opening.moved.dialog(ui, cx, MoldPath::MovedFile);
+        opened.into_iter().for_each(|document| self.begin(Source::There(document)));
+        !self.opening.moved.is_asking()
     }
 
     fn take_path(&mut self, number: usize, path: PathBuf, cx: &mut Context) {
         match MoldPath::at(number) {
             Some(MoldPath::Open) => self.go_on(Pending::Open(path), cx),
-            Some(MoldPath::MovedFile) => self.moved.found(&path, cx).into_iter().for_each(|found| self.begin(found)),
+            Some(MoldPath::MovedFile) => {
+                self.opening.moved.found(&path, cx).into_iter().for_each(|found| self.begin(Source::There(found)))
+            }
             Some(MoldPath::Cutters) => self.load_cutters(&path, false, cx),
             Some(MoldPath::OtherCutters) => self.load_cutters(&path, true, cx),
             Some(MoldPath::SaveCutters) => self.save_cutters(&path, cx),

@@ -64,7 +64,7 @@ impl Guide {
         along_x.max(s + Self::LEAST_SHARE * step)
     }
 
-    /// How much the line turns about Z from the node at `from` to that at `to`, both withdrawn distances (rad).
+    /// Turn of the line about Z from the node at `from` to that at `to`, both retract distances (rad).
     pub fn turning(&self, from: f64, to: f64) -> f64 {
         let [a, b] = [from, to].map(|s| self.line.at_length(self.arc_length(s))[1]);
         a.truncate().angle_to(b.truncate())

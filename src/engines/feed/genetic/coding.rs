@@ -1,6 +1,6 @@
 //! Binary coding of axis motions, P0's equations (8) and (9).
 
-/// How one variable is written as a binary number.
+/// Coding of a variable as a binary number.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coding {
     /// L: least value (mm or rad).

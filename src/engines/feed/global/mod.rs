@@ -52,7 +52,7 @@ pub struct PreviewPath {
     pub nodes: Vec<Node>,
     /// Clearance margin at the narrowest point of the path (mm), if the path leads out.
     pub margin: Option<f64>,
-    /// Where the search jammed, if no path leads out.
+    /// Place where the search jammed, if no path leads out.
     pub jam: Option<Jam>,
 }
 

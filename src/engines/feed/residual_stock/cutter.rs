@@ -182,7 +182,7 @@ fn within(mesh: &Mesh, [from, to]: [f64; 2]) -> Bounds {
     Bounds { min: min.with_x(min.x.max(from)), max: max.with_x(max.x.min(to)) }
 }
 
-/// Why an electrode cannot be prepared.
+/// Reason why an electrode cannot be prepared.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CutterError {
     /// The electrode's distance field cannot be built.

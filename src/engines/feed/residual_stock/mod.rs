@@ -163,7 +163,7 @@ fn worst(layers: impl Iterator<Item = (Surface, Layer)>) -> Option<(Surface, Lay
     layers.filter(|(_, l)| l.at.is_some()).max_by(|a, b| a.1.depth_mm.total_cmp(&b.1.depth_mm))
 }
 
-/// Why it cannot be told.
+/// Reason why it cannot be told.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ResidualStockError {
     /// Cancelled.

@@ -69,7 +69,7 @@ impl Default for VerifyOptions {
     }
 }
 
-/// Why a path cannot be verified.
+/// Reason why a path cannot be verified.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum VerifyError {
     /// One of the meshes has no triangles.

@@ -8,6 +8,7 @@ pub mod project;
 use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::de::DeserializeOwned;
@@ -112,6 +113,8 @@ pub struct MovedFile {
 #[derive(Debug, Clone)]
 pub struct Document<P> {
     params: P,
+    /// What is wrong with the parameters, once that was asked.
+    problem: OnceLock<Option<Invalid>>,
     history: History<P>,
     file: Option<PathBuf>,
     /// Parameters in the file, or those of a new document; none if no file holds the work.
@@ -120,6 +123,7 @@ pub struct Document<P> {
     results: BTreeMap<String, String>,
     kept: BTreeMap<String, String>,
     saved_kept: BTreeMap<String, String>,
+    kept_revision: u64,
     revision: u64,
     content_revision: u64,
 }
@@ -139,8 +143,22 @@ impl<P: Params> Document<P> {
     fn of(project: Project<P>, file: Option<PathBuf>) -> Self {
         let Project { params, files, results, kept } = project;
         let (saved, saved_kept) = (Some(params.clone()), kept.clone());
-        let (history, revision, content_revision) = (History::default(), next_revision(), next_revision());
-        Self { params, history, file, saved, files, results, kept, saved_kept, revision, content_revision }
+        let [kept_revision, revision, content_revision] = [(); 3].map(|()| next_revision());
+        let (history, problem) = (History::default(), OnceLock::new());
+        Self {
+            params,
+            problem,
+            history,
+            file,
+            saved,
+            files,
+            results,
+            kept,
+            saved_kept,
+            kept_revision,
+            revision,
+            content_revision,
+        }
     }
 
     /// Opens a project file. Check [`moved_files`](Self::moved_files) before files of the parameters are read.
@@ -175,6 +193,11 @@ impl<P: Params> Document<P> {
         &self.params
     }
 
+    /// The first problem of the parameters, which is looked for once for each change of them.
+    pub fn problem(&self) -> Option<&Invalid> {
+        self.problem.get_or_init(|| self.params.validate().err()).as_ref()
+    }
+
     /// Sets the parameters as one step named `label`. Edits `in_gesture` (a drag, a number being typed) with the same
     /// label form one step, until [`end_gesture`](Self::end_gesture). Returns whether anything changed.
     pub fn edit(&mut self, label: &str, params: P, in_gesture: bool) -> bool {
@@ -190,7 +213,7 @@ impl<P: Params> Document<P> {
     /// Sets the parameters as part of the last step, so that undo takes both back together.
     pub fn complete_step(&mut self, params: P) {
         self.params = params;
-        self.content_revision = next_revision();
+        self.touch_params();
     }
 
     /// Changes the parameters in the present state and in every step, without a step of its own: for facts about the
@@ -201,11 +224,18 @@ impl<P: Params> Document<P> {
         if is_in_file {
             self.saved.iter_mut().for_each(change);
         }
-        self.content_revision = next_revision();
+        self.touch_params();
     }
 
+    /// Notes that the parameters have changed.
+    fn touch_params(&mut self) {
+        (self.problem, self.content_revision) = (OnceLock::new(), next_revision());
+    }
+
+    /// Notes that the user's work has changed.
     fn touch(&mut self) {
-        (self.revision, self.content_revision) = (next_revision(), next_revision());
+        self.revision = next_revision();
+        self.touch_params();
     }
 
     /// Ends a gesture, when a button is released or a field is left.
@@ -230,10 +260,16 @@ impl<P: Params> Document<P> {
         self.kept.get(name).map(String::as_str)
     }
 
+    /// A number like [`revision`](AnyDocument::revision) that changes with the kept content.
+    pub fn kept_revision(&self) -> u64 {
+        self.kept_revision
+    }
+
     /// Keeps content that may be nowhere else, such as runs to compare with; none removes it. The change is unsaved
     /// work.
     pub fn keep(&mut self, name: &str, content: Option<String>) {
         note(&mut self.kept, name, content);
+        self.kept_revision = next_revision();
         self.touch();
     }
 
@@ -337,7 +373,7 @@ impl<P: Params> AnyDocument for Document<P> {
     }
 
     fn copy(&self, copy: &Path) -> Result<Option<String>, FileError> {
-        if self.params.validate().is_err() {
+        if self.problem().is_some() {
             return Ok(None);
         }
         let note = CopyNote { file: self.file.clone(), part: self.params.part() };

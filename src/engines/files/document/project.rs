@@ -15,6 +15,8 @@
 //! A file written by hand needs nothing but `kind` and the parameters that are not at their defaults.
 
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
@@ -30,6 +32,8 @@ use crate::{FileError, Invalid};
 pub const LARGEST_PROJECT: u64 = 64 << 20;
 /// Version of the file's own keys.
 const VERSION: u32 = 1;
+/// How much of a file is read from its beginning or its end to tell what it is (bytes).
+const END: u64 = 1 << 16;
 /// Keys that are not of the parameters.
 const OWN: [&str; 6] = ["kind", "version", "files", "results", "kept", "autosave"];
 
@@ -83,20 +87,38 @@ struct Tail {
     autosave: Option<CopyNote>,
 }
 
-/// The `kind` of a project file, which tells the workspace that opens it.
+/// The `kind` of a project file, which tells the workspace that opens it. Where its beginning tells, no more is read.
 ///
 /// # Errors
 /// [`FileError`] if it cannot be read or is no project.
 pub fn kind_of(file: &Path) -> Result<String, FileError> {
+    let head = end_of(file, SeekFrom::Start(0)).map_err(|source| FileError::unreadable(file, source))?;
+    let (root, _) = DeTable::parse_recoverable(&head);
+    if let Some(kind) = root.get_ref().get("kind").and_then(|kind| kind.get_ref().as_str()) {
+        return Ok(kind.to_owned());
+    }
     let text = read_text(file, "project", LARGEST_PROJECT)?;
     split(&text, file).map(|(kind, ..)| kind)
 }
 
-/// What a copy of unsaved work says of itself.
-pub(super) fn note_of(file: &Path) -> Result<CopyNote, FileError> {
-    let text = read_text(file, "project", LARGEST_PROJECT)?;
-    let (_, tail, _) = split(&text, file)?;
-    Ok(tail.autosave.unwrap_or_default())
+/// What a copy of unsaved work says of itself, which it does at its end.
+pub(super) fn note_of(file: &Path) -> Option<CopyNote> {
+    #[derive(Deserialize)]
+    struct Note {
+        autosave: CopyNote,
+    }
+    let size = std::fs::metadata(file).ok()?.len();
+    let tail = end_of(file, SeekFrom::Start(size.saturating_sub(END))).ok()?;
+    let note: Note = toml::from_str(tail.get(tail.rfind("[autosave]")?..)?).ok()?;
+    Some(note.autosave)
+}
+
+/// A text of at most [`END`] bytes in `file`, from this place on.
+fn end_of(file: &Path, from: SeekFrom) -> std::io::Result<String> {
+    let (mut file, mut bytes) = (File::open(file)?, Vec::new());
+    file.seek(from)?;
+    file.take(END).read_to_end(&mut bytes)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 /// The first number in `value` that is not finite, with its key.

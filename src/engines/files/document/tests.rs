@@ -48,9 +48,14 @@ struct Flank {
     mesh: PathBuf,
 }
 
+thread_local! {
+    static VALIDATED: std::cell::Cell<usize> = const { std::cell::Cell::new(0) };
+}
+
 impl Validate for Flank {
     fn validate(&self) -> Result<(), Invalid> {
-        Ok(())
+        VALIDATED.set(VALIDATED.get() + 1);
+        if self.mesh.as_os_str() == "wrong" { Err(Invalid::new("mesh", "wrong", "name another")) } else { Ok(()) }
     }
 }
 
@@ -66,6 +71,52 @@ impl Params for Flank {
 
 fn with(document: &Document<Mold>, tolerance_mm: f64) -> Mold {
     Mold { tolerance_mm, ..document.params().clone() }
+}
+
+#[test]
+fn what_is_wrong_is_looked_for_once_for_each_change() {
+    let mut document = Document::<Flank>::default();
+    let told = |document: &Document<Flank>, is_wrong: bool| {
+        let before = VALIDATED.get();
+        assert_eq!([(); 3].map(|()| document.problem().is_some()), [is_wrong; 3]);
+        VALIDATED.get() - before
+    };
+    assert_eq!(told(&document, false), 1);
+    document.edit("Mesh", Flank { mesh: "wrong".into() }, false);
+    assert_eq!((told(&document, true), told(&document.clone(), true)), (1, 0));
+    document.undo(false);
+    assert_eq!(told(&document, false), 1);
+    document.undo(true);
+    document.amend(false, |flank| flank.mesh = "right".into());
+    assert_eq!(told(&document, false), 1);
+    document.complete_step(Flank { mesh: "wrong".into() });
+    assert_eq!(told(&document, true), 1);
+    document.replace_file("wrong".as_ref(), "found".as_ref());
+    assert_eq!(told(&document, true), 1, "its paths are fixed");
+    document.note_result("plan", Some("of it".to_owned()));
+    let kept = document.kept_revision();
+    assert_eq!(told(&document, true), 0, "results are no parameters");
+    document.keep("runs", Some("1".to_owned()));
+    assert_ne!(document.kept_revision(), kept);
+}
+
+#[test]
+fn the_kind_of_a_large_project_is_told_by_its_beginning_and_what_a_copy_is_of_by_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("large.sparkpath");
+    let large = "[x]\n".repeat(100_000);
+    let note = "[autosave]\nfile = \"a.sparkpath\"\npart = \"slots\"\n";
+    fs::write(&file, format!("kind = \"mold\"\n[results]\nfound = \"\"\"\n{large}\"\"\"\n{note}")).unwrap();
+    assert_eq!(kind_of(&file).unwrap(), "mold");
+    let found = project::note_of(&file).unwrap();
+    assert_eq!((found.part.as_str(), found.file.as_deref()), ("slots", Some(Path::new("a.sparkpath"))));
+    // Wherever it stands, and whatever else is wrong: that is told by who opens it.
+    fs::write(&file, format!("name = \"\"\"\n{large}\"\"\"\nkind = \"mold\"")).unwrap();
+    assert_eq!(kind_of(&file).unwrap(), "mold");
+    fs::write(&file, "kind = \"mold\"\n[[").unwrap();
+    assert_eq!(kind_of(&file).unwrap(), "mold");
+    fs::write(&file, "mesh = \"a.stl\"").unwrap();
+    assert!(kind_of(&file).unwrap_err().to_string().contains("kind: it is missing"));
 }
 
 #[test]

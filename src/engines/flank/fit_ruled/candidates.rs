@@ -1,5 +1,7 @@
 //! Faces of an electrode that the flank of a cutter could mill.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -7,12 +9,14 @@ use super::patch::mean_normal;
 use super::{RuledFit, RuledFitError, RuledFitParams, fit_ruled};
 use geometry::mesh::Mesh;
 use geometry::segmentation::{EdgeKind, FaceKind, Segmentation, SegmentationSettings};
-use task::Cancel;
+use task::Task;
 
 /// Faces that are fitted at most, the largest.
 const MOST_FITTED: usize = 40;
 /// Share of the mesh's area below which a face is not fitted.
 const LEAST_SHARE: f64 = 2e-3;
+/// How much the normal of what stands may point up or down (cosine).
+const STANDS: f64 = 0.7;
 
 /// The form of a candidate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,7 +51,7 @@ impl CandidateKind {
 pub enum CandidateFit {
     /// The surface, ruled within the tolerance or not.
     Fitted(Box<RuledFit>),
-    /// Why there is none.
+    /// Reason why there is none.
     Refused(RuledFitError),
     /// Too small a face to be looked at.
     NotTried,
@@ -98,18 +102,16 @@ impl Candidate {
 }
 
 /// The faces of `mesh`, and groups of those that stand up and go over into each other smoothly, with the ruled surfaces
-/// fitted to them; the largest first, planes that lie last. Of a part on a base
-/// ([`RuledFitParams::stands_on_base`]) those above it come first.
+/// fitted to them; the largest first, planes that lie last. Of a part with a base ([`RuledFitParams::base`]) those that are
+/// clear of it come first.
 ///
 /// # Errors
 /// If a parameter has no meaning, or it was told to stop.
-pub fn flank_candidates(
-    mesh: &Mesh,
-    params: &RuledFitParams,
-    cancel: &Cancel,
-) -> Result<Vec<Candidate>, RuledFitError> {
+pub fn flank_candidates(mesh: &Mesh, params: &RuledFitParams, task: &Task) -> Result<Vec<Candidate>, RuledFitError> {
+    const STAGE: &str = "faces that could be milled";
     params.validate()?;
-    cancel.check()?;
+    task.check()?;
+    task.report(STAGE, 0.0, "");
     let up = params.up.normalize_or_zero();
     let segmentation = Segmentation::of(mesh, &SegmentationSettings::default());
     let single = (0..segmentation.faces.len() as u32).map(|f| vec![f]);
@@ -119,13 +121,16 @@ pub fn flank_candidates(
         single.chain(groups).map(|faces| candidate(mesh, &segmentation, faces, up)).collect();
     found.sort_by(|a, b| b.area_mm2.total_cmp(&a.area_mm2).then_with(|| a.faces.cmp(&b.faces)));
     let tried = found.iter().take(MOST_FITTED).take_while(|c| c.area_mm2 >= LEAST_SHARE * total).count();
+    let fitted = AtomicUsize::new(0);
     found[..tried].par_iter_mut().for_each(|c| {
-        c.fit = match fit_ruled(mesh, &c.triangles, params, cancel) {
+        c.fit = match fit_ruled(mesh, &c.triangles, params, &task.cancel) {
             Ok(fit) => CandidateFit::Fitted(Box::new(fit)),
             Err(error) => CandidateFit::Refused(error),
         };
+        let count = fitted.fetch_add(1, Ordering::Relaxed) + 1;
+        task.report(STAGE, count as f64 / tried as f64, &format!("{count} of {tried}"));
     });
-    cancel.check()?;
+    task.check()?;
     let standing = Standing::of(mesh, params);
     found.sort_by_key(|candidate| standing.rank(candidate));
     Ok(found)
@@ -135,37 +140,46 @@ pub fn flank_candidates(
 struct Standing<'a> {
     mesh: &'a Mesh,
     up: DVec3,
-    /// Height up to which a face begins at the bottom of the part (mm); none if that does not matter.
-    bottom_mm: Option<f64>,
+    /// Direction to the base of the part, and the coordinate along it up to which a face is clear of the base (mm).
+    base: Option<(DVec3, f64)>,
 }
 
 impl<'a> Standing<'a> {
-    /// Share of the part's height within which a face begins at its bottom.
+    /// Share of the part's length within which a face ends at a place.
     const NEAR: f64 = 1e-3;
-    /// How nearly a plane's normal points up or down (cosine) if the plane lies: the side of a cutter mills none such.
+    /// How nearly a plane's normal points up or down, or to the base (cosine), if the plane lies or is an end: the side of
+    /// a cutter mills none such.
     const LIES: f64 = 0.99;
 
     fn of(mesh: &'a Mesh, params: &RuledFitParams) -> Self {
-        let up = params.up.normalize_or_zero();
-        let heights = mesh.vertices.iter().map(|p| p.dot(up)).filter(|h| h.is_finite());
-        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-        Self { mesh, up, bottom_mm: params.stands_on_base.then_some(low + Self::NEAR * (high - low)) }
+        let base = params.base.map(|base| {
+            let towards = base.towards.normalize_or_zero();
+            let along = mesh.vertices.iter().map(|p| p.dot(towards)).filter(|x| x.is_finite());
+            let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            let near = Self::NEAR * (high - low);
+            (towards, base.from_mm.map_or(high - near, |from| from + near))
+        });
+        Self { mesh, up: params.up.normalize_or_zero(), base }
     }
 
-    /// The less the earlier: of a part on a base the flanks above it that can be milled, then its others; what lies
-    /// comes last.
+    /// The less the earlier: of a part with a base the standing flanks clear of it that can be milled, then its other
+    /// flanks that stand, those that lean, and the base; what lies comes last.
     fn rank(&self, candidate: &Candidate) -> u8 {
-        if candidate.kind == CandidateKind::Plane && candidate.outwards.dot(self.up).abs() > Self::LIES {
-            return 3;
+        let is_along = |direction: DVec3| candidate.outwards.dot(direction).abs() > Self::LIES;
+        let is_end = is_along(self.up) || self.base.is_some_and(|(towards, _)| is_along(towards));
+        if candidate.kind == CandidateKind::Plane && is_end {
+            return 4;
         }
-        let Some(bottom_mm) = self.bottom_mm else { return 0 };
+        let Some((towards, clear)) = self.base else { return 0 };
         let corners = candidate.triangles.iter().filter_map(|&t| self.mesh.triangles.get(t as usize)).flatten();
-        let heights = corners.filter_map(|&v| self.mesh.vertices.get(v as usize)).map(|p| p.dot(self.up));
-        let is_above = heights.fold(f64::INFINITY, f64::min) > bottom_mm;
-        match (is_above, candidate.is_millable()) {
-            (true, true) => 0,
-            (true, false) => 1,
-            (false, _) => 2,
+        let along = corners.filter_map(|&v| self.mesh.vertices.get(v as usize)).map(|p| p.dot(towards));
+        let is_clear = along.fold(f64::NEG_INFINITY, f64::max) < clear;
+        let stands = candidate.outwards.dot(self.up).abs() < STANDS;
+        match (is_clear, stands, candidate.is_millable()) {
+            (true, true, true) => 0,
+            (true, true, false) => 1,
+            (true, false, _) => 2,
+            (false, ..) => 3,
         }
     }
 }
@@ -176,10 +190,10 @@ fn joined(mesh: &Mesh, segmentation: &Segmentation, up: DVec3) -> Vec<Vec<u32>> 
     let stands = |f: usize| {
         let face = &segmentation.faces[f];
         match face.kind {
-            FaceKind::Plane { normal, .. } => normal.dot(up).abs() < 0.7,
+            FaceKind::Plane { normal, .. } => normal.dot(up).abs() < STANDS,
             FaceKind::Cylinder { direction, .. } => direction.dot(up).abs() > 0.7,
             FaceKind::Cone { axis, half_angle, .. } => axis.dot(up).abs() > 0.7 && half_angle < 0.8,
-            FaceKind::FreeForm => mean_normal(mesh, &face.triangles).dot(up).abs() < 0.7,
+            FaceKind::FreeForm => mean_normal(mesh, &face.triangles).dot(up).abs() < STANDS,
         }
     };
     let stands: Vec<bool> = (0..count).map(stands).collect();

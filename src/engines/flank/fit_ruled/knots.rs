@@ -3,7 +3,7 @@
 /// Cubic B-splines from 0 to 1.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Knots {
-    /// Where pieces meet, from 0 to 1.
+    /// Parameters at which pieces meet, from 0 to 1.
     pub breaks: Vec<f64>,
     /// Whether the end is the start; otherwise the end pieces go on beyond.
     pub is_closed: bool,

@@ -1,4 +1,4 @@
-//! How far a face and a ruled surface are apart, both ways.
+//! Distances between a face and a ruled surface, both ways.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -24,16 +24,16 @@ pub(super) struct Measured {
     pub all: FitError,
     /// Distances from the surface to the triangles, where the surface lies over them.
     pub back: FitError,
-    /// Where the face is farthest off (mm).
+    /// Place of the greatest distance of the face (mm).
     pub worst: DVec3,
-    /// How far the surface reaches beyond the face, as far as it was looked at (mm).
+    /// Greatest distance by which the surface extends beyond the face, as far as sampled (mm).
     pub overhang: f64,
-    /// How far the face reaches beyond the surface (mm), and where.
+    /// Greatest distance by which the face extends beyond the surface (mm), and its place.
     pub uncovered: f64,
     pub uncovered_at: DVec3,
-    /// How far pieces that were left out are off the surface or beyond it (mm).
+    /// Greatest distance of omitted pieces from the surface or beyond it (mm).
     pub lost: f64,
-    /// How far the guides are off the face's border (mm).
+    /// Greatest distance of the guides from the face's border (mm).
     pub border: f64,
 }
 

@@ -38,7 +38,7 @@ use geometry::nurbs::{FitError, NurbsCurve};
 use task::Cancel;
 
 pub use self::candidates::{Candidate, CandidateFit, CandidateKind, flank_candidates};
-pub use self::params::{RuledFitError, RuledFitParams};
+pub use self::params::{PartBase, RuledFitError, RuledFitParams};
 
 /// Number of control points of each guide of a face all around.
 const RING_COUNT: usize = 19;

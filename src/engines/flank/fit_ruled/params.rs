@@ -9,7 +9,26 @@ use task::Cancelled;
 /// Number of control points of each guide while ways to divide the border are tried.
 pub(super) const FIRST_COUNT: usize = 7;
 
-/// How a ruled surface is fitted.
+/// The base of a part, which is not milled: an electrode's blank, or its shank and holder.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PartBase {
+    /// Direction from the part to its base.
+    pub towards: DVec3,
+    /// Coordinate along that direction from which on all is base (mm); without it the faces that reach to the end of the
+    /// part are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from_mm: Option<f64>,
+}
+
+impl PartBase {
+    /// The base that is at the end of the part in this direction.
+    pub fn at_end(towards: DVec3) -> Self {
+        Self { towards, from_mm: None }
+    }
+}
+
+/// Parameters of the fit of a ruled surface.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RuledFitParams {
@@ -20,15 +39,14 @@ pub struct RuledFitParams {
     /// Upward direction, from the lower guide to the upper one. Of two equal ways to rule a face the rulings that run
     /// along it are taken.
     pub up: DVec3,
-    /// Whether the part stands on a base that is not milled, as an electrode with its blank: flanks that begin above
-    /// the lowest place of the part then come first.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub stands_on_base: bool,
+    /// Base of the part, if it has one: faces that are clear of it come first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base: Option<PartBase>,
 }
 
 impl Default for RuledFitParams {
     fn default() -> Self {
-        Self { tolerance_mm: 0.01, most_control_points: 131, up: DVec3::Z, stands_on_base: false }
+        Self { tolerance_mm: 0.01, most_control_points: 131, up: DVec3::Z, base: None }
     }
 }
 
@@ -47,11 +65,19 @@ impl RuledFitParams {
         if !self.up.is_finite() || self.up.length() < 1e-9 {
             return Err(RuledFitError::Params("up must be a direction"));
         }
+        if let Some(PartBase { towards, from_mm }) = self.base {
+            if !towards.is_finite() || towards.length() < 1e-9 {
+                return Err(RuledFitError::Params("base.towards must be a direction"));
+            }
+            if from_mm.is_some_and(|from| !from.is_finite()) {
+                return Err(RuledFitError::Params("base.from_mm must be a number"));
+            }
+        }
         Ok(())
     }
 }
 
-/// Why no ruled surface is fitted.
+/// Reason why no ruled surface is fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RuledFitError {
     /// A parameter without meaning.
@@ -67,7 +93,10 @@ pub enum RuledFitError {
     #[error("the face has no area; choose one that has")]
     NoArea,
     /// Three triangles at one side.
-    #[error("the face branches at ({:.3}, {:.3}, {:.3}): three triangles share a side there; choose fewer faces", .0.x, .0.y, .0.z)]
+    #[error(
+        "the face branches at ({:.3}, {:.3}, {:.3}): three triangles share a side there; choose fewer faces",
+        .0.x, .0.y, .0.z
+    )]
     Branching(DVec3),
     /// No border at all.
     #[error("the face is closed, it has no border that guides could follow; choose a part of it")]

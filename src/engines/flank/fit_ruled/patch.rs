@@ -19,7 +19,7 @@ const INNER: usize = 8_000;
 /// The triangles of a face that hang together, all turned the same way.
 #[derive(Debug, Clone)]
 pub(super) struct Patch {
-    /// Where the points are counted from (mm).
+    /// Origin of the points (mm).
     pub origin: DVec3,
     /// Points, each place once (mm).
     pub points: Vec<DVec3>,

@@ -31,7 +31,7 @@ pub(super) struct Foot {
 /// A surface point with its derivatives.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
-    /// Where it is.
+    /// Position.
     pub point: DVec3,
     /// Along u and along v.
     pub first: [DVec3; 2],

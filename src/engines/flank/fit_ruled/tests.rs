@@ -2,7 +2,7 @@ use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 
 use super::*;
-use task::Cancel;
+use task::{Cancel, Progress, Task};
 
 /// Points and normals over the unit square.
 type Form = dyn Fn(f64, f64) -> DVec3;
@@ -310,10 +310,15 @@ fn what_is_no_strip_is_refused_in_words() {
         (RuledFitParams { tolerance_mm: f64::NAN, ..params }, "tolerance_mm"),
         (RuledFitParams { most_control_points: 3, ..params }, "most_control_points"),
         (RuledFitParams { up: DVec3::ZERO, ..params }, "up"),
+        (RuledFitParams { base: Some(PartBase::at_end(DVec3::ZERO)), ..params }, "base.towards"),
+        (
+            RuledFitParams { base: Some(PartBase { from_mm: Some(f64::NAN), towards: DVec3::X }), ..params },
+            "base.from_mm",
+        ),
     ] {
         let error = fit_ruled(&cube, &[0, 1], &params, &Cancel::default()).unwrap_err();
         assert!(error.to_string().contains(key), "{error}");
-        assert_eq!(flank_candidates(&cube, &params, &Cancel::default()), Err(error));
+        assert_eq!(flank_candidates(&cube, &params, &Task::default()), Err(error));
     }
 }
 
@@ -329,13 +334,13 @@ fn any_number_of_threads_answers_the_same_and_a_stop_is_heeded() {
     let cancel = Cancel::default();
     cancel.cancel();
     assert_eq!(fit_ruled(&mesh, &front, &params, &cancel), Err(RuledFitError::Cancelled));
-    assert_eq!(flank_candidates(&mesh, &params, &cancel), Err(RuledFitError::Cancelled));
+    assert_eq!(flank_candidates(&mesh, &params, &Task::silent(&cancel)), Err(RuledFitError::Cancelled));
 }
 
 #[test]
 fn a_plane_is_ruled_upright() {
     let mesh = Mesh::cuboid(DVec3::new(20.0, 30.0, 14.0));
-    let found = flank_candidates(&mesh, &RuledFitParams::default(), &Cancel::default()).unwrap();
+    let found = flank_candidates(&mesh, &RuledFitParams::default(), &Task::default()).unwrap();
     assert_eq!(found.len(), 6);
     // What lies comes last, whatever its size.
     let rank = |c: &Candidate| (c.outwards.z.abs() > 0.5, -c.area_mm2);
@@ -377,7 +382,16 @@ fn rounded_block(half: f64, radius: f64, height: f64, parts: usize) -> Mesh {
 fn candidates_are_walls_roundings_and_the_wall_all_around() {
     let (half, radius, height) = (12.0, 4.0, 15.0);
     let mesh = rounded_block(half, radius, height, 24);
-    let found = flank_candidates(&mesh, &RuledFitParams::default(), &Cancel::default()).unwrap();
+    let told = std::sync::Arc::new(std::sync::Mutex::new(Vec::new()));
+    let teller = told.clone();
+    let progress =
+        Progress::new(move |update| teller.lock().unwrap().push((update.fraction, update.message.to_owned())));
+    let task = Task { progress, cancel: Cancel::default() };
+    let found = flank_candidates(&mesh, &RuledFitParams::default(), &task).unwrap();
+    let mut told = told.lock().unwrap().clone();
+    told.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let tried = found.iter().filter(|c| c.fit != CandidateFit::NotTried).count();
+    assert_eq!((told.len(), told.last()), (tried + 1, Some(&(1.0, format!("{tried} of {tried}")))));
     let of = |kind: CandidateKind| found.iter().filter(|c| c.kind == kind).collect::<Vec<_>>();
     assert_eq!([CandidateKind::Plane, CandidateKind::Cylinder, CandidateKind::Joined].map(|k| of(k).len()), [6, 4, 1]);
     let side = 2.0 * (half - radius);
@@ -486,7 +500,7 @@ proptest! {
             let figures = [fit.error.greatest_mm, fit.chord_mm, fit.border_mm, fit.overhang_mm, fit.uncovered_mm];
             prop_assert!(figures.iter().all(|f| f.is_finite()) && !fit.words.is_empty(), "{fit:?}");
         }
-        let candidates = flank_candidates(&mesh, &RuledFitParams::default(), &Cancel::default()).unwrap();
+        let candidates = flank_candidates(&mesh, &RuledFitParams::default(), &Task::default()).unwrap();
         prop_assert!(candidates.iter().all(|c| c.area_mm2.is_finite() && !c.summary().is_empty()));
     }
 }

@@ -11,7 +11,7 @@ const PIECES: usize = 8;
 /// Part of the way between two points of the path over which its direction is taken.
 const ASIDE: f64 = 1e-4;
 
-/// Where the flutes touch: what goes fastest in a hollow, and slowest round a bulge.
+/// Contact of the flutes: the fastest point in a hollow, the slowest on a bulge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     /// Radius of the cutter at the tip and at the flutes' top (mm).
@@ -31,9 +31,9 @@ pub struct Feeds {
     pub reach_mm: f64,
     /// The shortest time that a move is given (min); 0 where the control takes any.
     pub least_minutes: f64,
-    /// How the control moves between points.
+    /// Interpolation of the control between points.
     pub interpolation: Interpolation,
-    /// Where the flutes touch; none where the feed is that of the tool's axis.
+    /// Contact of the flutes; none if the feed is that of the tool's axis.
     pub contact: Option<Contact>,
 }
 
@@ -59,14 +59,13 @@ pub struct Pace {
 /// Moves that are slower than asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slowed {
-    /// How many, for whichever reason.
+    /// Number of slowed moves, for any reason.
     pub moves: usize,
     /// The least share of the feed asked for that is left.
     pub share: f64,
-    /// Where an axis would be too fast: how many moves, the least share that the axes leave, and the axis.
+    /// Moves slowed for an axis: their number, the least share that the axes allow, and the axis.
     pub by_axis: Option<(usize, f64, char)>,
-    /// Where a move would be shorter than the control takes: how many moves, and the least share of their speed that is
-    /// left.
+    /// Moves slowed for the control's shortest time: their number, and the least share of their speed that remains.
     pub short: Option<(usize, f64)>,
 }
 

@@ -18,7 +18,7 @@ const TIE_COST: f64 = 1e-6;
 /// Cost of travel while the tool moves along the path, beside turning in place.
 const MOVING_COST: f64 = 1.001;
 
-/// Why a machine cannot follow a path.
+/// Reason why a machine cannot follow a path.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MillingError {
     /// The path.

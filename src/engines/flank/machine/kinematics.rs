@@ -129,7 +129,8 @@ impl Kinematics {
         self.chain[1].0
     }
 
-    /// Where the spindle nose would be in machine coordinates (mm), with both rotary axes at zero: what limits X, Y, Z.
+    /// Position of the spindle nose in machine coordinates (mm), with both rotary axes at zero. The limits of X, Y and
+    /// Z hold for it.
     pub fn slides(&self, joints: &Joints) -> DVec3 {
         joints.linear + self.offset()
     }

@@ -48,7 +48,7 @@ pub enum Interpolation {
     Tip,
 }
 
-/// How closely a machine is to follow.
+/// Parameters of linearisation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LinearisationParams {
@@ -116,7 +116,7 @@ fn to_decimals(value: f64, decimals: usize) -> f64 {
 /// A programmed point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MachinePoint {
-    /// Where on the [`ToolPath`].
+    /// Parameter on the [`ToolPath`].
     pub s: f64,
     /// The five axes, rounded to the decimals of programs.
     pub joints: Joints,
@@ -133,7 +133,7 @@ pub struct MachinePoint {
 pub struct MachinePath {
     /// The programmed points.
     pub points: Vec<MachinePoint>,
-    /// Where the machine's pole is passed closely.
+    /// Places where the path passes near the machine's pole.
     pub singular: Vec<SingularPassage>,
     /// Bound of how far tip and flutes' top leave the path anywhere (mm).
     pub deviation_mm: f64,

@@ -17,7 +17,7 @@ const MOST_TURNS: f64 = 3.0;
 /// Greatest coordinate of anything (mm).
 const LARGEST_MM: f64 = 1e5;
 
-/// Why a machine or a position on it is not possible.
+/// Reason why a machine or a position on it is not possible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MachineError {
     /// A value of the machine's data.
@@ -118,15 +118,15 @@ impl RotaryAxis {
 pub struct LinearAxes {
     /// Least and greatest X of the spindle nose (mm, machine coordinates).
     pub x_mm: [f64; 2],
-    /// Of Y.
+    /// Travel of Y (mm).
     pub y_mm: [f64; 2],
-    /// Of Z.
+    /// Travel of Z (mm).
     pub z_mm: [f64; 2],
     /// Greatest speeds of X, Y and Z (mm/min).
     pub speed_mm_min: [f64; 3],
 }
 
-/// Where the workpiece's frame stands on the table, with every rotary axis at zero.
+/// Position of the workpiece's frame on the table, with every rotary axis at zero.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Workpiece {
@@ -162,7 +162,7 @@ pub struct MillingMachine {
     pub linear: LinearAxes,
     /// The two rotary axes. Of two in one carrier the one next to the bed comes first.
     pub rotary: Vec<RotaryAxis>,
-    /// Where the workpiece stands.
+    /// Position of the workpiece.
     #[serde(default)]
     pub workpiece: Workpiece,
 }

@@ -14,7 +14,7 @@ const STEPS: usize = 60;
 /// Turning by less counts as holding still (degrees).
 const STILL_DEG: f64 = 1.0;
 
-/// How the pole was passed.
+/// Way of passing the pole.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Passage {
     /// The pole's axis stood, or nearly so.
@@ -36,13 +36,13 @@ pub enum Passage {
 /// A stretch of a path within the cone about the pole.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SingularPassage {
-    /// Where it is closest.
+    /// Closest place.
     pub at: Place,
-    /// How close (degrees).
+    /// Least angle to the pole (degrees).
     pub least_deg: f64,
     /// Letter of the pole's axis.
     pub axis: char,
-    /// How it was passed.
+    /// Way of passing the pole.
     pub passage: Passage,
 }
 

@@ -12,7 +12,7 @@ const MOST_TURN: f64 = PI - 0.1;
 /// The shortest straight move, as a part of the way from point to point.
 const SHORTEST_MOVE: f64 = 1e-6;
 
-/// Why a path is none.
+/// Reason why a path is none.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ToolPathError {
     /// Too few or too many points.
@@ -107,7 +107,7 @@ pub struct ToolPath<'a> {
 /// A path as straight moves of tip and axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StraightMoves {
-    /// Where each ends on the [`ToolPath`], and the tool there; the first is the start.
+    /// End of each move on the [`ToolPath`], with the tool there; the first is the start.
     pub moves: Vec<(f64, ToolPose)>,
     /// The furthest that was measured between them (mm).
     pub chordal_deviation_mm: f64,

@@ -19,7 +19,7 @@ const LEVELS: u32 = 3;
 /// where it is measured need not be the worst.
 const ACCEPTED: f64 = 0.45 * DistanceField::ACCURACY;
 
-/// Why a field cannot be built.
+/// Reason why a field cannot be built.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FieldError {
     /// Cancelled.

@@ -79,7 +79,7 @@ impl Handle {
     }
 }
 
-/// How much of a field is of which kind, for reports.
+/// Sizes of the parts of a field, for reports.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FieldSize {
     /// Cells in all.
@@ -154,7 +154,7 @@ impl DistanceField {
         Some((f64::from(trilinear(v, t)), trilinear_gradient(v, t).as_dvec3() / size))
     }
 
-    /// How large the field is.
+    /// Size of the field.
     pub fn size(&self) -> FieldSize {
         FieldSize {
             cells: self.handles.len(),

@@ -18,14 +18,14 @@ use crate::groups::Groups;
 use crate::inside::winding_number;
 use task::{Cancel, Cancelled};
 
-/// How the surface passes a leaf.
+/// Course of the surface through a leaf.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Passage {
     /// Not at all: one sign holds all over it, which is not known yet.
     Clear,
     /// Through it or close by. Bit `i` tells that the normals put corner `i` inside.
     Crossed(u8),
-    /// So that the normals cannot be trusted.
+    /// The surface is folded, so that its normals are not reliable.
     Folded,
 }
 

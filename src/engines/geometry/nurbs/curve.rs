@@ -20,9 +20,9 @@ pub struct NurbsCurve {
 pub struct NearestOnCurve {
     /// Parameter.
     pub u: f64,
-    /// Where it is.
+    /// Position.
     pub point: DVec3,
-    /// How far away.
+    /// Distance.
     pub distance: f64,
 }
 

@@ -9,7 +9,7 @@ use super::curve::NurbsCurve;
 use super::knots::{KnotVector, MAX_DEGREE};
 use super::surface::NurbsSurface;
 
-/// How far a fit is from what it was made from.
+/// Distances of a fit from its data.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct FitError {
     /// Greatest distance (mm).
@@ -180,7 +180,7 @@ impl NurbsCurve {
 impl NurbsSurface {
     /// The bicubic surface skinned over `sections`, each with the same number of points: cubics along the sections with
     /// shared parameters, then cubics from section to section through their control points. Parameters are means of
-    /// the chord lengths over all sections and over all points; end tangents are those of parabolas. Answers the
+    /// the chord lengths over all sections and over all points; end tangents are those of parabolas. Returns the
     /// surface and the parameters of the points in u, along the sections, and in v, across them.
     ///
     /// # Errors

@@ -93,7 +93,7 @@ impl KnotVector {
         [self.knots[0], self.knots[self.knots.len() - 1]]
     }
 
-    /// Where pieces join, ends included, each once.
+    /// Parameters at which pieces join, ends included, each once.
     pub fn joints(&self) -> Vec<f64> {
         let mut joints = self.knots.clone();
         joints.dedup();

@@ -34,7 +34,7 @@ pub use function::BSpline;
 pub use knots::{KnotVector, MAX_DEGREE};
 pub use surface::NurbsSurface;
 
-/// Why there is no such curve or surface.
+/// Reason why there is no such curve or surface.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NurbsError {
     /// Too few points, or unequal numbers of things that belong together.

@@ -10,7 +10,7 @@ pub(super) const NONE: u32 = u32::MAX;
 
 /// The triangles of a mesh, their points joined where they coincide and counted from the middle of the mesh.
 pub(super) struct Topology {
-    /// Where the points are counted from (mm).
+    /// Origin of the points (mm).
     pub(super) origin: DVec3,
     /// Points (mm).
     pub(super) points: Vec<DVec3>,
@@ -24,7 +24,7 @@ pub(super) struct Topology {
     pub(super) areas: Vec<f64>,
     /// The least height of each triangle (mm); zero without area.
     pub(super) heights: Vec<f64>,
-    /// How far a coordinate may be off when it was once stored with 24 bits (mm).
+    /// Greatest error of a coordinate that was once stored with 24 bits (mm).
     pub(super) rounding: f64,
 }
 

@@ -101,7 +101,7 @@ impl Lattice {
         [0, 1, 2].map(|k| at[k] * BLOCK + within[k])
     }
 
-    /// Where a point lies.
+    /// Position of a point.
     pub(super) fn place(&self, point: [usize; 3]) -> DVec3 {
         self.min + DVec3::from_array(point.map(|i| i as f64)) * self.cell
     }
@@ -118,13 +118,13 @@ impl Lattice {
         (point[2] * ny + point[1]) * nx + point[0]
     }
 
-    /// How far on the next point along an axis is counted.
+    /// Index step to the next point along an axis.
     pub(super) fn stride(&self, axis: usize) -> usize {
         let [nx, ny, _] = self.blocks.map(|n| n * BLOCK);
         [1, nx, nx * ny][axis]
     }
 
-    /// How many points there are.
+    /// Number of points.
     pub(super) fn point_count(&self) -> usize {
         self.blocks.iter().product::<usize>() * BLOCK.pow(3)
     }

@@ -26,7 +26,7 @@ use lattice::Lattice;
 use motion::Motion;
 use task::{Cancelled, Task};
 
-/// Why there is no swept surface.
+/// Reason why there is no swept surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SweptError {
     /// Cancelled.

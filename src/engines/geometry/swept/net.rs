@@ -1,4 +1,4 @@
-//! How the cells that the surface passes hang together.
+//! Connections of the cells that the surface passes.
 //!
 //! Edge `4 a + i + 2 j` of a cell runs along axis `a`, on its far side along the next axis if `i` is 1 and along the
 //! one after that if `j` is 1.
@@ -13,15 +13,15 @@ const FACES: [([usize; 4], [usize; 4]); 6] = faces();
 
 /// Vertices and quadrangles of a surface, before the vertices have their places.
 pub(super) struct Net {
-    /// Where each vertex begins.
+    /// Start of each vertex.
     pub starts: Vec<Start>,
-    /// How many vertices belong to each of the mixed blocks, in their order.
+    /// Number of vertices of each mixed block, in their order.
     pub counts: Vec<usize>,
     /// Vertices of the quadrangles, counter-clockwise seen from outside.
     pub quads: Vec<[u32; 4]>,
 }
 
-/// Where a vertex begins.
+/// Start of a vertex.
 #[derive(Clone, Copy)]
 pub(super) struct Start {
     /// The middle of the edges that its sheet crosses, in its cell.

@@ -20,7 +20,7 @@ use crate::plane;
 /// What is burned: the regions, how, and their parts.
 pub(super) type Burned<'a> = (&'a [RegionToBurn], &'a [RegionPlan], &'a Parts);
 
-/// Names electrodes: the same number for all stages where they burn the same parts. Answers all numbers that were
+/// Names electrodes: the same number for all stages where they burn the same parts. Returns all numbers that were
 /// given, those of `params` first.
 pub(super) fn named(electrodes: &mut [Electrode], params: &ElectrodeParams, burned: Burned) -> Vec<GivenName> {
     let mut forms: Vec<Vec<PartId>> = Vec::new();

@@ -20,7 +20,7 @@ pub const GOUGE: f64 = 5e-4;
 /// How far off a burn surface a point of a tip may be to be part of it (mm).
 const ON_BURN: f64 = 1e-6;
 
-/// Why there are no electrodes.
+/// Reason why there are no electrodes.
 #[derive(Debug, thiserror::Error)]
 pub enum ElectrodeError {
     /// Parameters that cannot be used.

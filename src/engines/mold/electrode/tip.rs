@@ -36,7 +36,7 @@ const ON_CAP: f64 = 1e-7;
 /// Upwards part of a normal below which a face is a wall.
 const WALL: f64 = 0.2;
 
-/// Why there is no tip.
+/// Reason why there is no tip.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TipError {
     /// The gap leaves no room.

@@ -41,11 +41,11 @@ pub struct BurnTable {
     pub shape: Shape,
     /// Material of the electrodes.
     pub material: String,
-    /// How far electrodes are lifted (mm).
+    /// Retract distance (mm).
     pub lift_mm: f64,
     /// Minutes that all burns take.
     pub minutes: f64,
-    /// How many burns there are.
+    /// Number of burns.
     pub burns: usize,
     /// The electrodes; those for the first stage first.
     pub electrodes: Vec<ElectrodeEntry>,
@@ -68,17 +68,17 @@ pub struct ElectrodeEntry {
     pub gap_mm: f64,
     /// The orbit.
     pub orbit: OrbitEntry,
-    /// By how much it is smaller than the cavity across an upright wall along X or Y (mm): gap and orbit.
+    /// Undersize across an upright wall along X or Y (mm): gap and orbit.
     pub undersize_wall_mm: f64,
     /// Undersize across a level floor (mm).
     pub undersize_floor_mm: f64,
-    /// How many are made.
+    /// Number of pieces.
     pub quantity: u32,
     /// Surface finish to be reached (VDI 3400).
     pub finish_vdi: f64,
     /// Surface finish as roughness (Ra, micrometres).
     pub roughness_um: f64,
-    /// How its tips were made.
+    /// Method of making its tips.
     pub method: Method,
     /// The blank that it is milled from.
     pub blank: BlankEntry,
@@ -128,7 +128,7 @@ impl ElectrodeState {
         }
     }
 
-    /// How it is called.
+    /// Name of the state.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ok => "ok",
@@ -206,15 +206,14 @@ pub struct BurnEntry {
     pub y_mm: f64,
     /// Z (mm).
     pub z_mm: f64,
-    /// How far it is turned, counter-clockwise seen from the machine's head, along the burn (degrees, above -180 up to
-    /// 180).
+    /// C angle, counter-clockwise seen from the machine's head, along the burn (degrees, above -180 up to 180).
     pub c_deg: f64,
     /// Unit vector along which the electrode's own X axis looks: with the direction of the lift, its own Z axis, it
     /// says how the electrode stands wherever it burns from.
     pub x_axis: [f64; 3],
     /// From the axes of the electrode's file to those of this table.
     pub pose: Pose,
-    /// How deep below the mold's top its lowest point is (mm).
+    /// Depth of its lowest point below the mold's top (mm).
     pub depth_mm: f64,
     /// Volume that is burned away (mm^3).
     pub volume_mm3: f64,
@@ -242,7 +241,7 @@ pub enum CheckState {
 }
 
 impl CheckState {
-    /// How it is called.
+    /// Name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ok => "ok",
@@ -262,7 +261,7 @@ pub struct CheckEntry {
     pub state: CheckState,
     /// The finding in words.
     pub text: String,
-    /// Where, in the upright mold (mm).
+    /// Place, in the upright mold (mm).
     pub place_mm: Option<[f64; 3]>,
 }
 
@@ -297,7 +296,7 @@ impl BurnTable {
     }
 }
 
-/// How a shape is called.
+/// Name of a shape.
 pub fn shape_name(shape: Shape) -> &'static str {
     match shape {
         Shape::Undersized => "undersized",
@@ -305,7 +304,7 @@ pub fn shape_name(shape: Shape) -> &'static str {
     }
 }
 
-/// How a method is called.
+/// Name of a method.
 pub fn method_name(method: Method) -> &'static str {
     match method {
         Method::Extruding => "extruding",

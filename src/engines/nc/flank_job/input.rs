@@ -1,4 +1,4 @@
-//! What a flank is planned from: its surface, the cutter, the walls, and how it is to be milled.
+//! Input of a flank plan: surface, cutter, walls, and parameters of the milling.
 
 use std::sync::Arc;
 
@@ -68,7 +68,7 @@ pub struct FlankInput {
     pub side: Side,
     /// The cutter.
     pub cutter: FlankCutter,
-    /// How the path is planned.
+    /// Parameters of the path.
     pub params: FlankParams,
     /// Path that is milled.
     pub path: PathChoice,
@@ -78,11 +78,11 @@ pub struct FlankInput {
     pub machine: Option<MillingMachine>,
     /// Machine settings, clearances and motions of the milling.
     pub milling: MillingSettings,
-    /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
+    /// Greatest difference between the swept envelope and the static deviation at any sample (mm).
     pub envelope_tolerance_mm: f64,
-    /// How deep the path may cut into the surface, standing or moving (mm).
+    /// Greatest overcut, static or of the swept envelope (mm).
     pub overcut_tolerance_mm: f64,
-    /// How much stock it may leave on the surface, standing or moving (mm).
+    /// Greatest undercut, static or of the swept envelope (mm).
     pub undercut_tolerance_mm: f64,
     /// Checks that do not keep anything from being exported.
     pub overrides: Vec<Override>,

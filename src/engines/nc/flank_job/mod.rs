@@ -36,7 +36,7 @@ use task::{Cancel, Cancelled, Task};
 /// Distance from the surface within which a given wall counts as the surface itself (mm): the same part once more.
 const OWN_MM: f64 = 0.01;
 
-/// Why there is no flank path at all.
+/// Reason why there is no flank path at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FlankJobError {
     /// The surface, the cutter or the parameters.
@@ -56,7 +56,7 @@ pub enum FlankJobError {
     /// A cutter for which no path can be made.
     #[error("{misfit}; no path can be made for it ({why})")]
     Cutter {
-        /// Why it does not fit.
+        /// Reason why it does not fit.
         misfit: FlankError,
         /// Error met then.
         why: FlankError,

@@ -26,7 +26,7 @@ pub struct Milled {
     pub line: MachinePath,
     /// Parameters of the positions.
     pub params: LinearisationParams,
-    /// Where the flutes touch, for the feed.
+    /// Contact of the flutes, for the feed.
     pub contact: Contact,
     /// Time of every move (min), one less than the positions.
     pub move_minutes: Vec<f64>,

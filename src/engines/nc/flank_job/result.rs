@@ -1,4 +1,4 @@
-//! What is known of a planned flank: its facts and its checks, which nobody can change.
+//! The result of a planned flank: its facts and its checks, which cannot be changed.
 
 use std::ops::Deref;
 
@@ -103,9 +103,9 @@ pub struct FlankCheck {
     pub place: Option<DVec3>,
     /// Parameter t of the path at the finding.
     pub t: Option<f64>,
-    /// How bad it is, if it fails and that can be counted: see [`Figures`].
+    /// Figures of a failed check, if it can be counted: see [`Figures`].
     pub figures: Figures,
-    /// Why an override for it no longer holds.
+    /// Reason why an override for it no longer holds.
     pub lapsed: Option<String>,
 }
 
@@ -153,7 +153,7 @@ pub struct FlankFacts {
     pub surface: RuledSurface,
     /// The fit to the face of a mesh; none for guides.
     pub fit: Option<RuledFit>,
-    /// How rows of points that are guides were joined; empty without such.
+    /// Joining of guides given as points; empty for other guides.
     pub joinings: Vec<Joining>,
     /// The paths.
     pub plan: FlankPlan,
@@ -180,11 +180,11 @@ pub struct FlankFacts {
     pub chordal_deviation_mm: f64,
     /// Machine settings, clearances and motions of the milling.
     pub milling: MillingSettings,
-    /// How much the moving cutter may cut otherwise than the standing one at any place (mm).
+    /// Greatest difference between the swept envelope and the static deviation at any sample (mm).
     pub envelope_tolerance_mm: f64,
-    /// How deep the path may cut into the surface, standing or moving (mm).
+    /// Greatest overcut, static or of the swept envelope (mm).
     pub overcut_tolerance_mm: f64,
-    /// How much stock it may leave on the surface, standing or moving (mm).
+    /// Greatest undercut, static or of the swept envelope (mm).
     pub undercut_tolerance_mm: f64,
     /// Checks of the path.
     pub checks: Vec<FlankCheck>,
@@ -270,7 +270,7 @@ impl FlankResult {
         self.checks.iter().all(|c| c.holds)
     }
 
-    /// Why nothing is exported: the checks that fail and are not overridden; none if there are none such.
+    /// Reason why nothing is exported: the checks that fail and are not overridden; none if there are none such.
     pub fn why_blocked(&self) -> Option<String> {
         let failed = self.checks.iter().filter(|c| !c.holds && !c.is_overridden);
         let lapsed = |c: &FlankCheck| c.lapsed.as_ref().map_or_else(String::new, |why| format!(" (override: {why})"));

@@ -1,4 +1,4 @@
-//! How a flank is milled: which path, which way along it, on which machine, with which post.
+//! Settings of the milling: path, direction, machine, post.
 
 use serde::{Deserialize, Serialize};
 
@@ -34,7 +34,7 @@ impl PathChoice {
     }
 }
 
-/// How the cutter's rotation and its travel go together. The spindle turns clockwise, seen from above.
+/// Direction of the cutter's rotation relative to its travel. The spindle turns clockwise, seen from above.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CutDirection {
@@ -59,13 +59,13 @@ impl CutDirection {
     }
 }
 
-/// How the path is milled on a machine.
+/// Settings of the milling on a machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MillingSettings {
     /// Name of a machine, a TOML file with one, or one of several in such a file as `FILE.toml#NAME`; empty for none.
     pub machine: String,
-    /// Where the workpiece stands on the machine, if not where the machine's file says.
+    /// Position of the workpiece on the machine, if not that of the machine's file.
     pub workpiece: Option<Workpiece>,
     /// Length from the spindle nose to the tip (mm), if not that of the machine's file.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -78,9 +78,9 @@ pub struct MillingSettings {
     pub linearisation_mm: f64,
     /// Passing the machine's pole within this angle is reported (deg).
     pub singular_cone_deg: f64,
-    /// How far the cutter comes from the side, off the surface, at both ends of the path (mm).
+    /// Length of lead-in and lead-out from the side, at both ends of the path (mm).
     pub aside_mm: f64,
-    /// How far it is then lifted along its axis (mm).
+    /// Retract distance along its axis (mm).
     pub retract_mm: f64,
     /// Speeds and words of the program.
     pub program: FlankNcSettings,
@@ -106,7 +106,7 @@ impl Default for MillingSettings {
 
 impl MillingSettings {
     /// Takes another machine. Where the workpiece stands on the former one, and how long the tool is on it, says
-    /// nothing of this one: both are then as its file says. Answers in words what was forgotten, if anything.
+    /// nothing of this one: both are then as its file says. Returns in words what was forgotten, if anything.
     pub fn take_machine(&mut self, machine: &str) -> Option<String> {
         if self.machine == machine {
             return None;
@@ -123,7 +123,7 @@ impl MillingSettings {
         })
     }
 
-    /// How closely the machine is to follow, with flutes of this length (mm).
+    /// Parameters of linearisation, with flutes of this length (mm).
     pub fn linearisation(&self, flutes_mm: f64) -> LinearisationParams {
         LinearisationParams {
             linearisation_mm: self.linearisation_mm,

@@ -66,7 +66,7 @@ pub struct FlankNc {
     pub stretched: Option<(usize, f64)>,
 }
 
-/// Why no program of a flank could be made.
+/// Reason why no program of a flank could be made.
 #[derive(Debug, thiserror::Error)]
 pub enum FlankNcError {
     /// No machine was given, or none can follow the path.

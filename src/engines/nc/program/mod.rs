@@ -135,7 +135,7 @@ impl NcProgram {
         Ok(Self { text: w.finish()?, extension: post.extension.clone(), slowed })
     }
 
-    /// Where the program is slower than asked for, so that no axis exceeds its speed; None if nowhere.
+    /// Blocks slowed so that no axis exceeds its speed; none if there are none.
     pub fn slowed(&self) -> Option<&Slowed> {
         self.slowed.as_ref()
     }

@@ -12,7 +12,7 @@ const DISTANCES: [f64; 2] = [1e-4, 1e8];
 /// Margin around what is fitted into the picture, as a factor.
 const FIT_MARGIN: f64 = 1.08;
 
-/// How depth is shown.
+/// Projection of depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Projection {
     /// Far things look smaller.
@@ -22,7 +22,7 @@ pub enum Projection {
     Orthographic,
 }
 
-/// How the view follows a drag.
+/// Style of turning the view by dragging.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum OrbitStyle {
     /// About the scene's Z axis and the view's horizontal; Z stays upright.
@@ -42,7 +42,7 @@ pub struct Camera {
     pub distance: f64,
     /// From the camera's axes (x right, y up, z towards the viewer) to the scene's; a unit quaternion.
     pub orientation: DQuat,
-    /// How depth is shown.
+    /// Projection of depth.
     pub projection: Projection,
     /// Vertical field of view (rad), between 0 and pi.
     pub field_of_view: f64,
@@ -51,13 +51,13 @@ pub struct Camera {
 /// A half line into the scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ViewRay {
-    /// Where it starts: the eye, or in an orthographic view a point of the plane through the eye.
+    /// Origin of the ray: the eye, or in an orthographic view a point of the plane through the eye.
     pub origin: DVec3,
     /// Unit vector away from the viewer.
     pub direction: DVec3,
 }
 
-/// Where a point is seen.
+/// A point in the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projected {
     /// In the picture (pixels), possibly outside.
@@ -140,7 +140,7 @@ impl Camera {
         }
     }
 
-    /// Where `p` is seen in a picture of `size` pixels; `None` behind the eye of a perspective view.
+    /// Position of `p` in a picture of `size` pixels; `None` behind the eye of a perspective view.
     pub fn project(&self, p: DVec3, size: [u32; 2]) -> Option<Projected> {
         let view = self.to_view(p);
         let depth = -view.z;

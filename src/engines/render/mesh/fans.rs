@@ -27,12 +27,12 @@ impl Fans {
         Self { starts, corners }
     }
 
-    /// How many vertices there are.
+    /// Number of vertices.
     pub fn vertex_count(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// Where the corners of vertex `v` lie in the list of all of them.
+    /// Range of the corners of vertex `v` in the list of all corners.
     pub fn range(&self, v: usize) -> std::ops::Range<usize> {
         self.starts[v] as usize..self.starts[v + 1] as usize
     }

@@ -71,7 +71,7 @@ impl RenderMesh {
         self.source.triangles.is_empty()
     }
 
-    /// How many triangles there are.
+    /// Number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.source.triangles.len()
     }
@@ -91,7 +91,7 @@ impl RenderMesh {
         self.bounds
     }
 
-    /// Where the positions of the levels count from, in the mesh's frame.
+    /// Origin of the positions of the levels, in the mesh's frame.
     pub fn origin(&self) -> DVec3 {
         if self.is_empty() { DVec3::ZERO } else { self.bounds.center() }
     }

@@ -25,13 +25,13 @@ const SAMPLES: u32 = 4;
 /// Pixels of a picture while the view moves on a software adapter, at most.
 const MOVING_PIXELS: f64 = 500_000.0;
 
-/// How much care a picture gets.
+/// Quality of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Quality {
     /// While the view moves. On a software adapter at a lower resolution, with lighter meshes and
     /// without edges and smoothing; on a real GPU like [`Full`](Self::Full).
     Moving,
-    /// At rest and for print.
+    /// Full quality, at rest and for print.
     Full,
 }
 

@@ -194,7 +194,7 @@ impl<'a> Boundary<'a> {
         Ok(Section { x, walls: [wall(0)?, wall(1)?] })
     }
 
-    /// Why the channel's middle is not free.
+    /// Reason why the channel's middle is not free.
     fn no_passage(&self, x: f64, r: f64, clearance: f64) -> ElectrodeError {
         let (clearance, gap) = (clearance + self.gap, self.gap);
         if clearance >= 0.0 {

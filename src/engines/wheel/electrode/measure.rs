@@ -22,7 +22,7 @@ pub(super) struct Measures {
     pub burn_area: f64,
     /// Least distance to the blisk over vertices, edge midpoints and face centres (mm).
     pub clearance: f64,
-    /// Where that is, in W (mm).
+    /// Place of that distance, in W (mm).
     pub closest: DVec3,
 }
 

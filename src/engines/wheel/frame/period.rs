@@ -1,4 +1,4 @@
-//! How often walls repeat about an axis, and how exactly; and where the axis lies so that they do.
+//! Number of repetitions of the walls about an axis, with its accuracy; and the best axis for them.
 
 use std::f64::consts::TAU;
 
@@ -11,10 +11,10 @@ use super::slices::{CELLS, Gap, Slices};
 use geometry::frame::{Cylindrical, wrap_angle};
 use task::{Cancel, Cancelled};
 
-/// How exactly the walls repeat around the axis.
+/// Repetition of the walls around the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Repetition {
-    /// How often they repeat: the number of blades.
+    /// Number of repetitions: the number of blades.
     pub blades: usize,
     /// A wall repeats where it lies within this distance of the mean blade's wall (mm).
     pub tolerance_mm: f64,
@@ -130,7 +130,7 @@ impl Region {
         slices.cell_middle(cell[0], cell[1])
     }
 
-    /// Why the gaps of this region are no channels between blades, if they are not.
+    /// Reason why the gaps of this region are no channels between blades, if they are not.
     pub fn objection(&self, slices: &Slices) -> Option<&'static str> {
         let facing: f64 = self.circles(slices, 60).iter().map(|c| facing(slices, c)).sum();
         if facing <= 0.2 * self.circles(slices, 60).len() as f64 {

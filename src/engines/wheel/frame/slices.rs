@@ -1,4 +1,4 @@
-//! Where circles about the axis, and rays along the radius, meet a mesh: exactly, not by sampling.
+//! Exact intersections of circles about the axis, and of rays along the radius, with a mesh.
 //!
 //! Both live in a plane x = const, in which the mesh is a set of segments with the solid on their left (seen
 //! from +X). Which side of a circle or ray a segment's end lies on is decided once per mesh edge, so that a
@@ -39,7 +39,7 @@ pub(crate) struct Slices {
     wedges: Buckets,
 }
 
-/// Where a circle about the axis meets the mesh.
+/// Intersection of a circle about the axis with the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Crossing {
     /// Angle about the axis (rad).
@@ -53,9 +53,9 @@ pub(crate) struct Crossing {
 /// An arc of a circle that lies outside the solid, between two crossings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Gap {
-    /// Where the solid of smaller theta ends.
+    /// End of the solid of smaller theta.
     pub low: Crossing,
-    /// Where the solid of greater theta begins; its theta is greater than that of `low`.
+    /// Start of the solid of greater theta; its theta is greater than that of `low`.
     pub high: Crossing,
 }
 
@@ -83,7 +83,7 @@ impl Gap {
     }
 }
 
-/// Where a ray along the radius meets the mesh.
+/// Intersection of a ray along the radius with the mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct RadialCrossing {
     /// Distance from the axis (mm).

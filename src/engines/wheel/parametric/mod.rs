@@ -55,7 +55,7 @@ pub struct ParametricBlisk {
     pub twist_deg: f64,
     /// Lean of the stacking line towards greater theta (deg).
     pub lean_deg: f64,
-    /// How much smaller the section is at the tip than at the hub: 0 not at all, 0.2 by a fifth.
+    /// Taper: 0 for the same section at tip and hub, 0.2 for a tip smaller by a fifth.
     pub taper: f64,
     /// Whether a ring closes the channels outside.
     pub shrouded: bool,
@@ -88,7 +88,7 @@ impl Default for ParametricBlisk {
     }
 }
 
-/// How finely a parametric blisk is meshed: numbers of intervals.
+/// Resolution of the mesh of a parametric blisk: numbers of intervals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MeshResolution {
@@ -110,7 +110,7 @@ impl Default for MeshResolution {
     }
 }
 
-/// Why a parametric blisk cannot be made.
+/// Reason why a parametric blisk cannot be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ParametricError {
     /// A parameter is out of its range.
@@ -209,12 +209,12 @@ impl ParametricBlisk {
         self.faces_x().map(|x| self.radii(x).1).into_iter().fold(0.0, f64::max) + self.wall_mm
     }
 
-    /// Where the leading edge's tip is at radius `r` (mm along X).
+    /// Tip of the leading edge at radius `r` (mm along X).
     pub fn x_le(&self, r: f64) -> f64 {
         0.5 * self.chord_mm * (1.0 - self.scale(r))
     }
 
-    /// Where the trailing edge's tip is at radius `r` (mm along X).
+    /// Tip of the trailing edge at radius `r` (mm along X).
     pub fn x_te(&self, r: f64) -> f64 {
         0.5 * self.chord_mm * (1.0 + self.scale(r))
     }
@@ -267,7 +267,7 @@ impl ParametricBlisk {
         1.0 - self.taper * self.span_fraction(r)
     }
 
-    /// Says in words what cannot be built.
+    /// Checks that the blisk can be built.
     pub fn validate(&self) -> Result<(), ParametricError> {
         let within = |name, value: f64, from: f64, to: f64| {
             if (from..=to).contains(&value) {

@@ -20,6 +20,10 @@ type Key = (usize, String, f64);
 
 /// The kept runs: content of the document, computed to be shown.
 pub struct KeptRuns {
+    /// Runs of the document, read once for each change of its kept content.
+    runs: Vec<kept_plan::KeptRun>,
+    /// Revision of the kept content that the runs were read from.
+    read: Option<u64>,
     /// Runs are computed one after the other. A run that failed for another channel may succeed for this one.
     made: Memo<Key, KeptRun>,
     channel: Option<Same<FoundChannel>>,
@@ -47,7 +51,7 @@ impl KeptRun {
             kept.smoothness = Smoothness::of(&figures);
         }
         // A file may name any colour.
-        let colour = of.colour % KeptRuns::MOST;
+        let colour = of.colour % kept_plan::KeptRun::MOST;
         Self { number: of.number, colour, run, paths: paths(plan).map(str::to_owned).collect() }
     }
 
@@ -67,57 +71,82 @@ fn name(number: usize, strategy: Strategy) -> String {
 }
 
 impl KeptRuns {
-    /// Greatest number of kept runs.
-    pub const MOST: usize = 6;
-
     /// An empty set of kept runs.
     pub fn new(scheduler: &Scheduler) -> Self {
-        Self { made: Memo::new(scheduler, Lane::Quick, "Kept runs").remembering(usize::MAX), channel: None }
+        let made = Memo::new(scheduler, Lane::Quick, "Kept runs").remembering(kept_plan::KeptRun::MOST);
+        Self { runs: Vec::new(), read: None, made, channel: None }
     }
 
     /// Kept runs that can be shown, in the order of keeping.
-    pub fn all(&self, document: &Document) -> Vec<&KeptRun> {
-        keyed(document).iter().filter_map(|(key, _)| Some(&**self.made.get(key)?)).collect()
+    pub fn all(&self) -> Vec<&KeptRun> {
+        self.keyed().filter_map(|(key, _)| Some(&**self.made.get(&key)?)).collect()
     }
 
-    /// Kept runs of `document` that cannot be shown: number, name, reason.
-    pub fn absent(&self, document: &Document) -> Vec<(usize, String, String)> {
+    /// Kept runs that cannot be shown: number, name, reason.
+    pub fn absent(&self) -> Vec<(usize, String, String)> {
         let reason = |key: &Key| match self.made.state(key) {
             State::Failed(why) => format!("not compared: {why}"),
             _ if self.channel.is_some() => "is being recomputed".to_owned(),
             _ => "waits for part and channel".to_owned(),
         };
-        let absent = keyed(document).into_iter().filter(|(key, _)| self.made.get(key).is_none());
+        let absent = self.keyed().filter(|(key, _)| self.made.get(key).is_none());
         absent.map(|(key, of)| (of.number, name(of.number, of.job.plan.strategy), reason(&key))).collect()
     }
 
     /// Whether another run can be kept, and the certified `plan` is not kept already.
-    pub fn can_keep(&self, plan: &PlanOutcome, document: &Document) -> bool {
+    pub fn can_keep(&self, plan: &PlanOutcome) -> bool {
         plan.is_verified()
-            && kept_plan::KeptRun::all_of(document).len() < Self::MOST
-            && !self.all(document).iter().any(|run| run.paths.iter().map(String::as_str).eq(paths(plan)))
+            && self.runs.len() < kept_plan::KeptRun::MOST
+            && !self.all().iter().any(|run| run.paths.iter().map(String::as_str).eq(paths(plan)))
     }
 
-    /// Keeps `plan`, made with the parameters of `document` from meshes with this content. Returns its name.
-    pub fn keep(&mut self, plan: &PlanOutcome, document: &mut Document, content: &str) -> Option<String> {
+    /// Keeps `plan`, made with the parameters of `document` from meshes with this content. Returns its name; none of a
+    /// plan without a path.
+    ///
+    /// # Errors
+    /// One line if there is no room for the plan.
+    pub fn keep(
+        &mut self,
+        plan: &PlanOutcome,
+        document: &mut Document,
+        content: &str,
+    ) -> Result<Option<String>, String> {
+        self.read(document);
         let job = document.params().clone();
-        let plan_kept = KeptPlan { inputs: KeptPlan::inputs_of(&job, content), electrodes: kept(plan)? };
-        let mut all = kept_plan::KeptRun::all_of(document);
-        let number = all.iter().map(|run| run.number).max().unwrap_or(0) + 1;
-        let is_free = |colour: &usize| all.iter().all(|run| run.colour != *colour);
-        let colour = (0..Self::MOST).find(is_free).unwrap_or(0);
+        let Some(electrodes) = kept(plan) else { return Ok(None) };
+        let plan_kept = KeptPlan { inputs: KeptPlan::inputs_of(&job, content), electrodes };
+        let number = self.runs.iter().map(|run| run.number).max().unwrap_or(0) + 1;
+        let is_free = |colour: &usize| self.runs.iter().all(|run| run.colour != *colour);
+        let colour = (0..kept_plan::KeptRun::MOST).find(is_free).unwrap_or(0);
         let of = kept_plan::KeptRun::new(number, colour, job, plan_kept);
-        all.push(of.clone());
-        kept_plan::KeptRun::keep(&all, document);
-        let step = step_of(&all, document);
+        kept_plan::KeptRun::keep(&[&self.runs[..], std::slice::from_ref(&of)].concat(), document)?;
+        self.read(document);
+        let step = self.step().unwrap_or(of.job.plan.step_mm);
         let run = Arc::new(KeptRun::new(&of, plan, step));
         self.made.put(&key(&of, step), run.clone());
-        Some(run.name())
+        Ok(Some(run.name()))
+    }
+
+    /// Has `document` keep run number `number` no more.
+    pub fn remove(&mut self, number: usize, document: &mut Document) {
+        self.runs.retain(|run| run.number != number);
+        // Fewer are always few enough.
+        kept_plan::KeptRun::keep(&self.runs, document).unwrap_or_default();
+        self.read(document);
+    }
+
+    /// Keeps up with what `document` keeps.
+    fn read(&mut self, document: &Document) {
+        if self.read != Some(document.kept_revision()) {
+            self.runs = kept_plan::KeptRun::all_of(document);
+            self.read = Some(document.kept_revision());
+        }
     }
 
     /// Follows `document`: computes the runs of its file once part and channel are there. Returns the reasons why some
     /// are not shown.
     pub fn follow(&mut self, document: &Document, of: Option<(&Arc<Part>, &Arc<FoundChannel>)>) -> Vec<String> {
+        self.read(document);
         let mut problems = Vec::new();
         while let Some(Ended { key, result, .. }) = self.made.take() {
             if let Err(Refusal::Failed(why)) = result {
@@ -125,17 +154,17 @@ impl KeptRuns {
             }
         }
         let Some((part, found)) = of.map(|(part, found)| (part.clone(), Same(found.clone()))) else { return problems };
-        let runs = keyed(document);
+        let keys: Vec<Key> = self.keyed().map(|(key, _)| key).collect();
         if self.channel.as_ref() != Some(&found) {
-            runs.iter().for_each(|(key, _)| self.made.resume(key));
+            keys.iter().for_each(|key| self.made.resume(key));
             self.channel = Some(found.clone());
         }
-        if self.made.under_way().is_some_and(|of| runs.iter().any(|(key, _)| key == of)) {
+        if self.made.under_way().is_some_and(|of| keys.contains(of)) {
             return problems;
         }
-        let lacking = runs.into_iter().find(|(key, _)| self.made.wants(key));
+        let lacking = keys.into_iter().zip(&self.runs).find(|(key, _)| self.made.wants(key));
         let Some((key, of)) = lacking else { return problems };
-        let (now, step) = (document.params().clone(), key.2);
+        let (of, now, step) = (of.clone(), document.params().clone(), key.2);
         self.made.ask(&key, Priority::Background, move |work| {
             let made = kept_run(&of, &now, &part, &found.0, &work.task);
             made.map(|plan| KeptRun::new(&of, &plan, step)).map_err(|e| e.to_string())
@@ -151,24 +180,24 @@ impl KeptRuns {
     /// Forgets all runs, because another document is open.
     pub fn forget(&mut self) {
         self.made.clear();
-        self.channel = None;
+        self.runs.clear();
+        (self.read, self.channel) = (None, None);
+    }
+
+    /// The step that differences of all runs are taken over, that of the first (mm); none without any.
+    pub fn step(&self) -> Option<f64> {
+        self.runs.first().map(|run| run.job.plan.step_mm)
+    }
+
+    /// The runs with their keys.
+    fn keyed(&self) -> impl Iterator<Item = (Key, &kept_plan::KeptRun)> {
+        let step = self.step().unwrap_or_default();
+        self.runs.iter().map(move |run| (key(run, step), run))
     }
 }
 
 fn key(run: &kept_plan::KeptRun, step: f64) -> Key {
     (run.number, run.plan.inputs.clone(), step)
-}
-
-/// The runs of `document` with their keys.
-fn keyed(document: &Document) -> Vec<(Key, kept_plan::KeptRun)> {
-    let runs = kept_plan::KeptRun::all_of(document);
-    let step = step_of(&runs, document);
-    runs.into_iter().map(|run| (key(&run, step), run)).collect()
-}
-
-/// Step of the differences of all `runs`, that of the first (mm).
-pub fn step_of(runs: &[kept_plan::KeptRun], document: &Document) -> f64 {
-    runs.first().map_or(document.params().plan.step_mm, |run| run.job.plan.step_mm)
 }
 
 /// Digests of the paths of `plan`.

@@ -112,7 +112,7 @@ impl BliskDesk {
         Self {
             document,
             work: BliskWork::new(scheduler),
-            coloured: Memo::new(scheduler, Lane::Quick, "Clearance").letting_finish(),
+            coloured: Memo::new(scheduler, Lane::Quick, "Clearance").letting_finish().remembering(2),
             swept: Memo::new(scheduler, Lane::Quick, "Swept volume").remembering(2),
             bodies: Memo::new(scheduler, Lane::Quick, "Machine").remembering(1),
             stood: Stood::default(),
@@ -183,15 +183,15 @@ impl BliskDesk {
 
     /// Whether the present plan can be kept to compare with. Its strategy is known only while no parameter has changed.
     pub fn can_keep(&self) -> bool {
-        self.work.state(Stage::Plan) == State::Ready
-            && self.work.plan().is_some_and(|plan| self.kept.can_keep(plan, &self.document))
+        self.work.state(Stage::Plan) == State::Ready && self.work.plan().is_some_and(|plan| self.kept.can_keep(plan))
     }
 
     /// Keeps the present plan. Check [`can_keep`](Self::can_keep) first.
     pub fn keep(&mut self, cx: &mut Context) {
         let (Some(plan), Some(part)) = (self.work.plan(), self.work.part()) else { return };
-        if let Some(name) = self.kept.keep(plan, &mut self.document, &part.content()) {
-            cx.say(EventKind::Done, format!("{name} is kept for comparison"));
+        match self.kept.keep(plan, &mut self.document, &part.content()) {
+            Ok(name) => name.iter().for_each(|name| cx.say(EventKind::Done, format!("{name} is kept for comparison"))),
+            Err(why) => cx.error("The plan is not kept", why),
         }
     }
 

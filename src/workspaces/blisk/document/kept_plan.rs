@@ -4,7 +4,6 @@
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::Document;
 use super::job_file::PlanJob;
@@ -101,11 +100,37 @@ pub fn check(document: &Document) -> Result<(), String> {
     };
     let plan = document.result(PLAN).map(serde_json::from_str::<KeptPlan>).transpose();
     plan.map_err(|e| damaged("results.plan", e))?;
-    let runs = document.kept(RUNS).map(serde_json::from_str::<Vec<KeptRun>>).transpose();
-    runs.map(drop).map_err(|e| damaged("kept.runs", e))
+    let Some(text) = document.kept(RUNS) else { return Ok(()) };
+    fits(text)?;
+    let runs = serde_json::from_str::<Vec<KeptRun>>(text).map_err(|e| damaged("kept.runs", e))?;
+    if runs.len() > KeptRun::MOST {
+        let (kept, most) = (runs.len(), KeptRun::MOST);
+        return Err(format!(
+            "the project keeps {kept} plans to compare with, and at most {most} can be: remove the others from kept.runs \
+             in the file"
+        ));
+    }
+    Ok(())
+}
+
+/// Whether the runs in `text` are few enough to be kept.
+fn fits(text: &str) -> Result<(), String> {
+    let [size, most] = [text.len(), KeptRun::MOST_BYTES].map(|bytes| bytes as f64 / f64::from(1 << 20));
+    if text.len() <= KeptRun::MOST_BYTES {
+        return Ok(());
+    }
+    Err(format!(
+        "the plans that are kept to compare with take {size:.1} MiB in the project, and at most {most} MiB can be kept: \
+         remove some of them, or plan with a larger step"
+    ))
 }
 
 impl KeptRun {
+    /// Greatest number of runs that a document keeps.
+    pub const MOST: usize = 6;
+    /// Greatest size of all of them together (bytes).
+    pub const MOST_BYTES: usize = 16 << 20;
+
     /// The plans that `document` keeps for comparison, in the order of keeping.
     pub fn all_of(document: &Document) -> Vec<Self> {
         document.kept(RUNS).and_then(|text| serde_json::from_str(text).ok()).unwrap_or_default()
@@ -113,9 +138,14 @@ impl KeptRun {
 
     /// Makes `document` keep these runs and no others. The change is unsaved work, because their parameters may be
     /// nowhere else.
-    pub fn keep(runs: &[Self], document: &mut Document) {
-        let text = serde_json::to_string(runs).ok().filter(|_| !runs.is_empty());
-        document.keep(RUNS, text);
+    ///
+    /// # Errors
+    /// One line if they are too large to be kept; then nothing is changed.
+    pub fn keep(runs: &[Self], document: &mut Document) -> Result<(), String> {
+        let text = serde_json::to_string(runs).map_err(|e| e.to_string())?;
+        fits(&text)?;
+        document.keep(RUNS, Some(text).filter(|_| !runs.is_empty()));
+        Ok(())
     }
 
     /// A run with the parameters `job`.
@@ -174,13 +204,11 @@ impl KeptPlan {
         for mesh in [&mut blisk.mesh, &mut electrode.mesh] {
             *mesh = mesh.take().map(|_| "mesh".into());
         }
-        let mut hash = Sha256::new();
-        hash.update(content);
         // Bodies have no part in the search; what is taken up is simulated anew.
         let machine = machine.searched();
         let parameters = (blisk, electrode, machine, plan, genetic, verify);
-        hash.update(serde_json::to_vec(&parameters).unwrap_or_default());
-        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+        let parameters = serde_json::to_vec(&parameters).unwrap_or_default();
+        files::sha256(&[content.as_bytes(), &parameters].concat())
     }
 }
 

@@ -55,12 +55,26 @@ mod tests {
         let mut document = Document::new(job.clone());
         plan.note(&mut document);
         assert!(!document.is_unsaved(), "the same search finds it again");
-        KeptRun::keep(std::slice::from_ref(&run), &mut document);
+        KeptRun::keep(std::slice::from_ref(&run), &mut document).unwrap();
         assert!(document.is_unsaved(), "its parameters may be nowhere else");
         document.save_as(&file).unwrap();
         let mut read = Document::open(&file).unwrap();
         assert_eq!((read.params(), KeptPlan::of(&read), KeptRun::all_of(&read)), (&job, Some(plan), vec![run]));
         assert_eq!(check(&read), Ok(()));
+        let run = KeptRun::all_of(&read).remove(0);
+        KeptRun::keep(&vec![run.clone(); KeptRun::MOST], &mut read).unwrap();
+        assert_eq!(check(&read), Ok(()));
+        KeptRun::keep(&vec![run.clone(); KeptRun::MOST + 1], &mut read).unwrap();
+        let said = check(&read).unwrap_err();
+        assert!(said.contains("keeps 7 plans") && said.contains("remove the others"), "{said}");
+        // What is too large to be kept leaves what there is.
+        let revision = read.kept_revision();
+        let nodes = vec![run.plan.electrodes[0].nodes[0]; KeptRun::MOST_BYTES / 8];
+        let mut large = run.clone();
+        large.plan.electrodes[0].nodes = nodes;
+        let said = KeptRun::keep(&[large], &mut read).unwrap_err();
+        assert!(said.contains("at most 16 MiB") && said.contains("larger step"), "{said}");
+        assert_eq!((read.kept_revision(), KeptRun::all_of(&read).len()), (revision, KeptRun::MOST + 1));
         read.keep("runs", Some("[{".to_owned()));
         assert!(check(&read).unwrap_err().contains("kept.runs"));
         read.note_result("plan", Some("{}".to_owned()));

@@ -113,7 +113,7 @@ pub fn comparison(runs: Vec<Run>, job: &PlanJob, files: Vec<InputFile>) -> Compa
     }
 }
 
-/// Writes `comparison.json`, `comparison.csv` and `comparison.html` into `folder`. Answers their names.
+/// Writes `comparison.json`, `comparison.csv` and `comparison.html` into `folder`. Returns their names.
 ///
 /// # Errors
 /// [`PlanFilesError`] naming what cannot be written; when told to stop, before anything is.

@@ -147,7 +147,7 @@ impl Finishing {
     }
 }
 
-/// Why a plan cannot be made. That there is no path is not an error but an answer.
+/// Reason why a plan cannot be made. That there is no path is not an error but an answer.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs)]
 pub enum PlanJobError {

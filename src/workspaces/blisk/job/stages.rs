@@ -77,7 +77,7 @@ pub struct Electrodes {
     pub electrodes: Vec<Electrode>,
     /// Shapes of the electrodes for the screen.
     pub shapes: Vec<Arc<RenderMesh>>,
-    /// Why the side that would have been taken first was not.
+    /// Reason why the side that would have been taken first was not.
     pub notes: Vec<String>,
 }
 

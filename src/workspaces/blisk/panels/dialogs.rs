@@ -10,12 +10,12 @@ use crate::widgets::theme::{palette, tick};
 use crate::workspaces::blisk::document::choice::{DrawnPictures, MeshFrame};
 use crate::workspaces::blisk::document::job_file::ExportSection;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
-use files::{Kind, Validate as _, Word};
+use files::{Kind, Word};
 
 /// Room for the names of files (points).
 const NAMES: f32 = 150.0;
 
-/// What the user answered.
+/// Answer of the user.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
     /// Choose the folder and export.
@@ -37,7 +37,7 @@ pub fn export(ui: &mut Ui, desk: &mut BliskDesk) -> Option<Answer> {
     ui.add_enabled_ui(drawn, |ui| pictures(ui, &mut export.pictures));
     ui.add_space(8.0);
     let is_any = export.files.any();
-    let problem = job.validate().err().map(|problem| FIELDS.in_window(&problem));
+    let problem = desk.document.problem().map(|problem| FIELDS.in_window(problem));
     let (colour, text) = match &problem {
         Some(_) if !is_any => (palette(ui).bad, "No file is chosen: nothing would be written."),
         Some(problem) => (palette(ui).bad, problem.as_str()),
@@ -106,7 +106,7 @@ fn frame(ui: &mut Ui, frame: &mut MeshFrame) {
     named(&response.response, "Frame of the electrode meshes");
 }
 
-/// Answers whether a post of one's own is wanted.
+/// Draws the choice of the post. Returns whether the user wants a post of their own.
 fn post(ui: &mut Ui, post: &mut String) -> bool {
     let words = posts();
     let mut own = false;

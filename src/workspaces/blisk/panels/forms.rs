@@ -10,7 +10,7 @@ use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::context::Context;
 use files::{Params as _, Word, get};
 
-/// What a form asks for that it cannot do itself.
+/// Request of a form to the workspace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Request {
     /// An electrode mesh of one's own.
@@ -23,7 +23,7 @@ pub enum Request {
 
 /// Draws the fields of `stage`. Changes go into the document at once.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) -> Option<Request> {
-    let mut form = Form::new(&FIELDS, desk.document.params());
+    let mut form = Form::new(&FIELDS, desk.document.params(), desk.document.problem());
     form.section(ui, stage.name());
     let answer = form.answer();
     if let Some(edit) = answer.edit {
@@ -51,7 +51,7 @@ pub fn has_problem(desk: &BliskDesk, stage: Stage) -> bool {
     fields.any(|field| field.check(field.key, get(&job, field.key)).is_err())
 }
 
-/// How a choice is shown: by its name, or the name of the file that it is.
+/// Label of a choice, or the name of its file.
 pub fn shown_choice(words: &[Word], now: &str) -> String {
     let shown = words.iter().find(|word| word.word == now).map(|word| word.label.to_owned());
     shown.unwrap_or_else(|| file_name(now))

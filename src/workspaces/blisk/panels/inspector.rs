@@ -30,7 +30,7 @@ fn heading(ui: &mut Ui, text: &str) {
     ui.label(RichText::new(text).small().color(palette(ui).faint));
 }
 
-/// What is known of the body that is selected.
+/// Facts about the selected body.
 fn selected(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context) {
     let Some(layer) = desk.selected else { return };
     let (length, size) = (cx.preferences.length, |ui: &mut Ui, size: glam::DVec3, frame: &str| {
@@ -169,7 +169,7 @@ fn probe(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, view: &mut BliskVi
     }
 }
 
-/// What was found out about the whole motion.
+/// Result of the simulation of the whole motion.
 fn whole_motion(ui: &mut Ui, desk: &mut BliskDesk) {
     let Some(simulation) = desk.machine.simulation() else { return };
     heading(ui, "Whole motion on the machine");

@@ -4,8 +4,7 @@ use egui::{Color32, RichText, Role, Ui, WidgetInfo};
 
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::desk::BliskDesk;
-use crate::workspaces::blisk::desk::kept_runs::{KeptRun, step_of};
-use crate::workspaces::blisk::document::kept_plan;
+use crate::workspaces::blisk::desk::kept_runs::KeptRun;
 use crate::workspaces::blisk::report::comparison::RunElectrode;
 use feed::pose::Axis;
 
@@ -20,8 +19,7 @@ impl KeptRun {
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     let axes: Vec<Axis> =
         desk.document.params().machine.axes.axes().iter().copied().filter(|a| *a != Axis::X).collect();
-    let (electrode, step) =
-        (desk.cursor.electrode, step_of(&kept_plan::KeptRun::all_of(&desk.document), &desk.document));
+    let (electrode, step) = (desk.cursor.electrode, desk.kept.step().unwrap_or(desk.document.params().plan.step_mm));
     let mut removed = None;
     let caption = format!(
         "Second differences over steps of {step:.2} mm, RMS and greatest; linear axes in mm, rotary axes in deg"
@@ -30,7 +28,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
         ui.label(RichText::new(caption).small().color(palette(ui).faint));
         egui::Grid::new("kept runs").spacing([9.0, 3.0]).striped(true).show(ui, |ui| {
             heads(ui, &axes);
-            for run in desk.kept.all(&desk.document) {
+            for run in desk.kept.all() {
                 if named(ui, run) {
                     removed = Some(run.number);
                 }
@@ -39,7 +37,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
             }
         });
         // They count towards the most that can be kept: one must be able to make room.
-        for (number, name, reason) in desk.kept.absent(&desk.document) {
+        for (number, name, reason) in desk.kept.absent() {
             ui.horizontal(|ui| {
                 ui.add_space(20.0);
                 ui.label(RichText::new(&name).color(palette(ui).faint));
@@ -51,9 +49,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
         }
     });
     if let Some(number) = removed {
-        let mut kept = kept_plan::KeptRun::all_of(&desk.document);
-        kept.retain(|run| run.number != number);
-        kept_plan::KeptRun::keep(&kept, &mut desk.document);
+        desk.kept.remove(number, &mut desk.document);
     }
 }
 
@@ -66,7 +62,7 @@ fn heads(ui: &mut Ui, axes: &[Axis]) {
     ui.end_row();
 }
 
-/// The cells that name a run and remove it. Tells whether it is to be removed.
+/// The cells that name a run and remove it. Returns whether it is to be removed.
 fn named(ui: &mut Ui, run: &KeptRun) -> bool {
     let colour = run.colour(ui);
     ui.horizontal(|ui| {
@@ -77,7 +73,7 @@ fn named(ui: &mut Ui, run: &KeptRun) -> bool {
     remove_button(ui, &run.name())
 }
 
-/// A button that removes the run called `name`. Tells whether it is pressed.
+/// A button that removes the run called `name`. Returns whether it is pressed.
 fn remove_button(ui: &mut Ui, name: &str) -> bool {
     let response = ui.add(egui::Button::new("×").small()).on_hover_text("Remove it from the comparison");
     let name = format!("Remove {name}");

@@ -1,4 +1,4 @@
-//! What is drawn over the 3-D view: the row of view buttons, the axis gizmo, the section's slider, the verdict.
+//! Overlays of the 3-D view: the row of view buttons, the axes, the slider of the section, the verdict.
 
 use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::desk::BliskDesk;
@@ -45,7 +45,7 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, cx: &mut Context, vie
     }
 }
 
-/// Where the cut is and which way it looks.
+/// Position and direction of the section.
 fn section(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk) {
     const WIDTH: f32 = 400.0;
     let width = (rect.width() - 16.0).min(WIDTH);

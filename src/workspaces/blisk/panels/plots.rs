@@ -181,8 +181,7 @@ fn axes(ui: &mut Ui, desk: &mut BliskDesk, curves: &Curves, order: usize) {
     let moving = || desk.document.params().machine.axes.axes().iter().filter(|axis| **axis != Axis::X);
     let names: Vec<(Axis, String)> = moving().map(|axis| (*axis, axis_name(*axis, order))).collect();
     let others = if order == 0 { kept_lines(ui, desk, moving()) } else { Vec::new() };
-    let kept: Vec<(Color32, String)> =
-        desk.kept.all(&desk.document).into_iter().map(|run| (run.colour(ui), run.name())).collect();
+    let kept: Vec<(Color32, String)> = desk.kept.all().into_iter().map(|run| (run.colour(ui), run.name())).collect();
     let of_axes = names.iter().map(|(axis, name)| (colours[*axis as usize], name.as_str()));
     let of_runs = kept.iter().filter(|_| order == 0).map(|(colour, name)| (*colour, name.as_str()));
     legend(ui, of_axes.chain(of_runs));
@@ -209,7 +208,7 @@ fn kept_lines<'a>(ui: &Ui, desk: &BliskDesk, axes: impl Iterator<Item = &'a Axis
         Some(Line::new(name, PlotPoints::from(course.curve.clone())).color(run.colour(ui)).width(1.0))
     };
     let of = |run: &'_ KeptRun| axes.clone().filter_map(|axis| line(run, axis)).collect::<Vec<_>>();
-    desk.kept.all(&desk.document).into_iter().flat_map(of).collect()
+    desk.kept.all().into_iter().flat_map(of).collect()
 }
 
 fn clearance(ui: &mut Ui, desk: &mut BliskDesk, curves: &Curves) {
@@ -261,7 +260,7 @@ fn convergence(ui: &mut Ui, desk: &mut BliskDesk) {
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Plot convergence"));
 }
 
-/// Says that there is nothing to plot, if so.
+/// Shows that there is nothing to plot, if so.
 fn nothing(ui: &mut Ui, desk: &BliskDesk) -> bool {
     let empty = desk.track().is_empty();
     if empty {

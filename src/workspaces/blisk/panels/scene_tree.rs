@@ -1,4 +1,4 @@
-//! What is in the scene: an eye, a colour, an opacity and "only this" for every body.
+//! The tree of the scene: for every body visibility, colour, opacity and "only this".
 
 use crate::workspaces::blisk::desk::BliskDesk;
 use egui::{Color32, RichText, Role, Sense, Ui, WidgetInfo, vec2};

@@ -15,7 +15,7 @@ use task::State;
 /// Width of a form in which columns may stand wide apart (points).
 const ROOMY: f32 = 300.0;
 
-/// What a quick look says of the electrode as it is tuned.
+/// Result of the preview of the electrode being tuned.
 pub fn live(ui: &mut Ui, desk: &BliskDesk) {
     match (desk.work.look_state(), desk.work.looked()) {
         (State::Failed(why), _) => {
@@ -102,7 +102,7 @@ fn table(ui: &mut Ui, desk: &BliskDesk, rows: &[SizeRow], current: bool) -> Opti
     chosen
 }
 
-/// What is known of a row beside its figures.
+/// Note on a row beside its figures.
 fn hint(row: &SizeRow) -> String {
     let limit = row.limit.as_ref().map(|limit| format!("; {}", limit.clause())).unwrap_or_default();
     let raised = match row.raised_deg {

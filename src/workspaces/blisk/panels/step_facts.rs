@@ -1,4 +1,4 @@
-//! What is known of a step, below its form, with the button that goes on.
+//! Facts about a step, below its form, with the button for the next action.
 
 use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::desk::BliskDesk;
@@ -221,7 +221,7 @@ fn verify(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     }
 }
 
-/// What is being worked on before a certified plan can be released.
+/// The work that a certified plan waits for before it can be released.
 fn awaited(desk: &BliskDesk) -> &'static str {
     match desk.work.doing().filter(|doing| doing.what == Stage::Verify.name()).map(|doing| &*doing.stage) {
         Some("simulation") => "the whole motion is being simulated on the machine",
@@ -230,7 +230,7 @@ fn awaited(desk: &BliskDesk) -> &'static str {
     }
 }
 
-/// How the electrodes finish the channel, or how far that is known.
+/// The finishing of the channel by the electrodes, as far as known.
 fn finishing(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, plan: &PlanOutcome) {
     match desk.work.finishing() {
         State::Running => {
@@ -251,7 +251,7 @@ fn finishing(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, plan: &PlanOut
     }
 }
 
-/// What stock is left, surface by surface.
+/// Residual stock, surface by surface.
 fn residual_stock(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, left: &ResidualStock, channel: &Channel) {
     let length = cx.preferences.length;
     ui.add_space(6.0);

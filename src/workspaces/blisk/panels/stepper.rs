@@ -89,7 +89,7 @@ fn stale_text(stage: Stage) -> &'static str {
     }
 }
 
-/// What is done in a step, for whoever sees it for the first time.
+/// Explanation of a step for new users.
 fn introduction(ui: &mut Ui, stage: Stage) {
     let text = match stage {
         Stage::Part => "Load the finished blisk: drop a mesh into the window or open one.",
@@ -118,7 +118,7 @@ fn step(ui: &mut Ui, stage: Stage, state: Standing, open: bool) -> egui::Respons
     told(response, stage, state, open)
 }
 
-/// How a step stands for who looks at it: a plan is not good before what belongs to it is.
+/// State of a step as shown: a plan is complete only with everything that belongs to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standing {
     /// Nothing has been done.
@@ -138,7 +138,7 @@ pub enum Standing {
 }
 
 impl Standing {
-    /// How `stage` stands.
+    /// State of `stage` as shown.
     pub fn of(desk: &BliskDesk, stage: Stage) -> Self {
         let may_be_driven = || desk.work.plan().is_some_and(|plan| plan.may_be_approved());
         match (desk.work.state(stage), stage) {
@@ -157,7 +157,7 @@ impl Standing {
     }
 }
 
-/// How a step stands, in a word and a colour.
+/// State of a step as a word with its colour.
 fn word(ui: &Ui, state: Standing) -> (&'static str, Color32) {
     let colours = palette(ui);
     let colour = match state {

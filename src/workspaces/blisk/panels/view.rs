@@ -20,7 +20,7 @@ use render::scene::{LineSet, Marker, Scene, SectionPlane};
 use task::State;
 use wheel::electrode::EntrySide;
 
-/// What was clicked, in the coordinates of the loaded mesh.
+/// A click, in the coordinates of the loaded mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Probe {
     /// A point of a surface.
@@ -49,7 +49,7 @@ pub struct BliskView {
     probe: Option<Probe>,
     first_point: Option<DVec3>,
     scene: Arc<Scene>,
-    /// What `scene` was made from, to know when to make it again.
+    /// Key of the `scene`, to notice when it must be made again.
     scene_key: Option<SceneKey>,
 }
 
@@ -72,7 +72,7 @@ struct SceneKey {
 }
 
 impl BliskView {
-    /// What was clicked.
+    /// Last click.
     pub fn probe(&self) -> Option<&Probe> {
         self.probe.as_ref()
     }

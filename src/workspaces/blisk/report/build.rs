@@ -161,7 +161,7 @@ fn convergence(plan: &FeedPlan) -> Vec<Convergence> {
     searched.map(|(i, c)| Convergence { node: i + 1, best: c.best.clone(), mean: c.mean.clone() }).collect()
 }
 
-/// Why there is no verified path, and what would help.
+/// Reason why there is no verified path, and what would help.
 fn failure(plan: &FeedPlan, channel: &Channel) -> Option<Failure> {
     if plan.is_verified() {
         return None;

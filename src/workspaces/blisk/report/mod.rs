@@ -295,7 +295,7 @@ pub struct Convergence {
     pub mean: Vec<f64>,
 }
 
-/// Why there is no verified path.
+/// Reason why there is no verified path.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Failure {
     /// The node that has no free pose, or the one at or before the worst place of a path.

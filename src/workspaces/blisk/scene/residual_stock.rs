@@ -101,7 +101,7 @@ fn part_of(map: &DeviationMap, wanted: impl Fn(Surface) -> bool) -> (Mesh, Vec<f
 }
 
 /// The surfaces of the channel as one would unfold a box, all seen from within: along Y from below high wall, hub, low
-/// wall and, where there is one, shroud. Answers them, in the coordinates of the loaded mesh, with the box around them
+/// wall and, where there is one, shroud. Returns them, in the coordinates of the loaded mesh, with the box around them
 /// in W.
 pub(super) fn unfolded(map: &DeviationMap, channel: &Channel, limit: f64) -> (Vec<Object>, Bounds) {
     let to_mesh = from_w(&channel.frame);

@@ -38,7 +38,7 @@ pub(super) struct Looks {
 impl Looks {
     pub(super) fn new(scheduler: &Scheduler) -> Self {
         Self {
-            looks: Memo::new(scheduler, Lane::Quick, "Quick look"),
+            looks: Memo::new(scheduler, Lane::Quick, "Quick look").remembering(4),
             at: None,
             seen: None,
             sizes: Memo::new(scheduler, Lane::Long, "Sizes"),

@@ -39,6 +39,8 @@ pub type StageEvent = (Stage, WorkEvent);
 /// The present parameters, what the files held, and the fingerprints that follow.
 struct Now {
     job: Arc<PlanJob>,
+    /// Why no plan can be made of these parameters, in the words of the window.
+    problem: Option<String>,
     /// What the files held, and how often they were read.
     content: String,
     part: Fingerprint,
@@ -57,6 +59,7 @@ impl Now {
             electrode: of(Stage::Electrode),
             plan: of(Stage::Plan),
             export: of(Stage::Export),
+            problem: job.validate().err().map(|problem| FIELDS.in_window(&problem)),
             job: Arc::new(job.clone()),
             content,
         }
@@ -72,7 +75,7 @@ enum Wish {
 
 /// Everything that is computed for a blisk.
 pub struct BliskWork {
-    /// Meshes are large: those before the last change are remembered for undo.
+    /// Meshes and plans are large: of each a few are remembered, so that undo is instant.
     part: Memo<Fingerprint, Part>,
     channel: Memo<Fingerprint, FoundChannel>,
     electrodes: Memo<Fingerprint, Electrodes>,
@@ -88,6 +91,8 @@ pub struct BliskWork {
     released: Option<Released>,
     /// The plan that the document was told of.
     noted: Option<Same<Planned>>,
+    /// The plan that the document came with, once it was read.
+    kept: Option<Option<Arc<KeptPlan>>>,
     /// The inputs of the kept plan that was found to be of other parameters.
     passed_over: Option<String>,
     now: Option<Now>,
@@ -102,16 +107,17 @@ impl BliskWork {
         Self {
             part: Memo::new(scheduler, Lane::Quick, Stage::Part.name()).remembering(2),
             channel: Memo::new(scheduler, Lane::Quick, Stage::Channel.name()).remembering(3),
-            electrodes: Memo::new(scheduler, Lane::Quick, Stage::Electrode.name()),
+            electrodes: Memo::new(scheduler, Lane::Quick, Stage::Electrode.name()).remembering(4),
             prepared: Memo::new(scheduler, Lane::Quick, Stage::Plan.name()).remembering(1),
-            planned: Memo::new(scheduler, Lane::Long, Stage::Plan.name()),
-            finished: Memo::new(scheduler, Lane::Long, Stage::Verify.name()),
+            planned: Memo::new(scheduler, Lane::Long, Stage::Plan.name()).remembering(4),
+            finished: Memo::new(scheduler, Lane::Long, Stage::Verify.name()).remembering(4),
             exported: Memo::new(scheduler, Lane::Long, Stage::Export.name()).remembering(1),
             exports: (None, 0),
             looks: Looks::new(scheduler),
             wishes: Vec::new(),
             released: None,
             noted: None,
+            kept: None,
             passed_over: None,
             now: None,
             reloads: 0,
@@ -131,7 +137,7 @@ impl BliskWork {
         self.exported.clear();
         self.looks.clear();
         (self.wishes, self.events) = Default::default();
-        (self.released, self.noted, self.passed_over, self.now) = Default::default();
+        (self.released, self.noted, self.kept, self.passed_over, self.now) = Default::default();
         self.exports.0 = None;
         if let Some(part) = part {
             self.say(Stage::Part, EventKind::Done, &part.sentence());
@@ -158,7 +164,7 @@ impl BliskWork {
         self.events.push((stage, WorkEvent { kind, text, took: None }));
     }
 
-    /// Takes in what has been made, and makes what `document` needs. Answers what has happened.
+    /// Takes in what has been made, and makes what `document` needs. Returns what has happened.
     pub fn follow(&mut self, document: &mut Document, priority: Priority) -> Vec<StageEvent> {
         self.priority = priority;
         self.take();
@@ -237,7 +243,8 @@ impl BliskWork {
         }
         let (part, found) = (self.part.get(&now.part), self.channel.get(&now.channel));
         let (Some(part), Some(found), Some(made)) = (part, found, self.electrodes.get(&now.electrode)) else { return };
-        let Some(kept) = KeptPlan::of(document) else { return };
+        let kept = self.kept.get_or_insert_with(|| KeptPlan::of(document).map(Arc::new));
+        let Some(kept) = kept.clone() else { return };
         // A file may say anything: as many electrodes as there are parts, or none of it counts.
         let is_whole = made.electrodes.len() == kept.electrodes.len();
         if !is_whole || kept.inputs != KeptPlan::inputs_of(&now.job, &part.content()) {
@@ -314,8 +321,7 @@ impl BliskWork {
         let now = self.now.as_ref().ok_or("nothing is loaded")?;
         let (part, found) = (self.part.get(&now.part), self.channel.get(&now.channel));
         let (part, _) = part.zip(found).ok_or("the channel is not known yet")?;
-        now.job.validate().map_err(|problem| FIELDS.in_window(&problem))?;
-        Ok(inputs_of(part, &now.job))
+        now.problem.clone().map_or_else(|| Ok(inputs_of(part, &now.job)), Err)
     }
 
     /// The present blisk made ready for planning, once it is.
@@ -560,7 +566,7 @@ impl BliskWork {
     }
 }
 
-/// Takes in what has become of the work for `stage`. Tells whether any has ended.
+/// Takes in what has become of the work for `stage`. Returns whether any has ended.
 fn drain<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static>(
     events: &mut Vec<StageEvent>,
     stage: Stage,

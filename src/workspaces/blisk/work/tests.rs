@@ -22,7 +22,7 @@ impl Bench {
         events.into_iter().map(|(_, event)| event.text).collect()
     }
 
-    /// Does all work that there is. Answers what was said.
+    /// Does all work that there is. Returns what was said.
     fn settle(&mut self) -> Vec<String> {
         let mut said = self.follow();
         while self.scheduler.run_next(Lane::Long) {

@@ -13,7 +13,7 @@ use crate::workspaces::flank::work::{ExportChoice, FlankWork, Planned, Sketch};
 use crate::workspaces::hands::{Gesture, Hands};
 use crate::workspaces::news::{EventKind, WorkEvent};
 use files::paths::user_folder;
-use files::{AnyDocument, Document, Validate};
+use files::{AnyDocument, Document};
 use flank::machine::milling_machine::Workpiece;
 use flank::path::FlankPath;
 use flank::ruled_surface::Side;
@@ -247,7 +247,7 @@ impl FlankDesk {
 
     /// Whether a plan can be started.
     pub fn can_plan(&self) -> bool {
-        self.document.params().validate().is_ok() && self.state() != State::Running
+        self.document.problem().is_none() && self.state() != State::Running
     }
 
     /// Whether the shown result is the plan of the present parameters.
@@ -287,7 +287,7 @@ impl FlankDesk {
         let mut events = self.work.follow(self.document.params(), priority);
         self.work.files(self.document.params()).iter().for_each(|file| self.document.note_file(file));
         let state = self.state();
-        let is_valid = self.document.params().validate().is_ok();
+        let is_valid = self.document.problem().is_none();
         // While it is planned for the first time the surface is shown at once.
         let is_first = state == State::Running && matches!(self.surface_from(), (None, None));
         if is_valid && (is_first || !matches!(state, State::Ready | State::Running)) {
@@ -356,8 +356,8 @@ impl FlankDesk {
 
     /// Reason why there is no path with the present parameters, if known.
     pub fn why_not(&self) -> Option<String> {
-        if let Err(why) = self.document.params().validate() {
-            return Some(fields::FIELDS.in_window(&why));
+        if let Some(why) = self.document.problem() {
+            return Some(fields::FIELDS.in_window(why));
         }
         for state in [
             self.work.source_state(self.document.params()),

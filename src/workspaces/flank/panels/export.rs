@@ -1,4 +1,4 @@
-//! What is exported of a flank, and what stands in its way.
+//! Dialog of the export of a flank, with its obstacles.
 
 use crate::workspaces::commands::FrameCommand;
 use crate::workspaces::context::Context;
@@ -11,7 +11,7 @@ use crate::widgets::panel_parts::from_right;
 use crate::widgets::theme::{palette, tick};
 use nc::flank_program::milling_post;
 
-/// What the user answered.
+/// Answer of the user.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Answer {
     /// Choose the folder and export.
@@ -84,7 +84,7 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) -> Option<Answe
     answer
 }
 
-/// What is said of files that have changed since they were read.
+/// Warning about files that have changed since they were read.
 fn changed(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
     if desk.changed_files.is_empty() {
         return;

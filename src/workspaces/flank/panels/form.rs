@@ -17,13 +17,13 @@ use crate::widgets::theme::{palette, tick};
 use crate::workspaces::flank::document::FlankDocument;
 use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::paths::FlankPath;
-use files::{Validate, direction_words};
+use files::direction_words;
 use task::State;
 
 /// Height of the line that says how the plan stands (points).
 const ROW: f32 = 22.0;
 
-/// Draws it, `with_results` also what came out. Answers what a path is wanted for.
+/// Draws the panel, with the results if `with_results`. Returns the purpose of the path to ask for, if any.
 pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, with_results: bool) -> Option<FlankPath> {
     let mut asked = None;
     ui.add_space(2.0);
@@ -39,7 +39,7 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, with_results: b
         return None;
     }
     egui::ScrollArea::vertical().id_salt("flank form").auto_shrink([false, false]).show(ui, |ui| {
-        let mut form = Form::new(&FIELDS, desk.document.params());
+        let mut form = Form::new(&FIELDS, desk.document.params(), desk.document.problem());
         section(ui, "Surface", true, |ui| asked = source::show(ui, desk, &mut form));
         section(ui, "Cutter", true, |ui| form.section(ui, "Cutter"));
         section(ui, "Path", true, |ui| form.section(ui, "Path"));
@@ -71,10 +71,10 @@ fn plan(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
     });
 }
 
-/// What is being done, what is wrong, or what is known, in one line.
+/// Work under way, error or result, in one line.
 fn standing(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
     let colours = palette(ui);
-    let is_possible = desk.document.params().validate().is_ok();
+    let is_possible = desk.document.problem().is_none();
     if let Some(doing) = desk.work.doing().filter(|_| is_possible).cloned() {
         let bar = ui.add(ProgressBar::new(doing.fraction as f32).desired_width(110.0).desired_height(8.0));
         let percent = format!("{} {:.0} %", doing.stage, 100.0 * doing.fraction);
@@ -96,7 +96,7 @@ fn standing(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context) {
     ui.add(egui::Label::new(RichText::new(&text).small().color(colour)).truncate()).on_hover_text(text);
 }
 
-/// What a path is wanted for, of the parameter under `key`.
+/// Purpose of the path for the parameter under `key`.
 fn path_of(key: &str) -> Option<FlankPath> {
     Some(match key {
         "source.file" => FlankPath::Mesh,
@@ -109,7 +109,7 @@ fn path_of(key: &str) -> Option<FlankPath> {
     })
 }
 
-/// What must not be cut.
+/// Walls that must not be cut.
 fn walls(ui: &mut Ui, desk: &FlankDesk, form: &mut Form<FlankDocument>) {
     form.section(ui, "Walls");
     if let Some(why) = desk.work.walls_state(desk.document.params()).why_not() {
@@ -139,7 +139,7 @@ fn machine(ui: &mut Ui, desk: &FlankDesk, form: &mut Form<FlankDocument>, cx: &m
     form.group(ui, "Program");
 }
 
-/// Where the workpiece stands on the machine, and the directions in which it is clamped.
+/// Position and clamping directions of the workpiece on the machine.
 fn clamping(ui: &mut Ui, desk: &FlankDesk, form: &mut Form<FlankDocument>) {
     let of_machine = desk.workpiece_of_machine();
     let mut is_own = form.params().milling.workpiece.is_some();

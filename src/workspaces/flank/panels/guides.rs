@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Endings of names by which the lower and the upper guide of one flank are told.
 const ENDINGS: [[&str; 2]; 4] = [["lower", "upper"], ["bottom", "top"], ["low", "up"], ["l", "u"]];
-/// What stands before such an ending.
+/// Name before such an ending.
 const BEFORE: [char; 4] = ['_', '-', ' ', '.'];
 
 /// Whether `path` is named as a file of points.

@@ -24,7 +24,7 @@ const PLOTS: f32 = 236.0;
 /// Height of the panel where there is room for the timeline only (points).
 const TIMELINE: f32 = 74.0;
 
-/// Draws the workspace. Answers what a path is wanted for.
+/// Draws the workspace. Returns the purpose of the path to ask for, if any.
 pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, view: &mut FlankView) -> Option<FlankPath> {
     let room = ui.available_size();
     // In a small window the view comes first: panels get narrower, and the results have none of their own.

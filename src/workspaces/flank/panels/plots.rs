@@ -141,7 +141,7 @@ fn ranks(ui: &mut Ui, desk: &mut FlankDesk, plan: &FlankPlan) {
     }
 }
 
-/// What is known of a rank.
+/// Facts about a rank.
 fn rank_words(plan: &FlankPlan, rank: usize) -> Option<String> {
     let index = rank.checked_sub(1)?;
     let value = plan.ranks.singular_values.get(index)?;

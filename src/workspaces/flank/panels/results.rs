@@ -153,7 +153,7 @@ fn head(ui: &mut Ui, desk: &mut FlankDesk, choice: PathChoice) {
     }
 }
 
-/// What was checked, in words; what fails can be shown, and overridden by its name.
+/// Checks in words. Failed checks can be shown, and overridden by name.
 fn checks(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
     for check in &planned.result.checks {
         let mut check = check.clone();

@@ -1,4 +1,4 @@
-//! Where the surface comes from: the program itself, two guide curves, or a face of a part.
+//! Source of the surface: built-in, two guide curves, or a face of a part.
 
 use crate::workspaces::flank::panels::desk::FlankDesk;
 use egui::{Align, Label, Layout, RichText, Role, Sense, Ui, WidgetInfo, vec2};
@@ -21,10 +21,10 @@ pub const SIDES: [(Side, &str, &str); 2] = [
     (Side::Positive, "+1", "Where the lower guide crossed with the ruling points to"),
     (Side::Negative, "\u{2212}1", "The other side"),
 ];
-/// What is said while nobody but the user can know the side.
+/// Hint while the user must choose the side.
 pub const CHOOSE_SIDE: &str = "Choose the side of the cutter, away from the part: +1 or \u{2212}1";
 
-/// Draws the fields of the source. Answers the path that the user is to choose.
+/// Draws the fields of the source. Returns the path that the user is to choose.
 pub fn show(ui: &mut Ui, desk: &FlankDesk, form: &mut Form<FlankDocument>) -> Option<FlankPath> {
     let before = form.params().clone();
     form.row(ui, "source");
@@ -43,8 +43,8 @@ pub fn show(ui: &mut Ui, desk: &FlankDesk, form: &mut Form<FlankDocument>) -> Op
     asked
 }
 
-/// Takes another source than that of `before`. Answers what a path is wanted for: what needs files is only taken once
-/// they are named.
+/// Takes another source than that of `before`. Returns the purpose of the path to ask for: a source that needs files is
+/// only taken once they are named.
 fn take(form: &mut Form<FlankDocument>, before: &FlankDocument) -> Option<FlankPath> {
     let source = form.params().source.clone();
     if source == before.source {
@@ -82,7 +82,7 @@ fn face(ui: &mut Ui, desk: &FlankDesk, mesh: &MeshFlank, form: &mut Form<FlankDo
     }
 }
 
-/// The faces that could be milled, the largest first. Answers the number of one that was clicked.
+/// The faces that could be milled, the largest first. Returns the number of one that was clicked.
 fn list(ui: &mut Ui, mesh: &MeshFlank, candidates: &[Candidate]) -> Option<usize> {
     let room = vec2(ui.available_width(), LIST.min(24.0 + 19.0 * (candidates.len() + 1) as f32));
     ui.allocate_ui(room, |ui| {
@@ -127,7 +127,7 @@ fn list(ui: &mut Ui, mesh: &MeshFlank, candidates: &[Candidate]) -> Option<usize
     .inner
 }
 
-/// How far a face is off a ruled surface, in the colour that says whether it is one.
+/// Distance of a face from its ruled surface, in the colour that tells whether it counts as ruled.
 fn fit(ui: &mut Ui, candidate: &Candidate) {
     let colours = palette(ui);
     let (colour, text) = match &candidate.fit {
@@ -139,7 +139,7 @@ fn fit(ui: &mut Ui, candidate: &Candidate) {
     ui.label(RichText::new(text).monospace().color(colour));
 }
 
-/// What is known of the chosen face.
+/// Facts about the chosen face.
 fn words(ui: &mut Ui, candidate: &Candidate) {
     fact(ui, "Height", format!("{:.2} mm", candidate.height_mm));
     let text = match &candidate.fit {

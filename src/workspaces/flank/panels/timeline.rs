@@ -27,7 +27,7 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, with_handle: bo
     strip(ui, desk);
 }
 
-/// Where the cutter stands and how far it is off there.
+/// Position of the cutter, and the deviation there.
 fn readout(ui: &mut Ui, desk: &FlankDesk) {
     let flank = desk;
     let Some(path) = flank.shown_path() else { return };

@@ -25,7 +25,7 @@ use render::scene::Scene;
 use render::view::StandardView;
 use task::State;
 
-/// How far along its arrow the button of a side is, in lengths of the arrow.
+/// Position of a side's button on its arrow, in lengths of the arrow.
 const BEYOND: f64 = 1.35;
 /// Room that the legend takes beside what is shown (points).
 const LEGEND: f64 = 112.0;
@@ -49,18 +49,18 @@ pub struct FlankView {
 #[derive(Debug, PartialEq)]
 struct SceneKey {
     planned: Source<Planned>,
-    /// What the surface is of.
+    /// Key of the surface.
     surface_of: (Source<Planned>, Source<Sketch>),
     part: Source<LoadedFlank>,
     walls: Source<LoadedWalls>,
     paths: Vec<PathChoice>,
     moving: bool,
-    /// Where the cutter stands, if it is shown.
+    /// Pose of the cutter, if it is shown.
     t: Option<f64>,
     shows_axis: bool,
     shows_rulings: bool,
     place: Option<DVec3>,
-    /// Where the side is to be chosen.
+    /// Place where the side is to be chosen.
     open_side: Option<[DVec3; 2]>,
     dark: bool,
 }
@@ -157,7 +157,7 @@ impl FlankView {
         caption(ui, rect, desk);
     }
 
-    /// Goes where the workspace wants it.
+    /// Flies to the target that the workspace asks for.
     fn fly(&mut self, desk: &mut FlankDesk, ui: &Ui) {
         let Some(surface) = self.key.as_ref().and_then(SceneKey::surface) else { return };
         let Some(fly) = desk.fly.take() else { return };
@@ -268,7 +268,7 @@ fn buttons(desk: &FlankDesk) -> Vec<(&'static str, Command, bool)> {
     ]
 }
 
-/// How what is shown stands, at the bottom of the view.
+/// State of the shown result, at the bottom of the view.
 fn caption(ui: &mut Ui, rect: Rect, desk: &FlankDesk) {
     let (flank, colours) = (desk, palette(ui));
     let sentence = |planned: &Planned| {

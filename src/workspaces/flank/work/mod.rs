@@ -47,6 +47,7 @@ pub struct FlankWork {
     source: Memo<SourceKey, LoadedFlank>,
     walls: Memo<WallsKey, LoadedWalls>,
     sketches: Memo<Question, Sketch>,
+    /// Plans with their shapes are large: a few are remembered, so that undo is instant.
     planned: Memo<Question, Planned>,
     /// Whether a plan is wanted as soon as the files are there.
     is_waiting: bool,
@@ -62,17 +63,17 @@ impl FlankWork {
         Self {
             source: Memo::new(scheduler, Lane::Quick, "Surface").remembering(1),
             walls: Memo::new(scheduler, Lane::Quick, "Walls").remembering(1),
-            sketches: Memo::new(scheduler, Lane::Quick, "Quick look").letting_finish(),
-            planned: Memo::new(scheduler, Lane::Long, "Flank"),
+            sketches: Memo::new(scheduler, Lane::Quick, "Quick look").letting_finish().remembering(2),
+            planned: Memo::new(scheduler, Lane::Long, "Flank").remembering(4),
             is_waiting: false,
-            exported: Memo::new(scheduler, Lane::Quick, "Export").remembering(1),
+            exported: Memo::new(scheduler, Lane::Long, "Export").remembering(1),
             exports: 0,
             reloads: 0,
             priority: Priority::Normal,
         }
     }
 
-    /// Takes in what has been made, and loads what `document` names. Answers what has happened.
+    /// Takes in what has been made, and loads what `document` names. Returns what has happened.
     pub fn follow(&mut self, document: &FlankDocument, priority: Priority) -> Vec<WorkEvent> {
         self.priority = priority;
         let mut events = Vec::new();

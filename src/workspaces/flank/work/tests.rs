@@ -23,7 +23,7 @@ fn document(source: FlankSource) -> FlankDocument {
     document
 }
 
-/// Does all that is to be done for `document`. Answers how many pieces of work there were, and what has happened.
+/// Does all that is to be done for `document`. Returns how many pieces of work there were, and what has happened.
 fn settle(scheduler: &Scheduler, work: &mut FlankWork, document: &FlankDocument) -> (usize, Vec<WorkEvent>) {
     let (mut count, mut events) = (0, work.follow(document, Priority::Shown));
     while scheduler.run_next(Lane::Long) {

@@ -19,7 +19,7 @@ const WHOLE: f64 = 0.9;
 /// Share of a region's surface below which a face does not count.
 const MINOR: f64 = 0.01;
 
-/// Why there are no electrodes.
+/// Reason why there are no electrodes.
 #[derive(Debug, thiserror::Error)]
 pub enum ElectrodesError {
     /// What is left cannot be found again.

@@ -1,4 +1,4 @@
-//! What other cutters would leave.
+//! Comparison with other cutters.
 
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::commands::MoldCommand;
@@ -12,9 +12,10 @@ use crate::widgets::theme::palette;
 use crate::workspaces::mold::document::fields::LIBRARY;
 use crate::workspaces::mold::job::compare::Comparison;
 use crate::workspaces::mold::paths::MoldPath;
+use files::Validate as _;
 use mold::cutter::Cutter;
 
-/// Draws the comparison. Answers the path that the user is to choose.
+/// Draws the comparison. Returns the path that the user is to choose.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
     let mut asked = None;
     ui.horizontal_wrapped(|ui| {
@@ -29,7 +30,7 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPa
             desk.other.cutter.push(Cutter::ball(0.5));
         }
     });
-    let mut form = Form::new(&LIBRARY, &desk.other);
+    let mut form = Form::new(&LIBRARY, &desk.other, desk.other.validate().err().as_ref());
     cutters::table(ui, &mut form, "cutter");
     let answer = form.answer();
     if let Some(edit) = answer.edit {

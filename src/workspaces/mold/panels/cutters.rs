@@ -20,7 +20,7 @@ where
     P: Clone + PartialEq + Serialize + DeserializeOwned + Validate,
 {
     let before = form.value(key).clone();
-    form.rows(ui, key, Some(ExtraColumn { head: "kind", after: 1, width: KIND, draw: &mut kind }));
+    form.rows(ui, key, Some(ExtraColumn { head: "kind", after: 1, width: KIND, draw: &mut kind, called: label }));
     let rows = |value: &Value| value.as_array().cloned().unwrap_or_default();
     let (before, now) = (rows(&before), rows(form.value(key)));
     for (i, (before, now)) in before.iter().zip(&now).enumerate().filter(|_| before.len() == now.len()) {
@@ -43,7 +43,12 @@ fn same_kind(before: &Value, now: &Value) -> Option<f64> {
     }
 }
 
-/// The kind of the cutter in `row`, which is called `name`. Answers the row with another one.
+/// What the cutter in `row` is called.
+fn label(row: &Value) -> Option<String> {
+    Cutter::deserialize(row).ok().map(|cutter| cutter.label())
+}
+
+/// The kind of the cutter in `row`, which is called `name`. Returns the row with another one.
 fn kind(ui: &mut Ui, name: &str, row: &Value) -> Option<Value> {
     let cutter = Cutter::deserialize(row).ok()?;
     let now = cutter.kind();

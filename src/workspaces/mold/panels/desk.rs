@@ -198,9 +198,6 @@ impl MoldDesk {
 
     /// Replaces the document.
     pub fn replace(&mut self, document: Document<MoldParams>) {
-        if self.params().mesh == document.params().mesh {
-            self.work.reload();
-        }
         self.document = document;
         let holders = &self.electrodes.holders;
         self.document.amend(true, |params| {
@@ -280,7 +277,7 @@ impl MoldDesk {
     }
 
     fn check(&self) -> Result<(), String> {
-        self.document.params().validate().map_err(|problem| fields::FIELDS.in_window(&problem))
+        self.document.problem().map_or(Ok(()), |problem| Err(fields::FIELDS.in_window(problem)))
     }
 
     /// Starts the search for rest material.
@@ -391,7 +388,7 @@ impl MoldDesk {
         };
         // A line that is being drawn would be lost.
         let is_free = hands != Hands::Holding && self.electrodes.split.is_none();
-        if !(self.follows && is_again && is_free && self.document.params().validate().is_ok()) {
+        if !(self.follows && is_again && is_free && self.document.problem().is_none()) {
             return Ok(None);
         }
         let wait = rest_left(changed, REST_OF_DESIGN, self.now);
@@ -406,6 +403,14 @@ impl MoldDesk {
     fn follow_answer(&mut self) {
         let now = self.work.found();
         if now.map(Arc::as_ptr) == self.shown.as_ref().map(Arc::as_ptr) {
+            return;
+        }
+        let is_same = |(before, now): (&Arc<FoundUncut>, &Arc<FoundUncut>)| {
+            before.uncut.params == now.uncut.params && before.uncut.regions == now.uncut.regions
+        };
+        if self.shown.as_ref().zip(now).is_some_and(is_same) {
+            // What was kept was proven.
+            self.shown = now.cloned();
             return;
         }
         // A layer of the same mold is looked for again at about the same height.

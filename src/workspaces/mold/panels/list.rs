@@ -20,7 +20,7 @@ impl Column {
         ["#", "volume mm³", "area mm²", "height", "nearest"][self as usize]
     }
 
-    /// How wide it is (points); none for what the others leave.
+    /// Width (points); none for the remaining width.
     fn width(self) -> Option<f32> {
         [Some(40.0), None, Some(66.0), Some(52.0), Some(58.0)][self as usize]
     }
@@ -84,7 +84,7 @@ fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
     }
 }
 
-/// Says in a word that what is shown is not of the present question.
+/// Shows a word if the result is out of date.
 pub(super) fn stale(ui: &mut Ui, desk: &MoldDesk) {
     if let Some(others) = desk.found_of_others() {
         let text = RichText::new("out of date").color(palette(ui).warning);
@@ -196,7 +196,7 @@ fn cell(ui: &mut Ui, mold: &MoldDesk, column: Column, i: usize) {
     }
 }
 
-/// What is known of the selected region.
+/// Facts about the selected region.
 fn details(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, selected: usize) {
     let Some(region) = desk.regions().get(selected).cloned() else { return };
     let length = cx.preferences.length;

@@ -18,7 +18,7 @@ use crate::workspaces::mold::paths::MoldPath;
 use desk::MoldDesk;
 use view::MoldView;
 
-/// Draws the workspace. Answers what a path is wanted for.
+/// Draws the workspace. Returns the purpose of the path to ask for, if any.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, view: &mut MoldView) -> Option<MoldPath> {
     let room = ui.available_width();
     // In a small window the view comes first: panels get narrower, and the list has one only in the place of the other.

@@ -26,7 +26,7 @@ const LIST: f32 = 420.0;
 /// Width of the bar that scrolls, with room beside it (points).
 const BAR: f32 = 6.0;
 
-/// Draws the panel, `with_list` also the list of regions. Answers the path that the user is to choose.
+/// Draws the panel, `with_list` also the list of regions. Returns the path that the user is to choose.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, with_list: bool) -> Option<MoldPath> {
     let mut asked = None;
     egui::ScrollArea::vertical().id_salt("mold form").auto_shrink([false, false]).show(ui, |ui| {
@@ -62,7 +62,7 @@ fn mold(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> 
     if let Some(why) = state.why_not() {
         notice(ui, palette(ui).bad, why);
     }
-    let mut form = Form::new(&FIELDS, desk.document.params());
+    let mut form = Form::new(&FIELDS, desk.document.params(), desk.document.problem());
     for key in ["units", "opening", "tolerance_mm"] {
         form.row(ui, key);
     }
@@ -91,7 +91,7 @@ fn facts(ui: &mut Ui, desk: &MoldDesk, cx: &mut Context) {
 
 fn library(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
     let mut asked = None;
-    let mut form = Form::new(&FIELDS, desk.document.params());
+    let mut form = Form::new(&FIELDS, desk.document.params(), desk.document.problem());
     cutters::table(ui, &mut form, "library.cutter");
     ui.horizontal_wrapped(|ui| {
         if ui.button("Load…").on_hover_text("A library of cutters (TOML)").clicked() {
@@ -141,7 +141,7 @@ fn uncut(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
     }
 }
 
-/// What was found, in words and figures.
+/// The result in words and figures.
 fn answer(ui: &mut Ui, desk: &mut MoldDesk, found: &FoundUncut) {
     let report = &found.report;
     let colours = palette(ui);
@@ -168,7 +168,7 @@ fn answer(ui: &mut Ui, desk: &mut MoldDesk, found: &FoundUncut) {
     }
 }
 
-/// What is to be said about an answer, and how far two ways of finding it agree.
+/// Notes on a result, and the agreement of the two methods.
 fn figures(ui: &mut Ui, found: &FoundUncut) {
     let (report, colours) = (&found.report, palette(ui));
     for warning in &report.warnings {

@@ -131,7 +131,7 @@ impl SceneKey {
 }
 
 impl MoldView {
-    /// Goes where the electrodes want it.
+    /// Flies to the target that the electrodes ask for.
     fn fly(&mut self, desk: &mut MoldDesk, ui: &Ui) {
         let Some(fly) = desk.electrodes.fly.take() else { return };
         let now = ui.input(|i| i.time);
@@ -166,7 +166,7 @@ impl MoldView {
         }
     }
 
-    /// What is said of the place that is pointed at, beside it.
+    /// Text beside the marked place.
     fn pointed(&self, ui: &mut Ui, rect: Rect, desk: &MoldDesk) {
         let electrodes = &desk.electrodes;
         let (Some(place), Some(made)) = (&electrodes.place, electrodes.seen()) else { return };
@@ -276,7 +276,7 @@ fn buttons(desk: &MoldDesk) -> Vec<(&'static str, Command, bool)> {
     buttons
 }
 
-/// How the answer stands, at the bottom of the view.
+/// State of the result, at the bottom of the view.
 fn caption(ui: &mut Ui, rect: Rect, desk: &MoldDesk) {
     let colours = palette(ui);
     if let Some(made) = desk.electrodes.seen() {

@@ -280,7 +280,7 @@ fn leaves(node: &PartNode) -> usize {
     if node.parts.is_empty() { usize::from(node.part.is_some()) } else { node.parts.iter().map(leaves).sum() }
 }
 
-/// Why a cut leads to fewer parts than it has sides.
+/// Reason why a cut leads to fewer parts than it has sides.
 fn beyond(node: &PartNode) -> &'static str {
     match (node.lacks_thin, node.parts.len()) {
         (true, _) => ": what is thinner than the least size beyond it is left to later stages",

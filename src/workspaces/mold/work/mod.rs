@@ -32,6 +32,9 @@ type Question = (String, UncutParams);
 /// Key of electrodes: the key of the uncut regions, and the parameters of electrodes.
 type DesignQuestion = (Question, ElectrodeParams);
 
+/// What was computed anew of what had been kept: the question, and both answers.
+type Proof = (DesignQuestion, Arc<FoundUncut>, Arc<Designed>);
+
 /// Names of kept results.
 const UNCUT: &str = "uncut";
 const ELECTRODES: &str = "electrodes";
@@ -40,13 +43,15 @@ const ELECTRODES: &str = "electrodes";
 pub struct MoldWork {
     /// Only one mesh is remembered: a file is read again when the user comes back to it.
     mold: Memo<MeshKey, LoadedMold>,
+    /// Answers with their shapes are large: a few are remembered, so that undo is instant.
     found: Memo<Question, FoundUncut>,
     other: Memo<(Question, CutterLibrary), (FoundUncut, Comparison)>,
     glances: Memo<Question, Glance>,
     designed: Memo<DesignQuestion, Designed>,
     /// Whether electrodes are made once the uncut regions are known.
     is_waiting: bool,
-    exported: Memo<u64, Exported>,
+    /// Exports, each with what was proven for it.
+    exported: Memo<u64, (Exported, Option<Proof>)>,
     exports: u64,
     reloads: u64,
     priority: Priority,
@@ -61,12 +66,12 @@ impl MoldWork {
     pub fn new(scheduler: &Scheduler) -> Self {
         Self {
             mold: Memo::new(scheduler, Lane::Quick, "Mold").remembering(1),
-            found: Memo::new(scheduler, Lane::Long, "Uncut"),
+            found: Memo::new(scheduler, Lane::Long, "Uncut").remembering(3),
             other: Memo::new(scheduler, Lane::Long, "Compare").remembering(1),
-            glances: Memo::new(scheduler, Lane::Quick, "Quick look").letting_finish(),
-            designed: Memo::new(scheduler, Lane::Long, "Electrodes"),
+            glances: Memo::new(scheduler, Lane::Quick, "Quick look").letting_finish().remembering(2),
+            designed: Memo::new(scheduler, Lane::Long, "Electrodes").remembering(4),
             is_waiting: false,
-            exported: Memo::new(scheduler, Lane::Quick, "Export of electrodes").remembering(1),
+            exported: Memo::new(scheduler, Lane::Long, "Export of electrodes").remembering(1),
             exports: 0,
             reloads: 0,
             priority: Priority::Normal,
@@ -93,13 +98,26 @@ impl MoldWork {
             events.push(WorkEvent::of("Electrodes", ended, sentence));
         }
         while let Some(ended) = self.exported.take() {
-            events.push(WorkEvent::of("Electrodes", ended, |exported| (EventKind::Done, exported.sentence())));
+            if let Ok((_, Some(proof))) = ended.result.as_deref() {
+                self.take_proof(proof);
+            }
+            events.push(WorkEvent::of("Electrodes", ended, |(exported, _)| (EventKind::Done, exported.sentence())));
         }
         self.load(params);
         self.turn_to(params);
         self.take_up(params);
         events.extend(self.follow_wish(params));
         events
+    }
+
+    /// Replaces what was kept from an earlier session by what was proven, where that is still remembered.
+    fn take_proof(&mut self, (asked, found, made): &Proof) {
+        if self.found.get(&asked.0).is_some() {
+            self.found.put(&asked.0, found.clone());
+        }
+        if self.designed.get(asked).is_some() {
+            self.designed.put(asked, made.clone());
+        }
     }
 
     /// Cancels work for other parameters. A mesh being read may be the same as before.
@@ -306,8 +324,9 @@ impl MoldWork {
         self.glances.clear();
     }
 
-    /// Forgets previews and wishes for another mold.
+    /// Forgets the mesh of another mold, which is read anew even from the same file, and previews and wishes for it.
     pub fn begin_anew(&mut self) {
+        self.mold.clear();
         self.forget_glance();
         self.is_waiting = false;
     }
@@ -412,22 +431,23 @@ impl MoldWork {
         self.exports += 1;
         self.exported.restart(&self.exports, Priority::Shown, move |work| {
             // What was read from a file is shown, but proves nothing.
-            let proven = if made.is_proven {
-                None
-            } else {
+            let mut proof = None;
+            if !made.is_proven {
                 let found = steps::find(&mold, &question.1, &work.task)?;
-                Some(design::design(&mold, &found, &electrodes, &work.task)?)
-            };
-            if proven.as_ref().is_some_and(|proven| !is_as_shown(&made.set, &proven.set)) {
-                return Err(
-                    "the electrodes as they are made now are not those that are shown, which were kept from an \
-                            earlier session: create them again and look at them"
-                        .to_owned(),
-                );
+                let proven = design::design(&mold, &found, &electrodes, &work.task)?;
+                if !is_as_shown(&made.set, &proven.set) {
+                    return Err(
+                        "the electrodes as they are made now are not those that are shown, which were kept from an \
+                                earlier session: create them again and look at them"
+                            .to_owned(),
+                    );
+                }
+                proof = Some((design_question(question, &electrodes), Arc::new(found), Arc::new(proven)));
             }
-            let made = proven.as_ref().unwrap_or(&made);
+            let made = proof.as_ref().map_or(&made, |(_, _, proven)| proven);
             let set = ElectrodeSet { params: asked.clone(), ..made.set.clone() };
-            export(&folder, (&set, made), (&mold, &name), (&formats, &sheet), &work.task)
+            let exported = export(&folder, (&set, made), (&mold, &name), (&formats, &sheet), &work.task)?;
+            Ok((exported, proof))
         });
         Ok(())
     }

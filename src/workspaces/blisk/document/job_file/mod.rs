@@ -258,7 +258,8 @@ impl Params for PlanJob {
         [&self.blisk.mesh, &self.electrode.mesh].into_iter().flatten().any(|mesh| mesh == path)
     }
 
-    /// Axes, travels and speeds of the machine that is named, but for those that are given.
+    /// Axes, travels and speeds of the machine that is named, but for those that are given. What its file does not say
+    /// stays as it is.
     fn complete(&mut self, is_given: &dyn Fn(&str) -> bool) -> Result<(), Invalid> {
         let name = self.machine.name.clone();
         let is_own = |key: &str| is_given(&format!("machine.{key}"));
@@ -268,8 +269,9 @@ impl Params for PlanJob {
         if name.is_empty() || !is_own("name") || own.keys().all(|key| is_own(key)) {
             return Ok(());
         }
-        let mut table = machine_table(&name).map_err(|e| wrong(&e.to_string()))?;
-        table.extend(own.into_iter().filter(|(key, _)| is_own(key)));
+        let of_file = machine_table(&name).map_err(|e| wrong(&e.to_string()))?;
+        let mut table = own;
+        table.extend(of_file.into_iter().filter(|(key, _)| !is_own(key)));
         let machine: MachineParams =
             toml::Value::Table(table).try_into().map_err(|e| wrong(&format!("{name}: {e}")))?;
         match machine.validate() {

@@ -41,7 +41,7 @@ pub struct Comparison {
 pub struct Run {
     /// The strategy.
     pub strategy: Strategy,
-    /// Why it cannot be followed on this job, if it cannot.
+    /// Reason why it cannot be followed on this job, if it cannot.
     pub failure: Option<String>,
     /// Results of the electrodes, in the order of their parts; none after a failure.
     pub electrodes: Vec<RunElectrode>,

@@ -1,4 +1,4 @@
-//! What was checked of the selected electrode, in words.
+//! Checks of the selected electrode, in words.
 
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::panels::desk::MoldDesk;

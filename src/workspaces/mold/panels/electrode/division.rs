@@ -1,4 +1,4 @@
-//! How regions are divided into parts, and what the user changes about that.
+//! Division of regions into parts, and the user's changes of it.
 
 use crate::workspaces::mold::panels::desk::MoldDesk;
 use std::ops::RangeInclusive;
@@ -47,7 +47,7 @@ fn region_of(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, r): 
     }
 }
 
-/// What burns leave of a region, and where that is most.
+/// Residual stock of a region, and the place of the greatest.
 fn left(ui: &mut Ui, desk: &mut MoldDesk, left: &LeftOfRegion, (electrode, r): (usize, usize)) {
     ui.horizontal(|ui| {
         let is_somewhere = left.thickness > 0.0;
@@ -65,7 +65,7 @@ fn left(ui: &mut Ui, desk: &mut MoldDesk, left: &LeftOfRegion, (electrode, r): (
     });
 }
 
-/// What is left where most is.
+/// Residual stock at the place of the greatest.
 fn in_words(left: &LeftOfRegion) -> String {
     let LeftOfRegion { thickness, excess, .. } = *left;
     if excess >= thickness {
@@ -104,7 +104,7 @@ fn direction(ui: &mut Ui, desk: &mut MoldDesk, (r, place): (usize, DVec3), now: 
     }
 }
 
-/// An angle called `name` (degrees). Tells whether it was changed.
+/// An angle called `name` (degrees). Returns whether it was changed.
 fn angle(ui: &mut Ui, value: &mut f64, range: RangeInclusive<f64>, name: &str, hint: &str) -> bool {
     let field = DragValue::new(value).speed(0.5).range(range).clamp_existing_to_range(false);
     let field = field.max_decimals(2).suffix("\u{b0}").update_while_editing(false);
@@ -127,7 +127,7 @@ fn along(tilt: f64, towards: f64) -> DVec3 {
     (tilt.sin() * flat).extend(-tilt.cos())
 }
 
-/// How the tips of a region are made; another choice is a change.
+/// Method of making the tips of a region; another choice is a change.
 fn method(ui: &mut Ui, desk: &mut MoldDesk, (r, place): (usize, DVec3), now: Method) {
     let own = |edit: &Edit| matches!(edit, Edit::Make { place: of, .. } if *of == place);
     let mut params = desk.document.params().clone();

@@ -1,4 +1,4 @@
-//! What is asked of electrodes, what they came to, and their export.
+//! Form of the electrodes, their result, and their export.
 
 use crate::workspaces::commands::FrameCommand;
 use crate::workspaces::context::Context;
@@ -19,9 +19,9 @@ use mold::electrode::params::Holder;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::ElectrodeFormat;
 
-/// Draws the form. Answers the path that the user is to choose.
+/// Draws the form. Returns the path that the user is to choose.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {
-    let mut form = Form::new(&FIELDS, desk.document.params());
+    let mut form = Form::new(&FIELDS, desk.document.params(), desk.document.problem());
     for group in ["Stages", "Heads", "Sharing", "Base", "Files", "Blanks"] {
         form.group(ui, group);
     }

@@ -208,7 +208,7 @@ fn without(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed) {
     }
 }
 
-/// What is known of the selected electrode.
+/// Facts about the selected electrode.
 fn details(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed, at: BurnOf) {
     let Some(entry) = made.report.table.electrodes.get(at.electrode) else { return };
     ui.horizontal(|ui| {

@@ -105,7 +105,7 @@ fn cut(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
     }
 }
 
-/// What is to be clicked for a line.
+/// Instruction for drawing a line.
 fn splitting(ui: &mut Ui, rect: Rect, desk: &mut MoldDesk) {
     let first = desk.electrodes.split.flatten();
     row(ui, rect, (0, WIDTH), |ui| {
