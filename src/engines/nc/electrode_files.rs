@@ -57,7 +57,10 @@ impl ElectrodeFormat {
 #[derive(Debug, thiserror::Error)]
 pub enum ElectrodeExportError {
     /// A mesh that a format cannot hold.
-    #[error("electrode {electrode} as {format}: {source}; choose another format, or plan the electrodes again", format = format.extension())]
+    #[error(
+        "electrode {electrode} as {format}: {source}; choose another format, or plan the electrodes again",
+        format = format.extension()
+    )]
     Mesh {
         /// The electrode.
         electrode: String,

@@ -89,6 +89,24 @@ pub struct Throat {
     pub on_high_wall: DVec3,
 }
 
+/// How well one surface of a channel agrees with the mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Agreement {
+    /// The surface.
+    pub surface: Surface,
+    /// Places measured.
+    pub samples: usize,
+    /// Share of them that agree within their tolerance, 0 to 1.
+    pub share: f64,
+    /// Greatest distance along the radius (hub, shroud) or along the normal (walls) (mm); infinite where the mesh has no
+    /// such surface at all.
+    pub greatest_mm: f64,
+    /// Where that is, in W (mm).
+    pub at: DVec3,
+    /// Share of the places that are further off than any error of measurement, 0 to 1.
+    pub doubted: f64,
+}
+
 /// One channel of a blisk. All coordinates are in W: X is the blisk axis, the channel's middle lies on +Z.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
@@ -113,6 +131,9 @@ pub struct Channel {
     pub turning: f64,
     /// X extent of the blisk at the channel's radii: its two faces (mm).
     pub faces_x: [f64; 2],
+    /// How well the walls, the hub and the shroud agree with the mesh, measured between the places that they were found
+    /// from. Empty for a channel that was not found in a mesh.
+    pub agreement: Vec<Agreement>,
     /// Assumptions made in finding the channel, in plain sentences for the user.
     pub assumed: Vec<String>,
 }

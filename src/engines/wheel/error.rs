@@ -2,7 +2,9 @@
 
 use glam::DVec3;
 
+use super::channel::{Agreement, Surface};
 use super::frame::axis::Axis;
+use geometry::frame::Cylindrical;
 use task::Cancelled;
 
 /// Reason why the axis, the blades or a channel could not be found.
@@ -98,9 +100,45 @@ pub enum BliskError {
         /// Where (mm from the axis).
         r: f64,
     },
+    /// What was found is not what the mesh has.
+    #[error("{}", disagreement(.0))]
+    Disagrees(Agreement),
+    /// The walls of the channel touch.
+    #[error(
+        "the walls that were found touch at x {x:.3}, r {r:.3} mm about the axis: what lies between them is no passage \
+         along the axis between two blades; check blisk.axis and blisk.blades, or bound the channel with \
+         blisk.hub_radius_mm and blisk.shroud_radius_mm"
+    )]
+    NoThroat {
+        /// Where (mm along the axis).
+        x: f64,
+        /// Where (mm from the axis).
+        r: f64,
+    },
     /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+fn disagreement(found: &Agreement) -> String {
+    let what = match found.surface {
+        Surface::LowWall => "wall on the low-theta side",
+        Surface::HighWall => "wall on the high-theta side",
+        Surface::Hub => "hub",
+        Surface::Shroud | Surface::Elsewhere => "shroud",
+    };
+    let Cylindrical { x, r, .. } = Cylindrical::from_point(found.at);
+    let off = match found.greatest_mm {
+        off if off.is_finite() => format!("is up to {off:.3} mm off the mesh"),
+        _ => "is not there in the mesh".to_owned(),
+    };
+    format!(
+        "the {what} that was found {off} (at x {x:.3}, r {r:.3} mm about the axis; {:.0} % of {} places disagree): the mesh \
+         has no passage along the axis between blades, hub and shroud as they were taken for; check blisk.axis and \
+         blisk.blades, or bound the channel with blisk.hub_radius_mm and blisk.shroud_radius_mm",
+        100.0 * found.doubted,
+        found.samples
+    )
 }
 
 impl BliskError {

@@ -303,6 +303,7 @@ pub fn exact_channel(blisk: &ParametricBlisk) -> Channel {
         throat: Throat { width_mm: 0.0, on_low_wall: DVec3::ZERO, on_high_wall: DVec3::ZERO },
         turning: 0.5 * (ends[1] - ends[0]),
         faces_x: blisk.faces_x(),
+        agreement: Vec::new(),
         assumed: Vec::new(),
         low,
         high,

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::centreline::{CentrelineError, CentrelineSummary};
-use super::channel::{BladeSide, Channel, MeridianSample, Throat};
+use super::channel::{Agreement, BladeSide, Channel, MeridianSample, Surface, Throat};
 use super::error::BliskError;
 use super::find_channel::{channel_of, prepared};
 use super::frame::{Axis, Repetition, find_frame};
@@ -65,6 +65,8 @@ pub struct ChannelSummary {
     pub throat: Throat,
     /// Turn of the middle line (deg).
     pub turning_deg: f64,
+    /// How well the surfaces agree with the mesh.
+    pub agreement: Vec<Agreement>,
 }
 
 impl ChannelSummary {
@@ -85,6 +87,7 @@ impl ChannelSummary {
             faces_x_mm: channel.faces_x,
             throat: channel.throat,
             turning_deg: channel.turning.to_degrees(),
+            agreement: channel.agreement.clone(),
         }
     }
 }
@@ -140,9 +143,31 @@ fn fill(found: &mut Inspection, mesh: &Mesh, options: &BliskOptions, task: &Task
     Ok(())
 }
 
+impl Inspection {
+    /// The verdict in a sentence: what was found agrees with the mesh, or what was not found.
+    pub fn verdict(&self) -> String {
+        let Some(channel) = &self.channel else {
+            return "refused: see what was not found, at the end".to_owned();
+        };
+        let of = |a: &Agreement| {
+            let name = match a.surface {
+                Surface::LowWall => "low wall",
+                Surface::HighWall => "high wall",
+                Surface::Hub => "hub",
+                Surface::Shroud => "shroud",
+                Surface::Elsewhere => "rest",
+            };
+            format!("{name} {:.1} %", 100.0 * a.share)
+        };
+        let surfaces: Vec<String> = channel.agreement.iter().map(of).collect();
+        format!("agrees with the mesh, within 0.005 mm and its chord error: {}", surfaces.join(", "))
+    }
+}
+
 impl fmt::Display for Inspection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut row = |name: &str, value: String| writeln!(f, "{name:<18}{value}");
+        row("Verdict", self.verdict())?;
         let s = self.size_mm;
         row("Mesh", format!("{} triangles, {:.3} x {:.3} x {:.3} mm", self.triangles, s.x, s.y, s.z))?;
         row(

@@ -58,7 +58,10 @@ pub fn png_url<S: Serializer>(png: &[u8], to: S) -> Result<S::Ok, S::Error> {
 
 /// A page that could not be made: the template names what the report does not have.
 #[derive(Debug, thiserror::Error)]
-#[error("{template}: {}{problem}; this is a fault of the program, please report it", line.map_or(String::new(), |n| format!("line {n}: ")))]
+#[error(
+    "{template}: {}{problem}; this is a fault of the program, please report it",
+    line.map_or(String::new(), |n| format!("line {n}: "))
+)]
 pub struct PageError {
     /// The template.
     pub template: String,

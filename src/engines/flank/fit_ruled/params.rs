@@ -93,7 +93,10 @@ pub enum RuledFitError {
     #[error("the face has no area; choose one that has")]
     NoArea,
     /// Three triangles at one side.
-    #[error("the face branches at ({:.3}, {:.3}, {:.3}): three triangles share a side there; choose fewer faces", .0.x, .0.y, .0.z)]
+    #[error(
+        "the face branches at ({:.3}, {:.3}, {:.3}): three triangles share a side there; choose fewer faces",
+        .0.x, .0.y, .0.z
+    )]
     Branching(DVec3),
     /// No border at all.
     #[error("the face is closed, it has no border that guides could follow; choose a part of it")]

@@ -12,8 +12,11 @@ const STATIONS: f64 = 197.3;
 /// Rays across the channel, and the middle share of its width that they stay in, clear of root fillets.
 const RAYS: usize = 13;
 const MIDDLE_SHARE: f64 = 0.6;
-/// Rays that differ from the middle one of them by more than this share of the height met something else.
-const SAME_WALL: f64 = 0.03;
+/// Share of the height away from an end wall where the channel's middle beside it is looked for.
+const BESIDE: f64 = 0.1;
+/// Rays that differ from the middle one of them by more than this share of the height, beside the dip of facets, met
+/// something else.
+const SAME_WALL: f64 = 0.002;
 
 /// A place in a channel: a circle and its gap.
 #[derive(Debug, Clone, Copy)]
@@ -115,8 +118,22 @@ impl Tracer<'_> {
         (sample.hub < sample.shroud).then_some(Station { sample, gap: place.gap })
     }
 
-    /// Radii of the hub and of the shroud at a place: the greatest and the least that its rays meet.
+    /// Radii of the hub and of the shroud at a place. Each is measured over the middle of the channel as it is beside that
+    /// end wall: leaned blades pass it elsewhere than at the middle of the height, and fillets lie beside them.
     fn end_walls(&self, place: &Place) -> (Option<f64>, Option<f64>) {
+        let (hub, shroud) = self.end_walls_along(place);
+        let (Some(h), Some(s)) = (hub, shroud) else { return (hub, shroud) };
+        let beside = |r: f64| {
+            let gap = self.bladed_gap(place.x, r, &place.gap)?;
+            Some(self.end_walls_along(&Place { r, gap, ..*place }))
+        };
+        let height = s - h;
+        let refined = [beside(h + BESIDE * height), beside(s - BESIDE * height)];
+        (refined[0].and_then(|w| w.0).or(hub), refined[1].and_then(|w| w.1).or(shroud))
+    }
+
+    /// Radii of the hub and of the shroud along the radius through a place: the greatest and the least that its rays meet.
+    fn end_walls_along(&self, place: &Place) -> (Option<f64>, Option<f64>) {
         let middle = place.gap.middle();
         let half = 0.5 * MIDDLE_SHARE * place.gap.width().min(self.pitch);
         let theta = |i: usize| middle + half * (2.0 * i as f64 / (RAYS - 1) as f64 - 1.0);
@@ -124,15 +141,21 @@ impl Tracer<'_> {
         let inner = rays.iter().filter_map(|ray| ray.iter().rfind(|c| c.r < place.r));
         let outer = rays.iter().filter_map(|ray| ray.iter().find(|c| c.r > place.r));
         // A ray that starts within the solid meets the wall from behind.
-        let inner = sorted(inner.filter(|c| !c.enters).map(|c| c.r));
-        let outer = sorted(outer.filter(|c| c.enters).map(|c| c.r));
-        let most = |v: &[f64]| (2 * v.len() > RAYS).then(|| v[v.len() / 2]);
+        let inner = sorted(inner.filter(|c| !c.enters).copied());
+        let outer = sorted(outer.filter(|c| c.enters).copied());
+        let most = |v: &[RadialCrossing]| (2 * v.len() > RAYS).then(|| v[v.len() / 2]);
         let (hub, shroud) = (most(&inner), most(&outer));
-        let same = SAME_WALL * (shroud.unwrap_or(place.r) - hub.unwrap_or(place.r));
+        // The same wall is met as far off as its facets dip; what differs more is a fillet or a blade.
+        let height = shroud.map_or(place.r, |c| c.r) - hub.map_or(place.r, |c| c.r);
+        let same = |c: &RadialCrossing| SAME_WALL * height + 2.0 * self.slices.sag(c);
         // Between its facets a hub stands out at corners, which rays miss.
         let corners = || self.slices.corner_radii(place.x, middle, half);
-        let greatest = |h: f64| inner.iter().copied().chain(corners()).filter(|r| *r <= h + same).fold(h, f64::max);
-        (hub.map(greatest), shroud.and_then(|s| outer.iter().find(|&&r| r >= s - same)).copied())
+        let greatest = |c: RadialCrossing| {
+            let met = inner.iter().map(|c| c.r).chain(corners());
+            met.filter(|r| *r <= c.r + same(&c)).fold(c.r, f64::max)
+        };
+        let least = |c: RadialCrossing| outer.iter().map(|c| c.r).find(|r| *r >= c.r - same(&c)).unwrap_or(c.r);
+        (hub.map(greatest), shroud.map(least))
     }
 
     /// The greatest radius at which blades still bound the channel at a place; it is sought around `guess`.
@@ -162,8 +185,8 @@ impl Tracer<'_> {
     }
 }
 
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
+fn sorted(values: impl Iterator<Item = RadialCrossing>) -> Vec<RadialCrossing> {
+    let mut values: Vec<RadialCrossing> = values.collect();
+    values.sort_by(|a, b| a.r.total_cmp(&b.r));
     values
 }

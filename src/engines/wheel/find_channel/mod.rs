@@ -1,5 +1,6 @@
 //! Finds a channel of a blisk, with its walls, in a bare mesh.
 
+mod agreement;
 mod measure;
 mod meridian;
 #[cfg(test)]
@@ -77,9 +78,10 @@ pub(super) fn channel_of(
     [low.side, high.side] = sides;
     let faces_x = measure::faces_x(slices.mesh(), &meridian);
     assumed.extend(end_wall_assumptions(options, shrouded));
+    let agreement = agreement::agreement(&tracer, &meridian, shrouded, [&low, &high], &throat)?;
     task.report("channel", 1.0, "");
     let index = options.channel;
-    Ok(Channel { frame, blades, index, shrouded, meridian, low, high, throat, turning, faces_x, assumed })
+    Ok(Channel { frame, blades, index, shrouded, meridian, low, high, throat, turning, faces_x, agreement, assumed })
 }
 
 /// W of the chosen channel, and the channel's middle in it.

@@ -4,10 +4,11 @@ use glam::{DQuat, DVec3, EulerRot};
 use proptest::prelude::*;
 
 use super::*;
-use crate::channel::BladeSide;
+use crate::channel::{BladeSide, Surface};
 use crate::fixtures::{TestBlisk, flange, together, turned_part};
 use crate::options::{Auto, AxisChoice, AxisLine, AxisName};
 use geometry::exact::ExactMesh;
+use geometry::frame::Cylindrical;
 
 fn find(mesh: &Mesh, options: &BliskOptions) -> Result<Channel, BliskError> {
     find_channel(mesh, options, &Task::default())
@@ -375,5 +376,30 @@ fn the_channel_grows_with_the_part() {
             assert!(misses.fold(0.0, f64::max) < 1e-6 * scale);
         }
         assert!((base.throat.width_mm * scale - grown.throat.width_mm).abs() < 1e-6 * scale);
+    }
+}
+
+#[test]
+fn what_was_found_is_measured_against_the_mesh_and_refused_where_that_is_otherwise() {
+    let mesh = TestBlisk { grid: [96, 8, 8, 2], ..Default::default() }.mesh();
+    for options in [BliskOptions::default(), BliskOptions { hub_radius_mm: Auto::Given(51.0), ..Default::default() }] {
+        let channel = find(&mesh, &options).unwrap();
+        assert_eq!(channel.agreement.len(), 4);
+        assert!(channel.agreement.iter().all(|a| a.samples > 100 && a.share >= 0.95), "{:?}", channel.agreement);
+    }
+    // End walls that wave around the axis are no hub and no shroud.
+    for (name, surface, [from, to]) in [("hub", Surface::Hub, [49.0, 50.5]), ("shroud", Surface::Shroud, [61.5, 62.5])]
+    {
+        let waved = mesh.mapped(|p| {
+            let Cylindrical { x, r, theta } = Cylindrical::from_point(p);
+            let wave = if (from..to).contains(&r) { 0.3 * (24.0 * theta).sin() } else { 0.0 };
+            Cylindrical { x, r: r + wave, theta }.point()
+        });
+        let Err(BliskError::Disagrees(found)) = find(&waved, &BliskOptions::default()) else {
+            panic!("a waved {name} is taken for one");
+        };
+        assert_eq!(found.surface, surface);
+        assert!(found.doubted > 0.05 && found.greatest_mm > 0.1 && found.greatest_mm < 0.7, "{found:?}");
+        assert!(refused(&waved).contains(&format!("the {name} that was found is up to")));
     }
 }

@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 
+use geometry::frame::{Cylindrical, wrap_angle};
 use geometry::mesh::{Mesh, unit_normal};
 
 /// Cells along the axis and along the radius of the grid that [`Slices::cell_middle`] counts in, and at most of
@@ -89,6 +90,8 @@ pub(crate) struct RadialCrossing {
     pub r: f64,
     /// Whether the solid lies on the side of greater radius.
     pub enters: bool,
+    /// The triangle that is met.
+    pub triangle: u32,
 }
 
 impl Slices {
@@ -223,11 +226,19 @@ impl Slices {
             let r = along.dot(p.lerp(q, side_p / (side_p - side_q)));
             if r > 0.0 {
                 // Running towards greater theta, a segment has the solid on its inner side.
-                crossings.push(RadialCrossing { r, enters: side_p >= 0.0 });
+                crossings.push(RadialCrossing { r, enters: side_p >= 0.0, triangle });
             }
         }
         crossings.sort_by(|a, b| a.r.total_cmp(&b.r));
         crossings
+    }
+
+    /// How far the facet that a ray meets dips below the circle through its corners (mm).
+    pub fn sag(&self, met: &RadialCrossing) -> f64 {
+        let theta = self.mesh.corners(met.triangle as usize).map(|p| Cylindrical::from_point(p).theta);
+        let turn =
+            theta.iter().map(|t| wrap_angle(t - theta[0])).fold([0.0, 0.0], |[l, m]: [f64; 2], t| [l.min(t), m.max(t)]);
+        met.r * (1.0 - (0.5 * (turn[1] - turn[0])).cos())
     }
 
     /// Distances from the axis of the corners that the section at `x` has within `half` of the angle `theta`.

@@ -78,6 +78,8 @@ fn channel(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     fact(ui, "Hub radius, middle", length.show(hub, 2));
     fact(ui, if channel.shrouded { "Shroud radius, middle" } else { "Tip radius, middle" }, length.show(shroud, 2));
     fact(ui, "Blades along X", length.show(high - low, 2));
+    let agreement = channel.agreement.iter().map(|a| a.share).fold(1.0, f64::min);
+    fact(ui, "Agrees with the mesh", format!("{:.1} % at least", 100.0 * agreement));
     for assumed in &channel.assumed {
         notice(ui, palette(ui).faint, assumed);
     }

@@ -56,7 +56,10 @@ pub enum MachineFileError {
     #[error(transparent)]
     File(#[from] FileError),
     /// There is no built-in machine of that name.
-    #[error("name = {name:?}: there is no such machine; there are {}, and files that end in .toml or .urdf", BUILT_IN.join(", "))]
+    #[error(
+        "name = {name:?}: there is no such machine; there are {}, and files that end in .toml or .urdf",
+        BUILT_IN.join(", ")
+    )]
     NoSuchMachine {
         /// The name.
         name: String,

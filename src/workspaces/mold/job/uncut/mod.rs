@@ -85,7 +85,10 @@ pub enum UncutError {
     #[error(transparent)]
     Params(#[from] Invalid),
     /// A step of the field of heights that shows nothing.
-    #[error("height map: step {step} mm is too coarse for a cutter of radius {radius} mm; give at most {} mm", 0.5 * radius)]
+    #[error(
+        "height map: step {step} mm is too coarse for a cutter of radius {radius} mm; give at most {} mm",
+        0.5 * radius
+    )]
     CoarseStep {
         /// The step (mm).
         step: f64,

@@ -1,0 +1,203 @@
+//! How well a channel that was found agrees with its mesh, measured between the places that it was found from.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::super::channel::{Agreement, ChannelWall, MeridianSample, Surface, Throat, radii_at};
+use super::super::error::BliskError;
+use super::super::frame::slices::{Crossing, Gap, RadialCrossing, Slices};
+use super::meridian::Tracer;
+use geometry::frame::Cylindrical;
+
+/// Least share of the samples of a surface that must not be doubted.
+const ENOUGH: f64 = 0.95;
+/// Distance up to which a place agrees, beside the mesh's own chord error (mm).
+const TOLERANCE: f64 = 0.005;
+/// Distance from which on a place is doubted, beside the mesh's own chord error (mm), or as a share of the height where
+/// that is more: a few times the error of the curves between their stations, and well below any spark gap.
+const DOUBT: f64 = 0.025;
+const DOUBT_SHARE: f64 = 0.001;
+/// A narrower throat is none (mm).
+const LEAST_THROAT: f64 = 0.01;
+/// Stations along X, and places across the channel at each.
+const STATIONS: usize = 40;
+const ACROSS: usize = 9;
+/// Share of the channel's width that the end walls are measured over: fillets round the rest.
+const MIDDLE_SHARE: f64 = 0.5;
+/// Greatest share of the height that is taken for the mesh's own chord error.
+const MOST_CHORD: f64 = 0.02;
+/// Share of the height that the rays to an end wall start from it.
+const START: f64 = 0.1;
+/// Every so many cells of a wall's grid one is measured.
+const EVERY: usize = 2;
+
+/// One measured place: how far off the mesh it is, how far it may be, and where.
+#[derive(Clone, Copy)]
+struct Sample {
+    off: f64,
+    allowed: f64,
+    at: DVec3,
+}
+
+/// Measures walls and end walls of a channel against its mesh, and its throat.
+///
+/// # Errors
+/// [`BliskError::Disagrees`] where more than a few places of a surface are not where the channel has them, and
+/// [`BliskError::NoThroat`] where its walls touch: what was found is no channel of this part then.
+pub(super) fn agreement(
+    tracer: &Tracer,
+    meridian: &[MeridianSample],
+    shrouded: bool,
+    walls: [&ChannelWall; 2],
+    throat: &Throat,
+) -> Result<Vec<Agreement>, BliskError> {
+    let heights = meridian.iter().map(|s| s.shroud - s.hub);
+    let doubt = DOUBT.max(DOUBT_SHARE * heights.fold(f64::INFINITY, f64::min));
+    let mut all = Vec::new();
+    for (surface, wall, end) in
+        [(Surface::LowWall, walls[0], low as fn(&Gap) -> Crossing), (Surface::HighWall, walls[1], high)]
+    {
+        tracer.cancel.check()?;
+        all.push(summary(surface, wall_samples(tracer, walls, wall, end), doubt));
+    }
+    let ends = [(Surface::Hub, true), (Surface::Shroud, shrouded)];
+    for (surface, _) in ends.into_iter().filter(|(_, is_there)| *is_there) {
+        tracer.cancel.check()?;
+        all.push(summary(surface, end_wall_samples(tracer, meridian, walls, surface), doubt));
+    }
+    if let Some(a) = all.iter().find(|a| a.doubted > 1.0 - ENOUGH) {
+        return Err(BliskError::Disagrees(*a));
+    }
+    if throat.width_mm < LEAST_THROAT {
+        let Cylindrical { x, r, .. } = Cylindrical::from_point(throat.on_low_wall);
+        return Err(BliskError::NoThroat { x, r });
+    }
+    Ok(all)
+}
+
+fn low(gap: &Gap) -> Crossing {
+    gap.low
+}
+
+fn high(gap: &Gap) -> Crossing {
+    gap.high
+}
+
+fn summary(surface: Surface, samples: Vec<Sample>, doubt: f64) -> Agreement {
+    let good = samples.iter().filter(|s| s.off <= s.allowed).count();
+    let doubted = samples.iter().filter(|s| s.off > s.allowed - TOLERANCE + doubt).count();
+    let worst = samples.iter().max_by(|a, b| a.off.total_cmp(&b.off));
+    Agreement {
+        surface,
+        samples: samples.len(),
+        share: good as f64 / samples.len().max(1) as f64,
+        doubted: doubted as f64 / samples.len().max(1) as f64,
+        greatest_mm: worst.map_or(0.0, |s| s.off),
+        at: worst.map_or(DVec3::ZERO, |s| s.at),
+    }
+}
+
+/// The middles of the cells of a wall's grid: where the circle through each meets the mesh.
+fn wall_samples(
+    tracer: &Tracer,
+    walls: [&ChannelWall; 2],
+    wall: &ChannelWall,
+    end: fn(&Gap) -> Crossing,
+) -> Vec<Sample> {
+    let cells = (1..wall.nu).step_by(EVERY).flat_map(|u| (1..wall.nv).step_by(EVERY).map(move |v| (u, v)));
+    let cells: Vec<_> = cells.collect();
+    let sample = |&(u, v): &(usize, usize)| {
+        let middle = |wall: &ChannelWall| {
+            let corners = [(u - 1, v - 1), (u, v - 1), (u, v), (u - 1, v)].map(|(u, v)| wall.point(u, v));
+            let middle = corners.iter().sum::<DVec3>() / 4.0;
+            // Halfway along the diagonals the grid lies on either side of a bent surface.
+            let bend = (corners[0] + corners[2] - corners[1] - corners[3]).length() / 4.0;
+            let sag = [[0, 1], [1, 2], [2, 3], [3, 0]].map(|[i, k]| {
+                let at = |i: usize| [(u - 1, v - 1), (u, v - 1), (u, v), (u - 1, v)][i];
+                let (p, q) = (at(i), at(k));
+                let turn = wall.normal(p.0, p.1).angle_between(wall.normal(q.0, q.1));
+                corners[i].distance(corners[k]) * turn / 8.0
+            });
+            (middle, bend + sag[0].max(sag[2]) + sag[1].max(sag[3]))
+        };
+        let (at, sag) = middle(wall);
+        let Cylindrical { x, r, theta } = Cylindrical::from_point(at);
+        let thetas = walls.map(|wall| unwrapped(Cylindrical::from_point(middle(wall).0).theta, theta));
+        let near = |t: f64| Crossing { theta: t, enters: true, triangle: 0 };
+        let near = Gap { low: near(thetas[0].min(theta)), high: near(thetas[1].max(theta)) };
+        let found = tracer.bladed_gap(x, r, &near).map(|gap| end(&gap));
+        let off = found.map_or(f64::INFINITY, |crossing| {
+            let normal = tracer.slices.normal(crossing.triangle);
+            let around = DVec3::new(0.0, -theta.cos(), -theta.sin());
+            (r * (crossing.theta - theta)).abs() * normal.dot(around).abs()
+        });
+        Sample { off, allowed: TOLERANCE + sag, at }
+    };
+    cells.par_iter().map(sample).collect()
+}
+
+/// `theta` in the turn that is nearest to `near`.
+fn unwrapped(theta: f64, near: f64) -> f64 {
+    near + geometry::frame::wrap_angle(theta - near)
+}
+
+/// Rays along the radius from within the channel to its hub or shroud, over the middle of its width there.
+fn end_wall_samples(
+    tracer: &Tracer,
+    meridian: &[MeridianSample],
+    walls: [&ChannelWall; 2],
+    surface: Surface,
+) -> Vec<Sample> {
+    let (row, into, given) = if surface == Surface::Hub {
+        (0, 1.0, tracer.options.hub_radius_mm.given().is_some())
+    } else {
+        (walls[0].nv - 1, -1.0, tracer.options.shroud_radius_mm.given().is_some())
+    };
+    let stations: Vec<usize> = (0..STATIONS).map(|i| (i + 1) * (walls[0].nu - 1) / (STATIONS + 1)).collect();
+    let of_station = |&u: &usize| {
+        let ends = walls.map(|wall| wall.cylindrical(u, row));
+        let x = 0.5 * (ends[0].x + ends[1].x);
+        let (hub, shroud) = radii_at(meridian, x);
+        let height = shroud - hub;
+        let (expected, start) =
+            if surface == Surface::Hub { (hub, hub + START * height) } else { (shroud, shroud - START * height) };
+        let [from, to] = [ends[0].theta, unwrapped(ends[1].theta, ends[0].theta)];
+        let (middle, half) = (0.5 * (from + to), 0.5 * MIDDLE_SHARE * (to - from));
+        let samples = (0..ACROSS).map(move |k| {
+            let theta = middle + half * (2.0 * k as f64 / (ACROSS - 1) as f64 - 1.0);
+            let met = end_wall_met(tracer.slices, x, theta, start, surface);
+            let at = Cylindrical { x, r: met.map_or(expected, |c| c.r), theta }.point();
+            // A radius given by hand may leave metal to others, but may not reach into the part.
+            let off = met.map_or(f64::INFINITY, |c| {
+                if given { (into * (c.r - expected)).max(0.0) } else { (c.r - expected).abs() }
+            });
+            let chord = met.map_or(0.0, |c| chord_error(tracer.slices, meridian, surface, &c));
+            Sample { off, allowed: TOLERANCE + chord.min(MOST_CHORD * height), at }
+        });
+        samples.collect::<Vec<_>>()
+    };
+    stations.par_iter().map(of_station).collect::<Vec<_>>().concat()
+}
+
+/// Where the ray from `start` meets the hub inwards or the shroud outwards.
+fn end_wall_met(slices: &Slices, x: f64, theta: f64, start: f64, surface: Surface) -> Option<RadialCrossing> {
+    let ray = slices.ray(x, theta);
+    if surface == Surface::Hub {
+        ray.iter().rfind(|c| c.r < start).filter(|c| !c.enters).copied()
+    } else {
+        ray.iter().find(|c| c.r > start).filter(|c| c.enters).copied()
+    }
+}
+
+/// How far a triangle may lie off the surface of revolution that it stands for (mm): its chord around the axis, and its
+/// chord along the hub or shroud curve.
+fn chord_error(slices: &Slices, meridian: &[MeridianSample], surface: Surface, met: &RadialCrossing) -> f64 {
+    let corners = slices.mesh().corners(met.triangle as usize).map(Cylindrical::from_point);
+    let (first, last) = corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), c| (c.x.min(l), c.x.max(m)));
+    let radius = |x: f64| {
+        let (hub, shroud) = radii_at(meridian, x);
+        if surface == Surface::Hub { hub } else { shroud }
+    };
+    let middle = 0.5 * (first + last);
+    slices.sag(met) + (radius(middle) - 0.5 * (radius(first) + radius(last))).abs()
+}
