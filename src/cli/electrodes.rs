@@ -6,7 +6,7 @@ use std::sync::Arc;
 use clap::{Args, ValueEnum};
 
 use super::uncut::{AskedMold, MoldArguments};
-use super::{Answer, Session};
+use super::{Answer, Session, mm};
 use crate::widgets::camera::PICTURE_SIZE;
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::cutter_file::CUTTERS;
@@ -36,7 +36,7 @@ pub(super) struct ElectrodesArguments {
     #[command(flatten)]
     mold: MoldArguments,
     /// Spark gap of every stage (mm).
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = |text: &str| mm(text, [0.0, 5.0]))]
     gap: Option<f64>,
     /// Files hold the shape of the cavity, without the gap.
     #[arg(long)]
@@ -101,6 +101,12 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
         find_uncut(&imported.mesh, &asked.uncut(), &session.task).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
     let set = find_electrodes(&imported.mesh, &uncut, &asked.electrodes, &session.task)
         .map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+    let is_made = |o: &&Override| !set.electrodes.iter().any(|e| e.name == o.of);
+    if let Some(unknown) = arguments.overrides.iter().find(is_made) {
+        let names: Vec<&str> = set.electrodes.iter().map(|e| e.name.as_str()).collect();
+        let names = if names.is_empty() { "are none".to_owned() } else { format!("is {}", names.join(", ")) };
+        anyhow::bail!("--override {unknown}: there is no electrode {}; there {names}", unknown.of);
+    }
     let file_name = mesh.file_name().map_or(name, |n| n.to_string_lossy().into_owned());
     let mut report = ElectrodesReport::of(&set, &file_name, asked.opening);
     report.table.notes.extend(imported.report.unit_doubt());

@@ -11,8 +11,9 @@ use crate::workspaces::flank::report::FlankReport;
 use crate::workspaces::flank::report::build::{report, sentence};
 use files::paths::user_folder;
 use files::{Document, ExportFolder, Params};
+use flank::FlankError;
 use flank::fit_ruled::{Candidate, CandidateFit};
-use nc::flank_job::{FlankResult, LoadedSurface, flank as plan};
+use nc::flank_job::{FlankJobError, FlankResult, LoadedSurface, flank as plan};
 
 /// Plans the flank, checks the path, writes what may be milled. The answer is no where a check fails, overridden or
 /// not.
@@ -31,12 +32,20 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
     let walls = document.walls.as_ref().map(|walls| load_walls(walls, in_unit, task)).transpose()?;
     let surface = load_surface(&document.source, task)?;
     if arguments.surface.list {
+        surface.doubts.iter().for_each(|doubt| session.note(doubt));
         return list(&surface.value, session);
     }
     let mut input = input(&document, surface, walls, machine);
     input.doubts.extend(notes);
     let start = Instant::now();
-    let result = plan(&input, task).map_err(|e| anyhow::anyhow!("{}: {e}", document.name()))?;
+    let result = plan(&input, task).map_err(|e| {
+        let remedy = if matches!(e, FlankJobError::Flank(FlankError::SideOpen { .. })) {
+            "; give --side positive or --side negative"
+        } else {
+            ""
+        };
+        anyhow::anyhow!("{}: {e}{remedy}", document.name())
+    })?;
     let seconds = start.elapsed().as_secs_f64();
     session.task.check()?;
     // What is let pass now is not let pass again however bad it gets.

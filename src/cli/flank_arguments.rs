@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::project::Settings;
+use super::project::{Settings, open};
 use super::{Session, flank_electrode, unit};
 use crate::workspaces::context::is_project;
 use crate::workspaces::flank::document::fields::FIELDS;
@@ -12,10 +12,10 @@ use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank, 
 use crate::workspaces::flank::electrode_part::{keep_off_base, turn_over};
 use crate::workspaces::flank::inputs::load_machine;
 use files::Override;
+use files::Validate;
 use files::paths::user_folder;
-use files::{Document, Validate};
 use flank::cutter::HolderPart;
-use flank::params::Objective;
+use flank::params::{FlankParams, Objective};
 use import::Units;
 use nc::flank_job::CheckKind;
 
@@ -227,7 +227,7 @@ impl FlankArguments {
     /// What is asked.
     pub(super) fn asked(&self, session: &Session) -> anyhow::Result<Asked> {
         let mut document = match &self.surface.file {
-            Some(file) if is_project(file) => Document::<FlankDocument>::open(file)?.params().clone(),
+            Some(file) if is_project(file) => open::<FlankDocument>(file)?.params().clone(),
             _ => FlankDocument::default(),
         };
         // Options of their own count more.
@@ -367,13 +367,39 @@ impl PlanArguments {
                 ("--overcut-tolerance", "overcut_tolerance_mm", &self.overcut_tolerance),
                 ("--undercut-tolerance", "undercut_tolerance_mm", &self.undercut_tolerance),
                 ("--offset", "plan.offset", &self.offset),
-                ("--grid", "plan.grid", &self.grid),
                 ("--points", "plan.control_points", &self.points),
-                ("--locations", "plan.locations", &self.locations),
                 ("--below", "plan.below_mm", &self.below),
                 ("--path", "path", &self.path),
             ],
-        )
+        )?;
+        self.apply_samples(document)
+    }
+
+    /// Sets what has to suit the number of control points.
+    fn apply_samples(&self, document: &mut FlankDocument) -> anyhow::Result<()> {
+        let points = document.plan.control_points;
+        let [least, most] = [FlankParams::PLACES_EACH * points, FlankParams::MOST_PLACES];
+        let fits = |document: &FlankDocument| {
+            let [u, v] = document.plan.grid;
+            u.min(v) > 1 && (least..=most).contains(&u.saturating_mul(v))
+        };
+        if let Some(text) = &self.grid {
+            *document = FIELDS.set(document, "plan.grid", text).ok().filter(fits).ok_or_else(|| {
+                anyhow::anyhow!(
+                    "--grid {text}: expected UxV, as in 100x50: two whole numbers of at least 2, from {least} (6 for \
+                     each of {points} control points) to {most} samples in all"
+                )
+            })?;
+        }
+        if let Some(text) = &self.locations {
+            let fits = |document: &FlankDocument| document.plan.locations >= points;
+            *document = FIELDS.set(document, "plan.locations", text).ok().filter(fits).ok_or_else(|| {
+                anyhow::anyhow!(
+                    "--locations {text}: expected a whole number from {points}, the number of control points, to 10000"
+                )
+            })?;
+        }
+        Ok(())
     }
 }
 
@@ -479,6 +505,33 @@ mod tests {
         for text in ["0", "3,4", "-1", "a", ""] {
             assert!(flank_number(text).unwrap_err().contains("one number from 1"), "{text}");
         }
+    }
+
+    #[test]
+    fn grids_and_locations_that_do_not_suit_are_answered_in_the_form_of_their_options() {
+        #[derive(clap::Parser)]
+        struct Line {
+            #[command(flatten)]
+            plan: PlanArguments,
+        }
+        let apply = |line: &[&str]| {
+            let plan = <Line as clap::Parser>::parse_from([&["flank"], line].concat()).plan;
+            let mut document = FlankDocument::default();
+            plan.apply(&mut document).map(|()| document).map_err(|e| e.to_string())
+        };
+        for text in ["10", "2x2", "1x100", "axb", "2000x2000"] {
+            let said = apply(&["--grid", text]).unwrap_err();
+            assert!(said.contains(&format!("--grid {text}: expected UxV, as in 100x50")), "{said}");
+            assert!(said.contains("from 60 (6 for each of 10 control points) to 1000000 samples"), "{said}");
+        }
+        for text in ["5", "none", "20000"] {
+            let said = apply(&["--locations", text]).unwrap_err();
+            assert!(said.contains(&format!("--locations {text}: expected a whole number from 10,")), "{said}");
+        }
+        let fewer = apply(&["--points", "5", "--grid", "6x5", "--locations", "5"]).unwrap().plan;
+        assert_eq!((fewer.control_points, fewer.grid, fewer.locations), (5, [6, 5], 5));
+        let said = check_override("gouge:abc").unwrap_err();
+        assert!(said.contains("gouge:abc: expected CHECK or CHECK:FIGURE with a number"), "{said}");
     }
 
     #[test]

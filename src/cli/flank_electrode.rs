@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 
 use super::Session;
+use super::project::open;
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::job::stages;
@@ -16,7 +17,7 @@ use crate::workspaces::message::{BASE_OF_MOLDS, ElectrodePart, UP_OF_MOLDS};
 use crate::workspaces::mold::document::{MoldParams, part_of};
 use crate::workspaces::mold::job::electrodes::electrodes;
 use crate::workspaces::mold::job::uncut::uncut;
-use files::{Document, Params as _, kind_of};
+use files::{Params as _, kind_of};
 use flank::fit_ruled::{PartBase, RuledFitParams};
 use import::Units;
 use nc::electrode_files::is_file_of;
@@ -85,7 +86,7 @@ fn kept(electrode: ElectrodePart) -> anyhow::Result<FoundElectrode> {
 
 /// The electrode called `name` that is designed for a mold as its file asks.
 fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
-    let asked = Document::<MoldParams>::open(file)?.params().clone();
+    let asked = open::<MoldParams>(file)?.params().clone();
     let Some(mesh) = &asked.mesh else { anyhow::bail!("{}: it names no mesh; choose one and save it", file.display()) };
     let imported = session.import(mesh, asked.units)?;
     let of_part = asked.of_part(&part_of(&imported));
@@ -102,7 +103,7 @@ fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<Electro
 
 /// The electrode that is made for the channel of a blisk, by its number: 1, 2 and so on.
 fn of_blisk(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
-    let document = Document::<PlanJob>::open(file)?;
+    let document = open::<PlanJob>(file)?;
     let job = document.params();
     if job.blisk.mesh.is_none() {
         anyhow::bail!("{}: blisk.mesh is missing", file.display());

@@ -215,6 +215,16 @@ fn unit(text: &str) -> Result<Units, String> {
     value.try_into().map_err(|_| "expected auto, mm, cm, m or inch".to_owned())
 }
 
+/// Allowed values of a length above zero (mm).
+const POSITIVE: [f64; 2] = [1e-6, 1e4];
+
+/// A length (mm) from the first to the second of `limits`, with a decimal point or comma.
+fn mm(text: &str, limits: [f64; 2]) -> Result<f64, String> {
+    let [least, most] = limits;
+    let number = text.trim().replace(',', ".").parse::<f64>().ok().filter(|n| (least..=most).contains(n));
+    number.ok_or_else(|| format!("expected a length in mm from {least} to {most}, as in 0.05"))
+}
+
 fn travel(text: &str) -> Result<(Axis, [f64; 2]), String> {
     let wrong = || "expected an axis and its limits, as in X=-250,250, that include 0, the final pose".to_owned();
     let (letter, limits) = text.split_once('=').ok_or_else(wrong)?;

@@ -2,9 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::context::is_project;
+use crate::workspaces::flank::document::FlankDocument;
+use crate::workspaces::mold::document::MoldParams;
 use clap::Args;
-use files::{Document, FieldTable, Params, paths};
+use files::{Document, FieldTable, FileError, Params, kind_of, paths};
 
 /// The part of the arguments that says what a command works on.
 #[derive(Debug, Args)]
@@ -67,9 +70,26 @@ impl Settings {
     }
 }
 
+/// Opens the project `file`. An error of one of another kind names the commands that take it.
+pub(super) fn open<P: Params>(file: &Path) -> anyhow::Result<Document<P>> {
+    Document::open(file).map_err(|error| of_kind(file, P::KIND, error))
+}
+
+/// `error` of reading the project `file`, of which `kind` is wanted, with the commands that take its own kind.
+pub(super) fn of_kind(file: &Path, kind: &str, error: FileError) -> anyhow::Error {
+    let commands = match kind_of(file).ok().filter(|own| own != kind).as_deref() {
+        Some(PlanJob::KIND) => "one of a blisk is for plan, size, compare, simulate, inspect and render",
+        Some(MoldParams::KIND) => "one of a mold is for uncut, electrodes and render",
+        Some(FlankDocument::KIND) => "one of a flank is for flank and render",
+        Some(_) => "the kinds are blisk, mold and flank",
+        None => return error.into(),
+    };
+    anyhow::anyhow!("{error}; {commands}")
+}
+
 /// The parameters of a project, with a note about files that have changed since it was saved.
 fn read_project<P: Params>(file: &Path) -> anyhow::Result<P> {
-    let document = Document::<P>::open(file)?;
+    let document = open::<P>(file)?;
     for moved in document.moved_files().iter().filter(|moved| moved.is_changed) {
         super::terminal::print_error(&format!(
             "note: {} has changed since the project was saved",
@@ -88,7 +108,6 @@ fn read_project<P: Params>(file: &Path) -> anyhow::Result<P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::workspaces::blisk::document::job_file::PlanJob;
     use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 
     fn read(file: &Path, set: &[&str]) -> anyhow::Result<PlanJob> {
@@ -126,7 +145,16 @@ mod tests {
         let file = folder.path().join("a.sparkpath");
         for (text, set, words) in [
             ("[blisk]\nmesh = \"a.stl\"", "", "kind: it is missing; write the workspace in the first line"),
-            ("kind = \"mold\"", "", "line 1: kind is \"mold\": must be \"blisk\" here"),
+            (
+                "kind = \"mold\"",
+                "",
+                "line 1: kind is \"mold\": must be \"blisk\" here; one of a mold is for uncut, electrodes and render",
+            ),
+            (
+                "kind = \"turbine\"",
+                "",
+                "kind is \"turbine\": must be \"blisk\" here; the kinds are blisk, mold and flank",
+            ),
             ("kind = \"blisk\"", "electrode.parts", "expected a key and its value"),
             (
                 "kind = \"blisk\"",

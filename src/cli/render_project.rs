@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use super::project::open;
 use super::render::aspect;
 use super::{RenderArguments, Session};
 use crate::widgets::camera::{NamedView, standard};
@@ -16,8 +17,8 @@ use crate::workspaces::mold::job::uncut::uncut;
 use crate::workspaces::mold::scene::electrodes::electrode_shapes;
 use crate::workspaces::mold::scene::pictures::electrode_pictures;
 use crate::workspaces::mold::scene::{MoldLook, MoldScene, RegionColours, build_mold, faces_shape, region_shapes};
+use files::Params;
 use files::paths::user_folder;
-use files::{Document, Params};
 use nc::flank_job::{LoadedSurface, flank};
 use render::camera::Camera;
 use render::mesh::RenderMesh;
@@ -89,7 +90,7 @@ pub(super) fn of_mold(file: &Path, arguments: &RenderArguments, session: &Sessio
 pub(super) fn of_flank(file: &Path, arguments: &RenderArguments, session: &Session) -> anyhow::Result<(Scene, Camera)> {
     let view = view(arguments)?;
     anyhow::ensure!(arguments.electrode.is_none(), "--electrode: the project of a flank has none; leave it out");
-    let document = Document::<FlankDocument>::open(file)?;
+    let document = open::<FlankDocument>(file)?;
     let input = inputs::load(document.params(), user_folder().as_deref(), &session.task)?;
     let part = match &input.surface {
         LoadedSurface::Face { mesh, .. } => Some(Arc::new(RenderMesh::new(mesh))),

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::project::Settings;
-use super::{Answer, Session, unit};
+use super::project::{Settings, of_kind};
+use super::{Answer, POSITIVE, Session, mm, unit};
 use crate::workspaces::context::is_project;
 use crate::workspaces::mold::document::cutter_file::CUTTERS;
 use crate::workspaces::mold::document::fields::FIELDS;
@@ -15,7 +15,7 @@ use crate::workspaces::mold::job::uncut::uncut as find_uncut;
 use crate::workspaces::mold::report::uncut::UncutReport;
 use crate::workspaces::mold::report::uncut::surface_as_ply;
 use files::paths::user_folder;
-use files::{Document, ExportFolder, Validate};
+use files::{Document, ExportFolder, Params, Validate};
 use import::{Imported, Units};
 use mold::cutter::{Cutter, CutterLibrary};
 use mold::opening::Opening;
@@ -41,13 +41,13 @@ pub(super) struct MoldArguments {
     #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
     opening: Option<Opening>,
     /// Thickness of the residue up to which it counts as cut (mm) [default: 0.02].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = |text: &str| mm(text, [1e-4, 10.0]))]
     tolerance: Option<f64>,
     /// Distance of layers (mm), no others between them [default: as it has to be].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = |text: &str| mm(text, POSITIVE))]
     layers: Option<f64>,
     /// Step of the field of heights (mm) [default: as fine as it has to be].
-    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = |text: &str| mm(text, POSITIVE))]
     step: Option<f64>,
     /// Unit of the mesh: auto, mm, cm, m, inch [default: auto].
     #[arg(long, value_name = "UNIT", value_parser = unit)]
@@ -88,7 +88,7 @@ impl MoldArguments {
     ) -> anyhow::Result<AskedMold> {
         let settings = user_folder();
         let mut before = if is_project(&self.file) {
-            open_mold(&self.file, settings.as_deref())?
+            open_mold(&self.file, settings.as_deref()).map_err(|e| of_kind(&self.file, MoldParams::KIND, e))?
         } else {
             MoldParams { mesh: Some(self.file.clone()), ..standard_mold(settings.as_deref())? }
         };

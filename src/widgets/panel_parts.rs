@@ -48,7 +48,7 @@ pub fn notice(ui: &mut Ui, colour: Color32, text: &str) {
         .stroke(egui::Stroke::new(1.0, colour.gamma_multiply(0.6)))
         .show(ui, |ui| {
             ui.set_width(ui.available_width());
-            ui.add(egui::Label::new(sentence(text)).wrap());
+            ui.add(egui::Label::new(sentence(text).replace("mm^2", "mm²").replace("mm^3", "mm³")).wrap());
         });
     ui.add_space(4.0);
 }

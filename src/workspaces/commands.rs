@@ -142,6 +142,11 @@ pub type Groups = Vec<Vec<Command>>;
 pub trait Commanded {
     /// Whether `command` can be run now.
     fn is_enabled(&self, command: Command) -> bool;
+
+    /// Reason why `command`, which is not enabled, cannot be run now, with the remedy; none where it is of no interest.
+    fn why_not(&self, command: Command) -> Option<&'static str> {
+        command.info.needs
+    }
 }
 
 /// Commands that mean something in every workspace.

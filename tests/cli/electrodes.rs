@@ -63,7 +63,9 @@ fn what_cannot_be_made_is_answered_in_words_and_what_fails_is_not_written() {
     let (code, words) = run(&["--electrode-cutters", "ball:3", "--override", "E01:machinable"]);
     assert!(code == Some(3) && out.join("E01_finish_g0.05_copper_x1.stl").exists(), "{words}");
     let (code, words) = run(&["--gap", "-1"]);
-    assert!(code == Some(2) && words.contains("gap_mm"), "{words}");
+    assert!(code == Some(2) && words.contains("--gap <MM>") && words.contains("from 0 to 5"), "{words}");
+    let (code, words) = run(&["--override", "E99:leftover"]);
+    assert!(code == Some(2) && words.contains("there is no electrode E99; there is E01"), "{words}");
 }
 
 #[test]
@@ -82,7 +84,7 @@ fn what_is_wrong_with_files_and_words_is_answered_before_any_work() {
         (["--out", &file], &["file"]),
         (["--out", &deep], &["file/out"]),
         (["--override", "E01:gouges"], &["gouges", "watertight, gouge"]),
-        (["--electrode-cutters", "ball:-1"], &["ball:-1", "diameter_mm is -2: must"]),
+        (["--electrode-cutters", "ball:-1"], &["ball:-1", "radius is -1: must"]),
         (["--out", &out], &["mold.stl"]),
     ] {
         let (code, said) = said(&sparkpath(&[&["electrodes", &mold, "--units", "mm"], &more[..]].concat()));
@@ -137,6 +139,28 @@ fn a_project_is_asked_like_its_mesh_with_options_and_options_come_first() {
     std::fs::write(&standard, "kind = \"flank\"").unwrap();
     for command in ["uncut", "electrodes"] {
         let (code, words) = said(&sparkpath(&[command, &standard]));
-        assert!(code == Some(2) && words.contains("line 1: kind is \"flank\": must be \"mold\" here"), "{words}");
+        assert!(
+            code == Some(2)
+                && words.contains("line 1: kind is \"flank\": must be \"mold\" here; one of a flank is for flank"),
+            "{words}"
+        );
     }
+}
+
+#[test]
+fn regions_with_nothing_to_burn_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, out) = (folder.path().join("mold.stl"), folder.path().join("out"));
+    write_stl(&file, &pocket()).unwrap();
+    let [mold, out_text] = [&file, &out].map(|p| p.to_str().unwrap().to_owned());
+    let base = ["electrodes", &mold, "--units", "mm", "--no-pictures", "--out", &out_text];
+    let (code, words) = said(&sparkpath(&[&base[..], &["--cutters", "flat:0.06"]].concat()));
+    assert!(code == Some(0) && !words.contains("Every check holds"), "{words}");
+    assert!(
+        words.contains("Regions left out, as within the tolerance there is nothing to burn: 1, 2, 3, 4."),
+        "{words}"
+    );
+    assert!(words.contains("region 1 has no electrode: finish stage: there is nothing to burn"), "{words}");
+    let sheet = std::fs::read_to_string(out.join("burn_sheet.txt")).unwrap();
+    assert!(sheet.contains("REGION 4 IS NOT BURNED") && sheet.contains("there is nothing to burn"), "{sheet}");
 }

@@ -84,11 +84,12 @@ fn wrong_questions_are_answered_in_one_line() {
         "{said}"
     );
     for (arguments, words) in [
-        (["--cutters", "flat:0"], "diameter_mm is 0: must"),
+        (["--cutters", "flat:0"], "radius is 0: must"),
         (["--cutters", "cone:1"], "is no cutter"),
         (["--opening", "up"], "expected +x"),
-        (["--tolerance", "-1"], "tolerance_mm is -1"),
-        (["--layers", "0"], "spacing_mm is 0"),
+        (["--tolerance", "-1"], "expected a length in mm from 0.0001 to 10"),
+        (["--tolerance", "abc"], "expected a length in mm from 0.0001 to 10"),
+        (["--layers", "0"], "expected a length in mm from 0.000001"),
         (["--step", "5"], "grid_step_mm is 5: must be from 0.000001 to 0.25 mm"),
         (["--library", "nowhere.toml"], "cannot be read"),
     ] {
@@ -98,4 +99,62 @@ fn wrong_questions_are_answered_in_one_line() {
         let said: Vec<&str> = error.lines().filter(|line| line.contains("rror") || line.contains(words)).collect();
         assert!(said.len() == 1 && said[0].contains(words), "{arguments:?} {error}");
     }
+}
+
+#[test]
+fn what_looks_away_from_the_cutters_is_not_reached_and_is_no_hole_in_the_floor() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mold.stl");
+    write_stl(&file, &pocket()).unwrap();
+    let (code, json) = answer(&file, &["--cutters", "flat:1", "--opening", "-z"]);
+    let found = &json["uncut"];
+    assert_eq!(code, Some(3), "{found}");
+    assert_eq!(found["sentence"], "The cutters reach everything but 2 undercut faces of 48.00 mm2.");
+    assert!(found["is_whole"] == false && found["warnings"].as_array().unwrap().is_empty(), "{found}");
+}
+
+#[test]
+fn what_is_dropped_for_another_mesh_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let [mesh, project, picture] = ["mold.stl", "mold.sparkpath", "mold.png"].map(path);
+    let turned = pocket().mapped(|p| DVec3::new(-p.z, p.y, p.x));
+    write_stl(Path::new(&mesh), &turned).unwrap();
+    let asked = ["--units", "mm", "--cutters", "flat:1", "--opening", "-x", "--save", &project];
+    let first = sparkpath(&[&["uncut", &mesh], &asked[..]].concat());
+    assert!(first.status.success() && !text(&first.stderr).contains("dropped"), "{}", text(&first.stderr));
+    let mut params =
+        files::Document::<sparkpath::workspaces::mold::document::MoldParams>::open(project.as_ref()).unwrap();
+    params.amend(true, |params| params.electrodes.overrides.push("E01:gouge".parse().unwrap()));
+    params.export(project.as_ref()).unwrap();
+    write_stl(Path::new(&mesh), &turned.mapped(|p| p * 1.01)).unwrap();
+    for command in [&["uncut", &project][..], &["electrodes", &project], &["render", &project, "--png", &picture]] {
+        let said = text(&sparkpath(command).stderr);
+        assert!(said.contains("dropped: opening direction -x (now +z), 1 override;"), "{command:?}: {said}");
+    }
+    let kept = text(&sparkpath(&["uncut", &project, "--opening", "-x"]).stderr);
+    assert!(kept.contains("dropped: 1 override;"), "the direction is given anew: {kept}");
+}
+
+#[test]
+fn a_guessed_unit_is_told_by_every_command_and_in_its_sheets() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let [mesh, out] = ["mold.stl", "out"].map(path);
+    write_stl(Path::new(&mesh), &pocket()).unwrap();
+    let mold = [&mesh, "--cutters", "flat:1", "--out", &out];
+    let guess = "The unit is a guess: millimetres because";
+    for (command, sheet) in [("uncut", "uncut.txt"), ("electrodes", "burn_sheet.txt")] {
+        let output =
+            sparkpath(&[&[command], &mold[..], &["--no-pictures"][..usize::from(command == "electrodes")]].concat());
+        assert!(text(&output.stderr).contains(guess), "{command}");
+        assert!(std::fs::read_to_string(Path::new(&out).join(sheet)).unwrap().contains(guess), "{sheet}");
+    }
+    for command in [&["plan", &mesh, "--out", &out][..], &["flank", "--mesh", &mesh, "--list"]] {
+        let said = text(&sparkpath(command).stderr);
+        assert!(said.contains(guess), "{command:?}: {said}");
+    }
+    let inspected = text(&sparkpath(&["inspect", &mesh]).stdout);
+    assert_eq!(inspected.matches("because").count(), 1, "{inspected}");
+    assert!(inspected.contains("binary STL") && inspected.contains("unit         millimetres\n"), "{inspected}");
 }

@@ -54,6 +54,8 @@ fn a_drag_is_one_step(desk: &mut Desk) {
     assert_eq!(low_reduction(desk), before, "one undo takes eight movements back");
     desk.until_idle();
     assert_eq!(volume(desk), thick);
+    let of_drag = desk.log().into_iter().rfind(|line| line.starts_with("Electrode: ")).unwrap();
+    assert!(!desk.shows(&of_drag), "the status bar tells of what is no more: {of_drag}");
     for (name, value) in [("Reduction, low wall", "3"), ("Reduction, high wall", "3"), ("Radial reduction", "1")] {
         desk.enter(name, value);
     }
@@ -202,6 +204,13 @@ fn an_edit_withdraws_the_release(desk: &mut Desk) {
     assert!(desk.step_says(Stage::Plan, "out of date") && desk.step_says(Stage::Export, "out of date"));
     assert!(desk.log().iter().any(|line| line.contains("release withdrawn: an input changed")));
     desk.assert_shows("Out of date: has an extraction path");
+    // What is shown of the changed electrode is called what it is, and nothing of the former path stands beside it.
+    desk.until("the preview is there", |d| d.blisk().is_live());
+    desk.settle();
+    desk.assert_shows("of a preview with these parameters");
+    assert!(!desk.shows("Closest point of the path") && !desk.shows("of a plan that is out of date"));
+    desk.key_with(Modifiers::COMMAND, Key::E);
+    desk.assert_shows("Export: the plan is out of date: plan again and release first");
     desk.key_with(Modifiers::COMMAND, Key::Z);
     desk.until_idle();
     assert!(desk.step_says(Stage::Plan, "done"), "the plan is of these parameters again");

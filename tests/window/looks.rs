@@ -2,6 +2,7 @@
 
 use egui::{Key, Role};
 use egui_kittest::SnapshotOptions;
+use egui_kittest::kittest::{By, Queryable as _};
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::scene::Layer;
@@ -195,4 +196,25 @@ fn wrong_input() {
     desk.enter("Spark gap", "9");
     desk.until_idle();
     desk.pictures("wrong_input");
+}
+
+/// Room between small and large: nothing runs out of the window.
+#[test]
+fn plots_and_their_tabs_keep_within_windows_of_any_size() {
+    let home = Home::new();
+    for pixels in [[800, 560], [1000, 700]] {
+        let mut desk = planned_in(&home, pixels, 1.0);
+        desk.open_step(Stage::Verify);
+        let right = |role: Role, name: &str| desk.window.get(By::new().role(role).label(name)).rect().right();
+        for tab in ["Axes", "Speed", "Second derivative", "Clearance", "Convergence", "Nodes"] {
+            let names = desk.window.query_all(By::new().role(Role::Button).label(tab));
+            let rightmost = names.map(|node| node.rect().right()).fold(0.0, f32::max);
+            assert!(rightmost > 0.0 && rightmost <= f32::from(pixels[0]), "{pixels:?}: {tab} ends at {rightmost}");
+        }
+        let plot = right(Role::Image, "Plot axes");
+        assert!(plot <= f32::from(pixels[0]), "{pixels:?}: {plot}");
+        if pixels[0] == 800 {
+            desk.picture("verify_800_dark");
+        }
+    }
 }

@@ -145,7 +145,10 @@ impl Override {
                 "",
                 format!("{self} names no check of an electrode: give NAME:CHECK with one of {all}"),
             )),
-            (_, false, false) => Err(Invalid::of("", format!("{self}: give the check alone, one of {all}"))),
+            (_, false, false) => Err(Invalid::of(
+                "",
+                format!("{self}: expected CHECK or CHECK:FIGURE with a number, as in gouge:0.12; checks are {all}"),
+            )),
             (false, ..) => Err(Invalid::of("", format!("there is no check {:?}; there are {all}", self.check))),
             _ => Ok(()),
         }

@@ -94,7 +94,7 @@ pub enum FlankError {
     },
     /// Guide curves that meet.
     #[error(
-        "the guide curves come within {distance_mm:.2e} mm of each other at u = {lower_u:.4} of the lower and \
+        "the guide curves come within {distance_mm:.4} mm of each other at u = {lower_u:.4} of the lower and \
          {upper_u:.4} of the upper one: they cross or touch; shorten them, or give two that stay apart"
     )]
     GuidesMeet {

@@ -118,6 +118,9 @@ impl Cutter {
     }
 }
 
+/// What is to be said of a decimal comma.
+const COMMAS: &str = "a comma separates cutters: write decimals with a point, as in flat:0.5";
+
 /// `kind:radius` or `kind:radius/reach/holder radius`; a bull-nose is `bull:radius:corner`.
 impl std::str::FromStr for Cutter {
     type Err = Invalid;
@@ -126,6 +129,8 @@ impl std::str::FromStr for Cutter {
         let unreadable = || {
             let forms = "write kind:radius, or kind:radius/reach/holder radius, in mm, as in flat:1, ball:0.5/20/12 or \
                  bull:3:0.5";
+            let is_number = text.trim().parse::<f64>().is_ok();
+            let forms = if is_number { format!("{COMMAS}; {forms}") } else { forms.to_owned() };
             Invalid::of("", format!("{text:?} is no cutter; {forms}"))
         };
         let number = |part: &str| part.trim().parse::<f64>().ok().filter(|v| v.is_finite()).ok_or_else(unreadable);
@@ -138,10 +143,21 @@ impl std::str::FromStr for Cutter {
             _ => return Err(unreadable()),
         };
         cutter.reach_mm = limits.next().map(number).transpose()?;
-        cutter.holder_diameter_mm = limits.next().map(number).transpose()?.map(|radius| 2.0 * radius);
+        let holder = limits.next().map(number).transpose()?;
         if limits.next().is_some() {
             return Err(unreadable());
         }
+        // Problems are of what is written here, which is radii.
+        let [least, most] = Self::DIAMETERS.map(|diameter| 0.5 * diameter);
+        let radius = cutter.radius();
+        Invalid::unless_within("radius", radius, [least, most], "mm").map_err(|problem| {
+            let remedy = if radius == 0.0 { format!("{}; {COMMAS}", problem.remedy) } else { problem.remedy.clone() };
+            Invalid { remedy, ..problem }
+        })?;
+        if let Some(holder) = holder {
+            Invalid::unless_within("holder radius", holder, [radius, 10.0 * most], "mm")?;
+        }
+        cutter.holder_diameter_mm = holder.map(|radius| 2.0 * radius);
         cutter.validate()?;
         Ok(cutter)
     }
@@ -216,7 +232,13 @@ mod tests {
         for wrong in ["", "flat", "flat:x", "cone:2", "flat:1/2/3/4", "bull:1", "flat:inf"] {
             assert!(read(wrong).unwrap_err().remedy.contains("is no cutter; write kind:radius"), "{wrong}");
         }
-        let keys = ["diameter_mm", "diameter_mm", "reach_mm", "corner_mm", "holder_diameter_mm"];
+        // One list of cutters has commas between them, and what is written is radii.
+        for part in "flat:0,5".split(',') {
+            assert!(read(part).unwrap_err().to_string().contains("a comma separates cutters"), "{part}");
+        }
+        let said = read("flat:-1").unwrap_err().to_string();
+        assert!(said.starts_with("radius is -1: must be from") && !said.contains("comma"), "{said}");
+        let keys = ["radius", "radius", "reach_mm", "corner_mm", "holder radius"];
         for (wrong, key) in ["flat:0", "ball:-1", "flat:1/-2", "bull:1:-1", "flat:5/20/1"].into_iter().zip(keys) {
             assert_eq!(read(wrong).unwrap_err().key, key, "{wrong}");
         }

@@ -429,6 +429,9 @@ impl SparkpathApp {
             return self.cx.take_turn(self.shown);
         }
         if !self.workspaces[shown].is_enabled(command) {
+            let why = self.workspaces[shown].why_not(command);
+            why.into_iter()
+                .for_each(|why| self.cx.say_in_passing(format!("{}: {why}", command.info.name.trim_end_matches('…'))));
             return;
         }
         use FrameCommand as F;

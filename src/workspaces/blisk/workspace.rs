@@ -226,6 +226,19 @@ impl Commanded for BliskWorkspace {
     fn is_enabled(&self, command: Command) -> bool {
         self.opening.is_ended_by(command) || self.desk.is_enabled(command)
     }
+
+    fn why_not(&self, command: Command) -> Option<&'static str> {
+        if FrameCommand::of(command) != Some(FrameCommand::Export) {
+            return command.info.needs;
+        }
+        Some(match self.desk.work.state(Stage::Plan) {
+            State::Ready if self.desk.work.can_release() => "release the plan first",
+            State::Ready => "the plan cannot be released: see its checks",
+            State::Running => "wait for the plan, and release it first",
+            State::Stale => "the plan is out of date: plan again and release first",
+            _ => "plan and release first",
+        })
+    }
 }
 
 impl Workspace for BliskWorkspace {
@@ -424,6 +437,9 @@ impl Workspace for BliskWorkspace {
         let stage = Stage::ALL.into_iter().find(|stage| Some(stage.number()) == line.topic);
         let is_failed = |stage| matches!(self.desk.work.state(stage), State::Failed(_));
         let is_mended = line.kind == EventKind::Failed && stage.is_some_and(|stage| !is_failed(stage));
-        if is_mended { Standing::Over } else { Standing::Current }
+        // A change that is undone brings back what was made before, of which the line does not tell.
+        let now = stage.and_then(|stage| self.desk.work.sentence(stage));
+        let is_of_other = line.kind == EventKind::Done && now.is_some_and(|now| !line.text.ends_with(&now));
+        if is_mended || is_of_other { Standing::Over } else { Standing::Current }
     }
 }

@@ -242,6 +242,11 @@ impl Commanded for MoldWorkspace {
     fn is_enabled(&self, command: Command) -> bool {
         self.opening.is_ended_by(command) || self.desk.is_enabled(command)
     }
+
+    fn why_not(&self, command: Command) -> Option<&'static str> {
+        let is_export = FrameCommand::of(command) == Some(FrameCommand::Export);
+        if is_export { Some("create the electrodes of these parameters first") } else { command.info.needs }
+    }
 }
 
 impl Workspace for MoldWorkspace {

@@ -179,7 +179,7 @@ impl<P: Params> Project<P> {
     pub fn parse(text: &str, file: &Path) -> Result<Self, FileError> {
         let (kind, tail, params) = split(text, file)?;
         if kind != P::KIND {
-            let remedy = format!("must be \"{}\" here; open it in its own workspace", P::KIND);
+            let remedy = format!("must be \"{}\" here", P::KIND);
             return Err(FileError::placed(file, text, Invalid::new("kind", format!("\"{kind}\""), remedy)));
         }
         let mut params = P::deserialize(params).map_err(|error| syntax(file, text, &error))?;

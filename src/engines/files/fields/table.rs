@@ -87,14 +87,24 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
     /// If there is no such parameter; the error suggests the nearest key.
     pub fn find(&self, key: &str) -> Result<Place, Invalid> {
         find(self.fields(), key, "", "").ok_or_else(|| {
-            let last = |key: &str| steps(key).last().unwrap_or_default().to_owned();
-            let distance = |other: &str| match last(other) == last(key) {
-                true => 0,
-                false => strsim::damerau_levenshtein(other, key),
+            let wanted = steps(key).last().unwrap_or_default();
+            // The unit at its end is often left out.
+            let is_named = |other: &str| {
+                let rest = other.strip_prefix(wanted);
+                !wanted.is_empty() && rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('_'))
+            };
+            let distance = |other: &str| {
+                let off = strsim::damerau_levenshtein(other, key);
+                let is_near = 3 * off <= key.chars().count();
+                match is_named(steps(other).last().unwrap_or_default()) {
+                    true => Some((0, off)),
+                    false => is_near.then_some((1, off)),
+                }
             };
             // Longer texts than any key would only take time.
-            let near = self.fields().map(|f| f.key).filter(|_| key.len() < 200).min_by_key(|other| distance(other));
-            let near = near.map_or_else(String::new, |near| format!("; did you mean {near}?"));
+            let keys = keys_of(self.fields(), "").into_iter().filter(|_| key.len() < 200);
+            let near = keys.filter_map(|other| Some((distance(&other)?, other))).min_by_key(|(off, _)| *off);
+            let near = near.map_or_else(String::new, |(_, near)| format!("; did you mean {near}?"));
             Invalid::of(key, format!("there is no such parameter{near}"))
         })
     }
@@ -351,6 +361,20 @@ fn find(fields: impl IntoIterator<Item = &'static Field>, key: &str, prefix: &st
         }
     }
     None
+}
+
+/// The keys of `fields` and of the first row of each list among them, each after `prefix`.
+fn keys_of(fields: impl IntoIterator<Item = &'static Field>, prefix: &str) -> Vec<String> {
+    let with_rows = |field: &'static Field| {
+        let key = format!("{prefix}{}", field.key);
+        let rows = if let Kind::Rows { fields, .. } = field.kind {
+            keys_of(fields, &format!("{key}[0]."))
+        } else {
+            Vec::new()
+        };
+        std::iter::once(key).chain(rows)
+    };
+    fields.into_iter().flat_map(with_rows).collect()
 }
 
 fn change_of(field: &Field, before: &Value, now: &Value) -> String {

@@ -206,13 +206,16 @@ fn the_command_line_is_told_keys_and_the_window_labels() {
         ("stages", "[{ name = \"a\", gap_mm = -1.0 }]", "stages[0].gap_mm is -1", "Stages 1, Spark gap is -1 mm"),
         ("plan.objective.overcut_mm", "0.5", "plan.objective.overcut_mm", "Overcut to"),
         ("plan.stp_mm", "1", "plan.stp_mm: there is no such parameter; did you mean plan.step_mm?", "stp: there is no"),
-        ("gap_mm", "1", "there is no such parameter", "gap: there is no"),
+        ("gap_mm", "1", "there is no such parameter; did you mean stages[0].gap_mm?", "gap: there is no"),
+        ("plan.gap", "1", "did you mean stages[0].gap_mm?", "gap: there is no"),
     ] {
         let problem = set(key, text).unwrap_err();
         assert!(problem.to_string().contains(command_line), "{key} = {text}: {problem}");
         let shown = TABLE.in_window(&problem);
         assert!(shown.starts_with(window) && !shown.contains(&format!("{key} is")), "{key} = {text}: {shown}");
     }
+    // What is like no key is not guessed at.
+    assert!(set("foobar", "1").unwrap_err().to_string().ends_with("there is no such parameter"));
     // Validation speaks of parameters that no form shows, too.
     let hidden = Invalid::new("milling.workpiece.zero_mm", 9, "must be on the table");
     assert_eq!(TABLE.in_window(&hidden), "zero is 9: must be on the table");

@@ -220,9 +220,9 @@ impl BliskDesk {
     }
 
     /// The closest point of the feed, or the jam: a point of the electrode in its final pose and one of the blisk, both
-    /// in W.
+    /// in W. None while a preview of other parameters is shown.
     pub fn contact(&self) -> Option<[DVec3; 2]> {
-        let plan = &self.outcome().filter(|_| self.searched().is_none())?.plan;
+        let plan = &self.outcome().filter(|_| self.searched().is_none() && !self.is_live())?.plan;
         if let Some(jam) = &plan.jam {
             return jam.contact().map(|c| [c.on_electrode, c.on_blisk]);
         }
@@ -232,7 +232,7 @@ impl BliskDesk {
 
     /// Retract distance of that place (mm).
     pub fn contact_s(&self) -> Option<f64> {
-        let plan = &self.outcome().filter(|_| self.searched().is_none())?.plan;
+        let plan = &self.outcome().filter(|_| self.searched().is_none() && !self.is_live())?.plan;
         plan.jam.map(|j| j.s).or_else(|| Some(plan.path.as_ref()?.certificate.least().s))
     }
 

@@ -79,7 +79,9 @@ fn pose(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context) {
     let Some(pose) = moment.map(|moment| moment.pose).or(station.map(|station| station.pose)) else { return };
     let length = cx.preferences.length;
     heading(ui, "Pose of the electrode");
-    if desk.plan_is_stale() {
+    if desk.is_live() {
+        ui.label(RichText::new("of a preview with these parameters").small().color(palette(ui).accent));
+    } else if desk.plan_is_stale() {
         ui.label(RichText::new("of a plan that is out of date").small().color(palette(ui).warning));
     }
     if let Some(moment) = moment {
@@ -118,6 +120,9 @@ fn contact(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     let against = plan.channel.surface_name(surface);
     let length = cx.preferences.length;
     heading(ui, &title);
+    if desk.plan_is_stale() {
+        ui.label(RichText::new("of a plan that is out of date").small().color(palette(ui).warning));
+    }
     fact(ui, "Against", against);
     fact(ui, "Retracted", length.show(s, 3));
     if let Some(lack) = lack {

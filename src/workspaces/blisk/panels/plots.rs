@@ -105,6 +105,9 @@ pub fn table_beside(ui: &mut Ui, desk: &mut BliskDesk) -> bool {
     is_beside
 }
 
+/// Below this width (points) the tabs take two rows.
+const NARROW: f32 = 500.0;
+
 /// Draws tabs and the chosen plot; `is_beside` tells that the table of nodes is shown already.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk, tab: &mut Tab, curves: &mut Curves, is_beside: bool) {
     curves.follow(desk);
@@ -116,9 +119,15 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, tab: &mut Tab, curves: &mut Curve
     if !is_there(*tab) {
         *tab = Tab::Positions;
     }
-    ui.horizontal(|ui| {
+    let is_narrow = ui.available_width() < NARROW;
+    let row = egui::Layout::left_to_right(egui::Align::Center).with_main_wrap(is_narrow);
+    let size = egui::vec2(ui.available_width(), ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, row, |ui| {
         for other in Tab::ALL.into_iter().filter(|tab| is_there(*tab)) {
             ui.selectable_value(tab, other, other.name());
+        }
+        if is_narrow {
+            return;
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.add(egui::Label::new(RichText::new(unit_note(*tab)).small().color(palette(ui).faint)).truncate());

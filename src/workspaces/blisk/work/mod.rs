@@ -164,6 +164,17 @@ impl BliskWork {
         self.events.push((stage, WorkEvent { kind, text, took: None }));
     }
 
+    /// The sentence on what has been made of the present parameters in an early `stage`; none while there is nothing.
+    pub fn sentence(&self, stage: Stage) -> Option<String> {
+        let now = self.now.as_ref()?;
+        match stage {
+            Stage::Part => self.part.get(&now.part).map(|part| part.sentence()),
+            Stage::Channel => self.channel.get(&now.channel).map(|found| found.sentence()),
+            Stage::Electrode => self.electrodes.get(&now.electrode).map(|made| made.sentence()),
+            _ => None,
+        }
+    }
+
     /// Takes in what has been made, and makes what `document` needs. Returns what has happened.
     pub fn follow(&mut self, document: &mut Document, priority: Priority) -> Vec<StageEvent> {
         self.priority = priority;

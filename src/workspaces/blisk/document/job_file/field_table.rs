@@ -34,7 +34,7 @@ const STRATEGIES: &[Word] = &[
 ];
 const CURVES: &[Word] = &[word("spline", "cubic spline", ""), word("nurbs", "NURBS", "")];
 const H_MODES: &[Word] = &[word("given", "as given", ""), word("variable", "search", "")];
-const POSTS: &[Word] = &[word("iso", "ISO / RS-274", ""), word("beckhoff-edm", "Beckhoff EDM", "")];
+const POSTS: &[Word] = &[word("iso", "ISO 6983 (RS-274)", ""), word("beckhoff-edm", "Beckhoff EDM", "")];
 const FRAMES: &[Word] = &[word("mesh", "loaded mesh", ""), word("w", "workpiece W", "")];
 const SIZES: &[Word] = &[word("given", "as given", ""), word("auto", "found", "")];
 const ENDS: &[Word] = &[word("not-a-knot", "not-a-knot", ""), word("natural", "natural", "")];

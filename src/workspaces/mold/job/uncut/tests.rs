@@ -75,6 +75,13 @@ fn corners_too_thin_for_the_grid_are_left_all_the_same() {
     let both = answer(&mesh, vec![Cutter::flat(1.0), Cutter::ball(2.0)]).unwrap();
     let thin = both.stack.warnings.iter().any(|w| matches!(w, MoldWarning::ThinRegions { regions: 12, .. }));
     assert!(thin || both.regions.len() == 12, "{:?}", both.stack.warnings);
+    // What is not known is no answer.
+    let thin = MoldWarning::ThinRegions { regions: 12, thickness: 0.03 };
+    let mut unsure = both.clone();
+    unsure.stack.warnings = vec![thin];
+    let sentence = UncutReport::of(&unsure).sentence;
+    assert!(!unsure.is_whole() && unsure.is_sound(), "{sentence}");
+    assert!(sentence.ends_with("whether they take 12 thin regions more is not known."), "{sentence}");
 }
 
 #[test]

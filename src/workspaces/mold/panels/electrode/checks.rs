@@ -74,7 +74,7 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed,
 
 /// A check and what it found.
 fn in_words(finding: &Finding) -> String {
-    format!("{}: {}", finding.kind.name(), finding.text.replace("mm^3", "mm³"))
+    format!("{}: {}", finding.kind.name(), finding.text.replace("mm^3", "mm³").replace("mm^2", "mm²"))
 }
 
 /// A button that points at a place, called `name`.
