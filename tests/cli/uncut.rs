@@ -142,6 +142,10 @@ fn a_guessed_unit_is_told_by_every_command_and_in_its_sheets() {
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let [mesh, out] = ["mold.stl", "out"].map(path);
     write_stl(Path::new(&mesh), &pocket()).unwrap();
+    // What is written here names its unit in the head.
+    let mut bytes = std::fs::read(&mesh).unwrap();
+    bytes[..80].fill(b' ');
+    std::fs::write(&mesh, bytes).unwrap();
     let mold = [&mesh, "--cutters", "flat:1", "--out", &out];
     let guess = "The unit is a guess: millimetres because";
     for (command, sheet) in [("uncut", "uncut.txt"), ("electrodes", "burn_sheet.txt")] {
