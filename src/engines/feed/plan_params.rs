@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 
 use super::angle_test::AngleParams;
 use super::axis_curve::CurveError;
-use super::baselines::{FreeTravel, MaxMinDistance};
 use super::centreline::CentrelineParams;
 use super::genetic::GeneticParams;
 use super::global::GlobalParams;
@@ -56,9 +55,9 @@ strategies! {
     #[default]
     Global: "global", "global", |plan, _| &plan.global;
     /// Moves along the main direction as far as possible (Kang et al. 2018); for comparison.
-    FreeTravel: "free-travel", "free travel", |_, _| &FreeTravel;
+    FreeTravel: "free-travel", "free travel", |_, _| &super::baselines::FreeTravel;
     /// Maximises the least distance at every node (Ayesta et al. 2016); for comparison.
-    MaxMinDistance: "max-min-distance", "max. min. distance", |_, _| &MaxMinDistance;
+    MaxMinDistance: "max-min-distance", "max. min. distance", |_, _| &super::baselines::MaxMinDistance;
     /// Follows the centreline of the channel, P1.
     Centreline: "centreline", "centreline", |plan, _| &plan.centreline;
 }

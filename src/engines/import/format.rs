@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 
 use super::error::{ImportError, excerpt};
 use super::source::{Content, Likeness, MeshFormat, without_mark};
-use super::{gltf, obj, stl};
 
 /// Lists the formats: each has a variant of [`Format`], a [`MeshFormat`] in its own file, and the ending of its files.
 /// Of two that are equally likely the first is taken.
@@ -37,15 +36,15 @@ macro_rules! formats {
 
 formats! {
     /// glTF 2.0 in one binary file.
-    Glb: gltf::BINARY, "glb";
+    Glb: super::gltf::BINARY, "glb";
     /// Binary STL.
-    StlBinary: stl::BINARY, "stl";
+    StlBinary: super::stl::BINARY, "stl";
     /// ASCII STL.
-    StlAscii: stl::ASCII, "stl";
+    StlAscii: super::stl::ASCII, "stl";
     /// glTF 2.0 as JSON.
-    Gltf: gltf::TEXT, "gltf";
+    Gltf: super::gltf::TEXT, "gltf";
     /// Wavefront OBJ.
-    Obj: obj::TEXT, "obj";
+    Obj: super::obj::TEXT, "obj";
 }
 
 /// Length of text that is looked at to recognise its format (bytes).
