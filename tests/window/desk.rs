@@ -147,15 +147,18 @@ impl Desk {
         self.window.run_steps((seconds / FRAME).ceil() as usize);
     }
 
-    /// A few frames, so that everything shows what is known; what is opened is open then.
+    /// A few frames, so that everything shows what is known; what is opened is open then, and shown.
     pub fn settle(&mut self) {
-        self.window.run_steps(4);
-        if self.app().is_opening() {
+        const FRAMES: usize = 4;
+        let mut left = FRAMES;
+        while left > 0 {
+            self.window.step();
+            left -= 1;
             while self.app().is_opening() {
                 self.woken.recv().unwrap();
                 self.window.step();
+                left = FRAMES;
             }
-            self.window.run_steps(4);
         }
     }
 
