@@ -46,12 +46,9 @@ fn a_project_is_drawn_in_its_final_pose_and_at_a_node() {
     let folder = tempfile::tempdir().unwrap();
     let project = job(folder.path(), COMES_OUT);
     let png = folder.path().join("a.png");
-    let draw = |rest: &[&str]| {
-        let files = ["render", &project, "--png", png.to_str().unwrap(), "--size", "400x260"];
-        sparkpath(&[&files, rest].concat())
-    };
     let drawn = |rest: &[&str]| {
-        let output = draw(rest);
+        let files = ["render", &project, "--png", png.to_str().unwrap(), "--size", "400x260"];
+        let output = sparkpath(&[&files, rest].concat());
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
         picture(&std::fs::read(&png).unwrap())
     };
@@ -63,7 +60,14 @@ fn a_project_is_drawn_in_its_final_pose_and_at_a_node() {
     let room = drawn(&["--node", "5", "--swept", "--electrode", "1"]);
     let coloured = room.pixels().zip(withdrawn.pixels()).filter(|(a, b)| a[0].abs_diff(b[0]) > 8).count();
     assert!(coloured > 300, "the swept volume is shown: {coloured} pixels");
-    std::fs::remove_file(&png).unwrap();
+}
+
+#[test]
+fn an_electrode_or_a_node_that_there_is_not_is_not_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let project = job(folder.path(), COMES_OUT);
+    let png = folder.path().join("a.png");
+    let draw = |rest: &[&str]| sparkpath(&[&["render", &project, "--png", png.to_str().unwrap()], rest].concat());
     let second = draw(&["--electrode", "2"]);
     assert_eq!(second.status.code(), Some(2));
     assert!(text(&second.stderr).contains("1 electrode, counted from 1"), "{}", text(&second.stderr));

@@ -86,7 +86,7 @@ impl SearchProblem<'_> {
         (1..=MOST).take_while(ahead).count() as f64 * STRIDE
     }
 
-    fn valued_candidate(&self, pose: Pose, task: &NodeTask) -> Candidate {
+    pub(super) fn valued_candidate(&self, pose: Pose, task: &NodeTask) -> Candidate {
         let objective = self.objective.value(&pose, task.h_so_far, &task.motion_to(&pose), &task.before);
         Candidate { pose, h: task.h_so_far, objective }
     }
