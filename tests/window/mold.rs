@@ -508,7 +508,7 @@ fn decisions_do_not_pass_to_another_mesh_in_the_same_file() {
         *opening == MoldParams::default().opening && electrodes.edits.is_empty() && electrodes.overrides.is_empty()
     };
     assert!(is_clean(&desk) && desk.mold().document.is_unsaved());
-    assert!(desk.log().iter().any(|line| line.contains("overrides") && line.contains("dropped")), "{:?}", desk.log());
+    assert!(desk.log().iter().any(|line| line.contains("1 override") && line.contains("dropped")), "{:?}", desk.log());
     // Nor by way of the file, nor by undo.
     let mut desk = home.start(Opening::In("mold", Some(file)));
     desk.settle();

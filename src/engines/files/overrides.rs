@@ -291,7 +291,7 @@ mod tests {
         for (text, is_named, words) in [
             ("E04", true, "names no check"),
             ("E04:gouges", true, "gouge, holder"),
-            ("E04:gouge", false, "check alone"),
+            ("E04:gouge", false, "expected CHECK or CHECK:FIGURE"),
             ("nonsense", false, "no check \"nonsense\""),
         ] {
             let said = of(text).validate(&checks, is_named).unwrap_err().to_string();

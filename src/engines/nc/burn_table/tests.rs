@@ -72,7 +72,7 @@ fn the_json_has_the_keys_that_templates_name() {
     };
     assert_eq!(
         keys(&json),
-        "burns electrodes lift_mm material minutes mold opening program_version schema shape to_file"
+        "burns electrodes lift_mm material minutes mold not_burned notes opening program_version schema shape to_file"
     );
     let electrode = &json["electrodes"][2];
     assert_eq!(
