@@ -204,7 +204,7 @@ fn plots_and_their_tabs_keep_within_windows_of_any_size() {
     let home = Home::new();
     let mut desk = planned_in(&home, [1000, 700], 1.0);
     desk.open_step(Stage::Verify);
-    for pixels in [[1000, 700], [800, 560]] {
+    for pixels in [[1000_u16, 700], [800, 560]] {
         desk.window.set_size(egui::Vec2::from(pixels.map(f32::from)));
         desk.settle();
         let right = |role: Role, name: &str| desk.window.get(By::new().role(role).label(name)).rect().right();
