@@ -14,9 +14,10 @@ const RAYS: usize = 13;
 const MIDDLE_SHARE: f64 = 0.6;
 /// Share of the height away from an end wall where the channel's middle beside it is looked for.
 const BESIDE: f64 = 0.1;
-/// Rays that differ from the middle one of them by more than this share of the height, beside the dip of facets, met
-/// something else.
-const SAME_WALL: f64 = 0.002;
+/// Rays that differ from the middle one of them by more than this share of the height met something else.
+const SAME_WALL: f64 = 0.03;
+/// Share of the height, beside the dip of facets, up to which rays meet an even wall.
+const DIP: f64 = 0.0005;
 
 /// A place in a channel: a circle and its gap.
 #[derive(Debug, Clone, Copy)]
@@ -32,6 +33,15 @@ pub(super) struct Meridian {
     pub samples: Vec<MeridianSample>,
     /// Whether a shroud was met.
     pub shrouded: bool,
+}
+
+/// An end wall at one place.
+#[derive(Clone, Copy)]
+struct EndWall {
+    /// Radius (mm).
+    radius: f64,
+    /// Whether the rays that may be of this wall differ by no more than its facets dip.
+    is_even: bool,
 }
 
 /// One sample and the channel's gap at its middle radius, or at the nearest x where the blades bound it.
@@ -118,22 +128,23 @@ impl Tracer<'_> {
         (sample.hub < sample.shroud).then_some(Station { sample, gap: place.gap })
     }
 
-    /// Radii of the hub and of the shroud at a place. Each is measured over the middle of the channel as it is beside that
-    /// end wall: leaned blades pass it elsewhere than at the middle of the height, and fillets lie beside them.
+    /// Radii of the hub and of the shroud at a place. Where the rays over the middle of the channel differ by more than
+    /// facets do, they are measured beside that end wall: leaned blades pass it elsewhere than at the middle of the height,
+    /// and fillets lie beside them.
     fn end_walls(&self, place: &Place) -> (Option<f64>, Option<f64>) {
-        let (hub, shroud) = self.end_walls_along(place);
-        let (Some(h), Some(s)) = (hub, shroud) else { return (hub, shroud) };
-        let beside = |r: f64| {
-            let gap = self.bladed_gap(place.x, r, &place.gap)?;
-            Some(self.end_walls_along(&Place { r, gap, ..*place }))
+        let [hub, shroud] = self.end_walls_along(place);
+        let (Some(h), Some(s)) = (hub, shroud) else { return (hub.map(|w| w.radius), shroud.map(|w| w.radius)) };
+        let beside = |wall: EndWall, r: f64, i: usize| {
+            let gap = (!wall.is_even).then(|| self.bladed_gap(place.x, r, &place.gap)).flatten()?;
+            self.end_walls_along(&Place { r, gap, ..*place })[i]
         };
-        let height = s - h;
-        let refined = [beside(h + BESIDE * height), beside(s - BESIDE * height)];
-        (refined[0].and_then(|w| w.0).or(hub), refined[1].and_then(|w| w.1).or(shroud))
+        let height = BESIDE * (s.radius - h.radius);
+        let measured = [beside(h, h.radius + height, 0).unwrap_or(h), beside(s, s.radius - height, 1).unwrap_or(s)];
+        (Some(measured[0].radius), Some(measured[1].radius))
     }
 
-    /// Radii of the hub and of the shroud along the radius through a place: the greatest and the least that its rays meet.
-    fn end_walls_along(&self, place: &Place) -> (Option<f64>, Option<f64>) {
+    /// The hub and the shroud along the radius through a place: the greatest and the least radius that its rays meet.
+    fn end_walls_along(&self, place: &Place) -> [Option<EndWall>; 2] {
         let middle = place.gap.middle();
         let half = 0.5 * MIDDLE_SHARE * place.gap.width().min(self.pitch);
         let theta = |i: usize| middle + half * (2.0 * i as f64 / (RAYS - 1) as f64 - 1.0);
@@ -145,17 +156,21 @@ impl Tracer<'_> {
         let outer = sorted(outer.filter(|c| c.enters).copied());
         let most = |v: &[RadialCrossing]| (2 * v.len() > RAYS).then(|| v[v.len() / 2]);
         let (hub, shroud) = (most(&inner), most(&outer));
-        // The same wall is met as far off as its facets dip; what differs more is a fillet or a blade.
         let height = shroud.map_or(place.r, |c| c.r) - hub.map_or(place.r, |c| c.r);
-        let same = |c: &RadialCrossing| SAME_WALL * height + 2.0 * self.slices.sag(c);
+        // The same wall is met as far off as its facets dip; what differs more is a fillet or a blade.
+        let dip = |c: &RadialCrossing| DIP * height + 2.0 * self.slices.sag(c);
         // Between its facets a hub stands out at corners, which rays miss.
-        let corners = || self.slices.corner_radii(place.x, middle, half);
-        let greatest = |c: RadialCrossing| {
-            let met = inner.iter().map(|c| c.r).chain(corners());
-            met.filter(|r| *r <= c.r + same(&c)).fold(c.r, f64::max)
+        let corners = self.slices.corner_radii(place.x, middle, half);
+        let greatest = |c: &RadialCrossing, same: f64| {
+            let met = inner.iter().map(|c| c.r).chain(corners.iter().copied());
+            met.filter(|r| *r <= c.r + same).fold(c.r, f64::max)
         };
-        let least = |c: RadialCrossing| outer.iter().map(|c| c.r).find(|r| *r >= c.r - same(&c)).unwrap_or(c.r);
-        (hub.map(greatest), shroud.map(least))
+        let least = |c: &RadialCrossing, same: f64| outer.iter().map(|c| c.r).find(|r| *r >= c.r - same).unwrap_or(c.r);
+        let wall = |c: RadialCrossing, of: &dyn Fn(&RadialCrossing, f64) -> f64| {
+            let radius = of(&c, dip(&c));
+            EndWall { radius, is_even: radius == of(&c, SAME_WALL * height) }
+        };
+        [hub.map(|c| wall(c, &greatest)), shroud.map(|c| wall(c, &least))]
     }
 
     /// The greatest radius at which blades still bound the channel at a place; it is sought around `guess`.
