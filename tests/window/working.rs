@@ -18,7 +18,6 @@ fn threads() -> Vec<String> {
 #[cfg(target_os = "linux")]
 fn two_threads_more_than_cores_stand_however_much_is_worked_on() {
     let home = Home::new();
-    let before = threads().len();
     let mut desk = home.start(Opening::In("mold", Some(home.mold())));
     desk.take_cutters(&[Cutter::flat(3.0)]);
     desk.until_loaded();
@@ -39,7 +38,6 @@ fn two_threads_more_than_cores_stand_however_much_is_worked_on() {
     let names = threads();
     assert_eq!(desk.state(Stage::Plan), State::Running);
     let of = |start: &str| names.iter().filter(|name| name.starts_with(start)).count();
-    eprintln!("{before} {names:?}");
     assert_eq!((of("quick work"), of("long work")), (1, 1), "{names:?}");
     assert!(of("pool") <= cores, "{names:?}");
 }

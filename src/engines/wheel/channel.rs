@@ -33,6 +33,19 @@ pub enum Surface {
     Elsewhere,
 }
 
+impl Surface {
+    /// Name in a sentence, e.g. `"low wall"`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LowWall => "low wall",
+            Self::HighWall => "high wall",
+            Self::Hub => "hub",
+            Self::Shroud => "shroud",
+            Self::Elsewhere => "blisk outside the channel",
+        }
+    }
+}
+
 /// One wall of a channel: a structured grid of points on the finished surface, ordered along the chord
 /// (`u`, from the -X edge to the +X edge) and from the hub outwards (`v`). This is the ordered point set that
 /// the angle constraint of P0 needs.
@@ -98,8 +111,8 @@ pub struct Agreement {
     pub samples: usize,
     /// Share of them that agree within their tolerance, 0 to 1.
     pub share: f64,
-    /// Greatest distance along the radius (hub, shroud) or along the normal (walls) (mm); infinite where the mesh has no
-    /// such surface at all.
+    /// Greatest distance along the radius (hub, shroud) or along the normal (walls) (mm); infinite, `null` in JSON, where
+    /// the mesh has no such surface at all.
     pub greatest_mm: f64,
     /// Where that is, in W (mm).
     pub at: DVec3,
@@ -160,9 +173,7 @@ impl Channel {
         match surface {
             Surface::LowWall => wall(self.low.side, "wall on the low-theta side"),
             Surface::HighWall => wall(self.high.side, "wall on the high-theta side"),
-            Surface::Hub => "hub",
-            Surface::Shroud => "shroud",
-            Surface::Elsewhere => "blisk outside the channel",
+            other => other.name(),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::channel::{Agreement, Surface};
+use super::channel::Agreement;
 use super::frame::axis::Axis;
 use geometry::frame::Cylindrical;
 use task::Cancelled;
@@ -121,21 +121,16 @@ pub enum BliskError {
 }
 
 fn disagreement(found: &Agreement) -> String {
-    let what = match found.surface {
-        Surface::LowWall => "wall on the low-theta side",
-        Surface::HighWall => "wall on the high-theta side",
-        Surface::Hub => "hub",
-        Surface::Shroud | Surface::Elsewhere => "shroud",
-    };
     let Cylindrical { x, r, .. } = Cylindrical::from_point(found.at);
     let off = match found.greatest_mm {
         off if off.is_finite() => format!("is up to {off:.3} mm off the mesh"),
         _ => "is not there in the mesh".to_owned(),
     };
     format!(
-        "the {what} that was found {off} (at x {x:.3}, r {r:.3} mm about the axis; {:.0} % of {} places disagree): the mesh \
+        "the {} that was found {off} (at x {x:.3}, r {r:.3} mm about the axis; {:.0} % of {} places disagree): the mesh \
          has no passage along the axis between blades, hub and shroud as they were taken for; check blisk.axis and \
          blisk.blades, or bound the channel with blisk.hub_radius_mm and blisk.shroud_radius_mm",
+        found.surface.name(),
         100.0 * found.doubted,
         found.samples
     )

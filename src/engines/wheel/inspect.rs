@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::centreline::{CentrelineError, CentrelineSummary};
-use super::channel::{Agreement, BladeSide, Channel, MeridianSample, Surface, Throat};
+use super::channel::{Agreement, BladeSide, Channel, MeridianSample, Throat};
 use super::error::BliskError;
 use super::find_channel::{channel_of, prepared};
 use super::frame::{Axis, Repetition, find_frame};
@@ -149,16 +149,7 @@ impl Inspection {
         let Some(channel) = &self.channel else {
             return "refused: see what was not found, at the end".to_owned();
         };
-        let of = |a: &Agreement| {
-            let name = match a.surface {
-                Surface::LowWall => "low wall",
-                Surface::HighWall => "high wall",
-                Surface::Hub => "hub",
-                Surface::Shroud => "shroud",
-                Surface::Elsewhere => "rest",
-            };
-            format!("{name} {:.1} %", 100.0 * a.share)
-        };
+        let of = |a: &Agreement| format!("{} {:.1} %", a.surface.name(), 100.0 * a.share);
         let surfaces: Vec<String> = channel.agreement.iter().map(of).collect();
         format!("agrees with the mesh, within 0.005 mm and its chord error: {}", surfaces.join(", "))
     }

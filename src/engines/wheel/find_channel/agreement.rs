@@ -60,8 +60,8 @@ pub(super) fn agreement(
         tracer.cancel.check()?;
         all.push(summary(surface, wall_samples(tracer, walls, wall, end), doubt));
     }
-    let ends = [(Surface::Hub, true), (Surface::Shroud, shrouded)];
-    for (surface, _) in ends.into_iter().filter(|(_, is_there)| *is_there) {
+    let ends = if shrouded { &[Surface::Hub, Surface::Shroud][..] } else { &[Surface::Hub] };
+    for &surface in ends {
         tracer.cancel.check()?;
         all.push(summary(surface, end_wall_samples(tracer, meridian, walls, surface), doubt));
     }
@@ -83,15 +83,18 @@ fn high(gap: &Gap) -> Crossing {
     gap.high
 }
 
+/// What cannot be measured is doubted: a distance that is no number, and a surface without any place.
 fn summary(surface: Surface, samples: Vec<Sample>, doubt: f64) -> Agreement {
-    let good = samples.iter().filter(|s| s.off <= s.allowed).count();
-    let doubted = samples.iter().filter(|s| s.off > s.allowed - TOLERANCE + doubt).count();
+    let share = |within: f64| {
+        let good = samples.iter().filter(|s| s.off <= s.allowed - TOLERANCE + within).count();
+        good as f64 / samples.len().max(1) as f64
+    };
     let worst = samples.iter().max_by(|a, b| a.off.total_cmp(&b.off));
     Agreement {
         surface,
         samples: samples.len(),
-        share: good as f64 / samples.len().max(1) as f64,
-        doubted: doubted as f64 / samples.len().max(1) as f64,
+        share: share(TOLERANCE),
+        doubted: 1.0 - share(doubt),
         greatest_mm: worst.map_or(0.0, |s| s.off),
         at: worst.map_or(DVec3::ZERO, |s| s.at),
     }
@@ -127,8 +130,9 @@ fn wall_samples(
         let near = Gap { low: near(thetas[0].min(theta)), high: near(thetas[1].max(theta)) };
         let found = tracer.bladed_gap(x, r, &near).map(|gap| end(&gap));
         let off = found.map_or(f64::INFINITY, |crossing| {
-            let normal = tracer.slices.normal(crossing.triangle);
             let around = DVec3::new(0.0, -theta.cos(), -theta.sin());
+            // A triangle without area has no normal.
+            let normal = tracer.slices.normal(crossing.triangle).try_normalize().unwrap_or(around);
             (r * (crossing.theta - theta)).abs() * normal.dot(around).abs()
         });
         Sample { off, allowed: TOLERANCE + sag, at }
@@ -200,4 +204,19 @@ fn chord_error(slices: &Slices, meridian: &[MeridianSample], surface: Surface, m
     };
     let middle = 0.5 * (first + last);
     slices.sag(met) + (radius(middle) - 0.5 * (radius(first) + radius(last))).abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_measured_is_doubted() {
+        let sample = |off: f64| Sample { off, allowed: TOLERANCE, at: DVec3::ZERO };
+        let doubted =
+            |offs: &[f64]| summary(Surface::Hub, offs.iter().map(|off| sample(*off)).collect(), DOUBT).doubted;
+        assert_eq!(doubted(&[]), 1.0);
+        assert_eq!(doubted(&[0.0, 0.02, f64::NAN, f64::INFINITY]), 0.5);
+        assert_eq!(summary(Surface::Hub, vec![sample(0.004), sample(0.006)], DOUBT).share, 0.5);
+    }
 }
