@@ -63,7 +63,7 @@ impl PlanningSpace {
         let walls = Bounds::of(channel.low.points.iter().chain(&channel.high.points).copied());
         let [front, back] = channel.faces_x;
         let beside = Self::BESIDE * std::f64::consts::TAU / channel.blades as f64 * walls.max.z;
-        let shroud = channel.meridian.iter().map(|m| m.shroud).fold(walls.max.z, f64::max);
+        let shroud = channel.meridian.iter().map(|m| m.shroud.y).fold(walls.max.z, f64::max);
         Bounds {
             min: DVec3::new(front - 1.0, walls.min.y - beside, walls.min.z - 3.0),
             max: DVec3::new(back + 1.0, walls.max.y + beside, shroud + 2.0),

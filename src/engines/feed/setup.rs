@@ -98,8 +98,8 @@ impl SearchSetup<'_> {
     /// turn by half a pitch and B as far as C.
     pub(super) fn ranges(&self, electrode: &Electrode) -> [f64; 6] {
         let channel = &*self.space.channel;
-        let hub = channel.meridian.iter().map(|m| m.hub).fold(f64::INFINITY, f64::min);
-        let shroud = channel.meridian.iter().map(|m| m.shroud).fold(0.0, f64::max);
+        let hub = channel.meridian.iter().map(|m| m.hub.y).fold(f64::INFINITY, f64::min);
+        let shroud = channel.meridian.iter().map(|m| m.shroud.y).fold(0.0, f64::max);
         let pitch = std::f64::consts::TAU / channel.blades as f64;
         let gamma = 0.5 * (shroud + hub) * (0.5 * pitch).sin();
         let beta = self.beta(electrode);

@@ -9,7 +9,7 @@
 use glam::DVec3;
 use serde::Serialize;
 
-use super::channel::{BladeSide, Channel};
+use super::channel::{BladeSide, Channel, Flow};
 use super::inscribed::{InscribedCircle, Passage};
 use super::nurbs_wall::NurbsWall;
 use geometry::exact::ExactMesh;
@@ -57,6 +57,9 @@ pub enum CentrelineError {
         /// Sections tested.
         sections: usize,
     },
+    /// The channel does not run along the axis.
+    #[error("the passage is {}, and the centreline is made of sections along X", .0.name())]
+    NotAxial(Flow),
     /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -82,6 +85,9 @@ impl Centreline {
     /// # Errors
     /// [`CentrelineError`].
     pub fn of_channel(channel: &Channel, cancel: &Cancel) -> Result<Self, CentrelineError> {
+        if channel.flow != Flow::Axial {
+            return Err(CentrelineError::NotAxial(channel.flow));
+        }
         let [low, high] = [NurbsWall::of_grid(&channel.low)?, NurbsWall::of_grid(&channel.high)?];
         Self::between(&low, &high, cancel)
     }

@@ -1,6 +1,6 @@
 //! The channel between two neighbouring blades of a blisk, in the workpiece frame W.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::Serialize;
 
 use geometry::frame::{Cylindrical, Frame};
@@ -80,15 +80,58 @@ impl ChannelWall {
     }
 }
 
-/// The bounds of the passage in the meridional plane, sampled along X over the whole width of the blisk's ring.
+/// Direction of a passage in the meridional plane: the half plane through the axis, with coordinates (x, r).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Flow {
+    /// Along the axis, within 45 degrees.
+    Axial,
+    /// From one to the other.
+    Mixed,
+    /// Along the radius, within 45 degrees.
+    Radial,
+}
+
+impl Flow {
+    /// Name in a sentence, e.g. `"radial"`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Axial => "axial",
+            Self::Mixed => "mixed",
+            Self::Radial => "radial",
+        }
+    }
+}
+
+/// A straight line across the passage in the meridional plane, from the hub to the shroud. The stations of an axial
+/// channel are planes across X, as far as its rings reach.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct MeridianSample {
-    /// Position along X (mm).
-    pub x: f64,
-    /// Radius of the hub here: the greatest over the channel's middle part, since a mesh's facets dip (mm).
-    pub hub: f64,
-    /// Radius of the shroud (the least over the channel's middle part) or of the blade tips (mm).
-    pub shroud: f64,
+pub struct Station {
+    /// Position along the passage (mm): x in an axial channel, otherwise the length of the curve through the stations'
+    /// middles.
+    pub along: f64,
+    /// Place of the hub (x, r) (mm). Of the radii met over the middle of the channel the greatest, since a mesh's facets
+    /// dip.
+    pub hub: DVec2,
+    /// Place of the shroud or of the blade tips (x, r) (mm), found in the same way.
+    pub shroud: DVec2,
+}
+
+impl Station {
+    /// The station across the axis at `x` from radius `hub` to radius `shroud` (mm).
+    pub fn across_axis(x: f64, hub: f64, shroud: f64) -> Self {
+        Self { along: x, hub: DVec2::new(x, hub), shroud: DVec2::new(x, shroud) }
+    }
+
+    /// Place (x, r) at `share` of the way from the hub to the shroud (mm).
+    pub fn place(&self, share: f64) -> DVec2 {
+        self.hub + share * (self.shroud - self.hub)
+    }
+
+    /// Distance from hub to shroud (mm).
+    pub fn height(&self) -> f64 {
+        self.hub.distance(self.shroud)
+    }
 }
 
 /// The narrowest place between the two walls.
@@ -120,7 +163,7 @@ pub struct Agreement {
     pub doubted: f64,
 }
 
-/// One channel of a blisk. All coordinates are in W: X is the blisk axis, the channel's middle lies on +Z.
+/// One channel of a blisk: the passage between two blades, hub and shroud. All coordinates are in W: X is the blisk axis, the channel's middle lies on +Z.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// W in the coordinates of the loaded mesh (mm).
@@ -131,9 +174,11 @@ pub struct Channel {
     pub index: usize,
     /// Whether the passage is closed by a shroud; if not, `shroud` radii are blade tip radii.
     pub shrouded: bool,
-    /// Hub and shroud radii in order of rising x. Outside the blades' span they describe the rings beside
-    /// them, as far as these reach.
-    pub meridian: Vec<MeridianSample>,
+    /// Direction of the passage.
+    pub flow: Flow,
+    /// Hub and shroud along the passage, in order of rising `along`. Outside the blades' span they describe the rings
+    /// beside them, as far as these reach.
+    pub meridian: Vec<Station>,
     /// The wall on the side of smaller theta.
     pub low: ChannelWall,
     /// The wall on the side of greater theta.
@@ -158,9 +203,29 @@ impl Channel {
         xs.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)])
     }
 
-    /// Hub and shroud (or tip) radius at `x`, linear between samples and constant beyond the ends (mm).
+    /// Hub and shroud (or tip) radius of an axial channel at `x`, linear between stations and constant beyond the ends
+    /// (mm).
     pub fn radii_at(&self, x: f64) -> (f64, f64) {
         radii_at(&self.meridian, x)
+    }
+
+    /// The station in the middle of the blades, in an axial channel along X, otherwise along the passage.
+    pub fn middle(&self) -> Station {
+        let ends = match (self.flow, &self.meridian[..]) {
+            (Flow::Mixed | Flow::Radial, [first, .., last]) => [first.along, last.along],
+            _ => self.span_x(),
+        };
+        station_at(&self.meridian, 0.5 * (ends[0] + ends[1]))
+    }
+
+    /// How far the place (x, r) lies within the shroud, negative beyond it (mm).
+    pub fn below_shroud(&self, place: DVec2) -> f64 {
+        if self.flow == Flow::Axial {
+            return self.radii_at(place.x).1 - place.y;
+        }
+        let along = along_at(&self.meridian, place, 1.0);
+        let station = station_at(&self.meridian, along);
+        (station.shroud - place).dot((station.shroud - station.hub).normalize_or(DVec2::Y))
     }
 
     /// The name of `surface` for a reader, e.g. `"suction wall"`.
@@ -178,12 +243,31 @@ impl Channel {
     }
 }
 
-/// Hub and shroud (or tip) radius at `x` among samples in order of rising x: linear between them and constant
-/// beyond the ends (mm). Without samples both are NaN.
-pub(super) fn radii_at(meridian: &[MeridianSample], x: f64) -> (f64, f64) {
-    let i = meridian.partition_point(|s| s.x < x);
-    let Some(b) = meridian.get(i).or(meridian.last()) else { return (f64::NAN, f64::NAN) };
+/// The station at `along`, linear between stations; beyond the ends the last one. Without stations it is NaN.
+pub(super) fn station_at(meridian: &[Station], along: f64) -> Station {
+    let i = meridian.partition_point(|s| s.along < along);
+    let Some(b) = meridian.get(i).or(meridian.last()) else {
+        return Station { along, hub: DVec2::NAN, shroud: DVec2::NAN };
+    };
     let a = meridian.get(i.wrapping_sub(1)).unwrap_or(b);
-    let t = if b.x > a.x { ((x - a.x) / (b.x - a.x)).clamp(0.0, 1.0) } else { 0.0 };
-    (a.hub + t * (b.hub - a.hub), a.shroud + t * (b.shroud - a.shroud))
+    let t = if b.along > a.along { ((along - a.along) / (b.along - a.along)).clamp(0.0, 1.0) } else { 0.0 };
+    Station { along, hub: a.hub + t * (b.hub - a.hub), shroud: a.shroud + t * (b.shroud - a.shroud) }
+}
+
+/// Position along the passage of the point of the curve at `share` of the height that is nearest to `place` (x, r).
+/// Without stations it is NaN.
+pub(super) fn along_at(meridian: &[Station], place: DVec2, share: f64) -> f64 {
+    let feet = meridian.windows(2).map(|pair| {
+        let (from, to) = (pair[0].place(share), pair[1].place(share));
+        let way = to - from;
+        let t = ((place - from).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+        (place.distance_squared(from + t * way), pair[0].along + t * (pair[1].along - pair[0].along))
+    });
+    feet.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(f64::NAN, |(_, along)| along)
+}
+
+/// Hub and shroud (or tip) radius of stations across the axis at `x` (mm).
+pub(super) fn radii_at(meridian: &[Station], x: f64) -> (f64, f64) {
+    let station = station_at(meridian, x);
+    (station.hub.y, station.shroud.y)
 }

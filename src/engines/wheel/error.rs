@@ -89,10 +89,16 @@ pub enum BliskError {
         /// Shroud radius (mm).
         shroud: f64,
     },
+    /// A radius is given for a passage that does not run along the axis.
+    #[error("the passage does not run along the axis, so that one radius cannot bound it: take away blisk.{key}")]
+    NotAxial {
+        /// The key that gives it.
+        key: &'static str,
+    },
     /// The walls could not be followed over the whole channel.
     #[error(
         "the channel's walls were lost at x {x:.3}, r {r:.3} mm about the axis, where the blades do not bound it on \
-         both sides; bound the channel with blisk.hub_radius_mm and blisk.shroud_radius_mm"
+         both sides; bound a passage along the axis with blisk.hub_radius_mm and blisk.shroud_radius_mm"
     )]
     LostWall {
         /// Where (mm along the axis).
@@ -106,7 +112,7 @@ pub enum BliskError {
     /// The walls of the channel touch.
     #[error(
         "the walls that were found touch at x {x:.3}, r {r:.3} mm about the axis: what lies between them is no passage \
-         along the axis between two blades; check blisk.axis and blisk.blades, or bound the channel with \
+         between two blades; check blisk.axis and blisk.blades, or bound a passage along the axis with \
          blisk.hub_radius_mm and blisk.shroud_radius_mm"
     )]
     NoThroat {
@@ -128,8 +134,8 @@ fn disagreement(found: &Agreement) -> String {
     };
     format!(
         "the {} that was found {off} (at x {x:.3}, r {r:.3} mm about the axis; {:.0} % of {} places disagree): the mesh \
-         has no passage along the axis between blades, hub and shroud as they were taken for; check blisk.axis and \
-         blisk.blades, or bound the channel with blisk.hub_radius_mm and blisk.shroud_radius_mm",
+         has no passage between blades, hub and shroud as they were taken for; check blisk.axis and blisk.blades, or \
+         bound a passage along the axis with blisk.hub_radius_mm and blisk.shroud_radius_mm",
         found.surface.name(),
         100.0 * found.doubted,
         found.samples

@@ -2,15 +2,15 @@
 
 use crate::channel::Channel;
 use crate::channel::ChannelWall;
-use crate::channel::MeridianSample;
 use crate::channel::Throat;
+use crate::channel::{Flow, Station};
 use crate::parametric::ChannelSide;
 use crate::parametric::ParametricBlisk;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::f64::consts::TAU;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use geometry::frame::Cylindrical;
 use geometry::frame::Frame;
@@ -284,6 +284,144 @@ pub fn together(mut a: Mesh, b: &Mesh) -> Mesh {
     a
 }
 
+/// A wheel whose passages run along any curves between two walls of revolution. Walls and blades are shells of their own,
+/// the blades reaching into the walls.
+pub struct TestWheel {
+    /// Number of blades.
+    pub blades: usize,
+    /// Place (x, r) of the hub at each share of the passage (mm).
+    pub hub: fn(f64) -> DVec2,
+    /// Place (x, r) of the shroud or of the tips (mm).
+    pub shroud: fn(f64) -> DVec2,
+    /// Whether there is a shroud.
+    pub shrouded: bool,
+    /// Shares of the passage between which the blades stand.
+    pub span: [f64; 2],
+    /// Angle that a blade winds about the axis over the whole passage (rad).
+    pub wrap: f64,
+    /// Thickness of a blade along the circumference (mm).
+    pub thickness: f64,
+}
+
+impl TestWheel {
+    /// Pieces around the axis, along the passage and across it.
+    const PIECES: [usize; 3] = [240, 96, 12];
+    /// Thickness of the walls (mm).
+    const WALL: f64 = 5.0;
+
+    /// A ring of blades between two flat rings at x = 0 and x = 12.
+    pub fn nozzle_ring() -> Self {
+        Self {
+            blades: 20,
+            hub: |t| DVec2::new(0.0, 68.0 + 36.0 * t),
+            shroud: |t| DVec2::new(12.0, 68.0 + 36.0 * t),
+            shrouded: true,
+            span: [0.1, 0.9],
+            wrap: 0.5,
+            thickness: 3.0,
+        }
+    }
+
+    /// A closed impeller whose passage turns by a right angle from along the axis to along the radius, about the point
+    /// (-30, 70).
+    pub fn impeller() -> Self {
+        fn arc(radius: f64, t: f64) -> DVec2 {
+            let (sin, cos) = (0.5 * PI * t).sin_cos();
+            DVec2::new(-30.0 + radius * sin, 70.0 - radius * cos)
+        }
+        Self {
+            blades: 9,
+            hub: |t| arc(50.0, t),
+            shroud: |t| arc(34.0, t),
+            shrouded: true,
+            span: [0.1, 0.95],
+            wrap: 1.2,
+            thickness: 3.0,
+        }
+    }
+
+    /// Place (x, r) at `t` of the passage and `share` of the height.
+    fn place(&self, t: f64, share: f64) -> DVec2 {
+        let (hub, shroud) = ((self.hub)(t), (self.shroud)(t));
+        hub + share * (shroud - hub)
+    }
+
+    /// All shells together.
+    pub fn mesh(&self) -> Mesh {
+        let mut mesh = self.wall(0.0, -1.0);
+        if self.shrouded {
+            mesh = together(mesh, &self.wall(1.0, 1.0));
+        }
+        (0..self.blades).fold(mesh, |mesh, k| together(mesh, &self.blade(TAU * k as f64 / self.blades as f64)))
+    }
+
+    /// The wall of revolution at `share` of the height, thick towards `sign`.
+    fn wall(&self, share: f64, sign: f64) -> Mesh {
+        let [around, along, _] = Self::PIECES;
+        let front: Vec<DVec2> = (0..=along).map(|i| self.place(i as f64 / along as f64, share)).collect();
+        let back = (0..=along).rev().map(|i| {
+            let t = i as f64 / along as f64;
+            front[i] + sign * Self::WALL * ((self.shroud)(t) - (self.hub)(t)).normalize()
+        });
+        let outline: Vec<DVec2> = front.iter().copied().chain(back).collect();
+        let n = outline.len();
+        let point = |j: usize, i: usize| {
+            let Cylindrical { x, r, theta } = Cylindrical {
+                x: outline[i % n].x,
+                r: outline[i % n].y,
+                theta: TAU * (j % around) as f64 / around as f64,
+            };
+            Cylindrical { x, r, theta }.point()
+        };
+        outwards((0..around).flat_map(|j| {
+            let ring = (0..n).map(move |i| [(j, i), (j + 1, i), (j + 1, i + 1), (j, i + 1)]);
+            ring.map(|quad| quad.map(|(j, i)| point(j, i))).collect::<Vec<_>>()
+        }))
+    }
+
+    /// The blade whose middle begins at `theta`.
+    fn blade(&self, theta: f64) -> Mesh {
+        let [_, along, across] = Self::PIECES;
+        // Into the walls, or up to the tips.
+        let shares = [-0.1, if self.shrouded { 1.1 } else { 1.0 }];
+        let mix = |ends: [f64; 2], i: usize, n: usize| ends[0] + (ends[1] - ends[0]) * i as f64 / n as f64;
+        let point = |(i, k, side): (usize, usize, f64)| {
+            let t = mix(self.span, i, along);
+            let place = self.place(t, mix(shares, k, across));
+            let theta = theta + self.wrap * t + 0.5 * side * self.thickness / place.y;
+            Cylindrical { x: place.x, r: place.y, theta }.point()
+        };
+        let mut quads = Vec::new();
+        for (i, k) in (0..along).flat_map(|i| (0..across).map(move |k| (i, k))) {
+            quads.push([(i, k, 1.0), (i + 1, k, 1.0), (i + 1, k + 1, 1.0), (i, k + 1, 1.0)]);
+            quads.push([(i, k, -1.0), (i, k + 1, -1.0), (i + 1, k + 1, -1.0), (i + 1, k, -1.0)]);
+        }
+        for k in 0..across {
+            quads.push([(0, k, -1.0), (0, k, 1.0), (0, k + 1, 1.0), (0, k + 1, -1.0)]);
+            quads.push([(along, k, 1.0), (along, k, -1.0), (along, k + 1, -1.0), (along, k + 1, 1.0)]);
+        }
+        for i in 0..along {
+            quads.push([(i, 0, -1.0), (i + 1, 0, -1.0), (i + 1, 0, 1.0), (i, 0, 1.0)]);
+            quads.push([(i, across, 1.0), (i + 1, across, 1.0), (i + 1, across, -1.0), (i, across, -1.0)]);
+        }
+        outwards(quads.into_iter().map(|quad| quad.map(point)))
+    }
+}
+
+/// The closed shell of these quadrilaterals, oriented outwards.
+fn outwards(quads: impl Iterator<Item = [DVec3; 4]>) -> Mesh {
+    let mut welder = Welder::default();
+    quads.for_each(|[a, b, c, d]| {
+        welder.triangle([a, b, c]);
+        welder.triangle([a, c, d]);
+    });
+    let mut mesh = welder.mesh;
+    if mesh.volume() < 0.0 {
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    mesh
+}
+
 /// Channel 0 of `blisk` from the generator's own surfaces.
 pub fn exact_channel(blisk: &ParametricBlisk) -> Channel {
     let wall = |side| exact_wall(blisk, side);
@@ -292,13 +430,14 @@ pub fn exact_channel(blisk: &ParametricBlisk) -> Channel {
     let [from, to] = blisk.faces_x();
     let meridian = (0..=40).map(|i| from + (to - from) * f64::from(i) / 40.0).map(|x| {
         let (hub, shroud) = blisk.radii(x);
-        MeridianSample { x, hub, shroud }
+        Station::across_axis(x, hub, shroud)
     });
     Channel {
         frame: Frame::IDENTITY,
         blades: blisk.blades,
         index: 0,
         shrouded: blisk.shrouded,
+        flow: Flow::Axial,
         meridian: meridian.collect(),
         throat: Throat { width_mm: 0.0, on_low_wall: DVec3::ZERO, on_high_wall: DVec3::ZERO },
         turning: 0.5 * (ends[1] - ends[0]),

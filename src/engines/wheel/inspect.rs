@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::centreline::{CentrelineError, CentrelineSummary};
-use super::channel::{Agreement, BladeSide, Channel, MeridianSample, Throat};
+use super::channel::{Agreement, BladeSide, Channel, Flow, Station, Throat};
 use super::error::BliskError;
 use super::find_channel::{channel_of, prepared};
 use super::frame::{Axis, Repetition, find_frame};
@@ -49,10 +49,12 @@ pub struct ChannelSummary {
     pub index: usize,
     /// W in the coordinates of the mesh (mm).
     pub frame: Frame,
+    /// Direction of the passage.
+    pub flow: Flow,
     /// Whether there is a shroud; if not, its radii are those of the blade tips.
     pub shrouded: bool,
-    /// Hub and shroud radii at some positions along X.
-    pub meridian: Vec<MeridianSample>,
+    /// Hub and shroud at some positions along the passage.
+    pub meridian: Vec<Station>,
     /// Grid points of a wall along the chord and from hub to shroud.
     pub wall_grid: [usize; 2],
     /// Faces of their blades that the low and the high wall are.
@@ -79,6 +81,7 @@ impl ChannelSummary {
         Self {
             index: channel.index,
             frame: channel.frame,
+            flow: channel.flow,
             shrouded: channel.shrouded,
             meridian,
             wall_grid: [channel.low.nu, channel.low.nv],
@@ -208,15 +211,24 @@ impl fmt::Display for ChannelSummary {
         let [f0, f1] = self.faces_x_mm;
         let [nu, nv] = self.wall_grid;
         let [low, high] = self.sides;
-        row("Channel", format!("{}, {}", self.index, if self.shrouded { "shrouded" } else { "without shroud" }))?;
+        let shroud = if self.shrouded { "shrouded" } else { "without shroud" };
+        row("Channel", format!("{}, {}, {shroud}", self.index, self.flow.name()))?;
         row("Blades from x", format!("{x0:.3} to {x1:.3} mm"))?;
         row("Faces at x", format!("{f0:.3} and {f1:.3} mm"))?;
         row("Walls", format!("{nu} x {nv} points; low {}, high {}", side_name(low), side_name(high)))?;
         row("Turning", format!("{:.2}°", self.turning_deg))?;
         row("Throat", format!("{:.3} mm", self.throat.width_mm))?;
-        row("Radii", format!("{:>10}{:>10}{outer:>10}   mm", "x", "hub"))?;
+        if self.flow == Flow::Axial {
+            row("Radii", format!("{:>10}{:>10}{outer:>10}   mm", "x", "hub"))?;
+            for s in &self.meridian {
+                row("", format!("{:>10.3}{:>10.3}{:>10.3}", s.along, s.hub.y, s.shroud.y))?;
+            }
+            return Ok(());
+        }
+        row("Places", format!("{:>10}{:>20}{:>20}   mm", "along", "hub x, r", format!("{outer} x, r")))?;
         for s in &self.meridian {
-            row("", format!("{:>10.3}{:>10.3}{:>10.3}", s.x, s.hub, s.shroud))?;
+            let [h, o] = [s.hub, s.shroud];
+            row("", format!("{:>10.3}{:>10.3}{:>10.3}{:>10.3}{:>10.3}", s.along, h.x, h.y, o.x, o.y))?;
         }
         Ok(())
     }

@@ -125,6 +125,11 @@ impl Default for BliskOptions {
 const MAX_WALL_POINTS: usize = 2000;
 
 impl BliskOptions {
+    /// The radii that bound an axial channel, by their keys.
+    pub(super) fn radii(&self) -> [(&'static str, Auto<f64>); 2] {
+        [("hub_radius_mm", self.hub_radius_mm), ("shroud_radius_mm", self.shroud_radius_mm)]
+    }
+
     /// Whether the options make sense before any mesh is seen; if not, which key is wrong and what it may be.
     pub fn validate(&self) -> Result<(), String> {
         if let AxisChoice::Line(AxisLine { direction, point }) = self.axis {
@@ -136,8 +141,7 @@ impl BliskOptions {
         if self.blades.given().is_some_and(|n| !(2..=1000).contains(&n)) {
             return Err("blisk.blades: must be \"auto\" or between 2 and 1000".into());
         }
-        let radii = [("hub_radius_mm", self.hub_radius_mm), ("shroud_radius_mm", self.shroud_radius_mm)];
-        for (key, radius) in radii {
+        for (key, radius) in self.radii() {
             if radius.given().is_some_and(|r| !(r.is_finite() && r > 0.0)) {
                 return Err(format!("blisk.{key}: must be \"auto\" or a radius in mm greater than 0"));
             }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::walls::WallTable;
 use super::{ElectrodeError, ElectrodeParams};
-use crate::channel::Channel;
+use crate::channel::{Channel, Station};
 use geometry::exact::ExactMesh;
 use geometry::frame::Cylindrical;
 use geometry::inside::guarded_distance;
@@ -81,7 +81,7 @@ impl<'a> Boundary<'a> {
         if channel.meridian.len() < 2 {
             return Err(ElectrodeError::BadChannel("its hub and shroud radii are missing"));
         }
-        let height = channel.meridian.iter().map(|m| m.shroud - m.hub).fold(0.0, f64::max);
+        let height = channel.meridian.iter().map(Station::height).fold(0.0, f64::max);
         Ok(Self {
             channel,
             blisk,

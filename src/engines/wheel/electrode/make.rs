@@ -23,6 +23,7 @@ pub fn make_electrodes(
     task: &Task,
 ) -> Result<Vec<Electrode>, ElectrodeError> {
     params.validate()?;
+    super::axial_only(channel)?;
     task.report("electrode", 0.0, "boundary of the channel");
     let boundary = Boundary::new(channel, blisk, params)?;
     let extent = burning_extent(channel, params);

@@ -31,6 +31,7 @@ pub use make::{Junctions, make_electrodes};
 pub use own::from_user_mesh;
 pub use params::{ElectrodeParams, EnterSide, Sizing};
 
+use crate::channel::{Channel, Flow};
 use geometry::exact::ExactMeshError;
 use geometry::mesh::Mesh;
 use task::Cancelled;
@@ -151,6 +152,14 @@ impl Electrode {
     }
 }
 
+/// Refuses a passage that does not run along the axis.
+fn axial_only(channel: &Channel) -> Result<(), ElectrodeError> {
+    match channel.flow {
+        Flow::Axial => Ok(()),
+        flow => Err(ElectrodeError::NotAxial(flow)),
+    }
+}
+
 /// Reason why no electrode can be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ElectrodeError {
@@ -160,6 +169,13 @@ pub enum ElectrodeError {
     /// A parameter cannot be used.
     #[error(transparent)]
     Params(#[from] Invalid),
+    /// The channel does not run along the axis.
+    #[error(
+        "the passage is {}: electrodes enter and leave along X, and none of them reaches through it; only passages along \
+         the axis, within 45 degrees, can be planned for",
+        .0.name()
+    )]
+    NotAxial(Flow),
     /// The channel lacks what an electrode is made from.
     #[error("the channel cannot carry an electrode: {0}; look at the channel step, or give its radii by hand")]
     BadChannel(&'static str),

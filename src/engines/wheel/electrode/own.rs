@@ -19,7 +19,7 @@ use task::Cancel;
 /// `spark_gap_mm` is accepted and reported in `assumed`.
 ///
 /// # Errors
-/// When the mesh is open, inside out, or touches or crosses the blisk.
+/// When the passage does not run along the axis, and when the mesh is open, inside out, or touches or crosses the blisk.
 pub fn from_user_mesh(
     mesh: Mesh,
     channel: &Channel,
@@ -28,6 +28,7 @@ pub fn from_user_mesh(
     side: EntrySide,
     cancel: &Cancel,
 ) -> Result<Electrode, ElectrodeError> {
+    super::axial_only(channel)?;
     if !mesh.is_watertight() {
         return Err(ElectrodeError::NotWatertight);
     }

@@ -1,12 +1,13 @@
 //! How well a channel that was found agrees with its mesh, measured between the places that it was found from.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::super::channel::{Agreement, ChannelWall, MeridianSample, Surface, Throat, radii_at};
+use super::super::channel::{Agreement, ChannelWall, Station, Surface, Throat, along_at, station_at};
 use super::super::error::BliskError;
-use super::super::frame::slices::{Crossing, Gap, RadialCrossing, Slices};
-use super::meridian::Tracer;
+use super::super::frame::slices::{Crossing, Gap, Slices};
+use super::meridian::{Meridian, Tracer};
+use super::walls::INSET;
 use geometry::frame::Cylindrical;
 
 /// Least share of the samples of a surface that must not be doubted.
@@ -46,12 +47,11 @@ struct Sample {
 /// [`BliskError::NoThroat`] where its walls touch: what was found is no channel of this part then.
 pub(super) fn agreement(
     tracer: &Tracer,
-    meridian: &[MeridianSample],
-    shrouded: bool,
+    meridian: &Meridian,
     walls: [&ChannelWall; 2],
     throat: &Throat,
 ) -> Result<Vec<Agreement>, BliskError> {
-    let heights = meridian.iter().map(|s| s.shroud - s.hub);
+    let heights = meridian.stations.iter().map(Station::height);
     let doubt = DOUBT.max(DOUBT_SHARE * heights.fold(f64::INFINITY, f64::min));
     let mut all = Vec::new();
     for (surface, wall, end) in
@@ -60,10 +60,10 @@ pub(super) fn agreement(
         tracer.cancel.check()?;
         all.push(summary(surface, wall_samples(tracer, walls, wall, end), doubt));
     }
-    let ends = if shrouded { &[Surface::Hub, Surface::Shroud][..] } else { &[Surface::Hub] };
+    let ends = if meridian.shrouded { &[Surface::Hub, Surface::Shroud][..] } else { &[Surface::Hub] };
     for &surface in ends {
         tracer.cancel.check()?;
-        all.push(summary(surface, end_wall_samples(tracer, meridian, walls, surface), doubt));
+        all.push(summary(surface, end_wall_samples(tracer, &meridian.stations, walls, surface), doubt));
     }
     if let Some(a) = all.iter().find(|a| a.doubted > 1.0 - ENOUGH) {
         return Err(BliskError::Disagrees(*a));
@@ -145,65 +145,49 @@ fn unwrapped(theta: f64, near: f64) -> f64 {
     near + geometry::frame::wrap_angle(theta - near)
 }
 
-/// Rays along the radius from within the channel to its hub or shroud, over the middle of its width there.
-fn end_wall_samples(
-    tracer: &Tracer,
-    meridian: &[MeridianSample],
-    walls: [&ChannelWall; 2],
-    surface: Surface,
-) -> Vec<Sample> {
-    let (row, into, given) = if surface == Surface::Hub {
-        (0, 1.0, tracer.options.hub_radius_mm.given().is_some())
+/// Rays along the stations from within the channel to its hub or shroud, over the middle of its width there.
+fn end_wall_samples(tracer: &Tracer, meridian: &[Station], walls: [&ChannelWall; 2], surface: Surface) -> Vec<Sample> {
+    let (row, share, given) = if surface == Surface::Hub {
+        (0, 0.0, tracer.options.hub_radius_mm.given().is_some())
     } else {
-        (walls[0].nv - 1, -1.0, tracer.options.shroud_radius_mm.given().is_some())
+        (walls[0].nv - 1, 1.0, tracer.options.shroud_radius_mm.given().is_some())
     };
-    let stations: Vec<usize> = (0..STATIONS).map(|i| (i + 1) * (walls[0].nu - 1) / (STATIONS + 1)).collect();
-    let of_station = |&u: &usize| {
+    let start = START + (1.0 - 2.0 * START) * share;
+    let columns: Vec<usize> = (0..STATIONS).map(|i| (i + 1) * (walls[0].nu - 1) / (STATIONS + 1)).collect();
+    let of_column = |&u: &usize| {
         let ends = walls.map(|wall| wall.cylindrical(u, row));
-        let x = 0.5 * (ends[0].x + ends[1].x);
-        let (hub, shroud) = radii_at(meridian, x);
-        let height = shroud - hub;
-        let (expected, start) =
-            if surface == Surface::Hub { (hub, hub + START * height) } else { (shroud, shroud - START * height) };
-        let [from, to] = [ends[0].theta, unwrapped(ends[1].theta, ends[0].theta)];
-        let (middle, half) = (0.5 * (from + to), 0.5 * MIDDLE_SHARE * (to - from));
+        let middle = 0.5 * (DVec2::new(ends[0].x, ends[0].r) + DVec2::new(ends[1].x, ends[1].r));
+        let station = station_at(meridian, along_at(meridian, middle, INSET + (1.0 - 2.0 * INSET) * share));
+        let [from, toward] = tracer.start_of(&station, start, surface);
+        let expected = START * station.height();
+        let [first, last] = [ends[0].theta, unwrapped(ends[1].theta, ends[0].theta)];
+        let (middle, half) = (0.5 * (first + last), 0.5 * MIDDLE_SHARE * (last - first));
         let samples = (0..ACROSS).map(move |k| {
             let theta = middle + half * (2.0 * k as f64 / (ACROSS - 1) as f64 - 1.0);
-            let met = end_wall_met(tracer.slices, x, theta, start, surface);
-            let at = Cylindrical { x, r: met.map_or(expected, |c| c.r), theta }.point();
+            let met = tracer.met(theta, from, toward, f64::INFINITY);
+            let end = from + met.map_or(expected, |(distance, _)| distance) * toward;
             // A radius given by hand may leave metal to others, but may not reach into the part.
-            let off = met.map_or(f64::INFINITY, |c| {
-                if given { (into * (c.r - expected)).max(0.0) } else { (c.r - expected).abs() }
+            let off = met.map_or(f64::INFINITY, |(distance, _)| {
+                if given { (expected - distance).max(0.0) } else { (expected - distance).abs() }
             });
-            let chord = met.map_or(0.0, |c| chord_error(tracer.slices, meridian, surface, &c));
-            Sample { off, allowed: TOLERANCE + chord.min(MOST_CHORD * height), at }
+            let chord = met.map_or(0.0, |(_, triangle)| chord_error(tracer.slices, meridian, share, triangle, end.y));
+            let at = Cylindrical { x: end.x, r: end.y, theta }.point();
+            Sample { off, allowed: TOLERANCE + chord.min(MOST_CHORD * station.height()), at }
         });
         samples.collect::<Vec<_>>()
     };
-    stations.par_iter().map(of_station).collect::<Vec<_>>().concat()
+    columns.par_iter().map(of_column).collect::<Vec<_>>().concat()
 }
 
-/// Where the ray from `start` meets the hub inwards or the shroud outwards.
-fn end_wall_met(slices: &Slices, x: f64, theta: f64, start: f64, surface: Surface) -> Option<RadialCrossing> {
-    let ray = slices.ray(x, theta);
-    if surface == Surface::Hub {
-        ray.iter().rfind(|c| c.r < start).filter(|c| !c.enters).copied()
-    } else {
-        ray.iter().find(|c| c.r > start).filter(|c| c.enters).copied()
-    }
-}
-
-/// How far a triangle may lie off the surface of revolution that it stands for (mm): its chord around the axis, and its
-/// chord along the hub or shroud curve.
-fn chord_error(slices: &Slices, meridian: &[MeridianSample], surface: Surface, met: &RadialCrossing) -> f64 {
-    let corners = slices.mesh().corners(met.triangle as usize).map(Cylindrical::from_point);
-    let (first, last) = corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), c| (c.x.min(l), c.x.max(m)));
-    let radius = |x: f64| {
-        let (hub, shroud) = radii_at(meridian, x);
-        if surface == Surface::Hub { hub } else { shroud }
-    };
-    let middle = 0.5 * (first + last);
-    slices.sag(met) + (radius(middle) - 0.5 * (radius(first) + radius(last))).abs()
+/// How far a triangle that is met at radius `r` may lie off the surface of revolution that it stands for (mm): its chord
+/// around the axis, and its chord along the hub or shroud curve, which is the one at `share` of the height.
+fn chord_error(slices: &Slices, meridian: &[Station], share: f64, triangle: u32, r: f64) -> f64 {
+    let corners = slices.mesh().corners(triangle as usize).map(Cylindrical::from_point);
+    let alongs = corners.map(|c| along_at(meridian, DVec2::new(c.x, c.r), share));
+    let (first, last) = alongs.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), a| (a.min(l), a.max(m)));
+    let place = |along: f64| station_at(meridian, along).place(share);
+    let chord = place(0.5 * (first + last)).distance(0.5 * (place(first) + place(last)));
+    slices.radial_sag(triangle, r) + chord
 }
 
 #[cfg(test)]

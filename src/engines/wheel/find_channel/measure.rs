@@ -6,7 +6,7 @@ use parry3d_f64::query::PointQuery;
 use parry3d_f64::shape::Triangle;
 use rayon::prelude::*;
 
-use super::super::channel::{BladeSide, ChannelWall, MeridianSample, Throat};
+use super::super::channel::{BladeSide, ChannelWall, Flow, Station, Throat};
 use geometry::mesh::Mesh;
 
 /// A middle line that turns by less than this (rad) is straight.
@@ -67,20 +67,28 @@ fn foot(wall: &ChannelWall, near: usize, p: DVec3) -> (DVec3, usize) {
     best
 }
 
-/// The middle line at mid height, unrolled: x against mean radius times angle (mm).
-fn middle_line(low: &ChannelWall, high: &ChannelWall) -> Vec<[f64; 2]> {
+/// The middle line at mid height, unrolled: position along the passage against radius times angle (mm). The radius of an
+/// axial channel is the mean one.
+fn middle_line(low: &ChannelWall, high: &ChannelWall, flow: Flow) -> Vec<[f64; 2]> {
     let v = low.nv / 2;
     let at = |u: usize| (low.cylindrical(u, v), high.cylindrical(u, v));
     let radius = (0..low.nu).map(|u| at(u).0.r).sum::<f64>() / low.nu as f64;
     let mut previous = 0.0;
-    let mut line = Vec::with_capacity(low.nu);
+    let mut line: Vec<[f64; 2]> = Vec::with_capacity(low.nu);
     for u in 0..low.nu {
         let (a, b) = at(u);
         let width = (b.theta - a.theta).rem_euclid(std::f64::consts::TAU);
         // A strongly staggered channel may wind past half a turn: keep to the turn of the point before.
-        let middle = previous + geometry::frame::wrap_angle(a.theta + 0.5 * width - previous);
-        previous = middle;
-        line.push([a.x, radius * middle]);
+        let turn = geometry::frame::wrap_angle(a.theta + 0.5 * width - previous);
+        previous += turn;
+        line.push(match (flow, line.last()) {
+            (Flow::Axial, _) => [a.x, radius * previous],
+            (_, None) => [0.0, 0.0],
+            (_, Some([along, around])) => {
+                let before = at(u - 1).0;
+                [along + (a.x - before.x).hypot(a.r - before.r), around + 0.5 * (a.r + before.r) * turn]
+            }
+        });
     }
     line
 }
@@ -101,8 +109,8 @@ fn end_angle(line: &[[f64; 2]], end: f64, length: f64) -> f64 {
 }
 
 /// How much the channel's middle line turns (rad, positive) and which sides its low and high walls are.
-pub(super) fn turning(low: &ChannelWall, high: &ChannelWall) -> (f64, [BladeSide; 2]) {
-    let line = middle_line(low, high);
+pub(super) fn turning(low: &ChannelWall, high: &ChannelWall, flow: Flow) -> (f64, [BladeSide; 2]) {
+    let line = middle_line(low, high, flow);
     let (x0, x1) = (line[0][0], line[line.len() - 1][0]);
     let turn = end_angle(&line, x1, x1 - x0) - end_angle(&line, x0, x1 - x0);
     let sides = if turn.abs() < STRAIGHT {
@@ -117,9 +125,9 @@ pub(super) fn turning(low: &ChannelWall, high: &ChannelWall) -> (f64, [BladeSide
 }
 
 /// Least and greatest x of the mesh (in W) at the radii of the channel, its end walls included.
-pub(super) fn faces_x(mesh: &Mesh, meridian: &[MeridianSample]) -> [f64; 2] {
+pub(super) fn faces_x(mesh: &Mesh, meridian: &[Station]) -> [f64; 2] {
     let (least, most) =
-        meridian.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), s| (s.hub.min(l), s.shroud.max(m)));
+        meridian.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), s| (s.hub.y.min(l), s.shroud.y.max(m)));
     let band = 0.01 * (most - least);
     let (least, most) = (least - band, most + band);
     let mut faces = [f64::INFINITY, f64::NEG_INFINITY];

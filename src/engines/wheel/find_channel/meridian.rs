@@ -1,6 +1,6 @@
 //! Hub and shroud along the axis, met by rays along the radius through the channel's middle.
 
-use super::super::channel::MeridianSample;
+use super::super::channel::{Flow, Station};
 use super::super::error::BliskError;
 use super::super::frame::slices::{Gap, RadialCrossing, Slices};
 use super::super::options::BliskOptions;
@@ -10,18 +10,20 @@ use task::Cancel;
 /// on the very edge of the blades, where rounding decides whether they are met.
 const STATIONS: f64 = 197.3;
 /// Rays across the channel, and the middle share of its width that they stay in, clear of root fillets.
-const RAYS: usize = 13;
-const MIDDLE_SHARE: f64 = 0.6;
+pub(super) const RAYS: usize = 13;
+pub(super) const MIDDLE_SHARE: f64 = 0.6;
 /// Share of the height away from an end wall where the channel's middle beside it is looked for.
 const BESIDE: f64 = 0.1;
 /// Rays that differ from the middle one of them by more than this share of the height met something else.
 const SAME_WALL: f64 = 0.03;
 /// Share of the height, beside the dip of facets, up to which rays meet an even wall.
-const DIP: f64 = 0.0005;
+pub(super) const DIP: f64 = 0.0005;
 
 /// A place in a channel: a circle and its gap.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
+    /// Position along the passage (mm).
+    pub along: f64,
     pub x: f64,
     pub r: f64,
     pub gap: Gap,
@@ -29,8 +31,10 @@ pub(super) struct Place {
 
 /// The channel's bounds in the meridional plane.
 pub(super) struct Meridian {
-    /// In order of rising x.
-    pub samples: Vec<MeridianSample>,
+    /// In order of rising `along`.
+    pub stations: Vec<Station>,
+    /// Direction of the passage.
+    pub flow: Flow,
     /// Whether a shroud was met.
     pub shrouded: bool,
 }
@@ -44,14 +48,14 @@ struct EndWall {
     is_even: bool,
 }
 
-/// One sample and the channel's gap at its middle radius, or at the nearest x where the blades bound it.
+/// A station and the channel's gap at its middle radius, or at the nearest x where the blades bound it.
 #[derive(Clone, Copy)]
-struct Station {
-    sample: MeridianSample,
+struct Traced {
+    station: Station,
     gap: Gap,
 }
 
-/// Follows one channel along X.
+/// Follows one channel.
 pub(super) struct Tracer<'a> {
     pub slices: &'a Slices,
     /// Angle from blade to blade (rad).
@@ -67,7 +71,7 @@ impl Tracer<'_> {
         self.slices.gap_near(x, r, near).filter(|g| g.width() < 1.5 * self.pitch)
     }
 
-    /// Hub and shroud along the whole ring, starting from a place between the blades.
+    /// Hub and shroud along the whole ring of an axial channel, starting from a place between the blades.
     pub fn meridian(&self, start: Place) -> Result<Meridian, BliskError> {
         let missing = |wall, key| BliskError::NoEndWall { wall, key, x: start.x, r: start.r };
         let (hub, shroud) = self.end_walls(&start);
@@ -78,54 +82,52 @@ impl Tracer<'_> {
         if hub >= shroud {
             return Err(BliskError::NoHeight { hub, shroud });
         }
-        let first = Station { sample: MeridianSample { x: start.x, hub, shroud }, gap: start.gap };
+        let first = Traced { station: Station::across_axis(start.x, hub, shroud), gap: start.gap };
         let bounds = self.slices.mesh().bounds();
         let step = bounds.size().x / STATIONS;
-        let mut samples = self.march(first, -step, bounds.min.x, shrouded)?;
-        samples.reverse();
-        samples.push(first.sample);
-        samples.extend(self.march(first, step, bounds.max.x, shrouded)?);
-        Ok(Meridian { samples, shrouded })
+        let mut stations = self.march(first, -step, bounds.min.x, shrouded)?;
+        stations.reverse();
+        stations.push(first.station);
+        stations.extend(self.march(first, step, bounds.max.x, shrouded)?);
+        Ok(Meridian { stations, flow: Flow::Axial, shrouded })
     }
 
-    /// Samples beyond `from` in steps of `step` up to where an end wall ends, which is found exactly.
-    fn march(&self, mut from: Station, step: f64, end: f64, shrouded: bool) -> Result<Vec<MeridianSample>, BliskError> {
-        let mut samples = Vec::new();
+    /// Stations beyond `from` in steps of `step` up to where an end wall ends, which is found exactly.
+    fn march(&self, mut from: Traced, step: f64, end: f64, shrouded: bool) -> Result<Vec<Station>, BliskError> {
+        let mut stations = Vec::new();
         loop {
             self.cancel.check()?;
-            let x = if step > 0.0 { (from.sample.x + step).min(end) } else { (from.sample.x + step).max(end) };
+            let x =
+                if step > 0.0 { (from.station.along + step).min(end) } else { (from.station.along + step).max(end) };
             let Some(next) = (x != end).then(|| self.station(x, &from, shrouded)).flatten() else {
                 let (mut good, mut bad) = (from, x);
-                while (bad - good.sample.x).abs() > 1e-9 * step.abs() {
-                    match self.station(0.5 * (good.sample.x + bad), &good, shrouded) {
+                while (bad - good.station.along).abs() > 1e-9 * step.abs() {
+                    match self.station(0.5 * (good.station.along + bad), &good, shrouded) {
                         Some(station) => good = station,
-                        None => bad = 0.5 * (good.sample.x + bad),
+                        None => bad = 0.5 * (good.station.along + bad),
                     }
                 }
-                if good.sample.x != from.sample.x {
-                    samples.push(good.sample);
+                if good.station.along != from.station.along {
+                    stations.push(good.station);
                 }
-                return Ok(samples);
+                return Ok(stations);
             };
-            samples.push(next.sample);
+            stations.push(next.station);
             from = next;
         }
     }
 
     /// The end walls at `x`, beside a known station; none where one of them has ended.
-    fn station(&self, x: f64, near: &Station, shrouded: bool) -> Option<Station> {
-        let r = 0.5 * (near.sample.hub + near.sample.shroud);
+    fn station(&self, x: f64, near: &Traced, shrouded: bool) -> Option<Traced> {
+        let r = 0.5 * (near.station.hub.y + near.station.shroud.y);
         let bladed = self.bladed_gap(x, r, &near.gap);
-        let place = Place { x, r, gap: bladed.unwrap_or(near.gap) };
+        let place = Place { along: x, x, r, gap: bladed.unwrap_or(near.gap) };
         let (hub, shroud) = self.end_walls(&place);
-        let tip = || bladed.map_or(near.sample.shroud, |_| self.tip_radius(&place, near.sample.shroud));
+        let tip = || bladed.map_or(near.station.shroud.y, |_| self.tip_radius(&place, near.station.shroud.y));
         let shroud = if shrouded { shroud? } else { tip() };
-        let sample = MeridianSample {
-            x,
-            hub: self.options.hub_radius_mm.given().or(hub)?,
-            shroud: self.options.shroud_radius_mm.given().unwrap_or(shroud),
-        };
-        (sample.hub < sample.shroud).then_some(Station { sample, gap: place.gap })
+        let hub = self.options.hub_radius_mm.given().or(hub)?;
+        let shroud = self.options.shroud_radius_mm.given().unwrap_or(shroud);
+        (hub < shroud).then_some(Traced { station: Station::across_axis(x, hub, shroud), gap: place.gap })
     }
 
     /// Radii of the hub and of the shroud at a place. Where the rays over the middle of the channel differ by more than
@@ -158,7 +160,7 @@ impl Tracer<'_> {
         let (hub, shroud) = (most(&inner), most(&outer));
         let height = shroud.map_or(place.r, |c| c.r) - hub.map_or(place.r, |c| c.r);
         // The same wall is met as far off as its facets dip; what differs more is a fillet or a blade.
-        let dip = |c: &RadialCrossing| DIP * height + 2.0 * self.slices.sag(c);
+        let dip = |c: &RadialCrossing| DIP * height + 2.0 * self.slices.sag(c.triangle, c.r);
         // Between its facets a hub stands out at corners, which rays miss.
         let corners = self.slices.corner_radii(place.x, middle, half);
         let greatest = |c: &RadialCrossing, same: f64| {

@@ -1,18 +1,21 @@
 //! Finds a channel of a blisk, with its walls, in a bare mesh.
 
 mod agreement;
+mod flow;
 mod measure;
 mod meridian;
 #[cfg(test)]
 mod tests;
+mod tube;
 mod walls;
 
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
+use self::flow::Lines;
 use self::meridian::{Meridian, Place, Tracer};
 use self::walls::{INSET, WallFinder};
-use super::channel::Channel;
+use super::channel::{Channel, Flow};
 use super::error::BliskError;
 use super::frame::slices::{Gap, Slices};
 use super::frame::{BliskFrame, find_frame, is_inside_out};
@@ -60,7 +63,7 @@ pub(super) fn channel_of(
         return Err(BliskError::NoSuchChannel { index: options.channel, blades });
     }
     task.report("channel", 0.0, "place");
-    let (frame, start) = place_channel(mesh, blisk, options, &task.cancel)?;
+    let Placed { frame, start, lines } = place_channel(mesh, blisk, options, &task.cancel)?;
 
     task.report("channel", 0.3, "end walls");
     let slices = Slices::new(mesh.in_frame(&frame));
@@ -68,35 +71,70 @@ pub(super) fn channel_of(
     let lost = BliskError::LostWall { x: start.x, r: start.r };
     let gap = tracer.bladed_gap(start.x, start.r, &start.gap).ok_or(lost)?;
     let start = Place { gap, ..start };
-    let Meridian { samples: meridian, shrouded } = tracer.meridian(start)?;
+    let (meridian, start) = meridian_of(&tracer, start, lines.as_ref())?;
 
     task.report("channel", 0.6, "walls");
     let finder = WallFinder { tracer: &tracer, meridian: &meridian, start };
     let [mut low, mut high] = finder.walls(options.wall_points_chord, options.wall_points_span)?;
     let throat = measure::throat(&low, &high);
-    let (turning, sides) = measure::turning(&low, &high);
+    let (turning, sides) = measure::turning(&low, &high, meridian.flow);
     [low.side, high.side] = sides;
-    let faces_x = measure::faces_x(slices.mesh(), &meridian);
-    assumed.extend(end_wall_assumptions(options, shrouded));
-    let agreement = agreement::agreement(&tracer, &meridian, shrouded, [&low, &high], &throat)?;
+    let faces_x = measure::faces_x(slices.mesh(), &meridian.stations);
+    assumed.extend(end_wall_assumptions(options, &meridian));
+    let agreement = agreement::agreement(&tracer, &meridian, [&low, &high], &throat)?;
     task.report("channel", 1.0, "");
-    let index = options.channel;
-    Ok(Channel { frame, blades, index, shrouded, meridian, low, high, throat, turning, faces_x, agreement, assumed })
+    Ok(Channel {
+        frame,
+        blades,
+        index: options.channel,
+        shrouded: meridian.shrouded,
+        flow: meridian.flow,
+        meridian: meridian.stations,
+        low,
+        high,
+        throat,
+        turning,
+        faces_x,
+        agreement,
+        assumed,
+    })
 }
 
-/// W of the chosen channel, and the channel's middle in it.
+/// Hub and shroud of the channel through `start`, along `lines` where it is not axial, and `start` with its position
+/// along them.
+fn meridian_of(tracer: &Tracer, start: Place, lines: Option<&Lines>) -> Result<(Meridian, Place), BliskError> {
+    let Some(lines) = lines else { return Ok((tracer.meridian(start)?, start)) };
+    if let Some((key, _)) = tracer.options.radii().into_iter().find(|(_, radius)| radius.given().is_some()) {
+        return Err(BliskError::NotAxial { key });
+    }
+    tracer.tube(start, lines)
+}
+
+/// The chosen channel's place.
+struct Placed {
+    /// W of the channel.
+    frame: Frame,
+    /// The channel's middle, in W.
+    start: Place,
+    /// The lines across it, where it is not axial.
+    lines: Option<Lines>,
+}
+
+/// Finds W of the chosen channel, and the channel's middle in it.
 fn place_channel(
     mesh: &Mesh,
     blisk: &BliskFrame,
     options: &BliskOptions,
     cancel: &Cancel,
-) -> Result<(Frame, Place), BliskError> {
+) -> Result<Placed, BliskError> {
     let slices = Slices::new(mesh.in_frame(&blisk.frame));
     let pitch = TAU / blisk.repetition.blades as f64;
     let tracer = Tracer { slices: &slices, pitch, options, cancel };
     let (x, r) = (blisk.middle.x, blisk.middle.y);
     let gap = slices.gaps(x, r).into_iter().find(|g| g.width() < 1.5 * pitch);
-    let mut place = middle_of(&tracer, Place { x, r, gap: gap.ok_or(BliskError::LostWall { x, r })? })?;
+    let start = Place { along: x, x, r, gap: gap.ok_or(BliskError::LostWall { x, r })? };
+    let lines = flow::lines(&tracer, start)?;
+    let mut place = middle_of(&tracer, start, lines.as_ref())?;
 
     // The same again from the chosen channel, since facets differ a little from channel to channel.
     let (x, r) = (place.x, place.r);
@@ -105,18 +143,18 @@ fn place_channel(
     let nearest = theta - pitch * ((theta / pitch - 0.5) - 1e-6).ceil();
     let turn = nearest + pitch * options.channel as f64 - theta;
     let chosen = tracer.bladed_gap(x, r, &turned(place.gap, turn)).ok_or(BliskError::LostWall { x, r })?;
-    place = middle_of(&tracer, Place { x, r, gap: chosen })?;
+    place = middle_of(&tracer, Place { gap: chosen, ..place }, lines.as_ref())?;
     let theta = place.gap.middle();
     place.gap = turned(place.gap, -theta);
-    Ok((blisk.frame.turned_about_x(theta), place))
+    Ok(Placed { frame: blisk.frame.turned_about_x(theta), start: place, lines })
 }
 
 /// The middle of the channel through a place: half way between the edges, half way up.
-fn middle_of(tracer: &Tracer, start: Place) -> Result<Place, BliskError> {
-    let meridian = tracer.meridian(start)?.samples;
+fn middle_of(tracer: &Tracer, start: Place, lines: Option<&Lines>) -> Result<Place, BliskError> {
+    let (meridian, start) = meridian_of(tracer, start, lines)?;
     let finder = WallFinder { tracer, meridian: &meridian, start };
     let row = finder.row(0.5)?;
-    finder.place(&row, 0.5 * (row.front.x + row.back.x))
+    finder.place(&row, 0.5 * (row.front.along + row.back.along))
 }
 
 fn turned(mut gap: Gap, angle: f64) -> Gap {
@@ -125,8 +163,19 @@ fn turned(mut gap: Gap, angle: f64) -> Gap {
     gap
 }
 
-fn end_wall_assumptions(options: &BliskOptions, shrouded: bool) -> Vec<String> {
+fn end_wall_assumptions(options: &BliskOptions, meridian: &Meridian) -> Vec<String> {
     let mut assumed = Vec::new();
+    let shrouded = meridian.shrouded;
+    if meridian.flow != Flow::Axial {
+        let outer = if shrouded { "shroud" } else { "tips" };
+        assumed.push(format!(
+            "The passage is {}: hub and {outer} are the curves beside the blades' ends{}.",
+            meridian.flow.name(),
+            if shrouded { ", the hub the one nearer to the axis" } else { "" }
+        ));
+        assumed.push(inset(shrouded));
+        return assumed;
+    }
     match options.hub_radius_mm.given() {
         Some(r) => assumed.push(format!("The hub radius was given: {r} mm along the whole channel.")),
         None => assumed.push("The hub radius is the greatest met over the middle 60 % of the channel's width.".into()),
@@ -136,10 +185,11 @@ fn end_wall_assumptions(options: &BliskOptions, shrouded: bool) -> Vec<String> {
         (None, true) => "The shroud radius is the least met over the middle 60 % of the channel's width.".into(),
         (None, false) => "No shroud was met along the radius; the blade tips bound the channel instead.".into(),
     });
-    assumed.push(format!(
-        "The walls were measured up to {} % of the height away from hub and {}.",
-        100.0 * INSET,
-        if shrouded { "shroud" } else { "tips" }
-    ));
+    assumed.push(inset(shrouded));
     assumed
+}
+
+fn inset(shrouded: bool) -> String {
+    let outer = if shrouded { "shroud" } else { "tips" };
+    format!("The walls were measured up to {} % of the height away from hub and {outer}.", 100.0 * INSET)
 }

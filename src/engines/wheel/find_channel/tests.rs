@@ -1,11 +1,11 @@
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
-use glam::{DQuat, DVec3, EulerRot};
+use glam::{DQuat, DVec2, DVec3, EulerRot};
 use proptest::prelude::*;
 
 use super::*;
-use crate::channel::{BladeSide, Surface};
-use crate::fixtures::{TestBlisk, flange, together, turned_part};
+use crate::channel::{BladeSide, Flow, Surface};
+use crate::fixtures::{TestBlisk, TestWheel, flange, together, turned_part};
 use crate::options::{Auto, AxisChoice, AxisLine, AxisName};
 use geometry::exact::ExactMesh;
 use geometry::frame::Cylindrical;
@@ -66,13 +66,13 @@ fn end_walls_are_the_greatest_hub_and_the_least_shroud() {
     // A chord across the channel in 8 pieces dips by r (1 - cos(pitch / 16)), a skewed one a little more.
     let dip = 1.3 * 65.0 * (1.0 - (part.pitch() / 16.0).cos());
     for s in &channel.meridian {
-        let (hub, shroud) = (part.hub_at(s.x), part.shroud_at(s.x));
-        assert!(s.hub <= hub + 1e-9 && s.hub > hub - dip, "{s:?}");
-        assert!(s.shroud <= shroud + 1e-9 && s.shroud > shroud - dip, "{s:?}");
+        let (hub, shroud) = (part.hub_at(s.along), part.shroud_at(s.along));
+        assert!(s.hub.y <= hub + 1e-9 && s.hub.y > hub - dip, "{s:?}");
+        assert!(s.shroud.y <= shroud + 1e-9 && s.shroud.y > shroud - dip, "{s:?}");
     }
-    let ends = [channel.meridian[0].x, channel.meridian[channel.meridian.len() - 1].x];
+    let ends = [channel.meridian[0].along, channel.meridian[channel.meridian.len() - 1].along];
     assert!((ends[0] + 3.0).abs() < 1e-6 && (ends[1] - 17.0).abs() < 1e-6, "as far as the rings reach: {ends:?}");
-    assert!(channel.meridian.is_sorted_by(|a, b| a.x < b.x));
+    assert!(channel.meridian.is_sorted_by(|a, b| a.along < b.along));
 }
 
 #[test]
@@ -80,7 +80,7 @@ fn the_hub_is_measured_at_the_corners_of_its_facets() {
     // Facets of 5 degrees, whose middles lie 0.05 mm below their corners.
     let part = TestBlisk { grid: [24, 8, 3, 2], ..Default::default() };
     for s in &found(&part.mesh()).meridian {
-        assert!((s.hub - 50.0).abs() < 1e-3, "{s:?}");
+        assert!((s.hub.y - 50.0).abs() < 1e-3, "{s:?}");
     }
 }
 
@@ -89,7 +89,7 @@ fn root_fillets_do_not_lift_the_hub() {
     let part = TestBlisk { fillet: 1.5, twist: 0.0, grid: [32, 32, 24, 2], ..Default::default() };
     let channel = found(&part.mesh());
     for s in &channel.meridian {
-        assert!((s.hub - 50.0).abs() < 0.02 && (s.shroud - 62.0).abs() < 0.02, "{s:?}");
+        assert!((s.hub.y - 50.0).abs() < 0.02 && (s.shroud.y - 62.0).abs() < 0.02, "{s:?}");
     }
 }
 
@@ -172,8 +172,8 @@ fn without_a_shroud_the_tips_bound_the_channel() {
     let part = TestBlisk { shrouded: false, grid: [32, 8, 8, 2], ..Default::default() };
     let channel = found(&part.mesh());
     assert!(!channel.shrouded && channel.blades == part.blades);
-    for s in channel.meridian.iter().filter(|s| (1.0..13.0).contains(&s.x)) {
-        assert!((s.shroud - 62.0).abs() < 0.02, "{s:?}");
+    for s in channel.meridian.iter().filter(|s| (1.0..13.0).contains(&s.along)) {
+        assert!((s.shroud.y - 62.0).abs() < 0.02, "{s:?}");
     }
     assert!(channel.assumed.iter().any(|a| a.contains("tips")), "{:?}", channel.assumed);
     let points = channel.low.nu * channel.low.nv;
@@ -290,7 +290,7 @@ fn what_is_given_is_used() {
         ..Default::default()
     };
     let channel = find(&mesh, &radii).unwrap();
-    assert!(channel.meridian.iter().all(|s| (s.hub, s.shroud) == (52.0, 60.0)));
+    assert!(channel.meridian.iter().all(|s| (s.hub.y, s.shroud.y) == (52.0, 60.0)));
     assert_eq!((channel.low.nu, channel.high.nv), (31, 7));
     assert!(channel.assumed.iter().any(|a| a.contains("52 mm")));
     let wrong = find(&mesh, &BliskOptions { blades: Auto::Given(23), ..Default::default() }).unwrap_err();
@@ -402,4 +402,73 @@ fn what_was_found_is_measured_against_the_mesh_and_refused_where_that_is_otherwi
         assert!(found.doubted > 0.05 && found.greatest_mm > 0.1 && found.greatest_mm < 0.7, "{found:?}");
         assert!(refused(&waved).contains(&format!("the {name} that was found is up to")));
     }
+}
+
+/// Greatest difference of the width between the walls, along the circumference, from that of the part (mm).
+fn greatest_width_miss(part: &TestWheel, channel: &Channel) -> f64 {
+    let pitch = TAU / part.blades as f64;
+    let miss = |u: usize, v: usize| {
+        let (low, high) = (channel.low.cylindrical(u, v), channel.high.cylindrical(u, v));
+        let width = (high.theta - low.theta).rem_euclid(TAU) * low.r;
+        (width - (pitch * low.r - part.thickness)).abs()
+    };
+    let inner = 2..channel.low.nu - 2;
+    inner.flat_map(|u| (0..channel.low.nv).map(move |v| (u, v))).map(|(u, v)| miss(u, v)).fold(0.0, f64::max)
+}
+
+/// A chord of the walls around the axis at `r` dips by this (mm).
+fn dip_around(r: f64) -> f64 {
+    1.01 * r * (1.0 - (PI / 240.0).cos())
+}
+
+#[test]
+fn a_passage_along_the_radius_is_found_between_flat_rings() {
+    let part = TestWheel::nozzle_ring();
+    let channel = found(&part.mesh());
+    assert_eq!((channel.flow, channel.blades, channel.shrouded), (Flow::Radial, part.blades, true));
+    for s in &channel.meridian {
+        assert!(s.hub.x.abs() < 1e-6 && (s.shroud.x - 12.0).abs() < 1e-6, "{s:?}");
+        assert!((s.hub.y - s.shroud.y).abs() < 1e-6, "lines across a straight passage are square to it: {s:?}");
+    }
+    let ends = [0, channel.meridian.len() - 1].map(|i| channel.meridian[i].hub.y);
+    assert!((ends[0] - 68.0).abs() < dip_around(68.0) && (ends[1] - 104.0).abs() < dip_around(104.0), "{ends:?}");
+    // Between circles 0.3 mm apart the blades' chords turn by 1.7 mrad.
+    let miss = greatest_width_miss(&part, &channel);
+    assert!(miss < 1e-3, "{miss}");
+    assert!(channel.agreement.iter().all(|a| a.share == 1.0), "{:?}", channel.agreement);
+}
+
+#[test]
+fn a_passage_that_turns_from_the_axis_to_the_radius_is_found_between_its_curves() {
+    let closed = TestWheel::impeller();
+    let tips = TestWheel { shrouded: false, ..TestWheel::impeller() };
+    for part in [closed, tips] {
+        let channel = found(&part.mesh());
+        assert_eq!((channel.flow, channel.blades), (Flow::Mixed, part.blades));
+        assert_eq!(channel.shrouded, part.shrouded);
+        let center = DVec2::new(-30.0, 70.0);
+        // Chords along the arcs in 96 pieces, and the beginning of the first blade's row of the lattice at the tips.
+        let dip = |radius: f64, r: f64| 1.01 * radius * (1.0 - (PI / 4.0 / 96.0).cos()) + dip_around(r);
+        for s in &channel.meridian {
+            assert!((s.hub.distance(center) - 50.0).abs() < dip(50.0, s.hub.y), "{s:?}");
+            let is_bladed =
+                (channel.low.cylindrical(2, 12).r..channel.low.cylindrical(78, 12).r).contains(&s.place(0.5).y);
+            if part.shrouded || is_bladed {
+                assert!((s.shroud.distance(center) - 34.0).abs() < dip(34.0, s.shroud.y), "{s:?}");
+            }
+        }
+        let miss = greatest_width_miss(&part, &channel);
+        assert!(miss < 0.02, "{miss}");
+        let rises = |v: usize| {
+            (1..channel.low.nu).all(|u| channel.low.cylindrical(u, v).r > channel.low.cylindrical(u - 1, v).r)
+        };
+        assert!((0..channel.low.nv).all(rises), "from the eye to the rim");
+    }
+}
+
+#[test]
+fn only_a_passage_along_the_axis_is_bounded_by_one_radius() {
+    let options = BliskOptions { hub_radius_mm: Auto::Given(70.0), ..Default::default() };
+    let error = find(&TestWheel::nozzle_ring().mesh(), &options).unwrap_err();
+    assert_eq!(error, BliskError::NotAxial { key: "hub_radius_mm" });
 }

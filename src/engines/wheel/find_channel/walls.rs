@@ -2,26 +2,29 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::super::channel::{BladeSide, ChannelWall, MeridianSample, radii_at};
+use super::super::channel::{BladeSide, ChannelWall, Flow, station_at};
 use super::super::error::BliskError;
 use super::super::frame::slices::{Crossing, Gap};
-use super::meridian::{Place, Tracer};
+use super::meridian::{Meridian, Place, Tracer};
 use geometry::frame::Cylindrical;
 
 /// The first and last row of points stay away from hub and shroud by this share of the height, so that the
 /// facets of the end walls do not cut their circles.
 pub(super) const INSET: f64 = 0.005;
 
+/// From step to step a gap keeps more than this share of its width.
+const NARROWER: f64 = 0.5;
+
 /// A curve along the channel at a constant share of the height, between the blades' edges.
 pub(super) struct Row {
     /// Share of the height, 0 at the hub and 1 at the shroud.
     share: f64,
-    /// The last place before the edges on the -X side.
+    /// The last place before the edges at the beginning of the passage.
     pub front: Place,
-    /// The last place before the edges on the +X side.
+    /// The last place before the edges at its end.
     pub back: Place,
     /// A place between them.
     inside: Place,
@@ -30,15 +33,44 @@ pub(super) struct Row {
 /// Finds rows and walls of a channel with known end walls.
 pub(super) struct WallFinder<'a> {
     pub tracer: &'a Tracer<'a>,
-    pub meridian: &'a [MeridianSample],
+    pub meridian: &'a Meridian,
     /// A place between the blades.
     pub start: Place,
 }
 
 impl WallFinder<'_> {
-    fn radius(&self, x: f64, share: f64) -> f64 {
-        let (hub, shroud) = radii_at(self.meridian, x);
-        hub + share * (shroud - hub)
+    /// The place (x, r) at `along` and `share` of the height. An axial channel goes on beyond its rings.
+    fn place_at(&self, along: f64, share: f64) -> Option<DVec2> {
+        let stations = &self.meridian.stations;
+        let station = station_at(stations, along);
+        if self.meridian.flow == Flow::Axial {
+            let (hub, shroud) = (station.hub.y, station.shroud.y);
+            return Some(DVec2::new(along, hub + share * (shroud - hub)));
+        }
+        let ends = [stations.first()?.along, stations.last()?.along];
+        (ends[0]..=ends[1]).contains(&along).then(|| station.place(share))
+    }
+
+    /// The channel's place at `along` and `share` of the height, where blades bound it on both sides. A gap that is
+    /// suddenly much narrower is none between the blades: facets of an end wall stand out of it there.
+    fn bladed(&self, along: f64, share: f64, near: &Gap) -> Option<Place> {
+        let at = self.place_at(along, share)?;
+        let gap = self.tracer.bladed_gap(at.x, at.y, near).filter(|gap| gap.width() > NARROWER * near.width())?;
+        Some(Place { along, x: at.x, r: at.y, gap })
+    }
+
+    fn lost(&self, along: f64, share: f64) -> BliskError {
+        let at = station_at(&self.meridian.stations, along).place(share);
+        BliskError::LostWall { x: at.x, r: at.y }
+    }
+
+    /// Longest step along the passage (mm).
+    fn step(&self) -> f64 {
+        let length = match (self.meridian.flow, &self.meridian.stations[..]) {
+            (Flow::Axial, _) | (_, []) => self.tracer.slices.mesh().bounds().size().x,
+            (_, [first, ..]) => self.meridian.stations.last().map_or(0.0, |last| last.along - first.along),
+        };
+        length / 256.0
     }
 
     /// The row at `share` of the height.
@@ -47,62 +79,58 @@ impl WallFinder<'_> {
         Ok(Row { share, front: self.edge(&inside, share, -1.0)?, back: self.edge(&inside, share, 1.0)?, inside })
     }
 
-    /// The place at the start's x and `share` of the height, reached along the radius from the start.
+    /// The place at the start's station and `share` of the height, reached from the start on a straight line.
     fn climb(&self, share: f64) -> Result<Place, BliskError> {
         const STEPS: usize = 12;
-        let Place { x, r: r0, mut gap } = self.start;
-        let r1 = self.radius(x, share);
+        let Place { along, x, r, mut gap } = self.start;
+        let from = DVec2::new(x, r);
+        let to = self.place_at(along, share).ok_or_else(|| self.lost(along, share))?;
         for i in 1..=STEPS {
-            let r = r0 + (r1 - r0) * i as f64 / STEPS as f64;
-            gap = self.tracer.bladed_gap(x, r, &gap).ok_or(BliskError::LostWall { x, r })?;
+            let at = from + (to - from) * i as f64 / STEPS as f64;
+            let lost = BliskError::LostWall { x: at.x, r: at.y };
+            gap = self.tracer.bladed_gap(at.x, at.y, &gap).ok_or(lost)?;
         }
-        Ok(Place { x, r: r1, gap })
+        Ok(Place { along, x: to.x, r: to.y, gap })
     }
 
-    /// The last place towards -X or +X that blades bound on both sides.
+    /// The last place towards the beginning or the end that blades bound on both sides.
     fn edge(&self, from: &Place, share: f64, toward: f64) -> Result<Place, BliskError> {
-        let step = self.tracer.slices.mesh().bounds().size().x / 256.0;
-        let place_at = |x: f64, near: &Gap| {
-            let r = self.radius(x, share);
-            self.tracer.bladed_gap(x, r, near).map(|gap| Place { x, r, gap })
-        };
+        let step = self.step();
         let mut good = *from;
         let mut bad = loop {
             self.tracer.cancel.check()?;
-            match place_at(good.x + toward * step, &good.gap) {
+            match self.bladed(good.along + toward * step, share, &good.gap) {
                 Some(place) => good = place,
-                None => break good.x + toward * step,
+                None => break good.along + toward * step,
             }
         };
-        while (bad - good.x).abs() > 1e-9 * step {
-            let x = 0.5 * (good.x + bad);
-            match place_at(x, &good.gap) {
+        while (bad - good.along).abs() > 1e-9 * step {
+            let along = 0.5 * (good.along + bad);
+            match self.bladed(along, share, &good.gap) {
                 Some(place) => good = place,
-                None => bad = x,
+                None => bad = along,
             }
         }
         Ok(good)
     }
 
-    /// The place of a row at `x`, between its edges.
-    pub fn place(&self, row: &Row, x: f64) -> Result<Place, BliskError> {
-        self.follow(row.share, row.inside.x, x, &row.inside.gap)
+    /// The place of a row at `along`, between its edges.
+    pub fn place(&self, row: &Row, along: f64) -> Result<Place, BliskError> {
+        self.follow(row.share, &row.inside, along)
     }
 
     /// The gaps of a row at `n` places from edge to edge, closer together towards both.
     fn gaps(&self, row: &Row, n: usize) -> Result<Vec<Place>, BliskError> {
-        let (x0, x1) = (row.front.x, row.back.x);
-        let x_of = |u: usize| x0 + (x1 - x0) * 0.5 * (1.0 - (PI * u as f64 / (n - 1) as f64).cos());
-        let inner: Vec<f64> = (1..n - 1).map(x_of).collect();
-        let middle = inner.partition_point(|&x| x < row.inside.x);
-        let follow = |xs: &mut dyn Iterator<Item = f64>| {
-            let mut gap = row.inside.gap;
-            let mut last = row.inside.x;
-            xs.map(|x| {
+        let (from, to) = (row.front.along, row.back.along);
+        let along_of = |u: usize| from + (to - from) * 0.5 * (1.0 - (PI * u as f64 / (n - 1) as f64).cos());
+        let inner: Vec<f64> = (1..n - 1).map(along_of).collect();
+        let middle = inner.partition_point(|&along| along < row.inside.along);
+        let follow = |all: &mut dyn Iterator<Item = f64>| {
+            let mut last = row.inside;
+            all.map(|along| {
                 self.tracer.cancel.check()?;
-                let place = self.follow(row.share, last, x, &gap)?;
-                (gap, last) = (place.gap, x);
-                Ok(place)
+                last = self.follow(row.share, &last, along)?;
+                Ok(last)
             })
             .collect::<Result<Vec<_>, BliskError>>()
         };
@@ -115,18 +143,13 @@ impl WallFinder<'_> {
         Ok(front)
     }
 
-    /// The place at `to` on a row, followed from the gap at `from` in steps no longer than the part allows.
-    fn follow(&self, share: f64, from: f64, to: f64, near: &Gap) -> Result<Place, BliskError> {
-        let longest = self.tracer.slices.mesh().bounds().size().x / 256.0;
-        let steps = ((to - from).abs() / longest).ceil().max(1.0) as usize;
-        let mut place = Place { x: from, r: 0.0, gap: *near };
-        for i in 1..=steps {
-            let x = from + (to - from) * i as f64 / steps as f64;
-            let r = self.radius(x, share);
-            let gap = self.tracer.bladed_gap(x, r, &place.gap).ok_or(BliskError::LostWall { x, r })?;
-            place = Place { x, r, gap };
-        }
-        Ok(place)
+    /// The place at `to` on a row, followed from `from` in steps no longer than the part allows.
+    fn follow(&self, share: f64, from: &Place, to: f64) -> Result<Place, BliskError> {
+        let steps = ((to - from.along).abs() / self.step()).ceil().max(1.0) as usize;
+        (1..=steps).try_fold(*from, |place, i| {
+            let along = from.along + (to - from.along) * i as f64 / steps as f64;
+            self.bladed(along, share, &place.gap).ok_or_else(|| self.lost(along, share))
+        })
     }
 
     /// Both walls, low and high, with `nu` by `nv` points. Their sides are not set yet.

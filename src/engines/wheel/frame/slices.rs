@@ -233,12 +233,70 @@ impl Slices {
         crossings
     }
 
-    /// How far the facet that a ray meets dips below the circle through its corners (mm).
-    pub fn sag(&self, met: &RadialCrossing) -> f64 {
-        let theta = self.mesh.corners(met.triangle as usize).map(|p| Cylindrical::from_point(p).theta);
+    /// The first triangle that the ray from `from` (x, r) along `direction` (x, r; a unit vector) meets within `reach`
+    /// in the half plane at `theta`, from either side: the distance (mm) and the triangle.
+    pub fn first_in_half_plane(&self, theta: f64, from: DVec2, direction: DVec2, reach: f64) -> Option<(f64, u32)> {
+        let along = DVec2::from_angle(theta);
+        let ends = [from.x, from.x + reach * direction.x];
+        let column = |x: f64| {
+            let at = (x - self.origin.x) / self.size.x * self.grid[0] as f64;
+            (at.max(0.0) as usize).min(self.grid[0] - 1)
+        };
+        let columns = column(ends[0].min(ends[1]))..=column(ends[0].max(ends[1]));
+        let triangles = columns.flat_map(|ix| self.wedges.get(ix * SECTORS + sector(theta)));
+        let met = triangles.filter_map(|&triangle| {
+            let [p, q] = self.half_plane_segment(triangle, along)?;
+            let (p, q) = (p - from, q - from);
+            let (side_p, side_q) = (direction.perp_dot(p), direction.perp_dot(q));
+            if (side_p >= 0.0) == (side_q >= 0.0) {
+                return None;
+            }
+            let distance = direction.dot(p.lerp(q, side_p / (side_p - side_q)));
+            (distance > 0.0 && distance <= reach).then_some((distance, triangle))
+        });
+        met.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+    }
+
+    /// The segment (x, r) in which the half plane through the axis along `along` (z, -y) meets a triangle.
+    fn half_plane_segment(&self, triangle: u32, along: DVec2) -> Option<[DVec2; 2]> {
+        let ids = self.mesh.triangles[triangle as usize];
+        let side = |v: u32| {
+            let p = self.mesh.vertices[v as usize];
+            along.perp_dot(DVec2::new(p.z, -p.y))
+        };
+        let mut crossings = [(0, 1), (1, 2), (2, 0)].into_iter().filter_map(|(i, k)| {
+            let (a, b) = (ids[i].min(ids[k]), ids[i].max(ids[k]));
+            let (side_a, side_b) = (side(a), side(b));
+            ((side_a >= 0.0) != (side_b >= 0.0)).then(|| {
+                let [p, q] = [a, b].map(|v| self.mesh.vertices[v as usize]);
+                let at = p.lerp(q, side_a / (side_a - side_b));
+                DVec2::new(at.x, along.dot(DVec2::new(at.z, -at.y)))
+            })
+        });
+        let segment = [crossings.next()?, crossings.next()?];
+        // On the other side of the axis the same plane goes on.
+        segment.iter().any(|p| p.y > 0.0).then_some(segment)
+    }
+
+    /// How far a facet that is met at radius `r` dips below the circle through its corners (mm).
+    pub fn sag(&self, triangle: u32, r: f64) -> f64 {
+        let theta = self.mesh.corners(triangle as usize).map(|p| Cylindrical::from_point(p).theta);
         let turn =
             theta.iter().map(|t| wrap_angle(t - theta[0])).fold([0.0, 0.0], |[l, m]: [f64; 2], t| [l.min(t), m.max(t)]);
-        met.r * (1.0 - (0.5 * (turn[1] - turn[0])).cos())
+        r * (1.0 - (0.5 * (turn[1] - turn[0])).cos())
+    }
+
+    /// The share of [`Self::sag`] that lies across a triangle: none where it faces along the axis (mm).
+    pub fn radial_sag(&self, triangle: u32, r: f64) -> f64 {
+        let normal = self.normal(triangle);
+        self.sag(triangle, r) * normal.y.hypot(normal.z).min(1.0)
+    }
+
+    /// Components (x, r) of the unit normal of a triangle in the half plane at `theta`.
+    pub fn meridional_normal(&self, triangle: u32, theta: f64) -> DVec2 {
+        let normal = self.normal(triangle);
+        let (s, c) = theta.sin_cos();
+        DVec2::new(normal.x, c * normal.z - s * normal.y)
     }
 
     /// Distances from the axis of the corners that the section at `x` has within `half` of the angle `theta`.
@@ -250,6 +308,11 @@ impl Slices {
         let triangles = sectors.flat_map(|s| self.wedges.get(ix * SECTORS + s));
         let corners = triangles.filter_map(|&t| self.segment(t, x)).flatten();
         corners.filter(|c| along.angle_to(*c).abs() <= half).map(DVec2::length).collect()
+    }
+
+    /// Whether the point lies in the solid.
+    pub fn is_solid(&self, x: f64, r: f64, theta: f64) -> bool {
+        self.depth(x, r, theta) > 0
     }
 
     /// How many shells the point lies in.

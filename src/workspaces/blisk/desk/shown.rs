@@ -296,10 +296,8 @@ impl BliskDesk {
                 // Across the channel's middle where one is known: that is what one wants to look into.
                 let plane = self.work.channel().map(|found| {
                     let frame = &found.channel.frame;
-                    let [low, high] = found.channel.span_x();
-                    let middle = 0.5 * (low + high);
-                    let (hub, shroud) = found.channel.radii_at(middle);
-                    let point = glam::DVec3::new(middle, 0.0, 0.5 * (hub + shroud));
+                    let middle = found.channel.middle().place(0.5);
+                    let point = glam::DVec3::new(middle.x, 0.0, middle.y);
                     SectionPlane { point: frame.to_parent(point), normal: frame.x }
                 });
                 plane.or(Some(SectionPlane { point: part.mesh.bounds().center(), normal: glam::DVec3::X }))

@@ -69,14 +69,18 @@ fn channel(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         return;
     }
     let (channel, length) = (&found.channel, cx.preferences.length);
-    let [low, high] = channel.span_x();
-    let (hub, shroud) = channel.radii_at(0.5 * (low + high));
+    let ([low, high], middle) = (channel.span_x(), channel.middle());
     fact(ui, "Blades", channel.blades.to_string());
     fact(ui, "Channel", format!("{} (0 to {})", channel.index, channel.blades - 1));
+    fact(ui, "Passage", channel.flow.name().to_owned());
     fact(ui, "Throat", length.show(channel.throat.width_mm, 3));
     fact(ui, "Turning", format!("{:.1} deg", channel.turning.to_degrees()));
-    fact(ui, "Hub radius, middle", length.show(hub, 2));
-    fact(ui, if channel.shrouded { "Shroud radius, middle" } else { "Tip radius, middle" }, length.show(shroud, 2));
+    fact(ui, "Hub radius, middle", length.show(middle.hub.y, 2));
+    fact(
+        ui,
+        if channel.shrouded { "Shroud radius, middle" } else { "Tip radius, middle" },
+        length.show(middle.shroud.y, 2),
+    );
     fact(ui, "Blades along X", length.show(high - low, 2));
     let agreement = channel.agreement.iter().map(|a| a.share).fold(1.0, f64::min);
     fact(ui, "Agrees with the mesh", format!("{:.1} % at least", 100.0 * agreement));

@@ -135,7 +135,7 @@ impl BliskSummary {
     pub fn of(channel: &Channel) -> Self {
         use wheel::channel::Surface::{HighWall, LowWall};
         let [lo, hi] = channel.span_x();
-        let inside = channel.meridian.iter().map(|m| m.x).filter(|x| (lo..=hi).contains(x));
+        let inside = channel.meridian.iter().map(|m| m.along).filter(|x| (lo..=hi).contains(x));
         let radii: Vec<_> = [lo, hi].into_iter().chain(inside).map(|x| channel.radii_at(x)).collect();
         let range = |values: &mut dyn Iterator<Item = f64>| {
             values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)])

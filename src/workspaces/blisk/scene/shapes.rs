@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::caps::close_holes;
 use feed::pose::Pose;
@@ -52,7 +52,7 @@ fn wall_mesh(wall: &ChannelWall, is_low: bool) -> Mesh {
 fn unshrouded(blisk: &Mesh, channel: &Channel) -> Mesh {
     let at_shroud = |p: DVec3| {
         let place = Cylindrical::from_point(p);
-        place.r > channel.radii_at(place.x).1 - 0.05
+        channel.below_shroud(DVec2::new(place.x, place.r)) < 0.05
     };
     // Facets of the shroud's inside dip below its radius between their corners; faces of blades only end there.
     let is_shroud = |[a, b, c]: [DVec3; 3]| at_shroud((a + b + c) / 3.0) || [a, b, c].into_iter().all(at_shroud);

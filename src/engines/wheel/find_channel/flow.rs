@@ -1,0 +1,230 @@
+//! The direction of a passage: which part of the meridional plane blades bound on both sides, and the lines across it.
+//!
+//! On every circle about the axis the channel's gap either lies between two blades or not, which divides the meridional
+//! plane (x, r). Going once round the bladed part, what lies beside it is solid twice (hub and shroud) and open twice
+//! (inlet and outlet), whatever its direction.
+
+use std::collections::HashMap;
+
+use glam::DVec2;
+use nalgebra::DMatrix;
+
+use super::super::error::BliskError;
+use super::super::frame::slices::Gap;
+use super::meridian::{Place, Tracer};
+
+/// Lines from hub to shroud or tips (x, r) along a passage, found to about the distance of the lattice's points (mm).
+pub(super) struct Lines {
+    pub lines: Vec<[DVec2; 2]>,
+    /// Whether the outer ends are those of a wall; if not, of the blade tips.
+    pub shrouded: bool,
+}
+
+/// Most points of the lattice that are looked at.
+const MOST_POINTS: usize = 40_000;
+/// Shorter runs of the outline are rounding (points).
+const LEAST_RUN: usize = 4;
+/// The blades' edges meet their tips in corners sharper than this (rad).
+const LEAST_CORNER: f64 = 0.35;
+/// Pieces that the lines divide the passage into.
+const PIECES: usize = 64;
+/// Degree of the polynomials that smooth hub and shroud.
+const DEGREE: usize = 6;
+/// Curves whose mean radii differ by less than this share of the height lie side by side along the axis.
+const SAME_RADIUS: f64 = 0.2;
+
+/// A piece of the outline of the bladed part, between two neighbouring points of the lattice.
+#[derive(Clone, Copy)]
+struct Outline {
+    at: DVec2,
+    is_solid: bool,
+}
+
+/// The lines across the passage through `start`; none where it runs along the axis, within 45 degrees, or where the blades
+/// do not reach a hub from end to end.
+pub(super) fn lines(tracer: &Tracer, start: Place) -> Result<Option<Lines>, BliskError> {
+    let outline = outline(&bladed(tracer, &start)?, tracer, &start);
+    Ok(curves(&outline).and_then(|[hub, outer]| {
+        let shrouded = outer.is_solid;
+        let lines = ordered(smooth(&hub.points)?, smooth(&outer.points)?, shrouded);
+        let middle: Vec<DVec2> = lines.iter().map(|[hub, shroud]| 0.5 * (*hub + *shroud)).collect();
+        let is_axial = middle.windows(2).all(|w| (w[1].x - w[0].x).abs() > (w[1].y - w[0].y).abs());
+        (!is_axial).then_some(Lines { lines, shrouded })
+    }))
+}
+
+/// Points of a square lattice about `start` whose circles have the channel's gap between two blades.
+fn bladed(tracer: &Tracer, start: &Place) -> Result<HashMap<[i32; 2], Gap>, BliskError> {
+    let mut found = HashMap::from([([0, 0], start.gap)]);
+    let mut queue = vec![[0, 0]];
+    let mut done = 0;
+    while let Some(&point) = queue.get(done).filter(|_| queue.len() < MOST_POINTS) {
+        tracer.cancel.check()?;
+        done += 1;
+        let near = found[&point];
+        for next in around(point) {
+            let at = place(tracer, start, next.map(f64::from));
+            if !found.contains_key(&next)
+                && let Some(gap) = tracer.bladed_gap(at.x, at.y, &near)
+            {
+                found.insert(next, gap);
+                queue.push(next);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// The four neighbours of a point of the lattice, against the clock from the one below.
+fn around([i, j]: [i32; 2]) -> [[i32; 2]; 4] {
+    [[i, j - 1], [i + 1, j], [i, j + 1], [i - 1, j]]
+}
+
+fn place(tracer: &Tracer, start: &Place, point: [f64; 2]) -> DVec2 {
+    DVec2::new(start.x, start.r) + tracer.slices.cell_size().y * DVec2::from(point)
+}
+
+/// The longest outline of the bladed points, against the clock.
+fn outline(bladed: &HashMap<[i32; 2], Gap>, tracer: &Tracer, start: &Place) -> Vec<Outline> {
+    // Each point stands for the square about it; a piece of the outline runs from corner to corner of the squares, with
+    // the bladed square on its left.
+    let corners = [[0, 0], [1, 0], [1, 1], [0, 1]];
+    let mut pieces: HashMap<[i32; 2], Vec<([i32; 2], Outline)>> = HashMap::new();
+    let mut points: Vec<_> = bladed.iter().collect();
+    points.sort_by_key(|(point, _)| **point);
+    for (&[i, j], gap) in points {
+        for (k, next) in around([i, j]).into_iter().enumerate().filter(|(_, next)| !bladed.contains_key(next)) {
+            let beside = place(tracer, start, next.map(f64::from));
+            let corner = |k: usize| [i + corners[k % 4][0], j + corners[k % 4][1]];
+            let middle = [0.5 * f64::from(i + next[0]), 0.5 * f64::from(j + next[1])];
+            let piece = Outline {
+                at: place(tracer, start, middle),
+                is_solid: tracer.slices.is_solid(beside.x, beside.y, gap.middle()),
+            };
+            pieces.entry(corner(k)).or_default().push((corner(k + 1), piece));
+        }
+    }
+    let mut longest = Vec::new();
+    let mut starts: Vec<_> = pieces.keys().copied().collect();
+    starts.sort_unstable();
+    for start in starts {
+        let (mut at, mut loop_) = (start, Vec::new());
+        while let Some((next, piece)) = pieces.get_mut(&at).and_then(Vec::pop) {
+            loop_.push(piece);
+            at = next;
+        }
+        if loop_.len() > longest.len() {
+            longest = loop_;
+        }
+    }
+    longest
+}
+
+/// A part of the outline whose pieces are of one kind.
+#[derive(Clone)]
+struct Run {
+    is_solid: bool,
+    points: Vec<DVec2>,
+}
+
+/// The two curves along a passage, in opposite directions: two solid ones, or a solid one and the tips; none where there
+/// are not two.
+fn curves(outline: &[Outline]) -> Option<[Run; 2]> {
+    let runs = runs(outline)?;
+    let solid: Vec<&Run> = runs.iter().filter(|run| run.is_solid).collect();
+    let walls = match (solid[..].as_ref(), runs.len()) {
+        (&[hub, shroud], 4) => [hub.clone(), shroud.clone()],
+        (&[hub], 2) => [hub.clone(), tips(&runs.iter().find(|run| !run.is_solid)?.points)?],
+        _ => return None,
+    };
+    walls.iter().all(|wall| wall.points.len() > DEGREE).then_some(walls)
+}
+
+/// The runs of an outline, in order; those that are too short belong to their neighbours.
+fn runs(outline: &[Outline]) -> Option<Vec<Run>> {
+    // Begin where something new begins, so that no run goes over the end of the list.
+    let n = outline.len();
+    let first = (0..n).find(|&i| outline[i].is_solid != outline[(i + n - 1) % n].is_solid)?;
+    let mut runs: Vec<Run> = Vec::new();
+    for piece in (0..n).map(|i| outline[(first + i) % n]) {
+        match runs.last_mut() {
+            Some(run) if run.is_solid == piece.is_solid => run.points.push(piece.at),
+            _ => runs.push(Run { is_solid: piece.is_solid, points: vec![piece.at] }),
+        }
+    }
+    while runs.len() > 2
+        && let Some(i) = (0..runs.len()).min_by_key(|&i| runs[i].points.len())
+        && runs[i].points.len() < LEAST_RUN
+    {
+        // Its neighbours are of one kind.
+        runs.rotate_left(i);
+        let short = runs.remove(0);
+        let after = runs.remove(0);
+        let before = &mut runs.last_mut()?.points;
+        before.extend(short.points);
+        before.extend(after.points);
+    }
+    Some(runs)
+}
+
+/// The tips in the open part of an outline, which goes from the hub's end round one edge, the tips and the other edge:
+/// between its two sharpest corners.
+fn tips(open: &[DVec2]) -> Option<Run> {
+    let n = open.len();
+    let reach = (n / 12).clamp(3, 12);
+    let turn = |i: usize| (open[i] - open[i - reach]).angle_to(open[i + reach] - open[i]);
+    let corners = || reach..n.saturating_sub(reach);
+    let sharpest = |from: &dyn Fn(usize) -> bool| {
+        corners().filter(|&i| from(i)).max_by(|&a, &b| turn(a).total_cmp(&turn(b))).filter(|&i| turn(i) > LEAST_CORNER)
+    };
+    let one = sharpest(&|_| true)?;
+    let other = sharpest(&|i| i.abs_diff(one) > 2 * reach)?;
+    Some(Run { is_solid: false, points: open[one.min(other)..=one.max(other)].to_vec() })
+}
+
+/// Points at equal steps along the polynomial through a run of the outline, whose own points lie on a lattice.
+fn smooth(run: &[DVec2]) -> Option<Vec<DVec2>> {
+    let mean = |i: usize| {
+        let near = &run[i.saturating_sub(2)..(i + 3).min(run.len())];
+        near.iter().sum::<DVec2>() / near.len() as f64
+    };
+    let means: Vec<DVec2> = (0..run.len()).map(mean).collect();
+    let mut lengths = vec![0.0];
+    for pair in means.windows(2) {
+        lengths.push(lengths[lengths.len() - 1] + pair[0].distance(pair[1]));
+    }
+    let total = lengths[lengths.len() - 1];
+    // Chebyshev's polynomials of the share of the length, taken to -1..1.
+    let basis = |t: f64, k: usize| (k as f64 * (2.0 * t - 1.0).clamp(-1.0, 1.0).acos()).cos();
+    let matrix = DMatrix::from_fn(run.len(), DEGREE + 1, |i, k| basis(lengths[i] / total, k));
+    let values = DMatrix::from_fn(run.len(), 2, |i, k| run[i][k]);
+    let solution = matrix.svd(true, true).solve(&values, 1e-12).ok()?;
+    let at = |t: f64| {
+        let of = |c: usize| (0..=DEGREE).map(|k| solution[(k, c)] * basis(t, k)).sum();
+        DVec2::new(of(0), of(1))
+    };
+    Some((0..=PIECES).map(|i| at(i as f64 / PIECES as f64)).collect())
+}
+
+/// Lines from the hub, which of two walls is that of smaller radius, to the shroud or the tips, in order of rising x or, where the passage
+/// runs more along the radius, of rising radius.
+fn ordered(one: Vec<DVec2>, mut other: Vec<DVec2>, shrouded: bool) -> Vec<[DVec2; 2]> {
+    other.reverse();
+    let mean = |curve: &[DVec2]| curve.iter().sum::<DVec2>() / curve.len() as f64;
+    let across = mean(&other) - mean(&one);
+    let height = across.length();
+    let one_is_hub = if !shrouded {
+        true
+    } else if across.y.abs() > SAME_RADIUS * height {
+        across.y > 0.0
+    } else {
+        across.x > 0.0
+    };
+    let (hub, shroud) = if one_is_hub { (one, other) } else { (other, one) };
+    let mut lines: Vec<_> = hub.into_iter().zip(shroud).map(|(hub, shroud)| [hub, shroud]).collect();
+    let way = lines.last().zip(lines.first()).map_or(DVec2::ZERO, |(b, a)| b[0] + b[1] - a[0] - a[1]);
+    if (if way.x.abs() >= way.y.abs() { way.x } else { way.y }) < 0.0 {
+        lines.reverse();
+    }
+    lines
+}

@@ -1,0 +1,226 @@
+//! Hub and shroud of a passage in any direction, met by rays along the lines across it.
+
+use glam::DVec2;
+
+use super::super::channel::{Flow, Station, Surface};
+use super::super::error::BliskError;
+use super::super::frame::slices::Gap;
+use super::flow::Lines;
+use super::meridian::{DIP, MIDDLE_SHARE, Meridian, Place, RAYS, Tracer};
+
+/// Share of the height away from an end wall where its rays begin, and how far beyond it they look for it.
+const BESIDE: f64 = 0.2;
+/// An end wall that goes on bends away by less than this share of the height from one station to the next.
+const GOES_ON: f64 = 0.01;
+/// A last station nearer to the one before than this share of their steps is left out.
+const LEAST_STEP: f64 = 0.1;
+/// Lines at either end that may lie beyond the end walls.
+const LAST_LINES: usize = 5;
+/// Most stations beside the blades at either end.
+const MOST_BESIDE: usize = 400;
+/// Steps of the height in which the tips are looked for, and how far (shares of the height).
+const TIP_STEPS: usize = 40;
+const MOST_TIP: f64 = 1.5;
+/// End walls face the rays to them at least so squarely (cosine).
+const LEAST_FACING: f64 = 0.3;
+/// Steps in which the channel's gap is followed across the passage.
+const STEPS: usize = 12;
+
+/// The channel's gap at the middle of a station and where its rays begin; beside the blades those of their edges.
+#[derive(Clone, Copy)]
+struct Gaps {
+    hub: Gap,
+    middle: Gap,
+    shroud: Gap,
+}
+
+impl Tracer<'_> {
+    /// Hub and shroud along `lines` and on along the rings beside the blades, as far as both reach. `start` is a place
+    /// between the blades; the one that is returned with them is in the middle of a station.
+    pub(super) fn tube(&self, start: Place, lines: &Lines) -> Result<(Meridian, Place), BliskError> {
+        let lost = |at: DVec2| BliskError::LostWall { x: at.x, r: at.y };
+        let at = DVec2::new(start.x, start.r);
+        let far = |line: &[DVec2; 2]| (0.5 * (line[0] + line[1])).distance_squared(at);
+        let Lines { lines, shrouded } = lines;
+        let shrouded = *shrouded;
+        let Some(first) = (0..lines.len()).min_by(|&a, &b| far(&lines[a]).total_cmp(&far(&lines[b]))) else {
+            return Err(lost(at));
+        };
+        let middle = station(lines[first]);
+        let gap = self.followed(&start.gap, at, middle.place(0.5)).ok_or(lost(middle.place(0.5)))?;
+        let across = |share: f64| self.followed(&gap, middle.place(0.5), middle.place(share)).unwrap_or(gap);
+        let gaps = Gaps { hub: across(BESIDE), middle: gap, shroud: across(1.0 - BESIDE) };
+        let measured = self.measured(lines[first], &gaps, shrouded).ok_or(lost(middle.place(0.5)))?;
+        let mut stations = self.outwards(measured, lines[..first].iter().rev().copied(), shrouded)?;
+        stations.reverse();
+        let before = stations.len();
+        stations.push(measured.0);
+        stations.extend(self.outwards(measured, lines[first + 1..].iter().copied(), shrouded)?);
+        let mut along = 0.0;
+        for i in 1..stations.len() {
+            let (before, here) = (stations[i - 1], stations[i]);
+            let step = here.place(0.5) - before.place(0.5);
+            let advances = [here.hub - before.hub, here.shroud - before.shroud].iter().all(|d| d.dot(step) > 0.0);
+            if !advances {
+                return Err(lost(here.place(0.5)));
+            }
+            along += step.length();
+            stations[i].along = along;
+        }
+        let steps: Vec<DVec2> = lines.windows(2).map(|w| w[1][0] + w[1][1] - w[0][0] - w[0][1]).collect();
+        let is_radial = steps.iter().all(|d| d.y.abs() >= d.x.abs());
+        let flow = if is_radial { Flow::Radial } else { Flow::Mixed };
+        let here = stations[before];
+        let at = here.place(0.5);
+        let place = Place { along: here.along, x: at.x, r: at.y, gap: measured.1.middle };
+        Ok((Meridian { stations, flow, shrouded }, place))
+    }
+
+    /// Stations of `lines` beyond a known one, and from there on at equal steps up to where an end wall ends.
+    fn outwards(
+        &self,
+        from: (Station, Gaps),
+        lines: impl ExactSizeIterator<Item = [DVec2; 2]>,
+        shrouded: bool,
+    ) -> Result<Vec<Station>, BliskError> {
+        let (mut here, mut gaps) = from;
+        let mut stations = Vec::new();
+        let count = lines.len();
+        for (i, line) in lines.enumerate() {
+            self.cancel.check()?;
+            let at = station(line).place(0.5);
+            let Some(next) = self.measured(line, &gaps, shrouded) else {
+                // The lines are found to about a point of the lattice: the last ones may lie beyond the end walls' ends.
+                if i + LAST_LINES >= count {
+                    break;
+                }
+                return Err(BliskError::LostWall { x: at.x, r: at.y });
+            };
+            stations.push(next.0);
+            (here, gaps) = next;
+        }
+        let step = match stations[..] {
+            [.., before, last] => [last.hub - before.hub, last.shroud - before.shroud],
+            _ => return Ok(stations),
+        };
+        let beyond = |here: &Station, share: f64| [here.hub + share * step[0], here.shroud + share * step[1]];
+        // Beside the tips nothing bounds the passage, which is as long as it is high there.
+        let most =
+            if shrouded { MOST_BESIDE } else { (here.height() / step[0].length().max(step[1].length())) as usize };
+        for _ in 0..most.min(MOST_BESIDE) {
+            self.cancel.check()?;
+            if let Some(next) = self.beside(beyond(&here, 1.0), &gaps, shrouded) {
+                stations.push(next.0);
+                (here, gaps) = next;
+                continue;
+            }
+            let (mut good, mut bad, mut last) = (0.0, 1.0, None);
+            while bad - good > 1e-7 {
+                let middle = 0.5 * (good + bad);
+                match self.beside(beyond(&here, middle), &gaps, shrouded) {
+                    Some(next) => (good, last) = (middle, Some(next.0)),
+                    None => bad = middle,
+                }
+            }
+            stations.extend(last.filter(|_| good > LEAST_STEP));
+            break;
+        }
+        Ok(stations)
+    }
+
+    /// The end walls on a line beyond the last station, if both go on there.
+    fn beside(&self, line: [DVec2; 2], near: &Gaps, shrouded: bool) -> Option<(Station, Gaps)> {
+        let next = self.measured(line, near, shrouded)?;
+        let most = GOES_ON * next.0.height();
+        let off = next.0.hub.distance(line[0]).max(next.0.shroud.distance(line[1]));
+        (off < most).then_some(next)
+    }
+
+    /// The end walls on a line, and its gaps, which continue `near`.
+    fn measured(&self, line: [DVec2; 2], near: &Gaps, shrouded: bool) -> Option<(Station, Gaps)> {
+        let guess = station(line);
+        let gap = |share: f64, near: &Gap| {
+            let at = guess.place(share);
+            self.bladed_gap(at.x, at.y, near)
+        };
+        let bladed = gap(0.5, &near.middle);
+        let middle = bladed.unwrap_or(near.middle);
+        let beside = |share: f64, near: &Gap| gap(share, near).unwrap_or(*near);
+        let gaps = Gaps { hub: beside(BESIDE, &near.hub), middle, shroud: beside(1.0 - BESIDE, &near.shroud) };
+        let hub = self.end_wall(&guess, &gaps.hub, Surface::Hub)?;
+        let shroud = match (shrouded, bladed) {
+            (true, _) => self.end_wall(&guess, &gaps.shroud, Surface::Shroud)?,
+            (false, Some(gap)) => self.tip(&guess, gap),
+            (false, None) => guess.shroud,
+        };
+        Some((station([hub, shroud]), gaps))
+    }
+
+    /// The hub or the shroud on the line of `guess`, met by rays that begin beside it.
+    fn end_wall(&self, guess: &Station, gap: &Gap, surface: Surface) -> Option<DVec2> {
+        let share = if surface == Surface::Hub { BESIDE } else { 1.0 - BESIDE };
+        let height = guess.height();
+        let [from, toward] = self.start_of(guess, share, surface);
+        let half = 0.5 * MIDDLE_SHARE * gap.width().min(self.pitch);
+        let theta = |i: usize| gap.middle() + half * (2.0 * i as f64 / (RAYS - 1) as f64 - 1.0);
+        let met = (0..RAYS).filter_map(|i| self.met(theta(i), from, toward, 2.0 * BESIDE * height));
+        let mut met: Vec<(f64, u32)> = met.collect();
+        met.sort_by(|a, b| a.0.total_cmp(&b.0));
+        if 3 * met.len() < RAYS {
+            return None;
+        }
+        // The same wall is met as far off as its facets dip; what differs more is a fillet or a blade.
+        let (typical, triangle) = met[met.len() / 2];
+        let dip = DIP * height + 2.0 * self.slices.radial_sag(triangle, (from + typical * toward).y);
+        let nearest = met.iter().map(|m| m.0).find(|d| *d >= typical - dip)?;
+        Some(from + nearest * toward)
+    }
+
+    /// The end of the blades on the line of `guess`, from the channel's middle outwards.
+    fn tip(&self, guess: &Station, mut gap: Gap) -> DVec2 {
+        let step = 1.0 / TIP_STEPS as f64;
+        let (mut good, mut bad) = (0.5, None);
+        while good < MOST_TIP && bad.is_none() {
+            let at = guess.place(good + step);
+            match self.bladed_gap(at.x, at.y, &gap) {
+                Some(next) => (good, gap) = (good + step, next),
+                None => bad = Some(good + step),
+            }
+        }
+        let mut bad = bad.unwrap_or(good);
+        while bad - good > 1e-6 * step {
+            let middle = 0.5 * (good + bad);
+            let at = guess.place(middle);
+            match self.bladed_gap(at.x, at.y, &gap) {
+                Some(next) => (good, gap) = (middle, next),
+                None => bad = middle,
+            }
+        }
+        guess.place(good)
+    }
+
+    /// Where on a station rays to an end wall begin, and their direction (x, r).
+    pub(super) fn start_of(&self, station: &Station, share: f64, surface: Surface) -> [DVec2; 2] {
+        let up = (station.shroud - station.hub).normalize_or(DVec2::Y);
+        [station.place(share), if surface == Surface::Hub { -up } else { up }]
+    }
+
+    /// Where the ray from `from` (x, r) along `toward` in the half plane at `theta` meets the solid from outside: the
+    /// distance (mm) and the triangle. A face that it only grazes is no end wall.
+    pub(super) fn met(&self, theta: f64, from: DVec2, toward: DVec2, reach: f64) -> Option<(f64, u32)> {
+        let (distance, triangle) = self.slices.first_in_half_plane(theta, from, toward, reach)?;
+        (self.slices.meridional_normal(triangle, theta).dot(toward) < -LEAST_FACING).then_some((distance, triangle))
+    }
+
+    /// The gap at `to` that `gap` at `from` goes over into along the straight line between them (x, r).
+    pub(super) fn followed(&self, gap: &Gap, from: DVec2, to: DVec2) -> Option<Gap> {
+        (1..=STEPS).try_fold(*gap, |near, i| {
+            let at = from.lerp(to, i as f64 / STEPS as f64);
+            self.bladed_gap(at.x, at.y, &near)
+        })
+    }
+}
+
+fn station([hub, shroud]: [DVec2; 2]) -> Station {
+    Station { along: 0.0, hub, shroud }
+}
