@@ -192,6 +192,9 @@ pub struct Channel {
     /// How well the walls, the hub and the shroud agree with the mesh, measured between the places that they were found
     /// from. Empty for a channel that was not found in a mesh.
     pub agreement: Vec<Agreement>,
+    /// Numbers of the channels whose surfaces are not those of this one turned about the axis: what is planned for this
+    /// one does not fit them.
+    pub unlike: Vec<usize>,
     /// Assumptions made in finding the channel, in plain sentences for the user.
     pub assumed: Vec<String>,
 }

@@ -348,11 +348,19 @@ impl TestWheel {
 
     /// All shells together.
     pub fn mesh(&self) -> Mesh {
+        self.mesh_with_blade_turned(0, 0.0)
+    }
+
+    /// All shells together, the blade of this number turned about the axis by `turn` (rad).
+    pub fn mesh_with_blade_turned(&self, blade: usize, turn: f64) -> Mesh {
         let mut mesh = self.wall(0.0, -1.0);
         if self.shrouded {
             mesh = together(mesh, &self.wall(1.0, 1.0));
         }
-        (0..self.blades).fold(mesh, |mesh, k| together(mesh, &self.blade(TAU * k as f64 / self.blades as f64)))
+        (0..self.blades).fold(mesh, |mesh, k| {
+            let turn = if k == blade { turn } else { 0.0 };
+            together(mesh, &self.blade(TAU * k as f64 / self.blades as f64 + turn))
+        })
     }
 
     /// The wall of revolution at `share` of the height, thick towards `sign`.
@@ -443,6 +451,7 @@ pub fn exact_channel(blisk: &ParametricBlisk) -> Channel {
         turning: 0.5 * (ends[1] - ends[0]),
         faces_x: blisk.faces_x(),
         agreement: Vec::new(),
+        unlike: Vec::new(),
         assumed: Vec::new(),
         low,
         high,

@@ -20,17 +20,26 @@ const DOUBT: f64 = 0.025;
 const DOUBT_SHARE: f64 = 0.001;
 /// A narrower throat is none (mm).
 const LEAST_THROAT: f64 = 0.01;
-/// Stations along X, and places across the channel at each.
-const STATIONS: usize = 40;
-const ACROSS: usize = 9;
 /// Share of the channel's width that the end walls are measured over: fillets round the rest.
 const MIDDLE_SHARE: f64 = 0.5;
 /// Greatest share of the height that is taken for the mesh's own chord error.
 const MOST_CHORD: f64 = 0.02;
 /// Share of the height that the rays to an end wall start from it.
 const START: f64 = 0.1;
-/// Every so many cells of a wall's grid one is measured.
-const EVERY: usize = 2;
+
+/// How densely a channel is measured.
+#[derive(Clone, Copy)]
+struct Density {
+    /// Every so many cells of a wall's grid one is measured.
+    every: usize,
+    /// Stations at which hub and shroud are measured, and places across the channel at each.
+    stations: usize,
+    across: usize,
+}
+
+/// For the channel itself, and for whether the others are like it.
+const DENSE: Density = Density { every: 2, stations: 40, across: 9 };
+const SPARSE: Density = Density { every: 8, stations: 8, across: 3 };
 
 /// One measured place: how far off the mesh it is, how far it may be, and where.
 #[derive(Clone, Copy)]
@@ -40,39 +49,141 @@ struct Sample {
     at: DVec3,
 }
 
-/// Measures walls and end walls of a channel against its mesh, and its throat.
-///
-/// # Errors
-/// [`BliskError::Disagrees`] where more than a few places of a surface are not where the channel has them, and
-/// [`BliskError::NoThroat`] where its walls touch: what was found is no channel of this part then.
-pub(super) fn agreement(
-    tracer: &Tracer,
-    meridian: &Meridian,
-    walls: [&ChannelWall; 2],
-    throat: &Throat,
-) -> Result<Vec<Agreement>, BliskError> {
-    let heights = meridian.stations.iter().map(Station::height);
-    let doubt = DOUBT.max(DOUBT_SHARE * heights.fold(f64::INFINITY, f64::min));
-    let mut all = Vec::new();
-    for (surface, wall, end) in
-        [(Surface::LowWall, walls[0], low as fn(&Gap) -> Crossing), (Surface::HighWall, walls[1], high)]
-    {
-        tracer.cancel.check()?;
-        all.push(summary(surface, wall_samples(tracer, walls, wall, end), doubt));
+/// A channel to be measured against its mesh.
+pub(super) struct Measured<'a> {
+    pub tracer: &'a Tracer<'a>,
+    pub meridian: &'a Meridian,
+    /// The low and the high wall.
+    pub walls: [&'a ChannelWall; 2],
+}
+
+impl Measured<'_> {
+    /// Measures walls and end walls against the mesh, and takes the throat into account.
+    ///
+    /// # Errors
+    /// [`BliskError::Disagrees`] where more than a few places of a surface are not where the channel has them, and
+    /// [`BliskError::NoThroat`] where its walls touch: what was found is no channel of this part then.
+    pub fn agreement(&self, throat: &Throat) -> Result<Vec<Agreement>, BliskError> {
+        let doubt = self.doubt();
+        let all = self.samples(DENSE, 0.0)?.map(|(surface, samples)| summary(surface, samples, doubt));
+        let all: Vec<Agreement> = all.collect();
+        if let Some(a) = all.iter().find(|a| a.doubted > 1.0 - ENOUGH) {
+            return Err(BliskError::Disagrees(*a));
+        }
+        if throat.width_mm < LEAST_THROAT {
+            let Cylindrical { x, r, .. } = Cylindrical::from_point(throat.on_low_wall);
+            return Err(BliskError::NoThroat { x, r });
+        }
+        Ok(all)
     }
-    let ends = if meridian.shrouded { &[Surface::Hub, Surface::Shroud][..] } else { &[Surface::Hub] };
-    for &surface in ends {
-        tracer.cancel.check()?;
-        all.push(summary(surface, end_wall_samples(tracer, &meridian.stations, walls, surface), doubt));
+
+    /// The channels, counted on from this one, of which more than a few places of a surface are further than `tolerance`
+    /// (mm) from those of this channel turned about the axis.
+    pub fn unlike(&self, blades: usize, tolerance: f64) -> Result<Vec<usize>, BliskError> {
+        let doubt = self.doubt().max(tolerance);
+        let is_unlike = |k: usize| {
+            let mut samples = self.samples(SPARSE, k as f64 * self.tracer.pitch)?;
+            Ok::<_, BliskError>(
+                samples.any(|(surface, samples)| summary(surface, samples, doubt).doubted > 1.0 - ENOUGH),
+            )
+        };
+        let all: Vec<Result<bool, BliskError>> = (1..blades).into_par_iter().map(is_unlike).collect();
+        let all = all.into_iter().collect::<Result<Vec<_>, _>>()?;
+        Ok(all.into_iter().zip(1..).filter_map(|(is_unlike, k)| is_unlike.then_some(k)).collect())
     }
-    if let Some(a) = all.iter().find(|a| a.doubted > 1.0 - ENOUGH) {
-        return Err(BliskError::Disagrees(*a));
+
+    /// Distance from which on a place is doubted (mm).
+    fn doubt(&self) -> f64 {
+        let heights = self.meridian.stations.iter().map(Station::height);
+        DOUBT.max(DOUBT_SHARE * heights.fold(f64::INFINITY, f64::min))
     }
-    if throat.width_mm < LEAST_THROAT {
-        let Cylindrical { x, r, .. } = Cylindrical::from_point(throat.on_low_wall);
-        return Err(BliskError::NoThroat { x, r });
+
+    /// The measured places of each surface of the channel that lies `turn` further about the axis (rad).
+    fn samples(&self, density: Density, turn: f64) -> Result<impl Iterator<Item = (Surface, Vec<Sample>)>, BliskError> {
+        let ends = if self.meridian.shrouded { &[Surface::Hub, Surface::Shroud][..] } else { &[Surface::Hub] };
+        self.tracer.cancel.check()?;
+        let walls = [(Surface::LowWall, low as fn(&Gap) -> Crossing), (Surface::HighWall, high)];
+        let walls = walls.into_iter().zip(self.walls);
+        let walls = walls.map(move |((surface, end), wall)| (surface, self.wall_samples(wall, end, density, turn)));
+        let ends = ends.iter().map(move |&surface| (surface, self.end_wall_samples(surface, density, turn)));
+        Ok(walls.chain(ends))
     }
-    Ok(all)
+
+    /// The middles of the cells of a wall's grid: where the circle through each meets the mesh.
+    fn wall_samples(&self, wall: &ChannelWall, end: fn(&Gap) -> Crossing, density: Density, turn: f64) -> Vec<Sample> {
+        let tracer = self.tracer;
+        let every = density.every;
+        let cells = (1..wall.nu).step_by(every).flat_map(|u| (1..wall.nv).step_by(every).map(move |v| (u, v)));
+        let cells: Vec<_> = cells.collect();
+        let sample = |&(u, v): &(usize, usize)| {
+            let (at, sag) = cell(wall, u, v);
+            let Cylindrical { x, r, theta } = Cylindrical::from_point(at);
+            let thetas = self.walls.map(|wall| unwrapped(Cylindrical::from_point(cell(wall, u, v).0).theta, theta));
+            let near = |t: f64| Crossing { theta: t + turn, enters: true, triangle: 0 };
+            let near = Gap { low: near(thetas[0].min(theta)), high: near(thetas[1].max(theta)) };
+            let found = tracer.bladed_gap(x, r, &near).map(|gap| end(&gap));
+            let theta = theta + turn;
+            let off = found.map_or(f64::INFINITY, |crossing| {
+                let around = DVec3::new(0.0, -theta.cos(), -theta.sin());
+                // A triangle without area has no normal.
+                let normal = tracer.slices.normal(crossing.triangle).try_normalize().unwrap_or(around);
+                (r * (crossing.theta - theta)).abs() * normal.dot(around).abs()
+            });
+            Sample { off, allowed: TOLERANCE + sag, at }
+        };
+        cells.par_iter().map(sample).collect()
+    }
+
+    /// Rays along the stations from within the channel to its hub or shroud, over the middle of its width there.
+    fn end_wall_samples(&self, surface: Surface, density: Density, turn: f64) -> Vec<Sample> {
+        let (tracer, walls, meridian) = (self.tracer, self.walls, &self.meridian.stations[..]);
+        let (row, share, given) = if surface == Surface::Hub {
+            (0, 0.0, tracer.options.hub_radius_mm.given().is_some())
+        } else {
+            (walls[0].nv - 1, 1.0, tracer.options.shroud_radius_mm.given().is_some())
+        };
+        let start = START + (1.0 - 2.0 * START) * share;
+        let Density { stations, across, .. } = density;
+        let columns: Vec<usize> = (0..stations).map(|i| (i + 1) * (walls[0].nu - 1) / (stations + 1)).collect();
+        let of_column = |&u: &usize| {
+            let ends = walls.map(|wall| wall.cylindrical(u, row));
+            let middle = 0.5 * (DVec2::new(ends[0].x, ends[0].r) + DVec2::new(ends[1].x, ends[1].r));
+            let station = station_at(meridian, along_at(meridian, middle, INSET + (1.0 - 2.0 * INSET) * share));
+            let [from, toward] = tracer.start_of(&station, start, surface);
+            let expected = START * station.height();
+            let [first, last] = [ends[0].theta, unwrapped(ends[1].theta, ends[0].theta)];
+            let (middle, half) = (0.5 * (first + last) + turn, 0.5 * MIDDLE_SHARE * (last - first));
+            let samples = (0..across).map(move |k| {
+                let theta = middle + half * (2.0 * k as f64 / (across - 1) as f64 - 1.0);
+                let met = tracer.met(theta, from, toward, f64::INFINITY);
+                let end = from + met.map_or(expected, |(distance, _)| distance) * toward;
+                // A radius given by hand may leave metal to others, but may not reach into the part.
+                let off = met.map_or(f64::INFINITY, |(distance, _)| {
+                    if given { (expected - distance).max(0.0) } else { (expected - distance).abs() }
+                });
+                let chord =
+                    met.map_or(0.0, |(_, triangle)| chord_error(tracer.slices, meridian, share, triangle, end.y));
+                let at = Cylindrical { x: end.x, r: end.y, theta }.point();
+                Sample { off, allowed: TOLERANCE + chord.min(MOST_CHORD * station.height()), at }
+            });
+            samples.collect::<Vec<_>>()
+        };
+        columns.par_iter().map(of_column).collect::<Vec<_>>().concat()
+    }
+}
+
+/// The middle of the cell of a wall's grid that ends at (`u`, `v`), and how far the cell lies off the bent surface (mm).
+fn cell(wall: &ChannelWall, u: usize, v: usize) -> (DVec3, f64) {
+    let places = [(u - 1, v - 1), (u, v - 1), (u, v), (u - 1, v)];
+    let corners = places.map(|(u, v)| wall.point(u, v));
+    // Halfway along the diagonals the grid lies on either side of a bent surface.
+    let bend = (corners[0] + corners[2] - corners[1] - corners[3]).length() / 4.0;
+    let sag = [[0, 1], [1, 2], [2, 3], [3, 0]].map(|[i, k]| {
+        let [p, q] = [places[i], places[k]];
+        let turn = wall.normal(p.0, p.1).angle_between(wall.normal(q.0, q.1));
+        corners[i].distance(corners[k]) * turn / 8.0
+    });
+    (corners.iter().sum::<DVec3>() / 4.0, bend + sag[0].max(sag[2]) + sag[1].max(sag[3]))
 }
 
 fn low(gap: &Gap) -> Crossing {
@@ -100,83 +211,9 @@ fn summary(surface: Surface, samples: Vec<Sample>, doubt: f64) -> Agreement {
     }
 }
 
-/// The middles of the cells of a wall's grid: where the circle through each meets the mesh.
-fn wall_samples(
-    tracer: &Tracer,
-    walls: [&ChannelWall; 2],
-    wall: &ChannelWall,
-    end: fn(&Gap) -> Crossing,
-) -> Vec<Sample> {
-    let cells = (1..wall.nu).step_by(EVERY).flat_map(|u| (1..wall.nv).step_by(EVERY).map(move |v| (u, v)));
-    let cells: Vec<_> = cells.collect();
-    let sample = |&(u, v): &(usize, usize)| {
-        let middle = |wall: &ChannelWall| {
-            let corners = [(u - 1, v - 1), (u, v - 1), (u, v), (u - 1, v)].map(|(u, v)| wall.point(u, v));
-            let middle = corners.iter().sum::<DVec3>() / 4.0;
-            // Halfway along the diagonals the grid lies on either side of a bent surface.
-            let bend = (corners[0] + corners[2] - corners[1] - corners[3]).length() / 4.0;
-            let sag = [[0, 1], [1, 2], [2, 3], [3, 0]].map(|[i, k]| {
-                let at = |i: usize| [(u - 1, v - 1), (u, v - 1), (u, v), (u - 1, v)][i];
-                let (p, q) = (at(i), at(k));
-                let turn = wall.normal(p.0, p.1).angle_between(wall.normal(q.0, q.1));
-                corners[i].distance(corners[k]) * turn / 8.0
-            });
-            (middle, bend + sag[0].max(sag[2]) + sag[1].max(sag[3]))
-        };
-        let (at, sag) = middle(wall);
-        let Cylindrical { x, r, theta } = Cylindrical::from_point(at);
-        let thetas = walls.map(|wall| unwrapped(Cylindrical::from_point(middle(wall).0).theta, theta));
-        let near = |t: f64| Crossing { theta: t, enters: true, triangle: 0 };
-        let near = Gap { low: near(thetas[0].min(theta)), high: near(thetas[1].max(theta)) };
-        let found = tracer.bladed_gap(x, r, &near).map(|gap| end(&gap));
-        let off = found.map_or(f64::INFINITY, |crossing| {
-            let around = DVec3::new(0.0, -theta.cos(), -theta.sin());
-            // A triangle without area has no normal.
-            let normal = tracer.slices.normal(crossing.triangle).try_normalize().unwrap_or(around);
-            (r * (crossing.theta - theta)).abs() * normal.dot(around).abs()
-        });
-        Sample { off, allowed: TOLERANCE + sag, at }
-    };
-    cells.par_iter().map(sample).collect()
-}
-
 /// `theta` in the turn that is nearest to `near`.
 fn unwrapped(theta: f64, near: f64) -> f64 {
     near + geometry::frame::wrap_angle(theta - near)
-}
-
-/// Rays along the stations from within the channel to its hub or shroud, over the middle of its width there.
-fn end_wall_samples(tracer: &Tracer, meridian: &[Station], walls: [&ChannelWall; 2], surface: Surface) -> Vec<Sample> {
-    let (row, share, given) = if surface == Surface::Hub {
-        (0, 0.0, tracer.options.hub_radius_mm.given().is_some())
-    } else {
-        (walls[0].nv - 1, 1.0, tracer.options.shroud_radius_mm.given().is_some())
-    };
-    let start = START + (1.0 - 2.0 * START) * share;
-    let columns: Vec<usize> = (0..STATIONS).map(|i| (i + 1) * (walls[0].nu - 1) / (STATIONS + 1)).collect();
-    let of_column = |&u: &usize| {
-        let ends = walls.map(|wall| wall.cylindrical(u, row));
-        let middle = 0.5 * (DVec2::new(ends[0].x, ends[0].r) + DVec2::new(ends[1].x, ends[1].r));
-        let station = station_at(meridian, along_at(meridian, middle, INSET + (1.0 - 2.0 * INSET) * share));
-        let [from, toward] = tracer.start_of(&station, start, surface);
-        let expected = START * station.height();
-        let [first, last] = [ends[0].theta, unwrapped(ends[1].theta, ends[0].theta)];
-        let (middle, half) = (0.5 * (first + last), 0.5 * MIDDLE_SHARE * (last - first));
-        let samples = (0..ACROSS).map(move |k| {
-            let theta = middle + half * (2.0 * k as f64 / (ACROSS - 1) as f64 - 1.0);
-            let met = tracer.met(theta, from, toward, f64::INFINITY);
-            let end = from + met.map_or(expected, |(distance, _)| distance) * toward;
-            // A radius given by hand may leave metal to others, but may not reach into the part.
-            let off = met.map_or(f64::INFINITY, |(distance, _)| {
-                if given { (expected - distance).max(0.0) } else { (expected - distance).abs() }
-            });
-            let chord = met.map_or(0.0, |(_, triangle)| chord_error(tracer.slices, meridian, share, triangle, end.y));
-            let at = Cylindrical { x: end.x, r: end.y, theta }.point();
-            Sample { off, allowed: TOLERANCE + chord.min(MOST_CHORD * station.height()), at }
-        });
-        samples.collect::<Vec<_>>()
-    };
-    columns.par_iter().map(of_column).collect::<Vec<_>>().concat()
 }
 
 /// How far a triangle that is met at radius `r` may lie off the surface of revolution that it stands for (mm): its chord

@@ -12,6 +12,7 @@ mod walls;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
+use self::agreement::Measured;
 use self::flow::Lines;
 use self::meridian::{Meridian, Place, Tracer};
 use self::walls::{INSET, WallFinder};
@@ -81,7 +82,11 @@ pub(super) fn channel_of(
     [low.side, high.side] = sides;
     let faces_x = measure::faces_x(slices.mesh(), &meridian.stations);
     assumed.extend(end_wall_assumptions(options, &meridian));
-    let agreement = agreement::agreement(&tracer, &meridian, [&low, &high], &throat)?;
+    let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&low, &high] };
+    let agreement = measured.agreement(&throat)?;
+    let unlike = measured.unlike(blades, blisk.repetition.tolerance_mm)?;
+    let unlike: Vec<usize> = unlike.into_iter().map(|k| (options.channel + k) % blades).collect();
+    assumed.extend(unlike_sentence(&unlike, blades));
     task.report("channel", 1.0, "");
     Ok(Channel {
         frame,
@@ -96,6 +101,7 @@ pub(super) fn channel_of(
         turning,
         faces_x,
         agreement,
+        unlike,
         assumed,
     })
 }
@@ -187,6 +193,23 @@ fn end_wall_assumptions(options: &BliskOptions, meridian: &Meridian) -> Vec<Stri
     });
     assumed.push(inset(shrouded));
     assumed
+}
+
+/// Says which channels are not like the one that was found.
+fn unlike_sentence(unlike: &[usize], blades: usize) -> Option<String> {
+    const MOST: usize = 8;
+    let mut sorted = unlike.to_vec();
+    sorted.sort_unstable();
+    let names: Vec<String> = sorted.iter().take(MOST).map(usize::to_string).collect();
+    let more = if sorted.len() > MOST { ", …" } else { "" };
+    (!sorted.is_empty()).then(|| {
+        format!(
+            "{} of the other {} channels are not like this one ({}{more}): what is planned here does not fit them.",
+            sorted.len(),
+            blades - 1,
+            names.join(", ")
+        )
+    })
 }
 
 fn inset(shrouded: bool) -> String {

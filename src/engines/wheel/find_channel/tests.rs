@@ -472,3 +472,23 @@ fn only_a_passage_along_the_axis_is_bounded_by_one_radius() {
     let error = find(&TestWheel::nozzle_ring().mesh(), &options).unwrap_err();
     assert_eq!(error, BliskError::NotAxial { key: "hub_radius_mm" });
 }
+
+#[test]
+fn channels_that_are_not_like_the_found_one_are_named() {
+    let part = TestBlisk::default();
+    assert!(found(&part.mesh()).unlike.is_empty());
+    // A lump on the hub of channel 3 and, in the same way, on the shroud of channel 7.
+    let lumps = [(3.0, 50.0), (7.0, 62.0)].map(|(channel, radius)| {
+        let theta = part.pitch() * channel + 0.5 * part.wall(7.0, 56.0).iter().sum::<f64>();
+        let at = Cylindrical { x: 7.0, r: radius, theta }.point();
+        Mesh::cuboid(DVec3::splat(6.0)).mapped(|p| p - DVec3::splat(3.0) + at)
+    });
+    let mesh = lumps.iter().fold(part.mesh(), |mesh, lump| together(mesh, lump));
+    let channel = found(&mesh);
+    assert_eq!(channel.unlike.len(), 2, "{:?}", channel.unlike);
+    assert!(channel.assumed.iter().any(|a| a.contains("2 of the other 23 channels are not like this one")));
+    // One blade out of 24 turned by 0.4 mm spoils the channels on both its sides.
+    let blades = TestWheel { thickness: 3.0, ..TestWheel::nozzle_ring() };
+    let turned = blades.mesh_with_blade_turned(5, 0.4 / 80.0);
+    assert_eq!(found(&turned).unlike.len(), 2);
+}
