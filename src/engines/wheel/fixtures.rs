@@ -297,6 +297,8 @@ pub struct TestWheel {
     pub shrouded: bool,
     /// Shares of the passage between which the blades stand.
     pub span: [f64; 2],
+    /// Those of every other blade, which stands further about the axis by an angle (rad), where they are splitters.
+    pub splitter: Option<([f64; 2], f64)>,
     /// Angle that a blade winds about the axis over the whole passage (rad).
     pub wrap: f64,
     /// Thickness of a blade along the circumference (mm).
@@ -317,6 +319,7 @@ impl TestWheel {
             shroud: |t| DVec2::new(12.0, 68.0 + 36.0 * t),
             shrouded: true,
             span: [0.1, 0.9],
+            splitter: None,
             wrap: 0.5,
             thickness: 3.0,
         }
@@ -335,6 +338,7 @@ impl TestWheel {
             shroud: |t| arc(34.0, t),
             shrouded: true,
             span: [0.1, 0.95],
+            splitter: None,
             wrap: 1.2,
             thickness: 3.0,
         }
@@ -359,7 +363,8 @@ impl TestWheel {
         }
         (0..self.blades).fold(mesh, |mesh, k| {
             let turn = if k == blade { turn } else { 0.0 };
-            together(mesh, &self.blade(TAU * k as f64 / self.blades as f64 + turn))
+            let (span, further) = self.splitter.filter(|_| k % 2 == 1).unwrap_or((self.span, 0.0));
+            together(mesh, &self.blade(TAU * k as f64 / self.blades as f64 + turn + further, span))
         })
     }
 
@@ -388,13 +393,13 @@ impl TestWheel {
     }
 
     /// The blade whose middle begins at `theta`.
-    fn blade(&self, theta: f64) -> Mesh {
+    fn blade(&self, theta: f64, span: [f64; 2]) -> Mesh {
         let [_, along, across] = Self::PIECES;
         // Into the walls, or up to the tips.
         let shares = [-0.1, if self.shrouded { 1.1 } else { 1.0 }];
         let mix = |ends: [f64; 2], i: usize, n: usize| ends[0] + (ends[1] - ends[0]) * i as f64 / n as f64;
         let point = |(i, k, side): (usize, usize, f64)| {
-            let t = mix(self.span, i, along);
+            let t = mix(span, i, along);
             let place = self.place(t, mix(shares, k, across));
             let theta = theta + self.wrap * t + 0.5 * side * self.thickness / place.y;
             Cylindrical { x: place.x, r: place.y, theta }.point()

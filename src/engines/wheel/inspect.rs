@@ -172,7 +172,8 @@ impl fmt::Display for Inspection {
             row("Axis", axis.to_string())?;
         }
         if let Some(r) = &self.repetition {
-            row("Blades", r.blades.to_string())?;
+            let groups = format!("{} in {} equal groups of {}", r.blades, r.blades / r.kinds.max(1), r.kinds);
+            row("Blades", if r.kinds > 1 { groups } else { r.blades.to_string() })?;
             row(
                 "",
                 format!(

@@ -77,9 +77,9 @@ impl Measured<'_> {
         Ok(all)
     }
 
-    /// The channels, counted on from this one, of which more than a few places of a surface are further than `tolerance`
+    /// The channels of this one's kind, every one of `kinds`, counted on from this one, of which more than a few places of a surface are further than `tolerance`
     /// (mm) from those of this channel turned about the axis.
-    pub fn unlike(&self, blades: usize, tolerance: f64) -> Result<Vec<usize>, BliskError> {
+    pub fn unlike(&self, blades: usize, kinds: usize, tolerance: f64) -> Result<Vec<usize>, BliskError> {
         let doubt = self.doubt().max(tolerance);
         let is_unlike = |k: usize| {
             let mut samples = self.samples(SPARSE, k as f64 * self.tracer.pitch)?;
@@ -87,9 +87,10 @@ impl Measured<'_> {
                 samples.any(|(surface, samples)| summary(surface, samples, doubt).doubted > 1.0 - ENOUGH),
             )
         };
-        let all: Vec<Result<bool, BliskError>> = (1..blades).into_par_iter().map(is_unlike).collect();
+        let all: Vec<Result<bool, BliskError>> =
+            (1..blades / kinds).into_par_iter().map(|i| is_unlike(i * kinds)).collect();
         let all = all.into_iter().collect::<Result<Vec<_>, _>>()?;
-        Ok(all.into_iter().zip(1..).filter_map(|(is_unlike, k)| is_unlike.then_some(k)).collect())
+        Ok(all.into_iter().zip(1..).filter_map(|(is_unlike, i)| is_unlike.then_some(i * kinds)).collect())
     }
 
     /// Distance from which on a place is doubted (mm).

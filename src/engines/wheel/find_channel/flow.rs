@@ -25,7 +25,9 @@ const MOST_POINTS: usize = 40_000;
 /// Shorter runs of the outline are rounding (points).
 const LEAST_RUN: usize = 4;
 /// The blades' edges meet their tips in corners sharper than this (rad).
-const LEAST_CORNER: f64 = 0.35;
+const LEAST_CORNER: f64 = 0.2;
+/// Shares of the outline, as divisors, over which corners are seen from afar and from near.
+const CORNERS: [usize; 2] = [8, 30];
 /// Pieces that the lines divide the passage into.
 const PIECES: usize = 64;
 /// Degree of the polynomials that smooth hub and shroud.
@@ -168,17 +170,18 @@ fn runs(outline: &[Outline]) -> Option<Vec<Run>> {
 }
 
 /// The tips in the open part of an outline, which goes from the hub's end round one edge, the tips and the other edge:
-/// between its two sharpest corners.
+/// between the two places where it turns most, seen from afar, since edges may be rounded; then from near.
 fn tips(open: &[DVec2]) -> Option<Run> {
-    let n = open.len();
-    let reach = (n / 12).clamp(3, 12);
-    let turn = |i: usize| (open[i] - open[i - reach]).angle_to(open[i + reach] - open[i]);
-    let corners = || reach..n.saturating_sub(reach);
-    let sharpest = |from: &dyn Fn(usize) -> bool| {
-        corners().filter(|&i| from(i)).max_by(|&a, &b| turn(a).total_cmp(&turn(b))).filter(|&i| turn(i) > LEAST_CORNER)
+    let [far, near] = CORNERS.map(|share| (open.len() / share).max(3));
+    let turn = |i: usize, reach: usize| (open[i] - open[i - reach]).angle_to(open[i + reach] - open[i]);
+    let sharpest = |reach: usize, is_allowed: &dyn Fn(usize) -> bool| {
+        let all = (reach..open.len().saturating_sub(reach)).filter(|&i| is_allowed(i));
+        all.max_by(|&a, &b| turn(a, reach).total_cmp(&turn(b, reach)))
     };
-    let one = sharpest(&|_| true)?;
-    let other = sharpest(&|i| i.abs_diff(one) > 2 * reach)?;
+    let is_corner = |i: &usize| turn(*i, far) > LEAST_CORNER;
+    let one = sharpest(far, &|_| true).filter(is_corner)?;
+    let other = sharpest(far, &|i| i.abs_diff(one) > 2 * far).filter(is_corner)?;
+    let [one, other] = [one, other].map(|i| sharpest(near, &|k| k.abs_diff(i) <= far / 2).unwrap_or(i));
     Some(Run { is_solid: false, points: open[one.min(other)..=one.max(other)].to_vec() })
 }
 

@@ -84,9 +84,9 @@ pub(super) fn channel_of(
     assumed.extend(end_wall_assumptions(options, &meridian));
     let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&low, &high] };
     let agreement = measured.agreement(&throat)?;
-    let unlike = measured.unlike(blades, blisk.repetition.tolerance_mm)?;
+    let unlike = measured.unlike(blades, blisk.repetition.kinds, blisk.repetition.tolerance_mm)?;
     let unlike: Vec<usize> = unlike.into_iter().map(|k| (options.channel + k) % blades).collect();
-    assumed.extend(unlike_sentence(&unlike, blades));
+    assumed.extend(unlike_sentence(&unlike, blades / blisk.repetition.kinds));
     task.report("channel", 1.0, "");
     Ok(Channel {
         frame,
@@ -195,8 +195,8 @@ fn end_wall_assumptions(options: &BliskOptions, meridian: &Meridian) -> Vec<Stri
     assumed
 }
 
-/// Says which channels are not like the one that was found.
-fn unlike_sentence(unlike: &[usize], blades: usize) -> Option<String> {
+/// Says which of the channels of its kind, of which there are `alike`, are not like the one that was found.
+fn unlike_sentence(unlike: &[usize], alike: usize) -> Option<String> {
     const MOST: usize = 8;
     let mut sorted = unlike.to_vec();
     sorted.sort_unstable();
@@ -204,9 +204,9 @@ fn unlike_sentence(unlike: &[usize], blades: usize) -> Option<String> {
     let more = if sorted.len() > MOST { ", …" } else { "" };
     (!sorted.is_empty()).then(|| {
         format!(
-            "{} of the other {} channels are not like this one ({}{more}): what is planned here does not fit them.",
+            "{} of the other {} channels of its kind are not like this one ({}{more}): what is planned here does not fit them.",
             sorted.len(),
-            blades - 1,
+            alike - 1,
             names.join(", ")
         )
     })

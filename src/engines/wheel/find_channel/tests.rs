@@ -486,9 +486,31 @@ fn channels_that_are_not_like_the_found_one_are_named() {
     let mesh = lumps.iter().fold(part.mesh(), |mesh, lump| together(mesh, lump));
     let channel = found(&mesh);
     assert_eq!(channel.unlike.len(), 2, "{:?}", channel.unlike);
-    assert!(channel.assumed.iter().any(|a| a.contains("2 of the other 23 channels are not like this one")));
+    assert!(channel.assumed.iter().any(|a| a.contains("2 of the other 23 channels of its kind are not like")));
     // One blade out of 24 turned by 0.4 mm spoils the channels on both its sides.
     let blades = TestWheel { thickness: 3.0, ..TestWheel::nozzle_ring() };
     let turned = blades.mesh_with_blade_turned(5, 0.4 / 80.0);
     assert_eq!(found(&turned).unlike.len(), 2);
+}
+
+#[test]
+fn splitters_make_two_kinds_of_channels() {
+    // Nine main blades and a splitter behind each, not quite in the middle.
+    let part = TestWheel { blades: 18, splitter: Some(([0.5, 0.95], 0.02)), thickness: 2.0, ..TestWheel::impeller() };
+    let mesh = part.mesh();
+    let channels = [0, 1].map(|channel| find(&mesh, &BliskOptions { channel, ..Default::default() }).unwrap());
+    for channel in &channels {
+        assert_eq!((channel.blades, channel.flow, channel.unlike.len()), (18, Flow::Mixed, 0));
+        // Both kinds begin where the splitters do, half way along the arc of 42 mm radius.
+        let first = channel.low.cylindrical(0, 12);
+        let angle = (first.x + 30.0).atan2(70.0 - first.r);
+        assert!((angle - PI / 4.0).abs() < 0.02, "{first:?}");
+        assert!(channel.assumed.iter().any(|a| a.contains("repeat after every 2")), "{:?}", channel.assumed);
+    }
+    let width = |channel: &Channel| {
+        let [low, high] = [&channel.low, &channel.high].map(|wall| wall.cylindrical(40, 12).theta);
+        (high - low).rem_euclid(TAU)
+    };
+    let difference = (width(&channels[0]) - width(&channels[1])).abs();
+    assert!((difference - 0.04).abs() < 1e-3, "one is wider by as much as the other is narrower: {difference}");
 }

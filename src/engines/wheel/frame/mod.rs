@@ -21,6 +21,9 @@ use geometry::frame::Frame;
 use geometry::mesh::Mesh;
 use task::{Cancel, Task};
 
+/// A wall repeats where it misses the mean one by less than this share of the pitch.
+const TOLERANCE: f64 = 0.005;
+
 /// The axis and period of a blisk.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BliskFrame {
@@ -100,24 +103,28 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
     let middle = region.middle(&slices);
     let circles = region.circles(&slices, 160);
     let count = region.count;
-    let size = mesh.bounds().size().length();
-    let (axis, slices) = match options.axis {
-        AxisChoice::Line(_) => (axis, slices),
-        AxisChoice::Named(name) => {
-            let axis = refined(mesh, axis, slices, &circles, count, name != AxisName::Auto, cancel)?.snapped(size);
-            (axis, Slices::new(mesh.in_frame(&frame_along(&axis))))
+    let tolerance = TOLERANCE * std::f64::consts::TAU * middle.y / count as f64;
+    let mut best: Option<(Axis, Repetition)> = None;
+    for kinds in period::kinds(count) {
+        cancel.check()?;
+        let walls = [count, kinds];
+        let axis = placed(mesh, axis, &circles, walls, options, cancel)?;
+        let slices = Slices::new(mesh.in_frame(&frame_along(&axis)));
+        let repetition = period::repetition(&slices, &circles, walls, tolerance);
+        if best.is_none_or(|(_, known)| repetition.matched > known.matched) {
+            best = Some((axis, repetition));
         }
-    };
-    cancel.check()?;
-    let tolerance = 0.005 * std::f64::consts::TAU * middle.y / count as f64;
-    let repetition = period::repetition(&slices, &circles, count, tolerance);
-    if repetition.matched < 0.5 {
+        if repetition.matched >= period::MOST_REPEAT {
+            break;
+        }
+    }
+    let Some((axis, repetition)) = best.filter(|(_, repetition)| repetition.matched >= 0.5) else {
         return Err(BliskError::NoChannels {
-            axis,
+            axis: best.map_or(axis, |(axis, _)| axis),
             count,
             reason: "most of their walls do not repeat from gap to gap",
         });
-    }
+    };
     let assumed = assumptions(&axis, &repetition, options);
     Ok(BliskFrame { axis, frame: frame_along(&axis), repetition, middle, assumed })
 }
@@ -145,22 +152,24 @@ fn bladed_region(
     })
 }
 
-/// The axis about which the walls along `circles` repeat best. `slices` are those about `axis`.
-fn refined(
+/// The axis about which the walls along `circles` repeat best, or the one that is given.
+fn placed(
     mesh: &Mesh,
     mut axis: Axis,
-    mut slices: Slices,
     circles: &[DVec2],
-    count: usize,
-    keep_direction: bool,
+    walls: [usize; 2],
+    options: &BliskOptions,
     cancel: &Cancel,
 ) -> Result<Axis, BliskError> {
     const MOST_STEPS: usize = 6;
+    let AxisChoice::Named(name) = options.axis else { return Ok(axis) };
     let x_mid = circles.iter().map(|c| c.x).sum::<f64>() / circles.len().max(1) as f64;
     let reach = circles.iter().map(|c| c.y).fold(0.0, f64::max);
     for _ in 0..MOST_STEPS {
         cancel.check()?;
-        let Some((point, direction)) = period::better_axis(&slices, circles, count, x_mid, keep_direction) else {
+        let slices = Slices::new(mesh.in_frame(&frame_along(&axis)));
+        let keep_direction = name != AxisName::Auto;
+        let Some((point, direction)) = period::better_axis(&slices, circles, walls, x_mid, keep_direction) else {
             break;
         };
         let frame = frame_along(&axis);
@@ -168,9 +177,8 @@ fn refined(
         if point.y.hypot(point.z) + reach * (direction - DVec3::X).length() < 1e-10 * reach {
             break;
         }
-        slices = Slices::new(mesh.in_frame(&frame_along(&axis)));
     }
-    Ok(axis)
+    Ok(axis.snapped(mesh.bounds().size().length()))
 }
 
 fn assumptions(axis: &Axis, repetition: &Repetition, options: &BliskOptions) -> Vec<String> {
@@ -180,9 +188,15 @@ fn assumptions(axis: &Axis, repetition: &Repetition, options: &BliskOptions) -> 
         AxisChoice::Named(_) => assumed.push(format!("The place of the axis was found from the mesh: {axis}.")),
         AxisChoice::Line(_) => {}
     }
-    let Repetition { blades, tolerance_mm, matched, greatest_mm, .. } = *repetition;
+    let Repetition { blades, kinds, tolerance_mm, matched, greatest_mm, .. } = *repetition;
     if options.blades.given().is_none() {
         assumed.push(format!("{blades} blades were counted around the axis."));
+    }
+    if kinds > 1 {
+        assumed.push(format!(
+            "The blades repeat after every {kinds}: splitters stand between the main blades, and there are {kinds} kinds of \
+             channels. Channels whose numbers differ by a multiple of {kinds} are of one kind."
+        ));
     }
     // A few points beside an edge are no other channel.
     if matched < 0.999 {

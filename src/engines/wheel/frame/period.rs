@@ -11,16 +11,26 @@ use super::slices::{CELLS, Gap, Slices};
 use geometry::frame::{Cylindrical, wrap_angle};
 use task::{Cancel, Cancelled};
 
+/// Most kinds of blades: a main blade and up to three splitters.
+const MOST_KINDS: usize = 4;
+/// A kind of blades stands around the axis at least so many times.
+const LEAST_REPEATS: usize = 3;
+/// Share of the walls that repeat where the number of kinds is right.
+pub(super) const MOST_REPEAT: f64 = 0.9;
+
 /// Repetition of the walls around the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Repetition {
-    /// Number of repetitions: the number of blades.
+    /// Number of blades, splitters included.
     pub blades: usize,
-    /// A wall repeats where it lies within this distance of the mean blade's wall (mm).
+    /// Number of blades after which they repeat: 1 where all are alike, 2 with a splitter between any two main blades. There
+    /// are as many kinds of channels.
+    pub kinds: usize,
+    /// A wall repeats where it lies within this distance of the mean wall of its kind (mm).
     pub tolerance_mm: f64,
     /// Share of the compared wall points that repeat, 0 to 1.
     pub matched: f64,
-    /// Root mean square distance of the walls from those of the mean blade (mm).
+    /// Root mean square distance of the walls from the mean ones (mm).
     pub rms_mm: f64,
     /// Greatest such distance (mm).
     pub greatest_mm: f64,
@@ -180,8 +190,9 @@ struct Miss {
     answers: [f64; 4],
 }
 
-/// Compares the walls around each of `circles` (x, r); turns are taken about the point of the axis at `x_mid`.
-fn misses(slices: &Slices, circles: &[DVec2], count: usize, x_mid: f64) -> Vec<Miss> {
+/// Compares the walls around each of `circles` (x, r) with the mean walls of their kind; turns are taken about the point of
+/// the axis at `x_mid`.
+fn misses(slices: &Slices, circles: &[DVec2], [count, kinds]: [usize; 2], x_mid: f64) -> Vec<Miss> {
     let pitch = TAU / count as f64;
     let of_circle = |circle: &DVec2| {
         let gaps = slices.gaps(circle.x, circle.y);
@@ -194,8 +205,9 @@ fn misses(slices: &Slices, circles: &[DVec2], count: usize, x_mid: f64) -> Vec<M
             let start = walls[0].theta;
             let off: Vec<f64> =
                 walls.iter().enumerate().map(|(k, w)| wrap_angle(w.theta - start - k as f64 * pitch)).collect();
-            let mean = median(&off);
-            for (wall, off) in walls.iter().zip(&off) {
+            let mean = |kind: usize| median(&off.iter().skip(kind).step_by(kinds).copied().collect::<Vec<_>>());
+            let means: Vec<f64> = (0..kinds).map(mean).collect();
+            for ((wall, off), mean) in walls.iter().zip(&off).zip(means.iter().cycle()) {
                 let p = Cylindrical { x: circle.x - x_mid, r: circle.y, theta: wall.theta }.point();
                 let n = slices.normal(wall.triangle);
                 let around = cylindrical_components(n, wall.theta).z;
@@ -217,13 +229,20 @@ fn median(values: &[f64]) -> f64 {
     if n == 0 { 0.0 } else { 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]) }
 }
 
-/// How exactly the walls repeat about X of the given slices, to within `tolerance` (mm).
-pub(super) fn repetition(slices: &Slices, circles: &[DVec2], count: usize, tolerance: f64) -> Repetition {
-    let misses = misses(slices, circles, count, 0.0);
+/// The numbers of kinds that `count` blades may be of, the fewest first.
+pub(super) fn kinds(count: usize) -> impl Iterator<Item = usize> {
+    (1..=MOST_KINDS)
+        .filter(move |kinds| count.is_multiple_of(*kinds) && (*kinds == 1 || count / kinds >= LEAST_REPEATS))
+}
+
+/// How exactly the walls of `count` blades of so many kinds repeat about X of the given slices, to within `tolerance` (mm).
+pub(super) fn repetition(slices: &Slices, circles: &[DVec2], walls: [usize; 2], tolerance: f64) -> Repetition {
+    let misses = misses(slices, circles, walls, 0.0);
     let points = misses.len();
     let share = 1.0 / points.max(1) as f64;
     Repetition {
-        blades: count,
+        blades: walls[0],
+        kinds: walls[1],
         tolerance_mm: tolerance,
         matched: misses.iter().filter(|m| m.distance.abs() <= tolerance).count() as f64 * share,
         rms_mm: (misses.iter().map(|m| m.distance.powi(2)).sum::<f64>() * share).sqrt(),
@@ -238,11 +257,11 @@ pub(super) fn repetition(slices: &Slices, circles: &[DVec2], count: usize, toler
 pub(super) fn better_axis(
     slices: &Slices,
     circles: &[DVec2],
-    count: usize,
+    walls: [usize; 2],
     x_mid: f64,
     keep_direction: bool,
 ) -> Option<(DVec3, DVec3)> {
-    let misses = misses(slices, circles, count, x_mid);
+    let misses = misses(slices, circles, walls, x_mid);
     let unknowns = if keep_direction { 2 } else { 4 };
     let typical = 1.5 * median(&misses.iter().map(|m| m.distance.abs()).collect::<Vec<_>>());
     let radius = circles.iter().map(|c| c.y).fold(0.0, f64::max);
