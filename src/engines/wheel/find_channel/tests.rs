@@ -483,7 +483,7 @@ fn channels_that_are_not_like_the_found_one_are_named() {
         let at = Cylindrical { x: 7.0, r: radius, theta }.point();
         Mesh::cuboid(DVec3::splat(6.0)).mapped(|p| p - DVec3::splat(3.0) + at)
     });
-    let mesh = lumps.iter().fold(part.mesh(), |mesh, lump| together(mesh, lump));
+    let mesh = lumps.iter().fold(part.mesh(), together);
     let channel = found(&mesh);
     assert_eq!(channel.unlike.len(), 2, "{:?}", channel.unlike);
     assert!(channel.assumed.iter().any(|a| a.contains("2 of the other 23 channels of its kind are not like")));
