@@ -198,11 +198,11 @@ fn assumptions(axis: &Axis, repetition: &Repetition, options: &BliskOptions) -> 
              channels. Channels whose numbers differ by a multiple of {kinds} are of one kind."
         ));
     }
-    // A few points beside an edge are no other channel.
-    if matched < 0.999 {
+    // Points beside edges and fillets miss on many meshes; which channels differ is measured by itself.
+    if matched < 0.95 {
         assumed.push(format!(
             "Only {:.1} % of the blade walls repeat within {tolerance_mm:.3} mm (greatest miss {greatest_mm:.3} mm): \
-             the other channels differ from the one planned for.",
+             the blades are not all alike.",
             100.0 * matched
         ));
     }
