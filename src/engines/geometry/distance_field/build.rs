@@ -1,11 +1,12 @@
 //! Building a [`DistanceField`]: octree cubes that carry the triangles that can be nearest inside them.
 
+use std::cmp::Ordering;
 use std::collections::HashMap;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::local_triangles::{Candidate, Nearest};
+use super::local_triangles::{Candidate, HalfSpace, Nearest};
 use super::signs::{self, Passage};
 use super::{DistanceField, Handle, LocalTriangles, trilinear};
 use crate::exact::ExactMesh;
@@ -57,7 +58,8 @@ impl DistanceField {
         let roots = [roots_wanted.x as usize, roots_wanted.y as usize, roots_wanted.z as usize];
         let bounds = Bounds { min: region.min, max: region.min + roots_wanted * root };
         let triangles = LocalTriangles::new(mesh);
-        let builder = Builder { triangles: &triangles, exact, min: bounds.min, cell };
+        let probes = [0, 1].map(|level| probes(level).collect());
+        let builder = Builder { triangles: &triangles, exact, min: bounds.min, cell, probes };
         let slabs = roots[1] * roots[2];
         let done = std::sync::atomic::AtomicUsize::new(0);
         let rows: Vec<Vec<Block>> = (0..slabs)
@@ -150,11 +152,28 @@ impl Lattice {
     /// Nearest feature of the point at `t` of the cube of `2^level` cells at `at`, from `find` if it is not known yet.
     fn nearest(&mut self, at: [usize; 3], level: u32, t: DVec3, find: impl FnOnce() -> Nearest) -> Nearest {
         let halves = t * f64::from(2 << level);
-        if halves != halves.floor() {
+        let whole = [0, 1, 2].map(|k| halves[k] as usize);
+        if halves != DVec3::from_array(whole.map(|k| k as f64)) {
             return find();
         }
-        let [x, y, z] = [0, 1, 2].map(|k| 2 * at[k] + halves[k] as usize);
+        let [x, y, z] = [0, 1, 2].map(|k| 2 * at[k] + whole[k]);
         *self.nearest[(z * Self::SIDE + y) * Self::SIDE + x].get_or_insert_with(find)
+    }
+}
+
+/// A triangle that can be nearest to some point of a cube.
+#[derive(Clone, Copy)]
+struct Near {
+    /// Distance from the cube's centre (mm).
+    from_center: f64,
+    triangle: u32,
+    /// Holds the triangle, as far from the centre: mostly tells at other points too that another triangle is nearer.
+    half_space: HalfSpace,
+}
+
+impl Near {
+    fn order(&self, other: &Self) -> Ordering {
+        self.from_center.total_cmp(&other.from_center).then(self.triangle.cmp(&other.triangle))
     }
 }
 
@@ -163,6 +182,8 @@ struct Builder<'a> {
     exact: &'a ExactMesh,
     min: DVec3,
     cell: f64,
+    /// Of single cells, and of larger leaves.
+    probes: [Vec<DVec3>; 2],
 }
 
 impl Builder<'_> {
@@ -172,8 +193,8 @@ impl Builder<'_> {
         let first = root.map(|i| i << LEVELS);
         let center = self.center(first, LEVELS);
         let reach = self.exact.nearest(center).signed_distance.abs() + 2.0 * self.half_diagonal(LEVELS);
-        let candidates: Vec<(f64, u32)> =
-            self.exact.triangles_within(center, reach).into_iter().map(|t| (0.0, t)).collect();
+        let near = |triangle| Near { from_center: 0.0, triangle, half_space: HalfSpace::ALL };
+        let candidates: Vec<Near> = self.exact.triangles_within(center, reach).into_iter().map(near).collect();
         self.refine(&mut block, &mut Lattice::new(), ([0; 3], LEVELS), first, &candidates);
         block
     }
@@ -185,19 +206,21 @@ impl Builder<'_> {
         lattice: &mut Lattice,
         (at, level): ([usize; 3], u32),
         first: [usize; 3],
-        parents: &[(f64, u32)],
+        parents: &[Near],
     ) {
         let corner = [0, 1, 2].map(|k| first[k] + at[k]);
-        let candidates = self.nearest_candidates(self.center(corner, level), self.half_diagonal(level), parents);
-        let clear = candidates.first().is_none_or(|&(d, _)| d > self.half_diagonal(level));
+        let candidates = self.candidates(self.center(corner, level), self.half_diagonal(level), parents);
+        let clear = candidates.first().is_none_or(|near| near.from_center > self.half_diagonal(level));
         let center = self.center(corner, level);
-        let exact = |lattice: &mut Lattice, t: DVec3| {
+        let contenders = contenders(&candidates, center, self.half_diagonal(level));
+        let mut guess = contenders.first().map_or(0, |near| near.triangle);
+        let mut exact = |lattice: &mut Lattice, t: DVec3| {
             let p = self.point(corner, level, t);
-            let nearest = lattice
-                .nearest(at, level, t, || self.triangles.nearest_in_order(p, center, candidates.iter().copied()));
+            let nearest = lattice.nearest(at, level, t, || self.nearest(p, center, &contenders, guess));
+            guess = nearest.triangle;
             if clear { nearest.distance() } else { self.triangles.signed(p, nearest).0 }
         };
-        let (values, smooth) = smooth_leaf(level, |t| exact(lattice, t));
+        let (values, smooth) = smooth_leaf(&self.probes[usize::from(level > 0)], |t| exact(lattice, t));
         if smooth {
             let handle = Handle::new(level, block.leaves.len());
             block.leaf_kinds.push(self.passage_of_smooth(&values, level, clear));
@@ -206,7 +229,10 @@ impl Builder<'_> {
         } else if level == 0 {
             let handle = Handle::new(Handle::EXACT, block.lists.len());
             // The nearest first: that makes the others quick to rule out.
-            let list: Vec<Candidate> = candidates.into_iter().map(|(d, t)| Candidate::new(d, t)).collect();
+            let mut candidates = candidates;
+            candidates.sort_unstable_by(Near::order);
+            let list: Vec<Candidate> =
+                candidates.iter().map(|near| Candidate::new(near.from_center, near.triangle)).collect();
             block.list_kinds.push(self.passage_of_exact(&values, clear, &list));
             block.lists.push(list);
             self.fill(block, at, level, handle);
@@ -242,25 +268,51 @@ impl Builder<'_> {
         self.min + (corner + t * f64::from(1 << level)) * self.cell
     }
 
-    /// The triangles among `parents` that can be nearest to some point within `radius` of `center`, with their
-    /// distances from there, nearest first: those no further than the nearest plus twice the radius, by the
-    /// triangle inequality.
-    fn nearest_candidates(&self, center: DVec3, radius: f64, parents: &[(f64, u32)]) -> Vec<(f64, u32)> {
+    /// The triangles among `parents` that can be nearest to some point within `radius` of `center`, the nearest to
+    /// `center` first: those no further from there than the nearest plus twice the radius, by the triangle inequality.
+    fn candidates(&self, center: DVec3, radius: f64, parents: &[Near]) -> Vec<Near> {
         let spread = 2.0 * radius + 1e-9;
         let mut least = f64::INFINITY;
         let mut found = Vec::with_capacity(parents.len());
-        for &(_, t) in parents {
-            if self.triangles.is_beyond(center, t, least + spread) {
+        for &Near { triangle, ref half_space, .. } in parents {
+            let enough = least + spread;
+            if half_space.distance(center) > enough || self.triangles.is_beyond(center, triangle, enough) {
                 continue;
             }
-            let d = self.triangles.distance(center, t);
-            least = least.min(d);
-            found.push((d, t));
+            let nearest = self.triangles.nearest_point(center, triangle);
+            let distance = center.distance(nearest);
+            least = least.min(distance);
+            if distance <= least + spread {
+                found.push((distance, triangle, nearest));
+            }
         }
+        let near = |(distance, triangle, nearest): (f64, u32, DVec3)| {
+            let out = if distance > 0.0 { (center - nearest) / distance } else { DVec3::ZERO };
+            Near { from_center: distance, triangle, half_space: self.triangles.half_space(out, triangle) }
+        };
         let reach = least + spread;
-        found.retain(|&(d, _)| d <= reach);
-        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        found
+        let mut candidates: Vec<Near> = found.into_iter().filter(|&(d, ..)| d <= reach).map(near).collect();
+        if let Some(first) = (0..candidates.len()).min_by(|&i, &j| candidates[i].order(&candidates[j])) {
+            candidates.swap(0, first);
+        }
+        candidates
+    }
+
+    /// The nearest to `p` of `contenders`, which are in order of their distance from `center`; `guess` is one of them
+    /// that may be it.
+    fn nearest(&self, p: DVec3, center: DVec3, contenders: &[Near], guess: u32) -> Nearest {
+        let away = p.distance(center);
+        let (mut best, mut least) = (Nearest::NONE, f64::INFINITY);
+        self.triangles.take_if_nearer(p, guess, &mut best, &mut least);
+        for near in contenders {
+            if near.from_center - away > least {
+                break;
+            }
+            if near.half_space.distance(p) <= least && near.triangle != guess {
+                self.triangles.take_if_nearer(p, near.triangle, &mut best, &mut least);
+            }
+        }
+        best
     }
 
     /// How the surface passes a smooth leaf. It crosses none whose corners are further away than any point of the leaf
@@ -287,9 +339,27 @@ impl Builder<'_> {
     }
 }
 
+/// Those of `candidates` that can be nearest within `radius` of `center`, in order of their distance from there.
+///
+/// The point of the first that is nearest to the centre, at the distance `d` and seen against the unit vector `u`, is no
+/// further from a point `center + v` than `d + u . v + v^2 / (2 d)`. Another triangle is at least as far from there as
+/// its half-space, at the distance `e + w . v`. So it is out if `e - d` exceeds `radius |u - w| + radius^2 / (2 d)`.
+fn contenders(candidates: &[Near], center: DVec3, radius: f64) -> Vec<Near> {
+    let Some(first) = candidates.first() else { return Vec::new() };
+    let bend = first.from_center + 0.5 * radius * radius / first.from_center;
+    let is_out = |near: &Near| {
+        let further = near.half_space.distance(center) - bend;
+        let turned = near.half_space.out.distance_squared(first.half_space.out);
+        further > 0.0 && further * further > radius * radius * turned
+    };
+    let mut contenders: Vec<Near> = candidates.iter().filter(|near| !is_out(near)).copied().collect();
+    contenders.sort_unstable_by(Near::order);
+    contenders
+}
+
 /// The corner distances of a cube by `exact`, and whether interpolating them is accurate enough all over it. In a cube
 /// that the surface does not cross they have no sign yet.
-fn smooth_leaf(level: u32, mut exact: impl FnMut(DVec3) -> f64) -> ([f32; 8], bool) {
+fn smooth_leaf(probes: &[DVec3], mut exact: impl FnMut(DVec3) -> f64) -> ([f32; 8], bool) {
     let values: [f32; 8] = std::array::from_fn(|i| exact(corner_of(i)) as f32);
     let mut good = |t: DVec3| {
         let d = exact(t);
@@ -297,7 +367,7 @@ fn smooth_leaf(level: u32, mut exact: impl FnMut(DVec3) -> f64) -> ([f32; 8], bo
         (f64::from(trilinear(&values, t.as_vec3())) - d).abs() <= allowed
     };
     // The centre first: it rejects most cubes at once.
-    let accepted = good(DVec3::splat(0.5)) && probes(level).all(good);
+    let accepted = good(DVec3::splat(0.5)) && probes.iter().all(|&t| good(t));
     (values, accepted)
 }
 

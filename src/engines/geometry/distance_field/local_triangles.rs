@@ -31,6 +31,25 @@ impl Ball {
     }
 }
 
+/// A half-space that holds a triangle: no point is further from it than from the triangle.
+#[derive(Clone, Copy)]
+pub(super) struct HalfSpace {
+    /// Unit vector out of it, or zero if it is all space.
+    pub(super) out: DVec3,
+    at: f64,
+}
+
+impl HalfSpace {
+    /// All space.
+    pub(super) const ALL: Self = Self { out: DVec3::ZERO, at: 0.0 };
+
+    /// Distance from `p`, or a hair less (mm); 0 or less inside.
+    #[inline]
+    pub(super) fn distance(&self, p: DVec3) -> f64 {
+        self.out.dot(p) - self.at
+    }
+}
+
 struct Triangle {
     a: DVec3,
     ab: DVec3,
@@ -68,11 +87,11 @@ impl Candidate {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Nearest {
     distance_squared: f64,
-    triangle: u32,
+    pub(super) triangle: u32,
 }
 
 impl Nearest {
-    const NONE: Self = Self { distance_squared: f64::INFINITY, triangle: 0 };
+    pub(super) const NONE: Self = Self { distance_squared: f64::INFINITY, triangle: 0 };
 
     /// Distance without a sign (mm).
     pub(super) fn distance(self) -> f64 {
@@ -124,6 +143,20 @@ impl LocalTriangles {
         self.triangles[i as usize].distance_squared(p).sqrt()
     }
 
+    /// The point of triangle `i` nearest to `p`.
+    pub(super) fn nearest_point(&self, p: DVec3, i: u32) -> DVec3 {
+        self.triangles[i as usize].nearest(p).0
+    }
+
+    /// The half-space against the unit vector `out` that just holds triangle `i`.
+    pub(super) fn half_space(&self, out: DVec3, i: u32) -> HalfSpace {
+        /// Against rounding (mm).
+        const HAIR: f64 = 1e-9;
+        let Triangle { a, ab, ac, .. } = &self.triangles[i as usize];
+        let furthest = out.dot(*a) + out.dot(*ab).max(out.dot(*ac)).max(0.0);
+        HalfSpace { out, at: furthest + HAIR }
+    }
+
     /// Whether triangle `i` is, told at a glance, further than `reach` from `p`.
     #[inline]
     pub(super) fn is_beyond(&self, p: DVec3, i: u32, reach: f64) -> bool {
@@ -173,7 +206,7 @@ impl LocalTriangles {
     /// Takes triangle `i` for the nearest to `p` if it is nearer than `best`; `least` is the distance of the best, or a
     /// hair more: what is as near to the last bit must still be tested.
     #[inline]
-    fn take_if_nearer(&self, p: DVec3, i: u32, best: &mut Nearest, least: &mut f64) {
+    pub(super) fn take_if_nearer(&self, p: DVec3, i: u32, best: &mut Nearest, least: &mut f64) {
         let d = self.triangles[i as usize].distance_squared(p);
         // Ties go to the smaller number, so that the order of the candidates does not matter.
         if d < best.distance_squared || (d == best.distance_squared && i < best.triangle) {
