@@ -12,6 +12,8 @@
 //! (nearly) furthest, the highest one at the greatest such height. Each turn goes only as far as the electrode keeps
 //! its clearance and the axes go, and the whole is certified by the same verifier as the feed.
 
+use std::cell::Cell;
+
 use serde::Serialize;
 
 use super::certificate::{Certificate, TravelVerdict};
@@ -196,7 +198,15 @@ pub fn copying_motion(
     // Half the tolerance is left for the way between the rows.
     let least = settings.spark_gap - 0.5 * settings.verify.tolerance_mm;
     let limits = settings.machine.limits();
-    let keeps = |pose: &Pose| limits.beyond(pose).is_none() && verifier.distance(pose).distance >= least;
+    // What was too near last mostly is so at the next pose too.
+    let too_near = Cell::new(None);
+    let keeps = |pose: &Pose| {
+        limits.beyond(pose).is_none() && {
+            let found = verifier.nearer_than(pose, least, too_near.get());
+            too_near.set(found.or(too_near.get()));
+            found.is_none()
+        }
+    };
     let (reached, turns) = reachable(&wanted, &keeps, &task.cancel)?;
     let path = FeedPath {
         frame: settings.frame,

@@ -208,6 +208,13 @@ impl Verifier {
         }
     }
 
+    /// Two triangles, of the electrode and of the blisk, that are nearer to each other than `limit` (mm) with the
+    /// electrode at `pose`; none if its [`distance`](Self::distance) is not less. The answer at a pose near by, as
+    /// `guess`, makes it fast.
+    pub(super) fn nearer_than(&self, pose: &Pose, limit: f64, guess: Option<[u32; 2]>) -> Option<[u32; 2]> {
+        self.pair().nearer_than(pose, limit, guess)
+    }
+
     /// Bounds the clearance over the whole continuous motion of `path`, all axes linear between rows.
     ///
     /// The lower bound comes within the resolution of the smallest clearance met, unless a violation stopped

@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::ROUNDING;
 use geometry::bvh::Bvh;
 use geometry::triangle_distance::{ClosestPoints, triangle_distance};
 
@@ -17,43 +18,78 @@ pub(super) struct Nearest {
 
 /// The closest points of `blisk` and of `electrode` moved by `u -> rotation * u + shift`. `guess` is a pair of
 /// triangles thought to be close: the better it is, the faster the answer.
-pub(super) fn nearest(
+pub(super) fn nearest(electrode: &Bvh, blisk: &Bvh, placement: (&DMat3, DVec3), guess: Option<[u32; 2]>) -> Nearest {
+    let search = Search { electrode, blisk, placement };
+    let triangles = guess.unwrap_or([electrode.node(0).triangle, blisk.node(0).triangle]);
+    search.nearer(search.at(triangles), f64::NEG_INFINITY)
+}
+
+/// Two triangles nearer to each other than `limit` (mm), if there are such. `guess` is as for [`nearest`].
+pub(super) fn nearer_than(
     electrode: &Bvh,
     blisk: &Bvh,
-    (rotation, shift): (&DMat3, DVec3),
+    placement: (&DMat3, DVec3),
+    limit: f64,
     guess: Option<[u32; 2]>,
-) -> Nearest {
-    let distance =
-        |[e, b]: [u32; 2]| triangle_distance(&electrode.corners(e).map(|u| *rotation * u + shift), blisk.corners(b));
-    let triangles = guess.unwrap_or([electrode.node(0).triangle, blisk.node(0).triangle]);
-    let mut best = Nearest { points: distance(triangles), triangles };
-    let mut stack = vec![(0.0, [0, 0])];
-    while let Some((bound, pair)) = stack.pop() {
-        if bound >= best.points.distance {
-            continue;
-        }
-        let Some(halves) = halves(electrode, blisk, pair) else {
-            let triangles = [electrode.node(pair[0]).triangle, blisk.node(pair[1]).triangle];
-            let points = distance(triangles);
-            if points.distance < best.points.distance {
-                best = Nearest { points, triangles };
-            }
-            continue;
-        };
-        let bounded = halves.map(|pair| {
-            let (e, b) = (electrode.node(pair[0]), blisk.node(pair[1]));
-            let centers = (*rotation * e.bounds.center + shift).distance(b.bounds.center);
-            let spheres = centers - e.radius - b.radius;
-            if spheres >= best.points.distance {
-                return (spheres, pair);
-            }
-            (e.bounds.placed(rotation, shift).separation(&b.bounds).length(), pair)
-        });
-        // The closer half is looked at first.
-        let [first, second] = bounded;
-        stack.extend(if first.0 <= second.0 { [second, first] } else { [first, second] });
+) -> Option<[u32; 2]> {
+    let search = Search { electrode, blisk, placement };
+    if let Some(guess) = guess.filter(|&guess| search.at(guess).points.distance < limit) {
+        return Some(guess);
     }
-    best
+    // Bounds may be rounded up by less.
+    let just_beyond = ClosestPoints { distance: limit + ROUNDING, ..ClosestPoints::NONE };
+    let found = search.nearer(Nearest { points: just_beyond, triangles: [0; 2] }, limit);
+    (found.points.distance < limit).then_some(found.triangles)
+}
+
+struct Search<'a> {
+    electrode: &'a Bvh,
+    blisk: &'a Bvh,
+    placement: (&'a DMat3, DVec3),
+}
+
+impl Search<'_> {
+    fn at(&self, triangles: [u32; 2]) -> Nearest {
+        let (rotation, shift) = self.placement;
+        let [e, b] = triangles;
+        let moved = self.electrode.corners(e).map(|u| *rotation * u + shift);
+        Nearest { points: triangle_distance(&moved, self.blisk.corners(b)), triangles }
+    }
+
+    /// The closest points, or `best` if there are none closer; once they are closer than `enough` (mm) no closer ones
+    /// are looked for.
+    fn nearer(&self, mut best: Nearest, enough: f64) -> Nearest {
+        let Self { electrode, blisk, placement: (rotation, shift) } = *self;
+        let mut stack = vec![(0.0, [0, 0])];
+        while let Some((bound, pair)) = stack.pop() {
+            if best.points.distance < enough {
+                break;
+            }
+            if bound >= best.points.distance {
+                continue;
+            }
+            let Some(halves) = halves(electrode, blisk, pair) else {
+                let found = self.at([electrode.node(pair[0]).triangle, blisk.node(pair[1]).triangle]);
+                if found.points.distance < best.points.distance {
+                    best = found;
+                }
+                continue;
+            };
+            let bounded = halves.map(|pair| {
+                let (e, b) = (electrode.node(pair[0]), blisk.node(pair[1]));
+                let centers = (*rotation * e.bounds.center + shift).distance(b.bounds.center);
+                let spheres = centers - e.radius - b.radius;
+                if spheres >= best.points.distance {
+                    return (spheres, pair);
+                }
+                (e.bounds.placed(rotation, shift).separation(&b.bounds).length(), pair)
+            });
+            // The closer half is looked at first.
+            let [first, second] = bounded;
+            stack.extend(if first.0 <= second.0 { [second, first] } else { [first, second] });
+        }
+        best
+    }
 }
 
 /// The pair with its larger node halved; None for two leaves.

@@ -94,6 +94,11 @@ impl Pair<'_> {
         nearest::nearest(&self.moving.tree, &self.fixed.tree, (&rotation, shift), guess)
     }
 
+    pub(super) fn nearer_than(&self, pose: &Pose, limit: f64, guess: Option<[u32; 2]>) -> Option<[u32; 2]> {
+        let (rotation, shift) = self.placement(pose);
+        nearest::nearer_than(&self.moving.tree, &self.fixed.tree, (&rotation, shift), limit, guess)
+    }
+
     fn near(&self, row: f64, pose: Pose, points: (f64, DVec3, DVec3)) -> Near {
         let (distance, first, on_fixed) = points;
         let on_moving = pose.placement(self.moving.origin).inverse().transform_point3(first);
