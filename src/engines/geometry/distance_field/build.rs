@@ -341,9 +341,10 @@ impl Builder<'_> {
 
 /// Those of `candidates` that can be nearest within `radius` of `center`, in order of their distance from there.
 ///
-/// The point of the first that is nearest to the centre, at the distance `d` and seen against the unit vector `u`, is no
-/// further from a point `center + v` than `d + u . v + v^2 / (2 d)`. Another triangle is at least as far from there as
-/// its half-space, at the distance `e + w . v`. So it is out if `e - d` exceeds `radius |u - w| + radius^2 / (2 d)`.
+/// The point of the first that is nearest to the centre, at the distance `d` and seen against the unit vector `u`, is
+/// no further from a point `center + v` than `d + u . v + v^2 / (2 d)`. Another triangle is at least as far from there
+/// as its half-space, at the distance `e + w . v`. So it is out if `e - d` exceeds
+/// `radius |u - w| + radius^2 / (2 d)`.
 fn contenders(candidates: &[Near], center: DVec3, radius: f64) -> Vec<Near> {
     let Some(first) = candidates.first() else { return Vec::new() };
     let bend = first.from_center + 0.5 * radius * radius / first.from_center;
