@@ -352,24 +352,24 @@ impl TestWheel {
 
     /// All shells together.
     pub fn mesh(&self) -> Mesh {
-        self.mesh_with_blade_turned(0, 0.0)
+        self.spoilt(Spoilt::default())
     }
 
-    /// All shells together, the blade of this number turned about the axis by `turn` (rad).
-    pub fn mesh_with_blade_turned(&self, blade: usize, turn: f64) -> Mesh {
-        let mut mesh = self.wall(0.0, -1.0);
+    /// All shells together, with what is wrong.
+    pub fn spoilt(&self, spoilt: Spoilt) -> Mesh {
+        let mut mesh = self.wall(0.0, -1.0, 1.0);
         if self.shrouded {
-            mesh = together(mesh, &self.wall(1.0, 1.0));
+            mesh = together(mesh, &self.wall(1.0, 1.0, 1.0 - spoilt.missing_shroud));
         }
-        (0..self.blades).fold(mesh, |mesh, k| {
-            let turn = if k == blade { turn } else { 0.0 };
+        (0..self.blades).filter(|k| Some(*k) != spoilt.missing_blade).fold(mesh, |mesh, k| {
+            let turn = spoilt.turned_blade.filter(|(blade, _)| *blade == k).map_or(0.0, |(_, turn)| turn);
             let (span, further) = self.splitter.filter(|_| k % 2 == 1).unwrap_or((self.span, 0.0));
             together(mesh, &self.blade(TAU * k as f64 / self.blades as f64 + turn + further, span))
         })
     }
 
-    /// The wall of revolution at `share` of the height, thick towards `sign`.
-    fn wall(&self, share: f64, sign: f64) -> Mesh {
+    /// The wall of revolution at `share` of the height, thick towards `sign`, over a share of the whole turn.
+    fn wall(&self, share: f64, sign: f64, turn: f64) -> Mesh {
         let [around, along, _] = Self::PIECES;
         let front: Vec<DVec2> = (0..=along).map(|i| self.place(i as f64 / along as f64, share)).collect();
         let back = (0..=along).rev().map(|i| {
@@ -386,10 +386,12 @@ impl TestWheel {
             };
             Cylindrical { x, r, theta }.point()
         };
-        outwards((0..around).flat_map(|j| {
-            let ring = (0..n).map(move |i| [(j, i), (j + 1, i), (j + 1, i + 1), (j, i + 1)]);
-            ring.map(|quad| quad.map(|(j, i)| point(j, i))).collect::<Vec<_>>()
-        }))
+        let steps = (around as f64 * turn).round() as usize;
+        let sides = (0..steps).flat_map(|j| (0..n).map(move |i| [(j, i), (j + 1, i), (j + 1, i + 1), (j, i + 1)]));
+        // The front of the outline runs forth, its back runs back.
+        let cap = |j: usize| (0..along).map(move |i| [(j, i), (j, i + 1), (j, n - 2 - i), (j, n - 1 - i)]);
+        let caps = cap(0).chain(cap(steps).map(|[a, b, c, d]| [d, c, b, a])).filter(|_| steps < around);
+        outwards(sides.chain(caps).map(|quad| quad.map(|(j, i)| point(j, i))))
     }
 
     /// The blade whose middle begins at `theta`.
@@ -419,6 +421,17 @@ impl TestWheel {
         }
         outwards(quads.into_iter().map(|quad| quad.map(point)))
     }
+}
+
+/// What is wrong with a wheel.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Spoilt {
+    /// A blade, turned about the axis by an angle (rad).
+    pub turned_blade: Option<(usize, f64)>,
+    /// A blade that is not there.
+    pub missing_blade: Option<usize>,
+    /// Share of the turn over which there is no shroud.
+    pub missing_shroud: f64,
 }
 
 /// The closed shell of these quadrilaterals, oriented outwards.

@@ -81,16 +81,35 @@ impl Measured<'_> {
     /// (mm) from those of this channel turned about the axis.
     pub fn unlike(&self, blades: usize, kinds: usize, tolerance: f64) -> Result<Vec<usize>, BliskError> {
         let doubt = self.doubt().max(tolerance);
+        let covered = self.covered(0.0);
         let is_unlike = |k: usize| {
-            let mut samples = self.samples(SPARSE, k as f64 * self.tracer.pitch)?;
-            Ok::<_, BliskError>(
-                samples.any(|(surface, samples)| summary(surface, samples, doubt).doubted > 1.0 - ENOUGH),
-            )
+            let turn = k as f64 * self.tracer.pitch;
+            let mut samples = self.samples(SPARSE, turn)?;
+            let is_off = samples.any(|(surface, samples)| summary(surface, samples, doubt).doubted > 1.0 - ENOUGH);
+            Ok::<_, BliskError>(is_off || (self.covered(turn) - covered).abs() > 1.0 - ENOUGH)
         };
         let all: Vec<Result<bool, BliskError>> =
             (1..blades / kinds).into_par_iter().map(|i| is_unlike(i * kinds)).collect();
         let all = all.into_iter().collect::<Result<Vec<_>, _>>()?;
         Ok(all.into_iter().zip(1..).filter_map(|(is_unlike, i)| is_unlike.then_some(i * kinds)).collect())
+    }
+
+    /// Share of the rays outwards, past the tips of a channel that lies `turn` further about the axis (rad), that meet metal
+    /// within its height; 0 where there is a shroud, which is measured.
+    fn covered(&self, turn: f64) -> f64 {
+        if self.meridian.shrouded {
+            return 0.0;
+        }
+        let (middle, stations) = (self.walls[0].nv / 2, &self.meridian.stations);
+        let columns = (1..=SPARSE.stations).map(|i| i * (self.walls[0].nu - 1) / (SPARSE.stations + 1));
+        let meets = |u: usize| {
+            let ends = self.walls.map(|wall| wall.cylindrical(u, middle));
+            let station = station_at(stations, along_at(stations, DVec2::new(ends[0].x, ends[0].r), 0.5));
+            let theta = 0.5 * (ends[0].theta + unwrapped(ends[1].theta, ends[0].theta)) + turn;
+            let [from, toward] = self.tracer.start_of(&station, 1.0 - START, Surface::Shroud);
+            self.tracer.met(theta, from, toward, station.height()).is_some()
+        };
+        columns.filter(|&u| meets(u)).count() as f64 / SPARSE.stations as f64
     }
 
     /// Distance from which on a place is doubted (mm).
