@@ -192,8 +192,10 @@ pub struct Channel {
     /// How well the walls, the hub and the shroud agree with the mesh, measured between the places that they were found
     /// from. Empty for a channel that was not found in a mesh.
     pub agreement: Vec<Agreement>,
-    /// Numbers of the channels whose surfaces are not those of this one turned about the axis: what is planned for this
-    /// one does not fit them.
+    /// Number of kinds of channels: every so many channels are of one kind; more than 1 where there are splitters.
+    pub kinds: usize,
+    /// Numbers of the channels of this one's kind whose surfaces, or blades beside their edges, are not those of this one
+    /// turned about the axis.
     pub unlike: Vec<usize>,
     /// Assumptions made in finding the channel, in plain sentences for the user.
     pub assumed: Vec<String>,
@@ -210,6 +212,11 @@ impl Channel {
     /// (mm).
     pub fn radii_at(&self, x: f64) -> (f64, f64) {
         radii_at(&self.meridian, x)
+    }
+
+    /// Whether channel `number` is this one turned about the axis, so that what is planned for this one fits it.
+    pub fn is_like(&self, number: usize) -> bool {
+        number.abs_diff(self.index).is_multiple_of(self.kinds) && !self.unlike.contains(&number)
     }
 
     /// The station in the middle of the blades, in an axial channel along X, otherwise along the passage.
@@ -263,7 +270,7 @@ pub(super) fn along_at(meridian: &[Station], place: DVec2, share: f64) -> f64 {
     let feet = meridian.windows(2).map(|pair| {
         let (from, to) = (pair[0].place(share), pair[1].place(share));
         let way = to - from;
-        let t = ((place - from).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+        let t = if way == DVec2::ZERO { 0.0 } else { ((place - from).dot(way) / way.length_squared()).clamp(0.0, 1.0) };
         (place.distance_squared(from + t * way), pair[0].along + t * (pair[1].along - pair[0].along))
     });
     feet.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(f64::NAN, |(_, along)| along)

@@ -95,6 +95,30 @@ pub enum BliskError {
         /// The key that gives it.
         key: &'static str,
     },
+    /// The passage turns away from the axis, and the curves along it were not found.
+    #[error(
+        "the passage turns from the axis to the radius at x {x:.3}, r {r:.3} mm about the axis, but its hub and its shroud \
+         or blade tips were not found from end to end: the blades must stand on the hub from edge to edge, and end at one \
+         shroud or at tips with a corner at either edge; look for holes, steps or other bodies between the blades"
+    )]
+    Turns {
+        /// Where (mm along the axis).
+        x: f64,
+        /// Where (mm from the axis).
+        r: f64,
+    },
+    /// The blades go on where hub, shroud or tips have ended.
+    #[error(
+        "the blades go on beyond the end of the hub, shroud or tips that were found, at x {x:.3}, r {r:.3} mm about the axis, \
+         so that the passage is not known from edge to edge: hub and shroud must reach as far as the blades, and the tips \
+         must end in a corner at either edge"
+    )]
+    Unbounded {
+        /// Where (mm along the axis).
+        x: f64,
+        /// Where (mm from the axis).
+        r: f64,
+    },
     /// The walls could not be followed over the whole channel.
     #[error(
         "the channel's walls were lost at x {x:.3}, r {r:.3} mm about the axis, where the blades do not bound it on \

@@ -469,6 +469,7 @@ pub fn exact_channel(blisk: &ParametricBlisk) -> Channel {
         turning: 0.5 * (ends[1] - ends[0]),
         faces_x: blisk.faces_x(),
         agreement: Vec::new(),
+        kinds: 1,
         unlike: Vec::new(),
         assumed: Vec::new(),
         low,

@@ -69,6 +69,10 @@ pub struct ChannelSummary {
     pub turning_deg: f64,
     /// How well the surfaces agree with the mesh.
     pub agreement: Vec<Agreement>,
+    /// Number of kinds of channels.
+    pub kinds: usize,
+    /// Channels of its kind that are not like it.
+    pub unlike: Vec<usize>,
 }
 
 impl ChannelSummary {
@@ -77,7 +81,7 @@ impl ChannelSummary {
         const ROWS: usize = 12;
         let last = channel.meridian.len().saturating_sub(1);
         let rows = ROWS.min(last);
-        let meridian = (0..=rows).map(|i| channel.meridian[i * last / rows.max(1)]).collect();
+        let meridian = (0..=rows).filter_map(|i| channel.meridian.get(i * last / rows.max(1)).copied()).collect();
         Self {
             index: channel.index,
             frame: channel.frame,
@@ -91,6 +95,8 @@ impl ChannelSummary {
             throat: channel.throat,
             turning_deg: channel.turning.to_degrees(),
             agreement: channel.agreement.clone(),
+            kinds: channel.kinds,
+            unlike: channel.unlike.clone(),
         }
     }
 }
@@ -154,7 +160,11 @@ impl Inspection {
         };
         let of = |a: &Agreement| format!("{} {:.1} %", a.surface.name(), 100.0 * a.share);
         let surfaces: Vec<String> = channel.agreement.iter().map(of).collect();
-        format!("agrees with the mesh, within 0.005 mm and its chord error: {}", surfaces.join(", "))
+        let unlike = match channel.unlike.len() {
+            0 => String::new(),
+            count => format!("; other channels that are not like it: {count}"),
+        };
+        format!("agrees with the mesh, within 0.005 mm and its chord error: {}{unlike}", surfaces.join(", "))
     }
 }
 

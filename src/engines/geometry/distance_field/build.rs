@@ -301,6 +301,9 @@ impl Builder<'_> {
     /// The nearest to `p` of `contenders`, which are in order of their distance from `center`; `guess` is one of them
     /// that may be it.
     fn nearest(&self, p: DVec3, center: DVec3, contenders: &[Near], guess: u32) -> Nearest {
+        if contenders.is_empty() {
+            return Nearest::NONE;
+        }
         let away = p.distance(center);
         let (mut best, mut least) = (Nearest::NONE, f64::INFINITY);
         self.triangles.take_if_nearer(p, guess, &mut best, &mut least);

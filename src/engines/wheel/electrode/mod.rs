@@ -153,7 +153,10 @@ impl Electrode {
 }
 
 /// Refuses a passage that does not run along the axis.
-fn axial_only(channel: &Channel) -> Result<(), ElectrodeError> {
+///
+/// # Errors
+/// [`ElectrodeError::NotAxial`].
+pub fn axial_only(channel: &Channel) -> Result<(), ElectrodeError> {
     match channel.flow {
         Flow::Axial => Ok(()),
         flow => Err(ElectrodeError::NotAxial(flow)),

@@ -18,6 +18,12 @@ const TOLERANCE: f64 = 0.005;
 /// that is more: a few times the error of the curves between their stations, and well below any spark gap.
 const DOUBT: f64 = 0.025;
 const DOUBT_SHARE: f64 = 0.001;
+/// Most that the surfaces of channels that are alike may differ by, beside the mesh's chord error (mm).
+const MOST_TOLERANCE: f64 = 0.1;
+/// How far beyond the edges the channels are compared (shares of their length).
+const BEYOND: [f64; 3] = [0.05, 0.2, 0.5];
+/// Places over a pitch at which they are compared there.
+const AROUND: i32 = 8;
 /// A narrower throat is none (mm).
 const LEAST_THROAT: f64 = 0.01;
 /// Share of the channel's width that the end walls are measured over: fillets round the rest.
@@ -80,13 +86,14 @@ impl Measured<'_> {
     /// The channels of this one's kind, every one of `kinds`, counted on from this one, of which more than a few places of a surface are further than `tolerance`
     /// (mm) from those of this channel turned about the axis.
     pub fn unlike(&self, blades: usize, kinds: usize, tolerance: f64) -> Result<Vec<usize>, BliskError> {
-        let doubt = self.doubt().max(tolerance);
+        let doubt = self.doubt().max(tolerance.min(MOST_TOLERANCE));
         let covered = self.covered(0.0);
         let is_unlike = |k: usize| {
             let turn = k as f64 * self.tracer.pitch;
             let mut samples = self.samples(SPARSE, turn)?;
             let is_off = samples.any(|(surface, samples)| summary(surface, samples, doubt).doubted > 1.0 - ENOUGH);
-            Ok::<_, BliskError>(is_off || (self.covered(turn) - covered).abs() > 1.0 - ENOUGH)
+            let is_covered_otherwise = (self.covered(turn) - covered).abs() > 1.0 - ENOUGH;
+            Ok::<_, BliskError>(is_off || is_covered_otherwise || self.differing_beside_edges(turn) > 1.0 - ENOUGH)
         };
         let all: Vec<Result<bool, BliskError>> =
             (1..blades / kinds).into_par_iter().map(|i| is_unlike(i * kinds)).collect();
@@ -112,6 +119,33 @@ impl Measured<'_> {
         columns.filter(|&u| meets(u)).count() as f64 / SPARSE.stations as f64
     }
 
+    /// Share of the places beyond the edges, a pitch to either side, that are solid in one of two channels and free in the
+    /// other, which lies `turn` further about the axis (rad): a splitter ends where its neighbours go on.
+    fn differing_beside_edges(&self, turn: f64) -> f64 {
+        let (wall, slices) = (self.walls[0], self.tracer.slices);
+        let place = |u: usize, v: usize| {
+            let Cylindrical { x, r, .. } = wall.cylindrical(u, v);
+            DVec2::new(x, r)
+        };
+        let (mut all, mut differ) = (0, 0);
+        for v in [1, 5, 9].map(|tenth| tenth * (wall.nv - 1) / 10) {
+            let length: f64 = (1..wall.nu).map(|u| place(u, v).distance(place(u - 1, v))).sum();
+            for (end, inside) in [(0, wall.nu / 8), (wall.nu - 1, wall.nu - 1 - wall.nu / 8)] {
+                let outwards = (place(end, v) - place(inside, v)).normalize_or_zero();
+                let ends = self.walls.map(|wall| wall.cylindrical(end, v).theta);
+                let middle = 0.5 * (ends[0] + unwrapped(ends[1], ends[0]));
+                for (at, k) in BEYOND.iter().flat_map(|share| (-AROUND..=AROUND).map(move |k| (share * length, k))) {
+                    let at = place(end, v) + at * outwards;
+                    let theta = middle + f64::from(k) / f64::from(AROUND) * self.tracer.pitch;
+                    all += 1;
+                    differ +=
+                        usize::from(slices.is_solid(at.x, at.y, theta) != slices.is_solid(at.x, at.y, theta + turn));
+                }
+            }
+        }
+        differ as f64 / f64::from(all.max(1))
+    }
+
     /// Distance from which on a place is doubted (mm).
     fn doubt(&self) -> f64 {
         let heights = self.meridian.stations.iter().map(Station::height);
@@ -133,7 +167,9 @@ impl Measured<'_> {
     fn wall_samples(&self, wall: &ChannelWall, end: fn(&Gap) -> Crossing, density: Density, turn: f64) -> Vec<Sample> {
         let tracer = self.tracer;
         let every = density.every;
-        let cells = (1..wall.nu).step_by(every).flat_map(|u| (1..wall.nv).step_by(every).map(move |v| (u, v)));
+        // Not too often at the edges, which are round.
+        let from = every.div_ceil(2);
+        let cells = (from..wall.nu).step_by(every).flat_map(|u| (from..wall.nv).step_by(every).map(move |v| (u, v)));
         let cells: Vec<_> = cells.collect();
         let sample = |&(u, v): &(usize, usize)| {
             let (at, sag) = cell(wall, u, v);

@@ -22,6 +22,9 @@ pub(super) struct Lines {
 
 /// Most points of the lattice that are looked at.
 const MOST_POINTS: usize = 40_000;
+/// With fewer points the lattice is made finer, so many times at most.
+const ENOUGH_POINTS: usize = 1_000;
+const MOST_HALVINGS: usize = 4;
 /// Shorter runs of the outline are rounding (points).
 const LEAST_RUN: usize = 4;
 /// The blades' edges meet their tips in corners sharper than this (rad).
@@ -35,6 +38,9 @@ const DEGREE: usize = 6;
 /// Curves whose mean radii differ by less than this share of the height lie side by side along the axis.
 const SAME_RADIUS: f64 = 0.2;
 
+/// A passage is axial where no more than this share of its length is steeper than 45 degrees.
+const MOST_STEEP: f64 = 0.1;
+
 /// A piece of the outline of the bladed part, between two neighbouring points of the lattice.
 #[derive(Clone, Copy)]
 struct Outline {
@@ -43,20 +49,53 @@ struct Outline {
 }
 
 /// The lines across the passage through `start`; none where it runs along the axis, within 45 degrees, or where the blades
-/// do not reach a hub from end to end.
+/// do not reach a hub from end to end, so that nothing is known of its direction.
 pub(super) fn lines(tracer: &Tracer, start: Place) -> Result<Option<Lines>, BliskError> {
-    let outline = outline(&bladed(tracer, &start)?, tracer, &start);
+    let mut lattice = Lattice { start: DVec2::new(start.x, start.r), step: tracer.slices.cell_size().y };
+    let mut points = bladed(tracer, &start, &lattice)?;
+    for _ in 0..MOST_HALVINGS {
+        if points.len() >= ENOUGH_POINTS {
+            break;
+        }
+        lattice.step *= 0.5;
+        points = bladed(tracer, &start, &lattice)?;
+    }
+    if points.len() >= MOST_POINTS {
+        return Ok(None);
+    }
+    let outline = outline(&points, tracer, &lattice);
     Ok(curves(&outline).and_then(|[hub, outer]| {
         let shrouded = outer.is_solid;
         let lines = ordered(smooth(&hub.points)?, smooth(&outer.points)?, shrouded);
         let middle: Vec<DVec2> = lines.iter().map(|[hub, shroud]| 0.5 * (*hub + *shroud)).collect();
-        let is_axial = middle.windows(2).all(|w| (w[1].x - w[0].x).abs() > (w[1].y - w[0].y).abs());
-        (!is_axial).then_some(Lines { lines, shrouded })
+        (steep_share(&middle) > MOST_STEEP).then_some(Lines { lines, shrouded })
     }))
 }
 
-/// Points of a square lattice about `start` whose circles have the channel's gap between two blades.
-fn bladed(tracer: &Tracer, start: &Place) -> Result<HashMap<[i32; 2], Gap>, BliskError> {
+/// Share of the length of a curve (x, r) that runs more along the radius than along the axis.
+fn steep_share(curve: &[DVec2]) -> f64 {
+    let steps = || curve.windows(2).map(|w| (w[1] - w[0]).abs());
+    let length = steps().map(DVec2::length).sum::<f64>();
+    steps().filter(|step| step.y >= step.x).map(DVec2::length).sum::<f64>() / length.max(f64::MIN_POSITIVE)
+}
+
+/// A square lattice in the meridional plane.
+struct Lattice {
+    /// Place (x, r) of its point [0, 0] (mm).
+    start: DVec2,
+    /// Distance of neighbouring points (mm).
+    step: f64,
+}
+
+impl Lattice {
+    fn place(&self, point: [f64; 2]) -> DVec2 {
+        self.start + self.step * DVec2::from(point)
+    }
+}
+
+/// Points of a lattice that begins at `start` whose circles have the channel's gap between two blades; at most
+/// [`MOST_POINTS`].
+fn bladed(tracer: &Tracer, start: &Place, lattice: &Lattice) -> Result<HashMap<[i32; 2], Gap>, BliskError> {
     let mut found = HashMap::from([([0, 0], start.gap)]);
     let mut queue = vec![[0, 0]];
     let mut done = 0;
@@ -65,7 +104,7 @@ fn bladed(tracer: &Tracer, start: &Place) -> Result<HashMap<[i32; 2], Gap>, Blis
         done += 1;
         let near = found[&point];
         for next in around(point) {
-            let at = place(tracer, start, next.map(f64::from));
+            let at = lattice.place(next.map(f64::from));
             if !found.contains_key(&next)
                 && let Some(gap) = tracer.bladed_gap(at.x, at.y, &near)
             {
@@ -82,12 +121,8 @@ fn around([i, j]: [i32; 2]) -> [[i32; 2]; 4] {
     [[i, j - 1], [i + 1, j], [i, j + 1], [i - 1, j]]
 }
 
-fn place(tracer: &Tracer, start: &Place, point: [f64; 2]) -> DVec2 {
-    DVec2::new(start.x, start.r) + tracer.slices.cell_size().y * DVec2::from(point)
-}
-
 /// The longest outline of the bladed points, against the clock.
-fn outline(bladed: &HashMap<[i32; 2], Gap>, tracer: &Tracer, start: &Place) -> Vec<Outline> {
+fn outline(bladed: &HashMap<[i32; 2], Gap>, tracer: &Tracer, lattice: &Lattice) -> Vec<Outline> {
     // Each point stands for the square about it; a piece of the outline runs from corner to corner of the squares, with
     // the bladed square on its left.
     let corners = [[0, 0], [1, 0], [1, 1], [0, 1]];
@@ -96,11 +131,11 @@ fn outline(bladed: &HashMap<[i32; 2], Gap>, tracer: &Tracer, start: &Place) -> V
     points.sort_by_key(|(point, _)| **point);
     for (&[i, j], gap) in points {
         for (k, next) in around([i, j]).into_iter().enumerate().filter(|(_, next)| !bladed.contains_key(next)) {
-            let beside = place(tracer, start, next.map(f64::from));
+            let beside = lattice.place(next.map(f64::from));
             let corner = |k: usize| [i + corners[k % 4][0], j + corners[k % 4][1]];
             let middle = [0.5 * f64::from(i + next[0]), 0.5 * f64::from(j + next[1])];
             let piece = Outline {
-                at: place(tracer, start, middle),
+                at: lattice.place(middle),
                 is_solid: tracer.slices.is_solid(beside.x, beside.y, gap.middle()),
             };
             pieces.entry(corner(k)).or_default().push((corner(k + 1), piece));
@@ -110,13 +145,13 @@ fn outline(bladed: &HashMap<[i32; 2], Gap>, tracer: &Tracer, start: &Place) -> V
     let mut starts: Vec<_> = pieces.keys().copied().collect();
     starts.sort_unstable();
     for start in starts {
-        let (mut at, mut loop_) = (start, Vec::new());
+        let (mut at, mut outline) = (start, Vec::new());
         while let Some((next, piece)) = pieces.get_mut(&at).and_then(Vec::pop) {
-            loop_.push(piece);
+            outline.push(piece);
             at = next;
         }
-        if loop_.len() > longest.len() {
-            longest = loop_;
+        if outline.len() > longest.len() {
+            longest = outline;
         }
     }
     longest

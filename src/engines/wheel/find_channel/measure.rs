@@ -126,8 +126,9 @@ pub(super) fn turning(low: &ChannelWall, high: &ChannelWall, flow: Flow) -> (f64
 
 /// Least and greatest x of the mesh (in W) at the radii of the channel, its end walls included.
 pub(super) fn faces_x(mesh: &Mesh, meridian: &[Station]) -> [f64; 2] {
-    let (least, most) =
-        meridian.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), s| (s.hub.y.min(l), s.shroud.y.max(m)));
+    let (least, most) = meridian.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), s| {
+        (s.hub.y.min(s.shroud.y).min(l), s.hub.y.max(s.shroud.y).max(m))
+    });
     let band = 0.01 * (most - least);
     let (least, most) = (least - band, most + band);
     let mut faces = [f64::INFINITY, f64::NEG_INFINITY];

@@ -12,11 +12,13 @@ mod walls;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 
+use glam::DVec2;
+
 use self::agreement::Measured;
 use self::flow::Lines;
 use self::meridian::{Meridian, Place, Tracer};
 use self::walls::{INSET, WallFinder};
-use super::channel::{Channel, Flow};
+use super::channel::{Channel, ChannelWall, Flow};
 use super::error::BliskError;
 use super::frame::slices::{Gap, Slices};
 use super::frame::{BliskFrame, find_frame, is_inside_out};
@@ -24,6 +26,10 @@ use super::options::BliskOptions;
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
 use task::{Cancel, Task};
+
+/// The hub of an axial channel may be steeper than 45 degrees over this share of the blades' width, as at a step beside
+/// their edges.
+const MOST_STEEP_HUB: f64 = 0.15;
 
 /// Finds the axis, the blades and the chosen channel of `mesh` (mm, closed, in any attitude).
 ///
@@ -77,6 +83,9 @@ pub(super) fn channel_of(
     task.report("channel", 0.6, "walls");
     let finder = WallFinder { tracer: &tracer, meridian: &meridian, start };
     let [mut low, mut high] = finder.walls(options.wall_points_chord, options.wall_points_span)?;
+    if meridian.flow == Flow::Axial {
+        check_axial(&meridian, [&low, &high])?;
+    }
     let throat = measure::throat(&low, &high);
     let (turning, sides) = measure::turning(&low, &high, meridian.flow);
     [low.side, high.side] = sides;
@@ -101,6 +110,7 @@ pub(super) fn channel_of(
         turning,
         faces_x,
         agreement,
+        kinds: blisk.repetition.kinds,
         unlike,
         assumed,
     })
@@ -114,6 +124,23 @@ fn meridian_of(tracer: &Tracer, start: Place, lines: Option<&Lines>) -> Result<(
         return Err(BliskError::NotAxial { key });
     }
     tracer.tube(start, lines)
+}
+
+/// Refuses an axial channel whose hub runs along the radius between the blades: its passage turns, and the curves along it
+/// were not found.
+fn check_axial(meridian: &Meridian, walls: [&ChannelWall; 2]) -> Result<(), BliskError> {
+    let xs = || walls.into_iter().flat_map(|wall| wall.points.iter().map(|p| p.x));
+    let (first, last) = (xs().fold(f64::INFINITY, f64::min), xs().fold(f64::NEG_INFINITY, f64::max));
+    let hub = meridian.stations.iter().map(|s| s.hub).filter(|p| (first..=last).contains(&p.x));
+    let hub: Vec<DVec2> = hub.collect();
+    let steps = hub.windows(2).map(|w| (w[1] - w[0]).abs());
+    let steep: f64 = steps.filter(|step| step.y > step.x).map(|step| step.x).sum();
+    if steep <= MOST_STEEP_HUB * (last - first) {
+        return Ok(());
+    }
+    let rise = |w: &&[DVec2]| ((w[1].y - w[0].y) / (w[1].x - w[0].x)).abs();
+    let steepest = hub.windows(2).max_by(|a, b| rise(a).total_cmp(&rise(b))).map_or(DVec2::NAN, |w| w[0]);
+    Err(BliskError::Turns { x: steepest.x, r: steepest.y })
 }
 
 /// The chosen channel's place.
@@ -177,7 +204,7 @@ fn end_wall_assumptions(options: &BliskOptions, meridian: &Meridian) -> Vec<Stri
         assumed.push(format!(
             "The passage is {}: hub and {outer} are the curves beside the blades' ends{}.",
             meridian.flow.name(),
-            if shrouded { ", the hub the one nearer to the axis" } else { "" }
+            if shrouded { ", the hub the one nearer to the axis or, of two as near, at smaller x" } else { "" }
         ));
         assumed.push(inset(shrouded));
         return assumed;
@@ -204,9 +231,10 @@ fn unlike_sentence(unlike: &[usize], alike: usize) -> Option<String> {
     let more = if sorted.len() > MOST { ", …" } else { "" };
     (!sorted.is_empty()).then(|| {
         format!(
-            "{} of the other {} channels of its kind are not like this one ({}{more}): what is planned here does not fit them.",
-            sorted.len(),
+            "Of the other {} channels of its kind, {} {} not like this one ({}{more}): what is planned here does not fit there.",
             alike - 1,
+            sorted.len(),
+            if sorted.len() == 1 { "is" } else { "are" },
             names.join(", ")
         )
     })

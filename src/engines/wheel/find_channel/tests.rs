@@ -486,7 +486,7 @@ fn channels_that_are_not_like_the_found_one_are_named() {
     let mesh = lumps.iter().fold(part.mesh(), together);
     let channel = found(&mesh);
     assert_eq!(channel.unlike.len(), 2, "{:?}", channel.unlike);
-    assert!(channel.assumed.iter().any(|a| a.contains("2 of the other 23 channels of its kind are not like")));
+    assert!(channel.assumed.iter().any(|a| a.contains("Of the other 23 channels of its kind, 2 are not like")));
     // One blade out of 24 turned by 0.4 mm spoils the channels on both its sides.
     let turned = TestWheel::nozzle_ring().spoilt(Spoilt { turned_blade: Some((5, 0.4 / 80.0)), ..Default::default() });
     assert_eq!(found(&turned).unlike.len(), 2);
@@ -533,4 +533,19 @@ fn spoilt_wheels_are_refused_or_told() {
         let told = answer.as_ref().map_or(0, |channel| channel.unlike.len());
         assert!(answer.is_err() || 2 * told >= part.blades, "{told} channels differ about the wrong axis");
     }
+}
+
+#[test]
+fn a_splitter_in_the_middle_of_the_pitch_makes_its_neighbours_unlike() {
+    let part = TestWheel { blades: 18, splitter: Some(([0.5, 0.95], 0.0)), thickness: 2.0, ..TestWheel::impeller() };
+    let channel = found(&part.mesh());
+    let others: Vec<usize> = (0..18).filter(|number| !channel.is_like(*number)).collect();
+    assert_eq!(others, (0..9).map(|k| 2 * k + 1).collect::<Vec<_>>(), "{:?}", channel.assumed);
+}
+
+#[test]
+fn one_turned_blade_of_few_makes_no_splitters() {
+    let mesh = TestWheel::impeller().spoilt(Spoilt { turned_blade: Some((2, 0.02)), ..Default::default() });
+    let channel = found(&mesh);
+    assert_eq!((channel.kinds, channel.unlike.len()), (1, 2), "{:?}", channel.assumed);
 }

@@ -12,7 +12,7 @@ use super::meridian::{DIP, MIDDLE_SHARE, Meridian, Place, RAYS, Tracer};
 const BESIDE: f64 = 0.2;
 /// An end wall that goes on bends away by less than this share of the height from one station to the next.
 const GOES_ON: f64 = 0.01;
-/// A last station nearer to the one before than this share of their steps is left out.
+/// A last station nearer to the one before than this share of their steps takes its place.
 const LEAST_STEP: f64 = 0.1;
 /// Lines at either end that may lie beyond the end walls.
 const LAST_LINES: usize = 5;
@@ -122,7 +122,11 @@ impl Tracer<'_> {
                     None => bad = middle,
                 }
             }
-            stations.extend(last.filter(|_| good > LEAST_STEP));
+            // The end itself, rather than a station just before it.
+            if good <= LEAST_STEP && stations.len() > 1 && last.is_some() {
+                stations.pop();
+            }
+            stations.extend(last);
             break;
         }
         Ok(stations)
@@ -150,7 +154,7 @@ impl Tracer<'_> {
         let hub = self.end_wall(&guess, &gaps.hub, Surface::Hub)?;
         let shroud = match (shrouded, bladed) {
             (true, _) => self.end_wall(&guess, &gaps.shroud, Surface::Shroud)?,
-            (false, Some(gap)) => self.tip(&guess, gap),
+            (false, Some(gap)) => self.tip(&guess, gap)?,
             (false, None) => guess.shroud,
         };
         Some((station([hub, shroud]), gaps))
@@ -176,8 +180,8 @@ impl Tracer<'_> {
         Some(from + nearest * toward)
     }
 
-    /// The end of the blades on the line of `guess`, from the channel's middle outwards.
-    fn tip(&self, guess: &Station, mut gap: Gap) -> DVec2 {
+    /// The end of the blades on the line of `guess`, from the channel's middle outwards; none where they do not end.
+    fn tip(&self, guess: &Station, mut gap: Gap) -> Option<DVec2> {
         let step = 1.0 / TIP_STEPS as f64;
         let (mut good, mut bad) = (0.5, None);
         while good < MOST_TIP && bad.is_none() {
@@ -187,7 +191,7 @@ impl Tracer<'_> {
                 None => bad = Some(good + step),
             }
         }
-        let mut bad = bad.unwrap_or(good);
+        let mut bad = bad?;
         while bad - good > 1e-6 * step {
             let middle = 0.5 * (good + bad);
             let at = guess.place(middle);
@@ -196,7 +200,7 @@ impl Tracer<'_> {
                 None => bad = middle,
             }
         }
-        guess.place(good)
+        Some(guess.place(good))
     }
 
     /// Where on a station rays to an end wall begin, and their direction (x, r).

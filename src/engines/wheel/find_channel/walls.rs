@@ -15,8 +15,11 @@ use geometry::frame::Cylindrical;
 /// facets of the end walls do not cut their circles.
 pub(super) const INSET: f64 = 0.005;
 
-/// From step to step a gap keeps more than this share of its width.
-const NARROWER: f64 = 0.5;
+/// From step to step an end of a gap moves into it by less than this share of its width.
+const JUMP: f64 = 0.3;
+
+/// Blades that go on so far beyond the end of hub or shroud (share of the height) are not bounded there.
+const BEYOND_END: f64 = 0.05;
 
 /// A curve along the channel at a constant share of the height, between the blades' edges.
 pub(super) struct Row {
@@ -51,11 +54,12 @@ impl WallFinder<'_> {
         (ends[0]..=ends[1]).contains(&along).then(|| station.place(share))
     }
 
-    /// The channel's place at `along` and `share` of the height, where blades bound it on both sides. A gap that is
-    /// suddenly much narrower is none between the blades: facets of an end wall stand out of it there.
+    /// The channel's place at `along` and `share` of the height, where blades bound it on both sides. A gap of which an end
+    /// jumps is none between the same blades: a splitter begins there, or facets of an end wall stand out of it.
     fn bladed(&self, along: f64, share: f64, near: &Gap) -> Option<Place> {
         let at = self.place_at(along, share)?;
-        let gap = self.tracer.bladed_gap(at.x, at.y, near).filter(|gap| gap.width() > NARROWER * near.width())?;
+        let narrowed = |gap: &Gap| (gap.low.theta - near.low.theta).max(near.high.theta - gap.high.theta);
+        let gap = self.tracer.bladed_gap(at.x, at.y, near).filter(|gap| narrowed(gap) < JUMP * near.width())?;
         Some(Place { along, x: at.x, r: at.y, gap })
     }
 
@@ -96,6 +100,9 @@ impl WallFinder<'_> {
     /// The last place towards the beginning or the end that blades bound on both sides.
     fn edge(&self, from: &Place, share: f64, toward: f64) -> Result<Place, BliskError> {
         let step = self.step();
+        if step.is_nan() || step <= 0.0 {
+            return Err(self.lost(from.along, share));
+        }
         let mut good = *from;
         let mut bad = loop {
             self.tracer.cancel.check()?;
@@ -111,7 +118,27 @@ impl WallFinder<'_> {
                 None => bad = along,
             }
         }
+        self.check_end(&good, share, toward)?;
         Ok(good)
+    }
+
+    /// Refuses an edge where hub or shroud ends, but not the blades.
+    fn check_end(&self, edge: &Place, share: f64, toward: f64) -> Result<(), BliskError> {
+        let stations = &self.meridian.stations;
+        let (([.., before, last], true) | ([last, before, ..], false)) = (&stations[..], toward > 0.0) else {
+            return Ok(());
+        };
+        let way = last.place(share) - before.place(share);
+        let is_inside = (edge.along - last.along).abs() > 1e-6 * self.step();
+        // Beside hub and shroud the edges may be flush with their ends.
+        if self.meridian.flow == Flow::Axial || is_inside || !(0.25..=0.75).contains(&share) {
+            return Ok(());
+        }
+        let beyond = last.place(share) + BEYOND_END * last.height() * way.normalize_or_zero();
+        match self.tracer.bladed_gap(beyond.x, beyond.y, &edge.gap) {
+            None => Ok(()),
+            Some(_) => Err(BliskError::Unbounded { x: beyond.x, r: beyond.y }),
+        }
     }
 
     /// The place of a row at `along`, between its edges.

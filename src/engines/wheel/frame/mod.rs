@@ -23,6 +23,8 @@ use task::{Cancel, Task};
 
 /// A wall repeats where it misses the mean one by less than this share of the pitch.
 const TOLERANCE: f64 = 0.005;
+/// Share of the walls by which more kinds of blades must explain more than fewer.
+const CLEARLY: f64 = 0.2;
 
 /// The axis and period of a blisk.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,7 +113,8 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
         let axis = placed(mesh, axis, &circles, walls, options, cancel)?;
         let slices = Slices::new(mesh.in_frame(&frame_along(&axis)));
         let repetition = period::repetition(&slices, &circles, walls, tolerance);
-        if best.is_none_or(|(_, known)| repetition.matched > known.matched) {
+        // More kinds have more freedom: one damaged blade does not make splitters of the others.
+        if best.is_none_or(|(_, known)| repetition.matched > known.matched + CLEARLY) {
             best = Some((axis, repetition));
         }
         if repetition.matched >= period::MOST_REPEAT {

@@ -234,10 +234,12 @@ impl Slices {
     }
 
     /// The first triangle that the ray from `from` (x, r) along `direction` (x, r; a unit vector) meets within `reach`
-    /// in the half plane at `theta`, from either side: the distance (mm) and the triangle.
+    /// (mm, also infinite) in the half plane at `theta`, from either side: the distance (mm) and the triangle.
     pub fn first_in_half_plane(&self, theta: f64, from: DVec2, direction: DVec2, reach: f64) -> Option<(f64, u32)> {
         let along = DVec2::from_angle(theta);
-        let ends = [from.x, from.x + reach * direction.x];
+        // Along the radius an infinite reach leaves x where it is.
+        let far = if direction.x == 0.0 { from.x } else { from.x + reach * direction.x };
+        let ends = [from.x, far];
         let column = |x: f64| {
             let at = (x - self.origin.x) / self.size.x * self.grid[0] as f64;
             (at.max(0.0) as usize).min(self.grid[0] - 1)
@@ -252,7 +254,9 @@ impl Slices {
                 return None;
             }
             let distance = direction.dot(p.lerp(q, side_p / (side_p - side_q)));
-            (distance > 0.0 && distance <= reach).then_some((distance, triangle))
+            // Beyond the axis the same line is in the half plane on its other side.
+            let is_here = from.y + distance * direction.y >= 0.0;
+            (distance > 0.0 && distance <= reach && is_here).then_some((distance, triangle))
         });
         met.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
     }
@@ -479,6 +483,25 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
+
+    #[test]
+    fn rays_in_half_planes_meet_a_square_bar() {
+        let bar = Slices::new(Mesh::cuboid(DVec3::new(4.0, 2.0, 2.0)).mapped(|p| p - DVec3::new(0.0, 1.0, 1.0)));
+        let outwards = |theta: f64, direction: DVec2, reach| {
+            bar.first_in_half_plane(theta, DVec2::new(1.0, 0.5), direction, reach).map(|(distance, _)| distance)
+        };
+        for theta in [0.3, 0.5 * PI + 0.3, PI + 0.3, -0.3] {
+            let expected = 1.0 / 0.3f64.cos() - 0.5;
+            let found = outwards(theta, DVec2::Y, f64::INFINITY).unwrap();
+            assert!((found - expected).abs() < 1e-12, "{theta}: {found}");
+            // Towards the axis there is nothing on this side of it.
+            assert_eq!(outwards(theta, DVec2::NEG_Y, f64::INFINITY), None);
+            // Slanted to the end face at x = 4.
+            let slanted = outwards(theta, DVec2::new(0.98, 0.02).normalize(), f64::INFINITY).unwrap();
+            assert!((slanted - 3.0 * 0.98f64.hypot(0.02) / 0.98).abs() < 1e-12, "{slanted}");
+            assert_eq!(outwards(theta, DVec2::Y, 0.4), None);
+        }
+    }
 
     #[test]
     fn a_circle_leaves_a_square_bar_where_trigonometry_says() {

@@ -20,7 +20,7 @@ use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
 use wheel::channel::Channel;
-use wheel::electrode::{Electrode, ElectrodeError, EnterSide, EntrySide, Sizing};
+use wheel::electrode::{Electrode, ElectrodeError, EnterSide, EntrySide, Sizing, axial_only};
 use wheel::find_channel::find_channel;
 use wheel::surface_finder::SurfaceFinder;
 
@@ -53,6 +53,7 @@ pub fn prepare(inputs: &PlanInputs, task: &Task) -> Result<PreparedBlisk, PlanJo
     let mut clock = Clock::default();
     simulate::check_machine(job, task)?;
     let channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, task))?;
+    axial_only(&channel)?;
     simulate::check_channels(job, &channel)?;
     let blisk = inputs.blisk.in_frame(&channel.frame);
     let exact = clock.time("exact mesh", || ExactMesh::new(&blisk))?;

@@ -47,9 +47,17 @@ pub fn check_machine(job: &PlanJob, task: &Task) -> Result<(), PlanJobError> {
     bodies_of(job, task).map(drop)
 }
 
-/// Finds out before the work whether the channels that are burnt exist.
+/// Finds out before the work whether the channels that are burnt exist and are like the one that is planned for.
 pub fn check_channels(job: &PlanJob, channel: &Channel) -> Result<(), PlanJobError> {
-    job.export.channels.numbers(channel.blades, channel.index).map(drop).map_err(PlanJobError::Job)
+    let numbers = job.export.channels.numbers(channel.blades, channel.index).map_err(PlanJobError::Job)?;
+    match numbers.into_iter().find(|&number| !channel.is_like(number)) {
+        None => Ok(()),
+        Some(number) => Err(PlanJobError::Job(format!(
+            "[export] channels: channel {number} is not like channel {}, so that its plan does not fit it; leave it out, and \
+             plan it by itself with blisk.channel = {number}",
+            channel.index
+        ))),
+    }
 }
 
 /// Adds to `known` the whole motion of every electrode, each with its copying motion, if the machine has bodies or
@@ -95,4 +103,34 @@ fn of_electrode(
         model,
     };
     Ok(Some(simulate_motion(&scenario, &SimulationOptions::of(channels), task)?.into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::workspaces::blisk::document::choice::Channels;
+    use wheel::fixtures::exact_channel;
+    use wheel::parametric::ParametricBlisk;
+
+    #[test]
+    fn a_channel_that_is_not_like_the_planned_one_is_not_burnt_by_its_plan() {
+        let channel = Channel { unlike: vec![5], ..exact_channel(&ParametricBlisk::default()) };
+        let burnt = |channels: Channels| {
+            let mut job = PlanJob::for_mesh(Path::new("part.stl"));
+            job.export.channels = channels;
+            check_channels(&job, &channel).map_err(|error| error.to_string())
+        };
+        assert_eq!(burnt(Channels::Own), Ok(()));
+        assert_eq!(burnt(Channels::These(vec![0, 4, 6])), Ok(()));
+        for wrong in [Channels::All, Channels::These(vec![4, 5])] {
+            let refusal = burnt(wrong).unwrap_err();
+            assert!(refusal.contains("channel 5 is not like channel 0"), "{refusal}");
+        }
+        // Every other channel of a wheel with splitters is of another kind.
+        let channel = Channel { kinds: 2, ..exact_channel(&ParametricBlisk::default()) };
+        let like: Vec<usize> = (0..6).filter(|&number| channel.is_like(number)).collect();
+        assert_eq!(like, [0, 2, 4]);
+    }
 }
