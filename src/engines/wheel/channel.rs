@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use geometry::frame::{Cylindrical, Frame};
 
-/// Face of its blade that a channel wall is.
+/// Face of its blade that a channel wall is, seen along the passage: against the meridional direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BladeSide {
@@ -86,7 +86,7 @@ impl ChannelWall {
 pub enum Flow {
     /// Along the axis, within 45 degrees.
     Axial,
-    /// From one to the other.
+    /// From one to the other, or between both.
     Mixed,
     /// Along the radius, within 45 degrees.
     Radial,
@@ -185,7 +185,8 @@ pub struct Channel {
     pub high: ChannelWall,
     /// Narrowest place between the walls.
     pub throat: Throat,
-    /// Turn of the middle line between its two ends, seen along the radius (rad).
+    /// Turn of the middle line between its two ends, seen along the radius or, outside axial flow, square to the
+    /// meridional direction (rad).
     pub turning: f64,
     /// X extent of the blisk at the channel's radii: its two faces (mm).
     pub faces_x: [f64; 2],

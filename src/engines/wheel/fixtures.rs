@@ -297,7 +297,7 @@ pub struct TestWheel {
     pub shrouded: bool,
     /// Shares of the passage between which the blades stand.
     pub span: [f64; 2],
-    /// Those of every other blade, which stands further about the axis by an angle (rad), where they are splitters.
+    /// Shares of every other blade, which stands further about the axis by an angle (rad), where there are splitters.
     pub splitter: Option<([f64; 2], f64)>,
     /// Angle that a blade winds about the axis over the whole passage (rad).
     pub wrap: f64,

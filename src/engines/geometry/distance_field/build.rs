@@ -342,7 +342,7 @@ impl Builder<'_> {
     }
 }
 
-/// Those of `candidates` that can be nearest within `radius` of `center`, in order of their distance from there.
+/// Triangles among `candidates` that can be nearest within `radius` of `center`, in order of their distance from there.
 ///
 /// The point of the first that is nearest to the centre, at the distance `d` and seen against the unit vector `u`, is
 /// no further from a point `center + v` than `d + u . v + v^2 / (2 d)`. Another triangle is at least as far from there

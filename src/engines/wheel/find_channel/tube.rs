@@ -99,25 +99,27 @@ impl Tracer<'_> {
             stations.push(next.0);
             (here, gaps) = next;
         }
-        let step = match stations[..] {
+        let mut step = match stations[..] {
             [.., before, last] => [last.hub - before.hub, last.shroud - before.shroud],
             _ => return Ok(stations),
         };
-        let beyond = |here: &Station, share: f64| [here.hub + share * step[0], here.shroud + share * step[1]];
         // Beside the tips nothing bounds the passage, which is as long as it is high there.
         let most =
             if shrouded { MOST_BESIDE } else { (here.height() / step[0].length().max(step[1].length())) as usize };
         for _ in 0..most.min(MOST_BESIDE) {
             self.cancel.check()?;
-            if let Some(next) = self.beside(beyond(&here, 1.0), &gaps, shrouded) {
+            let beyond = |share: f64| [here.hub + share * step[0], here.shroud + share * step[1]];
+            if let Some(next) = self.beside(beyond(1.0), &gaps, shrouded) {
                 stations.push(next.0);
+                // A ring may be bent: the next step goes on as this one did.
+                step = [next.0.hub - here.hub, next.0.shroud - here.shroud];
                 (here, gaps) = next;
                 continue;
             }
             let (mut good, mut bad, mut last) = (0.0, 1.0, None);
             while bad - good > 1e-7 {
                 let middle = 0.5 * (good + bad);
-                match self.beside(beyond(&here, middle), &gaps, shrouded) {
+                match self.beside(beyond(middle), &gaps, shrouded) {
                     Some(next) => (good, last) = (middle, Some(next.0)),
                     None => bad = middle,
                 }

@@ -55,10 +55,12 @@ fn unshrouded(blisk: &Mesh, channel: &Channel) -> Mesh {
         channel.below_shroud(DVec2::new(place.x, place.r)) < 0.05
     };
     // Facets of the shroud's inside dip below its radius between their corners; faces of blades only end there.
-    let is_shroud = |[a, b, c]: [DVec3; 3]| at_shroud((a + b + c) / 3.0) || [a, b, c].into_iter().all(at_shroud);
-    let kept = |corners: [DVec3; 3]| !channel.shrouded || !is_shroud(corners);
-    let triangles: Vec<[u32; 3]> =
-        blisk.triangles.iter().zip(blisk.iter_corners()).filter(|(_, c)| kept(*c)).map(|(t, _)| *t).collect();
+    let corners: Vec<bool> = blisk.vertices.par_iter().map(|p| channel.shrouded && at_shroud(*p)).collect();
+    let is_shroud = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|v| blisk.vertices[v as usize]);
+        triangle.iter().all(|v| corners[*v as usize]) || (channel.shrouded && at_shroud((a + b + c) / 3.0))
+    };
+    let triangles = blisk.triangles.par_iter().filter(|triangle| !is_shroud(triangle)).copied().collect();
     let mut bare = compacted(&Mesh { vertices: blisk.vertices.clone(), triangles });
     if channel.shrouded {
         close_holes(&mut bare);
