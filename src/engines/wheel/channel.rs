@@ -110,8 +110,8 @@ pub struct Station {
     /// Position along the passage (mm): x in an axial channel, otherwise the length of the curve through the stations'
     /// middles.
     pub along: f64,
-    /// Place of the hub (x, r) (mm). Of the radii met over the middle of the channel the greatest, since a mesh's facets
-    /// dip.
+    /// Place of the hub (x, r) (mm). Of the radii met over the middle of the channel the greatest, since a mesh's
+    /// facets dip.
     pub hub: DVec2,
     /// Place of the shroud or of the blade tips (x, r) (mm), found in the same way.
     pub shroud: DVec2,
@@ -154,8 +154,8 @@ pub struct Agreement {
     pub samples: usize,
     /// Share of them that agree within their tolerance, 0 to 1.
     pub share: f64,
-    /// Greatest distance along the radius (hub, shroud) or along the normal (walls) (mm); infinite, `null` in JSON, where
-    /// the mesh has no such surface at all.
+    /// Greatest distance along the radius (hub, shroud) or along the normal (walls) (mm); infinite, `null` in JSON,
+    /// where the mesh has no such surface at all.
     pub greatest_mm: f64,
     /// Where that is, in W (mm).
     pub at: DVec3,
@@ -163,7 +163,8 @@ pub struct Agreement {
     pub doubted: f64,
 }
 
-/// One channel of a blisk: the passage between two blades, hub and shroud. All coordinates are in W: X is the blisk axis, the channel's middle lies on +Z.
+/// One channel of a blisk: the passage between two blades, hub and shroud. All coordinates are in W: X is the blisk
+/// axis, the channel's middle lies on +Z.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// W in the coordinates of the loaded mesh (mm).
@@ -195,8 +196,8 @@ pub struct Channel {
     pub agreement: Vec<Agreement>,
     /// Number of kinds of channels: every so many channels are of one kind; more than 1 where there are splitters.
     pub kinds: usize,
-    /// Numbers of the channels of this one's kind whose surfaces, or blades beside their edges, are not those of this one
-    /// turned about the axis.
+    /// Numbers of the channels of this one's kind whose surfaces, or blades beside their edges, are not those of this
+    /// one turned about the axis.
     pub unlike: Vec<usize>,
     /// Assumptions made in finding the channel, in plain sentences for the user.
     pub assumed: Vec<String>,

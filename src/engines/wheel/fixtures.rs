@@ -284,8 +284,8 @@ pub fn together(mut a: Mesh, b: &Mesh) -> Mesh {
     a
 }
 
-/// A wheel whose passages run along any curves between two walls of revolution. Walls and blades are shells of their own,
-/// the blades reaching into the walls.
+/// A wheel whose passages run along any curves between two walls of revolution. Walls and blades are shells of their
+/// own, the blades reaching into the walls.
 pub struct TestWheel {
     /// Number of blades.
     pub blades: usize,

@@ -19,7 +19,8 @@ use task::Cancel;
 /// `spark_gap_mm` is accepted and reported in `assumed`.
 ///
 /// # Errors
-/// When the passage does not run along the axis, and when the mesh is open, inside out, or touches or crosses the blisk.
+/// When the passage does not run along the axis, and when the mesh is open, inside out, or touches or crosses the
+/// blisk.
 pub fn from_user_mesh(
     mesh: Mesh,
     channel: &Channel,

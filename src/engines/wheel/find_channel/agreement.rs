@@ -83,8 +83,8 @@ impl Measured<'_> {
         Ok(all)
     }
 
-    /// The channels of this one's kind, every one of `kinds`, counted on from this one, of which more than a few places of a surface are further than `tolerance`
-    /// (mm) from those of this channel turned about the axis.
+    /// The channels of this one's kind, every one of `kinds`, counted on from this one, of which more than a few places
+    /// of a surface are further than `tolerance` (mm) from those of this channel turned about the axis.
     pub fn unlike(&self, blades: usize, kinds: usize, tolerance: f64) -> Result<Vec<usize>, BliskError> {
         let doubt = self.doubt().max(tolerance.min(MOST_TOLERANCE));
         let covered = self.covered(0.0);
@@ -101,8 +101,8 @@ impl Measured<'_> {
         Ok(all.into_iter().zip(1..).filter_map(|(is_unlike, i)| is_unlike.then_some(i * kinds)).collect())
     }
 
-    /// Share of the rays outwards, past the tips of a channel that lies `turn` further about the axis (rad), that meet metal
-    /// within its height; 0 where there is a shroud, which is measured.
+    /// Share of the rays outwards, past the tips of a channel that lies `turn` further about the axis (rad), that meet
+    /// metal within its height; 0 where there is a shroud, which is measured.
     fn covered(&self, turn: f64) -> f64 {
         if self.meridian.shrouded {
             return 0.0;
@@ -119,8 +119,8 @@ impl Measured<'_> {
         columns.filter(|&u| meets(u)).count() as f64 / SPARSE.stations as f64
     }
 
-    /// Share of the places beyond the edges, a pitch to either side, that are solid in one of two channels and free in the
-    /// other, which lies `turn` further about the axis (rad): a splitter ends where its neighbours go on.
+    /// Share of the places beyond the edges, a pitch to either side, that are solid in one of two channels and free in
+    /// the other, which lies `turn` further about the axis (rad): a splitter ends where its neighbours go on.
     fn differing_beside_edges(&self, turn: f64) -> f64 {
         let (wall, slices) = (self.walls[0], self.tracer.slices);
         let place = |u: usize, v: usize| {
@@ -228,7 +228,8 @@ impl Measured<'_> {
     }
 }
 
-/// The middle of the cell of a wall's grid that ends at (`u`, `v`), and how far the cell lies off the bent surface (mm).
+/// The middle of the cell of a wall's grid that ends at (`u`, `v`), and how far the cell lies off the bent surface
+/// (mm).
 fn cell(wall: &ChannelWall, u: usize, v: usize) -> (DVec3, f64) {
     let places = [(u - 1, v - 1), (u, v - 1), (u, v), (u - 1, v)];
     let corners = places.map(|(u, v)| wall.point(u, v));
@@ -272,8 +273,8 @@ fn unwrapped(theta: f64, near: f64) -> f64 {
     near + geometry::frame::wrap_angle(theta - near)
 }
 
-/// How far a triangle that is met at radius `r` may lie off the surface of revolution that it stands for (mm): its chord
-/// around the axis, and its chord along the hub or shroud curve, which is the one at `share` of the height.
+/// How far a triangle that is met at radius `r` may lie off the surface of revolution that it stands for (mm): its
+/// chord around the axis, and its chord along the hub or shroud curve, which is the one at `share` of the height.
 fn chord_error(slices: &Slices, meridian: &[Station], share: f64, triangle: u32, r: f64) -> f64 {
     let corners = slices.mesh().corners(triangle as usize).map(Cylindrical::from_point);
     let alongs = corners.map(|c| along_at(meridian, DVec2::new(c.x, c.r), share));

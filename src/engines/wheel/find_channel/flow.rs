@@ -48,8 +48,8 @@ struct Outline {
     is_solid: bool,
 }
 
-/// The lines across the passage through `start`; none where it runs along the axis, within 45 degrees, or where the blades
-/// do not reach a hub from end to end, so that nothing is known of its direction.
+/// The lines across the passage through `start`; none where it runs along the axis, within 45 degrees, or where the
+/// blades do not reach a hub from end to end, so that nothing is known of its direction.
 pub(super) fn lines(tracer: &Tracer, start: Place) -> Result<Option<Lines>, BliskError> {
     let mut lattice = Lattice { start: DVec2::new(start.x, start.r), step: tracer.slices.cell_size().y };
     let mut points = bladed(tracer, &start, &lattice)?;
@@ -164,8 +164,8 @@ struct Run {
     points: Vec<DVec2>,
 }
 
-/// The two curves along a passage, in opposite directions: two solid ones, or a solid one and the tips; none where there
-/// are not two.
+/// The two curves along a passage, in opposite directions: two solid ones, or a solid one and the tips; none where
+/// there are not two.
 fn curves(outline: &[Outline]) -> Option<[Run; 2]> {
     let runs = runs(outline)?;
     let solid: Vec<&Run> = runs.iter().filter(|run| run.is_solid).collect();
@@ -244,8 +244,8 @@ fn smooth(run: &[DVec2]) -> Option<Vec<DVec2>> {
     Some((0..=PIECES).map(|i| at(i as f64 / PIECES as f64)).collect())
 }
 
-/// Lines from the hub, which of two walls is that of smaller radius, to the shroud or the tips, in order of rising x or, where the passage
-/// runs more along the radius, of rising radius.
+/// Lines from the hub, which of two walls is that of smaller radius, to the shroud or the tips, in order of rising x
+/// or, where the passage runs more along the radius, of rising radius.
 fn ordered(one: Vec<DVec2>, mut other: Vec<DVec2>, shrouded: bool) -> Vec<[DVec2; 2]> {
     other.reverse();
     let mean = |curve: &[DVec2]| curve.iter().sum::<DVec2>() / curve.len() as f64;

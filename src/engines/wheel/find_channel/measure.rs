@@ -67,8 +67,8 @@ fn foot(wall: &ChannelWall, near: usize, p: DVec3) -> (DVec3, usize) {
     best
 }
 
-/// The middle line at mid height, unrolled: position along the passage against radius times angle (mm). The radius of an
-/// axial channel is the mean one.
+/// The middle line at mid height, unrolled: position along the passage against radius times angle (mm). The radius of
+/// an axial channel is the mean one.
 fn middle_line(low: &ChannelWall, high: &ChannelWall, flow: Flow) -> Vec<[f64; 2]> {
     let v = low.nv / 2;
     let at = |u: usize| (low.cylindrical(u, v), high.cylindrical(u, v));

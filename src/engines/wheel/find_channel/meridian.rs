@@ -131,8 +131,8 @@ impl Tracer<'_> {
     }
 
     /// Radii of the hub and of the shroud at a place. Where the rays over the middle of the channel differ by more than
-    /// facets do, they are measured beside that end wall: leaned blades pass it elsewhere than at the middle of the height,
-    /// and fillets lie beside them.
+    /// facets do, they are measured beside that end wall: leaned blades pass it elsewhere than at the middle of the
+    /// height, and fillets lie beside them.
     fn end_walls(&self, place: &Place) -> (Option<f64>, Option<f64>) {
         let [hub, shroud] = self.end_walls_along(place);
         let (Some(h), Some(s)) = (hub, shroud) else { return (hub.map(|w| w.radius), shroud.map(|w| w.radius)) };

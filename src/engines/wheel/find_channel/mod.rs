@@ -126,8 +126,8 @@ fn meridian_of(tracer: &Tracer, start: Place, lines: Option<&Lines>) -> Result<(
     tracer.tube(start, lines)
 }
 
-/// Refuses an axial channel whose hub runs along the radius between the blades: its passage turns, and the curves along it
-/// were not found.
+/// Refuses an axial channel whose hub runs along the radius between the blades: its passage turns, and the curves along
+/// it were not found.
 fn check_axial(meridian: &Meridian, walls: [&ChannelWall; 2]) -> Result<(), BliskError> {
     let xs = || walls.into_iter().flat_map(|wall| wall.points.iter().map(|p| p.x));
     let (first, last) = (xs().fold(f64::INFINITY, f64::min), xs().fold(f64::NEG_INFINITY, f64::max));

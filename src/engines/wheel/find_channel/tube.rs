@@ -90,7 +90,8 @@ impl Tracer<'_> {
             self.cancel.check()?;
             let at = station(line).place(0.5);
             let Some(next) = self.measured(line, &gaps, shrouded) else {
-                // The lines are found to about a point of the lattice: the last ones may lie beyond the end walls' ends.
+                // The lines are found to about a point of the lattice: the last ones may lie beyond the end walls'
+                // ends.
                 if i + LAST_LINES >= count {
                     break;
                 }

@@ -54,8 +54,8 @@ impl WallFinder<'_> {
         (ends[0]..=ends[1]).contains(&along).then(|| station.place(share))
     }
 
-    /// The channel's place at `along` and `share` of the height, where blades bound it on both sides. A gap of which an end
-    /// jumps is none between the same blades: a splitter begins there, or facets of an end wall stand out of it.
+    /// The channel's place at `along` and `share` of the height, where blades bound it on both sides. A gap of which an
+    /// end jumps is none between the same blades: a splitter begins there, or facets of an end wall stand out of it.
     fn bladed(&self, along: f64, share: f64, near: &Gap) -> Option<Place> {
         let at = self.place_at(along, share)?;
         let narrowed = |gap: &Gap| (gap.low.theta - near.low.theta).max(near.high.theta - gap.high.theta);

@@ -23,8 +23,8 @@ pub(super) const MOST_REPEAT: f64 = 0.9;
 pub struct Repetition {
     /// Number of blades, splitters included.
     pub blades: usize,
-    /// Number of blades after which they repeat: 1 where all are alike, 2 with a splitter between any two main blades. There
-    /// are as many kinds of channels.
+    /// Number of blades after which they repeat: 1 where all are alike, 2 with a splitter between any two main blades.
+    /// There are as many kinds of channels.
     pub kinds: usize,
     /// A wall repeats where it lies within this distance of the mean wall of its kind (mm).
     pub tolerance_mm: f64,
@@ -190,8 +190,8 @@ struct Miss {
     answers: [f64; 4],
 }
 
-/// Compares the walls around each of `circles` (x, r) with the mean walls of their kind; turns are taken about the point of
-/// the axis at `x_mid`.
+/// Compares the walls around each of `circles` (x, r) with the mean walls of their kind; turns are taken about the
+/// point of the axis at `x_mid`.
 fn misses(slices: &Slices, circles: &[DVec2], [count, kinds]: [usize; 2], x_mid: f64) -> Vec<Miss> {
     let pitch = TAU / count as f64;
     let of_circle = |circle: &DVec2| {
@@ -235,7 +235,8 @@ pub(super) fn kinds(count: usize) -> impl Iterator<Item = usize> {
         .filter(move |kinds| count.is_multiple_of(*kinds) && (*kinds == 1 || count / kinds >= LEAST_REPEATS))
 }
 
-/// How exactly the walls of `count` blades of so many kinds repeat about X of the given slices, to within `tolerance` (mm).
+/// How exactly the walls of `count` blades of so many kinds repeat about X of the given slices, to within `tolerance`
+/// (mm).
 pub(super) fn repetition(slices: &Slices, circles: &[DVec2], walls: [usize; 2], tolerance: f64) -> Repetition {
     let misses = misses(slices, circles, walls, 0.0);
     let points = misses.len();
