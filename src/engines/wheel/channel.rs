@@ -47,7 +47,7 @@ impl Surface {
 }
 
 /// One wall of a channel: a structured grid of points on the finished surface, ordered along the chord
-/// (`u`, from the -X edge to the +X edge) and from the hub outwards (`v`). This is the ordered point set that
+/// (`u`, from the edge at the beginning of the passage, -X in an axial one) and from the hub outwards (`v`). This is the ordered point set that
 /// the angle constraint of P0 needs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelWall {

@@ -43,7 +43,7 @@ const MOST_STEEP: f64 = 0.1;
 
 /// A piece of the outline of the bladed part, between two neighbouring points of the lattice.
 #[derive(Clone, Copy)]
-struct Outline {
+struct Piece {
     at: DVec2,
     is_solid: bool,
 }
@@ -116,17 +116,17 @@ fn bladed(tracer: &Tracer, start: &Place, lattice: &Lattice) -> Result<HashMap<[
     Ok(found)
 }
 
-/// The four neighbours of a point of the lattice, against the clock from the one below.
+/// The four neighbours of a point of the lattice, anticlockwise from the one below.
 fn around([i, j]: [i32; 2]) -> [[i32; 2]; 4] {
     [[i, j - 1], [i + 1, j], [i, j + 1], [i - 1, j]]
 }
 
-/// The longest outline of the bladed points, against the clock.
-fn outline(bladed: &HashMap<[i32; 2], Gap>, tracer: &Tracer, lattice: &Lattice) -> Vec<Outline> {
+/// The longest outline of the bladed points, anticlockwise.
+fn outline(bladed: &HashMap<[i32; 2], Gap>, tracer: &Tracer, lattice: &Lattice) -> Vec<Piece> {
     // Each point stands for the square about it; a piece of the outline runs from corner to corner of the squares, with
     // the bladed square on its left.
     let corners = [[0, 0], [1, 0], [1, 1], [0, 1]];
-    let mut pieces: HashMap<[i32; 2], Vec<([i32; 2], Outline)>> = HashMap::new();
+    let mut pieces: HashMap<[i32; 2], Vec<([i32; 2], Piece)>> = HashMap::new();
     let mut points: Vec<_> = bladed.iter().collect();
     points.sort_by_key(|(point, _)| **point);
     for (&[i, j], gap) in points {
@@ -134,10 +134,8 @@ fn outline(bladed: &HashMap<[i32; 2], Gap>, tracer: &Tracer, lattice: &Lattice) 
             let beside = lattice.place(next.map(f64::from));
             let corner = |k: usize| [i + corners[k % 4][0], j + corners[k % 4][1]];
             let middle = [0.5 * f64::from(i + next[0]), 0.5 * f64::from(j + next[1])];
-            let piece = Outline {
-                at: lattice.place(middle),
-                is_solid: tracer.slices.is_solid(beside.x, beside.y, gap.middle()),
-            };
+            let piece =
+                Piece { at: lattice.place(middle), is_solid: tracer.slices.is_solid(beside.x, beside.y, gap.middle()) };
             pieces.entry(corner(k)).or_default().push((corner(k + 1), piece));
         }
     }
@@ -166,10 +164,10 @@ struct Run {
 
 /// The two curves along a passage, in opposite directions: two solid ones, or a solid one and the tips; none where
 /// there are not two.
-fn curves(outline: &[Outline]) -> Option<[Run; 2]> {
+fn curves(outline: &[Piece]) -> Option<[Run; 2]> {
     let runs = runs(outline)?;
     let solid: Vec<&Run> = runs.iter().filter(|run| run.is_solid).collect();
-    let walls = match (solid[..].as_ref(), runs.len()) {
+    let walls = match (&solid[..], runs.len()) {
         (&[hub, shroud], 4) => [hub.clone(), shroud.clone()],
         (&[hub], 2) => [hub.clone(), tips(&runs.iter().find(|run| !run.is_solid)?.points)?],
         _ => return None,
@@ -178,7 +176,7 @@ fn curves(outline: &[Outline]) -> Option<[Run; 2]> {
 }
 
 /// The runs of an outline, in order; those that are too short belong to their neighbours.
-fn runs(outline: &[Outline]) -> Option<Vec<Run>> {
+fn runs(outline: &[Piece]) -> Option<Vec<Run>> {
     // Begin where something new begins, so that no run goes over the end of the list.
     let n = outline.len();
     let first = (0..n).find(|&i| outline[i].is_solid != outline[(i + n - 1) % n].is_solid)?;

@@ -41,19 +41,18 @@ impl Tracer<'_> {
         let lost = |at: DVec2| BliskError::LostWall { x: at.x, r: at.y };
         let at = DVec2::new(start.x, start.r);
         let far = |line: &[DVec2; 2]| (0.5 * (line[0] + line[1])).distance_squared(at);
-        let Lines { lines, shrouded } = lines;
-        let shrouded = *shrouded;
+        let &Lines { ref lines, shrouded } = lines;
         let Some(first) = (0..lines.len()).min_by(|&a, &b| far(&lines[a]).total_cmp(&far(&lines[b]))) else {
             return Err(lost(at));
         };
         let middle = station(lines[first]);
-        let gap = self.followed(&start.gap, at, middle.place(0.5)).ok_or(lost(middle.place(0.5)))?;
+        let gap = self.followed(&start.gap, at, middle.place(0.5))?;
         let across = |share: f64| self.followed(&gap, middle.place(0.5), middle.place(share)).unwrap_or(gap);
         let gaps = Gaps { hub: across(BESIDE), middle: gap, shroud: across(1.0 - BESIDE) };
         let measured = self.measured(lines[first], &gaps, shrouded).ok_or(lost(middle.place(0.5)))?;
         let mut stations = self.outwards(measured, lines[..first].iter().rev().copied(), shrouded)?;
         stations.reverse();
-        let before = stations.len();
+        let index = stations.len();
         stations.push(measured.0);
         stations.extend(self.outwards(measured, lines[first + 1..].iter().copied(), shrouded)?);
         let mut along = 0.0;
@@ -70,7 +69,7 @@ impl Tracer<'_> {
         let steps: Vec<DVec2> = lines.windows(2).map(|w| w[1][0] + w[1][1] - w[0][0] - w[0][1]).collect();
         let is_radial = steps.iter().all(|d| d.y.abs() >= d.x.abs());
         let flow = if is_radial { Flow::Radial } else { Flow::Mixed };
-        let here = stations[before];
+        let here = stations[index];
         let at = here.place(0.5);
         let place = Place { along: here.along, x: at.x, r: at.y, gap: measured.1.middle };
         Ok((Meridian { stations, flow, shrouded }, place))
@@ -220,10 +219,13 @@ impl Tracer<'_> {
     }
 
     /// The gap at `to` that `gap` at `from` goes over into along the straight line between them (x, r).
-    pub(super) fn followed(&self, gap: &Gap, from: DVec2, to: DVec2) -> Option<Gap> {
+    ///
+    /// # Errors
+    /// [`BliskError::LostWall`] where blades do not bound it on both sides.
+    pub(super) fn followed(&self, gap: &Gap, from: DVec2, to: DVec2) -> Result<Gap, BliskError> {
         (1..=STEPS).try_fold(*gap, |near, i| {
-            let at = from.lerp(to, i as f64 / STEPS as f64);
-            self.bladed_gap(at.x, at.y, &near)
+            let at = from + (to - from) * i as f64 / STEPS as f64;
+            self.bladed_gap(at.x, at.y, &near).ok_or(BliskError::LostWall { x: at.x, r: at.y })
         })
     }
 }

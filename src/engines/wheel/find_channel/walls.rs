@@ -85,15 +85,9 @@ impl WallFinder<'_> {
 
     /// The place at the start's station and `share` of the height, reached from the start on a straight line.
     fn climb(&self, share: f64) -> Result<Place, BliskError> {
-        const STEPS: usize = 12;
-        let Place { along, x, r, mut gap } = self.start;
-        let from = DVec2::new(x, r);
+        let Place { along, x, r, gap } = self.start;
         let to = self.place_at(along, share).ok_or_else(|| self.lost(along, share))?;
-        for i in 1..=STEPS {
-            let at = from + (to - from) * i as f64 / STEPS as f64;
-            let lost = BliskError::LostWall { x: at.x, r: at.y };
-            gap = self.tracer.bladed_gap(at.x, at.y, &gap).ok_or(lost)?;
-        }
+        let gap = self.tracer.followed(&gap, DVec2::new(x, r), to)?;
         Ok(Place { along, x: to.x, r: to.y, gap })
     }
 

@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 pub use axis::Axis;
 pub use period::Repetition;
 
-use self::period::Region;
+use self::period::{Blades, Region};
 use self::slices::Slices;
 use super::error::BliskError;
 use super::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
@@ -109,10 +109,10 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
     let mut best: Option<(Axis, Repetition)> = None;
     for kinds in period::kinds(count) {
         cancel.check()?;
-        let walls = [count, kinds];
-        let axis = placed(mesh, axis, &circles, walls, options, cancel)?;
+        let blades = Blades { count, kinds };
+        let axis = placed(mesh, axis, &circles, blades, options, cancel)?;
         let slices = Slices::new(mesh.in_frame(&frame_along(&axis)));
-        let repetition = period::repetition(&slices, &circles, walls, tolerance);
+        let repetition = period::repetition(&slices, &circles, blades, tolerance);
         // More kinds have more freedom: one damaged blade does not make splitters of the others.
         if best.is_none_or(|(_, known)| repetition.matched > known.matched + CLEARLY) {
             best = Some((axis, repetition));
@@ -160,7 +160,7 @@ fn placed(
     mesh: &Mesh,
     mut axis: Axis,
     circles: &[DVec2],
-    walls: [usize; 2],
+    blades: Blades,
     options: &BliskOptions,
     cancel: &Cancel,
 ) -> Result<Axis, BliskError> {
@@ -172,7 +172,7 @@ fn placed(
         cancel.check()?;
         let slices = Slices::new(mesh.in_frame(&frame_along(&axis)));
         let keep_direction = name != AxisName::Auto;
-        let Some((point, direction)) = period::better_axis(&slices, circles, walls, x_mid, keep_direction) else {
+        let Some((point, direction)) = period::better_axis(&slices, circles, blades, x_mid, keep_direction) else {
             break;
         };
         let frame = frame_along(&axis);

@@ -18,6 +18,15 @@ const LEAST_REPEATS: usize = 3;
 /// Share of the walls that repeat where the number of kinds is right.
 pub(super) const MOST_REPEAT: f64 = 0.9;
 
+/// Blades around the axis.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Blades {
+    /// Number of blades, splitters included.
+    pub count: usize,
+    /// Number of blades after which they repeat.
+    pub kinds: usize,
+}
+
 /// Repetition of the walls around the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Repetition {
@@ -192,7 +201,7 @@ struct Miss {
 
 /// Compares the walls around each of `circles` (x, r) with the mean walls of their kind; turns are taken about the
 /// point of the axis at `x_mid`.
-fn misses(slices: &Slices, circles: &[DVec2], [count, kinds]: [usize; 2], x_mid: f64) -> Vec<Miss> {
+fn misses(slices: &Slices, circles: &[DVec2], Blades { count, kinds }: Blades, x_mid: f64) -> Vec<Miss> {
     let pitch = TAU / count as f64;
     let of_circle = |circle: &DVec2| {
         let gaps = slices.gaps(circle.x, circle.y);
@@ -235,15 +244,14 @@ pub(super) fn kinds(count: usize) -> impl Iterator<Item = usize> {
         .filter(move |kinds| count.is_multiple_of(*kinds) && (*kinds == 1 || count / kinds >= LEAST_REPEATS))
 }
 
-/// How exactly the walls of `count` blades of so many kinds repeat about X of the given slices, to within `tolerance`
-/// (mm).
-pub(super) fn repetition(slices: &Slices, circles: &[DVec2], walls: [usize; 2], tolerance: f64) -> Repetition {
-    let misses = misses(slices, circles, walls, 0.0);
+/// How exactly the walls of `blades` repeat about X of the given slices, to within `tolerance` (mm).
+pub(super) fn repetition(slices: &Slices, circles: &[DVec2], blades: Blades, tolerance: f64) -> Repetition {
+    let misses = misses(slices, circles, blades, 0.0);
     let points = misses.len();
     let share = 1.0 / points.max(1) as f64;
     Repetition {
-        blades: walls[0],
-        kinds: walls[1],
+        blades: blades.count,
+        kinds: blades.kinds,
         tolerance_mm: tolerance,
         matched: misses.iter().filter(|m| m.distance.abs() <= tolerance).count() as f64 * share,
         rms_mm: (misses.iter().map(|m| m.distance.powi(2)).sum::<f64>() * share).sqrt(),
@@ -258,11 +266,11 @@ pub(super) fn repetition(slices: &Slices, circles: &[DVec2], walls: [usize; 2], 
 pub(super) fn better_axis(
     slices: &Slices,
     circles: &[DVec2],
-    walls: [usize; 2],
+    blades: Blades,
     x_mid: f64,
     keep_direction: bool,
 ) -> Option<(DVec3, DVec3)> {
-    let misses = misses(slices, circles, walls, x_mid);
+    let misses = misses(slices, circles, blades, x_mid);
     let unknowns = if keep_direction { 2 } else { 4 };
     let typical = 1.5 * median(&misses.iter().map(|m| m.distance.abs()).collect::<Vec<_>>());
     let radius = circles.iter().map(|c| c.y).fold(0.0, f64::max);
