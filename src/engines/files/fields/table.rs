@@ -192,6 +192,31 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         }
     }
 
+    /// `text`, a message of an engine, in the words of the window: labels in quotation marks in place of keys, and of the
+    /// last parts of keys that have an underscore.
+    pub fn labelled(&self, text: &str) -> String {
+        let label = |word: &str| {
+            let is_key = |field: &&Field| {
+                let last = field.key.rsplit('.').next().unwrap_or(field.key);
+                !field.label.is_empty() && (field.key == word || (last == word && word.contains('_')))
+            };
+            self.fields().find(is_key).map(|field| format!("\"{}\"", field.label))
+        };
+        let is_of_word = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.';
+        let mut shown = String::new();
+        let mut rest = text;
+        while let Some(start) = rest.find(is_of_word) {
+            let (before, from) = rest.split_at(start);
+            let (run, after) = from.split_at(from.find(|c| !is_of_word(c)).unwrap_or(from.len()));
+            let word = run.trim_end_matches('.');
+            shown.push_str(before);
+            shown.push_str(&label(word).unwrap_or_else(|| word.to_owned()));
+            shown.push_str(&run[word.len()..]);
+            rest = after;
+        }
+        shown + rest
+    }
+
     /// Name of the step from `before` to `now`, for undo.
     pub fn change(&self, before: &P, now: &P) -> String {
         let (before, now) = (self.values(before), self.values(now));

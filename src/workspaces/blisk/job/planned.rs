@@ -12,6 +12,7 @@ use super::prepared_blisk::PreparedBlisk;
 use super::simulate;
 use super::stages::{FoundChannel, Part};
 use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::kept_plan::KeptPlan;
 use crate::workspaces::blisk::scene::residual_stock::ResidualStockShape;
 use crate::workspaces::news::EventKind;
@@ -63,7 +64,7 @@ impl Planned {
         found: &(dyn Fn(PartialPlan) + Sync),
         task: &Task,
     ) -> Result<Self, String> {
-        let text = |e: PlanJobError| e.to_string();
+        let text = |e: PlanJobError| FIELDS.labelled(&e.to_string());
         simulate::check_machine(job, task).map_err(text)?;
         simulate::check_channels(job, &ready.space.channel).map_err(text)?;
         // The shape of the electrode that is worked on is made once for each.
@@ -90,7 +91,8 @@ impl Planned {
         task: &Task,
     ) -> Result<Self, String> {
         let (inputs, FoundChannel { channel, blisk, exact, .. }) = (inputs_of(part, job), channel);
-        let outcome = replay(&inputs, channel, blisk, exact, kept, task).map_err(|e| e.to_string())?;
+        let outcome =
+            replay(&inputs, channel, blisk, exact, kept, task).map_err(|e| FIELDS.labelled(&e.to_string()))?;
         Ok(Self::new(inputs, part, outcome))
     }
 

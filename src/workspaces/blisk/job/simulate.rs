@@ -53,7 +53,7 @@ pub fn check_channels(job: &PlanJob, channel: &Channel) -> Result<(), PlanJobErr
     match numbers.into_iter().find(|&number| !channel.is_like(number)) {
         None => Ok(()),
         Some(number) => Err(PlanJobError::Job(format!(
-            "[export] channels: channel {number} is not like channel {}, so that its plan does not fit it; leave it out, and \
+            "export.channels: channel {number} is not like channel {}, so that its plan does not fit it; leave it out, and \
              plan it by itself with blisk.channel = {number}",
             channel.index
         ))),
