@@ -12,7 +12,10 @@ fn vs(@builtin(vertex_index) index: u32, @location(0) a: vec3<f32>, @location(1)
     let plain = mix(frame.edge.rgb, encoded(object.colour.rgb), own);
     let colour = mix(plain, frame.accent.rgb, step(0.01, object.look.x));
     // The ends do not overlap: where edges are fine, a chain of them would look like beads.
-    return segment(index, first, second, 1.25, 1.2, 0.0, vec4(colour, object.look.w));
+    var edge = segment(index, first, second, 1.25, 1.2, 0.0, vec4(colour, object.look.w));
+    // As near as its surfaces.
+    edge.clip.z -= object.values.z;
+    return edge;
 }
 
 @fragment

@@ -132,7 +132,7 @@ impl Desk {
         let mut idle = 0;
         while !is(self) {
             if self.app().is_busy() {
-                self.woken.recv().unwrap();
+                self.await_wake();
                 idle = 0;
             }
             assert!(idle < IDLE, "waited in vain until {what}; the log: {:#?}", self.log());
@@ -140,6 +140,12 @@ impl Desk {
             self.window.step();
         }
         self.settle();
+    }
+
+    /// Waits until a frame is wanted. One frame answers all that wanted one before it.
+    fn await_wake(&self) {
+        self.woken.recv().unwrap();
+        self.woken.try_iter().for_each(drop);
     }
 
     /// Lets so many seconds pass.
@@ -155,7 +161,7 @@ impl Desk {
             self.window.step();
             left -= 1;
             while self.app().is_opening() {
-                self.woken.recv().unwrap();
+                self.await_wake();
                 self.window.step();
                 left = FRAMES;
             }

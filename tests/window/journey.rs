@@ -68,7 +68,7 @@ fn plan_cancel_and_plan_again(desk: &mut Desk) {
     // A search that no machine ends before it is cancelled.
     let core = desk.blisk_mut();
     let mut long = core.document.params().clone();
-    long.genetic.generations = 10_000;
+    (long.genetic.population, long.genetic.generations) = (1000, 10_000);
     core.edit("Long search", long, false);
     desk.until_idle();
     desk.press("Go on to Plan");

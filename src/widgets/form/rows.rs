@@ -87,6 +87,7 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
             if let Some(problem) = problem {
                 complain(ui, &problem);
             }
+            ui.add_space(ui.spacing().item_spacing.y);
             let name = format!("Add to {}", place.label);
             let add = ui.small_button("Add").on_hover_text(place.field.help);
             ui.ctx().accesskit_node_builder(add.id, |node| node.set_label(name));

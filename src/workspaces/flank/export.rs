@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::workspaces::flank::document::FlankDocument;
+use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::report::build::report;
 use crate::workspaces::flank::report::maps::deviation_maps;
 use files::ExportFolder;
@@ -118,7 +119,7 @@ pub fn export(
     }
     // The program comes last, so that it never lies beside results that it does not belong to.
     if let Some(approved) = approved.ok().filter(|_| choice.nc && result.milled().is_some()) {
-        let nc = FlankNc::new(&approved, PROGRAM).map_err(|e| e.to_string())?;
+        let nc = FlankNc::new(&approved, PROGRAM).map_err(|e| FIELDS.labelled(&e))?;
         texts.push((format!("{PROGRAM}.{}", nc.extension), nc.text));
     }
     let mut out = ExportFolder::open(folder, EXPORT).map_err(|e| e.to_string())?.setting_aside(is_of_a_flank);

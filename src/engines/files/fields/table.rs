@@ -179,6 +179,7 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
     /// The error in the words of the window: with labels and units, without keys.
     pub fn in_window(&self, problem: &Invalid) -> String {
         let Invalid { key, value, remedy } = problem;
+        let remedy = self.labelled(remedy);
         let (label, unit) = match self.find(key) {
             Ok(place) => (place.label, place.field.unit),
             Err(_) => (words_of(key), ""),
@@ -186,15 +187,16 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         let is_number = value.parse::<f64>().is_ok() && !unit.is_empty();
         let unit = if is_number { format!(" {unit}") } else { String::new() };
         match (label.is_empty(), value.is_empty()) {
-            (true, _) => remedy.clone(),
+            (true, _) => remedy,
             (_, true) => format!("{label}: {remedy}"),
             _ => format!("{label} is {value}{unit}: {remedy}"),
         }
     }
 
-    /// `text`, a message of an engine, in the words of the window: labels in quotation marks in place of keys, and of the
+    /// `message`, of an engine, in the words of the window: labels in quotation marks in place of keys, and of the
     /// last parts of keys that have an underscore.
-    pub fn labelled(&self, text: &str) -> String {
+    pub fn labelled(&self, message: &(impl ToString + ?Sized)) -> String {
+        let text = message.to_string();
         let label = |word: &str| {
             let is_key = |field: &&Field| {
                 let last = field.key.rsplit('.').next().unwrap_or(field.key);
@@ -204,7 +206,7 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         };
         let is_of_word = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.';
         let mut shown = String::new();
-        let mut rest = text;
+        let mut rest = text.as_str();
         while let Some(start) = rest.find(is_of_word) {
             let (before, from) = rest.split_at(start);
             let (run, after) = from.split_at(from.find(|c| !is_of_word(c)).unwrap_or(from.len()));

@@ -404,7 +404,7 @@ impl Validate for ElectrodeParams {
         }
         let is_holder = |h: &Holder| h.size_mm.iter().chain([&h.height_mm]).all(|v| v.is_finite() && *v > 0.0);
         if let Some(bad) = self.holders.iter().find(|h| !is_holder(h)) {
-            let remedy = format!("holder {:?}: size_mm and height_mm must be positive", bad.name);
+            let remedy = format!("the size and height of holder {:?} must be positive", bad.name);
             return Err(Invalid::of("holders", remedy));
         }
         let rises =
@@ -445,7 +445,9 @@ impl ElectrodeParams {
             }
             let name = &stage.name;
             if !(0.0..=60.0).contains(&stage.finish_vdi) || stage.quantity == 0 {
-                return wrong(format!("stage {name}: finish_vdi must be from 0 to 60, and quantity at least 1"));
+                return wrong(format!(
+                    "stage {name}: the finish must be from VDI 0 to 60, and the quantity at least 1"
+                ));
             }
             let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
             let is_known = self.stages[..i].iter().any(|s| s.name.eq_ignore_ascii_case(name));

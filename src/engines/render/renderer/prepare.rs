@@ -16,8 +16,9 @@ use geometry::mesh::Bounds;
 const FADE: f32 = 0.16;
 /// Distance of a cap's hatch lines (pixels), at least.
 const HATCH_PX: f64 = 5.0;
-/// By how much of the depth range each translucent object is drawn nearer than the one behind it, so that
-/// ghosts that slide along their own faces do not flicker, and how many times at most.
+/// By how much of the depth range an object is drawn nearer than the one before it, and how many times at most, so
+/// that faces that coincide do not flicker: of opaque objects the later one in the scene is seen, of translucent ones,
+/// such as ghosts that slide along their own faces, the nearer one.
 const STEP: f32 = 3e-6;
 const STEPS: usize = 64;
 /// Widths and radii in pixels lie between these.
@@ -83,8 +84,13 @@ pub fn prepare(scene: &Scene, camera: &Camera, size: [u32; 2], scale: f64, cuts:
         section: section.is_some(),
     };
     prepared.opaque = prepared.objects.iter().filter(|o| scene.objects[o.index].is_opaque()).count();
-    for (rank, object) in prepared.objects[prepared.opaque..].iter_mut().enumerate() {
-        object.uniform.values[2] = rank.min(STEPS) as f32 * STEP;
+    let (opaque, translucent) = prepared.objects.split_at_mut(prepared.opaque);
+    let steps = |rank: usize| rank.min(STEPS) as f32 * STEP;
+    for object in opaque {
+        object.uniform.values[2] = steps(object.index);
+    }
+    for (rank, object) in translucent.iter_mut().enumerate() {
+        object.uniform.values[2] = steps(rank);
     }
     if let Some(plane) = &section {
         add_caps(&mut prepared, scene, plane, &view, cuts);

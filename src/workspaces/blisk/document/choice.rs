@@ -172,7 +172,7 @@ impl Channels {
             Self::These(list) => list.clone(),
         };
         if let Some(wrong) = numbers.iter().find(|n| **n >= total) {
-            return Err(format!("[export] channels: there is no channel {wrong}; there are {total}, counted from 0"));
+            return Err(format!("export.channels: there is no channel {wrong}; there are {total}, counted from 0"));
         }
         numbers.sort_unstable();
         numbers.dedup();

@@ -106,7 +106,7 @@ impl JobPlanner<'_> {
     fn outcome(mut self) -> Result<PlanOutcome, PlanJobError> {
         self.inputs.job.validate()?;
         if self.inputs.job.electrode.size == Sizing::Auto {
-            let todo = "[electrode] size = \"auto\": find the sizes first and take one, or give the reductions";
+            let todo = "electrode.size is \"auto\": find the sizes first and take one, or give the reductions";
             return Err(PlanJobError::Job(todo.to_owned()));
         }
         let electrodes = self.electrodes()?;

@@ -64,7 +64,7 @@ impl Planned {
         found: &(dyn Fn(PartialPlan) + Sync),
         task: &Task,
     ) -> Result<Self, String> {
-        let text = |e: PlanJobError| FIELDS.labelled(&e.to_string());
+        let text = |e: PlanJobError| FIELDS.labelled(&e);
         simulate::check_machine(job, task).map_err(text)?;
         simulate::check_channels(job, &ready.space.channel).map_err(text)?;
         // The shape of the electrode that is worked on is made once for each.
@@ -91,8 +91,7 @@ impl Planned {
         task: &Task,
     ) -> Result<Self, String> {
         let (inputs, FoundChannel { channel, blisk, exact, .. }) = (inputs_of(part, job), channel);
-        let outcome =
-            replay(&inputs, channel, blisk, exact, kept, task).map_err(|e| FIELDS.labelled(&e.to_string()))?;
+        let outcome = replay(&inputs, channel, blisk, exact, kept, task).map_err(|e| FIELDS.labelled(&e))?;
         Ok(Self::new(inputs, part, outcome))
     }
 
@@ -139,7 +138,7 @@ impl Finished {
     /// One line for the user.
     pub fn of(planned: &Planned, blisk: &Mesh, task: &Task) -> Result<Self, String> {
         let Planned { inputs, outcome, .. } = planned;
-        let left = &finish(outcome, inputs, blisk, task).map_err(|e| e.to_string())?.left;
+        let left = &finish(outcome, inputs, blisk, task).map_err(|e| FIELDS.labelled(&e))?.left;
         let collision = outcome.finishing().and_then(Finishing::collision).map(Simulation::sentence);
         let said = left.as_ref().map(|left| left.sentence(&outcome.channel)).map_err(Clone::clone);
         Ok(Self {

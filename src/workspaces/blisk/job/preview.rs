@@ -7,6 +7,7 @@ use super::outcome::{PlanInputs, PlanJobError};
 use super::plan::{settings_of, sides};
 use super::prepared_blisk::PreparedBlisk;
 use super::prepared_blisk::electrode_of;
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use feed::global::PreviewPath;
 use feed::planner::{DrawnIn, preview_path};
 use files::Validate as _;
@@ -95,7 +96,7 @@ impl Looked {
     /// One line for the user.
     pub fn at(prepared: &PreparedBlisk, inputs: &PlanInputs, part: usize, task: &Task) -> Result<Self, String> {
         let began = Instant::now();
-        let found = live_way(prepared, inputs, part, task).map_err(|e| e.to_string())?;
+        let found = live_way(prepared, inputs, part, task).map_err(|e| FIELDS.labelled(&e))?;
         let took = began.elapsed();
         let shape = found.other.as_ref().map(|electrode| Arc::new(RenderMesh::new(&electrode.mesh)));
         Ok(Self { shape, sentence: found.sentence(&prepared.space.channel), found, took })

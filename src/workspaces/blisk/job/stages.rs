@@ -163,7 +163,7 @@ pub fn channel(part: &Part, job: &PlanJob, task: &Task) -> Result<FoundChannel, 
         ));
     }
     job.blisk.options.validate()?;
-    let text = |e: BliskError| FIELDS.labelled(&e.to_string());
+    let text = |e: BliskError| FIELDS.labelled(&e);
     let channel = find_channel(&part.mesh, &job.blisk.options, task).map_err(text)?;
     let blisk = part.mesh.in_frame(&channel.frame);
     let exact = ExactMesh::new(&blisk).map_err(|e| e.to_string())?;
@@ -223,7 +223,7 @@ fn on_side(
         }
         None => make_electrodes(channel, exact, params, side, task),
     };
-    let mut made = made.map_err(|e| FIELDS.labelled(&e.to_string()))?;
+    let mut made = made.map_err(|e| FIELDS.labelled(&e))?;
     if side == EntrySide::PlusX {
         // They come in the order of burning, from the side of entry.
         made.sort_by_key(|e| std::cmp::Reverse(e.part));

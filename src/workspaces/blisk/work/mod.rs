@@ -563,7 +563,7 @@ impl BliskWork {
         self.exports = (Some(now.export), self.exports.1 + 1);
         self.exported.restart(&(now.export, self.exports.1), self.priority, move |work| {
             if let Some(found) = blisk {
-                finish(released.plan(), &inputs, &found.blisk, &work.task).map_err(|e| e.to_string())?;
+                finish(released.plan(), &inputs, &found.blisk, &work.task).map_err(|e| FIELDS.labelled(&e))?;
             }
             let written = write(&folder, &released, &inputs, files, &work.task)?;
             Ok(Exported { folder, written })

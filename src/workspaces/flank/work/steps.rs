@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::curves::{MachineCurves, Profile};
 use super::stamps::Stamp;
+use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, PathChoice, WallsFile};
 use crate::workspaces::flank::inputs;
 use crate::workspaces::flank::inputs::{FromFile, input, load_machine, load_surface};
@@ -140,7 +141,7 @@ pub struct Sketch {
 pub(super) fn load(source: &FlankSource, task: &Task) -> Result<LoadedFlank, String> {
     // What is written while it is read counts as changed.
     let stamps = Stamp::of_source(source);
-    let FromFile { value: surface, doubts } = load_surface(source, task).map_err(|e| e.to_string())?;
+    let FromFile { value: surface, doubts } = load_surface(source, task).map_err(|e| FIELDS.labelled(&e))?;
     let part = match &surface {
         LoadedSurface::Guides { .. } => None,
         LoadedSurface::Face { mesh, .. } => Some(Arc::new(RenderMesh::new(mesh))),
@@ -171,8 +172,8 @@ pub(super) fn plan(
     walls: Option<FromFile<Arc<Mesh>>>,
     task: &Task,
 ) -> Result<Planned, String> {
-    let machine = load_machine(document, user_folder().as_deref()).map_err(|e| e.to_string())?;
-    let result = flank(&input(document, surface, walls, machine), task).map_err(|e| e.to_string())?;
+    let machine = load_machine(document, user_folder().as_deref()).map_err(|e| FIELDS.labelled(&e))?;
+    let result = flank(&input(document, surface, walls, machine), task).map_err(|e| FIELDS.labelled(&e))?;
     task.check().map_err(|e| e.to_string())?;
     Ok(Planned::of(result))
 }
@@ -197,8 +198,10 @@ pub(super) fn sketch(document: &FlankDocument, loaded: LoadedSurface, cancel: &C
     // The surface itself does not depend on its side.
     let of_a_side = open_side.and_then(|_| surface(&FlankInput { side: Side::Positive, ..coarse.clone() }).ok());
     let shown = made.as_ref().ok().or(of_a_side.as_ref()).map(|(surface, _)| FlankSurface::bare(surface));
-    let planned = made.map_err(|e| e.to_string()).and_then(|_| {
-        flank(&coarse, &Task::silent(cancel)).map(|result| Arc::new(Planned::of(result))).map_err(|e| e.to_string())
+    let planned = made.map_err(|e| FIELDS.labelled(&e)).and_then(|_| {
+        flank(&coarse, &Task::silent(cancel))
+            .map(|result| Arc::new(Planned::of(result)))
+            .map_err(|e| FIELDS.labelled(&e))
     });
     Sketch { surface: shown, planned, open_side }
 }

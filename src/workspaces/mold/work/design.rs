@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::steps::{FoundUncut, LoadedMold};
+use crate::workspaces::mold::document::fields::FIELDS;
 use crate::workspaces::mold::job::electrodes::electrodes;
 use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::electrodes::{ElectrodeShape, electrode_shapes};
@@ -67,7 +68,7 @@ pub(super) fn design(
     task: &Task,
 ) -> Result<Designed, String> {
     let uncut = &found.uncut;
-    let set = electrodes(&mold.mesh, uncut, params, task).map_err(|e| e.to_string())?;
+    let set = electrodes(&mold.mesh, uncut, params, task).map_err(|e| FIELDS.labelled(&e))?;
     task.check().map_err(|e| e.to_string())?;
     Ok(shown(mold, found, set, found.is_proven))
 }

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::workspaces::mold::document::MoldParams;
+use crate::workspaces::mold::document::fields::FIELDS;
 use crate::workspaces::mold::job::compare::Comparison;
 use crate::workspaces::mold::job::uncut::UncutParams;
 use crate::workspaces::news::{EventKind, WorkEvent};
@@ -232,7 +233,7 @@ impl MoldWork {
     /// One line if the search cannot start.
     pub fn find(&mut self, params: &MoldParams) -> Result<(), String> {
         let (question, mold) = self.asked(params)?;
-        question.1.validate().map_err(|e| e.to_string())?;
+        question.1.validate().map_err(|e| FIELDS.labelled(&e))?;
         // Who asks again for what there is wants it computed.
         let results = self.results.clone();
         let kept = results.clone().filter(|_| self.state(params) != State::Ready);
@@ -287,7 +288,7 @@ impl MoldWork {
         let found = self.found.get(&question).filter(|_| self.found.state(&question) == State::Ready).cloned();
         let found = found.ok_or("find the rest material of the present cutters first")?;
         let asked = UncutParams { library: library.clone(), ..question.1.clone() };
-        asked.validate().map_err(|e| e.to_string())?;
+        asked.validate().map_err(|e| FIELDS.labelled(&e))?;
         self.other.restart(&(question, library.clone()), self.priority, move |work| {
             steps::compare(&mold, &found, &asked, &work.task)
         });
@@ -365,7 +366,7 @@ impl MoldWork {
     /// # Errors
     /// One line if the search cannot start.
     pub fn design(&mut self, params: &MoldParams) -> Result<(), String> {
-        params.electrodes.validate().map_err(|e| e.to_string())?;
+        params.electrodes.validate().map_err(|e| FIELDS.in_window(&e.within("electrodes")))?;
         let (question, mold) = self.asked(params)?;
         self.is_waiting = false;
         let Some(found) = self.found.get(&question).cloned() else {

@@ -3,10 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::workspaces::mold::document::fields::FIELDS;
 use crate::workspaces::mold::document::part_of;
 use crate::workspaces::mold::job::compare::{Comparison, compare as compare_answers};
 use crate::workspaces::mold::job::preview::{Preview, preview};
-use crate::workspaces::mold::job::uncut::{Uncut, UncutError, UncutParams, uncut};
+use crate::workspaces::mold::job::uncut::{Uncut, UncutParams, uncut};
 use crate::workspaces::mold::report::uncut::UncutReport;
 use crate::workspaces::mold::scene::{RegionShape, faces_shape, region_shapes};
 use files::PartFile;
@@ -87,8 +88,7 @@ pub fn load(path: &Path, units: Units, task: &Task) -> Result<LoadedMold, String
 /// # Errors
 /// One line for the user.
 pub(super) fn find(mold: &LoadedMold, params: &UncutParams, task: &Task) -> Result<FoundUncut, String> {
-    let text = |e: UncutError| e.to_string();
-    let found = uncut(&mold.mesh, params, task).map_err(text)?;
+    let found = uncut(&mold.mesh, params, task).map_err(|e| FIELDS.labelled(&e))?;
     let shown = shown(mold, found, true);
     task.check().map_err(|e| e.to_string())?;
     Ok(shown)
@@ -114,7 +114,7 @@ pub(super) fn compare(
 ) -> Result<(FoundUncut, Comparison), String> {
     let other = find(mold, params, task)?;
     let comparison = compare_answers(&mold.mesh, &found.uncut, &other.uncut, task);
-    Ok((other, comparison.map_err(|e| e.to_string())?))
+    Ok((other, comparison.map_err(|e| FIELDS.labelled(&e))?))
 }
 
 /// A preview of uncut regions.
@@ -131,7 +131,7 @@ pub struct Glance {
 /// # Errors
 /// One line if there is no preview.
 pub(super) fn glance(mold: &LoadedMold, params: &UncutParams, cancel: &Cancel) -> Result<Glance, String> {
-    let preview = preview(&mold.mesh, params, cancel).map_err(|e| e.to_string())?;
+    let preview = preview(&mold.mesh, params, cancel).map_err(|e| FIELDS.labelled(&e))?;
     let cells = preview.regions.iter().flat_map(|r| &r.cells);
     let surface: Vec<_> = cells.flat_map(|cell| cell.pieces(0)).collect();
     let shape = region_shapes(&mold.mesh, &surface, 1, params.opening).swap_remove(0).shape;
