@@ -6,50 +6,15 @@ use crate::channel::Throat;
 use crate::channel::{Flow, Station};
 use crate::parametric::ChannelSide;
 use crate::parametric::ParametricBlisk;
-use std::collections::HashMap;
+use crate::parametric::welder::Welder;
 use std::f64::consts::PI;
 use std::f64::consts::TAU;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use geometry::frame::Cylindrical;
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
-
-/// Joins corner points that coincide to 1e-7 mm and drops triangles that collapse.
-#[derive(Default)]
-pub struct Welder {
-    mesh: Mesh,
-    ids: HashMap<[i64; 3], u32>,
-}
-
-impl Welder {
-    fn id(&mut self, p: DVec3) -> u32 {
-        let key = (p * 1e7).round().to_array().map(|c| c as i64);
-        *self.ids.entry(key).or_insert_with(|| {
-            self.mesh.vertices.push(p);
-            self.mesh.vertices.len() as u32 - 1
-        })
-    }
-
-    fn triangle(&mut self, corners: [DVec3; 3]) {
-        let ids = corners.map(|p| self.id(p));
-        if ids[0] != ids[1] && ids[1] != ids[2] && ids[2] != ids[0] {
-            self.mesh.triangles.push(ids);
-        }
-    }
-
-    /// The patch `point(i, j)`, turning clockwise from i to j seen from outside.
-    fn patch(&mut self, ni: usize, nj: usize, point: impl Fn(usize, usize) -> DVec3) {
-        for i in 0..ni {
-            for j in 0..nj {
-                let [a, b, c, d] = [point(i, j), point(i + 1, j), point(i + 1, j + 1), point(i, j + 1)];
-                self.triangle([a, c, b]);
-                self.triangle([a, d, c]);
-            }
-        }
-    }
-}
 
 /// A blisk between two cones, its blades of parabolic camber, with its axis along X and the blades from x = 0
 /// to x = `chord`. Mesh vertices lie exactly on the formulas of [`Self::wall`].
@@ -282,170 +247,6 @@ pub fn together(mut a: Mesh, b: &Mesh) -> Mesh {
     a.vertices.extend_from_slice(&b.vertices);
     a.triangles.extend(b.triangles.iter().map(|t| t.map(|v| v + offset)));
     a
-}
-
-/// A wheel whose passages run along any curves between two walls of revolution. Walls and blades are shells of their
-/// own, the blades reaching into the walls.
-pub struct TestWheel {
-    /// Number of blades.
-    pub blades: usize,
-    /// Place (x, r) of the hub at each share of the passage (mm).
-    pub hub: fn(f64) -> DVec2,
-    /// Place (x, r) of the shroud or of the tips (mm).
-    pub shroud: fn(f64) -> DVec2,
-    /// Whether there is a shroud.
-    pub shrouded: bool,
-    /// Shares of the passage between which the blades stand.
-    pub span: [f64; 2],
-    /// Shares of every other blade, which stands further about the axis by an angle (rad), where there are splitters.
-    pub splitter: Option<([f64; 2], f64)>,
-    /// Angle that a blade winds about the axis over the whole passage (rad).
-    pub wrap: f64,
-    /// Thickness of a blade along the circumference (mm).
-    pub thickness: f64,
-}
-
-impl TestWheel {
-    /// Pieces around the axis, along the passage and across it.
-    const PIECES: [usize; 3] = [240, 96, 12];
-    /// Thickness of the walls (mm).
-    const WALL: f64 = 5.0;
-
-    /// A ring of blades between two flat rings at x = 0 and x = 12.
-    pub fn nozzle_ring() -> Self {
-        Self {
-            blades: 20,
-            hub: |t| DVec2::new(0.0, 68.0 + 36.0 * t),
-            shroud: |t| DVec2::new(12.0, 68.0 + 36.0 * t),
-            shrouded: true,
-            span: [0.1, 0.9],
-            splitter: None,
-            wrap: 0.5,
-            thickness: 3.0,
-        }
-    }
-
-    /// A closed impeller whose passage turns by a right angle from along the axis to along the radius, about the point
-    /// (-30, 70).
-    pub fn impeller() -> Self {
-        fn arc(radius: f64, t: f64) -> DVec2 {
-            let (sin, cos) = (0.5 * PI * t).sin_cos();
-            DVec2::new(-30.0 + radius * sin, 70.0 - radius * cos)
-        }
-        Self {
-            blades: 9,
-            hub: |t| arc(50.0, t),
-            shroud: |t| arc(34.0, t),
-            shrouded: true,
-            span: [0.1, 0.95],
-            splitter: None,
-            wrap: 1.2,
-            thickness: 3.0,
-        }
-    }
-
-    /// Place (x, r) at `t` of the passage and `share` of the height.
-    fn place(&self, t: f64, share: f64) -> DVec2 {
-        let (hub, shroud) = ((self.hub)(t), (self.shroud)(t));
-        hub + share * (shroud - hub)
-    }
-
-    /// All shells together.
-    pub fn mesh(&self) -> Mesh {
-        self.spoilt(Spoilt::default())
-    }
-
-    /// All shells together, with what is wrong.
-    pub fn spoilt(&self, spoilt: Spoilt) -> Mesh {
-        let mut mesh = self.wall(0.0, -1.0, 1.0);
-        if self.shrouded {
-            mesh = together(mesh, &self.wall(1.0, 1.0, 1.0 - spoilt.missing_shroud));
-        }
-        (0..self.blades).filter(|k| Some(*k) != spoilt.missing_blade).fold(mesh, |mesh, k| {
-            let turn = spoilt.turned_blade.filter(|(blade, _)| *blade == k).map_or(0.0, |(_, turn)| turn);
-            let (span, further) = self.splitter.filter(|_| k % 2 == 1).unwrap_or((self.span, 0.0));
-            together(mesh, &self.blade(TAU * k as f64 / self.blades as f64 + turn + further, span))
-        })
-    }
-
-    /// The wall of revolution at `share` of the height, thick towards `sign`, over a share of the whole turn.
-    fn wall(&self, share: f64, sign: f64, turn: f64) -> Mesh {
-        let [around, along, _] = Self::PIECES;
-        let front: Vec<DVec2> = (0..=along).map(|i| self.place(i as f64 / along as f64, share)).collect();
-        let back = (0..=along).rev().map(|i| {
-            let t = i as f64 / along as f64;
-            front[i] + sign * Self::WALL * ((self.shroud)(t) - (self.hub)(t)).normalize()
-        });
-        let outline: Vec<DVec2> = front.iter().copied().chain(back).collect();
-        let n = outline.len();
-        let point = |j: usize, i: usize| {
-            let Cylindrical { x, r, theta } = Cylindrical {
-                x: outline[i % n].x,
-                r: outline[i % n].y,
-                theta: TAU * (j % around) as f64 / around as f64,
-            };
-            Cylindrical { x, r, theta }.point()
-        };
-        let steps = (around as f64 * turn).round() as usize;
-        let sides = (0..steps).flat_map(|j| (0..n).map(move |i| [(j, i), (j + 1, i), (j + 1, i + 1), (j, i + 1)]));
-        // The front of the outline runs forth, its back runs back.
-        let cap = |j: usize| (0..along).map(move |i| [(j, i), (j, i + 1), (j, n - 2 - i), (j, n - 1 - i)]);
-        let caps = cap(0).chain(cap(steps).map(|[a, b, c, d]| [d, c, b, a])).filter(|_| steps < around);
-        outwards(sides.chain(caps).map(|quad| quad.map(|(j, i)| point(j, i))))
-    }
-
-    /// The blade whose middle begins at `theta`.
-    fn blade(&self, theta: f64, span: [f64; 2]) -> Mesh {
-        let [_, along, across] = Self::PIECES;
-        // Into the walls, or up to the tips.
-        let shares = [-0.1, if self.shrouded { 1.1 } else { 1.0 }];
-        let mix = |ends: [f64; 2], i: usize, n: usize| ends[0] + (ends[1] - ends[0]) * i as f64 / n as f64;
-        let point = |(i, k, side): (usize, usize, f64)| {
-            let t = mix(span, i, along);
-            let place = self.place(t, mix(shares, k, across));
-            let theta = theta + self.wrap * t + 0.5 * side * self.thickness / place.y;
-            Cylindrical { x: place.x, r: place.y, theta }.point()
-        };
-        let mut quads = Vec::new();
-        for (i, k) in (0..along).flat_map(|i| (0..across).map(move |k| (i, k))) {
-            quads.push([(i, k, 1.0), (i + 1, k, 1.0), (i + 1, k + 1, 1.0), (i, k + 1, 1.0)]);
-            quads.push([(i, k, -1.0), (i, k + 1, -1.0), (i + 1, k + 1, -1.0), (i + 1, k, -1.0)]);
-        }
-        for k in 0..across {
-            quads.push([(0, k, -1.0), (0, k, 1.0), (0, k + 1, 1.0), (0, k + 1, -1.0)]);
-            quads.push([(along, k, 1.0), (along, k, -1.0), (along, k + 1, -1.0), (along, k + 1, 1.0)]);
-        }
-        for i in 0..along {
-            quads.push([(i, 0, -1.0), (i + 1, 0, -1.0), (i + 1, 0, 1.0), (i, 0, 1.0)]);
-            quads.push([(i, across, 1.0), (i + 1, across, 1.0), (i + 1, across, -1.0), (i, across, -1.0)]);
-        }
-        outwards(quads.into_iter().map(|quad| quad.map(point)))
-    }
-}
-
-/// What is wrong with a wheel.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Spoilt {
-    /// A blade, turned about the axis by an angle (rad).
-    pub turned_blade: Option<(usize, f64)>,
-    /// A blade that is not there.
-    pub missing_blade: Option<usize>,
-    /// Share of the turn over which there is no shroud.
-    pub missing_shroud: f64,
-}
-
-/// The closed shell of these quadrilaterals, oriented outwards.
-fn outwards(quads: impl Iterator<Item = [DVec3; 4]>) -> Mesh {
-    let mut welder = Welder::default();
-    quads.for_each(|[a, b, c, d]| {
-        welder.triangle([a, b, c]);
-        welder.triangle([a, c, d]);
-    });
-    let mut mesh = welder.mesh;
-    if mesh.volume() < 0.0 {
-        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
-    }
-    mesh
 }
 
 /// Channel 0 of `blisk` from the generator's own surfaces.

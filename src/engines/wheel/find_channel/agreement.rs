@@ -1,5 +1,7 @@
 //! How well a channel that was found agrees with its mesh, measured between the places that it was found from.
 
+use std::f64::consts::TAU;
+
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -23,7 +25,9 @@ const MOST_TOLERANCE: f64 = 0.1;
 /// How far beyond the edges the channels are compared (shares of their length).
 const BEYOND: [f64; 3] = [0.05, 0.2, 0.5];
 /// Places over a pitch at which they are compared there.
-const AROUND: i32 = 8;
+const AROUND: i32 = 100;
+/// Least share of these places where metal counts.
+const LEAST_METAL: f64 = 0.005;
 /// A narrower throat is none (mm).
 const LEAST_THROAT: f64 = 0.01;
 /// Share of the channel's width that the end walls are measured over: fillets round the rest.
@@ -88,10 +92,16 @@ impl Measured<'_> {
     pub fn unlike(&self, blades: usize, kinds: usize, tolerance: f64) -> Result<Vec<usize>, BliskError> {
         let doubt = self.doubt().max(tolerance.min(MOST_TOLERANCE));
         let covered = self.covered(0.0);
+        let own: Vec<_> = self.samples(SPARSE, 0.0)?.collect();
         let is_unlike = |k: usize| {
             let turn = k as f64 * self.tracer.pitch;
-            let mut samples = self.samples(SPARSE, turn)?;
-            let is_off = samples.any(|(surface, samples)| summary(surface, samples, doubt).doubted > 1.0 - ENOUGH);
+            let mut samples = self.samples(SPARSE, turn)?.zip(&own);
+            let is_off = samples.any(|((surface, mut samples), (_, own))| {
+                // What this channel's grid misses, it misses in all channels.
+                let both = samples.iter_mut().zip(own).filter(|(_, own)| own.off.is_finite());
+                both.for_each(|(sample, own)| sample.allowed += own.off);
+                summary(surface, samples, doubt).doubted > 1.0 - ENOUGH
+            });
             let is_covered_otherwise = (self.covered(turn) - covered).abs() > 1.0 - ENOUGH;
             Ok::<_, BliskError>(is_off || is_covered_otherwise || self.differing_beside_edges(turn) > 1.0 - ENOUGH)
         };
@@ -119,31 +129,42 @@ impl Measured<'_> {
         columns.filter(|&u| meets(u)).count() as f64 / SPARSE.stations as f64
     }
 
-    /// Share of the places beyond the edges, a pitch to either side, that are solid in one of two channels and free in
-    /// the other, which lies `turn` further about the axis (rad): a splitter ends where its neighbours go on.
+    /// Share of the metal between hub and shroud beyond the edges, a pitch to either side, that only one of two channels
+    /// has, of which the other lies `turn` further about the axis (rad): a splitter ends where its neighbours go on.
     fn differing_beside_edges(&self, turn: f64) -> f64 {
-        let (wall, slices) = (self.walls[0], self.tracer.slices);
-        let place = |u: usize, v: usize| {
-            let Cylindrical { x, r, .. } = wall.cylindrical(u, v);
-            DVec2::new(x, r)
-        };
-        let (mut all, mut differ) = (0, 0);
-        for v in [1, 5, 9].map(|tenth| tenth * (wall.nv - 1) / 10) {
-            let length: f64 = (1..wall.nu).map(|u| place(u, v).distance(place(u - 1, v))).sum();
-            for (end, inside) in [(0, wall.nu / 8), (wall.nu - 1, wall.nu - 1 - wall.nu / 8)] {
-                let outwards = (place(end, v) - place(inside, v)).normalize_or_zero();
-                let ends = self.walls.map(|wall| wall.cylindrical(end, v).theta);
-                let middle = 0.5 * (ends[0] + unwrapped(ends[1], ends[0]));
-                for (at, k) in BEYOND.iter().flat_map(|share| (-AROUND..=AROUND).map(move |k| (share * length, k))) {
-                    let at = place(end, v) + at * outwards;
-                    let theta = middle + f64::from(k) / f64::from(AROUND) * self.tracer.pitch;
-                    all += 1;
-                    differ +=
-                        usize::from(slices.is_solid(at.x, at.y, theta) != slices.is_solid(at.x, at.y, theta + turn));
+        let (wall, stations) = (self.walls[0], &self.meridian.stations[..]);
+        let (Some(first), Some(last)) = (stations.first(), stations.last()) else { return 0.0 };
+        let (mut all, mut metal, mut differ) = (0, 0, 0);
+        for share in [0.1, 0.5, 0.9] {
+            let v = (share * (wall.nv - 1) as f64).round() as usize;
+            let along = |end: Cylindrical| along_at(stations, DVec2::new(end.x, end.r), share);
+            let edges = [0, wall.nu - 1].map(|u| self.walls.map(|wall| wall.cylindrical(u, v)));
+            let length = along(edges[1][0]) - along(edges[0][0]);
+            for (ends, way) in edges.into_iter().zip([-length, length]) {
+                let middle = 0.5 * (ends[0].theta + unwrapped(ends[1].theta, ends[0].theta));
+                let beyond = BEYOND.map(|share| along(ends[0]) + share * way);
+                for along in beyond.into_iter().filter(|along| (first.along..=last.along).contains(along)) {
+                    let at = station_at(stations, along).place(share);
+                    let both = [middle, middle + turn].map(|middle| self.metal(at, middle));
+                    all += both[0].len();
+                    metal += both[0].iter().zip(&both[1]).filter(|(a, b)| **a || **b).count();
+                    differ += both[0].iter().zip(&both[1]).filter(|(a, b)| a != b).count();
                 }
             }
         }
-        differ as f64 / f64::from(all.max(1))
+        // Specks of walls are no blades.
+        if metal as f64 <= LEAST_METAL * all as f64 { 0.0 } else { differ as f64 / metal as f64 }
+    }
+
+    /// Whether there is metal at places on the circle through (x, r), over a pitch to either side of `middle` (rad).
+    fn metal(&self, at: DVec2, middle: f64) -> Vec<bool> {
+        let gaps = self.tracer.slices.gaps(at.x, at.y);
+        let is_free = |theta: f64| gaps.iter().any(|gap| (theta - gap.low.theta).rem_euclid(TAU) < gap.width());
+        let theta = |k: i32| middle + f64::from(k) / f64::from(AROUND) * self.tracer.pitch;
+        if gaps.is_empty() {
+            return vec![self.tracer.slices.is_solid(at.x, at.y, middle); 2 * AROUND as usize + 1];
+        }
+        (-AROUND..=AROUND).map(|k| !is_free(theta(k))).collect()
     }
 
     /// Distance from which on a place is doubted (mm).
@@ -167,9 +188,9 @@ impl Measured<'_> {
     fn wall_samples(&self, wall: &ChannelWall, end: fn(&Gap) -> Crossing, density: Density, turn: f64) -> Vec<Sample> {
         let tracer = self.tracer;
         let every = density.every;
-        // Not too often at the edges, which are round.
-        let from = every.div_ceil(2);
-        let cells = (from..wall.nu).step_by(every).flat_map(|u| (from..wall.nv).step_by(every).map(move |v| (u, v)));
+        // Not at the edges, round which a wall turns within a cell or two.
+        let columns = (every + 1..wall.nu - every).step_by(every);
+        let cells = columns.flat_map(|u| (every.div_ceil(2)..wall.nv).step_by(every).map(move |v| (u, v)));
         let cells: Vec<_> = cells.collect();
         let sample = |&(u, v): &(usize, usize)| {
             let (at, sag) = cell(wall, u, v);
@@ -238,7 +259,8 @@ fn cell(wall: &ChannelWall, u: usize, v: usize) -> (DVec3, f64) {
     let sag = [[0, 1], [1, 2], [2, 3], [3, 0]].map(|[i, k]| {
         let [p, q] = [places[i], places[k]];
         let turn = wall.normal(p.0, p.1).angle_between(wall.normal(q.0, q.1));
-        corners[i].distance(corners[k]) * turn / 8.0
+        // Where a fillet begins within the cell, all of the turn may be in one place.
+        corners[i].distance(corners[k]) * turn / 4.0
     });
     (corners.iter().sum::<DVec3>() / 4.0, bend + sag[0].max(sag[2]) + sag[1].max(sag[3]))
 }

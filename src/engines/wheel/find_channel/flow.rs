@@ -16,6 +16,8 @@ use super::meridian::{Place, Tracer};
 /// Lines from hub to shroud or tips (x, r) along a passage, found to about the distance of the lattice's points (mm).
 pub(super) struct Lines {
     pub lines: Vec<[DVec2; 2]>,
+    /// Distance of the lattice's points (mm).
+    pub step: f64,
     /// Whether the outer ends are those of a wall; if not, of the blade tips.
     pub shrouded: bool,
 }
@@ -38,8 +40,9 @@ const DEGREE: usize = 6;
 /// Curves whose mean radii differ by less than this share of the height lie side by side along the axis.
 const SAME_RADIUS: f64 = 0.2;
 
-/// A passage is axial where no more than this share of its length is steeper than 45 degrees.
-const MOST_STEEP: f64 = 0.1;
+/// A passage is axial where no more than this share of its length is steeper than 45 degrees, and radial where no more
+/// is flatter.
+pub(super) const MOST_STEEP: f64 = 0.1;
 
 /// A piece of the outline of the bladed part, between two neighbouring points of the lattice.
 #[derive(Clone, Copy)]
@@ -68,12 +71,12 @@ pub(super) fn lines(tracer: &Tracer, start: Place) -> Result<Option<Lines>, Blis
         let shrouded = outer.is_solid;
         let lines = ordered(smooth(&hub.points)?, smooth(&outer.points)?, shrouded);
         let middle: Vec<DVec2> = lines.iter().map(|[hub, shroud]| 0.5 * (*hub + *shroud)).collect();
-        (steep_share(&middle) > MOST_STEEP).then_some(Lines { lines, shrouded })
+        (steep_share(&middle) > MOST_STEEP).then_some(Lines { lines, step: lattice.step, shrouded })
     }))
 }
 
 /// Share of the length of a curve (x, r) that runs more along the radius than along the axis.
-fn steep_share(curve: &[DVec2]) -> f64 {
+pub(super) fn steep_share(curve: &[DVec2]) -> f64 {
     let steps = || curve.windows(2).map(|w| (w[1] - w[0]).abs());
     let length = steps().map(DVec2::length).sum::<f64>();
     steps().filter(|step| step.y >= step.x).map(DVec2::length).sum::<f64>() / length.max(f64::MIN_POSITIVE)

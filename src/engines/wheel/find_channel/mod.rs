@@ -5,6 +5,8 @@ mod flow;
 mod measure;
 mod meridian;
 #[cfg(test)]
+mod random_wheels;
+#[cfg(test)]
 mod tests;
 mod tube;
 mod walls;

@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::super::channel::{Flow, Station, Surface};
 use super::super::error::BliskError;
 use super::super::frame::slices::Gap;
-use super::flow::Lines;
+use super::flow::{Lines, MOST_STEEP, steep_share};
 use super::meridian::{DIP, MIDDLE_SHARE, Meridian, Place, RAYS, Tracer};
 
 /// Share of the height away from an end wall where its rays begin, and how far beyond it they look for it.
@@ -21,6 +21,8 @@ const MOST_BESIDE: usize = 400;
 /// Steps of the height in which the tips are looked for, and how far (shares of the height).
 const TIP_STEPS: usize = 40;
 const MOST_TIP: f64 = 1.5;
+/// The tips are where the line across was drawn to, within so many points of its lattice.
+const MOST_OFF: f64 = 3.0;
 /// End walls face the rays to them at least so squarely (cosine).
 const LEAST_FACING: f64 = 0.3;
 /// Steps in which the channel's gap is followed across the passage.
@@ -37,11 +39,11 @@ struct Gaps {
 impl Tracer<'_> {
     /// Hub and shroud along `lines` and on along the rings beside the blades, as far as both reach. `start` is a place
     /// between the blades; the one that is returned with them is in the middle of a station.
-    pub(super) fn tube(&self, start: Place, lines: &Lines) -> Result<(Meridian, Place), BliskError> {
+    pub(super) fn tube(&self, start: Place, known: &Lines) -> Result<(Meridian, Place), BliskError> {
         let lost = |at: DVec2| BliskError::LostWall { x: at.x, r: at.y };
         let at = DVec2::new(start.x, start.r);
         let far = |line: &[DVec2; 2]| (0.5 * (line[0] + line[1])).distance_squared(at);
-        let &Lines { ref lines, shrouded } = lines;
+        let lines = &known.lines;
         let Some(first) = (0..lines.len()).min_by(|&a, &b| far(&lines[a]).total_cmp(&far(&lines[b]))) else {
             return Err(lost(at));
         };
@@ -49,12 +51,12 @@ impl Tracer<'_> {
         let gap = self.followed(&start.gap, at, middle.place(0.5))?;
         let across = |share: f64| self.followed(&gap, middle.place(0.5), middle.place(share)).unwrap_or(gap);
         let gaps = Gaps { hub: across(BESIDE), middle: gap, shroud: across(1.0 - BESIDE) };
-        let measured = self.measured(lines[first], &gaps, shrouded).ok_or(lost(middle.place(0.5)))?;
-        let mut stations = self.outwards(measured, lines[..first].iter().rev().copied(), shrouded)?;
+        let measured = self.measured(lines[first], &gaps, known, false).ok_or(lost(middle.place(0.5)))?;
+        let mut stations = self.outwards(measured, lines[..first].iter().rev().copied(), known)?;
         stations.reverse();
         let index = stations.len();
         stations.push(measured.0);
-        stations.extend(self.outwards(measured, lines[first + 1..].iter().copied(), shrouded)?);
+        stations.extend(self.outwards(measured, lines[first + 1..].iter().copied(), known)?);
         let mut along = 0.0;
         for i in 1..stations.len() {
             let (before, here) = (stations[i - 1], stations[i]);
@@ -66,13 +68,13 @@ impl Tracer<'_> {
             along += step.length();
             stations[i].along = along;
         }
-        let steps: Vec<DVec2> = lines.windows(2).map(|w| w[1][0] + w[1][1] - w[0][0] - w[0][1]).collect();
-        let is_radial = steps.iter().all(|d| d.y.abs() >= d.x.abs());
+        let middle: Vec<DVec2> = stations.iter().map(|s| s.place(0.5)).collect();
+        let is_radial = steep_share(&middle) >= 1.0 - MOST_STEEP;
         let flow = if is_radial { Flow::Radial } else { Flow::Mixed };
         let here = stations[index];
         let at = here.place(0.5);
         let place = Place { along: here.along, x: at.x, r: at.y, gap: measured.1.middle };
-        Ok((Meridian { stations, flow, shrouded }, place))
+        Ok((Meridian { stations, flow, shrouded: known.shrouded }, place))
     }
 
     /// Stations of `lines` beyond a known one, and from there on at equal steps up to where an end wall ends.
@@ -80,7 +82,7 @@ impl Tracer<'_> {
         &self,
         from: (Station, Gaps),
         lines: impl ExactSizeIterator<Item = [DVec2; 2]>,
-        shrouded: bool,
+        known: &Lines,
     ) -> Result<Vec<Station>, BliskError> {
         let (mut here, mut gaps) = from;
         let mut stations = Vec::new();
@@ -88,7 +90,7 @@ impl Tracer<'_> {
         for (i, line) in lines.enumerate() {
             self.cancel.check()?;
             let at = station(line).place(0.5);
-            let Some(next) = self.measured(line, &gaps, shrouded) else {
+            let Some(next) = self.measured(line, &gaps, known, false) else {
                 // The lines are found to about a point of the lattice: the last ones may lie beyond the end walls'
                 // ends.
                 if i + LAST_LINES >= count {
@@ -100,26 +102,25 @@ impl Tracer<'_> {
             (here, gaps) = next;
         }
         let mut step = match stations[..] {
-            [.., before, last] => [last.hub - before.hub, last.shroud - before.shroud],
+            [.., before, last] => onwards(before, last, known),
             _ => return Ok(stations),
         };
         // Beside the tips nothing bounds the passage, which is as long as it is high there.
-        let most =
-            if shrouded { MOST_BESIDE } else { (here.height() / step[0].length().max(step[1].length())) as usize };
+        let most = if known.shrouded { MOST_BESIDE } else { (here.height() / step[0].length()) as usize };
         for _ in 0..most.min(MOST_BESIDE) {
             self.cancel.check()?;
             let beyond = |share: f64| [here.hub + share * step[0], here.shroud + share * step[1]];
-            if let Some(next) = self.beside(beyond(1.0), &gaps, shrouded) {
+            if let Some(next) = self.beside(beyond(1.0), &gaps, known) {
                 stations.push(next.0);
                 // A ring may be bent: the next step goes on as this one did.
-                step = [next.0.hub - here.hub, next.0.shroud - here.shroud];
+                step = onwards(here, next.0, known);
                 (here, gaps) = next;
                 continue;
             }
             let (mut good, mut bad, mut last) = (0.0, 1.0, None);
             while bad - good > 1e-7 {
                 let middle = 0.5 * (good + bad);
-                match self.beside(beyond(middle), &gaps, shrouded) {
+                match self.beside(beyond(middle), &gaps, known) {
                     Some(next) => (good, last) = (middle, Some(next.0)),
                     None => bad = middle,
                 }
@@ -135,15 +136,15 @@ impl Tracer<'_> {
     }
 
     /// The end walls on a line beyond the last station, if both go on there.
-    fn beside(&self, line: [DVec2; 2], near: &Gaps, shrouded: bool) -> Option<(Station, Gaps)> {
-        let next = self.measured(line, near, shrouded)?;
+    fn beside(&self, line: [DVec2; 2], near: &Gaps, known: &Lines) -> Option<(Station, Gaps)> {
+        let next = self.measured(line, near, known, true)?;
         let most = GOES_ON * next.0.height();
         let off = next.0.hub.distance(line[0]).max(next.0.shroud.distance(line[1]));
         (off < most).then_some(next)
     }
 
-    /// The end walls on a line, and its gaps, which continue `near`.
-    fn measured(&self, line: [DVec2; 2], near: &Gaps, shrouded: bool) -> Option<(Station, Gaps)> {
+    /// The end walls on a line, and its gaps, which continue `near`. There are no tips beside the blades.
+    fn measured(&self, line: [DVec2; 2], near: &Gaps, known: &Lines, is_beside: bool) -> Option<(Station, Gaps)> {
         let guess = station(line);
         let gap = |share: f64, near: &Gap| {
             let at = guess.place(share);
@@ -154,9 +155,13 @@ impl Tracer<'_> {
         let beside = |share: f64, near: &Gap| gap(share, near).unwrap_or(*near);
         let gaps = Gaps { hub: beside(BESIDE, &near.hub), middle, shroud: beside(1.0 - BESIDE, &near.shroud) };
         let hub = self.end_wall(&guess, &gaps.hub, Surface::Hub)?;
-        let shroud = match (shrouded, bladed) {
+        let shroud = match (known.shrouded, bladed.filter(|_| !is_beside)) {
             (true, _) => self.end_wall(&guess, &gaps.shroud, Surface::Shroud)?,
-            (false, Some(gap)) => self.tip(&guess, gap)?,
+            (false, Some(gap)) => {
+                let tip = self.tip(&guess, gap)?;
+                // Where the line leaves the blades by an edge it does not meet their tips.
+                (tip.distance(guess.shroud) < MOST_OFF * known.step).then_some(tip)?
+            }
             (false, None) => guess.shroud,
         };
         Some((station([hub, shroud]), gaps))
@@ -228,6 +233,13 @@ impl Tracer<'_> {
             self.bladed_gap(at.x, at.y, &near).ok_or(BliskError::LostWall { x: at.x, r: at.y })
         })
     }
+}
+
+/// How hub and shroud go on beyond two stations. Beside the tips, which end somewhere about a blade's edge, the passage
+/// keeps its height.
+fn onwards(before: Station, last: Station, known: &Lines) -> [DVec2; 2] {
+    let hub = last.hub - before.hub;
+    [hub, if known.shrouded { last.shroud - before.shroud } else { hub }]
 }
 
 fn station([hub, shroud]: [DVec2; 2]) -> Station {

@@ -14,6 +14,8 @@ use geometry::mesh::Mesh;
 use mesher::Mesher;
 
 mod mesher;
+pub(crate) mod welder;
+pub mod wheel;
 
 /// A blisk described by parameters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,0 +1,359 @@
+//! A wheel of any direction of flow from a few numbers.
+//!
+//! Walls of revolution about curves from inlet to outlet, blades that wind about the axis between them, rings with seal
+//! teeth and bolted flanges: each a closed shell of its own, reaching into its neighbours as solids in an assembly do.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DAffine3, DVec2};
+
+use super::welder::Welder;
+use geometry::frame::Cylindrical;
+use geometry::mesh::Mesh;
+
+/// A curve in the half plane (x, r): a cubic Bézier curve over a share from 0 at the inlet to 1 at the outlet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeridianCurve(pub [DVec2; 4]);
+
+impl MeridianCurve {
+    /// The straight line between two places.
+    pub fn line(from: DVec2, to: DVec2) -> Self {
+        Self([from, from.lerp(to, 1.0 / 3.0), from.lerp(to, 2.0 / 3.0), to])
+    }
+
+    /// A quarter of a circle, within 0.03 % of its radius, that leaves `from` along `way`.
+    pub fn quarter(from: DVec2, way: DVec2, to: DVec2) -> Self {
+        const KAPPA: f64 = 0.552_284_749_830_793_4;
+        let way = way.normalize_or(DVec2::X);
+        let corner = from + way * (to - from).dot(way);
+        Self([from, from.lerp(corner, KAPPA), to.lerp(corner, KAPPA), to])
+    }
+
+    /// Place at a share.
+    pub fn at(&self, share: f64) -> DVec2 {
+        let [a, b, c, d] = self.0;
+        let (t, s) = (share, 1.0 - share);
+        a * (s * s * s) + b * (3.0 * s * s * t) + c * (3.0 * s * t * t) + d * (t * t * t)
+    }
+}
+
+/// Splitter blades: every other blade of the wheel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Splitters {
+    /// Shares of the passage between which they stand.
+    pub span: [f64; 2],
+    /// Angle by which they stand off the middle between their neighbours (rad).
+    pub off_middle: f64,
+}
+
+/// What is wrong with a wheel.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Flaws {
+    /// A blade, turned about the axis by an angle (rad).
+    pub turned_blade: Option<(usize, f64)>,
+    /// A blade that is not there.
+    pub missing_blade: Option<usize>,
+    /// Share of the turn over which there is no shroud.
+    pub missing_shroud: f64,
+}
+
+/// A wheel about X.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParametricWheel {
+    /// Number of blades, splitters included.
+    pub blades: usize,
+    /// The hub (mm).
+    pub hub: MeridianCurve,
+    /// The shroud or the tips (mm).
+    pub shroud: MeridianCurve,
+    /// Whether there is a shroud.
+    pub shrouded: bool,
+    /// Shares of the passage between which the blades stand.
+    pub span: [f64; 2],
+    /// Every other blade, where there are splitters.
+    pub splitters: Option<Splitters>,
+    /// Angle that a blade winds about the axis over the whole passage (rad).
+    pub wrap: f64,
+    /// Angle by which a blade's end at the shroud is ahead of that at the hub (rad).
+    pub lean: f64,
+    /// Thickness of a blade along the circumference (mm).
+    pub thickness_mm: f64,
+    /// Share of the passage over which an edge of a blade is rounded; 0 for a flat edge.
+    pub nose: f64,
+    /// Radius of the fillets between blades and walls (mm).
+    pub fillet_mm: f64,
+    /// Thickness of the walls (mm).
+    pub wall_mm: f64,
+    /// Seal teeth on the back of the shroud.
+    pub teeth: usize,
+    /// Holes in a flange at the inlet, in front of the hub.
+    pub holes: usize,
+    /// What is wrong with it.
+    pub flaws: Flaws,
+    /// Pieces about the axis, along the passage and across it.
+    pub pieces: [usize; 3],
+}
+
+impl ParametricWheel {
+    /// How far blades reach into walls, as a share of the height.
+    const INTO: f64 = 0.1;
+    /// Pieces of a fillet.
+    const FILLET: usize = 8;
+
+    /// A ring of blades between two flat rings 12 mm apart.
+    pub fn nozzle_ring() -> Self {
+        let across = |x: f64| MeridianCurve::line(DVec2::new(x, 68.0), DVec2::new(x, 104.0));
+        Self {
+            blades: 20,
+            hub: across(0.0),
+            shroud: across(12.0),
+            shrouded: true,
+            span: [0.1, 0.9],
+            splitters: None,
+            wrap: 0.5,
+            lean: 0.0,
+            thickness_mm: 3.0,
+            nose: 0.0,
+            fillet_mm: 0.0,
+            wall_mm: 5.0,
+            teeth: 0,
+            holes: 0,
+            flaws: Flaws::default(),
+            pieces: [240, 96, 12],
+        }
+    }
+
+    /// A closed impeller whose passage turns by a right angle from along the axis to along the radius, about the point
+    /// (-30, 70).
+    pub fn impeller() -> Self {
+        let arc = |radius: f64| {
+            let (from, to) = (DVec2::new(-30.0, 70.0 - radius), DVec2::new(-30.0 + radius, 70.0));
+            MeridianCurve::quarter(from, DVec2::X, to)
+        };
+        Self { blades: 9, hub: arc(50.0), shroud: arc(34.0), span: [0.1, 0.95], wrap: 1.2, ..Self::nozzle_ring() }
+    }
+
+    /// Angle from blade to blade (rad).
+    pub fn pitch(&self) -> f64 {
+        TAU / self.blades as f64
+    }
+
+    /// Place (x, r) at a share of the passage and of the height (mm).
+    pub fn place(&self, along: f64, height: f64) -> DVec2 {
+        self.hub.at(along).lerp(self.shroud.at(along), height)
+    }
+
+    /// Where blade `k` stands along the passage, and the angle where its middle begins (rad).
+    fn blade_at(&self, k: usize) -> ([f64; 2], f64) {
+        let turned = self.flaws.turned_blade.filter(|(blade, _)| *blade == k).map_or(0.0, |(_, turn)| turn);
+        let (span, off) = self.splitters.filter(|_| k % 2 == 1).map_or((self.span, 0.0), |s| (s.span, s.off_middle));
+        (span, self.pitch() * k as f64 + turned + off)
+    }
+
+    /// Half the thickness of a blade over `span` at a share of the passage and of the height, fillets included (mm).
+    fn half_thickness(&self, span: [f64; 2], along: f64, height: f64) -> f64 {
+        let from_end = (along - span[0]).min(span[1] - along).max(0.0);
+        let nose = match self.nose {
+            nose if from_end >= nose => 1.0,
+            nose => (1.0 - (1.0 - from_end / nose).powi(2)).sqrt(),
+        };
+        let span_mm = self.hub.at(along).distance(self.shroud.at(along));
+        let fillet = |off: f64| {
+            let k = (1.0 - off.max(0.0) / self.fillet_mm.max(1e-300)).clamp(0.0, 1.0);
+            self.fillet_mm * (1.0 - (1.0 - k * k).sqrt())
+        };
+        let above = if self.shrouded { fillet((1.0 - height) * span_mm) } else { 0.0 };
+        nose * (0.5 * self.thickness_mm + fillet(height * span_mm) + above)
+    }
+
+    /// Angles of the low and the high wall of the passage above blade `k`, at a share of the passage and of the height
+    /// (rad); none where one of the blades does not stand.
+    pub fn walls(&self, k: usize, along: f64, height: f64) -> Option<[f64; 2]> {
+        let r = self.place(along, height).y;
+        let wall = |blade: usize, side: f64| {
+            let (span, begin) = self.blade_at(blade % self.blades);
+            let turns = if blade >= self.blades { TAU } else { 0.0 };
+            (span[0]..=span[1]).contains(&along).then(|| {
+                let middle = begin + turns + self.wrap * along + self.lean * height;
+                middle + side * self.half_thickness(span, along, height) / r
+            })
+        };
+        Some([wall(k, 1.0)?, wall(k + 1, -1.0)?])
+    }
+
+    /// All shells together, about X.
+    pub fn mesh(&self) -> Mesh {
+        let mut shells = vec![self.wall(0.0)];
+        if self.shrouded {
+            shells.push(self.wall(1.0));
+        }
+        let standing = (0..self.blades).filter(|k| Some(*k) != self.flaws.missing_blade);
+        shells.extend(standing.map(|k| self.blade(k)));
+        shells.extend((self.holes > 0).then(|| self.flange()));
+        let mut all = Mesh::default();
+        for shell in shells {
+            let first = all.vertices.len() as u32;
+            all.vertices.extend(shell.vertices);
+            all.triangles.extend(shell.triangles.iter().map(|t| t.map(|v| v + first)));
+        }
+        all
+    }
+
+    /// All shells together, moved.
+    pub fn mesh_at(&self, placement: DAffine3) -> Mesh {
+        let mut mesh = self.mesh();
+        mesh.vertices.iter_mut().for_each(|p| *p = placement.transform_point3(*p));
+        mesh
+    }
+
+    /// The wall of revolution at a height of 0 or 1, thick away from the passage.
+    fn wall(&self, height: f64) -> Mesh {
+        let [around, along, _] = self.pieces;
+        let away = if height > 0.5 { 1.0 } else { -1.0 };
+        let share = |i: usize| i as f64 / along as f64;
+        let front = (0..=along).map(|i| self.place(share(i), height));
+        let teeth = if height > 0.5 { self.teeth } else { 0 };
+        let back = (0..=along).rev().map(|i| {
+            let up = (self.shroud.at(share(i)) - self.hub.at(share(i))).normalize();
+            // A tooth is a third of its division wide.
+            let is_tooth = teeth > 0 && (share(i) * teeth as f64).fract() < 1.0 / 3.0;
+            let thick = self.wall_mm * if is_tooth { 1.4 } else { 1.0 };
+            self.place(share(i), height) + away * thick * up
+        });
+        let outline: Vec<DVec2> = front.chain(back).collect();
+        let missing = if height > 0.5 { self.flaws.missing_shroud } else { 0.0 };
+        turned(&outline, around, (around as f64 * (1.0 - missing)).round() as usize, along)
+    }
+
+    /// A flange with round holes in front of the hub's inlet, from the hub's back inwards.
+    fn flange(&self) -> Mesh {
+        const RIM: usize = 24;
+        let start = self.hub.at(0.0);
+        let outer = (start.y - 0.5 * self.wall_mm).max(4.0);
+        let inner = 0.4 * outer;
+        let (middle, hole) = (0.5 * (inner + outer), 0.15 * (outer - inner));
+        let x = [start.x - 0.5 * self.wall_mm, start.x + 0.5 * self.wall_mm];
+        let half = PI / self.holes as f64;
+        let mut welder = Welder::default();
+        let mut quads = Vec::new();
+        for k in 0..self.holes {
+            let turn = 2.0 * half * k as f64;
+            let rim = |j: usize| {
+                let (s, c) = (TAU * j as f64 / RIM as f64).sin_cos();
+                [middle + hole * c, hole / middle * s]
+            };
+            let border = |j: usize| {
+                let (s, c) = (TAU * (j % RIM) as f64 / RIM as f64).sin_cos();
+                let k = 1.0 / s.abs().max(c.abs());
+                [middle + 0.5 * (outer - inner) * k * c, half * k * s]
+            };
+            let at = |x: f64, [r, theta]: [f64; 2]| Cylindrical { x, r, theta: theta + turn }.point();
+            for j in 0..RIM {
+                let (a, b, c, d) = (rim(j), rim(j + 1), border(j + 1), border(j));
+                quads.push([at(x[1], a), at(x[1], d), at(x[1], c), at(x[1], b)]);
+                quads.push([at(x[0], a), at(x[0], b), at(x[0], c), at(x[0], d)]);
+                quads.push([at(x[0], a), at(x[1], a), at(x[1], b), at(x[0], b)]);
+                if (c[0] - d[0]).abs() < 1e-9 && (c[0] - middle).abs() > 0.49 * (outer - inner) {
+                    quads.push([at(x[0], d), at(x[0], c), at(x[1], c), at(x[1], d)]);
+                }
+            }
+        }
+        quads.into_iter().for_each(|quad| welder.quad(quad));
+        outwards(welder.mesh)
+    }
+
+    /// Blade `k`.
+    fn blade(&self, k: usize) -> Mesh {
+        let [_, along, across] = self.pieces;
+        let (span, begin) = self.blade_at(k);
+        // Close together where edges are round.
+        let shares: Vec<f64> = (0..=along)
+            .map(|i| i as f64 / along as f64)
+            .map(|s| if self.nose > 0.0 { 0.5 - 0.5 * (PI * s).cos() } else { s })
+            .map(|s| span[0] + (span[1] - span[0]) * s)
+            .collect();
+        let heights = self.heights(across);
+        let n = heights.len() - 1;
+        let point = |(i, v, side): (usize, usize, f64)| {
+            let (t, height_mm) = (shares[i], self.hub.at(shares[i]).distance(self.shroud.at(shares[i])));
+            let height = match heights[v] {
+                Height::Share(share) => share,
+                Height::AboveHub(mm) => mm / height_mm,
+                Height::BelowShroud(mm) => 1.0 - mm / height_mm,
+            };
+            let place = self.place(t, height);
+            let half = self.half_thickness(span, t, height.clamp(0.0, 1.0));
+            let theta = begin + self.wrap * t + self.lean * height + side * half / place.y;
+            Cylindrical { x: place.x, r: place.y, theta }.point()
+        };
+        let mut quads = Vec::new();
+        for (i, v) in (0..along).flat_map(|i| (0..n).map(move |v| (i, v))) {
+            quads.push([(i, v, 1.0), (i + 1, v, 1.0), (i + 1, v + 1, 1.0), (i, v + 1, 1.0)]);
+            quads.push([(i, v, -1.0), (i, v + 1, -1.0), (i + 1, v + 1, -1.0), (i + 1, v, -1.0)]);
+        }
+        for v in 0..n {
+            quads.push([(0, v, -1.0), (0, v, 1.0), (0, v + 1, 1.0), (0, v + 1, -1.0)]);
+            quads.push([(along, v, 1.0), (along, v, -1.0), (along, v + 1, -1.0), (along, v + 1, 1.0)]);
+        }
+        for i in 0..along {
+            quads.push([(i, 0, -1.0), (i + 1, 0, -1.0), (i + 1, 0, 1.0), (i, 0, 1.0)]);
+            quads.push([(i, n, 1.0), (i + 1, n, 1.0), (i + 1, n, -1.0), (i, n, -1.0)]);
+        }
+        let mut welder = Welder::default();
+        quads.into_iter().for_each(|quad| welder.quad(quad.map(point)));
+        outwards(welder.mesh)
+    }
+
+    /// Heights of a blade's rows: into the walls, close together in the fillets, up to the tips where there is no
+    /// shroud.
+    fn heights(&self, across: usize) -> Vec<Height> {
+        let fillet = |i: usize| self.fillet_mm * (1.0 - (0.5 * PI * i as f64 / Self::FILLET as f64).cos());
+        let rounds = if self.fillet_mm > 0.0 { Self::FILLET } else { 0 };
+        let mut heights = vec![Height::Share(-Self::INTO), Height::Share(0.0)];
+        heights.extend((1..=rounds).map(|i| Height::AboveHub(fillet(i))));
+        let [from, to] = if self.fillet_mm > 0.0 { [0.3, if self.shrouded { 0.7 } else { 1.0 }] } else { [0.0, 1.0] };
+        heights.extend((1..across).map(|v| Height::Share(from + (to - from) * v as f64 / across as f64)));
+        if self.shrouded {
+            heights.extend((1..=rounds).rev().map(|i| Height::BelowShroud(fillet(i))));
+        }
+        heights.push(Height::Share(1.0));
+        heights.extend(self.shrouded.then_some(Height::Share(1.0 + Self::INTO)));
+        heights
+    }
+}
+
+/// Where a row of a blade runs.
+#[derive(Debug, Clone, Copy)]
+enum Height {
+    /// At a share of the height.
+    Share(f64),
+    /// Above the hub (mm).
+    AboveHub(f64),
+    /// Below the shroud (mm).
+    BelowShroud(f64),
+}
+
+/// The outline of (x, r), of which the first `along + 1` points are the front and the others the back, turned about X by
+/// so many of `around` steps.
+fn turned(outline: &[DVec2], around: usize, steps: usize, along: usize) -> Mesh {
+    let n = outline.len();
+    let point = |(j, i): (usize, usize)| {
+        let DVec2 { x, y: r } = outline[i % n];
+        Cylindrical { x, r, theta: TAU * (j % around) as f64 / around as f64 }.point()
+    };
+    let sides = (0..steps).flat_map(|j| (0..n).map(move |i| [(j, i), (j + 1, i), (j + 1, i + 1), (j, i + 1)]));
+    // The front of the outline runs forth, its back runs back.
+    let cap = |j: usize| (0..along).map(move |i| [(j, i), (j, i + 1), (j, n - 2 - i), (j, n - 1 - i)]);
+    let caps = cap(0).chain(cap(steps).map(|[a, b, c, d]| [d, c, b, a])).filter(|_| steps < around);
+    let mut welder = Welder::default();
+    sides.chain(caps).for_each(|quad| welder.quad(quad.map(point)));
+    outwards(welder.mesh)
+}
+
+/// A closed shell, oriented outwards.
+fn outwards(mut mesh: Mesh) -> Mesh {
+    if mesh.volume() < 0.0 {
+        mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    }
+    mesh
+}
