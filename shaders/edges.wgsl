@@ -14,7 +14,7 @@ fn vs(@builtin(vertex_index) index: u32, @location(0) a: vec3<f32>, @location(1)
     // The ends do not overlap: where edges are fine, a chain of them would look like beads.
     var edge = segment(index, first, second, 1.25, 1.2, 0.0, vec4(colour, object.look.w));
     // As near as its surfaces.
-    edge.clip.z -= object.values.z;
+    edge.clip.z = max(edge.clip.z - object.values.z, 0.0);
     return edge;
 }
 

@@ -22,7 +22,7 @@ pub(super) struct ProjectArguments {
 /// Parameters in place of the project's.
 #[derive(Debug, Clone, Args)]
 pub(super) struct Settings {
-    /// A parameter in place of the project's, as in electrode.spark_gap_mm=0.08 or tolerance_mm=0.05; once for each.
+    /// A parameter in place of the project's: a key of the file, an equals sign and the value; once for each.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = setting)]
     set: Vec<(String, String)>,
 }

@@ -74,7 +74,7 @@ impl FeedPlan {
                 format!("has an extraction path, certified clearance {:.4} mm; {}", c.certified(), c.demand())
             }
             (None, Some(PlannedPath { certificate: c, .. })) if !c.ends_right() => {
-                "has an extraction path that does not begin wholly outside the blisk; raise the exit clearance"
+                "has an extraction path that does not begin wholly outside the blisk; raise exit_clearance_mm"
                     .to_owned()
             }
             (None, Some(PlannedPath { certificate: c, .. })) if c.keeps_clearance() => match c.travel() {

@@ -85,10 +85,7 @@ impl Centreline {
     /// # Errors
     /// [`CentrelineError`].
     pub fn of_channel(channel: &Channel, cancel: &Cancel) -> Result<Self, CentrelineError> {
-        if channel.flow != Flow::Axial {
-            return Err(CentrelineError::NotAxial(channel.flow));
-        }
-        let [low, high] = [NurbsWall::of_grid(&channel.low)?, NurbsWall::of_grid(&channel.high)?];
+        let [low, high] = walls_of(channel)?;
         Self::between(&low, &high, cancel)
     }
 
@@ -369,14 +366,21 @@ pub struct CentrelineSummary {
     pub walls: [WallFit; 2],
 }
 
+/// The low and the high wall of a channel that runs along the axis.
+fn walls_of(channel: &Channel) -> Result<[NurbsWall; 2], CentrelineError> {
+    match channel.flow {
+        Flow::Axial => Ok([NurbsWall::of_grid(&channel.low)?, NurbsWall::of_grid(&channel.high)?]),
+        flow => Err(CentrelineError::NotAxial(flow)),
+    }
+}
+
 impl CentrelineSummary {
     /// The figures of `channel`, whose blisk `mesh` is in W.
     ///
     /// # Errors
     /// [`CentrelineError`].
     pub fn new(channel: &Channel, mesh: &ExactMesh, cancel: &Cancel) -> Result<Self, CentrelineError> {
-        let walls = [NurbsWall::of_grid(&channel.low)?, NurbsWall::of_grid(&channel.high)?];
-        Self::of_walls(&walls, [channel.low.side, channel.high.side], mesh, cancel)
+        Self::of_walls(&walls_of(channel)?, [channel.low.side, channel.high.side], mesh, cancel)
     }
 
     /// The figures of a low and a high wall, which are these sides of their blades; the blisk `mesh` is in the same

@@ -109,12 +109,30 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         })
     }
 
-    /// The parameters with the value `text` for `key`, as the command line gives it. Conditions between parameters are
+    /// The parameters with the value `text` for `key`, as the command line gives it: one value, or a list in brackets for
+    /// all entries of a key such as `reduction_deg`. Conditions between parameters are
     /// left to validation, because several may be set one after the other.
     ///
     /// # Errors
     /// If there is no such parameter, or it cannot have this value.
     pub fn set(&self, params: &P, key: &str, text: &str) -> Result<P, Invalid> {
+        let entries = self.fields().filter(|field| {
+            field.key.strip_prefix(key).is_some_and(|rest| rest.starts_with('[') && rest.ends_with(']'))
+        });
+        let entries: Vec<&str> = entries.map(|field| field.key).collect();
+        if !entries.is_empty() {
+            let values = text.trim().strip_prefix('[').and_then(|text| text.strip_suffix(']')).unwrap_or(text);
+            let values: Vec<&str> = values.split(',').map(str::trim).collect();
+            if values.len() != entries.len() {
+                return Err(Invalid::new(key, text, format!("must be a list of {} values", entries.len())));
+            }
+            let first = self.set(params, entries[0], values[0])?;
+            return entries
+                .into_iter()
+                .zip(values)
+                .skip(1)
+                .try_fold(first, |set, (key, text)| self.set(&set, key, text));
+        }
         let place = self.find(key)?;
         let value = place.field.parse(&place.key, text)?;
         let params = self.put(&self.values(params), &place.key, value)?;
@@ -197,23 +215,33 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
     /// last parts of keys that have an underscore.
     pub fn labelled(&self, message: &(impl ToString + ?Sized)) -> String {
         let text = message.to_string();
+        // Several fields of one key are the entries of a list, as in `reduction_deg[0]`.
+        let list = |field: &Field| field.key.split('[').next().unwrap_or(field.key).to_owned();
         let label = |word: &str| {
-            let is_key = |field: &&Field| {
-                let last = field.key.rsplit('.').next().unwrap_or(field.key);
-                !field.label.is_empty() && (field.key == word || (last == word && word.contains('_')))
-            };
-            self.fields().find(is_key).map(|field| format!("\"{}\"", field.label))
+            if let Some(place) = find(self.fields(), word, "", "").filter(|place| !place.label.is_empty()) {
+                return Some(format!("\"{}\"", place.label));
+            }
+            let is_meant = |key: &str| key == word || (word.contains('_') && key.rsplit('.').next() == Some(word));
+            let meant = self.fields().map(list).find(|key| is_meant(key))?;
+            let labels = self.fields().filter(|field| list(field) == meant && !field.label.is_empty());
+            let labels: Vec<_> = labels.map(|field| format!("\"{}\"", field.label)).collect();
+            (!labels.is_empty()).then(|| labels.join(" or "))
         };
-        let is_of_word = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '.';
+        let is_of_word = |c: char| c.is_ascii_alphanumeric() || "_.[]".contains(c);
         let mut shown = String::new();
         let mut rest = text.as_str();
         while let Some(start) = rest.find(is_of_word) {
             let (before, from) = rest.split_at(start);
             let (run, after) = from.split_at(from.find(|c| !is_of_word(c)).unwrap_or(from.len()));
-            let word = run.trim_end_matches('.');
+            let word = run.trim_matches(['.', '[', ']']);
+            let [opening, closing] = match word {
+                "" => [run, ""],
+                _ => [&run[..run.find(word).unwrap_or(0)], &run[run.find(word).unwrap_or(0) + word.len()..]],
+            };
             shown.push_str(before);
+            shown.push_str(opening);
             shown.push_str(&label(word).unwrap_or_else(|| word.to_owned()));
-            shown.push_str(&run[word.len()..]);
+            shown.push_str(closing);
             rest = after;
         }
         shown + rest

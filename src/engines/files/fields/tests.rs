@@ -214,8 +214,9 @@ fn the_command_line_is_told_keys_and_the_window_labels() {
         let shown = TABLE.in_window(&problem);
         assert!(shown.starts_with(window) && !shown.contains(&format!("{key} is")), "{key} = {text}: {shown}");
     }
-    let message = "too coarse: change plan.strategy or step_mm, e.g. 1.5.";
-    assert_eq!(TABLE.labelled(message), "too coarse: change \"Strategy\" or \"Step\", e.g. 1.5.");
+    let message = "too coarse: change plan.strategy, [stages[1].gap_mm] or step_mm, e.g. 1.5.";
+    let labelled = "too coarse: change \"Strategy\", [\"Stages 2, Spark gap\"] or \"Step\", e.g. 1.5.";
+    assert_eq!(TABLE.labelled(message), labelled);
     // What is like no key is not guessed at.
     assert!(set("foobar", "1").unwrap_err().to_string().ends_with("there is no such parameter"));
     // Validation speaks of parameters that no form shows, too.

@@ -18,9 +18,11 @@ const FADE: f32 = 0.16;
 const HATCH_PX: f64 = 5.0;
 /// By how much of the depth range an object is drawn nearer than the one before it, and how many times at most, so
 /// that faces that coincide do not flicker: of opaque objects the later one in the scene is seen, of translucent ones,
-/// such as ghosts that slide along their own faces, the nearer one.
+/// such as ghosts that slide along their own faces, the nearer one. Opaque ones take few steps in turn, since what is drawn
+/// much nearer would be seen through what stands before it.
 const STEP: f32 = 3e-6;
 const STEPS: usize = 64;
+const OPAQUE_STEPS: usize = 8;
 /// Widths and radii in pixels lie between these.
 const PIXELS: [f32; 2] = [0.25, 64.0];
 
@@ -85,12 +87,9 @@ pub fn prepare(scene: &Scene, camera: &Camera, size: [u32; 2], scale: f64, cuts:
     };
     prepared.opaque = prepared.objects.iter().filter(|o| scene.objects[o.index].is_opaque()).count();
     let (opaque, translucent) = prepared.objects.split_at_mut(prepared.opaque);
-    let steps = |rank: usize| rank.min(STEPS) as f32 * STEP;
-    for object in opaque {
-        object.uniform.values[2] = steps(object.index);
-    }
+    opaque.iter_mut().for_each(|object| object.uniform.values[2] = (object.index % OPAQUE_STEPS) as f32 * STEP);
     for (rank, object) in translucent.iter_mut().enumerate() {
-        object.uniform.values[2] = steps(rank);
+        object.uniform.values[2] = rank.min(STEPS) as f32 * STEP;
     }
     if let Some(plane) = &section {
         add_caps(&mut prepared, scene, plane, &view, cuts);

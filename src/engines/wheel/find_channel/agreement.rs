@@ -22,18 +22,22 @@ const DOUBT: f64 = 0.025;
 const DOUBT_SHARE: f64 = 0.001;
 /// Most that the surfaces of channels that are alike may differ by, beside the mesh's chord error (mm).
 const MOST_TOLERANCE: f64 = 0.1;
+/// Cells of a wall at either edge that are not measured.
+const EDGE_CELLS: usize = 2;
 /// How far beyond the edges the channels are compared (shares of their length).
 const BEYOND: [f64; 3] = [0.05, 0.2, 0.5];
 /// Places over a pitch at which they are compared there.
 const AROUND: i32 = 100;
-/// Least share of these places where metal counts.
-const LEAST_METAL: f64 = 0.005;
+/// Fewer of these places that differ, as a share, are rounding.
+const ROUNDING: f64 = 0.001;
 /// A narrower throat is none (mm).
 const LEAST_THROAT: f64 = 0.01;
 /// Share of the channel's width that the end walls are measured over: fillets round the rest.
 const MIDDLE_SHARE: f64 = 0.5;
 /// Greatest share of the height that is taken for the mesh's own chord error.
 const MOST_CHORD: f64 = 0.02;
+/// Greatest share of the height that a cell of a wall may bend, as in a fillet.
+const MOST_SAG: f64 = 0.05;
 /// Share of the height that the rays to an end wall start from it.
 const START: f64 = 0.1;
 
@@ -51,7 +55,7 @@ struct Density {
 const DENSE: Density = Density { every: 2, stations: 40, across: 9 };
 const SPARSE: Density = Density { every: 8, stations: 8, across: 3 };
 
-/// One measured place: how far off the mesh it is, how far it may be, and where.
+/// One measured place: how far off the mesh it is, with the sense, how far it may be, and where.
 #[derive(Clone, Copy)]
 struct Sample {
     off: f64,
@@ -97,9 +101,8 @@ impl Measured<'_> {
             let turn = k as f64 * self.tracer.pitch;
             let mut samples = self.samples(SPARSE, turn)?.zip(&own);
             let is_off = samples.any(|((surface, mut samples), (_, own))| {
-                // What this channel's grid misses, it misses in all channels.
-                let both = samples.iter_mut().zip(own).filter(|(_, own)| own.off.is_finite());
-                both.for_each(|(sample, own)| sample.allowed += own.off);
+                // The two channels are compared, not both with the grid between its points.
+                samples.iter_mut().zip(own).for_each(|(sample, own)| sample.off -= own.off);
                 summary(surface, samples, doubt).doubted > 1.0 - ENOUGH
             });
             let is_covered_otherwise = (self.covered(turn) - covered).abs() > 1.0 - ENOUGH;
@@ -133,18 +136,18 @@ impl Measured<'_> {
     /// has, of which the other lies `turn` further about the axis (rad): a splitter ends where its neighbours go on.
     fn differing_beside_edges(&self, turn: f64) -> f64 {
         let (wall, stations) = (self.walls[0], &self.meridian.stations[..]);
-        let (Some(first), Some(last)) = (stations.first(), stations.last()) else { return 0.0 };
         let (mut all, mut metal, mut differ) = (0, 0, 0);
         for share in [0.1, 0.5, 0.9] {
             let v = (share * (wall.nv - 1) as f64).round() as usize;
+            let share = INSET + (1.0 - 2.0 * INSET) * v as f64 / (wall.nv - 1) as f64;
             let along = |end: Cylindrical| along_at(stations, DVec2::new(end.x, end.r), share);
             let edges = [0, wall.nu - 1].map(|u| self.walls.map(|wall| wall.cylindrical(u, v)));
             let length = along(edges[1][0]) - along(edges[0][0]);
             for (ends, way) in edges.into_iter().zip([-length, length]) {
                 let middle = 0.5 * (ends[0].theta + unwrapped(ends[1].theta, ends[0].theta));
-                let beyond = BEYOND.map(|share| along(ends[0]) + share * way);
-                for along in beyond.into_iter().filter(|along| (first.along..=last.along).contains(along)) {
-                    let at = station_at(stations, along).place(share);
+                for beyond in BEYOND {
+                    // Not beyond the passage's own ends, where there may be other things.
+                    let at = station_at(stations, along(ends[0]) + beyond * way).place(share);
                     let both = [middle, middle + turn].map(|middle| self.metal(at, middle));
                     all += both[0].len();
                     metal += both[0].iter().zip(&both[1]).filter(|(a, b)| **a || **b).count();
@@ -152,8 +155,8 @@ impl Measured<'_> {
                 }
             }
         }
-        // Specks of walls are no blades.
-        if metal as f64 <= LEAST_METAL * all as f64 { 0.0 } else { differ as f64 / metal as f64 }
+        // So little is rounding.
+        if differ as f64 <= ROUNDING * all as f64 { 0.0 } else { differ as f64 / metal as f64 }
     }
 
     /// Whether there is metal at places on the circle through (x, r), over a pitch to either side of `middle` (rad).
@@ -189,9 +192,11 @@ impl Measured<'_> {
         let tracer = self.tracer;
         let every = density.every;
         // Not at the edges, round which a wall turns within a cell or two.
-        let columns = (every + 1..wall.nu - every).step_by(every);
+        let edge = EDGE_CELLS.min((wall.nu - 2) / 2);
+        let columns = (edge + 1..wall.nu - edge).step_by(every);
         let cells = columns.flat_map(|u| (every.div_ceil(2)..wall.nv).step_by(every).map(move |v| (u, v)));
         let cells: Vec<_> = cells.collect();
+        let most_sag = MOST_SAG * self.meridian.stations.iter().map(Station::height).fold(0.0, f64::max);
         let sample = |&(u, v): &(usize, usize)| {
             let (at, sag) = cell(wall, u, v);
             let Cylindrical { x, r, theta } = Cylindrical::from_point(at);
@@ -204,9 +209,9 @@ impl Measured<'_> {
                 let around = DVec3::new(0.0, -theta.cos(), -theta.sin());
                 // A triangle without area has no normal.
                 let normal = tracer.slices.normal(crossing.triangle).try_normalize().unwrap_or(around);
-                (r * (crossing.theta - theta)).abs() * normal.dot(around).abs()
+                r * (crossing.theta - theta) * normal.dot(around).abs()
             });
-            Sample { off, allowed: TOLERANCE + sag, at }
+            Sample { off, allowed: TOLERANCE + sag.min(most_sag), at }
         };
         cells.par_iter().map(sample).collect()
     }
@@ -230,19 +235,20 @@ impl Measured<'_> {
             let expected = START * station.height();
             let [first, last] = [ends[0].theta, unwrapped(ends[1].theta, ends[0].theta)];
             let (middle, half) = (0.5 * (first + last) + turn, 0.5 * MIDDLE_SHARE * (last - first));
-            let samples = (0..across).map(move |k| {
-                let theta = middle + half * (2.0 * k as f64 / (across - 1) as f64 - 1.0);
-                let met = tracer.met(theta, from, toward, f64::INFINITY);
-                let end = from + met.map_or(expected, |(distance, _)| distance) * toward;
-                // A radius given by hand may leave metal to others, but may not reach into the part.
-                let off = met.map_or(f64::INFINITY, |(distance, _)| {
-                    if given { (expected - distance).max(0.0) } else { (expected - distance).abs() }
+            let samples =
+                (0..across).map(move |k| {
+                    let theta = middle + half * (2.0 * k as f64 / (across - 1) as f64 - 1.0);
+                    let met = tracer.met(theta, from, toward, f64::INFINITY);
+                    let end = from + met.map_or(expected, |(distance, _)| distance) * toward;
+                    // A radius given by hand may leave metal to others, but may not reach into the part.
+                    let off = met.map_or(f64::INFINITY, |(distance, _)| {
+                        if given { (expected - distance).max(0.0) } else { expected - distance }
+                    });
+                    let chord =
+                        met.map_or(0.0, |(_, triangle)| chord_error(tracer.slices, meridian, share, triangle, end.y));
+                    let at = Cylindrical { x: end.x, r: end.y, theta }.point();
+                    Sample { off, allowed: TOLERANCE + chord.min(MOST_CHORD * station.height()), at }
                 });
-                let chord =
-                    met.map_or(0.0, |(_, triangle)| chord_error(tracer.slices, meridian, share, triangle, end.y));
-                let at = Cylindrical { x: end.x, r: end.y, theta }.point();
-                Sample { off, allowed: TOLERANCE + chord.min(MOST_CHORD * station.height()), at }
-            });
             samples.collect::<Vec<_>>()
         };
         columns.par_iter().map(of_column).collect::<Vec<_>>().concat()
@@ -276,16 +282,16 @@ fn high(gap: &Gap) -> Crossing {
 /// What cannot be measured is doubted: a distance that is no number, and a surface without any place.
 fn summary(surface: Surface, samples: Vec<Sample>, doubt: f64) -> Agreement {
     let share = |within: f64| {
-        let good = samples.iter().filter(|s| s.off <= s.allowed - TOLERANCE + within).count();
+        let good = samples.iter().filter(|s| s.off.abs() <= s.allowed - TOLERANCE + within).count();
         good as f64 / samples.len().max(1) as f64
     };
-    let worst = samples.iter().max_by(|a, b| a.off.total_cmp(&b.off));
+    let worst = samples.iter().max_by(|a, b| a.off.abs().total_cmp(&b.off.abs()));
     Agreement {
         surface,
         samples: samples.len(),
         share: share(TOLERANCE),
         doubted: 1.0 - share(doubt),
-        greatest_mm: worst.map_or(0.0, |s| s.off),
+        greatest_mm: worst.map_or(0.0, |s| s.off.abs()),
         at: worst.map_or(DVec3::ZERO, |s| s.at),
     }
 }

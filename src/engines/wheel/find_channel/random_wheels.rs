@@ -166,7 +166,7 @@ fn wrong(case: &Case, channel: &Channel) -> Vec<String> {
     let [_, height] = shares_of(wheel, DVec2::new(middle.x, middle.r));
     let (hub, shroud) = if height < 0.5 { (&wheel.hub, &wheel.shroud) } else { (&wheel.shroud, &wheel.hub) };
     let mut worst_end = (0.0, String::new());
-    let mut worst_wall = (0.0, String::new());
+    let (mut worst_wall, mut compared) = ((0.0, String::new()), 0);
     let curve_off = |curve: &MeridianCurve, place: DVec2| {
         let ts = (0..=400).map(|i| f64::from(i) / 400.0);
         ts.map(|t| curve.at(t)).collect::<Vec<_>>().windows(2).fold(f64::INFINITY, |least: f64, pair| {
@@ -204,17 +204,19 @@ fn wrong(case: &Case, channel: &Channel) -> Vec<String> {
             if !(span[0] + wheel.nose..span[1] - wheel.nose).contains(&t) {
                 continue;
             }
-            let off = (0..wheel.blades).filter_map(|k| wheel.walls(k, t, height)).map(|walls| {
-                // The sense of the axis may be the other one: either wall.
-                walls.map(|theta| (at.theta - theta + PI).rem_euclid(TAU) - PI).map(f64::abs)
-            });
-            let off = off.flatten().fold(f64::INFINITY, f64::min) * at.r;
+            // Seen along the other sense of the axis the low wall is the high one.
+            let own = if axis.x > 0.0 { side } else { 1 - side };
+            let off = (0..wheel.blades).filter_map(|k| wheel.walls(k, t, height));
+            let off = off.map(|walls| (at.theta - walls[own] + PI).rem_euclid(TAU) - PI);
+            let off = off.fold(f64::INFINITY, |least, off| least.min(off.abs())) * at.r;
+            compared += usize::from(off.is_finite());
             if off > worst_wall.0 && off.is_finite() {
                 worst_wall = (off, format!("wall {side} off by {off:.3} at share {t:.3}, height {height:.3}"));
             }
         }
     }
-    expect(worst_wall.0 < 2.5 * chord + 0.05, worst_wall.1);
+    expect(compared * 2 > low.nu * low.nv, format!("only {compared} places of walls can be compared"));
+    expect(worst_wall.0 < 3.0 * chord + 0.05, worst_wall.1);
     let width = channel.throat.width_mm / scale;
     expect(width > 0.5 && width < TAU * rim / wheel.blades as f64, format!("throat {width}"));
     wrong
@@ -255,7 +257,8 @@ fn spoilt_random_wheels_are_refused_or_told() {
         let turn = 0.03 * wheel.pitch();
         let flaws = [
             (Flaws { turned_blade: Some((2, turn)), ..Flaws::default() }, 2),
-            (Flaws { missing_blade: Some(3), ..Flaws::default() }, 2),
+            // Where a splitter is missing there is one passage in place of two.
+            (Flaws { missing_blade: Some(3), ..Flaws::default() }, 1),
             (Flaws { missing_shroud: 0.5, ..Flaws::default() }, wheel.blades / 3),
         ];
         let flaws = flaws.into_iter().filter(|(flaws, _)| wheel.shrouded || flaws.missing_shroud == 0.0);

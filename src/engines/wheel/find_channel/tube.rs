@@ -21,8 +21,9 @@ const MOST_BESIDE: usize = 400;
 /// Steps of the height in which the tips are looked for, and how far (shares of the height).
 const TIP_STEPS: usize = 40;
 const MOST_TIP: f64 = 1.5;
-/// The tips are where the line across was drawn to, within so many points of its lattice.
+/// The tips are where the line across was drawn to, within so many points of its lattice or this share of the height.
 const MOST_OFF: f64 = 3.0;
+const MOST_OFF_SHARE: f64 = 0.03;
 /// End walls face the rays to them at least so squarely (cosine).
 const LEAST_FACING: f64 = 0.3;
 /// Steps in which the channel's gap is followed across the passage.
@@ -106,7 +107,11 @@ impl Tracer<'_> {
             _ => return Ok(stations),
         };
         // Beside the tips nothing bounds the passage, which is as long as it is high there.
-        let most = if known.shrouded { MOST_BESIDE } else { (here.height() / step[0].length()) as usize };
+        let most = if known.shrouded {
+            MOST_BESIDE
+        } else {
+            (here.height() / step[0].length().max(1e-3 * here.height())) as usize
+        };
         for _ in 0..most.min(MOST_BESIDE) {
             self.cancel.check()?;
             let beyond = |share: f64| [here.hub + share * step[0], here.shroud + share * step[1]];
@@ -160,7 +165,8 @@ impl Tracer<'_> {
             (false, Some(gap)) => {
                 let tip = self.tip(&guess, gap)?;
                 // Where the line leaves the blades by an edge it does not meet their tips.
-                (tip.distance(guess.shroud) < MOST_OFF * known.step).then_some(tip)?
+                (tip.distance(guess.shroud) < (MOST_OFF * known.step).max(MOST_OFF_SHARE * guess.height()))
+                    .then_some(tip)?
             }
             (false, None) => guess.shroud,
         };

@@ -14,7 +14,9 @@ use geometry::mesh::Mesh;
 use mesher::Mesher;
 
 mod mesher;
+#[cfg(any(test, feature = "fixtures"))]
 pub(crate) mod welder;
+#[cfg(any(test, feature = "fixtures"))]
 pub mod wheel;
 
 /// A blisk described by parameters.

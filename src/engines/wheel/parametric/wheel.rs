@@ -21,7 +21,7 @@ impl MeridianCurve {
         Self([from, from.lerp(to, 1.0 / 3.0), from.lerp(to, 2.0 / 3.0), to])
     }
 
-    /// A quarter of a circle, within 0.03 % of its radius, that leaves `from` along `way`.
+    /// A quarter of an ellipse, or of a circle within 0.03 % of its radius, that leaves `from` along `way`.
     pub fn quarter(from: DVec2, way: DVec2, to: DVec2) -> Self {
         const KAPPA: f64 = 0.552_284_749_830_793_4;
         let way = way.normalize_or(DVec2::X);
@@ -80,13 +80,13 @@ pub struct ParametricWheel {
     pub thickness_mm: f64,
     /// Share of the passage over which an edge of a blade is rounded; 0 for a flat edge.
     pub nose: f64,
-    /// Radius of the fillets between blades and walls (mm).
+    /// Radius of the fillets between blades and walls, along the circumference (mm); at most 0.3 of the height.
     pub fillet_mm: f64,
     /// Thickness of the walls (mm).
     pub wall_mm: f64,
     /// Seal teeth on the back of the shroud.
     pub teeth: usize,
-    /// Holes in a flange at the inlet, in front of the hub.
+    /// Holes in a flange at the inlet, within the hub.
     pub holes: usize,
     /// What is wrong with it.
     pub flaws: Flaws,
@@ -173,7 +173,8 @@ impl ParametricWheel {
         let wall = |blade: usize, side: f64| {
             let (span, begin) = self.blade_at(blade % self.blades);
             let turns = if blade >= self.blades { TAU } else { 0.0 };
-            (span[0]..=span[1]).contains(&along).then(|| {
+            let stands = self.flaws.missing_blade != Some(blade % self.blades);
+            (stands && (span[0]..=span[1]).contains(&along)).then(|| {
                 let middle = begin + turns + self.wrap * along + self.lean * height;
                 middle + side * self.half_thickness(span, along, height) / r
             })
@@ -225,11 +226,11 @@ impl ParametricWheel {
         turned(&outline, around, (around as f64 * (1.0 - missing)).round() as usize, along)
     }
 
-    /// A flange with round holes in front of the hub's inlet, from the hub's back inwards.
+    /// A flange with round holes at the inlet, from within the hub's wall inwards.
     fn flange(&self) -> Mesh {
         const RIM: usize = 24;
         let start = self.hub.at(0.0);
-        let outer = (start.y - 0.5 * self.wall_mm).max(4.0);
+        let outer = (start.y - 0.5 * self.wall_mm).max(0.5 * start.y);
         let inner = 0.4 * outer;
         let (middle, hole) = (0.5 * (inner + outer), 0.15 * (outer - inner));
         let x = [start.x - 0.5 * self.wall_mm, start.x + 0.5 * self.wall_mm];

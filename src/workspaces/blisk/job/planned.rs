@@ -119,7 +119,7 @@ impl Planned {
             if plan.electrodes.len() > 1 { format!("electrode {} ", i + 1) } else { "the electrode ".to_owned() };
         let collision = plan.finishing().and_then(|f| f.collision());
         let collision = collision.map(|simulation| format!(". {}", simulation.sentence())).unwrap_or_default();
-        (kind, name + &electrode.plan.verdict(&plan.channel) + &collision)
+        (kind, name + &FIELDS.labelled(&electrode.plan.verdict(&plan.channel)) + &collision)
     }
 }
 

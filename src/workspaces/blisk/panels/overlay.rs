@@ -12,6 +12,7 @@ use crate::widgets::overlay::{caption, gizmo, legend};
 use crate::widgets::panel_parts::sentence;
 use crate::widgets::theme::palette;
 use crate::widgets::viewport::Viewport;
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::stage::Stage;
 use feed::simulation::Simulation;
 use render::scene::SectionPlane;
@@ -104,7 +105,7 @@ fn section_handle(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, viewport: &View
 /// The answer of the plan, and of the check of its motion on the machine, and its colour.
 fn answer(ui: &Ui, desk: &BliskDesk) -> Option<(Color32, String)> {
     let (plan, outcome, colours) = (desk.work.plan()?, desk.outcome()?, palette(ui));
-    let verdict = || outcome.plan.verdict(&plan.channel);
+    let verdict = || FIELDS.labelled(&outcome.plan.verdict(&plan.channel));
     let collision = plan.finishing().and_then(|finishing| finishing.collision()).map(Simulation::sentence);
     Some(match (desk.work.state(Stage::Plan), desk.work.state(Stage::Verify)) {
         (State::Running, _) => return None,

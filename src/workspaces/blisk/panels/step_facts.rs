@@ -10,6 +10,7 @@ use super::stepper::Standing;
 use crate::widgets::panel_parts::grouped;
 use crate::widgets::panel_parts::{fact, notice, sentence};
 use crate::widgets::theme::palette;
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::outcome::PlanOutcome;
 use crate::workspaces::blisk::job::simulate;
@@ -153,7 +154,7 @@ fn plan(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         let name = if plan.electrodes.len() > 1 { format!("Electrode {}: ", i + 1) } else { String::new() };
         // A plan that failed says so above the form.
         if outcome.plan.path.is_some() {
-            notice(ui, colour, &(name + &outcome.plan.verdict(&plan.channel)));
+            notice(ui, colour, &(name + &FIELDS.labelled(&outcome.plan.verdict(&plan.channel))));
         }
         fact(ui, "Nodes", outcome.plan.nodes.len().to_string());
         if outcome.plan.rounds == 0 {
@@ -188,7 +189,7 @@ fn verify(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         let Some(planned) = &outcome.plan.path else {
             // What a single electrode fails at is said above the form already.
             if plan.electrodes.len() > 1 {
-                notice(ui, palette(ui).bad, &outcome.plan.verdict(&plan.channel));
+                notice(ui, palette(ui).bad, &FIELDS.labelled(&outcome.plan.verdict(&plan.channel)));
             }
             continue;
         };
@@ -202,7 +203,7 @@ fn verify(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         } else if c.holds() {
             (palette(ui).good, "Certified: the whole motion keeps the spark gap, within the tolerance.".to_owned())
         } else {
-            (palette(ui).bad, outcome.plan.verdict(&plan.channel))
+            (palette(ui).bad, FIELDS.labelled(&outcome.plan.verdict(&plan.channel)))
         };
         notice(ui, colour, &text);
         fact(ui, "Required", length.show(c.required(), 4));

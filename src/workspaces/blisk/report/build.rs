@@ -174,9 +174,9 @@ fn failure(plan: &FeedPlan, channel: &Channel) -> Option<Failure> {
                 "Increase the circumferential reduction on that wall, divide the channel otherwise, or take the \
                  other side of entry."
             }
-            JamCause::Travel { .. } => "Another machine, less exit clearance or the other side of entry would help.",
-            JamCause::NothingLeft { .. } => "A smaller greatest h, more parts or the other side of entry may help.",
-            JamCause::Unknown => "A smaller step, more poses or a larger population may find one.",
+            JamCause::Travel { .. } => "Another machine, less exit_clearance_mm or the other side of entry would help.",
+            JamCause::NothingLeft { .. } => "A smaller h_max_deg, more parts or the other side of entry may help.",
+            JamCause::Unknown => "A smaller step_mm, more poses or a larger population may find one.",
         };
         return Some(Failure {
             node: jam.node,

@@ -141,7 +141,7 @@ pub struct Sketch {
 pub(super) fn load(source: &FlankSource, task: &Task) -> Result<LoadedFlank, String> {
     // What is written while it is read counts as changed.
     let stamps = Stamp::of_source(source);
-    let FromFile { value: surface, doubts } = load_surface(source, task).map_err(|e| FIELDS.labelled(&e))?;
+    let FromFile { value: surface, doubts } = load_surface(source, task).map_err(|e| e.to_string())?;
     let part = match &surface {
         LoadedSurface::Guides { .. } => None,
         LoadedSurface::Face { mesh, .. } => Some(Arc::new(RenderMesh::new(mesh))),
@@ -172,7 +172,7 @@ pub(super) fn plan(
     walls: Option<FromFile<Arc<Mesh>>>,
     task: &Task,
 ) -> Result<Planned, String> {
-    let machine = load_machine(document, user_folder().as_deref()).map_err(|e| FIELDS.labelled(&e))?;
+    let machine = load_machine(document, user_folder().as_deref()).map_err(|e| e.to_string())?;
     let result = flank(&input(document, surface, walls, machine), task).map_err(|e| FIELDS.labelled(&e))?;
     task.check().map_err(|e| e.to_string())?;
     Ok(Planned::of(result))

@@ -180,7 +180,7 @@ fn counted(n: usize, one: &str) -> String {
 fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> String {
     let regions = set.regions.len();
     if regions == 0 {
-        return "The cutters leave no region: no electrode is needed.".to_owned();
+        return "No region was found that the cutters leave: no electrode is made.".to_owned();
     }
     let mut text = format!(
         "{} with {} for {}: {}.",

@@ -32,7 +32,7 @@ fn the_sentence_names_what_is_blocked_overridden_and_not_burned() {
     assert_eq!(idle(&good), ["E02-finish:leftover", "E99:leftover"], "an override of what holds does nothing");
     let mut none = set();
     (none.electrodes, none.checks, none.regions) = Default::default();
-    assert!(ElectrodesReport::of(&none, "", Opening::PlusZ).sentence.contains("no electrode is needed"));
+    assert!(ElectrodesReport::of(&none, "", Opening::PlusZ).sentence.contains("no electrode is made"));
     none.regions = set().regions;
     let sentence = ElectrodesReport::of(&none, "", Opening::PlusZ).sentence;
     assert!(sentence.starts_with("0 electrodes with 0 burns for 3 regions: 0 minutes."), "{sentence}");

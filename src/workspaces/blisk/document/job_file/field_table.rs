@@ -514,6 +514,18 @@ mod tests {
     }
 
     #[test]
+    fn a_list_is_set_as_a_whole_and_called_by_the_labels_of_its_entries() {
+        let job = PlanJob::for_mesh("part.stl".as_ref());
+        let key = "electrode.circumferential_reduction_deg";
+        let set = |text: &str| FIELDS.set(&job, key, text);
+        assert_eq!(set("[5, 6.5]").unwrap().electrode.circumferential_reduction_deg, [5.0, 6.5]);
+        assert!(set("[5]").unwrap_err().to_string().contains("must be a list of 2 values"));
+        assert!(set("[5, -1]").unwrap_err().to_string().contains("circumferential_reduction_deg[1]"));
+        let labelled = FIELDS.labelled("no metal is left; lower circumferential_reduction_deg");
+        assert_eq!(labelled, "no metal is left; lower \"Reduction, low wall\" or \"Reduction, high wall\"");
+    }
+
+    #[test]
     fn every_number_of_a_plan_is_in_the_table() {
         fn leaves(value: &serde_json::Value, key: &str, all: &mut Vec<String>) {
             let inner = |name: &str| if key.is_empty() { name.to_owned() } else { format!("{key}.{name}") };
