@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::{Answer, InspectArguments, Session};
 use crate::workspaces::blisk::document::job_file::BliskSection;
+use files::report::counted;
 use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
 use import::Imported;
@@ -68,11 +69,11 @@ fn print_import(imported: &Imported) {
     // The reason of a guess is among the notes.
     say!("unit         {}", if r.unit_certain { &r.unit_reason } else { r.unit.name() });
     say!(
-        "surface      {}, {} parts, {} holes, {} non-manifold edges",
+        "surface      {}, {}, {}, {}",
         if r.watertight { "watertight" } else { "open" },
-        r.components,
-        r.hole_count,
-        r.non_manifold_edges
+        counted(r.components, "part"),
+        counted(r.hole_count, "hole"),
+        counted(r.non_manifold_edges, "non-manifold edge")
     );
     for warning in &r.warnings {
         say!("note         {warning}");

@@ -18,8 +18,8 @@ pub enum BliskError {
     Mesh(String),
     /// Only a part of a blisk.
     #[error(
-        "the mesh is no whole blisk: its surface covers only about {covered_deg:.0} of 360 degrees around the axis \
-         {axis}; load the whole blisk, or give the right axis with blisk.axis"
+        "the surface of the mesh covers only about {covered_deg:.0} of 360 degrees around the axis {axis}: either the mesh \
+         is only a part of a blisk, or this is not its axis; load the whole blisk, or give its axis with blisk.axis"
     )]
     Partial {
         /// Angle that the surface covers (deg).

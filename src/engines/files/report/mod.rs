@@ -156,6 +156,11 @@ pub fn escape(text: &str) -> String {
     safe
 }
 
+/// A count with its noun, which takes an s: `1 place`, `2 places`.
+pub fn counted(n: usize, one: &str) -> String {
+    if n == 1 { format!("1 {one}") } else { format!("{n} {one}s") }
+}
+
 /// A number with so many decimals and a real minus sign, without a signed zero.
 pub fn number(value: f64, decimals: usize) -> String {
     if !value.is_finite() {

@@ -448,7 +448,8 @@ fn a_passage_that_turns_from_the_axis_to_the_radius_is_found_between_its_curves(
         assert_eq!((channel.flow, channel.blades), (Flow::Mixed, part.blades));
         assert_eq!(channel.shrouded, part.shrouded);
         let center = DVec2::new(-30.0, 70.0);
-        // Chords along the arcs in 96 pieces, which are cubic curves, and the beginning of the first blade's row of the lattice at the tips.
+        // Chords along the arcs in 96 pieces, which are cubic curves, and the beginning of the first blade's row of the
+        // lattice at the tips.
         let dip = |radius: f64, r: f64| radius * (1.01 * (1.0 - (PI / 4.0 / 96.0).cos()) + 3e-4) + dip_around(r);
         for s in &channel.meridian {
             assert!((s.hub.distance(center) - 50.0).abs() < dip(50.0, s.hub.y), "{s:?}");

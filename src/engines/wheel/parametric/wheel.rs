@@ -5,9 +5,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::{DAffine3, DVec2};
+use glam::{DAffine3, DVec2, DVec3};
 
 use super::welder::Welder;
+use crate::fixtures::flange;
 use geometry::frame::Cylindrical;
 use geometry::mesh::Mesh;
 
@@ -228,39 +229,11 @@ impl ParametricWheel {
 
     /// A flange with round holes at the inlet, from within the hub's wall inwards.
     fn flange(&self) -> Mesh {
-        const RIM: usize = 24;
         let start = self.hub.at(0.0);
         let outer = (start.y - 0.5 * self.wall_mm).max(0.5 * start.y);
         let inner = 0.4 * outer;
-        let (middle, hole) = (0.5 * (inner + outer), 0.15 * (outer - inner));
-        let x = [start.x - 0.5 * self.wall_mm, start.x + 0.5 * self.wall_mm];
-        let half = PI / self.holes as f64;
-        let mut welder = Welder::default();
-        let mut quads = Vec::new();
-        for k in 0..self.holes {
-            let turn = 2.0 * half * k as f64;
-            let rim = |j: usize| {
-                let (s, c) = (TAU * j as f64 / RIM as f64).sin_cos();
-                [middle + hole * c, hole / middle * s]
-            };
-            let border = |j: usize| {
-                let (s, c) = (TAU * (j % RIM) as f64 / RIM as f64).sin_cos();
-                let k = 1.0 / s.abs().max(c.abs());
-                [middle + 0.5 * (outer - inner) * k * c, half * k * s]
-            };
-            let at = |x: f64, [r, theta]: [f64; 2]| Cylindrical { x, r, theta: theta + turn }.point();
-            for j in 0..RIM {
-                let (a, b, c, d) = (rim(j), rim(j + 1), border(j + 1), border(j));
-                quads.push([at(x[1], a), at(x[1], d), at(x[1], c), at(x[1], b)]);
-                quads.push([at(x[0], a), at(x[0], b), at(x[0], c), at(x[0], d)]);
-                quads.push([at(x[0], a), at(x[1], a), at(x[1], b), at(x[0], b)]);
-                if (c[0] - d[0]).abs() < 1e-9 && (c[0] - middle).abs() > 0.49 * (outer - inner) {
-                    quads.push([at(x[0], d), at(x[0], c), at(x[1], c), at(x[1], d)]);
-                }
-            }
-        }
-        quads.into_iter().for_each(|quad| welder.quad(quad));
-        outwards(welder.mesh)
+        let thick = flange(inner, outer, self.holes, 0.15 * (outer - inner));
+        thick.mapped(|p| DVec3::new(start.x + self.wall_mm * (p.x / 10.0 - 0.5), p.y, p.z))
     }
 
     /// Blade `k`.

@@ -63,7 +63,9 @@ impl BliskWork {
         if state == State::Running && is_live {
             return;
         }
-        let is_wanted = is_live && matches!(state, State::Missing | State::Stale);
+        // Of an electrode that cannot be made there is nothing to look at.
+        let can_be_made = !matches!(self.state(Stage::Electrode), State::Failed(_));
+        let is_wanted = is_live && can_be_made && matches!(state, State::Missing | State::Stale);
         let inputs = if is_wanted { self.inputs().ok() } else { None };
         let inputs = inputs.filter(|inputs| inputs.job.plan.strategy == Strategy::Global);
         let (Some(inputs), Some(now)) = (inputs, &self.now) else {

@@ -362,7 +362,7 @@ impl MoldDesk {
         }
         let Some(edited) = self.edited else { return Ok(None) };
         self.work.glance(self.document.params());
-        let can_follow = self.follows && state == State::Stale && self.document.params().library.validate().is_ok();
+        let can_follow = self.follows && state == State::Stale && self.document.problem().is_none();
         if !can_follow || hands == Hands::Holding {
             return Ok(None);
         }

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::fields::FIELDS;
-use files::report::PageError;
+use files::report::{PageError, counted};
 use files::{Override, ParameterList};
 use mold::electrode::design::IdleOverride;
 use mold::electrode::design::{Electrode, ElectrodeSet, PartNode, RegionPlan};
@@ -171,10 +171,6 @@ impl ElectrodesReport {
     pub fn html(&self, pictures: &[(String, Vec<u8>)]) -> Result<String, PageError> {
         page::page(self, pictures)
     }
-}
-
-fn counted(n: usize, one: &str) -> String {
-    if n == 1 { format!("1 {one}") } else { format!("{n} {one}s") }
 }
 
 fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> String {

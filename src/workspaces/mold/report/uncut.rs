@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use crate::workspaces::mold::job::uncut::{Coarser, Found, LayerFound, Uncut};
+use files::report::counted;
 use mold::ball_agreement::BallAgreement;
 use mold::opening::Opening;
 use mold::surface::SurfacePiece;
@@ -226,10 +227,6 @@ fn sentence(uncut: &Uncut) -> String {
         count => format!("; whether they take {} more is not known", counted(count, "thin region")),
     };
     format!("{found}{unreached}{unknown}{doubt}.")
-}
-
-fn counted(n: usize, one: &str) -> String {
-    if n == 1 { format!("1 {one}") } else { format!("{n} {one}s") }
 }
 
 fn regions(uncut: &Uncut) -> Vec<RegionReport> {

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::uncut::{Found, Uncut, UncutError, UncutParams};
+use files::report::counted;
 use geometry::exact::ExactMesh;
 use geometry::mesh::{Bounds, Mesh};
 use mold::height_field::{Closing, FieldRegion, HeightField, closing, difference, regions};
@@ -100,7 +101,7 @@ impl Comparison {
     fn places(&self) -> String {
         let sum = |all: &[Difference]| all.iter().fold(0.0, |sum, d| sum + d.volume);
         let part = |all: &[Difference], change: &str| {
-            let places = if all.len() == 1 { "1 place".to_owned() } else { format!("{} places", all.len()) };
+            let places = counted(all.len(), "place");
             (!all.is_empty()).then(|| format!("in {places} {:.3} mm³ {change}", sum(all)))
         };
         let parts = [part(&self.taken, "less is left"), part(&self.added, "more is left")];
