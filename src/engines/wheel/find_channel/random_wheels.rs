@@ -68,7 +68,7 @@ fn cases(number: usize) -> impl Strategy<Value = Case> {
     let shape = (curves(flow), 5..30usize, [share(), share(), share(), share(), share(), share()]);
     let extras = (any::<bool>(), 0..8usize, prop::sample::select(vec![0, 0, 6]));
     let place = ([-PI..PI, -1.5..1.5, -PI..PI], [-200.0..200.0, -200.0..200.0, -200.0..200.0], -1.0..1.5f64);
-    (shape, extras, place).prop_map(|((curves, blades, s), (positive, teeth, holes), place)| {
+    (shape, extras, place).prop_map(move |((curves, blades, s), (positive, teeth, holes), place)| {
         let (flow, hub, shroud) = curves;
         let least = (0..=40).map(|i| hub.at(f64::from(i) / 40.0).y.min(shroud.at(f64::from(i) / 40.0).y));
         let least = least.fold(f64::INFINITY, f64::min);
