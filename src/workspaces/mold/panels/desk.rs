@@ -15,7 +15,7 @@ use crate::workspaces::mold::job::uncut::LayerFound;
 use crate::workspaces::mold::scene::RegionColours;
 use crate::workspaces::mold::work::{FoundUncut, Glance, MoldWork};
 use crate::workspaces::news::{EventKind, WorkEvent};
-use files::{AnyDocument, Document, Validate};
+use files::{AnyDocument, Document};
 use geometry::mesh::Bounds;
 use mold::cutter::CutterLibrary;
 use mold::electrode::params::GivenName;
