@@ -53,7 +53,11 @@ fn certified(desk: &Desk) -> String {
 #[test]
 fn a_kept_run_stands_in_the_comparison_until_it_is_removed() {
     let home = Home::new();
-    let mut desk = home.start(Opening::File(home.project(&easy_blisk(), reduced)));
+    let mut desk = home.start(Opening::File(home.project(&easy_blisk(), |job| {
+        reduced(job);
+        // Few rows, each of which is verified.
+        job.plan.interpolation.chord_error_mm = 0.05;
+    })));
     plan(&mut desk, Strategy::Genetic);
     assert!(!has(&desk, Role::Button, "Comparison"), "nothing is kept yet");
     desk.press("Keep for comparison");
