@@ -211,13 +211,17 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         }
     }
 
-    /// `message`, of an engine, in the words of the window: labels in quotation marks in place of keys, and of the
-    /// last parts of keys that have an underscore.
+    /// `message`, of an engine, in the words of the window: labels in quotation marks in place of keys of several words,
+    /// and of the last parts of keys that have an underscore.
     pub fn labelled(&self, message: &(impl ToString + ?Sized)) -> String {
         let text = message.to_string();
         // Several fields of one key are the entries of a list, as in `reduction_deg[0]`.
         let list = |field: &Field| field.key.split('[').next().unwrap_or(field.key).to_owned();
         let label = |word: &str| {
+            // A key of one word, such as `opening`, is a word of plain sentences, too.
+            if !word.contains(['_', '.', '[']) {
+                return None;
+            }
             if let Some(place) = find(self.fields(), word, "", "").filter(|place| !place.label.is_empty()) {
                 return Some(format!("\"{}\"", place.label));
             }

@@ -217,6 +217,8 @@ fn the_command_line_is_told_keys_and_the_window_labels() {
     let message = "too coarse: change plan.strategy, [stages[1].gap_mm] or step_mm, e.g. 1.5.";
     let labelled = "too coarse: change \"Strategy\", [\"Stages 2, Spark gap\"] or \"Step\", e.g. 1.5.";
     assert_eq!(TABLE.labelled(message), labelled);
+    let plain = "both stages of the plan have one name";
+    assert_eq!(TABLE.labelled(plain), plain, "keys of one word are words");
     // What is like no key is not guessed at.
     assert!(set("foobar", "1").unwrap_err().to_string().ends_with("there is no such parameter"));
     // Validation speaks of parameters that no form shows, too.
