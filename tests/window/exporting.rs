@@ -10,7 +10,7 @@ use geometry::frame::Frame;
 use import::{ImportOptions, import_file, write_stl};
 use nc::post::BUILT_IN;
 use sparkpath::shell::run::Opening;
-use sparkpath::workspaces::blisk::document::choice::MeshFrame;
+use sparkpath::workspaces::blisk::document::choice::{DrawnPictures, MeshFrame};
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use task::{State, Task};
 
@@ -20,7 +20,15 @@ use crate::made_once::made_once;
 
 /// A window with a released plan that was not finished, for a channel that stands askew to the axes of the mesh.
 pub fn released(home: &Home) -> Desk {
-    released_after(home, &|desk| desk.blisk_mut().work.cancel())
+    released_after(home, &|desk| {
+        let core = desk.blisk_mut();
+        core.work.cancel();
+        let mut job = core.document.params().clone();
+        job.export.files.pictures = false;
+        job.export.pictures =
+            DrawnPictures { whole: false, final_pose: false, sweep: false, closest: false, residual_stock: false };
+        core.edit("Without pictures", job, false);
+    })
 }
 
 /// The same with all that follows the plan.

@@ -24,12 +24,6 @@ fn from_a_mesh_to_an_nc_program() {
         assert!(desk.step_says(stage, "done"), "{stage:?}: {:?}", desk.state(stage));
     }
     desk.quicken();
-    // Few rows, each of which is verified.
-    let core = desk.blisk_mut();
-    let mut coarse = core.document.params().clone();
-    coarse.plan.interpolation.chord_error_mm = 0.05;
-    core.edit("Coarse rows", coarse, false);
-    desk.until_idle();
     a_drag_is_one_step(&mut desk);
     plan_cancel_and_plan_again(&mut desk);
     everything_follows_the_cursor(&mut desk);

@@ -13,8 +13,9 @@ use task::State;
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home};
 
-/// Reductions that let the electrode out.
+/// Reductions that let the electrode out, and few nodes: each plan is made, and made anew when it is opened.
 fn reduced(job: &mut PlanJob) {
+    job.plan.step_mm = 2.4;
     job.electrode.circumferential_reduction_deg = [3.0, 3.0];
     job.electrode.radial_reduction_mm = 1.0;
 }
@@ -53,11 +54,7 @@ fn certified(desk: &Desk) -> String {
 #[test]
 fn a_kept_run_stands_in_the_comparison_until_it_is_removed() {
     let home = Home::new();
-    let mut desk = home.start(Opening::File(home.project(&easy_blisk(), |job| {
-        reduced(job);
-        // Few rows, each of which is verified.
-        job.plan.interpolation.chord_error_mm = 0.05;
-    })));
+    let mut desk = home.start(Opening::File(home.project(&easy_blisk(), reduced)));
     plan(&mut desk, Strategy::Genetic);
     assert!(!has(&desk, Role::Button, "Comparison"), "nothing is kept yet");
     desk.press("Keep for comparison");

@@ -50,15 +50,11 @@ fn the_steps_before_the_plan() {
 
 /// A window with a plan of the easy blisk.
 fn planned(home: &Home) -> Desk {
-    planned_in(home, [1280, 720], 1.0)
-}
-
-fn planned_in(home: &Home, pixels: [u16; 2], scale: f32) -> Desk {
     let project = home.project(&easy_blisk(), |job| {
         job.electrode.circumferential_reduction_deg = [3.0, 3.0];
         job.electrode.radial_reduction_mm = 1.0;
     });
-    let mut desk = home.start_in(Opening::File(project), pixels, scale);
+    let mut desk = home.start(Opening::File(project));
     plan(&mut desk);
     desk
 }
@@ -103,35 +99,76 @@ fn cut_and_coloured(desk: &mut Desk) {
     desk.until("the colours are there", |d| d.blisk().colour_values().is_some());
 }
 
+/// One plan in windows of all sizes, each as if it had been opened so.
 #[test]
-fn a_section_with_clearance_colours() {
+fn a_plan_in_windows_of_all_sizes() {
     let home = Home::new();
     let mut desk = planned(&home);
     desk.press("Front");
     cut_and_coloured(&mut desk);
     desk.pictures("section");
+    desk.key(Key::X);
+    desk.blisk_mut().colours = false;
+    a_window_of_1920_by_1080(&mut desk);
+    plots_and_their_tabs_keep_within_windows_between(&mut desk);
+    a_window_of_2560_by_1440_at_200_percent(&mut desk);
+    a_window_of_1280_by_720_at_200_percent(&mut desk);
+}
+
+/// Makes the window one of so many pixels, of which `scale` make a point.
+fn resize(desk: &mut Desk, pixels: [u16; 2], scale: f32) {
+    let [width, height] = pixels.map(f32::from);
+    desk.window.set_pixels_per_point(scale);
+    desk.window.set_size(egui::vec2(width, height) / scale);
+    desk.settle();
+}
+
+/// Where there is room the table of nodes stands beside the plots.
+fn a_window_of_1920_by_1080(desk: &mut Desk) {
+    resize(desk, [1920, 1080], 1.0);
+    desk.press("Channel");
+    desk.open_step(Stage::Verify);
+    let node = desk.blisk().track().nodes().nth(4).unwrap().s;
+    desk.blisk_mut().cursor.s = node;
+    desk.blisk_mut().selected = Some(Layer::Electrode);
+    desk.settle();
+    assert!(desk.shows("Axes") && desk.shows("clearance mm"), "plots and table at once");
+    desk.picture("wide_dark");
+    desk.blisk_mut().selected = None;
+}
+
+/// Room between small and large: nothing runs out of the window.
+fn plots_and_their_tabs_keep_within_windows_between(desk: &mut Desk) {
+    for pixels in [[1000_u16, 700], [800, 560]] {
+        resize(desk, pixels, 1.0);
+        let right = |role: Role, name: &str| desk.window.get(By::new().role(role).label(name)).rect().right();
+        for tab in ["Axes", "Speed", "Second derivative", "Clearance", "Convergence", "Nodes"] {
+            let names = desk.window.query_all(By::new().role(Role::Button).label(tab));
+            let rightmost = names.map(|node| node.rect().right()).fold(0.0, f32::max);
+            assert!(rightmost > 0.0 && rightmost <= f32::from(pixels[0]), "{pixels:?}: {tab} ends at {rightmost}");
+        }
+        let plot = right(Role::Image, "Plot axes");
+        assert!(plot <= f32::from(pixels[0]), "{pixels:?}: {plot}");
+    }
+    desk.picture("verify_800_dark");
 }
 
 /// Twice as many pixels show the same, only sharper.
-#[test]
-fn a_window_of_2560_by_1440_at_200_percent() {
-    let home = Home::new();
-    let mut desk = planned_in(&home, [2560, 1440], 2.0);
+fn a_window_of_2560_by_1440_at_200_percent(desk: &mut Desk) {
+    resize(desk, [2560, 1440], 2.0);
     desk.press("Channel");
     desk.open_step(Stage::Verify);
     desk.picture("fine_dark");
 }
 
 /// As little room as there ever is: 640 by 360 points.
-#[test]
-fn a_window_of_1280_by_720_at_200_percent() {
-    let home = Home::new();
-    let mut desk = planned_in(&home, [1280, 720], 2.0);
+fn a_window_of_1280_by_720_at_200_percent(desk: &mut Desk) {
+    resize(desk, [1280, 720], 2.0);
     desk.open_step(Stage::Part);
     desk.picture("small_part_dark");
     desk.open_step(Stage::Electrode);
     desk.picture("small_electrode_dark");
-    cut_and_coloured(&mut desk);
+    cut_and_coloured(desk);
     desk.picture("small_section_dark");
     desk.key(Key::X);
     desk.blisk_mut().colours = false;
@@ -147,21 +184,6 @@ fn a_window_of_1280_by_720_at_200_percent() {
     desk.window.state_mut().context_mut().preferences.live = true;
     desk.key_with(egui::Modifiers::COMMAND, Key::Comma);
     desk.picture("small_preferences_light");
-}
-
-/// Where there is room the table of nodes stands beside the plots.
-#[test]
-fn a_window_of_1920_by_1080() {
-    let home = Home::new();
-    let mut desk = planned_in(&home, [1920, 1080], 1.0);
-    desk.press("Channel");
-    desk.open_step(Stage::Verify);
-    let node = desk.blisk().track().nodes().nth(4).unwrap().s;
-    desk.blisk_mut().cursor.s = node;
-    desk.blisk_mut().selected = Some(Layer::Electrode);
-    desk.settle();
-    assert!(desk.shows("Axes") && desk.shows("clearance mm"), "plots and table at once");
-    desk.picture("wide_dark");
 }
 
 #[test]
@@ -196,27 +218,4 @@ fn wrong_input() {
     desk.enter("Spark gap", "9");
     desk.until_idle();
     desk.pictures("wrong_input");
-}
-
-/// Room between small and large: nothing runs out of the window.
-#[test]
-fn plots_and_their_tabs_keep_within_windows_of_any_size() {
-    let home = Home::new();
-    let mut desk = planned_in(&home, [1000, 700], 1.0);
-    desk.open_step(Stage::Verify);
-    for pixels in [[1000_u16, 700], [800, 560]] {
-        desk.window.set_size(egui::Vec2::from(pixels.map(f32::from)));
-        desk.settle();
-        let right = |role: Role, name: &str| desk.window.get(By::new().role(role).label(name)).rect().right();
-        for tab in ["Axes", "Speed", "Second derivative", "Clearance", "Convergence", "Nodes"] {
-            let names = desk.window.query_all(By::new().role(Role::Button).label(tab));
-            let rightmost = names.map(|node| node.rect().right()).fold(0.0, f32::max);
-            assert!(rightmost > 0.0 && rightmost <= f32::from(pixels[0]), "{pixels:?}: {tab} ends at {rightmost}");
-        }
-        let plot = right(Role::Image, "Plot axes");
-        assert!(plot <= f32::from(pixels[0]), "{pixels:?}: {plot}");
-        if pixels[0] == 800 {
-            desk.picture("verify_800_dark");
-        }
-    }
 }

@@ -51,8 +51,8 @@ fn a_machine_is_seen_from_its_choice_to_its_collision() {
     let home = Home::new();
     let project = home.project(&easy_blisk(), |job| {
         job.electrode.circumferential_reduction_deg = [3.0, 3.0];
-        // Few rows, each of which is simulated.
-        job.plan.interpolation.chord_error_mm = 0.05;
+        // Few nodes: the whole motion is simulated four times.
+        job.plan.step_mm = 2.4;
     });
     let mut desk = home.start(Opening::File(project));
     desk.until_idle();

@@ -11,13 +11,19 @@ use task::{State, Task};
 use wheel::parametric::ParametricBlisk;
 
 use crate::common::easy_blisk;
-use crate::desk::Home;
+use crate::desk::{Desk, Home};
 use crate::exporting::released;
 
 #[test]
-fn a_plan_that_is_being_made_again_cannot_be_released_and_its_successor_is_not() {
+fn a_plan_that_is_made_again_is_released_again() {
     let home = Home::new();
     let mut desk = released(&home);
+    a_plan_that_is_being_made_again_cannot_be_released_and_its_successor_is_not(&mut desk);
+    a_release_does_not_wait_for_the_residual_stock_and_outlives_it(&mut desk);
+}
+
+fn a_plan_that_is_being_made_again_cannot_be_released_and_its_successor_is_not(desk: &mut Desk) {
+    assert!(desk.blisk().work.released().is_some());
     let before = desk.blisk().work.plan().unwrap().clone();
     let work = &mut desk.blisk_mut().work;
     work.start_plan().unwrap();
@@ -58,13 +64,9 @@ fn nothing_is_released_before_its_copying_motions_are_known_or_given_up() {
     assert!(desk.log().iter().any(|line| line.contains("remain in the channel")), "{:#?}", desk.log());
 }
 
-#[test]
-fn a_release_does_not_wait_for_the_residual_stock_and_outlives_it() {
-    let home = Home::new();
-    let mut desk = released(&home);
+fn a_release_does_not_wait_for_the_residual_stock_and_outlives_it(desk: &mut Desk) {
     desk.blisk_mut().work.start_plan().unwrap();
-    let motions_are_known =
-        |d: &crate::desk::Desk| d.blisk().work.plan().is_some_and(|plan| plan.finishing().is_some());
+    let motions_are_known = |d: &Desk| d.blisk().work.plan().is_some_and(|plan| plan.finishing().is_some());
     desk.until("the plan is done", |d| d.state(Stage::Plan) == State::Ready);
     desk.until("the motions are known", motions_are_known);
     desk.blisk_mut().work.release().unwrap();

@@ -3,8 +3,8 @@
 use std::any::Any;
 use std::collections::VecDeque;
 use std::panic::AssertUnwindSafe;
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::scheduler::{Job, JobId, Lane, Priority, Queue, Scheduler};
@@ -124,6 +124,10 @@ enum Said<V, P> {
     Ended(Result<V, Refusal>, Instant),
 }
 
+/// Least time between two wakes for progress: a stage may report thousands of times a second, each of which would be
+/// a frame of the window.
+const BETWEEN_WAKES: Duration = Duration::from_millis(50);
+
 /// What is said of the run with this number.
 type Message<V, P> = (u64, Said<V, P>);
 
@@ -149,9 +153,19 @@ impl<V: Send + 'static, P: Send + 'static> Job for Attempt<V, P> {
         let Self { run, work: make, sender, queue } = *self;
         say(&sender, &queue, (run, Said::Started(Instant::now())));
         let (to_us, theirs) = (sender.clone(), queue.clone());
+        let woken = Mutex::new(None::<Instant>);
         let progress = Progress::new(move |update| {
             let (stage, message) = (update.stage.to_owned(), update.message.to_owned());
-            say(&to_us, &theirs, (run, Said::Progress { stage, fraction: update.fraction, message }));
+            let progress = Said::Progress { stage, fraction: update.fraction, message };
+            let mut woken = woken.lock().unwrap_or_else(PoisonError::into_inner);
+            if woken.is_none_or(|at| at.elapsed() >= BETWEEN_WAKES) {
+                *woken = Some(Instant::now());
+                say(&to_us, &theirs, (run, progress));
+            } else {
+                // Taken in with what comes next.
+                to_us.send((run, progress)).unwrap_or(());
+            }
+            drop(woken);
             theirs.let_pass();
         });
         let (to_us, theirs) = (sender.clone(), queue.clone());

@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 use super::*;
 
@@ -251,6 +252,26 @@ fn how_far_work_is_is_told_while_it_runs() {
     }
     assert_eq!(said, [("field".to_owned(), 0.25, 25), ("search".to_owned(), 0.75, 75)]);
     assert!(wait(&mut memo, &woken).result.is_ok());
+}
+
+#[test]
+fn thousands_of_reports_are_few_wakes() {
+    let (scheduler, woken) = with_threads();
+    let mut memo = numbers(&scheduler);
+    let before = Instant::now();
+    memo.ask(&1, Priority::Shown, |work| {
+        (0..10_000).for_each(|i| work.task.report("search", f64::from(i) / 1e4, ""));
+        Ok(1)
+    });
+    let mut wakes = 0;
+    while memo.take().is_none() {
+        woken.recv().unwrap();
+        wakes += 1;
+    }
+    wakes += woken.try_iter().count() as u128;
+    // Its begin, its end and its first report, and 20 a second.
+    let most = 3 + before.elapsed().as_millis() / 50;
+    assert!(wakes <= most, "{wakes} wakes, {most} expected");
 }
 
 #[test]
