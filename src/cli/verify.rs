@@ -119,8 +119,9 @@ fn certify(
     session: &Session,
 ) -> anyhow::Result<Certificate> {
     let Inputs { blisk, path, .. } = inputs;
-    let verifier =
-        Verifier::new(&blisk.in_frame(&path.frame), electrode_in_w, path.reference_point, &session.task.cancel)?;
+    // Of a sector the whole wheel is in the way.
+    let wheel = channel.and_then(|c| c.whole.as_deref()).unwrap_or(blisk).in_frame(&path.frame);
+    let verifier = Verifier::new(&wheel, electrode_in_w, path.reference_point, &session.task.cancel)?;
     let verifier = match travel {
         Some(travel) => verifier.within(travel),
         None => verifier,

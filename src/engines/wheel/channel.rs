@@ -1,9 +1,12 @@
 //! The channel between two neighbouring blades of a blisk, in the workpiece frame W.
 
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
 use geometry::frame::{Cylindrical, Frame};
+use geometry::mesh::Mesh;
 
 /// Face of its blade that a channel wall is, seen along the passage: against the meridional direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -199,11 +202,18 @@ pub struct Channel {
     /// Numbers of the channels of this one's kind whose surfaces, or blades beside their edges, are not those of this
     /// one turned about the axis.
     pub unlike: Vec<usize>,
+    /// The whole wheel in the coordinates of the loaded mesh, where that is only a sector of it.
+    pub whole: Option<Arc<Mesh>>,
     /// Assumptions made in finding the channel, in plain sentences for the user.
     pub assumed: Vec<String>,
 }
 
 impl Channel {
+    /// The wheel in W: the loaded `mesh` that the channel was found in, or the whole wheel that it is a sector of.
+    pub fn wheel_in_w(&self, mesh: &Mesh) -> Mesh {
+        self.whole.as_deref().unwrap_or(mesh).in_frame(&self.frame)
+    }
+
     /// Least and greatest x of the blades over both walls and all radii: the span between the edges (mm).
     pub fn span_x(&self) -> [f64; 2] {
         let xs = self.low.points.iter().chain(&self.high.points).map(|p| p.x);

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::channel::Agreement;
 use super::frame::axis::Axis;
+use super::frame::sector::SectorError;
 use geometry::frame::Cylindrical;
 use task::Cancelled;
 
@@ -19,7 +20,8 @@ pub enum BliskError {
     /// Only a part of a blisk.
     #[error(
         "the surface of the mesh covers only about {covered_deg:.0} of 360 degrees around the axis {axis}: either the mesh \
-         is only a part of a blisk, or this is not its axis; load the whole blisk, or give its axis with blisk.axis"
+         is only a part of a blisk, or this is not its axis; load the whole blisk or a sector of it between two planes \
+         through its axis, or give its axis with blisk.axis"
     )]
     Partial {
         /// Angle that the surface covers (deg).
@@ -27,6 +29,9 @@ pub enum BliskError {
         /// The axis it was measured around.
         axis: Axis,
     },
+    /// A sector that no whole wheel can be made of.
+    #[error(transparent)]
+    Sector(SectorError),
     /// Nothing repeats around the axis.
     #[error(
         "no blades found: no circle about the axis {axis} crosses walls that repeat evenly around it{}{}; \
@@ -166,11 +171,21 @@ fn disagreement(found: &Agreement) -> String {
     )
 }
 
+impl From<SectorError> for BliskError {
+    fn from(error: SectorError) -> Self {
+        match error {
+            SectorError::Cancelled(cancelled) => cancelled.into(),
+            other => Self::Sector(other),
+        }
+    }
+}
+
 impl BliskError {
     /// The axis about which the search failed.
     pub fn axis(&self) -> Option<Axis> {
         match self {
             Self::Partial { axis, .. } | Self::NoBlades { axis, .. } | Self::NoChannels { axis, .. } => Some(*axis),
+            Self::Sector(error) => error.axis(),
             _ => None,
         }
     }

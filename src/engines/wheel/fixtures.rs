@@ -271,6 +271,7 @@ pub fn exact_channel(blisk: &ParametricBlisk) -> Channel {
         faces_x: blisk.faces_x(),
         agreement: Vec::new(),
         kinds: 1,
+        whole: None,
         unlike: Vec::new(),
         assumed: Vec::new(),
         low,

@@ -95,7 +95,7 @@ pub fn write(
 ) -> Result<Vec<String>, PlanFilesError> {
     cancel.check()?;
     // Frames are exact data of the outcome: the blisk comes out with the very bits that it was verified with.
-    let blisk = inputs.blisk.in_frame(&outcome.channel.frame);
+    let blisk = outcome.channel.wheel_in_w(&inputs.blisk);
     let bodies = bodies_now(outcome, &inputs.job, cancel)?;
     let context = Context { channel: &outcome.channel, blisk: &blisk, job: &inputs.job, post, bodies: bodies.as_ref() };
     let (mut files, mut programs): (Vec<(String, Vec<u8>)>, Vec<_>) = (Vec::new(), Vec::new());

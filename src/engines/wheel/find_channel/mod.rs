@@ -7,12 +7,15 @@ mod meridian;
 #[cfg(test)]
 mod random_wheels;
 #[cfg(test)]
+mod sectors;
+#[cfg(test)]
 mod tests;
 mod tube;
 mod walls;
 
 use std::borrow::Cow;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use glam::DVec2;
 
@@ -23,7 +26,7 @@ use self::walls::{INSET, WallFinder};
 use super::channel::{Channel, ChannelWall, Flow};
 use super::error::BliskError;
 use super::frame::slices::{Gap, Slices};
-use super::frame::{BliskFrame, find_frame, is_inside_out};
+use super::frame::{BliskFrame, Wheel, find_wheel, is_inside_out};
 use super::options::BliskOptions;
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
@@ -43,9 +46,9 @@ const MOST_STEEP_HUB: f64 = 0.15;
 /// [`BliskError`] says what could not be found, why, and which key of the project gives it by hand.
 pub fn find_channel(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Channel, BliskError> {
     let (mesh, mut assumed) = prepared(mesh, options)?;
-    let blisk = find_frame(&mesh, options, task)?;
-    assumed.extend(blisk.assumed.iter().cloned());
-    channel_of(&mesh, &blisk, options, assumed, task)
+    let wheel = find_wheel(mesh, options, task)?;
+    assumed.extend(wheel.blisk.assumed.iter().cloned());
+    channel_of(wheel, options, assumed, task)
 }
 
 /// The mesh with its normals outwards, and what was assumed for that.
@@ -59,10 +62,9 @@ pub(super) fn prepared<'a>(mesh: &'a Mesh, options: &BliskOptions) -> Result<(Co
     Ok((Cow::Owned(turned), vec!["The mesh is inside out; its triangles were turned over.".into()]))
 }
 
-/// The chosen channel of a blisk whose axis and period are known. `assumed` is carried on.
+/// The chosen channel of a wheel whose axis and period are known. `assumed` is carried on.
 pub(super) fn channel_of(
-    mesh: &Mesh,
-    blisk: &BliskFrame,
+    Wheel { mesh, is_of_sector, blisk }: Wheel,
     options: &BliskOptions,
     mut assumed: Vec<String>,
     task: &Task,
@@ -72,7 +74,7 @@ pub(super) fn channel_of(
         return Err(BliskError::NoSuchChannel { index: options.channel, blades });
     }
     task.report("channel", 0.0, "place");
-    let Placed { frame, start, lines } = place_channel(mesh, blisk, options, &task.cancel)?;
+    let Placed { frame, start, lines } = place_channel(&mesh, &blisk, options, &task.cancel)?;
 
     task.report("channel", 0.3, "end walls");
     let slices = Slices::new(mesh.in_frame(&frame));
@@ -114,6 +116,7 @@ pub(super) fn channel_of(
         agreement,
         kinds: blisk.repetition.kinds,
         unlike,
+        whole: is_of_sector.then(|| Arc::new(mesh.into_owned())),
         assumed,
     })
 }

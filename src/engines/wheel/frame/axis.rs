@@ -151,6 +151,22 @@ fn share_of_revolution(facets: &[Facet], axis: &Axis) -> f64 {
     radial / facets.iter().map(|f| f.area).sum::<f64>()
 }
 
+/// Some facets of a mesh, enough to tell about which lines its surface turns.
+pub(super) struct Turning(Vec<Facet>);
+
+impl Turning {
+    pub(super) fn new(mesh: &Mesh) -> Self {
+        let facets = facets(mesh);
+        let step = (facets.len() / Normals::ENOUGH) | 1;
+        Self(facets.into_iter().step_by(step).collect())
+    }
+
+    /// Share of the area that is a surface of revolution about `axis`.
+    pub(super) fn share(&self, axis: &Axis) -> f64 {
+        share_of_revolution(&self.0, axis)
+    }
+}
+
 /// How little a facet faces along the axis: the sine of the angle between them, squared.
 fn beside(facet: &Facet, axis: &Axis) -> f64 {
     1.0 - facet.normal.dot(axis.direction).powi(2)

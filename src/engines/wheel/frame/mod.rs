@@ -6,7 +6,10 @@
 
 pub(crate) mod axis;
 mod period;
+pub(crate) mod sector;
 pub(crate) mod slices;
+
+use std::borrow::Cow;
 
 use glam::{DVec2, DVec3};
 
@@ -14,9 +17,10 @@ pub use axis::Axis;
 pub use period::Repetition;
 
 use self::period::{Blades, Region};
+use self::sector::SectorError;
 use self::slices::Slices;
 use super::error::BliskError;
-use super::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
+use super::options::{Auto, AxisChoice, AxisLine, AxisName, BliskOptions};
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
 use task::{Cancel, Task};
@@ -59,12 +63,55 @@ pub(super) fn is_inside_out(mesh: &Mesh) -> Result<bool, BliskError> {
     Ok(mesh.volume() < 0.0)
 }
 
+/// A wheel with its axis and blade count.
+pub(super) struct Wheel<'a> {
+    /// Its mesh: the one that was given, or the whole wheel that it is a sector of.
+    pub mesh: Cow<'a, Mesh>,
+    /// Whether a sector was given.
+    pub is_of_sector: bool,
+    /// Axis and blade count.
+    pub blisk: BliskFrame,
+}
+
+/// Finds the axis and the blade count of `mesh`, which must be oriented outwards, and the whole wheel if it is a sector
+/// of one.
+///
+/// # Errors
+/// As [`find_frame`], and those of a sector.
+pub(super) fn find_wheel<'a>(
+    mesh: Cow<'a, Mesh>,
+    options: &BliskOptions,
+    task: &Task,
+) -> Result<Wheel<'a>, BliskError> {
+    let error = match find_frame(&mesh, options, task) {
+        Ok(blisk) => return Ok(Wheel { mesh, is_of_sector: false, blisk }),
+        Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),
+        Err(error) => error,
+    };
+    let Some(whole) = sector::whole_wheel(&mesh, options, &task.cancel)? else { return Err(error) };
+    let line = AxisLine { direction: whole.axis.direction.into(), point: whole.axis.point.into() };
+    let about_line =
+        BliskOptions { axis: AxisChoice::Line(line), blades: Auto::Given(whole.blades), ..options.clone() };
+    // What only looks like a sector is what it was before.
+    let mut blisk = match find_frame(&whole.mesh, &about_line, task) {
+        Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),
+        Err(_) => return Err(error),
+        Ok(blisk) => blisk,
+    };
+    let kinds = blisk.repetition.kinds;
+    if kinds > 1 && whole.kept < 2 * kinds && options.blades.given().is_none() {
+        return Err(SectorError::Kinds { kinds, kept: whole.kept, axis: whole.axis }.into());
+    }
+    blisk.assumed.insert(0, whole.assumed);
+    Ok(Wheel { mesh: Cow::Owned(whole.mesh), is_of_sector: true, blisk })
+}
+
 /// Finds the axis and the blade count of `mesh`, which must be oriented outwards.
 ///
 /// # Errors
 /// Says what is missing: the part covers no full turn, nothing repeats around any likely axis, or what repeats
 /// is no channel between blades. The error is that of the likeliest axis.
-pub(super) fn find_frame(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<BliskFrame, BliskError> {
+fn find_frame(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<BliskFrame, BliskError> {
     let mut first_error = None;
     let candidates = candidate_axes(mesh, options);
     for (i, axis) in candidates.iter().enumerate() {

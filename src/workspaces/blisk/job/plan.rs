@@ -55,7 +55,7 @@ pub fn prepare(inputs: &PlanInputs, task: &Task) -> Result<PreparedBlisk, PlanJo
     let channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, task))?;
     axial_only(&channel)?;
     simulate::check_channels(job, &channel)?;
-    let blisk = inputs.blisk.in_frame(&channel.frame);
+    let blisk = channel.wheel_in_w(&inputs.blisk);
     let exact = clock.time("exact mesh", || ExactMesh::new(&blisk))?;
     let cell = job.plan.field_cell_mm;
     let mut prepared = PreparedBlisk::new(blisk.into(), exact.into(), channel.into(), cell, task)?;

@@ -165,7 +165,7 @@ pub fn channel(part: &Part, job: &PlanJob, task: &Task) -> Result<FoundChannel, 
     job.blisk.options.validate()?;
     let text = |e: BliskError| FIELDS.labelled(&e);
     let channel = find_channel(&part.mesh, &job.blisk.options, task).map_err(text)?;
-    let blisk = part.mesh.in_frame(&channel.frame);
+    let blisk = channel.wheel_in_w(&part.mesh);
     let exact = ExactMesh::new(&blisk).map_err(|e| e.to_string())?;
     let mut shapes = channel_shapes(&blisk, &channel);
     let centreline = match Centreline::of_channel(&channel, &task.cancel) {

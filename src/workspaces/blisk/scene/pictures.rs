@@ -112,7 +112,7 @@ impl<'a> Drawn<'a> {
         task.check()?;
         let blisk = Arc::new(RenderMesh::new(plan.blisk));
         task.check()?;
-        let shapes = channel_shapes(&plan.blisk.in_frame(&plan.channel.frame), plan.channel);
+        let shapes = channel_shapes(&plan.channel.wheel_in_w(plan.blisk), plan.channel);
         Ok(Self { plan, blisk, shapes, electrodes, tracks, swept, layers })
     }
 

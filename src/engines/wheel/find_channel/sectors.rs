@@ -1,0 +1,96 @@
+//! Sectors of wheels: what is found in one is what is found in the whole wheel.
+
+use std::f64::consts::TAU;
+
+use glam::{DQuat, DVec2, DVec3, EulerRot, Vec3Swizzles as _};
+
+use super::find_channel;
+use crate::channel::Channel;
+use crate::error::BliskError;
+use crate::fixtures::{TestBlisk, turned_part};
+use crate::options::{Auto, AxisChoice, AxisLine, BliskOptions};
+use geometry::frame::Cylindrical;
+use geometry::mesh::Mesh;
+use geometry::solid::{intersection, prism};
+use task::Task;
+
+/// The part of a wheel about X between two angles (rad).
+fn sector(wheel: &Mesh, from: f64, angle: f64) -> Mesh {
+    let at = |theta: f64| -> DVec2 { Cylindrical { x: 0.0, r: 1e3, theta }.point().yz() };
+    let outline = [DVec2::ZERO, at(from), at(from + 0.5 * angle), at(from + angle)];
+    let wedge = prism(&[&outline], -500.0, 500.0).unwrap().mapped(|p| DVec3::new(p.z, p.x, p.y));
+    intersection(wheel, &wedge).unwrap()
+}
+
+fn find(mesh: &Mesh, options: &BliskOptions) -> Result<Channel, BliskError> {
+    find_channel(mesh, options, &Task::default())
+}
+
+fn found(mesh: &Mesh) -> Channel {
+    find(mesh, &BliskOptions::default()).unwrap()
+}
+
+fn refused(mesh: &Mesh) -> String {
+    find(mesh, &BliskOptions::default()).unwrap_err().to_string()
+}
+
+#[test]
+fn a_sector_is_the_wheel_that_it_was_cut_from() {
+    let part = TestBlisk::default();
+    let (wheel, pitch) = (part.mesh(), part.pitch());
+    let whole = found(&wheel);
+    let turn = DQuat::from_euler(EulerRot::XYZ, 0.3, -0.8, 1.1);
+    // Cut through passages and through blades; whole pitches that divide the wheel and that do not, and none.
+    for (from, pitches) in [(0.1, 4.0), (0.45, 3.0), (0.2, 5.0), (0.3, 2.7), (0.7, 7.3), (0.25, 1.0)] {
+        let cut = sector(&wheel, from * pitch, pitches * pitch).mapped(|p| turn * p + DVec3::new(5.0, -80.0, 33.0));
+        let channel = find(&cut, &BliskOptions::default()).unwrap_or_else(|e| panic!("{pitches} pitches: {e}"));
+        assert_eq!((channel.blades, channel.kinds), (part.blades, 1), "{pitches} pitches");
+        assert!(channel.unlike.is_empty(), "{pitches} pitches: {:?}", channel.unlike);
+        let again = channel.wheel_in_w(&cut);
+        assert!(again.is_watertight());
+        assert!((again.volume() / wheel.volume() - 1.0).abs() < 1e-4, "{pitches}: {}", again.volume());
+        let (throat, turning) = (channel.throat.width_mm - whole.throat.width_mm, channel.turning - whole.turning);
+        assert!(throat.abs() < 0.005 && turning.abs() < 1e-3, "{pitches} pitches: {throat} {turning}");
+        assert!(channel.assumed[0].contains("is a sector"), "{:?}", channel.assumed);
+    }
+}
+
+#[test]
+fn axis_and_blades_of_a_sector_may_be_given() {
+    let part = TestBlisk::default();
+    let (wheel, pitch) = (part.mesh(), part.pitch());
+    let cut = sector(&wheel, 0.1 * pitch, 3.0 * pitch);
+    let given = |direction, blades| BliskOptions {
+        axis: AxisChoice::Line(AxisLine { direction, point: [0.0; 3] }),
+        blades: Auto::Given(blades),
+        ..Default::default()
+    };
+    assert_eq!(find(&cut, &given([1.0, 0.0, 0.0], part.blades)).unwrap().blades, part.blades);
+    // No sector about that line, and no wheel of that many blades.
+    assert!(find(&cut, &given([0.0, 1.0, 0.0], part.blades)).is_err());
+    let error = find(&cut, &given([1.0, 0.0, 0.0], part.blades + 1)).unwrap_err();
+    assert!(error.to_string().contains("sector"), "{error}");
+    assert_eq!(error.axis().unwrap().direction, DVec3::X);
+}
+
+#[test]
+fn what_no_wheel_can_be_made_of_is_refused() {
+    let part = TestBlisk::default();
+    let (wheel, pitch) = (part.mesh(), part.pitch());
+    let narrow = refused(&sector(&wheel, 0.1 * pitch, 0.6 * pitch));
+    assert!(narrow.contains("is a sector"), "{narrow}");
+    let ring = [[0.0, 40.0], [10.0, 40.0], [10.0, 60.0], [0.0, 60.0]];
+    let message = refused(&sector(&turned_part(&ring, 90), 0.1, TAU / 9.0));
+    assert!(!message.contains("is a sector"), "a piece of a ring has no blades: {message}");
+    // One blade of three is bent: whatever is kept of the sector, its ends do not fit or its blades differ.
+    let bent = wheel.mapped(|p| {
+        let c = Cylindrical::from_point(p);
+        let is_first = (c.theta.rem_euclid(TAU) / pitch - 0.5).floor() == 0.0;
+        let bent = if is_first { 0.03 * pitch * (TAU * c.x / part.chord).sin() } else { 0.0 };
+        Cylindrical { theta: c.theta + bent, ..c }.point()
+    });
+    match find(&sector(&bent, 0.1 * pitch, 4.0 * pitch), &BliskOptions::default()) {
+        Err(_) => {}
+        Ok(channel) => assert!(!channel.unlike.is_empty(), "{:?}", channel.assumed),
+    }
+}
