@@ -4,6 +4,7 @@ use egui::accesskit::Toggled;
 use egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::{AccessKitNode, By, Queryable as _};
 use files::AnyDocument as _;
+use geometry::solid::{intersection, prism};
 use glam::DVec3;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::BliskWorkspace;
@@ -12,7 +13,7 @@ use sparkpath::workspaces::blisk::scene::{Layer, layer_id};
 use sparkpath::workspaces::preferences::ThemeChoice;
 use task::State;
 
-use crate::common::easy_blisk;
+use crate::common::{easy_blisk, mesh};
 use crate::desk::{Desk, Home, holds};
 
 #[test]
@@ -257,4 +258,33 @@ fn unsaved_work_survives_a_kill() {
     assert!(desk.step_says(Stage::Electrode, "done"));
     // The work is recovered, and kept by the program that did so.
     assert!(holds(&home.folders().autosave, ".sparkpath"));
+}
+
+/// An axis that is given is taken as it is: a wrong one is refused, and the right one is that of the part.
+#[test]
+fn the_axis_is_given_by_hand_and_a_sector_is_its_wheel() {
+    let home = Home::new();
+    let blisk = easy_blisk();
+    let sector = {
+        let (pitch, whole) = (std::f64::consts::TAU / blisk.blades as f64, mesh(&blisk));
+        let at = |theta: f64| glam::DVec2::from_angle(theta) * 1e3;
+        let [from, to] = [0.3 * pitch, 3.3 * pitch];
+        let wedge = prism(&[&[glam::DVec2::ZERO, at(from), at(to)]], -200.0, 200.0).unwrap();
+        intersection(&whole, &wedge.mapped(|p| DVec3::new(p.z, p.x, p.y))).unwrap()
+    };
+    let file = home.path("sector.stl");
+    import::write_stl(&file, &sector).unwrap();
+    let mut desk = home.start(Opening::File(file));
+    desk.until_done(Stage::Channel);
+    desk.open_step(Stage::Channel);
+    assert_eq!(desk.blisk().work.channel().unwrap().channel.blades, blisk.blades);
+    desk.assert_shows("The mesh is a sector of 45.000 deg");
+    desk.press_role(Role::ComboBox, "Axis");
+    desk.press("given");
+    desk.until("the wrong axis is refused", |d| matches!(d.state(Stage::Channel), State::Failed(_)));
+    desk.press_role(Role::ComboBox, "Direction of axis");
+    desk.press("+X");
+    desk.until_done(Stage::Channel);
+    let found = desk.blisk().work.channel().unwrap().channel.clone();
+    assert_eq!((found.blades, found.frame.x), (blisk.blades, DVec3::X));
 }

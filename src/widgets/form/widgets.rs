@@ -198,6 +198,9 @@ fn chips(ui: &mut Ui, words: &[Word], value: &Value) -> Option<Change> {
     chosen.last().map(|word| Change::To(word.word.into()))
 }
 
+/// What a choice says of a table in the place of its words.
+const GIVEN: &str = "given";
+
 /// A choice in a drop-down list.
 fn combo(ui: &mut Ui, place: &Place, now: &str, width: f32, add: impl FnOnce(&mut Ui)) {
     named(ui, place, |ui| {
@@ -218,7 +221,8 @@ fn choice(
     let own = words.iter().map(|word| [word.word, word.label, word.help]);
     let all: Vec<[&str; 3]> = own.chain(also.iter().map(|[word, label]| [word.as_str(), word, label])).collect();
     let known = now.and_then(|now| all.iter().find(|[word, ..]| *word == now)).map(|[_, label, _]| file_name(label));
-    let shown = known.unwrap_or_else(|| now.map_or_else(|| place.field.show_label(value), file_name));
+    let other = || if value.is_object() { GIVEN.to_owned() } else { place.field.show_label(value) };
+    let shown = known.unwrap_or_else(|| now.map_or_else(other, file_name));
     let mut change = None;
     combo(ui, place, &shown, width, |ui| {
         for [word, label, help] in &all {
@@ -231,6 +235,14 @@ fn choice(
         let may_be_file = matches!(place.field.kind, Kind::ChoiceOrFile(_));
         if may_be_file && ui.selectable_label(false, "Own file\u{2026}").clicked() {
             change = Some(Change::Choose);
+        }
+        // Its parts have fields of their own.
+        if let Kind::ChoiceOr(_, other) = place.field.kind
+            && let table @ Value::Object(_) = inline_toml(other)
+            && ui.selectable_label(value.is_object(), GIVEN).clicked()
+            && !value.is_object()
+        {
+            change = Some(Change::To(table));
         }
     });
     change

@@ -354,6 +354,11 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         {
             put(&mut values, key, other.word.into());
         }
+        if let When::IsNot(key, _) = field.when
+            && let Some(Kind::ChoiceOr(_, other)) = self.fields().find(|f| f.key == key).map(|f| f.kind)
+        {
+            put(&mut values, key, inline_toml(other));
+        }
         if let When::Is(key, [word, ..]) = field.when {
             let variant = self.fields().find_map(|f| match f.kind {
                 Kind::Variant { tag, variants } if key == format!("{}.{tag}", f.key) => {

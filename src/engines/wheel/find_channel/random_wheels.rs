@@ -14,9 +14,9 @@ use geometry::frame::Cylindrical;
 
 /// A wheel, where it stands, and what it is.
 #[derive(Debug, Clone)]
-struct Case {
-    wheel: ParametricWheel,
-    placement: DAffine3,
+pub(super) struct Case {
+    pub(super) wheel: ParametricWheel,
+    pub(super) placement: DAffine3,
     flow: Flow,
 }
 
@@ -132,7 +132,7 @@ fn shares_of(wheel: &ParametricWheel, place: DVec2) -> [f64; 2] {
 }
 
 /// What is wrong with a recognised channel, of the wheel in its own size.
-fn wrong(case: &Case, channel: &Channel) -> Vec<String> {
+pub(super) fn wrong(case: &Case, channel: &Channel) -> Vec<String> {
     let Case { wheel, placement, flow } = case;
     let scale = placement.matrix3.x_axis.length();
     let mut wrong = Vec::new();
@@ -229,7 +229,7 @@ fn wrong(case: &Case, channel: &Channel) -> Vec<String> {
 const WHEELS: usize = 6;
 
 /// The first wheels of a fixed sequence, those of which `what` finds fault with what it says.
-fn faulty(what: impl Fn(&Case) -> Vec<String>) -> String {
+pub(super) fn faulty(what: impl Fn(&Case) -> Vec<String>) -> String {
     let mut runner = TestRunner::deterministic();
     let all = (0..WHEELS).map(|number| (number, cases(number).new_tree(&mut runner).unwrap().current()));
     let faulty = all.filter_map(|(number, case)| {

@@ -2,9 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use glam::{DQuat, DVec2, DVec3, EulerRot, Vec3Swizzles as _};
+use glam::{DAffine3, DQuat, DVec2, DVec3, EulerRot, Vec3Swizzles as _};
 
 use super::find_channel;
+use super::random_wheels::{faulty, wrong};
 use crate::channel::Channel;
 use crate::error::BliskError;
 use crate::fixtures::{TestBlisk, turned_part};
@@ -93,4 +94,29 @@ fn what_no_wheel_can_be_made_of_is_refused() {
         Err(_) => {}
         Ok(channel) => assert!(!channel.unlike.is_empty(), "{:?}", channel.assumed),
     }
+}
+
+/// Wheels of all kinds, cut where it happens to be.
+#[test]
+fn sectors_of_random_wheels_are_recognised() {
+    let faulty = faulty(|case| {
+        let (wheel, pitch) = (&case.wheel, case.wheel.pitch());
+        let most = 0.45 * wheel.blades as f64;
+        // With two kinds of blades two of each must be there.
+        let kinds = if wheel.splitters.is_some() { 2.0 } else { 1.0 };
+        let random = |k: f64| (k * (wheel.wrap + wheel.thickness_mm)).sin().abs();
+        let pitches = (2.0 * kinds + 3.0 * random(71.0)).min(most);
+        if pitches < 2.0 * kinds {
+            return Vec::new();
+        }
+        // Half of them are cut whole pitches apart.
+        let pitches = if random(37.0) < 0.5 { pitches.floor() } else { pitches };
+        let cut = sector(&wheel.mesh_at(DAffine3::IDENTITY), random(53.0) * pitch, pitches * pitch);
+        let placed = cut.mapped(|p| case.placement.transform_point3(p));
+        match find(&placed, &BliskOptions::default()) {
+            Ok(channel) => wrong(case, &channel),
+            Err(error) => vec![format!("{pitches} pitches of {} are refused: {error}", wheel.blades)],
+        }
+    });
+    assert!(faulty.is_empty(), "{faulty}");
 }

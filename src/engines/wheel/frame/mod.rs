@@ -99,8 +99,8 @@ pub(super) fn find_wheel<'a>(
         Ok(blisk) => blisk,
     };
     let kinds = blisk.repetition.kinds;
-    if kinds > 1 && whole.kept < 2 * kinds && options.blades.given().is_none() {
-        return Err(SectorError::Kinds { kinds, kept: whole.kept, axis: whole.axis }.into());
+    if kinds > 1 && whole.seen < 2 * kinds && options.blades.given().is_none() {
+        return Err(SectorError::Kinds { kinds, seen: whole.seen, axis: whole.axis }.into());
     }
     blisk.assumed.insert(0, whole.assumed);
     Ok(Wheel { mesh: Cow::Owned(whole.mesh), is_of_sector: true, blisk })

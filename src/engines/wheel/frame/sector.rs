@@ -4,7 +4,7 @@
 //! axis. The two ends of what is kept are sections of surfaces that repeat, so that they are congruent but for the
 //! chord error of the mesh: they are joined point by point, and where that does not close the surface there is no wheel.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec2, DVec3, Vec3Swizzles as _};
@@ -14,14 +14,17 @@ use super::axis::{Axis, Turning};
 use super::frame_along;
 use super::slices::{CELLS, Slices};
 use crate::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
-use geometry::frame::{Frame, wrap_angle};
+use geometry::exact::ExactMesh;
+use geometry::frame::{Cylindrical, Frame, wrap_angle};
 use geometry::mesh::{Mesh, normal_times_two_areas};
 use task::{Cancel, Cancelled};
 
 /// Distance within which points lie on a cut, as a share of the sector's size: the rounding of files.
 const ON_CUT: f64 = 2e-5;
-/// Distance within which the two ends are joined, as a share of the sector's size: chord errors.
+/// Distance within which the two ends are joined, as a share of the sector's size, if its chord errors are no greater,
+/// and the most that these may be.
 const JOINT: f64 = 2e-4;
+const MOST_JOINT: f64 = 5e-3;
 /// Angles that are the same (rad).
 const SAME: f64 = 1e-3;
 
@@ -33,8 +36,8 @@ pub(super) struct Whole {
     pub axis: Axis,
     /// Its number of blades.
     pub blades: usize,
-    /// Passages of the sector that it was made of.
-    pub kept: usize,
+    /// Whole pitches that the sector holds.
+    pub seen: usize,
     /// What was assumed, in a sentence.
     pub assumed: String,
 }
@@ -92,19 +95,22 @@ pub enum SectorError {
     },
     /// Its blades differ, and it cannot be told whether they repeat.
     #[error(
-        "the mesh is a sector about the axis {axis}, and the blades between its {kept} passages are not alike: {kinds} kinds \
-         can only be told to repeat in a sector of {} passages; load a larger sector or the whole wheel, or confirm the \
+        "the mesh is a sector about the axis {axis}, and the blades of its {seen} pitches are not alike: {kinds} kinds \
+         can only be told to repeat in a sector of {} pitches; load a larger sector or the whole wheel, or confirm the \
          number of blades of the whole wheel with blisk.blades",
         2 * .kinds
     )]
     Kinds {
         /// Kinds of blades.
         kinds: usize,
-        /// Passages that were looked at.
-        kept: usize,
+        /// Pitches that were looked at.
+        seen: usize,
         /// The axis.
         axis: Axis,
     },
+    /// Its mesh cannot be searched.
+    #[error("the mesh cannot be searched for a sector: {0}")]
+    Mesh(String),
     /// The ends fit, but joined they do not close the surface.
     #[error(
         "the mesh is a sector of {angle_deg:.2} deg about the axis {axis}, but its turned copies do not close to a wheel: \
@@ -127,7 +133,7 @@ impl SectorError {
             | Self::Unlike { axis, .. }
             | Self::Kinds { axis, .. }
             | Self::Open { axis, .. } => Some(*axis),
-            Self::Cancelled(_) => None,
+            Self::Cancelled(_) | Self::Mesh(_) => None,
         }
     }
 }
@@ -222,7 +228,7 @@ fn sectors(mesh: &Mesh, options: &BliskOptions) -> Vec<Sector> {
     /// Cuts at a smaller angle meet nowhere that can be told.
     const LEAST_ANGLE: f64 = 0.01;
     /// Hub, shroud and rims are at least this share of the surface of a sector.
-    const LEAST_TURNING: f64 = 0.1;
+    const LEAST_TURNING: f64 = 0.02;
     let size = mesh.bounds().size().length();
     let on_cut = ON_CUT * size;
     let (cuts, turning) = (cuts(mesh, on_cut), Turning::new(mesh));
@@ -250,9 +256,25 @@ fn sectors(mesh: &Mesh, options: &BliskOptions) -> Vec<Sector> {
         let between = |low: DVec3, high: DVec3| (upper(high) - lower(low)).rem_euclid(TAU);
         let (low, high) = if between(a, b) < PI { (a, b) } else { (b, a) };
         let (from, angle) = (lower(low), between(low, high));
-        Sector { mesh: mesh.in_frame(&frame), frame, axis, from, angle, on_cut, joint: JOINT * size }
+        let mesh = mesh.in_frame(&frame);
+        let joint = (JOINT * size).max(chord_error(&mesh).min(MOST_JOINT * size));
+        Sector { mesh, frame, axis, from, angle, on_cut, joint }
     };
     axes.into_iter().map(sector).filter(|sector| sector.angle < PI).collect()
+}
+
+/// Greatest height of an arc about the axis over the edge that stands for it (mm).
+fn chord_error(mesh: &Mesh) -> f64 {
+    /// Ends of such an edge have the same radius to this share, and go along the axis by no more than this share.
+    const LEVEL: f64 = 1e-3;
+    let edges = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let rise = |edge: [u32; 2]| {
+        let [a, b] = edge.map(|v| Cylindrical::from_point(mesh.vertices[v as usize]));
+        let half = 0.5 * wrap_angle(b.theta - a.theta).abs();
+        let is_arc = (a.r - b.r).abs() < LEVEL * a.r && (a.x - b.x).abs() < 0.1 * half * a.r;
+        if is_arc { a.r * (1.0 - half.cos()) } else { 0.0 }
+    };
+    edges.map(rise).fold(0.0, f64::max)
 }
 
 fn is_allowed(axis: &Axis, options: &BliskOptions, size: f64) -> bool {
@@ -271,40 +293,101 @@ fn is_allowed(axis: &Axis, options: &BliskOptions, size: f64) -> bool {
 
 impl Sector {
     fn whole(&self, wanted: Option<usize>, cancel: &Cancel) -> Result<Whole, SectorError> {
+        /// Numbers of pitches that are tried, the greatest first, and places of each.
+        const TRIED: usize = 4;
+        const PLACES: [f64; 7] = [0.5, 0.25, 0.75, 0.1, 0.9, 0.4, 0.6];
         let (axis, angle_deg) = (self.axis, self.angle.to_degrees());
-        let count = wanted.map_or_else(|| self.blades(cancel), |given| Ok(Some(given)))?;
+        let slices = Slices::new(self.mesh.clone());
+        let (count, bladed) = self.blades(&slices, wanted, cancel)?;
         let blades = count.ok_or(SectorError::Pitch { angle_deg, axis })?;
         let pitch = TAU / blades as f64;
         let fits = |k: &usize| *k as f64 * pitch < self.angle + SAME * pitch && *k as f64 * pitch < PI;
-        let kept = (1..=blades).rev().filter(|k| blades.is_multiple_of(*k)).find(fits);
-        let kept = kept.ok_or(SectorError::Narrow { angle_deg, pitch_deg: pitch.to_degrees(), blades, axis })?;
-        let kept_angle = kept as f64 * pitch;
-        // The whole of it where that is as many pitches, else its middle.
-        let spare = (self.angle - kept_angle).max(0.0);
-        let from = if spare < SAME * pitch { self.from } else { self.from + 0.5 * spare };
-        let ends = [from, from + kept_angle];
-        let around = |theta: f64| DVec3::new(0.0, -theta.cos(), -theta.sin());
-        let slab = clipped(&clipped(&self.mesh, around(ends[0]), self.on_cut), -around(ends[1]), self.on_cut);
-        cancel.check()?;
-        let mesh = self.turned(slab, ends, blades / kept)?;
-        let assumed = format!(
-            "The mesh is a sector of {angle_deg:.3} deg. Its cuts meet in the axis {axis}; {kept} of its pitches were turned \
-             about it into the {} sectors of the whole wheel of {blades} blades.",
-            blades / kept
-        );
-        Ok(Whole { mesh: mesh.in_parent_of(&self.frame), axis, blades, kept, assumed })
+        let all = (1..=blades).rev().filter(|k| blades.is_multiple_of(*k)).filter(fits);
+        let exact = ExactMesh::new(&self.mesh).map_err(|e| SectorError::Mesh(e.to_string()))?;
+        let mut error = SectorError::Narrow { angle_deg, pitch_deg: pitch.to_degrees(), blades, axis };
+        for (i, kept) in all.take(TRIED).enumerate() {
+            let kept_angle = kept as f64 * pitch;
+            let spare = (self.angle - kept_angle).max(0.0);
+            if let Some(unlike) =
+                self.unlike(&exact, |p| slices.cell_at(p).is_some_and(|c| bladed.contains(&c)), kept_angle)
+            {
+                error = if i == 0 { unlike } else { error };
+                continue;
+            }
+            // The whole of it where that is as many pitches; else wherever its ends meet no hole.
+            let is_whole = spare < SAME * pitch;
+            for place in if is_whole { &[0.0][..] } else { &PLACES } {
+                cancel.check()?;
+                let from = self.from + place * spare;
+                match self.turned([from, from + kept_angle], blades / kept) {
+                    Ok(mesh) => {
+                        let seen = ((self.angle + SAME * pitch) / pitch) as usize;
+                        let assumed = self.assumed(kept, blades);
+                        return Ok(Whole { mesh: mesh.in_parent_of(&self.frame), axis, blades, seen, assumed });
+                    }
+                    Err(other) => error = if i == 0 { other } else { error },
+                }
+            }
+        }
+        Err(error)
     }
 
-    /// The number of blades of the whole wheel, from those of the sector; from its angle if that holds fewer than two.
-    fn blades(&self, cancel: &Cancel) -> Result<Option<usize>, Cancelled> {
+    fn assumed(&self, kept: usize, blades: usize) -> String {
+        format!(
+            "The mesh is a sector of {:.3} deg. Its cuts meet in the axis {}; {kept} of its pitches were turned about it \
+             into the {} sectors of the whole wheel of {blades} blades. What does not repeat with the blades, as bolt \
+             holes, is not where it is on the part.",
+            self.angle.to_degrees(),
+            self.axis,
+            blades / kept
+        )
+    }
+
+    /// Why the blades do not repeat after a turn by `angle`, as far as that stays in the sector; none if they do.
+    fn unlike(&self, exact: &ExactMesh, is_bladed: impl Fn(DVec3) -> bool + Sync, angle: f64) -> Option<SectorError> {
+        /// Triangles that are enough to tell.
+        const ENOUGH: usize = 6000;
+        /// Share of the surface that may be off: edges of holes and of the cuts.
+        const LEAST: f64 = 0.01;
+        let turn = DMat3::from_rotation_x(angle);
+        let [from, to] = [self.from, self.from + self.angle - angle];
+        let slack = 4.0 * SAME;
+        let is_inside = |p: DVec3| {
+            let theta = wrap_angle(Cylindrical::from_point(p).theta - 0.5 * (from + to));
+            to - from > 2.0 * slack && theta.abs() < 0.5 * (to - from) - slack
+        };
+        let step = (self.mesh.triangles.len() / ENOUGH) | 1;
+        let middle = |corners: [DVec3; 3]| corners.into_iter().sum::<DVec3>() / 3.0;
+        let looked_at: Vec<[DVec3; 3]> = self.mesh.iter_corners().step_by(step).collect();
+        let seen = looked_at.into_par_iter().filter(|c| is_inside(middle(*c)) && is_bladed(middle(*c)));
+        let off = |corners: [DVec3; 3]| {
+            let p = middle(corners);
+            (exact.signed_distance(turn * p).abs(), normal_times_two_areas(corners).length(), p)
+        };
+        let seen: Vec<(f64, f64, DVec3)> = seen.map(off).collect();
+        let all: f64 = seen.iter().map(|(_, area, _)| area).sum();
+        let odd: f64 = seen.iter().filter(|(off, ..)| *off > self.joint).map(|(_, area, _)| area).sum();
+        let (off_mm, _, at) = seen.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).filter(|_| odd > LEAST * all)?;
+        let Cylindrical { x, r, .. } = Cylindrical::from_point(at);
+        Some(SectorError::Unlike { angle_deg: angle.to_degrees(), off_mm, x, r, axis: self.axis })
+    }
+
+    /// The number of blades of the whole wheel, unless it is `wanted`: from those of the sector, or from its angle if it
+    /// holds fewer than two; and the cells of `slices` in which blades follow each other at that pitch.
+    fn blades(
+        &self,
+        slices: &Slices,
+        wanted: Option<usize>,
+        cancel: &Cancel,
+    ) -> Result<(Option<usize>, HashSet<[usize; 2]>), Cancelled> {
         /// Circles that are enough to tell.
         const ENOUGH: usize = 20;
         /// Part of a blade by which a count may be off.
         const OFF: f64 = 0.05;
-        let slices = Slices::new(self.mesh.clone());
         let middle = self.from + 0.5 * self.angle;
         let beside = |theta: f64| wrap_angle(theta - middle).abs() < 0.5 * self.angle - SAME;
-        let mut pitches = Vec::new();
+        let mut steps: Vec<([usize; 2], f64)> = Vec::new();
+        let mut double = Vec::new();
         for ix in 0..CELLS[0] {
             cancel.check()?;
             for ir in 0..CELLS[1] {
@@ -314,26 +397,40 @@ impl Sector {
                     gaps.iter().filter(|g| g.width() < self.angle && beside(g.low.theta) && beside(g.high.theta));
                 let mut lows: Vec<f64> = passed.map(|g| wrap_angle(g.low.theta - middle)).collect();
                 lows.sort_by(f64::total_cmp);
-                pitches.extend(lows.windows(2).map(|w| w[1] - w[0]));
+                steps.extend(lows.windows(2).map(|w| ([ix, ir], w[1] - w[0])));
+                double.extend(lows.windows(3).map(|w| 0.5 * (w[2] - w[0])));
             }
         }
-        let whole = |count: f64| (count - count.round()).abs() < OFF && count.round() >= 3.0;
-        if pitches.len() < ENOUGH {
-            let count = TAU / self.angle;
-            return Ok(whole(count).then_some(count.round() as usize));
-        }
+        let single = steps.iter().map(|(_, step)| *step);
+        // Splitters off the middle make every other pitch a smaller one.
+        let mut pitches: Vec<f64> = if double.len() < ENOUGH { single.collect() } else { double };
         pitches.sort_by(f64::total_cmp);
-        let pitch = pitches[pitches.len() / 2];
-        let by_blades = TAU / pitch;
-        // The cuts are mostly whole pitches apart, and then tell more exactly than the facets of blades.
-        let by_cuts = TAU * (self.angle / pitch).round() / self.angle;
-        let count = if whole(by_cuts) && (by_cuts - by_blades).abs() < 0.3 { by_cuts } else { by_blades };
-        Ok((count.round() >= 3.0).then_some(count.round() as usize))
+        let whole = |count: f64| (count - count.round()).abs() < OFF;
+        let count = if let Some(wanted) = wanted {
+            wanted as f64
+        } else if pitches.len() < ENOUGH {
+            let by_cuts = TAU / self.angle;
+            if whole(by_cuts) { by_cuts } else { 0.0 }
+        } else {
+            let pitch = pitches[pitches.len() / 2];
+            let by_blades = TAU / pitch;
+            // The cuts are mostly whole pitches apart, and then tell more exactly than the facets of blades.
+            let by_cuts = TAU * (self.angle / pitch).round() / self.angle;
+            if whole(by_cuts) && (by_cuts - by_blades).abs() < 0.3 { by_cuts } else { by_blades }
+        };
+        let count = count.round() as usize;
+        // Those off the middle by up to a third of the pitch.
+        let is_pitch = |step: f64| (step * count as f64 / TAU - 1.0).abs() < 0.34;
+        let bladed = steps.into_iter().filter(|(_, step)| is_pitch(*step)).map(|(cell, _)| cell).collect();
+        Ok(((count >= 3).then_some(count), bladed))
     }
 
-    /// `copies` of the slab between its `ends`, turned about X and joined.
-    fn turned(&self, mut slab: Mesh, ends: [f64; 2], copies: usize) -> Result<Mesh, SectorError> {
+    /// `copies` of what lies between two angles (rad), turned about X and joined.
+    fn turned(&self, ends: [f64; 2], copies: usize) -> Result<Mesh, SectorError> {
         let angle = ends[1] - ends[0];
+        let around = |theta: f64| DVec3::new(0.0, -theta.cos(), -theta.sin());
+        let lower = clipped(&self.mesh, around(ends[0]), self.on_cut);
+        let mut slab = clipped(&lower, -around(ends[1]), self.on_cut);
         let partners = join(&mut slab, ends, self.on_cut, self.joint).map_err(|(off_mm, at)| SectorError::Unlike {
             angle_deg: angle.to_degrees(),
             off_mm,
@@ -423,97 +520,188 @@ fn compact(mesh: Mesh) -> Mesh {
     Mesh { vertices, triangles }
 }
 
-/// One of the two outlines that are to be joined.
+/// A closed line of open edges in a half-plane, as the triangles of the lower end have them: that of the upper end is
+/// turned round.
 struct Outline {
-    /// Edges, as the triangles have them.
-    edges: Vec<[u32; 2]>,
-    /// Its vertices, with their place in its half-plane: along the axis and away from it.
-    points: Vec<(u32, DVec2)>,
+    vertices: Vec<u32>,
+    /// Their places in the half-plane: along the axis and away from it.
+    places: Vec<DVec2>,
 }
 
-/// Joins the outlines of the slab at its two ends: answers for each vertex of the upper outline the one of the lower.
-/// Points that the other outline has not are put into its edges.
+impl Outline {
+    /// Place and length of the way (mm) from vertex `from` over `steps` edges, for each vertex on it.
+    fn way(&self, from: usize, steps: usize) -> Vec<(usize, DVec2, f64)> {
+        let n = self.places.len();
+        let (mut way, mut length) = (Vec::with_capacity(steps + 1), 0.0);
+        for step in 0..=steps {
+            let (i, last) = ((from + step) % n, (from + step + n - 1) % n);
+            length += if step > 0 { self.places[i].distance(self.places[last]) } else { 0.0 };
+            way.push((i, self.places[i], length));
+        }
+        way
+    }
+}
+
+/// Reason why two ends are not joined: how far a place of the one is from the other (mm), and the place.
+type Apart = (f64, DVec2);
+
+/// Joins the outlines of the slab at its two ends: answers for each vertex of the upper end the one of the lower that
+/// takes its place. Vertices that are near each other are one; the others are put into the edges of the other end.
 ///
 /// # Errors
-/// How far a point lies from the other outline, and where (along the axis and away from it, mm).
-fn join(slab: &mut Mesh, ends: [f64; 2], on_cut: f64, joint: f64) -> Result<HashMap<u32, u32>, (f64, DVec2)> {
-    let [lower, upper] = ends.map(|theta| outline(slab, theta, on_cut));
-    let mut partners = HashMap::new();
-    let nearest = |outline: &Outline, p: DVec2| {
-        let off = outline.points.iter().map(|(v, q)| (q.distance_squared(p), *v));
-        off.min_by(|a, b| a.0.total_cmp(&b.0))
+/// [`Apart`].
+fn join(slab: &mut Mesh, ends: [f64; 2], on_cut: f64, joint: f64) -> Result<HashMap<u32, u32>, Apart> {
+    let angle = ends[1] - ends[0];
+    let [lower, upper] = [outlines(slab, ends[0], on_cut, false)?, outlines(slab, ends[1], on_cut, true)?];
+    let points = |outlines: &[Outline]| -> Vec<(usize, usize, DVec2)> {
+        let of = |(k, outline): (usize, &Outline)| -> Vec<(usize, usize, DVec2)> {
+            outline.places.iter().enumerate().map(|(i, p)| (k, i, *p)).collect()
+        };
+        outlines.iter().enumerate().flat_map(of).collect()
     };
-    // Each other's nearest.
-    for (v, p) in &upper.points {
-        let Some((off, w)) = nearest(&lower, *p) else { continue };
-        let q = slab_place(slab, w);
-        if off.sqrt() <= 4.0 * on_cut && nearest(&upper, q).is_some_and(|(_, back)| back == *v) {
-            partners.insert(*v, w);
+    let (of_lower, of_upper) = (points(&lower), points(&upper));
+    let nearest = |points: &[(usize, usize, DVec2)], p: DVec2| {
+        let off = points.iter().map(|(k, i, q)| (q.distance_squared(p), *k, *i));
+        off.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(off, k, i)| (off.sqrt(), k, i))
+    };
+    let mut partners = HashMap::new();
+    let mut put: HashMap<[u32; 2], Vec<(f64, u32)>> = HashMap::new();
+    let mut joined = HashSet::new();
+    for (k, outline) in lower.iter().enumerate() {
+        // Each other's nearest.
+        let mutual = |(i, p): (usize, &DVec2)| {
+            let (off, other, j) = nearest(&of_upper, *p)?;
+            let (_, back, own) = nearest(&of_lower, upper[other].places[j])?;
+            (off <= joint && (back, own) == (k, i)).then_some((i, other, j))
+        };
+        let anchors: Vec<(usize, usize, usize)> = outline.places.iter().enumerate().filter_map(mutual).collect();
+        let apart = || {
+            let off = outline.places.iter().filter_map(|p| Some((nearest(&of_upper, *p)?.0, *p)));
+            off.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, DVec2::ZERO))
+        };
+        let Some(&(first, other, start)) = anchors.first() else { return Err(apart()) };
+        let (upper, n) = (&upper[other], upper[other].places.len());
+        if !joined.insert(other) {
+            return Err(apart());
+        }
+        let ahead = anchors.iter().filter(|a| a.1 == other).map(|(i, _, j)| (i - first, (j + n - start) % n));
+        let mut anchors = rising(&ahead.collect::<Vec<_>>());
+        anchors.push((outline.places.len(), n));
+        for pair in anchors.windows(2) {
+            let ((i, j), (to_i, to_j)) = (pair[0], pair[1]);
+            partners.insert(upper.vertices[(start + j) % n], outline.vertices[(first + i) % outline.places.len()]);
+            let ways = [outline.way(first + i, to_i - i), upper.way(start + j, to_j - j)];
+            let [own, theirs] = &ways;
+            for (v, p, share, edge) in between(theirs, own) {
+                let at = slab.vertices.len() as u32;
+                let [from, to] = edge.map(|e| outline.vertices[e]);
+                let [a, b] = [from, to].map(|v| slab.vertices[v as usize]);
+                let new = a.lerp(b, share.1);
+                if DVec2::new(new.x, new.yz().length()).distance(p) > 2.0 * joint {
+                    return Err((DVec2::new(new.x, new.yz().length()).distance(p), p));
+                }
+                slab.vertices.push(new);
+                put.entry([from, to]).or_default().push((share.0, at));
+                partners.insert(upper.vertices[v], at);
+            }
+            for (v, p, share, edge) in between(own, theirs) {
+                let at = slab.vertices.len() as u32;
+                // The other way round again.
+                let [to, from] = edge.map(|e| upper.vertices[e]);
+                let off = upper.places[edge[0]].lerp(upper.places[edge[1]], share.1).distance(p);
+                if off > 2.0 * joint {
+                    return Err((off, p));
+                }
+                let own = outline.vertices[v];
+                slab.vertices.push(DMat3::from_rotation_x(angle) * slab.vertices[own as usize]);
+                put.entry([from, to]).or_default().push((-share.0, at));
+                partners.insert(at, own);
+            }
         }
     }
-    let taken: HashSet<u32> = partners.values().copied().collect();
-    let of_upper: Vec<_> = upper.points.iter().filter(|(v, _)| !partners.contains_key(v)).copied().collect();
-    let of_lower: Vec<_> = lower.points.iter().filter(|(v, _)| !taken.contains(v)).copied().collect();
-    let angle = ends[1] - ends[0];
-    for (added, at) in put_into(slab, &lower, &of_upper, -angle, joint)? {
-        partners.insert(at, added);
+    if let Some((k, _)) = upper.iter().enumerate().find(|(k, _)| !joined.contains(k)) {
+        let p = upper[k].places[0];
+        return Err((nearest(&of_lower, p).map_or(f64::INFINITY, |(off, ..)| off), p));
     }
-    for (added, at) in put_into(slab, &upper, &of_lower, angle, joint)? {
-        partners.insert(added, at);
-    }
+    split_edges(slab, put);
     Ok(partners)
 }
 
-/// Place of a vertex in its half-plane.
-fn slab_place(slab: &Mesh, v: u32) -> DVec2 {
-    let p = slab.vertices[v as usize];
-    DVec2::new(p.x, p.yz().length())
+/// The greatest part of `pairs`, which rise in the first number, that rises in the second as well; it holds the first.
+fn rising(pairs: &[(usize, usize)]) -> Vec<(usize, usize)> {
+    let mut best: Vec<(usize, Option<usize>)> = Vec::new();
+    for (i, (_, j)) in pairs.iter().enumerate() {
+        let before = (0..i).filter(|k| pairs[*k].1 < *j && best[*k].0 > 0).max_by_key(|k| (best[*k].0, *k));
+        // Whatever does not come after the first is nothing.
+        best.push(match before {
+            None if i > 0 => (0, None),
+            before => (before.map_or(0, |k| best[k].0) + 1, before),
+        });
+    }
+    let mut at = (0..best.len()).max_by_key(|i| best[*i].0);
+    let mut found = Vec::new();
+    while let Some(i) = at {
+        found.push(pairs[i]);
+        at = best[i].1;
+    }
+    found.reverse();
+    found
 }
 
-/// The open edges of the slab in the half-plane at `theta`.
-fn outline(slab: &Mesh, theta: f64, on_cut: f64) -> Outline {
+/// The vertices of a way between its ends, each with its place, the edge of `other` in which as large a share of that way
+/// lies behind it, that share, and the share of the edge.
+type Between = (usize, DVec2, (f64, f64), [usize; 2]);
+
+fn between(way: &[(usize, DVec2, f64)], other: &[(usize, DVec2, f64)]) -> Vec<Between> {
+    let [length, others] = [way, other].map(|way| way.last().map_or(0.0, |end| end.2).max(f64::MIN_POSITIVE));
+    let inner = way.iter().skip(1).take(way.len().saturating_sub(2));
+    let find = |(v, p, at): &(usize, DVec2, f64)| {
+        let share = at / length;
+        let edge = other.windows(2).find(|edge| edge[1].2 >= share * others).or(other.windows(2).last())?;
+        let [from, to] = [edge[0].2, edge[1].2];
+        let within = ((share * others - from) / (to - from).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        Some((*v, *p, (share, within), [edge[0].0, edge[1].0]))
+    };
+    inner.filter_map(find).collect()
+}
+
+/// The closed lines of open edges of the slab in the half-plane at `theta`, turned round if `is_upper`.
+///
+/// # Errors
+/// [`Apart`], where such edges are no closed lines.
+fn outlines(slab: &Mesh, theta: f64, on_cut: f64, is_upper: bool) -> Result<Vec<Outline>, Apart> {
     let around = DVec3::new(0.0, -theta.cos(), -theta.sin());
     let lies = |v: u32| around.dot(slab.vertices[v as usize]).abs() <= on_cut;
+    let place = |v: u32| {
+        let p = slab.vertices[v as usize];
+        DVec2::new(p.x, p.yz().length())
+    };
     let all = slab.directed_edges();
-    let open = |&&(a, b): &&(u32, u32)| !all.contains_key(&(b, a)) && lies(a) && lies(b);
-    let mut edges: Vec<[u32; 2]> = all.keys().filter(open).map(|&(a, b)| [a, b]).collect();
-    edges.sort_unstable();
-    let mut vertices: Vec<u32> = edges.iter().flatten().copied().collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    let points = vertices.into_iter().map(|v| (v, slab_place(slab, v))).collect();
-    Outline { edges, points }
+    let mut next = BTreeMap::new();
+    for &(a, b) in all.keys().filter(|(a, b)| !all.contains_key(&(*b, *a)) && lies(*a) && lies(*b)) {
+        let (from, to) = if is_upper { (b, a) } else { (a, b) };
+        if next.insert(from, to).is_some() {
+            return Err((0.0, place(from)));
+        }
+    }
+    let mut found = Vec::new();
+    while let Some((&start, _)) = next.first_key_value() {
+        let (mut vertices, mut at) = (Vec::new(), start);
+        while let Some(to) = next.remove(&at) {
+            vertices.push(at);
+            at = to;
+        }
+        if at != start {
+            return Err((f64::INFINITY, place(at)));
+        }
+        let places = vertices.iter().map(|v| place(*v)).collect();
+        found.push(Outline { vertices, places });
+    }
+    Ok(found)
 }
 
-/// Puts `points` into the nearest edges of an outline, each where it stands once it is turned by `turn` (rad); answers
-/// the new vertices with those that they were made from.
-fn put_into(
-    slab: &mut Mesh,
-    outline: &Outline,
-    points: &[(u32, DVec2)],
-    turn: f64,
-    joint: f64,
-) -> Result<Vec<(u32, u32)>, (f64, DVec2)> {
-    let turn = DMat3::from_rotation_x(turn);
-    let mut put: HashMap<[u32; 2], Vec<(f64, u32, u32)>> = HashMap::new();
-    let mut added = Vec::new();
-    for &(v, p) in points {
-        let off = |edge: &[u32; 2]| {
-            let [a, b] = edge.map(|v| slab_place(slab, v));
-            let share = ((p - a).dot(b - a) / (b - a).length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            (a.lerp(b, share).distance(p), share)
-        };
-        let all = outline.edges.iter().map(|edge| (off(edge), *edge));
-        let nearest = all.min_by(|(a, _), (b, _)| a.0.total_cmp(&b.0));
-        let ((distance, share), edge) = nearest.ok_or((f64::INFINITY, p))?;
-        if distance > joint {
-            return Err((distance, p));
-        }
-        let new = slab.vertices.len() as u32;
-        slab.vertices.push(turn * slab.vertices[v as usize]);
-        put.entry(edge).or_default().push((share, new, v));
-        added.push((new, v));
-    }
+/// Puts vertices into open edges, each with its order along its edge.
+fn split_edges(slab: &mut Mesh, mut put: HashMap<[u32; 2], Vec<(f64, u32)>>) {
     let mut i = 0;
     // What is added is looked at as well: a triangle may have two such edges.
     while i < slab.triangles.len() {
@@ -529,5 +717,4 @@ fn put_into(
         slab.triangles[i] = [chain[0], chain[1], apex];
         slab.triangles.extend(chain.windows(2).skip(1).map(|w| [w[0], w[1], apex]));
     }
-    Ok(added)
 }

@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3Swizzles as _};
 
 use geometry::frame::{Cylindrical, wrap_angle};
 use geometry::mesh::{Mesh, unit_normal};
@@ -126,6 +126,14 @@ impl Slices {
     /// Middle (x, r) of a cell of the grid of [`CELLS`].
     pub fn cell_middle(&self, ix: usize, ir: usize) -> DVec2 {
         self.origin + self.cell_size() * (DVec2::new(ix as f64, ir as f64) + 0.5)
+    }
+
+    /// The cell of the grid of [`CELLS`] that holds the circle through `p`.
+    pub fn cell_at(&self, p: DVec3) -> Option<[usize; 2]> {
+        let at = (DVec2::new(p.x, p.yz().length()) - self.origin) / self.cell_size();
+        let [x, r] = [at.x.floor(), at.y.floor()];
+        let inside = (0.0..CELLS[0] as f64).contains(&x) && (0.0..CELLS[1] as f64).contains(&r);
+        inside.then_some([x as usize, r as usize])
     }
 
     /// Size of a cell of the grid of [`CELLS`] along x and r (mm).

@@ -1,6 +1,6 @@
 //! Every parameter of a blisk's plan. Forms, `--set`, reports and the names of steps of undo are made from this table.
 
-use files::{Field, FieldTable, Group, Word, word};
+use files::{Field, FieldTable, Group, When, Word, word};
 
 use super::PlanJob;
 
@@ -15,6 +15,8 @@ const UNITS: &[Word] = &[
     word("um", "µm", ""),
 ];
 const AXES: &[Word] = &[word("auto", "automatic", ""), word("x", "X", ""), word("y", "Y", ""), word("z", "Z", "")];
+/// The words of [`AXES`]: otherwise the axis is a line that is given.
+const AXIS_WORDS: &[&str] = &["auto", "x", "y", "z"];
 const SIDES: &[Word] = &[word("auto", "automatic", ""), word("-x", "-X", ""), word("+x", "+X", "")];
 const MACHINES: &[Word] = &[word("XYZC", "XYZ C", ""), word("XYZAC", "XYZ A C", ""), word("XYZABC", "XYZ A B C", "")];
 const BODIES: &[Word] = &[
@@ -69,8 +71,16 @@ const GROUPS: &[Group] = &[
                 .symbol("X")
                 .help(
                     "The blisk's axis in the coordinates of the mesh. It becomes the X axis of the workpiece \
-                     frame W.",
+                     frame W. Found from the mesh, along an axis of the mesh at the place that suits best, or a line \
+                     that is given by its direction and a point of it.",
                 ),
+            Field::direction("blisk.axis.direction", "Direction of axis")
+                .when(When::IsNot("blisk.axis", AXIS_WORDS))
+                .help("Direction of the blisk's axis in the coordinates of the mesh."),
+            Field::numbers("blisk.axis.point", "Point on axis", "mm", -1e6, 1e6)
+                .count(3)
+                .when(When::IsNot("blisk.axis", AXIS_WORDS))
+                .help("A point of the blisk's axis in the coordinates of the mesh."),
             Field::integer("blisk.blades", "Blades", 2.0, 1000.0)
                 .or_word("auto", 60.0)
                 .help("Number of blades around the axis."),
