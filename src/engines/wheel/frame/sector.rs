@@ -210,6 +210,13 @@ fn cuts(mesh: &Mesh, on_cut: f64) -> Vec<Cut> {
     found
 }
 
+/// Blades of the whole wheel.
+struct Blades {
+    count: usize,
+    /// Cells of the slices in which they follow each other.
+    cells: HashSet<[usize; 2]>,
+}
+
 /// A sector between two cuts, in the frame of its axis.
 struct Sector {
     mesh: Mesh,
@@ -293,25 +300,42 @@ fn is_allowed(axis: &Axis, options: &BliskOptions, size: f64) -> bool {
 
 impl Sector {
     fn whole(&self, wanted: Option<usize>, cancel: &Cancel) -> Result<Whole, SectorError> {
+        let (axis, angle_deg) = (self.axis, self.angle.to_degrees());
+        let slices = Slices::new(self.mesh.clone());
+        let exact = ExactMesh::new(&self.mesh).map_err(|e| SectorError::Mesh(e.to_string()))?;
+        let mut first_error = None;
+        for blades in self.counts(&slices, wanted, cancel)? {
+            match self.with_blades(&blades, &exact, &slices, cancel) {
+                Err(SectorError::Cancelled(cancelled)) => return Err(cancelled.into()),
+                Err(error) => first_error = first_error.or(Some(error)),
+                whole => return whole,
+            }
+        }
+        Err(first_error.unwrap_or(SectorError::Pitch { angle_deg, axis }))
+    }
+
+    /// The wheel of so many blades, if the sector is one of it.
+    fn with_blades(
+        &self,
+        blades: &Blades,
+        exact: &ExactMesh,
+        slices: &Slices,
+        cancel: &Cancel,
+    ) -> Result<Whole, SectorError> {
         /// Numbers of pitches that are tried, the greatest first, and places of each.
         const TRIED: usize = 4;
         const PLACES: [f64; 7] = [0.5, 0.25, 0.75, 0.1, 0.9, 0.4, 0.6];
-        let (axis, angle_deg) = (self.axis, self.angle.to_degrees());
-        let slices = Slices::new(self.mesh.clone());
-        let (count, bladed) = self.blades(&slices, wanted, cancel)?;
-        let blades = count.ok_or(SectorError::Pitch { angle_deg, axis })?;
-        let pitch = TAU / blades as f64;
+        let (axis, angle_deg, Blades { count, cells }) = (self.axis, self.angle.to_degrees(), blades);
+        let pitch = TAU / *count as f64;
         let fits = |k: &usize| *k as f64 * pitch < self.angle + SAME * pitch && *k as f64 * pitch < PI;
-        let all = (1..=blades).rev().filter(|k| blades.is_multiple_of(*k)).filter(fits);
-        let exact = ExactMesh::new(&self.mesh).map_err(|e| SectorError::Mesh(e.to_string()))?;
-        let mut error = SectorError::Narrow { angle_deg, pitch_deg: pitch.to_degrees(), blades, axis };
-        for (i, kept) in all.take(TRIED).enumerate() {
+        let all = (1..=*count).rev().filter(|k| count.is_multiple_of(*k)).filter(fits);
+        let is_bladed = |p: DVec3| slices.cell_at(p).is_some_and(|cell| cells.contains(&cell));
+        let mut first_error = None;
+        for kept in all.take(TRIED) {
             let kept_angle = kept as f64 * pitch;
             let spare = (self.angle - kept_angle).max(0.0);
-            if let Some(unlike) =
-                self.unlike(&exact, |p| slices.cell_at(p).is_some_and(|c| bladed.contains(&c)), kept_angle)
-            {
-                error = if i == 0 { unlike } else { error };
+            if let Some(unlike) = self.unlike(exact, is_bladed, kept_angle) {
+                first_error = first_error.or(Some(unlike));
                 continue;
             }
             // The whole of it where that is as many pitches; else wherever its ends meet no hole.
@@ -319,17 +343,19 @@ impl Sector {
             for place in if is_whole { &[0.0][..] } else { &PLACES } {
                 cancel.check()?;
                 let from = self.from + place * spare;
-                match self.turned([from, from + kept_angle], blades / kept) {
+                match self.turned([from, from + kept_angle], count / kept) {
                     Ok(mesh) => {
-                        let seen = ((self.angle + SAME * pitch) / pitch) as usize;
-                        let assumed = self.assumed(kept, blades);
-                        return Ok(Whole { mesh: mesh.in_parent_of(&self.frame), axis, blades, seen, assumed });
+                        let (seen, assumed) =
+                            (((self.angle + SAME * pitch) / pitch) as usize, self.assumed(kept, *count));
+                        let mesh = mesh.in_parent_of(&self.frame);
+                        return Ok(Whole { mesh, axis, blades: *count, seen, assumed });
                     }
-                    Err(other) => error = if i == 0 { other } else { error },
+                    Err(error) => first_error = first_error.or(Some(error)),
                 }
             }
         }
-        Err(error)
+        let narrow = SectorError::Narrow { angle_deg, pitch_deg: pitch.to_degrees(), blades: *count, axis };
+        Err(first_error.unwrap_or(narrow))
     }
 
     fn assumed(&self, kept: usize, blades: usize) -> String {
@@ -372,57 +398,58 @@ impl Sector {
         Some(SectorError::Unlike { angle_deg: angle.to_degrees(), off_mm, x, r, axis: self.axis })
     }
 
-    /// The number of blades of the whole wheel, unless it is `wanted`: from those of the sector, or from its angle if it
-    /// holds fewer than two; and the cells of `slices` in which blades follow each other at that pitch.
-    fn blades(
-        &self,
-        slices: &Slices,
-        wanted: Option<usize>,
-        cancel: &Cancel,
-    ) -> Result<(Option<usize>, HashSet<[usize; 2]>), Cancelled> {
+    /// The numbers of blades that the whole wheel may have, the likeliest first: those at whose pitch the most circles
+    /// pass from solid to solid again. That of its angle, if it holds no two blades.
+    fn counts(&self, slices: &Slices, wanted: Option<usize>, cancel: &Cancel) -> Result<Vec<Blades>, Cancelled> {
         /// Circles that are enough to tell.
         const ENOUGH: usize = 20;
-        /// Part of a blade by which a count may be off.
-        const OFF: f64 = 0.05;
+        /// Counts that are tried.
+        const TRIED: usize = 4;
+        /// Most blades.
+        const MOST: usize = 300;
         let middle = self.from + 0.5 * self.angle;
-        let beside = |theta: f64| wrap_angle(theta - middle).abs() < 0.5 * self.angle - SAME;
-        let mut steps: Vec<([usize; 2], f64)> = Vec::new();
-        let mut double = Vec::new();
+        // Not the cuts themselves.
+        let is_inside = |theta: &f64| theta.abs() < 0.5 * self.angle - SAME;
+        let mut steps: Vec<([usize; 2], f64, usize)> = Vec::new();
         for ix in 0..CELLS[0] {
             cancel.check()?;
             for ir in 0..CELLS[1] {
                 let at = slices.cell_middle(ix, ir);
-                let gaps = slices.gaps(at.x, at.y);
-                let passed =
-                    gaps.iter().filter(|g| g.width() < self.angle && beside(g.low.theta) && beside(g.high.theta));
-                let mut lows: Vec<f64> = passed.map(|g| wrap_angle(g.low.theta - middle)).collect();
-                lows.sort_by(f64::total_cmp);
-                steps.extend(lows.windows(2).map(|w| ([ix, ir], w[1] - w[0])));
-                double.extend(lows.windows(3).map(|w| 0.5 * (w[2] - w[0])));
+                let crossings = slices.circle(at.x, at.y);
+                for enters in [true, false] {
+                    let thetas = crossings.iter().filter(|c| c.enters == enters).map(|c| wrap_angle(c.theta - middle));
+                    let mut thetas: Vec<f64> = thetas.filter(is_inside).collect();
+                    thetas.sort_by(f64::total_cmp);
+                    steps.extend(thetas.windows(2).map(|w| ([ix, ir], w[1] - w[0], 1)));
+                    // Splitters off the middle make every other pitch a smaller one.
+                    steps.extend(thetas.windows(3).map(|w| ([ix, ir], 0.5 * (w[2] - w[0]), 2)));
+                }
             }
         }
-        let single = steps.iter().map(|(_, step)| *step);
-        // Splitters off the middle make every other pitch a smaller one.
-        let mut pitches: Vec<f64> = if double.len() < ENOUGH { single.collect() } else { double };
-        pitches.sort_by(f64::total_cmp);
-        let whole = |count: f64| (count - count.round()).abs() < OFF;
-        let count = if let Some(wanted) = wanted {
-            wanted as f64
-        } else if pitches.len() < ENOUGH {
-            let by_cuts = TAU / self.angle;
-            if whole(by_cuts) { by_cuts } else { 0.0 }
-        } else {
-            let pitch = pitches[pitches.len() / 2];
-            let by_blades = TAU / pitch;
-            // The cuts are mostly whole pitches apart, and then tell more exactly than the facets of blades.
-            let by_cuts = TAU * (self.angle / pitch).round() / self.angle;
-            if whole(by_cuts) && (by_cuts - by_blades).abs() < 0.3 { by_cuts } else { by_blades }
+        let is_pitch = |step: f64, count: usize, within: f64| (step * count as f64 / TAU - 1.0).abs() < within;
+        let bladed = |count: usize| {
+            // Those off the middle by up to a third of the pitch.
+            let near = steps.iter().filter(|(_, step, _)| is_pitch(*step, count, 0.34));
+            Blades { count, cells: near.map(|(cell, ..)| *cell).collect() }
         };
-        let count = count.round() as usize;
-        // Those off the middle by up to a third of the pitch.
-        let is_pitch = |step: f64| (step * count as f64 / TAU - 1.0).abs() < 0.34;
-        let bladed = steps.into_iter().filter(|(_, step)| is_pitch(*step)).map(|(cell, _)| cell).collect();
-        Ok(((count >= 3).then_some(count), bladed))
+        if let Some(count) = wanted {
+            return Ok(vec![bladed(count)]);
+        }
+        let mut votes = vec![0; MOST + 1];
+        for (_, step, weight) in &steps {
+            let count = (TAU / step).round();
+            if (3.0..=MOST as f64).contains(&count) && is_pitch(*step, count as usize, 0.25 / count) {
+                votes[count as usize] += weight;
+            }
+        }
+        let mut counts: Vec<usize> = (3..=MOST).filter(|n| votes[*n] >= ENOUGH).collect();
+        counts.sort_by_key(|n| (std::cmp::Reverse(votes[*n]), *n));
+        counts.truncate(TRIED);
+        let by_cuts = TAU / self.angle;
+        if counts.is_empty() && (by_cuts - by_cuts.round()).abs() < 0.01 {
+            counts.push(by_cuts.round() as usize);
+        }
+        Ok(counts.into_iter().filter(|n| *n >= 3).map(bladed).collect())
     }
 
     /// `copies` of what lies between two angles (rad), turned about X and joined.
