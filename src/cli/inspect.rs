@@ -24,7 +24,8 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
     let inspection = inspect_blisk(&imported.mesh, &options, &session.task)?;
     let measured = match (&arguments.sections, &inspection.channel) {
         (Some(file), Some(channel)) => {
-            Some(measured(file, &imported.mesh.in_frame(&channel.frame), channel.sides, session)?)
+            let wheel = inspection.whole.as_deref().unwrap_or(&imported.mesh);
+            Some(measured(file, &wheel.in_frame(&channel.frame), channel.sides, session)?)
         }
         _ => None,
     };

@@ -17,8 +17,9 @@ use geometry::mesh::Mesh;
 use import::Units;
 use nc::path_csv::read_path_csv;
 use wheel::channel::{Channel, Surface};
+use wheel::error::BliskError;
 use wheel::find_channel::find_channel;
-use wheel::options::BliskOptions;
+use wheel::options::{AxisChoice, AxisLine, BliskOptions};
 use wheel::surface_finder::SurfaceFinder;
 
 /// Said where a path does not hold for the electrode as it is given, but does for one that stands in the path's frame.
@@ -36,8 +37,13 @@ struct Inputs {
 /// Verifies the path of `arguments`.
 pub(super) fn verify(arguments: &VerifyArguments, session: &Session) -> anyhow::Result<Answer> {
     let options = options(arguments)?;
-    let inputs = read(arguments, session)?;
-    let channel = channel_of(&inputs.blisk, &inputs.path, session);
+    let mut inputs = read(arguments, session)?;
+    let found = channel_of(&inputs.blisk, &inputs.path, session)?;
+    // Of a sector the whole wheel is in the way, whichever channel of it was found.
+    if let Some(whole) = found.as_ref().and_then(|channel| channel.whole.as_deref()) {
+        inputs.blisk = whole.clone();
+    }
+    let channel = found.filter(|channel| is_of(channel, &inputs.path));
     if let Some(folder) = &arguments.out {
         // An older verdict must not outlive a failure of this one.
         for name in ["verify.json", "verify.html"] {
@@ -119,9 +125,8 @@ fn certify(
     session: &Session,
 ) -> anyhow::Result<Certificate> {
     let Inputs { blisk, path, .. } = inputs;
-    // Of a sector the whole wheel is in the way.
-    let wheel = channel.and_then(|c| c.whole.as_deref()).unwrap_or(blisk).in_frame(&path.frame);
-    let verifier = Verifier::new(&wheel, electrode_in_w, path.reference_point, &session.task.cancel)?;
+    let verifier =
+        Verifier::new(&blisk.in_frame(&path.frame), electrode_in_w, path.reference_point, &session.task.cancel)?;
     let verifier = match travel {
         Some(travel) => verifier.within(travel),
         None => verifier,
@@ -131,13 +136,26 @@ fn certify(
     Ok(verifier.verify(path, &surface_of, options, &session.task)?)
 }
 
-/// The channel that the path's frame belongs to, for naming surfaces: none if the blisk's channels are not found
-/// or the path was made in another frame, which is no obstacle to verifying it.
-fn channel_of(blisk: &Mesh, path: &FeedPath, session: &Session) -> Option<Channel> {
-    let channel = find_channel(blisk, &BliskOptions::default(), &session.task).ok()?;
-    let same =
-        (channel.frame.z - path.frame.z).length() < 1e-4 && (channel.frame.origin - path.frame.origin).length() < 1e-3;
-    same.then_some(channel)
+/// A channel of the blisk, about the axis of the path if none is found by itself: none is no obstacle to verifying it.
+///
+/// # Errors
+/// If the mesh is a sector that no whole wheel can be made of: the neighbours of the sector would not be looked at.
+fn channel_of(blisk: &Mesh, path: &FeedPath, session: &Session) -> anyhow::Result<Option<Channel>> {
+    let line = AxisLine { direction: path.frame.x.into(), point: path.frame.origin.into() };
+    let about_path = BliskOptions { axis: AxisChoice::Line(line), ..BliskOptions::default() };
+    let find = |options: &BliskOptions| find_channel(blisk, options, &session.task);
+    match find(&BliskOptions::default()).or_else(|_| find(&about_path)) {
+        Ok(channel) => Ok(Some(channel)),
+        Err(BliskError::Sector(error)) => {
+            anyhow::bail!("{error}; a path is verified against the whole wheel: give the mesh of that")
+        }
+        Err(_) => Ok(None),
+    }
+}
+
+/// Whether the path's frame is that of the channel, which then names its surfaces.
+fn is_of(channel: &Channel, path: &FeedPath) -> bool {
+    (channel.frame.z - path.frame.z).length() < 1e-4 && (channel.frame.origin - path.frame.origin).length() < 1e-3
 }
 
 /// Writes under names of its own: a plan's `report.json` in the same folder is another thing.

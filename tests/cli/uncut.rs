@@ -6,19 +6,14 @@ use std::path::Path;
 use geometry::mesh::Mesh;
 use glam::DVec3;
 use import::write_stl;
+use mold::fixtures::{self, rectangle};
 
 use super::{sparkpath, text};
 
-/// A block of 20 x 20 x 10 mm with a pocket of 8 x 6 x 4 mm.
+/// A block of 20 x 20 x 10 mm with its top at 0 and a pocket of 8 x 6 x 4 mm.
 pub(super) fn pocket() -> Mesh {
-    let ring = |x: f64, y: f64, z: f64| [[-x, -y], [x, -y], [x, y], [-x, y]].map(|[x, y]| DVec3::new(x, y, z));
-    let rings = [ring(10.0, 10.0, -10.0), ring(10.0, 10.0, 0.0), ring(4.0, 3.0, 0.0), ring(4.0, 3.0, -4.0)];
-    let mut triangles = vec![[0, 2, 1], [0, 3, 2], [12, 13, 14], [12, 14, 15]];
-    for (k, i) in (0..3).flat_map(|k| (0..4).map(move |i| (k, i))) {
-        let [a, b] = [4 * k + i, 4 * k + (i + 1) % 4];
-        triangles.extend([[a, b, b + 4], [a, b + 4, a + 4]]);
-    }
-    Mesh { vertices: rings.concat(), triangles }
+    let hole = rectangle(8.0, 6.0);
+    fixtures::pocket(&rectangle(20.0, 20.0), &hole, &hole, [10.0, 4.0]).mapped(|p| p - 10.0 * DVec3::Z)
 }
 
 fn answer(file: &Path, arguments: &[&str]) -> (Option<i32>, serde_json::Value) {

@@ -3,14 +3,19 @@
 use egui::{Key, Role};
 use egui_kittest::SnapshotOptions;
 use egui_kittest::kittest::{By, Queryable as _};
+use files::AnyDocument as _;
+use import::write_stl;
 use sparkpath::shell::run::Opening;
+use sparkpath::workspaces::blisk::document::Document;
+use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::scene::Layer;
 use sparkpath::workspaces::preferences::ThemeChoice;
 use task::State;
 
-use crate::common::{curved_blisk, easy_blisk};
-use crate::desk::{Desk, Home};
+use crate::common::{curved_blisk, easy_blisk, mesh};
+use crate::desk::{Desk, Home, quick};
+use crate::made_once::made_once;
 
 impl Desk {
     /// Compares the window with the picture `name`.
@@ -50,13 +55,17 @@ fn the_steps_before_the_plan() {
 
 /// A window with a plan of the easy blisk.
 fn planned(home: &Home) -> Desk {
-    let project = home.project(&easy_blisk(), |job| {
-        job.electrode.circumferential_reduction_deg = [3.0, 3.0];
-        job.electrode.radial_reduction_mm = 1.0;
-    });
+    let project = home.project(&easy_blisk(), |job| *job = easy(job.clone()));
     let mut desk = home.start(Opening::File(project));
     plan(&mut desk);
     desk
+}
+
+/// Reductions that let the electrode out.
+fn easy(mut job: PlanJob) -> PlanJob {
+    job.electrode.circumferential_reduction_deg = [3.0, 3.0];
+    job.electrode.radial_reduction_mm = 1.0;
+    job
 }
 
 fn plan(desk: &mut Desk) {
@@ -111,21 +120,16 @@ fn a_plan_in_windows_of_all_sizes() {
     desk.blisk_mut().colours = false;
     a_window_of_1920_by_1080(&mut desk);
     plots_and_their_tabs_keep_within_windows_between(&mut desk);
-    a_window_of_2560_by_1440_at_200_percent(&mut desk);
-    a_window_of_1280_by_720_at_200_percent(&mut desk);
 }
 
-/// Makes the window one of so many pixels, of which `scale` make a point.
-fn resize(desk: &mut Desk, pixels: [u16; 2], scale: f32) {
-    let [width, height] = pixels.map(f32::from);
-    desk.window.set_pixels_per_point(scale);
-    desk.window.set_size(egui::vec2(width, height) / scale);
+fn resize(desk: &mut Desk, pixels: [u16; 2]) {
+    desk.window.set_size(egui::Vec2::from(pixels.map(f32::from)));
     desk.settle();
 }
 
 /// Where there is room the table of nodes stands beside the plots.
 fn a_window_of_1920_by_1080(desk: &mut Desk) {
-    resize(desk, [1920, 1080], 1.0);
+    resize(desk, [1920, 1080]);
     desk.press("Channel");
     desk.open_step(Stage::Verify);
     let node = desk.blisk().track().nodes().nth(4).unwrap().s;
@@ -140,7 +144,7 @@ fn a_window_of_1920_by_1080(desk: &mut Desk) {
 /// Room between small and large: nothing runs out of the window.
 fn plots_and_their_tabs_keep_within_windows_between(desk: &mut Desk) {
     for pixels in [[1000_u16, 700], [800, 560]] {
-        resize(desk, pixels, 1.0);
+        resize(desk, pixels);
         let right = |role: Role, name: &str| desk.window.get(By::new().role(role).label(name)).rect().right();
         for tab in ["Axes", "Speed", "Second derivative", "Clearance", "Convergence", "Nodes"] {
             let names = desk.window.query_all(By::new().role(Role::Button).label(tab));
@@ -153,22 +157,44 @@ fn plots_and_their_tabs_keep_within_windows_between(desk: &mut Desk) {
     desk.picture("verify_800_dark");
 }
 
+/// A window of so many pixels, of which `scale` make a point, with a plan that was kept.
+fn reopened(home: &Home, pixels: [u16; 2], scale: f32) -> Desk {
+    const FILES: [&str; 2] = ["part.stl", "part.sparkpath"];
+    let kept = made_once("planned", |folder| {
+        let [part, project] = FILES.map(|name| folder.join(name));
+        write_stl(&part, &mesh(&easy_blisk())).unwrap();
+        Document::new(easy(quick(PlanJob::for_mesh(&part)))).save_as(&project).unwrap();
+        let mut desk = Home::new().start(Opening::File(project.clone()));
+        plan(&mut desk);
+        desk.blisk_mut().document.save_as(&project).unwrap();
+    });
+    FILES.map(|name| std::fs::copy(kept.join(name), home.path(name)).unwrap());
+    let mut desk = home.start_in(Opening::File(home.path(FILES[1])), pixels, scale);
+    desk.until_done(Stage::Plan);
+    desk.until_idle();
+    desk
+}
+
 /// Twice as many pixels show the same, only sharper.
-fn a_window_of_2560_by_1440_at_200_percent(desk: &mut Desk) {
-    resize(desk, [2560, 1440], 2.0);
+#[test]
+fn a_window_of_2560_by_1440_at_200_percent() {
+    let home = Home::new();
+    let mut desk = reopened(&home, [2560, 1440], 2.0);
     desk.press("Channel");
     desk.open_step(Stage::Verify);
     desk.picture("fine_dark");
 }
 
 /// As little room as there ever is: 640 by 360 points.
-fn a_window_of_1280_by_720_at_200_percent(desk: &mut Desk) {
-    resize(desk, [1280, 720], 2.0);
+#[test]
+fn a_window_of_1280_by_720_at_200_percent() {
+    let home = Home::new();
+    let mut desk = reopened(&home, [1280, 720], 2.0);
     desk.open_step(Stage::Part);
     desk.picture("small_part_dark");
     desk.open_step(Stage::Electrode);
     desk.picture("small_electrode_dark");
-    cut_and_coloured(desk);
+    cut_and_coloured(&mut desk);
     desk.picture("small_section_dark");
     desk.key(Key::X);
     desk.blisk_mut().colours = false;

@@ -78,6 +78,7 @@ mod tests {
 
     use super::*;
     use crate::exact::ExactMesh;
+    use crate::fixtures::{clipped, polygon_area};
     use crate::solid::{difference, prism, union};
 
     fn rectangle(x: f64, y: f64) -> Vec<DVec2> {
@@ -103,21 +104,10 @@ mod tests {
             let shift = half * DVec2::new(x, y);
             for i in 0..polygon.len() {
                 let (a, b) = (polygon[i] + shift, polygon[(i + 1) % polygon.len()] + shift);
-                let off = |p: DVec2| (b - a).perp_dot(p - a);
-                let mut next = Vec::new();
-                for k in 0..kept.len() {
-                    let (p, q) = (kept[k], kept[(k + 1) % kept.len()]);
-                    if off(p) >= 0.0 {
-                        next.push(p);
-                    }
-                    if (off(p) > 0.0) != (off(q) > 0.0) && off(p) != off(q) {
-                        next.push(p.lerp(q, off(p) / (off(p) - off(q))));
-                    }
-                }
-                kept = next;
+                kept = clipped(&kept, |p| (b - a).perp_dot(p - a));
             }
         }
-        0.5 * (0..kept.len()).map(|i| kept[i].perp_dot(kept[(i + 1) % kept.len()])).sum::<f64>()
+        polygon_area(&kept)
     }
 
     #[test]

@@ -124,8 +124,8 @@ enum Said<V, P> {
     Ended(Result<V, Refusal>, Instant),
 }
 
-/// Least time between two wakes for progress: a stage may report thousands of times a second, each of which would be
-/// a frame of the window.
+/// Least time between two wakes for progress in one stage: it may report thousands of times a second, each of which
+/// would be a frame of the window.
 const BETWEEN_WAKES: Duration = Duration::from_millis(50);
 
 /// What is said of the run with this number.
@@ -153,13 +153,14 @@ impl<V: Send + 'static, P: Send + 'static> Job for Attempt<V, P> {
         let Self { run, work: make, sender, queue } = *self;
         say(&sender, &queue, (run, Said::Started(Instant::now())));
         let (to_us, theirs) = (sender.clone(), queue.clone());
-        let woken = Mutex::new(None::<Instant>);
+        let woken = Mutex::new(None::<(Instant, String)>);
         let progress = Progress::new(move |update| {
             let (stage, message) = (update.stage.to_owned(), update.message.to_owned());
             let progress = Said::Progress { stage, fraction: update.fraction, message };
             let mut woken = woken.lock().unwrap_or_else(PoisonError::into_inner);
-            if woken.is_none_or(|at| at.elapsed() >= BETWEEN_WAKES) {
-                *woken = Some(Instant::now());
+            let is_known = |(at, stage): &(Instant, String)| at.elapsed() < BETWEEN_WAKES && *stage == update.stage;
+            if !woken.as_ref().is_some_and(is_known) {
+                *woken = Some((Instant::now(), update.stage.to_owned()));
                 say(&to_us, &theirs, (run, progress));
             } else {
                 // Taken in with what comes next.

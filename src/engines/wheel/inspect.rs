@@ -1,6 +1,7 @@
 //! Results of the channel finder for a mesh, as a table for a reader and as data for a report.
 
 use std::fmt;
+use std::sync::Arc;
 
 use glam::DVec3;
 use serde::Serialize;
@@ -34,6 +35,9 @@ pub struct Inspection {
     pub repetition: Option<Repetition>,
     /// The chosen channel.
     pub channel: Option<ChannelSummary>,
+    /// The whole wheel in the coordinates of the mesh, where that is only a sector of it.
+    #[serde(skip)]
+    pub whole: Option<Arc<Mesh>>,
     /// Centreline of the channel, and its walls as NURBS.
     pub centreline: Option<CentrelineSummary>,
     /// Assumptions made, in plain sentences.
@@ -114,6 +118,7 @@ pub fn inspect(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Inspe
         axis: None,
         repetition: None,
         channel: None,
+        whole: None,
         centreline: None,
         assumed: Vec::new(),
         not_found: Vec::new(),
@@ -141,6 +146,7 @@ fn fill(found: &mut Inspection, mesh: &Mesh, options: &BliskOptions, task: &Task
     let mesh = wheel.mesh.clone();
     let channel = channel_of(wheel, options, found.assumed.clone(), task)?;
     found.channel = Some(ChannelSummary::new(&channel));
+    found.whole = channel.whole.clone();
     found.assumed = channel.assumed.clone();
     task.report("channel", 1.0, "centreline");
     let exact = ExactMesh::new(&mesh.in_frame(&channel.frame)).map_err(|e| BliskError::Mesh(e.to_string()))?;

@@ -94,7 +94,8 @@ pub struct BliskOptions {
     pub axis: AxisChoice,
     /// Number of blades around the axis.
     pub blades: Auto<usize>,
-    /// Number of the channel: 0 is the one nearest to the mesh's +Z (to its +X when the axis runs along Z), the others
+    /// Number of the channel: 0 is the one nearest to the mesh's +Z (to its +X when the axis runs along Z), or to the
+    /// middle of a mesh that is a sector; the others
     /// follow in the sense of a right-handed turn about W's X.
     pub channel: usize,
     /// Radius of the hub along the whole channel (mm; P0: R_h).

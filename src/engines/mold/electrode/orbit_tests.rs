@@ -12,6 +12,7 @@ use super::setting::GOUGE;
 use super::tests::{GAP, mold, params, planned, region};
 use crate::fixtures::{dish, polygon, rectangle};
 use geometry::exact::ExactMesh;
+use geometry::fixtures::{clipped, polygon_area};
 use geometry::mesh::Mesh;
 use geometry::solid::{difference, prism, union};
 
@@ -35,21 +36,10 @@ fn room(hollow: &[DVec2], shifts: &[DVec2]) -> f64 {
         for i in 0..hollow.len() {
             let (a, b) = (hollow[i], hollow[(i + 1) % hollow.len()]);
             let inward = (b - a).perp().normalize();
-            let off = |p: DVec2| inward.dot(p + *shift - a) - GAP;
-            let mut next = Vec::new();
-            for (k, &p) in kept.iter().enumerate() {
-                let q = kept[(k + 1) % kept.len()];
-                if off(p) >= 0.0 {
-                    next.push(p);
-                }
-                if (off(p) > 0.0) != (off(q) > 0.0) && off(p) != off(q) {
-                    next.push(p.lerp(q, off(p) / (off(p) - off(q))));
-                }
-            }
-            kept = next;
+            kept = clipped(&kept, |p| inward.dot(p + *shift - a) - GAP);
         }
     }
-    0.5 * (0..kept.len()).map(|i| kept[i].perp_dot(kept[(i + 1) % kept.len()])).sum::<f64>()
+    polygon_area(&kept)
 }
 
 fn planned_with(orbit: Orbit, hollow: &[DVec2], tolerance_mm: f64) -> (Mesh, ElectrodeSet) {

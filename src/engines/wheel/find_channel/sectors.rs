@@ -4,16 +4,13 @@ use std::f64::consts::TAU;
 
 use glam::{DAffine3, DQuat, DVec2, DVec3, EulerRot, Vec3Swizzles as _};
 
-use super::find_channel;
 use super::random_wheels::{faulty, wrong};
-use crate::channel::Channel;
-use crate::error::BliskError;
-use crate::fixtures::{TestBlisk, turned_part};
+use super::tests::{find, found, refused};
+use crate::fixtures::{TestBlisk, flange, turned_part};
 use crate::options::{Auto, AxisChoice, AxisLine, BliskOptions};
 use geometry::frame::Cylindrical;
 use geometry::mesh::Mesh;
-use geometry::solid::{intersection, prism};
-use task::Task;
+use geometry::solid::{intersection, prism, union};
 
 /// The part of a wheel about X between two angles (rad).
 fn sector(wheel: &Mesh, from: f64, angle: f64) -> Mesh {
@@ -21,18 +18,6 @@ fn sector(wheel: &Mesh, from: f64, angle: f64) -> Mesh {
     let outline = [DVec2::ZERO, at(from), at(from + 0.5 * angle), at(from + angle)];
     let wedge = prism(&[&outline], -500.0, 500.0).unwrap().mapped(|p| DVec3::new(p.z, p.x, p.y));
     intersection(wheel, &wedge).unwrap()
-}
-
-fn find(mesh: &Mesh, options: &BliskOptions) -> Result<Channel, BliskError> {
-    find_channel(mesh, options, &Task::default())
-}
-
-fn found(mesh: &Mesh) -> Channel {
-    find(mesh, &BliskOptions::default()).unwrap()
-}
-
-fn refused(mesh: &Mesh) -> String {
-    find(mesh, &BliskOptions::default()).unwrap_err().to_string()
 }
 
 #[test]
@@ -47,6 +32,9 @@ fn a_sector_is_the_wheel_that_it_was_cut_from() {
         let channel = find(&cut, &BliskOptions::default()).unwrap_or_else(|e| panic!("{pitches} pitches: {e}"));
         assert_eq!((channel.blades, channel.kinds), (part.blades, 1), "{pitches} pitches");
         assert!(channel.unlike.is_empty(), "{pitches} pitches: {:?}", channel.unlike);
+        let middle = Cylindrical { x: 0.0, r: 1.0, theta: (from + 0.5 * pitches) * pitch }.point();
+        let off = (turn * middle).angle_between(channel.frame.z);
+        assert!(off < 0.5 * pitch + 1e-3, "channel 0 is {off} rad off the middle of the sector");
         let again = channel.wheel_in_w(&cut);
         assert!(again.is_watertight());
         assert!((again.volume() / wheel.volume() - 1.0).abs() < 1e-4, "{pitches}: {}", again.volume());
@@ -54,6 +42,19 @@ fn a_sector_is_the_wheel_that_it_was_cut_from() {
         assert!(throat.abs() < 0.005 && turning.abs() < 1e-3, "{pitches} pitches: {throat} {turning}");
         assert!(channel.assumed[0].contains("is a sector"), "{:?}", channel.assumed);
     }
+}
+
+#[test]
+fn a_sector_without_a_bore_is_a_wheel_without_one() {
+    let part = TestBlisk::default();
+    let around: Vec<DVec2> = (0..64).map(|i| DVec2::from_angle(TAU * f64::from(i) / 64.0) * 42.0).collect();
+    let core = prism(&[&around], 1.0, 9.0).unwrap().mapped(|p| DVec3::new(p.z, p.x, p.y));
+    let wheel = union(&part.mesh(), &core).unwrap();
+    let whole = found(&wheel);
+    let cut = sector(&wheel, 0.1 * part.pitch(), 4.0 * part.pitch());
+    let channel = found(&cut);
+    assert_eq!(channel.blades, whole.blades);
+    assert!((channel.wheel_in_w(&cut).volume() / wheel.volume() - 1.0).abs() < 1e-3);
 }
 
 #[test]
@@ -80,6 +81,8 @@ fn what_no_wheel_can_be_made_of_is_refused() {
     let (wheel, pitch) = (part.mesh(), part.pitch());
     let narrow = refused(&sector(&wheel, 0.1 * pitch, 0.6 * pitch));
     assert!(narrow.contains("is a sector"), "{narrow}");
+    let holes = refused(&sector(&flange(20.0, 60.0, 8, 6.0), 0.3, TAU / 8.0));
+    assert!(!holes.contains("is a sector"), "a piece of a flange has no blades: {holes}");
     let ring = [[0.0, 40.0], [10.0, 40.0], [10.0, 60.0], [0.0, 60.0]];
     let message = refused(&sector(&turned_part(&ring, 90), 0.1, TAU / 9.0));
     assert!(!message.contains("is a sector"), "a piece of a ring has no blades: {message}");

@@ -11,15 +11,15 @@ use crate::parametric::wheel::{Flaws, ParametricWheel, Splitters};
 use geometry::exact::ExactMesh;
 use geometry::frame::Cylindrical;
 
-fn find(mesh: &Mesh, options: &BliskOptions) -> Result<Channel, BliskError> {
+pub(super) fn find(mesh: &Mesh, options: &BliskOptions) -> Result<Channel, BliskError> {
     find_channel(mesh, options, &Task::default())
 }
 
-fn found(mesh: &Mesh) -> Channel {
+pub(super) fn found(mesh: &Mesh) -> Channel {
     find(mesh, &BliskOptions::default()).unwrap()
 }
 
-fn refused(mesh: &Mesh) -> String {
+pub(super) fn refused(mesh: &Mesh) -> String {
     find(mesh, &BliskOptions::default()).unwrap_err().to_string()
 }
 

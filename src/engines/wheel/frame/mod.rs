@@ -20,7 +20,7 @@ use self::period::{Blades, Region};
 use self::sector::SectorError;
 use self::slices::Slices;
 use super::error::BliskError;
-use super::options::{Auto, AxisChoice, AxisLine, AxisName, BliskOptions};
+use super::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
 use task::{Cancel, Task};
@@ -90,18 +90,19 @@ pub(super) fn find_wheel<'a>(
     };
     let Some(whole) = sector::whole_wheel(&mesh, options, &task.cancel)? else { return Err(error) };
     let line = AxisLine { direction: whole.axis.direction.into(), point: whole.axis.point.into() };
-    let about_line =
-        BliskOptions { axis: AxisChoice::Line(line), blades: Auto::Given(whole.blades), ..options.clone() };
+    let about_line = BliskOptions { axis: AxisChoice::Line(line), ..options.clone() };
     // What only looks like a sector is what it was before.
     let mut blisk = match find_frame(&whole.mesh, &about_line, task) {
         Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),
-        Err(_) => return Err(error),
-        Ok(blisk) => blisk,
+        Ok(blisk) if blisk.repetition.blades == whole.blades => blisk,
+        _ => return Err(error),
     };
     let kinds = blisk.repetition.kinds;
-    if kinds > 1 && whole.seen < 2 * kinds && options.blades.given().is_none() {
+    if kinds > 1 && whole.seen < 2 * kinds {
         return Err(SectorError::Kinds { kinds, seen: whole.seen, axis: whole.axis }.into());
     }
+    // Channel 0 is one of those that the sector holds.
+    blisk.frame = Frame::from_x_and_z_hint(blisk.axis.point, blisk.axis.direction, whole.middle);
     blisk.assumed.insert(0, whole.assumed);
     Ok(Wheel { mesh: Cow::Owned(whole.mesh), is_of_sector: true, blisk })
 }

@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat3, DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
-use super::axis::{Axis, Turning};
+use super::axis::{self, Axis, Turning};
 use super::frame_along;
 use super::slices::{CELLS, Slices};
 use crate::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
@@ -19,12 +19,16 @@ use geometry::frame::{Cylindrical, Frame, wrap_angle};
 use geometry::mesh::{Mesh, normal_times_two_areas};
 use task::{Cancel, Cancelled};
 
-/// Distance within which points lie on a cut, as a share of the sector's size: the rounding of files.
+/// Distance within which points lie on a cut, as a share of the size of the sector: the rounding of files.
 const ON_CUT: f64 = 2e-5;
-/// Distance within which the two ends are joined, as a share of the sector's size, if its chord errors are no greater,
-/// and the most that these may be.
-const JOINT: f64 = 2e-4;
-const MOST_JOINT: f64 = 5e-3;
+/// Distance within which two ends are joined, as a share of the size of the sector, where chord errors are no greater.
+const JOINT: f64 = 5e-5;
+/// The greatest such distance, however great the chord errors are.
+const MOST_JOINT: f64 = 2e-3;
+/// Most triangles of a whole wheel.
+const MOST_TRIANGLES: usize = 20_000_000;
+/// Most vertices of the outlines of an end: more than any sector has, and few enough to be compared.
+const MOST_OUTLINE: usize = 20_000;
 /// Angles that are the same (rad).
 const SAME: f64 = 1e-3;
 
@@ -36,6 +40,8 @@ pub(super) struct Whole {
     pub axis: Axis,
     /// Its number of blades.
     pub blades: usize,
+    /// Unit vector from the axis to the middle of the sector.
+    pub middle: DVec3,
     /// Whole pitches that the sector holds.
     pub seen: usize,
     /// What was assumed, in a sentence.
@@ -96,8 +102,7 @@ pub enum SectorError {
     /// Its blades differ, and it cannot be told whether they repeat.
     #[error(
         "the mesh is a sector about the axis {axis}, and the blades of its {seen} pitches are not alike: {kinds} kinds \
-         can only be told to repeat in a sector of {} pitches; load a larger sector or the whole wheel, or confirm the \
-         number of blades of the whole wheel with blisk.blades",
+         can only be told to repeat in a sector of {} pitches; load a larger sector or the whole wheel",
         2 * .kinds
     )]
     Kinds {
@@ -108,8 +113,16 @@ pub enum SectorError {
         /// The axis.
         axis: Axis,
     },
+    /// The whole wheel would be too large.
+    #[error(
+        "the whole wheel of this sector would have {triangles} triangles, more than {MOST_TRIANGLES}: load a coarser mesh"
+    )]
+    TooLarge {
+        /// Triangles of the whole wheel.
+        triangles: usize,
+    },
     /// Its mesh cannot be searched.
-    #[error("the mesh cannot be searched for a sector: {0}")]
+    #[error("{0}")]
     Mesh(String),
     /// The ends fit, but joined they do not close the surface.
     #[error(
@@ -133,7 +146,7 @@ impl SectorError {
             | Self::Unlike { axis, .. }
             | Self::Kinds { axis, .. }
             | Self::Open { axis, .. } => Some(*axis),
-            Self::Cancelled(_) | Self::Mesh(_) => None,
+            Self::Cancelled(_) | Self::Mesh(_) | Self::TooLarge { .. } => None,
         }
     }
 }
@@ -226,16 +239,22 @@ struct Sector {
     from: f64,
     /// Angle between the cuts (rad).
     angle: f64,
+    /// Distance within which points lie on a cut (mm).
     on_cut: f64,
+    /// Distance within which its ends are joined (mm).
     joint: f64,
 }
 
 /// What `mesh` may be as a sector, the likeliest first: about the line of two cuts that its surfaces turn about most.
-fn sectors(mesh: &Mesh, options: &BliskOptions) -> Vec<Sector> {
+fn sectors<'a>(mesh: &'a Mesh, options: &BliskOptions) -> impl Iterator<Item = Sector> + use<'a> {
     /// Cuts at a smaller angle meet nowhere that can be told.
     const LEAST_ANGLE: f64 = 0.01;
-    /// Hub, shroud and rims are at least this share of the surface of a sector.
+    /// Hub, shroud and rims turn about the axis: at least this share of the surface, and this part of what turns about
+    /// any other line.
     const LEAST_TURNING: f64 = 0.02;
+    const LEAST_PART: f64 = 0.5;
+    /// Lines that are tried.
+    const MOST: usize = 4;
     let size = mesh.bounds().size().length();
     let on_cut = ON_CUT * size;
     let (cuts, turning) = (cuts(mesh, on_cut), Turning::new(mesh));
@@ -249,13 +268,16 @@ fn sectors(mesh: &Mesh, options: &BliskOptions) -> Vec<Sector> {
             let point = (b.normal.cross(along) * a.at + along.cross(a.normal) * b.at) / along.length_squared();
             let axis = Axis::new(point, along).snapped(size);
             let share = turning.share(&axis);
-            if share > LEAST_TURNING && is_allowed(&axis, options, size) {
-                axes.push((share, axis, [a.normal, b.normal]));
-            }
+            let allowed = allowed(axis, options, on_cut, size).filter(|_| share > LEAST_TURNING);
+            axes.extend(allowed.map(|axis| (share, axis, [a.normal, b.normal])));
         }
     }
     axes.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let sector = |(_, axis, normals): (f64, Axis, [DVec3; 2])| {
+    // Flats of a whole wheel meet in lines that little turns about.
+    let best = axis::candidates(mesh, None).iter().map(|axis| turning.share(axis)).fold(0.0, f64::max);
+    axes.retain(|(share, ..)| *share >= LEAST_PART * best);
+    axes.truncate(MOST);
+    let sector = move |(_, axis, normals): (f64, Axis, [DVec3; 2])| {
         let frame = frame_along(&axis);
         let [a, b] = normals.map(|n| frame.direction_from_parent(n));
         // Out of the upper cut in the sense of theta, out of the lower one against it.
@@ -267,33 +289,46 @@ fn sectors(mesh: &Mesh, options: &BliskOptions) -> Vec<Sector> {
         let joint = (JOINT * size).max(chord_error(&mesh).min(MOST_JOINT * size));
         Sector { mesh, frame, axis, from, angle, on_cut, joint }
     };
-    axes.into_iter().map(sector).filter(|sector| sector.angle < PI).collect()
+    axes.into_iter().map(sector).filter(|sector| sector.angle < PI)
 }
 
-/// Greatest height of an arc about the axis over the edge that stands for it (mm).
+/// Greatest height of an arc about X over the edge that stands for it, on surfaces of revolution (mm).
 fn chord_error(mesh: &Mesh) -> f64 {
-    /// Ends of such an edge have the same radius to this share, and go along the axis by no more than this share.
+    /// Ends of such an edge have the same radius and x to this share.
     const LEVEL: f64 = 1e-3;
-    let edges = mesh.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-    let rise = |edge: [u32; 2]| {
-        let [a, b] = edge.map(|v| Cylindrical::from_point(mesh.vertices[v as usize]));
-        let half = 0.5 * wrap_angle(b.theta - a.theta).abs();
-        let is_arc = (a.r - b.r).abs() < LEVEL * a.r && (a.x - b.x).abs() < 0.1 * half * a.r;
-        if is_arc { a.r * (1.0 - half.cos()) } else { 0.0 }
+    /// Such a surface faces along the radius by this much, and around the axis by no more than this.
+    const FACING: [f64; 2] = [0.3, 0.1];
+    let rise = |corners: [DVec3; 3]| {
+        let normal = normal_times_two_areas(corners).normalize_or_zero();
+        let middle = corners.into_iter().sum::<DVec3>() / 3.0;
+        let out = DVec3::new(0.0, middle.y, middle.z).normalize_or_zero();
+        if normal.dot(out).abs() < FACING[0] || normal.dot(DVec3::X.cross(out)).abs() > FACING[1] {
+            return 0.0;
+        }
+        let edges = [[0, 1], [1, 2], [2, 0]].map(|edge| edge.map(|i| Cylindrical::from_point(corners[i])));
+        let of_edge = |[a, b]: [Cylindrical; 2]| {
+            let half = 0.5 * wrap_angle(b.theta - a.theta).abs();
+            let is_arc = (a.r - b.r).abs() < LEVEL * a.r && (a.x - b.x).abs() < 0.1 * half * a.r;
+            if is_arc { a.r * (1.0 - half.cos()) } else { 0.0 }
+        };
+        edges.map(of_edge).into_iter().fold(0.0, f64::max)
     };
-    edges.map(rise).fold(0.0, f64::max)
+    mesh.iter_corners().map(rise).fold(0.0, f64::max)
 }
 
-fn is_allowed(axis: &Axis, options: &BliskOptions, size: f64) -> bool {
-    let along = |direction: DVec3| axis.direction.cross(direction).length() < SAME;
+/// The axis in which two cuts meet, if `options` allow it; a line that is given instead, if the cuts meet in it.
+fn allowed(axis: Axis, options: &BliskOptions, on_cut: f64, size: f64) -> Option<Axis> {
+    let along = |direction: DVec3, within: f64| axis.direction.cross(direction.normalize_or_zero()).length() < within;
+    let is_along = |direction: DVec3| along(direction, SAME).then_some(axis);
     match options.axis {
-        AxisChoice::Named(AxisName::Auto) => true,
-        AxisChoice::Named(AxisName::X) => along(DVec3::X),
-        AxisChoice::Named(AxisName::Y) => along(DVec3::Y),
-        AxisChoice::Named(AxisName::Z) => along(DVec3::Z),
+        AxisChoice::Named(AxisName::Auto) => Some(axis),
+        AxisChoice::Named(AxisName::X) => is_along(DVec3::X),
+        AxisChoice::Named(AxisName::Y) => is_along(DVec3::Y),
+        AxisChoice::Named(AxisName::Z) => is_along(DVec3::Z),
         AxisChoice::Line(AxisLine { direction, point }) => {
-            let off = axis.direction.cross(DVec3::from(point) - axis.point).length();
-            along(DVec3::from(direction).normalize_or_zero()) && off < SAME * size
+            let (direction, point) = (DVec3::from(direction), DVec3::from(point));
+            let off = axis.direction.cross(point - axis.point).length();
+            (along(direction, 4.0 * on_cut / size) && off < 4.0 * on_cut).then(|| Axis::new(point, direction))
         }
     }
 }
@@ -344,11 +379,13 @@ impl Sector {
                 cancel.check()?;
                 let from = self.from + place * spare;
                 match self.turned([from, from + kept_angle], count / kept) {
-                    Ok(mesh) => {
+                    Ok((mesh, shift)) => {
                         let (seen, assumed) =
-                            (((self.angle + SAME * pitch) / pitch) as usize, self.assumed(kept, *count));
+                            (((self.angle + SAME * pitch) / pitch) as usize, self.assumed(kept, *count, shift));
                         let mesh = mesh.in_parent_of(&self.frame);
-                        return Ok(Whole { mesh, axis, blades: *count, seen, assumed });
+                        let theta = self.from + 0.5 * self.angle;
+                        let middle = self.frame.direction_to_parent(Cylindrical { x: 0.0, r: 1.0, theta }.point());
+                        return Ok(Whole { mesh, axis, blades: *count, middle, seen, assumed });
                     }
                     Err(error) => first_error = first_error.or(Some(error)),
                 }
@@ -358,11 +395,11 @@ impl Sector {
         Err(first_error.unwrap_or(narrow))
     }
 
-    fn assumed(&self, kept: usize, blades: usize) -> String {
+    fn assumed(&self, kept: usize, blades: usize, shift: f64) -> String {
         format!(
             "The mesh is a sector of {:.3} deg. Its cuts meet in the axis {}; {kept} of its pitches were turned about it \
-             into the {} sectors of the whole wheel of {blades} blades. What does not repeat with the blades, as bolt \
-             holes, is not where it is on the part.",
+             into the {} sectors of the whole wheel of {blades} blades, whose ends were moved by up to {shift:.4} mm to \
+             meet. What does not repeat with the blades, as bolt holes, is not where it is on the part.",
             self.angle.to_degrees(),
             self.axis,
             blades / kept
@@ -452,18 +489,19 @@ impl Sector {
         Ok(counts.into_iter().filter(|n| *n >= 3).map(bladed).collect())
     }
 
-    /// `copies` of what lies between two angles (rad), turned about X and joined.
-    fn turned(&self, ends: [f64; 2], copies: usize) -> Result<Mesh, SectorError> {
+    /// `copies` of what lies between two angles (rad), turned about X and joined, and how far points were moved for that
+    /// (mm).
+    fn turned(&self, ends: [f64; 2], copies: usize) -> Result<(Mesh, f64), SectorError> {
         let angle = ends[1] - ends[0];
         let around = |theta: f64| DVec3::new(0.0, -theta.cos(), -theta.sin());
         let lower = clipped(&self.mesh, around(ends[0]), self.on_cut);
         let mut slab = clipped(&lower, -around(ends[1]), self.on_cut);
-        let partners = join(&mut slab, ends, self.on_cut, self.joint).map_err(|(off_mm, at)| SectorError::Unlike {
-            angle_deg: angle.to_degrees(),
-            off_mm,
-            x: at.x,
-            r: at.y,
-            axis: self.axis,
+        let triangles = slab.triangles.len().saturating_mul(copies);
+        if triangles > MOST_TRIANGLES {
+            return Err(SectorError::TooLarge { triangles });
+        }
+        let (partners, shift) = join(&mut slab, ends, self.on_cut, self.joint).map_err(|(off_mm, at)| {
+            SectorError::Unlike { angle_deg: angle.to_degrees(), off_mm, x: at.x, r: at.y, axis: self.axis }
         })?;
         let mut whole = Mesh::default();
         // On the axis there is one vertex for all copies; those of the upper end are those of the next copy's lower.
@@ -492,7 +530,7 @@ impl Sector {
         if !whole.is_watertight() {
             return Err(SectorError::Open { angle_deg: angle.to_degrees(), axis: self.axis });
         }
-        Ok(whole)
+        Ok((whole, shift))
     }
 }
 
@@ -573,11 +611,12 @@ impl Outline {
 type Apart = (f64, DVec2);
 
 /// Joins the outlines of the slab at its two ends: answers for each vertex of the upper end the one of the lower that
-/// takes its place. Vertices that are near each other are one; the others are put into the edges of the other end.
+/// takes its place, and how far they are moved for that (mm). Vertices that are near each other are one; the others are
+/// put into the edges of the other end.
 ///
 /// # Errors
 /// [`Apart`].
-fn join(slab: &mut Mesh, ends: [f64; 2], on_cut: f64, joint: f64) -> Result<HashMap<u32, u32>, Apart> {
+fn join(slab: &mut Mesh, ends: [f64; 2], on_cut: f64, joint: f64) -> Result<(HashMap<u32, u32>, f64), Apart> {
     let angle = ends[1] - ends[0];
     let [lower, upper] = [outlines(slab, ends[0], on_cut, false)?, outlines(slab, ends[1], on_cut, true)?];
     let points = |outlines: &[Outline]| -> Vec<(usize, usize, DVec2)> {
@@ -594,6 +633,10 @@ fn join(slab: &mut Mesh, ends: [f64; 2], on_cut: f64, joint: f64) -> Result<Hash
     let mut partners = HashMap::new();
     let mut put: HashMap<[u32; 2], Vec<(f64, u32)>> = HashMap::new();
     let mut joined = HashSet::new();
+    let mut shift: f64 = 0.0;
+    if of_lower.len().max(of_upper.len()) > MOST_OUTLINE {
+        return Err((f64::INFINITY, of_lower.first().map_or(DVec2::ZERO, |(.., p)| *p)));
+    }
     for (k, outline) in lower.iter().enumerate() {
         // Each other's nearest.
         let mutual = |(i, p): (usize, &DVec2)| {
@@ -616,7 +659,9 @@ fn join(slab: &mut Mesh, ends: [f64; 2], on_cut: f64, joint: f64) -> Result<Hash
         anchors.push((outline.places.len(), n));
         for pair in anchors.windows(2) {
             let ((i, j), (to_i, to_j)) = (pair[0], pair[1]);
-            partners.insert(upper.vertices[(start + j) % n], outline.vertices[(first + i) % outline.places.len()]);
+            let (v, w) = ((start + j) % n, (first + i) % outline.places.len());
+            partners.insert(upper.vertices[v], outline.vertices[w]);
+            shift = shift.max(upper.places[v].distance(outline.places[w]));
             let ways = [outline.way(first + i, to_i - i), upper.way(start + j, to_j - j)];
             let [own, theirs] = &ways;
             for (v, p, share, edge) in between(theirs, own) {
@@ -624,9 +669,11 @@ fn join(slab: &mut Mesh, ends: [f64; 2], on_cut: f64, joint: f64) -> Result<Hash
                 let [from, to] = edge.map(|e| outline.vertices[e]);
                 let [a, b] = [from, to].map(|v| slab.vertices[v as usize]);
                 let new = a.lerp(b, share.1);
-                if DVec2::new(new.x, new.yz().length()).distance(p) > 2.0 * joint {
-                    return Err((DVec2::new(new.x, new.yz().length()).distance(p), p));
+                let off = DVec2::new(new.x, new.yz().length()).distance(p);
+                if off > 2.0 * joint {
+                    return Err((off, p));
                 }
+                shift = shift.max(off);
                 slab.vertices.push(new);
                 put.entry([from, to]).or_default().push((share.0, at));
                 partners.insert(upper.vertices[v], at);
@@ -639,6 +686,7 @@ fn join(slab: &mut Mesh, ends: [f64; 2], on_cut: f64, joint: f64) -> Result<Hash
                 if off > 2.0 * joint {
                     return Err((off, p));
                 }
+                shift = shift.max(off);
                 let own = outline.vertices[v];
                 slab.vertices.push(DMat3::from_rotation_x(angle) * slab.vertices[own as usize]);
                 put.entry([from, to]).or_default().push((-share.0, at));
@@ -651,7 +699,7 @@ fn join(slab: &mut Mesh, ends: [f64; 2], on_cut: f64, joint: f64) -> Result<Hash
         return Err((nearest(&of_lower, p).map_or(f64::INFINITY, |(off, ..)| off), p));
     }
     split_edges(slab, put);
-    Ok(partners)
+    Ok((partners, shift))
 }
 
 /// The greatest part of `pairs`, which rise in the first number, that rises in the second as well; it holds the first.
@@ -692,7 +740,8 @@ fn between(way: &[(usize, DVec2, f64)], other: &[(usize, DVec2, f64)]) -> Vec<Be
     inner.filter_map(find).collect()
 }
 
-/// The closed lines of open edges of the slab in the half-plane at `theta`, turned round if `is_upper`.
+/// The closed lines of open edges of the slab in the half-plane at `theta` (rad), turned round if `is_upper`; `on_cut`
+/// as in [`Sector`].
 ///
 /// # Errors
 /// [`Apart`], where such edges are no closed lines.
@@ -704,22 +753,30 @@ fn outlines(slab: &Mesh, theta: f64, on_cut: f64, is_upper: bool) -> Result<Vec<
         DVec2::new(p.x, p.yz().length())
     };
     let all = slab.directed_edges();
-    let mut next = BTreeMap::new();
-    for &(a, b) in all.keys().filter(|(a, b)| !all.contains_key(&(*b, *a)) && lies(*a) && lies(*b)) {
+    let (mut next, mut reached) = (BTreeMap::new(), HashSet::new());
+    let sides = slab.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+    for (a, b) in sides.filter(|(a, b)| !all.contains_key(&(*b, *a)) && lies(*a) && lies(*b)) {
         let (from, to) = if is_upper { (b, a) } else { (a, b) };
         if next.insert(from, to).is_some() {
             return Err((0.0, place(from)));
         }
+        reached.insert(to);
     }
     let mut found = Vec::new();
-    while let Some((&start, _)) = next.first_key_value() {
+    // The outline of a sector without a bore begins and ends on the axis, where nothing is left of its edge.
+    let begins: Vec<u32> = next.keys().filter(|v| !reached.contains(v)).copied().collect();
+    let mut begins = begins.into_iter();
+    while let Some(start) = begins.next().or_else(|| next.first_key_value().map(|(v, _)| *v)) {
         let (mut vertices, mut at) = (Vec::new(), start);
         while let Some(to) = next.remove(&at) {
             vertices.push(at);
             at = to;
         }
         if at != start {
-            return Err((f64::INFINITY, place(at)));
+            if [start, at].iter().any(|v| place(*v).y > on_cut) {
+                return Err((f64::INFINITY, place(at)));
+            }
+            vertices.push(at);
         }
         let places = vertices.iter().map(|v| place(*v)).collect();
         found.push(Outline { vertices, places });

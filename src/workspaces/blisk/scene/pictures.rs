@@ -110,7 +110,7 @@ impl<'a> Drawn<'a> {
         let swept = looked_at.iter().zip(&tracks).map(room).collect::<Result<_, _>>()?;
         let electrodes = plan.electrodes.iter().map(|(e, _)| Arc::new(RenderMesh::new(&e.mesh))).collect();
         task.check()?;
-        let blisk = Arc::new(RenderMesh::new(plan.blisk));
+        let blisk = Arc::new(RenderMesh::new(plan.channel.whole.as_deref().unwrap_or(plan.blisk)));
         task.check()?;
         let shapes = channel_shapes(&plan.channel.wheel_in_w(plan.blisk), plan.channel);
         Ok(Self { plan, blisk, shapes, electrodes, tracks, swept, layers })
