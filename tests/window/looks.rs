@@ -168,7 +168,9 @@ fn reopened(home: &Home, pixels: [u16; 2], scale: f32) -> Desk {
         plan(&mut desk);
         desk.blisk_mut().document.save_as(&project).unwrap();
     });
-    FILES.map(|name| std::fs::copy(kept.join(name), home.path(name)).unwrap());
+    for name in FILES {
+        std::fs::copy(kept.join(name), home.path(name)).unwrap();
+    }
     let mut desk = home.start_in(Opening::File(home.path(FILES[1])), pixels, scale);
     desk.until_done(Stage::Plan);
     desk.until_idle();
