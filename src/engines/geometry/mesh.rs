@@ -168,6 +168,22 @@ impl Mesh {
             && edges.iter().all(|(&(a, b), &n)| n == 1 && a != b && edges.get(&(b, a)) == Some(&1))
     }
 
+    /// The mesh without the vertices that no triangle has.
+    pub fn compacted(&self) -> Self {
+        let mut number = vec![u32::MAX; self.vertices.len()];
+        let mut vertices = Vec::new();
+        let mut keep = |v: u32| {
+            let known = &mut number[v as usize];
+            if *known == u32::MAX {
+                *known = vertices.len() as u32;
+                vertices.push(self.vertices[v as usize]);
+            }
+            *known
+        };
+        let triangles = self.triangles.iter().map(|t| t.map(&mut keep)).collect();
+        Self { vertices, triangles }
+    }
+
     /// Mesh with its vertices mapped by `f`, which must keep orientation.
     pub fn mapped(&self, f: impl Fn(DVec3) -> DVec3) -> Self {
         Self { vertices: self.vertices.iter().map(|&p| f(p)).collect(), triangles: self.triangles.clone() }

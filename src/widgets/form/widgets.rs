@@ -198,7 +198,7 @@ fn chips(ui: &mut Ui, words: &[Word], value: &Value) -> Option<Change> {
     chosen.last().map(|word| Change::To(word.word.into()))
 }
 
-/// What a choice says of a table in the place of its words.
+/// Label of a choice whose value is a table and none of its words.
 const GIVEN: &str = "given";
 
 /// A choice in a drop-down list.

@@ -65,7 +65,7 @@ pub(super) fn is_inside_out(mesh: &Mesh) -> Result<bool, BliskError> {
 
 /// A wheel with its axis and blade count.
 pub(super) struct Wheel<'a> {
-    /// Its mesh: the one that was given, or the whole wheel that it is a sector of.
+    /// Mesh: the given one, or the whole wheel that it is a sector of.
     pub mesh: Cow<'a, Mesh>,
     /// Whether a sector was given.
     pub is_of_sector: bool,
@@ -77,7 +77,7 @@ pub(super) struct Wheel<'a> {
 /// of one.
 ///
 /// # Errors
-/// As [`find_frame`], and those of a sector.
+/// Those of [`find_frame`], and [`SectorError`].
 pub(super) fn find_wheel<'a>(
     mesh: Cow<'a, Mesh>,
     options: &BliskOptions,
@@ -98,8 +98,8 @@ pub(super) fn find_wheel<'a>(
         _ => return Err(error),
     };
     let kinds = blisk.repetition.kinds;
-    if kinds > 1 && whole.seen < 2 * kinds {
-        return Err(SectorError::Kinds { kinds, seen: whole.seen, axis: whole.axis }.into());
+    if kinds > 1 && whole.pitches_held < 2 * kinds {
+        return Err(SectorError::Kinds { kinds, seen: whole.pitches_held, axis: whole.axis }.into());
     }
     // Channel 0 is one of those that the sector holds.
     blisk.frame = Frame::from_x_and_z_hint(blisk.axis.point, blisk.axis.direction, whole.middle);

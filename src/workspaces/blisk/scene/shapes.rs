@@ -61,27 +61,11 @@ fn unshrouded(blisk: &Mesh, channel: &Channel) -> Mesh {
         triangle.iter().all(|v| corners[*v as usize]) || (channel.shrouded && at_shroud((a + b + c) / 3.0))
     };
     let triangles = blisk.triangles.par_iter().filter(|triangle| !is_shroud(triangle)).copied().collect();
-    let mut bare = compacted(&Mesh { vertices: blisk.vertices.clone(), triangles });
+    let mut bare = Mesh { vertices: blisk.vertices.clone(), triangles }.compacted();
     if channel.shrouded {
         close_holes(&mut bare);
     }
     bare
-}
-
-/// The mesh without the vertices that no triangle uses.
-fn compacted(mesh: &Mesh) -> Mesh {
-    let mut place = vec![u32::MAX; mesh.vertices.len()];
-    let mut vertices = Vec::new();
-    let mut keep = |v: u32| {
-        let known = &mut place[v as usize];
-        if *known == u32::MAX {
-            *known = vertices.len() as u32;
-            vertices.push(mesh.vertices[v as usize]);
-        }
-        *known
-    };
-    let triangles = mesh.triangles.iter().map(|t| t.map(&mut keep)).collect();
-    Mesh { vertices, triangles }
 }
 
 /// Vertices between two looks at the cancel flag.

@@ -1,0 +1,382 @@
+//! The whole wheel from a sector of it that two planes through the axis cut out.
+//!
+//! As many whole pitches as fit into the sector, and into a full turn without rest, are kept of it and turned about the
+//! axis. The two ends of what is kept are sections of surfaces that repeat, so that they are congruent but for the
+//! chord error of the mesh: they are joined point by point, and where that does not close the surface there is no wheel.
+
+mod cuts;
+mod error;
+mod join;
+
+use std::collections::HashSet;
+use std::f64::consts::{PI, TAU};
+
+use glam::{DMat3, DVec3, Vec3Swizzles as _};
+use rayon::prelude::*;
+
+use self::cuts::{clipped, cuts};
+pub use self::error::SectorError;
+use self::join::join;
+use super::axis::{self, Axis, Turning};
+use super::frame_along;
+use super::slices::{CELLS, Slices};
+use crate::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
+use geometry::exact::ExactMesh;
+use geometry::frame::{Cylindrical, Frame, wrap_angle};
+use geometry::mesh::{Mesh, normal_times_two_areas};
+use task::{Cancel, Cancelled};
+
+/// Distance within which points lie on a cut, as a share of the size of the sector: the rounding of files.
+const ON_CUT: f64 = 2e-5;
+/// Distance within which two ends are joined, as a share of the size of the sector, where chord errors are no greater.
+const JOINT: f64 = 5e-5;
+/// The greatest such distance, however great the chord errors are.
+const MOST_JOINT: f64 = 2e-3;
+/// Most triangles of a whole wheel.
+const MOST_TRIANGLES: usize = 20_000_000;
+/// Angles that are the same (rad).
+const SAME: f64 = 1e-3;
+
+/// A wheel that was made of a sector.
+pub(super) struct Whole {
+    /// The wheel, in the coordinates of the sector's mesh.
+    pub mesh: Mesh,
+    /// Axis of the wheel.
+    pub axis: Axis,
+    /// Number of blades.
+    pub blades: usize,
+    /// Unit vector from the axis to the middle of the sector.
+    pub middle: DVec3,
+    /// Whole pitches that the sector holds.
+    pub pitches_held: usize,
+    /// Assumption made, in sentences for the user.
+    pub assumed: String,
+}
+
+/// The wheel that `mesh`, oriented outwards, is a sector of; none if no two planes cut it out about an axis that
+/// `options` allow.
+///
+/// # Errors
+/// [`SectorError`], of the likeliest axis.
+pub(super) fn whole_wheel(mesh: &Mesh, options: &BliskOptions, cancel: &Cancel) -> Result<Option<Whole>, SectorError> {
+    let mut first_error = None;
+    for sector in sectors(mesh, options) {
+        match sector.whole(options.blades.given(), cancel) {
+            Err(SectorError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            Err(error) => first_error = first_error.or(Some(error)),
+            found => return found.map(Some),
+        }
+    }
+    first_error.map_or(Ok(None), Err)
+}
+
+/// Blades of the whole wheel.
+struct Blades {
+    count: usize,
+    /// Cells of the slices in which they follow each other.
+    cells: HashSet<[usize; 2]>,
+}
+
+/// A sector between two cuts, in the frame of its axis.
+struct Sector {
+    mesh: Mesh,
+    frame: Frame,
+    axis: Axis,
+    /// Angle of the lower cut (rad).
+    from: f64,
+    /// Angle between the cuts (rad).
+    angle: f64,
+    /// Distance within which points lie on a cut (mm).
+    on_cut: f64,
+    /// Distance within which its ends are joined (mm).
+    joint: f64,
+}
+
+/// The sectors that `mesh` may be, the likeliest first: about the line of two cuts that its surfaces turn about most.
+fn sectors<'a>(mesh: &'a Mesh, options: &BliskOptions) -> impl Iterator<Item = Sector> + use<'a> {
+    /// Cuts at a smaller angle meet nowhere that can be told.
+    const LEAST_ANGLE: f64 = 0.01;
+    /// Hub, shroud and rims turn about the axis: at least this share of the surface, and this part of what turns about
+    /// any other line.
+    const LEAST_TURNING: f64 = 0.02;
+    const LEAST_PART: f64 = 0.5;
+    /// Lines that are tried.
+    const MOST: usize = 4;
+    let size = mesh.bounds().size().length();
+    let on_cut = ON_CUT * size;
+    let (cuts, turning) = (cuts(mesh, on_cut), Turning::new(mesh));
+    let mut axes: Vec<(f64, Axis, [DVec3; 2])> = Vec::new();
+    for (i, a) in cuts.iter().enumerate() {
+        for b in &cuts[..i] {
+            let along = a.normal.cross(b.normal);
+            if along.length() < LEAST_ANGLE {
+                continue;
+            }
+            let point = (b.normal.cross(along) * a.at + along.cross(a.normal) * b.at) / along.length_squared();
+            let axis = Axis::new(point, along).snapped(size);
+            let share = turning.share(&axis);
+            let allowed = allowed(axis, options, on_cut, size).filter(|_| share > LEAST_TURNING);
+            axes.extend(allowed.map(|axis| (share, axis, [a.normal, b.normal])));
+        }
+    }
+    axes.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // Flats of a whole wheel meet in lines that little turns about.
+    let best = axis::candidates(mesh, None).iter().map(|axis| turning.share(axis)).fold(0.0, f64::max);
+    axes.retain(|(share, ..)| *share >= LEAST_PART * best);
+    axes.truncate(MOST);
+    let sector = move |(_, axis, normals): (f64, Axis, [DVec3; 2])| {
+        let frame = frame_along(&axis);
+        let [a, b] = normals.map(|n| frame.direction_from_parent(n));
+        // Out of the upper cut in the sense of theta, out of the lower one against it.
+        let (upper, lower) = (|n: DVec3| (-n.z).atan2(-n.y), |n: DVec3| n.z.atan2(n.y));
+        let between = |low: DVec3, high: DVec3| (upper(high) - lower(low)).rem_euclid(TAU);
+        let (low, high) = if between(a, b) < PI { (a, b) } else { (b, a) };
+        let (from, angle) = (lower(low), between(low, high));
+        let mesh = mesh.in_frame(&frame);
+        let joint = (JOINT * size).max(chord_error(&mesh).min(MOST_JOINT * size));
+        Sector { mesh, frame, axis, from, angle, on_cut, joint }
+    };
+    axes.into_iter().map(sector).filter(|sector| sector.angle < PI)
+}
+
+/// Greatest height of an arc about X over the edge that stands for it, on surfaces of revolution (mm).
+fn chord_error(mesh: &Mesh) -> f64 {
+    /// Ends of such an edge have the same radius and x to this share.
+    const LEVEL: f64 = 1e-3;
+    /// Such a surface faces along the radius by this much, and around the axis by no more than this.
+    const FACING: [f64; 2] = [0.3, 0.1];
+    let rise = |corners: [DVec3; 3]| {
+        let normal = normal_times_two_areas(corners).normalize_or_zero();
+        let middle = corners.into_iter().sum::<DVec3>() / 3.0;
+        let out = DVec3::new(0.0, middle.y, middle.z).normalize_or_zero();
+        if normal.dot(out).abs() < FACING[0] || normal.dot(DVec3::X.cross(out)).abs() > FACING[1] {
+            return 0.0;
+        }
+        let edges = [[0, 1], [1, 2], [2, 0]].map(|edge| edge.map(|i| Cylindrical::from_point(corners[i])));
+        let of_edge = |[a, b]: [Cylindrical; 2]| {
+            let half = 0.5 * wrap_angle(b.theta - a.theta).abs();
+            let is_arc = (a.r - b.r).abs() < LEVEL * a.r && (a.x - b.x).abs() < 0.1 * half * a.r;
+            if is_arc { a.r * (1.0 - half.cos()) } else { 0.0 }
+        };
+        edges.map(of_edge).into_iter().fold(0.0, f64::max)
+    };
+    mesh.iter_corners().map(rise).fold(0.0, f64::max)
+}
+
+/// The axis in which two cuts meet, if `options` allow it; a line that is given instead, if the cuts meet in it.
+fn allowed(axis: Axis, options: &BliskOptions, on_cut: f64, size: f64) -> Option<Axis> {
+    let along = |direction: DVec3, within: f64| axis.direction.cross(direction.normalize_or_zero()).length() < within;
+    let is_along = |direction: DVec3| along(direction, SAME).then_some(axis);
+    match options.axis {
+        AxisChoice::Named(AxisName::Auto) => Some(axis),
+        AxisChoice::Named(AxisName::X) => is_along(DVec3::X),
+        AxisChoice::Named(AxisName::Y) => is_along(DVec3::Y),
+        AxisChoice::Named(AxisName::Z) => is_along(DVec3::Z),
+        AxisChoice::Line(AxisLine { direction, point }) => {
+            let (direction, point) = (DVec3::from(direction), DVec3::from(point));
+            let off = axis.direction.cross(point - axis.point).length();
+            (along(direction, 4.0 * on_cut / size) && off < 4.0 * on_cut).then(|| Axis::new(point, direction))
+        }
+    }
+}
+
+impl Sector {
+    fn whole(&self, wanted: Option<usize>, cancel: &Cancel) -> Result<Whole, SectorError> {
+        let (axis, angle_deg) = (self.axis, self.angle.to_degrees());
+        let slices = Slices::new(self.mesh.clone());
+        let exact = ExactMesh::new(&self.mesh).map_err(|e| SectorError::Mesh(e.to_string()))?;
+        let mut first_error = None;
+        for blades in self.counts(&slices, wanted, cancel)? {
+            match self.with_blades(&blades, &exact, &slices, cancel) {
+                Err(SectorError::Cancelled(cancelled)) => return Err(cancelled.into()),
+                Err(error) => first_error = first_error.or(Some(error)),
+                whole => return whole,
+            }
+        }
+        Err(first_error.unwrap_or(SectorError::Pitch { angle_deg, axis }))
+    }
+
+    /// The wheel of so many blades, if the sector is one of it.
+    fn with_blades(
+        &self,
+        blades: &Blades,
+        exact: &ExactMesh,
+        slices: &Slices,
+        cancel: &Cancel,
+    ) -> Result<Whole, SectorError> {
+        /// Numbers of pitches that are tried, the greatest first, and places of each.
+        const TRIED: usize = 4;
+        const PLACES: [f64; 7] = [0.5, 0.25, 0.75, 0.1, 0.9, 0.4, 0.6];
+        let (axis, angle_deg, Blades { count, cells }) = (self.axis, self.angle.to_degrees(), blades);
+        let pitch = TAU / *count as f64;
+        let fits = |k: &usize| *k as f64 * pitch < self.angle + SAME * pitch && *k as f64 * pitch < PI;
+        let all = (1..=*count).rev().filter(|k| count.is_multiple_of(*k)).filter(fits);
+        let is_bladed = |p: DVec3| slices.cell_at(p).is_some_and(|cell| cells.contains(&cell));
+        let mut first_error = None;
+        for kept in all.take(TRIED) {
+            let kept_angle = kept as f64 * pitch;
+            let spare = (self.angle - kept_angle).max(0.0);
+            if let Some(unlike) = self.unlike(exact, is_bladed, kept_angle) {
+                first_error = first_error.or(Some(unlike));
+                continue;
+            }
+            // The whole of it where that is as many pitches; else wherever its ends meet no hole.
+            let is_whole = spare < SAME * pitch;
+            for place in if is_whole { &[0.0][..] } else { &PLACES } {
+                cancel.check()?;
+                let from = self.from + place * spare;
+                match self.turned([from, from + kept_angle], count / kept) {
+                    Ok((mesh, shift)) => {
+                        let (pitches_held, assumed) =
+                            (((self.angle + SAME * pitch) / pitch) as usize, self.assumed(kept, *count, shift));
+                        let mesh = mesh.in_parent_of(&self.frame);
+                        let theta = self.from + 0.5 * self.angle;
+                        let middle = self.frame.direction_to_parent(Cylindrical { x: 0.0, r: 1.0, theta }.point());
+                        return Ok(Whole { mesh, axis, blades: *count, middle, pitches_held, assumed });
+                    }
+                    Err(error) => first_error = first_error.or(Some(error)),
+                }
+            }
+        }
+        let narrow = SectorError::Narrow { angle_deg, pitch_deg: pitch.to_degrees(), blades: *count, axis };
+        Err(first_error.unwrap_or(narrow))
+    }
+
+    fn assumed(&self, kept: usize, blades: usize, shift: f64) -> String {
+        format!(
+            "The mesh is a sector of {:.3} deg. Its cuts meet in the axis {}; {kept} of its pitches were turned about it \
+             into the {} sectors of the whole wheel of {blades} blades, whose ends were moved by up to {shift:.4} mm to \
+             meet. What does not repeat with the blades, as bolt holes, is not where it is on the part.",
+            self.angle.to_degrees(),
+            self.axis,
+            blades / kept
+        )
+    }
+
+    /// Why the blades do not repeat after a turn by `angle`, as far as that stays in the sector; none if they do.
+    fn unlike(&self, exact: &ExactMesh, is_bladed: impl Fn(DVec3) -> bool + Sync, angle: f64) -> Option<SectorError> {
+        /// Triangles that are enough to tell.
+        const ENOUGH: usize = 6000;
+        /// Share of the surface that may be off: edges of holes and of the cuts.
+        const LEAST: f64 = 0.01;
+        let turn = DMat3::from_rotation_x(angle);
+        let [from, to] = [self.from, self.from + self.angle - angle];
+        let slack = 4.0 * SAME;
+        let is_inside = |p: DVec3| {
+            let theta = wrap_angle(Cylindrical::from_point(p).theta - 0.5 * (from + to));
+            to - from > 2.0 * slack && theta.abs() < 0.5 * (to - from) - slack
+        };
+        let step = (self.mesh.triangles.len() / ENOUGH) | 1;
+        let middle = |corners: [DVec3; 3]| corners.into_iter().sum::<DVec3>() / 3.0;
+        let looked_at: Vec<[DVec3; 3]> = self.mesh.iter_corners().step_by(step).collect();
+        let seen = looked_at.into_par_iter().filter(|c| is_inside(middle(*c)) && is_bladed(middle(*c)));
+        let off = |corners: [DVec3; 3]| {
+            let p = middle(corners);
+            (exact.signed_distance(turn * p).abs(), normal_times_two_areas(corners).length(), p)
+        };
+        let seen: Vec<(f64, f64, DVec3)> = seen.map(off).collect();
+        let all: f64 = seen.iter().map(|(_, area, _)| area).sum();
+        let odd: f64 = seen.iter().filter(|(off, ..)| *off > self.joint).map(|(_, area, _)| area).sum();
+        let (off_mm, _, at) = seen.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).filter(|_| odd > LEAST * all)?;
+        let Cylindrical { x, r, .. } = Cylindrical::from_point(at);
+        Some(SectorError::Unlike { angle_deg: angle.to_degrees(), off_mm, x, r, axis: self.axis })
+    }
+
+    /// The numbers of blades that the whole wheel may have, the likeliest first: those at whose pitch the most circles
+    /// pass from solid to solid again. That of its angle, if it holds no two blades.
+    fn counts(&self, slices: &Slices, wanted: Option<usize>, cancel: &Cancel) -> Result<Vec<Blades>, Cancelled> {
+        /// Circles that are enough to tell.
+        const ENOUGH: usize = 20;
+        /// Counts that are tried.
+        const TRIED: usize = 4;
+        /// Most blades.
+        const MOST: usize = 300;
+        let middle = self.from + 0.5 * self.angle;
+        // Not the cuts themselves.
+        let is_inside = |theta: &f64| theta.abs() < 0.5 * self.angle - SAME;
+        let mut steps: Vec<([usize; 2], f64, usize)> = Vec::new();
+        for ix in 0..CELLS[0] {
+            cancel.check()?;
+            for ir in 0..CELLS[1] {
+                let at = slices.cell_middle(ix, ir);
+                let crossings = slices.circle(at.x, at.y);
+                for enters in [true, false] {
+                    let thetas = crossings.iter().filter(|c| c.enters == enters).map(|c| wrap_angle(c.theta - middle));
+                    let mut thetas: Vec<f64> = thetas.filter(is_inside).collect();
+                    thetas.sort_by(f64::total_cmp);
+                    steps.extend(thetas.windows(2).map(|w| ([ix, ir], w[1] - w[0], 1)));
+                    // Splitters off the middle make every other pitch a smaller one.
+                    steps.extend(thetas.windows(3).map(|w| ([ix, ir], 0.5 * (w[2] - w[0]), 2)));
+                }
+            }
+        }
+        let is_pitch = |step: f64, count: usize, within: f64| (step * count as f64 / TAU - 1.0).abs() < within;
+        let bladed = |count: usize| {
+            // Those off the middle by up to a third of the pitch.
+            let near = steps.iter().filter(|(_, step, _)| is_pitch(*step, count, 0.34));
+            Blades { count, cells: near.map(|(cell, ..)| *cell).collect() }
+        };
+        if let Some(count) = wanted {
+            return Ok(vec![bladed(count)]);
+        }
+        let mut votes = vec![0; MOST + 1];
+        for (_, step, weight) in &steps {
+            let count = (TAU / step).round();
+            if (3.0..=MOST as f64).contains(&count) && is_pitch(*step, count as usize, 0.25 / count) {
+                votes[count as usize] += weight;
+            }
+        }
+        let mut counts: Vec<usize> = (3..=MOST).filter(|n| votes[*n] >= ENOUGH).collect();
+        counts.sort_by_key(|n| (std::cmp::Reverse(votes[*n]), *n));
+        counts.truncate(TRIED);
+        let by_cuts = TAU / self.angle;
+        if counts.is_empty() && (by_cuts - by_cuts.round()).abs() < 0.01 {
+            counts.push(by_cuts.round() as usize);
+        }
+        Ok(counts.into_iter().filter(|n| *n >= 3).map(bladed).collect())
+    }
+
+    /// `copies` of what lies between two angles (rad), turned about X and joined, and how far points were moved for that
+    /// (mm).
+    fn turned(&self, ends: [f64; 2], copies: usize) -> Result<(Mesh, f64), SectorError> {
+        let angle = ends[1] - ends[0];
+        let around = |theta: f64| DVec3::new(0.0, -theta.cos(), -theta.sin());
+        let lower = clipped(&self.mesh, around(ends[0]), self.on_cut);
+        let mut slab = clipped(&lower, -around(ends[1]), self.on_cut);
+        let triangles = slab.triangles.len().saturating_mul(copies);
+        if triangles > MOST_TRIANGLES {
+            return Err(SectorError::TooLarge { triangles });
+        }
+        let (partners, shift) = join(&mut slab, ends, self.on_cut, self.joint).map_err(|(off_mm, at)| {
+            SectorError::Unlike { angle_deg: angle.to_degrees(), off_mm, x: at.x, r: at.y, axis: self.axis }
+        })?;
+        let mut whole = Mesh::default();
+        // On the axis there is one vertex for all copies; those of the upper end are those of the next copy's lower.
+        let on_axis = |v: usize| slab.vertices[v].yz().length() <= self.on_cut;
+        let own: Vec<usize> =
+            (0..slab.vertices.len()).filter(|v| !on_axis(*v) && !partners.contains_key(&(*v as u32))).collect();
+        let shared: Vec<usize> = (0..slab.vertices.len()).filter(|v| on_axis(*v)).collect();
+        let mut number = vec![0u32; slab.vertices.len()];
+        own.iter().enumerate().for_each(|(i, v)| number[*v] = (shared.len() + i) as u32);
+        shared.iter().enumerate().for_each(|(i, v)| number[*v] = i as u32);
+        whole.vertices.extend(shared.iter().map(|v| slab.vertices[*v]));
+        for copy in 0..copies {
+            let turn = DMat3::from_rotation_x(copy as f64 * angle);
+            whole.vertices.extend(own.iter().map(|v| turn * slab.vertices[*v]));
+            let of = |v: u32, copy: usize| {
+                if on_axis(v as usize) {
+                    number[v as usize]
+                } else {
+                    number[v as usize] + (copy % copies * own.len()) as u32
+                }
+            };
+            let vertex = |v: u32| partners.get(&v).map_or_else(|| of(v, copy), |p| of(*p, copy + 1));
+            whole.triangles.extend(slab.triangles.iter().map(|t| t.map(vertex)));
+        }
+        whole.triangles.retain(|[a, b, c]| a != b && b != c && c != a);
+        if !whole.is_watertight() {
+            return Err(SectorError::Open { angle_deg: angle.to_degrees(), axis: self.axis });
+        }
+        Ok((whole, shift))
+    }
+}
