@@ -6,7 +6,7 @@ use std::sync::mpsc::{Sender, channel};
 use egui::Key;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
 use sparkpath::workspaces::blisk::document::stage::Stage;
-use sparkpath::workspaces::blisk::work::ExportWork;
+use sparkpath::workspaces::blisk::work::release::ExportWork;
 use task::{State, Task};
 use wheel::parametric::ParametricBlisk;
 

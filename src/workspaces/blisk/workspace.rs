@@ -20,7 +20,7 @@ use crate::workspaces::blisk::panels::plots::{self, Curves, Tab};
 use crate::workspaces::blisk::panels::view::BliskView;
 use crate::workspaces::blisk::panels::{dialogs, inspector, stepper, timeline};
 use crate::workspaces::blisk::paths::BliskPath;
-use crate::workspaces::blisk::work::ExportWork;
+use crate::workspaces::blisk::work::release::ExportWork;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
 use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project};
 use crate::workspaces::hands::Hands;
