@@ -22,8 +22,8 @@ pub fn show(ui: &mut Ui, (workspaces, shown): (&mut [Box<dyn Workspace>], usize)
     });
 }
 
-/// The last line of the log in workspace number `shown`, except failures remedied since; and whether the line is of
-/// other parameters than the present ones.
+/// The last line of the log in workspace number `shown`, unless it tells of a problem that is over; and whether the
+/// line is of other parameters than the present ones.
 pub fn last_said<'a>(here: &dyn Workspace, shown: usize, cx: &'a Context) -> Option<(&'a LogLine, bool)> {
     let line = cx.log.iter().rev().find(|line| line.workspace == shown)?;
     let standing = here.standing(line);
@@ -32,10 +32,11 @@ pub fn last_said<'a>(here: &dyn Workspace, shown: usize, cx: &'a Context) -> Opt
 
 fn message(ui: &mut Ui, here: &dyn Workspace, shown: usize, cx: &mut Context) {
     let room = (ui.available_width() - 260.0).max(60.0);
-    if let Some((text, left)) = cx.passing(shown) {
+    let passing = cx.passing(shown).filter(|(line, _)| here.standing(line) != Standing::Over);
+    if let Some((line, left)) = passing {
         ui.ctx().request_repaint_after(left);
-        let label = egui::Label::new(RichText::new(text).color(palette(ui).warning)).truncate();
-        ui.allocate_ui(vec2(room, 18.0), |ui| ui.add(label)).inner.on_hover_text(text);
+        let label = egui::Label::new(RichText::new(&line.text).color(colour_of(ui, line.kind))).truncate();
+        ui.allocate_ui(vec2(room, 18.0), |ui| ui.add(label)).inner.on_hover_text(&line.text);
         return;
     }
     let Some((line, is_stale)) = last_said(here, shown, cx) else {

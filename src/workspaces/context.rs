@@ -33,15 +33,20 @@ pub struct LogLine {
     pub workspace: usize,
     /// Subject of the message, as the workspace numbers it: a step of the plan.
     pub topic: Option<usize>,
-    /// Number of changes of the document before the message, where the workspace counts them.
-    pub revision: u64,
+    /// Revision of the workspace's document after the message; none for a message that is not about the document.
+    pub revision: Option<u64>,
 }
 
 impl LogLine {
     /// A line with the present time.
     pub fn now(kind: EventKind, text: impl Into<String>) -> Self {
         let (at, text) = (SystemTime::now(), text.into());
-        Self { at, kind, text, took: None, workspace: 0, topic: None, revision: 0 }
+        Self { at, kind, text, took: None, workspace: 0, topic: None, revision: None }
+    }
+
+    /// Whether the document has changed since the message and is now at `revision`.
+    pub fn is_of_other(&self, revision: u64) -> bool {
+        self.revision.is_some_and(|of| of != revision)
     }
 }
 
@@ -132,13 +137,15 @@ pub struct Context {
     pub results: Option<ResultCache>,
     /// Time of the present frame (s), since the window opened.
     pub now: f64,
-    /// A sentence that is shown for a moment, with the number of its workspace and its time.
-    passing: Option<(String, usize, f64)>,
+    /// A line that is shown for a moment and not kept in the log, with its time (s).
+    passing: Option<(LogLine, f64)>,
     commands: Vec<Command>,
     requests: Vec<(usize, Request)>,
     wake: Option<Duration>,
     /// Number of the workspace that acts.
     turn: usize,
+    /// Number of the first line of its turn in the log.
+    first: usize,
 }
 
 impl Context {
@@ -146,7 +153,7 @@ impl Context {
     pub fn new(preferences: Preferences) -> Self {
         let (log, commands, requests) = (Vec::new(), Vec::new(), Vec::new());
         let now = 0.0;
-        Self { preferences, log, results: None, now, passing: None, commands, requests, wake: None, turn: 0 }
+        Self { preferences, log, results: None, now, passing: None, commands, requests, wake: None, turn: 0, first: 0 }
     }
 
     /// Has `command` run at the end of the frame.
@@ -268,24 +275,35 @@ impl Context {
         self.log.push(LogLine { workspace: self.turn, ..line });
     }
 
-    /// Adds reports of work on `revision` of the document, and has a frame drawn after `wait`.
-    pub fn note_events(&mut self, (events, wait): (Vec<WorkEvent>, Option<Duration>), revision: u64) {
+    /// Adds reports of work, and has a frame drawn after `wait`.
+    pub fn note_events(&mut self, (events, wait): (Vec<WorkEvent>, Option<Duration>)) {
         for WorkEvent { kind, text, took } in events {
-            self.note(LogLine { took, revision, ..LogLine::now(kind, text) });
+            self.note(LogLine { took, ..LogLine::now(kind, text) });
         }
         wait.into_iter().for_each(|wait| self.wake_after(wait));
     }
 
     /// Shows `text` for a moment, in place of the last such text. The log does not keep it.
     pub fn say_in_passing(&mut self, text: impl Into<String>) {
-        self.passing = Some((text.into(), self.turn, self.now));
+        let line = LogLine { workspace: self.turn, ..LogLine::now(EventKind::Cancelled, text) };
+        self.passing = Some((line, self.now));
     }
 
-    /// The passing text of workspace number `workspace`, and the time for which it is still shown.
-    pub fn passing(&self, workspace: usize) -> Option<(&str, Duration)> {
-        let (text, _, since) = self.passing.as_ref().filter(|(_, of, _)| *of == workspace)?;
+    /// The passing line of workspace number `workspace`, and the time for which it is still shown.
+    pub fn passing(&self, workspace: usize) -> Option<(&LogLine, Duration)> {
+        let (line, since) = self.passing.as_ref().filter(|(line, _)| line.workspace == workspace)?;
         let left = rest_left(*since, PASSING, self.now);
-        (!left.is_zero()).then_some((text, left))
+        (!left.is_zero()).then_some((line, left))
+    }
+
+    /// Sets the revision of the lines that the acting workspace has added in its turn. They are about the document as
+    /// the turn leaves it.
+    pub fn set_revision(&mut self, revision: u64) {
+        let passing = self.passing.iter_mut().map(|(line, _)| line);
+        let said = self.log.iter_mut().skip(self.first).chain(passing);
+        for line in said.filter(|line| line.workspace == self.turn) {
+            line.revision.get_or_insert(revision);
+        }
     }
 
     /// Asks the user for a path. `name` is proposed where a file is written.
@@ -329,7 +347,7 @@ impl Context {
 
     /// Sets the number of the workspace that acts.
     pub fn take_turn(&mut self, turn: usize) {
-        self.turn = turn;
+        (self.turn, self.first) = (turn, self.log.len());
     }
 
     /// Takes the commands requested since the last call.

@@ -9,6 +9,7 @@ use super::commands::{Command, CommandInfo, Commanded, Groups};
 use super::context::{Context, LogLine};
 use super::hands::Hands;
 use super::message::Message;
+use super::news::EventKind;
 use crate::widgets::viewport::Viewport;
 use files::{AnyDocument, Recovery};
 use task::Doing;
@@ -45,7 +46,7 @@ pub enum Standing {
     Current,
     /// The line was written for other parameters than the present ones.
     Stale,
-    /// The line tells of a failure that has been remedied since.
+    /// The line tells of a problem that the user has changed something about since.
     Over,
 }
 
@@ -154,14 +155,15 @@ pub trait Workspace: Any + Commanded {
     /// Reads the user's own lists (cutters, holders, machines) from `folder`.
     fn take_user_files(&mut self, _folder: &Path, _cx: &mut Context) {}
 
-    /// Number of changes of the document, where the workspace counts them.
+    /// A number that changes with the document's parameters.
     fn revision(&self) -> u64 {
-        0
+        self.document().revision()
     }
 
-    /// State of a line of the log with the present document.
-    fn standing(&self, _line: &LogLine) -> Standing {
-        Standing::Current
+    /// State of a line with the present document.
+    fn standing(&self, line: &LogLine) -> Standing {
+        let is_problem = line.kind != EventKind::Done;
+        if is_problem && line.is_of_other(self.revision()) { Standing::Over } else { Standing::Current }
     }
 }
 

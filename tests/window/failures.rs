@@ -25,6 +25,7 @@ fn a_wrong_number_is_told_beside_its_field() {
     desk.assert_shows("Spark gap: \"abc\" is not a number; enter a number from 0.005 to 2 mm; it stays 0.1 mm");
     assert_eq!(desk.blisk().document.params().electrode.spark_gap_mm, 0.1);
     desk.enter("Spark gap", "9");
+    assert!(!desk.shows("is not a number"), "a number was entered meanwhile");
     desk.until_idle();
     desk.assert_shows("Spark gap is 9 mm: must be from 0.005 to 2 mm");
     assert!(desk.step_says(Stage::Electrode, "failed") && desk.step_says(Stage::Channel, "done"));

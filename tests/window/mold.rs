@@ -172,6 +172,14 @@ fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
     desk.press_role(Role::Tab, "Mold workspace");
     assert_eq!((desk.mold().selected, desk.mold().layer), (Some(6), Some(number)));
     assert_eq!(desk.mold().state(), State::Ready);
+
+    // The status bar says what is wrong with a value as long as it is.
+    let wrong = |desk: &Desk| desk.app().last_said().is_some_and(|(line, _)| line.text.contains("Corner is 5 mm"));
+    desk.enter("Cutters 1, Corner", "5");
+    desk.key(Key::F6);
+    assert!(wrong(&desk), "{:?}", desk.log());
+    desk.enter("Cutters 1, Corner", "1");
+    assert!(!wrong(&desk));
 }
 
 #[test]

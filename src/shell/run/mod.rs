@@ -238,8 +238,8 @@ impl SparkpathApp {
         self.workspaces.iter().any(|one| one.is_opening())
     }
 
-    /// The last line of the log in the workspace that is shown, except failures remedied since; and whether the line is
-    /// of other parameters than the present ones.
+    /// The last line of the log in the workspace that is shown, unless it tells of a problem that is over; and whether
+    /// the line is of other parameters than the present ones.
     pub fn last_said(&self) -> Option<(&LogLine, bool)> {
         status::last_said(&*self.workspaces[self.shown], self.shown, &self.cx)
     }
@@ -295,14 +295,14 @@ impl SparkpathApp {
     fn with<R>(&mut self, i: usize, act: impl FnOnce(&mut dyn Workspace, &mut Context) -> R) -> R {
         self.cx.take_turn(i);
         let answer = act(&mut *self.workspaces[i], &mut self.cx);
+        self.cx.set_revision(self.workspaces[i].revision());
         self.cx.take_turn(self.shown);
         answer
     }
 
     /// Adds a line to the log of the workspace that is shown.
     fn say(&mut self, kind: EventKind, text: impl Into<String>) {
-        let revision = self.workspaces[self.shown].revision();
-        self.cx.note(LogLine { revision, ..LogLine::now(kind, text) });
+        self.with(self.shown, |_, cx| cx.say(kind, text));
     }
 
     /// Shows an error in front of the present dialog.
@@ -391,7 +391,11 @@ impl SparkpathApp {
             .map(|e| format!("the unsaved work could not be copied: {e}"))
             .collect();
         if self.not_copied != failed {
-            failed.iter().for_each(|text| self.say(EventKind::Failed, text.clone()));
+            // Whatever changes in a document, it is said until there are copies again.
+            failed.iter().for_each(|text| self.cx.say(EventKind::Failed, text));
+            if failed.is_empty() {
+                self.cx.say(EventKind::Done, "the unsaved work is copied again");
+            }
             self.not_copied = failed;
         }
         self.not_copied.is_empty()

@@ -435,11 +435,18 @@ impl Workspace for BliskWorkspace {
 
     fn standing(&self, line: &LogLine) -> Standing {
         let stage = Stage::ALL.into_iter().find(|stage| Some(stage.number()) == line.topic);
-        let is_failed = |stage| matches!(self.desk.work.state(stage), State::Failed(_));
-        let is_mended = line.kind == EventKind::Failed && stage.is_some_and(|stage| !is_failed(stage));
-        // A change that is undone brings back what was made before, of which the line does not tell.
-        let now = stage.and_then(|stage| self.desk.work.sentence(stage));
-        let is_of_other = line.kind == EventKind::Done && now.is_some_and(|now| !line.text.ends_with(&now));
-        if is_mended || is_of_other { Standing::Over } else { Standing::Current }
+        let state = |stage| self.desk.work.state(stage);
+        let is_over = match (line.kind, stage) {
+            // What a change does not touch has failed as before.
+            (EventKind::Failed, Some(stage)) => !matches!(state(stage), State::Failed(_)),
+            (EventKind::Refused, Some(stage)) => !matches!(state(stage), State::Failed(_) | State::Ready),
+            // A change that is undone brings back what was made before, of which the line does not tell.
+            (EventKind::Done, Some(stage)) => {
+                self.desk.work.sentence(stage).is_some_and(|now| !line.text.ends_with(&now))
+            }
+            (EventKind::Cancelled, Some(_)) | (EventKind::Done, None) => false,
+            (_, None) => line.is_of_other(self.revision()),
+        };
+        if is_over { Standing::Over } else { Standing::Current }
     }
 }

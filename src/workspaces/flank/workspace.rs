@@ -79,7 +79,7 @@ impl FlankWorkspace {
         cx.request(Request::Show);
         let document = &self.desk.document;
         document.file().into_iter().for_each(|file| cx.opened(file));
-        self.say(cx, EventKind::Done, format!("{} opened", document.name()));
+        cx.say(EventKind::Done, format!("{} opened", document.name()));
     }
 
     /// Whether a path for `what` replaces the whole flank.
@@ -103,18 +103,13 @@ impl FlankWorkspace {
         });
     }
 
-    /// Adds a line about the present flank to the log.
-    fn say(&self, cx: &mut Context, kind: EventKind, text: impl Into<String>) {
-        cx.note(LogLine { revision: self.desk.revision(), ..LogLine::now(kind, text) });
-    }
-
     /// Replaces the flank by a flank of `electrode`. Cutter and machine stay.
     fn take_electrode(&mut self, electrode: &ElectrodePart, cx: &mut Context) {
         match flank_of(electrode, self.desk.params()) {
             Ok(params) => {
                 self.desk.replace(Document::new(params));
                 cx.request(Request::Show);
-                self.say(cx, EventKind::Done, format!("flanks of {} of {}", electrode.name, electrode.of));
+                cx.say(EventKind::Done, format!("flanks of {} of {}", electrode.name, electrode.of));
             }
             Err(e) => cx.error("Its flanks cannot be milled", e.to_string()),
         }
@@ -251,7 +246,7 @@ impl FlankWorkspace {
         match command {
             FlankCommand::PlanFlank => {
                 if let Err(why) = desk.plan() {
-                    self.say(cx, EventKind::Failed, why);
+                    cx.say(EventKind::Failed, why);
                 }
             }
             FlankCommand::NextPath => desk.path = PathChoice::ALL[(desk.path as usize + 1) % PathChoice::ALL.len()],
@@ -355,7 +350,7 @@ impl Workspace for FlankWorkspace {
             self.opening.go_on(Pending::Take(opened), cx);
         }
         let news = self.desk.follow(hands, is_shown, cx.now);
-        cx.note_events(news, self.desk.revision());
+        cx.note_events(news);
     }
 
     fn is_busy(&self) -> bool {
@@ -440,10 +435,10 @@ impl Workspace for FlankWorkspace {
     }
 
     fn standing(&self, line: &LogLine) -> Standing {
-        match (line.revision == self.desk.revision(), line.kind) {
-            (true, _) => Standing::Current,
-            (false, EventKind::Done) => Standing::Stale,
-            (false, _) => Standing::Over,
+        match (line.is_of_other(self.revision()), line.kind) {
+            (false, _) => Standing::Current,
+            (true, EventKind::Done) => Standing::Stale,
+            (true, _) => Standing::Over,
         }
     }
 }

@@ -305,7 +305,7 @@ impl Workspace for MoldWorkspace {
             self.go_on(Pending::Take(opened), cx);
         }
         let news = self.desk.follow(hands, is_shown, cx.now);
-        cx.note_events(news, 0);
+        cx.note_events(news);
     }
 
     fn is_busy(&self) -> bool {
