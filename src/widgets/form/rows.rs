@@ -70,7 +70,7 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
                             let value = get(row, field.key);
                             let is_there = field.is_shown(row);
                             let change = cell(ui, column.width, |ui| {
-                                if is_there && field.check(&inner.key, value).is_err() {
+                                if is_there && self.problem_of(&inner, value).is_some() {
                                     mark(ui);
                                 }
                                 is_there.then(|| widgets::narrow(ui, &inner, value, column.width, hint)).flatten()

@@ -75,6 +75,35 @@ fn kind(ui: &mut Ui, name: &str, row: &Value) -> Option<Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::widgets::theme::palette;
+    use crate::workspaces::mold::document::MoldParams;
+    use crate::workspaces::mold::document::fields::FIELDS;
+    use egui_kittest::Harness;
+    use egui_kittest::kittest::Queryable as _;
+
+    #[test]
+    fn a_corner_greater_than_the_radius_is_marked_in_its_cell() {
+        let mut params = MoldParams::default();
+        params.library.cutter = vec![Cutter::flat(3.0), Cutter::bull_nose(2.0, 2.5)];
+        let problem = params.validate().unwrap_err();
+        let bad = std::cell::Cell::default();
+        let window = Harness::new_ui(|ui| {
+            bad.set(palette(ui).bad);
+            let mut form = Form::new(&FIELDS, &params, Some(&problem));
+            table(ui, &mut form, "library.cutter");
+        });
+        let marked: Vec<egui::Rect> = window
+            .output()
+            .shapes
+            .iter()
+            .filter_map(|shape| match &shape.shape {
+                egui::Shape::Rect(rect) if rect.stroke.color == bad.get() => Some(rect.rect),
+                _ => None,
+            })
+            .collect();
+        let corner = window.get_by_label("Cutters 2, Corner").rect();
+        assert!(marked.len() == 1 && corner.expand(2.0).contains_rect(marked[0]), "{marked:?} {corner:?}");
+    }
 
     #[test]
     fn a_cutter_of_another_diameter_is_of_the_same_kind() {
