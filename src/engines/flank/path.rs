@@ -79,10 +79,25 @@ impl FlankPath {
         Ok(((deviation, feet), coverage, envelope))
     }
 
+    /// For each place of the grid the height (mm) of the flute above the bottom circle that touches it or is nearest to
+    /// it. `cutter` is the part that touches.
+    pub fn contact_heights(&self, cutter: &FlankCutter) -> impl Iterator<Item = f64> {
+        contact_heights((&self.axis, self.below_mm), cutter, &self.feet)
+    }
+
     /// The cutter at `t`, from 0 to 1.
     pub fn pose(&self, t: f64) -> FlankPose {
         pose(&self.axis, self.below_mm, t)
     }
+}
+
+/// Heights (mm) above the bottom circle in which the flutes touch or are nearest to the places that `feet` are under.
+fn contact_heights(
+    (axis, below_mm): (&AxisSurface, f64),
+    cutter: &FlankCutter,
+    feet: &Feet,
+) -> impl Iterator<Item = f64> {
+    feet.at.iter().map(move |q| below_mm + cutter.contact_height(q.y * axis.at(q.x).length()))
 }
 
 /// Coverage by a path whose axis stands at `feet` over the surface.
@@ -92,8 +107,8 @@ fn coverage(
     feet: &Feet,
     envelope: &EnvelopeCheck,
 ) -> Coverage {
-    let heights = feet.at.iter().map(|q| below_mm + cutter.contact_height(q.y * axis.at(q.x).length()));
     let widest = |[low, high]: [f64; 2], h: f64| [low.min(h), high.max(h)];
+    let heights = contact_heights((axis, below_mm), cutter, feet);
     let height_range_mm = heights.fold([f64::INFINITY, f64::NEG_INFINITY], widest);
     let ([first, last], [grazes_first, grazes_last]) = (feet.t_range(), envelope.t_range);
     let t_range = if axis.is_closed() { [0.0, 1.0] } else { [first.min(grazes_first), last.max(grazes_last)] };

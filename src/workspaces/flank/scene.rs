@@ -9,7 +9,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use crate::widgets::theme::{BAD, HIGH, MACHINE, STEEL};
 use crate::workspaces::flank::document::PathChoice;
 use flank::cutter::FlankCutter;
-use flank::deviation::Deviation;
+use flank::deviation::{Deviation, ROUNDING_MM};
 use flank::path::{FlankPath, FlankPose};
 use flank::plan::FlankPlan;
 use flank::ruled_surface::RuledSurface;
@@ -75,8 +75,11 @@ pub struct FlankSurface {
 pub struct FlankShapes {
     /// The surface, over the plan's grid.
     pub surface: FlankSurface,
-    /// For each path the deviations of the standing and of the moving cutter, as the surface's vertices.
+    /// For each path the deviations of the standing and of the moving cutter, as the surface's vertices; NaN above the
+    /// flutes.
     values: [[Arc<Vec<f32>>; 2]; 3],
+    /// Whether the flutes are too short for a part of the surface, which has the colour of a surface without a plan.
+    pub has_unmilled: bool,
     /// The greatest deviation either way of any path (mm).
     pub greatest: f64,
     axes: [Arc<RenderMesh>; 3],
@@ -227,11 +230,18 @@ impl FlankShapes {
     /// The shapes of a plan.
     pub fn of(surface: &RuledSurface, plan: &FlankPlan) -> Self {
         let paths = [&plan.initial, &plan.chosen, &plan.refined];
-        let values = |d: &Deviation| Arc::new(d.values.iter().map(|v| *v as f32).collect::<Vec<_>>());
+        let touching = plan.cutter.above(plan.params.below_mm).unwrap_or_else(|_| plan.cutter.clone());
+        let highest = plan.cutter.length_mm + ROUNDING_MM;
+        let values = |path: &FlankPath, deviation: &Deviation| {
+            let value = |(v, height): (&f64, f64)| if height > highest { f32::NAN } else { *v as f32 };
+            Arc::new(deviation.values.iter().zip(path.contact_heights(&touching)).map(value).collect::<Vec<_>>())
+        };
         let most = |d: &Deviation| d.most_overcut.abs().max(d.most_undercut.abs());
+        let values = paths.map(|p| [values(p, &p.deviation), values(p, &p.envelope.deviation)]);
         Self {
             surface: FlankSurface::of(surface, plan.initial.deviation.grid),
-            values: paths.map(|p| [values(&p.deviation), values(&p.envelope.deviation)]),
+            has_unmilled: values.iter().flatten().any(|values| values.iter().any(|value| value.is_nan())),
+            values,
             greatest: paths.into_iter().map(|p| most(&p.deviation)).fold(0.0, f64::max),
             axes: paths.map(|p| Arc::new(RenderMesh::new(&swept_by_axis(p)))),
             cutter: CutterShape::of(&plan.cutter),
@@ -520,6 +530,27 @@ mod tests {
             let (sin, cos) = cutter.half_angle().sin_cos();
             let from_cone = (distance - cutter.radius_mm) * cos - height * sin;
             assert!((from_cone - deviation).abs() < 2e-3, "{from_cone} {deviation}");
+        }
+    }
+
+    #[test]
+    fn above_flutes_that_are_too_short_nothing_is_coloured() {
+        let guides = DemonstrationSurface::A.guides().unwrap();
+        let surface = RuledSurface::from_guides(&guides.lower, &guides.upper, Side::Positive).unwrap();
+        let params = FlankParams { grid: [21, 9], rounds: 0, below_mm: 1.0, ..FlankParams::default() };
+        let shapes = |length_mm: f64| {
+            let cutter = FlankCutter::cone(1.0, 5.0, length_mm);
+            FlankShapes::of(&surface, &plan_flank(&surface, &cutter, &params, &Task::default()).unwrap())
+        };
+        let (long, short) = (shapes(40.0), shapes(8.0));
+        assert!(!long.has_unmilled && short.has_unmilled);
+        for (all, some) in long.values.iter().flatten().zip(short.values.iter().flatten()) {
+            for (k, (all, some)) in all.iter().zip(some.iter()).enumerate() {
+                let [u, v] = [(k / 9) as f64 / 20.0, (k % 9) as f64 / 8.0];
+                let height = params.below_mm + v * surface.point(u, 0.0).distance(surface.point(u, 1.0));
+                assert!(some.is_nan() || some == all && height < 9.0, "{u} {v}: {all} {some} {height}");
+                assert!(!some.is_nan() || height > 7.0, "{u} {v}: {height}");
+            }
         }
     }
 }

@@ -246,10 +246,13 @@ fn beside_axes(rect: Rect, area: Rect, placed: &[Rect]) -> Rect {
 /// The scale of the colours, and what its ends mean.
 fn legend(ui: &mut Ui, rect: Rect, planned: &Planned) {
     let area = overlay::legend(ui, rect, &planned.shapes.legend());
-    let below = Rect::from_min_size(area.left_bottom() + vec2(0.0, 3.0), vec2(area.width(), 34.0));
+    let unmilled = planned.shapes.has_unmilled.then_some("grey: not milled");
+    let texts: Vec<&str> = ["+ undercut", "\u{2212} overcut"].into_iter().chain(unmilled).collect();
+    let height = 14.0 * texts.len() as f32 + 6.0;
+    let below = Rect::from_min_size(area.left_bottom() + vec2(0.0, 3.0), vec2(area.width(), height));
     ui.painter().rect_filled(below, 6.0, ui.visuals().window_fill.gamma_multiply(0.88));
-    for (y, text) in [(10.0, "+ undercut"), (24.0, "\u{2212} overcut")] {
-        let at = below.left_top() + vec2(8.0, y);
+    for (i, text) in texts.into_iter().enumerate() {
+        let at = below.left_top() + vec2(8.0, 10.0 + 14.0 * i as f32);
         ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(11.0), palette(ui).faint);
     }
 }
