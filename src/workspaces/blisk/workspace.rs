@@ -104,7 +104,7 @@ impl BliskWorkspace {
             cx.opened(path);
         }
         // What was said last is of another part.
-        cx.say(EventKind::Done, format!("{} opened", self.desk.document.name()));
+        cx.say(EventKind::Done, format!("opened {}", self.desk.document.name()));
     }
 
     fn plan(&mut self, cx: &mut Context) {

@@ -79,7 +79,7 @@ impl FlankWorkspace {
         cx.request(Request::Show);
         let document = &self.desk.document;
         document.file().into_iter().for_each(|file| cx.opened(file));
-        cx.say(EventKind::Done, format!("{} opened", document.name()));
+        cx.say(EventKind::Done, format!("opened {}", document.name()));
     }
 
     /// Whether a path for `what` replaces the whole flank.

@@ -100,7 +100,7 @@ impl MoldWorkspace {
         cx.request(Request::Show);
         let document = &self.desk.document;
         document.file().or(document.params().mesh.as_deref()).iter().for_each(|path| cx.opened(path));
-        cx.say(EventKind::Done, format!("{} opened", document.name()));
+        cx.say(EventKind::Done, format!("opened {}", document.name()));
     }
 
     fn load_cutters(&mut self, path: &Path, are_others: bool, cx: &mut Context) {
