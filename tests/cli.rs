@@ -72,7 +72,7 @@ fn job_for(blisk: &ParametricBlisk, folder: &Path, electrode: &str) -> String {
     file.to_str().unwrap().to_owned()
 }
 
-const COMES_OUT: &str = "circumferential_reduction_deg = [2.0, 2.0]";
+const COMES_OUT: &str = "circumferential_reduction_deg = [2.8, 2.8]";
 
 /// Of what a plan writes all but pictures.
 const NO_PICTURES: &str = "[export.files]\npictures = false\n[export.pictures]\nwhole = false\nfinal_pose = false\n\
@@ -155,8 +155,8 @@ fn a_bare_mesh_with_settings_gives_the_same_bytes_as_a_project() {
     for setting in [
         "blisk.units=mm",
         "electrode.enter=-x",
-        "electrode.circumferential_reduction_deg[0]=2",
-        "electrode.circumferential_reduction_deg[1]=2",
+        "electrode.circumferential_reduction_deg[0]=2.8",
+        "electrode.circumferential_reduction_deg[1]=2.8",
         "plan.step_mm=1.6",
         "plan.field_cell_mm=0.5",
         "genetic.population=16",

@@ -7,11 +7,11 @@ use wheel::parametric::{MeshResolution, ParametricBlisk};
 pub fn easy_blisk() -> ParametricBlisk {
     ParametricBlisk {
         blades: 24,
-        hub_radius_mm: 60.0,
-        shroud_radius_mm: 72.0,
-        bore_radius_mm: 40.0,
-        width_mm: 20.0,
-        chord_mm: 14.0,
+        hub_radius_mm: 42.0,
+        shroud_radius_mm: 50.0,
+        bore_radius_mm: 28.0,
+        width_mm: 14.0,
+        chord_mm: 10.0,
         beta_in_deg: 20.0,
         beta_out_deg: -25.0,
         twist_deg: 2.0,

@@ -30,7 +30,7 @@ fn planned(strategy: Strategy, reduction_deg: f64) -> PlanOutcome {
 
 fn global_plan() -> &'static PlanOutcome {
     static PLAN: OnceLock<PlanOutcome> = OnceLock::new();
-    PLAN.get_or_init(|| threads(2).install(|| planned(Strategy::Global, 2.0)))
+    PLAN.get_or_init(|| threads(2).install(|| planned(Strategy::Global, 2.8)))
 }
 
 fn only(outcome: &PlanOutcome) -> &ElectrodeOutcome {
@@ -71,7 +71,7 @@ fn dense_sampling_never_finds_less_than_the_certificate() {
 
 /// What the comparison of the papers is about: the path that is optimised as a whole against the greedy one.
 fn it_is_at_least_twice_as_smooth_as_free_travel() {
-    let free = planned(Strategy::FreeTravel, 2.0);
+    let free = planned(Strategy::FreeTravel, 2.8);
     let path = |outcome: &PlanOutcome| only(outcome).plan.path.clone().expect("it comes out");
     let (free, global) = (path(&free), path(global_plan()));
     for axis in [Axis::Y, Axis::Z, Axis::A, Axis::C] {
@@ -83,7 +83,7 @@ fn it_is_at_least_twice_as_smooth_as_free_travel() {
 /// The roomiest pose at every node has at least the clearance there that any other strategy's has, but for what its
 /// own search misses.
 fn greatest_least_distance_keeps_further_away_at_its_nodes() {
-    let roomy = planned(Strategy::MaxMinDistance, 2.0);
+    let roomy = planned(Strategy::MaxMinDistance, 2.8);
     let mean = |outcome: &PlanOutcome| {
         let nodes = &only(outcome).plan.nodes;
         let inside: Vec<f64> = nodes.iter().filter(|n| n.s > 0.5 && n.s < 12.0).map(|n| n.clearance).collect();
@@ -93,7 +93,7 @@ fn greatest_least_distance_keeps_further_away_at_its_nodes() {
 }
 
 fn it_is_the_same_on_any_number_of_threads() {
-    let one = threads(1).install(|| planned(Strategy::Global, 2.0));
+    let one = threads(1).install(|| planned(Strategy::Global, 2.8));
     let digest = |o: &PlanOutcome| only(o).plan.path.as_ref().map(|p| p.path.digest());
     assert_eq!(digest(&one), digest(global_plan()));
 }
@@ -115,7 +115,7 @@ fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
 }
 
 fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
-    let mut base = easy_inputs(coarse_job(2.0));
+    let mut base = easy_inputs(coarse_job(2.8));
     base.job.plan.strategy = Strategy::Genetic;
     let shown = std::sync::Mutex::new(Vec::new());
     let found = |row: &_| shown.lock().unwrap().push(Clone::clone(row));
@@ -143,7 +143,7 @@ fn a_glance_tells_what_the_plan_will_say_where_that_is_clear() {
         let inputs = easy_inputs(job_with(Strategy::Global, reduction));
         live_way(ready(), &inputs, 0, &Task::default()).unwrap()
     };
-    let out = look(2.0);
+    let out = look(2.8);
     assert!(out.way.margin.is_some_and(|w| w > 0.0) && out.way.jam.is_none());
     assert!(out.sentence(&global_plan().channel).contains("extraction path towards -X probable"));
     cancelling_ends_a_global_plan();
@@ -154,7 +154,7 @@ fn a_glance_tells_what_the_plan_will_say_where_that_is_clear() {
 fn cancelling_ends_a_global_plan() {
     let cancel = Cancel::default();
     cancel.cancel();
-    let inputs = easy_inputs(job_with(Strategy::Global, 2.0));
+    let inputs = easy_inputs(job_with(Strategy::Global, 2.8));
     let ended = run_prepared(ready(), &inputs, &|_, _, _| (), &Task::silent(&cancel));
     assert!(matches!(ended, Err(PlanJobError::Cancelled(_))));
 }

@@ -23,7 +23,7 @@ use super::{easy_blisk, easy_job, easy_plan, mesh};
 fn spoiled(nodes: &[Node]) -> Vec<Node> {
     let mut nodes: Vec<Node> =
         nodes.iter().enumerate().filter(|(i, _)| i % 2 == 0 || *i + 1 == nodes.len()).map(|(_, n)| *n).collect();
-    nodes[3].pose.y += 0.15;
+    nodes[3].pose.y -= 0.2;
     nodes
 }
 

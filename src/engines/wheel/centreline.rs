@@ -57,6 +57,15 @@ pub enum CentrelineError {
         /// Sections tested.
         sections: usize,
     },
+    /// The middles fold back.
+    #[error(
+        "the channel's centreline folds back at x = {x:.2} mm: the circles between the walls do not lead through it; \
+         look at the walls there"
+    )]
+    Folds {
+        /// Where along X (mm).
+        x: f64,
+    },
     /// The channel does not run along the axis.
     #[error("the passage is {}, and the centreline is made of sections along X", .0.name())]
     NotAxial(Flow),
@@ -111,6 +120,10 @@ impl Centreline {
         let sections = sections.into_iter().map(|(circles, _)| circles).collect();
         let through: Vec<DVec3> = middles.iter().copied().step_by(2).collect();
         let curve = NurbsCurve::cubic(&through, None)?;
+        let back = middles.windows(2).find(|pair| pair[1].x <= pair[0].x);
+        if let Some([place, _]) = back {
+            return Err(CentrelineError::Folds { x: place.x });
+        }
         let fit = FitError::of(middles.iter().map(|p| curve.nearest(*p).distance));
         let at = |i: usize| i as f64 / Self::TABLE as f64;
         let mut lengths = vec![0.0];
@@ -316,14 +329,30 @@ fn middles(sections: &[(Vec<ChannelCircle>, [f64; 2])]) -> Result<Vec<DVec3>, Nu
     let steps = Centreline::MIDDLES - 1;
     let mut sums = vec![DVec3::ZERO; Centreline::MIDDLES];
     for (circles, span) in sections {
-        let centers: Vec<DVec3> = circles.iter().map(|c| c.center).collect();
-        let line = NurbsCurve::through(&centers, 3)?;
+        let line = NurbsCurve::through(&rising(circles, *span), 3)?;
         let [from, to] = span.map(|x| parameter_at_x(&line, x));
         for (i, sum) in sums.iter_mut().enumerate() {
             *sum += line.point(from + (to - from) * i as f64 / steps as f64);
         }
     }
     Ok(sums.into_iter().map(|sum| sum / sections.len() as f64).collect())
+}
+
+/// The centres of `circles` from the last one before the walls' ends `span` to the first one behind them. Those that do
+/// not lie farther along X than what comes before are left out: a circle that touches a round edge moves with the facets
+/// there, and one between two edges lies far off.
+fn rising(circles: &[ChannelCircle], [from, to]: [f64; 2]) -> Vec<DVec3> {
+    let first = circles.iter().rposition(|c| c.center.x <= from).unwrap_or(0);
+    let mut centers: Vec<DVec3> = Vec::new();
+    for circle in &circles[first..] {
+        if centers.last().is_none_or(|last| circle.center.x > last.x + Centreline::SAME) {
+            centers.push(circle.center);
+        }
+        if circle.center.x >= to {
+            break;
+        }
+    }
+    centers
 }
 
 /// The parameter where `line`, which runs along +X, passes through the plane at `x`, or that of the end nearer to it.
@@ -411,7 +440,12 @@ impl CentrelineSummary {
 
 #[cfg(test)]
 mod tests {
+    use task::Task;
+
     use super::*;
+    use crate::find_channel::find_channel;
+    use crate::options::BliskOptions;
+    use crate::parametric::{MeshResolution, ParametricBlisk};
 
     /// Half of a round bore of radius `radius` about `axis`, its middle line at (sine, cosine) 0: `side` -1 is the wall
     /// of smaller theta. `axis` gives place and sideways direction at a share of the length.
@@ -496,5 +530,32 @@ mod tests {
         let cancel = Cancel::default();
         cancel.cancel();
         assert_eq!(Centreline::between(&low, &low, &cancel), Err(CentrelineError::Cancelled(Cancelled)));
+    }
+
+    #[test]
+    fn between_blades_farther_apart_than_they_are_long_it_leads_straight_through() {
+        // Beyond the blades' ends such circles are wider than the blades are long, and their centres far away.
+        for (chord_mm, width_mm) in [(14.0, 20.0), (10.0, 14.0), (7.0, 12.0), (5.0, 9.0)] {
+            let blisk = ParametricBlisk {
+                blades: 24,
+                hub_radius_mm: 42.0,
+                shroud_radius_mm: 50.0,
+                bore_radius_mm: 28.0,
+                width_mm,
+                chord_mm,
+                max_thickness_mm: 0.2 * chord_mm,
+                beta_in_deg: 20.0,
+                beta_out_deg: -25.0,
+                twist_deg: 2.0,
+                ..Default::default()
+            };
+            let mesh = blisk.mesh(&MeshResolution::default()).unwrap();
+            let channel = find_channel(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
+            let line = Centreline::of_channel(&channel, &Cancel::default()).unwrap();
+            // The blades bend by less than 25 degrees either way.
+            let longest = chord_mm / 25f64.to_radians().cos();
+            assert!(line.length() > chord_mm - 0.1 && line.length() < longest, "{} of {chord_mm}", line.length());
+            assert!(line.fit.greatest_mm < 0.02, "{:?}", line.fit);
+        }
     }
 }
