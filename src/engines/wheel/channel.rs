@@ -226,6 +226,46 @@ impl Channel {
         radii_at(&self.meridian, x)
     }
 
+    /// The station at a position along the passage, linear between stations; beyond the ends the last one.
+    pub fn station_at(&self, along: f64) -> Station {
+        station_at(&self.meridian, along)
+    }
+
+    /// Position along the passage of the place (x, r), and its distance from the hub on the station there (mm).
+    pub fn along_and_height(&self, place: DVec2) -> [f64; 2] {
+        const ROUNDS: usize = 30;
+        let (mut share, mut found) = (0.5, [f64::NAN; 2]);
+        for _ in 0..ROUNDS {
+            let station = self.station_at(along_at(&self.meridian, place, share));
+            let height = (place - station.hub).dot((station.shroud - station.hub).normalize_or(DVec2::Y));
+            found = [station.along, height];
+            let next = height / station.height().max(f64::MIN_POSITIVE);
+            if (next - share).abs() < 1e-12 {
+                break;
+            }
+            share = next;
+        }
+        found
+    }
+
+    /// Least and greatest position of the blades along the passage over both walls and all heights (mm).
+    pub fn span_along(&self) -> [f64; 2] {
+        if self.flow == Flow::Axial {
+            return self.span_x();
+        }
+        let places = self.low.points.iter().chain(&self.high.points).map(|p| DVec2::new(p.x, p.y.hypot(p.z)));
+        let alongs = places.map(|place| self.along_and_height(place)[0]);
+        alongs.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], a| [lo.min(a), hi.max(a)])
+    }
+
+    /// Where the rings beside the blades end along the passage (mm): at the faces in an axial channel.
+    pub fn ends_along(&self) -> [f64; 2] {
+        match (self.flow, &self.meridian[..]) {
+            (Flow::Mixed | Flow::Radial, [first, .., last]) => [first.along, last.along],
+            _ => self.faces_x,
+        }
+    }
+
     /// Whether channel `number` is this one turned about the axis, so that what is planned for this one fits it.
     pub fn is_like(&self, number: usize) -> bool {
         number.abs_diff(self.index).is_multiple_of(self.kinds) && !self.unlike.contains(&number)
@@ -233,11 +273,8 @@ impl Channel {
 
     /// The station in the middle of the blades, in an axial channel along X, otherwise along the passage.
     pub fn middle(&self) -> Station {
-        let ends = match (self.flow, &self.meridian[..]) {
-            (Flow::Mixed | Flow::Radial, [first, .., last]) => [first.along, last.along],
-            _ => self.span_x(),
-        };
-        station_at(&self.meridian, 0.5 * (ends[0] + ends[1]))
+        let ends = if self.flow == Flow::Axial { self.span_x() } else { self.ends_along() };
+        self.station_at(0.5 * (ends[0] + ends[1]))
     }
 
     /// How far the place (x, r) lies within the shroud, negative beyond it (mm).

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::boundary::Section;
 use super::measure::{self, Measures};
-use super::ring::{Finisher, Layout, Reduction};
+use super::ring::{Finisher, Layout, Reduction, Ring};
 use super::{Column, Electrode, ElectrodeError, ElectrodeFace, ElectrodeParams, EntrySide};
 use crate::channel::Channel;
 use geometry::mesh::{Bounds, Mesh};
@@ -22,9 +22,11 @@ pub(super) struct Plan<'a> {
     pub channel: &'a Channel,
     pub params: &'a ElectrodeParams,
     pub side: EntrySide,
+    /// Whether the side of entry is that of the passage's last station.
+    pub at_last: bool,
     pub part: usize,
     pub column: Option<Column>,
-    /// The span of X it burns.
+    /// The span along the passage that it burns.
     pub range: [f64; 2],
     pub sections: &'a [Section],
 }
@@ -32,29 +34,28 @@ pub(super) struct Plan<'a> {
 impl Plan<'_> {
     /// Sections in the order in which they leave the blisk.
     fn outwards(&self) -> Vec<&Section> {
-        match self.side {
-            EntrySide::PlusX => self.sections.iter().collect(),
-            EntrySide::MinusX => self.sections.iter().rev().collect(),
-        }
+        if self.at_last { self.sections.iter().collect() } else { self.sections.iter().rev().collect() }
     }
 
     /// The end of the burning part on the side of entry.
     fn entry_end(&self) -> f64 {
-        if self.side == EntrySide::PlusX { self.range[1] } else { self.range[0] }
+        if self.at_last { self.range[1] } else { self.range[0] }
     }
 
     fn burning_sections(&self) -> Vec<&Section> {
         let [from, to] = self.range;
-        self.outwards().into_iter().filter(|s| (from - 1e-9..=to + 1e-9).contains(&s.x)).collect()
+        self.outwards().into_iter().filter(|s| (from - 1e-9..=to + 1e-9).contains(&s.line.along)).collect()
     }
 
     fn shank_sections(&self) -> Vec<&Section> {
-        let sign = self.side.sign();
+        let sign = if self.at_last { 1.0 } else { -1.0 };
+        let along = |section: &Section| section.line.along;
         let mut kept: Vec<&Section> = Vec::new();
-        let mut beyond = self.outwards().into_iter().filter(|s| (s.x - self.entry_end()) * sign >= -1e-9).peekable();
+        let mut beyond =
+            self.outwards().into_iter().filter(|s| (along(s) - self.entry_end()) * sign >= -1e-9).peekable();
         while let Some(section) = beyond.next() {
             let is_last = beyond.peek().is_none();
-            if is_last || kept.last().is_none_or(|k| (section.x - k.x).abs() >= SHANK_STEP) {
+            if is_last || kept.last().is_none_or(|k| (along(section) - along(k)).abs() >= SHANK_STEP) {
                 kept.push(section);
             }
         }
@@ -70,28 +71,30 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     let turns = super::own_turns(plan.column, params.turns());
     let burning = finisher.rings(&plan.burning_sections(), Reduction { turns, inset: 0.0 }, cancel)?;
     let shank = finisher.rings(&plan.shank_sections(), Reduction { turns, inset }, cancel)?;
-    let points = |x: f64, points: &[super::boundary::Polar]| points.iter().map(|p| p.at(x)).collect::<Vec<_>>();
+    let points = |ring: &Ring| ring.points.iter().map(|p| ring.line.at(*p)).collect::<Vec<_>>();
     let mut skin = Skin::new(finisher.layout);
     for ring in &burning {
-        skin.add(points(ring.x, &ring.points), |k| divided_face(finisher.layout.face(k), plan.column));
+        skin.add(points(ring), |k| divided_face(finisher.layout.face(k), plan.column));
     }
     for (i, ring) in shank.iter().enumerate() {
         let face = if i == 0 { ElectrodeFace::EntryEnd } else { ElectrodeFace::Shank };
-        skin.add(points(ring.x, &ring.points), |_| face);
+        skin.add(points(ring), |_| face);
     }
     let mut assumed = Vec::new();
     if let Some(last) = shank.last() {
-        let face = plan.channel.faces_x[usize::from(plan.side == EntrySide::PlusX)];
-        let sign = plan.side.sign();
-        let outside = if (face - last.x) * sign > 0.0 { face } else { last.x };
-        let end = points(outside + sign * params.shank_length_mm, &last.points);
+        let direction = plan.side.direction();
+        let last = points(last);
+        // The shank goes on straight, to a plane beyond the face or the rim.
+        let furthest = last.iter().map(|p| p.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
+        let end = furthest.max(outermost(plan.channel, plan.side)) + params.shank_length_mm;
+        let end: Vec<DVec3> = last.iter().map(|p| p.reject_from_normalized(direction) + end * direction).collect();
         skin.add(end.clone(), |_| ElectrodeFace::Shank);
-        let block = block(&end, params, finisher.layout, &mut assumed);
-        let moved = block.iter().map(|p| p + DVec3::X * sign * params.holder_mm[0]).collect();
+        let block = block(&end, plan, finisher.layout, &mut assumed);
+        let moved = block.iter().map(|p| p + direction * params.holder_mm[0]).collect();
         skin.add(block, |_| ElectrodeFace::Holder);
         skin.add(moved, |_| ElectrodeFace::Holder);
     }
-    let (mesh, faces) = skin.close(plan.side);
+    let (mesh, faces) = skin.close();
     let measures = measure::measure(&mesh, &faces, finisher.boundary.blisk, cancel)?;
     let gap = params.spark_gap_mm;
     if measures.clearance < gap - ACCEPTED_SHORTFALL {
@@ -130,20 +133,34 @@ fn finish(plan: &Plan, mesh: Mesh, faces: Vec<ElectrodeFace>, m: Measures, mut a
     }
 }
 
+/// Where the channel's face, or its rim, ends in the direction of withdrawal to `side` (mm).
+fn outermost(channel: &Channel, side: EntrySide) -> f64 {
+    match side {
+        EntrySide::MinusX => -channel.faces_x[0],
+        EntrySide::PlusX => channel.faces_x[1],
+        EntrySide::Outward => channel.meridian.iter().map(|s| s.hub.y.max(s.shroud.y)).fold(0.0, f64::max),
+    }
+}
+
 /// The ring of the holder block around the end of the shank, its corners at the shank's corners.
-fn block(shank: &[DVec3], params: &ElectrodeParams, layout: Layout, assumed: &mut Vec<String>) -> Vec<DVec3> {
+fn block(shank: &[DVec3], plan: &Plan, layout: Layout, assumed: &mut Vec<String>) -> Vec<DVec3> {
     let bounds = Bounds::of(shank.iter().copied());
     let center = bounds.center();
-    let [_, width, height] = params.holder_mm;
+    let [_, width, height] = plan.params.holder_mm;
     let needed = bounds.size() + 2.0 * HOLDER_MARGIN;
-    let (w, h) = (width.max(needed.y), height.max(needed.z));
+    // From the hub to the shroud.
+    let up = match plan.side {
+        EntrySide::MinusX | EntrySide::PlusX => DVec3::Z,
+        EntrySide::Outward => DVec3::X * (shank[layout.shroud(0)] - shank[layout.hub(0)]).x.signum(),
+    };
+    let (w, h) = (width.max(needed.y), height.max(needed.dot(up.abs())));
     if w > width || h > height {
         assumed.push(format!(
             "The holder block is {w:.1} x {h:.1} mm instead of {width:.1} x {height:.1} mm, to hold the shank."
         ));
     }
     // Theta grows towards -Y.
-    let corner = |across: f64, up: f64| center + DVec3::new(0.0, -0.5 * w * across, 0.5 * h * up);
+    let corner = |across: f64, upwards: f64| center + DVec3::NEG_Y * (0.5 * w * across) + up * (0.5 * h * upwards);
     let mut ring = vec![DVec3::ZERO; layout.len()];
     for j in 0..=layout.columns {
         let across = 2.0 * j as f64 / layout.columns as f64 - 1.0;
@@ -151,14 +168,14 @@ fn block(shank: &[DVec3], params: &ElectrodeParams, layout: Layout, assumed: &mu
         ring[layout.shroud(j)] = corner(across, 1.0);
     }
     for v in 0..=layout.rows {
-        let up = 2.0 * v as f64 / layout.rows as f64 - 1.0;
-        ring[layout.low(v)] = corner(-1.0, up);
-        ring[layout.high(v)] = corner(1.0, up);
+        let upwards = 2.0 * v as f64 / layout.rows as f64 - 1.0;
+        ring[layout.low(v)] = corner(-1.0, upwards);
+        ring[layout.high(v)] = corner(1.0, upwards);
     }
     ring
 }
 
-/// A growing tube of rings, from the far end outwards; oriented for withdrawal towards -X until it is closed.
+/// A growing tube of rings, from the far end outwards; oriented when it is closed.
 struct Skin {
     layout: Layout,
     mesh: Mesh,
@@ -189,11 +206,11 @@ impl Skin {
     }
 
     /// Caps both ends and turns the triangles outwards.
-    fn close(mut self, side: EntrySide) -> (Mesh, Vec<ElectrodeFace>) {
+    fn close(mut self) -> (Mesh, Vec<ElectrodeFace>) {
         let last = self.mesh.vertices.len() - self.layout.len();
         self.cap(0, true, ElectrodeFace::FarEnd);
         self.cap(last, false, ElectrodeFace::Holder);
-        if side == EntrySide::PlusX {
+        if self.mesh.volume() < 0.0 {
             self.mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
         }
         (self.mesh, self.faces)

@@ -1,11 +1,11 @@
 //! The unreduced boundary: where the exact distance to the finished blisk equals the spark gap.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::walls::WallTable;
 use super::{ElectrodeError, ElectrodeParams};
-use crate::channel::{Channel, Station};
+use crate::channel::{Channel, Flow, Station};
 use geometry::exact::ExactMesh;
 use geometry::frame::Cylindrical;
 use geometry::inside::guarded_distance;
@@ -33,29 +33,65 @@ const MOST_ROUNDS: usize = 10;
 /// Height of a row of faces on the walls (mm).
 const ROW: f64 = 1.5;
 
-/// A point in a plane across X.
+/// A straight line across the passage in the meridional plane, which a section is swept from about the axis: a plane
+/// across X in an axial channel, else a cone, or a cylinder.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Polar {
-    /// Distance from the axis (mm).
-    pub r: f64,
+pub(super) struct Line {
+    /// Position along the passage (mm), x in an axial channel.
+    pub along: f64,
+    /// Where heights are counted from (x, r): the axis in an axial channel, else the hub.
+    origin: DVec2,
+    /// Direction from hub to shroud (x, r), a unit vector.
+    pub up: DVec2,
+    /// Heights of hub and shroud (mm).
+    ends: [f64; 2],
+}
+
+impl Line {
+    /// The line across `channel` at a position along it.
+    pub(super) fn across(channel: &Channel, along: f64) -> Self {
+        if channel.flow == Flow::Axial {
+            let (hub, shroud) = channel.radii_at(along);
+            return Self { along, origin: DVec2::new(along, 0.0), up: DVec2::Y, ends: [hub, shroud] };
+        }
+        let station = channel.station_at(along);
+        let up = (station.shroud - station.hub).normalize_or(DVec2::Y);
+        Self { along, origin: station.hub, up, ends: [0.0, station.height()] }
+    }
+
+    /// Place (x, r) at a height (mm).
+    pub(super) fn place(&self, height: f64) -> DVec2 {
+        self.origin + height * self.up
+    }
+
+    /// Distance from the axis at a height (mm).
+    pub(super) fn radius(&self, height: f64) -> f64 {
+        self.place(height).y
+    }
+
+    /// The point in W.
+    pub(super) fn at(&self, p: Spot) -> DVec3 {
+        let DVec2 { x, y: r } = self.place(p.height);
+        Cylindrical { x, r, theta: p.theta }.point()
+    }
+}
+
+/// A point on a section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Spot {
+    /// Height on the section's line (mm): the radius in an axial channel.
+    pub height: f64,
     /// Angle (rad).
     pub theta: f64,
 }
 
-impl Polar {
-    /// The point in W.
-    pub(super) fn at(self, x: f64) -> DVec3 {
-        Cylindrical { x, r: self.r, theta: self.theta }.point()
-    }
-}
-
-/// The unreduced boundary in one plane across X.
+/// The unreduced boundary across the passage at one place along it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Section {
-    /// The plane (mm).
-    pub x: f64,
+    /// The line across the passage there.
+    pub line: Line,
     /// Low and high wall, from the hub outwards.
-    pub walls: [Vec<Polar>; 2],
+    pub walls: [Vec<Spot>; 2],
 }
 
 /// Finds sections.
@@ -72,12 +108,16 @@ pub(super) struct Boundary<'a> {
 const OUTWARDS: [f64; 2] = [-1.0, 1.0];
 
 impl<'a> Boundary<'a> {
+    /// Of a channel, `room` (mm) farther from the blisk than the spark gap.
     pub(super) fn new(
         channel: &'a Channel,
         blisk: &'a ExactMesh,
         params: &ElectrodeParams,
+        room: f64,
     ) -> Result<Self, ElectrodeError> {
-        let table = |wall| WallTable::new(wall).ok_or(ElectrodeError::BadChannel("a wall has fewer than 2 x 2 points"));
+        let table = |wall| {
+            WallTable::new(wall, channel).ok_or(ElectrodeError::BadChannel("a wall has fewer than 2 x 2 points"))
+        };
         if channel.meridian.len() < 2 {
             return Err(ElectrodeError::BadChannel("its hub and shroud radii are missing"));
         }
@@ -85,7 +125,7 @@ impl<'a> Boundary<'a> {
         Ok(Self {
             channel,
             blisk,
-            gap: params.spark_gap_mm,
+            gap: params.spark_gap_mm + room,
             radial_reduction: params.radial_reduction_mm,
             tables: [table(&channel.low)?, table(&channel.high)?],
             rows: (height / ROW).ceil().clamp(4.0, 40.0) as usize,
@@ -93,12 +133,12 @@ impl<'a> Boundary<'a> {
     }
 
     /// Distance to the blisk less the gap (mm).
-    pub(super) fn clearance(&self, x: f64, p: Polar) -> f64 {
-        guarded_distance(self.blisk, p.at(x)) - self.gap
+    pub(super) fn clearance(&self, line: &Line, p: Spot) -> f64 {
+        guarded_distance(self.blisk, line.at(p)) - self.gap
     }
 
-    /// Sections over `extent`, in order of x: at `planes`, at equal steps, and wherever the chord between two
-    /// neighbours would cut into the gap.
+    /// Sections over `extent`, in order along the passage: at `planes`, at equal steps, and wherever the chord between
+    /// two neighbours would cut into the gap.
     pub(super) fn sections(
         &self,
         extent: [f64; 2],
@@ -106,31 +146,31 @@ impl<'a> Boundary<'a> {
         cancel: &Cancel,
     ) -> Result<Vec<Section>, ElectrodeError> {
         let steps = ((extent[1] - extent[0]) / STEP).ceil().clamp(2.0, MOST_PLANES as f64 / 2.0);
-        let mut xs: Vec<f64> = planes.to_vec();
-        xs.extend((0..=steps as usize).map(|i| extent[0] + (extent[1] - extent[0]) * i as f64 / steps));
-        xs.sort_by(f64::total_cmp);
+        let mut places: Vec<f64> = planes.to_vec();
+        places.extend((0..=steps as usize).map(|i| extent[0] + (extent[1] - extent[0]) * i as f64 / steps));
+        places.sort_by(f64::total_cmp);
         // Where a step falls next to a plane that must be there, the plane is enough.
-        xs.dedup_by(|b, a| *b - *a < 1e-9);
-        let near_plane = |x: f64| planes.iter().any(|p| *p != x && (p - x).abs() < 0.2 * STEP);
-        xs.retain(|&x| planes.contains(&x) || x == extent[0] || x == extent[1] || !near_plane(x));
-        let mut sections = self.solve(&xs, cancel)?;
+        places.dedup_by(|b, a| *b - *a < 1e-9);
+        let near_plane = |at: f64| planes.iter().any(|p| *p != at && (p - at).abs() < 0.2 * STEP);
+        places.retain(|&at| planes.contains(&at) || at == extent[0] || at == extent[1] || !near_plane(at));
+        let mut sections = self.solve(&places, cancel)?;
         for _ in 0..MOST_ROUNDS {
             let split = self.splits(&sections, extent, cancel)?;
             if split.is_empty() {
                 break;
             }
             sections.extend(self.solve(&split, cancel)?);
-            sections.sort_by(|a, b| a.x.total_cmp(&b.x));
+            sections.sort_by(|a, b| a.line.along.total_cmp(&b.line.along));
         }
         Ok(sections)
     }
 
-    fn solve(&self, xs: &[f64], cancel: &Cancel) -> Result<Vec<Section>, ElectrodeError> {
-        let solved: Vec<_> = xs
+    fn solve(&self, places: &[f64], cancel: &Cancel) -> Result<Vec<Section>, ElectrodeError> {
+        let solved: Vec<_> = places
             .par_iter()
-            .map(|&x| {
+            .map(|&along| {
                 cancel.check()?;
-                self.section(x)
+                self.section(Line::across(self.channel, along))
             })
             .collect();
         solved.into_iter().collect()
@@ -141,62 +181,63 @@ impl<'a> Boundary<'a> {
     fn splits(&self, sections: &[Section], extent: [f64; 2], cancel: &Cancel) -> Result<Vec<f64>, ElectrodeError> {
         let cut = |i: usize| {
             let (a, b) = (&sections[i], &sections[i + 1]);
-            let is_inside = a.x > extent[0] - 1e-9 && b.x < extent[1] + 1e-9;
-            let may_split = is_inside && b.x - a.x >= 2.0 * LEAST_STEP;
+            let [from, to] = [a, b].map(|section| section.line.along);
+            let is_inside = from > extent[0] - 1e-9 && to < extent[1] + 1e-9;
+            let may_split = is_inside && to - from >= 2.0 * LEAST_STEP;
             let depth = if may_split { self.chord_depth(a, b) } else { 0.0 };
-            (depth > CHORD_ERROR).then_some((depth, 0.5 * (a.x + b.x)))
+            (depth > CHORD_ERROR).then_some((depth, 0.5 * (from + to)))
         };
         let cuts: Vec<_> =
             (0..sections.len().saturating_sub(1)).into_par_iter().map(|i| cancel.check().map(|()| cut(i))).collect();
         let mut cuts: Vec<_> = cuts.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect();
         cuts.sort_by(|a, b| b.0.total_cmp(&a.0));
         cuts.truncate(MOST_PLANES.saturating_sub(sections.len()).div_ceil(2));
-        Ok(cuts.into_iter().map(|(_, x)| x).collect())
+        Ok(cuts.into_iter().map(|(_, along)| along).collect())
     }
 
     /// How deep the chords between two sections cut into the gap at their middles, away from the corners (mm).
     fn chord_depth(&self, a: &Section, b: &Section) -> f64 {
         let chords = (0..2).flat_map(|w| a.walls[w].iter().zip(&b.walls[w]).skip(1).take(self.rows - 1));
-        let middles = chords.map(|(p, q)| (p.at(a.x) + q.at(b.x)) / 2.0);
+        let middles = chords.map(|(p, q)| (a.line.at(*p) + b.line.at(*q)) / 2.0);
         middles.map(|middle| self.gap - guarded_distance(self.blisk, middle)).fold(0.0, f64::max)
     }
 
-    /// The boundary in the plane at `x`.
-    fn section(&self, x: f64) -> Result<Section, ElectrodeError> {
-        let (hub, shroud) = self.channel.radii_at(x);
-        let r = 0.5 * (hub + shroud);
-        let middle = Polar { r, theta: self.middle(x, r) };
-        let clearance = self.clearance(x, middle);
+    /// The boundary across the passage on `line`.
+    fn section(&self, line: Line) -> Result<Section, ElectrodeError> {
+        let [hub, shroud] = line.ends;
+        let height = 0.5 * (hub + shroud);
+        let middle = Spot { height, theta: self.middle(&line, height) };
+        let clearance = self.clearance(&line, middle);
         if clearance.is_nan() || clearance < 0.0 {
-            return Err(self.no_passage(x, r, clearance));
+            return Err(self.no_passage(line.place(height), clearance));
         }
-        let bottom = self.descend(x, middle);
-        let top = if self.channel.shrouded { self.ascend(x, middle) } else { shroud };
+        let bottom = self.descend(&line, middle);
+        let top = if self.channel.shrouded { self.ascend(&line, middle) } else { shroud };
         let (available, taken) = (top - bottom, self.radial_reduction);
         if available < taken + 0.2 {
-            return Err(ElectrodeError::NoHeight { x, available, taken });
+            return Err(ElectrodeError::NoHeight { x: line.place(height).x, available, taken });
         }
         let rows = self.rows;
-        let radius = |v: usize| bottom + (available - taken) * v as f64 / rows as f64;
-        let wall = |w: usize| -> Result<Vec<Polar>, ElectrodeError> {
-            let mut points = vec![Polar { r: 0.0, theta: 0.0 }; rows + 1];
+        let height = |v: usize| bottom + (available - taken) * v as f64 / rows as f64;
+        let wall = |w: usize| -> Result<Vec<Spot>, ElectrodeError> {
+            let mut points = vec![Spot { height: 0.0, theta: 0.0 }; rows + 1];
             for (v, point) in points.iter_mut().enumerate().take(rows).skip(1) {
-                *point = self.wall_point(w, x, radius(v))?;
+                *point = self.wall_point(w, &line, height(v))?;
             }
-            points[0] = self.corner(w, x, points[1], -1.0);
+            points[0] = self.corner(w, &line, points[1], -1.0);
             points[rows] = if self.channel.shrouded {
-                self.corner(w, x, points[rows - 1], 1.0)
+                self.corner(w, &line, points[rows - 1], 1.0)
             } else {
-                self.wall_point(w, x, radius(rows))?
+                self.wall_point(w, &line, height(rows))?
             };
             Ok(points)
         };
-        Ok(Section { x, walls: [wall(0)?, wall(1)?] })
+        Ok(Section { line, walls: [wall(0)?, wall(1)?] })
     }
 
     /// Reason why the channel's middle is not free.
-    fn no_passage(&self, x: f64, r: f64, clearance: f64) -> ElectrodeError {
-        let (clearance, gap) = (clearance + self.gap, self.gap);
+    fn no_passage(&self, place: DVec2, clearance: f64) -> ElectrodeError {
+        let (DVec2 { x, y: r }, clearance, gap) = (place, clearance + self.gap, self.gap);
         if clearance >= 0.0 {
             ElectrodeError::NoPassage { x, r, clearance, gap }
         } else {
@@ -205,85 +246,88 @@ impl<'a> Boundary<'a> {
     }
 
     /// Angle of the channel's middle.
-    fn middle(&self, x: f64, r: f64) -> f64 {
-        0.5 * (self.tables[0].at(x, r).theta + self.tables[1].at(x, r).theta)
+    fn middle(&self, line: &Line, height: f64) -> f64 {
+        0.5 * (self.tables[0].at(line.along, height).theta + self.tables[1].at(line.along, height).theta)
     }
 
-    /// The radius down to which the point may go before it meets the hub's gap.
-    pub(super) fn descend(&self, x: f64, from: Polar) -> f64 {
-        let least = self.channel.radii_at(x).0 + self.gap - MERIDIAN_SLACK;
-        from.r - farthest(|s| self.clearance(x, Polar { r: from.r - s, ..from }), from.r - least)
+    /// The height down to which the point may go before it meets the hub's gap.
+    pub(super) fn descend(&self, line: &Line, from: Spot) -> f64 {
+        let least = line.ends[0] + self.gap - MERIDIAN_SLACK;
+        let below = |s: f64| self.clearance(line, Spot { height: from.height - s, ..from });
+        from.height - farthest(below, from.height - least)
     }
 
-    /// The radius up to which the point may go before it meets the shroud's gap.
-    pub(super) fn ascend(&self, x: f64, from: Polar) -> f64 {
-        let most = self.channel.radii_at(x).1 - self.gap + MERIDIAN_SLACK;
-        from.r + farthest(|s| self.clearance(x, Polar { r: from.r + s, ..from }), most - from.r)
+    /// The height up to which the point may go before it meets the shroud's gap.
+    pub(super) fn ascend(&self, line: &Line, from: Spot) -> f64 {
+        let most = line.ends[1] - self.gap + MERIDIAN_SLACK;
+        let above = |s: f64| self.clearance(line, Spot { height: from.height + s, ..from });
+        from.height + farthest(above, most - from.height)
     }
 
-    /// The point at `x` and `r` where the walk from the channel's middle to wall `w` meets the gap.
-    fn wall_point(&self, w: usize, x: f64, r: f64) -> Result<Polar, ElectrodeError> {
-        let place = self.tables[w].at(x, r);
-        let middle = self.middle(x, r);
-        let clearance_at = |theta| self.clearance(x, Polar { r, theta });
+    /// The point at a height where the walk from the channel's middle to wall `w` meets the gap.
+    fn wall_point(&self, w: usize, line: &Line, height: f64) -> Result<Spot, ElectrodeError> {
+        let place = self.tables[w].at(line.along, height);
+        let middle = self.middle(line, height);
+        let clearance_at = |theta| self.clearance(line, Spot { height, theta });
         // Start next to the wall if that is free, else in the middle.
-        let close = place.theta - OUTWARDS[w] * (0.3 + 1.5 * self.gap) / r;
+        let close = place.theta - OUTWARDS[w] * (0.3 + 1.5 * self.gap) / line.radius(height);
         let is_short = (close - middle) * OUTWARDS[w] <= 0.0;
         let start = if is_short || clearance_at(close) < 0.0 { middle } else { close };
         let clearance = clearance_at(start);
         if clearance < 0.0 {
-            return Err(self.no_passage(x, r, clearance));
+            return Err(self.no_passage(line.place(height), clearance));
         }
-        Ok(self.outwards(w, x, Polar { r, theta: start }))
+        Ok(self.outwards(w, line, Spot { height, theta: start }))
     }
 
     /// From a free point along theta towards wall `w`, past an edge not beyond the angle of its tip.
-    fn outwards(&self, w: usize, x: f64, from: Polar) -> Polar {
-        let place = self.tables[w].at(x, from.r);
+    fn outwards(&self, w: usize, line: &Line, from: Spot) -> Spot {
+        let (place, radius) = (self.tables[w].at(line.along, from.height), line.radius(from.height));
         let slack = if place.past_edge { 0.0 } else { 0.5 };
-        let reach = (place.theta - from.theta) * OUTWARDS[w] * from.r + slack;
-        let at = |s: f64| Polar { theta: from.theta + OUTWARDS[w] * s / from.r, ..from };
-        at(farthest(|s| self.clearance(x, at(s)), reach))
+        let reach = (place.theta - from.theta) * OUTWARDS[w] * radius + slack;
+        let at = |s: f64| Spot { theta: from.theta + OUTWARDS[w] * s / radius, ..from };
+        at(farthest(|s| self.clearance(line, at(s)), reach))
     }
 
     /// The corner between wall `w` and the hub (`up = -1`) or shroud (`up = 1`), next to the wall point `beside`.
     ///
     /// The search runs along the end wall just inside its gap, and goes over facets of the end wall that rise into it.
-    fn corner(&self, w: usize, x: f64, beside: Polar, up: f64) -> Polar {
-        let inset = 0.3f64.min(0.5 * ((beside.theta - self.middle(x, beside.r)) * OUTWARDS[w] * beside.r).abs());
-        let start = Polar { theta: beside.theta - OUTWARDS[w] * inset / beside.r, ..beside };
+    fn corner(&self, w: usize, line: &Line, beside: Spot, up: f64) -> Spot {
+        let radius = line.radius(beside.height);
+        let inset = 0.3f64.min(0.5 * ((beside.theta - self.middle(line, beside.height)) * OUTWARDS[w] * radius).abs());
+        let start = Spot { theta: beside.theta - OUTWARDS[w] * inset / radius, ..beside };
         let (end_wall, drawn_in) = match up {
-            up if up < 0.0 => (self.descend(x, start), 0.0),
-            _ => (self.ascend(x, start), self.radial_reduction),
+            up if up < 0.0 => (self.descend(line, start), 0.0),
+            _ => (self.ascend(line, start), self.radial_reduction),
         };
         let mut lift = CORNER_LIFT;
-        let mut corner = Polar { r: end_wall - up * (lift + drawn_in), ..start };
-        if self.clearance(x, corner) < 0.0 {
-            return Polar { r: end_wall - up * drawn_in, ..start };
+        let mut corner = Spot { height: end_wall - up * (lift + drawn_in), ..start };
+        if self.clearance(line, corner) < 0.0 {
+            return Spot { height: end_wall - up * drawn_in, ..start };
         }
         loop {
-            corner = self.outwards(w, x, corner);
-            let is_stopped = self.clearance(x, corner) <= TOLERANCE;
-            if !is_stopped || lift > 0.1 || !self.is_radial(x, corner) {
+            corner = self.outwards(w, line, corner);
+            let is_stopped = self.clearance(line, corner) <= TOLERANCE;
+            if !is_stopped || lift > 0.1 || !self.is_across(line, corner) {
                 return corner;
             }
-            corner.r -= up * lift;
+            corner.height -= up * lift;
             lift *= 2.0;
         }
     }
 
     /// Whether what stops a point lies below or above it rather than beside it.
-    fn is_radial(&self, x: f64, p: Polar) -> bool {
-        let point = p.at(x);
-        let [_, radial, around] = components(point, point - self.blisk.nearest(point).point);
-        radial.abs() > around.abs()
+    fn is_across(&self, line: &Line, p: Spot) -> bool {
+        let point = line.at(p);
+        let [up, around] = components(point, line.up, point - self.blisk.nearest(point).point);
+        up.abs() > around.abs()
     }
 }
 
-/// Components of a direction at `point` along X, the radius, and theta.
-pub(super) fn components(point: DVec3, direction: DVec3) -> [f64; 3] {
+/// Components of a direction at `point` along `up` (x, r) in the meridional plane there, and along theta.
+pub(super) fn components(point: DVec3, up: DVec2, direction: DVec3) -> [f64; 2] {
     let outward = DVec3::new(0.0, point.y, point.z).normalize_or(DVec3::Z);
-    [direction.x, direction.dot(outward), direction.dot(DVec3::X.cross(outward))]
+    [direction.dot(DVec3::X * up.x + outward * up.y), direction.dot(DVec3::X.cross(outward))]
 }
 
 /// How far one may walk from 0 towards `reach` before `clearance`, which falls by at most 1 per mm and is not

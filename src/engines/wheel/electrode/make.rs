@@ -1,12 +1,18 @@
 //! Making the electrodes of a channel: its division into parts and columns (P1), and the junctions between them.
 
 use super::body::{self, Plan};
-use super::boundary::{Boundary, Polar, Section};
+use super::boundary::{Boundary, Section, Spot};
 use super::ring::Finisher;
 use super::{Column, Electrode, ElectrodeError, ElectrodeParams, EntrySide};
 use crate::channel::Channel;
 use geometry::exact::ExactMesh;
 use task::Task;
+
+/// What is built may miss the gap by this much between its points (mm); then it is built again, so much smaller and
+/// [`SPARE`] more.
+const MOST_SHORTFALL: f64 = 0.05;
+const SPARE: f64 = 2e-4;
+const MOST_ATTEMPTS: usize = 3;
 
 /// Makes the electrodes of `channel`, in the order of burning: the part next to the side of entry first, and of each
 /// part the low column first.
@@ -23,14 +29,34 @@ pub fn make_electrodes(
     task: &Task,
 ) -> Result<Vec<Electrode>, ElectrodeError> {
     params.validate()?;
-    super::axial_only(channel)?;
+    let mut room = 0.0;
+    for _ in 0..MOST_ATTEMPTS {
+        match with_room(channel, blisk, params, (side, room), task) {
+            Err(ElectrodeError::TooClose { clearance, gap, .. }) if gap - clearance < MOST_SHORTFALL => {
+                room += gap - clearance + SPARE;
+            }
+            made => return made,
+        }
+    }
+    with_room(channel, blisk, params, (side, room), task)
+}
+
+/// The electrodes, built `room` (mm) farther from the blisk than the gap wants.
+fn with_room(
+    channel: &Channel,
+    blisk: &ExactMesh,
+    params: &ElectrodeParams,
+    (side, room): (EntrySide, f64),
+    task: &Task,
+) -> Result<Vec<Electrode>, ElectrodeError> {
+    let at_last = side.mouth(channel)?;
     task.report("electrode", 0.0, "boundary of the channel");
-    let boundary = Boundary::new(channel, blisk, params)?;
+    let boundary = Boundary::new(channel, blisk, params, room)?;
     let extent = burning_extent(channel, params);
-    let ranges = part_ranges(extent, params, side)?;
+    let ranges = part_ranges(extent, params, at_last)?;
     let mut planes: Vec<f64> = ranges.iter().flatten().copied().collect();
     planes.extend(edge_planes(channel, params, extent));
-    planes.extend(runout(channel, extent, side));
+    planes.extend(runout(channel, extent, at_last));
     let sections = boundary.sections(extent, &planes, &task.cancel)?;
     let finisher = Finisher::new(&boundary, &sections);
     let mut electrodes = Vec::with_capacity(params.count());
@@ -40,8 +66,15 @@ pub fn make_electrodes(
         let sections: Vec<_> = sections.iter().map(|s| column_of(s, column, params)).collect();
         for (part, &range) in ranges.iter().enumerate() {
             task.report("electrode", (electrodes.len() + 1) as f64 / (params.count() + 1) as f64, "surfaces");
-            let plan = Plan { channel, params, side, part, column, range, sections: &sections };
-            electrodes.push(body::build(&plan, &finisher, &task.cancel)?);
+            let plan = Plan { channel, params, side, at_last, part, column, range, sections: &sections };
+            let mut electrode = body::build(&plan, &finisher, &task.cancel)?;
+            if room > 0.0 {
+                electrode.assumed.push(format!(
+                    "It is {room:.4} mm smaller than the gap wants, all round, so that it keeps the gap between the points \
+                     that it is made from as well."
+                ));
+            }
+            electrodes.push(electrode);
         }
     }
     electrodes.sort_by_key(|e| e.part);
@@ -49,15 +82,15 @@ pub fn make_electrodes(
     Ok(electrodes)
 }
 
-/// The span of X that is burned: that of the blades and the overrun, at most to the faces.
+/// The span along the passage that is burned: that of the blades and the overrun, at most to the faces.
 fn burning_extent(channel: &Channel, params: &ElectrodeParams) -> [f64; 2] {
-    let [from, to] = channel.span_x();
-    let [front, back] = channel.faces_x;
+    let [from, to] = channel.span_along();
+    let [front, back] = channel.ends_along();
     [(from - params.overrun_mm).max(front.min(from)), (to + params.overrun_mm).min(back.max(to))]
 }
 
-/// The span of X of each part, counted from the side of entry.
-fn part_ranges(extent: [f64; 2], params: &ElectrodeParams, side: EntrySide) -> Result<Vec<[f64; 2]>, ElectrodeError> {
+/// The span along the passage of each part, counted from the side of entry, which is that of the last station or not.
+fn part_ranges(extent: [f64; 2], params: &ElectrodeParams, at_last: bool) -> Result<Vec<[f64; 2]>, ElectrodeError> {
     let (parts, shared) = (params.parts, params.shared_length());
     let length = (extent[1] - extent[0] + (parts - 1) as f64 * shared) / parts as f64;
     if parts > 1 && length < 2.0 * params.overlap_mm {
@@ -70,7 +103,7 @@ fn part_ranges(extent: [f64; 2], params: &ElectrodeParams, side: EntrySide) -> R
     if let Some(last) = ranges.last_mut() {
         last[1] = extent[1];
     }
-    if side == EntrySide::PlusX {
+    if at_last {
         ranges.reverse();
     }
     Ok(ranges)
@@ -79,7 +112,7 @@ fn part_ranges(extent: [f64; 2], params: &ElectrodeParams, side: EntrySide) -> R
 /// Junctions where the burns of parts or columns share so little that stock may be left between them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Junctions {
-    /// Planes across X (mm).
+    /// Planes across X, or positions along a passage that is not axial (mm).
     pub planes: Vec<f64>,
     /// The share of the channel's width where two columns meet.
     pub split: Option<f64>,
@@ -93,7 +126,7 @@ impl Junctions {
     /// If the parts are too short.
     pub fn of(channel: &Channel, params: &ElectrodeParams) -> Result<Self, ElectrodeError> {
         let gap = params.spark_gap_mm;
-        let ranges = part_ranges(burning_extent(channel, params), params, EntrySide::MinusX)?;
+        let ranges = part_ranges(burning_extent(channel, params), params, false)?;
         let meet = ranges.windows(2).map(|pair| 0.5 * (pair[0][1] + pair[1][0]));
         Ok(Self {
             planes: if params.overlap_mm < gap { meet.collect() } else { Vec::new() },
@@ -104,18 +137,16 @@ impl Junctions {
 
 /// Planes where the boundary stops following the edges of the blades.
 fn edge_planes(channel: &Channel, params: &ElectrodeParams, extent: [f64; 2]) -> Vec<f64> {
-    let ([from, to], gap) = (channel.span_x(), params.spark_gap_mm);
+    let ([from, to], gap) = (channel.span_along(), params.spark_gap_mm);
     let planes = [from - gap, from - 0.5 * gap, from, to, to + 0.5 * gap, to + gap];
-    planes.into_iter().filter(|x| (extent[0]..=extent[1]).contains(x)).collect()
+    planes.into_iter().filter(|along| (extent[0]..=extent[1]).contains(along)).collect()
 }
 
 /// Planes between the burning part and the face on the side of entry, the face included.
-fn runout(channel: &Channel, extent: [f64; 2], side: EntrySide) -> Vec<f64> {
-    let (from, to) = match side {
-        EntrySide::MinusX => (extent[0], channel.faces_x[0]),
-        EntrySide::PlusX => (extent[1], channel.faces_x[1]),
-    };
-    if (to - from) * side.sign() <= 1e-9 {
+fn runout(channel: &Channel, extent: [f64; 2], at_last: bool) -> Vec<f64> {
+    let (end, sign) = if at_last { (1, 1.0) } else { (0, -1.0) };
+    let (from, to) = (extent[end], channel.ends_along()[end]);
+    if (to - from) * sign <= 1e-9 {
         return Vec::new();
     }
     let steps = (to - from).abs().ceil().clamp(1.0, 50.0) as usize;
@@ -133,12 +164,12 @@ fn column_of(section: &Section, column: Option<Column>, params: &ElectrodeParams
         Column::Low => (1, 1.0),
         Column::High => (0, -1.0),
     };
-    let between = |(a, b): (&Polar, &Polar)| {
-        let r = a.r + params.column_split * (b.r - a.r);
+    let between = |(a, b): (&Spot, &Spot)| {
+        let height = a.height + params.column_split * (b.height - a.height);
         let middle = a.theta + params.column_split * (b.theta - a.theta);
         // However much they overlap, no column is wider than the channel.
-        let theta = middle + sense * 0.5 * shared / r;
-        Polar { r, theta: theta.clamp(a.theta, b.theta) }
+        let theta = middle + sense * 0.5 * shared / section.line.radius(height);
+        Spot { height, theta: theta.clamp(a.theta, b.theta) }
     };
     divided.walls[other] = low.iter().zip(high).map(between).collect();
     divided

@@ -24,7 +24,7 @@ pub mod walls;
 mod tests;
 
 use files::Invalid;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 pub use make::{Junctions, make_electrodes};
@@ -96,14 +96,75 @@ pub enum EntrySide {
     /// Entry from the side of greater x.
     #[serde(rename = "+x")]
     PlusX,
+    /// Entry along the radius, from outside: withdrawal along Z, away from the axis.
+    #[serde(rename = "outward")]
+    Outward,
 }
 
 impl EntrySide {
-    /// The sign of the direction in which the electrode is withdrawn.
+    /// All sides, in the order in which they are tried.
+    pub const ALL: [Self; 3] = [Self::MinusX, Self::PlusX, Self::Outward];
+    /// A passage opens to a side where its end runs towards it within 45 degrees (cosine).
+    const OPENS: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+    /// The sign of the direction in which the electrode is withdrawn, on the axis along which it is.
     pub fn sign(self) -> f64 {
         match self {
             Self::MinusX => -1.0,
-            Self::PlusX => 1.0,
+            Self::PlusX | Self::Outward => 1.0,
+        }
+    }
+
+    /// The direction in W in which the electrode is withdrawn, a unit vector.
+    pub fn direction(self) -> DVec3 {
+        match self {
+            Self::MinusX => DVec3::NEG_X,
+            Self::PlusX => DVec3::X,
+            Self::Outward => DVec3::Z,
+        }
+    }
+
+    /// Name in files and reports.
+    pub fn name(self) -> &'static str {
+        EnterSide::from(self).name()
+    }
+
+    /// Name in the window's sentences.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::MinusX => "-X",
+            Self::PlusX => "+X",
+            Self::Outward => "the rim",
+        }
+    }
+
+    /// The sides to which the passage of `channel` opens, in the order in which they are tried.
+    pub fn open(channel: &Channel) -> Vec<Self> {
+        Self::ALL.into_iter().filter(|side| side.mouth(channel).is_ok()).collect()
+    }
+
+    /// Whether the end of the passage that opens to this side is its last station; if not, its first.
+    ///
+    /// # Errors
+    /// [`ElectrodeError::NoMouth`] if neither end does.
+    pub(crate) fn mouth(self, channel: &Channel) -> Result<bool, ElectrodeError> {
+        let no_mouth = ElectrodeError::NoMouth { side: self, flow: channel.flow };
+        let towards = match self {
+            Self::MinusX => DVec2::NEG_X,
+            Self::PlusX => DVec2::X,
+            Self::Outward => DVec2::Y,
+        };
+        let [first, last] = if channel.flow == Flow::Axial {
+            [DVec2::NEG_X, DVec2::X]
+        } else {
+            let [front, back] = channel.span_along();
+            let at = |along: f64| channel.station_at(along).place(0.5);
+            let near = 0.1 * (back - front);
+            [at(front) - at(front + near), at(back) - at(back - near)].map(|way| way.normalize_or_zero())
+        };
+        match [first, last].map(|way| way.dot(towards)) {
+            [first, last] if first.max(last) < Self::OPENS => Err(no_mouth),
+            [first, last] => Ok(last >= first),
         }
     }
 }
@@ -172,13 +233,24 @@ pub enum ElectrodeError {
     /// A parameter cannot be used.
     #[error(transparent)]
     Params(#[from] Invalid),
-    /// The channel does not run along the axis.
+    /// An own mesh is given for a channel that does not run along the axis.
     #[error(
-        "the passage is {}: electrodes enter and leave along X, and none of them reaches through it; only passages along \
-         the axis, within 45 degrees, can be planned for",
+        "the passage is {}: an electrode of one's own can only be given for a passage along the axis, within 45 degrees; \
+         leave electrode.mesh out to have one made",
         .0.name()
     )]
     NotAxial(Flow),
+    /// The channel does not open to the wanted side.
+    #[error(
+        "the passage is {} and neither of its ends opens to {} within 45 degrees: choose another side of entry, or auto",
+        .flow.name(), .side.label()
+    )]
+    NoMouth {
+        /// The side.
+        side: EntrySide,
+        /// Direction of the passage.
+        flow: Flow,
+    },
     /// The channel lacks what an electrode is made from.
     #[error("the channel cannot carry an electrode: {0}; look at the channel step, or give its radii by hand")]
     BadChannel(&'static str),

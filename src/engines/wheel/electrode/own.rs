@@ -1,6 +1,6 @@
 //! An electrode from the user's own mesh.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::boundary::components;
 
@@ -30,6 +30,7 @@ pub fn from_user_mesh(
     cancel: &Cancel,
 ) -> Result<Electrode, ElectrodeError> {
     super::axial_only(channel)?;
+    side.mouth(channel)?;
     if !mesh.is_watertight() {
         return Err(ElectrodeError::NotWatertight);
     }
@@ -80,11 +81,13 @@ fn kind(corners: [DVec3; 3], channel: &Channel, side: EntrySide) -> ElectrodeFac
     let is_outside = match side {
         EntrySide::MinusX => center.x < from - slack,
         EntrySide::PlusX => center.x > to + slack,
+        EntrySide::Outward => false,
     };
     if is_outside {
         return ElectrodeFace::Shank;
     }
-    let [along, radial, around] = components(center, unit_normal(corners));
+    let normal = unit_normal(corners);
+    let (along, [radial, around]) = (normal.x, components(center, DVec2::Y, normal));
     // Walls run mostly along the axis, so that only nearly axial faces are ends.
     if along.abs() > 0.95 {
         let is_entry = along * side.sign() > 0.0;

@@ -6,6 +6,7 @@ use files::Invalid;
 use serde::{Deserialize, Serialize};
 
 use super::EntrySide;
+use crate::channel::Channel;
 
 /// Parameters by which an electrode is derived from its channel (`[electrode]`).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,7 +19,8 @@ pub struct ElectrodeParams {
     pub circumferential_reduction_deg: [f64; 2],
     /// Radial reduction: distance by which the shroud side is drawn in along the radius (mm).
     pub radial_reduction_mm: f64,
-    /// Number of electrodes the channel is divided between, by planes across X.
+    /// Number of electrodes the channel is divided between, by planes across X, or across the
+    /// passage where it does not run along the axis.
     pub parts: usize,
     /// Overlap along X of the burns of two neighbouring parts, each with the spark gap that it burns beyond itself
     /// (mm). With 0 the burns only meet, and a ridge is left between them on every wall.
@@ -43,7 +45,7 @@ pub struct ElectrodeParams {
     pub shank_inset_mm: f64,
     /// Inset of the shank of a part that stands deeper in the channel, where it passes between the blades (mm).
     pub channel_shank_inset_mm: f64,
-    /// Distance by which the shank reaches out of the blisk's face (mm).
+    /// Distance by which the shank reaches out of the blisk's face, or rim (mm).
     pub shank_length_mm: f64,
     /// Size of the holder block along X, across, and along the radius (mm); it grows where the shank is larger.
     pub holder_mm: [f64; 3],
@@ -81,6 +83,9 @@ pub enum EnterSide {
     /// Entry from the side of smaller x.
     #[serde(rename = "-x")]
     MinusX,
+    /// Entry along the radius, from outside.
+    #[serde(rename = "outward")]
+    Outward,
     /// The better side.
     #[default]
     #[serde(rename = "auto")]
@@ -93,16 +98,28 @@ impl EnterSide {
         match self {
             Self::PlusX => "+x",
             Self::MinusX => "-x",
+            Self::Outward => "outward",
             Self::Auto => "auto",
         }
     }
 
-    /// The sides to try, in order.
-    pub fn candidates(self) -> &'static [EntrySide] {
+    /// The sides to try, in order: the given one, or all that the passage of `channel` opens to.
+    pub fn candidates(self, channel: &Channel) -> Vec<EntrySide> {
         match self {
-            Self::PlusX => &[EntrySide::PlusX],
-            Self::MinusX => &[EntrySide::MinusX],
-            Self::Auto => &[EntrySide::MinusX, EntrySide::PlusX],
+            Self::PlusX => vec![EntrySide::PlusX],
+            Self::MinusX => vec![EntrySide::MinusX],
+            Self::Outward => vec![EntrySide::Outward],
+            Self::Auto => EntrySide::open(channel),
+        }
+    }
+}
+
+impl From<EntrySide> for EnterSide {
+    fn from(side: EntrySide) -> Self {
+        match side {
+            EntrySide::MinusX => Self::MinusX,
+            EntrySide::PlusX => Self::PlusX,
+            EntrySide::Outward => Self::Outward,
         }
     }
 }

@@ -1,9 +1,9 @@
 //! From unreduced sections to the closed rings of an electrode: turned walls, drawn-in shroud side, insets.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::boundary::{Boundary, Polar, Section, components};
+use super::boundary::{Boundary, Line, Section, Spot, components};
 
 use super::{ElectrodeError, ElectrodeFace};
 use geometry::inside::guarded_distance;
@@ -34,14 +34,14 @@ pub(super) struct Layout {
     pub columns: usize,
 }
 
-/// A closed ring in a plane across X: the hub side from the low to the high wall, up the high wall, the shroud
+/// A closed ring across the passage: the hub side from the low to the high wall, up the high wall, the shroud
 /// side back, down the low wall.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Ring {
-    /// The plane (mm).
-    pub x: f64,
+    /// The line across the passage there.
+    pub line: Line,
     /// Points of the ring.
-    pub points: Vec<Polar>,
+    pub points: Vec<Spot>,
 }
 
 impl Layout {
@@ -101,7 +101,7 @@ impl<'a> Finisher<'a> {
     pub(super) fn new(boundary: &'a Boundary<'a>, sections: &[Section]) -> Self {
         let width = |s: &Section| {
             let pairs = s.walls[0].iter().zip(&s.walls[1]);
-            pairs.map(|(low, high)| (high.theta - low.theta) * high.r).fold(0.0, f64::max)
+            pairs.map(|(low, high)| (high.theta - low.theta) * s.line.radius(high.height)).fold(0.0, f64::max)
         };
         let widest = sections.iter().map(width).fold(0.0, f64::max);
         let rows = sections.first().map_or(1, |s| s.walls[0].len() - 1);
@@ -130,23 +130,23 @@ impl<'a> Finisher<'a> {
 
     fn ring(&self, section: &Section, reduction: Reduction) -> Result<Ring, ElectrodeError> {
         let Layout { rows, columns } = self.layout;
-        let x = section.x;
+        let line = section.line;
         let walls = self.reduced_walls(section, reduction)?;
-        let mut points = vec![Polar { r: 0.0, theta: 0.0 }; self.layout.len()];
+        let mut points = vec![Spot { height: 0.0, theta: 0.0 }; self.layout.len()];
         for v in 1..rows {
             points[self.layout.low(v)] = walls[0][v];
             points[self.layout.high(v)] = walls[1][v];
         }
         let across = |v: usize, j: usize| {
             let (a, b, t) = (walls[0][v], walls[1][v], j as f64 / columns as f64);
-            Polar { r: a.r + t * (b.r - a.r), theta: a.theta + t * (b.theta - a.theta) }
+            Spot { height: a.height + t * (b.height - a.height), theta: a.theta + t * (b.theta - a.theta) }
         };
         for j in 0..=columns {
             let is_corner = j == 0 || j == columns;
-            points[self.layout.hub(j)] = self.on_hub_side(x, across(0, j));
-            points[self.layout.shroud(j)] = self.on_shroud_side(x, across(rows, j), is_corner);
+            points[self.layout.hub(j)] = self.on_hub_side(&line, across(0, j));
+            points[self.layout.shroud(j)] = self.on_shroud_side(&line, across(rows, j), is_corner);
         }
-        let mut ring = Ring { x, points };
+        let mut ring = Ring { line, points };
         if reduction.inset > 0.0 {
             self.draw_in(&mut ring, reduction.inset)?;
         }
@@ -154,49 +154,49 @@ impl<'a> Finisher<'a> {
     }
 
     /// Both walls turned inwards, if that leaves metal.
-    fn reduced_walls(&self, section: &Section, reduction: Reduction) -> Result<[Vec<Polar>; 2], ElectrodeError> {
-        let turned = |w: usize| -> Vec<Polar> {
-            let turn = |p: &Polar| reduction.turns[w] + reduction.inset / p.r;
+    fn reduced_walls(&self, section: &Section, reduction: Reduction) -> Result<[Vec<Spot>; 2], ElectrodeError> {
+        let turned = |w: usize| -> Vec<Spot> {
+            let turn = |p: &Spot| reduction.turns[w] + reduction.inset / section.line.radius(p.height);
             let sign = if w == 0 { 1.0 } else { -1.0 };
-            section.walls[w].iter().map(|p| Polar { theta: p.theta + sign * turn(p), ..*p }).collect()
+            section.walls[w].iter().map(|p| Spot { theta: p.theta + sign * turn(p), ..*p }).collect()
         };
         let walls = [turned(0), turned(1)];
         for v in 0..walls[0].len() {
-            let r = walls[0][v].r;
-            let width = |walls: &[Vec<Polar>; 2]| (walls[1][v].theta - walls[0][v].theta) * r;
+            let DVec2 { x, y: r } = section.line.place(walls[0][v].height);
+            let width = |walls: &[Vec<Spot>; 2]| (walls[1][v].theta - walls[0][v].theta) * r;
             let (available, left) = (width(&section.walls), width(&walls));
             if left.is_nan() || left < LEAST_METAL {
-                return Err(ElectrodeError::NoMetal { x: section.x, r, available, taken: available - left });
+                return Err(ElectrodeError::NoMetal { x, r, available, taken: available - left });
             }
         }
         Ok(walls)
     }
 
     /// The point on the hub's gap at the angle of `guess`.
-    fn on_hub_side(&self, x: f64, guess: Polar) -> Polar {
-        let free = self.freed(x, guess, 1.0);
-        Polar { r: self.boundary.descend(x, free), ..guess }
+    fn on_hub_side(&self, line: &Line, guess: Spot) -> Spot {
+        let free = self.freed(line, guess, 1.0);
+        Spot { height: self.boundary.descend(line, free), ..guess }
     }
 
     /// The point on the drawn-in shroud's gap at the angle of `guess`; without a shroud, `guess`.
-    fn on_shroud_side(&self, x: f64, guess: Polar, is_corner: bool) -> Polar {
-        let free = self.freed(x, guess, -1.0);
+    fn on_shroud_side(&self, line: &Line, guess: Spot, is_corner: bool) -> Spot {
+        let free = self.freed(line, guess, -1.0);
         if is_corner || !self.boundary.channel.shrouded {
             return free;
         }
-        let r = self.boundary.ascend(x, free) - self.boundary.radial_reduction;
+        let height = self.boundary.ascend(line, free) - self.boundary.radial_reduction;
         // Where a leaning wall stops the way up, the line between the corners is right.
-        if r < guess.r - 0.05 { free } else { Polar { r, ..guess } }
+        if height < guess.height - 0.05 { free } else { Spot { height, ..guess } }
     }
 
-    /// `p` moved along the radius in the sense of `up` until it keeps the gap.
-    fn freed(&self, x: f64, mut p: Polar, up: f64) -> Polar {
+    /// `p` moved along the line in the sense of `up` until it keeps the gap.
+    fn freed(&self, line: &Line, mut p: Spot, up: f64) -> Spot {
         for _ in 0..60 {
-            let clearance = self.boundary.clearance(x, p);
+            let clearance = self.boundary.clearance(line, p);
             if clearance >= 0.0 {
                 break;
             }
-            p.r += up * (SURPLUS - clearance);
+            p.height += up * (SURPLUS - clearance);
         }
         p
     }
@@ -205,29 +205,33 @@ impl<'a> Finisher<'a> {
     fn draw_in(&self, ring: &mut Ring, inset: f64) -> Result<(), ElectrodeError> {
         let Layout { rows, columns } = self.layout;
         for (low, high) in (0..=columns).map(|j| (self.layout.hub(j), self.layout.shroud(j))) {
-            let available = ring.points[high].r - ring.points[low].r;
+            let available = ring.points[high].height - ring.points[low].height;
             if available - 2.0 * inset < LEAST_METAL {
-                return Err(ElectrodeError::NoHeight { x: ring.x, available, taken: 2.0 * inset });
+                return Err(ElectrodeError::NoHeight {
+                    x: ring.line.place(ring.points[low].height).x,
+                    available,
+                    taken: 2.0 * inset,
+                });
             }
         }
         for wall in [Layout::low, Layout::high] {
             let index = |v| wall(self.layout, v);
-            let (from, to) = (ring.points[index(0)].r, ring.points[index(rows)].r);
+            let (from, to) = (ring.points[index(0)].height, ring.points[index(rows)].height);
             for v in 1..rows {
-                let t = (ring.points[index(v)].r - from) / (to - from);
-                ring.points[index(v)].r += inset * (1.0 - 2.0 * t);
+                let t = (ring.points[index(v)].height - from) / (to - from);
+                ring.points[index(v)].height += inset * (1.0 - 2.0 * t);
             }
         }
         for j in 0..=columns {
-            ring.points[self.layout.hub(j)].r += inset;
-            ring.points[self.layout.shroud(j)].r -= inset;
+            ring.points[self.layout.hub(j)].height += inset;
+            ring.points[self.layout.shroud(j)].height -= inset;
         }
         Ok(())
     }
 
-    /// How the ring points `around` a place give way when its normal has the given parts: the axis (0 the radius,
-    /// 1 theta), the sense, and the part of the normal along it. Walls give way into the metal along theta unless
-    /// the normal is nearly radial, hub and shroud sides along the radius unless it is nearly along theta.
+    /// How the ring points `around` a place give way when its normal has the given parts: the axis (0 the line
+    /// across the passage, 1 theta), the sense, and the part of the normal along it. Walls give way into the metal along theta unless
+    /// the normal is nearly along the line, hub and shroud sides along the line unless it is nearly along theta.
     fn way_in(&self, around: &[(usize, usize)], normal: [f64; 2]) -> (usize, f64, f64) {
         let Layout { rows, columns } = self.layout;
         let all = |on: &dyn Fn(usize) -> bool| around.iter().all(|&(_, k)| on(k));
@@ -240,14 +244,14 @@ impl<'a> Finisher<'a> {
             (false, true) => -1.0,
             _ => part.signum(),
         };
-        let radial_from = match (low || high, hub || shroud) {
+        let up_from = match (low || high, hub || shroud) {
             (true, false) => 0.8,
             (false, true) => 0.2,
             _ => std::f64::consts::FRAC_1_SQRT_2,
         };
-        let [radial, along_theta] = normal;
-        if radial.abs() > radial_from {
-            (0, sense(hub, shroud, radial), radial.abs())
+        let [up, along_theta] = normal;
+        if up.abs() > up_from {
+            (0, sense(hub, shroud, up), up.abs())
         } else {
             (1, sense(low, high, along_theta), along_theta.abs())
         }
@@ -256,7 +260,7 @@ impl<'a> Finisher<'a> {
     /// Moves vertices inwards until edges and faces between neighbouring rings keep the gap too.
     ///
     /// A chord between two points of the boundary cuts into the gap where the blisk is convex. Each place that
-    /// falls short pushes the vertices around it along theta or the radius.
+    /// falls short pushes the vertices around it along theta or the line.
     fn relax(&self, rings: &mut [Ring], cancel: &Cancel) -> Result<(), ElectrodeError> {
         let mut is_moved = vec![true; rings.len()];
         for _ in 0..MOST_ROUNDS {
@@ -276,10 +280,11 @@ impl<'a> Finisher<'a> {
                     *most = push.by;
                 }
             }
-            for (i, &[dr, around]) in moves.iter().enumerate().filter(|(_, m)| **m != [0.0; 2]) {
+            for (i, &[up, around]) in moves.iter().enumerate().filter(|(_, m)| **m != [0.0; 2]) {
                 let (ring, point) = (i / self.layout.len(), i % self.layout.len());
-                let p = &mut rings[ring].points[point];
-                *p = Polar { r: p.r + dr, theta: p.theta + around / p.r };
+                let Ring { line, points } = &mut rings[ring];
+                let p = &mut points[point];
+                *p = Spot { height: p.height + up, theta: p.theta + around / line.radius(p.height) };
                 is_moved[ring] = true;
             }
             if !is_moved.contains(&true) {
@@ -294,11 +299,11 @@ impl<'a> Finisher<'a> {
     fn pushes(&self, rings: &[Ring], i: usize) -> Vec<Push> {
         let n = self.layout.len();
         let mut pushes = Vec::new();
-        let at = |(ring, k): (usize, usize)| rings[ring].points[k].at(rings[ring].x);
+        let at = |(ring, k): (usize, usize)| rings[ring].line.at(rings[ring].points[k]);
         let mut face = |corners: [(usize, usize); 3]| {
             let [a, b, c] = corners.map(at);
             for [u, v, w] in IN_FACE {
-                self.push(a * u + b * v + c * w, &corners, &mut pushes);
+                self.push(rings, a * u + b * v + c * w, &corners, &mut pushes);
             }
         };
         let next = |k: usize| (k + 1) % n;
@@ -310,7 +315,7 @@ impl<'a> Finisher<'a> {
         }
         let mut edge = |a: (usize, usize), b: (usize, usize)| {
             if let Some(place) = self.nearest_on_edge(at(a), at(b)) {
-                self.push(place, &[a, b], &mut pushes);
+                self.push(rings, place, &[a, b], &mut pushes);
             }
         };
         for k in 0..n {
@@ -320,12 +325,12 @@ impl<'a> Finisher<'a> {
                 edge((i, k), (i + 1, next(k)));
             }
         }
-        (0..n).for_each(|k| self.push(at((i, k)), &[(i, k)], &mut pushes));
+        (0..n).for_each(|k| self.push(rings, at((i, k)), &[(i, k)], &mut pushes));
         pushes
     }
 
     /// If `place` falls short of the gap, what it takes from the ring points around it.
-    fn push(&self, place: DVec3, around: &[(usize, usize)], pushes: &mut Vec<Push>) {
+    fn push(&self, rings: &[Ring], place: DVec3, around: &[(usize, usize)], pushes: &mut Vec<Push>) {
         let distance = guarded_distance(self.boundary.blisk, place);
         let short = self.boundary.gap - distance;
         if short <= 0.0 {
@@ -333,8 +338,8 @@ impl<'a> Finisher<'a> {
         }
         let nearest = self.boundary.blisk.nearest(place).point;
         let away = (place - nearest).normalize_or_zero() * distance.signum();
-        let [_, radial, along_theta] = components(place, away);
-        let (axis, sense, part) = self.way_in(around, [radial, along_theta]);
+        let up = around.first().map_or(DVec2::Y, |&(ring, _)| rings[ring].line.up);
+        let (axis, sense, part) = self.way_in(around, components(place, up, away));
         let by = (short + SURPLUS) / part.max(0.2) * sense;
         pushes.extend(around.iter().map(|&(ring, point)| Push { ring, point, axis, by }));
     }
@@ -365,7 +370,7 @@ impl<'a> Finisher<'a> {
     }
 }
 
-/// A wanted displacement of one ring point: along the radius (axis 0) or theta (axis 1), in mm.
+/// A wanted displacement of one ring point: along the line across the passage (axis 0) or theta (axis 1), in mm.
 struct Push {
     ring: usize,
     point: usize,

@@ -2,9 +2,14 @@ use std::sync::LazyLock;
 
 use proptest::prelude::*;
 
+use glam::DVec2;
+
 use super::*;
 use crate::channel::Channel;
+use crate::find_channel::find_channel;
 use crate::fixtures::exact_channel;
+use crate::options::BliskOptions;
+use crate::parametric::wheel::ParametricWheel;
 use crate::parametric::{MeshResolution, ParametricBlisk};
 use geometry::exact::ExactMesh;
 use geometry::frame::Cylindrical;
@@ -169,7 +174,7 @@ fn faces_look_where_their_names_say() {
         for (corners, face) in electrode.mesh.iter_corners().zip(&electrode.faces) {
             let normal = geometry::mesh::normal_times_two_areas(corners);
             assert!(normal.length() > 0.0, "no degenerate faces");
-            let [along, radial, around] = boundary::components(corners[0], normal);
+            let (along, [radial, around]) = (normal.x, boundary::components(corners[0], DVec2::Y, normal));
             if let Some(i) = names.iter().position(|n| n == face) {
                 [0, 1, 2].into_iter().zip([along, radial, around]).for_each(|(k, part)| area[i][k] += part);
             }
@@ -285,7 +290,65 @@ fn parameters_read_as_a_job_writes_them() {
     let params: ElectrodeParams = toml::from_str(text).unwrap();
     assert_eq!((params.enter, params.size, params.spark_gap_mm), (EnterSide::MinusX, Sizing::Auto, 0.2));
     assert_eq!(params.radial_reduction_mm, 0.5);
-    assert_eq!(params.enter.candidates(), [EntrySide::MinusX]);
+    assert_eq!(params.enter.candidates(&FINE.channel), [EntrySide::MinusX]);
+    assert_eq!(EnterSide::Auto.candidates(&FINE.channel), [EntrySide::MinusX, EntrySide::PlusX]);
     assert!(toml::from_str::<ElectrodeParams>("gap = 1.0").is_err(), "unknown keys are mistakes");
     assert!(params.validate().is_ok());
+}
+
+/// The first channel of a wheel, and the wheel in W.
+fn passage_of(wheel: &ParametricWheel) -> (Channel, Mesh) {
+    let mesh = wheel.mesh();
+    let channel = find_channel(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
+    let wheel = mesh.in_frame(&channel.frame);
+    (channel, wheel)
+}
+
+#[test]
+fn electrodes_of_passages_in_any_direction_keep_the_gap_and_fill_them() {
+    let radial = ParametricWheel::nozzle_ring();
+    let mixed = ParametricWheel::impeller();
+    for (wheel, sides) in [(radial, vec![EntrySide::Outward]), (mixed, vec![EntrySide::MinusX, EntrySide::Outward])] {
+        let (channel, mesh) = passage_of(&wheel);
+        let blisk = ExactMesh::new(&mesh).unwrap();
+        assert_eq!(EntrySide::open(&channel), sides);
+        for side in sides {
+            let params = ElectrodeParams {
+                circumferential_reduction_deg: [0.0, 0.0],
+                radial_reduction_mm: 0.0,
+                overrun_mm: 0.0,
+                parts: 2,
+                ..Default::default()
+            };
+            let electrodes = make_electrodes(&channel, &blisk, &params, side, &Task::default()).unwrap();
+            assert_eq!(electrodes.len(), 2);
+            for electrode in &electrodes {
+                assert!(electrode.mesh.is_watertight() && electrode.volume_mm3 > 0.0);
+                assert!(electrode.clearance_mm >= 0.099, "{side:?}: {}", electrode.clearance_mm);
+                assert_eq!(electrode.enters_from, side);
+                // The holder is beyond the wheel, the burning part within.
+                let most = |of: &dyn Fn(ElectrodeFace) -> bool| {
+                    let all = electrode.mesh.iter_corners().zip(&electrode.faces).filter(|(_, face)| of(**face));
+                    all.flat_map(|(c, _)| c).map(|p| p.dot(side.direction())).fold(f64::NEG_INFINITY, f64::max)
+                };
+                let metal = mesh.vertices.iter().map(|p| p.dot(side.direction())).fold(f64::NEG_INFINITY, f64::max);
+                assert!(most(&|f| f == ElectrodeFace::Holder) > metal + params.holder_mm[0]);
+                assert!(most(&|f| f.burns()) < metal + 1e-9);
+            }
+            // Together they burn each wall to the gap: every point of the walls is the gap away from one of them.
+            let bodies: Vec<ExactMesh> = electrodes.iter().map(|e| ExactMesh::new(&e.mesh).unwrap()).collect();
+            let (mut near, mut count) = (0, 0);
+            for wall in [&channel.low, &channel.high] {
+                for (u, v) in (2..wall.nu - 2).flat_map(|u| (2..wall.nv - 2).map(move |v| (u, v))) {
+                    let distance = bodies
+                        .iter()
+                        .map(|b| b.nearest(wall.point(u, v)).signed_distance)
+                        .fold(f64::INFINITY, f64::min);
+                    count += 1;
+                    near += usize::from(distance < 0.13);
+                }
+            }
+            assert!(near as f64 > 0.97 * f64::from(count), "{side:?}: {near} of {count}");
+        }
+    }
 }
