@@ -51,6 +51,7 @@ fn planning(criterion: &mut Criterion) {
         blisk: &field,
         electrode: &own_field,
         faces_x: channel.faces_x,
+        rim: None,
         outside: &outside,
         reference_point: electrode.reference_point,
         side: electrode.enters_from,

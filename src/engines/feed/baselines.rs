@@ -44,7 +44,7 @@ impl SearchStrategy for MaxMinDistance {
 impl SearchProblem<'_> {
     /// The pose before if it is free at the node; otherwise free poses, first those that can go straight on furthest.
     fn furthest_travelling(&self, task: &NodeTask, cancel: &Cancel) -> Result<Vec<Candidate>, Cancelled> {
-        let straight = Pose { x: task.x, ..task.from };
+        let straight = task.placed(&task.from);
         if self.is_free(&straight, task.s, task.h_so_far, &mut 0) {
             return Ok(vec![self.valued_candidate(straight, task)]);
         }
@@ -80,7 +80,7 @@ impl SearchProblem<'_> {
         let mut hint = 0;
         let ahead = |i: &usize| {
             let way = *i as f64 * STRIDE;
-            let further = Pose { x: pose.x + self.direction() * way, ..*pose };
+            let further = self.withdrawn(pose, task.s + way);
             self.is_free(&further, task.s + way, task.h_so_far, &mut hint)
         };
         (1..=MOST).take_while(ahead).count() as f64 * STRIDE
@@ -111,5 +111,5 @@ fn start_of(problem: &SearchProblem, task: &NodeTask, i: usize) -> Pose {
     if i > 1 {
         pose = problem.scattered(&pose, SPREADS[i % SPREADS.len()], i as f64 + task.s);
     }
-    Pose { x: task.x, ..pose }
+    task.placed(&pose)
 }

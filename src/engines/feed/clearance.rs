@@ -32,6 +32,8 @@ pub struct Bodies<'a> {
     pub electrode: &'a DistanceField,
     /// X extent of the blisk at the channel's radii (mm): beyond it, outside the field, there is nothing to meet.
     pub faces_x: [f64; 2],
+    /// The blisk's greatest radius, where the electrode is withdrawn along the radius (mm).
+    pub rim: Option<f64>,
     /// Extent of the blisk beyond which the electrode is outside.
     pub outside: &'a Outside,
     /// Electrode reference point O in W (mm).
@@ -155,14 +157,24 @@ impl Bodies<'_> {
     }
 
     fn clearance_outside(&self, p: DVec3) -> f64 {
-        let beyond = (self.faces_x[0] - p.x).max(p.x - self.faces_x[1]);
+        let beyond = (self.faces_x[0] - p.x).max(p.x - self.faces_x[1]).max(self.beyond_rim(p));
         if beyond > 0.0 { beyond } else { -1.0 }
+    }
+
+    /// How far `p` is beyond the blisk's rim, where that leads outside.
+    fn beyond_rim(&self, p: DVec3) -> f64 {
+        self.rim.map_or(f64::NEG_INFINITY, |rim| p.y.hypot(p.z) - rim)
     }
 
     fn clearance_and_direction(&self, p: DVec3) -> (f64, DVec3) {
         self.blisk.value_and_gradient(p).unwrap_or_else(|| {
             let middle = 0.5 * (self.faces_x[0] + self.faces_x[1]);
-            (self.clearance_outside(p), DVec3::X * (p.x - middle).signum())
+            let out = if self.rim.is_some() {
+                p.with_x(0.0).normalize_or(DVec3::Z)
+            } else {
+                DVec3::X * (p.x - middle).signum()
+            };
+            (self.clearance_outside(p), out)
         })
     }
 

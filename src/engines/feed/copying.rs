@@ -7,7 +7,8 @@
 //!
 //! The motion is modelled as the machine makes it. Z is the direction of the channel's middle, so that a point at the
 //! angle `phi` from the middle moves outwards by `cos(phi)` of it and sideways by `sin(phi)`, and a leaning wall that
-//! is moved outwards comes nearer to its blade or farther from it. A turned hub side meets fillets, and the facets of a
+//! is moved outwards comes nearer to its blade or farther from it. In a passage that does not run along the axis
+//! outwards is the direction from hub to shroud in its middle, and X takes part in it. A turned hub side meets fillets, and the facets of a
 //! round hub, that it does not meet in the final pose. So the lowest turn is at the least height that lets it go
 //! (nearly) furthest, the highest one at the greatest such height. Each turn goes only as far as the electrode keeps
 //! its clearance and the axes go, and the whole is certified by the same verifier as the feed.
@@ -23,7 +24,7 @@ use super::pose::{Axis, Pose};
 use super::quantise::quantise_path;
 use super::verify::{Verifier, VerifyError, VerifyOptions};
 use geometry::frame::Frame;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use task::{Cancel, Task};
 use wheel::channel::Surface;
 use wheel::electrode::{Column, Electrode, ElectrodeParams};
@@ -52,14 +53,14 @@ pub struct CopyingExtent {
     pub low: f64,
     /// Turn of A towards the high wall (rad).
     pub high: f64,
-    /// Outwards along Z (mm).
+    /// Outwards, from the hub to the shroud: along Z in an axial channel (mm).
     pub outwards: f64,
 }
 
 /// A turn of A from 0 at a height and back.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Turn {
-    /// Position of Z (mm).
+    /// How far outwards (mm): the position of Z in an axial channel.
     pub z: f64,
     /// Angle of A (rad); negative towards the low wall, which is the one of smaller theta.
     pub a: f64,
@@ -174,6 +175,8 @@ pub struct CopyingSettings<'a> {
     pub spark_gap: f64,
     /// W in the coordinates of the loaded mesh.
     pub frame: Frame,
+    /// Direction (x, r) from the hub to the shroud in the middle of the channel, a unit vector.
+    pub up: DVec2,
 }
 
 /// Makes the copying motion that goes as far as `wanted`, or as the clearance allows, and certifies it. `verifier` is
@@ -207,12 +210,12 @@ pub fn copying_motion(
             found.is_none()
         }
     };
-    let (reached, turns) = reachable(&wanted, &keeps, &task.cancel)?;
+    let (reached, turns) = reachable(&wanted, settings.up, &keeps, &task.cancel)?;
     let path = FeedPath {
         frame: settings.frame,
         reference_point: electrode.reference_point,
         spark_gap: settings.spark_gap,
-        rows: rows_of(reached.outwards, &turns),
+        rows: rows_of(reached.outwards, settings.up, &turns),
     };
     let path = quantise_path(&path);
     let task = task.as_stage("copying motion");
@@ -223,11 +226,12 @@ pub fn copying_motion(
 /// Part of `wanted` that can be reached while `keeps` holds, and the turns that reach it.
 fn reachable(
     wanted: &CopyingExtent,
+    up: DVec2,
     keeps: &dyn Fn(&Pose) -> bool,
     cancel: &Cancel,
 ) -> Result<(CopyingExtent, Vec<Turn>), VerifyError> {
     let share = |from: Pose, to: Pose| share_of_move(&from, &to, keeps, cancel);
-    let at = |a: f64, z: f64| Pose { a, z, ..Pose::FINAL };
+    let at = |a: f64, outwards: f64| lifted(a, outwards, up);
     let top = wanted.outwards * share(Pose::FINAL, at(0.0, wanted.outwards))?;
     let mut turns: Vec<Turn> = Vec::new();
     let mut furthest = [0.0f64; 2];
@@ -297,18 +301,23 @@ fn share_of_move(from: &Pose, to: &Pose, keeps: &dyn Fn(&Pose) -> bool, cancel: 
     Ok(reached)
 }
 
+/// The pose turned by `a` (rad) and moved outwards (mm).
+fn lifted(a: f64, outwards: f64, up: DVec2) -> Pose {
+    Pose { a, x: outwards * up.x, z: outwards * up.y, ..Pose::FINAL }
+}
+
 /// The rows of a motion: outwards by `top` in the middle and, on the way, every turn at its height, always back to the
 /// middle; at last back to the final pose.
-fn rows_of(top: f64, turns: &[Turn]) -> Vec<PathRow> {
+fn rows_of(top: f64, up: DVec2, turns: &[Turn]) -> Vec<PathRow> {
     let mut sorted = turns.to_vec();
     // From below: towards the low wall first where both turn at the same height.
     sorted.sort_by(|s, t| s.z.total_cmp(&t.z).then(s.a.total_cmp(&t.a)));
-    let at = |a: f64, z: f64| Pose { a, z, ..Pose::FINAL };
+    let at = |a: f64, outwards: f64| lifted(a, outwards, up);
     let mut poses = vec![Pose::FINAL];
     let turned = sorted.iter().flat_map(|t| [at(0.0, t.z), at(t.a, t.z), at(0.0, t.z)]);
     for pose in turned.chain([at(0.0, top), Pose::FINAL]) {
         let last = poses[poses.len() - 1];
-        if (pose.a - last.a).abs() >= LEAST_MOVE || (pose.z - last.z).abs() >= LEAST_MOVE {
+        if (pose.a - last.a).abs() >= LEAST_MOVE || (pose.z - last.z).hypot(pose.x - last.x) >= LEAST_MOVE {
             poses.push(pose);
         }
     }
@@ -322,19 +331,20 @@ mod tests {
     const WANTED: CopyingExtent = CopyingExtent { low: 0.02, high: 0.01, outwards: 0.3 };
 
     fn reach(keeps: impl Fn(&Pose) -> bool) -> (CopyingExtent, Vec<Turn>) {
-        reachable(&WANTED, &keeps, &Cancel::default()).unwrap()
+        reachable(&WANTED, DVec2::Y, &keeps, &Cancel::default()).unwrap()
     }
 
     #[test]
     fn the_rows_go_to_every_wall_at_every_height_and_back() {
         let (reached, turns) = reach(|_| true);
         assert_eq!(reached, WANTED);
-        let poses: Vec<[f64; 2]> = rows_of(reached.outwards, &turns).iter().map(|r| [r.pose.a, r.pose.z]).collect();
+        let poses: Vec<[f64; 2]> =
+            rows_of(reached.outwards, DVec2::Y, &turns).iter().map(|r| [r.pose.a, r.pose.z]).collect();
         let level = |z| [[-0.02, z], [0.0, z], [0.01, z], [0.0, z]];
         let expected = [[[0.0, 0.0]].as_slice(), &level(0.0), &[[0.0, 0.15]], &level(0.15), &[[0.0, 0.3]], &level(0.3)];
         assert_eq!(poses, [expected.concat().as_slice(), &[[0.0, 0.0]]].concat());
-        assert_eq!(rows_of(0.0, &[Turn { z: 0.0, a: -0.02 }]).len(), 3);
-        assert!(rows_of(0.0, &[]).len() == 1 && CopyingExtent::default().is_none());
+        assert_eq!(rows_of(0.0, DVec2::Y, &[Turn { z: 0.0, a: -0.02 }]).len(), 3);
+        assert!(rows_of(0.0, DVec2::Y, &[]).len() == 1 && CopyingExtent::default().is_none());
     }
 
     #[test]

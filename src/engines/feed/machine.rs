@@ -30,6 +30,17 @@ impl AxisSet {
             Self::XYZABC => &[X, Y, Z, A, B, C],
         }
     }
+
+    /// The axes in order, without the one along which the electrode is withdrawn.
+    pub fn free_axes(self, side: EntrySide) -> &'static [Axis] {
+        use Axis::{A, B, C, X, Y};
+        match (Axis::of_withdrawal(side), self) {
+            (Axis::Z, Self::XYZC) => &[X, Y, C],
+            (Axis::Z, Self::XYZAC) => &[X, Y, A, C],
+            (Axis::Z, Self::XYZABC) => &[X, Y, A, B, C],
+            _ => &self.axes()[1..],
+        }
+    }
 }
 
 /// Travel of the axes about the final pose, as `[least, greatest]`.

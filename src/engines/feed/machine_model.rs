@@ -85,8 +85,9 @@ pub struct Station {
 impl Station {
     /// The machine about `electrode`, in its final pose with its reference point O, and `blisk`, all in W (mm).
     pub fn new(electrode: &Mesh, reference_point: DVec3, side: EntrySide, blisk: &Mesh) -> Self {
-        let outermost = electrode.vertices.iter().map(|p| p.x * side.sign()).fold(f64::NEG_INFINITY, f64::max);
-        let at_end = |p: &&DVec3| p.x * side.sign() > outermost - 1e-3;
+        let out = |p: &DVec3| p.dot(side.direction());
+        let outermost = electrode.vertices.iter().map(out).fold(f64::NEG_INFINITY, f64::max);
+        let at_end = |p: &&DVec3| out(p) > outermost - 1e-3;
         let end = geometry::mesh::Bounds::of(electrode.vertices.iter().filter(at_end).copied());
         let blisk = blisk.bounds();
         let seat = if side == EntrySide::PlusX { blisk.min.x } else { blisk.max.x };
@@ -103,6 +104,8 @@ impl Station {
         let matrix3 = match self.side {
             EntrySide::PlusX => DMat3::IDENTITY,
             EntrySide::MinusX => DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0)),
+            // Bodies stand for a head that comes along X; one that comes along the radius stands upright.
+            EntrySide::Outward => DMat3::from_rotation_y(-std::f64::consts::FRAC_PI_2),
         };
         DAffine3 { matrix3, translation }
     }

@@ -8,7 +8,7 @@ use super::pose::{Axis, Pose};
 use super::samples::Sample;
 use geometry::mesh::Bounds;
 use task::{Cancel, Cancelled};
-use wheel::channel::Channel;
+use wheel::channel::{BladeSpan, Channel};
 use wheel::electrode::ElectrodeFace;
 use wheel::surface_finder::SurfaceFinder;
 
@@ -68,7 +68,7 @@ impl Weights {
     pub fn normalised(&self, axes: &[Axis]) -> Self {
         let used = |axis: Axis, w: f64| if axes.contains(&axis) { w } else { 0.0 };
         let first = [
-            used(Axis::Z, self.a1),
+            if axes.contains(&Axis::Z) { self.a1 } else { used(Axis::X, self.a1) },
             used(Axis::Y, self.b1),
             used(Axis::C, self.c1),
             used(Axis::A, self.d1),
@@ -83,9 +83,9 @@ impl Weights {
     /// Smoothness weight of an axis.
     fn smoothness(&self, axis: Axis) -> f64 {
         match axis {
-            Axis::X => 0.0,
+            // Of X and Z one is the axis of withdrawal, which has no range, and the other leads across the passage.
+            Axis::X | Axis::Z => self.a1,
             Axis::Y => self.b1,
-            Axis::Z => self.a1,
             Axis::A => self.d1,
             Axis::B => self.e1,
             Axis::C => self.c1,
@@ -119,7 +119,7 @@ pub struct Objective<'a> {
     low: Vec<DVec3>,
     high: Vec<DVec3>,
     walls: &'a WallDistances,
-    span_x: [f64; 2],
+    blades: BladeSpan,
 }
 
 /// A motion of the axes within one search step.
@@ -165,7 +165,7 @@ impl<'a> Objective<'a> {
             low: on(ElectrodeFace::LowWall),
             high: on(ElectrodeFace::HighWall),
             walls,
-            span_x: channel.span_x(),
+            blades: channel.blade_span(),
         }
     }
 
@@ -179,7 +179,7 @@ impl<'a> Objective<'a> {
     /// Whether any wall sample is still between the blades at `pose`.
     pub fn is_between_blades(&self, pose: &Pose) -> bool {
         let place = pose.placement(self.reference_point);
-        let between = |p: &DVec3| (self.span_x[0]..=self.span_x[1]).contains(&place.transform_point3(*p).x);
+        let between = |p: &DVec3| self.blades.contains(place.transform_point3(*p));
         self.low.iter().chain(&self.high).any(between)
     }
 
@@ -205,7 +205,7 @@ impl<'a> Objective<'a> {
             let (mut n, mut sum, mut squares, mut least) = (0.0, 0.0, 0.0, f64::INFINITY);
             for &p in points {
                 let q = place.transform_point3(turn * p);
-                if q.x < self.span_x[0] || q.x > self.span_x[1] {
+                if !self.blades.contains(q) {
                     continue;
                 }
                 let d = self.walls.at(q)[wall];

@@ -9,10 +9,12 @@ use wheel::electrode::EntrySide;
 /// Depth below the electrode's innermost point down to which metal counts as its surroundings (mm).
 const SURROUNDINGS: f64 = 15.0;
 
-/// An electrode and the X extent of the metal around it, rings and drums beyond the channel's own faces included.
+/// An electrode and the extent of the metal around it, rings and drums beyond the channel's own faces included.
 #[derive(Debug, Clone)]
 pub struct Outside {
     faces_x: [f64; 2],
+    /// The blisk's greatest radius (mm).
+    rim: f64,
     /// Vertices of the electrode in its final pose, in W (mm).
     points: Vec<DVec3>,
     reference_point: DVec3,
@@ -30,26 +32,35 @@ impl Outside {
         let innermost = points.iter().map(radius).fold(f64::INFINITY, f64::min);
         let around = blisk.iter_corners().filter(|t| t.iter().any(|p| radius(p) > innermost - SURROUNDINGS));
         let faces_x = extent(around.flatten().map(|p| p.x));
-        Self { faces_x, points, reference_point }
+        let [_, rim] = extent(blisk.iter_corners().flatten().map(|p| radius(&p)));
+        Self { faces_x, rim, points, reference_point }
+    }
+
+    /// The blisk's greatest radius (mm).
+    pub fn rim(&self) -> f64 {
+        self.rim
     }
 
     /// Distance of the whole electrode beyond the metal on `side` at `pose` (mm); negative while some point is not
     /// beyond it.
     pub fn distance_outside(&self, pose: &Pose, side: EntrySide) -> f64 {
-        let place = pose.placement(self.reference_point);
-        let [least, most] = extent(self.points.iter().map(|&p| place.transform_point3(p).x));
+        // Where the table with the blisk does not turn: the blisk's own extent is the same on all sides of its axis.
+        let place = Pose { a: 0.0, ..*pose }.placement(self.reference_point);
+        let towards = side.direction().abs();
+        let [least, most] = extent(self.points.iter().map(|&p| place.transform_point3(p).dot(towards)));
         match side {
             EntrySide::MinusX => self.faces_x[0] - most,
             EntrySide::PlusX => least - self.faces_x[1],
+            EntrySide::Outward => least - self.rim,
         }
     }
 
     /// The side on which the whole electrode at `pose` is beyond the metal; none while some of it is not.
     pub fn side_of(&self, pose: &Pose) -> Option<EntrySide> {
-        [EntrySide::MinusX, EntrySide::PlusX].into_iter().find(|&side| self.distance_outside(pose, side) > 0.0)
+        EntrySide::ALL.into_iter().find(|&side| self.distance_outside(pose, side) > 0.0)
     }
 
-    /// Whether the whole electrode at `pose` is beyond the metal on one side or the other.
+    /// Whether the whole electrode at `pose` is beyond the metal on one side or another.
     pub fn is_outside(&self, pose: &Pose) -> bool {
         self.side_of(pose).is_some()
     }

@@ -87,7 +87,7 @@ impl SearchProblem<'_> {
     /// Free node near `pose`, withdrawn by `s`, with the whole allowance for the errors of the fields or, where that
     /// does not fit, a part of it.
     fn node_near(&self, pose: &Pose, s: f64, h: f64) -> Option<Node> {
-        let start = Pose { x: self.direction() * s, ..*pose };
+        let start = self.withdrawn(pose, s);
         [self.demand, self.narrow()].iter().find_map(|demand| {
             let (pose, lacking) = self.model.climb(start, s, self.turned(h), demand, self.free_axes());
             let free = lacking.is_none() && self.keeps(&pose, s, h, &self.between(), &mut 0);

@@ -3,6 +3,8 @@
 use glam::{DAffine3, DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
+use wheel::electrode::EntrySide;
+
 /// Axis values relative to the electrode's final pose: mm and radians. The final pose is all zeros.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
@@ -47,6 +49,14 @@ impl Axis {
         ['X', 'Y', 'Z', 'A', 'B', 'C'][self as usize]
     }
 
+    /// The axis along which an electrode is withdrawn to `side`.
+    pub fn of_withdrawal(side: EntrySide) -> Self {
+        match side {
+            EntrySide::MinusX | EntrySide::PlusX => Self::X,
+            EntrySide::Outward => Self::Z,
+        }
+    }
+
     /// Whether the axis turns rather than slides.
     pub fn is_rotary(self) -> bool {
         self as usize >= 3
@@ -70,6 +80,13 @@ impl Pose {
     /// The value of one axis.
     pub fn get(&self, axis: Axis) -> f64 {
         self.to_array()[axis as usize]
+    }
+
+    /// The pose with another value of one axis.
+    pub fn with(&self, axis: Axis, value: f64) -> Self {
+        let mut values = self.to_array();
+        values[axis as usize] = value;
+        Self::from_array(values)
     }
 
     /// Linear motion of all axes: `self` at `t = 0`, `other` at `t = 1`.

@@ -17,7 +17,7 @@ use geometry::exact::ExactMesh;
 use geometry::mesh::{Bounds, Mesh};
 use task::{Cancel, Cancelled, Task};
 use wheel::channel::Channel;
-use wheel::electrode::Electrode;
+use wheel::electrode::{Electrode, EntrySide};
 use wheel::surface_finder::SurfaceFinder;
 
 /// Data that all electrodes of one channel share: the blisk's surface in W, its distance field, and the walls.
@@ -139,6 +139,7 @@ impl PreparedElectrode {
             blisk: &space.field,
             electrode: &self.distance,
             faces_x: space.channel.faces_x,
+            rim: (self.electrode.enters_from == EntrySide::Outward).then(|| self.outside.rim()),
             outside: &self.outside,
             reference_point: self.electrode.reference_point,
             side: self.electrode.enters_from,

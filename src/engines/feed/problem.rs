@@ -47,7 +47,7 @@ pub struct SearchProblem<'a> {
     pub fine: &'a [[f64; 2]],
     /// Distance outside the blisk to which the electrode is withdrawn (mm).
     pub exit_clearance: f64,
-    /// Centreline that nodes follow in steps of arc length; without one they follow X.
+    /// Centreline that nodes follow in steps of arc length; without one they follow the axis of withdrawal.
     pub guide: Option<&'a Guide>,
     /// Called with the nodes found so far after each of them.
     pub observe: &'a Observe<'a>,
@@ -62,8 +62,8 @@ pub struct NodeTask {
     pub from_s: f64,
     /// Withdrawn distance of this node (mm).
     pub s: f64,
-    /// Position of this node on the X axis (mm).
-    pub x: f64,
+    /// The axis along which the electrode is withdrawn, and the position of this node on it (mm).
+    pub advance: (Axis, f64),
     /// Length of this step over the nominal one.
     pub duration: f64,
     /// The step before.
@@ -75,6 +75,12 @@ pub struct NodeTask {
 }
 
 impl NodeTask {
+    /// `pose` at this node's position on the axis of withdrawal.
+    pub fn placed(&self, pose: &Pose) -> Pose {
+        let (axis, position) = self.advance;
+        pose.with(axis, position)
+    }
+
     /// The motion from the node before to `pose`.
     pub fn motion_to(&self, pose: &Pose) -> StepMotion {
         StepMotion::between(&self.from, pose, self.duration)
@@ -153,14 +159,20 @@ impl SearchProblem<'_> {
     /// How far the electrode's points may move from one such joint to the next (mm).
     const STRIDE: f64 = 0.2;
 
-    /// The machine's axes except X.
-    pub fn free_axes(&self) -> &[Axis] {
-        &self.axes.axes()[1..]
+    /// The machine's axes except the one along which the electrode is withdrawn.
+    pub fn free_axes(&self) -> &'static [Axis] {
+        self.axes.free_axes(self.side)
     }
 
-    /// Direction of withdrawal along X.
-    pub fn direction(&self) -> f64 {
-        self.side.sign()
+    /// The axis along which the electrode is withdrawn, and its position there when it is withdrawn by `s` (mm).
+    pub fn advance(&self, s: f64) -> (Axis, f64) {
+        (Axis::of_withdrawal(self.side), self.side.sign() * s)
+    }
+
+    /// `pose` withdrawn by `s` (mm).
+    pub fn withdrawn(&self, pose: &Pose, s: f64) -> Pose {
+        let (axis, position) = self.advance(s);
+        pose.with(axis, position)
     }
 
     /// Whether `pose`, withdrawn by `s`, is within the machine's travel and meets the constraint.
@@ -220,7 +232,7 @@ impl SearchProblem<'_> {
         let last = &nodes[nodes.len() - 1];
         let before = match nodes {
             [.., a, b] => StepMotion::between(&a.pose, &b.pose, (b.s - a.s) / self.step),
-            // Nothing has moved yet but X, whose rate is the nominal one.
+            // Nothing has moved yet but the axis of withdrawal, whose rate is the nominal one.
             _ => StepMotion { increments: [0.0; 6], duration: 1.0 },
         };
         let step = self.step * duration;
@@ -235,7 +247,7 @@ impl SearchProblem<'_> {
             from: last.pose,
             from_s: last.s,
             s,
-            x: self.direction() * s,
+            advance: self.advance(s),
             duration,
             before,
             h_so_far: nodes.iter().map(|n| n.h).fold(0.0, f64::max),

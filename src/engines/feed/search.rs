@@ -131,7 +131,7 @@ impl SearchProblem<'_> {
     fn first_halving(&self, nodes: &[Node]) -> i32 {
         let [.., before, last] = nodes else { return 0 };
         let fine = self.fine.iter().filter(|[from, to]| (*from..*to).contains(&last.s)).count();
-        // A line that bends makes equal steps along it a little unequal along X.
+        // A line that bends makes equal steps along it a little unequal along the axis of withdrawal.
         let whole = self.guide.map_or(self.step, |guide| 0.9 * (guide.next_s(last.s, self.step) - last.s));
         let narrow = (whole / (2.0 * (last.s - before.s))).log2().ceil().max(0.0) as i32;
         narrow.max(fine.min(Self::FINEST) as i32).min(Self::HALVINGS)
@@ -149,11 +149,10 @@ impl SearchProblem<'_> {
         let rates = task.before.increments;
         let ratio = SHARE.powf(task.before.duration) * task.duration / task.before.duration;
         let mut q = task.from.to_array();
-        for (value, rate) in q.iter_mut().zip(rates).skip(1) {
+        for (value, rate) in q.iter_mut().zip(rates) {
             *value += rate * ratio;
         }
-        q[0] = task.x;
-        let pose = Pose::from_array(q);
+        let pose = task.placed(&Pose::from_array(q));
         let objective = self.objective.value(&pose, task.h_so_far, &task.motion_to(&pose), &task.before);
         let candidate = Candidate { pose, h: task.h_so_far, objective };
         let node = self.node(&task, &candidate);
@@ -164,7 +163,7 @@ impl SearchProblem<'_> {
         free.then(|| (node, Convergence::none(task.s)))
     }
 
-    /// Cause of the jam: the end of X's travel, or the point with the greatest lack of clearance at the pose nearest to
+    /// Cause of the jam: the end of travel along the withdrawal, or the point with the greatest lack of clearance at the pose nearest to
     /// being free, reached by climbing from the expected pose. The worst point counts even if the climb succeeds, since
     /// only the motion to that pose may be blocked.
     fn jam(&self, nodes: &[Node], surface_of: &dyn Fn(DVec3) -> Surface) -> Jam {
@@ -174,12 +173,11 @@ impl SearchProblem<'_> {
         for (value, rate) in expected.iter_mut().zip(task.before.increments) {
             *value += rate * ratio;
         }
-        expected[0] = task.x;
-        let starts = [Pose::from_array(expected), Pose { x: task.x, ..task.from }];
+        let starts = [Pose::from_array(expected), task.from].map(|pose| task.placed(&pose));
         let jam = |pose, cause| Jam { node: nodes.len(), s: task.s, pose, cause, opening: None };
-        // The other axes are free to stay where they are; X has to go on.
-        if let Some((axis, limit)) = self.travel.beyond(&Pose { x: task.x, ..Pose::FINAL }) {
-            return jam(starts[1], JamCause::Travel { axis, value: task.x, limit });
+        // The other axes are free to stay where they are; the axis of withdrawal has to go on.
+        if let Some((axis, limit)) = self.travel.beyond(&task.placed(&Pose::FINAL)) {
+            return jam(starts[1], JamCause::Travel { axis, value: task.advance.1, limit });
         }
         let climbed = starts.into_iter().filter_map(|start| {
             let (pose, short) = self.climb(start, task.s, task.h_so_far);

@@ -15,6 +15,7 @@ use super::probes::{Demand, Turns};
 use super::problem::SearchProblem;
 use super::samples::Sample;
 use geometry::distance_field::DistanceField;
+use wheel::channel::Station;
 use wheel::electrode::{Electrode, ElectrodeFace};
 
 /// Settings that the searches for one electrode have in common.
@@ -64,9 +65,9 @@ impl SearchSetup<'_> {
     ) -> T {
         let PlanSettings { plan: params, machine, spark_gap, .. } = *self.settings;
         let channel = &*self.space.channel;
-        let moving: Vec<Axis> = machine.axes.axes()[1..].to_vec();
+        let moving = machine.axes.free_axes(model.side());
         let objective = Objective::new(
-            params.weights.normalised(&moving),
+            params.weights.normalised(moving),
             ranges,
             model.samples(),
             model.reference_point(),
@@ -93,7 +94,8 @@ impl SearchSetup<'_> {
         })
     }
 
-    /// Full ranges of motion in one step by (7): Z within the passage's height, Y within half a pitch, C within
+    /// Full ranges of motion in one step by (7): Z, or X where the electrode is withdrawn along Z, within the passage's
+    /// height, Y within half a pitch, C within
     /// the angle that the electrode's farthest wall point has to its blade. P0 leaves A and B still; here A may
     /// turn by half a pitch and B as far as C.
     pub(super) fn ranges(&self, electrode: &Electrode) -> [f64; 6] {
@@ -103,8 +105,13 @@ impl SearchSetup<'_> {
         let pitch = std::f64::consts::TAU / channel.blades as f64;
         let gamma = 0.5 * (shroud + hub) * (0.5 * pitch).sin();
         let beta = self.beta(electrode);
-        let half = [0.0, gamma, shroud - hub, 0.5 * pitch, beta, beta];
-        let axes = self.settings.machine.axes.axes();
+        let side = electrode.enters_from;
+        let across = match Axis::of_withdrawal(side) {
+            Axis::X => shroud - hub,
+            _ => channel.meridian.iter().map(Station::height).fold(0.0, f64::max),
+        };
+        let half = [across, gamma, across, 0.5 * pitch, beta, beta];
+        let axes = self.settings.machine.axes.free_axes(side);
         Axis::ALL.map(|axis| if axes.contains(&axis) { 2.0 * half[axis as usize] } else { 0.0 })
     }
 

@@ -8,7 +8,7 @@ use super::pose::Pose;
 use super::samples::{Cluster, Sample, SampleSpacing, cluster, sample_electrode};
 use geometry::frame::Cylindrical;
 use task::{Cancel, Cancelled};
-use wheel::channel::Channel;
+use wheel::channel::{Channel, Flow};
 use wheel::electrode::Electrode;
 use wheel::surface_finder::SurfaceFinder;
 
@@ -18,7 +18,7 @@ pub struct WallClearances {
     /// Distances to the low and to the high wall; the channel tells which of them is the suction wall.
     pub walls: [f64; 2],
     /// Distance to the radius of the hub, which facets of its mesh dip below; none once the electrode is out of the
-    /// ring.
+    /// ring, and where the passage does not run along the axis.
     pub hub: Option<f64>,
     /// Distance to the radius of the shroud; none outside the ring and where there is no shroud.
     pub shroud: Option<f64>,
@@ -68,7 +68,7 @@ impl<'a> ClearanceGauge<'a> {
         let (mut hub, mut shroud) = (f64::INFINITY, f64::INFINITY);
         for sample in &self.samples {
             let Cylindrical { x, r, .. } = Cylindrical::from_point(place.transform_point3(sample.point));
-            if (front..=back).contains(&x) {
+            if self.channel.flow == Flow::Axial && (front..=back).contains(&x) {
                 let (inner, outer) = self.channel.radii_at(x);
                 hub = hub.min(r - inner);
                 shroud = shroud.min(outer - r);

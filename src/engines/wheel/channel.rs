@@ -137,6 +137,38 @@ impl Station {
     }
 }
 
+/// A straight line across the passage in the meridional plane at any position along it: turned about the axis a plane
+/// across X in an axial channel, else a cone, or a cylinder.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line {
+    /// Position along the passage (mm), x in an axial channel.
+    pub along: f64,
+    /// Where heights are counted from (x, r): the axis in an axial channel, else the hub.
+    origin: DVec2,
+    /// Direction from hub to shroud (x, r), a unit vector.
+    pub up: DVec2,
+    /// Heights of hub and shroud (mm).
+    pub ends: [f64; 2],
+}
+
+impl Line {
+    /// Place (x, r) at a height (mm).
+    pub fn place(&self, height: f64) -> DVec2 {
+        self.origin + height * self.up
+    }
+
+    /// Distance from the axis at a height (mm).
+    pub fn radius(&self, height: f64) -> f64 {
+        self.place(height).y
+    }
+
+    /// The point in W at a height (mm) and an angle (rad).
+    pub fn point(&self, height: f64, theta: f64) -> DVec3 {
+        let DVec2 { x, y: r } = self.place(height);
+        Cylindrical { x, r, theta }.point()
+    }
+}
+
 /// The narrowest place between the two walls.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Throat {
@@ -164,6 +196,22 @@ pub struct Agreement {
     pub at: DVec3,
     /// Share of the places that are further off than any error of measurement, 0 to 1.
     pub doubted: f64,
+}
+
+/// Where the blades of a channel stand, about the axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BladeSpan {
+    x: [f64; 2],
+    /// Every radius in an axial channel, where blades bound the passage at every radius that matters.
+    r: Option<[f64; 2]>,
+}
+
+impl BladeSpan {
+    /// Whether `p`, in W, is as far along the passage as blades stand.
+    pub fn contains(&self, p: DVec3) -> bool {
+        (self.x[0]..=self.x[1]).contains(&p.x)
+            && self.r.is_none_or(|[least, most]| (least..=most).contains(&p.y.hypot(p.z)))
+    }
 }
 
 /// One channel of a blisk: the passage between two blades, hub and shroud. All coordinates are in W: X is the blisk
@@ -231,9 +279,23 @@ impl Channel {
         station_at(&self.meridian, along)
     }
 
-    /// Position along the passage of the place (x, r), and its distance from the hub on the station there (mm).
+    /// The line across the passage at a position along it.
+    pub fn line_at(&self, along: f64) -> Line {
+        if self.flow == Flow::Axial {
+            let (hub, shroud) = self.radii_at(along);
+            return Line { along, origin: DVec2::new(along, 0.0), up: DVec2::Y, ends: [hub, shroud] };
+        }
+        let station = self.station_at(along);
+        let up = (station.shroud - station.hub).normalize_or(DVec2::Y);
+        Line { along, origin: station.hub, up, ends: [0.0, station.height()] }
+    }
+
+    /// Position along the passage of the place (x, r), and its height on the line across the passage there (mm).
     pub fn along_and_height(&self, place: DVec2) -> [f64; 2] {
         const ROUNDS: usize = 30;
+        if self.flow == Flow::Axial {
+            return [place.x, place.y];
+        }
         let (mut share, mut found) = (0.5, [f64::NAN; 2]);
         for _ in 0..ROUNDS {
             let station = self.station_at(along_at(&self.meridian, place, share));
@@ -246,6 +308,13 @@ impl Channel {
             share = next;
         }
         found
+    }
+
+    /// Where the blades stand: between two planes across X in an axial channel, else also between two radii.
+    pub fn blade_span(&self) -> BladeSpan {
+        let radii = self.low.points.iter().chain(&self.high.points).map(|p| p.y.hypot(p.z));
+        let r = radii.fold([f64::INFINITY, 0.0], |[least, most], r| [r.min(least), r.max(most)]);
+        BladeSpan { x: self.span_x(), r: (self.flow != Flow::Axial).then_some(r) }
     }
 
     /// Least and greatest position of the blades along the passage over both walls and all heights (mm).

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::channel::{Channel, ChannelWall, Surface};
 use geometry::exact::{ExactMesh, ExactMeshError};
@@ -31,13 +31,15 @@ impl SurfaceFinder {
     /// The surface that the point `p` of the blisk lies on.
     pub fn surface_of(&self, p: DVec3) -> Surface {
         let Cylindrical { x, r, .. } = Cylindrical::from_point(p);
-        let (hub, shroud) = self.channel.radii_at(x);
-        let [front, back] = self.channel.faces_x;
-        let on_ring = x > front - Self::ON_SURFACE && x < back + Self::ON_SURFACE;
-        let end_wall = |radius: f64| if on_ring { (r - radius).abs() } else { f64::INFINITY };
-        let closed = if self.channel.shrouded { end_wall(shroud) } else { f64::INFINITY };
-        let [low, high] = self.wall_distances(p);
-        [(low, Surface::LowWall), (high, Surface::HighWall), (end_wall(hub), Surface::Hub), (closed, Surface::Shroud)]
+        let place = DVec2::new(x, r);
+        let [along, height] = self.channel.along_and_height(place);
+        let (line, [front, back]) = (self.channel.line_at(along), self.channel.ends_along());
+        let on_line = (line.place(height) - place).length() < Self::ON_SURFACE;
+        let on_ring = on_line && along > front - Self::ON_SURFACE && along < back + Self::ON_SURFACE;
+        let end_wall = |end: f64| if on_ring { (height - end).abs() } else { f64::INFINITY };
+        let ([hub, shroud], [low, high]) = (line.ends.map(end_wall), self.wall_distances(p));
+        let closed = if self.channel.shrouded { shroud } else { f64::INFINITY };
+        [(low, Surface::LowWall), (high, Surface::HighWall), (hub, Surface::Hub), (closed, Surface::Shroud)]
             .into_iter()
             .filter(|&(distance, _)| distance <= Self::ON_SURFACE)
             .min_by(|a, b| a.0.total_cmp(&b.0))

@@ -107,14 +107,14 @@ impl<'a> CentrelineStep<'a> {
     /// Postures to adjust: the core point on the line, turned with the line, turned on as before, or not turned; and
     /// the motion as before, and the last posture, wherever they leave the core point.
     fn starts(&self) -> Vec<Pose> {
-        let NodeTask { from, x, before, duration, .. } = *self.task;
+        let NodeTask { from, before, duration, .. } = *self.task;
         let ratio = duration / before.duration;
         let mut onward = from.to_array();
         for (axis, value) in onward.iter_mut().enumerate() {
             *value += before.increments[axis] * ratio;
         }
-        let onward = Pose { x, ..Pose::from_array(onward) };
-        let still = Pose { x, ..from };
+        let onward = self.task.placed(&Pose::from_array(onward));
+        let still = self.task.placed(&from);
         let turn = self.guide.turning(self.task.from_s, self.task.s);
         let turned = Pose { c: from.c + turn, ..still };
         let on_line = [turned, onward, still].map(|pose| self.guide.on_line(&pose));

@@ -166,8 +166,7 @@ impl<'a> GeneticStep<'a> {
 
     /// Pose and h of an individual.
     fn decode(&self, genes: &Genes) -> (Pose, f64) {
-        let mut q = self.task.from.to_array();
-        q[0] = self.task.x;
+        let mut q = self.task.placed(&self.task.from).to_array();
         for ((&axis, coding), &code) in self.axes.iter().zip(&self.codings).zip(genes) {
             q[axis as usize] += coding.decode(code);
         }

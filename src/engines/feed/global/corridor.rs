@@ -149,7 +149,6 @@ impl<'a> Corridor<'a> {
         let layer = &self.layers[self.layers.len() - 1];
         let here = &layer[parent];
         let mut q = here.pose.to_array();
-        let x = self.problem.direction() * s;
         if number != 1 && self.layers.len() > 1 {
             let before = &self.layers[self.layers.len() - 2][here.from];
             let ratio = (s - here.s) / (here.s - before.s);
@@ -161,9 +160,9 @@ impl<'a> Corridor<'a> {
         if number > 1 {
             let spread = Self::SPREADS[number % Self::SPREADS.len()];
             let n = (parent * each + number) as f64 + 0.618 * self.layers.len() as f64;
-            return Pose { x, ..self.problem.scattered(&Pose::from_array(q), spread, n) };
+            return self.problem.withdrawn(&self.problem.scattered(&Pose::from_array(q), spread, n), s);
         }
-        Pose { x, ..Pose::from_array(q) }
+        self.problem.withdrawn(&Pose::from_array(q), s)
     }
 
     /// The widest of the reachable poses, as different from each other as their number allows.

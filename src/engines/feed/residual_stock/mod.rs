@@ -23,7 +23,7 @@ mod tests;
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::Serialize;
 
 use super::pose::Pose;
@@ -212,7 +212,7 @@ pub fn residual_stock(site: &Site, burns: &[Burn], task: &Task) -> Result<Residu
     let patch = surface::patch(site, &passage, &task.cancel)?;
     let deviation = surface::deviations(&patch, &removal, least_deviation(site), &task)?;
     let surfaces = surface::figures(&patch, &deviation, removal.most());
-    let stock = volume::stock(site.channel, &passage, &removal, &task)?;
+    let stock = volume::stock(&passage, &removal, &task)?;
     let deviation = Arc::new(deviation.into_iter().map(|d| d as f32).collect());
     let map = DeviationMap { mesh: Arc::new(patch.mesh), surfaces: patch.surfaces, deviation };
     Ok(ResidualStock { map, surfaces, stock })
@@ -257,35 +257,44 @@ impl Removal {
 }
 
 /// The room between the two walls.
-struct Passage {
+struct Passage<'a> {
+    channel: &'a Channel,
     tables: [WallTable; 2],
-    span_x: [f64; 2],
+    /// Span along the passage between the edges of the blades (mm).
+    span: [f64; 2],
 }
 
-impl Passage {
-    fn new(channel: &Channel) -> Option<Self> {
-        let tables = [WallTable::new(&channel.low)?, WallTable::new(&channel.high)?];
-        Some(Self { tables, span_x: channel.span_x() })
+impl<'a> Passage<'a> {
+    fn new(channel: &'a Channel) -> Option<Self> {
+        let tables = [WallTable::new(&channel.low, channel)?, WallTable::new(&channel.high, channel)?];
+        Some(Self { channel, tables, span: channel.span_along() })
     }
 
-    /// The angles of the low and the high wall at `x` and `r` (rad).
-    fn between(&self, x: f64, r: f64) -> [f64; 2] {
-        [self.tables[0].at(x, r).theta, self.tables[1].at(x, r).theta]
+    /// The angles of the low and the high wall at a position along the passage and a height there (rad).
+    fn between(&self, along: f64, height: f64) -> [f64; 2] {
+        [self.tables[0].at(along, height).theta, self.tables[1].at(along, height).theta]
+    }
+
+    /// Position along the passage and height of the place of `p` (mm).
+    fn along_and_height(&self, p: DVec3) -> [f64; 2] {
+        self.channel.along_and_height(DVec2::new(p.x, p.y.hypot(p.z)))
     }
 
     /// How far a point lies from the surface across the channel that has `share` of its width on the low side, along
     /// the circumference (mm, negative on the low side).
     fn beyond_split(&self, p: DVec3, share: f64) -> f64 {
-        let Cylindrical { x, r, theta } = Cylindrical::from_point(p);
-        let [low, high] = self.between(x, r);
+        let Cylindrical { r, theta, .. } = Cylindrical::from_point(p);
+        let [along, height] = self.along_and_height(p);
+        let [low, high] = self.between(along, height);
         (theta - low - share * (high - low)) * r
     }
 
     /// Whether a point of the surface bounds the room, to within `slack` (mm) along the circumference.
     fn holds(&self, p: DVec3, slack: f64) -> bool {
-        let Cylindrical { x, r, theta } = Cylindrical::from_point(p);
-        let [low, high] = self.between(x, r);
-        let [from, to] = self.span_x;
-        (from..=to).contains(&x) && (low - slack / r..=high + slack / r).contains(&theta)
+        let Cylindrical { r, theta, .. } = Cylindrical::from_point(p);
+        let [along, height] = self.along_and_height(p);
+        let [low, high] = self.between(along, height);
+        let [from, to] = self.span;
+        (from..=to).contains(&along) && (low - slack / r..=high + slack / r).contains(&theta)
     }
 }

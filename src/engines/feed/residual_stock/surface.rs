@@ -6,7 +6,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Layer, Passage, Removal, ResidualStockError, Site, SurfaceFigures, TOLERANCE};
-use geometry::frame::Cylindrical;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
 use geometry::weld::Weld;
 use task::{Cancel, Cancelled, Task};
@@ -71,7 +70,8 @@ fn at_junction(site: &Site, passage: &Passage, p: DVec3, q: DVec3) -> bool {
     let near = |a: f64, b: f64| a * b <= 0.0 || a.abs().min(b.abs()) < AT_JUNCTION;
     let planes = &site.junctions.planes;
     let split = site.junctions.split;
-    planes.iter().any(|x| near(p.x - x, q.x - x))
+    let along = |p: DVec3| passage.along_and_height(p)[0];
+    planes.iter().any(|at| near(along(p) - at, along(q) - at))
         || split.is_some_and(|s| near(passage.beyond_split(p, s), passage.beyond_split(q, s)))
 }
 
@@ -105,11 +105,11 @@ fn part(site: &Site, passage: &Passage, corners: [DVec3; 3]) -> Option<([DVec3; 
     if !passage.holds(center, BESIDE) {
         return None;
     }
-    let Cylindrical { x, r, .. } = Cylindrical::from_point(center);
-    let (hub, shroud) = site.channel.radii_at(x);
+    let [along, height] = passage.along_and_height(center);
+    let [hub, shroud] = site.channel.line_at(along).ends;
     let [low, high] = site.finder.wall_distances(center);
-    let closed = if site.channel.shrouded { (r - shroud).abs() } else { f64::INFINITY };
-    let distances = [low, high, (r - hub).abs(), closed];
+    let closed = if site.channel.shrouded { (height - shroud).abs() } else { f64::INFINITY };
+    let distances = [low, high, (height - hub).abs(), closed];
     let nearest = (0..4).fold(0, |best, i| if distances[i] < distances[best] { i } else { best });
     (distances[nearest] <= IN_FILLET).then_some((corners, SURFACES[nearest]))
 }

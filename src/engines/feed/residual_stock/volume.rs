@@ -8,14 +8,13 @@ use rayon::prelude::*;
 use super::cutter::RESOLUTION;
 use super::{Passage, Removal, Stock};
 use geometry::distance_field::DistanceField;
-use geometry::frame::Cylindrical;
 use task::{Cancelled, Task};
-use wheel::channel::Channel;
+use wheel::channel::{Flow, Line};
 
-/// Distance between the planes of the rays along X (mm).
-const STEP_X: f64 = 0.3;
-/// Distance between rays along the radius: at the hub and shroud, and the most between (mm).
-const STEPS_R: [f64; 2] = [0.05, 0.4];
+/// Distance between the lines that the rays start from, along the passage (mm).
+const STEP_ALONG: f64 = 0.3;
+/// Distance between rays along such a line: at the hub and shroud, and the most between (mm).
+const STEPS_UP: [f64; 2] = [0.05, 0.4];
 /// By how much each is longer than the one before.
 const GROWTH: f64 = 1.3;
 /// Shortest step along a ray (mm).
@@ -33,19 +32,29 @@ struct Passed {
 }
 
 /// Stock left between the walls.
-pub(super) fn stock(channel: &Channel, passage: &Passage, removal: &Removal, task: &Task) -> Result<Stock, Cancelled> {
-    let [from, to] = passage.span_x;
-    let planes = ((to - from) / STEP_X).ceil().max(1.0) as usize;
-    let dx = (to - from) / planes as f64;
+pub(super) fn stock(passage: &Passage, removal: &Removal, task: &Task) -> Result<Stock, Cancelled> {
+    let [from, to] = passage.span;
+    let planes = ((to - from) / STEP_ALONG).ceil().max(1.0) as usize;
+    let step = (to - from) / planes as f64;
     let done = AtomicUsize::new(0);
     let plane = |i: usize| {
-        let x = from + (i as f64 + 0.5) * dx;
-        let (hub, shroud) = channel.radii_at(x);
+        let [before, line, after] = [0.0, 0.5, 1.0].map(|t| passage.channel.line_at(from + (i as f64 + t) * step));
+        let [hub, shroud] = line.ends;
+        // From the line before to the line after at the same share of the height, square to this line.
+        let thickness = |height: f64| {
+            let place = |of: &Line| of.place(of.ends[0] + (height - hub) / (shroud - hub) * (of.ends[1] - of.ends[0]));
+            if passage.channel.flow == Flow::Axial {
+                step
+            } else {
+                (place(&after) - place(&before)).perp_dot(line.up).abs()
+            }
+        };
         let mut sum = Passed::default();
         for [bottom, top] in shells(hub, shroud) {
             task.check()?;
-            let passed = ray(passage, removal, x, 0.5 * (bottom + top));
-            let section = dx * (top - bottom);
+            let height = 0.5 * (bottom + top);
+            let passed = ray(passage, removal, &line, height);
+            let section = thickness(height) * (top - bottom);
             sum.channel += section * passed.channel;
             sum.left += section * passed.left;
             if passed.depth > sum.depth {
@@ -69,17 +78,17 @@ pub(super) fn stock(channel: &Channel, passage: &Passage, removal: &Removal, tas
     Ok(stock)
 }
 
-/// Intervals of the radius from the hub to the shroud, short at both.
+/// Intervals of the height from the hub to the shroud, short at both.
 fn shells(hub: f64, shroud: f64) -> Vec<[f64; 2]> {
     let middle = 0.5 * (hub + shroud);
     if middle.is_nan() || shroud <= hub {
         return Vec::new();
     }
-    let (mut heights, mut sum, mut step) = (vec![0.0], 0.0, STEPS_R[0]);
+    let (mut heights, mut sum, mut step) = (vec![0.0], 0.0, STEPS_UP[0]);
     while sum < 0.5 * (shroud - hub) {
         sum += step;
         heights.push(sum);
-        step = (step * GROWTH).min(STEPS_R[1]);
+        step = (step * GROWTH).min(STEPS_UP[1]);
     }
     // The last one ends in the middle, all others a little shorter.
     let scale = 0.5 * (shroud - hub) / sum;
@@ -90,15 +99,15 @@ fn shells(hub: f64, shroud: f64) -> Vec<[f64; 2]> {
 
 /// Goes from the low to the high wall: no deviation changes faster than the point moves, so that what is left, or
 /// eroded, stays so for as far as it is deep.
-fn ray(passage: &Passage, removal: &Removal, x: f64, r: f64) -> Passed {
-    let [low, high] = passage.between(x, r);
+fn ray(passage: &Passage, removal: &Removal, line: &Line, height: f64) -> Passed {
+    let ([low, high], r) = (passage.between(line.along, height), line.radius(height));
     let width = (high - low) * r;
     let mut passed = Passed { channel: width.max(0.0), ..Passed::default() };
     let mut s = 0.0;
     // The part of the last step that may have led into stock.
     let mut entered = 0.0;
     while s < width {
-        let p = Cylindrical { x, r, theta: low + s / r }.point();
+        let p = line.point(height, low + s / r);
         let deviation = removal.deviation(p, 0.0);
         let step = deviation.abs().max(LEAST_STEP).min(width - s);
         if deviation > NOTHING {
@@ -122,7 +131,7 @@ mod tests {
         let shells = shells(100.0, 115.0);
         assert_eq!((shells[0][0], shells[shells.len() - 1][1]), (100.0, 115.0));
         assert!(shells.windows(2).all(|w| (w[0][1] - w[1][0]).abs() < 1e-9));
-        assert!(shells.iter().all(|s| s[1] > s[0] && s[1] - s[0] <= STEPS_R[1] + 1e-9));
+        assert!(shells.iter().all(|s| s[1] > s[0] && s[1] - s[0] <= STEPS_UP[1] + 1e-9));
         assert!(super::shells(10.0, 10.0).is_empty() && super::shells(f64::NAN, 10.0).is_empty());
     }
 }

@@ -20,9 +20,12 @@ pub struct Approach {
 pub(super) fn candidates(scenario: &Scenario, clear: f64) -> Vec<Approach> {
     let Some(first) = scenario.feed.0.rows.first().map(|row| row.pose) else { return vec![Approach::default()] };
     let machine = scenario.machine;
-    let sign = scenario.electrode.enters_from.sign();
-    let out = Pose { x: within(machine, Axis::X, first.x + sign * clear, first.x), ..first };
-    let up = Pose { z: within(machine, Axis::Z, first.z + rise(scenario, &first, clear), first.z), ..out };
+    let side = scenario.electrode.enters_from;
+    let axis = Axis::of_withdrawal(side);
+    let position = first.get(axis);
+    let out = first.with(axis, within(machine, axis, position + side.sign() * clear, position));
+    let up = within(machine, Axis::Z, first.z + rise(scenario, &first, clear), first.z);
+    let up = if axis == Axis::Z { out } else { Pose { z: up, ..out } };
     [vec![up, out, first], vec![out, first], vec![first]].map(shortened).to_vec()
 }
 

@@ -71,7 +71,7 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     let turns = super::own_turns(plan.column, params.turns());
     let burning = finisher.rings(&plan.burning_sections(), Reduction { turns, inset: 0.0 }, cancel)?;
     let shank = finisher.rings(&plan.shank_sections(), Reduction { turns, inset }, cancel)?;
-    let points = |ring: &Ring| ring.points.iter().map(|p| ring.line.at(*p)).collect::<Vec<_>>();
+    let points = |ring: &Ring| (0..ring.points.len()).map(|k| ring.point(k)).collect::<Vec<_>>();
     let mut skin = Skin::new(finisher.layout);
     for ring in &burning {
         skin.add(points(ring), |k| divided_face(finisher.layout.face(k), plan.column));

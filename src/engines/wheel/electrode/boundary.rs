@@ -5,9 +5,8 @@ use rayon::prelude::*;
 
 use super::walls::WallTable;
 use super::{ElectrodeError, ElectrodeParams};
-use crate::channel::{Channel, Flow, Station};
+use crate::channel::{Channel, Line, Station};
 use geometry::exact::ExactMesh;
-use geometry::frame::Cylindrical;
 use geometry::inside::guarded_distance;
 use task::Cancel;
 
@@ -32,49 +31,6 @@ const MOST_PLANES: usize = 130;
 const MOST_ROUNDS: usize = 10;
 /// Height of a row of faces on the walls (mm).
 const ROW: f64 = 1.5;
-
-/// A straight line across the passage in the meridional plane, which a section is swept from about the axis: a plane
-/// across X in an axial channel, else a cone, or a cylinder.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Line {
-    /// Position along the passage (mm), x in an axial channel.
-    pub along: f64,
-    /// Where heights are counted from (x, r): the axis in an axial channel, else the hub.
-    origin: DVec2,
-    /// Direction from hub to shroud (x, r), a unit vector.
-    pub up: DVec2,
-    /// Heights of hub and shroud (mm).
-    ends: [f64; 2],
-}
-
-impl Line {
-    /// The line across `channel` at a position along it.
-    pub(super) fn across(channel: &Channel, along: f64) -> Self {
-        if channel.flow == Flow::Axial {
-            let (hub, shroud) = channel.radii_at(along);
-            return Self { along, origin: DVec2::new(along, 0.0), up: DVec2::Y, ends: [hub, shroud] };
-        }
-        let station = channel.station_at(along);
-        let up = (station.shroud - station.hub).normalize_or(DVec2::Y);
-        Self { along, origin: station.hub, up, ends: [0.0, station.height()] }
-    }
-
-    /// Place (x, r) at a height (mm).
-    pub(super) fn place(&self, height: f64) -> DVec2 {
-        self.origin + height * self.up
-    }
-
-    /// Distance from the axis at a height (mm).
-    pub(super) fn radius(&self, height: f64) -> f64 {
-        self.place(height).y
-    }
-
-    /// The point in W.
-    pub(super) fn at(&self, p: Spot) -> DVec3 {
-        let DVec2 { x, y: r } = self.place(p.height);
-        Cylindrical { x, r, theta: p.theta }.point()
-    }
-}
 
 /// A point on a section.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,7 +90,7 @@ impl<'a> Boundary<'a> {
 
     /// Distance to the blisk less the gap (mm).
     pub(super) fn clearance(&self, line: &Line, p: Spot) -> f64 {
-        guarded_distance(self.blisk, line.at(p)) - self.gap
+        guarded_distance(self.blisk, line.point(p.height, p.theta)) - self.gap
     }
 
     /// Sections over `extent`, in order along the passage: at `planes`, at equal steps, and wherever the chord between
@@ -170,7 +126,7 @@ impl<'a> Boundary<'a> {
             .par_iter()
             .map(|&along| {
                 cancel.check()?;
-                self.section(Line::across(self.channel, along))
+                self.section(self.channel.line_at(along))
             })
             .collect();
         solved.into_iter().collect()
@@ -198,7 +154,7 @@ impl<'a> Boundary<'a> {
     /// How deep the chords between two sections cut into the gap at their middles, away from the corners (mm).
     fn chord_depth(&self, a: &Section, b: &Section) -> f64 {
         let chords = (0..2).flat_map(|w| a.walls[w].iter().zip(&b.walls[w]).skip(1).take(self.rows - 1));
-        let middles = chords.map(|(p, q)| (a.line.at(*p) + b.line.at(*q)) / 2.0);
+        let middles = chords.map(|(p, q)| (a.line.point(p.height, p.theta) + b.line.point(q.height, q.theta)) / 2.0);
         middles.map(|middle| self.gap - guarded_distance(self.blisk, middle)).fold(0.0, f64::max)
     }
 
@@ -318,7 +274,7 @@ impl<'a> Boundary<'a> {
 
     /// Whether what stops a point lies below or above it rather than beside it.
     fn is_across(&self, line: &Line, p: Spot) -> bool {
-        let point = line.at(p);
+        let point = line.point(p.height, p.theta);
         let [up, around] = components(point, line.up, point - self.blisk.nearest(point).point);
         up.abs() > around.abs()
     }

@@ -147,7 +147,7 @@ impl EntrySide {
     ///
     /// # Errors
     /// [`ElectrodeError::NoMouth`] if neither end does.
-    pub(crate) fn mouth(self, channel: &Channel) -> Result<bool, ElectrodeError> {
+    pub fn mouth(self, channel: &Channel) -> Result<bool, ElectrodeError> {
         let no_mouth = ElectrodeError::NoMouth { side: self, flow: channel.flow };
         let towards = match self {
             Self::MinusX => DVec2::NEG_X,
@@ -214,10 +214,7 @@ impl Electrode {
 }
 
 /// Refuses a passage that does not run along the axis.
-///
-/// # Errors
-/// [`ElectrodeError::NotAxial`].
-pub fn axial_only(channel: &Channel) -> Result<(), ElectrodeError> {
+fn axial_only(channel: &Channel) -> Result<(), ElectrodeError> {
     match channel.flow {
         Flow::Axial => Ok(()),
         flow => Err(ElectrodeError::NotAxial(flow)),

@@ -103,6 +103,11 @@ impl EnterSide {
         }
     }
 
+    /// Whether an electrode may enter from `side`.
+    pub fn allows(self, side: EntrySide) -> bool {
+        self == Self::Auto || self == side.into()
+    }
+
     /// The sides to try, in order: the given one, or all that the passage of `channel` opens to.
     pub fn candidates(self, channel: &Channel) -> Vec<EntrySide> {
         match self {

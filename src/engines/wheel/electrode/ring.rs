@@ -1,16 +1,20 @@
 //! From unreduced sections to the closed rings of an electrode: turned walls, drawn-in shroud side, insets.
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::boundary::{Boundary, Line, Section, Spot, components};
+use super::boundary::{Boundary, Section, Spot, components};
 
 use super::{ElectrodeError, ElectrodeFace};
+use crate::channel::Line;
 use geometry::inside::guarded_distance;
 use task::Cancel;
 
 /// Metal that must be left between the walls (mm).
 const LEAST_METAL: f64 = 0.2;
+/// End walls that rise by more than this where the electrode turns back to a wall do so in a fillet; facets of a round
+/// hub, which the copying motion rises over, are lower (mm).
+const FILLET: f64 = 0.05;
 /// Width of a face on the hub and shroud sides (mm).
 const COLUMN: f64 = 0.75;
 /// Where a place falls short of the gap its vertices give way by this more (mm).
@@ -42,6 +46,13 @@ pub(super) struct Ring {
     pub line: Line,
     /// Points of the ring.
     pub points: Vec<Spot>,
+}
+
+impl Ring {
+    /// Point `k` in W.
+    pub(super) fn point(&self, k: usize) -> DVec3 {
+        self.line.point(self.points[k].height, self.points[k].theta)
+    }
 }
 
 impl Layout {
@@ -124,7 +135,7 @@ impl<'a> Finisher<'a> {
             })
             .collect();
         let mut rings = rings.into_iter().collect::<Result<Vec<_>, _>>()?;
-        self.relax(&mut rings, cancel)?;
+        self.relax(&mut rings, reduction.turns, cancel)?;
         Ok(rings)
     }
 
@@ -143,8 +154,8 @@ impl<'a> Finisher<'a> {
         };
         for j in 0..=columns {
             let is_corner = j == 0 || j == columns;
-            points[self.layout.hub(j)] = self.on_hub_side(&line, across(0, j));
-            points[self.layout.shroud(j)] = self.on_shroud_side(&line, across(rows, j), is_corner);
+            points[self.layout.hub(j)] = self.on_hub_side(&line, across(0, j), reduction.turns, is_corner);
+            points[self.layout.shroud(j)] = self.on_shroud_side(&line, across(rows, j), reduction.turns, is_corner);
         }
         let mut ring = Ring { line, points };
         if reduction.inset > 0.0 {
@@ -172,19 +183,26 @@ impl<'a> Finisher<'a> {
         Ok(walls)
     }
 
-    /// The point on the hub's gap at the angle of `guess`.
-    fn on_hub_side(&self, line: &Line, guess: Spot) -> Spot {
-        let free = self.freed(line, guess, 1.0);
-        Spot { height: self.boundary.descend(line, free), ..guess }
+    /// The point on the hub's gap at the angle of `guess`, where the walls are turned inwards by `turns`; above what a
+    /// fillet leaves it when they are turned back.
+    fn on_hub_side(&self, line: &Line, guess: Spot, turns: [f64; 2], is_corner: bool) -> Spot {
+        let height = |guess| self.boundary.descend(line, self.freed(line, guess, 1.0));
+        let here = height(guess);
+        let back = turned_back(guess, turns).map(height).into_iter().fold(here, f64::max);
+        Spot { height: if !is_corner && back > here + FILLET { back } else { here }, ..guess }
     }
 
     /// The point on the drawn-in shroud's gap at the angle of `guess`; without a shroud, `guess`.
-    fn on_shroud_side(&self, line: &Line, guess: Spot, is_corner: bool) -> Spot {
+    fn on_shroud_side(&self, line: &Line, guess: Spot, turns: [f64; 2], is_corner: bool) -> Spot {
         let free = self.freed(line, guess, -1.0);
         if is_corner || !self.boundary.channel.shrouded {
             return free;
         }
-        let height = self.boundary.ascend(line, free) - self.boundary.radial_reduction;
+        let height = |free| self.boundary.ascend(line, free) - self.boundary.radial_reduction;
+        let here = height(free);
+        let back = turned_back(guess, turns).map(|spot| height(self.freed(line, spot, -1.0)));
+        let back = back.into_iter().fold(here, f64::min);
+        let height = if back < here - FILLET { back } else { here };
         // Where a leaning wall stops the way up, the line between the corners is right.
         if height < guess.height - 0.05 { free } else { Spot { height, ..guess } }
     }
@@ -260,16 +278,18 @@ impl<'a> Finisher<'a> {
     /// Moves vertices inwards until edges and faces between neighbouring rings keep the gap too.
     ///
     /// A chord between two points of the boundary cuts into the gap where the blisk is convex. Each place that
-    /// falls short pushes the vertices around it along theta or the line.
-    fn relax(&self, rings: &mut [Ring], cancel: &Cancel) -> Result<(), ElectrodeError> {
+    /// falls short pushes the vertices around it along theta or the line; so does each place that falls short, in a
+    /// fillet, where the walls, which are turned inwards by `turns`, are turned back.
+    fn relax(&self, rings: &mut [Ring], [low, high]: [f64; 2], cancel: &Cancel) -> Result<(), ElectrodeError> {
         let mut is_moved = vec![true; rings.len()];
+        let poses: Vec<Turned> = [-low, high].into_iter().filter(|t| *t != 0.0).map(Turned::by).collect();
         for _ in 0..MOST_ROUNDS {
             let pushes: Vec<_> = (0..rings.len())
                 .into_par_iter()
                 .map(|i| {
                     cancel.check()?;
                     let is_stale = is_moved[i] || is_moved.get(i + 1).is_some_and(|&moved| moved);
-                    Ok::<_, ElectrodeError>(if is_stale { self.pushes(rings, i) } else { Vec::new() })
+                    Ok::<_, ElectrodeError>(if is_stale { self.pushes(rings, i, &poses) } else { Vec::new() })
                 })
                 .collect();
             is_moved.fill(false);
@@ -296,14 +316,16 @@ impl<'a> Finisher<'a> {
 
     /// Corrections for the points on ring `i` and between it and the next: vertices, the nearest point of each edge,
     /// and some points inside each face.
-    fn pushes(&self, rings: &[Ring], i: usize) -> Vec<Push> {
+    fn pushes(&self, rings: &[Ring], i: usize, turned: &[Turned]) -> Vec<Push> {
         let n = self.layout.len();
         let mut pushes = Vec::new();
-        let at = |(ring, k): (usize, usize)| rings[ring].line.at(rings[ring].points[k]);
+        let at = |(ring, k): (usize, usize)| rings[ring].point(k);
         let mut face = |corners: [(usize, usize); 3]| {
             let [a, b, c] = corners.map(at);
             for [u, v, w] in IN_FACE {
-                self.push(rings, a * u + b * v + c * w, &corners, &mut pushes);
+                let place = a * u + b * v + c * w;
+                self.push(rings, place, &corners, &Turned::NOT, &mut pushes);
+                turned.iter().for_each(|pose| self.push(rings, place, &corners, pose, &mut pushes));
             }
         };
         let next = |k: usize| (k + 1) % n;
@@ -315,8 +337,10 @@ impl<'a> Finisher<'a> {
         }
         let mut edge = |a: (usize, usize), b: (usize, usize)| {
             if let Some(place) = self.nearest_on_edge(at(a), at(b)) {
-                self.push(rings, place, &[a, b], &mut pushes);
+                self.push(rings, place, &[a, b], &Turned::NOT, &mut pushes);
             }
+            let middle = 0.5 * (at(a) + at(b));
+            turned.iter().for_each(|pose| self.push(rings, middle, &[a, b], pose, &mut pushes));
         };
         for k in 0..n {
             edge((i, k), (i, next(k)));
@@ -325,15 +349,19 @@ impl<'a> Finisher<'a> {
                 edge((i, k), (i + 1, next(k)));
             }
         }
-        (0..n).for_each(|k| self.push(rings, at((i, k)), &[(i, k)], &mut pushes));
+        for k in 0..n {
+            self.push(rings, at((i, k)), &[(i, k)], &Turned::NOT, &mut pushes);
+            turned.iter().for_each(|pose| self.push(rings, at((i, k)), &[(i, k)], pose, &mut pushes));
+        }
         pushes
     }
 
-    /// If `place` falls short of the gap, what it takes from the ring points around it.
-    fn push(&self, rings: &[Ring], place: DVec3, around: &[(usize, usize)], pushes: &mut Vec<Push>) {
+    /// If `place`, turned, falls short of the gap, what it takes from the ring points around it.
+    fn push(&self, rings: &[Ring], place: DVec3, around: &[(usize, usize)], turned: &Turned, pushes: &mut Vec<Push>) {
+        let place = turned.turn * place;
         let distance = guarded_distance(self.boundary.blisk, place);
         let short = self.boundary.gap - distance;
-        if short <= 0.0 {
+        if short <= turned.spare {
             return;
         }
         let nearest = self.boundary.blisk.nearest(place).point;
@@ -367,6 +395,28 @@ impl<'a> Finisher<'a> {
             }
         }
         Some(a.lerp(b, if at_t < at_u { t } else { u }))
+    }
+}
+
+/// Places that a point of the electrode passes when each of its walls, turned inwards by `turns`, is turned back.
+fn turned_back(spot: Spot, [low, high]: [f64; 2]) -> [Spot; 6] {
+    let turns = [-low / 3.0, -low / 1.5, -low, high / 3.0, high / 1.5, high];
+    turns.map(|turn| Spot { theta: spot.theta + turn, ..spot })
+}
+
+/// A turn of the electrode about the axis, and by how much places may fall short of the gap there.
+struct Turned {
+    turn: DMat3,
+    spare: f64,
+}
+
+impl Turned {
+    /// The final pose.
+    const NOT: Self = Self { turn: DMat3::IDENTITY, spare: 0.0 };
+
+    /// Where the copying motion turns to: facets of a round hub do not matter there.
+    fn by(turn: f64) -> Self {
+        Self { turn: DMat3::from_rotation_x(turn), spare: FILLET }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::channel::{Channel, ChannelWall, Flow};
+use crate::channel::{Channel, ChannelWall};
 
 /// A wall as lines along the chord, one for each position between hub and shroud.
 pub struct WallTable {
@@ -34,10 +34,7 @@ impl WallTable {
         }
         let point = |u, v| {
             let place = wall.cylindrical(u, v);
-            let [along, height] = match channel.flow {
-                Flow::Axial => [place.x, place.r],
-                _ => channel.along_and_height(DVec2::new(place.x, place.r)),
-            };
+            let [along, height] = channel.along_and_height(DVec2::new(place.x, place.r));
             WallPoint { along, height, theta: place.theta }
         };
         let line = |v| (0..wall.nu).map(|u| point(u, v)).collect();

@@ -186,9 +186,11 @@ impl KeptPlan {
             ReductionMode::Variable if !own => job.genetic.h_max_deg.to_radians() + ROUNDING,
             _ => 0.0,
         };
-        let sides = job.electrode.enter.candidates();
         for KeptElectrode { side, h, nodes } in &self.electrodes {
-            require(sides.contains(side), "an electrode enters from a side that the project does not allow")?;
+            require(
+                job.electrode.enter.allows(*side),
+                "an electrode enters from a side that the project does not allow",
+            )?;
             require((0.0..=h_max).contains(h), "an electrode has another reduction than the project allows")?;
             let starts = nodes.first().is_some_and(|n| n.s == 0.0 && n.pose == Pose::FINAL);
             require(starts, "its nodes do not begin in the final pose")?;

@@ -135,6 +135,7 @@ fn copying(around: &Around, outcome: &ElectrodeOutcome, task: &Task) -> Result<C
         verify: &job.verify,
         spark_gap: job.electrode.spark_gap_mm,
         frame: around.channel.frame,
+        up: around.channel.line_at(around.channel.middle().along).up,
     };
     task.report("copying motion", 0.0, "");
     let verifier = Verifier::new(around.blisk, &electrode.mesh, electrode.reference_point, &task.cancel)?;

@@ -10,6 +10,7 @@ use super::simulate;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::kept_plan::{KeptElectrode, KeptPlan};
 use feed::plan::{FeedPlan, PlanSettings};
+use feed::plan_params::Constraint;
 use feed::plan_params::Strategy;
 use feed::planner::{DrawnIn, plan_drawn_in, plan_feed};
 use feed::problem::Observe;
@@ -19,8 +20,8 @@ use files::Validate as _;
 use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
-use wheel::channel::Channel;
-use wheel::electrode::{Electrode, ElectrodeError, EnterSide, EntrySide, Sizing, axial_only};
+use wheel::channel::{Channel, Flow};
+use wheel::electrode::{Electrode, ElectrodeError, EntrySide, Sizing};
 use wheel::find_channel::find_channel;
 use wheel::surface_finder::SurfaceFinder;
 
@@ -53,7 +54,7 @@ pub fn prepare(inputs: &PlanInputs, task: &Task) -> Result<PreparedBlisk, PlanJo
     let mut clock = Clock::default();
     simulate::check_machine(job, task)?;
     let channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, task))?;
-    axial_only(&channel)?;
+    sides_of(job, &channel)?;
     simulate::check_channels(job, &channel)?;
     let blisk = channel.wheel_in_w(&inputs.blisk);
     let exact = clock.time("exact mesh", || ExactMesh::new(&blisk))?;
@@ -134,7 +135,7 @@ impl JobPlanner<'_> {
         let mut tried = Vec::new();
         let params = &self.inputs.job.electrode;
         let columns = if self.inputs.own_electrode.is_some() { 1 } else { params.columns };
-        for side in sides(params.enter, part / columns, self.parts() / columns) {
+        for side in sides(&self.inputs.job, &self.prepared.space.channel, part / columns, self.parts() / columns)? {
             let outcome = match self.on_side(part, side) {
                 Ok(outcome) => outcome,
                 Err(PlanJobError::Electrode(error)) => {
@@ -266,11 +267,48 @@ fn rank(outcome: &ElectrodeOutcome) -> (bool, bool, f64) {
     (outcome.plan.is_verified(), outcome.plan.path.is_some(), withdrawn)
 }
 
-/// The sides to try for the part that is number `part` of `parts` along X, the nearer one first.
-pub(super) fn sides(enter: EnterSide, part: usize, parts: usize) -> Vec<EntrySide> {
-    let mut sides = enter.candidates().to_vec();
+/// The sides that an electrode of `channel` may enter from, in the order in which they are tried.
+///
+/// # Errors
+/// If the passage opens to none of them, or the machine's bodies stand for heads that come from elsewhere.
+pub(super) fn sides_of(job: &PlanJob, channel: &Channel) -> Result<Vec<EntrySide>, PlanJobError> {
+    let mut sides = job.electrode.enter.candidates(channel);
+    if let [only] = sides[..] {
+        only.mouth(channel)?;
+    }
+    if job.machine.has_bodies() {
+        sides.retain(|side| *side != EntrySide::Outward);
+    }
+    if job.plan.constraint == Constraint::Angle && channel.flow != Flow::Axial {
+        return Err(PlanJobError::Job(format!(
+            "plan.constraint: the angle test looks at sections across X, and this passage is {}; choose \"distance\"",
+            channel.flow.name()
+        )));
+    }
+    match sides.is_empty() {
+        true => Err(PlanJobError::Job(format!(
+            "machine.name: electrodes of this {} passage come from the rim, along the radius, and the bodies of {} are those \
+             of a machine whose head comes along X; choose no bodies, and watch head and table yourself",
+            channel.flow.name(),
+            job.machine.name
+        ))),
+        false => Ok(sides),
+    }
+}
+
+/// The sides to try for the part that is number `part` of `parts` along the passage, the nearer one first.
+///
+/// # Errors
+/// As [`sides_of`].
+pub(super) fn sides(
+    job: &PlanJob,
+    channel: &Channel,
+    part: usize,
+    parts: usize,
+) -> Result<Vec<EntrySide>, PlanJobError> {
+    let mut sides = sides_of(job, channel)?;
     if 2 * part >= parts && part > 0 {
         sides.reverse();
     }
-    sides
+    Ok(sides)
 }

@@ -73,7 +73,7 @@ impl PreparedBlisk {
         self.cell == cell
     }
 
-    /// Electrode number `part` along X for a side without circumferential reductions, and the angles by which its walls
+    /// Electrode number `part` along the passage for a side without circumferential reductions, and the angles by which its walls
     /// have to be drawn in for those of the job. An electrode of one's own is what it is.
     ///
     /// # Errors
@@ -116,7 +116,7 @@ impl PreparedBlisk {
     }
 }
 
-/// The electrode number `part` along X for a side, with its walls drawn in by a further `h` (rad), its vertices as a
+/// The electrode number `part` along the passage for a side, with its walls drawn in by a further `h` (rad), its vertices as a
 /// file will hold them.
 pub(super) fn electrode_of(
     inputs: &PlanInputs,
@@ -137,7 +137,7 @@ pub(super) fn electrode_of(
             let mut all = make_electrodes(channel, exact, &params, side, task)?;
             // Electrodes are counted from the side of entry.
             let (along, column) = (part / params.columns, part % params.columns);
-            let from_entry = if side == EntrySide::MinusX { along } else { params.parts - 1 - along };
+            let from_entry = if side.mouth(channel)? { params.parts - 1 - along } else { along };
             all.swap_remove(from_entry * params.columns + column)
         }
     };

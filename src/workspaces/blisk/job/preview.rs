@@ -30,7 +30,7 @@ pub struct LiveWay {
 impl LiveWay {
     /// Result of the quick look, in one sentence.
     pub fn sentence(&self, channel: &Channel) -> String {
-        let side = if self.side == EntrySide::MinusX { "-X" } else { "+X" };
+        let side = self.side.label();
         match (&self.way.margin, &self.way.jam) {
             (Some(margin), _) => format!("extraction path towards {side} probable, clearance margin {margin:.3} mm"),
             (None, Some(jam)) => format!("towards {side}: {}", jam.sentence(channel)),
@@ -55,7 +55,7 @@ pub fn live_way(
     let settings = settings_of(job, &|_, _| ());
     let mut best: Option<LiveWay> = None;
     let columns = if inputs.own_electrode.is_some() { 1 } else { job.electrode.columns };
-    let sides = sides(job.electrode.enter, part / columns, job.electrode.parts);
+    let sides = sides(job, &prepared.space.channel, part / columns, job.electrode.parts)?;
     for &side in &sides {
         let (full, turns) = prepared.fullest(inputs, (part, side), task)?;
         let drawn_in = DrawnIn { prepared: &full, turns, electrode: full.electrode() };

@@ -72,8 +72,7 @@ impl SizeLimit {
         let who = match electrodes {
             1 => "limited".to_owned(),
             n => {
-                let side = if *enters_from == EntrySide::MinusX { "-x" } else { "+x" };
-                format!("limited by electrode {electrode} of {n}, which enters from {side},")
+                format!("limited by electrode {electrode} of {n}, which enters from {},", enters_from.name())
             }
         };
         format!("{who} at node {node}, retract distance {s_mm:.1} mm, by the {surface}")
@@ -158,7 +157,7 @@ struct Sizing<'a> {
 impl Sizing<'_> {
     fn one_part(&self, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
         let mut best: Option<(EntrySide, Least)> = None;
-        for &side in self.base.job.electrode.enter.candidates() {
+        for side in super::plan::sides_of(&self.base.job, &self.prepared.space.channel)? {
             let full = self.full(1, 0, side)?;
             let equal = |sizer: &Sizer| sizer.least(FIRST_DEG.to_radians(), &|h| Turns([h, h]));
             let Some(least) = self.sized(&full, equal)? else { continue };
@@ -203,11 +202,11 @@ impl Sizing<'_> {
     }
 
     fn many(&self, parts: usize, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
-        let (enter, columns) = (self.base.job.electrode.enter, self.base.job.electrode.columns);
+        let columns = self.base.job.electrode.columns;
         let (mut most, mut limiting) = (0.0f64, 0);
         for number in 0..parts * columns {
             let mut least: Option<Least> = None;
-            for side in super::plan::sides(enter, number / columns, parts) {
+            for side in super::plan::sides(&self.base.job, &self.prepared.space.channel, number / columns, parts)? {
                 let full = self.full(parts, number, side)?;
                 // What another one needs already costs nothing more.
                 let first = most.max(0.5 * FIRST_DEG.to_radians());
@@ -222,7 +221,7 @@ impl Sizing<'_> {
                 (most, limiting) = (least.angle, number);
             }
         }
-        if let Some(row) = self.certified(parts, enter, [most; 2], limiting)? {
+        if let Some(row) = self.certified(parts, self.base.job.electrode.enter, [most; 2], limiting)? {
             self.show(row, rows);
         }
         Ok(())
@@ -319,8 +318,5 @@ fn limit_of(outcome: &PlanOutcome, limiting: usize) -> Option<SizeLimit> {
 }
 
 fn only(side: EntrySide) -> EnterSide {
-    match side {
-        EntrySide::MinusX => EnterSide::MinusX,
-        EntrySide::PlusX => EnterSide::PlusX,
-    }
+    side.into()
 }

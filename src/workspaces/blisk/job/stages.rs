@@ -187,7 +187,8 @@ pub fn channel(part: &Part, job: &PlanJob, task: &Task) -> Result<FoundChannel, 
 pub fn electrodes(part: &Part, found: &FoundChannel, job: &PlanJob, task: &Task) -> Result<Electrodes, String> {
     job.electrode.validate().map_err(|problem| FIELDS.in_window(&problem))?;
     let (mut notes, mut made) = (Vec::new(), Vec::new());
-    for &side in job.electrode.enter.candidates() {
+    let channel = &found.channel;
+    for side in super::plan::sides_of(job, channel).map_err(|e| FIELDS.labelled(&e))? {
         match on_side(part, found, job, side, task) {
             Ok(electrodes) => made.push((side, electrodes)),
             Err(error) => notes.push(error),
@@ -200,8 +201,8 @@ pub fn electrodes(part: &Part, found: &FoundChannel, job: &PlanJob, task: &Task)
     let Some((_, first)) = made.first() else { return Err(notes.into_iter().next().unwrap_or_default()) };
     let columns = if part.own_electrode.is_some() { 1 } else { job.electrode.columns };
     let preferred = |i: usize| {
-        let side = sides(job.electrode.enter, i / columns, job.electrode.parts)[0];
-        made.iter().find(|(made_for, _)| *made_for == side).map_or(first, |(_, electrodes)| electrodes)[i].clone()
+        let side = sides(job, channel, i / columns, job.electrode.parts).ok().and_then(|sides| sides.first().copied());
+        made.iter().find(|(made_for, _)| Some(*made_for) == side).map_or(first, |(_, electrodes)| electrodes)[i].clone()
     };
     let electrodes: Vec<Electrode> = (0..first.len()).map(preferred).collect();
     let shapes = electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.mesh))).collect();
@@ -224,7 +225,7 @@ fn on_side(
         None => make_electrodes(channel, exact, params, side, task),
     };
     let mut made = made.map_err(|e| FIELDS.labelled(&e))?;
-    if side == EntrySide::PlusX {
+    if side.mouth(channel) == Ok(true) {
         // They come in the order of burning, from the side of entry.
         made.sort_by_key(|e| std::cmp::Reverse(e.part));
     }

@@ -17,7 +17,6 @@ use crate::workspaces::blisk::job::simulate;
 use feed::residual_stock::ResidualStock;
 use task::State;
 use wheel::channel::Channel;
-use wheel::electrode::EntrySide;
 
 /// Draws them.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) {
@@ -105,7 +104,7 @@ fn electrode(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         if made.electrodes.len() > 1 {
             ui.strong(format!("Electrode {}", i + 1));
         }
-        fact(ui, "Enters from", if electrode.enters_from == EntrySide::MinusX { "-X" } else { "+X" });
+        fact(ui, "Enters from", electrode.enters_from.label());
         fact(ui, "Least thickness", length.show(electrode.least_thickness_mm, 3));
         fact(ui, "Clearance in the final pose", length.show(electrode.clearance_mm, 4));
         fact(ui, "Volume", format!("{:.1} mm³", electrode.volume_mm3));
@@ -168,8 +167,7 @@ fn plan(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         fact(ui, "Points tested", outcome.plan.probes.to_string());
         fact(ui, "Search", format!("{:.1} s", outcome.plan.search_seconds));
         for (side, why) in &outcome.tried {
-            let side = if *side == EntrySide::MinusX { "-X" } else { "+X" };
-            ui.label(RichText::new(format!("From {side}: {why}")).small().color(palette(ui).faint));
+            ui.label(RichText::new(format!("From {}: {why}", side.label())).small().color(palette(ui).faint));
         }
     }
     if plan.is_verified() && desk.work.state(Stage::Plan) == State::Ready {

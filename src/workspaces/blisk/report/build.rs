@@ -20,7 +20,6 @@ use feed::wall_clearances::{ClearanceGauge, WallClearances};
 use files::ParameterList;
 use task::Cancel;
 use wheel::channel::Channel;
-use wheel::electrode::EntrySide;
 use wheel::surface_finder::SurfaceFinder;
 
 /// The report on `outcome`, without pictures. `inputs` tells which files it was made from.
@@ -50,13 +49,13 @@ fn verdict(outcome: &PlanOutcome) -> Verdict {
         .iter()
         .enumerate()
         .map(|(i, e)| {
-            let tried = e.tried.iter().map(|(side, why)| format!(" Towards {} it {why}.", side_name(*side)));
+            let tried = e.tried.iter().map(|(side, why)| format!(" Towards {} it {why}.", side.name()));
             let verdict = e.plan.verdict(&outcome.channel);
             format!(
                 "Electrode {}{} towards {} {verdict}.{}",
                 i + 1,
                 if e.electrode.column.is_some() { format!(" ({})", e.electrode.share()) } else { String::new() },
-                side_name(e.electrode.enters_from),
+                e.electrode.enters_from.name(),
                 tried.collect::<String>()
             )
         })
@@ -73,13 +72,6 @@ fn verdict(outcome: &PlanOutcome) -> Verdict {
     Verdict { exit_code, sentence }
 }
 
-fn side_name(side: EntrySide) -> &'static str {
-    match side {
-        EntrySide::MinusX => "-x",
-        EntrySide::PlusX => "+x",
-    }
-}
-
 fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job: &PlanJob) -> ElectrodeReport {
     let ElectrodeOutcome { electrode, plan, .. } = outcome;
     let certificate = plan.path.as_ref().map(|p| &p.certificate);
@@ -89,7 +81,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
     ElectrodeReport {
         index,
         share: electrode.share(),
-        enters_from: side_name(electrode.enters_from).to_owned(),
+        enters_from: electrode.enters_from.name().to_owned(),
         extractable: certificate.is_some_and(|c| c.ends_right() && c.certified() > 0.0),
         verified: plan.is_verified(),
         required_clearance_mm: job.electrode.spark_gap_mm,
@@ -322,7 +314,6 @@ mod tests {
     use feed::verify::VerifyOptions;
     use geometry::spline::EndCondition;
     use nc::fixtures;
-    use wheel::electrode::EntrySide;
     use wheel::fixtures::exact_channel;
     use wheel::parametric::ParametricBlisk;
 
@@ -359,7 +350,7 @@ mod tests {
     #[test]
     fn whatever_keeps_a_path_from_being_verified_is_told() {
         let channel = exact_channel(&ParametricBlisk::demonstration());
-        let scene = fixtures::Scene::new(EntrySide::MinusX);
+        let scene = fixtures::Scene::new(wheel::electrode::EntrySide::MinusX);
         let told = |path: &FeedPath, c: &Certificate| failure(&plan(path.clone(), c.clone()), &channel);
         let good = scene.certificate(&scene.path);
         assert_eq!(told(&scene.path, &good), None);

@@ -367,5 +367,6 @@ fn side_name(side: EntrySide) -> &'static str {
     match side {
         EntrySide::MinusX => "\u{2212}x",
         EntrySide::PlusX => "+x",
+        EntrySide::Outward => "the rim",
     }
 }

@@ -12,7 +12,7 @@ use feed::plan_params::Strategy;
 use feed::pose::Axis;
 use files::ParameterList;
 use wheel::channel::Channel;
-use wheel::electrode::{Electrode, EntrySide};
+use wheel::electrode::Electrode;
 
 /// Version of the keys of `comparison.json`.
 pub const SCHEMA: u32 = 1;
@@ -115,7 +115,7 @@ impl RunElectrode {
         Self {
             index,
             share: electrode.share(),
-            enters_from: if electrode.enters_from == EntrySide::MinusX { "-x" } else { "+x" },
+            enters_from: electrode.enters_from.name(),
             verdict: plan.verdict(channel),
             certified: plan.is_verified(),
             certified_clearance_mm: path.map(|p| p.certificate.certified()),
