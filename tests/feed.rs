@@ -13,6 +13,8 @@ mod global;
 mod machines;
 #[path = "feed/path_repair.rs"]
 mod path_repair;
+#[path = "feed/radial.rs"]
+mod radial;
 #[path = "feed/random.rs"]
 mod random;
 #[path = "feed/replay.rs"]

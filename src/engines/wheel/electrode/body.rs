@@ -7,6 +7,7 @@ use super::measure::{self, Measures};
 use super::ring::{Finisher, Layout, Reduction, Ring};
 use super::{Column, Electrode, ElectrodeError, ElectrodeFace, ElectrodeParams, EntrySide};
 use crate::channel::Channel;
+use geometry::exact::ExactMesh;
 use geometry::mesh::{Bounds, Mesh};
 use task::Cancel;
 
@@ -14,6 +15,8 @@ use task::Cancel;
 const SHANK_STEP: f64 = 0.45;
 /// By how much the holder block is larger than the shank at least (mm).
 const HOLDER_MARGIN: f64 = 1.0;
+/// A shank that lacks more than this meets the blisk, rather than being built a little too large (mm).
+const OWN_ERROR: f64 = 0.1;
 /// How far below the gap an electrode may come out (mm).
 const ACCEPTED_SHORTFALL: f64 = 1e-3;
 
@@ -98,7 +101,13 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     let measures = measure::measure(&mesh, &faces, finisher.boundary.blisk, cancel)?;
     let gap = params.spark_gap_mm;
     if measures.clearance < gap - ACCEPTED_SHORTFALL {
-        return Err(ElectrodeError::TooClose { clearance: measures.clearance, gap, at: measures.closest });
+        let (clearance, at) = (measures.clearance, measures.closest);
+        let nearest = ExactMesh::new(&mesh)?.nearest(at).triangle as usize;
+        let is_outside = matches!(faces[nearest], ElectrodeFace::Shank | ElectrodeFace::Holder);
+        if is_outside && gap - clearance > OWN_ERROR {
+            return Err(ElectrodeError::ShankMeets { side: plan.side, clearance, gap, at });
+        }
+        return Err(ElectrodeError::TooClose { clearance, gap, at });
     }
     Ok(finish(plan, mesh, faces, measures, assumed))
 }

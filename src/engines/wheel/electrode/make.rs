@@ -10,7 +10,7 @@ use task::Task;
 
 /// What is built may miss the gap by this much between its points (mm); then it is built again, so much smaller and
 /// [`SPARE`] more.
-const MOST_SHORTFALL: f64 = 0.05;
+const MOST_SHORTFALL: f64 = 0.1;
 const SPARE: f64 = 2e-4;
 const MOST_ATTEMPTS: usize = 3;
 

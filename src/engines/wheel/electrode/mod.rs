@@ -157,7 +157,7 @@ impl EntrySide {
         let [first, last] = if channel.flow == Flow::Axial {
             [DVec2::NEG_X, DVec2::X]
         } else {
-            let [front, back] = channel.span_along();
+            let [front, back] = channel.ends_along();
             let at = |along: f64| channel.station_at(along).place(0.5);
             let near = 0.1 * (back - front);
             [at(front) - at(front + near), at(back) - at(back - near)].map(|way| way.normalize_or_zero())
@@ -324,6 +324,23 @@ pub enum ElectrodeError {
     )]
     TooClose {
         /// Least distance (mm).
+        clearance: f64,
+        /// Spark gap (mm).
+        gap: f64,
+        /// Where, in W (mm).
+        at: DVec3,
+    },
+    /// Shank or holder, which go straight to the side of entry, meet the blisk.
+    #[error(
+        "towards {} the shank, which goes straight on from the end of the passage, comes within {clearance:.3} mm of the \
+         blisk at ({:.2}, {:.2}, {:.2}) mm in the workpiece frame, the gap is {gap:.3} mm: choose another side of entry, \
+         more parts, or a larger shank inset",
+        .side.label(), at.x, at.y, at.z
+    )]
+    ShankMeets {
+        /// The side of entry.
+        side: EntrySide,
+        /// Distance to the blisk, negative inside it (mm).
         clearance: f64,
         /// Spark gap (mm).
         gap: f64,

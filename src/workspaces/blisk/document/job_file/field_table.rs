@@ -17,7 +17,8 @@ const UNITS: &[Word] = &[
 const AXES: &[Word] = &[word("auto", "automatic", ""), word("x", "X", ""), word("y", "Y", ""), word("z", "Z", "")];
 /// The words of [`AXES`]: otherwise the axis is a line that is given.
 const AXIS_WORDS: &[&str] = &["auto", "x", "y", "z"];
-const SIDES: &[Word] = &[word("auto", "automatic", ""), word("-x", "-X", ""), word("+x", "+X", "")];
+const SIDES: &[Word] =
+    &[word("auto", "automatic", ""), word("-x", "-X", ""), word("+x", "+X", ""), word("outward", "rim", "")];
 const MACHINES: &[Word] = &[word("XYZC", "XYZ C", ""), word("XYZAC", "XYZ A C", ""), word("XYZABC", "XYZ A B C", "")];
 const BODIES: &[Word] = &[
     word("", "none", ""),

@@ -1,0 +1,73 @@
+//! Passages along the radius: a nozzle ring whose electrodes come out of the rim.
+
+use geometry::exact::ExactMesh;
+use wheel::parametric::wheel::ParametricWheel;
+
+use super::*;
+
+/// A ring with fillets, whose passages an electrode comes out of with some turning of the ring.
+fn ring() -> Mesh {
+    ParametricWheel { fillet_mm: 0.6, wrap: 0.35, ..ParametricWheel::nozzle_ring() }.mesh()
+}
+
+fn radial_job() -> PlanJob {
+    let mut job = easy_job();
+    job.plan.strategy = Strategy::Global;
+    job.plan.step_mm = 1.6;
+    job.electrode.enter = EnterSide::Auto;
+    job.electrode.circumferential_reduction_deg = [2.0, 2.0];
+    job
+}
+
+#[test]
+fn an_electrode_of_a_nozzle_ring_is_withdrawn_along_the_radius_and_copies_to_both_walls() {
+    let mesh = ring();
+    let outcome = whole_plan(mesh.clone(), radial_job());
+    let electrode = &outcome.electrodes[0];
+    assert!(outcome.is_verified(), "{}", electrode.plan.verdict(&outcome.channel));
+    assert_eq!(electrode.electrode.enters_from, EntrySide::Outward);
+    let planned = electrode.plan.path.as_ref().unwrap();
+    assert_eq!(planned.certificate.enters_from(), Some(EntrySide::Outward));
+    let rows = &planned.path.rows;
+    assert!(rows.windows(2).all(|w| w[0].pose.z > w[1].pose.z), "the electrode only ever goes in");
+    // Exact distances, densely, and the place where it begins.
+    let blisk = mesh.in_frame(&outcome.channel.frame);
+    let exact = ExactMesh::new(&blisk).unwrap();
+    let body = ExactMesh::new(&electrode.electrode.mesh).unwrap();
+    let o = planned.path.reference_point;
+    for i in (0..rows.len() - 1).step_by(rows.len().div_ceil(30)) {
+        for t in [0.0, 0.37, 0.71] {
+            let placement = rows[i].pose.lerp(&rows[i + 1].pose, t).placement(o);
+            let clearance = exact.distance_to(&body, &placement);
+            assert!(clearance >= planned.certificate.certified() - 1e-9, "row {i}: {clearance}");
+        }
+    }
+    let first = rows[0].pose.placement(o);
+    let rim = blisk.vertices.iter().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max);
+    let nearest = electrode.electrode.mesh.vertices.iter().map(|&p| first.transform_point3(p));
+    assert!(nearest.map(|p| p.y.hypot(p.z)).fold(f64::INFINITY, f64::min) > rim, "it begins beyond the rim");
+    // The copying motion turns back to both walls, past the fillets, and little is left.
+    let copying = outcome.copying(0).unwrap().certified().unwrap();
+    assert!(copying.reached.low > 0.9 * copying.wanted.low && copying.reached.high > 0.9 * copying.wanted.high);
+    let left = outcome.residual_stock().unwrap();
+    assert!(left.stock.left_mm3 < 0.05 * left.stock.channel_mm3, "{:?}", left.stock);
+}
+
+#[test]
+fn sides_that_a_radial_passage_does_not_open_to_and_bodies_that_come_from_elsewhere_are_refused() {
+    let refused = |change: &dyn Fn(&mut PlanJob)| {
+        let mut job = radial_job();
+        change(&mut job);
+        run(&PlanInputs { blisk: ring().into(), own_electrode: None, job }, &Task::default()).unwrap_err().to_string()
+    };
+    let said = refused(&|job| job.electrode.enter = EnterSide::MinusX);
+    assert!(said.contains("the passage is radial and neither of its ends opens to -X"), "{said}");
+    let said = refused(&|job| job.machine = feed_machine("xyzac"));
+    assert!(said.contains("the bodies of xyzac are those of a machine whose head comes along X"), "{said}");
+    let said = refused(&|job| (job.plan.strategy, job.plan.constraint) = (Strategy::Genetic, Constraint::Angle));
+    assert!(said.contains("sections across X, and this passage is radial"), "{said}");
+}
+
+fn feed_machine(name: &str) -> feed::machine::MachineParams {
+    feed::machine::MachineParams { name: name.to_owned(), ..Default::default() }
+}
