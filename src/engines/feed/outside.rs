@@ -78,8 +78,8 @@ mod tests {
     fn metal_just_below_the_electrode_counts_and_metal_far_below_does_not() {
         let tool = Mesh::cuboid(DVec3::ONE).mapped(|p| p + DVec3::new(4.0, 0.0, 60.0));
         for (top, way) in [(46.0, -31.0), (44.0, -11.0)] {
-            // A ring of 10 mm below the tool, and a drum of 30 mm that reaches up to `top`.
-            let ring = Mesh::cuboid(DVec3::new(10.0, 1.0, 1.0)).mapped(|p| p + DVec3::Z * 58.0);
+            // A ring of 10 mm about the tool, and a drum of 30 mm that reaches up to `top`.
+            let ring = Mesh::cuboid(DVec3::new(10.0, 1.0, 12.0)).mapped(|p| p + DVec3::Z * 58.0);
             let drum = Mesh::cuboid(DVec3::new(30.0, 1.0, 1.0)).mapped(|p| p + DVec3::Z * (top - 1.0));
             let first = ring.vertices.len() as u32;
             let blisk = Mesh {
@@ -98,6 +98,13 @@ mod tests {
             assert!(!outside.is_outside(&moved), "touching the plane of the face is not outside");
             assert!(outside.is_outside(&Pose { x: -5.1, ..moved }));
             assert_eq!(outside.is_outside(&Pose { x: 7.0, ..moved }), top < 45.0);
+            // Beyond the rim along Z, whatever the blisk is turned by.
+            let rim = 70f64.hypot(1.0);
+            for a in [0.0, 0.7, 3.0] {
+                let lifted = Pose { z: 11.0, a, ..Pose::FINAL };
+                assert!((outside.distance_outside(&lifted, EntrySide::Outward) - (71.0 - rim)).abs() < 1e-9);
+                assert_eq!(outside.side_of(&lifted), Some(EntrySide::Outward));
+            }
         }
     }
 }
