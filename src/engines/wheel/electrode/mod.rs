@@ -129,6 +129,14 @@ impl EntrySide {
         EnterSide::from(self).name()
     }
 
+    /// Name in the sentences of reports.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Outward => "the rim",
+            other => other.name(),
+        }
+    }
+
     /// Name in the window's sentences.
     pub fn label(self) -> &'static str {
         match self {

@@ -72,7 +72,7 @@ impl SizeLimit {
         let who = match electrodes {
             1 => "limited".to_owned(),
             n => {
-                format!("limited by electrode {electrode} of {n}, which enters from {},", enters_from.name())
+                format!("limited by electrode {electrode} of {n}, which enters from {},", enters_from.words())
             }
         };
         format!("{who} at node {node}, retract distance {s_mm:.1} mm, by the {surface}")

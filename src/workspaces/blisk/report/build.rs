@@ -49,13 +49,13 @@ fn verdict(outcome: &PlanOutcome) -> Verdict {
         .iter()
         .enumerate()
         .map(|(i, e)| {
-            let tried = e.tried.iter().map(|(side, why)| format!(" Towards {} it {why}.", side.name()));
+            let tried = e.tried.iter().map(|(side, why)| format!(" Towards {} it {why}.", side.words()));
             let verdict = e.plan.verdict(&outcome.channel);
             format!(
                 "Electrode {}{} towards {} {verdict}.{}",
                 i + 1,
                 if e.electrode.column.is_some() { format!(" ({})", e.electrode.share()) } else { String::new() },
-                e.electrode.enters_from.name(),
+                e.electrode.enters_from.words(),
                 tried.collect::<String>()
             )
         })
@@ -258,7 +258,7 @@ fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
         list.push(symbol("Delta1", "distance kept from hub and shroud by the angle test", text(angle.delta1_mm), "mm"));
         list.push(symbol("Delta2", "angle kept by the angle test", text(angle.delta2_deg), "deg"));
     }
-    for axis in [Axis::Z, Axis::Y, Axis::A, Axis::B, Axis::C] {
+    for axis in [Axis::X, Axis::Z, Axis::Y, Axis::A, Axis::B, Axis::C] {
         list.extend(range_symbols(axis, first.plan.ranges[axis as usize], job, &symbol));
     }
     list.extend(strategy_symbols(job, &symbol));
