@@ -7,7 +7,7 @@ use geometry::frame::Frame;
 use geometry::mesh::Mesh;
 use glam::DVec3;
 use mold::electrode::design::Electrode as MoldElectrode;
-use wheel::electrode::Electrode as BliskElectrode;
+use wheel::electrode::{Electrode as BliskElectrode, EntrySide};
 
 /// A plain value, handled by the first workspace that accepts it.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,12 +49,13 @@ impl ElectrodePart {
     /// Number `number` (from 1) of a blisk, in its own axes or, given the `frame` of these, in those of the blisk's
     /// mesh. Up is outwards.
     pub fn of_blisk(electrode: &BliskElectrode, (number, blisk): (usize, &str), frame: Option<&Frame>) -> Self {
-        let (mesh, up, outwards) = match frame {
-            Some(frame) => (electrode.mesh.in_parent_of(frame), frame.z, frame.x),
-            None => (electrode.mesh.clone(), DVec3::Z, DVec3::X),
-        };
+        let side = electrode.enters_from;
+        // One that comes along the radius stands on its holder, the burning part up.
+        let up = if side == EntrySide::Outward { DVec3::NEG_Z } else { DVec3::Z };
+        let seen = |v: DVec3| frame.map_or(v, |frame| frame.x * v.x + frame.y * v.y + frame.z * v.z);
+        let mesh = frame.map_or_else(|| electrode.mesh.clone(), |frame| electrode.mesh.in_parent_of(frame));
         // Shoulder, shank and holder begin where it stops to burn.
-        let towards = electrode.enters_from.sign() * outwards;
+        let (up, towards) = (seen(up), seen(side.direction()));
         let burning = mesh.triangles.iter().zip(&electrode.faces).filter(|(_, face)| face.burns());
         let along = burning.flat_map(|(corners, _)| corners).map(|&v| mesh.vertices[v as usize].dot(towards));
         let base = along.reduce(f64::max).map(|from| PartBase { towards, from_mm: Some(from) });

@@ -2,6 +2,8 @@
 
 use geometry::exact::ExactMesh;
 use glam::DVec2;
+use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
+use sparkpath::workspaces::blisk::job::plan::kept;
 use wheel::parametric::wheel::{MeridianCurve, ParametricWheel};
 
 use super::*;
@@ -58,6 +60,9 @@ fn an_electrode_of_a_nozzle_ring_is_withdrawn_along_the_radius_and_copies_to_bot
     let rim = blisk.vertices.iter().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max);
     let nearest = electrode.electrode.mesh.vertices.iter().map(|&p| first.transform_point3(p));
     assert!(nearest.map(|p| p.y.hypot(p.z)).fold(f64::INFINITY, f64::min) > rim, "it begins beyond the rim");
+    // Kept in a project it is taken up again.
+    let plan = KeptPlan { inputs: String::new(), electrodes: kept(&outcome).unwrap() };
+    plan.check(&radial_job()).unwrap();
     // The copying motion turns back to both walls, past the fillets, and little is left.
     let copying = outcome.copying(0).unwrap().certified().unwrap();
     assert!(copying.reached.low > 0.9 * copying.wanted.low && copying.reached.high > 0.9 * copying.wanted.high);

@@ -169,7 +169,8 @@ impl Bodies<'_> {
     fn clearance_and_direction(&self, p: DVec3) -> (f64, DVec3) {
         self.blisk.value_and_gradient(p).unwrap_or_else(|| {
             let middle = 0.5 * (self.faces_x[0] + self.faces_x[1]);
-            let out = if self.rim.is_some() {
+            let beside = (self.faces_x[0] - p.x).max(p.x - self.faces_x[1]);
+            let out = if self.beyond_rim(p) > beside {
                 p.with_x(0.0).normalize_or(DVec3::Z)
             } else {
                 DVec3::X * (p.x - middle).signum()

@@ -16,7 +16,7 @@ use geometry::distance_field::DistanceField;
 use geometry::exact::ExactMesh;
 use geometry::mesh::{Bounds, Mesh};
 use task::{Cancel, Cancelled, Task};
-use wheel::channel::Channel;
+use wheel::channel::{Channel, Flow};
 use wheel::electrode::{Electrode, EntrySide};
 use wheel::surface_finder::SurfaceFinder;
 
@@ -53,20 +53,25 @@ impl PlanningSpace {
         task: &Task,
     ) -> Result<Self, PlanError> {
         let finder = SurfaceFinder::new(channel.clone())?;
-        let field = DistanceField::build(&blisk, exact, Self::region(&channel), cell, task)?;
+        let field = DistanceField::build(&blisk, exact, Self::region(&channel, &blisk), cell, task)?;
         let edges = sample_convex_edges(&blisk, field.bounds().grown(Self::RIMS), Self::EDGE_SPACING, &task.cancel)?;
         let walls = WallDistances::new(&finder, field.bounds(), &task.cancel)?;
         Ok(Self { blisk, channel, finder, field, walls, edges })
     }
 
-    fn region(channel: &Channel) -> Bounds {
+    fn region(channel: &Channel, blisk: &Mesh) -> Bounds {
         let walls = Bounds::of(channel.low.points.iter().chain(&channel.high.points).copied());
         let [front, back] = channel.faces_x;
         let beside = Self::BESIDE * std::f64::consts::TAU / channel.blades as f64 * walls.max.z;
         let shroud = channel.meridian.iter().map(|m| m.shroud.y).fold(walls.max.z, f64::max);
+        // Where electrodes may leave along the radius, up to the rim.
+        let top = match channel.flow {
+            Flow::Axial => shroud,
+            _ => blisk.vertices.iter().map(|p| p.y.hypot(p.z)).fold(shroud, f64::max),
+        };
         Bounds {
             min: DVec3::new(front - 1.0, walls.min.y - beside, walls.min.z - 3.0),
-            max: DVec3::new(back + 1.0, walls.max.y + beside, shroud + 2.0),
+            max: DVec3::new(back + 1.0, walls.max.y + beside, top + 2.0),
         }
     }
 }

@@ -259,6 +259,12 @@ fn header(w: &mut Writer, approved: &Approved) {
              opposite to those of W.",
         );
     }
+    if approved.enters_from() == wheel::electrode::EntrySide::Outward {
+        w.comment(
+            "THE ELECTRODE ENTERS FROM THE RIM: it is fed and retracted along Z of W. Head, holder and table were not \
+             simulated.",
+        );
+    }
     tour::header(w, approved);
     feed_comments(w, approved);
 }

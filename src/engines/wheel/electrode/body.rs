@@ -15,8 +15,6 @@ use task::Cancel;
 const SHANK_STEP: f64 = 0.45;
 /// By how much the holder block is larger than the shank at least (mm).
 const HOLDER_MARGIN: f64 = 1.0;
-/// A shank that lacks more than this meets the blisk, rather than being built a little too large (mm).
-const OWN_ERROR: f64 = 0.1;
 /// How far below the gap an electrode may come out (mm).
 const ACCEPTED_SHORTFALL: f64 = 1e-3;
 
@@ -104,7 +102,7 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
         let (clearance, at) = (measures.clearance, measures.closest);
         let nearest = ExactMesh::new(&mesh)?.nearest(at).triangle as usize;
         let is_outside = matches!(faces[nearest], ElectrodeFace::Shank | ElectrodeFace::Holder);
-        if is_outside && gap - clearance > OWN_ERROR {
+        if is_outside {
             return Err(ElectrodeError::ShankMeets { side: plan.side, clearance, gap, at });
         }
         return Err(ElectrodeError::TooClose { clearance, gap, at });

@@ -8,9 +8,9 @@ use crate::channel::Channel;
 use geometry::exact::ExactMesh;
 use task::Task;
 
-/// What is built may miss the gap by this much between its points (mm); then it is built again, so much smaller and
-/// [`SPARE`] more.
-const MOST_SHORTFALL: f64 = 0.1;
+/// What is built may miss the gap between its points; then it is built again, by that and [`SPARE`] smaller, at most by
+/// this (mm).
+const MOST_ROOM: f64 = 0.02;
 const SPARE: f64 = 2e-4;
 const MOST_ATTEMPTS: usize = 3;
 
@@ -32,7 +32,7 @@ pub fn make_electrodes(
     let mut room = 0.0;
     for _ in 0..MOST_ATTEMPTS {
         match with_room(channel, blisk, params, (side, room), task) {
-            Err(ElectrodeError::TooClose { clearance, gap, .. }) if gap - clearance < MOST_SHORTFALL => {
+            Err(ElectrodeError::TooClose { clearance, gap, .. }) if room + gap - clearance + SPARE < MOST_ROOM => {
                 room += gap - clearance + SPARE;
             }
             made => return made,

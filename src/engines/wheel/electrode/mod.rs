@@ -338,6 +338,13 @@ pub enum ElectrodeError {
         /// Where, in W (mm).
         at: DVec3,
     },
+    /// The channel opens to no side.
+    #[error(
+        "the passage is {} and opens neither along the axis nor to the rim within 45 degrees: no electrode can leave it \
+         straight",
+        .0.name()
+    )]
+    Closed(Flow),
     /// Shank or holder, which go straight to the side of entry, meet the blisk.
     #[error(
         "towards {} the shank, which goes straight on from the end of the passage, comes within {clearance:.3} mm of the \

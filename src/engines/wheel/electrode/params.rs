@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use files::Invalid;
 use serde::{Deserialize, Serialize};
 
-use super::EntrySide;
+use super::{ElectrodeError, EntrySide};
 use crate::channel::Channel;
 
 /// Parameters by which an electrode is derived from its channel (`[electrode]`).
@@ -108,13 +108,21 @@ impl EnterSide {
         self == Self::Auto || self == side.into()
     }
 
-    /// The sides to try, in order: the given one, or all that the passage of `channel` opens to.
-    pub fn candidates(self, channel: &Channel) -> Vec<EntrySide> {
+    /// The sides to try: the given one, or all that the passage of `channel` opens to, those at its first station first.
+    ///
+    /// # Errors
+    /// If the passage does not open to the given side, or to none.
+    pub fn candidates(self, channel: &Channel) -> Result<Vec<EntrySide>, ElectrodeError> {
+        let only = |side: EntrySide| side.mouth(channel).map(|_| vec![side]);
         match self {
-            Self::PlusX => vec![EntrySide::PlusX],
-            Self::MinusX => vec![EntrySide::MinusX],
-            Self::Outward => vec![EntrySide::Outward],
-            Self::Auto => EntrySide::open(channel),
+            Self::PlusX => only(EntrySide::PlusX),
+            Self::MinusX => only(EntrySide::MinusX),
+            Self::Outward => only(EntrySide::Outward),
+            Self::Auto => {
+                let mut sides = EntrySide::open(channel);
+                sides.sort_by_key(|side| side.mouth(channel) == Ok(true));
+                if sides.is_empty() { Err(ElectrodeError::Closed(channel.flow)) } else { Ok(sides) }
+            }
         }
     }
 }

@@ -290,8 +290,8 @@ fn parameters_read_as_a_job_writes_them() {
     let params: ElectrodeParams = toml::from_str(text).unwrap();
     assert_eq!((params.enter, params.size, params.spark_gap_mm), (EnterSide::MinusX, Sizing::Auto, 0.2));
     assert_eq!(params.radial_reduction_mm, 0.5);
-    assert_eq!(params.enter.candidates(&FINE.channel), [EntrySide::MinusX]);
-    assert_eq!(EnterSide::Auto.candidates(&FINE.channel), [EntrySide::MinusX, EntrySide::PlusX]);
+    assert_eq!(params.enter.candidates(&FINE.channel).unwrap(), [EntrySide::MinusX]);
+    assert_eq!(EnterSide::Auto.candidates(&FINE.channel).unwrap(), [EntrySide::MinusX, EntrySide::PlusX]);
     assert!(toml::from_str::<ElectrodeParams>("gap = 1.0").is_err(), "unknown keys are mistakes");
     assert!(params.validate().is_ok());
 }

@@ -9,7 +9,7 @@ use super::Document;
 use super::job_file::PlanJob;
 use feed::genetic::ReductionMode;
 use feed::objective::ObjectiveValue;
-use feed::pose::Pose;
+use feed::pose::{Axis, Pose};
 use feed::problem::Node;
 use files::Params as _;
 use wheel::electrode::EntrySide;
@@ -194,7 +194,7 @@ impl KeptPlan {
             require((0.0..=h_max).contains(h), "an electrode has another reduction than the project allows")?;
             let starts = nodes.first().is_some_and(|n| n.s == 0.0 && n.pose == Pose::FINAL);
             require(starts, "its nodes do not begin in the final pose")?;
-            require(nodes.iter().all(is_possible), "a node stands where no search puts one")?;
+            require(nodes.iter().all(|node| is_possible(node, *side)), "a node stands where no search puts one")?;
             require(nodes.windows(2).all(|w| w[0].s < w[1].s), "its nodes do not lead steadily outwards")?;
         }
         Ok(())
@@ -215,8 +215,9 @@ impl KeptPlan {
 }
 
 /// Whether every number of `node` is one that a search may have found.
-fn is_possible(node: &Node) -> bool {
+fn is_possible(node: &Node, side: EntrySide) -> bool {
     let finite = node.pose.to_array().iter().chain([&node.h, &node.clearance]).all(|v| v.is_finite());
-    // A withdrawal is a motion of the X axis.
-    finite && (0.0..=LONGEST).contains(&node.s) && (node.pose.x.abs() - node.s).abs() <= ROUNDING
+    // A withdrawal is a motion of one axis.
+    let withdrawn = node.pose.get(Axis::of_withdrawal(side)) * side.sign();
+    finite && (0.0..=LONGEST).contains(&node.s) && (withdrawn - node.s).abs() <= ROUNDING
 }

@@ -234,6 +234,14 @@ pub fn replay(
     let job = &inputs.job;
     job.validate()?;
     kept.check(job)?;
+    let open = sides_of(job, channel)?;
+    if kept.electrodes.iter().any(|electrode| !open.contains(&electrode.side)) {
+        return Err(PlanJobError::Job(
+            "the kept plan enters from a side that the passage does not open to, or that the machine's bodies do not come \
+             from; plan again"
+                .to_owned(),
+        ));
+    }
     let mut clock = Clock::default();
     let finder = SurfaceFinder::new(channel.clone())?;
     let settings = settings_of(job, &|_, _| ());
@@ -272,10 +280,7 @@ fn rank(outcome: &ElectrodeOutcome) -> (bool, bool, f64) {
 /// # Errors
 /// If the passage opens to none of them, or the machine's bodies stand for heads that come from elsewhere.
 pub(super) fn sides_of(job: &PlanJob, channel: &Channel) -> Result<Vec<EntrySide>, PlanJobError> {
-    let mut sides = job.electrode.enter.candidates(channel);
-    if let [only] = sides[..] {
-        only.mouth(channel)?;
-    }
+    let mut sides = job.electrode.enter.candidates(channel)?;
     if job.machine.has_bodies() {
         sides.retain(|side| *side != EntrySide::Outward);
     }
@@ -306,9 +311,13 @@ pub(super) fn sides(
     part: usize,
     parts: usize,
 ) -> Result<Vec<EntrySide>, PlanJobError> {
-    let mut sides = sides_of(job, channel)?;
+    Ok(nearer_first(sides_of(job, channel)?, part, parts))
+}
+
+/// `sides`, those at the first station first, in the order in which they are near to part `part` of `parts`.
+pub(super) fn nearer_first(mut sides: Vec<EntrySide>, part: usize, parts: usize) -> Vec<EntrySide> {
     if 2 * part >= parts && part > 0 {
         sides.reverse();
     }
-    Ok(sides)
+    sides
 }

@@ -56,8 +56,12 @@ pub fn live_way(
     let mut best: Option<LiveWay> = None;
     let columns = if inputs.own_electrode.is_some() { 1 } else { job.electrode.columns };
     let sides = sides(job, &prepared.space.channel, part / columns, job.electrode.parts)?;
-    for &side in &sides {
-        let (full, turns) = prepared.fullest(inputs, (part, side), task)?;
+    for (i, &side) in sides.iter().enumerate() {
+        let (full, turns) = match prepared.fullest(inputs, (part, side), task) {
+            // A side for which no electrode can be made is left, unless it is the last hope.
+            Err(PlanJobError::Electrode(_)) if i + 1 < sides.len() || best.is_some() => continue,
+            full => full?,
+        };
         let drawn_in = DrawnIn { prepared: &full, turns, electrode: full.electrode() };
         let way = preview_path(&prepared.space, &drawn_in, &settings, task)?;
         let reach = |w: &PreviewPath| (w.margin.is_some(), w.nodes.last().map_or(0.0, |n| n.s));

@@ -12,7 +12,7 @@ use feed::simulation::{Scenario, Simulation, SimulationOptions, simulate as simu
 use geometry::mesh::Mesh;
 use task::Task;
 use wheel::channel::Channel;
-use wheel::electrode::Junctions;
+use wheel::electrode::{EntrySide, Junctions};
 use wheel::surface_finder::SurfaceFinder;
 
 /// Where electrodes are finished.
@@ -88,6 +88,14 @@ fn of_electrode(
     task: &Task,
 ) -> Result<Option<Arc<Simulation>>, PlanJobError> {
     let channel = around.channel;
+    // The last gate beside the choice of sides: no bodies stand for a head that comes along the radius.
+    if around.job.machine.has_bodies() && outcome.electrode.enters_from == EntrySide::Outward {
+        return Err(PlanJobError::Job(format!(
+            "machine.name: the bodies of {} are those of a machine whose head comes along X, and this electrode comes from \
+             the rim; choose no bodies",
+            around.job.machine.name
+        )));
+    }
     let channels = &around.job.export.channels;
     let channels = channels.numbers(channel.blades, channel.index).map_err(PlanJobError::Job)?;
     let Some(planned) = outcome.plan.path.as_ref().filter(|p| p.certificate.holds()) else { return Ok(None) };

@@ -157,8 +157,16 @@ struct Sizing<'a> {
 impl Sizing<'_> {
     fn one_part(&self, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
         let mut best: Option<(EntrySide, Least)> = None;
+        let (mut impossible, mut possible) = (None, false);
         for side in super::plan::sides_of(&self.base.job, &self.prepared.space.channel)? {
-            let full = self.full(1, 0, side)?;
+            let full = match self.full(1, 0, side) {
+                Err(PlanJobError::Electrode(error)) => {
+                    impossible.get_or_insert(error);
+                    continue;
+                }
+                full => full?,
+            };
+            possible = true;
             let equal = |sizer: &Sizer| sizer.least(FIRST_DEG.to_radians(), &|h| Turns([h, h]));
             let Some(least) = self.sized(&full, equal)? else { continue };
             let Some(row) = self.certified(1, only(side), [least.angle; 2], 0)? else { continue };
@@ -167,6 +175,10 @@ impl Sizing<'_> {
             if best.as_ref().is_none_or(|(_, known)| least.angle < known.angle) {
                 best = Some((side, least));
             }
+        }
+        // A side for which no electrode can be made is left, unless there is no other.
+        if let Some(error) = impossible.filter(|_| !possible) {
+            return Err(error.into());
         }
         if let Some((side, least)) = best {
             let equal = rows.iter().filter(|r| r.enter == only(side)).map(|r| r.least_thickness_mm).fold(0.0, f64::max);

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::plan::sides;
+use super::plan::nearer_first;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::report::InputFile;
@@ -188,7 +188,8 @@ pub fn electrodes(part: &Part, found: &FoundChannel, job: &PlanJob, task: &Task)
     job.electrode.validate().map_err(|problem| FIELDS.in_window(&problem))?;
     let (mut notes, mut made) = (Vec::new(), Vec::new());
     let channel = &found.channel;
-    for side in super::plan::sides_of(job, channel).map_err(|e| FIELDS.labelled(&e))? {
+    let sides = job.electrode.enter.candidates(channel).map_err(|e| FIELDS.labelled(&e))?;
+    for &side in &sides {
         match on_side(part, found, job, side, task) {
             Ok(electrodes) => made.push((side, electrodes)),
             Err(error) => notes.push(error),
@@ -201,7 +202,7 @@ pub fn electrodes(part: &Part, found: &FoundChannel, job: &PlanJob, task: &Task)
     let Some((_, first)) = made.first() else { return Err(notes.into_iter().next().unwrap_or_default()) };
     let columns = if part.own_electrode.is_some() { 1 } else { job.electrode.columns };
     let preferred = |i: usize| {
-        let side = sides(job, channel, i / columns, job.electrode.parts).ok().and_then(|sides| sides.first().copied());
+        let side = nearer_first(sides.clone(), i / columns, job.electrode.parts).first().copied();
         made.iter().find(|(made_for, _)| Some(*made_for) == side).map_or(first, |(_, electrodes)| electrodes)[i].clone()
     };
     let electrodes: Vec<Electrode> = (0..first.len()).map(preferred).collect();

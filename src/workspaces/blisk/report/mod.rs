@@ -134,9 +134,10 @@ impl BliskSummary {
     /// The summary of `channel`.
     pub fn of(channel: &Channel) -> Self {
         use wheel::channel::Surface::{HighWall, LowWall};
-        let [lo, hi] = channel.span_x();
-        let inside = channel.meridian.iter().map(|m| m.along).filter(|x| (lo..=hi).contains(x));
-        let radii: Vec<_> = [lo, hi].into_iter().chain(inside).map(|x| channel.radii_at(x)).collect();
+        let ([lo, hi], [from, to]) = (channel.span_x(), channel.span_along());
+        let inside = channel.meridian.iter().map(|m| m.along).filter(|along| (from..=to).contains(along));
+        let stations = [from, to].into_iter().chain(inside).map(|along| channel.station_at(along));
+        let radii: Vec<_> = stations.map(|station| (station.hub.y, station.shroud.y)).collect();
         let range = |values: &mut dyn Iterator<Item = f64>| {
             values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], v| [a.min(v), b.max(v)])
         };

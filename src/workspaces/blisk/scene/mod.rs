@@ -22,7 +22,7 @@ use render::colour::{Colour, Theme};
 use render::mesh::RenderMesh;
 use render::scene::{Grid, LineSet, Marker, Object, ObjectId, Scene, SectionPlane, SurfaceValues};
 use wheel::channel::Channel;
-use wheel::electrode::Electrode;
+use wheel::electrode::{Electrode, EntrySide};
 
 /// Something that can be shown or hidden as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -303,8 +303,12 @@ fn lines(scene: &mut Scene, inputs: &SceneInputs, electrode: &Electrode, track: 
     }
     let o = electrode.reference_point;
     let bounds = electrode.mesh.bounds();
-    let far_x = if electrode.enters_from.sign() < 0.0 { bounds.max.x } else { bounds.min.x };
-    let points = [o, DVec3::new(far_x, o.y, o.z)];
+    let far = match electrode.enters_from {
+        EntrySide::MinusX => o.with_x(bounds.max.x),
+        EntrySide::PlusX => o.with_x(bounds.min.x),
+        EntrySide::Outward => o.with_z(bounds.min.z),
+    };
+    let points = [o, far];
     let colour = inputs.layers.get(Layer::Paths).colour;
     let polylines = points
         .iter()
