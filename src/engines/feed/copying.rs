@@ -183,7 +183,7 @@ pub struct CopyingSettings<'a> {
 /// that of the blisk and the electrode, with the machine's travel.
 ///
 /// # Errors
-/// As [`Verifier::verify`].
+/// Every error of [`Verifier::verify`].
 pub fn copying_motion(
     electrode: &Electrode,
     verifier: &Verifier,

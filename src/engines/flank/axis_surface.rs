@@ -141,7 +141,7 @@ impl AxisSurface {
     /// parameter.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Every error of [`Self::new`].
     pub fn closed(lower: Vec<DVec3>, upper: Vec<DVec3>) -> Result<Self, FlankError> {
         let basis = CubicBasis::closed(lower.len());
         Self::with(basis, [lower, upper], [0.0, 1.0])

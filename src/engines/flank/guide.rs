@@ -69,7 +69,7 @@ pub(super) fn pair(lower: &GuideCurve, upper: &GuideCurve) -> Result<[NurbsCurve
 /// The parameters at which the curves of [`pair`] go through their points; none of a guide that is no row of points.
 ///
 /// # Errors
-/// As [`pair`].
+/// Every error of [`pair`].
 pub(super) fn row_parameters(lower: &GuideCurve, upper: &GuideCurve) -> Result<[Option<Vec<f64>>; 2], FlankError> {
     let own = |which, guide: &GuideCurve| match guide {
         GuideCurve::Points { points, .. } => {

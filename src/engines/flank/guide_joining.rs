@@ -39,7 +39,7 @@ impl Joining {
     /// first of all where the points do not account for that.
     ///
     /// # Errors
-    /// As [`GuideCurve::curve`], of a guide that is no curve.
+    /// Every error of [`GuideCurve::curve`], of a guide that is no curve.
     pub fn of(lower: &GuideCurve, upper: &GuideCurve) -> Result<Vec<Self>, FlankError> {
         let curves = guide::pair(lower, upper)?;
         let parameters = guide::row_parameters(lower, upper)?;

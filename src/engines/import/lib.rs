@@ -112,7 +112,7 @@ const BLOCK: usize = 4 << 20;
 /// Reads the mesh file at `path`.
 ///
 /// # Errors
-/// See [`ImportError`]; the text of each is one line naming the file, the place in it and the remedy.
+/// Every variant of [`ImportError`]; its text is one line naming the file, the place in it and the remedy.
 pub fn import_file(path: &Path, options: &ImportOptions, task: &Task) -> Result<Imported, ImportError> {
     options.validate()?;
     let name = error::one_line(&path.display().to_string());
@@ -127,7 +127,7 @@ pub fn import_file(path: &Path, options: &ImportOptions, task: &Task) -> Result<
 /// A glTF whose buffers lie in files of their own cannot be read in this way.
 ///
 /// # Errors
-/// As [`import_file`].
+/// Every error of [`import_file`].
 pub fn import_bytes(name: &str, bytes: &[u8], options: &ImportOptions, task: &Task) -> Result<Imported, ImportError> {
     options.validate()?;
     let name = error::one_line(name);

@@ -126,7 +126,7 @@ impl SparkpathApp {
     /// The window's state with these workspaces, at least one.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Every error of [`Self::new`].
     pub fn with_workspaces(
         cc: &eframe::CreationContext,
         (opening, folders): (&Opening, Option<Folders>),

@@ -182,7 +182,7 @@ struct Context<'a> {
     bodies: Option<&'a MachineModel>,
 }
 
-/// See [`Context::bodies`].
+/// Machine with bodies that the NC programs are proven against, [`Context::bodies`].
 fn bodies_now(outcome: &PlanOutcome, job: &PlanJob, cancel: &Cancel) -> Result<Option<MachineModel>, PlanFilesError> {
     let is_simulated = (0..outcome.electrodes.len()).any(|i| outcome.simulation(i).is_some());
     if !is_simulated || !job.export.files.nc || !outcome.may_be_approved() {

@@ -175,7 +175,7 @@ impl<P: Params> Project<P> {
     /// The project in `text`, which is that of `file`.
     ///
     /// # Errors
-    /// As [`read`](Self::read).
+    /// Every error of [`read`](Self::read).
     pub fn parse(text: &str, file: &Path) -> Result<Self, FileError> {
         let (kind, tail, params) = split(text, file)?;
         if kind != P::KIND {

@@ -150,7 +150,7 @@ impl NurbsCurve {
     /// those of parabolas through the three points there (P1, equations 15 to 18).
     ///
     /// # Errors
-    /// As [`through`](Self::through).
+    /// Every error of [`through`](Self::through).
     pub fn cubic(points: &[DVec3], ends: Option<[DVec3; 2]>) -> Result<Self, NurbsError> {
         let parameters = chord_parameters(points)?;
         let ends = ends.unwrap_or_else(|| end_tangents(&parameters, points));

@@ -169,7 +169,7 @@ pub fn flank(input: &FlankInput, task: &Task) -> Result<FlankResult, FlankJobErr
 /// The surface, with u along the cutter's travel, and the fit that it is from.
 ///
 /// # Errors
-/// As [`flank()`].
+/// Every error of [`flank()`].
 pub fn surface(input: &FlankInput) -> Result<(RuledSurface, Option<RuledFit>), FlankJobError> {
     let (surface, fit) = surface_as_given(input)?;
     // Along u with the rulings upwards the cutter goes on the right of the surface if it stands where R_u x R_v points

@@ -94,8 +94,8 @@ fn a_box_has_its_hue_in_the_middle_and_nothing_is_drawn_outside_it() {
     assert!(different(&image, &empty) as f64 > 0.95 * 4.0 * half.x * half.y);
 }
 
-/// As a swept volume lies on the body that sweeps it: neither quite the same triangles nor quite the same places. Or as
-/// the base of an electrode on that of another: the same but for rounding.
+/// A swept volume lies on the body that sweeps it with neither quite the same triangles nor quite the same places; the
+/// bases of two electrodes lie on each other the same but for rounding.
 #[test]
 fn of_two_bodies_that_lie_on_each_other_one_is_seen_the_solid_one_or_the_later_one() {
     let solid = scene(vec![object(1, BLUE, 10.0)]);

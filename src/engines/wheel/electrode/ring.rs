@@ -134,12 +134,16 @@ impl<'a> Finisher<'a> {
                 self.ring(section, reduction)
             })
             .collect();
-        let mut rings = rings.into_iter().collect::<Result<Vec<_>, _>>()?;
-        self.relax(&mut rings, reduction.turns, cancel)?;
+        let (mut rings, fillets): (Vec<Ring>, Vec<bool>) =
+            rings.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+        // Without fillets nothing is in the way of turning back but facets.
+        let turns = if fillets.contains(&true) { reduction.turns } else { [0.0; 2] };
+        self.relax(&mut rings, turns, cancel)?;
         Ok(rings)
     }
 
-    fn ring(&self, section: &Section, reduction: Reduction) -> Result<Ring, ElectrodeError> {
+    /// The ring of a section, and whether it gives way to fillets.
+    fn ring(&self, section: &Section, reduction: Reduction) -> Result<(Ring, bool), ElectrodeError> {
         let Layout { rows, columns } = self.layout;
         let line = section.line;
         let walls = self.reduced_walls(section, reduction)?;
@@ -152,16 +156,19 @@ impl<'a> Finisher<'a> {
             let (a, b, t) = (walls[0][v], walls[1][v], j as f64 / columns as f64);
             Spot { height: a.height + t * (b.height - a.height), theta: a.theta + t * (b.theta - a.theta) }
         };
+        let mut has_fillets = false;
         for j in 0..=columns {
             let is_corner = j == 0 || j == columns;
-            points[self.layout.hub(j)] = self.on_hub_side(&line, across(0, j), reduction.turns, is_corner);
-            points[self.layout.shroud(j)] = self.on_shroud_side(&line, across(rows, j), reduction.turns, is_corner);
+            let (hub, is_raised) = self.on_hub_side(&line, across(0, j), reduction.turns, is_corner);
+            let (shroud, is_lowered) = self.on_shroud_side(&line, across(rows, j), reduction.turns, is_corner);
+            (points[self.layout.hub(j)], points[self.layout.shroud(j)]) = (hub, shroud);
+            has_fillets |= is_raised || is_lowered;
         }
         let mut ring = Ring { line, points };
         if reduction.inset > 0.0 {
             self.draw_in(&mut ring, reduction.inset)?;
         }
-        Ok(ring)
+        Ok((ring, has_fillets))
     }
 
     /// Both walls turned inwards, if that leaves metal.
@@ -184,27 +191,31 @@ impl<'a> Finisher<'a> {
     }
 
     /// The point on the hub's gap at the angle of `guess`, where the walls are turned inwards by `turns`; above what a
-    /// fillet leaves it when they are turned back.
-    fn on_hub_side(&self, line: &Line, guess: Spot, turns: [f64; 2], is_corner: bool) -> Spot {
+    /// fillet leaves it when they are turned back, and whether it does.
+    fn on_hub_side(&self, line: &Line, guess: Spot, turns: [f64; 2], is_corner: bool) -> (Spot, bool) {
         let height = |guess| self.boundary.descend(line, self.freed(line, guess, 1.0));
         let here = height(guess);
         let back = turned_back(guess, turns).map(height).into_iter().fold(here, f64::max);
-        Spot { height: if !is_corner && back > here + FILLET { back } else { here }, ..guess }
+        let is_raised = !is_corner && back > here + FILLET;
+        (Spot { height: if is_raised { back } else { here }, ..guess }, is_raised)
     }
 
-    /// The point on the drawn-in shroud's gap at the angle of `guess`; without a shroud, `guess`.
-    fn on_shroud_side(&self, line: &Line, guess: Spot, turns: [f64; 2], is_corner: bool) -> Spot {
+    /// The point on the drawn-in shroud's gap at the angle of `guess`, below what a fillet leaves it, and whether one
+    /// does; without a shroud, `guess`.
+    fn on_shroud_side(&self, line: &Line, guess: Spot, turns: [f64; 2], is_corner: bool) -> (Spot, bool) {
         let free = self.freed(line, guess, -1.0);
         if is_corner || !self.boundary.channel.shrouded {
-            return free;
+            return (free, false);
         }
         let height = |free| self.boundary.ascend(line, free) - self.boundary.radial_reduction;
         let here = height(free);
         let back = turned_back(guess, turns).map(|spot| height(self.freed(line, spot, -1.0)));
         let back = back.into_iter().fold(here, f64::min);
-        let height = if back < here - FILLET { back } else { here };
+        let is_lowered = back < here - FILLET;
+        let height = if is_lowered { back } else { here };
         // Where a leaning wall stops the way up, the line between the corners is right.
-        if height < guess.height - 0.05 { free } else { Spot { height, ..guess } }
+        let spot = if height < guess.height - 0.05 { free } else { Spot { height, ..guess } };
+        (spot, is_lowered)
     }
 
     /// `p` moved along the line in the sense of `up` until it keeps the gap.

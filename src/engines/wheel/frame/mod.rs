@@ -77,7 +77,7 @@ pub(super) struct Wheel<'a> {
 /// of one.
 ///
 /// # Errors
-/// Those of [`find_frame`], and [`SectorError`].
+/// Every error of [`find_frame`], and [`SectorError`] if the part is a sector that makes no wheel.
 pub(super) fn find_wheel<'a>(
     mesh: Cow<'a, Mesh>,
     options: &BliskOptions,

@@ -57,7 +57,7 @@ pub fn finish<'a>(
 /// [`PlanOutcome::stopped`].
 ///
 /// # Errors
-/// As [`finish`], and when told to stop before.
+/// Every error of [`finish`]; also when told to stop before.
 pub fn finish_as_far_as_possible(
     outcome: &PlanOutcome,
     inputs: &PlanInputs,

@@ -36,7 +36,7 @@ pub fn run(inputs: &PlanInputs, task: &Task) -> Result<PlanOutcome, PlanJobError
 /// Plans every electrode of the job on a blisk that was made ready before, and works out how they finish the channel.
 ///
 /// # Errors
-/// As [`run`].
+/// Every error of [`run`].
 pub fn run_finished(prepared: &PreparedBlisk, inputs: &PlanInputs, task: &Task) -> Result<PlanOutcome, PlanJobError> {
     let outcome = run_prepared(prepared, inputs, &|_, _, _| (), task)?;
     finish(&outcome, inputs, &prepared.space.blisk, task)?;
@@ -88,7 +88,7 @@ pub fn run_prepared(
 /// would open a way where there is none.
 ///
 /// # Errors
-/// As [`run_prepared`].
+/// Every error of [`run_prepared`].
 pub fn run_feeds(prepared: &PreparedBlisk, inputs: &PlanInputs, task: &Task) -> Result<PlanOutcome, PlanJobError> {
     let clock = prepared.clock.clone();
     JobPlanner { inputs, prepared, observe: &|_, _, _| (), explain: false, task, clock }.outcome()
@@ -222,7 +222,7 @@ pub(super) fn settings_of<'a>(job: &'a PlanJob, observe: &'a Observe<'a>) -> Pla
 /// The plan whose nodes were kept in a project: joined and verified anew, in a fraction of the time of a search.
 ///
 /// # Errors
-/// As [`run`], and if `kept` is none that the job can have had.
+/// Every error of [`run`], and if `kept` is none that the job can have had.
 pub fn replay(
     inputs: &PlanInputs,
     channel: &Arc<Channel>,
@@ -304,7 +304,7 @@ pub(super) fn sides_of(job: &PlanJob, channel: &Channel) -> Result<Vec<EntrySide
 /// The sides to try for the part that is number `part` of `parts` along the passage, the nearer one first.
 ///
 /// # Errors
-/// As [`sides_of`].
+/// Every error of [`sides_of`].
 pub(super) fn sides(
     job: &PlanJob,
     channel: &Channel,

@@ -93,7 +93,7 @@ const RAISES: usize = 4;
 /// brings most on the better side; for more parts, or columns, they are equal, the greatest that any of them needs.
 ///
 /// # Errors
-/// As a plan has them; that no reduction opens a way is not an error, but a row less.
+/// Every error of a plan. No reduction that opens a way is not an error, but a row less.
 pub fn size(
     prepared: &PreparedBlisk,
     inputs: &PlanInputs,
@@ -126,7 +126,7 @@ pub fn size(
 /// from. With the reductions that it gives, and no row, if none lets them out: planning these tells where they jam.
 ///
 /// # Errors
-/// As sizing has them.
+/// Every error of [`size`].
 pub fn auto_sized(
     prepared: &PreparedBlisk,
     inputs: &PlanInputs,

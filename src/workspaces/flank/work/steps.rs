@@ -153,7 +153,7 @@ pub(super) fn load(source: &FlankSource, task: &Task) -> Result<LoadedFlank, Str
 /// Reads walls.
 ///
 /// # Errors
-/// As [`load`].
+/// Every error of [`load`].
 pub(super) fn load_walls(walls: &WallsFile, unit: Unit, task: &Task) -> Result<LoadedWalls, String> {
     let stamp = Stamp::of(&walls.file);
     let found = inputs::load_walls(walls, unit, task).map_err(|e| e.to_string())?;

@@ -1,6 +1,6 @@
 //! The whole wheel from a sector of it that two planes through the axis cut out.
 //!
-//! As many whole pitches as fit into the sector, and into a full turn without rest, are kept of it and turned about the
+//! The sector keeps as many whole pitches as fit into it, and into a full turn without rest. These are turned about the
 //! axis. The two ends of what is kept are sections of surfaces that repeat, so that they are congruent but for the
 //! chord error of the mesh: they are joined point by point, and where that does not close the surface there is no wheel.
 
@@ -143,7 +143,8 @@ fn sectors<'a>(mesh: &'a Mesh, options: &BliskOptions) -> impl Iterator<Item = S
 fn chord_error(mesh: &Mesh) -> f64 {
     /// Ends of such an edge have the same radius and x to this share.
     const LEVEL: f64 = 1e-3;
-    /// Such a surface faces along the radius by this much, and around the axis by no more than this.
+    /// Parts of its normal by which a surface of revolution faces along the radius, at least, and around the axis, at
+    /// most.
     const FACING: [f64; 2] = [0.3, 0.1];
     let rise = |corners: [DVec3; 3]| {
         let normal = normal_times_two_areas(corners).normalize_or_zero();

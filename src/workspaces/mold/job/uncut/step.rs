@@ -12,8 +12,9 @@ const MOST_ACROSS: [f64; 2] = [400.0, 160.0];
 /// Cells of the field of heights, at most, unless its step is given: some 20 bytes each.
 const MOST_CELLS: f64 = 36e6;
 
-/// As fine as the smallest of `cutters` and the `tolerance` (mm) ask for, but with no more cells than a computer holds
-/// with ease, and such that every cutter is close to a whole number of cells wide: the grid takes it for that (mm).
+/// The grid's usual step (mm): as fine as the smallest of `cutters` and the `tolerance` (mm) ask for, but with no more
+/// cells than a computer holds with ease, and such that every cutter is close to a whole number of cells wide, for the
+/// grid takes it for that.
 pub(super) fn usual_step(mesh: &Mesh, cutters: &[&Cutter], tolerance: f64) -> f64 {
     let least = cutters.iter().map(|c| c.diameter_mm).fold(f64::INFINITY, f64::min);
     let widest = cutters.iter().map(|c| c.holder().map_or(c.radius(), |(holder, _)| holder)).fold(0.0, f64::max);
