@@ -9,7 +9,6 @@ use super::{Answer, Session};
 use crate::workspaces::blisk::job::compare as job;
 use crate::workspaces::blisk::report::comparison::{Comparison, Run};
 use feed::plan_params::Strategy;
-use feed::pose::Axis;
 use files::ExportFolder;
 
 /// Reads the name of a strategy.
@@ -79,8 +78,7 @@ fn print_smoothness(comparison: &Comparison) {
     say!("strategy          electrode  axis      total variation  RMS 2nd diff.   greatest  turns back");
     for run in &comparison.runs {
         for e in &run.electrodes {
-            // X moves evenly with the distance withdrawn.
-            for a in e.smoothness.iter().filter(|a| a.axis != Axis::X.letter()) {
+            for a in e.smoothness.iter().filter(|a| a.axis != e.withdrawn.letter()) {
                 say!(
                     "{:<16}  {:>9}  {} {:<6}  {:>15.4}  {:>13.6}  {:>9.6}  {:>10}",
                     run.strategy.name(),

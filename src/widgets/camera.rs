@@ -68,10 +68,18 @@ pub fn electrode_in_channel(channel: &Channel, side: EntrySide, electrode: &Boun
 
 fn onto(channel: &Channel, side: EntrySide, bounds: &Bounds, camera: Camera, aspect: f64) -> Camera {
     let frame = &channel.frame;
-    let towards_viewer = frame.z * 0.8 - frame.y * 0.45 + frame.x * (0.4 * side.sign());
+    let towards_viewer = frame.z * 0.8 - frame.y * 0.45 + frame.x * (0.4 * beside_hub(channel, side));
     let mut camera = Camera { orientation: looking(towards_viewer, frame.z), ..camera };
     camera.fit(bounds, aspect);
     camera
+}
+
+/// The direction along X from which one looks past the hub into the channel.
+fn beside_hub(channel: &Channel, side: EntrySide) -> f64 {
+    match side {
+        EntrySide::Outward => channel.line_at(channel.middle().along).up.x.signum(),
+        side => side.sign(),
+    }
 }
 
 /// A camera square to a section, with `up` upwards, `at` in the middle, and a picture `height` high (mm).
@@ -84,7 +92,10 @@ pub fn onto_section(plane: &SectionPlane, up: DVec3, at: DVec3, height: f64) -> 
 /// A camera on the whole part from the side of entry, with `channel` on top.
 pub fn from_entry(channel: &Channel, side: EntrySide, scene: &Scene, aspect: f64) -> Camera {
     let frame = &channel.frame;
-    let towards_viewer = frame.x * (0.9 * side.sign()) + frame.z * 0.45 - frame.y * 0.55;
+    let towards_viewer = match side {
+        EntrySide::Outward => frame.z * 0.8 - frame.y * 0.45 + frame.x * (0.4 * beside_hub(channel, side)),
+        side => frame.x * (0.9 * side.sign()) + frame.z * 0.45 - frame.y * 0.55,
+    };
     let mut camera = Camera { orientation: looking(towards_viewer, frame.z), ..Camera::default() };
     camera.fit(&bodies(scene), aspect);
     camera

@@ -47,18 +47,19 @@ impl ElectrodePart {
     }
 
     /// Number `number` (from 1) of a blisk, in its own axes or, given the `frame` of these, in those of the blisk's
-    /// mesh. Up is outwards.
+    /// mesh. Up is away from the axis; of an electrode from the rim, which is clamped by its holder, from there to its
+    /// burning part.
     pub fn of_blisk(electrode: &BliskElectrode, (number, blisk): (usize, &str), frame: Option<&Frame>) -> Self {
         let side = electrode.enters_from;
-        // One that comes along the radius stands on its holder, the burning part up.
-        let up = if side == EntrySide::Outward { DVec3::NEG_Z } else { DVec3::Z };
-        let seen = |v: DVec3| frame.map_or(v, |frame| frame.x * v.x + frame.y * v.y + frame.z * v.z);
+        let is_upside_down = side == EntrySide::Outward;
+        let up = if is_upside_down { DVec3::NEG_Z } else { DVec3::Z };
+        let in_file = |v: DVec3| frame.map_or(v, |frame| frame.direction_to_parent(v));
         let mesh = frame.map_or_else(|| electrode.mesh.clone(), |frame| electrode.mesh.in_parent_of(frame));
         // Shoulder, shank and holder begin where it stops to burn.
-        let (up, towards) = (seen(up), seen(side.direction()));
+        let (up, towards) = (in_file(up), in_file(side.direction()));
         let burning = mesh.triangles.iter().zip(&electrode.faces).filter(|(_, face)| face.burns());
         let along = burning.flat_map(|(corners, _)| corners).map(|&v| mesh.vertices[v as usize].dot(towards));
         let base = along.reduce(f64::max).map(|from| PartBase { towards, from_mm: Some(from) });
-        Self { name: format!("electrode {number}"), of: blisk.to_owned(), mesh, up, base, is_upside_down: false }
+        Self { name: format!("electrode {number}"), of: blisk.to_owned(), mesh, up, base, is_upside_down }
     }
 }

@@ -60,8 +60,8 @@ pub struct CopyingExtent {
 /// A turn of A from 0 at a height and back.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Turn {
-    /// How far outwards (mm): the position of Z in an axial channel.
-    pub z: f64,
+    /// Move outwards at which it turns (mm): the position of Z in an axial channel.
+    pub outwards: f64,
     /// Angle of A (rad); negative towards the low wall, which is the one of smaller theta.
     pub a: f64,
 }
@@ -175,7 +175,7 @@ pub struct CopyingSettings<'a> {
     pub spark_gap: f64,
     /// W in the coordinates of the loaded mesh.
     pub frame: Frame,
-    /// Direction (x, r) from the hub to the shroud in the middle of the channel, a unit vector.
+    /// Direction (x, r) from the hub to the shroud in the middle of the electrode, a unit vector.
     pub up: DVec2,
 }
 
@@ -236,11 +236,11 @@ fn reachable(
     let mut turns: Vec<Turn> = Vec::new();
     let mut furthest = [0.0f64; 2];
     for (wall, turn) in [-wanted.low, wanted.high].into_iter().enumerate().filter(|(_, a)| a.abs() >= LEAST_MOVE) {
-        let at_height = |z: f64| Ok(Turn { z, a: turn * share(at(0.0, z), at(turn, z))? });
+        let at_height = |z: f64| Ok(Turn { outwards: z, a: turn * share(at(0.0, z), at(turn, z))? });
         let lowest = first_good_turn(turn, LIFTS.into_iter().filter(|z| *z <= top), &at_height)?;
         let Some(lowest) = lowest else { continue };
         turns.push(lowest);
-        let room = top - lowest.z;
+        let room = top - lowest.outwards;
         if room >= LEAST_MOVE {
             let drops = LIFTS.into_iter().filter(|drop| *drop < room).map(|drop| top - drop);
             turns.extend(first_good_turn(turn, drops, &at_height)?);
@@ -253,7 +253,7 @@ fn reachable(
         }
         let levels = ((room / LEVEL).ceil() as usize).min(MOST_LEVELS);
         for level in 1..levels {
-            turns.push(at_height(lowest.z + room * level as f64 / levels as f64)?);
+            turns.push(at_height(lowest.outwards + room * level as f64 / levels as f64)?);
         }
         let of_wall = turns.iter().filter(|t| t.a * turn > 0.0);
         furthest[wall] = of_wall.map(|t| t.a.abs()).fold(0.0, f64::max);
@@ -311,10 +311,10 @@ fn lifted(a: f64, outwards: f64, up: DVec2) -> Pose {
 fn rows_of(top: f64, up: DVec2, turns: &[Turn]) -> Vec<PathRow> {
     let mut sorted = turns.to_vec();
     // From below: towards the low wall first where both turn at the same height.
-    sorted.sort_by(|s, t| s.z.total_cmp(&t.z).then(s.a.total_cmp(&t.a)));
+    sorted.sort_by(|s, t| s.outwards.total_cmp(&t.outwards).then(s.a.total_cmp(&t.a)));
     let at = |a: f64, outwards: f64| lifted(a, outwards, up);
     let mut poses = vec![Pose::FINAL];
-    let turned = sorted.iter().flat_map(|t| [at(0.0, t.z), at(t.a, t.z), at(0.0, t.z)]);
+    let turned = sorted.iter().flat_map(|t| [at(0.0, t.outwards), at(t.a, t.outwards), at(0.0, t.outwards)]);
     for pose in turned.chain([at(0.0, top), Pose::FINAL]) {
         let last = poses[poses.len() - 1];
         if (pose.a - last.a).abs() >= LEAST_MOVE || (pose.z - last.z).hypot(pose.x - last.x) >= LEAST_MOVE {
@@ -343,7 +343,7 @@ mod tests {
         let level = |z| [[-0.02, z], [0.0, z], [0.01, z], [0.0, z]];
         let expected = [[[0.0, 0.0]].as_slice(), &level(0.0), &[[0.0, 0.15]], &level(0.15), &[[0.0, 0.3]], &level(0.3)];
         assert_eq!(poses, [expected.concat().as_slice(), &[[0.0, 0.0]]].concat());
-        assert_eq!(rows_of(0.0, DVec2::Y, &[Turn { z: 0.0, a: -0.02 }]).len(), 3);
+        assert_eq!(rows_of(0.0, DVec2::Y, &[Turn { outwards: 0.0, a: -0.02 }]).len(), 3);
         assert!(rows_of(0.0, DVec2::Y, &[]).len() == 1 && CopyingExtent::default().is_none());
     }
 
@@ -352,8 +352,11 @@ mod tests {
         // A step in the hub 8 um high, 0.005 rad towards the low wall.
         let (reached, turns) = reach(|pose| pose.a > -0.005 || pose.z >= 0.008);
         assert_eq!(reached, WANTED);
-        assert_eq!(turns[0], Turn { z: 0.01, a: -0.02 });
-        assert!(turns.contains(&Turn { z: 0.0, a: 0.01 }) && turns.contains(&Turn { z: 0.3, a: -0.02 }), "{turns:?}");
+        assert_eq!(turns[0], Turn { outwards: 0.01, a: -0.02 });
+        assert!(
+            turns.contains(&Turn { outwards: 0.0, a: 0.01 }) && turns.contains(&Turn { outwards: 0.3, a: -0.02 }),
+            "{turns:?}"
+        );
     }
 
     #[test]
@@ -362,7 +365,7 @@ mod tests {
         let (reached, turns) = reach(|pose| pose.a > -0.013 && (pose.a <= 0.0 || pose.a + 0.01 * pose.z < 0.0104));
         assert!(reached.low < 0.013 && reached.low > 0.013 - 0.02 / 4000.0, "{reached:?}");
         assert_eq!((reached.high, reached.outwards), (0.01, 0.3));
-        let top = turns.iter().find(|t| t.z == 0.3 && t.a > 0.0).unwrap();
+        let top = turns.iter().find(|t| t.outwards == 0.3 && t.a > 0.0).unwrap();
         assert!(top.a < 0.0074 && top.a > 0.0074 - 0.01 / 4000.0, "{top:?}");
         let (reached, _) = reach(|pose| pose.z < 0.2);
         assert!(reached.outwards < 0.2 && reached.outwards > 0.2 - 0.3 / 4000.0, "{reached:?}");

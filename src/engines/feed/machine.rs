@@ -34,11 +34,13 @@ impl AxisSet {
     /// The axes in order, without the one along which the electrode is withdrawn.
     pub fn free_axes(self, side: EntrySide) -> &'static [Axis] {
         use Axis::{A, B, C, X, Y};
-        match (Axis::of_withdrawal(side), self) {
-            (Axis::Z, Self::XYZC) => &[X, Y, C],
-            (Axis::Z, Self::XYZAC) => &[X, Y, A, C],
-            (Axis::Z, Self::XYZABC) => &[X, Y, A, B, C],
-            _ => &self.axes()[1..],
+        if Axis::of_withdrawal(side) == X {
+            return &self.axes()[1..];
+        }
+        match self {
+            Self::XYZC => &[X, Y, C],
+            Self::XYZAC => &[X, Y, A, C],
+            Self::XYZABC => &[X, Y, A, B, C],
         }
     }
 }
@@ -198,6 +200,11 @@ impl MachineParams {
     /// Whether the machine has bodies that a motion has to be simulated with.
     pub fn has_bodies(&self) -> bool {
         !self.name.is_empty()
+    }
+
+    /// Whether its bodies, if it has any, are those of a machine whose head comes from `side`: all come along X.
+    pub fn comes_from(&self, side: EntrySide) -> bool {
+        !self.has_bodies() || Axis::of_withdrawal(side) == Axis::X
     }
 
     /// The part of the parameters that a search depends on.

@@ -102,10 +102,9 @@ impl Station {
             Carrier::Table | Carrier::Bed => self.seat,
         };
         let matrix3 = match self.side {
-            EntrySide::PlusX => DMat3::IDENTITY,
             EntrySide::MinusX => DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0)),
-            // Bodies stand for a head that comes along X; one that comes along the radius stands upright.
-            EntrySide::Outward => DMat3::from_rotation_y(-std::f64::consts::FRAC_PI_2),
+            // No bodies come from the rim, `MachineParams::comes_from`.
+            EntrySide::PlusX | EntrySide::Outward => DMat3::IDENTITY,
         };
         DAffine3 { matrix3, translation }
     }

@@ -16,7 +16,7 @@ use wheel::surface_finder::SurfaceFinder;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Weights {
-    /// a1: smoothness of Z.
+    /// a1: smoothness of Z, or of X where the electrode is withdrawn along Z.
     pub a1: f64,
     /// b1: smoothness of Y.
     pub b1: f64,

@@ -46,18 +46,20 @@ impl Outside {
     pub fn distance_outside(&self, pose: &Pose, side: EntrySide) -> f64 {
         // Where the table with the blisk does not turn: the blisk's own extent is the same on all sides of its axis.
         let place = Pose { a: 0.0, ..*pose }.placement(self.reference_point);
-        let towards = side.direction().abs();
-        let [least, most] = extent(self.points.iter().map(|&p| place.transform_point3(p).dot(towards)));
-        match side {
-            EntrySide::MinusX => self.faces_x[0] - most,
-            EntrySide::PlusX => least - self.faces_x[1],
-            EntrySide::Outward => least - self.rim,
-        }
+        let [least, _] = extent(self.points.iter().map(|&p| place.transform_point3(p).dot(side.direction())));
+        least
+            - match side {
+                EntrySide::MinusX => -self.faces_x[0],
+                EntrySide::PlusX => self.faces_x[1],
+                EntrySide::Outward => self.rim,
+            }
     }
 
-    /// The side on which the whole electrode at `pose` is beyond the metal; none while some of it is not.
+    /// The side on which the whole electrode at `pose` is beyond the metal, the one furthest beyond if there are two;
+    /// none while some of it is not.
     pub fn side_of(&self, pose: &Pose) -> Option<EntrySide> {
-        EntrySide::ALL.into_iter().find(|&side| self.distance_outside(pose, side) > 0.0)
+        let distances = EntrySide::ALL.map(|side| (side, self.distance_outside(pose, side)));
+        distances.into_iter().filter(|(_, d)| *d > 0.0).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(side, _)| side)
     }
 
     /// Whether the whole electrode at `pose` is beyond the metal on one side or another.

@@ -213,7 +213,7 @@ impl Scene {
 pub fn copying_of(path: FeedPath, certificate: Certificate) -> CopyingMotion {
     let turn = 1.2f64.to_radians();
     let wanted = CopyingExtent { low: turn, high: 0.0, outwards: 0.5 };
-    CopyingMotion { path, certificate, wanted, reached: wanted, turns: vec![Turn { z: 0.0, a: -turn }] }
+    CopyingMotion { path, certificate, wanted, reached: wanted, turns: vec![Turn { outwards: 0.0, a: -turn }] }
 }
 
 /// A machine with bodies, in that it has a name; which ones is told to the simulation.

@@ -48,6 +48,12 @@ pub enum NcError {
     /// The path leaves the travel of an axis.
     #[error("{0}; the program is for another machine than the path was verified for")]
     BeyondTravel(BeyondTravel),
+    /// The electrode enters from the rim, and the machine has bodies, which come along X.
+    #[error(
+        "the electrode enters from the rim, and the bodies of the machine are those of one whose head comes along X; \
+         choose a machine without bodies"
+    )]
+    HeadComesAlongX,
     /// The machine has bodies, but the motion was not simulated with them.
     #[error("the machine has bodies, and the path was not simulated with them; simulate it")]
     NotSimulated,

@@ -340,10 +340,10 @@ impl Channel {
         number.abs_diff(self.index).is_multiple_of(self.kinds) && !self.unlike.contains(&number)
     }
 
-    /// The station in the middle of the blades, in an axial channel along X, otherwise along the passage.
+    /// The station in the middle of the blades along the passage.
     pub fn middle(&self) -> Station {
-        let ends = if self.flow == Flow::Axial { self.span_x() } else { self.ends_along() };
-        self.station_at(0.5 * (ends[0] + ends[1]))
+        let [from, to] = self.span_along();
+        self.station_at(0.5 * (from + to))
     }
 
     /// How far the place (x, r) lies within the shroud, negative beyond it (mm).

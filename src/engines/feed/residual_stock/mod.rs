@@ -8,10 +8,11 @@
 //! **Accuracy:** motions are taken as continuous, the least distance to within 2 um and the error of a distance field
 //! (5 um near the surface); where it comes within 10 um of what the certificates prove it is not searched any further.
 //! Stock thicker than some 3 mm is told as that much or more. A figure of the surface is that of points some 0.4 mm
-//! apart, and 0.05 mm where two electrodes only just meet; one of the volume that of rays 0.3 mm apart along X, and
+//! apart, and 0.05 mm where two electrodes only just meet; one of the volume that of rays 0.3 mm apart along the passage, and
 //! from 0.05 mm apart at hub and shroud to 0.4 mm apart between.
 //!
-//! **What counts as the channel:** between the walls, hub and shroud, over the X span of the blades. Beside it the
+//! **What counts as the channel:** between the walls, hub and shroud, over the span of the blades along the
+//! passage. Beside it the
 //! rings are taken to be turned before. What is left between the shank and a ring is therefore not counted.
 
 mod cutter;

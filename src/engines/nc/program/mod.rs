@@ -261,8 +261,7 @@ fn header(w: &mut Writer, approved: &Approved) {
     }
     if approved.enters_from() == wheel::electrode::EntrySide::Outward {
         w.comment(
-            "THE ELECTRODE ENTERS FROM THE RIM: it is fed and retracted along Z of W. Head, holder and table were not \
-             simulated.",
+            "THE ELECTRODE ENTERS FROM THE RIM: it is fed and retracted along Z of W. No head and no table were simulated.",
         );
     }
     tour::header(w, approved);

@@ -54,9 +54,8 @@ fn rows(poses: &[Pose]) -> Vec<PathRow> {
 /// that the electrode enters from, and that its axes go wherever the motion does.
 pub(super) fn check(approved: &Approved, post: &Post, job: &TurnedJob) -> Result<(), NcError> {
     let machine = &job.machine;
-    // Bodies stand for a head that comes along X.
-    if machine.has_bodies() && approved.enters_from() == EntrySide::Outward {
-        return Err(NcError::NotSimulated);
+    if !machine.comes_from(approved.enters_from()) {
+        return Err(NcError::HeadComesAlongX);
     }
     let Some(simulation) = approved.simulation() else {
         return if machine.has_bodies() { Err(NcError::NotSimulated) } else { Ok(()) };

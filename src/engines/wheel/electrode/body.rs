@@ -101,8 +101,8 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     if measures.clearance < gap - ACCEPTED_SHORTFALL {
         let (clearance, at) = (measures.clearance, measures.closest);
         let nearest = ExactMesh::new(&mesh)?.nearest(at).triangle as usize;
-        let is_outside = matches!(faces[nearest], ElectrodeFace::Shank | ElectrodeFace::Holder);
-        if is_outside {
+        let is_of_shank = matches!(faces[nearest], ElectrodeFace::Shank | ElectrodeFace::Holder);
+        if is_of_shank {
             return Err(ElectrodeError::ShankMeets { side: plan.side, clearance, gap, at });
         }
         return Err(ElectrodeError::TooClose { clearance, gap, at });

@@ -177,6 +177,14 @@ impl EntrySide {
     }
 }
 
+/// How near an electrode comes to the blisk, whose surface is `clearance` (mm) away, negative inside it.
+fn near(clearance: f64) -> String {
+    match clearance < 0.0 {
+        true => format!("reaches {:.3} mm into the blisk", -clearance),
+        false => format!("comes within {clearance:.4} mm of the blisk"),
+    }
+}
+
 /// An electrode in its final pose, in the workpiece frame W.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Electrode {
@@ -326,9 +334,9 @@ pub enum ElectrodeError {
     },
     /// The electrode came out nearer to the blisk than the gap.
     #[error(
-        "the electrode is only {clearance:.4} mm from the blisk at ({:.2}, {:.2}, {:.2}) mm in the workpiece frame, \
+        "the electrode {} at ({:.2}, {:.2}, {:.2}) mm in the workpiece frame, \
          the gap is {gap:.4} mm: look at the blisk's mesh there, it may be coarse, open or crossing itself",
-        at.x, at.y, at.z
+        near(*clearance), at.x, at.y, at.z
     )]
     TooClose {
         /// Least distance (mm).
@@ -347,10 +355,9 @@ pub enum ElectrodeError {
     Closed(Flow),
     /// Shank or holder, which go straight to the side of entry, meet the blisk.
     #[error(
-        "towards {} the shank, which goes straight on from the end of the passage, comes within {clearance:.3} mm of the \
-         blisk at ({:.2}, {:.2}, {:.2}) mm in the workpiece frame, the gap is {gap:.3} mm: choose another side of entry, \
+        "the shank, which goes straight on towards {} from the end of the passage, {} at ({:.2}, {:.2}, {:.2}) mm in the workpiece frame, the gap is {gap:.3} mm: choose another side of entry, \
          more parts, or a larger shank inset",
-        .side.label(), at.x, at.y, at.z
+        .side.label(), near(*clearance), at.x, at.y, at.z
     )]
     ShankMeets {
         /// The side of entry.

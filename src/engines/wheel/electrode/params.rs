@@ -17,12 +17,11 @@ pub struct ElectrodeParams {
     /// Angle by which the low and the high wall of the electrode are turned about X away from their blades; P0's
     /// circumferential reduction h (deg).
     pub circumferential_reduction_deg: [f64; 2],
-    /// Radial reduction: distance by which the shroud side is drawn in along the radius (mm).
+    /// Radial reduction: distance by which the shroud side is drawn in towards the hub (mm).
     pub radial_reduction_mm: f64,
-    /// Number of electrodes the channel is divided between, by planes across X, or across the
-    /// passage where it does not run along the axis.
+    /// Number of electrodes the channel is divided between along the passage.
     pub parts: usize,
-    /// Overlap along X of the burns of two neighbouring parts, each with the spark gap that it burns beyond itself
+    /// Overlap along the passage of the burns of two neighbouring parts, each with the spark gap that it burns beyond itself
     /// (mm). With 0 the burns only meet, and a ridge is left between them on every wall.
     pub overlap_mm: f64,
     /// 1, or 2 to divide every part left and right along the channel's middle surface too, as P1 does: one electrode
@@ -39,7 +38,8 @@ pub struct ElectrodeParams {
     pub size: Sizing,
     /// An electrode of one's own, in its final pose in the frame of the blisk's mesh, instead of a derived one.
     pub mesh: Option<PathBuf>,
-    /// Distance by which the burning part reaches past the tips of the blades' edges, at most to the blisk's face (mm).
+    /// Distance by which the burning part reaches past the tips of the blades' edges, at most to where the passage
+    /// ends (mm).
     pub overrun_mm: f64,
     /// Inset of the shank from the burning part, all round (mm).
     pub shank_inset_mm: f64,
@@ -47,7 +47,8 @@ pub struct ElectrodeParams {
     pub channel_shank_inset_mm: f64,
     /// Distance by which the shank reaches out of the blisk's face, or rim (mm).
     pub shank_length_mm: f64,
-    /// Size of the holder block along X, across, and along the radius (mm); it grows where the shank is larger.
+    /// Length along the direction of withdrawal, width and height from hub to shroud of the holder block (mm); it grows
+    /// where the shank is larger.
     pub holder_mm: [f64; 3],
 }
 

@@ -94,7 +94,9 @@ impl BliskDesk {
     }
 
     fn about(&self, bodies: &Arc<Vec<BodyShape>>) -> Option<About> {
-        let ((_, shape), channel) = self.shown_electrode().zip(self.work.channel())?;
+        let machine = &self.document.params().machine;
+        let shown = self.shown_electrode().filter(|(electrode, _)| machine.comes_from(electrode.enters_from));
+        let ((_, shape), channel) = shown.zip(self.work.channel())?;
         // What was in the way of an earlier electrode may not be in the way of this one.
         let is_current = self.work.state(Stage::Plan) == State::Ready;
         let simulation = self.machine.simulation().filter(|_| is_current).cloned().map(Same);
@@ -204,7 +206,7 @@ impl BliskDesk {
         if self.is_tuning() { tuned.or(planned) } else { planned.or(tuned) }
     }
 
-    /// The electrode that is shown as a part for milling its flanks, in the axes of its export. Up is outwards.
+    /// The electrode that is shown as a part for milling its flanks, in the axes of its export.
     pub fn electrode_to_mill(&self) -> Option<ElectrodePart> {
         let (electrode, _) = self.shown_electrode()?;
         let (part, channel) = (self.work.part()?, &self.work.channel()?.channel);

@@ -53,7 +53,8 @@ impl Fingerprint {
             add(&mut hash, &job.blisk.options);
         }
         if stage >= Stage::Electrode {
-            add(&mut hash, &job.electrode);
+            // The sides of entry that are left depend on the bodies.
+            add(&mut hash, &(&job.electrode, job.machine.has_bodies()));
         }
         if stage >= Stage::Plan {
             add(&mut hash, &(&job.machine, &job.plan, &job.genetic, &job.verify));

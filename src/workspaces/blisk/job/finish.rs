@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::outcome::{Clock, ElectrodeOutcome, Finishing, PlanInputs, PlanJobError, PlanOutcome, Stock};
 use super::simulate::{Around, simulate};
@@ -130,12 +130,14 @@ fn copying(around: &Around, outcome: &ElectrodeOutcome, task: &Task) -> Result<C
     let (job, electrode) = (around.job, &outcome.electrode);
     let wanted = CopyingExtent::of(electrode, &job.electrode, outcome.plan.h);
     let machine = &job.machine.seen_from_w(electrode.enters_from);
+    let o = electrode.reference_point;
+    let [along, _] = around.channel.along_and_height(DVec2::new(o.x, o.z));
     let settings = CopyingSettings {
         machine,
         verify: &job.verify,
         spark_gap: job.electrode.spark_gap_mm,
         frame: around.channel.frame,
-        up: around.channel.line_at(around.channel.middle().along).up,
+        up: around.channel.line_at(along).up,
     };
     task.report("copying motion", 0.0, "");
     let verifier = Verifier::new(around.blisk, &electrode.mesh, electrode.reference_point, &task.cancel)?;

@@ -55,6 +55,7 @@ pub fn prepare(inputs: &PlanInputs, task: &Task) -> Result<PreparedBlisk, PlanJo
     simulate::check_machine(job, task)?;
     let channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, task))?;
     sides_of(job, &channel)?;
+    check_constraint(job, &channel)?;
     simulate::check_channels(job, &channel)?;
     let blisk = channel.wheel_in_w(&inputs.blisk);
     let exact = clock.time("exact mesh", || ExactMesh::new(&blisk))?;
@@ -123,7 +124,7 @@ impl JobPlanner<'_> {
         if self.inputs.own_electrode.is_some() { 1 } else { self.inputs.job.electrode.count() }
     }
 
-    /// The electrode that is number `part` along X, columns of one part counted through. Tries the sides one after the
+    /// The electrode that is number `part` along the passage, columns of one part counted through. Tries the sides one after the
     /// other until one is verified; if none is, the one that came out, or else the one that got furthest, is the
     /// answer. A side for which no electrode can be made is noted and left.
     ///
@@ -133,6 +134,10 @@ impl JobPlanner<'_> {
         let mut best: Option<ElectrodeOutcome> = None;
         let mut impossible: Option<ElectrodeError> = None;
         let mut tried = Vec::new();
+        let (job, channel) = (&self.inputs.job, &self.prepared.space.channel);
+        let left_out =
+            job.electrode.enter.candidates(channel)?.into_iter().filter(|side| !job.machine.comes_from(*side));
+        tried.extend(left_out.map(|side| (side, "is not tried: the machine's bodies come along X".to_owned())));
         let params = &self.inputs.job.electrode;
         let columns = if self.inputs.own_electrode.is_some() { 1 } else { params.columns };
         for side in sides(&self.inputs.job, &self.prepared.space.channel, part / columns, self.parts() / columns)? {
@@ -235,6 +240,7 @@ pub fn replay(
     job.validate()?;
     kept.check(job)?;
     let open = sides_of(job, channel)?;
+    check_constraint(job, channel)?;
     if kept.electrodes.iter().any(|electrode| !open.contains(&electrode.side)) {
         return Err(PlanJobError::Job(
             "the kept plan enters from a side that the passage does not open to, or that the machine's bodies do not come \
@@ -281,24 +287,28 @@ fn rank(outcome: &ElectrodeOutcome) -> (bool, bool, f64) {
 /// If the passage opens to none of them, or the machine's bodies stand for heads that come from elsewhere.
 pub(super) fn sides_of(job: &PlanJob, channel: &Channel) -> Result<Vec<EntrySide>, PlanJobError> {
     let mut sides = job.electrode.enter.candidates(channel)?;
-    if job.machine.has_bodies() {
-        sides.retain(|side| *side != EntrySide::Outward);
-    }
+    sides.retain(|side| job.machine.comes_from(*side));
+    if sides.is_empty() { Err(head_comes_along_x(job)) } else { Ok(sides) }
+}
+
+/// The refusal of an electrode from the rim on a machine with bodies.
+pub(super) fn head_comes_along_x(job: &PlanJob) -> PlanJobError {
+    PlanJobError::Job(format!(
+        "machine.name: the bodies of {} are those of a machine whose head comes along X, and the only side of entry that is \
+         left is the rim; choose another side of entry, or no bodies, and watch head and table yourself",
+        job.machine.name
+    ))
+}
+
+/// Makes sure that the constraint of the search is one for the passage of `channel`.
+pub(super) fn check_constraint(job: &PlanJob, channel: &Channel) -> Result<(), PlanJobError> {
     if job.plan.constraint == Constraint::Angle && channel.flow != Flow::Axial {
         return Err(PlanJobError::Job(format!(
             "plan.constraint: the angle test looks at sections across X, and this passage is {}; choose \"distance\"",
             channel.flow.name()
         )));
     }
-    match sides.is_empty() {
-        true => Err(PlanJobError::Job(format!(
-            "machine.name: electrodes of this {} passage come from the rim, along the radius, and the bodies of {} are those \
-             of a machine whose head comes along X; choose no bodies, and watch head and table yourself",
-            channel.flow.name(),
-            job.machine.name
-        ))),
-        false => Ok(sides),
-    }
+    Ok(())
 }
 
 /// The sides to try for the part that is number `part` of `parts` along the passage, the nearer one first.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::outcome::{PlanInputs, PlanJobError};
-use super::plan::{settings_of, sides};
+use super::plan::{check_constraint, settings_of, sides};
 use super::prepared_blisk::PreparedBlisk;
 use super::prepared_blisk::electrode_of;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
@@ -39,7 +39,7 @@ impl LiveWay {
     }
 }
 
-/// Looks for a way of the electrode number `part` along X with the parameters of the job: on the side that is tried
+/// Looks for a way of the electrode number `part` along the passage with the parameters of the job: on the side that is tried
 /// first, and where that fails on the other; of two that fail the one that gets further.
 ///
 /// # Errors
@@ -52,6 +52,7 @@ pub fn live_way(
 ) -> Result<LiveWay, PlanJobError> {
     let job = &inputs.job;
     job.validate()?;
+    check_constraint(job, &prepared.space.channel)?;
     let settings = settings_of(job, &|_, _| ());
     let mut best: Option<LiveWay> = None;
     let columns = if inputs.own_electrode.is_some() { 1 } else { job.electrode.columns };
@@ -72,8 +73,7 @@ pub fn live_way(
             break;
         }
     }
-    let mut best =
-        best.ok_or_else(|| PlanJobError::Job("the electrode cannot be retracted to either side".to_owned()))?;
+    let mut best = best.ok_or_else(|| PlanJobError::Job("the electrode cannot be retracted to any side".to_owned()))?;
     if sides.first() != Some(&best.side) {
         let (channel, which) = (&prepared.space.channel, (part, best.side, 0.0));
         best.other = Some(Arc::new(electrode_of(inputs, channel, &prepared.exact, which, task)?));
@@ -94,7 +94,7 @@ pub struct Looked {
 }
 
 impl Looked {
-    /// Looks for a way of the electrode number `part` along X.
+    /// Looks for a way of the electrode number `part` along the passage.
     ///
     /// # Errors
     /// One line for the user.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::outcome::{ElectrodeOutcome, PlanJobError};
+use super::plan::head_comes_along_x;
 use crate::workspaces::blisk::document::choice::Channels;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::machine_file::read_machine;
@@ -12,7 +13,7 @@ use feed::simulation::{Scenario, Simulation, SimulationOptions, simulate as simu
 use geometry::mesh::Mesh;
 use task::Task;
 use wheel::channel::Channel;
-use wheel::electrode::{EntrySide, Junctions};
+use wheel::electrode::Junctions;
 use wheel::surface_finder::SurfaceFinder;
 
 /// Where electrodes are finished.
@@ -88,13 +89,9 @@ fn of_electrode(
     task: &Task,
 ) -> Result<Option<Arc<Simulation>>, PlanJobError> {
     let channel = around.channel;
-    // The last gate beside the choice of sides: no bodies stand for a head that comes along the radius.
-    if around.job.machine.has_bodies() && outcome.electrode.enters_from == EntrySide::Outward {
-        return Err(PlanJobError::Job(format!(
-            "machine.name: the bodies of {} are those of a machine whose head comes along X, and this electrode comes from \
-             the rim; choose no bodies",
-            around.job.machine.name
-        )));
+    // The last gate beside the choice of sides.
+    if !around.job.machine.comes_from(outcome.electrode.enters_from) {
+        return Err(head_comes_along_x(around.job));
     }
     let channels = &around.job.export.channels;
     let channels = channels.numbers(channel.blades, channel.index).map_err(PlanJobError::Job)?;

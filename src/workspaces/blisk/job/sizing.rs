@@ -218,8 +218,16 @@ impl Sizing<'_> {
         let (mut most, mut limiting) = (0.0f64, 0);
         for number in 0..parts * columns {
             let mut least: Option<Least> = None;
+            let (mut impossible, mut possible) = (None, false);
             for side in super::plan::sides(&self.base.job, &self.prepared.space.channel, number / columns, parts)? {
-                let full = self.full(parts, number, side)?;
+                let full = match self.full(parts, number, side) {
+                    Err(PlanJobError::Electrode(error)) => {
+                        impossible.get_or_insert(error);
+                        continue;
+                    }
+                    full => full?,
+                };
+                possible = true;
                 // What another one needs already costs nothing more.
                 let first = most.max(0.5 * FIRST_DEG.to_radians());
                 let turns = |h: f64| Turns(own_turns(full.electrode().column, [h.max(most); 2]));
@@ -227,6 +235,9 @@ impl Sizing<'_> {
                 if least.is_some() {
                     break;
                 }
+            }
+            if let Some(error) = impossible.filter(|_| !possible) {
+                return Err(error.into());
             }
             let Some(least) = least else { return Ok(()) };
             if least.angle > most {

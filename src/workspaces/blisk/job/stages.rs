@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::plan::nearer_first;
+use super::plan::{nearer_first, sides_of};
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::report::InputFile;
@@ -179,7 +179,7 @@ pub fn channel(part: &Part, job: &PlanJob, task: &Task) -> Result<FoundChannel, 
     Ok(FoundChannel { channel: channel.into(), blisk: blisk.into(), exact: exact.into(), shapes, centreline })
 }
 
-/// Makes the electrodes in the order of their places along X, each for the side that a plan tries first, or for the
+/// Makes the electrodes in the order of their places along the passage, each for the side that a plan tries first, or for the
 /// first side on which all can be made.
 ///
 /// # Errors
@@ -188,7 +188,7 @@ pub fn electrodes(part: &Part, found: &FoundChannel, job: &PlanJob, task: &Task)
     job.electrode.validate().map_err(|problem| FIELDS.in_window(&problem))?;
     let (mut notes, mut made) = (Vec::new(), Vec::new());
     let channel = &found.channel;
-    let sides = job.electrode.enter.candidates(channel).map_err(|e| FIELDS.labelled(&e))?;
+    let sides = sides_of(job, channel).map_err(|e| FIELDS.labelled(&e))?;
     for &side in &sides {
         match on_side(part, found, job, side, task) {
             Ok(electrodes) => made.push((side, electrodes)),

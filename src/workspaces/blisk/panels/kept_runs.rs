@@ -17,9 +17,10 @@ impl KeptRun {
 
 /// Draws the figures of the kept runs for the electrode that is looked at, with a button to remove each.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
-    let axes: Vec<Axis> =
-        desk.document.params().machine.axes.axes().iter().copied().filter(|a| *a != Axis::X).collect();
     let (electrode, step) = (desk.cursor.electrode, desk.kept.step().unwrap_or(desk.document.params().plan.step_mm));
+    let runs = desk.kept.all();
+    let moves = |axis: &Axis| runs.iter().filter_map(|r| r.run.electrodes.get(electrode)).any(|e| e.withdrawn != *axis);
+    let axes: Vec<Axis> = desk.document.params().machine.axes.axes().iter().copied().filter(moves).collect();
     let mut removed = None;
     let caption = format!(
         "Second differences over steps of {step:.2} mm, RMS and greatest; linear axes in mm, rotary axes in deg"

@@ -186,8 +186,8 @@ fn axes(ui: &mut Ui, desk: &mut BliskDesk, curves: &Curves, order: usize) {
     }
     let colours = palette(ui).axes;
     let name = ["axes", "speed", "acceleration"][order];
-    // X runs far beyond the others and says nothing that the abscissa does not.
-    let withdrawn = desk.outcome().map_or(Axis::X, |outcome| Axis::of_withdrawal(outcome.electrode.enters_from));
+    // The axis of withdrawal runs far beyond the others and says nothing that the abscissa does not.
+    let withdrawn = desk.shown_electrode().map_or(Axis::X, |(shown, _)| Axis::of_withdrawal(shown.enters_from));
     let moving = || desk.document.params().machine.axes.axes().iter().filter(|axis| **axis != withdrawn);
     let names: Vec<(Axis, String)> = moving().map(|axis| (*axis, axis_name(*axis, order))).collect();
     let others = if order == 0 { kept_lines(ui, desk, moving()) } else { Vec::new() };

@@ -20,6 +20,7 @@ use feed::wall_clearances::{ClearanceGauge, WallClearances};
 use files::ParameterList;
 use task::Cancel;
 use wheel::channel::Channel;
+use wheel::electrode::EntrySide;
 use wheel::surface_finder::SurfaceFinder;
 
 /// The report on `outcome`, without pictures. `inputs` tells which files it was made from.
@@ -161,14 +162,19 @@ fn failure(plan: &FeedPlan, channel: &Channel) -> Option<Failure> {
     let verdict = plan.verdict(channel);
     let name = |surface| channel.surface_name(surface).to_owned();
     if let Some(jam) = &plan.jam {
+        let has_other_side = EntrySide::open(channel).len() > 1;
+        let other_side =
+            |before: &str| if has_other_side { format!("{before} the other side of entry") } else { String::new() };
         let remedy = match jam.cause {
-            JamCause::Contact(_) => {
-                "Increase the circumferential reduction on that wall, divide the channel otherwise, or take the \
-                 other side of entry."
+            JamCause::Contact(_) => format!(
+                "Increase the circumferential reduction on that wall, divide the channel otherwise{}.",
+                other_side(", or take")
+            ),
+            JamCause::Travel { .. } => {
+                format!("Another machine, less exit_clearance_mm{} would help.", other_side(" or"))
             }
-            JamCause::Travel { .. } => "Another machine, less exit_clearance_mm or the other side of entry would help.",
-            JamCause::NothingLeft { .. } => "A smaller h_max_deg, more parts or the other side of entry may help.",
-            JamCause::Unknown => "A smaller step_mm, more poses or a larger population may find one.",
+            JamCause::NothingLeft { .. } => format!("A smaller h_max_deg, more parts{} may help.", other_side(" or")),
+            JamCause::Unknown => "A smaller step_mm, more poses or a larger population may find one.".to_owned(),
         };
         return Some(Failure {
             node: jam.node,
@@ -227,10 +233,15 @@ fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
         unit: unit.to_owned(),
     };
     let Some(first) = outcome.electrodes.first() else { return Vec::new() };
-    let (params, weights) = (&job.electrode, job.plan.weights.normalised(&job.machine.axes.axes()[1..]));
+    let (params, weights) =
+        (&job.electrode, job.plan.weights.normalised(job.machine.axes.free_axes(first.electrode.enters_from)));
     let [low, high] = params.circumferential_reduction_deg;
     let summary = BliskSummary::of(&outcome.channel);
     let h = first.plan.h.to_degrees();
+    let first_weight = match Axis::of_withdrawal(first.electrode.enters_from) {
+        Axis::Z => "weight of X in (4)",
+        _ => "weight of Z in (4)",
+    };
     let mut list = vec![
         symbol("R_h", "hub radius over the blades", range_text(summary.hub_radius_mm), "mm"),
         symbol("R_c", "shroud (or tip) radius over the blades", range_text(summary.shroud_radius_mm), "mm"),
@@ -240,7 +251,7 @@ fn symbols(outcome: &PlanOutcome, job: &PlanJob) -> Vec<Symbol> {
         symbol("x_1 - x_0", "distance of nodes", text(job.plan.step_mm), "mm"),
     ];
     for (name, meaning, value) in [
-        ("a1", "weight of Z in (4)", weights.a1),
+        ("a1", first_weight, weights.a1),
         ("b1", "weight of Y in (4)", weights.b1),
         ("c1", "weight of C in (4)", weights.c1),
         ("d1", "weight of A in (4), not in the paper", weights.d1),

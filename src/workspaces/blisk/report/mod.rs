@@ -318,7 +318,7 @@ pub struct ElectrodeReport {
     pub index: usize,
     /// Part of the channel that the electrode burns where the channel is divided; empty for a single electrode.
     pub share: String,
-    /// `+x` or `-x`, in W.
+    /// `-x`, `+x` or `outward`, in W.
     pub enters_from: String,
     /// Whether a path was found.
     pub extractable: bool,

@@ -15,7 +15,7 @@ pub struct ResidualStockReport {
     pub sentence: String,
     /// Deviations up to this count as none (mm).
     pub tolerance_mm: f64,
-    /// Volume of the channel over the X span of the blades (mm^3).
+    /// Volume of the channel over the span of the blades along the passage (mm^3).
     pub channel_volume_mm3: f64,
     /// Volume of the channel that no electrode erodes (mm^3).
     pub left_volume_mm3: f64,

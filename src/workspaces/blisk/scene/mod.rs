@@ -22,7 +22,7 @@ use render::colour::{Colour, Theme};
 use render::mesh::RenderMesh;
 use render::scene::{Grid, LineSet, Marker, Object, ObjectId, Scene, SectionPlane, SurfaceValues};
 use wheel::channel::Channel;
-use wheel::electrode::{Electrode, EntrySide};
+use wheel::electrode::Electrode;
 
 /// Something that can be shown or hidden as a whole.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -303,11 +303,8 @@ fn lines(scene: &mut Scene, inputs: &SceneInputs, electrode: &Electrode, track: 
     }
     let o = electrode.reference_point;
     let bounds = electrode.mesh.bounds();
-    let far = match electrode.enters_from {
-        EntrySide::MinusX => o.with_x(bounds.max.x),
-        EntrySide::PlusX => o.with_x(bounds.min.x),
-        EntrySide::Outward => o.with_z(bounds.min.z),
-    };
+    let direction = electrode.enters_from.direction();
+    let far = o + direction * (bounds.min.dot(direction).min(bounds.max.dot(direction)) - o.dot(direction));
     let points = [o, far];
     let colour = inputs.layers.get(Layer::Paths).colour;
     let polylines = points

@@ -22,7 +22,7 @@ use render::colour::{Colour, Theme};
 use render::mesh::RenderMesh;
 use render::scene::{Scene, SectionPlane};
 use task::{Cancelled, Task};
-use wheel::channel::{Channel, Surface};
+use wheel::channel::{Channel, Flow, Surface};
 use wheel::electrode::{Electrode, EntrySide};
 
 /// How solid the other poses of an electrode are.
@@ -178,13 +178,14 @@ impl<'a> Drawn<'a> {
         let height = 1.08 * size.x.max(size.y / aspect());
         let [low, high] = [Surface::LowWall, Surface::HighWall].map(|wall| channel.surface_name(wall));
         let shroud = if channel.shrouded { ", shroud" } else { "" };
+        let upwards = if channel.flow == Flow::Axial { "X" } else { "the passage" };
         let names = ["overcut", "as it should be", "residual stock"];
         let colours = [0.0, 0.5, 1.0].map(|t| residual_stock_legend(limit).map.at(t));
         PlanPicture {
             file: "view_2_leftover.png".to_owned(),
             title: "Residual stock on the surfaces of the channel".to_owned(),
             caption: format!(
-                "Unfolded and seen from within, X upwards; from the right {high}, hub, {low}{shroud}. The colours end \
+                "Unfolded and seen from within, {upwards} upwards; from the right {high}, hub, {low}{shroud}. The colours end \
                  at {limit:.3} mm either way. {}",
                 left.sentence(channel)
             ),

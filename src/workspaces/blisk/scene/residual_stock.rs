@@ -105,6 +105,9 @@ fn part_of(map: &DeviationMap, wanted: impl Fn(Surface) -> bool) -> (Mesh, Vec<f
 /// in W.
 pub(super) fn unfolded(map: &DeviationMap, channel: &Channel, limit: f64) -> (Vec<Object>, Bounds) {
     let to_mesh = from_w(&channel.frame);
+    // From hub to shroud becomes upwards, whichever way the passage runs.
+    let up = channel.line_at(channel.middle().along).up;
+    let lean = DMat3::from_rotation_y(-up.x.atan2(up.y));
     let mut top = f64::NEG_INFINITY;
     let (mut objects, mut around) = (Vec::new(), Bounds::EMPTY);
     // From the hub's top edge upwards, then the high wall below it all.
@@ -113,7 +116,8 @@ pub(super) fn unfolded(map: &DeviationMap, channel: &Channel, limit: f64) -> (Ve
         if part.triangles.is_empty() {
             continue;
         }
-        let turned = part.mapped(|p| opened(surface) * p);
+        let turn = opened(surface) * lean;
+        let turned = part.mapped(|p| turn * p);
         let bounds = turned.bounds();
         let y = match surface {
             _ if around.min.x > around.max.x => 0.0,
@@ -124,7 +128,7 @@ pub(super) fn unfolded(map: &DeviationMap, channel: &Channel, limit: f64) -> (Ve
         let placed = Bounds { min: bounds.min + shift, max: bounds.max + shift };
         around = Bounds { min: around.min.min(placed.min), max: around.max.max(placed.max) };
         top = around.max.y;
-        let at = to_mesh * DAffine3 { matrix3: opened(surface), translation: shift };
+        let at = to_mesh * DAffine3 { matrix3: turn, translation: shift };
         let mesh = Arc::new(RenderMesh::new(&part));
         let object = Object::new(layer_id(Layer::Blisk), mesh, STEEL).at(at);
         objects.push(Object { edges: false, values: Some(surface_values(Arc::new(values), limit)), ..object });

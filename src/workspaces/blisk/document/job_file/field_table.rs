@@ -144,7 +144,7 @@ const GROUPS: &[Group] = &[
                 .help("Angle by which this side of the electrode is turned about X away from its wall."),
             Field::number("electrode.radial_reduction_mm", "Radial reduction", "mm", 0.0, 100.0)
                 .slider(0.0, 3.0)
-                .help("Distance by which the shroud side is moved inwards along the radius."),
+                .help("Distance by which the shroud side is drawn in towards the hub."),
         ],
     },
     Group {
@@ -155,9 +155,9 @@ const GROUPS: &[Group] = &[
             Field::choice("electrode.enter", "Enter from", SIDES)
                 .help("Side of the blisk, in W, from which the electrode enters and to which it is retracted."),
             Field::integer("electrode.parts", "Parts", 1.0, 20.0)
-                .help("Number of electrodes along X (split along the passage)."),
+                .help("Number of electrodes along the passage."),
             Field::number("electrode.overlap_mm", "Overlap", "mm", 0.0, 100.0).decimals(2).help(
-                "Overlap along X of the burns of two neighbouring parts, spark gaps included; with 0 they \
+                "Overlap along the passage of the burns of two neighbouring parts, spark gaps included; with 0 they \
                  only meet.",
             ),
             Field::integer("electrode.columns", "Columns", 1.0, 2.0).help(
@@ -180,8 +180,8 @@ const GROUPS: &[Group] = &[
         is_folded: true,
         fields: &[
             Field::number("electrode.overrun_mm", "Overrun", "mm", 0.0, 100.0).decimals(2).help(
-                "How far the burning part reaches past the tips of the blades' edges, at most to the \
-                 blisk's face.",
+                "How far the burning part reaches past the tips of the blades' edges, at most to \
+                 where the passage ends.",
             ),
             Field::number("electrode.shank_inset_mm", "Shank inset", "mm", 0.02, 20.0)
                 .decimals(2)
@@ -191,16 +191,16 @@ const GROUPS: &[Group] = &[
                 .help("The same for the shank of a part that stands deeper in the channel."),
             Field::number("electrode.shank_length_mm", "Shank length", "mm", 0.5, 500.0)
                 .decimals(1)
-                .help("How far the shank reaches out of the blisk's face."),
-            Field::number("electrode.holder_mm[0]", "Holder along X", "mm", 0.5, 500.0)
+                .help("How far the shank reaches out of the blisk's face, or of its rim."),
+            Field::number("electrode.holder_mm[0]", "Holder length", "mm", 0.5, 500.0)
                 .decimals(1)
-                .help("Length of the holder block along X."),
+                .help("Length of the holder block along the direction of withdrawal."),
             Field::number("electrode.holder_mm[1]", "Holder across", "mm", 0.5, 500.0)
                 .decimals(1)
                 .help("Width of the holder block; it grows where the shank is larger."),
-            Field::number("electrode.holder_mm[2]", "Holder along radius", "mm", 0.5, 500.0)
+            Field::number("electrode.holder_mm[2]", "Holder height", "mm", 0.5, 500.0)
                 .decimals(1)
-                .help("Height of the holder block; it grows where the shank is larger."),
+                .help("Height of the holder block, from hub to shroud; it grows where the shank is larger."),
         ],
     },
     Group {
@@ -223,7 +223,7 @@ const GROUPS: &[Group] = &[
                  channel. The other two are for comparison.",
             ),
             Field::number("plan.step_mm", "Step", "mm", 0.01, 10.0).decimals(2).symbol("k").help(
-                "Distance between nodes along X, or along the centreline if that is followed; halved where \
+                "Distance between nodes along the axis of withdrawal, or along the centreline if that is followed; halved where \
                  no free pose is found.",
             ),
             Field::number("plan.exit_clearance_mm", "Exit clearance", "mm", 0.1, 200.0)
@@ -282,9 +282,9 @@ const GROUPS: &[Group] = &[
                     "Probability that a gene of an individual worse than average mutates; it falls to 0 for the \
                      best.",
                 ),
-            Field::number("genetic.precision_mm", "Precision Y, Z", "mm", 1e-5, 0.1)
+            Field::number("genetic.precision_mm", "Precision X, Y, Z", "mm", 1e-5, 0.1)
                 .decimals(5)
-                .help("Step of Y and Z in the coding of an individual (8)."),
+                .help("Step of X, Y and Z in the coding of an individual (8)."),
             Field::number("genetic.precision_deg", "Precision A, B, C, h", "deg", 1e-5, 0.1)
                 .decimals(5)
                 .help("Step of angles in the coding of an individual (8)."),
@@ -317,7 +317,7 @@ const GROUPS: &[Group] = &[
                 .slider(0.0, 1.0)
                 .decimals(2)
                 .symbol("a1")
-                .help("Weight of Z among the axes."),
+                .help("Weight of Z among the axes; of X for an electrode from the rim."),
             Field::number("plan.weights.b1", "Smooth Y", "", 0.0, ANY)
                 .slider(0.0, 1.0)
                 .decimals(2)

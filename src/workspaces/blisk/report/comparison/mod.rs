@@ -54,8 +54,11 @@ pub struct RunElectrode {
     pub index: usize,
     /// Part of the channel that the electrode burns where the channel is divided; empty for a single electrode.
     pub share: String,
-    /// `+x` or `-x`, in W.
+    /// `-x`, `+x` or `outward`, in W.
     pub enters_from: &'static str,
+    /// The axis along which it is withdrawn, which moves evenly with the distance.
+    #[serde(skip)]
+    pub withdrawn: Axis,
     /// The answer in a sentence.
     pub verdict: String,
     /// Whether its path is certified.
@@ -116,6 +119,7 @@ impl RunElectrode {
             index,
             share: electrode.share(),
             enters_from: electrode.enters_from.name(),
+            withdrawn: Axis::of_withdrawal(electrode.enters_from),
             verdict: plan.verdict(channel),
             certified: plan.is_verified(),
             certified_clearance_mm: path.map(|p| p.certificate.certified()),

@@ -38,7 +38,8 @@ struct ElectrodeRuns<'a> {
     /// Whether not all enter from the same side.
     has_two_sides: bool,
     found: Vec<Found<'a>>,
-    /// The letter of each axis but X, which is the abscissa itself, and an overlay of all runs where one moves it.
+    /// The letter of each axis but that of withdrawal, which is the abscissa itself, and an overlay of all runs where one
+    /// moves it.
     axes: Vec<(char, Option<String>)>,
 }
 
@@ -58,7 +59,11 @@ impl<'a> ElectrodeRuns<'a> {
         Self {
             share: found.first().map_or("", |f| &*f.electrode.share),
             has_two_sides: found.windows(2).any(|w| w[0].electrode.enters_from != w[1].electrode.enters_from),
-            axes: Axis::ALL[1..].iter().map(|axis| (axis.letter(), plot(*axis, &found))).collect(),
+            axes: Axis::ALL
+                .into_iter()
+                .filter(|axis| found.iter().any(|f| f.electrode.withdrawn != *axis))
+                .map(|axis| (axis.letter(), plot(axis, &found)))
+                .collect(),
             found,
         }
     }

@@ -21,6 +21,7 @@ fn electrode(certified: bool) -> RunElectrode {
         index: 1,
         share: String::new(),
         enters_from: "-x",
+        withdrawn: Axis::X,
         verdict: "jams <here>, at node 2".to_owned(),
         certified,
         certified_clearance_mm: certified.then_some(0.0995),
