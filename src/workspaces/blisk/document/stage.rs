@@ -98,7 +98,9 @@ mod tests {
         assert_eq!(changed(|j| j.electrode.radial_reduction_mm = 0.7), [Electrode, Plan, Verify, Export]);
         assert_eq!(changed(|j| j.genetic.seed = 9), [Plan, Verify, Export]);
         assert_eq!(changed(|j| j.export.post = "other".into()), [Export]);
-        assert_eq!(changed(|j| j.machine.name = "xyzc".into()), [Plan, Verify, Export]);
+        assert_eq!(changed(|j| j.machine.body_clearance_mm += 1.0), [Plan, Verify, Export]);
+        // Bodies of a machine decide which sides of entry are left.
+        assert_eq!(changed(|j| j.machine.name = "xyzc".into()), [Electrode, Plan, Verify, Export]);
         assert_eq!(
             changed(|j| j.export.channels = crate::workspaces::blisk::document::choice::Channels::All),
             [Plan, Verify, Export]
