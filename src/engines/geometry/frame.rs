@@ -86,6 +86,11 @@ pub fn wrap_angle(angle: f64) -> f64 {
     if turned > std::f64::consts::PI { turned - std::f64::consts::TAU } else { turned }
 }
 
+/// The angle equal to `angle` up to whole turns that is nearest to `near` (rad).
+pub fn angle_near(angle: f64, near: f64) -> f64 {
+    angle + std::f64::consts::TAU * ((near - angle) / std::f64::consts::TAU).round()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,5 +108,14 @@ mod tests {
         let p = Cylindrical { x: 3.0, r: 7.0, theta: 0.4 }.point();
         let turned = Cylindrical::from_point(DMat3::from_rotation_x(0.3) * p);
         assert!((turned.theta - 0.7).abs() < 1e-12 && (turned.r - 7.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_nearest_equal_angle_is_within_half_a_turn() {
+        for (angle, near, expected) in
+            [(3.0, -3.0, 3.0 - std::f64::consts::TAU), (0.5, 0.4, 0.5), (-0.1, 13.0, 4.0 * std::f64::consts::PI - 0.1)]
+        {
+            assert!((angle_near(angle, near) - expected).abs() < 1e-12, "{angle} near {near}");
+        }
     }
 }

@@ -31,7 +31,7 @@ use super::pose::Pose;
 use cutter::{Cutter, CutterError, REACH};
 use geometry::distance_field::DistanceField;
 use geometry::exact::ExactMeshError;
-use geometry::frame::Cylindrical;
+use geometry::frame::{Cylindrical, angle_near};
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
 use wheel::channel::{Channel, Surface};
@@ -267,8 +267,7 @@ struct Passage<'a> {
 
 impl<'a> Passage<'a> {
     fn new(channel: &'a Channel) -> Option<Self> {
-        let tables = [WallTable::new(&channel.low, channel)?, WallTable::new(&channel.high, channel)?];
-        Some(Self { channel, tables, span: channel.span_along() })
+        Some(Self { channel, tables: WallTable::of(channel)?, span: channel.span_along() })
     }
 
     /// The angles of the low and the high wall at a position along the passage and a height there (rad).
@@ -287,7 +286,7 @@ impl<'a> Passage<'a> {
         let Cylindrical { r, theta, .. } = Cylindrical::from_point(p);
         let [along, height] = self.along_and_height(p);
         let [low, high] = self.between(along, height);
-        (theta - low - share * (high - low)) * r
+        (angle_near(theta, 0.5 * (low + high)) - low - share * (high - low)) * r
     }
 
     /// Whether a point of the surface bounds the room, to within `slack` (mm) along the circumference.
@@ -296,6 +295,7 @@ impl<'a> Passage<'a> {
         let [along, height] = self.along_and_height(p);
         let [low, high] = self.between(along, height);
         let [from, to] = self.span;
-        (from..=to).contains(&along) && (low - slack / r..=high + slack / r).contains(&theta)
+        (from..=to).contains(&along)
+            && (low - slack / r..=high + slack / r).contains(&angle_near(theta, 0.5 * (low + high)))
     }
 }

@@ -71,9 +71,8 @@ impl<'a> Boundary<'a> {
         params: &ElectrodeParams,
         room: f64,
     ) -> Result<Self, ElectrodeError> {
-        let table = |wall| {
-            WallTable::new(wall, channel).ok_or(ElectrodeError::BadChannel("a wall has fewer than 2 x 2 points"))
-        };
+        let tables = WallTable::of(channel)
+            .ok_or(ElectrodeError::BadChannel("the walls are not grids of 2 x 2 points or more"))?;
         if channel.meridian.len() < 2 {
             return Err(ElectrodeError::BadChannel("its hub and shroud radii are missing"));
         }
@@ -83,7 +82,7 @@ impl<'a> Boundary<'a> {
             blisk,
             gap: params.spark_gap_mm + room,
             radial_reduction: params.radial_reduction_mm,
-            tables: [table(&channel.low)?, table(&channel.high)?],
+            tables,
             rows: (height / ROW).ceil().clamp(4.0, 40.0) as usize,
         })
     }

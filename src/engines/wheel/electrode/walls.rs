@@ -1,8 +1,11 @@
 //! Tables of the walls of a channel, which are grids of points, by position along the passage and height.
 
+use std::f64::consts::FRAC_PI_2;
+
 use glam::DVec2;
 
 use crate::channel::{Channel, ChannelWall};
+use geometry::frame::angle_near;
 
 /// A wall as lines along the chord, one for each position between hub and shroud.
 pub struct WallTable {
@@ -27,18 +30,40 @@ pub struct WallPlace {
 }
 
 impl WallTable {
-    /// `None` when the grid has too few points to look anything up.
-    pub fn new(wall: &ChannelWall, channel: &Channel) -> Option<Self> {
-        if wall.nu < 2 || wall.nv < 2 || wall.points.len() != wall.nu * wall.nv {
+    /// Of the low and the high wall. Angles are continuous along the passage, however far it winds about the axis, and
+    /// those of the high wall are greater than those of the low one beside it. `None` when the grids have too few points
+    /// to look anything up.
+    pub fn of(channel: &Channel) -> Option<[Self; 2]> {
+        let Channel { low, high, .. } = channel;
+        let is_grid = |wall: &ChannelWall| wall.nu >= 2 && wall.nv >= 2 && wall.points.len() == wall.nu * wall.nv;
+        if !is_grid(low) || !is_grid(high) || [low.nu, low.nv] != [high.nu, high.nv] {
             return None;
         }
-        let point = |u, v| {
-            let place = wall.cylindrical(u, v);
-            let [along, height] = channel.along_and_height(DVec2::new(place.x, place.r));
-            WallPoint { along, height, theta: place.theta }
+        let theta = |wall: &ChannelWall, u: usize, v: usize| wall.cylindrical(u, v).theta;
+        let start = (0..low.nu).min_by(|&a, &b| theta(low, a, 0).abs().total_cmp(&theta(low, b, 0).abs()))?;
+        // Angles of both walls from hub to shroud, outwards from where the low wall is nearest to W's +Z.
+        let mut columns = vec![Vec::new(); low.nu];
+        let mut near = theta(low, start, 0);
+        for u in (start..low.nu).chain((0..start).rev()) {
+            if u + 1 == start {
+                near = theta(low, start, 0);
+            }
+            for v in 0..low.nv {
+                let at_low = angle_near(theta(low, u, v), near);
+                columns[u].push([at_low, angle_near(theta(high, u, v), at_low + FRAC_PI_2)]);
+                near = at_low;
+            }
+            near = columns[u][0][0];
+        }
+        let table = |(i, wall): (usize, &ChannelWall)| {
+            let point = |u, v| {
+                let place = wall.cylindrical(u, v);
+                let [along, height] = channel.along_and_height(DVec2::new(place.x, place.r));
+                WallPoint { along, height, theta: columns[u][v][i] }
+            };
+            Self { lines: (0..wall.nv).map(|v| (0..wall.nu).map(|u| point(u, v)).collect()).collect() }
         };
-        let line = |v| (0..wall.nu).map(|u| point(u, v)).collect();
-        Some(Self { lines: (0..wall.nv).map(line).collect() })
+        Some([(0, low), (1, high)].map(table))
     }
 
     /// The wall at a position along the passage and a height on the line across it, x and the radius in an axial
@@ -71,5 +96,38 @@ impl WallTable {
         let t = if b.along > a.along { (along - a.along) / (b.along - a.along) } else { 0.0 };
         let mix = |a: f64, b: f64| a + t * (b - a);
         (ends, WallPoint { along, height: mix(a.height, b.height), theta: mix(a.theta, b.theta) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::fixtures::exact_channel;
+    use crate::parametric::ParametricBlisk;
+    use glam::DMat3;
+
+    #[test]
+    fn angles_of_walls_that_wind_far_about_the_axis_go_on() {
+        let mut channel = exact_channel(&ParametricBlisk::default());
+        let [from, to] = channel.span_x();
+        let flat = WallTable::of(&channel).unwrap();
+        // The walls wound once more about the axis from edge to edge, and a quarter turn away from +Z.
+        let wind = |x: f64| TAU * (0.25 + (x - from) / (to - from));
+        for point in channel.low.points.iter_mut().chain(&mut channel.high.points) {
+            *point = DMat3::from_rotation_x(wind(point.x)) * *point;
+        }
+        let wound = WallTable::of(&channel).unwrap();
+        let mut turns = Vec::new();
+        for (i, wall) in [&channel.low, &channel.high].into_iter().enumerate() {
+            for place in wall.points.iter().map(|p| DVec2::new(p.x, p.y.hypot(p.z))) {
+                let [was, is] = [&flat, &wound].map(|tables| tables[i].at(place.x, place.y).theta);
+                turns.push((is - was - wind(place.x)) / TAU);
+            }
+        }
+        // The same number of whole turns everywhere, on both walls: no jump between any two places.
+        assert!((turns[0] - turns[0].round()).abs() < 1e-9, "{}", turns[0]);
+        assert!(turns.iter().all(|turn| (turn - turns[0]).abs() < 1e-9), "{turns:?}");
     }
 }

@@ -10,7 +10,7 @@ use super::super::error::BliskError;
 use super::super::frame::slices::{Crossing, Gap, Slices};
 use super::meridian::{Meridian, Tracer};
 use super::walls::INSET;
-use geometry::frame::Cylindrical;
+use geometry::frame::{Cylindrical, angle_near};
 
 /// Least share of the samples of a surface that must not be doubted.
 const ENOUGH: f64 = 0.95;
@@ -125,7 +125,7 @@ impl Measured<'_> {
         let meets = |u: usize| {
             let ends = self.walls.map(|wall| wall.cylindrical(u, middle));
             let station = station_at(stations, along_at(stations, DVec2::new(ends[0].x, ends[0].r), 0.5));
-            let theta = 0.5 * (ends[0].theta + unwrapped(ends[1].theta, ends[0].theta)) + turn;
+            let theta = 0.5 * (ends[0].theta + angle_near(ends[1].theta, ends[0].theta)) + turn;
             let [from, toward] = self.tracer.start_of(&station, 1.0 - START, Surface::Shroud);
             self.tracer.met(theta, from, toward, station.height()).is_some()
         };
@@ -144,7 +144,7 @@ impl Measured<'_> {
             let edges = [0, wall.nu - 1].map(|u| self.walls.map(|wall| wall.cylindrical(u, v)));
             let length = along(edges[1][0]) - along(edges[0][0]);
             for (ends, way) in edges.into_iter().zip([-length, length]) {
-                let middle = 0.5 * (ends[0].theta + unwrapped(ends[1].theta, ends[0].theta));
+                let middle = 0.5 * (ends[0].theta + angle_near(ends[1].theta, ends[0].theta));
                 for beyond in BEYOND {
                     // Not beyond the passage's own ends, where there may be other things.
                     let at = station_at(stations, along(ends[0]) + beyond * way).place(share);
@@ -200,7 +200,7 @@ impl Measured<'_> {
         let sample = |&(u, v): &(usize, usize)| {
             let (at, sag) = cell(wall, u, v);
             let Cylindrical { x, r, theta } = Cylindrical::from_point(at);
-            let thetas = self.walls.map(|wall| unwrapped(Cylindrical::from_point(cell(wall, u, v).0).theta, theta));
+            let thetas = self.walls.map(|wall| angle_near(Cylindrical::from_point(cell(wall, u, v).0).theta, theta));
             let near = |t: f64| Crossing { theta: t + turn, enters: true, triangle: 0 };
             let near = Gap { low: near(thetas[0].min(theta)), high: near(thetas[1].max(theta)) };
             let found = tracer.bladed_gap(x, r, &near).map(|gap| end(&gap));
@@ -233,7 +233,7 @@ impl Measured<'_> {
             let station = station_at(meridian, along_at(meridian, middle, INSET + (1.0 - 2.0 * INSET) * share));
             let [from, toward] = tracer.start_of(&station, start, surface);
             let expected = START * station.height();
-            let [first, last] = [ends[0].theta, unwrapped(ends[1].theta, ends[0].theta)];
+            let [first, last] = [ends[0].theta, angle_near(ends[1].theta, ends[0].theta)];
             let (middle, half) = (0.5 * (first + last) + turn, 0.5 * MIDDLE_SHARE * (last - first));
             let samples =
                 (0..across).map(move |k| {
@@ -294,11 +294,6 @@ fn summary(surface: Surface, samples: Vec<Sample>, doubt: f64) -> Agreement {
         greatest_mm: worst.map_or(0.0, |s| s.off.abs()),
         at: worst.map_or(DVec3::ZERO, |s| s.at),
     }
-}
-
-/// `theta` in the turn that is nearest to `near`.
-fn unwrapped(theta: f64, near: f64) -> f64 {
-    near + geometry::frame::wrap_angle(theta - near)
 }
 
 /// How far a triangle that is met at radius `r` may lie off the surface of revolution that it stands for (mm): its
