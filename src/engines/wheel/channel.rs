@@ -137,6 +137,19 @@ impl Station {
     }
 }
 
+/// A passage opens in a direction where its end runs along it within 45 degrees (cosine).
+pub(crate) const OPENS: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// The unit directions (x, r) in which a passage that is not axial runs out of its first and its last station; zero
+/// where it has no length.
+pub(crate) fn ways_out(stations: &[Station]) -> [DVec2; 2] {
+    let [first, .., last] = stations else { return [DVec2::ZERO; 2] };
+    let near = 0.1 * (last.along - first.along);
+    let at = |along: f64| station_at(stations, along).place(0.5);
+    let ways = [at(first.along) - at(first.along + near), at(last.along) - at(last.along - near)];
+    ways.map(|way| way.normalize_or_zero())
+}
+
 /// A straight line across the passage in the meridional plane at any position along it: turned about the axis a plane
 /// across X in an axial channel, else a cone, or a cylinder.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -279,7 +292,7 @@ impl Channel {
         station_at(&self.meridian, along)
     }
 
-    /// The line across the passage at a position along it.
+    /// The line across the passage at a position along it; beyond its ends the passage goes straight on.
     pub fn line_at(&self, along: f64) -> Line {
         if self.flow == Flow::Axial {
             let (hub, shroud) = self.radii_at(along);
@@ -287,7 +300,9 @@ impl Channel {
         }
         let station = self.station_at(along);
         let up = (station.shroud - station.hub).normalize_or(DVec2::Y);
-        Line { along, origin: station.hub, up, ends: [0.0, station.height()] }
+        let ([front, back], [first, last]) = (self.ends_along(), ways_out(&self.meridian));
+        let beyond = (front - along).max(0.0) * first + (along - back).max(0.0) * last;
+        Line { along, origin: station.hub + beyond, up, ends: [0.0, station.height()] }
     }
 
     /// Position along the passage of the place (x, r), and its height on the line across the passage there (mm).

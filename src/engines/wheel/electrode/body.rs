@@ -85,9 +85,9 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     if let Some(last) = shank.last() {
         let direction = plan.side.direction();
         let last = points(last);
-        // The shank goes on straight, to a plane beyond the face or the rim.
-        let furthest = last.iter().map(|p| p.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
-        let end = furthest.max(outermost(plan.channel, plan.side)) + params.shank_length_mm;
+        // The shank goes on straight, to a plane beyond the face or, all of it, beyond the rim.
+        let furthest = last.iter().map(|p| beyond(plan.channel, plan.side, *p)).fold(f64::NEG_INFINITY, f64::max);
+        let end = furthest + params.shank_length_mm;
         let end: Vec<DVec3> = last.iter().map(|p| p.reject_from_normalized(direction) + end * direction).collect();
         skin.add(end.clone(), |_| ElectrodeFace::Shank);
         let block = block(&end, plan, finisher.layout, &mut assumed);
@@ -126,7 +126,7 @@ fn finish(plan: &Plan, mesh: Mesh, faces: Vec<ElectrodeFace>, m: Measures, mut a
     }
     Electrode {
         enters_from: plan.side,
-        reference_point: measure::reference_point(&mesh, &faces),
+        reference_point: measure::reference_point(&mesh, &faces, plan.side),
         part: plan.part,
         parts: plan.params.parts,
         column: plan.column,
@@ -140,13 +140,18 @@ fn finish(plan: &Plan, mesh: Mesh, faces: Vec<ElectrodeFace>, m: Measures, mut a
     }
 }
 
-/// Where the channel's face, or its rim, ends in the direction of withdrawal to `side` (mm).
-fn outermost(channel: &Channel, side: EntrySide) -> f64 {
-    match side {
+/// Position along the direction of withdrawal to `side` at which a point of the shank that goes on from `p` is out of
+/// the blisk (mm).
+fn beyond(channel: &Channel, side: EntrySide, p: DVec3) -> f64 {
+    let out = match side {
         EntrySide::MinusX => -channel.faces_x[0],
         EntrySide::PlusX => channel.faces_x[1],
-        EntrySide::Outward => channel.meridian.iter().map(|s| s.hub.y.max(s.shroud.y)).fold(0.0, f64::max),
-    }
+        EntrySide::Outward => {
+            let rim = channel.meridian.iter().map(|s| s.hub.y.max(s.shroud.y)).fold(0.0, f64::max);
+            (rim * rim - p.y * p.y).max(0.0).sqrt()
+        }
+    };
+    out.max(p.dot(side.direction()))
 }
 
 /// The ring of the holder block around the end of the shank, its corners at the shank's corners.

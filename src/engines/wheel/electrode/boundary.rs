@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::walls::WallTable;
 use super::{ElectrodeError, ElectrodeParams};
-use crate::channel::{Channel, Line, Station};
+use crate::channel::{Channel, ChannelWall, Flow, Line, Station};
 use geometry::exact::ExactMesh;
 use geometry::inside::guarded_distance;
 use task::Cancel;
@@ -17,6 +17,8 @@ const LEAP: f64 = 0.3;
 /// How far above the hub and below the shroud the corners of a section are searched, so that the walk along the
 /// end wall is free (mm).
 const CORNER_LIFT: f64 = 1e-3;
+/// How far from its wall the search for a corner begins (mm).
+const CORNER_INSET: f64 = 0.3;
 /// How much the radii of the channel may be wrong (mm).
 const MERIDIAN_SLACK: f64 = 0.05;
 /// Distance between planes before they are refined (mm).
@@ -27,6 +29,8 @@ const CHORD_ERROR: f64 = 2e-3;
 const LEAST_STEP: f64 = 0.01;
 /// Planes at most; where they do not suffice the deepest cuts are refined.
 const MOST_PLANES: usize = 130;
+/// Beside an edge that is flush with the end of the passage sections are traced at least up to here from it (mm).
+const DEEPEST: f64 = 1.0;
 /// Rounds of halving at most.
 const MOST_ROUNDS: usize = 10;
 /// Height of a row of faces on the walls (mm).
@@ -56,6 +60,10 @@ pub(super) struct Boundary<'a> {
     pub(super) blisk: &'a ExactMesh,
     pub(super) gap: f64,
     pub(super) radial_reduction: f64,
+    /// Positions along the passage between which sections are traced on the blisk (mm); infinite unless the blades end
+    /// flush with the passage. Beside such an edge a circle leaves the blisk between the facets of the rim; there
+    /// sections go straight on.
+    traced: [f64; 2],
     tables: [WallTable; 2],
     rows: usize,
 }
@@ -77,14 +85,34 @@ impl<'a> Boundary<'a> {
             return Err(ElectrodeError::BadChannel("its hub and shroud radii are missing"));
         }
         let height = channel.meridian.iter().map(Station::height).fold(0.0, f64::max);
-        Ok(Self {
+        let mut boundary = Self {
             channel,
             blisk,
             gap: params.spark_gap_mm + room,
             radial_reduction: params.radial_reduction_mm,
+            traced: [f64::NEG_INFINITY, f64::INFINITY],
             tables,
             rows: (height / ROW).ceil().clamp(4.0, 40.0) as usize,
-        })
+        };
+        for end in flush_ends(channel, params) {
+            boundary.traced[end] = boundary.last_traced(end);
+        }
+        Ok(boundary)
+    }
+
+    /// Next to the flush end `end` of the blades, the position nearest to it where metal bounds both walls all the way
+    /// from hub to shroud (mm).
+    fn last_traced(&self, end: usize) -> f64 {
+        let tip = self.channel.span_along()[end];
+        let inwards = [1.0, -1.0][end];
+        let is_bounded = |along: f64| {
+            let line = self.channel.line_at(along);
+            let is_held = |spot: &Spot| self.clearance(&line, *spot) <= 2.0 * TOLERANCE;
+            self.section(line).is_ok_and(|section| section.walls.iter().flatten().all(is_held))
+        };
+        let depths = std::iter::successors(Some(self.gap), |depth| Some(1.5 * depth));
+        let mut places = depths.take_while(|depth| *depth <= DEEPEST).map(|depth| tip + inwards * depth);
+        places.find(|&along| is_bounded(along)).unwrap_or(tip + inwards * DEEPEST)
     }
 
     /// Distance to the blisk less the gap (mm).
@@ -103,11 +131,17 @@ impl<'a> Boundary<'a> {
         let steps = ((extent[1] - extent[0]) / STEP).ceil().clamp(2.0, MOST_PLANES as f64 / 2.0);
         let mut places: Vec<f64> = planes.to_vec();
         places.extend((0..=steps as usize).map(|i| extent[0] + (extent[1] - extent[0]) * i as f64 / steps));
+        // Beyond what is traced a section goes straight on: the last one is enough.
+        let [first, last] = self.traced;
+        places.retain(|at| (first..=last).contains(at) || extent.contains(at));
+        let mut kept: Vec<f64> = self.traced.into_iter().filter(|at| (extent[0]..=extent[1]).contains(at)).collect();
+        places.extend(&kept);
+        kept.extend(planes.iter().chain(&extent));
         places.sort_by(f64::total_cmp);
         // Where a step falls next to a plane that must be there, the plane is enough.
         places.dedup_by(|b, a| *b - *a < 1e-9);
-        let near_plane = |at: f64| planes.iter().any(|p| *p != at && (p - at).abs() < 0.2 * STEP);
-        places.retain(|&at| planes.contains(&at) || at == extent[0] || at == extent[1] || !near_plane(at));
+        let is_beside_kept = |at: f64| kept.iter().any(|p| *p != at && (p - at).abs() < 0.2 * STEP);
+        places.retain(|&at| kept.contains(&at) || !is_beside_kept(at));
         let mut sections = self.solve(&places, cancel)?;
         for _ in 0..MOST_ROUNDS {
             let split = self.splits(&sections, extent, cancel)?;
@@ -125,7 +159,7 @@ impl<'a> Boundary<'a> {
             .par_iter()
             .map(|&along| {
                 cancel.check()?;
-                self.section(self.channel.line_at(along))
+                self.section_at(along)
             })
             .collect();
         solved.into_iter().collect()
@@ -137,7 +171,8 @@ impl<'a> Boundary<'a> {
         let cut = |i: usize| {
             let (a, b) = (&sections[i], &sections[i + 1]);
             let [from, to] = [a, b].map(|section| section.line.along);
-            let is_inside = from > extent[0] - 1e-9 && to < extent[1] + 1e-9;
+            let [first, last] = self.traced;
+            let is_inside = from > extent[0].max(first) - 1e-9 && to < extent[1].min(last) + 1e-9;
             let may_split = is_inside && to - from >= 2.0 * LEAST_STEP;
             let depth = if may_split { self.chord_depth(a, b) } else { 0.0 };
             (depth > CHORD_ERROR).then_some((depth, 0.5 * (from + to)))
@@ -157,7 +192,21 @@ impl<'a> Boundary<'a> {
         middles.map(|middle| self.gap - guarded_distance(self.blisk, middle)).fold(0.0, f64::max)
     }
 
-    /// The boundary across the passage on `line`.
+    /// The boundary across the passage at a position along it.
+    fn section_at(&self, along: f64) -> Result<Section, ElectrodeError> {
+        let last = along.clamp(self.traced[0], self.traced[1]);
+        let near = self.section(self.channel.line_at(last))?;
+        if last == along {
+            return Ok(near);
+        }
+        let further = self.section(self.channel.line_at(2.0 * last - along))?;
+        let line = self.channel.line_at(along);
+        let go_on = |(a, b): (&Spot, &Spot)| Spot { height: 2.0 * a.height - b.height, theta: 2.0 * a.theta - b.theta };
+        let walls = [0, 1].map(|w| near.walls[w].iter().zip(&further.walls[w]).map(go_on).collect());
+        Ok(Section { line, walls })
+    }
+
+    /// The boundary across the passage on `line`, traced on the blisk.
     fn section(&self, line: Line) -> Result<Section, ElectrodeError> {
         let [hub, shroud] = line.ends;
         let height = 0.5 * (hub + shroud);
@@ -249,7 +298,12 @@ impl<'a> Boundary<'a> {
     /// The search runs along the end wall just inside its gap, and goes over facets of the end wall that rise into it.
     fn corner(&self, w: usize, line: &Line, beside: Spot, up: f64) -> Spot {
         let radius = line.radius(beside.height);
-        let inset = 0.3f64.min(0.5 * ((beside.theta - self.middle(line, beside.height)) * OUTWARDS[w] * radius).abs());
+        let middle = self.middle(line, beside.height);
+        // On the way to the end wall the blade may lean into the passage.
+        let end = line.ends[usize::from(up > 0.0)];
+        let lean = (beside.theta - self.tables[w].at(line.along, end).theta) * OUTWARDS[w] * radius;
+        let inset = if lean > CORNER_INSET { CORNER_INSET + lean } else { CORNER_INSET };
+        let inset = inset.min(0.5 * ((beside.theta - middle) * OUTWARDS[w] * radius).abs());
         let start = Spot { theta: beside.theta - OUTWARDS[w] * inset / radius, ..beside };
         let (end_wall, drawn_in) = match up {
             up if up < 0.0 => (self.descend(line, start), 0.0),
@@ -263,10 +317,11 @@ impl<'a> Boundary<'a> {
         loop {
             corner = self.outwards(w, line, corner);
             let is_stopped = self.clearance(line, corner) <= TOLERANCE;
-            if !is_stopped || lift > 0.1 || !self.is_across(line, corner) {
+            let lifted = Spot { height: corner.height - up * lift, ..corner };
+            if !is_stopped || lift > 0.1 || !self.is_across(line, corner) || self.clearance(line, lifted) < 0.0 {
                 return corner;
             }
-            corner.height -= up * lift;
+            corner = lifted;
             lift *= 2.0;
         }
     }
@@ -277,6 +332,21 @@ impl<'a> Boundary<'a> {
         let [up, around] = components(point, line.up, point - self.blisk.nearest(point).point);
         up.abs() > around.abs()
     }
+}
+
+/// The ends of the passage, 0 the first, where the blades end flush with it all the way from hub to shroud, to within
+/// the gap; none in an axial channel, whose rings are traced as far as its faces.
+pub(super) fn flush_ends(channel: &Channel, params: &ElectrodeParams) -> impl Iterator<Item = usize> {
+    let is_flush = |end: usize| {
+        let along = |wall: &ChannelWall, v: usize| {
+            let place = wall.cylindrical(end * (wall.nu - 1), v);
+            channel.along_and_height(DVec2::new(place.x, place.r))[0]
+        };
+        let mut edges = [&channel.low, &channel.high].into_iter().flat_map(|wall| (0..wall.nv).map(move |v| (wall, v)));
+        edges.all(|(wall, v)| (along(wall, v) - channel.ends_along()[end]).abs() < params.spark_gap_mm)
+    };
+    let flush = if channel.flow == Flow::Axial { [false; 2] } else { [0, 1].map(is_flush) };
+    (0..2).filter(move |&end| flush[end])
 }
 
 /// Components of a direction at `point` along `up` (x, r) in the meridional plane there, and along theta.

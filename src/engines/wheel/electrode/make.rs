@@ -1,7 +1,7 @@
 //! Making the electrodes of a channel: its division into parts and columns (P1), and the junctions between them.
 
 use super::body::{self, Plan};
-use super::boundary::{Boundary, Section, Spot};
+use super::boundary::{Boundary, Section, Spot, flush_ends};
 use super::ring::Finisher;
 use super::{Column, Electrode, ElectrodeError, ElectrodeParams, EntrySide};
 use crate::channel::Channel;
@@ -82,11 +82,16 @@ fn with_room(
     Ok(electrodes)
 }
 
-/// The span along the passage that is burned: that of the blades and the overrun, at most to the faces.
+/// The span along the passage that is burned: that of the blades and the overrun, at most to the faces; past blades that
+/// end flush with the passage by the spark gap, where the electrode is out of the blisk.
 fn burning_extent(channel: &Channel, params: &ElectrodeParams) -> [f64; 2] {
     let [from, to] = channel.span_along();
     let [front, back] = channel.ends_along();
-    [(from - params.overrun_mm).max(front.min(from)), (to + params.overrun_mm).min(back.max(to))]
+    let mut extent = [(from - params.overrun_mm).max(front.min(from)), (to + params.overrun_mm).min(back.max(to))];
+    for end in flush_ends(channel, params) {
+        extent[end] = [from - params.spark_gap_mm, to + params.spark_gap_mm][end];
+    }
+    extent
 }
 
 /// The span along the passage of each part, counted from the side of entry, which is that of the last station or not.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{ElectrodeError, ElectrodeFace};
+use super::{ElectrodeError, ElectrodeFace, EntrySide};
 use geometry::exact::ExactMesh;
 use geometry::inside::guarded_distance;
 use geometry::mesh::{Mesh, normal_times_two_areas, unit_normal};
@@ -47,11 +47,15 @@ pub(super) fn burn_area(mesh: &Mesh, faces: &[ElectrodeFace]) -> f64 {
     burning.map(|(corners, _)| 0.5 * normal_times_two_areas(corners).length()).sum()
 }
 
-/// The middle of the burning faces along X, y = 0, the mean of their least and greatest radius as z (mm).
-pub(super) fn reference_point(mesh: &Mesh, faces: &[ElectrodeFace]) -> DVec3 {
+/// The reference point O of an electrode: the middle of its burning faces along X, y = 0, the mean of their least and
+/// greatest radius as z; of one that leaves along Z the middle of their box (mm).
+pub(super) fn reference_point(mesh: &Mesh, faces: &[ElectrodeFace], side: EntrySide) -> DVec3 {
     let burning = mesh.iter_corners().zip(faces).filter(|(_, face)| face.burns()).flat_map(|(corners, _)| corners);
-    let places = burning.map(|p| DVec3::new(p.x, 0.0, p.y.hypot(p.z)));
-    geometry::mesh::Bounds::of(places).center()
+    let place = |p: DVec3| match side {
+        EntrySide::MinusX | EntrySide::PlusX => DVec3::new(p.x, 0.0, p.y.hypot(p.z)),
+        EntrySide::Outward => p,
+    };
+    geometry::mesh::Bounds::of(burning.map(place)).center()
 }
 
 /// The thinnest metal between the low and the high wall, or a wall and the division, from the centre of each wall face

@@ -31,7 +31,7 @@ pub use make::{Junctions, make_electrodes};
 pub use own::from_user_mesh;
 pub use params::{ElectrodeParams, EnterSide, Sizing};
 
-use crate::channel::{Channel, Flow};
+use crate::channel::{Channel, Flow, OPENS, ways_out};
 use geometry::exact::ExactMeshError;
 use geometry::mesh::Mesh;
 use task::Cancelled;
@@ -104,9 +104,6 @@ pub enum EntrySide {
 impl EntrySide {
     /// All sides, in the order in which they are tried.
     pub const ALL: [Self; 3] = [Self::MinusX, Self::PlusX, Self::Outward];
-    /// A passage opens to a side where its end runs towards it within 45 degrees (cosine).
-    const OPENS: f64 = std::f64::consts::FRAC_1_SQRT_2;
-
     /// The sign of the direction in which the electrode is withdrawn, on the axis along which it is.
     pub fn sign(self) -> f64 {
         match self {
@@ -162,16 +159,10 @@ impl EntrySide {
             Self::PlusX => DVec2::X,
             Self::Outward => DVec2::Y,
         };
-        let [first, last] = if channel.flow == Flow::Axial {
-            [DVec2::NEG_X, DVec2::X]
-        } else {
-            let [front, back] = channel.ends_along();
-            let at = |along: f64| channel.station_at(along).place(0.5);
-            let near = 0.1 * (back - front);
-            [at(front) - at(front + near), at(back) - at(back - near)].map(|way| way.normalize_or_zero())
-        };
+        let [first, last] =
+            if channel.flow == Flow::Axial { [DVec2::NEG_X, DVec2::X] } else { ways_out(&channel.meridian) };
         match [first, last].map(|way| way.dot(towards)) {
-            [first, last] if first.max(last) < Self::OPENS => Err(no_mouth),
+            [first, last] if first.max(last) < OPENS => Err(no_mouth),
             [first, last] => Ok(last >= first),
         }
     }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::boundary::{Boundary, Section, Spot, components};
 
 use super::{ElectrodeError, ElectrodeFace};
-use crate::channel::Line;
+use crate::channel::{Flow, Line};
 use geometry::inside::guarded_distance;
 use task::Cancel;
 
@@ -243,15 +243,29 @@ impl<'a> Finisher<'a> {
                 });
             }
         }
+        let corners = |points: &[Spot], on: &dyn Fn(usize) -> usize| [0, columns].map(|j| points[on(j)].theta);
+        let old = ring.points.clone();
         for wall in [Layout::low, Layout::high] {
             let index = |v| wall(self.layout, v);
-            let (from, to) = (ring.points[index(0)].height, ring.points[index(rows)].height);
-            for v in 1..rows {
-                let t = (ring.points[index(v)].height - from) / (to - from);
-                ring.points[index(v)].height += inset * (1.0 - 2.0 * t);
+            let (from, to) = (old[index(0)].height, old[index(rows)].height);
+            for v in 0..=rows {
+                let t = (old[index(v)].height - from) / (to - from);
+                let point = &mut ring.points[index(v)];
+                point.height += inset * (1.0 - 2.0 * t);
+                // Blades of other passages lean so far that a point must stay on its wall.
+                if self.boundary.channel.flow != Flow::Axial {
+                    point.theta = theta_at((0..=rows).map(|v| old[index(v)]), point.height);
+                }
             }
         }
-        for j in 0..=columns {
+        for side in [Layout::hub, Layout::shroud] {
+            let on = |j: usize| side(self.layout, j);
+            let ([a, b], [c, d]) = (corners(&old, &on), corners(&ring.points, &on));
+            for j in 1..columns {
+                ring.points[on(j)].theta = c + (ring.points[on(j)].theta - a) * (d - c) / (b - a);
+            }
+        }
+        for j in 1..columns {
             ring.points[self.layout.hub(j)].height += inset;
             ring.points[self.layout.shroud(j)].height -= inset;
         }
@@ -259,8 +273,9 @@ impl<'a> Finisher<'a> {
     }
 
     /// How the ring points `around` a place give way when its normal has the given parts: the axis (0 the line
-    /// across the passage, 1 theta), the sense, and the part of the normal along it. Walls give way into the metal along theta unless
-    /// the normal is nearly along the line, hub and shroud sides along the line unless it is nearly along theta.
+    /// across the passage, 1 theta), the sense, and the part of the normal along it. Walls give way into the metal along
+    /// theta unless the normal is nearly along the line, hub and shroud sides along the line unless it is nearly along
+    /// theta or leads out of the electrode, as that of a leaning wall does.
     fn way_in(&self, around: &[(usize, usize)], normal: [f64; 2]) -> (usize, f64, f64) {
         let Layout { rows, columns } = self.layout;
         let all = |on: &dyn Fn(usize) -> bool| around.iter().all(|&(_, k)| on(k));
@@ -279,7 +294,8 @@ impl<'a> Finisher<'a> {
             _ => std::f64::consts::FRAC_1_SQRT_2,
         };
         let [up, along_theta] = normal;
-        if up.abs() > up_from {
+        let is_outwards = (hub && !shroud && up < 0.0) || (shroud && !hub && up > 0.0);
+        if up.abs() > up_from && !is_outwards {
             (0, sense(hub, shroud, up), up.abs())
         } else {
             (1, sense(low, high, along_theta), along_theta.abs())
@@ -407,6 +423,21 @@ impl<'a> Finisher<'a> {
         }
         Some(a.lerp(b, if at_t < at_u { t } else { u }))
     }
+}
+
+/// Angle at `height` of the line through points in order of rising height, at the nearer end beyond them.
+fn theta_at(points: impl Iterator<Item = Spot>, height: f64) -> f64 {
+    let mut below: Option<Spot> = None;
+    for above in points {
+        if above.height >= height {
+            let from = below.unwrap_or(above);
+            let rise = above.height - from.height;
+            let t = if rise > 0.0 { (height - from.height) / rise } else { 0.0 };
+            return from.theta + t * (above.theta - from.theta);
+        }
+        below = Some(above);
+    }
+    below.map_or(f64::NAN, |last| last.theta)
 }
 
 /// Places that a point of the electrode passes when each of its walls, turned inwards by `turns`, is turned back.

@@ -23,12 +23,12 @@ use self::agreement::Measured;
 use self::flow::Lines;
 use self::meridian::{Meridian, Place, Tracer};
 use self::walls::{INSET, WallFinder};
-use super::channel::{Channel, ChannelWall, Flow};
+use super::channel::{Channel, ChannelWall, Flow, OPENS, ways_out};
 use super::error::BliskError;
 use super::frame::slices::{Gap, Slices};
 use super::frame::{BliskFrame, Wheel, find_wheel, is_inside_out};
 use super::options::BliskOptions;
-use geometry::frame::Frame;
+use geometry::frame::{Cylindrical, Frame};
 use geometry::mesh::Mesh;
 use task::{Cancel, Task};
 
@@ -36,11 +36,14 @@ use task::{Cancel, Task};
 /// their edges.
 const MOST_STEEP_HUB: f64 = 0.15;
 
+/// Share of the passage's length over which its direction at the rim is measured.
+const NEAR_MOUTH: f64 = 0.05;
+
 /// Finds the axis, the blades and the chosen channel of `mesh` (mm, closed, in any attitude).
 ///
 /// W's X runs along the blisk axis, towards the positive side of the mesh axis it is nearest to; its origin is
 /// the foot of the mesh's origin on the axis, and the middle of the channel (half way between the blades'
-/// edges, half way up, half way across) lies on +Z.
+/// edges, half way up, half way across) lies on +Z; a passage that opens at the rim runs out there along +Z instead.
 ///
 /// # Errors
 /// [`BliskError`] says what could not be found, why, and which key of the project gives it by hand.
@@ -172,7 +175,7 @@ fn place_channel(
     let gap = slices.gaps(x, r).into_iter().find(|g| g.width() < 1.5 * pitch);
     let start = Place { along: x, x, r, gap: gap.ok_or(BliskError::LostWall { x, r })? };
     let lines = flow::lines(&tracer, start)?;
-    let mut place = middle_of(&tracer, start, lines.as_ref())?;
+    let (mut place, _) = middle_of(&tracer, start, lines.as_ref())?;
 
     // The same again from the chosen channel, since facets differ a little from channel to channel.
     let (x, r) = (place.x, place.r);
@@ -181,18 +184,31 @@ fn place_channel(
     let nearest = theta - pitch * ((theta / pitch - 0.5) - 1e-6).ceil();
     let turn = nearest + pitch * options.channel as f64 - theta;
     let chosen = tracer.bladed_gap(x, r, &turned(place.gap, turn)).ok_or(BliskError::LostWall { x, r })?;
-    place = middle_of(&tracer, Place { gap: chosen, ..place }, lines.as_ref())?;
-    let theta = place.gap.middle();
+    let theta;
+    (place, theta) = middle_of(&tracer, Place { gap: chosen, ..place }, lines.as_ref())?;
     place.gap = turned(place.gap, -theta);
     Ok(Placed { frame: blisk.frame.turned_about_x(theta), start: place, lines })
 }
 
-/// The middle of the channel through a place: half way between the edges, half way up.
-fn middle_of(tracer: &Tracer, start: Place, lines: Option<&Lines>) -> Result<Place, BliskError> {
+/// The middle of the channel through a place, half way between the edges and half way up, and the angle about X that
+/// becomes W's +Z: that of the direction in which the passage runs out at the rim, since electrodes leave it there along
+/// +Z; of a passage that does not open at the rim the angle of its middle (rad).
+fn middle_of(tracer: &Tracer, start: Place, lines: Option<&Lines>) -> Result<(Place, f64), BliskError> {
     let (meridian, start) = meridian_of(tracer, start, lines)?;
     let finder = WallFinder { tracer, meridian: &meridian, start };
     let row = finder.row(0.5)?;
-    finder.place(&row, 0.5 * (row.front.along + row.back.along))
+    let (front, back) = (row.front.along, row.back.along);
+    let middle = finder.place(&row, 0.5 * (front + back))?;
+    let ways = if meridian.flow == Flow::Axial { [DVec2::ZERO; 2] } else { ways_out(&meridian.stations) };
+    let near = NEAR_MOUTH * (back - front);
+    let ends = [(row.front, front + near), (row.back, back - near)].into_iter().zip(ways);
+    let mouth = ends.max_by(|a, b| a.1.y.total_cmp(&b.1.y)).filter(|(_, way)| way.y >= OPENS);
+    let Some(((mouth, inside), _)) = mouth else { return Ok((middle, middle.gap.middle())) };
+    let [from, to] = [finder.place(&row, inside)?, mouth].map(|place| {
+        let theta = place.gap.middle();
+        Cylindrical { x: place.x, r: place.r, theta }.point()
+    });
+    Ok((middle, Cylindrical::from_point(to - from).theta))
 }
 
 fn turned(mut gap: Gap, angle: f64) -> Gap {
