@@ -85,9 +85,9 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     if let Some(last) = shank.last() {
         let direction = plan.side.direction();
         let last = points(last);
-        // The shank goes on straight, to a plane beyond the face or, all of it, beyond the rim.
-        let furthest = last.iter().map(|p| beyond(plan.channel, plan.side, *p)).fold(f64::NEG_INFINITY, f64::max);
-        let end = furthest + params.shank_length_mm;
+        // The shank goes on straight, to a plane beyond the face, or to where the whole holder is beyond the rim.
+        let furthest = last.iter().map(|p| p.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
+        let end = furthest.max(outermost(plan, &Bounds::of(last.iter().copied()))) + params.shank_length_mm;
         let end: Vec<DVec3> = last.iter().map(|p| p.reject_from_normalized(direction) + end * direction).collect();
         skin.add(end.clone(), |_| ElectrodeFace::Shank);
         let block = block(&end, plan, finisher.layout, &mut assumed);
@@ -140,18 +140,20 @@ fn finish(plan: &Plan, mesh: Mesh, faces: Vec<ElectrodeFace>, m: Measures, mut a
     }
 }
 
-/// Position along the direction of withdrawal to `side` at which a point of the shank that goes on from `p` is out of
-/// the blisk (mm).
-fn beyond(channel: &Channel, side: EntrySide, p: DVec3) -> f64 {
-    let out = match side {
+/// Position along the direction of withdrawal at which the holder around a shank of these bounds is out of the blisk
+/// (mm).
+fn outermost(plan: &Plan, shank: &Bounds) -> f64 {
+    let Plan { channel, params, .. } = plan;
+    match plan.side {
         EntrySide::MinusX => -channel.faces_x[0],
         EntrySide::PlusX => channel.faces_x[1],
         EntrySide::Outward => {
             let rim = channel.meridian.iter().map(|s| s.hub.y.max(s.shroud.y)).fold(0.0, f64::max);
-            (rim * rim - p.y * p.y).max(0.0).sqrt()
+            let half_width = 0.5 * params.holder_mm[1].max(shank.size().y + 2.0 * HOLDER_MARGIN);
+            let nearest = (shank.center().y.abs() - half_width).max(0.0);
+            (rim * rim - nearest * nearest).max(0.0).sqrt()
         }
-    };
-    out.max(p.dot(side.direction()))
+    }
 }
 
 /// The ring of the holder block around the end of the shank, its corners at the shank's corners.

@@ -326,14 +326,16 @@ fn electrodes_of_passages_in_any_direction_keep_the_gap_and_fill_them() {
                 assert!(electrode.mesh.is_watertight() && electrode.volume_mm3 > 0.0);
                 assert!(electrode.clearance_mm >= 0.099, "{side:?}: {}", electrode.clearance_mm);
                 assert_eq!(electrode.enters_from, side);
-                // The holder is beyond the wheel, the burning part within.
-                let most = |of: &dyn Fn(ElectrodeFace) -> bool| {
+                // The holder is beyond the wheel's face or rim, the burning part no further than the gap beyond it.
+                let outwards = |p: DVec3| if side == EntrySide::Outward { p.y.hypot(p.z) } else { -p.x };
+                let places = |of: &dyn Fn(ElectrodeFace) -> bool| -> Vec<f64> {
                     let all = electrode.mesh.iter_corners().zip(&electrode.faces).filter(|(_, face)| of(**face));
-                    all.flat_map(|(c, _)| c).map(|p| p.dot(side.direction())).fold(f64::NEG_INFINITY, f64::max)
+                    all.flat_map(|(corners, _)| [0.0, 0.25, 0.5].map(|t| outwards(corners[0].lerp(corners[1], t))))
+                        .collect()
                 };
-                let metal = mesh.vertices.iter().map(|p| p.dot(side.direction())).fold(f64::NEG_INFINITY, f64::max);
-                assert!(most(&|f| f == ElectrodeFace::Holder) > metal + params.holder_mm[0]);
-                assert!(most(&|f| f.burns()) < metal + 1e-9);
+                let metal = mesh.vertices.iter().map(|&p| outwards(p)).fold(f64::NEG_INFINITY, f64::max);
+                assert!(places(&|f| f == ElectrodeFace::Holder).iter().all(|&place| place > metal));
+                assert!(places(&|f| f.burns()).iter().all(|&place| place < metal + params.spark_gap_mm + 1e-9));
             }
             // Together they burn each wall to the gap: every point of the walls is the gap away from one of them.
             let bodies: Vec<ExactMesh> = electrodes.iter().map(|e| ExactMesh::new(&e.mesh).unwrap()).collect();
