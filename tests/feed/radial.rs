@@ -2,7 +2,10 @@
 
 use geometry::exact::ExactMesh;
 use glam::DVec2;
+use feed::machine::MachineParams;
+use sparkpath::workspaces::blisk::document::choice::Channels;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
+use sparkpath::workspaces::blisk::document::machine_file::machine_table;
 use sparkpath::workspaces::blisk::job::plan::kept;
 use wheel::parametric::wheel::{MeridianCurve, ParametricWheel};
 
@@ -36,12 +39,22 @@ fn radial_job() -> PlanJob {
 #[test]
 fn an_electrode_of_a_nozzle_ring_is_withdrawn_along_the_radius_and_copies_to_both_walls() {
     let mesh = ring();
-    let outcome = whole_plan(mesh.clone(), radial_job());
+    let mut job = radial_job();
+    job.machine = built_in("xyzac-ram");
+    job.export.channels = Channels::These(vec![0, 3]);
+    let outcome = whole_plan(mesh.clone(), job);
     let electrode = &outcome.electrodes[0];
     assert!(outcome.is_verified(), "{}", electrode.plan.verdict(&outcome.channel));
     assert_eq!(electrode.electrode.enters_from, EntrySide::Outward);
     let planned = electrode.plan.path.as_ref().unwrap();
     assert_eq!(planned.certificate.enters_from(), Some(EntrySide::Outward));
+    // On the machine with a ram nothing collides, on the way to another channel neither.
+    let simulation = outcome.simulation(0).unwrap();
+    assert!(simulation.holds(), "{}", simulation.sentence());
+    assert_eq!(simulation.visits().len(), 2);
+    let is_tested = |moving, fixed| simulation.pairs().iter().any(|p| p.moving == moving && p.fixed == fixed);
+    assert!(is_tested("ram", "rotary table") && is_tested("chuck", "blisk") && is_tested("faceplate", "rotary table"));
+    assert!(simulation.approach().windows(2).all(|w| w[0].z > w[1].z && w[0].x == w[1].x), "straight down");
     let rows = &planned.path.rows;
     assert!(rows.windows(2).all(|w| w[0].pose.z > w[1].pose.z), "the electrode only ever goes in");
     // Exact distances, densely, and the place where it begins.
@@ -79,12 +92,13 @@ fn sides_that_a_radial_passage_does_not_open_to_and_bodies_that_come_from_elsewh
     };
     let said = refused(&|job| job.electrode.enter = EnterSide::MinusX);
     assert!(said.contains("the passage is radial and neither of its ends opens to -X"), "{said}");
-    let said = refused(&|job| job.machine = feed_machine("xyzac"));
-    assert!(said.contains("the bodies of xyzac are those of a machine whose head comes along X"), "{said}");
+    let said = refused(&|job| job.machine = built_in("xyzac"));
+    assert!(said.contains("the head of xyzac comes along X, and the only side of entry that is left is the rim; choose a machine whose head"), "{said}");
     let said = refused(&|job| (job.plan.strategy, job.plan.constraint) = (Strategy::Genetic, Constraint::Angle));
     assert!(said.contains("sections across X, and this passage is radial"), "{said}");
 }
 
-fn feed_machine(name: &str) -> feed::machine::MachineParams {
-    feed::machine::MachineParams { name: name.to_owned(), ..Default::default() }
+fn built_in(name: &str) -> MachineParams {
+    let params: MachineParams = toml::Value::Table(machine_table(name).unwrap()).try_into().unwrap();
+    MachineParams { name: name.to_owned(), ..params }
 }

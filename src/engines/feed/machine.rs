@@ -45,6 +45,45 @@ impl AxisSet {
     }
 }
 
+/// Axis of W along which the head of a machine comes to the blisk.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum HeadAxis {
+    /// Along the blisk's axis: the electrode hangs on an arm beside the blisk.
+    #[default]
+    X,
+    /// Along the radius: a ram above the blisk carries the electrode.
+    Z,
+}
+
+impl HeadAxis {
+    /// The axis of poses.
+    pub fn axis(self) -> Axis {
+        match self {
+            Self::X => Axis::X,
+            Self::Z => Axis::Z,
+        }
+    }
+}
+
+/// Face of the blisk, in W, that the table of a machine holds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum MountedFace {
+    /// The face at the least x.
+    #[default]
+    #[serde(rename = "-x")]
+    MinusX,
+    /// The face at the greatest x.
+    #[serde(rename = "+x")]
+    PlusX,
+}
+
+impl MountedFace {
+    fn is_least_x(&self) -> bool {
+        *self == Self::MinusX
+    }
+}
+
 /// Travel of the axes about the final pose, as `[least, greatest]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -53,6 +92,11 @@ pub struct MachineParams {
     pub name: String,
     /// Clearance that bodies keep from each other and from the blisk (mm).
     pub body_clearance_mm: f64,
+    /// Axis along which the head comes, of a machine with bodies.
+    pub head_along: HeadAxis,
+    /// Face of the blisk that the table holds, on a machine with bodies whose head comes along Z. Where it comes along X
+    /// the table holds the face away from the side of entry.
+    pub mounted_face: MountedFace,
     /// Axes of the machine.
     pub axes: AxisSet,
     /// Travel along X (mm).
@@ -78,6 +122,8 @@ impl Default for MachineParams {
         Self {
             name: String::new(),
             body_clearance_mm: 1.0,
+            head_along: HeadAxis::default(),
+            mounted_face: MountedFace::default(),
             axes: AxisSet::default(),
             travel_x_mm: [-250.0, 250.0],
             travel_y_mm: [-150.0, 150.0],
@@ -103,6 +149,8 @@ pub struct SearchedMachine {
     travel_c_deg: [f64; 2],
     speed_mm_min: f64,
     speed_deg_min: f64,
+    #[serde(skip_serializing_if = "MountedFace::is_least_x")]
+    mounted_face: MountedFace,
 }
 
 /// Travel of every axis about the final pose, `[least, greatest]` (mm or rad).
@@ -202,9 +250,9 @@ impl MachineParams {
         !self.name.is_empty()
     }
 
-    /// Whether its bodies, if it has any, are those of a machine whose head comes from `side`: all come along X.
+    /// Whether its bodies, if it has any, are those of a machine whose head comes from `side`.
     pub fn comes_from(&self, side: EntrySide) -> bool {
-        !self.has_bodies() || Axis::of_withdrawal(side) == Axis::X
+        !self.has_bodies() || Axis::of_withdrawal(side) == self.head_along.axis()
     }
 
     /// The part of the parameters that a search depends on.
@@ -221,6 +269,7 @@ impl MachineParams {
             travel_c_deg,
             speed_mm_min,
             speed_deg_min,
+            mounted_face: self.mounted_face,
         }
     }
 
@@ -229,13 +278,18 @@ impl MachineParams {
         [travel_x_mm, travel_y_mm, travel_z_mm, travel_a_deg, travel_b_deg, travel_c_deg]
     }
 
-    /// Axes that count the other way round on a machine with bodies when the electrode enters from -X: there the
-    /// machine is turned by half a turn about Z against W, since its own +x points away from the blisk.
+    /// Axes that count the other way round on a machine that is turned by half a turn about Z against W.
     pub const TURNED: [Axis; 4] = [Axis::X, Axis::Y, Axis::A, Axis::B];
 
-    /// Whether the directions of the machine are turned against those of W for an electrode that enters from `side`.
+    /// Whether a machine with bodies is turned by half a turn about Z against W for an electrode that enters from `side`:
+    /// its own +x points from the table into the blisk.
     pub fn is_turned(&self, side: EntrySide) -> bool {
-        self.has_bodies() && side == EntrySide::MinusX
+        let holds_greater_x = match side {
+            EntrySide::MinusX => true,
+            EntrySide::PlusX => false,
+            EntrySide::Outward => self.mounted_face == MountedFace::PlusX,
+        };
+        self.has_bodies() && holds_greater_x
     }
 
     /// Machine with its travels in the directions of W, for an electrode that enters from `side`.
@@ -299,6 +353,19 @@ mod tests {
         assert_eq!(machine.seen_from_w(EntrySide::PlusX), machine);
         let seen = machine.seen_from_w(EntrySide::MinusX);
         assert_eq!((seen.travel_x_mm, seen.travel_z_mm), ([-250.0, 20.0], [-5.0, 90.0]));
+    }
+
+    #[test]
+    fn a_ram_along_z_serves_the_rim_alone_and_is_turned_with_the_face_that_is_held() {
+        let of = |head_along| MachineParams { name: "m".to_owned(), head_along, ..Default::default() };
+        for (head, sides) in [(HeadAxis::X, [true, true, false]), (HeadAxis::Z, [false, false, true])] {
+            assert_eq!(EntrySide::ALL.map(|side| of(head).comes_from(side)), sides);
+        }
+        assert!(EntrySide::ALL.iter().all(|side| MachineParams::default().comes_from(*side)), "no bodies, no head");
+        let ram = MachineParams { travel_y_mm: [-20.0, 50.0], ..of(HeadAxis::Z) };
+        assert_eq!(ram.seen_from_w(EntrySide::Outward), ram);
+        let turned = MachineParams { mounted_face: MountedFace::PlusX, ..ram };
+        assert_eq!(turned.seen_from_w(EntrySide::Outward).travel_y_mm, [-50.0, 20.0]);
     }
 
     #[test]

@@ -92,7 +92,8 @@ impl Bodies {
 /// The bodies of the machine in W, where they are in the final pose.
 pub(super) fn placed(scenario: &Scenario) -> Vec<Body> {
     let electrode = scenario.electrode;
-    let station = Station::new(&electrode.mesh, electrode.reference_point, electrode.enters_from, scenario.blisk);
+    let (o, side) = (electrode.reference_point, electrode.enters_from);
+    let station = Station::new(&electrode.mesh, o, side, scenario.machine.is_turned(side), scenario.blisk);
     let in_w = |body: &Body| Body { mesh: station.placed(body), ..body.clone() };
     scenario.model.bodies.iter().map(in_w).collect()
 }

@@ -66,6 +66,7 @@ pub(super) struct Findings {
     pub(super) with_bodies: bool,
     pub(super) body_clearance_mm: f64,
     pub(super) enters_from: EntrySide,
+    pub(super) is_turned: bool,
     pub(super) approach: Vec<Pose>,
     pub(super) visits: Vec<Visit>,
     pub(super) out_of_reach: Vec<usize>,
@@ -132,9 +133,14 @@ impl Simulation {
         self.findings.body_clearance_mm
     }
 
-    /// The side that the electrode enters from, which the machine is turned with.
+    /// The side that the electrode enters from.
     pub fn enters_from(&self) -> EntrySide {
         self.findings.enters_from
+    }
+
+    /// Whether the machine was turned by half a turn about Z against W.
+    pub fn is_turned(&self) -> bool {
+        self.findings.is_turned
     }
 
     /// Poses from the clear position to the first row of the feed; the retraction goes back through them.

@@ -55,6 +55,7 @@ pub fn simulate(scenario: &Scenario, options: &SimulationOptions, task: &Task) -
         with_bodies: scenario.machine.has_bodies(),
         body_clearance_mm: scenario.machine.body_clearance_mm,
         enters_from: scenario.electrode.enters_from,
+        is_turned: scenario.machine.is_turned(scenario.electrode.enters_from),
         bodies: bodies::placed(scenario),
     }))
 }

@@ -21,6 +21,7 @@ use feed::path::PathRow;
 use feed::pose::{Axis, Pose};
 use feed::quantise::{MM_DECIMALS, deg_text, floor_mm_text, mm_text};
 use tour::TourFeeds;
+use wheel::electrode::EntrySide;
 
 /// Digits of a digest that a program shows; `report.json` has them all.
 const DIGEST_DIGITS: usize = 16;
@@ -252,17 +253,25 @@ fn header(w: &mut Writer, approved: &Approved) {
     if !reversed.is_empty() {
         w.comment(&format!("This post counts the other way round: {}", reversed.join(" ")));
     }
+    let is_from_rim = approved.enters_from() == EntrySide::Outward;
     if w.job.is_turned {
-        w.comment(
-            "THE MACHINE IS TURNED BY HALF A TURN ABOUT Z AGAINST W: the electrode enters from -X of W, and the blisk \
-             is mounted with that side towards +X of the machine. X Y A B of this program are those of the machine, \
-             opposite to those of W.",
-        );
+        let mounted = match is_from_rim {
+            true => "the blisk is mounted on its face at the greatest x of W, which is that towards -X of the machine",
+            false => "the electrode enters from -X of W, and the blisk is mounted with that side towards +X of the machine",
+        };
+        w.comment(&format!(
+            "THE MACHINE IS TURNED BY HALF A TURN ABOUT Z AGAINST W: {mounted}. X Y A B of this program are those of the \
+             machine, opposite to those of W."
+        ));
     }
-    if approved.enters_from() == wheel::electrode::EntrySide::Outward {
-        w.comment(
-            "THE ELECTRODE ENTERS FROM THE RIM: it is fed and retracted along Z of W. No head and no table were simulated.",
-        );
+    if is_from_rim {
+        let simulated = match w.job.machine.has_bodies() {
+            true => "",
+            false => " No head and no table were simulated.",
+        };
+        w.comment(&format!(
+            "THE ELECTRODE ENTERS FROM THE RIM: it is fed and retracted along Z of W.{simulated}"
+        ));
     }
     tour::header(w, approved);
     feed_comments(w, approved);

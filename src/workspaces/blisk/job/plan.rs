@@ -9,6 +9,7 @@ use super::prepared_blisk::{PreparedBlisk, electrode_of};
 use super::simulate;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::kept_plan::{KeptElectrode, KeptPlan};
+use feed::machine::HeadAxis;
 use feed::plan::{FeedPlan, PlanSettings};
 use feed::plan_params::Constraint;
 use feed::plan_params::Strategy;
@@ -137,7 +138,9 @@ impl JobPlanner<'_> {
         let (job, channel) = (&self.inputs.job, &self.prepared.space.channel);
         let left_out =
             job.electrode.enter.candidates(channel)?.into_iter().filter(|side| !job.machine.comes_from(*side));
-        tried.extend(left_out.map(|side| (side, "is not tried: the machine's bodies come along X".to_owned())));
+        let along = job.machine.head_along.axis().letter();
+        let left_out = left_out.map(|side| (side, format!("is not tried: the head of the machine comes along {along}")));
+        tried.extend(left_out);
         let params = &self.inputs.job.electrode;
         let columns = if self.inputs.own_electrode.is_some() { 1 } else { params.columns };
         for side in sides(&self.inputs.job, &self.prepared.space.channel, part / columns, self.parts() / columns)? {
@@ -288,15 +291,20 @@ fn rank(outcome: &ElectrodeOutcome) -> (bool, bool, f64) {
 pub(super) fn sides_of(job: &PlanJob, channel: &Channel) -> Result<Vec<EntrySide>, PlanJobError> {
     let mut sides = job.electrode.enter.candidates(channel)?;
     sides.retain(|side| job.machine.comes_from(*side));
-    if sides.is_empty() { Err(head_comes_along_x(job)) } else { Ok(sides) }
+    if sides.is_empty() { Err(head_comes_from_elsewhere(job)) } else { Ok(sides) }
 }
 
-/// The refusal of an electrode from the rim on a machine with bodies.
-pub(super) fn head_comes_along_x(job: &PlanJob) -> PlanJobError {
+/// The refusal of electrodes that enter from where the head of the machine does not come from.
+pub(super) fn head_comes_from_elsewhere(job: &PlanJob) -> PlanJobError {
+    let (left, other, example) = match job.machine.head_along {
+        HeadAxis::X => ("the only side of entry that is left is the rim", "Z", "xyzac-ram"),
+        HeadAxis::Z => ("the sides of entry that are left are along X", "X", "xyzac"),
+    };
     PlanJobError::Job(format!(
-        "machine.name: the bodies of {} are those of a machine whose head comes along X, and the only side of entry that is \
-         left is the rim; choose another side of entry, or no bodies, and watch head and table yourself",
-        job.machine.name
+        "machine.name: the head of {} comes along {}, and {left}; choose a machine whose head comes along {other}, as that \
+         of {example} does, another side of entry, or no bodies, and watch head and table yourself",
+        job.machine.name,
+        job.machine.head_along.axis().letter()
     ))
 }
 

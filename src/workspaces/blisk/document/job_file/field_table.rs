@@ -25,7 +25,10 @@ const BODIES: &[Word] = &[
     word("xyzc", "built-in XYZ C", ""),
     word("xyzac", "built-in XYZ A C", ""),
     word("xyzabc", "built-in XYZ A B C", ""),
+    word("xyzac-ram", "built-in XYZ A C, ram", ""),
 ];
+const HEADS: &[Word] = &[word("x", "along X", ""), word("z", "along Z", "")];
+const FACES: &[Word] = &[word("-x", "at -X", ""), word("+x", "at +X", "")];
 const CHANNELS: &[Word] = &[word("own", "the planned one", ""), word("all", "all, by A", "")];
 const CONSTRAINTS: &[Word] = &[word("distance", "distance", ""), word("angle", "angle", "")];
 const STRATEGIES: &[Word] = &[
@@ -362,6 +365,14 @@ const GROUPS: &[Group] = &[
             Field::choice_or_file("machine.name", "Bodies", BODIES).help(
                 "The machine whose axes, travels and bodies count: the whole motion is simulated with its \
                  head, holder and table. A machine is a TOML file; one of your own can be chosen.",
+            ),
+            Field::choice("machine.head_along", "Head comes", HEADS).help(
+                "Axis along which the head of a machine with bodies comes. Along Z it serves electrodes from the rim, \
+                 along X all others. A machine's file says it.",
+            ),
+            Field::choice("machine.mounted_face", "Face on the table", FACES).help(
+                "Face of the blisk that the table holds, where the head comes along Z. Where it comes along X it is the \
+                 face away from the side of entry.",
             ),
             Field::number("machine.body_clearance_mm", "Body clearance", "mm", 0.01, 100.0)
                 .decimals(2)
