@@ -1,12 +1,20 @@
 //! Passages along the radius: a nozzle ring whose electrodes come out of the rim.
 
+use feed::angle_test::{AngleParams, AngleTest};
+use feed::centreline::Guide;
+use feed::machine::MachineParams;
+use feed::pose::Pose;
+use feed::prepared::PreparedElectrode;
+use feed::probes::Turns;
 use geometry::exact::ExactMesh;
 use glam::DVec2;
-use feed::machine::MachineParams;
 use sparkpath::workspaces::blisk::document::choice::Channels;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
 use sparkpath::workspaces::blisk::document::machine_file::machine_table;
+use sparkpath::workspaces::blisk::job::outcome::ElectrodeOutcome;
 use sparkpath::workspaces::blisk::job::plan::kept;
+use wheel::centreline::Centreline;
+use wheel::electrode::make_electrodes;
 use wheel::parametric::wheel::{MeridianCurve, ParametricWheel};
 
 use super::*;
@@ -94,8 +102,54 @@ fn sides_that_a_radial_passage_does_not_open_to_and_bodies_that_come_from_elsewh
     assert!(said.contains("the passage is radial and neither of its ends opens to -X"), "{said}");
     let said = refused(&|job| job.machine = built_in("xyzac"));
     assert!(said.contains("the head of xyzac comes along X, and the only side of entry that is left is the rim; choose a machine whose head"), "{said}");
-    let said = refused(&|job| (job.plan.strategy, job.plan.constraint) = (Strategy::Genetic, Constraint::Angle));
-    assert!(said.contains("sections across X, and this passage is radial"), "{said}");
+}
+
+#[test]
+fn nodes_of_the_centreline_strategy_are_steps_along_the_line_to_the_rim() {
+    let mut job = radial_job();
+    job.plan.strategy = Strategy::Centreline;
+    let outcome = plan(ring(), job.clone());
+    let ElectrodeOutcome { electrode, plan, .. } = &outcome.electrodes[0];
+    assert!(outcome.is_verified(), "{}", plan.verdict(&outcome.channel));
+    assert_eq!(electrode.enters_from, EntrySide::Outward);
+    let line = Centreline::of_channel(&outcome.channel, &Task::default().cancel).unwrap();
+    let guide = Guide::new(line.clone(), &outcome.channel, electrode).unwrap();
+    // From the middle of the passage to the rim.
+    let toward = line.at_length(line.length())[0].z - line.at_length(0.0)[0].z;
+    let lengths: Vec<f64> = plan.nodes.iter().map(|node| guide.arc_length(node.s) * toward.signum()).collect();
+    let steps: Vec<f64> = lengths.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    assert!(steps.iter().all(|step| *step > 0.0 && *step < job.plan.step_mm + 1e-6), "{steps:?}");
+    let whole = steps.iter().filter(|step| (*step - job.plan.step_mm).abs() < 1e-6).count();
+    assert!(2 * whole > steps.len(), "most nodes are whole steps: {steps:?}");
+    // In the passage the core point keeps near to the line, wherever the ring has turned to.
+    for node in plan.nodes.iter().take_while(|node| node.s < 8.0) {
+        let core = node.pose.placement(electrode.reference_point).transform_point3(guide.core());
+        let off = line.at_length(line.length_near(core))[0].distance(core);
+        assert!(off < 1.5, "{}: {off}", node.s);
+    }
+}
+
+#[test]
+fn the_angle_test_frees_the_final_pose_and_refuses_metal_in_a_radial_passage() {
+    let inputs = PlanInputs { blisk: ring().into(), own_electrode: None, job: radial_job() };
+    let prepared = prepare(&inputs, &Task::default()).unwrap();
+    let channel = &prepared.space.channel;
+    let exact = ExactMesh::new(&prepared.space.blisk).unwrap();
+    let mut made = make_electrodes(channel, &exact, &inputs.job.electrode, EntrySide::Outward, &Task::default()).unwrap();
+    let electrode = PreparedElectrode::new(&prepared.space, made.swap_remove(0).into(), 0.1, 0.0, &Task::default()).unwrap();
+    let model = electrode.model(&prepared.space);
+    let test = AngleTest::new(channel, 0.1, &AngleParams::default());
+    let is_free = |pose: Pose| test.is_free(&model, &pose, Turns::NONE);
+    assert!(is_free(Pose::FINAL));
+    // Against hub and shroud, which are 6 mm apart along X, and against the blades.
+    for pose in [
+        Pose { x: 1.5, ..Pose::FINAL },
+        Pose { x: -1.5, ..Pose::FINAL },
+        Pose { a: 0.12, ..Pose::FINAL },
+        Pose { a: -0.12, ..Pose::FINAL },
+    ] {
+        assert!(!is_free(pose), "{pose:?}");
+    }
 }
 
 fn built_in(name: &str) -> MachineParams {

@@ -84,6 +84,44 @@ impl MountedFace {
     }
 }
 
+/// Part of a machine that C turns.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TurnedByC {
+    /// The electrode, on the head.
+    #[default]
+    Electrode,
+    /// The table that carries A, as on a tilting table.
+    Table,
+}
+
+impl TurnedByC {
+    fn is_electrode(&self) -> bool {
+        *self == Self::Electrode
+    }
+}
+
+/// How the directions of a machine lie in W, and where its C axis is if that turns the table.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Mounting {
+    /// Whether the machine is turned by half a turn about Z against W.
+    pub is_turned: bool,
+    /// Place (x, y) of the C axis under A, in directions of the machine, from the blisk's axis at the face that the table
+    /// holds (mm); none where C turns the electrode.
+    pub table_c: Option<[f64; 2]>,
+}
+
+impl std::fmt::Display for Mounting {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let turned = if self.is_turned { "turned" } else { "not turned" };
+        write!(f, "a machine that is {turned} by half a turn about Z, whose C turns ")?;
+        match self.table_c {
+            None => write!(f, "the electrode"),
+            Some([x, y]) => write!(f, "the table about x = {x} mm, y = {y} mm"),
+        }
+    }
+}
+
 /// Travel of the axes about the final pose, as `[least, greatest]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -97,6 +135,11 @@ pub struct MachineParams {
     /// Face of the blisk that the table holds, on a machine with bodies whose head comes along Z. Where it comes along X
     /// the table holds the face away from the side of entry.
     pub mounted_face: MountedFace,
+    /// Part that C turns, of a machine with bodies.
+    pub c_turns: TurnedByC,
+    /// Place (x, y) of the C axis in the final pose where C turns the table, in directions of the machine, counted from the
+    /// blisk's axis at the face that the table holds (mm).
+    pub c_axis_mm: [f64; 2],
     /// Axes of the machine.
     pub axes: AxisSet,
     /// Travel along X (mm).
@@ -124,6 +167,8 @@ impl Default for MachineParams {
             body_clearance_mm: 1.0,
             head_along: HeadAxis::default(),
             mounted_face: MountedFace::default(),
+            c_turns: TurnedByC::default(),
+            c_axis_mm: [0.0; 2],
             axes: AxisSet::default(),
             travel_x_mm: [-250.0, 250.0],
             travel_y_mm: [-150.0, 150.0],
@@ -151,6 +196,8 @@ pub struct SearchedMachine {
     speed_deg_min: f64,
     #[serde(skip_serializing_if = "MountedFace::is_least_x")]
     mounted_face: MountedFace,
+    #[serde(skip_serializing_if = "TurnedByC::is_electrode")]
+    c_turns: TurnedByC,
 }
 
 /// Travel of every axis about the final pose, `[least, greatest]` (mm or rad).
@@ -236,6 +283,13 @@ impl MachineParams {
             }
         }
         Invalid::unless_within("machine.body_clearance_mm", self.body_clearance_mm, [0.01, 100.0], "mm")?;
+        for place in self.c_axis_mm {
+            Invalid::unless_within("machine.c_axis_mm", place, [-1e4, 1e4], "mm")?;
+        }
+        if self.c_turns == TurnedByC::Table && !self.has_bodies() {
+            let remedy = "needs a machine whose motion is simulated; name its file in machine.name";
+            return Err(Invalid::new("machine.c_turns", "table", remedy));
+        }
         for (key, speed) in [("machine.speed_mm_min", self.speed_mm_min), ("machine.speed_deg_min", self.speed_deg_min)]
         {
             if !speed.is_finite() || speed <= 0.0 {
@@ -270,6 +324,7 @@ impl MachineParams {
             speed_mm_min,
             speed_deg_min,
             mounted_face: self.mounted_face,
+            c_turns: self.c_turns,
         }
     }
 
@@ -290,6 +345,12 @@ impl MachineParams {
             EntrySide::Outward => self.mounted_face == MountedFace::PlusX,
         };
         self.has_bodies() && holds_greater_x
+    }
+
+    /// How the machine stands about an electrode that enters from `side`.
+    pub fn mounting(&self, side: EntrySide) -> Mounting {
+        let table_c = (self.c_turns == TurnedByC::Table).then_some(self.c_axis_mm);
+        Mounting { is_turned: self.is_turned(side), table_c }
     }
 
     /// Machine with its travels in the directions of W, for an electrode that enters from `side`.
@@ -316,6 +377,18 @@ impl MachineParams {
     /// Travel of all axes; that of an axis which the machine does not have is nothing.
     pub fn limits(&self) -> TravelLimits {
         TravelLimits(Axis::ALL.map(|axis| self.travel(axis)))
+    }
+
+    /// Limits of poses: the travel of all axes, but for X and Y of a machine whose C turns the table, where they go other
+    /// ways than the pose does; the simulation judges these.
+    pub fn pose_limits(&self) -> TravelLimits {
+        match self.c_turns {
+            TurnedByC::Electrode => self.limits(),
+            TurnedByC::Table => {
+                let anywhere = [f64::NEG_INFINITY, f64::INFINITY];
+                self.limits().with(Axis::X, anywhere).with(Axis::Y, anywhere)
+            }
+        }
     }
 
     /// Shortest time (min) in which all axes can go linearly from one pose to the other within their speeds, and the

@@ -11,15 +11,17 @@
 //! | `electrode` | X Y Z C B | the middle of the electrode's end face on the side of entry, the holder's interface |
 //! | `head` | X Y Z | the C axis, which goes through the reference point O: at O, or, for an electrode that is withdrawn along Z, at the height of the interface |
 //! | `table` | the blisk, which A turns | the blisk's axis at the face that the table holds |
+//! | `cradle` | A and all that it carries, which C turns on a tilting table | the same point |
 //! | `bed` | nothing | the same point |
 //!
-//! In the machine frame, which is W in the final pose, the tool is moved by `O + (x, y, z) + Rz(c) Ry(b) (p - O)`, and
-//! the blisk and its table are turned by `Rx(-a)`.
+//! How they move is told by [`Chain`].
 
 use glam::{DAffine3, DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::chain::Chain;
+use super::machine::Mounting;
 use geometry::mesh::Mesh;
 use wheel::electrode::EntrySide;
 
@@ -33,6 +35,8 @@ pub enum Carrier {
     Head,
     /// The table: turns with A, so that it keeps its place at the blisk.
     Table,
+    /// The cradle between bed and table: turns with C on a machine whose C turns the table; otherwise it stands still.
+    Cradle,
     /// The bed: stands still.
     Bed,
 }
@@ -77,16 +81,16 @@ impl MachineModel {
 /// Position of a machine relative to an electrode and a blisk.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
-    is_turned: bool,
+    mounting: Mounting,
     interface: DVec3,
+    reference_point: DVec3,
     on_c_axis: DVec3,
     seat: DVec3,
 }
 
 impl Station {
-    /// The machine about `electrode`, in its final pose with its reference point O, and `blisk`, all in W (mm);
-    /// `is_turned` is what [`MachineParams::is_turned`](crate::machine::MachineParams::is_turned) says.
-    pub fn new(electrode: &Mesh, reference_point: DVec3, side: EntrySide, is_turned: bool, blisk: &Mesh) -> Self {
+    /// The machine about `electrode`, in its final pose with its reference point O, and `blisk`, all in W (mm).
+    pub fn new(electrode: &Mesh, reference_point: DVec3, side: EntrySide, mounting: Mounting, blisk: &Mesh) -> Self {
         let out = |p: &DVec3| p.dot(side.direction());
         let outermost = electrode.vertices.iter().map(out).fold(f64::NEG_INFINITY, f64::max);
         let at_end = |p: &&DVec3| out(p) > outermost - 1e-3;
@@ -97,8 +101,15 @@ impl Station {
             EntrySide::Outward => reference_point.with_z(interface.z),
         };
         let blisk = blisk.bounds();
-        let seat = if is_turned { blisk.max.x } else { blisk.min.x };
-        Self { is_turned, interface, on_c_axis, seat: DVec3::new(seat, 0.0, 0.0) }
+        let seat = if mounting.is_turned { blisk.max.x } else { blisk.min.x };
+        Self { mounting, interface, reference_point, on_c_axis, seat: DVec3::new(seat, 0.0, 0.0) }
+    }
+
+    /// The kinematic chain of the machine.
+    pub fn chain(&self) -> Chain {
+        let to_w = self.placement(Carrier::Bed);
+        let table_c = self.mounting.table_c.map(|[x, y]| to_w.transform_point3(DVec3::new(x, y, 0.0)).truncate());
+        Chain::new(self.reference_point, table_c)
     }
 
     /// From the coordinates of `carrier` to W, where its bodies are in the final pose.
@@ -106,9 +117,9 @@ impl Station {
         let translation = match carrier {
             Carrier::Electrode => self.interface,
             Carrier::Head => self.on_c_axis,
-            Carrier::Table | Carrier::Bed => self.seat,
+            Carrier::Table | Carrier::Cradle | Carrier::Bed => self.seat,
         };
-        let matrix3 = match self.is_turned {
+        let matrix3 = match self.mounting.is_turned {
             true => DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0)),
             false => DMat3::IDENTITY,
         };
@@ -133,7 +144,11 @@ mod tests {
         let o = DVec3::new(0.0, 0.5, 100.0);
         let body = |carrier| Body { name: String::new(), carrier, mesh: Mesh::cuboid(DVec3::new(2.0, 3.0, 4.0)) };
         let placed = |side, is_turned, carrier| {
-            Station::new(&electrode, o, side, is_turned, &blisk).placed(&body(carrier)).bounds()
+            let mounting = Mounting { is_turned, table_c: Some([2.0, -3.0]) };
+            let station = Station::new(&electrode, o, side, mounting, &blisk);
+            let q = if is_turned { DVec3::new(14.0, 3.0, 0.0) } else { DVec3::new(-8.0, -3.0, 0.0) };
+            assert_eq!(station.chain().on_table_c(), Some(q));
+            station.placed(&body(carrier)).bounds()
         };
         for (side, is_turned, carrier, min, max) in [
             (EntrySide::PlusX, false, Carrier::Electrode, [20.0, 0.0, 100.0], [22.0, 3.0, 104.0]),

@@ -4,6 +4,8 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::tour::{self, Leg, OutOfTravel, Phase, Visit};
+use crate::chain::Chain;
+use crate::machine::Mounting;
 use crate::machine_model::Body;
 use crate::path::FeedPath;
 use crate::pose::{Axis, Pose};
@@ -66,7 +68,7 @@ pub(super) struct Findings {
     pub(super) with_bodies: bool,
     pub(super) body_clearance_mm: f64,
     pub(super) enters_from: EntrySide,
-    pub(super) is_turned: bool,
+    pub(super) mounting: Mounting,
     pub(super) approach: Vec<Pose>,
     pub(super) visits: Vec<Visit>,
     pub(super) out_of_reach: Vec<usize>,
@@ -74,6 +76,8 @@ pub(super) struct Findings {
     pub(super) travel: Option<OutOfTravel>,
     pub(super) minutes: f64,
     pub(super) period_error: Option<f64>,
+    #[serde(skip)]
+    pub(super) chain: Chain,
     #[serde(skip)]
     pub(super) bodies: Vec<Body>,
 }
@@ -138,9 +142,9 @@ impl Simulation {
         self.findings.enters_from
     }
 
-    /// Whether the machine was turned by half a turn about Z against W.
-    pub fn is_turned(&self) -> bool {
-        self.findings.is_turned
+    /// How the machine stood about the electrode.
+    pub fn mounting(&self) -> Mounting {
+        self.findings.mounting
     }
 
     /// Poses from the clear position to the first row of the feed; the retraction goes back through them.
@@ -178,6 +182,11 @@ impl Simulation {
         self.findings.period_error
     }
 
+    /// The kinematic chain of the machine that was simulated.
+    pub fn chain(&self) -> &Chain {
+        &self.findings.chain
+    }
+
     /// The bodies of the machine in W, where they are in the final pose.
     pub fn bodies(&self) -> &[Body] {
         &self.findings.bodies
@@ -205,7 +214,7 @@ impl Simulation {
 
     /// The legs of the whole motion in order, for showing.
     pub fn legs(&self, feed: &FeedPath, copying: Option<&FeedPath>) -> Vec<Leg> {
-        tour::whole(self.approach(), feed, copying, self.visits())
+        tour::whole(self.approach(), &tour::paths(&self.findings.chain, feed, copying), self.visits())
     }
 
     /// Whether the body called `name` is in a pair that does not keep what is asked for.

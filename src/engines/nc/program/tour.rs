@@ -68,14 +68,12 @@ pub(super) fn check(approved: &Approved, post: &Post, job: &TurnedJob) -> Result
     if simulated.is_nan() || simulated < asked {
         return other(format!("a body clearance of {simulated} mm"), format!("one of {asked} mm"));
     }
-    let turned = |is_turned| if is_turned { "turned" } else { "not turned" };
-    let was_turned = simulation.is_turned();
-    if was_turned != job.is_turned {
-        let machine = |is_turned| format!("a machine that is {} by half a turn about Z", turned(is_turned));
-        return other(machine(was_turned), machine(job.is_turned));
+    let [was, is] = [simulation.mounting(), machine.mounting(approved.enters_from())];
+    if was != is {
+        return other(was.to_string(), is.to_string());
     }
     let legs = simulation.legs(approved.path(), approved.copying().map(|copying| &copying.path));
-    legs.iter().try_for_each(|leg| check_axes(&rows(&leg.poses), post, machine))
+    legs.iter().try_for_each(|leg| check_axes(&job.chain, &rows(&leg.poses), post, machine))
 }
 
 /// Comments on the simulation.

@@ -27,6 +27,7 @@ const BODIES: &[Word] = &[
     word("xyzabc", "built-in XYZ A B C", ""),
     word("xyzac-ram", "built-in XYZ A C, ram", ""),
 ];
+const TURNED: &[Word] = &[word("electrode", "the electrode", ""), word("table", "the table under A", "")];
 const HEADS: &[Word] = &[word("x", "along X", ""), word("z", "along Z", "")];
 const FACES: &[Word] = &[word("-x", "at -X", ""), word("+x", "at +X", "")];
 const CHANNELS: &[Word] = &[word("own", "the planned one", ""), word("all", "all, by A", "")];
@@ -373,6 +374,14 @@ const GROUPS: &[Group] = &[
             Field::choice("machine.mounted_face", "Face on the table", FACES).help(
                 "Face of the blisk that the table holds, where the head comes along Z. Where it comes along X it is the \
                  face away from the side of entry.",
+            ),
+            Field::choice("machine.c_turns", "C turns", TURNED).help(
+                "Part that C turns on a machine with bodies: the electrode, or the table that carries A, as on a tilting \
+                 table. A machine's file says it.",
+            ),
+            Field::numbers("machine.c_axis_mm", "C axis of the table", "mm", -1e4, 1e4).help(
+                "Place (x, y) of the C axis in the final pose where C turns the table, counted from the blisk's axis at \
+                 the face that the table holds.",
             ),
             Field::number("machine.body_clearance_mm", "Body clearance", "mm", 0.01, 100.0)
                 .decimals(2)
