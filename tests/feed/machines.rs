@@ -89,7 +89,8 @@ fn a_plan_goes_on_a_tilting_table_as_well_and_its_clearance_is_less_by_what_the_
     assert_eq!(on_head.approach(), on_table.approach());
     let is_tested = |moving, fixed| on_table.pairs().iter().any(|p| p.moving == moving && p.fixed == fixed);
     assert!(is_tested("base", "blisk") && is_tested("base", "rotary table") && is_tested("spindle", "rotary table"));
-    let feed = |simulation: &Simulation| simulation.pairs().iter().find(|p| p.during == Some("feed")).unwrap().certified;
+    let feed =
+        |simulation: &Simulation| simulation.pairs().iter().find(|p| p.during == Some("feed")).unwrap().certified;
     assert!((feed(&on_head) - feed(&on_table) - on_table.chain().deviation()).abs() < 1e-12);
     assert_eq!(on_head.chain().deviation(), 0.0);
 }

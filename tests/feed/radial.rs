@@ -3,7 +3,6 @@
 use feed::angle_test::{AngleParams, AngleTest};
 use feed::centreline::Guide;
 use feed::machine::MachineParams;
-use feed::pose::Pose;
 use feed::prepared::PreparedElectrode;
 use feed::probes::Turns;
 use geometry::exact::ExactMesh;
@@ -14,7 +13,6 @@ use sparkpath::workspaces::blisk::document::machine_file::machine_table;
 use sparkpath::workspaces::blisk::job::outcome::ElectrodeOutcome;
 use sparkpath::workspaces::blisk::job::plan::kept;
 use wheel::centreline::Centreline;
-use wheel::electrode::make_electrodes;
 use wheel::parametric::wheel::{MeridianCurve, ParametricWheel};
 
 use super::*;
@@ -131,14 +129,15 @@ fn nodes_of_the_centreline_strategy_are_steps_along_the_line_to_the_rim() {
 
 #[test]
 fn the_angle_test_frees_the_final_pose_and_refuses_metal_in_a_radial_passage() {
-    let inputs = PlanInputs { blisk: ring().into(), own_electrode: None, job: radial_job() };
-    let prepared = prepare(&inputs, &Task::default()).unwrap();
-    let channel = &prepared.space.channel;
-    let exact = ExactMesh::new(&prepared.space.blisk).unwrap();
-    let mut made = make_electrodes(channel, &exact, &inputs.job.electrode, EntrySide::Outward, &Task::default()).unwrap();
-    let electrode = PreparedElectrode::new(&prepared.space, made.swap_remove(0).into(), 0.1, 0.0, &Task::default()).unwrap();
-    let model = electrode.model(&prepared.space);
-    let test = AngleTest::new(channel, 0.1, &AngleParams::default());
+    let (job, task) = (radial_job(), Task::default());
+    let channel: Arc<_> = find_channel(&ring(), &BliskOptions::default(), &task).unwrap().into();
+    let blisk: Arc<_> = ring().in_frame(&channel.frame).into();
+    let exact = ExactMesh::new(&blisk).unwrap();
+    let space = PlanningSpace::new(blisk, &exact, channel.clone(), job.plan.field_cell_mm, &task).unwrap();
+    let mut made = make_electrodes(&channel, &exact, &job.electrode, EntrySide::Outward, &task).unwrap();
+    let electrode = PreparedElectrode::new(&space, made.swap_remove(0).into(), 0.1, 0.0, &task).unwrap();
+    let model = electrode.model(&space);
+    let test = AngleTest::new(&channel, 0.1, &AngleParams::default());
     let is_free = |pose: Pose| test.is_free(&model, &pose, Turns::NONE);
     assert!(is_free(Pose::FINAL));
     // Against hub and shroud, which are 6 mm apart along X, and against the blades.

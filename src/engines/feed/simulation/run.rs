@@ -108,7 +108,7 @@ impl<'a> Run<'a> {
     /// The first way to the first row on which everything keeps its clearance in every channel; if there is none, the
     /// first that does in one of them, and then the first of all.
     pub fn approach(&self, copies: &[Option<Copies>]) -> Result<Approach, Cancelled> {
-        let candidates = approach::candidates(self.scenario, self.options.clear_mm);
+        let candidates = approach::candidates(self.scenario, &self.bodies.chain, self.options.clear_mm);
         let one = [self.representative()];
         for (visits, copies) in [(self.visits, copies), (&one[..], &[][..])] {
             for approach in &candidates {
@@ -229,7 +229,8 @@ impl<'a> Run<'a> {
             let (mut on, allowance) = self.legs_against(moving, fixed, legs);
             let required = self.required_outside(moving, fixed, allowance);
             if moving.on_table {
-                tests.extend(legs.turned.iter().map(|leg| Test::new(moving, fixed, required, vec![leg])));
+                let turned = |leg| Test { allowance, ..Test::new(moving, fixed, required, vec![leg]) };
+                tests.extend(legs.turned.iter().map(turned));
                 continue;
             }
             let mut during = None;

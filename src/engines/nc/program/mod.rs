@@ -270,6 +270,11 @@ fn header(w: &mut Writer, approved: &Approved) {
     if !reversed.is_empty() {
         w.comment(&format!("This post counts the other way round: {}", reversed.join(" ")));
     }
+    let other_words = w.post.axes.iter().filter(|a| a.word != a.axis.letter().to_string());
+    let other_words: Vec<String> = other_words.map(|a| format!("{} is {}", a.axis.letter(), a.word)).collect();
+    if !other_words.is_empty() {
+        w.comment(&format!("Words of this post for the axes above: {}", other_words.join(", ")));
+    }
     let is_from_rim = approved.enters_from() == EntrySide::Outward;
     if w.job.is_turned {
         let mounted = match is_from_rim {

@@ -228,7 +228,7 @@ impl<'a> Tree<'a> {
     fn counted_from(&self, carrier: Carrier) -> Result<DVec3, String> {
         let of = |link: &str| Ok(self.place(link)?.at.translation);
         match carrier {
-            Carrier::Table | Carrier::Bed => Ok(DVec3::ZERO),
+            Carrier::Table | Carrier::Cradle | Carrier::Bed => Ok(DVec3::ZERO),
             Carrier::Head => {
                 let turned = self.joints.iter().find(|(_, joint)| joint.axis == Some(Axis::C));
                 of(turned.ok_or("there is no joint c, whose origin bodies of the head are counted from")?.0)
