@@ -119,11 +119,21 @@ fn nodes_of_the_centreline_strategy_are_steps_along_the_line_to_the_rim() {
     assert!(steps.iter().all(|step| *step > 0.0 && *step < job.plan.step_mm + 1e-6), "{steps:?}");
     let whole = steps.iter().filter(|step| (*step - job.plan.step_mm).abs() < 1e-6).count();
     assert!(2 * whole > steps.len(), "most nodes are whole steps: {steps:?}");
-    // In the passage the core point keeps near to the line, wherever the ring has turned to.
+    // The core point keeps near to the line, from which postures are adjusted.
     for node in plan.nodes.iter().take_while(|node| node.s < 8.0) {
-        let core = node.pose.placement(electrode.reference_point).transform_point3(guide.core());
-        let off = line.at_length(line.length_near(core))[0].distance(core);
-        assert!(off < 1.5, "{}: {off}", node.s);
+        let [on_line, pose] = [guide.on_line(&node.pose), node.pose];
+        let off = (on_line.x - pose.x).hypot(on_line.y - pose.y);
+        assert!(off < 1.0 && on_line.z == pose.z, "{}: {off}", node.s);
+    }
+    // On the line it is as far beside it as in the final pose, wherever the ring has turned to.
+    let at = |l: f64| line.at_length(l)[0];
+    let beside = guide.core() - at(guide.arc_length(0.0));
+    for (z, a, c) in [(0.0, 0.0, 0.0), (2.0, 0.05, 0.02), (9.0, -0.1, 0.1), (30.0, 0.2, -0.3)] {
+        let pose = guide.on_line(&Pose { x: 7.0, y: -4.0, z, a, c, ..Pose::FINAL });
+        let core = pose.placement(electrode.reference_point).transform_point3(guide.core());
+        let off = |l: i32| (at(f64::from(l) * 0.01) + beside).distance(core);
+        let least = (-4000..=8000).map(off).fold(f64::INFINITY, f64::min);
+        assert!(least < 0.006 && pose.z == z, "{z}: {least}");
     }
 }
 

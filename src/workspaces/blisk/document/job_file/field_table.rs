@@ -367,22 +367,6 @@ const GROUPS: &[Group] = &[
                 "The machine whose axes, travels and bodies count: the whole motion is simulated with its \
                  head, holder and table. A machine is a TOML file; one of your own can be chosen.",
             ),
-            Field::choice("machine.head_along", "Head comes", HEADS).help(
-                "Axis along which the head of a machine with bodies comes. Along Z it serves electrodes from the rim, \
-                 along X all others. A machine's file says it.",
-            ),
-            Field::choice("machine.mounted_face", "Face on the table", FACES).help(
-                "Face of the blisk that the table holds, where the head comes along Z. Where it comes along X it is the \
-                 face away from the side of entry.",
-            ),
-            Field::choice("machine.c_turns", "C turns", TURNED).help(
-                "Part that C turns on a machine with bodies: the electrode, or the table that carries A, as on a tilting \
-                 table. A machine's file says it.",
-            ),
-            Field::numbers("machine.c_axis_mm", "C axis of the table", "mm", -1e4, 1e4).help(
-                "Place (x, y) of the C axis in the final pose where C turns the table, counted from the blisk's axis at \
-                 the face that the table holds.",
-            ),
             Field::number("machine.body_clearance_mm", "Body clearance", "mm", 0.01, 100.0)
                 .decimals(2)
                 .help("How far bodies of the machine stay from each other and from the blisk."),
@@ -496,6 +480,22 @@ const GROUPS: &[Group] = &[
             Field::file("blisk.mesh", "Blisk").help("Mesh file of the finished blisk."),
             Field::choice("electrode.size", "Size", SIZES)
                 .help("Reductions as given, or the least ones for which there is an extraction path."),
+            Field::choice("machine.head_along", "Head comes", HEADS).help(
+                "Axis along which the head of a machine with bodies comes. Along Z it serves electrodes from the rim, \
+                 along X all others. A machine's file says it.",
+            ),
+            Field::choice("machine.mounted_face", "Face on the table", FACES).help(
+                "Face of the blisk that the table holds, where the head comes along Z. Where it comes along X it is the \
+                 face away from the side of entry.",
+            ),
+            Field::choice("machine.c_turns", "C turns", TURNED).help(
+                "Part that C turns on a machine with bodies: the electrode, or the table that carries A, as on a tilting \
+                 table. A machine's file says it.",
+            ),
+            Field::numbers("machine.c_axis_mm", "C axis of the table", "mm", -1e4, 1e4).help(
+                "Place (x, y) of the C axis in the final pose where C turns the table, counted from the blisk's axis at \
+                 the face that the table holds.",
+            ),
             Field::numbers("machine.travel_x_mm", "Travel of X", "mm", -ANY, ANY)
                 .count(2)
                 .help("Least and greatest X about the final pose."),
