@@ -89,18 +89,31 @@ impl Order<'_> {
         let place = DVec2::new(x, r);
         let Self::Along(channel) = self else { return x };
         let [along, height] = channel.along_and_height(place);
-        // Beyond the passage's ends it goes straight on.
-        let [first, last] = channel.ends_along();
-        let near = 0.01 * (last - first);
-        let line = channel.line_at(along);
         let share = height / channel.station_at(along).height();
-        let at = |along: f64| channel.station_at(along.clamp(first, last)).place(share);
-        let forward = (at(along + near) - at(along - near)).normalize_or_zero();
+        let [first, last] = channel.ends_along();
         match along > first && along < last {
             true => along,
-            false => along + (place - line.place(height)).dot(forward),
+            false => along + (place - channel.line_at(along).place(height)).dot(forward(channel, along, share)),
         }
     }
+}
+
+/// Place (x, r) at a position along the passage of `channel` and a share of its height; beyond the passage's ends it goes
+/// straight on.
+fn place_at(channel: &Channel, along: f64, share: f64) -> DVec2 {
+    let [first, last] = channel.ends_along();
+    let within = along.clamp(first, last);
+    let beyond = along - within;
+    let place = channel.station_at(within).place(share);
+    if beyond == 0.0 { place } else { place + beyond * forward(channel, within, share) }
+}
+
+/// Direction (x, r) of the passage of `channel` at a position along it, a unit vector.
+fn forward(channel: &Channel, along: f64, share: f64) -> DVec2 {
+    let [first, last] = channel.ends_along();
+    let near = 0.01 * (last - first);
+    let at = |along: f64| channel.station_at(along.clamp(first, last)).place(share);
+    (at(along + near) - at(along - near)).normalize_or_zero()
 }
 
 impl Centreline {
@@ -323,7 +336,7 @@ impl<'a> Section<'a> {
             let along = from + (to - from) * i as f64 / Self::PIECES as f64;
             let [x, r] = match order {
                 Order::X => [along, 0.5 * (radius_at(&lines[0], along) + radius_at(&lines[1], along))],
-                Order::Along(channel) => channel.station_at(along).place(height).to_array(),
+                Order::Along(channel) => place_at(channel, along, height).to_array(),
             };
             let m = meridian.last().map_or(0.0, |[_, x0, r0, m0]| {
                 let scale = if matches!(order, Order::X) { 1.0 } else { mean_radius / (0.5 * (r + r0)) };
@@ -625,7 +638,9 @@ mod tests {
     /// other, half way from hub to shroud, and about as long as what lies half way between the blades.
     #[test]
     fn in_passages_of_any_direction_it_lies_in_the_middle() {
-        for wheel in [ParametricWheel::nozzle_ring(), ParametricWheel::impeller()] {
+        // Of the third the blades end at the very rims.
+        let to_the_rims = ParametricWheel { span: [0.0, 1.0], ..ParametricWheel::nozzle_ring() };
+        for wheel in [ParametricWheel::nozzle_ring(), ParametricWheel::impeller(), to_the_rims] {
             let channel = find_channel(&wheel.mesh(), &BliskOptions::default(), &Task::default()).unwrap();
             assert_ne!(channel.flow, Flow::Axial);
             let line = Centreline::of_channel(&channel, &Cancel::default()).unwrap();

@@ -262,7 +262,7 @@ fn header(w: &mut Writer, approved: &Approved) {
              relative to the workpiece, right-handed. The tables turn the other way. Between two blocks all axes are \
              linear; the electrode then stays within {} mm of the verified motion, which is taken off its clearance.",
             vector(q),
-            w.job.chain.deviation()
+            mm(w.job.chain.deviation())
         )),
     }
     let reversed = w.post.axes.iter().filter(|a| a.reversed).map(|a| a.axis.letter().to_string());
