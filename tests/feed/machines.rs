@@ -1,8 +1,9 @@
 //! Plans on the machines that the program brings along.
 
 use super::common::{easy_blisk, mesh};
-use super::{easy_job, plan};
-use feed::machine::MachineParams;
+use super::{easy_job, easy_plan, plan};
+use feed::machine::{MachineParams, TurnedByC};
+use feed::machine_model::{Carrier, MachineModel};
 use feed::plan_params::Strategy;
 use feed::simulation::{Scenario, Simulation, SimulationOptions, simulate};
 use files::AnyDocument as _;
@@ -36,6 +37,16 @@ fn same_nodes(known: &KeptPlan, found: &KeptPlan) {
 }
 
 fn simulated(blisk: &Mesh, outcome: &PlanOutcome, machine: &MachineParams, channels: Vec<usize>) -> Simulation {
+    let model = read_machine(&machine.name, &Task::default()).unwrap();
+    simulated_with((machine, &model), blisk, outcome, channels)
+}
+
+fn simulated_with(
+    (machine, model): (&MachineParams, &MachineModel),
+    blisk: &Mesh,
+    outcome: &PlanOutcome,
+    channels: Vec<usize>,
+) -> Simulation {
     let blisk = blisk.in_frame(&outcome.channel.frame);
     let electrode = &outcome.electrodes[0];
     let planned = electrode.plan.path.as_ref().unwrap();
@@ -47,7 +58,7 @@ fn simulated(blisk: &Mesh, outcome: &PlanOutcome, machine: &MachineParams, chann
         feed: (&planned.path, &planned.certificate),
         copying: None,
         machine,
-        model: &read_machine(&machine.name, &Task::default()).unwrap(),
+        model,
     };
     simulate(&scenario, &SimulationOptions::of(channels), &Task::default()).unwrap()
 }
@@ -60,6 +71,28 @@ fn with_fewer_axes_the_global_search_gives_a_certified_plan_that_nothing_collide
 #[test]
 fn with_more_axes_the_genetic_search_gives_a_certified_plan_that_nothing_collides_on() {
     is_certified_and_nothing_collides("xyzabc", Strategy::Genetic);
+}
+
+#[test]
+fn a_plan_goes_on_a_tilting_table_as_well_and_its_clearance_is_less_by_what_the_machine_leaves_the_poses() {
+    let outcome = easy_plan();
+    let plain = machine("xyzac");
+    let tilting = MachineParams { c_turns: TurnedByC::Table, c_axis_mm: [-70.0, 0.0], ..plain.clone() };
+    let mut model = read_machine("xyzac", &Task::default()).unwrap();
+    model.bodies.iter_mut().filter(|body| body.name == "rotary table").for_each(|body| body.carrier = Carrier::Cradle);
+    let (blisk, own) = (mesh(&easy_blisk()), outcome.channel.index);
+    let on = |machine| simulated_with((machine, &model), &blisk, outcome, vec![own, own + 1]);
+    let [on_head, on_table] = [&plain, &tilting].map(on);
+    for simulation in [&on_head, &on_table] {
+        assert!(simulation.holds(), "{}", simulation.sentence());
+    }
+    assert_eq!(on_head.approach(), on_table.approach());
+    let is_tested = |moving, fixed| on_table.pairs().iter().any(|p| p.moving == moving && p.fixed == fixed);
+    assert!(is_tested("base", "blisk") && is_tested("base", "rotary table") && is_tested("spindle", "rotary table"));
+    let feed =
+        |simulation: &Simulation| simulation.pairs().iter().find(|p| p.during == Some("feed")).unwrap().certified;
+    assert!((feed(&on_head) - feed(&on_table) - on_table.chain().deviation()).abs() < 1e-12);
+    assert_eq!(on_head.chain().deviation(), 0.0);
 }
 
 /// Each strategy is tried where there are axes that other tests have none of.

@@ -1,9 +1,18 @@
 //! Passages along the radius: a nozzle ring whose electrodes come out of the rim.
 
+use feed::angle_test::{AngleParams, AngleTest};
+use feed::centreline::Guide;
+use feed::machine::MachineParams;
+use feed::prepared::PreparedElectrode;
+use feed::probes::Turns;
 use geometry::exact::ExactMesh;
 use glam::DVec2;
+use sparkpath::workspaces::blisk::document::choice::Channels;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
+use sparkpath::workspaces::blisk::document::machine_file::machine_table;
+use sparkpath::workspaces::blisk::job::outcome::ElectrodeOutcome;
 use sparkpath::workspaces::blisk::job::plan::kept;
+use wheel::centreline::Centreline;
 use wheel::parametric::wheel::{MeridianCurve, ParametricWheel};
 
 use super::*;
@@ -36,12 +45,22 @@ fn radial_job() -> PlanJob {
 #[test]
 fn an_electrode_of_a_nozzle_ring_is_withdrawn_along_the_radius_and_copies_to_both_walls() {
     let mesh = ring();
-    let outcome = whole_plan(mesh.clone(), radial_job());
+    let mut job = radial_job();
+    job.machine = built_in("xyzac-ram");
+    job.export.channels = Channels::These(vec![0, 3]);
+    let outcome = whole_plan(mesh.clone(), job);
     let electrode = &outcome.electrodes[0];
     assert!(outcome.is_verified(), "{}", electrode.plan.verdict(&outcome.channel));
     assert_eq!(electrode.electrode.enters_from, EntrySide::Outward);
     let planned = electrode.plan.path.as_ref().unwrap();
     assert_eq!(planned.certificate.enters_from(), Some(EntrySide::Outward));
+    // On the machine with a ram nothing collides, on the way to another channel neither.
+    let simulation = outcome.simulation(0).unwrap();
+    assert!(simulation.holds(), "{}", simulation.sentence());
+    assert_eq!(simulation.visits().len(), 2);
+    let is_tested = |moving, fixed| simulation.pairs().iter().any(|p| p.moving == moving && p.fixed == fixed);
+    assert!(is_tested("ram", "rotary table") && is_tested("chuck", "blisk") && is_tested("faceplate", "rotary table"));
+    assert!(simulation.approach().windows(2).all(|w| w[0].z > w[1].z && w[0].x == w[1].x), "straight down");
     let rows = &planned.path.rows;
     assert!(rows.windows(2).all(|w| w[0].pose.z > w[1].pose.z), "the electrode only ever goes in");
     // Exact distances, densely, and the place where it begins.
@@ -79,12 +98,70 @@ fn sides_that_a_radial_passage_does_not_open_to_and_bodies_that_come_from_elsewh
     };
     let said = refused(&|job| job.electrode.enter = EnterSide::MinusX);
     assert!(said.contains("the passage is radial and neither of its ends opens to -X"), "{said}");
-    let said = refused(&|job| job.machine = feed_machine("xyzac"));
-    assert!(said.contains("the bodies of xyzac are those of a machine whose head comes along X"), "{said}");
-    let said = refused(&|job| (job.plan.strategy, job.plan.constraint) = (Strategy::Genetic, Constraint::Angle));
-    assert!(said.contains("sections across X, and this passage is radial"), "{said}");
+    let said = refused(&|job| job.machine = built_in("xyzac"));
+    assert!(said.contains("the head of xyzac comes along X, and the only side of entry that is left is the rim; choose a machine whose head"), "{said}");
 }
 
-fn feed_machine(name: &str) -> feed::machine::MachineParams {
-    feed::machine::MachineParams { name: name.to_owned(), ..Default::default() }
+#[test]
+fn nodes_of_the_centreline_strategy_are_steps_along_the_line_to_the_rim() {
+    let mut job = radial_job();
+    job.plan.strategy = Strategy::Centreline;
+    let outcome = plan(ring(), job.clone());
+    let ElectrodeOutcome { electrode, plan, .. } = &outcome.electrodes[0];
+    assert!(outcome.is_verified(), "{}", plan.verdict(&outcome.channel));
+    assert_eq!(electrode.enters_from, EntrySide::Outward);
+    let line = Centreline::of_channel(&outcome.channel, &Task::default().cancel).unwrap();
+    let guide = Guide::new(line.clone(), &outcome.channel, electrode).unwrap();
+    // From the middle of the passage to the rim.
+    let toward = line.at_length(line.length())[0].z - line.at_length(0.0)[0].z;
+    let lengths: Vec<f64> = plan.nodes.iter().map(|node| guide.arc_length(node.s) * toward.signum()).collect();
+    let steps: Vec<f64> = lengths.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    assert!(steps.iter().all(|step| *step > 0.0 && *step < job.plan.step_mm + 1e-6), "{steps:?}");
+    let whole = steps.iter().filter(|step| (*step - job.plan.step_mm).abs() < 1e-6).count();
+    assert!(2 * whole > steps.len(), "most nodes are whole steps: {steps:?}");
+    // The core point keeps near to the line, from which postures are adjusted.
+    for node in plan.nodes.iter().take_while(|node| node.s < 8.0) {
+        let [on_line, pose] = [guide.on_line(&node.pose), node.pose];
+        let off = (on_line.x - pose.x).hypot(on_line.y - pose.y);
+        assert!(off < 1.0 && on_line.z == pose.z, "{}: {off}", node.s);
+    }
+    // On the line it is as far beside it as in the final pose, wherever the ring has turned to.
+    let at = |l: f64| line.at_length(l)[0];
+    let beside = guide.core() - at(guide.arc_length(0.0));
+    for (z, a, c) in [(0.0, 0.0, 0.0), (2.0, 0.05, 0.02), (9.0, -0.1, 0.1), (30.0, 0.2, -0.3)] {
+        let pose = guide.on_line(&Pose { x: 7.0, y: -4.0, z, a, c, ..Pose::FINAL });
+        let core = pose.placement(electrode.reference_point).transform_point3(guide.core());
+        let off = |l: i32| (at(f64::from(l) * 0.01) + beside).distance(core);
+        let least = (-4000..=8000).map(off).fold(f64::INFINITY, f64::min);
+        assert!(least < 0.006 && pose.z == z, "{z}: {least}");
+    }
+}
+
+#[test]
+fn the_angle_test_frees_the_final_pose_and_refuses_metal_in_a_radial_passage() {
+    let (job, task) = (radial_job(), Task::default());
+    let channel: Arc<_> = find_channel(&ring(), &BliskOptions::default(), &task).unwrap().into();
+    let blisk: Arc<_> = ring().in_frame(&channel.frame).into();
+    let exact = ExactMesh::new(&blisk).unwrap();
+    let space = PlanningSpace::new(blisk, &exact, channel.clone(), job.plan.field_cell_mm, &task).unwrap();
+    let mut made = make_electrodes(&channel, &exact, &job.electrode, EntrySide::Outward, &task).unwrap();
+    let electrode = PreparedElectrode::new(&space, made.swap_remove(0).into(), 0.1, 0.0, &task).unwrap();
+    let model = electrode.model(&space);
+    let test = AngleTest::new(&channel, 0.1, &AngleParams::default());
+    let is_free = |pose: Pose| test.is_free(&model, &pose, Turns::NONE);
+    assert!(is_free(Pose::FINAL));
+    // Against hub and shroud, which are 6 mm apart along X, and against the blades.
+    for pose in [
+        Pose { x: 1.5, ..Pose::FINAL },
+        Pose { x: -1.5, ..Pose::FINAL },
+        Pose { a: 0.12, ..Pose::FINAL },
+        Pose { a: -0.12, ..Pose::FINAL },
+    ] {
+        assert!(!is_free(pose), "{pose:?}");
+    }
+}
+
+fn built_in(name: &str) -> MachineParams {
+    let params: MachineParams = toml::Value::Table(machine_table(name).unwrap()).try_into().unwrap();
+    MachineParams { name: name.to_owned(), ..params }
 }

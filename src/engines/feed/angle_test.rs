@@ -4,19 +4,20 @@
 //! M5 the neighbour of M1 on the side of E. The point is free of the wall when the angle alpha between M1E and
 //! N1 is smaller, by more than Delta2, than the angle theta between M1M5 and N1: `theta - alpha - Delta2 > 0`. Where
 //! the wall bends away theta exceeds 90 degrees, so a point that a plain 90 degree test would refuse may be free.
-//! Hub and shroud are tested by radius, (3), with Delta1.
+//! Hub and shroud are tested by radius, (3), with Delta1; where the passage does not run along the axis, by the height on the
+//! line across it.
 //!
 //! P0 tests against contact; here the wall points are first moved into the channel by the spark gap and margin, so
 //! that the test asks for the clearance that the process needs.
 
 use files::Invalid;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::clearance::ClearanceModel;
 use super::pose::Pose;
 use super::probes::Turns;
-use wheel::channel::{Channel, ChannelWall};
+use wheel::channel::{Channel, ChannelWall, Flow};
 
 /// Safety factors of the angle constraint.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -46,7 +47,7 @@ impl AngleParams {
 pub struct AngleTest<'a> {
     channel: &'a Channel,
     walls: [OrderedWall; 2],
-    span_x: [f64; 2],
+    span: [f64; 2],
     /// Distance kept from hub and shroud (mm).
     end_walls: f64,
     /// Delta2 (rad).
@@ -67,7 +68,7 @@ impl<'a> AngleTest<'a> {
         Self {
             channel,
             walls: [&channel.low, &channel.high].map(|wall| OrderedWall::new(wall, clearance)),
-            span_x: channel.span_x(),
+            span: channel.span_along(),
             end_walls: clearance + params.delta1_mm,
             delta2: params.delta2_deg.to_radians(),
         }
@@ -80,16 +81,31 @@ impl<'a> AngleTest<'a> {
         // In the final pose the end walls are just the spark gap away; rounding must not refuse it.
         const ROUNDING: f64 = 1e-4;
         model.placed_samples(pose, turns).all(|p| {
-            if p.x < self.channel.faces_x[0] || p.x > self.channel.faces_x[1] {
-                return true;
-            }
-            let (hub, shroud) = self.channel.radii_at(p.x);
-            let r = p.y.hypot(p.z);
-            let between = r > hub + self.end_walls - ROUNDING
-                && (!self.channel.shrouded || r < shroud - self.end_walls + ROUNDING);
-            let beside_blades = p.x < self.span_x[0] || p.x > self.span_x[1];
+            let Some((along, [above_hub, below_shroud])) = self.in_passage(p) else { return true };
+            let between = above_hub > self.end_walls - ROUNDING
+                && (!self.channel.shrouded || below_shroud > self.end_walls - ROUNDING);
+            let beside_blades = along < self.span[0] || along > self.span[1];
             between && (beside_blades || (0..2).all(|w| self.walls[w].passes(p, self.delta2, &mut nearest[w])))
         })
+    }
+
+    /// Position of `p` along the passage and its heights above the hub and below the shroud (mm); none beyond the
+    /// passage's ends.
+    fn in_passage(&self, p: DVec3) -> Option<(f64, [f64; 2])> {
+        /// How far a place may be off the line across the passage that it is on (mm).
+        const OFF_LINE: f64 = 1e-6;
+        let (channel, place) = (self.channel, DVec2::new(p.x, p.y.hypot(p.z)));
+        if channel.flow == Flow::Axial {
+            let within = p.x >= channel.faces_x[0] && p.x <= channel.faces_x[1];
+            let (hub, shroud) = channel.radii_at(p.x);
+            return within.then_some((p.x, [place.y - hub, shroud - place.y]));
+        }
+        let [along, height] = channel.along_and_height(place);
+        let line = channel.line_at(along);
+        // Beyond an end the nearest line is that of the end.
+        let ends = channel.ends_along();
+        let is_beyond = (along <= ends[0] || along >= ends[1]) && line.place(height).distance(place) > OFF_LINE;
+        (!is_beyond).then_some((along, [height - line.ends[0], line.ends[1] - height]))
     }
 }
 

@@ -200,7 +200,7 @@ pub fn copying_motion(
     }
     // Half the tolerance is left for the way between the rows.
     let least = settings.spark_gap - 0.5 * settings.verify.tolerance_mm;
-    let limits = settings.machine.limits();
+    let limits = settings.machine.pose_limits();
     // What was too near last mostly is so at the next pose too.
     let too_near = Cell::new(None);
     let keeps = |pose: &Pose| {

@@ -5,6 +5,7 @@ pub mod angle_test;
 pub mod axis_curve;
 mod baselines;
 pub mod centreline;
+pub mod chain;
 pub mod clearance;
 mod clearance_cache;
 pub mod climb;

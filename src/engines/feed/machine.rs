@@ -45,6 +45,83 @@ impl AxisSet {
     }
 }
 
+/// Axis of W along which the head of a machine comes to the blisk.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum HeadAxis {
+    /// Along the blisk's axis: the electrode hangs on an arm beside the blisk.
+    #[default]
+    X,
+    /// Along the radius: a ram above the blisk carries the electrode.
+    Z,
+}
+
+impl HeadAxis {
+    /// The axis of poses.
+    pub fn axis(self) -> Axis {
+        match self {
+            Self::X => Axis::X,
+            Self::Z => Axis::Z,
+        }
+    }
+}
+
+/// Face of the blisk, in W, that the table of a machine holds.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum MountedFace {
+    /// The face at the least x.
+    #[default]
+    #[serde(rename = "-x")]
+    MinusX,
+    /// The face at the greatest x.
+    #[serde(rename = "+x")]
+    PlusX,
+}
+
+impl MountedFace {
+    fn is_least_x(&self) -> bool {
+        *self == Self::MinusX
+    }
+}
+
+/// Part of a machine that C turns.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TurnedByC {
+    /// The electrode, on the head.
+    #[default]
+    Electrode,
+    /// The table that carries A, as on a tilting table.
+    Table,
+}
+
+impl TurnedByC {
+    fn is_electrode(&self) -> bool {
+        *self == Self::Electrode
+    }
+}
+
+/// How the directions of a machine lie in W, and where its C axis is if that turns the table.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Mounting {
+    /// Whether the machine is turned by half a turn about Z against W.
+    pub is_turned: bool,
+    /// Place (x, y) of the C axis under A, in directions of the machine, from the blisk's axis at the face that the table
+    /// holds (mm); none where C turns the electrode.
+    pub table_c: Option<[f64; 2]>,
+}
+
+impl std::fmt::Display for Mounting {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let turned = if self.is_turned { "turned" } else { "not turned" };
+        write!(f, "a machine that is {turned} by half a turn about Z, whose C turns ")?;
+        match self.table_c {
+            None => write!(f, "the electrode"),
+            Some([x, y]) => write!(f, "the table about x = {x} mm, y = {y} mm"),
+        }
+    }
+}
+
 /// Travel of the axes about the final pose, as `[least, greatest]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -53,6 +130,16 @@ pub struct MachineParams {
     pub name: String,
     /// Clearance that bodies keep from each other and from the blisk (mm).
     pub body_clearance_mm: f64,
+    /// Axis along which the head comes, of a machine with bodies.
+    pub head_along: HeadAxis,
+    /// Face of the blisk that the table holds, on a machine with bodies whose head comes along Z. Where it comes along X
+    /// the table holds the face away from the side of entry.
+    pub mounted_face: MountedFace,
+    /// Part that C turns, of a machine with bodies.
+    pub c_turns: TurnedByC,
+    /// Place (x, y) of the C axis in the final pose where C turns the table, in directions of the machine, counted from the
+    /// blisk's axis at the face that the table holds (mm).
+    pub c_axis_mm: [f64; 2],
     /// Axes of the machine.
     pub axes: AxisSet,
     /// Travel along X (mm).
@@ -78,6 +165,10 @@ impl Default for MachineParams {
         Self {
             name: String::new(),
             body_clearance_mm: 1.0,
+            head_along: HeadAxis::default(),
+            mounted_face: MountedFace::default(),
+            c_turns: TurnedByC::default(),
+            c_axis_mm: [0.0; 2],
             axes: AxisSet::default(),
             travel_x_mm: [-250.0, 250.0],
             travel_y_mm: [-150.0, 150.0],
@@ -103,6 +194,10 @@ pub struct SearchedMachine {
     travel_c_deg: [f64; 2],
     speed_mm_min: f64,
     speed_deg_min: f64,
+    #[serde(skip_serializing_if = "MountedFace::is_least_x")]
+    mounted_face: MountedFace,
+    #[serde(skip_serializing_if = "TurnedByC::is_electrode")]
+    c_turns: TurnedByC,
 }
 
 /// Travel of every axis about the final pose, `[least, greatest]` (mm or rad).
@@ -188,6 +283,13 @@ impl MachineParams {
             }
         }
         Invalid::unless_within("machine.body_clearance_mm", self.body_clearance_mm, [0.01, 100.0], "mm")?;
+        for place in self.c_axis_mm {
+            Invalid::unless_within("machine.c_axis_mm", place, [-1e4, 1e4], "mm")?;
+        }
+        if self.c_turns == TurnedByC::Table && !self.has_bodies() {
+            let remedy = "needs a machine whose motion is simulated; name its file in machine.name";
+            return Err(Invalid::new("machine.c_turns", "table", remedy));
+        }
         for (key, speed) in [("machine.speed_mm_min", self.speed_mm_min), ("machine.speed_deg_min", self.speed_deg_min)]
         {
             if !speed.is_finite() || speed <= 0.0 {
@@ -202,9 +304,9 @@ impl MachineParams {
         !self.name.is_empty()
     }
 
-    /// Whether its bodies, if it has any, are those of a machine whose head comes from `side`: all come along X.
+    /// Whether its bodies, if it has any, are those of a machine whose head comes from `side`.
     pub fn comes_from(&self, side: EntrySide) -> bool {
-        !self.has_bodies() || Axis::of_withdrawal(side) == Axis::X
+        !self.has_bodies() || Axis::of_withdrawal(side) == self.head_along.axis()
     }
 
     /// The part of the parameters that a search depends on.
@@ -221,6 +323,8 @@ impl MachineParams {
             travel_c_deg,
             speed_mm_min,
             speed_deg_min,
+            mounted_face: self.mounted_face,
+            c_turns: self.c_turns,
         }
     }
 
@@ -229,13 +333,24 @@ impl MachineParams {
         [travel_x_mm, travel_y_mm, travel_z_mm, travel_a_deg, travel_b_deg, travel_c_deg]
     }
 
-    /// Axes that count the other way round on a machine with bodies when the electrode enters from -X: there the
-    /// machine is turned by half a turn about Z against W, since its own +x points away from the blisk.
+    /// Axes that count the other way round on a machine that is turned by half a turn about Z against W.
     pub const TURNED: [Axis; 4] = [Axis::X, Axis::Y, Axis::A, Axis::B];
 
-    /// Whether the directions of the machine are turned against those of W for an electrode that enters from `side`.
+    /// Whether a machine with bodies is turned by half a turn about Z against W for an electrode that enters from `side`:
+    /// its own +x points from the table into the blisk.
     pub fn is_turned(&self, side: EntrySide) -> bool {
-        self.has_bodies() && side == EntrySide::MinusX
+        let holds_greater_x = match side {
+            EntrySide::MinusX => true,
+            EntrySide::PlusX => false,
+            EntrySide::Outward => self.mounted_face == MountedFace::PlusX,
+        };
+        self.has_bodies() && holds_greater_x
+    }
+
+    /// How the machine stands about an electrode that enters from `side`.
+    pub fn mounting(&self, side: EntrySide) -> Mounting {
+        let table_c = (self.c_turns == TurnedByC::Table).then_some(self.c_axis_mm);
+        Mounting { is_turned: self.is_turned(side), table_c }
     }
 
     /// Machine with its travels in the directions of W, for an electrode that enters from `side`.
@@ -262,6 +377,18 @@ impl MachineParams {
     /// Travel of all axes; that of an axis which the machine does not have is nothing.
     pub fn limits(&self) -> TravelLimits {
         TravelLimits(Axis::ALL.map(|axis| self.travel(axis)))
+    }
+
+    /// Limits of poses: the travel of all axes, but for X and Y of a machine whose C turns the table, where they go other
+    /// ways than the pose does; the simulation judges these.
+    pub fn pose_limits(&self) -> TravelLimits {
+        match self.c_turns {
+            TurnedByC::Electrode => self.limits(),
+            TurnedByC::Table => {
+                let anywhere = [f64::NEG_INFINITY, f64::INFINITY];
+                self.limits().with(Axis::X, anywhere).with(Axis::Y, anywhere)
+            }
+        }
     }
 
     /// Shortest time (min) in which all axes can go linearly from one pose to the other within their speeds, and the
@@ -299,6 +426,19 @@ mod tests {
         assert_eq!(machine.seen_from_w(EntrySide::PlusX), machine);
         let seen = machine.seen_from_w(EntrySide::MinusX);
         assert_eq!((seen.travel_x_mm, seen.travel_z_mm), ([-250.0, 20.0], [-5.0, 90.0]));
+    }
+
+    #[test]
+    fn a_ram_along_z_serves_the_rim_alone_and_is_turned_with_the_face_that_is_held() {
+        let of = |head_along| MachineParams { name: "m".to_owned(), head_along, ..Default::default() };
+        for (head, sides) in [(HeadAxis::X, [true, true, false]), (HeadAxis::Z, [false, false, true])] {
+            assert_eq!(EntrySide::ALL.map(|side| of(head).comes_from(side)), sides);
+        }
+        assert!(EntrySide::ALL.iter().all(|side| MachineParams::default().comes_from(*side)), "no bodies, no head");
+        let ram = MachineParams { travel_y_mm: [-20.0, 50.0], ..of(HeadAxis::Z) };
+        assert_eq!(ram.seen_from_w(EntrySide::Outward), ram);
+        let turned = MachineParams { mounted_face: MountedFace::PlusX, ..ram };
+        assert_eq!(turned.seen_from_w(EntrySide::Outward).travel_y_mm, [-50.0, 20.0]);
     }
 
     #[test]

@@ -1,24 +1,27 @@
 //! The bodies of a machine: what may collide besides electrode and blisk.
 //!
-//! Bodies are given where they stand in the final pose, in directions of the machine that turn with the side of entry:
-//! +x points away from the blisk, the way the electrode is withdrawn, +z is the machine's Z, which at the channel
-//! points away from the blisk's axis, and y makes them right-handed. An electrode that enters from the other side
-//! finds the same machine turned by half a turn about Z. Where x, y and z are counted from is the carrier's matter:
+//! Bodies are given where they stand in the final pose, in directions of the machine that turn with the way in which the
+//! blisk is mounted: +x points from the table along the blisk's axis, +z is the machine's Z, which at the channel
+//! points away from the blisk's axis, and y makes them right-handed. An electrode that is withdrawn along X is withdrawn
+//! to +x of the machine. A blisk that is mounted the other way round finds the same machine turned by half a turn about
+//! Z. Where x, y and z are counted from is the carrier's matter:
 //!
 //! | carrier | goes with | counted from |
 //! | --- | --- | --- |
 //! | `electrode` | X Y Z C B | the middle of the electrode's end face on the side of entry, the holder's interface |
-//! | `head` | X Y Z | the reference point O, through which the C axis goes |
-//! | `table` | the blisk, which A turns | the blisk's axis at the blisk's face away from the side of entry |
+//! | `head` | X Y Z | the C axis, which goes through the reference point O: at O, or, for an electrode that is withdrawn along Z, at the height of the interface |
+//! | `table` | the blisk, which A turns | the blisk's axis at the face that the table holds |
+//! | `cradle` | A and all that it carries, which C turns on a tilting table | the same point |
 //! | `bed` | nothing | the same point |
 //!
-//! In the machine frame, which is W in the final pose, the tool is moved by `O + (x, y, z) + Rz(c) Ry(b) (p - O)`, and
-//! the blisk and its table are turned by `Rx(-a)`.
+//! How they move is told by [`Chain`].
 
 use glam::{DAffine3, DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::chain::Chain;
+use super::machine::Mounting;
 use geometry::mesh::Mesh;
 use wheel::electrode::EntrySide;
 
@@ -32,6 +35,8 @@ pub enum Carrier {
     Head,
     /// The table: turns with A, so that it keeps its place at the blisk.
     Table,
+    /// The cradle between bed and table: turns with C on a machine whose C turns the table; otherwise it stands still.
+    Cradle,
     /// The bed: stands still.
     Bed,
 }
@@ -76,35 +81,47 @@ impl MachineModel {
 /// Position of a machine relative to an electrode and a blisk.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Station {
-    side: EntrySide,
+    mounting: Mounting,
     interface: DVec3,
     reference_point: DVec3,
+    on_c_axis: DVec3,
     seat: DVec3,
 }
 
 impl Station {
     /// The machine about `electrode`, in its final pose with its reference point O, and `blisk`, all in W (mm).
-    pub fn new(electrode: &Mesh, reference_point: DVec3, side: EntrySide, blisk: &Mesh) -> Self {
+    pub fn new(electrode: &Mesh, reference_point: DVec3, side: EntrySide, mounting: Mounting, blisk: &Mesh) -> Self {
         let out = |p: &DVec3| p.dot(side.direction());
         let outermost = electrode.vertices.iter().map(out).fold(f64::NEG_INFINITY, f64::max);
         let at_end = |p: &&DVec3| out(p) > outermost - 1e-3;
         let end = geometry::mesh::Bounds::of(electrode.vertices.iter().filter(at_end).copied());
+        let interface = end.center();
+        let on_c_axis = match side {
+            EntrySide::MinusX | EntrySide::PlusX => reference_point,
+            EntrySide::Outward => reference_point.with_z(interface.z),
+        };
         let blisk = blisk.bounds();
-        let seat = if side == EntrySide::PlusX { blisk.min.x } else { blisk.max.x };
-        Self { side, interface: end.center(), reference_point, seat: DVec3::new(seat, 0.0, 0.0) }
+        let seat = if mounting.is_turned { blisk.max.x } else { blisk.min.x };
+        Self { mounting, interface, reference_point, on_c_axis, seat: DVec3::new(seat, 0.0, 0.0) }
+    }
+
+    /// The kinematic chain of the machine.
+    pub fn chain(&self) -> Chain {
+        let to_w = self.placement(Carrier::Bed);
+        let table_c = self.mounting.table_c.map(|[x, y]| to_w.transform_point3(DVec3::new(x, y, 0.0)).truncate());
+        Chain::new(self.reference_point, table_c)
     }
 
     /// From the coordinates of `carrier` to W, where its bodies are in the final pose.
     pub fn placement(&self, carrier: Carrier) -> DAffine3 {
         let translation = match carrier {
             Carrier::Electrode => self.interface,
-            Carrier::Head => self.reference_point,
-            Carrier::Table | Carrier::Bed => self.seat,
+            Carrier::Head => self.on_c_axis,
+            Carrier::Table | Carrier::Cradle | Carrier::Bed => self.seat,
         };
-        let matrix3 = match self.side {
-            EntrySide::MinusX => DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0)),
-            // No bodies come from the rim, `MachineParams::comes_from`.
-            EntrySide::PlusX | EntrySide::Outward => DMat3::IDENTITY,
+        let matrix3 = match self.mounting.is_turned {
+            true => DMat3::from_diagonal(DVec3::new(-1.0, -1.0, 1.0)),
+            false => DMat3::IDENTITY,
         };
         DAffine3 { matrix3, translation }
     }
@@ -124,17 +141,29 @@ mod tests {
     fn the_machine_stands_where_the_electrode_comes_from() {
         let electrode = Mesh::cuboid(DVec3::new(40.0, 4.0, 10.0)).mapped(|p| p + DVec3::new(-20.0, -2.0, 95.0));
         let blisk = Mesh::cuboid(DVec3::new(26.0, 200.0, 200.0)).mapped(|p| p - DVec3::new(10.0, 100.0, 100.0));
-        let o = DVec3::new(0.0, 0.0, 100.0);
+        let o = DVec3::new(0.0, 0.5, 100.0);
         let body = |carrier| Body { name: String::new(), carrier, mesh: Mesh::cuboid(DVec3::new(2.0, 3.0, 4.0)) };
-        let placed = |side, carrier| Station::new(&electrode, o, side, &blisk).placed(&body(carrier)).bounds();
-        for (side, carrier, min, max) in [
-            (EntrySide::PlusX, Carrier::Electrode, [20.0, 0.0, 100.0], [22.0, 3.0, 104.0]),
-            (EntrySide::MinusX, Carrier::Electrode, [-22.0, -3.0, 100.0], [-20.0, 0.0, 104.0]),
-            (EntrySide::MinusX, Carrier::Head, [-2.0, -3.0, 100.0], [0.0, 0.0, 104.0]),
-            (EntrySide::PlusX, Carrier::Table, [-10.0, 0.0, 0.0], [-8.0, 3.0, 4.0]),
-            (EntrySide::MinusX, Carrier::Bed, [14.0, -3.0, 0.0], [16.0, 0.0, 4.0]),
+        let placed = |side, is_turned, carrier| {
+            let mounting = Mounting { is_turned, table_c: Some([2.0, -3.0]) };
+            let station = Station::new(&electrode, o, side, mounting, &blisk);
+            let q = if is_turned { DVec3::new(14.0, 3.0, 0.0) } else { DVec3::new(-8.0, -3.0, 0.0) };
+            assert_eq!(station.chain().on_table_c(), Some(q));
+            station.placed(&body(carrier)).bounds()
+        };
+        for (side, is_turned, carrier, min, max) in [
+            (EntrySide::PlusX, false, Carrier::Electrode, [20.0, 0.0, 100.0], [22.0, 3.0, 104.0]),
+            (EntrySide::MinusX, true, Carrier::Electrode, [-22.0, -3.0, 100.0], [-20.0, 0.0, 104.0]),
+            (EntrySide::MinusX, true, Carrier::Head, [-2.0, -2.5, 100.0], [0.0, 0.5, 104.0]),
+            (EntrySide::PlusX, false, Carrier::Table, [-10.0, 0.0, 0.0], [-8.0, 3.0, 4.0]),
+            (EntrySide::MinusX, true, Carrier::Bed, [14.0, -3.0, 0.0], [16.0, 0.0, 4.0]),
+            // The top of the bar is the interface, and the head stands above the C axis at its height.
+            (EntrySide::Outward, false, Carrier::Electrode, [0.0, 0.0, 105.0], [2.0, 3.0, 109.0]),
+            (EntrySide::Outward, false, Carrier::Head, [0.0, 0.5, 105.0], [2.0, 3.5, 109.0]),
+            (EntrySide::Outward, true, Carrier::Head, [-2.0, -2.5, 105.0], [0.0, 0.5, 109.0]),
+            (EntrySide::Outward, false, Carrier::Table, [-10.0, 0.0, 0.0], [-8.0, 3.0, 4.0]),
+            (EntrySide::Outward, true, Carrier::Table, [14.0, -3.0, 0.0], [16.0, 0.0, 4.0]),
         ] {
-            let bounds = placed(side, carrier);
+            let bounds = placed(side, is_turned, carrier);
             let off = (bounds.min - DVec3::from_array(min)).length() + (bounds.max - DVec3::from_array(max)).length();
             assert!(off < 1e-12, "{side:?} {carrier:?}: {bounds:?}");
         }

@@ -41,7 +41,7 @@ pub fn plan_feed(
 ) -> Result<FeedPlan, PlanError> {
     settings.validate()?;
     let guide = match settings.strategy().follows_centreline() {
-        true => Some(Guide::new(Centreline::of_channel(&space.channel, &task.cancel)?, electrode)?),
+        true => Some(Guide::new(Centreline::of_channel(&space.channel, &task.cancel)?, &space.channel, electrode)?),
         false => None,
     };
     Planning { setup: SearchSetup { space, settings, turns: Turns::NONE, guide }, task }.plan(electrode, remake)
@@ -199,7 +199,7 @@ impl Planning<'_> {
     ) -> Result<(), PlanError> {
         let verifier =
             Verifier::new(&self.setup.space.blisk, &electrode.mesh, electrode.reference_point, &self.task.cancel)?
-                .within(self.setup.settings.machine.limits());
+                .within(self.setup.settings.machine.pose_limits());
         let mut refinements = Refinements::default();
         loop {
             let (curves, path) =
@@ -227,7 +227,7 @@ impl Planning<'_> {
             if let Some(beyond) = beyond {
                 self.stay_within(&mut refinements, &beyond);
                 // The first row is the furthest out: the nodes before any row that is beyond are not touched.
-                let limits = self.setup.settings.machine.limits();
+                let limits = self.setup.settings.machine.pose_limits();
                 let rows = path.rows.iter().filter(|row| limits.beyond(&row.pose).is_some());
                 nearest = rows.map(|row| row.s).fold(nearest, f64::min);
                 refinements
@@ -262,7 +262,7 @@ impl Planning<'_> {
 
     /// Keeps the nodes away from an end of travel that the curve between them overshot, by twice the overshoot.
     fn stay_within(&self, refinements: &mut Refinements, beyond: &BeyondTravel) {
-        let limits = refinements.travel.unwrap_or_else(|| self.setup.settings.machine.limits());
+        let limits = refinements.travel.unwrap_or_else(|| self.setup.settings.machine.pose_limits());
         let by = 2.0 * (beyond.value - beyond.limit).abs();
         let [least, greatest] = limits.of(beyond.axis);
         let drawn_in = if beyond.value < beyond.limit { [least + by, greatest] } else { [least, greatest - by] };

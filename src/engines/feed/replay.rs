@@ -45,7 +45,7 @@ pub fn replay_feed(
     let (curves, path) = interpolated(nodes, electrode, settings, around.frame)?;
     let started = Instant::now();
     let verifier = Verifier::new(around.blisk, &electrode.mesh, electrode.reference_point, &task.cancel)?
-        .within(settings.machine.limits());
+        .within(settings.machine.pose_limits());
     let surface_of = |p: DVec3| around.finder.surface_of(p);
     let certificate = verifier.verify(&path, &surface_of, settings.verify, task)?;
     Ok(FeedPlan {

@@ -80,7 +80,7 @@ impl SearchSetup<'_> {
             angle: (params.constraint == Constraint::Angle).then_some(&test),
             objective: &objective,
             axes: machine.axes,
-            travel: refinements.travel.unwrap_or_else(|| machine.limits()),
+            travel: refinements.travel.unwrap_or_else(|| machine.pose_limits()),
             ranges,
             demand: Demand { spark_gap, margin: params.margin_mm, guard: Self::GUARD, room: 0.0 },
             turns: self.turns,

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::post::FeedMode;
+use feed::chain::Chain;
 use feed::machine::MachineParams;
 use feed::path::PathRow;
 use feed::pose::{Axis, Pose};
@@ -27,6 +28,8 @@ pub struct Pace<'a> {
     pub reference_point: DVec3,
     /// Box around the electrode in its final pose, in W (mm).
     pub electrode: &'a Bounds,
+    /// What makes axis values of the machine from poses.
+    pub chain: &'a Chain,
 }
 
 /// The F word of a block.
@@ -44,10 +47,11 @@ impl Pace<'_> {
     /// The F word of the block from one pose to the other at `mm_per_min`, lowered so far that no axis exceeds its
     /// greatest speed. None when that is slower than the decimals of F can say.
     pub fn block(&self, from: &Pose, to: &Pose, mm_per_min: f64) -> Option<BlockFeed> {
-        let (least_minutes, axis) = self.machine.least_minutes(from, to);
+        let axes = [from, to].map(|pose| self.chain.machine_pose(pose));
+        let (least_minutes, axis) = self.machine.least_minutes(&axes[0], &axes[1]);
         let travel = || fastest_point_travel(from, to, self.reference_point, self.electrode);
         // As the control takes it: in feed per minute F is over the programmed length.
-        let length = if self.mode == FeedMode::PerMinute { programmed_length(from, to) } else { travel() };
+        let length = if self.mode == FeedMode::PerMinute { programmed_length(&axes[0], &axes[1]) } else { travel() };
         let asked = length / mm_per_min;
         let minutes = asked.max(least_minutes);
         let f = match self.mode {

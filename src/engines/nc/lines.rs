@@ -48,12 +48,17 @@ pub enum NcError {
     /// The path leaves the travel of an axis.
     #[error("{0}; the program is for another machine than the path was verified for")]
     BeyondTravel(BeyondTravel),
-    /// The electrode enters from the rim, and the machine has bodies, which come along X.
+    /// The machine has bodies, and its head does not come from the side that the electrode enters from.
     #[error(
-        "the electrode enters from the rim, and the bodies of the machine are those of one whose head comes along X; \
-         choose a machine without bodies"
+        "the electrode enters from {from}, and the head of the machine comes along {along}; choose a machine whose head \
+         comes from there, or one without bodies"
     )]
-    HeadComesAlongX,
+    HeadComesFromElsewhere {
+        /// The side of entry.
+        from: &'static str,
+        /// Letter of the axis along which the head comes.
+        along: char,
+    },
     /// The machine has bodies, but the motion was not simulated with them.
     #[error("the machine has bodies, and the path was not simulated with them; simulate it")]
     NotSimulated,

@@ -2,18 +2,19 @@
 //! middle of all sections, and a NURBS curve through it.
 //!
 //! A section is the curve of both walls at the same share of the height. It is unrolled into a plane of meridional
-//! length and of arc length at its mean radius, where the circles are found. Their centres are taken back to space by
-//! the true places of the two points of contact, so that unrolling costs an error of second order along the channel
-//! only.
+//! length and of arc length at its mean radius, where the circles are found; where the passage does not run along the axis,
+//! meridional lengths are scaled as arcs are at each radius, so that the plane keeps angles. The circles' centres are taken
+//! back to space by the true places of the two points of contact, so that unrolling costs an error of second order along
+//! the channel only.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::Serialize;
 
 use super::channel::{BladeSide, Channel, Flow};
 use super::inscribed::{InscribedCircle, Passage};
 use super::nurbs_wall::NurbsWall;
 use geometry::exact::ExactMesh;
-use geometry::frame::Cylindrical;
+use geometry::frame::{Cylindrical, angle_near};
 use geometry::nurbs::{FitError, NurbsCurve, NurbsError};
 use task::{Cancel, Cancelled};
 
@@ -59,19 +60,60 @@ pub enum CentrelineError {
     },
     /// The middles fold back.
     #[error(
-        "the channel's centreline folds back at x = {x:.2} mm: the circles between the walls do not lead through it; \
-         look at the walls there"
+        "the channel's centreline folds back at x = {x:.2} mm, radius {r:.2} mm: the circles between the walls do not lead \
+         through it; look at the walls there"
     )]
     Folds {
         /// Where along X (mm).
         x: f64,
+        /// Radius of the place (mm).
+        r: f64,
     },
-    /// The channel does not run along the axis.
-    #[error("the passage is {}, and the centreline is made of sections along X", .0.name())]
-    NotAxial(Flow),
     /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+/// What orders places along a passage.
+#[derive(Clone, Copy)]
+enum Order<'a> {
+    /// x.
+    X,
+    /// The position along the passage of a channel.
+    Along(&'a Channel),
+}
+
+impl Order<'_> {
+    fn of(&self, p: DVec3) -> f64 {
+        let Cylindrical { x, r, .. } = Cylindrical::from_point(p);
+        let place = DVec2::new(x, r);
+        let Self::Along(channel) = self else { return x };
+        let [along, height] = channel.along_and_height(place);
+        let share = height / channel.station_at(along).height();
+        let [first, last] = channel.ends_along();
+        match along > first && along < last {
+            true => along,
+            false => along + (place - channel.line_at(along).place(height)).dot(forward(channel, along, share)),
+        }
+    }
+}
+
+/// Place (x, r) at a position along the passage of `channel` and a share of its height; beyond the passage's ends it goes
+/// straight on.
+fn place_at(channel: &Channel, along: f64, share: f64) -> DVec2 {
+    let [first, last] = channel.ends_along();
+    let within = along.clamp(first, last);
+    let beyond = along - within;
+    let place = channel.station_at(within).place(share);
+    if beyond == 0.0 { place } else { place + beyond * forward(channel, within, share) }
+}
+
+/// Direction (x, r) of the passage of `channel` at a position along it, a unit vector.
+fn forward(channel: &Channel, along: f64, share: f64) -> DVec2 {
+    let [first, last] = channel.ends_along();
+    let near = 0.01 * (last - first);
+    let at = |along: f64| channel.station_at(along.clamp(first, last)).place(share);
+    (at(along + near) - at(along - near)).normalize_or_zero()
 }
 
 impl Centreline {
@@ -95,34 +137,39 @@ impl Centreline {
     /// [`CentrelineError`].
     pub fn of_channel(channel: &Channel, cancel: &Cancel) -> Result<Self, CentrelineError> {
         let [low, high] = walls_of(channel)?;
-        Self::between(&low, &high, cancel)
+        let order = if channel.flow == Flow::Axial { Order::X } else { Order::Along(channel) };
+        Self::ordered(&low, &high, order, cancel)
     }
 
-    /// The centreline between two walls whose sections belong together.
+    /// The centreline between two walls along X whose sections belong together.
     ///
     /// # Errors
     /// [`CentrelineError`].
     pub fn between(low: &NurbsWall, high: &NurbsWall, cancel: &Cancel) -> Result<Self, CentrelineError> {
+        Self::ordered(low, high, Order::X, cancel)
+    }
+
+    fn ordered(low: &NurbsWall, high: &NurbsWall, order: Order, cancel: &Cancel) -> Result<Self, CentrelineError> {
         let mut sections = Vec::new();
         for k in 0..Self::SECTIONS {
             cancel.check()?;
             let share = (k as f64 + 0.5) / Self::SECTIONS as f64;
-            let section = Section::new(low, high, share)?;
+            let section = Section::new(low, high, share, order)?;
             sections.extend(section.circles()?.map(|circles| (circles, section.span())));
         }
         if 2 * sections.len() <= Self::SECTIONS {
             return Err(CentrelineError::NoPassage { found: sections.len(), sections: Self::SECTIONS });
         }
-        let middles = middles(&sections)?;
+        let middles = middles(&sections, order)?;
         for (circles, [from, to]) in &mut sections {
-            circles.retain(|c| (*from..=*to).contains(&c.center.x));
+            circles.retain(|c| (*from..=*to).contains(&order.of(c.center)));
         }
         let sections = sections.into_iter().map(|(circles, _)| circles).collect();
         let through: Vec<DVec3> = middles.iter().copied().step_by(2).collect();
         let curve = NurbsCurve::cubic(&through, None)?;
-        let back = middles.windows(2).find(|pair| pair[1].x <= pair[0].x);
+        let back = middles.windows(2).find(|pair| order.of(pair[1]) <= order.of(pair[0]));
         if let Some([place, _]) = back {
-            return Err(CentrelineError::Folds { x: place.x });
+            return Err(CentrelineError::Folds { x: place.x, r: place.y.hypot(place.z) });
         }
         let fit = FitError::of(middles.iter().map(|p| curve.nearest(*p).distance));
         let at = |i: usize| i as f64 / Self::TABLE as f64;
@@ -133,7 +180,7 @@ impl Centreline {
         Ok(Self { curve, sections, fit, lengths })
     }
 
-    /// The curve, from the -X end, parameters 0 to 1, in W.
+    /// The curve, from the beginning of the passage, -X in an axial one, parameters 0 to 1, in W.
     pub fn curve(&self) -> &NurbsCurve {
         &self.curve
     }
@@ -143,7 +190,7 @@ impl Centreline {
         self.lengths[Self::TABLE]
     }
 
-    /// Place and direction at arc length `l` from the -X end (mm); beyond both ends it goes straight on.
+    /// Place and direction at arc length `l` from the beginning of the passage (mm); beyond both ends it goes straight on.
     pub fn at_length(&self, l: f64) -> [DVec3; 2] {
         let length = self.length();
         let mouth = Self::MOUTH * length;
@@ -194,6 +241,43 @@ impl Centreline {
         0.5 * (low + high)
     }
 
+    /// The arc length of the place nearest to `p` on the line, its straight ends left out.
+    pub fn length_near(&self, p: DVec3) -> f64 {
+        const ROUNDS: usize = 100;
+        let distance = |l: f64| self.at_length(l)[0].distance_squared(p);
+        let off = |i: &usize| distance(self.lengths[*i]);
+        let best = (0..=Self::TABLE).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0);
+        let (mut low, mut high) = (self.lengths[best.saturating_sub(1)], self.lengths[(best + 1).min(Self::TABLE)]);
+        for _ in 0..ROUNDS {
+            let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
+            if distance(a) < distance(b) {
+                high = b;
+            } else {
+                low = a;
+            }
+        }
+        0.5 * (low + high)
+    }
+
+    /// The arc length at which the line, followed from `from` towards its end (`sign` 1) or its beginning (-1) and
+    /// straight on, comes as far as `value` along `direction`; `from` where it is so far already.
+    pub fn length_reaching(&self, (direction, value): (DVec3, f64), from: f64, sign: f64) -> f64 {
+        let is_there = |way: f64| self.at_length(from + sign * way)[0].dot(direction) >= value;
+        let (mut low, mut high) = (0.0, 1e4 + self.length());
+        if is_there(low) {
+            return from;
+        }
+        for _ in 0..80 {
+            let middle = 0.5 * (low + high);
+            if is_there(middle) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        from + sign * 0.5 * (low + high)
+    }
+
     /// Points for drawing, as many as given, from end to end.
     pub fn polyline(&self, points: usize) -> Vec<DVec3> {
         let steps = points.max(2) - 1;
@@ -212,21 +296,27 @@ struct Section<'a> {
     walls: [&'a NurbsWall; 2],
     /// Parameters of the walls across the sections.
     v: [f64; 2],
-    /// x, radius (the mean of both walls) and meridional length, x rising (mm).
-    meridian: Vec<[f64; 3]>,
+    order: Order<'a>,
+    /// Rising position along the passage, and x, radius and meridional length there (mm).
+    meridian: Vec<[f64; 4]>,
     mean_radius: f64,
+    /// Angle of the low wall's first point (rad).
+    start: f64,
 }
 
 impl<'a> Section<'a> {
     /// Pieces of the meridian.
     const PIECES: usize = 128;
 
-    fn new(low: &'a NurbsWall, high: &'a NurbsWall, share: f64) -> Result<Self, NurbsError> {
+    fn new(low: &'a NurbsWall, high: &'a NurbsWall, share: f64, order: Order<'a>) -> Result<Self, NurbsError> {
         let walls = [low, high];
         let v = walls.map(|wall| at_share(&wall.v, share));
+        let on_wall = |i: usize| {
+            let wall: &NurbsWall = walls[i];
+            wall.u.iter().map(move |u| wall.surface.point(*u, v[i]))
+        };
         let line = |i: usize| -> Vec<[f64; 2]> {
-            let places = walls[i].u.iter().map(|u| Cylindrical::from_point(walls[i].surface.point(*u, v[i])));
-            let mut points: Vec<[f64; 2]> = places.map(|p| [p.x, p.r]).collect();
+            let mut points: Vec<[f64; 2]> = on_wall(i).map(|p| [order.of(p), p.y.hypot(p.z)]).collect();
             points.sort_by(|a, b| a[0].total_cmp(&b[0]));
             points
         };
@@ -237,38 +327,50 @@ impl<'a> Section<'a> {
         if to <= from {
             return Err(NurbsError::Counts);
         }
-        let mut meridian: Vec<[f64; 3]> = Vec::new();
+        let height = match order {
+            Order::X => 0.0,
+            Order::Along(channel) => mean_height(channel, on_wall(0).chain(on_wall(1))),
+        };
+        let mut meridian: Vec<[f64; 4]> = Vec::new();
         for i in 0..=Self::PIECES {
-            let x = from + (to - from) * i as f64 / Self::PIECES as f64;
-            let r = 0.5 * (radius_at(&lines[0], x) + radius_at(&lines[1], x));
-            let m = meridian.last().map_or(0.0, |[x0, r0, m0]| m0 + (x - x0).hypot(r - r0));
-            meridian.push([x, r, m]);
+            let along = from + (to - from) * i as f64 / Self::PIECES as f64;
+            let [x, r] = match order {
+                Order::X => [along, 0.5 * (radius_at(&lines[0], along) + radius_at(&lines[1], along))],
+                Order::Along(channel) => place_at(channel, along, height).to_array(),
+            };
+            let m = meridian.last().map_or(0.0, |[_, x0, r0, m0]| {
+                let scale = if matches!(order, Order::X) { 1.0 } else { mean_radius / (0.5 * (r + r0)) };
+                m0 + scale * (x - x0).hypot(r - r0)
+            });
+            meridian.push([along, x, r, m]);
         }
-        Ok(Self { walls, v, meridian, mean_radius })
+        let start = Cylindrical::from_point(low.surface.point(low.u[0], v[0])).theta;
+        Ok(Self { walls, v, order, meridian, mean_radius, start })
     }
 
-    /// Least and greatest x of both walls (mm).
+    /// Least and greatest position of both walls along the passage (mm).
     fn span(&self) -> [f64; 2] {
         [self.meridian[0][0], self.meridian[Self::PIECES][0]]
     }
 
-    /// The piece of the meridian at `x`: its start, and rates of radius and meridional length by x.
-    fn piece(&self, x: f64) -> ([f64; 3], [f64; 2]) {
-        let i = self.meridian.partition_point(|m| m[0] <= x).clamp(1, self.meridian.len() - 1);
+    /// The piece of the meridian at a position along the passage: its start, and rates of x, radius and meridional
+    /// length by that position.
+    fn piece(&self, along: f64) -> ([f64; 4], [f64; 3]) {
+        let i = self.meridian.partition_point(|m| m[0] <= along).clamp(1, self.meridian.len() - 1);
         let (a, b) = (self.meridian[i - 1], self.meridian[i]);
-        (a, [(b[1] - a[1]) / (b[0] - a[0]), (b[2] - a[2]) / (b[0] - a[0])])
+        (a, [1, 2, 3].map(|k| (b[k] - a[k]) / (b[0] - a[0])))
     }
 
-    fn unrolled(&self, p: DVec3) -> DVec3 {
-        let Cylindrical { x, theta, .. } = Cylindrical::from_point(p);
-        let (start, [_, rate]) = self.piece(x);
-        DVec3::new(start[2] + rate * (x - start[0]), self.mean_radius * theta, 0.0)
-    }
-
-    /// A wall as a curve of the plane, its parameter that of the wall's chord.
+    /// A wall as a curve of the plane, its parameter that of the wall's chord. Angles go on along the wall.
     fn curve(&self, wall: usize) -> Result<NurbsCurve, NurbsError> {
-        let u = &self.walls[wall].u;
-        let points: Vec<DVec3> = u.iter().map(|u| self.unrolled(self.on_wall(wall, *u))).collect();
+        let (u, mut before) = (&self.walls[wall].u, self.start);
+        let mut unrolled = |p: DVec3| {
+            let along = self.order.of(p);
+            let (start, [.., rate]) = self.piece(along);
+            before = angle_near(Cylindrical::from_point(p).theta, before);
+            DVec3::new(start[3] + rate * (along - start[0]), self.mean_radius * before, 0.0)
+        };
+        let points: Vec<DVec3> = u.iter().map(|u| unrolled(self.on_wall(wall, *u))).collect();
         NurbsCurve::through_at(u, &points, 3, None)
     }
 
@@ -297,15 +399,25 @@ impl<'a> Section<'a> {
         let contacts = [0, 1].map(|i| self.on_wall(i, circle.contacts[i]));
         let middle = 0.5 * (contacts[0] + contacts[1]);
         let beside = circle.center - 0.5 * (curves[0].point(circle.contacts[0]) + curves[1].point(circle.contacts[1]));
-        let Cylindrical { x, r, theta } = Cylindrical::from_point(middle);
-        let (_, [radial, rate]) = self.piece(x);
+        let Cylindrical { r, theta, .. } = Cylindrical::from_point(middle);
+        let (_, [axial, radial, rate]) = self.piece(self.order.of(middle));
         let (sin, cos) = theta.sin_cos();
-        let along = (DVec3::X + DVec3::new(0.0, -sin, cos) * radial) / rate;
+        let along = (DVec3::X * axial + DVec3::new(0.0, -sin, cos) * radial) / rate;
         let around = DVec3::new(0.0, -cos, -sin) * (r / self.mean_radius);
         let center = middle + along * beside.x + around * beside.y;
         let radius = 0.5 * (center.distance(contacts[0]) + center.distance(contacts[1]));
         ChannelCircle { center, radius, contacts }
     }
+}
+
+/// Mean height of `points` in the passage of `channel`, as a share of the whole.
+fn mean_height(channel: &Channel, points: impl Iterator<Item = DVec3>) -> f64 {
+    let share = |p: DVec3| {
+        let [along, height] = channel.along_and_height(DVec2::new(p.x, p.y.hypot(p.z)));
+        height / channel.station_at(along).height()
+    };
+    let (sum, count) = points.map(share).fold((0.0, 0.0), |(sum, count), share| (sum + share, count + 1.0));
+    sum / count
 }
 
 /// The radius at `x` on a line of (x, r) with rising x, constant beyond its ends.
@@ -325,12 +437,12 @@ fn at_share(v: &[f64], share: f64) -> f64 {
 
 /// The means of all sections at equal shares of their lengths between the ends of the walls. Beyond them circles touch
 /// the blades' edges alone.
-fn middles(sections: &[(Vec<ChannelCircle>, [f64; 2])]) -> Result<Vec<DVec3>, NurbsError> {
+fn middles(sections: &[(Vec<ChannelCircle>, [f64; 2])], order: Order) -> Result<Vec<DVec3>, NurbsError> {
     let steps = Centreline::MIDDLES - 1;
     let mut sums = vec![DVec3::ZERO; Centreline::MIDDLES];
     for (circles, span) in sections {
-        let line = NurbsCurve::through(&rising(circles, *span), 3)?;
-        let [from, to] = span.map(|x| parameter_at_x(&line, x));
+        let line = NurbsCurve::through(&rising(circles, *span, order), 3)?;
+        let [from, to] = span.map(|along| parameter_at(&line, along, order));
         for (i, sum) in sums.iter_mut().enumerate() {
             *sum += line.point(from + (to - from) * i as f64 / steps as f64);
         }
@@ -339,28 +451,31 @@ fn middles(sections: &[(Vec<ChannelCircle>, [f64; 2])]) -> Result<Vec<DVec3>, Nu
 }
 
 /// The centres of `circles` from the last one before the walls' ends `span` to the first one behind them. Those that do
-/// not lie farther along X than what comes before are left out: a circle that touches a round edge moves with the facets
+/// not lie farther along the passage than what comes before are left out: a circle that touches a round edge moves with the facets
 /// there, and one between two edges lies far off.
-fn rising(circles: &[ChannelCircle], [from, to]: [f64; 2]) -> Vec<DVec3> {
-    let first = circles.iter().rposition(|c| c.center.x <= from).unwrap_or(0);
-    let mut centers: Vec<DVec3> = Vec::new();
+fn rising(circles: &[ChannelCircle], [from, to]: [f64; 2], order: Order) -> Vec<DVec3> {
+    let first = circles.iter().rposition(|c| order.of(c.center) <= from).unwrap_or(0);
+    let (mut centers, mut last): (Vec<DVec3>, _) = (Vec::new(), f64::NEG_INFINITY);
     for circle in &circles[first..] {
-        if centers.last().is_none_or(|last| circle.center.x > last.x + Centreline::SAME) {
+        let along = order.of(circle.center);
+        if along > last + Centreline::SAME {
             centers.push(circle.center);
+            last = along;
         }
-        if circle.center.x >= to {
+        if along >= to {
             break;
         }
     }
     centers
 }
 
-/// The parameter where `line`, which runs along +X, passes through the plane at `x`, or that of the end nearer to it.
-fn parameter_at_x(line: &NurbsCurve, x: f64) -> f64 {
+/// The parameter where `line`, which runs along the passage, passes the position `along`, or that of the end nearer to
+/// it.
+fn parameter_at(line: &NurbsCurve, along: f64, order: Order) -> f64 {
     let [mut low, mut high] = line.domain();
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if line.point(middle).x < x {
+        if order.of(line.point(middle)) < along {
             low = middle;
         } else {
             high = middle;
@@ -395,12 +510,9 @@ pub struct CentrelineSummary {
     pub walls: [WallFit; 2],
 }
 
-/// The low and the high wall of a channel that runs along the axis.
-fn walls_of(channel: &Channel) -> Result<[NurbsWall; 2], CentrelineError> {
-    match channel.flow {
-        Flow::Axial => Ok([NurbsWall::of_grid(&channel.low)?, NurbsWall::of_grid(&channel.high)?]),
-        flow => Err(CentrelineError::NotAxial(flow)),
-    }
+/// The low and the high wall of a channel.
+fn walls_of(channel: &Channel) -> Result<[NurbsWall; 2], NurbsError> {
+    Ok([NurbsWall::of_grid(&channel.low)?, NurbsWall::of_grid(&channel.high)?])
 }
 
 impl CentrelineSummary {
@@ -445,7 +557,9 @@ mod tests {
     use super::*;
     use crate::find_channel::find_channel;
     use crate::options::BliskOptions;
+    use crate::parametric::wheel::ParametricWheel;
     use crate::parametric::{MeshResolution, ParametricBlisk};
+    use crate::surface_finder::SurfaceFinder;
 
     /// Half of a round bore of radius `radius` about `axis`, its middle line at (sine, cosine) 0: `side` -1 is the wall
     /// of smaller theta. `axis` gives place and sideways direction at a share of the length.
@@ -518,6 +632,55 @@ mod tests {
         let [end, beyond] = [line.length(), line.length() + 3.0].map(|l| line.at_length(l)[0]);
         assert!((end.distance(beyond) - 3.0).abs() < 1e-9);
         assert_eq!(line.polyline(7).len(), 7);
+    }
+
+    /// In a radial passage and in one that turns from the axis to the radius the line is as far from one wall as from the
+    /// other, half way from hub to shroud, and about as long as what lies half way between the blades.
+    #[test]
+    fn in_passages_of_any_direction_it_lies_in_the_middle() {
+        // Of the third the blades end at the very rims.
+        let to_the_rims = ParametricWheel { span: [0.0, 1.0], ..ParametricWheel::nozzle_ring() };
+        for wheel in [ParametricWheel::nozzle_ring(), ParametricWheel::impeller(), to_the_rims] {
+            let channel = find_channel(&wheel.mesh(), &BliskOptions::default(), &Task::default()).unwrap();
+            assert_ne!(channel.flow, Flow::Axial);
+            let line = Centreline::of_channel(&channel, &Cancel::default()).unwrap();
+            let finder = SurfaceFinder::new(channel.clone().into()).unwrap();
+            for i in 4..=36 {
+                let l = line.length() * f64::from(i) / 40.0;
+                let [p, direction] = line.at_length(l);
+                let [low, high] = finder.wall_distances(p);
+                assert!((low - high).abs() < 0.05 * (low + high), "{i}: {low} {high}");
+                let [along, height] = channel.along_and_height(DVec2::new(p.x, p.y.hypot(p.z)));
+                let share = height / channel.station_at(along).height();
+                assert!((share - 0.5).abs() < 0.08, "{i}: {share}");
+                assert!((line.length_near(p) - l).abs() < 1e-6 && (direction.length() - 1.0).abs() < 1e-9);
+            }
+            // Half way between the blades, as the wheel is drawn.
+            let middle = |i: u32| {
+                let along = wheel.span[0] + (wheel.span[1] - wheel.span[0]) * f64::from(i) / 400.0;
+                let [low, high] = wheel.walls(0, along, 0.5)?;
+                let DVec2 { x, y: r } = wheel.place(along, 0.5);
+                Some(Cylindrical { x, r, theta: 0.5 * (low + high) }.point())
+            };
+            let drawn: Vec<DVec3> = (0..=400).filter_map(middle).collect();
+            let drawn: f64 = drawn.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
+            assert!(line.length() > 0.7 * drawn && line.length() < 1.05 * drawn, "{} of {drawn}", line.length());
+        }
+    }
+
+    #[test]
+    fn the_line_reaches_a_place_along_a_direction_from_either_end() {
+        let axis = |t: f64| [DVec3::new(30.0 * t, 5.0 * t * t, 100.0), DVec3::NEG_Y];
+        let [low, high] = [-1.0, 1.0].map(|side| half_bore(axis, 3.0, side, 41, 15));
+        let line = Centreline::between(&low, &high, &Cancel::default()).unwrap();
+        let direction = DVec3::new(0.6, 0.8, 0.0);
+        for l in [7.0, 20.0, line.length() + 4.0] {
+            let value = line.at_length(l)[0].dot(direction);
+            assert!((line.length_reaching((direction, value), 5.0, 1.0) - l).abs() < 1e-6, "{l}");
+            assert_eq!(line.length_reaching((direction, value), l + 1.0, 1.0), l + 1.0, "so far already");
+        }
+        let back = line.at_length(3.0)[0].dot(-direction);
+        assert!((line.length_reaching((-direction, back), 12.0, -1.0) - 3.0).abs() < 1e-6);
     }
 
     #[test]

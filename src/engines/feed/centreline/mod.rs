@@ -4,7 +4,8 @@
 //! P1 resolves a contact by adjusting the posture, by a greater safety gap, or by a shorter step. Here the posture
 //! climbs the distance field from some starts that are given by the line and by the motion so far; then the same is
 //! tried with a greater gap, which keeps to the middle of the room there is; steps are shortened by the frame that all
-//! strategies share. The X axis follows the line alone, so that nodes keep their order; P1 leaves open which axis does.
+//! strategies share. The axis of withdrawal follows the line alone, so that nodes keep their order; P1 leaves open which
+//! axis does.
 
 mod guide;
 #[cfg(test)]
@@ -115,8 +116,8 @@ impl<'a> CentrelineStep<'a> {
         }
         let onward = self.task.placed(&Pose::from_array(onward));
         let still = self.task.placed(&from);
-        let turn = self.guide.turning(self.task.from_s, self.task.s);
-        let turned = Pose { c: from.c + turn, ..still };
+        let (axis, turn) = self.guide.turning(self.task.from_s, self.task.s);
+        let turned = still.with(axis, from.get(axis) + turn);
         let on_line = [turned, onward, still].map(|pose| self.guide.on_line(&pose));
         // Between what the line asks for and what the room has allowed so far.
         let between = on_line[0].lerp(&onward, 0.5);
@@ -129,7 +130,8 @@ impl<'a> CentrelineStep<'a> {
     /// Axes that the machine does not have stay where they are.
     fn stay_still(&self, pose: &mut Pose) {
         let mut values = pose.to_array();
-        for axis in Axis::ALL.into_iter().skip(1).filter(|axis| !self.problem.free_axes().contains(axis)) {
+        let is_still = |axis: &Axis| *axis != self.task.advance.0 && !self.problem.free_axes().contains(axis);
+        for axis in Axis::ALL.into_iter().filter(is_still) {
             values[axis as usize] = self.task.from.get(axis);
         }
         *pose = Pose::from_array(values);

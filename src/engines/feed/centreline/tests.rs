@@ -16,7 +16,7 @@ fn guide() -> (Guide, Centreline) {
     let exact = ExactMesh::new(&mesh).unwrap();
     let mut electrodes = make_electrodes(&channel, &exact, &params, EntrySide::PlusX, &task).unwrap();
     let line = Centreline::of_channel(&channel, &task.cancel).unwrap();
-    (Guide::new(line.clone(), &electrodes.swap_remove(0)).unwrap(), line)
+    (Guide::new(line.clone(), &channel, &electrodes.swap_remove(0)).unwrap(), line)
 }
 
 #[test]
@@ -62,6 +62,7 @@ fn turning_is_the_change_of_direction_seen_along_z() {
         let direction = line.at_length(guide.arc_length(s))[1];
         direction.y.atan2(direction.x)
     };
-    assert!((guide.turning(from, to) - (angle(to) - angle(from))).abs() < 1e-9);
-    assert_eq!(guide.turning(from, from), 0.0);
+    let (axis, turn) = guide.turning(from, to);
+    assert!(axis == Axis::C && (turn - (angle(to) - angle(from))).abs() < 1e-9);
+    assert_eq!(guide.turning(from, from).1, 0.0);
 }

@@ -1,6 +1,9 @@
 //! Approach from a position clear of all bodies to the first row of the feed.
 
+use glam::DVec3;
+
 use super::Scenario;
+use crate::chain::Chain;
 use crate::machine::MachineParams;
 use crate::pose::{Axis, Pose};
 use crate::quantise::{quantise, quantise_mm};
@@ -17,7 +20,7 @@ pub struct Approach {
 
 /// Candidate approaches, best first: across above the blisk, then in beside it to the first row; without the motion
 /// across; and none at all. The rotary axes are turned before.
-pub(super) fn candidates(scenario: &Scenario, clear: f64) -> Vec<Approach> {
+pub(super) fn candidates(scenario: &Scenario, chain: &Chain, clear: f64) -> Vec<Approach> {
     let Some(first) = scenario.feed.0.rows.first().map(|row| row.pose) else { return vec![Approach::default()] };
     let machine = scenario.machine;
     let side = scenario.electrode.enters_from;
@@ -26,6 +29,8 @@ pub(super) fn candidates(scenario: &Scenario, clear: f64) -> Vec<Approach> {
     let out = first.with(axis, within(machine, axis, position + side.sign() * clear, position));
     let up = within(machine, Axis::Z, first.z + rise(scenario, &first, clear), first.z);
     let up = if axis == Axis::Z { out } else { Pose { z: up, ..out } };
+    let out = within_slides(machine, chain, &first, out);
+    let up = within_slides(machine, chain, &out, Pose { x: out.x, y: out.y, ..up });
     [vec![up, out, first], vec![out, first], vec![first]].map(shortened).to_vec()
 }
 
@@ -40,6 +45,28 @@ fn within(machine: &MachineParams, axis: Axis, value: f64, from: f64) -> f64 {
     }
     // The step of files nearest to the end of travel is beyond it; the one before is not.
     quantise_mm(rounded + STEP.copysign(from - rounded))
+}
+
+/// `to`, or the place on the straight way there from `from` where the slides of a machine whose C turns the table end.
+/// They are linear on the way, where only slides move.
+fn within_slides(machine: &MachineParams, chain: &Chain, from: &Pose, to: Pose) -> Pose {
+    let limits = machine.limits();
+    let is_within = |t: f64| limits.beyond(&chain.machine_pose(&from.lerp(&to, t))).is_none();
+    if chain.on_table_c().is_none() || is_within(1.0) {
+        return to;
+    }
+    let (mut within, mut beyond) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (within + beyond);
+        if is_within(middle) {
+            within = middle;
+        } else {
+            beyond = middle;
+        }
+    }
+    // Files round to their step.
+    let way = DVec3::new(to.x - from.x, to.y - from.y, to.z - from.z).length();
+    from.lerp(&to, (within - 2.0 * STEP / way).max(0.0))
 }
 
 /// How far the electrode has to rise from `pose` to be above the blisk by `clear` (mm).

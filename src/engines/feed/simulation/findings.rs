@@ -4,6 +4,8 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::tour::{self, Leg, OutOfTravel, Phase, Visit};
+use crate::chain::Chain;
+use crate::machine::Mounting;
 use crate::machine_model::Body;
 use crate::path::FeedPath;
 use crate::pose::{Axis, Pose};
@@ -66,6 +68,7 @@ pub(super) struct Findings {
     pub(super) with_bodies: bool,
     pub(super) body_clearance_mm: f64,
     pub(super) enters_from: EntrySide,
+    pub(super) mounting: Mounting,
     pub(super) approach: Vec<Pose>,
     pub(super) visits: Vec<Visit>,
     pub(super) out_of_reach: Vec<usize>,
@@ -73,6 +76,8 @@ pub(super) struct Findings {
     pub(super) travel: Option<OutOfTravel>,
     pub(super) minutes: f64,
     pub(super) period_error: Option<f64>,
+    #[serde(skip)]
+    pub(super) chain: Chain,
     #[serde(skip)]
     pub(super) bodies: Vec<Body>,
 }
@@ -132,9 +137,14 @@ impl Simulation {
         self.findings.body_clearance_mm
     }
 
-    /// The side that the electrode enters from, which the machine is turned with.
+    /// The side that the electrode enters from.
     pub fn enters_from(&self) -> EntrySide {
         self.findings.enters_from
+    }
+
+    /// How the machine stood about the electrode.
+    pub fn mounting(&self) -> Mounting {
+        self.findings.mounting
     }
 
     /// Poses from the clear position to the first row of the feed; the retraction goes back through them.
@@ -172,6 +182,11 @@ impl Simulation {
         self.findings.period_error
     }
 
+    /// The kinematic chain of the machine that was simulated.
+    pub fn chain(&self) -> &Chain {
+        &self.findings.chain
+    }
+
     /// The bodies of the machine in W, where they are in the final pose.
     pub fn bodies(&self) -> &[Body] {
         &self.findings.bodies
@@ -199,7 +214,7 @@ impl Simulation {
 
     /// The legs of the whole motion in order, for showing.
     pub fn legs(&self, feed: &FeedPath, copying: Option<&FeedPath>) -> Vec<Leg> {
-        tour::whole(self.approach(), feed, copying, self.visits())
+        tour::whole(self.approach(), &tour::paths(&self.findings.chain, feed, copying), self.visits())
     }
 
     /// Whether the body called `name` is in a pair that does not keep what is asked for.

@@ -38,14 +38,15 @@ pub fn simulate(scenario: &Scenario, options: &SimulationOptions, task: &Task) -
         pairs.extend(run.all(&approach, &copies)?);
     }
     pairs.sort_by(|p, q| (p.certified - p.required).total_cmp(&(q.certified - q.required)));
-    let legs = tour::whole(&approach.poses, scenario.feed.0, scenario.copying.map(|c| c.0), &visits);
+    let chain = bodies.chain;
+    let legs = tour::whole(&approach.poses, &run.paths(), &visits);
     Ok(Simulation::of(Findings {
         path_digest: scenario.feed.0.digest(),
         copying_digest: scenario.copying.map(|(path, _)| path.digest()),
         blisk_digest: scenario.blisk.digest(),
         electrode_digest: scenario.electrode.mesh.digest(),
-        travel: tour::out_of_travel(&legs, scenario.machine),
-        minutes: tour::minutes(&legs, scenario.machine),
+        travel: tour::out_of_travel(&chain, &legs, scenario.machine),
+        minutes: tour::minutes(&chain, &legs, scenario.machine),
         approach: approach.poses,
         visits,
         out_of_reach,
@@ -55,6 +56,8 @@ pub fn simulate(scenario: &Scenario, options: &SimulationOptions, task: &Task) -
         with_bodies: scenario.machine.has_bodies(),
         body_clearance_mm: scenario.machine.body_clearance_mm,
         enters_from: scenario.electrode.enters_from,
+        mounting: scenario.machine.mounting(scenario.electrode.enters_from),
+        chain,
         bodies: bodies::placed(scenario),
     }))
 }
@@ -105,7 +108,7 @@ impl<'a> Run<'a> {
     /// The first way to the first row on which everything keeps its clearance in every channel; if there is none, the
     /// first that does in one of them, and then the first of all.
     pub fn approach(&self, copies: &[Option<Copies>]) -> Result<Approach, Cancelled> {
-        let candidates = approach::candidates(self.scenario, self.options.clear_mm);
+        let candidates = approach::candidates(self.scenario, &self.bodies.chain, self.options.clear_mm);
         let one = [self.representative()];
         for (visits, copies) in [(self.visits, copies), (&one[..], &[][..])] {
             for approach in &candidates {
@@ -139,7 +142,12 @@ impl<'a> Run<'a> {
     fn pairs(&self) -> impl Iterator<Item = (&'a Mover, usize, &'a Obstacle)> + use<'a> {
         let bodies = self.bodies;
         let with_all = |moving| bodies.obstacles.iter().enumerate().map(move |(i, fixed)| (moving, i, fixed));
-        bodies.movers.iter().flat_map(with_all).filter(|(moving, _, fixed)| moving.could_meet(fixed))
+        bodies.movers.iter().flat_map(with_all).filter(|(moving, _, fixed)| moving.could_meet(fixed, &bodies.chain))
+    }
+
+    /// The feed and the copying motion with the rows that the machine needs.
+    fn paths(&self) -> Vec<(Phase, Vec<Pose>)> {
+        tour::paths(&self.bodies.chain, self.scenario.feed.0, self.scenario.copying.map(|c| c.0))
     }
 
     /// The clearance asked for outside the feed (mm). The electrode starts its feed where the plan withdrew it to,
@@ -170,11 +178,12 @@ impl<'a> Run<'a> {
         let error = self.period_error.unwrap_or(0.0);
         let feed = [(Phase::Feed, self.scenario.feed)];
         let copying = self.scenario.copying.map(|copying| (Phase::Copying, copying));
-        let place = |phase, least: &Contact| Place {
+        let chain = &self.bodies.chain;
+        let place = |phase, path: &FeedPath, least: &Contact| Place {
             distance: least.distance,
             phase,
             channel: self.scenario.own_channel,
-            row: least.row,
+            row: chain.refined_place(&path.rows, least.row),
             pose: least.pose,
             on_moving: least.on_electrode,
             on_fixed: least.on_blisk,
@@ -186,8 +195,8 @@ impl<'a> Run<'a> {
                 fixed: "blisk".to_owned(),
                 during: Some(phase.name()),
                 required: c.required() - c.tolerance(),
-                certified: if is_proven { (c.certified() - error).max(0.0) } else { 0.0 },
-                least: self.visited(place(phase, c.least()), true, self.representative()),
+                certified: if is_proven { (c.certified() - error - chain.deviation()).max(0.0) } else { 0.0 },
+                least: self.visited(place(phase, path, c.least()), true, self.representative()),
                 contact: None,
             })
         };
@@ -203,8 +212,7 @@ impl<'a> Run<'a> {
 
     /// Reports on every pair of bodies.
     pub fn all(&self, approach: &Approach, copies: &[Option<Copies>]) -> Result<Vec<PairReport>, Cancelled> {
-        let paths = tour::paths(self.scenario.feed.0, self.scenario.copying.map(|c| c.0));
-        let legs = Legs::new(&approach.poses, &paths, self.scenario.own_channel, self.visits);
+        let legs = Legs::new(&approach.poses, &self.paths(), self.scenario.own_channel, self.visits);
         let tests = self.tests(&legs, copies);
         let pace = Pace::new(self.task, self.visits, tests.iter().map(Test::walked).sum());
         let results: Result<Vec<_>, Cancelled> = tests.par_iter().map(|test| self.test(test, &legs, &pace)).collect();
@@ -218,10 +226,11 @@ impl<'a> Run<'a> {
     {
         let mut tests = Vec::new();
         for (moving, at, fixed) in self.pairs() {
-            let (mut on, allowance) = self.legs_against(fixed, legs);
+            let (mut on, allowance) = self.legs_against(moving, fixed, legs);
             let required = self.required_outside(moving, fixed, allowance);
             if moving.on_table {
-                tests.extend(legs.turned.iter().map(|leg| Test::new(moving, fixed, required, vec![leg])));
+                let turned = |leg| Test { allowance, ..Test::new(moving, fixed, required, vec![leg]) };
+                tests.extend(legs.turned.iter().map(turned));
                 continue;
             }
             let mut during = None;
@@ -234,22 +243,26 @@ impl<'a> Run<'a> {
                 if !elsewhere.is_empty() {
                     let required = self.scenario.feed.1.required() - self.scenario.feed.1.tolerance();
                     let during = Some("feed in other channels");
-                    tests.push(Test { during, ..Test::new(moving, fixed, required, elsewhere) });
+                    let allowance = self.bodies.chain.deviation();
+                    tests.push(Test { during, allowance, ..Test::new(moving, fixed, required, elsewhere) });
                 }
                 (on, during) = (outside, Some("moves outside"));
             }
             let copies = copies.get(at).and_then(Option::as_ref).map(|copies| (copies, &legs.own[..]));
+            let copies = copies.filter(|_| !moving.on_bed);
             tests.push(Test { copies, during, allowance, ..Test::new(moving, fixed, required, on) });
         }
         tests
     }
 
-    /// The legs that a tool has to be tested on against `fixed`, and the allowance taken off because they stand for
-    /// others (mm).
-    fn legs_against<'t>(&self, fixed: &Obstacle, legs: &'t Legs) -> (Vec<&'t Leg>, f64) {
-        match (fixed.carrier, self.period_error) {
-            // A moves a tool neither against the bed nor against the head.
-            (Some(Carrier::Bed | Carrier::Head), _) => (legs.own.iter().collect(), 0.0),
+    /// The legs that `moving` has to be tested on against `fixed`, and the allowance taken off because they stand for
+    /// others, or the machine does not keep to the poses (mm).
+    fn legs_against<'t>(&self, moving: &Mover, fixed: &Obstacle, legs: &'t Legs) -> (Vec<&'t Leg>, f64) {
+        let deviation = self.bodies.chain.deviation();
+        let (legs, allowance) = match (fixed.carrier, self.period_error) {
+            // A moves a tool neither against cradle and bed nor against the head, and the bed not against the cradle.
+            (Some(Carrier::Cradle | Carrier::Bed | Carrier::Head), _) => (legs.own.iter().collect(), 0.0),
+            _ if moving.on_bed => (legs.all.iter().collect(), 0.0),
             (None, Some(error)) => {
                 let index = legs.widest_index();
                 // Two ways between channels are alike since each is like one about the plan's channel: what channels
@@ -258,7 +271,8 @@ impl<'a> Run<'a> {
                 (legs.own.iter().chain(index).collect(), steps * error)
             }
             _ => (legs.all.iter().collect(), 0.0),
-        }
+        };
+        (legs, allowance + deviation)
     }
 
     /// The clearance of a pair over its legs; none if one of the two has no surface.
@@ -273,7 +287,8 @@ impl<'a> Run<'a> {
         };
         let may_be_joined = match test.fixed.carrier {
             Some(Carrier::Head) => !test.moving.is_electrode,
-            Some(Carrier::Bed) => test.moving.on_table && test.moving.name != "blisk",
+            Some(Carrier::Cradle | Carrier::Bed) if test.moving.on_table => test.moving.name != "blisk",
+            Some(Carrier::Cradle | Carrier::Table) => test.moving.on_bed,
             _ => false,
         };
         if may_be_joined && self.are_joined(&pair)? {
@@ -297,9 +312,11 @@ impl<'a> Run<'a> {
             if certified <= 0.0 || certified < pair.resolution { self.first_contact(&pair, test, legs)? } else { None };
         // Inside a copy no point tells which one it is; the first contact does.
         let least = contact.filter(|_| !is_found).unwrap_or(least);
-        let in_tour = |place: Place| match test.moving.on_table {
-            true => passed(place, legs),
-            false => self.visited(place, test.fixed.is_blisk(), self.representative()),
+        let in_tour = |place: Place| match (test.moving.on_table, test.moving.on_bed) {
+            (true, _) => passed(place, legs),
+            // It is tested in every channel itself.
+            (_, true) if test.fixed.carrier != Some(Carrier::Cradle) => place,
+            _ => self.visited(place, test.fixed.is_blisk(), self.representative()),
         };
         Ok(Some(PairReport {
             moving: test.moving.name.clone(),
@@ -316,9 +333,9 @@ impl<'a> Run<'a> {
     /// happens in every one.
     fn first_in_tour(&self, place: Place, test: &Test) -> Place {
         let is_for_all = match test.fixed.carrier {
-            Some(Carrier::Head | Carrier::Bed) => !test.moving.on_table,
-            Some(_) => false,
-            None => self.period_error.is_some(),
+            Some(Carrier::Head | Carrier::Cradle | Carrier::Bed) => !test.moving.on_table,
+            Some(Carrier::Electrode | Carrier::Table) => false,
+            None => self.period_error.is_some() && !test.moving.on_bed,
         };
         let first = self.visits.first().copied().filter(|_| is_for_all);
         first.map_or(place, |visit| self.visited(place, test.fixed.is_blisk(), visit))
@@ -358,7 +375,7 @@ impl<'a> Run<'a> {
         let (mut legs, others): (Vec<&Leg>, Vec<&Leg>) = legs.partition(|leg| leg.phase == Phase::Feed);
         legs.extend(others);
         for leg in &legs {
-            let poses = bodies::relative(&leg.poses, test.moving, test.fixed);
+            let poses = bodies::relative(&self.bodies.chain, &leg.poses, test.moving, test.fixed);
             let before = known.as_ref().map(|k| k.clearance);
             pace.begin(&test.moving.name, leg, &legs);
             let clearance = pair.clearance(&poses, before, &self.task.cancel)?;
@@ -378,7 +395,7 @@ impl<'a> Run<'a> {
     fn first_contact(&self, pair: &Pair, test: &Test, legs: &Legs) -> Result<Option<Place>, Cancelled> {
         let tour: Vec<&Leg> = if test.moving.on_table { legs.all.iter().collect() } else { test.legs.clone() };
         for leg in tour {
-            let poses = bodies::relative(&leg.poses, test.moving, test.fixed);
+            let poses = bodies::relative(&self.bodies.chain, &leg.poses, test.moving, test.fixed);
             if let Some(near) = pair.first_contact(&poses, &self.task.cancel)? {
                 return Ok(Some(place(leg, &near)));
             }

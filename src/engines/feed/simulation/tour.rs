@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use serde::Serialize;
 
 use super::Scenario;
+use crate::chain::Chain;
 use crate::machine::MachineParams;
 use crate::path::FeedPath;
 use crate::pose::{Axis, Pose};
@@ -95,10 +96,10 @@ fn rows(path: &FeedPath) -> impl DoubleEndedIterator<Item = Pose> {
 }
 
 /// Approach and `paths` in a channel. The retraction goes back the same way and keeps the same clearances.
-fn channel_legs(approach: &[Pose], paths: &[(Phase, &FeedPath)], visit: &Visit) -> Vec<Leg> {
+fn channel_legs(approach: &[Pose], paths: &[(Phase, Vec<Pose>)], visit: &Visit) -> Vec<Leg> {
     let leg = |phase, poses| Leg { phase, channel: visit.channel, poses };
     let first = leg(Phase::Approach, turned(approach.iter().copied(), visit.turn));
-    let others = paths.iter().map(|(phase, path)| leg(*phase, turned(rows(path), visit.turn)));
+    let others = paths.iter().map(|(phase, poses)| leg(*phase, turned(poses.iter().copied(), visit.turn)));
     std::iter::once(first).chain(others).collect()
 }
 
@@ -117,9 +118,11 @@ fn index_legs(approach: &[Pose], visits: &[Visit]) -> Vec<Leg> {
     visits.windows(2).map(leg).collect()
 }
 
-/// The feed and, if there is one, the copying motion.
-pub(super) fn paths<'a>(feed: &'a FeedPath, copying: Option<&'a FeedPath>) -> Vec<(Phase, &'a FeedPath)> {
-    std::iter::once((Phase::Feed, feed)).chain(copying.map(|path| (Phase::Copying, path))).collect()
+/// The feed and, if there is one, the copying motion, with the rows that the machine needs.
+pub(super) fn paths(chain: &Chain, feed: &FeedPath, copying: Option<&FeedPath>) -> Vec<(Phase, Vec<Pose>)> {
+    let poses = |path: &FeedPath| chain.refined(&path.rows).iter().map(|row| row.pose).collect();
+    let paths = std::iter::once((Phase::Feed, feed)).chain(copying.map(|path| (Phase::Copying, path)));
+    paths.map(|(phase, path)| (phase, poses(path))).collect()
 }
 
 /// The legs that pairs of bodies are tested on.
@@ -134,7 +137,7 @@ pub(super) struct Legs {
 
 impl Legs {
     /// Approach and `paths` in `visits`; `own_channel` is that of the plan.
-    pub fn new(approach: &[Pose], paths: &[(Phase, &FeedPath)], own_channel: usize, visits: &[Visit]) -> Self {
+    pub fn new(approach: &[Pose], paths: &[(Phase, Vec<Pose>)], own_channel: usize, visits: &[Visit]) -> Self {
         let all = through(approach, visits, |visit| channel_legs(approach, paths, visit));
         let own = channel_legs(approach, paths, &Visit { channel: own_channel, turn: 0.0 });
         Self { turned: turned_leg(&all), all, own }
@@ -167,12 +170,12 @@ fn row_at(poses: &[Pose], a: f64) -> Option<f64> {
 }
 
 /// The whole motion in order.
-pub(super) fn whole(approach: &[Pose], feed: &FeedPath, copying: Option<&FeedPath>, visits: &[Visit]) -> Vec<Leg> {
-    let paths = paths(feed, copying);
+pub(super) fn whole(approach: &[Pose], paths: &[(Phase, Vec<Pose>)], visits: &[Visit]) -> Vec<Leg> {
+    let feed = paths.first().map_or(&[][..], |(_, poses)| poses);
     through(approach, visits, |visit| {
-        let mut legs = channel_legs(approach, &paths, visit);
+        let mut legs = channel_legs(approach, paths, visit);
         // The last pose of the approach is the first of the feed.
-        let back = rows(feed).rev().chain(approach.iter().rev().skip(1).copied());
+        let back = feed.iter().rev().copied().chain(approach.iter().rev().skip(1).copied());
         legs.push(Leg { phase: Phase::Retract, channel: visit.channel, poses: turned(back, visit.turn) });
         legs
     })
@@ -202,11 +205,12 @@ pub(super) fn visits(scenario: &Scenario, channels: &[usize]) -> (Vec<Visit>, Ve
 }
 
 /// The first pose beyond the travel of an axis.
-pub(super) fn out_of_travel(legs: &[Leg], machine: &MachineParams) -> Option<OutOfTravel> {
+pub(super) fn out_of_travel(chain: &Chain, legs: &[Leg], machine: &MachineParams) -> Option<OutOfTravel> {
     let limits = machine.limits();
     legs.iter().find_map(|leg| {
         leg.poses.iter().find_map(|pose| {
-            let (axis, limit) = limits.beyond(pose)?;
+            let pose = chain.machine_pose(pose);
+            let (axis, limit) = limits.beyond(&pose)?;
             let (phase, channel) = (leg.phase, leg.channel);
             Some(OutOfTravel { axis, phase, channel, value: pose.get(axis), limit })
         })
@@ -226,6 +230,7 @@ fn turned_leg(legs: &[Leg]) -> Option<Leg> {
 }
 
 /// Least time of the motion (min) with every axis within its speed.
-pub(super) fn minutes(legs: &[Leg], machine: &MachineParams) -> f64 {
-    legs.iter().flat_map(|leg| leg.poses.windows(2)).map(|pair| machine.least_minutes(&pair[0], &pair[1]).0).sum()
+pub(super) fn minutes(chain: &Chain, legs: &[Leg], machine: &MachineParams) -> f64 {
+    let least = |pair: &[Pose]| machine.least_minutes(&chain.machine_pose(&pair[0]), &chain.machine_pose(&pair[1])).0;
+    legs.iter().flat_map(|leg| leg.poses.windows(2)).map(least).sum()
 }

@@ -16,11 +16,13 @@ use crate::approved::Approved;
 use crate::block_feed::{BlockFeed, Pace, Slowed, fastest_point_travel, programmed_length};
 use crate::lines::{Lines, NcError};
 use crate::post::{FeedMode, Post};
+use feed::chain::Chain;
 use feed::machine::MachineParams;
 use feed::path::PathRow;
 use feed::pose::{Axis, Pose};
 use feed::quantise::{MM_DECIMALS, deg_text, floor_mm_text, mm_text};
 use tour::TourFeeds;
+use wheel::electrode::EntrySide;
 
 /// Digits of a digest that a program shows; `report.json` has them all.
 const DIGEST_DIGITS: usize = 16;
@@ -93,13 +95,17 @@ struct TurnedJob<'a> {
     machine: MachineParams,
     /// Whether the directions of the machine are turned by half a turn about Z against W.
     is_turned: bool,
+    /// What makes axis values of the machine from poses: that of the simulation.
+    chain: Chain,
 }
 
 impl<'a> TurnedJob<'a> {
     fn new(job: &NcJob<'a>, approved: &Approved) -> Self {
         let NcJob { program, electrode_file, machine } = *job;
         let side = approved.enters_from();
-        Self { program, electrode_file, machine: machine.seen_from_w(side), is_turned: machine.is_turned(side) }
+        let plain = || Chain::new(approved.path().reference_point, None);
+        let chain = approved.simulation().map_or_else(plain, |simulation| *simulation.chain());
+        Self { program, electrode_file, machine: machine.seen_from_w(side), is_turned: machine.is_turned(side), chain }
     }
 }
 
@@ -120,10 +126,10 @@ impl NcProgram {
     pub fn new(approved: &Approved, post: &Post, settings: &NcSettings, job: &NcJob) -> Result<Self, NcError> {
         settings.validate()?;
         let job = &TurnedJob::new(job, approved);
-        check_axes(&approved.path().rows, post, &job.machine)?;
-        check_axes(copying_rows(approved), post, &job.machine)?;
+        check_axes(&job.chain, &approved.path().rows, post, &job.machine)?;
+        check_axes(&job.chain, copying_rows(approved), post, &job.machine)?;
         tour::check(approved, post, job)?;
-        let feeds = Feeds::new(approved, post, settings, &job.machine)?;
+        let feeds = Feeds::new(approved, post, settings, job)?;
         let in_channel = feeds.inwards.iter().chain(&feeds.copying).chain(&feeds.outwards);
         let slowed = Slowed::of(in_channel.chain(feeds.tour.all()));
         let mut w = Writer::new(post, job, settings);
@@ -161,25 +167,27 @@ struct Feeds {
 }
 
 impl Feeds {
-    fn new(approved: &Approved, post: &Post, settings: &NcSettings, machine: &MachineParams) -> Result<Self, NcError> {
+    fn new(approved: &Approved, post: &Post, settings: &NcSettings, job: &TurnedJob) -> Result<Self, NcError> {
         let (mode, decimals) = (post.feed.mode, post.feed.decimals);
         let path = approved.path();
         let (reference_point, electrode) = (path.reference_point, approved.electrode_bounds());
-        let pace = Pace { mode, decimals, machine, reference_point, electrode };
+        let (machine, chain) = (&job.machine, &job.chain);
+        let pace = Pace { mode, decimals, machine, reference_point, electrode, chain };
         let too_slow = |block| NcError::FeedTooSlow { block, decimals };
-        let copying = copying_rows(approved);
-        let back: Vec<PathRow> = path.rows.iter().rev().copied().collect();
+        let (rows, copying) = (chain.refined(&path.rows), chain.refined(copying_rows(approved)));
+        let back: Vec<PathRow> = rows.iter().rev().copied().collect();
         Ok(Self {
             approach: pace.approach(settings.retract_mm_per_min).ok_or(too_slow(0))?,
-            inwards: pace.blocks(&path.rows, settings.feed_mm_per_min).map_err(too_slow)?,
-            copying: pace.blocks(copying, settings.feed_mm_per_min).map_err(too_slow)?,
+            inwards: pace.blocks(&rows, settings.feed_mm_per_min).map_err(too_slow)?,
+            copying: pace.blocks(&copying, settings.feed_mm_per_min).map_err(too_slow)?,
             outwards: pace.blocks(&back, settings.retract_mm_per_min).map_err(too_slow)?,
             tour: TourFeeds::new(approved, &pace, settings.retract_mm_per_min).map_err(too_slow)?,
         })
     }
 }
 
-fn check_axes(rows: &[PathRow], post: &Post, machine: &MachineParams) -> Result<(), NcError> {
+fn check_axes(chain: &Chain, rows: &[PathRow], post: &Post, machine: &MachineParams) -> Result<(), NcError> {
+    let rows: Vec<PathRow> = rows.iter().map(|row| PathRow { pose: chain.machine_pose(&row.pose), ..*row }).collect();
     for axis in Axis::ALL {
         if let Some(row) = rows.iter().position(|r| r.pose.get(axis) != 0.0) {
             if !machine.axes.axes().contains(&axis) {
@@ -190,7 +198,7 @@ fn check_axes(rows: &[PathRow], post: &Post, machine: &MachineParams) -> Result<
             }
         }
     }
-    machine.limits().first_beyond(rows).map_or(Ok(()), |beyond| Err(NcError::BeyondTravel(beyond)))
+    machine.limits().first_beyond(&rows).map_or(Ok(()), |beyond| Err(NcError::BeyondTravel(beyond)))
 }
 
 /// The rows of the copying motion; none if there is none.
@@ -243,26 +251,49 @@ fn header(w: &mut Writer, approved: &Approved) {
         w.comment(&format!("{name} axis {}", vector(axis)));
     }
     w.comment(&format!("Electrode reference point O in W: {}", vector(path.reference_point)));
-    w.comment(
-        "A point p of the electrode goes to Rx[A] * [ O + [X Y Z] + Rz[C] * Ry[B] * [p - O] ]: values are of the \
-         electrode relative to the workpiece, right-handed. A table that carries the workpiece turns the other way.",
-    );
+    match w.job.chain.on_table_c() {
+        None => w.comment(
+            "A point p of the electrode goes to Rx[A] * [ O + [X Y Z] + Rz[C] * Ry[B] * [p - O] ]: values are of the \
+             electrode relative to the workpiece, right-handed. A table that carries the workpiece turns the other way.",
+        ),
+        Some(q) => w.comment(&format!(
+            "C TURNS THE TABLE THAT CARRIES A, about a line along Z of W through Q, where Q in W is {}. A point p of the \
+             electrode goes to Rx[A] * [ Q + Rz[C] * [ O + [X Y Z] + Ry[B] * [p - O] - Q ] ]: values are of the electrode \
+             relative to the workpiece, right-handed. The tables turn the other way. Between two blocks all axes are \
+             linear; the electrode then stays within {} mm of the verified motion, which is taken off its clearance.",
+            vector(q),
+            mm(w.job.chain.deviation())
+        )),
+    }
     let reversed = w.post.axes.iter().filter(|a| a.reversed).map(|a| a.axis.letter().to_string());
     let reversed: Vec<String> = reversed.collect();
     if !reversed.is_empty() {
         w.comment(&format!("This post counts the other way round: {}", reversed.join(" ")));
     }
-    if w.job.is_turned {
-        w.comment(
-            "THE MACHINE IS TURNED BY HALF A TURN ABOUT Z AGAINST W: the electrode enters from -X of W, and the blisk \
-             is mounted with that side towards +X of the machine. X Y A B of this program are those of the machine, \
-             opposite to those of W.",
-        );
+    let other_words = w.post.axes.iter().filter(|a| a.word != a.axis.letter().to_string());
+    let other_words: Vec<String> = other_words.map(|a| format!("{} is {}", a.axis.letter(), a.word)).collect();
+    if !other_words.is_empty() {
+        w.comment(&format!("Words of this post for the axes above: {}", other_words.join(", ")));
     }
-    if approved.enters_from() == wheel::electrode::EntrySide::Outward {
-        w.comment(
-            "THE ELECTRODE ENTERS FROM THE RIM: it is fed and retracted along Z of W. No head and no table were simulated.",
-        );
+    let is_from_rim = approved.enters_from() == EntrySide::Outward;
+    if w.job.is_turned {
+        let mounted = match is_from_rim {
+            true => "the blisk is mounted on its face at the greatest x of W, which is that towards -X of the machine",
+            false => {
+                "the electrode enters from -X of W, and the blisk is mounted with that side towards +X of the machine"
+            }
+        };
+        w.comment(&format!(
+            "THE MACHINE IS TURNED BY HALF A TURN ABOUT Z AGAINST W: {mounted}. X Y A B of this program are those of the \
+             machine, opposite to those of W."
+        ));
+    }
+    if is_from_rim {
+        let simulated = match w.job.machine.has_bodies() {
+            true => "",
+            false => " No head and no table were simulated.",
+        };
+        w.comment(&format!("THE ELECTRODE ENTERS FROM THE RIM: it is fed and retracted along Z of W.{simulated}"));
     }
     tour::header(w, approved);
     feed_comments(w, approved);
@@ -273,15 +304,16 @@ fn feed_comments(w: &mut Writer, approved: &Approved) {
     w.comment(&format!("Feed {feed} mm/min, approach and retraction {back} mm/min, where no axis is too fast"));
     match w.post.feed.mode {
         FeedMode::PerMinute => {
-            let path = approved.path();
-            let inside = path.rows.windows(2).chain(copying_rows(approved).windows(2));
+            let (path, chain) = (approved.path(), w.job.chain);
+            let [feed_rows, copying] = [&path.rows[..], copying_rows(approved)].map(|rows| chain.refined(rows));
+            let inside = feed_rows.windows(2).chain(copying.windows(2));
             let inside = inside.map(|pair| [pair[0].pose, pair[1].pose]);
             let simulated = approved.simulation().map(|s| s.legs(path, approved.copying().map(|c| &c.path)));
             let outside =
                 simulated.iter().flatten().flat_map(|leg| leg.poses.windows(2)).map(|pair| [pair[0], pair[1]]);
             let ratios = inside.chain(outside).map(|[from, to]| {
                 let (from, to) = (&from, &to);
-                let length = programmed_length(from, to);
+                let length = programmed_length(&chain.machine_pose(from), &chain.machine_pose(to));
                 let travel = fastest_point_travel(from, to, path.reference_point, approved.electrode_bounds());
                 if length > 0.0 { travel / length } else { 0.0 }
             });
@@ -334,7 +366,7 @@ fn first_position(w: &mut Writer, first: &Pose, feeds: &Feeds) {
 
 /// Feed, burn, copying motion and retraction, from the first row back to it.
 fn in_channel(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
-    let (post, rows) = (w.post, &approved.path().rows);
+    let (post, rows) = (w.post, w.job.chain.refined(&approved.path().rows));
     w.comment("Verified motion begins: feed to the final pose");
     w.moves(rows.iter().skip(1), &feeds.inwards);
     w.comment(if approved.copying().is_some() {
@@ -348,7 +380,7 @@ fn in_channel(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
     }
     if let Some(copying) = approved.copying() {
         w.comment("Section COPYING begins: verified motion from the final pose along the walls and back to it");
-        w.moves(copying.path.rows.iter().skip(1), &feeds.copying);
+        w.moves(w.job.chain.refined(&copying.path.rows).iter().skip(1), &feeds.copying);
         w.comment("Section COPYING ends: final pose");
     }
     w.comment("Retraction along the same verified path");
@@ -403,6 +435,7 @@ impl<'a> Writer<'a> {
 
     /// The words of every axis that the machine has.
     fn axis_words(&self, pose: &Pose) -> String {
+        let pose = &self.job.chain.machine_pose(pose);
         let of_machine = self.post.axes.iter().filter(|a| self.job.machine.axes.axes().contains(&a.axis));
         let word = of_machine.map(|a| {
             // `+ 0.0` keeps a reversed zero without a sign.

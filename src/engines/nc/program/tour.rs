@@ -9,7 +9,6 @@ use feed::path::PathRow;
 use feed::pose::{Axis, Pose};
 use feed::quantise::{deg_text, floor_mm_text};
 use feed::simulation::Simulation;
-use wheel::electrode::EntrySide;
 
 /// The F words outside the feed.
 #[derive(Default)]
@@ -55,7 +54,8 @@ fn rows(poses: &[Pose]) -> Vec<PathRow> {
 pub(super) fn check(approved: &Approved, post: &Post, job: &TurnedJob) -> Result<(), NcError> {
     let machine = &job.machine;
     if !machine.comes_from(approved.enters_from()) {
-        return Err(NcError::HeadComesAlongX);
+        let (from, along) = (approved.enters_from().words(), machine.head_along.axis().letter());
+        return Err(NcError::HeadComesFromElsewhere { from, along });
     }
     let Some(simulation) = approved.simulation() else {
         return if machine.has_bodies() { Err(NcError::NotSimulated) } else { Ok(()) };
@@ -68,14 +68,12 @@ pub(super) fn check(approved: &Approved, post: &Post, job: &TurnedJob) -> Result
     if simulated.is_nan() || simulated < asked {
         return other(format!("a body clearance of {simulated} mm"), format!("one of {asked} mm"));
     }
-    let turned = |is_turned| if is_turned { "turned" } else { "not turned" };
-    let was_turned = simulation.with_bodies() && simulation.enters_from() == EntrySide::MinusX;
-    if was_turned != job.is_turned {
-        let machine = |is_turned| format!("a machine that is {} by half a turn about Z", turned(is_turned));
-        return other(machine(was_turned), machine(job.is_turned));
+    let [was, is] = [simulation.mounting(), machine.mounting(approved.enters_from())];
+    if was != is {
+        return other(was.to_string(), is.to_string());
     }
     let legs = simulation.legs(approved.path(), approved.copying().map(|copying| &copying.path));
-    legs.iter().try_for_each(|leg| check_axes(&rows(&leg.poses), post, machine))
+    legs.iter().try_for_each(|leg| check_axes(&job.chain, &rows(&leg.poses), post, machine))
 }
 
 /// Comments on the simulation.

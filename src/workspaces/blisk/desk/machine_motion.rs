@@ -43,9 +43,8 @@ impl MachineMotion {
         self.motion = simulation.zip(planned).map(|(simulation, planned)| {
             (simulation.clone(), WholeMotion::new(simulation, &planned.path, copying.map(|c| &c.path)))
         });
-        let o = planned.map(|p| p.path.reference_point);
-        self.trouble = self.motion.as_ref().zip(o).and_then(|((simulation, motion), o)| {
-            let (place, points) = meeting(simulation, o)?;
+        self.trouble = self.motion.as_ref().and_then(|(simulation, motion)| {
+            let (place, points) = meeting(simulation)?;
             let way = motion.way_to(&place)?;
             // The way back passes the same places; where it is told of is the way in.
             let s = motion.at(way).filter(|moment| moment.phase == Phase::Feed).and_then(|moment| moment.s);

@@ -18,6 +18,7 @@ use crate::workspaces::commands::FrameCommand;
 use crate::workspaces::context::Context;
 use crate::workspaces::message::ElectrodePart;
 use crate::workspaces::news::EventKind;
+use feed::machine::Mounting;
 use feed::machine_model::Station;
 use feed::pose::Pose;
 use feed::simulation::Simulation;
@@ -38,6 +39,7 @@ struct About {
     bodies: Same<Vec<BodyShape>>,
     shape: Same<RenderMesh>,
     channel: Same<FoundChannel>,
+    mounting: Mounting,
     simulation: Option<Same<Simulation>>,
 }
 
@@ -96,18 +98,19 @@ impl BliskDesk {
     fn about(&self, bodies: &Arc<Vec<BodyShape>>) -> Option<About> {
         let machine = &self.document.params().machine;
         let shown = self.shown_electrode().filter(|(electrode, _)| machine.comes_from(electrode.enters_from));
-        let ((_, shape), channel) = shown.zip(self.work.channel())?;
+        let ((electrode, shape), channel) = shown.zip(self.work.channel())?;
+        let mounting = machine.mounting(electrode.enters_from);
         // What was in the way of an earlier electrode may not be in the way of this one.
         let is_current = self.work.state(Stage::Plan) == State::Ready;
         let simulation = self.machine.simulation().filter(|_| is_current).cloned().map(Same);
         let (bodies, shape, channel) = (Same(bodies.clone()), Same(shape.clone()), Same(channel.clone()));
-        Some(About { bodies, shape, channel, simulation })
+        Some(About { bodies, shape, channel, mounting, simulation })
     }
 
     fn standing(&self, about: &About) -> Vec<MachineBody> {
         let Some((electrode, _)) = self.shown_electrode() else { return Vec::new() };
         let (o, side) = (electrode.reference_point, electrode.enters_from);
-        let station = Station::new(&electrode.mesh, o, side, &about.channel.0.blisk);
+        let station = Station::new(&electrode.mesh, o, side, about.mounting, &about.channel.0.blisk);
         let simulation = about.simulation.as_ref().map(|simulation| &*simulation.0);
         about.bodies.0.iter().map(|body| MachineBody::standing(body, &station, simulation)).collect()
     }

@@ -141,7 +141,7 @@ fn copying(around: &Around, outcome: &ElectrodeOutcome, task: &Task) -> Result<C
     };
     task.report("copying motion", 0.0, "");
     let verifier = Verifier::new(around.blisk, &electrode.mesh, electrode.reference_point, &task.cancel)?;
-    let verifier = verifier.within(machine.limits());
+    let verifier = verifier.within(machine.pose_limits());
     let surface_of = |p: DVec3| around.finder.surface_of(p);
     Ok(copying_motion(electrode, &verifier, wanted, &settings, &surface_of, task)?)
 }

@@ -9,8 +9,8 @@ use super::prepared_blisk::{PreparedBlisk, electrode_of};
 use super::simulate;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::kept_plan::{KeptElectrode, KeptPlan};
+use feed::machine::HeadAxis;
 use feed::plan::{FeedPlan, PlanSettings};
-use feed::plan_params::Constraint;
 use feed::plan_params::Strategy;
 use feed::planner::{DrawnIn, plan_drawn_in, plan_feed};
 use feed::problem::Observe;
@@ -20,7 +20,7 @@ use files::Validate as _;
 use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
-use wheel::channel::{Channel, Flow};
+use wheel::channel::Channel;
 use wheel::electrode::{Electrode, ElectrodeError, EntrySide, Sizing};
 use wheel::find_channel::find_channel;
 use wheel::surface_finder::SurfaceFinder;
@@ -55,7 +55,6 @@ pub fn prepare(inputs: &PlanInputs, task: &Task) -> Result<PreparedBlisk, PlanJo
     simulate::check_machine(job, task)?;
     let channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, task))?;
     sides_of(job, &channel)?;
-    check_constraint(job, &channel)?;
     simulate::check_channels(job, &channel)?;
     let blisk = channel.wheel_in_w(&inputs.blisk);
     let exact = clock.time("exact mesh", || ExactMesh::new(&blisk))?;
@@ -137,7 +136,10 @@ impl JobPlanner<'_> {
         let (job, channel) = (&self.inputs.job, &self.prepared.space.channel);
         let left_out =
             job.electrode.enter.candidates(channel)?.into_iter().filter(|side| !job.machine.comes_from(*side));
-        tried.extend(left_out.map(|side| (side, "is not tried: the machine's bodies come along X".to_owned())));
+        let along = job.machine.head_along.axis().letter();
+        let left_out =
+            left_out.map(|side| (side, format!("is not tried: the head of the machine comes along {along}")));
+        tried.extend(left_out);
         let params = &self.inputs.job.electrode;
         let columns = if self.inputs.own_electrode.is_some() { 1 } else { params.columns };
         for side in sides(&self.inputs.job, &self.prepared.space.channel, part / columns, self.parts() / columns)? {
@@ -240,7 +242,6 @@ pub fn replay(
     job.validate()?;
     kept.check(job)?;
     let open = sides_of(job, channel)?;
-    check_constraint(job, channel)?;
     if kept.electrodes.iter().any(|electrode| !open.contains(&electrode.side)) {
         return Err(PlanJobError::Job(
             "the kept plan enters from a side that the passage does not open to, or that the machine's bodies do not come \
@@ -288,27 +289,21 @@ fn rank(outcome: &ElectrodeOutcome) -> (bool, bool, f64) {
 pub(super) fn sides_of(job: &PlanJob, channel: &Channel) -> Result<Vec<EntrySide>, PlanJobError> {
     let mut sides = job.electrode.enter.candidates(channel)?;
     sides.retain(|side| job.machine.comes_from(*side));
-    if sides.is_empty() { Err(head_comes_along_x(job)) } else { Ok(sides) }
+    if sides.is_empty() { Err(head_comes_from_elsewhere(job)) } else { Ok(sides) }
 }
 
-/// The refusal of an electrode from the rim on a machine with bodies.
-pub(super) fn head_comes_along_x(job: &PlanJob) -> PlanJobError {
+/// The refusal of electrodes that enter from where the head of the machine does not come from.
+pub(super) fn head_comes_from_elsewhere(job: &PlanJob) -> PlanJobError {
+    let (left, other, example) = match job.machine.head_along {
+        HeadAxis::X => ("the only side of entry that is left is the rim", "Z", "xyzac-ram"),
+        HeadAxis::Z => ("the sides of entry that are left are along X", "X", "xyzac"),
+    };
     PlanJobError::Job(format!(
-        "machine.name: the bodies of {} are those of a machine whose head comes along X, and the only side of entry that is \
-         left is the rim; choose another side of entry, or no bodies, and watch head and table yourself",
-        job.machine.name
+        "machine.name: the head of {} comes along {}, and {left}; choose a machine whose head comes along {other}, as that \
+         of {example} does, another side of entry, or no bodies, and watch head and table yourself",
+        job.machine.name,
+        job.machine.head_along.axis().letter()
     ))
-}
-
-/// Makes sure that the constraint of the search is one for the passage of `channel`.
-pub(super) fn check_constraint(job: &PlanJob, channel: &Channel) -> Result<(), PlanJobError> {
-    if job.plan.constraint == Constraint::Angle && channel.flow != Flow::Axial {
-        return Err(PlanJobError::Job(format!(
-            "plan.constraint: the angle test looks at sections across X, and this passage is {}; choose \"distance\"",
-            channel.flow.name()
-        )));
-    }
-    Ok(())
 }
 
 /// The sides to try for the part that is number `part` of `parts` along the passage, the nearer one first.

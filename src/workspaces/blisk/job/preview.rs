@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::outcome::{PlanInputs, PlanJobError};
-use super::plan::{check_constraint, settings_of, sides};
+use super::plan::{settings_of, sides};
 use super::prepared_blisk::PreparedBlisk;
 use super::prepared_blisk::electrode_of;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
@@ -52,7 +52,6 @@ pub fn live_way(
 ) -> Result<LiveWay, PlanJobError> {
     let job = &inputs.job;
     job.validate()?;
-    check_constraint(job, &prepared.space.channel)?;
     let settings = settings_of(job, &|_, _| ());
     let mut best: Option<LiveWay> = None;
     let columns = if inputs.own_electrode.is_some() { 1 } else { job.electrode.columns };

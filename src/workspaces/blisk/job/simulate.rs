@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::outcome::{ElectrodeOutcome, PlanJobError};
-use super::plan::head_comes_along_x;
+use super::plan::head_comes_from_elsewhere;
 use crate::workspaces::blisk::document::choice::Channels;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::machine_file::read_machine;
@@ -91,7 +91,7 @@ fn of_electrode(
     let channel = around.channel;
     // The last gate beside the choice of sides.
     if !around.job.machine.comes_from(outcome.electrode.enters_from) {
-        return Err(head_comes_along_x(around.job));
+        return Err(head_comes_from_elsewhere(around.job));
     }
     let channels = &around.job.export.channels;
     let channels = channels.numbers(channel.blades, channel.index).map_err(PlanJobError::Job)?;

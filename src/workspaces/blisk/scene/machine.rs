@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 
+use feed::chain::Chain;
 use feed::machine_model::{Body, Carrier, MachineModel, Station};
 use feed::path::FeedPath;
 use feed::pose::Pose;
@@ -40,6 +41,8 @@ pub struct MachineBody {
     pub carrier: Carrier,
     /// From the coordinates of its carrier to W in the final pose.
     pub stand: DAffine3,
+    /// Chain that moves the body.
+    pub chain: Chain,
     /// Whether something comes too close to it.
     pub is_in_the_way: bool,
 }
@@ -51,29 +54,20 @@ impl MachineBody {
             shape: body.shape.clone(),
             carrier: body.carrier,
             stand: station.placement(body.carrier),
+            chain: station.chain(),
             is_in_the_way: simulation.is_some_and(|s| s.is_in_the_way(&body.name)),
         }
     }
 
-    /// Where the body is at `pose` of an electrode with this reference point, as seen from the blisk.
-    pub fn placement(&self, pose: &Pose, reference_point: DVec3) -> DAffine3 {
-        moved(self.carrier, pose, reference_point) * self.stand
-    }
-}
-
-/// How what goes with `carrier` moves from the final pose to `pose`, as seen from the blisk.
-fn moved(carrier: Carrier, pose: &Pose, reference_point: DVec3) -> DAffine3 {
-    match carrier {
-        Carrier::Electrode => pose.placement(reference_point),
-        Carrier::Head => Pose { b: 0.0, c: 0.0, ..*pose }.placement(reference_point),
-        Carrier::Table => DAffine3::IDENTITY,
-        Carrier::Bed => DAffine3::from_mat3(DMat3::from_rotation_x(pose.a)),
+    /// Where the body is at `pose` of the electrode, as seen from the blisk.
+    pub fn placement(&self, pose: &Pose) -> DAffine3 {
+        self.chain.seen_from_blisk(self.carrier, pose) * self.stand
     }
 }
 
 /// Where the pair that keeps its clearance least meets, if it does not keep what is asked for: the two points in W at
 /// that instant, as seen from the blisk.
-pub fn meeting(simulation: &Simulation, reference_point: DVec3) -> Option<(Place, [DVec3; 2])> {
+pub fn meeting(simulation: &Simulation) -> Option<(Place, [DVec3; 2])> {
     let pair = simulation.tightest().filter(|pair| !pair.holds())?;
     let place = pair.contact.unwrap_or(pair.least);
     let carrier = |name: &str| match simulation.bodies().iter().find(|body| body.name == name) {
@@ -81,7 +75,7 @@ pub fn meeting(simulation: &Simulation, reference_point: DVec3) -> Option<(Place
         None if name == "electrode" => Carrier::Electrode,
         None => Carrier::Table,
     };
-    let at = |name: &str, p: DVec3| moved(carrier(name), &place.pose, reference_point).transform_point3(p);
+    let at = |name: &str, p: DVec3| simulation.chain().seen_from_blisk(carrier(name), &place.pose).transform_point3(p);
     Some((place, [at(&pair.moving, place.on_moving), at(&pair.fixed, place.on_fixed)]))
 }
 
@@ -130,7 +124,7 @@ impl WholeMotion {
             ways
         });
         let ways = ways.collect();
-        let withdrawn = feed.rows.iter().map(|row| row.s).collect();
+        let withdrawn = simulation.chain().refined(&feed.rows).iter().map(|row| row.s).collect();
         Self { legs, ways, withdrawn }
     }
 
@@ -201,6 +195,7 @@ fn way_between(from: &Pose, to: &Pose) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DMat3;
     use nc::fixtures;
 
     #[test]
@@ -241,8 +236,9 @@ mod tests {
         let (o, p) = (DVec3::new(1.0, 2.0, 90.0), DVec3::new(5.0, -7.0, 30.0));
         let at = |carrier| {
             let shape = Arc::new(RenderMesh::new(&Default::default()));
-            MachineBody { shape, carrier, stand: DAffine3::IDENTITY, is_in_the_way: false }
-                .placement(&pose, o)
+            let chain = Chain::new(o, None);
+            MachineBody { shape, carrier, stand: DAffine3::IDENTITY, chain, is_in_the_way: false }
+                .placement(&pose)
                 .transform_point3(p)
         };
         let turned = DMat3::from_rotation_x(0.4);

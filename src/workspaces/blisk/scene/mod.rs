@@ -251,7 +251,7 @@ pub fn build(inputs: &SceneInputs) -> Scene {
         let here = to_mesh * pose.placement(o);
         for body in inputs.machine {
             let before = scene.objects.len();
-            add(&mut scene, Layer::Machine, &body.shape, to_mesh * body.placement(&pose, o));
+            add(&mut scene, Layer::Machine, &body.shape, to_mesh * body.placement(&pose));
             if body.is_in_the_way {
                 scene.objects[before..].iter_mut().for_each(|object| object.colour = BAD);
             }

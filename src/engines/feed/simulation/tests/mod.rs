@@ -1,6 +1,7 @@
 //! A bar that is fed over a drum, with bodies in its way whose clearances can be worked out by hand.
 
 mod claims;
+mod tilting;
 
 use super::bodies::Bodies;
 use super::run::Run;
@@ -132,13 +133,13 @@ impl Parts {
                 let pose = leg.pose_at(place.row).to_array();
                 let off = pose.iter().zip(place.pose.to_array()).map(|(p, q)| (p - q).abs()).fold(0.0, f64::max);
                 assert!(off < 1e-9, "{} and {}: {place:?} {pose:?}", pair.moving, pair.fixed);
-                self.check_points(pair, place);
+                self.check_points(simulation.chain(), pair, place);
             }
         }
     }
 
     /// The points of a tool and of what A turns are as far apart as is said.
-    fn check_points(&self, pair: &PairReport, place: &Place) {
+    fn check_points(&self, chain: &crate::chain::Chain, pair: &PairReport, place: &Place) {
         let carrier = |name: &str| self.model.bodies.iter().find(|b| b.name == name).map(|b| b.carrier);
         let (moving, fixed) = (carrier(&pair.moving), carrier(&pair.fixed));
         let is_tool = pair.moving == "electrode" || moving.is_some_and(Carrier::slides);
@@ -146,9 +147,8 @@ impl Parts {
         if !is_tool || !is_turned {
             return;
         }
-        // C and B do not turn the head.
-        let pose = if moving == Some(Carrier::Head) { Pose { b: 0.0, c: 0.0, ..place.pose } } else { place.pose };
-        let apart = pose.placement(O).transform_point3(place.on_moving).distance(place.on_fixed);
+        let moved = chain.seen_from_blisk(moving.unwrap_or(Carrier::Electrode), &place.pose);
+        let apart = moved.transform_point3(place.on_moving).distance(place.on_fixed);
         assert!((apart - place.distance).abs() < 2e-6, "{} and {}: {apart} {place:?}", pair.moving, pair.fixed);
     }
 

@@ -25,7 +25,11 @@ const BODIES: &[Word] = &[
     word("xyzc", "built-in XYZ C", ""),
     word("xyzac", "built-in XYZ A C", ""),
     word("xyzabc", "built-in XYZ A B C", ""),
+    word("xyzac-ram", "built-in XYZ A C, ram", ""),
 ];
+const TURNED: &[Word] = &[word("electrode", "the electrode", ""), word("table", "the table under A", "")];
+const HEADS: &[Word] = &[word("x", "along X", ""), word("z", "along Z", "")];
+const FACES: &[Word] = &[word("-x", "at -X", ""), word("+x", "at +X", "")];
 const CHANNELS: &[Word] = &[word("own", "the planned one", ""), word("all", "all, by A", "")];
 const CONSTRAINTS: &[Word] = &[word("distance", "distance", ""), word("angle", "angle", "")];
 const STRATEGIES: &[Word] = &[
@@ -476,6 +480,22 @@ const GROUPS: &[Group] = &[
             Field::file("blisk.mesh", "Blisk").help("Mesh file of the finished blisk."),
             Field::choice("electrode.size", "Size", SIZES)
                 .help("Reductions as given, or the least ones for which there is an extraction path."),
+            Field::choice("machine.head_along", "Head comes", HEADS).help(
+                "Axis along which the head of a machine with bodies comes. Along Z it serves electrodes from the rim, \
+                 along X all others. A machine's file says it.",
+            ),
+            Field::choice("machine.mounted_face", "Face on the table", FACES).help(
+                "Face of the blisk that the table holds, where the head comes along Z. Where it comes along X it is the \
+                 face away from the side of entry.",
+            ),
+            Field::choice("machine.c_turns", "C turns", TURNED).help(
+                "Part that C turns on a machine with bodies: the electrode, or the table that carries A, as on a tilting \
+                 table. A machine's file says it.",
+            ),
+            Field::numbers("machine.c_axis_mm", "C axis of the table", "mm", -1e4, 1e4).help(
+                "Place (x, y) of the C axis in the final pose where C turns the table, counted from the blisk's axis at \
+                 the face that the table holds.",
+            ),
             Field::numbers("machine.travel_x_mm", "Travel of X", "mm", -ANY, ANY)
                 .count(2)
                 .help("Least and greatest X about the final pose."),

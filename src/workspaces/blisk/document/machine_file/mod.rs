@@ -34,7 +34,7 @@ use task::{Cancelled, Task};
 use urdf::{Look, UrdfBody};
 
 /// Names of the built-in machines.
-pub const BUILT_IN: [&str; 3] = ["xyzc", "xyzac", "xyzabc"];
+pub const BUILT_IN: [&str; 4] = ["xyzc", "xyzac", "xyzabc", "xyzac-ram"];
 /// Sides of the prism that stands for a cylinder.
 const SIDES: u32 = 96;
 /// Greatest number of bodies of a machine.
@@ -344,6 +344,7 @@ fn built_in_text(name: &str) -> Option<&'static str> {
         "xyzc" => Some(include_str!("../../../../../assets/machines/xyzc.toml")),
         "xyzac" => Some(include_str!("../../../../../assets/machines/xyzac.toml")),
         "xyzabc" => Some(include_str!("../../../../../assets/machines/xyzabc.toml")),
+        "xyzac-ram" => Some(include_str!("../../../../../assets/machines/xyzac-ram.toml")),
         _ => None,
     }
 }

@@ -1,5 +1,5 @@
 use super::*;
-use feed::machine::AxisSet;
+use feed::machine::{AxisSet, HeadAxis};
 use std::f64::consts::PI;
 use task::Task;
 
@@ -19,9 +19,11 @@ fn complaint(text: &str) -> String {
 
 #[test]
 fn the_built_in_machines_have_their_axes_and_bodies_of_every_kind() {
-    for (name, axes) in BUILT_IN.into_iter().zip([AxisSet::XYZC, AxisSet::XYZAC, AxisSet::XYZABC]) {
+    use AxisSet::{XYZABC, XYZAC, XYZC};
+    use HeadAxis::{X, Z};
+    for (name, (axes, head)) in BUILT_IN.into_iter().zip([(XYZC, X), (XYZAC, X), (XYZABC, X), (XYZAC, Z)]) {
         let params: MachineParams = toml::Value::Table(machine_table(name).unwrap()).try_into().unwrap();
-        assert_eq!((params.axes, params.validate()), (axes, Ok(())), "{name}");
+        assert_eq!((params.axes, params.head_along, params.validate()), (axes, head, Ok(())), "{name}");
         let model = read(name).unwrap();
         for carrier in [Carrier::Electrode, Carrier::Head, Carrier::Table, Carrier::Bed] {
             assert!(model.bodies.iter().any(|b| b.carrier == carrier), "{name} {carrier:?}");

@@ -228,7 +228,7 @@ impl<'a> Tree<'a> {
     fn counted_from(&self, carrier: Carrier) -> Result<DVec3, String> {
         let of = |link: &str| Ok(self.place(link)?.at.translation);
         match carrier {
-            Carrier::Table | Carrier::Bed => Ok(DVec3::ZERO),
+            Carrier::Table | Carrier::Cradle | Carrier::Bed => Ok(DVec3::ZERO),
             Carrier::Head => {
                 let turned = self.joints.iter().find(|(_, joint)| joint.axis == Some(Axis::C));
                 of(turned.ok_or("there is no joint c, whose origin bodies of the head are counted from")?.0)
@@ -257,7 +257,11 @@ fn carrier(axes: &[Axis]) -> Result<Carrier, String> {
     let (slides, turns) = (has(&[Axis::X, Axis::Y, Axis::Z]), has(&[Axis::B, Axis::C]));
     match (has(&[Axis::A]), turns, slides) {
         (true, false, false) => Ok(Carrier::Table),
-        (true, ..) => Err("it goes with a and with another axis; the table turns about a only".to_owned()),
+        (true, ..) => {
+            Err("it goes with a and with another axis; the table turns about a only. A tilting table, whose c \
+             turns what carries a, is given in a TOML file, with c_turns"
+                .to_owned())
+        }
         (false, true, true) => Ok(Carrier::Electrode),
         (false, true, false) => Err("b and c must be carried by x, y and z".to_owned()),
         (false, false, true) if !has(&[Axis::X]) || !has(&[Axis::Y]) || !has(&[Axis::Z]) => {
