@@ -4,7 +4,7 @@
 use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
 use glam::DVec3;
 
-use super::theme::palette;
+use super::theme::{color32, palette};
 use super::viewport::Viewport;
 use render::colour_map::{ColourMap, Legend};
 
@@ -31,7 +31,7 @@ pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) -> Rect {
         let c = legend.map.at(t);
         let top = bar.bottom() - size.y * (i + 1) as f32 / steps as f32;
         let cell = Rect::from_min_size(pos2(bar.left(), top), vec2(size.x, size.y / steps as f32 + 0.5));
-        painter.rect_filled(cell, 0.0, Color32::from_rgb(c.r, c.g, c.b));
+        painter.rect_filled(cell, 0.0, color32(c));
     }
     let y = |value: f64| bar.bottom() - size.y * legend.place(value) as f32;
     // Enough decimals for a hundredth of the range.

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::channel::Agreement;
 use super::frame::axis::Axis;
 use super::frame::sector::SectorError;
-use geometry::frame::Cylindrical;
+use geometry::frame::{Cylindrical, Frame};
 use task::Cancelled;
 
 /// Reason why the axis, the blades or a channel could not be found.
@@ -155,6 +155,29 @@ pub enum BliskError {
     Cancelled(#[from] Cancelled),
 }
 
+/// Refusal of a wheel, with the place that it is about.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{error}")]
+pub struct Refused {
+    /// The reason.
+    pub error: BliskError,
+    /// The place in the coordinates of the loaded mesh (mm), where there is one.
+    pub at: Option<DVec3>,
+}
+
+impl Refused {
+    /// The refusal for `error`, which speaks of places in `frame`.
+    pub(super) fn new(error: BliskError, frame: &Frame) -> Self {
+        Self { at: error.place().map(|p| frame.to_parent(p)), error }
+    }
+}
+
+impl From<BliskError> for Refused {
+    fn from(error: BliskError) -> Self {
+        Self { error, at: None }
+    }
+}
+
 fn disagreement(found: &Agreement) -> String {
     let Cylindrical { x, r, .. } = Cylindrical::from_point(found.at);
     let off = match found.greatest_mm {
@@ -181,6 +204,21 @@ impl From<SectorError> for BliskError {
 }
 
 impl BliskError {
+    /// The place that the error is about, in the frame of the search (mm). Where only the circle about the axis is known,
+    /// its point in the middle of the channel.
+    fn place(&self) -> Option<DVec3> {
+        match *self {
+            Self::NoEndWall { x, r, .. }
+            | Self::Turns { x, r }
+            | Self::Unbounded { x, r }
+            | Self::LostWall { x, r }
+            | Self::NoThroat { x, r } => Some(Cylindrical { x, r, theta: 0.0 }.point()),
+            Self::Disagrees(Agreement { at, .. }) => Some(at),
+            _ => None,
+        }
+        .filter(|p| p.is_finite())
+    }
+
     /// The axis about which the search failed.
     pub fn axis(&self) -> Option<Axis> {
         match self {

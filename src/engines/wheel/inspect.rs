@@ -100,7 +100,7 @@ impl ChannelSummary {
             turning_deg: channel.turning.to_degrees(),
             agreement: channel.agreement.clone(),
             kinds: channel.kinds,
-            unlike: channel.unlike.clone(),
+            unlike: channel.unlike.iter().map(|unlike| unlike.number).collect(),
         }
     }
 }
@@ -144,7 +144,7 @@ fn fill(found: &mut Inspection, mesh: &Mesh, options: &BliskOptions, task: &Task
     found.repetition = Some(wheel.blisk.repetition);
     found.assumed.extend(wheel.blisk.assumed.iter().cloned());
     let mesh = wheel.mesh.clone();
-    let channel = channel_of(wheel, options, found.assumed.clone(), task)?;
+    let channel = channel_of(wheel, options, found.assumed.clone(), task).map_err(|refused| refused.error)?;
     found.channel = Some(ChannelSummary::new(&channel));
     found.whole = channel.whole.clone();
     found.assumed = channel.assumed.clone();

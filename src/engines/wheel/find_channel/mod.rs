@@ -23,8 +23,8 @@ use self::agreement::Measured;
 use self::flow::Lines;
 use self::meridian::{Meridian, Place, Tracer};
 use self::walls::{INSET, WallFinder};
-use super::channel::{Channel, ChannelWall, Flow};
-use super::error::BliskError;
+use super::channel::{Channel, ChannelWall, Flow, Unlike};
+use super::error::{BliskError, Refused};
 use super::frame::slices::{Gap, Slices};
 use super::frame::{BliskFrame, Wheel, find_wheel, is_inside_out};
 use super::options::BliskOptions;
@@ -45,6 +45,14 @@ const MOST_STEEP_HUB: f64 = 0.15;
 /// # Errors
 /// [`BliskError`] says what could not be found, why, and which key of the project gives it by hand.
 pub fn find_channel(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Channel, BliskError> {
+    find_or_refuse(mesh, options, task).map_err(|refused| refused.error)
+}
+
+/// [`find_channel`], with the place where it fails.
+///
+/// # Errors
+/// [`Refused`] with the error of [`find_channel`] and its place.
+pub fn find_or_refuse(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Channel, Refused> {
     let (mesh, mut assumed) = prepared(mesh, options)?;
     let wheel = find_wheel(mesh, options, task)?;
     assumed.extend(wheel.blisk.assumed.iter().cloned());
@@ -66,16 +74,30 @@ pub(super) fn prepared<'a>(mesh: &'a Mesh, options: &BliskOptions) -> Result<(Co
 pub(super) fn channel_of(
     Wheel { mesh, is_of_sector, blisk }: Wheel,
     options: &BliskOptions,
+    assumed: Vec<String>,
+    task: &Task,
+) -> Result<Channel, Refused> {
+    let blades = blisk.repetition.blades;
+    if options.channel >= blades {
+        return Err(BliskError::NoSuchChannel { index: options.channel, blades }.into());
+    }
+    task.report("channel", 0.0, "place");
+    let placed = place_channel(&mesh, &blisk, options, &task.cancel);
+    let placed = placed.map_err(|error| Refused::new(error, &blisk.frame))?;
+    let frame = placed.frame;
+    let wheel = Wheel { mesh, is_of_sector, blisk };
+    measured_channel(wheel, placed, options, assumed, task).map_err(|error| Refused::new(error, &frame))
+}
+
+/// The channel at a place that is known.
+fn measured_channel(
+    Wheel { mesh, is_of_sector, blisk }: Wheel,
+    Placed { frame, start, lines }: Placed,
+    options: &BliskOptions,
     mut assumed: Vec<String>,
     task: &Task,
 ) -> Result<Channel, BliskError> {
     let blades = blisk.repetition.blades;
-    if options.channel >= blades {
-        return Err(BliskError::NoSuchChannel { index: options.channel, blades });
-    }
-    task.report("channel", 0.0, "place");
-    let Placed { frame, start, lines } = place_channel(&mesh, &blisk, options, &task.cancel)?;
-
     task.report("channel", 0.3, "end walls");
     let slices = Slices::new(mesh.in_frame(&frame));
     let tracer = Tracer { slices: &slices, pitch: TAU / blades as f64, options, cancel: &task.cancel };
@@ -98,7 +120,8 @@ pub(super) fn channel_of(
     let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&low, &high] };
     let agreement = measured.agreement(&throat)?;
     let unlike = measured.unlike(blades, blisk.repetition.kinds, blisk.repetition.tolerance_mm)?;
-    let unlike: Vec<usize> = unlike.into_iter().map(|k| (options.channel + k) % blades).collect();
+    let unlike: Vec<Unlike> =
+        unlike.into_iter().map(|u| Unlike { number: (options.channel + u.number) % blades, ..u }).collect();
     assumed.extend(unlike_sentence(&unlike, blades / blisk.repetition.kinds));
     task.report("channel", 1.0, "");
     Ok(Channel {
@@ -228,9 +251,9 @@ fn end_wall_assumptions(options: &BliskOptions, meridian: &Meridian) -> Vec<Stri
 }
 
 /// Says which of the channels of its kind, of which there are `alike`, are not like the one that was found.
-fn unlike_sentence(unlike: &[usize], alike: usize) -> Option<String> {
+fn unlike_sentence(unlike: &[Unlike], alike: usize) -> Option<String> {
     const MOST: usize = 8;
-    let mut sorted = unlike.to_vec();
+    let mut sorted: Vec<usize> = unlike.iter().map(|unlike| unlike.number).collect();
     sorted.sort_unstable();
     let names: Vec<String> = sorted.iter().take(MOST).map(usize::to_string).collect();
     let more = if sorted.len() > MOST { ", …" } else { "" };

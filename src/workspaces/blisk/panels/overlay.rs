@@ -28,6 +28,7 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, cx: &mut Context, vie
         ("Measure", BliskCommand::Measure.command(), desk.measuring),
         ("Clearance", BliskCommand::Colours.command(), desk.colours),
     ]);
+    super::entry_arrows::show(ui, rect, desk, &view.viewport);
     cx.view_buttons(ui, rect, desk, &views);
     gizmo(ui, rect, &mut view.viewport);
     if desk.section.is_some() {

@@ -69,6 +69,7 @@ struct SceneKey {
     trouble: Option<[DVec3; 2]>,
     probe: Option<Probe>,
     first_point: Option<DVec3>,
+    passage: bool,
 }
 
 impl BliskView {
@@ -175,6 +176,7 @@ impl BliskView {
             trouble: desk.trouble().map(|trouble| trouble.points),
             probe: self.probe.clone(),
             first_point: self.first_point,
+            passage: desk.shown_passage().is_some(),
         }
     }
 
@@ -205,7 +207,7 @@ pub fn scene(desk: &BliskDesk, theme: Theme) -> Scene {
     let values = desk.colour_values();
     let residual_stock = desk.residual_stock_values();
     let track = desk.shared_track();
-    build(&SceneInputs {
+    let mut scene = build(&SceneInputs {
         blisk: p.part().map(|part| &part.shape),
         channel: p.channel().map(|f| (&*f.channel, &f.shapes)),
         electrode: desk.shown_electrode(),
@@ -224,7 +226,12 @@ pub fn scene(desk: &BliskDesk, theme: Theme) -> Scene {
         section: desk.section,
         theme,
         triad: false,
-    })
+    });
+    if let Some(found) = desk.shown_passage() {
+        let place = |p| found.channel.frame.to_parent(p);
+        scene.lines.extend(found.shapes.passage.drawn(place));
+    }
+    scene
 }
 
 fn empty(ui: &Ui, rect: Rect, state: &State) {

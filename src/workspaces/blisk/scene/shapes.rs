@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use super::caps::close_holes;
+use super::passage::PassageLines;
 use feed::pose::Pose;
 use geometry::exact::ExactMesh;
 use geometry::frame::Cylindrical;
@@ -27,6 +28,8 @@ pub struct ChannelShapes {
     pub unshrouded: Arc<RenderMesh>,
     /// Points along the channel's centreline, in W; none where it was not looked for or not found.
     pub centreline: Vec<DVec3>,
+    /// The passage as lines.
+    pub passage: PassageLines,
 }
 
 /// The shapes of `channel` in `blisk`, which is in W, without its centreline.
@@ -36,6 +39,7 @@ pub fn channel_shapes(blisk: &Mesh, channel: &Channel) -> ChannelShapes {
         high: Arc::new(RenderMesh::new(&wall_mesh(&channel.high, false))),
         unshrouded: Arc::new(RenderMesh::new(&unshrouded(blisk, channel))),
         centreline: Vec::new(),
+        passage: PassageLines::new(channel),
     }
 }
 
