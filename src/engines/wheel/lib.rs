@@ -17,3 +17,4 @@ pub mod parametric;
 pub mod profile;
 pub mod sections;
 pub mod surface_finder;
+pub mod surfaces;

@@ -14,6 +14,7 @@ use std::borrow::Cow;
 use glam::{DVec2, DVec3};
 
 pub use axis::Axis;
+pub(crate) use period::MOST_KINDS;
 pub use period::Repetition;
 
 use self::period::{Blades, Region};

@@ -7,12 +7,12 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::slices::{CELLS, Gap, Slices};
+use super::slices::{CELLS, Gap, Slices, cylindrical_components};
 use geometry::frame::{Cylindrical, wrap_angle};
 use task::{Cancel, Cancelled};
 
 /// Most kinds of blades: a main blade and up to three splitters.
-const MOST_KINDS: usize = 4;
+pub(crate) const MOST_KINDS: usize = 4;
 /// A kind of blades stands around the axis at least so many times.
 const LEAST_REPEATS: usize = 3;
 /// Share of the walls that repeat where the number of kinds is right.
@@ -169,12 +169,6 @@ fn facing(slices: &Slices, circle: &DVec2) -> f64 {
         -normal(g.low.triangle, g.low.theta).dot(normal(g.high.triangle, g.high.theta))
     };
     gaps.iter().take(8).map(of).sum::<f64>() / gaps.len().clamp(1, 8) as f64
-}
-
-/// Components of a direction along x, along the radius and around the axis at `theta`.
-fn cylindrical_components(d: DVec3, theta: f64) -> DVec3 {
-    let (s, c) = theta.sin_cos();
-    DVec3::new(d.x, -s * d.y + c * d.z, -c * d.y - s * d.z)
 }
 
 /// Whether the gap through the given (x, r) is closed above and below and much narrower there than between.
