@@ -119,6 +119,11 @@ impl BliskDesk {
         self.work.channel().filter(|_| is_shown && !failed)
     }
 
+    /// The place where the channel was refused, in the coordinates of the mesh (mm), in the step Channel.
+    pub fn refused_at(&self) -> Option<DVec3> {
+        self.work.refused_at().filter(|_| self.step == Stage::Channel)
+    }
+
     /// The pose that the electrode is shown in.
     pub(super) fn shown_pose(&self) -> Pose {
         let on_track = || self.track.at(self.cursor.s).filter(|_| self.is_live() || !self.is_tuning()).map(|s| s.pose);

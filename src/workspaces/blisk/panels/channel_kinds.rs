@@ -5,7 +5,6 @@ use egui::{Button, Color32, RichText, Ui};
 
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::desk::BliskDesk;
-use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::stage::Stage;
 use task::State;
 use wheel::channel::Channel;
@@ -52,11 +51,7 @@ fn entry(ui: &mut Ui, text: &str, colour: Color32, is_chosen: bool, hint: &str) 
 }
 
 fn choose(desk: &mut BliskDesk, number: usize) {
-    let before = desk.document.params();
-    let mut job = before.clone();
-    job.blisk.options.channel = number;
-    let label = FIELDS.change(before, &job);
-    desk.edit(&label, job, false);
+    desk.change_job(|job| job.blisk.options.channel = number);
 }
 
 /// Numbers of the channels of a kind.

@@ -5,7 +5,6 @@ use egui::{Align2, FontId, Rect, Role, Sense, Stroke, Ui, WidgetInfo};
 use crate::widgets::theme::palette;
 use crate::widgets::viewport::Viewport;
 use crate::workspaces::blisk::desk::BliskDesk;
-use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::stage::Stage;
 use task::State;
 use wheel::electrode::{EnterSide, EntrySide};
@@ -38,10 +37,7 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, viewport: &Viewport) 
             continue;
         };
         if arrow(ui, rect, [from, to], (side, is_used(desk, side))) {
-            let mut job = desk.document.params().clone();
-            job.electrode.enter = side.into();
-            let label = FIELDS.change(desk.document.params(), &job);
-            desk.edit(&label, job, false);
+            desk.change_job(|job| job.electrode.enter = side.into());
         }
     }
 }

@@ -9,6 +9,7 @@ pub mod kept_runs;
 pub mod meridian;
 pub mod node_table;
 pub mod overlay;
+pub mod picks;
 pub mod plots;
 pub mod scene_tree;
 pub mod sizes;

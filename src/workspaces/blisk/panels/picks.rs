@@ -17,12 +17,9 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         return;
     }
     let failed = matches!(desk.work.state(Stage::Channel), State::Failed(_));
-    if failed && desk.refused_at().is_some() {
-        cx.button(ui, desk, BliskCommand::ShowRefusal, "Show the place", false);
-        ui.add_space(4.0);
-    }
     let is_used = failed || desk.picking().is_some() || Picked::ALL.into_iter().any(|of| !desk.picked(of).is_empty());
-    let header = CollapsingHeader::new("Pick in the view").id_salt(("picks", failed)).default_open(is_used);
+    // Where it is needed it is open, whatever it was before.
+    let header = CollapsingHeader::new("Pick in the view").open(is_used.then_some(true));
     header.show_unindented(ui, |ui| {
         if failed {
             let text = "What was not found can be told by points on the wheel.";

@@ -6,6 +6,7 @@ pub mod passage;
 pub mod pictures;
 pub mod residual_stock;
 pub mod shapes;
+pub mod surfaces;
 pub mod sweep;
 pub mod track;
 

@@ -52,8 +52,8 @@ fn wall_mesh(wall: &ChannelWall, is_low: bool) -> Mesh {
     Mesh { triangles: triangles.collect(), vertices: wall.points.clone() }
 }
 
-/// The blisk without its shroud, its blades with flat tips.
-fn unshrouded(blisk: &Mesh, channel: &Channel) -> Mesh {
+/// Which triangles of `blisk`, which is in W, belong to its shroud; none without one.
+pub(super) fn shroud_triangles(blisk: &Mesh, channel: &Channel) -> Vec<bool> {
     let at_shroud = |p: DVec3| {
         let place = Cylindrical::from_point(p);
         channel.below_shroud(DVec2::new(place.x, place.r)) < 0.05
@@ -64,7 +64,14 @@ fn unshrouded(blisk: &Mesh, channel: &Channel) -> Mesh {
         let [a, b, c] = triangle.map(|v| blisk.vertices[v as usize]);
         triangle.iter().all(|v| corners[*v as usize]) || (channel.shrouded && at_shroud((a + b + c) / 3.0))
     };
-    let triangles = blisk.triangles.par_iter().filter(|triangle| !is_shroud(triangle)).copied().collect();
+    blisk.triangles.par_iter().map(is_shroud).collect()
+}
+
+/// The blisk without its shroud, its blades with flat tips.
+fn unshrouded(blisk: &Mesh, channel: &Channel) -> Mesh {
+    let is_shroud = shroud_triangles(blisk, channel);
+    let kept = blisk.triangles.iter().zip(is_shroud).filter(|(_, is_shroud)| !is_shroud);
+    let triangles = kept.map(|(triangle, _)| *triangle).collect();
     let mut bare = Mesh { vertices: blisk.vertices.clone(), triangles }.compacted();
     if channel.shrouded {
         close_holes(&mut bare);
