@@ -150,6 +150,55 @@ pub enum BliskError {
         /// Where (mm from the axis).
         r: f64,
     },
+    /// Points that are given do not lie on the hub or the shroud that was measured beside them.
+    #[error(
+        "point {number} of blisk.{key}, at x {x:.3}, r {r:.3} mm about the axis, is {off_mm:.3} mm off the {surface} that was \
+         measured beside these points; correct it, or give more points between its neighbours"
+    )]
+    PointOff {
+        /// Name of the surface.
+        surface: &'static str,
+        /// The key that the point stands under.
+        key: &'static str,
+        /// Number of the point, from 1.
+        number: usize,
+        /// Where (mm along the axis).
+        x: f64,
+        /// Where (mm from the axis).
+        r: f64,
+        /// How far off (mm).
+        off_mm: f64,
+    },
+    /// Points that are given make no curve along the passage.
+    #[error(
+        "the points of blisk.{key} make no curve beside the passage at x {x:.3}, r {r:.3} mm about the axis, along which its \
+         other end is met; give more points, from edge to edge of the blades, or those of the other end as well"
+    )]
+    HandCurve {
+        /// The key of the points.
+        key: &'static str,
+        /// Where the passage is (mm along the axis).
+        x: f64,
+        /// Where the passage is (mm from the axis).
+        r: f64,
+    },
+    /// A point that is given lies on no blade.
+    #[error(
+        "point {number} of blisk.blade_points_mm, at x {x:.3}, r {r:.3} mm about the axis, {}; pick a place well within the \
+         wall of a blade, or check blisk.axis and blisk.blades",
+        .off_mm.map_or("lies on a circle about the axis that blades do not bound on both sides".to_owned(),
+            |off| format!("is {off:.3} mm off the nearest wall of a passage"))
+    )]
+    BladePoint {
+        /// Number of the point, from 1.
+        number: usize,
+        /// Where (mm along the axis).
+        x: f64,
+        /// Where (mm from the axis).
+        r: f64,
+        /// How far off the nearest wall (mm); none where there is none.
+        off_mm: Option<f64>,
+    },
     /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

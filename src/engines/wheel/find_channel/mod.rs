@@ -2,6 +2,7 @@
 
 mod agreement;
 mod flow;
+mod hand_lines;
 mod measure;
 mod meridian;
 #[cfg(test)]
@@ -23,6 +24,7 @@ use self::agreement::Measured;
 use self::flow::Lines;
 use self::meridian::{Meridian, Place, Tracer};
 use self::walls::{INSET, WallFinder};
+use super::by_hand::ByHand;
 use super::channel::{Channel, ChannelWall, Flow, Unlike};
 use super::error::{BliskError, Refused};
 use super::frame::slices::{Gap, Slices};
@@ -100,11 +102,14 @@ fn measured_channel(
     let blades = blisk.repetition.blades;
     task.report("channel", 0.3, "end walls");
     let slices = Slices::new(mesh.in_frame(&frame));
-    let tracer = Tracer { slices: &slices, pitch: TAU / blades as f64, options, cancel: &task.cancel };
+    let by_hand = ByHand::new(options, &frame);
+    let tracer =
+        Tracer { slices: &slices, pitch: TAU / blades as f64, options, by_hand: &by_hand, cancel: &task.cancel };
     let lost = BliskError::LostWall { x: start.x, r: start.r };
     let gap = tracer.bladed_gap(start.x, start.r, &start.gap).ok_or(lost)?;
     let start = Place { gap, ..start };
     let (meridian, start) = meridian_of(&tracer, start, lines.as_ref())?;
+    tracer.check_points(&meridian)?;
 
     task.report("channel", 0.6, "walls");
     let finder = WallFinder { tracer: &tracer, meridian: &meridian, start };
@@ -190,18 +195,22 @@ fn place_channel(
 ) -> Result<Placed, BliskError> {
     let slices = Slices::new(mesh.in_frame(&blisk.frame));
     let pitch = TAU / blisk.repetition.blades as f64;
-    let tracer = Tracer { slices: &slices, pitch, options, cancel };
+    let by_hand = ByHand::new(options, &blisk.frame);
+    let tracer = Tracer { slices: &slices, pitch, options, by_hand: &by_hand, cancel };
     let (x, r) = (blisk.middle.x, blisk.middle.y);
-    let gap = slices.gaps(x, r).into_iter().find(|g| g.width() < 1.5 * pitch);
-    let start = Place { along: x, x, r, gap: gap.ok_or(BliskError::LostWall { x, r })? };
+    let picked = tracer.picked()?;
+    let gap = || slices.gaps(x, r).into_iter().find(|g| g.width() < 1.5 * pitch);
+    let found = || Some(Place { along: x, x, r, gap: gap()? });
+    let start = picked.or_else(found).ok_or(BliskError::LostWall { x, r })?;
     let lines = flow::lines(&tracer, start)?;
     let mut place = middle_of(&tracer, start, lines.as_ref())?;
 
     // The same again from the chosen channel, since facets differ a little from channel to channel.
     let (x, r) = (place.x, place.r);
     let theta = place.gap.middle();
-    // Channels are counted from the one nearest to theta = 0; of two equally near ones, the one of greater theta.
-    let nearest = theta - pitch * ((theta / pitch - 0.5) - 1e-6).ceil();
+    // Channels are counted from the picked one, or from the one nearest to theta = 0; of two equally near ones, the
+    // one of greater theta.
+    let nearest = if picked.is_some() { theta } else { theta - pitch * ((theta / pitch - 0.5) - 1e-6).ceil() };
     let turn = nearest + pitch * options.channel as f64 - theta;
     let chosen = tracer.bladed_gap(x, r, &turned(place.gap, turn)).ok_or(BliskError::LostWall { x, r })?;
     place = middle_of(&tracer, Place { gap: chosen, ..place }, lines.as_ref())?;
