@@ -362,7 +362,8 @@ impl Channel {
 
     /// Whether channel `number` is this one turned about the axis, so that what is planned for this one fits it.
     pub fn is_like(&self, number: usize) -> bool {
-        number.abs_diff(self.index).is_multiple_of(self.kinds) && !self.unlike.iter().any(|unlike| unlike.number == number)
+        number.abs_diff(self.index).is_multiple_of(self.kinds)
+            && !self.unlike.iter().any(|unlike| unlike.number == number)
     }
 
     /// What differs between this channel and one of [`unlike`](Self::unlike), for a reader.

@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::channel::Agreement;
 use super::frame::axis::Axis;
 use super::frame::sector::SectorError;
+use super::options::BliskOptions;
 use geometry::frame::{Cylindrical, Frame};
 use task::Cancelled;
 
@@ -215,9 +216,9 @@ pub struct Refused {
 }
 
 impl Refused {
-    /// The refusal for `error`, which speaks of places in `frame`.
-    pub(super) fn new(error: BliskError, frame: &Frame) -> Self {
-        Self { at: error.place().map(|p| frame.to_parent(p)), error }
+    /// The refusal for `error`, which speaks of places in `frame` or of points of `options`.
+    pub(super) fn new(error: BliskError, frame: &Frame, options: &BliskOptions) -> Self {
+        Self { at: error.given_point(options).or_else(|| Some(frame.to_parent(error.place()?))), error }
     }
 }
 
@@ -261,11 +262,23 @@ impl BliskError {
             | Self::Turns { x, r }
             | Self::Unbounded { x, r }
             | Self::LostWall { x, r }
+            | Self::HandCurve { x, r, .. }
             | Self::NoThroat { x, r } => Some(Cylindrical { x, r, theta: 0.0 }.point()),
             Self::Disagrees(Agreement { at, .. }) => Some(at),
             _ => None,
         }
         .filter(|p| p.is_finite())
+    }
+
+    /// The point of `options` that the error is about, in the coordinates of the mesh (mm).
+    fn given_point(&self, options: &BliskOptions) -> Option<DVec3> {
+        let (key, number) = match *self {
+            Self::PointOff { key, number, .. } => (key, number),
+            Self::BladePoint { number, .. } => ("blade_points_mm", number),
+            _ => return None,
+        };
+        let (_, points, _) = options.points().into_iter().find(|(of, ..)| *of == key)?;
+        points.get(number.checked_sub(1)?).map(|p| DVec3::from_array(*p))
     }
 
     /// The axis about which the search failed.

@@ -268,7 +268,10 @@ impl Workspace for BliskWorkspace {
                 vec![[&first[..], &of(&[C::Release, C::Withdraw])].concat(), picks, of(&[C::MillFlanks])]
             }
             Menu::View => {
-                vec![of(&[C::Section, C::IntoChannel, C::WholeBlisk]), of(&[C::Measure, C::Colours, C::ResidualStock, C::Surfaces])]
+                vec![
+                    of(&[C::Section, C::IntoChannel, C::WholeBlisk]),
+                    of(&[C::Measure, C::Colours, C::ResidualStock, C::Surfaces]),
+                ]
             }
         }
     }

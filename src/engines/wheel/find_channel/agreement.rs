@@ -5,7 +5,9 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::super::channel::{Agreement, ChannelWall, Difference, Station, Surface, Throat, Unlike, along_at, station_at};
+use super::super::channel::{
+    Agreement, ChannelWall, Difference, Station, Surface, Throat, Unlike, along_at, station_at,
+};
 use super::super::error::BliskError;
 use super::super::frame::slices::{Crossing, Gap, Slices};
 use super::meridian::{Meridian, Tracer};

@@ -85,10 +85,10 @@ pub(super) fn channel_of(
     }
     task.report("channel", 0.0, "place");
     let placed = place_channel(&mesh, &blisk, options, &task.cancel);
-    let placed = placed.map_err(|error| Refused::new(error, &blisk.frame))?;
+    let placed = placed.map_err(|error| Refused::new(error, &blisk.frame, options))?;
     let frame = placed.frame;
     let wheel = Wheel { mesh, is_of_sector, blisk };
-    measured_channel(wheel, placed, options, assumed, task).map_err(|error| Refused::new(error, &frame))
+    measured_channel(wheel, placed, options, assumed, task).map_err(|error| Refused::new(error, &frame, options))
 }
 
 /// The channel at a place that is known.

@@ -149,9 +149,8 @@ impl BliskDesk {
     /// Dots of the picked points, in the step Channel.
     pub fn picked_markers(&self) -> Vec<Marker> {
         let is_shown = self.step == Stage::Channel;
-        let of = |of: Picked| {
-            self.picked(of).into_iter().map(move |at| Marker { at, colour: of.colour(), radius_px: 5.0 })
-        };
+        let of =
+            |of: Picked| self.picked(of).into_iter().map(move |at| Marker { at, colour: of.colour(), radius_px: 5.0 });
         Picked::ALL.into_iter().filter(|_| is_shown).flat_map(of).collect()
     }
 

@@ -21,7 +21,8 @@ pub fn show(ui: &mut Ui, channel: &Channel) {
         let points: PlotPoints = points.into_iter().map(|p| [p.x, p.y]).collect();
         Line::new(name.to_owned(), points).color(colour).width(width)
     };
-    let plot = still(ui, "meridional section", vec2(0.06, 0.08)).data_aspect(1.0).height(HEIGHT).show_x(false).show_y(false);
+    let plot =
+        still(ui, "meridional section", vec2(0.06, 0.08)).data_aspect(1.0).height(HEIGHT).show_x(false).show_y(false);
     let response = plot.show(ui, |plot| {
         for station in between_edges(channel) {
             plot.line(line("station", vec![station.hub, station.shroud], passage.gamma_multiply(0.6), 1.0));

@@ -68,7 +68,11 @@ fn refusal(ui: &mut Ui, rect: Rect, desk: &BliskDesk, viewport: &Viewport) {
 /// The classes of surfaces with their colours and areas, and the radii of fillets.
 fn surfaces(ui: &mut Ui, rect: Rect, map: &SurfaceMap) {
     let entry = |area: &ClassArea| {
-        (color32(class_colour(area.class)), sentence(&area.name), format!("{} mm²", grouped(area.area_mm2.round() as usize)))
+        (
+            color32(class_colour(area.class)),
+            sentence(&area.name),
+            format!("{} mm²", grouped(area.area_mm2.round() as usize)),
+        )
     };
     let entries: Vec<_> = map.areas.iter().map(entry).collect();
     let radii = [("hub", map.fillets_mm[0]), ("shroud", map.fillets_mm[1])];

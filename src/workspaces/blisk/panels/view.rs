@@ -202,7 +202,11 @@ impl BliskView {
             passage: desk.shown_passage().is_some(),
             surfaces: address(desk.surface_map()),
             picking: desk.picking(),
-            picked: if desk.step == Stage::Channel { Picked::ALL.map(|of| desk.picked(of)) } else { Default::default() },
+            picked: if desk.step == Stage::Channel {
+                Picked::ALL.map(|of| desk.picked(of))
+            } else {
+                Default::default()
+            },
             refused_at: desk.refused_at(),
         }
     }
