@@ -74,7 +74,7 @@ pub fn swatches(ui: &mut Ui, rect: Rect, entries: &[(Color32, String, String)], 
     let fill = child.visuals().window_fill.gamma_multiply(0.88);
     egui::Frame::new().fill(fill).corner_radius(6).inner_margin(8).show(&mut child, |ui| {
         ui.spacing_mut().item_spacing = vec2(8.0, 2.0);
-        egui::Grid::new("swatches").num_columns(3).show(ui, |ui| {
+        egui::Grid::new("swatches").num_columns(3).min_col_width(12.0).show(ui, |ui| {
             for (colour, name, figure) in entries {
                 let (dot, _) = ui.allocate_exact_size(vec2(12.0, 14.0), Sense::hover());
                 ui.painter().rect_filled(dot.shrink2(vec2(0.0, 1.0)), 2.0, *colour);

@@ -12,7 +12,7 @@ use sparkpath::workspaces::blisk::scene::Layer;
 use task::State;
 use wheel::electrode::{EnterSide, EntrySide};
 use wheel::options::{Auto, AxisChoice};
-use wheel::parametric::{ParametricWheel, Splitters};
+use wheel::parametric::wheel::{ParametricWheel, Splitters};
 
 use crate::common::{easy_blisk, mesh};
 use crate::desk::{Desk, Home};
@@ -66,6 +66,7 @@ fn a_wheel_with_splitters_lists_its_kinds_of_channels() {
     write_stl(&part, &wheel.mesh()).unwrap();
     let mut desk = home.start(Opening::File(part));
     desk.until("the channel is known", |d| matches!(d.state(Stage::Channel), State::Ready | State::Failed(_)));
+    assert_eq!(desk.state(Stage::Channel), State::Ready);
     let channel = desk.blisk().work.channel().unwrap().channel.clone();
     assert_eq!(channel.kinds, 2);
     let label = |kind: usize| {
@@ -108,6 +109,8 @@ fn surfaces_are_coloured_by_class_with_a_legend() {
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_done(Stage::Channel);
     desk.open_step(Stage::Channel);
+    // In a window of this size the last buttons of the view are in a menu.
+    desk.press("…");
     desk.press("Surfaces");
     desk.until("the surfaces are coloured", |d| d.blisk().surface_map().is_some());
     let map = desk.blisk().surface_map().unwrap().clone();
@@ -187,7 +190,7 @@ fn three_places_around_an_edge_give_the_axis() {
     let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
     desk.until_done(Stage::Part);
     desk.open_step(Stage::Channel);
-    desk.press("Pick in the view");
+    desk.press_role(Role::DisclosureTriangle, "Pick in the view");
     desk.press("Pick axis");
     let [face, _] = easy_blisk().faces_x();
     let radius = easy_blisk().bore_radius_mm;

@@ -58,7 +58,7 @@ fn points(ui: &mut Ui, desk: &mut BliskDesk, of: Picked) {
             let text = format!("{:9.3} {:9.3} {:9.3}", p.x, p.y, p.z);
             ui.label(RichText::new(text).monospace()).on_hover_text("x, y, z in the coordinates of the mesh (mm)");
             let name = format!("Remove point {} of {}", i + 1, of.name());
-            let button = ui.small_button("\u{2715}");
+            let button = ui.small_button("\u{d7}");
             button.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
             if button.on_hover_text(name).clicked() {
                 desk.remove_picked(of, i);

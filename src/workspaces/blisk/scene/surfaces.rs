@@ -91,8 +91,10 @@ impl SurfaceMap {
                 continue;
             }
             let plain = scene.objects.remove(place);
+            // Their edges would be those between classes, along whatever facets the mesh has.
             let coloured = patches.iter().filter(|(_, mesh)| !mesh.is_empty()).map(|(colour, mesh)| Object {
                 selected: plain.selected,
+                edges: false,
                 ..Object::new(id, mesh.clone(), *colour).with_opacity(plain.opacity)
             });
             scene.objects.extend(coloured.collect::<Vec<_>>());
