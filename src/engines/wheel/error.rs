@@ -36,7 +36,8 @@ pub enum BliskError {
     /// Nothing repeats around the axis.
     #[error(
         "no blades found: no circle about the axis {axis} crosses walls that repeat evenly around it{}{}; \
-         if this is a blisk, give its axis with blisk.axis and its blade count with blisk.blades",
+         if this is a blisk, give its axis with blisk.axis and its blade count, those that are missing included, with \
+         blisk.blades",
         .wanted.map(|n| format!(" exactly {n} times")).unwrap_or_default(),
         if *.closed { "" } else { " (the mesh is not closed, which may be why: repair it first)" }
     )]
@@ -51,7 +52,8 @@ pub enum BliskError {
     /// Something repeats, but it is no channel between blades.
     #[error(
         "no blades found: about the axis {axis} there are {count} evenly spaced gaps, but {reason}; \
-         if this is a blisk, give its axis with blisk.axis and its blade count with blisk.blades"
+         if this is a blisk, give its axis with blisk.axis, its blade count with blisk.blades, and points on walls of its \
+         blades with blisk.blade_points_mm"
     )]
     NoChannels {
         /// The axis that was tried.
@@ -72,7 +74,7 @@ pub enum BliskError {
     /// An end wall could not be found.
     #[error(
         "the {wall} was not found: no surface is met along the radius from the channel's middle (x {x:.3}, r {r:.3} mm \
-         about the axis); give its radius with blisk.{key}"
+         about the axis); give its radius with blisk.{key} or points on it with blisk.{wall}_points_mm"
     )]
     NoEndWall {
         /// Name of the wall: `"hub"`.
@@ -96,7 +98,10 @@ pub enum BliskError {
         shroud: f64,
     },
     /// A radius is given for a passage that does not run along the axis.
-    #[error("the passage does not run along the axis, so that one radius cannot bound it: take away blisk.{key}")]
+    #[error(
+        "the passage does not run along the axis, so that one radius cannot bound it: take away blisk.{key} and give \
+         points with blisk.hub_points_mm and blisk.shroud_points_mm"
+    )]
     NotAxial {
         /// The key that gives it.
         key: &'static str,
@@ -105,7 +110,8 @@ pub enum BliskError {
     #[error(
         "the passage turns from the axis to the radius at x {x:.3}, r {r:.3} mm about the axis, but its hub and its shroud \
          or blade tips were not found from end to end: the blades must stand on the hub from edge to edge, and end at one \
-         shroud or at tips with a corner at either edge; look for holes, steps or other bodies between the blades"
+         shroud or at tips with a corner at either edge; look for holes, steps or other bodies between the blades, or give \
+         points of both, from edge to edge, with blisk.hub_points_mm and blisk.shroud_points_mm"
     )]
     Turns {
         /// Where (mm along the axis).
@@ -117,7 +123,8 @@ pub enum BliskError {
     #[error(
         "the blades go on beyond the end of the hub, shroud or tips that were found, at x {x:.3}, r {r:.3} mm about the axis, \
          so that the passage is not known from edge to edge: hub and shroud must reach as far as the blades, and the tips \
-         must end in a corner at either edge"
+         must end in a corner at either edge; check blisk.axis, or give points of both, from edge to edge, with \
+         blisk.hub_points_mm and blisk.shroud_points_mm"
     )]
     Unbounded {
         /// Where (mm along the axis).
@@ -128,7 +135,8 @@ pub enum BliskError {
     /// The walls could not be followed over the whole channel.
     #[error(
         "the channel's walls were lost at x {x:.3}, r {r:.3} mm about the axis, where the blades do not bound it on \
-         both sides; bound a passage along the axis with blisk.hub_radius_mm and blisk.shroud_radius_mm"
+         both sides; pick a passage that they do bound with blisk.blade_points_mm or blisk.channel, or give points of hub \
+         and shroud with blisk.hub_points_mm and blisk.shroud_points_mm"
     )]
     LostWall {
         /// Where (mm along the axis).
@@ -142,8 +150,8 @@ pub enum BliskError {
     /// The walls of the channel touch.
     #[error(
         "the walls that were found touch at x {x:.3}, r {r:.3} mm about the axis: what lies between them is no passage \
-         between two blades; check blisk.axis and blisk.blades, or bound a passage along the axis with \
-         blisk.hub_radius_mm and blisk.shroud_radius_mm"
+         between two blades; check blisk.axis and blisk.blades, pick a passage with blisk.blade_points_mm, or give \
+         points of hub and shroud with blisk.hub_points_mm and blisk.shroud_points_mm"
     )]
     NoThroat {
         /// Where (mm along the axis).
@@ -236,8 +244,9 @@ fn disagreement(found: &Agreement) -> String {
     };
     format!(
         "the {} that was found {off} (at x {x:.3}, r {r:.3} mm about the axis; {:.0} % of {} places disagree): the mesh \
-         has no passage between blades, hub and shroud as they were taken for; check blisk.axis and blisk.blades, or \
-         bound a passage along the axis with blisk.hub_radius_mm and blisk.shroud_radius_mm",
+         has no passage between blades, hub and shroud as they were taken for; check blisk.axis and blisk.blades, pick a \
+         passage with blisk.blade_points_mm, or give points of hub and shroud with blisk.hub_points_mm and \
+         blisk.shroud_points_mm",
         found.surface.name(),
         100.0 * found.doubted,
         found.samples

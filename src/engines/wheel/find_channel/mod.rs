@@ -3,6 +3,8 @@
 mod agreement;
 mod flow;
 mod hand_lines;
+#[cfg(test)]
+mod hand_tests;
 mod measure;
 mod meridian;
 #[cfg(test)]
@@ -122,6 +124,7 @@ fn measured_channel(
     [low.side, high.side] = sides;
     let faces_x = measure::faces_x(slices.mesh(), &meridian.stations);
     assumed.extend(end_wall_assumptions(options, &meridian));
+    assumed.extend(given_by_hand(options));
     let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&low, &high] };
     let agreement = measured.agreement(&throat)?;
     let unlike = measured.unlike(blades, blisk.repetition.kinds, blisk.repetition.tolerance_mm)?;
@@ -257,6 +260,16 @@ fn end_wall_assumptions(options: &BliskOptions, meridian: &Meridian) -> Vec<Stri
     });
     assumed.push(inset(shrouded));
     assumed
+}
+
+/// Says what points were given.
+fn given_by_hand(options: &BliskOptions) -> impl Iterator<Item = String> {
+    let names = ["hub", "shroud or the tips", "blades"];
+    let given = names.into_iter().zip(options.points()).filter(|(_, (_, points, _))| !points.is_empty());
+    let given: Vec<String> = given.map(|(name, (_, points, _))| format!("{} on the {name}", points.len())).collect();
+    let sentence = (!given.is_empty()).then(|| format!("Points were given: {}.", given.join(", ")));
+    let picked = "Channel 0 is the one whose wall the first of the points on blades lies on.".to_owned();
+    sentence.into_iter().chain((!options.blade_points_mm.is_empty()).then_some(picked))
 }
 
 /// Says which of the channels of its kind, of which there are `alike`, are not like the one that was found.

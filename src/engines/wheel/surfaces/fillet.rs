@@ -15,9 +15,9 @@ const OFF_BALL: f64 = 0.04;
 /// Height of a facet next to the wall from which on it is the fillet's first, as a share of the radius.
 const FIRST: f64 = 0.008;
 
-/// The radius of the fillet that a facet would lie in, with its weight aside: its corners lie between `off` above the
-/// wall, and it faces the wall with this cosine. None where it lies in no fillet of a passage of this height.
-pub(super) fn estimate(off: [f64; 2], facing: f64, height: f64) -> Option<[f64; 2]> {
+/// The radius of the fillet that a facet would lie in (mm): its corners lie between `off` above the wall, and it faces
+/// the wall with this cosine. None where it lies in no fillet of a passage of this height.
+pub(super) fn estimate(off: [f64; 2], facing: f64, height: f64) -> Option<f64> {
     let middle = 0.5 * (off[0] + off[1]);
     if !(FACING[0]..FACING[1]).contains(&facing) || off[0] < -ON_WALL || middle <= 0.0 {
         return None;
@@ -27,16 +27,15 @@ pub(super) fn estimate(off: [f64; 2], facing: f64, height: f64) -> Option<[f64; 
     let half_chord_squared = (off[1] - off[0]).powi(2) / (4.0 * sine);
     let root = middle * middle - sine * (middle * middle + facing * facing * half_chord_squared);
     let radius = (middle + root.max(0.0).sqrt()) / sine;
-    let share = radius / height;
-    (RADII[0]..RADII[1]).contains(&share).then_some([radius, share])
+    (RADII[0]..RADII[1]).contains(&(radius / height)).then_some(radius)
 }
 
-/// The radius that stands out among estimates, each with its share of the height and its weight.
-pub(super) fn radius(estimates: &[([f64; 2], f64)]) -> Option<f64> {
+/// The radius (mm) that stands out among estimates, each with the area of its facet, in a passage of this height.
+pub(super) fn radius(estimates: &[(f64, f64)], height: f64) -> Option<f64> {
     let step = (RADII[1] / RADII[0]).ln() / CELLS as f64;
     let mut cells = [0.0; CELLS];
-    for ([radius, share], area) in estimates {
-        let cell = ((share / RADII[0]).ln() / step) as usize;
+    for (radius, area) in estimates {
+        let cell = ((radius / (RADII[0] * height)).ln() / step).max(0.0) as usize;
         // Of a leaned blade every height has the same say.
         cells[cell.min(CELLS - 1)] += area / radius;
     }
@@ -48,13 +47,10 @@ pub(super) fn radius(estimates: &[([f64; 2], f64)]) -> Option<f64> {
     if smooth[best] <= STANDS_OUT * sorted[CELLS / 2] || smooth[best] < 0.2 * total {
         return None;
     }
-    let of = |i: f64| RADII[0] * (step * i).exp();
+    let of = |i: f64| RADII[0] * height * (step * i).exp();
     let [from, to] = [of(best as f64 - 1.0), of(best as f64 + 2.0)];
-    let mut near: Vec<(f64, f64)> = estimates
-        .iter()
-        .filter(|([_, share], _)| (from..to).contains(share))
-        .map(|([radius, _], area)| (*radius, area / radius))
-        .collect();
+    let near = estimates.iter().filter(|(radius, _)| (from..to).contains(radius));
+    let mut near: Vec<(f64, f64)> = near.map(|(radius, area)| (*radius, area / radius)).collect();
     near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let half = 0.5 * near.iter().map(|(_, weight)| weight).sum::<f64>();
     let mut sum = 0.0;

@@ -267,7 +267,7 @@ impl Teller<'_> {
                 Some((fillet::estimate(beside.off, beside.facing, foot.height)?, facet.area))
             };
             let estimates: Vec<_> = samples.par_iter().filter_map(estimate).collect();
-            fillet::radius(&estimates)
+            fillet::radius(&estimates, self.channel.middle().height())
         })
     }
 
