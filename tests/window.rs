@@ -28,6 +28,8 @@ mod machine;
 mod made_once;
 #[path = "window/mold.rs"]
 mod mold;
+#[path = "window/recognition.rs"]
+mod recognition;
 #[path = "window/releasing.rs"]
 mod releasing;
 #[path = "window/saving.rs"]

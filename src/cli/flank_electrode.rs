@@ -110,7 +110,7 @@ fn of_blisk(name: &str, file: &Path, session: &Session) -> anyhow::Result<Electr
     }
     let task = &session.task;
     let part = stages::load(job, task).map_err(anyhow::Error::msg)?;
-    let channel = stages::channel(&part, job, task).map_err(anyhow::Error::msg)?;
+    let channel = stages::channel(&part, job, &|_| {}, task).map_err(anyhow::Error::msg)?;
     let made = stages::electrodes(&part, &channel, job, task).map_err(anyhow::Error::msg)?;
     let found = name.parse::<usize>().ok().and_then(|n| Some((n, made.electrodes.get(n.checked_sub(1)?)?)));
     let names = || (1..=made.electrodes.len()).map(|n| n.to_string()).collect();

@@ -148,7 +148,7 @@ fn of_project(file: &Path, arguments: &RenderArguments, session: &Session) -> an
     let task = &session.task;
     let message = |e: String| anyhow::anyhow!("{}: {e}", file.display());
     let part = stages::load(&job, task).map_err(anyhow::Error::msg)?;
-    let found = stages::channel(&part, &job, task).map_err(message)?;
+    let found = stages::channel(&part, &job, &|_| {}, task).map_err(message)?;
     let shown = if arguments.node.is_some() || arguments.swept {
         planned(arguments, &part, job, session)?
     } else {

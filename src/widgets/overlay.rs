@@ -4,7 +4,7 @@
 use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
 use glam::DVec3;
 
-use super::theme::palette;
+use super::theme::{color32, palette};
 use super::viewport::Viewport;
 use render::colour_map::{ColourMap, Legend};
 
@@ -31,7 +31,7 @@ pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) -> Rect {
         let c = legend.map.at(t);
         let top = bar.bottom() - size.y * (i + 1) as f32 / steps as f32;
         let cell = Rect::from_min_size(pos2(bar.left(), top), vec2(size.x, size.y / steps as f32 + 0.5));
-        painter.rect_filled(cell, 0.0, Color32::from_rgb(c.r, c.g, c.b));
+        painter.rect_filled(cell, 0.0, color32(c));
     }
     let y = |value: f64| bar.bottom() - size.y * legend.place(value) as f32;
     // Enough decimals for a hundredth of the range.
@@ -62,6 +62,33 @@ pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) -> Rect {
         painter.hline(bar.left() - 3.0..=bar.right() + 3.0, y(0.5 * (legend.min + legend.max)), line);
     }
     back
+}
+
+/// A legend of single colours: name and figure of each, and notes below.
+pub fn swatches(ui: &mut Ui, rect: Rect, entries: &[(Color32, String, String)], notes: &[String]) {
+    const WIDTH: f32 = 260.0;
+    let least = rect.min + vec2(10.0, 46.0);
+    let area = Rect::from_min_max(least, pos2((least.x + WIDTH).min(rect.right()), rect.bottom() - 60.0));
+    let mut child = ui.new_child(UiBuilder::new().max_rect(area).layout(egui::Layout::top_down(egui::Align::Min)));
+    child.set_clip_rect(area.intersect(ui.clip_rect()));
+    let fill = child.visuals().window_fill.gamma_multiply(0.88);
+    egui::Frame::new().fill(fill).corner_radius(6).inner_margin(8).show(&mut child, |ui| {
+        ui.spacing_mut().item_spacing = vec2(8.0, 2.0);
+        egui::Grid::new("swatches").num_columns(3).min_col_width(12.0).show(ui, |ui| {
+            for (colour, name, figure) in entries {
+                let (dot, _) = ui.allocate_exact_size(vec2(12.0, 14.0), Sense::hover());
+                ui.painter().rect_filled(dot.shrink2(vec2(0.0, 1.0)), 2.0, *colour);
+                ui.label(RichText::new(name).size(12.0));
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    ui.label(RichText::new(figure).size(12.0).color(palette(ui).faint));
+                });
+                ui.end_row();
+            }
+        });
+        for note in notes {
+            ui.label(RichText::new(note).size(12.0).color(palette(ui).faint));
+        }
+    });
 }
 
 /// A button over the view.

@@ -190,8 +190,23 @@ pub const LOW: Colour = Colour::rgb(0x6f, 0xa8, 0xa0);
 pub const HIGH: Colour = Colour::rgb(0x8a, 0x96, 0xc8);
 /// Bodies of a machine.
 pub const MACHINE: Colour = Colour::rgb(0x7d, 0x86, 0x8c);
+/// The hub of a passage.
+pub const HUB: Colour = Colour::rgb(0x3f, 0xa8, 0x64);
+/// The shroud of a passage, or its blade tips.
+pub const SHROUD: Colour = Colour::rgb(0xa0, 0x72, 0xd2);
+/// Blades.
+pub const BLADE: Colour = Colour::rgb(0x4f, 0x8f, 0xe0);
+/// Points of the axis.
+pub const AXIS: Colour = Colour::rgb(0xd6, 0x5f, 0x9b);
+/// Stations, inlet and outlet of a passage.
+pub const PASSAGE: Colour = Colour::rgb(0xd9, 0x9a, 0x2b);
 /// Collisions and places that are too near.
 pub const BAD: Colour = Colour::rgb(0xe5, 0x48, 0x4d);
+
+/// A colour of the scene for panels.
+pub fn color32(colour: Colour) -> Color32 {
+    Color32::from_rgb(colour.r, colour.g, colour.b)
+}
 
 /// Colour of mesh number `i`, from 0, among those shown together: no two of six are alike.
 pub fn mesh_colour(i: usize) -> Colour {

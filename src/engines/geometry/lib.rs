@@ -1,6 +1,7 @@
 //! Meshes, frames and distances. Knows no file and no electrode.
 
 pub mod bvh;
+pub mod circle;
 pub mod distance_field;
 pub mod exact;
 #[cfg(any(test, feature = "fixtures"))]

@@ -211,6 +211,31 @@ pub struct Agreement {
     pub doubted: f64,
 }
 
+/// A channel that is not like the chosen one turned about the axis, though it is of its kind.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unlike {
+    /// Number of the channel.
+    pub number: usize,
+    /// What differs most.
+    pub difference: Difference,
+}
+
+/// What differs between two channels of one kind.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Difference {
+    /// A surface is elsewhere.
+    Surface {
+        /// The surface.
+        surface: Surface,
+        /// Greatest distance (mm); infinite where the surface is missing.
+        greatest_mm: f64,
+    },
+    /// Only one of them is covered where blade tips are.
+    Tips,
+    /// The blades end elsewhere, or others stand beside their edges.
+    BesideEdges,
+}
+
 /// Where the blades of a channel stand, about the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BladeSpan {
@@ -262,7 +287,7 @@ pub struct Channel {
     pub kinds: usize,
     /// Numbers of the channels of this one's kind whose surfaces, or blades beside their edges, are not those of this
     /// one turned about the axis.
-    pub unlike: Vec<usize>,
+    pub unlike: Vec<Unlike>,
     /// The whole wheel in the coordinates of the loaded mesh, where that is only a sector of it.
     pub whole: Option<Arc<Mesh>>,
     /// Assumptions made in finding the channel, in plain sentences for the user.
@@ -352,7 +377,20 @@ impl Channel {
 
     /// Whether channel `number` is this one turned about the axis, so that what is planned for this one fits it.
     pub fn is_like(&self, number: usize) -> bool {
-        number.abs_diff(self.index).is_multiple_of(self.kinds) && !self.unlike.contains(&number)
+        number.abs_diff(self.index).is_multiple_of(self.kinds)
+            && !self.unlike.iter().any(|unlike| unlike.number == number)
+    }
+
+    /// What differs between this channel and one of [`unlike`](Self::unlike), for a reader.
+    pub fn difference(&self, unlike: &Unlike) -> String {
+        match unlike.difference {
+            Difference::Surface { surface, greatest_mm } if greatest_mm.is_finite() => {
+                format!("{} up to {greatest_mm:.3} mm elsewhere", self.surface_name(surface))
+            }
+            Difference::Surface { surface, .. } => format!("{} is missing", self.surface_name(surface)),
+            Difference::Tips => "covered where the other one has blade tips, or the reverse".to_owned(),
+            Difference::BesideEdges => "the blades beside its edges are others".to_owned(),
+        }
     }
 
     /// The station in the middle of the blades along the passage.

@@ -5,7 +5,8 @@ use glam::DVec3;
 use super::channel::Agreement;
 use super::frame::axis::Axis;
 use super::frame::sector::SectorError;
-use geometry::frame::Cylindrical;
+use super::options::BliskOptions;
+use geometry::frame::{Cylindrical, Frame};
 use task::Cancelled;
 
 /// Reason why the axis, the blades or a channel could not be found.
@@ -35,7 +36,8 @@ pub enum BliskError {
     /// Nothing repeats around the axis.
     #[error(
         "no blades found: no circle about the axis {axis} crosses walls that repeat evenly around it{}{}; \
-         if this is a blisk, give its axis with blisk.axis and its blade count with blisk.blades",
+         if this is a blisk, give its axis with blisk.axis and its blade count, those that are missing included, with \
+         blisk.blades",
         .wanted.map(|n| format!(" exactly {n} times")).unwrap_or_default(),
         if *.closed { "" } else { " (the mesh is not closed, which may be why: repair it first)" }
     )]
@@ -50,7 +52,8 @@ pub enum BliskError {
     /// Something repeats, but it is no channel between blades.
     #[error(
         "no blades found: about the axis {axis} there are {count} evenly spaced gaps, but {reason}; \
-         if this is a blisk, give its axis with blisk.axis and its blade count with blisk.blades"
+         if this is a blisk, give its axis with blisk.axis, its blade count with blisk.blades, and points on walls of its \
+         blades with blisk.blade_points_mm"
     )]
     NoChannels {
         /// The axis that was tried.
@@ -71,7 +74,7 @@ pub enum BliskError {
     /// An end wall could not be found.
     #[error(
         "the {wall} was not found: no surface is met along the radius from the channel's middle (x {x:.3}, r {r:.3} mm \
-         about the axis); give its radius with blisk.{key}"
+         about the axis); give its radius with blisk.{key} or points on it with blisk.{wall}_points_mm"
     )]
     NoEndWall {
         /// Name of the wall: `"hub"`.
@@ -95,7 +98,10 @@ pub enum BliskError {
         shroud: f64,
     },
     /// A radius is given for a passage that does not run along the axis.
-    #[error("the passage does not run along the axis, so that one radius cannot bound it: take away blisk.{key}")]
+    #[error(
+        "the passage does not run along the axis, so that one radius cannot bound it: take away blisk.{key} and give \
+         points with blisk.hub_points_mm and blisk.shroud_points_mm"
+    )]
     NotAxial {
         /// The key that gives it.
         key: &'static str,
@@ -104,7 +110,8 @@ pub enum BliskError {
     #[error(
         "the passage turns from the axis to the radius at x {x:.3}, r {r:.3} mm about the axis, but its hub and its shroud \
          or blade tips were not found from end to end: the blades must stand on the hub from edge to edge, and end at one \
-         shroud or at tips with a corner at either edge; look for holes, steps or other bodies between the blades"
+         shroud or at tips with a corner at either edge; look for holes, steps or other bodies between the blades, or give \
+         points of both, from edge to edge, with blisk.hub_points_mm and blisk.shroud_points_mm"
     )]
     Turns {
         /// Where (mm along the axis).
@@ -116,7 +123,8 @@ pub enum BliskError {
     #[error(
         "the blades go on beyond the end of the hub, shroud or tips that were found, at x {x:.3}, r {r:.3} mm about the axis, \
          so that the passage is not known from edge to edge: hub and shroud must reach as far as the blades, and the tips \
-         must end in a corner at either edge"
+         must end in a corner at either edge; check blisk.axis, or give points of both, from edge to edge, with \
+         blisk.hub_points_mm and blisk.shroud_points_mm"
     )]
     Unbounded {
         /// Where (mm along the axis).
@@ -127,7 +135,8 @@ pub enum BliskError {
     /// The walls could not be followed over the whole channel.
     #[error(
         "the channel's walls were lost at x {x:.3}, r {r:.3} mm about the axis, where the blades do not bound it on \
-         both sides; bound a passage along the axis with blisk.hub_radius_mm and blisk.shroud_radius_mm"
+         both sides; pick a passage that they do bound with blisk.blade_points_mm or blisk.channel, or give points of hub \
+         and shroud with blisk.hub_points_mm and blisk.shroud_points_mm"
     )]
     LostWall {
         /// Where (mm along the axis).
@@ -141,8 +150,8 @@ pub enum BliskError {
     /// The walls of the channel touch.
     #[error(
         "the walls that were found touch at x {x:.3}, r {r:.3} mm about the axis: what lies between them is no passage \
-         between two blades; check blisk.axis and blisk.blades, or bound a passage along the axis with \
-         blisk.hub_radius_mm and blisk.shroud_radius_mm"
+         between two blades; check blisk.axis and blisk.blades, pick a passage with blisk.blade_points_mm, or give \
+         points of hub and shroud with blisk.hub_points_mm and blisk.shroud_points_mm"
     )]
     NoThroat {
         /// Where (mm along the axis).
@@ -150,9 +159,81 @@ pub enum BliskError {
         /// Where (mm from the axis).
         r: f64,
     },
+    /// Points that are given do not lie on the hub or the shroud that was measured beside them.
+    #[error(
+        "point {number} of blisk.{key}, at x {x:.3}, r {r:.3} mm about the axis, is {off_mm:.3} mm off the {surface} that was \
+         measured beside these points; correct it, or give more points between its neighbours"
+    )]
+    PointOff {
+        /// Name of the surface.
+        surface: &'static str,
+        /// The key that the point stands under.
+        key: &'static str,
+        /// Number of the point, from 1.
+        number: usize,
+        /// Where (mm along the axis).
+        x: f64,
+        /// Where (mm from the axis).
+        r: f64,
+        /// How far off (mm).
+        off_mm: f64,
+    },
+    /// Points that are given make no curve along the passage.
+    #[error(
+        "the points of blisk.{key} make no curve beside the passage at x {x:.3}, r {r:.3} mm about the axis, along which its \
+         other end is met; give more points, from edge to edge of the blades, or those of the other end as well"
+    )]
+    HandCurve {
+        /// The key of the points.
+        key: &'static str,
+        /// Where the passage is (mm along the axis).
+        x: f64,
+        /// Where the passage is (mm from the axis).
+        r: f64,
+    },
+    /// A point that is given lies on no blade.
+    #[error(
+        "point {number} of blisk.blade_points_mm, at x {x:.3}, r {r:.3} mm about the axis, {}; pick a place well within the \
+         wall of a blade, or check blisk.axis and blisk.blades",
+        .off_mm.map_or("lies on a circle about the axis that blades do not bound on both sides".to_owned(),
+            |off| format!("is {off:.3} mm off the nearest wall of a passage"))
+    )]
+    BladePoint {
+        /// Number of the point, from 1.
+        number: usize,
+        /// Where (mm along the axis).
+        x: f64,
+        /// Where (mm from the axis).
+        r: f64,
+        /// How far off the nearest wall (mm); none where there is none.
+        off_mm: Option<f64>,
+    },
     /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+/// Refusal of a wheel, with the place that it is about.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{error}")]
+pub struct Refused {
+    /// The reason.
+    pub error: BliskError,
+    /// The place in the coordinates of the loaded mesh (mm), where there is one.
+    pub at: Option<DVec3>,
+}
+
+impl Refused {
+    /// The refusal for `error`, which speaks of places in `frame` or of points of `options`.
+    pub(super) fn new(error: BliskError, frame: &Frame, options: &BliskOptions) -> Self {
+        Self { at: error.given_point(options).or_else(|| Some(frame.to_parent(error.place()?))), error }
+    }
+}
+
+impl From<BliskError> for Refused {
+    fn from(error: BliskError) -> Self {
+        Self { error, at: None }
+    }
 }
 
 fn disagreement(found: &Agreement) -> String {
@@ -163,8 +244,9 @@ fn disagreement(found: &Agreement) -> String {
     };
     format!(
         "the {} that was found {off} (at x {x:.3}, r {r:.3} mm about the axis; {:.0} % of {} places disagree): the mesh \
-         has no passage between blades, hub and shroud as they were taken for; check blisk.axis and blisk.blades, or \
-         bound a passage along the axis with blisk.hub_radius_mm and blisk.shroud_radius_mm",
+         has no passage between blades, hub and shroud as they were taken for; check blisk.axis and blisk.blades, pick a \
+         passage with blisk.blade_points_mm, or give points of hub and shroud with blisk.hub_points_mm and \
+         blisk.shroud_points_mm",
         found.surface.name(),
         100.0 * found.doubted,
         found.samples
@@ -181,6 +263,33 @@ impl From<SectorError> for BliskError {
 }
 
 impl BliskError {
+    /// The place that the error is about, in the frame of the search (mm). Where only the circle about the axis is known,
+    /// its point in the middle of the channel.
+    fn place(&self) -> Option<DVec3> {
+        match *self {
+            Self::NoEndWall { x, r, .. }
+            | Self::Turns { x, r }
+            | Self::Unbounded { x, r }
+            | Self::LostWall { x, r }
+            | Self::HandCurve { x, r, .. }
+            | Self::NoThroat { x, r } => Some(Cylindrical { x, r, theta: 0.0 }.point()),
+            Self::Disagrees(Agreement { at, .. }) => Some(at),
+            _ => None,
+        }
+        .filter(|p| p.is_finite())
+    }
+
+    /// The point of `options` that the error is about, in the coordinates of the mesh (mm).
+    fn given_point(&self, options: &BliskOptions) -> Option<DVec3> {
+        let (key, number) = match *self {
+            Self::PointOff { key, number, .. } => (key, number),
+            Self::BladePoint { number, .. } => ("blade_points_mm", number),
+            _ => return None,
+        };
+        let (_, points, _) = options.points().into_iter().find(|(of, ..)| *of == key)?;
+        points.get(number.checked_sub(1)?).map(|p| DVec3::from_array(*p))
+    }
+
     /// The axis about which the search failed.
     pub fn axis(&self) -> Option<Axis> {
         match self {

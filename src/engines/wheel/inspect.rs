@@ -12,6 +12,7 @@ use super::error::BliskError;
 use super::find_channel::{channel_of, prepared};
 use super::frame::{Axis, Repetition, find_wheel};
 use super::options::BliskOptions;
+use super::surfaces::{SurfaceClasses, classify};
 use geometry::exact::ExactMesh;
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
@@ -38,6 +39,8 @@ pub struct Inspection {
     /// The whole wheel in the coordinates of the mesh, where that is only a sector of it.
     #[serde(skip)]
     pub whole: Option<Arc<Mesh>>,
+    /// Surfaces of the mesh told apart.
+    pub surfaces: Option<SurfaceClasses>,
     /// Centreline of the channel, and its walls as NURBS.
     pub centreline: Option<CentrelineSummary>,
     /// Assumptions made, in plain sentences.
@@ -100,7 +103,7 @@ impl ChannelSummary {
             turning_deg: channel.turning.to_degrees(),
             agreement: channel.agreement.clone(),
             kinds: channel.kinds,
-            unlike: channel.unlike.clone(),
+            unlike: channel.unlike.iter().map(|unlike| unlike.number).collect(),
         }
     }
 }
@@ -119,6 +122,7 @@ pub fn inspect(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Inspe
         repetition: None,
         channel: None,
         whole: None,
+        surfaces: None,
         centreline: None,
         assumed: Vec::new(),
         not_found: Vec::new(),
@@ -139,15 +143,17 @@ fn fill(found: &mut Inspection, mesh: &Mesh, options: &BliskOptions, task: &Task
     found.assumed = assumed;
     found.watertight = mesh.is_watertight();
     found.volume_mm3 = mesh.volume();
+    let loaded = mesh.clone();
     let wheel = find_wheel(mesh, options, task)?;
     found.axis = Some(wheel.blisk.axis);
     found.repetition = Some(wheel.blisk.repetition);
     found.assumed.extend(wheel.blisk.assumed.iter().cloned());
     let mesh = wheel.mesh.clone();
-    let channel = channel_of(wheel, options, found.assumed.clone(), task)?;
+    let channel = channel_of(wheel, options, found.assumed.clone(), task).map_err(|refused| refused.error)?;
     found.channel = Some(ChannelSummary::new(&channel));
     found.whole = channel.whole.clone();
     found.assumed = channel.assumed.clone();
+    found.surfaces = Some(classify(&loaded, &channel, task)?);
     task.report("channel", 1.0, "centreline");
     let exact = ExactMesh::new(&mesh.in_frame(&channel.frame)).map_err(|e| BliskError::Mesh(e.to_string()))?;
     match CentrelineSummary::new(&channel, &exact, &task.cancel) {
@@ -206,6 +212,9 @@ impl fmt::Display for Inspection {
         if let Some(channel) = &self.channel {
             write!(f, "{channel}")?;
         }
+        if let Some(surfaces) = &self.surfaces {
+            write!(f, "{surfaces}")?;
+        }
         if let Some(line) = &self.centreline {
             write!(f, "{line}")?;
         }
@@ -249,6 +258,18 @@ impl fmt::Display for ChannelSummary {
             row("", format!("{:>10.3}{:>10.3}{:>10.3}{:>10.3}{:>10.3}", s.along, h.x, h.y, o.x, o.y))?;
         }
         Ok(())
+    }
+}
+
+impl fmt::Display for SurfaceClasses {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut row = |name: &str, value: String| writeln!(f, "{name:<18}{value}");
+        for (i, area) in self.areas.iter().enumerate() {
+            let name = if i == 0 { "Surfaces" } else { "" };
+            row(name, format!("{:<40}{:>12.1} mm²{:>10} triangles", area.name, area.area_mm2, area.triangles))?;
+        }
+        let radius = |r: Option<f64>| r.map_or("none".to_owned(), |r| format!("R {r:.3} mm"));
+        row("Fillets", format!("hub {}, shroud {}", radius(self.hub_fillet_mm), radius(self.shroud_fillet_mm)))
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a blisk is. Finds its axis, period and channels in a bare mesh, makes electrodes for a
 //! channel, and makes parametric blisks.
 
+mod by_hand;
 pub mod centreline;
 pub mod channel;
 pub mod electrode;
@@ -17,3 +18,4 @@ pub mod parametric;
 pub mod profile;
 pub mod sections;
 pub mod surface_finder;
+pub mod surfaces;

@@ -102,6 +102,14 @@ pub struct BliskOptions {
     pub hub_radius_mm: Auto<f64>,
     /// Radius of the shroud, or of the blade tips without one, along the whole channel (mm; P0: R_c).
     pub shroud_radius_mm: Auto<f64>,
+    /// Points on the hub, at least two or none, in any order and at any angle about the axis, in the coordinates of the
+    /// mesh (mm). They tell which surface is the hub; it is measured beside the curve through them.
+    pub hub_points_mm: Vec<[f64; 3]>,
+    /// The same for the shroud, or for the blade tips without one.
+    pub shroud_points_mm: Vec<[f64; 3]>,
+    /// Points on walls of blades, in the coordinates of the mesh (mm). They tell which circles about the axis blades
+    /// bound; the wall of the first one bounds channel 0.
+    pub blade_points_mm: Vec<[f64; 3]>,
     /// Points of a wall along the chord, from edge to edge.
     pub wall_points_chord: usize,
     /// Points of a wall from hub to shroud.
@@ -116,6 +124,9 @@ impl Default for BliskOptions {
             channel: 0,
             hub_radius_mm: Auto::Auto,
             shroud_radius_mm: Auto::Auto,
+            hub_points_mm: Vec::new(),
+            shroud_points_mm: Vec::new(),
+            blade_points_mm: Vec::new(),
             wall_points_chord: 81,
             wall_points_span: 25,
         }
@@ -124,11 +135,24 @@ impl Default for BliskOptions {
 
 /// Most points a wall may have along the chord or across it.
 const MAX_WALL_POINTS: usize = 2000;
+/// Most points that may be given on one surface.
+const MAX_POINTS: usize = 1000;
+/// Greatest coordinate of a point (mm).
+const FURTHEST: f64 = 1e6;
 
 impl BliskOptions {
     /// The radii that bound an axial channel, by their keys.
     pub(super) fn radii(&self) -> [(&'static str, Auto<f64>); 2] {
         [("hub_radius_mm", self.hub_radius_mm), ("shroud_radius_mm", self.shroud_radius_mm)]
+    }
+
+    /// The points of hub, shroud and blades, by their keys and with the least number of them.
+    pub(super) fn points(&self) -> [(&'static str, &[[f64; 3]], usize); 3] {
+        [
+            ("hub_points_mm", &self.hub_points_mm, 2),
+            ("shroud_points_mm", &self.shroud_points_mm, 2),
+            ("blade_points_mm", &self.blade_points_mm, 1),
+        ]
     }
 
     /// Whether the options make sense before any mesh is seen; if not, which key is wrong and what it may be.
@@ -151,6 +175,22 @@ impl BliskOptions {
             && hub >= shroud
         {
             return Err(format!("blisk.hub_radius_mm ({hub}) must be less than blisk.shroud_radius_mm ({shroud})"));
+        }
+        for (key, points, least) in self.points() {
+            if !points.is_empty() && !(least..=MAX_POINTS).contains(&points.len()) {
+                return Err(format!("blisk.{key}: must have no point, or {least} to {MAX_POINTS}"));
+            }
+            if points.iter().flatten().any(|c| !(c.is_finite() && c.abs() <= FURTHEST)) {
+                return Err(format!("blisk.{key}: coordinates must lie between -{FURTHEST} and {FURTHEST} mm"));
+            }
+        }
+        let given = self.radii().map(|(key, radius)| radius.given().is_some().then_some(key));
+        for (radius, (key, points, _)) in given.into_iter().zip(self.points()) {
+            if let Some(radius) = radius
+                && !points.is_empty()
+            {
+                return Err(format!("blisk.{key}: give either these points or blisk.{radius}, not both"));
+            }
         }
         let sizes = [("wall_points_chord", self.wall_points_chord), ("wall_points_span", self.wall_points_span)];
         for (key, size) in sizes {

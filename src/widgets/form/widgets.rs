@@ -40,7 +40,7 @@ pub(super) fn widget(
         Kind::File => file(ui, place, value, widths.wide),
         Kind::Numbers { count: Some(_), .. } => numbers(ui, place, value, widths.wide),
         Kind::Direction => direction(ui, place, value, widths.wide),
-        Kind::Numbers { .. } | Kind::Text => text(ui, place, value, widths.wide, NOTHING),
+        Kind::Numbers { .. } | Kind::Points { .. } | Kind::Text => text(ui, place, value, widths.wide, NOTHING),
         Kind::Rows { .. } => None,
     }
 }

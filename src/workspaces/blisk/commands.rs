@@ -2,6 +2,7 @@
 
 use egui::Key;
 
+use crate::workspaces::blisk::desk::picks::Picked;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::commands::{CommandInfo, CommandSet, Scope};
 
@@ -23,6 +24,12 @@ pub enum BliskCommand {
     Colours,
     /// Shows the stock left in the channel as colours.
     ResidualStock,
+    /// Shows the surfaces of the wheel in the colours of their classes.
+    Surfaces,
+    /// Picks points in the view where recognition needs help.
+    Pick(Picked),
+    Unpick,
+    ShowRefusal,
     MillFlanks,
     Step(Stage),
 }
@@ -35,7 +42,7 @@ impl CommandSet for BliskCommand {
         const fn info(name: &'static str) -> CommandInfo {
             CommandInfo::new(name)
         }
-        static TABLE: [(C, CommandInfo); 19] = [
+        static TABLE: [(C, CommandInfo); 26] = [
             (C::NewDemonstration, info("New from demonstration blisk")),
             (C::Plan, info("Plan feed path").key(Key::F5)),
             (C::Release, info("Release for export")),
@@ -52,6 +59,13 @@ impl CommandSet for BliskCommand {
             (C::Measure, info("Measure").key(Key::M)),
             (C::Colours, info("Clearance colours")),
             (C::ResidualStock, info("Residual stock colours")),
+            (C::Surfaces, info("Surface colours")),
+            (C::Pick(Picked::Hub), info("Pick points on the hub")),
+            (C::Pick(Picked::Shroud), info("Pick points on the shroud")),
+            (C::Pick(Picked::Blades), info("Pick points on blades")),
+            (C::Pick(Picked::Axis), info("Pick the axis")),
+            (C::Unpick, info("Remove the last picked point").key(Key::Backspace)),
+            (C::ShowRefusal, info("Show where the channel was refused")),
             (C::MillFlanks, info("Mill the electrode's flanks").needing("Select an electrode that is up to date")),
             (C::Step(Stage::Part), info("Step 1: Part")),
             (C::Step(Stage::Channel), info("Step 2: Channel")),

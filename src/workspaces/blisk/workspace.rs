@@ -8,6 +8,7 @@ use egui::{Panel, RichText, Ui};
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::desk::BliskDesk;
+use crate::workspaces::blisk::desk::picks::Picked;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::machine_file::read_machine;
 use crate::workspaces::blisk::document::stage::Stage;
@@ -95,6 +96,7 @@ impl BliskWorkspace {
         desk.section = None;
         desk.ghosts.clear();
         desk.kept.forget();
+        desk.picking = Default::default();
         desk.layers = Default::default();
         // Another part is looked at as the first one was.
         self.view = BliskView::default();
@@ -168,7 +170,17 @@ impl BliskWorkspace {
                 desk.measuring = !desk.measuring;
                 view.clear_probe();
             }
-            BliskCommand::Colours => desk.colours = !desk.colours,
+            BliskCommand::Colours => {
+                desk.colours = !desk.colours;
+                desk.surfaces &= !desk.colours;
+            }
+            BliskCommand::Surfaces => desk.toggle_surfaces(),
+            BliskCommand::Pick(of) => {
+                desk.toggle_picking(of);
+                view.clear_probe();
+            }
+            BliskCommand::Unpick => desk.remove_last_picked(),
+            BliskCommand::ShowRefusal => view.fly_to_refusal(desk, now),
             BliskCommand::ResidualStock => {
                 desk.toggle_residual_stock();
                 if desk.residual_stock {
@@ -252,10 +264,14 @@ impl Workspace for BliskWorkspace {
             Menu::Save => Vec::new(),
             Menu::Own => {
                 let first = [C::Plan.into(), FrameCommand::Cancel.into(), C::Keep.into()];
-                vec![[&first[..], &of(&[C::Release, C::Withdraw])].concat(), of(&[C::MillFlanks])]
+                let picks = of(&Picked::ALL.map(C::Pick));
+                vec![[&first[..], &of(&[C::Release, C::Withdraw])].concat(), picks, of(&[C::MillFlanks])]
             }
             Menu::View => {
-                vec![of(&[C::Section, C::IntoChannel, C::WholeBlisk]), of(&[C::Measure, C::Colours, C::ResidualStock])]
+                vec![
+                    of(&[C::Section, C::IntoChannel, C::WholeBlisk]),
+                    of(&[C::Measure, C::Colours, C::ResidualStock, C::Surfaces]),
+                ]
             }
         }
     }
@@ -269,6 +285,7 @@ impl Workspace for BliskWorkspace {
             Some(F::Open) => self.opening.intend(Pending::AskOpen, cx),
             Some(F::Reload) => self.desk.work.reload(),
             Some(F::Cancel) if self.opening.is_busy() => self.opening.cancel(),
+            Some(F::Cancel) if self.desk.picking().is_some() => self.desk.picking = Default::default(),
             Some(F::Cancel) => self.desk.work.cancel(),
             Some(F::Export) => {
                 self.opening.moved.forget();

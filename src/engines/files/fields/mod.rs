@@ -66,6 +66,11 @@ pub enum Kind {
         /// Length of the list; any length if none.
         count: Option<usize>,
     },
+    /// A list of points of three coordinates each.
+    Points {
+        /// Allowed range of each coordinate.
+        range: Range,
+    },
     /// A direction: along an axis, or three components.
     Direction,
     /// Yes or no.
@@ -187,6 +192,11 @@ impl Field {
     ) -> Self {
         let kind = Kind::Numbers { range: Range(least, greatest), is_whole: false, count: None };
         Self { unit, ..Self::of(key, label, kind) }
+    }
+
+    /// Points with coordinates from `least` to `greatest`, as many as there are.
+    pub const fn points(key: &'static str, label: &'static str, unit: &'static str, least: f64, greatest: f64) -> Self {
+        Self { unit, ..Self::of(key, label, Kind::Points { range: Range(least, greatest) }) }
     }
 
     /// A direction.
@@ -351,7 +361,7 @@ impl Field {
     /// Allowed range of a number or a list of numbers.
     pub fn range(&self) -> Option<Range> {
         match self.kind {
-            Kind::Number { range, .. } | Kind::Numbers { range, .. } => Some(range),
+            Kind::Number { range, .. } | Kind::Numbers { range, .. } | Kind::Points { range } => Some(range),
             _ => None,
         }
     }
@@ -374,6 +384,10 @@ impl Field {
                 let count = count.map_or_else(|| "numbers".to_owned(), |n| format!("{n} numbers"));
                 Some(format!("{count} with commas between, each of which {each}"))
             }
+            Kind::Points { range } => Some(format!(
+                "must be points of three coordinates like 1, 2, 3; 4, 5, 6, each of which {}",
+                allowed([range.0, range.1], self.unit)
+            )),
             Kind::Choice(all) => Some(format!("must be one of {}", words(all))),
             Kind::ChoiceOrFile(all) => Some(format!("must be one of {}, or the path of a file", words(all))),
             Kind::ChoiceOr(all, other) => Some(format!("must be one of {}, or {other}", words(all))),
@@ -415,6 +429,10 @@ impl Field {
             },
             Kind::Numbers { range, is_whole, count } => value.as_array().is_some_and(|all| {
                 count.is_none_or(|count| all.len() == count) && all.iter().all(|v| is_number(v, range, is_whole))
+            }),
+            Kind::Points { range } => value.as_array().is_some_and(|all| {
+                let is_point = |p: &Value| text::parts(p).is_some_and(|parts| parts.iter().all(|c| range.contains(*c)));
+                all.iter().all(is_point)
             }),
             Kind::Choice(words) => words.iter().any(|w| Some(w.word) == text),
             Kind::Variant { tag, variants } => variants.iter().any(|v| Some(v.word.word) == get(value, tag).as_str()),

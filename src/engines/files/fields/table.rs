@@ -403,6 +403,7 @@ fn beyond(field: &Field) -> Vec<Value> {
     };
     match field.kind {
         Kind::Numbers { count, .. } => ends.map(|end| vec![value(end); count.unwrap_or(1)].into()).collect(),
+        Kind::Points { .. } => ends.map(|end| vec![vec![value(end); 3]; 2].into()).collect(),
         _ => ends.map(value).collect(),
     }
 }

@@ -12,7 +12,11 @@ impl Field {
             (Kind::Number { instead: Instead::Nothing(_), .. } | Kind::File, Value::Null) => "none".to_owned(),
             (Kind::Variant { tag, .. }, Value::Object(_)) => plain(get(value, tag)),
             (Kind::Direction, value) => direction_words(value).to_lowercase().replace('\u{2212}', "-"),
-            (Kind::Numbers { .. }, Value::Array(all)) => all.iter().map(number).collect::<Vec<_>>().join(", "),
+            (Kind::Numbers { .. }, Value::Array(all)) => joined(all),
+            (Kind::Points { .. }, Value::Array(all)) => {
+                let point = |p: &Value| p.as_array().map_or_else(String::new, |p| joined(p));
+                all.iter().map(point).collect::<Vec<_>>().join("; ")
+            }
             (Kind::Rows { .. } | Kind::ChoiceOr(..), Value::Array(_) | Value::Object(_)) => {
                 match toml::Value::try_from(without_nulls(value.clone())) {
                     Ok(rows) => rows.to_string(),
@@ -57,6 +61,7 @@ impl Field {
             }
             Kind::Number { is_whole, .. } => read_number(text, is_whole).ok_or_else(wrong)?,
             Kind::Numbers { is_whole, .. } => read_numbers(text, is_whole).ok_or_else(wrong)?,
+            Kind::Points { .. } => read_points(text).ok_or_else(wrong)?,
             Kind::Direction => read_direction(text).ok_or_else(wrong)?,
             Kind::Flag => match text {
                 "true" | "yes" | "on" => true.into(),
@@ -81,6 +86,10 @@ impl Field {
         }
         Ok(value)
     }
+}
+
+fn joined(numbers: &[Value]) -> String {
+    numbers.iter().map(number).collect::<Vec<_>>().join(", ")
 }
 
 /// A number without a useless `.0`; other values unchanged.
@@ -125,6 +134,16 @@ fn read_numbers(text: &str, is_whole: bool) -> Option<Value> {
     };
     let words = inner.split(is_between).map(str::trim).filter(|word| !word.is_empty());
     words.map(|word| read_number(word, is_whole)).collect::<Option<Vec<_>>>().map(Value::from)
+}
+
+/// Points with semicolons or new lines between, their coordinates with commas or blanks; or lists of numbers in brackets.
+fn read_points(text: &str) -> Option<Value> {
+    if text.starts_with('[') {
+        return read_toml(text).filter(Value::is_array);
+    }
+    let points = text.split([';', '\n']).map(str::trim).filter(|point| !point.is_empty());
+    let coordinates = |point: &str| read_numbers(point, false);
+    points.map(coordinates).collect::<Option<Vec<_>>>().map(Value::from)
 }
 
 /// Axes with their names.

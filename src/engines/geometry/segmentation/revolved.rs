@@ -3,6 +3,8 @@
 use glam::{DMat3, DVec3};
 use nalgebra::{SMatrix, SVector};
 
+use crate::circle::Circle;
+
 /// Steps of the least-squares fit at most.
 const STEPS: usize = 25;
 
@@ -50,26 +52,8 @@ impl Revolved {
     /// The cylinder about `axis` through points, by the circle through them seen along it; none where they lie on a
     /// line.
     pub(super) fn cylinder(points: &[DVec3], axis: DVec3) -> Option<Self> {
-        let axis = axis.try_normalize()?;
-        let (x, y) = axis.any_orthonormal_pair();
-        let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
-        let (mut matrix, mut right) = (DMat3::ZERO, DVec3::ZERO);
-        let scale = points.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
-        if scale == 0.0 {
-            return None;
-        }
-        for p in points {
-            let from = (p - middle) / scale;
-            let row = DVec3::new(from.dot(x), from.dot(y), 1.0);
-            let square = row.truncate().length_squared();
-            matrix += DMat3::from_cols(row * row.x, row * row.y, row);
-            right += row * square;
-        }
-        let found = matrix.inverse() * right;
-        let center = found.truncate() * 0.5;
-        let radius = (found.z + center.length_squared()).sqrt() * scale;
-        let origin = middle + (x * center.x + y * center.y) * scale;
-        (radius.is_finite() && origin.is_finite()).then_some(Self { origin, axis, radius, slope: 0.0 })
+        let Circle { centre, normal, radius } = Circle::about(points, axis)?;
+        Some(Self { origin: centre, axis: normal, radius, slope: 0.0 })
     }
 
     /// The cone whose tangent planes (unit normal, offset) these are, which go on around it in order; none where three

@@ -5,7 +5,9 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::super::channel::{Agreement, ChannelWall, Station, Surface, Throat, along_at, station_at};
+use super::super::channel::{
+    Agreement, ChannelWall, Difference, Station, Surface, Throat, Unlike, along_at, station_at,
+};
 use super::super::error::BliskError;
 use super::super::frame::slices::{Crossing, Gap, Slices};
 use super::meridian::{Meridian, Tracer};
@@ -92,26 +94,31 @@ impl Measured<'_> {
     }
 
     /// The channels of this one's kind, every one of `kinds`, counted on from this one, of which more than a few places
-    /// of a surface are further than `tolerance` (mm) from those of this channel turned about the axis.
-    pub fn unlike(&self, blades: usize, kinds: usize, tolerance: f64) -> Result<Vec<usize>, BliskError> {
+    /// of a surface are further than `tolerance` (mm) from those of this channel turned about the axis, with what differs
+    /// most.
+    pub fn unlike(&self, blades: usize, kinds: usize, tolerance: f64) -> Result<Vec<Unlike>, BliskError> {
         let doubt = self.doubt().max(tolerance.min(MOST_TOLERANCE));
         let covered = self.covered(0.0);
         let own: Vec<_> = self.samples(SPARSE, 0.0)?.collect();
-        let is_unlike = |k: usize| {
-            let turn = k as f64 * self.tracer.pitch;
-            let mut samples = self.samples(SPARSE, turn)?.zip(&own);
-            let is_off = samples.any(|((surface, mut samples), (_, own))| {
+        let unlike = |number: usize| {
+            let turn = number as f64 * self.tracer.pitch;
+            let compared = self.samples(SPARSE, turn)?.zip(&own).map(|((surface, mut samples), (_, own))| {
                 // The two channels are compared, not both with the grid between its points.
                 samples.iter_mut().zip(own).for_each(|(sample, own)| sample.off -= own.off);
-                summary(surface, samples, doubt).doubted > 1.0 - ENOUGH
+                summary(surface, samples, doubt)
             });
-            let is_covered_otherwise = (self.covered(turn) - covered).abs() > 1.0 - ENOUGH;
-            Ok::<_, BliskError>(is_off || is_covered_otherwise || self.differing_beside_edges(turn) > 1.0 - ENOUGH)
+            let off = compared.filter(|a| a.doubted > 1.0 - ENOUGH);
+            let off = off.max_by(|a, b| a.greatest_mm.total_cmp(&b.greatest_mm));
+            let off = off.map(|a| Difference::Surface { surface: a.surface, greatest_mm: a.greatest_mm });
+            let tips = || ((self.covered(turn) - covered).abs() > 1.0 - ENOUGH).then_some(Difference::Tips);
+            let edges = || (self.differing_beside_edges(turn) > 1.0 - ENOUGH).then_some(Difference::BesideEdges);
+            let difference = off.or_else(tips).or_else(edges);
+            Ok::<_, BliskError>(difference.map(|difference| Unlike { number, difference }))
         };
-        let all: Vec<Result<bool, BliskError>> =
-            (1..blades / kinds).into_par_iter().map(|i| is_unlike(i * kinds)).collect();
+        let all: Vec<Result<Option<Unlike>, BliskError>> =
+            (1..blades / kinds).into_par_iter().map(|i| unlike(i * kinds)).collect();
         let all = all.into_iter().collect::<Result<Vec<_>, _>>()?;
-        Ok(all.into_iter().zip(1..).filter_map(|(is_unlike, i)| is_unlike.then_some(i * kinds)).collect())
+        Ok(all.into_iter().flatten().collect())
     }
 
     /// Share of the rays outwards, past the tips of a channel that lies `turn` further about the axis (rad), that meet

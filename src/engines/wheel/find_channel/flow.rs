@@ -54,6 +54,13 @@ struct Piece {
 /// The lines across the passage through `start`; none where it runs along the axis, within 45 degrees, or where the
 /// blades do not reach a hub from end to end, so that nothing is known of its direction.
 pub(super) fn lines(tracer: &Tracer, start: Place) -> Result<Option<Lines>, BliskError> {
+    // Where both are given there is nothing to be found.
+    let is_known = tracer.by_hand.ends.iter().all(|points| !points.is_empty());
+    let found = if is_known { None } else { lines_found(tracer, start)? };
+    tracer.lines_by_hand(start, found)
+}
+
+fn lines_found(tracer: &Tracer, start: Place) -> Result<Option<Lines>, BliskError> {
     let mut lattice = Lattice { start: DVec2::new(start.x, start.r), step: tracer.slices.cell_size().y };
     let mut points = bladed(tracer, &start, &lattice)?;
     for _ in 0..MOST_HALVINGS {
@@ -260,7 +267,11 @@ fn ordered(one: Vec<DVec2>, mut other: Vec<DVec2>, shrouded: bool) -> Vec<[DVec2
         across.x > 0.0
     };
     let (hub, shroud) = if one_is_hub { (one, other) } else { (other, one) };
-    let mut lines: Vec<_> = hub.into_iter().zip(shroud).map(|(hub, shroud)| [hub, shroud]).collect();
+    rising(hub.into_iter().zip(shroud).map(|(hub, shroud)| [hub, shroud]).collect())
+}
+
+/// Lines in order of rising x or, where the passage runs more along the radius, of rising radius.
+pub(super) fn rising(mut lines: Vec<[DVec2; 2]>) -> Vec<[DVec2; 2]> {
     let way = lines.last().zip(lines.first()).map_or(DVec2::ZERO, |(b, a)| b[0] + b[1] - a[0] - a[1]);
     if (if way.x.abs() >= way.y.abs() { way.x } else { way.y }) < 0.0 {
         lines.reverse();

@@ -1,5 +1,6 @@
 //! Hub and shroud along the axis, met by rays along the radius through the channel's middle.
 
+use super::super::by_hand::ByHand;
 use super::super::channel::{Flow, Station};
 use super::super::error::BliskError;
 use super::super::frame::slices::{Gap, RadialCrossing, Slices};
@@ -12,6 +13,9 @@ const STATIONS: f64 = 197.3;
 /// Rays across the channel, and the middle share of its width that they stay in, clear of root fillets.
 pub(super) const RAYS: usize = 13;
 pub(super) const MIDDLE_SHARE: f64 = 0.6;
+/// A wall whose points are given lies so near to the curve through them, as a share of the distance to the passage's
+/// middle.
+const ABOUT_POINTS: f64 = 0.4;
 /// Share of the height away from an end wall where the channel's middle beside it is looked for.
 const BESIDE: f64 = 0.1;
 /// Rays that differ from the middle one of them by more than this share of the height met something else.
@@ -61,6 +65,7 @@ pub(super) struct Tracer<'a> {
     /// Angle from blade to blade (rad).
     pub pitch: f64,
     pub options: &'a BliskOptions,
+    pub by_hand: &'a ByHand,
     pub cancel: &'a Cancel,
 }
 
@@ -151,11 +156,22 @@ impl Tracer<'_> {
         let half = 0.5 * MIDDLE_SHARE * place.gap.width().min(self.pitch);
         let theta = |i: usize| middle + half * (2.0 * i as f64 / (RAYS - 1) as f64 - 1.0);
         let rays: Vec<Vec<RadialCrossing>> = (0..RAYS).map(|i| self.slices.ray(place.x, theta(i))).collect();
-        let inner = rays.iter().filter_map(|ray| ray.iter().rfind(|c| c.r < place.r));
-        let outer = rays.iter().filter_map(|ray| ray.iter().find(|c| c.r > place.r));
+        let [hub, shroud] = self.radii_by_hand(place.x);
+        let near = |ray: &[RadialCrossing], given: f64, enters: bool| {
+            let most = ABOUT_POINTS * (place.r - given).abs();
+            let walls = ray.iter().filter(|c| c.enters == enters && (c.r - given).abs() < most).copied();
+            walls.min_by(|a, b| (a.r - given).abs().total_cmp(&(b.r - given).abs()))
+        };
         // A ray that starts within the solid meets the wall from behind.
-        let inner = sorted(inner.filter(|c| !c.enters).copied());
-        let outer = sorted(outer.filter(|c| c.enters).copied());
+        let inner = rays.iter().filter_map(|ray| match hub {
+            Some(given) => near(ray, given, false),
+            None => ray.iter().rfind(|c| c.r < place.r).filter(|c| !c.enters).copied(),
+        });
+        let outer = rays.iter().filter_map(|ray| match shroud {
+            Some(given) => near(ray, given, true),
+            None => ray.iter().find(|c| c.r > place.r).filter(|c| c.enters).copied(),
+        });
+        let (inner, outer) = (sorted(inner), sorted(outer));
         let most = |v: &[RadialCrossing]| (2 * v.len() > RAYS).then(|| v[v.len() / 2]);
         let (hub, shroud) = (most(&inner), most(&outer));
         let height = shroud.map_or(place.r, |c| c.r) - hub.map_or(place.r, |c| c.r);

@@ -2,6 +2,9 @@
 
 mod agreement;
 mod flow;
+mod hand_lines;
+#[cfg(test)]
+mod hand_tests;
 mod measure;
 mod meridian;
 #[cfg(test)]
@@ -23,8 +26,9 @@ use self::agreement::Measured;
 use self::flow::Lines;
 use self::meridian::{Meridian, Place, Tracer};
 use self::walls::{INSET, WallFinder};
-use super::channel::{Channel, ChannelWall, Flow, OPENS, ways_out};
-use super::error::BliskError;
+use super::by_hand::ByHand;
+use super::channel::{Channel, ChannelWall, Flow, OPENS, Unlike, ways_out};
+use super::error::{BliskError, Refused};
 use super::frame::slices::{Gap, Slices};
 use super::frame::{BliskFrame, Wheel, find_wheel, is_inside_out};
 use super::options::BliskOptions;
@@ -48,6 +52,14 @@ const NEAR_MOUTH: f64 = 0.05;
 /// # Errors
 /// [`BliskError`] says what could not be found, why, and which key of the project gives it by hand.
 pub fn find_channel(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Channel, BliskError> {
+    find_or_refuse(mesh, options, task).map_err(|refused| refused.error)
+}
+
+/// [`find_channel`], with the place where it fails.
+///
+/// # Errors
+/// [`Refused`] with the error of [`find_channel`] and its place.
+pub fn find_or_refuse(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Channel, Refused> {
     let (mesh, mut assumed) = prepared(mesh, options)?;
     let wheel = find_wheel(mesh, options, task)?;
     assumed.extend(wheel.blisk.assumed.iter().cloned());
@@ -69,23 +81,40 @@ pub(super) fn prepared<'a>(mesh: &'a Mesh, options: &BliskOptions) -> Result<(Co
 pub(super) fn channel_of(
     Wheel { mesh, is_of_sector, blisk }: Wheel,
     options: &BliskOptions,
+    assumed: Vec<String>,
+    task: &Task,
+) -> Result<Channel, Refused> {
+    let blades = blisk.repetition.blades;
+    if options.channel >= blades {
+        return Err(BliskError::NoSuchChannel { index: options.channel, blades }.into());
+    }
+    task.report("channel", 0.0, "place");
+    let placed = place_channel(&mesh, &blisk, options, &task.cancel);
+    let placed = placed.map_err(|error| Refused::new(error, &blisk.frame, options))?;
+    let frame = placed.frame;
+    let wheel = Wheel { mesh, is_of_sector, blisk };
+    measured_channel(wheel, placed, options, assumed, task).map_err(|error| Refused::new(error, &frame, options))
+}
+
+/// The channel at a place that is known.
+fn measured_channel(
+    Wheel { mesh, is_of_sector, blisk }: Wheel,
+    Placed { frame, start, lines }: Placed,
+    options: &BliskOptions,
     mut assumed: Vec<String>,
     task: &Task,
 ) -> Result<Channel, BliskError> {
     let blades = blisk.repetition.blades;
-    if options.channel >= blades {
-        return Err(BliskError::NoSuchChannel { index: options.channel, blades });
-    }
-    task.report("channel", 0.0, "place");
-    let Placed { frame, start, lines } = place_channel(&mesh, &blisk, options, &task.cancel)?;
-
     task.report("channel", 0.3, "end walls");
     let slices = Slices::new(mesh.in_frame(&frame));
-    let tracer = Tracer { slices: &slices, pitch: TAU / blades as f64, options, cancel: &task.cancel };
+    let by_hand = ByHand::new(options, &frame);
+    let tracer =
+        Tracer { slices: &slices, pitch: TAU / blades as f64, options, by_hand: &by_hand, cancel: &task.cancel };
     let lost = BliskError::LostWall { x: start.x, r: start.r };
     let gap = tracer.bladed_gap(start.x, start.r, &start.gap).ok_or(lost)?;
     let start = Place { gap, ..start };
     let (meridian, start) = meridian_of(&tracer, start, lines.as_ref())?;
+    tracer.check_points(&meridian)?;
 
     task.report("channel", 0.6, "walls");
     let finder = WallFinder { tracer: &tracer, meridian: &meridian, start };
@@ -98,10 +127,12 @@ pub(super) fn channel_of(
     [low.side, high.side] = sides;
     let faces_x = measure::faces_x(slices.mesh(), &meridian.stations);
     assumed.extend(end_wall_assumptions(options, &meridian));
+    assumed.extend(given_by_hand(options));
     let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&low, &high] };
     let agreement = measured.agreement(&throat)?;
     let unlike = measured.unlike(blades, blisk.repetition.kinds, blisk.repetition.tolerance_mm)?;
-    let unlike: Vec<usize> = unlike.into_iter().map(|k| (options.channel + k) % blades).collect();
+    let unlike: Vec<Unlike> =
+        unlike.into_iter().map(|u| Unlike { number: (options.channel + u.number) % blades, ..u }).collect();
     assumed.extend(unlike_sentence(&unlike, blades / blisk.repetition.kinds));
     task.report("channel", 1.0, "");
     Ok(Channel {
@@ -170,18 +201,22 @@ fn place_channel(
 ) -> Result<Placed, BliskError> {
     let slices = Slices::new(mesh.in_frame(&blisk.frame));
     let pitch = TAU / blisk.repetition.blades as f64;
-    let tracer = Tracer { slices: &slices, pitch, options, cancel };
+    let by_hand = ByHand::new(options, &blisk.frame);
+    let tracer = Tracer { slices: &slices, pitch, options, by_hand: &by_hand, cancel };
     let (x, r) = (blisk.middle.x, blisk.middle.y);
-    let gap = slices.gaps(x, r).into_iter().find(|g| g.width() < 1.5 * pitch);
-    let start = Place { along: x, x, r, gap: gap.ok_or(BliskError::LostWall { x, r })? };
+    let picked = tracer.picked()?;
+    let gap = || slices.gaps(x, r).into_iter().find(|g| g.width() < 1.5 * pitch);
+    let found = || Some(Place { along: x, x, r, gap: gap()? });
+    let start = picked.or_else(found).ok_or(BliskError::LostWall { x, r })?;
     let lines = flow::lines(&tracer, start)?;
     let (mut place, _) = middle_of(&tracer, start, lines.as_ref())?;
 
     // The same again from the chosen channel, since facets differ a little from channel to channel.
     let (x, r) = (place.x, place.r);
     let theta = place.gap.middle();
-    // Channels are counted from the one nearest to theta = 0; of two equally near ones, the one of greater theta.
-    let nearest = theta - pitch * ((theta / pitch - 0.5) - 1e-6).ceil();
+    // Channels are counted from the picked one, or from the one nearest to theta = 0; of two equally near ones, the
+    // one of greater theta.
+    let nearest = if picked.is_some() { theta } else { theta - pitch * ((theta / pitch - 0.5) - 1e-6).ceil() };
     let turn = nearest + pitch * options.channel as f64 - theta;
     let chosen = tracer.bladed_gap(x, r, &turned(place.gap, turn)).ok_or(BliskError::LostWall { x, r })?;
     let theta;
@@ -243,10 +278,20 @@ fn end_wall_assumptions(options: &BliskOptions, meridian: &Meridian) -> Vec<Stri
     assumed
 }
 
+/// Says what points were given.
+fn given_by_hand(options: &BliskOptions) -> impl Iterator<Item = String> {
+    let names = ["hub", "shroud or the tips", "blades"];
+    let given = names.into_iter().zip(options.points()).filter(|(_, (_, points, _))| !points.is_empty());
+    let given: Vec<String> = given.map(|(name, (_, points, _))| format!("{} on the {name}", points.len())).collect();
+    let sentence = (!given.is_empty()).then(|| format!("Points were given: {}.", given.join(", ")));
+    let picked = "Channel 0 is the one whose wall the first of the points on blades lies on.".to_owned();
+    sentence.into_iter().chain((!options.blade_points_mm.is_empty()).then_some(picked))
+}
+
 /// Says which of the channels of its kind, of which there are `alike`, are not like the one that was found.
-fn unlike_sentence(unlike: &[usize], alike: usize) -> Option<String> {
+fn unlike_sentence(unlike: &[Unlike], alike: usize) -> Option<String> {
     const MOST: usize = 8;
-    let mut sorted = unlike.to_vec();
+    let mut sorted: Vec<usize> = unlike.iter().map(|unlike| unlike.number).collect();
     sorted.sort_unstable();
     let names: Vec<String> = sorted.iter().take(MOST).map(usize::to_string).collect();
     let more = if sorted.len() > MOST { ", …" } else { "" };

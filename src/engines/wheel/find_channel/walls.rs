@@ -182,6 +182,7 @@ impl WallFinder<'_> {
                 self.gaps(&self.row(share)?, nu)
             })
             .collect::<Result<_, BliskError>>()?;
+        self.check_rows(&rows)?;
         Ok([|g: &Gap| g.low, |g: &Gap| g.high].map(|end| {
             let order = || (0..nu).flat_map(|u| rows.iter().map(move |row| &row[u]));
             ChannelWall {
@@ -192,6 +193,16 @@ impl WallFinder<'_> {
                 side: BladeSide::Flat,
             }
         }))
+    }
+
+    /// Refuses walls that jump from row to row: one of them is no blade from hub to tip.
+    fn check_rows(&self, rows: &[Vec<Place>]) -> Result<(), BliskError> {
+        let beside = rows.windows(2).flat_map(|pair| pair[0].iter().zip(&pair[1]));
+        let mut jumps = beside.filter(|(a, b)| {
+            let [w, v] = [a.gap.width(), b.gap.width()];
+            (w - v).abs() > JUMP * w.max(v)
+        });
+        jumps.next().map_or(Ok(()), |(_, at)| Err(BliskError::LostWall { x: at.x, r: at.r }))
     }
 
     /// The mesh's normal where a circle meets it. A triangle without area is met only along its neighbours'

@@ -14,11 +14,13 @@ use std::borrow::Cow;
 use glam::{DVec2, DVec3};
 
 pub use axis::Axis;
+pub(crate) use period::MOST_KINDS;
 pub use period::Repetition;
 
 use self::period::{Blades, Region};
 use self::sector::SectorError;
 use self::slices::Slices;
+use super::by_hand::ByHand;
 use super::error::BliskError;
 use super::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
 use geometry::frame::Frame;
@@ -27,6 +29,8 @@ use task::{Cancel, Task};
 
 /// A wall repeats where it misses the mean one by less than this share of the pitch.
 const TOLERANCE: f64 = 0.005;
+/// Points that are given lie within so many cells of the bladed region.
+const NEAR_CELLS: f64 = 4.0;
 /// Share of the walls by which more kinds of blades must explain more than fewer.
 const CLEARLY: f64 = 0.2;
 
@@ -189,10 +193,17 @@ fn bladed_region(
     cancel: &Cancel,
 ) -> Result<Region, BliskError> {
     let wanted = options.blades.given();
+    let places = ByHand::new(options, &frame_along(&axis)).places();
     let mut first_objection = None;
-    for region in period::regions(slices, wanted, cancel)? {
-        // Whoever names the blade count has seen that there are blades.
-        match if wanted.is_some() { None } else { region.objection(slices) } {
+    let mut regions = period::regions(slices, wanted, cancel)?;
+    if !places.is_empty() {
+        let far = |region: &Region| places.iter().map(|p| region.cells_from(slices, *p)).sum::<f64>();
+        regions.retain(|region| far(region) <= NEAR_CELLS * places.len() as f64);
+        regions.sort_by(|a, b| far(a).total_cmp(&far(b)));
+    }
+    for region in regions {
+        // Whoever names the blade count or points of the passage has seen that there are blades.
+        match if wanted.is_some() || !places.is_empty() { None } else { region.objection(slices) } {
             None => return Ok(region),
             Some(reason) => first_objection = first_objection.or(Some((region.count, reason))),
         }

@@ -7,12 +7,12 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::slices::{CELLS, Gap, Slices};
+use super::slices::{CELLS, Gap, Slices, cylindrical_components};
 use geometry::frame::{Cylindrical, wrap_angle};
 use task::{Cancel, Cancelled};
 
 /// Most kinds of blades: a main blade and up to three splitters.
-const MOST_KINDS: usize = 4;
+pub(crate) const MOST_KINDS: usize = 4;
 /// A kind of blades stands around the axis at least so many times.
 const LEAST_REPEATS: usize = 3;
 /// Share of the walls that repeat where the number of kinds is right.
@@ -63,7 +63,17 @@ pub(super) fn regions(slices: &Slices, wanted: Option<usize>, cancel: &Cancel) -
             cancel.check()?;
             let count = |ir| {
                 let at = slices.cell_middle(ix, ir);
-                even_count(&slices.gaps(at.x, at.y)).filter(|&n| wanted.map_or(n >= 3, |w| n == w)).unwrap_or(0)
+                let gaps = slices.gaps(at.x, at.y);
+                match wanted {
+                    Some(count) => {
+                        if slots(&gaps, count).is_some() {
+                            count
+                        } else {
+                            0
+                        }
+                    }
+                    None => even_count(&gaps).filter(|&n| n >= 3).unwrap_or(0),
+                }
             };
             Ok((0..CELLS[1]).map(count).collect())
         })
@@ -81,6 +91,25 @@ fn even_count(gaps: &[Gap]) -> Option<usize> {
     let misses = gaps.iter().enumerate().map(|(k, g)| g.middle() - first - k as f64 * pitch);
     let (least, most) = misses.fold((0.0f64, 0.0f64), |(l, m), d| (l.min(d), m.max(d)));
     (most - least < 0.25 * pitch).then_some(gaps.len())
+}
+
+/// Share of the blades that must stand where their count is given.
+const MOST_STAND: f64 = 0.6;
+
+/// The gaps between neighbouring ones of `count` evenly spaced blades, with their numbers around; none if the gaps are
+/// others. Where a blade is missing there is a wider one, which is left out.
+fn slots(gaps: &[Gap], count: usize) -> Option<Vec<(usize, Gap)>> {
+    let pitch = TAU / count as f64;
+    let narrow: Vec<Gap> = gaps.iter().filter(|gap| gap.width() < pitch || gaps.len() == count).copied().collect();
+    let first = narrow.first()?.middle();
+    let misses: Vec<f64> = narrow.iter().map(|g| (g.middle() - first) / pitch).map(|m| m - m.round()).collect();
+    let (least, most) = misses.iter().fold((0.0f64, 0.0f64), |(l, m), d| (l.min(*d), m.max(*d)));
+    let middle = 0.5 * (least + most);
+    let number = |gap: &Gap| ((gap.middle() - first) / pitch - middle).round().rem_euclid(count as f64) as usize;
+    let mut slots: Vec<(usize, Gap)> = narrow.iter().map(|gap| (number(gap), *gap)).collect();
+    slots.dedup_by_key(|slot| slot.0);
+    let is_even = most - least < 0.25 && slots.len() == narrow.len();
+    (is_even && slots.len() as f64 >= MOST_STAND * count as f64).then_some(slots)
 }
 
 /// Splits the grid of counts into connected parts of equal count other than 0.
@@ -132,6 +161,13 @@ impl Region {
         if cells.is_empty() { self.cells.clone() } else { cells }
     }
 
+    /// Distance of a place (x, r) from the region, in cells.
+    pub fn cells_from(&self, slices: &Slices, place: DVec2) -> f64 {
+        let size = slices.cell_size();
+        let off = |&[x, r]: &[usize; 2]| ((slices.cell_middle(x, r) - place) / size).abs().max_element();
+        (self.cells.iter().map(off).fold(f64::INFINITY, f64::min) - 0.5).max(0.0)
+    }
+
     /// The (x, r) of at most `most` circles well inside, evenly picked.
     pub fn circles(&self, slices: &Slices, most: usize) -> Vec<DVec2> {
         let cells = self.inner_cells();
@@ -171,12 +207,6 @@ fn facing(slices: &Slices, circle: &DVec2) -> f64 {
     gaps.iter().take(8).map(of).sum::<f64>() / gaps.len().clamp(1, 8) as f64
 }
 
-/// Components of a direction along x, along the radius and around the axis at `theta`.
-fn cylindrical_components(d: DVec3, theta: f64) -> DVec3 {
-    let (s, c) = theta.sin_cos();
-    DVec3::new(d.x, -s * d.y + c * d.z, -c * d.y - s * d.z)
-}
-
 /// Whether the gap through the given (x, r) is closed above and below and much narrower there than between.
 fn is_round_hole(slices: &Slices, at: DVec2) -> bool {
     let Some(gap) = slices.gaps(at.x, at.y).first().copied() else { return false };
@@ -206,17 +236,17 @@ fn misses(slices: &Slices, circles: &[DVec2], Blades { count, kinds }: Blades, x
     let of_circle = |circle: &DVec2| {
         let gaps = slices.gaps(circle.x, circle.y);
         let mut misses = Vec::new();
-        if gaps.len() != count {
-            return misses;
-        }
+        let Some(slots) = slots(&gaps, count) else { return misses };
         for side in [|g: &Gap| g.low, |g: &Gap| g.high] {
-            let walls: Vec<_> = gaps.iter().map(side).collect();
-            let start = walls[0].theta;
-            let off: Vec<f64> =
-                walls.iter().enumerate().map(|(k, w)| wrap_angle(w.theta - start - k as f64 * pitch)).collect();
-            let mean = |kind: usize| median(&off.iter().skip(kind).step_by(kinds).copied().collect::<Vec<_>>());
-            let means: Vec<f64> = (0..kinds).map(mean).collect();
-            for ((wall, off), mean) in walls.iter().zip(&off).zip(means.iter().cycle()) {
+            let walls: Vec<_> = slots.iter().map(|(k, gap)| (*k, side(gap))).collect();
+            let (first, start) = (walls[0].0, walls[0].1.theta);
+            let turn = |k: usize| (k as f64 - first as f64) * pitch;
+            let off: Vec<f64> = walls.iter().map(|(k, w)| wrap_angle(w.theta - start - turn(*k))).collect();
+            let of_kind = |kind: usize| walls.iter().zip(&off).filter(move |((k, _), _)| k % kinds == kind);
+            let means: Vec<f64> =
+                (0..kinds).map(|kind| median(&of_kind(kind).map(|w| *w.1).collect::<Vec<_>>())).collect();
+            for ((k, wall), off) in walls.iter().zip(&off) {
+                let mean = means[k % kinds];
                 let p = Cylindrical { x: circle.x - x_mid, r: circle.y, theta: wall.theta }.point();
                 let n = slices.normal(wall.triangle);
                 let around = cylindrical_components(n, wall.theta).z;

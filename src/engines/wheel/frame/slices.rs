@@ -356,6 +356,12 @@ impl Slices {
     }
 }
 
+/// Components of a direction along x, along the radius and about the axis at `theta`.
+pub(crate) fn cylindrical_components(d: DVec3, theta: f64) -> DVec3 {
+    let (s, c) = theta.sin_cos();
+    DVec3::new(d.x, -s * d.y + c * d.z, -c * d.y - s * d.z)
+}
+
 /// Parameters at which the line from `p` to `q` enters and leaves the circle of radius `r` about the origin;
 /// always there when it is known to `cross` the circle between `p` and `q`.
 fn chord(p: DVec2, q: DVec2, r: f64, cross: bool) -> Option<(f64, f64)> {

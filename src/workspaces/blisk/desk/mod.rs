@@ -3,7 +3,9 @@
 
 pub mod kept_runs;
 pub mod machine_motion;
+pub mod picks;
 mod shown;
+mod surfaces;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -28,9 +30,11 @@ use feed::pose::Pose;
 use files::AnyDocument as _;
 use kept_runs::KeptRuns;
 use machine_motion::MachineMotion;
+use picks::Picking;
 use render::mesh::RenderMesh;
 use render::scene::SectionPlane;
 use shown::Stood;
+use surfaces::{Classed, classed};
 use task::{Lane, Memo, Priority, Refusal, Same, Scheduler, State};
 
 /// Position of the electrode that is shown.
@@ -66,6 +70,11 @@ pub struct BliskDesk {
     pub colours: bool,
     /// Whether the stock left on the surfaces of the channel is shown as colours.
     pub residual_stock: bool,
+    /// Whether the surfaces of the wheel are coloured by their classes.
+    pub surfaces: bool,
+    classed: Classed,
+    /// Points that are picked in the view.
+    pub picking: Picking,
     /// Clearance of the electrode at its vertices in a pose.
     coloured: Memo<ColourKey, Vec<f32>>,
     /// Swept volume of the electrode along a track.
@@ -125,6 +134,9 @@ impl BliskDesk {
             section: None,
             colours: false,
             residual_stock: false,
+            surfaces: false,
+            classed: classed(scheduler),
+            picking: Picking::default(),
             ghosts: Vec::new(),
             measuring: false,
             span: None,
@@ -148,12 +160,13 @@ impl BliskDesk {
         self.follow_bodies(cx);
         self.follow_colours();
         self.follow_swept(cx);
+        self.follow_surfaces(cx);
     }
 
     /// Whether any work waits or runs.
     pub fn is_busy(&self) -> bool {
         let shown = self.coloured.is_busy() || self.swept.is_busy() || self.bodies.is_busy();
-        shown || self.kept.is_busy() || self.work.is_busy() || self.work.is_looking()
+        shown || self.is_classing() || self.kept.is_busy() || self.work.is_busy() || self.work.is_looking()
     }
 
     /// Moves the cursor to the retract distance `s` (mm), or as far as there are poses.
@@ -330,7 +343,7 @@ impl Commanded for BliskDesk {
             return match command {
                 F::Undo => self.document.undo_label(false).is_some(),
                 F::Redo => self.document.undo_label(true).is_some(),
-                F::Cancel => self.work.is_busy(),
+                F::Cancel => self.work.is_busy() || self.picking().is_some(),
                 F::Export => self.work.released().is_some(),
                 F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode => !self.track().is_empty(),
                 _ => true,
@@ -345,6 +358,10 @@ impl Commanded for BliskDesk {
             BliskCommand::Keep => self.can_keep(),
             BliskCommand::Colours => self.work.state(Stage::Electrode) != State::Missing,
             BliskCommand::ResidualStock => self.residual_stock_shape().is_some(),
+            BliskCommand::Surfaces => self.work.state(Stage::Channel) == State::Ready,
+            BliskCommand::Pick(_) => self.work.part().is_some(),
+            BliskCommand::Unpick => self.picking().is_some_and(|of| !self.picked(of).is_empty()),
+            BliskCommand::ShowRefusal => self.refused_at().is_some(),
             BliskCommand::MillFlanks => {
                 self.work.state(Stage::Electrode) == State::Ready && self.shown_electrode().is_some()
             }

@@ -115,6 +115,18 @@ impl BliskDesk {
         about.bodies.0.iter().map(|body| MachineBody::standing(body, &station, simulation)).collect()
     }
 
+    /// The channel whose passage is drawn as lines: in the step Channel, unless that failed or they are hidden.
+    pub fn shown_passage(&self) -> Option<&Arc<FoundChannel>> {
+        let is_shown = self.step == Stage::Channel && self.layers.get(Layer::Passage).visible;
+        let failed = matches!(self.work.state(Stage::Channel), State::Failed(_));
+        self.work.channel().filter(|_| is_shown && !failed)
+    }
+
+    /// The place where the channel was refused, in the coordinates of the mesh (mm), in the step Channel.
+    pub fn refused_at(&self) -> Option<DVec3> {
+        self.work.refused_at().filter(|_| self.step == Stage::Channel)
+    }
+
     /// The pose that the electrode is shown in.
     pub(super) fn shown_pose(&self) -> Pose {
         let on_track = || self.track.at(self.cursor.s).filter(|_| self.is_live() || !self.is_tuning()).map(|s| s.pose);

@@ -116,12 +116,14 @@ mod tests {
 
     use super::*;
     use crate::workspaces::blisk::document::choice::Channels;
+    use wheel::channel::{Difference, Unlike};
     use wheel::fixtures::exact_channel;
     use wheel::parametric::ParametricBlisk;
 
     #[test]
     fn a_channel_that_is_not_like_the_planned_one_is_not_burnt_by_its_plan() {
-        let channel = Channel { unlike: vec![5], ..exact_channel(&ParametricBlisk::default()) };
+        let unlike = vec![Unlike { number: 5, difference: Difference::Tips }];
+        let channel = Channel { unlike, ..exact_channel(&ParametricBlisk::default()) };
         let burnt = |channels: Channels| {
             let mut job = PlanJob::for_mesh(Path::new("part.stl"));
             job.export.channels = channels;

@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use super::plan::{nearer_first, sides_of};
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
@@ -16,8 +18,7 @@ use task::Task;
 use wheel::centreline::{Centreline, CentrelineError};
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, EntrySide, from_user_mesh, make_electrodes};
-use wheel::error::BliskError;
-use wheel::find_channel::find_channel;
+use wheel::find_channel::find_or_refuse;
 use wheel::parametric::{MeshResolution, ParametricBlisk};
 
 /// The meshes of a job as loaded.
@@ -150,11 +151,11 @@ pub fn input_file(role: &str, path: &Path, imported: &Imported) -> InputFile {
 /// Points of the centreline as it is drawn.
 const LINE_POINTS: usize = 200;
 
-/// Finds the channel.
+/// Finds the channel. Where it is refused, `refused_at` is told the place, in the coordinates of the loaded mesh.
 ///
 /// # Errors
 /// One line for the user: what could not be found and how to give it by hand.
-pub fn channel(part: &Part, job: &PlanJob, task: &Task) -> Result<FoundChannel, String> {
+pub fn channel(part: &Part, job: &PlanJob, refused_at: &dyn Fn(DVec3), task: &Task) -> Result<FoundChannel, String> {
     if let Some(report) = part.report.as_ref().filter(|r| !r.watertight) {
         return Err(format!(
             "the surface is not closed ({} holes, {} edges of more than two triangles), so it has no inside and \
@@ -163,8 +164,10 @@ pub fn channel(part: &Part, job: &PlanJob, task: &Task) -> Result<FoundChannel, 
         ));
     }
     job.blisk.options.validate()?;
-    let text = |e: BliskError| FIELDS.labelled(&e);
-    let channel = find_channel(&part.mesh, &job.blisk.options, task).map_err(text)?;
+    let channel = find_or_refuse(&part.mesh, &job.blisk.options, task).map_err(|refused| {
+        refused.at.into_iter().for_each(refused_at);
+        FIELDS.labelled(&refused)
+    })?;
     let blisk = channel.wheel_in_w(&part.mesh);
     let exact = ExactMesh::new(&blisk).map_err(|e| e.to_string())?;
     let mut shapes = channel_shapes(&blisk, &channel);

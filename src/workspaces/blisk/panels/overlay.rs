@@ -8,15 +8,17 @@ use egui::{Color32, FontId, Rect, RichText, Role, Sense, Ui, UiBuilder, WidgetIn
 use glam::DVec3;
 
 use super::view::{BliskView, Probe};
-use crate::widgets::overlay::{caption, gizmo, legend};
-use crate::widgets::panel_parts::sentence;
-use crate::widgets::theme::palette;
+use crate::widgets::overlay::{callout, caption, gizmo, legend, swatches};
+use crate::widgets::panel_parts::{grouped, sentence};
+use crate::widgets::theme::{color32, palette};
 use crate::widgets::viewport::Viewport;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::stage::Stage;
+use crate::workspaces::blisk::scene::surfaces::{SurfaceMap, class_colour};
 use feed::simulation::Simulation;
 use render::scene::SectionPlane;
 use task::State;
+use wheel::surfaces::ClassArea;
 
 /// Draws all of it.
 pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, cx: &mut Context, view: &mut BliskView) {
@@ -27,15 +29,22 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, cx: &mut Context, vie
         ("Section", BliskCommand::Section.command(), desk.section.is_some()),
         ("Measure", BliskCommand::Measure.command(), desk.measuring),
         ("Clearance", BliskCommand::Colours.command(), desk.colours),
+        ("Surfaces", BliskCommand::Surfaces.command(), desk.surfaces),
     ]);
+    super::entry_arrows::show(ui, rect, desk, &view.viewport);
     cx.view_buttons(ui, rect, desk, &views);
     gizmo(ui, rect, &mut view.viewport);
     if desk.section.is_some() {
         section(ui, rect, desk);
         section_handle(ui, rect, desk, &view.viewport);
     }
+    refusal(ui, rect, desk, &view.viewport);
     // Where there is no room for both, the status bar still says it.
-    if desk.section.is_none() || rect.height() > 300.0 {
+    if let Some(of) = desk.picking() {
+        let above = if desk.section.is_some() { 50.0 } else { 10.0 };
+        let text = format!("{} Backspace removes the last point, Esc ends.", of.asks());
+        caption(ui, rect, above, palette(ui).accent, &text);
+    } else if desk.section.is_none() || rect.height() > 300.0 {
         verdict(ui, rect, desk);
     }
     measured(ui, rect, view, cx);
@@ -43,7 +52,33 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, cx: &mut Context, vie
         legend(ui, rect, &shown);
     } else if desk.colour_values().is_some() {
         legend(ui, rect, &desk.colour_legend());
+    } else if let Some(map) = desk.surface_map().cloned() {
+        surfaces(ui, rect, &map);
     }
+}
+
+/// The place where the channel was refused.
+fn refusal(ui: &mut Ui, rect: Rect, desk: &BliskDesk, viewport: &Viewport) {
+    let Some(at) = desk.refused_at().and_then(|at| viewport.seen_at(ui, rect, at)) else { return };
+    if rect.shrink(12.0).contains(at) {
+        callout(ui, rect, at, palette(ui).bad, "Refused here");
+    }
+}
+
+/// The classes of surfaces with their colours and areas, and the radii of fillets.
+fn surfaces(ui: &mut Ui, rect: Rect, map: &SurfaceMap) {
+    let entry = |area: &ClassArea| {
+        (
+            color32(class_colour(area.class)),
+            sentence(&area.name),
+            format!("{} mm²", grouped(area.area_mm2.round() as usize)),
+        )
+    };
+    let entries: Vec<_> = map.areas.iter().map(entry).collect();
+    let radii = [("hub", map.fillets_mm[0]), ("shroud", map.fillets_mm[1])];
+    let radius = |(at, radius): (&str, Option<f64>)| Some(format!("Fillets at the {at}: radius {:.2} mm", radius?));
+    let notes: Vec<String> = radii.into_iter().filter_map(radius).collect();
+    swatches(ui, rect, &entries, &notes);
 }
 
 /// Position and direction of the section.

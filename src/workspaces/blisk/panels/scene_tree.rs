@@ -23,6 +23,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
             row(ui, desk, layer);
         }
     }
+    super::channel_kinds::show(ui, desk);
 }
 
 /// Whether there is anything in the layer yet.
@@ -31,6 +32,7 @@ fn exists(desk: &BliskDesk, layer: Layer) -> bool {
         Layer::Blisk | Layer::Grid => desk.work.part().is_some(),
         Layer::Unshrouded | Layer::LowWall | Layer::HighWall => desk.work.channel().is_some(),
         Layer::Centreline => desk.work.channel().is_some_and(|found| found.centreline.is_some()),
+        Layer::Passage => desk.step == Stage::Channel && desk.work.channel().is_some(),
         Layer::Machine => !desk.machine_bodies().is_empty(),
         Layer::Electrode => desk.work.electrodes().is_some(),
         Layer::Ghosts | Layer::Sweep | Layer::Paths => !desk.track().is_empty(),

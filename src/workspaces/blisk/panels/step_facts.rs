@@ -64,6 +64,7 @@ fn part(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
 }
 
 fn channel(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
+    super::picks::show(ui, desk, cx);
     let Some(found) = desk.work.channel().cloned() else { return };
     if matches!(desk.work.state(Stage::Channel), State::Failed(_)) {
         return;
@@ -84,6 +85,7 @@ fn channel(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     fact(ui, "Blades along X", length.show(high - low, 2));
     let agreement = channel.agreement.iter().map(|a| a.share).fold(1.0, f64::min);
     fact(ui, "Agrees with the mesh", format!("{:.1} % at least", 100.0 * agreement));
+    super::meridian::show(ui, channel);
     for assumed in &channel.assumed {
         notice(ui, palette(ui).faint, assumed);
     }

@@ -34,6 +34,10 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) -> Option<Reque
             && !forms::has_problem(desk, desk.step)
         {
             notice(ui, palette(ui).bad, &why);
+            if desk.refused_at().is_some() {
+                cx.button(ui, desk, BliskCommand::ShowRefusal, "Show the place", false);
+                ui.add_space(4.0);
+            }
         }
         if desk.work.state(desk.step) == State::Stale {
             notice(ui, palette(ui).warning, stale_text(desk.step));

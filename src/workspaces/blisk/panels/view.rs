@@ -7,16 +7,18 @@ use glam::DVec3;
 
 use crate::widgets::camera::into_channel;
 use crate::widgets::overlay;
-use crate::widgets::theme::palette;
+use crate::widgets::theme::{BAD, palette};
 use crate::widgets::viewport::{Moves, Viewport};
 use crate::workspaces::blisk::desk::BliskDesk;
+use crate::workspaces::blisk::desk::picks::Picked;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::scene::{Layer, Layers, SceneInputs, build, layer_of};
 use crate::workspaces::context::Context;
 use feed::pose::Pose;
+use geometry::mesh::Bounds;
 use render::colour::Theme;
 use render::pick::Pick;
-use render::scene::{LineSet, Marker, Scene, SectionPlane};
+use render::scene::{LineSet, Marker, ObjectId, Scene, SectionPlane};
 use task::State;
 use wheel::electrode::EntrySide;
 
@@ -40,6 +42,9 @@ pub enum Probe {
         to: DVec3,
     },
 }
+
+/// Half of the edge of the box around a place that is flown to, as a share of the part's diagonal.
+const NEARBY: f64 = 0.05;
 
 /// State of the view.
 #[derive(Default)]
@@ -69,6 +74,11 @@ struct SceneKey {
     trouble: Option<[DVec3; 2]>,
     probe: Option<Probe>,
     first_point: Option<DVec3>,
+    passage: bool,
+    surfaces: usize,
+    picking: Option<Picked>,
+    picked: [Vec<DVec3>; 4],
+    refused_at: Option<DVec3>,
 }
 
 impl BliskView {
@@ -93,8 +103,15 @@ impl BliskView {
         let fitted_to = desk.work.part().map_or(0, |part| Arc::as_ptr(part) as usize);
         let navigation = cx.preferences.navigation;
         let (rect, clicked) = self.viewport.show(ui, navigation, &self.scene, (fitted_to, moves));
+        if desk.picking().is_some() && ui.rect_contains_pointer(rect) {
+            ui.ctx().set_cursor_icon(egui::CursorIcon::Crosshair);
+        }
         if let Some(picked) = clicked {
-            self.click(desk, picked);
+            if desk.picking().is_some() {
+                pick(desk, cx, picked);
+            } else {
+                self.click(desk, picked);
+            }
             // What was clicked is marked in the next frame.
             ui.ctx().request_repaint();
         }
@@ -131,6 +148,13 @@ impl BliskView {
         let side = electrode.map_or(EntrySide::MinusX, |e| e.enters_from);
         let camera = into_channel(&found.channel, side, *self.viewport.camera().0, self.viewport.aspect());
         self.viewport.fly_onto(camera, now);
+    }
+
+    /// Moves the camera to the place where the channel was refused.
+    pub fn fly_to_refusal(&mut self, desk: &BliskDesk, now: f64) {
+        let (Some(at), Some(part)) = (desk.refused_at(), desk.work.part()) else { return };
+        let reach = DVec3::splat(NEARBY * part.shape.bounds().size().length());
+        self.viewport.fly_into(&Bounds { min: at - reach, max: at + reach }, now);
     }
 
     /// Makes the scene again if anything it depends on has changed.
@@ -175,6 +199,15 @@ impl BliskView {
             trouble: desk.trouble().map(|trouble| trouble.points),
             probe: self.probe.clone(),
             first_point: self.first_point,
+            passage: desk.shown_passage().is_some(),
+            surfaces: address(desk.surface_map()),
+            picking: desk.picking(),
+            picked: if desk.step == Stage::Channel {
+                Picked::ALL.map(|of| desk.picked(of))
+            } else {
+                Default::default()
+            },
+            refused_at: desk.refused_at(),
         }
     }
 
@@ -198,6 +231,20 @@ impl BliskView {
     }
 }
 
+/// Whether the object is the wheel, with or without its shroud.
+fn is_wheel(object: ObjectId) -> bool {
+    matches!(layer_of(object), Some(Layer::Blisk | Layer::Unshrouded))
+}
+
+/// Takes the point that was clicked as a picked one.
+fn pick(desk: &mut BliskDesk, cx: &mut Context, picked: Option<Pick>) {
+    // The cut of a section is no surface of the wheel.
+    match picked.filter(|picked| picked.triangle.is_some() && is_wheel(picked.object)) {
+        Some(picked) => desk.add_picked(picked.point),
+        None => cx.say_in_passing("Click on a surface of the wheel.".to_owned()),
+    }
+}
+
 /// The scene of the present state.
 pub fn scene(desk: &BliskDesk, theme: Theme) -> Scene {
     let p = &desk.work;
@@ -205,7 +252,7 @@ pub fn scene(desk: &BliskDesk, theme: Theme) -> Scene {
     let values = desk.colour_values();
     let residual_stock = desk.residual_stock_values();
     let track = desk.shared_track();
-    build(&SceneInputs {
+    let mut scene = build(&SceneInputs {
         blisk: p.part().map(|part| &part.shape),
         channel: p.channel().map(|f| (&*f.channel, &f.shapes)),
         electrode: desk.shown_electrode(),
@@ -224,7 +271,21 @@ pub fn scene(desk: &BliskDesk, theme: Theme) -> Scene {
         section: desk.section,
         theme,
         triad: false,
-    })
+    });
+    if let Some(found) = desk.shown_passage() {
+        let place = |p| found.channel.frame.to_parent(p);
+        scene.lines.extend(found.shapes.passage.drawn(place));
+    }
+    if let Some(map) = desk.surface_map() {
+        map.colour(&mut scene);
+    }
+    if desk.picking().is_some() {
+        // Only the wheel can be picked, whatever stands before it.
+        scene.objects.retain(|object| is_wheel(object.id));
+    }
+    scene.markers.extend(desk.picked_markers());
+    scene.markers.extend(desk.refused_at().map(|at| Marker { at, colour: BAD, radius_px: 6.0 }));
+    scene
 }
 
 fn empty(ui: &Ui, rect: Rect, state: &State) {

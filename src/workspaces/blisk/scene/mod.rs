@@ -2,9 +2,11 @@
 
 pub mod caps;
 pub mod machine;
+pub mod passage;
 pub mod pictures;
 pub mod residual_stock;
 pub mod shapes;
+pub mod surfaces;
 pub mod sweep;
 pub mod track;
 
@@ -12,7 +14,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::widgets::theme::{BAD, COPPER, GHOST, HIGH, LOW, MACHINE, STEEL};
+use crate::widgets::theme::{BAD, COPPER, GHOST, HIGH, LOW, MACHINE, PASSAGE, STEEL};
 use crate::workspaces::blisk::scene::machine::MachineBody;
 use crate::workspaces::blisk::scene::shapes::ChannelShapes;
 use crate::workspaces::blisk::scene::track::{Station, Track};
@@ -45,6 +47,8 @@ pub enum Layer {
     Paths,
     /// The centreline of the channel.
     Centreline,
+    /// Hub and shroud curves, stations, inlet and outlet of the channel.
+    Passage,
     /// Where the electrode comes closest, or jams.
     Contact,
     /// Head, holder, table and bed.
@@ -55,7 +59,7 @@ pub enum Layer {
 
 impl Layer {
     /// Every layer, in the order of the scene tree.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Blisk,
         Self::Unshrouded,
         Self::LowWall,
@@ -65,6 +69,7 @@ impl Layer {
         Self::Sweep,
         Self::Paths,
         Self::Centreline,
+        Self::Passage,
         Self::Contact,
         Self::Machine,
         Self::Grid,
@@ -82,6 +87,7 @@ impl Layer {
             Self::Sweep => "Swept volume",
             Self::Paths => "Point paths",
             Self::Centreline => "Centreline",
+            Self::Passage => "Passage",
             Self::Contact => "Contact",
             Self::Machine => "Machine",
             Self::Grid => "Grid",
@@ -90,7 +96,7 @@ impl Layer {
 
     /// Whether the layer consists of bodies, which have a colour and an opacity.
     pub fn is_body(self) -> bool {
-        !matches!(self, Self::Paths | Self::Centreline | Self::Contact | Self::Grid)
+        !matches!(self, Self::Paths | Self::Centreline | Self::Passage | Self::Contact | Self::Grid)
     }
 }
 
@@ -122,6 +128,7 @@ impl Default for Layers {
             look(false, 0.5, GHOST),
             look(true, 1.0, COPPER),
             look(false, 1.0, GHOST),
+            look(true, 1.0, PASSAGE),
             look(true, 1.0, BAD),
             look(true, 0.55, MACHINE),
             look(true, 1.0, STEEL),
@@ -352,7 +359,13 @@ mod tests {
         let channel = exact_channel(&ParametricBlisk::demonstration());
         let empty = || Arc::new(RenderMesh::new(&Mesh { vertices: Vec::new(), triangles: Vec::new() }));
         let points = vec![DVec3::new(1.0, 2.0, 100.0), DVec3::new(9.0, 0.0, 101.0)];
-        let shapes = ChannelShapes { low: empty(), high: empty(), unshrouded: empty(), centreline: points.clone() };
+        let shapes = ChannelShapes {
+            low: empty(),
+            high: empty(),
+            unshrouded: empty(),
+            centreline: points.clone(),
+            passage: Default::default(),
+        };
         let mut layers = Layers::default();
         let lines = |layers: &Layers| {
             let inputs = SceneInputs {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 
 use super::caps::close_holes;
+use super::passage::PassageLines;
 use feed::pose::Pose;
 use geometry::exact::ExactMesh;
 use geometry::frame::Cylindrical;
@@ -27,6 +28,8 @@ pub struct ChannelShapes {
     pub unshrouded: Arc<RenderMesh>,
     /// Points along the channel's centreline, in W; none where it was not looked for or not found.
     pub centreline: Vec<DVec3>,
+    /// The passage as lines.
+    pub passage: PassageLines,
 }
 
 /// The shapes of `channel` in `blisk`, which is in W, without its centreline.
@@ -36,6 +39,7 @@ pub fn channel_shapes(blisk: &Mesh, channel: &Channel) -> ChannelShapes {
         high: Arc::new(RenderMesh::new(&wall_mesh(&channel.high, false))),
         unshrouded: Arc::new(RenderMesh::new(&unshrouded(blisk, channel))),
         centreline: Vec::new(),
+        passage: PassageLines::new(channel),
     }
 }
 
@@ -48,8 +52,8 @@ fn wall_mesh(wall: &ChannelWall, is_low: bool) -> Mesh {
     Mesh { triangles: triangles.collect(), vertices: wall.points.clone() }
 }
 
-/// The blisk without its shroud, its blades with flat tips.
-fn unshrouded(blisk: &Mesh, channel: &Channel) -> Mesh {
+/// Which triangles of `blisk`, which is in W, belong to its shroud; none without one.
+pub(super) fn shroud_triangles(blisk: &Mesh, channel: &Channel) -> Vec<bool> {
     let at_shroud = |p: DVec3| {
         let place = Cylindrical::from_point(p);
         channel.below_shroud(DVec2::new(place.x, place.r)) < 0.05
@@ -60,7 +64,14 @@ fn unshrouded(blisk: &Mesh, channel: &Channel) -> Mesh {
         let [a, b, c] = triangle.map(|v| blisk.vertices[v as usize]);
         triangle.iter().all(|v| corners[*v as usize]) || (channel.shrouded && at_shroud((a + b + c) / 3.0))
     };
-    let triangles = blisk.triangles.par_iter().filter(|triangle| !is_shroud(triangle)).copied().collect();
+    blisk.triangles.par_iter().map(is_shroud).collect()
+}
+
+/// The blisk without its shroud, its blades with flat tips.
+fn unshrouded(blisk: &Mesh, channel: &Channel) -> Mesh {
+    let is_shroud = shroud_triangles(blisk, channel);
+    let kept = blisk.triangles.iter().zip(is_shroud).filter(|(_, is_shroud)| !is_shroud);
+    let triangles = kept.map(|(triangle, _)| *triangle).collect();
     let mut bare = Mesh { vertices: blisk.vertices.clone(), triangles }.compacted();
     if channel.shrouded {
         close_holes(&mut bare);

@@ -9,6 +9,8 @@ mod tests;
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use crate::workspaces::blisk::document::Document;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
@@ -72,7 +74,8 @@ enum Wish {
 pub struct BliskWork {
     /// Meshes and plans are large: of each a few are remembered, so that undo is instant.
     part: Memo<Fingerprint, Part>,
-    channel: Memo<Fingerprint, FoundChannel>,
+    /// What is known of a channel that was refused is its place, in the coordinates of the mesh.
+    channel: Memo<Fingerprint, FoundChannel, DVec3>,
     electrodes: Memo<Fingerprint, Electrodes>,
     /// The blisk made ready for planning with a size of cells (mm). Two would take twice the memory.
     prepared: Memo<(Same<FoundChannel>, f64), PreparedBlisk>,
@@ -235,7 +238,9 @@ impl BliskWork {
         self.part.ask(&now.part, priority, move |work| stages::load(&job, &work.task));
         let Some(part) = self.part.get(&now.part) else { return };
         let (job, of) = (now.job.clone(), part.clone());
-        self.channel.ask(&now.channel, priority, move |work| stages::channel(&of, &job, &work.task));
+        self.channel.ask(&now.channel, priority, move |work| {
+            stages::channel(&of, &job, &|place| work.partial(place), &work.task)
+        });
         let Some(found) = self.channel.get(&now.channel) else { return };
         let (job, part, found) = (now.job.clone(), part.clone(), found.clone());
         self.electrodes.ask(&now.electrode, priority, move |work| stages::electrodes(&part, &found, &job, &work.task));
@@ -450,6 +455,12 @@ impl BliskWork {
     /// The channel, current or not.
     pub fn channel(&self) -> Option<&Arc<FoundChannel>> {
         self.channel.last().map(|(_, found)| found)
+    }
+
+    /// The place where the channel of the present parameters was refused, in the coordinates of the mesh (mm).
+    pub fn refused_at(&self) -> Option<DVec3> {
+        let now = &self.now.as_ref()?.channel;
+        self.channel.partial(now).copied().filter(|_| matches!(self.channel.state(now), State::Failed(_)))
     }
 
     /// The electrodes, current or not.

@@ -115,6 +115,25 @@ const GROUPS: &[Group] = &[
     },
     Group {
         section: "Channel",
+        name: "By hand",
+        is_folded: true,
+        fields: &[
+            Field::points("blisk.hub_points_mm", "Points on hub", "mm", -1e6, 1e6).help(
+                "At least two points on the hub, in any order and at any angle about the axis, in the coordinates of \
+                 the mesh. They tell which surface is the hub; it is measured beside the curve through them.",
+            ),
+            Field::points("blisk.shroud_points_mm", "Points on shroud", "mm", -1e6, 1e6).help(
+                "At least two points on the shroud, or on the blade tips of a wheel without one, in the coordinates of \
+                 the mesh.",
+            ),
+            Field::points("blisk.blade_points_mm", "Points on blades", "mm", -1e6, 1e6).help(
+                "Points on walls of blades, in the coordinates of the mesh. They tell where the blades are; the wall \
+                 of the first one bounds channel 0.",
+            ),
+        ],
+    },
+    Group {
+        section: "Channel",
         name: "Wall grid",
         is_folded: true,
         fields: &[

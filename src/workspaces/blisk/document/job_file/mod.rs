@@ -72,6 +72,9 @@ struct BliskKeys {
     channel: usize,
     hub_radius_mm: Auto<f64>,
     shroud_radius_mm: Auto<f64>,
+    hub_points_mm: Vec<[f64; 3]>,
+    shroud_points_mm: Vec<[f64; 3]>,
+    blade_points_mm: Vec<[f64; 3]>,
     wall_points_chord: usize,
     wall_points_span: usize,
 }
@@ -87,6 +90,9 @@ impl Default for BliskKeys {
             channel: options.channel,
             hub_radius_mm: options.hub_radius_mm,
             shroud_radius_mm: options.shroud_radius_mm,
+            hub_points_mm: options.hub_points_mm,
+            shroud_points_mm: options.shroud_points_mm,
+            blade_points_mm: options.blade_points_mm,
             wall_points_chord: options.wall_points_chord,
             wall_points_span: options.wall_points_span,
         }
@@ -101,6 +107,9 @@ impl From<BliskKeys> for BliskSection {
             channel: keys.channel,
             hub_radius_mm: keys.hub_radius_mm,
             shroud_radius_mm: keys.shroud_radius_mm,
+            hub_points_mm: keys.hub_points_mm,
+            shroud_points_mm: keys.shroud_points_mm,
+            blade_points_mm: keys.blade_points_mm,
             wall_points_chord: keys.wall_points_chord,
             wall_points_span: keys.wall_points_span,
         };

@@ -1,0 +1,247 @@
+//! What is given by hand: points on hub, shroud and blades.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DVec2, DVec3};
+
+use super::super::by_hand::nearest;
+use super::tests::{find, found};
+use super::*;
+use crate::fixtures::TestBlisk;
+use crate::options::{Auto, AxisChoice, AxisLine};
+use crate::parametric::wheel::{Flaws, MeridianCurve, ParametricWheel};
+use geometry::frame::{Cylindrical, wrap_angle};
+
+/// Points on a curve of a wheel at so many shares of the passage, each at another angle, in no order.
+fn on_curve(curve: &MeridianCurve, shares: &[f64]) -> Vec<[f64; 3]> {
+    let point = |(i, share): (usize, &f64)| {
+        let at = curve.at(*share);
+        Cylindrical { x: at.x, r: at.y, theta: 2.4 * i as f64 }.point().into()
+    };
+    shares.iter().enumerate().map(point).collect()
+}
+
+/// The point on the low wall of the passage above blade `k`.
+fn on_blade(part: &ParametricWheel, k: usize, along: f64, height: f64) -> [f64; 3] {
+    let place = part.place(along, height);
+    let [theta, _] = part.walls(k, along, height).unwrap();
+    Cylindrical { x: place.x, r: place.y, theta }.point().into()
+}
+
+/// Pieces about the axis, along the passage and across it: enough for chords of 0.03 mm.
+const PIECES: [usize; 3] = [160, 48, 6];
+
+fn ring() -> ParametricWheel {
+    ParametricWheel { pieces: PIECES, ..ParametricWheel::nozzle_ring() }
+}
+
+fn impeller() -> ParametricWheel {
+    ParametricWheel { pieces: PIECES, ..ParametricWheel::impeller() }
+}
+
+fn axial() -> ParametricWheel {
+    let line = |r: f64| MeridianCurve::line(DVec2::new(0.0, r), DVec2::new(24.0, r + 2.0));
+    ParametricWheel { blades: 24, hub: line(50.0), shroud: line(62.0), ..ring() }
+}
+
+/// Greatest distance of a channel's hub and shroud from the curves of its part, beside the blades (mm).
+fn off_curves(part: &ParametricWheel, channel: &Channel) -> f64 {
+    let polygon = |curve: &MeridianCurve| -> Vec<DVec2> { (0..=800).map(|i| curve.at(f64::from(i) / 800.0)).collect() };
+    let (hub, shroud) = (polygon(&part.hub), polygon(&part.shroud));
+    let [first, last] = channel.span_along();
+    let inner = channel.meridian.iter().filter(|s| (first + 1.0..last - 1.0).contains(&s.along));
+    inner.map(|s| nearest(&hub, s.hub).1.max(nearest(&shroud, s.shroud).1)).fold(0.0, f64::max)
+}
+
+const SHARES: [f64; 5] = [0.5, 0.05, 0.97, 0.25, 0.75];
+/// What chords about the axis and along the curves may make of hub and shroud (mm).
+const MOST_OFF: f64 = 0.05;
+
+#[test]
+fn points_on_hub_and_shroud_alone_give_the_passage() {
+    let open = ParametricWheel { shrouded: false, ..impeller() };
+    for part in [ring(), impeller(), open, axial()] {
+        let mesh = part.mesh();
+        let base = found(&mesh);
+        let points = |curve| on_curve(curve, &SHARES);
+        let (hub_points_mm, shroud_points_mm) = (points(&part.hub), points(&part.shroud));
+        let both = BliskOptions { hub_points_mm, shroud_points_mm, ..BliskOptions::default() };
+        let channel = find(&mesh, &both).unwrap();
+        assert_eq!((channel.flow, channel.shrouded, channel.blades), (base.flow, base.shrouded, base.blades));
+        assert!((channel.throat.width_mm - base.throat.width_mm).abs() < 0.02, "{:?}", channel.throat);
+        // Chords along the curves and about the axis.
+        let off = off_curves(&part, &channel);
+        assert!(off < MOST_OFF, "{:?}: {off}", channel.flow);
+        assert!(channel.assumed.iter().any(|a| a.contains("5 on the hub, 5 on the shroud")), "{:?}", channel.assumed);
+        // One of the two is enough, too.
+        for one in [
+            BliskOptions { shroud_points_mm: Vec::new(), ..both.clone() },
+            BliskOptions { hub_points_mm: Vec::new(), ..both.clone() },
+        ] {
+            let channel = find(&mesh, &one).unwrap();
+            assert_eq!((channel.flow, channel.shrouded), (base.flow, base.shrouded));
+            assert!(off_curves(&part, &channel) < MOST_OFF);
+        }
+    }
+}
+
+/// The lines across a passage of which nothing else is known than points on one of its walls.
+#[test]
+fn points_on_one_wall_give_the_lines_across_a_passage() {
+    let open = ParametricWheel { shrouded: false, ..impeller() };
+    for (part, end) in [(impeller(), 0), (impeller(), 1), (open, 0)] {
+        let slices = Slices::new(part.mesh());
+        let points = on_curve([&part.hub, &part.shroud][end], &SHARES);
+        let mut options = BliskOptions::default();
+        *[&mut options.hub_points_mm, &mut options.shroud_points_mm][end] = points;
+        let by_hand = ByHand::new(&options, &Frame::IDENTITY);
+        let cancel = Cancel::default();
+        let tracer =
+            Tracer { slices: &slices, pitch: part.pitch(), options: &options, by_hand: &by_hand, cancel: &cancel };
+        let at = part.place(0.4, 0.4);
+        let gap = slices.gaps(at.x, at.y)[2];
+        let lines = tracer.lines_by_hand(Place { along: 0.0, x: at.x, r: at.y, gap }, None).unwrap().unwrap();
+        assert_eq!(lines.shrouded, part.shrouded);
+        let center = DVec2::new(-30.0, 70.0);
+        assert!(lines.lines.len() > 40, "{}", lines.lines.len());
+        for [hub, shroud] in &lines.lines {
+            let off = [hub.distance(center) - 50.0, shroud.distance(center) - 34.0];
+            // A cubic curve through five points of a quarter circle, and steps of the search for the tips.
+            let most = if part.shrouded { [0.1; 2] } else { [0.1, 0.6] };
+            assert!(off[0].abs() < most[0] && off[1].abs() < most[1], "{off:?}");
+        }
+    }
+}
+
+#[test]
+fn the_hub_is_the_wall_that_its_points_lie_on() {
+    let part = ring();
+    let options = BliskOptions { hub_points_mm: on_curve(&part.shroud, &SHARES), ..BliskOptions::default() };
+    let channel = find(&part.mesh(), &options).unwrap();
+    for s in &channel.meridian {
+        assert!((s.hub.x - 12.0).abs() < 1e-6 && s.shroud.x.abs() < 1e-6, "{s:?}");
+    }
+    assert!(channel.agreement.iter().all(|a| a.share == 1.0), "{:?}", channel.agreement);
+}
+
+#[test]
+fn the_first_point_on_a_blade_picks_the_passage() {
+    let part = impeller();
+    let mesh = part.mesh();
+    // Near the inlet, where the passage is a long way round from its middle.
+    for k in [0, 7] {
+        for (height, other) in [(0.5, 0.6), (0.2, 0.9)] {
+            let points = vec![on_blade(&part, k, 0.15, height), on_blade(&part, (k + 2) % 9, other, height)];
+            let options = BliskOptions { blade_points_mm: points, ..BliskOptions::default() };
+            let channel = find(&mesh, &options).unwrap();
+            let (u, v) = (40, 12);
+            let [low, high] = [&channel.low, &channel.high]
+                .map(|wall| Cylindrical::from_point(channel.frame.to_parent(wall.point(u, v))));
+            let along = (low.x + 30.0).atan2(70.0 - low.r) / (0.5 * PI);
+            let [theta, next] = part.walls(k, along, 0.5).unwrap();
+            assert!(wrap_angle(low.theta - theta).abs() < 0.02, "{k}: {} {theta}", low.theta);
+            assert!(wrap_angle(high.theta - next).abs() < 0.02, "{k}: {} {next}", high.theta);
+        }
+    }
+}
+
+#[test]
+fn a_wheel_that_lacks_a_blade_is_found_by_its_blade_count() {
+    for part in [ring(), impeller(), axial()] {
+        let flaws = Flaws { missing_blade: Some(4), ..Flaws::default() };
+        let mesh = ParametricWheel { flaws, ..part.clone() }.mesh();
+        assert!(find(&mesh, &BliskOptions::default()).is_err());
+        let points = vec![on_blade(&part, 1, 0.5, 0.5)];
+        let blades = Auto::Given(part.blades);
+        let options = BliskOptions { blades, blade_points_mm: points, ..BliskOptions::default() };
+        let channel = find(&mesh, &options).unwrap();
+        assert_eq!((channel.blades, channel.kinds), (part.blades, 1));
+        // Blade 4 would bound the passages above blades 3 and 4; the picked one is above blade 1.
+        let unlike: Vec<usize> = channel.unlike.clone();
+        assert_eq!(unlike, [2, 3], "{:?}", channel.assumed);
+        assert!(off_curves(&part, &channel) < MOST_OFF);
+    }
+}
+
+#[test]
+fn under_half_a_shroud_a_passage_is_picked() {
+    for part in [ring(), impeller(), axial()] {
+        let flaws = Flaws { missing_shroud: 0.5, ..Flaws::default() };
+        let mesh = ParametricWheel { flaws, ..part.clone() }.mesh();
+        // The shroud stands from theta 0 to half a turn.
+        let at = |turn: f64| {
+            let blade = (0..part.blades).min_by(|a, b| {
+                let off = |k: usize| wrap_angle(part.walls(k, 0.5, 0.5).unwrap()[0] - turn).abs();
+                off(*a).total_cmp(&off(*b))
+            });
+            let points = vec![on_blade(&part, blade.unwrap(), 0.5, 0.5)];
+            find(&mesh, &BliskOptions { blade_points_mm: points, ..BliskOptions::default() })
+        };
+        let covered = at(0.25 * TAU).unwrap();
+        assert!(covered.shrouded && off_curves(&part, &covered) < MOST_OFF);
+        let open = at(0.75 * TAU).unwrap();
+        assert!(!open.shrouded && open.unlike.len() >= part.blades / 3, "{:?}", open.unlike);
+        // Where the shroud ends the passage is neither.
+        for turn in [0.0, 0.5 * TAU] {
+            if let Ok(channel) = at(turn) {
+                let width = covered.throat.width_mm;
+                assert!((channel.throat.width_mm - width).abs() < 0.1 * width, "{} {width}", channel.throat.width_mm);
+            }
+        }
+    }
+}
+
+#[test]
+fn about_the_right_axis_given_by_hand_the_wheel_is_right() {
+    let part = impeller();
+    let mesh = part.mesh();
+    let about = |direction: [f64; 3]| {
+        let axis = AxisChoice::Line(AxisLine { direction, point: [0.0; 3] });
+        find(&mesh, &BliskOptions { axis, ..BliskOptions::default() })
+    };
+    let (sin, cos) = 2.0_f64.to_radians().sin_cos();
+    let wrong = about([cos, sin, 0.0]).unwrap_err().to_string();
+    assert!(wrong.contains("blisk.axis"), "{wrong}");
+    assert!(off_curves(&part, &about([1.0, 0.0, 0.0]).unwrap()) < MOST_OFF);
+}
+
+#[test]
+fn points_that_do_not_lie_where_they_should_are_refused_by_key_and_number() {
+    let part = impeller();
+    let mesh = part.mesh();
+    let refused = |options: BliskOptions| find(&mesh, &options).unwrap_err().to_string();
+    let mut hub_points_mm = on_curve(&part.hub, &SHARES);
+    // Two millimetres further out from the axis.
+    let r = hub_points_mm[3][1].hypot(hub_points_mm[3][2]);
+    (1..3).for_each(|i| hub_points_mm[3][i] *= (r + 2.0) / r);
+    let message = refused(BliskOptions { hub_points_mm, ..BliskOptions::default() });
+    assert!(message.contains("point 4 of blisk.hub_points_mm") && message.contains("mm off the hub"), "{message}");
+
+    let in_the_air = part.place(0.5, 0.5);
+    let point = Cylindrical { x: in_the_air.x, r: in_the_air.y, theta: part.walls(2, 0.5, 0.5).unwrap()[0] + 0.1 };
+    let blade_points_mm = vec![on_blade(&part, 1, 0.5, 0.5), point.point().into()];
+    let message = refused(BliskOptions { blade_points_mm, ..BliskOptions::default() });
+    assert!(message.contains("point 2 of blisk.blade_points_mm"), "{message}");
+    let off = 0.1 * in_the_air.y;
+    assert!(message.contains(&format!("{off:.1}")), "{off}: {message}");
+
+    let message = refused(BliskOptions { hub_points_mm: vec![[0.0; 3]], ..BliskOptions::default() });
+    assert!(message.contains("blisk.hub_points_mm: must have no point, or 2 to"), "{message}");
+    let both = BliskOptions {
+        hub_points_mm: on_curve(&part.hub, &SHARES),
+        hub_radius_mm: Auto::Given(50.0),
+        ..BliskOptions::default()
+    };
+    assert!(refused(both).contains("blisk.hub_radius_mm, not both"));
+}
+
+#[test]
+fn points_of_a_cone_stand_for_its_hub() {
+    let part = TestBlisk { blades: 17, hub: [50.0, 0.15], shroud: [62.0, 0.25], ..Default::default() };
+    let point = |x: f64, theta: f64| Cylindrical { x, r: part.hub_at(x), theta }.point().into();
+    let options = BliskOptions { hub_points_mm: vec![point(12.0, 0.4), point(1.0, 2.0)], ..BliskOptions::default() };
+    let mesh = part.mesh();
+    let (channel, base) = (find(&mesh, &options).unwrap(), found(&mesh));
+    let off = channel.low.points.iter().zip(&base.low.points).map(|(p, q): (&DVec3, &DVec3)| p.distance(*q));
+    assert!(off.fold(0.0, f64::max) < 1e-6);
+}

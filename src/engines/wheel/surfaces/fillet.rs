@@ -1,0 +1,76 @@
+//! Fillets between blades and end walls, by how high above the wall a facet lies and how it faces.
+
+use super::{Beside, FACES_WALL, ON_WALL};
+
+/// Facets that face the wall by these cosines tell the radius.
+const FACING: [f64; 2] = [0.1, 0.92];
+/// Radii of fillets as shares of the height of the passage.
+const RADII: [f64; 2] = [0.002, 0.5];
+/// Cells of the radii's histogram, which are equal steps of their logarithm.
+const CELLS: usize = 120;
+/// A radius is one where its cell holds so many times as much as the middle one.
+const STANDS_OUT: f64 = 6.0;
+/// How far a fillet may lie off the rolled ball, as a share of its radius.
+const OFF_BALL: f64 = 0.04;
+/// Height of a facet next to the wall from which on it is the fillet's first, as a share of the radius.
+const FIRST: f64 = 0.008;
+
+/// The radius of the fillet that a facet would lie in (mm): its corners lie between `off` above the wall, and it faces
+/// the wall with this cosine. None where it lies in no fillet of a passage of this height.
+pub(super) fn estimate(off: [f64; 2], facing: f64, height: f64) -> Option<f64> {
+    let middle = 0.5 * (off[0] + off[1]);
+    if !(FACING[0]..FACING[1]).contains(&facing) || off[0] < -ON_WALL || middle <= 0.0 {
+        return None;
+    }
+    // The facet is a chord of the circle: its middle lies within.
+    let sine = 1.0 - facing * facing;
+    let half_chord_squared = (off[1] - off[0]).powi(2) / (4.0 * sine);
+    let root = middle * middle - sine * (middle * middle + facing * facing * half_chord_squared);
+    let radius = (middle + root.max(0.0).sqrt()) / sine;
+    (RADII[0]..RADII[1]).contains(&(radius / height)).then_some(radius)
+}
+
+/// The radius (mm) that stands out among estimates, each with the area of its facet, in a passage of this height.
+pub(super) fn radius(estimates: &[(f64, f64)], height: f64) -> Option<f64> {
+    let step = (RADII[1] / RADII[0]).ln() / CELLS as f64;
+    let mut cells = [0.0; CELLS];
+    for (radius, area) in estimates {
+        let cell = ((radius / (RADII[0] * height)).ln() / step).max(0.0) as usize;
+        // Of a leaned blade every height has the same say.
+        cells[cell.min(CELLS - 1)] += area / radius;
+    }
+    let smooth: Vec<f64> = (0..CELLS).map(|i| cells[i.saturating_sub(1)..(i + 2).min(CELLS)].iter().sum()).collect();
+    let best = (0..CELLS).max_by(|a, b| smooth[*a].total_cmp(&smooth[*b]))?;
+    let mut sorted = smooth.clone();
+    sorted.sort_by(f64::total_cmp);
+    let total: f64 = cells.iter().sum();
+    if smooth[best] <= STANDS_OUT * sorted[CELLS / 2] || smooth[best] < 0.2 * total {
+        return None;
+    }
+    let of = |i: f64| RADII[0] * height * (step * i).exp();
+    let [from, to] = [of(best as f64 - 1.0), of(best as f64 + 2.0)];
+    let near = estimates.iter().filter(|(radius, _)| (from..to).contains(radius));
+    let mut near: Vec<(f64, f64)> = near.map(|(radius, area)| (*radius, area / radius)).collect();
+    near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let half = 0.5 * near.iter().map(|(_, weight)| weight).sum::<f64>();
+    let mut sum = 0.0;
+    near.into_iter()
+        .find(|(_, weight)| {
+            sum += weight;
+            sum >= half
+        })
+        .map(|(radius, _)| radius)
+}
+
+/// Whether a facet belongs to the wall itself, beside fillets of `radius` (mm).
+pub(super) fn is_wall(beside: &Beside, radius: Option<f64>) -> bool {
+    let most = radius.map_or(ON_WALL, |radius| (FIRST * radius).min(ON_WALL)) + beside.chord;
+    beside.facing > FACES_WALL && beside.off[1] < most && beside.off[0] > -ON_WALL - beside.chord
+}
+
+/// Whether a facet lies in a fillet of `radius` (mm), rolled along the wall.
+pub(super) fn holds(beside: &Beside, radius: f64) -> bool {
+    let [least, most] = beside.off;
+    let middle = 0.5 * (least + most);
+    middle <= radius * (1.0 - beside.facing + OFF_BALL) && most <= radius * (1.0 - beside.facing.min(0.0) + OFF_BALL)
+}

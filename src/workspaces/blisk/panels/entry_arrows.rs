@@ -1,0 +1,72 @@
+//! The sides that the passage opens to as arrows at its mouths, in the step Electrode: a click on one chooses it.
+
+use egui::{Align2, FontId, Rect, Role, Sense, Stroke, Ui, WidgetInfo};
+
+use crate::widgets::theme::palette;
+use crate::widgets::viewport::Viewport;
+use crate::workspaces::blisk::desk::BliskDesk;
+use crate::workspaces::blisk::document::stage::Stage;
+use task::State;
+use wheel::electrode::{EnterSide, EntrySide};
+
+/// Length of an arrow as a share of the height of the view.
+const LENGTH: f64 = 0.14;
+/// Distance from the arrow at which the pointer is on it (points).
+const NEAR: f32 = 9.0;
+
+/// Draws the arrows over the view in `rect`.
+pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, viewport: &Viewport) {
+    let failed = matches!(desk.work.state(Stage::Channel), State::Failed(_));
+    let Some(found) = desk.work.channel().filter(|_| desk.step == Stage::Electrode && !failed).cloned() else { return };
+    let channel = &*found.channel;
+    let reach = LENGTH * viewport.camera().0.visible_height();
+    for side in EntrySide::open(channel) {
+        let Ok(is_last) = side.mouth(channel) else { continue };
+        let Some(mouth) = found.shapes.passage.mouth(is_last) else { continue };
+        let direction = side.direction();
+        let made = desk.work.electrodes().into_iter().flat_map(|made| &made.electrodes);
+        let made = made.filter(|electrode| electrode.enters_from == side);
+        // Beyond the holder, where there is one.
+        let ends = made.map(|electrode| {
+            let bounds = electrode.mesh.bounds();
+            bounds.min.dot(direction).max(bounds.max.dot(direction)) - mouth.dot(direction)
+        });
+        let start = mouth + direction * (ends.fold(0.0, f64::max) + 0.1 * reach);
+        let [from, to] = [start, start + direction * reach].map(|p| channel.frame.to_parent(p));
+        let (Some(from), Some(to)) = (viewport.seen_at(ui, rect, from), viewport.seen_at(ui, rect, to)) else {
+            continue;
+        };
+        if arrow(ui, rect, [from, to], (side, is_used(desk, side))) {
+            desk.change_job(|job| job.electrode.enter = side.into());
+        }
+    }
+}
+
+/// Whether electrodes enter from `side`: the one that is chosen, or those that were found automatically.
+fn is_used(desk: &BliskDesk, side: EntrySide) -> bool {
+    match desk.document.params().electrode.enter {
+        EnterSide::Auto => desk.work.electrodes().is_some_and(|m| m.electrodes.iter().any(|e| e.enters_from == side)),
+        chosen => chosen.allows(side),
+    }
+}
+
+/// Draws one arrow and tells whether it was clicked.
+fn arrow(ui: &mut Ui, rect: Rect, [from, to]: [egui::Pos2; 2], (side, is_used): (EntrySide, bool)) -> bool {
+    let area = Rect::from_two_pos(from, to).expand(NEAR).intersect(rect);
+    if !area.is_positive() {
+        return false;
+    }
+    let name = format!("Enter from {}", side.label());
+    let response = ui.interact(area, ui.scope_id().with(("entry", side.label())), Sense::click());
+    response.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, is_used, &name));
+    let colour = match (is_used, response.hovered()) {
+        (_, true) => ui.visuals().strong_text_color(),
+        (true, false) => palette(ui).accent,
+        (false, false) => palette(ui).faint.gamma_multiply(0.75),
+    };
+    let painter = ui.painter().with_clip_rect(rect);
+    painter.arrow(from, to - from, Stroke::new(if is_used { 3.0 } else { 1.5 }, colour));
+    let beyond = to + 12.0 * (to - from).normalized();
+    painter.text(beyond, Align2::CENTER_CENTER, side.label(), FontId::proportional(12.0), colour);
+    response.on_hover_text(name).clicked()
+}
