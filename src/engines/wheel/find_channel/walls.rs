@@ -1,6 +1,6 @@
 //! The two walls of a channel as grids of points that lie exactly on the mesh, between the blades' edges.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -182,7 +182,6 @@ impl WallFinder<'_> {
                 self.gaps(&self.row(share)?, nu)
             })
             .collect::<Result<_, BliskError>>()?;
-        self.check_rows(&rows)?;
         Ok([|g: &Gap| g.low, |g: &Gap| g.high].map(|end| {
             let order = || (0..nu).flat_map(|u| rows.iter().map(move |row| &row[u]));
             ChannelWall {
@@ -195,16 +194,6 @@ impl WallFinder<'_> {
         }))
     }
 
-    /// Refuses walls that jump from row to row: one of them is no blade from hub to tip.
-    fn check_rows(&self, rows: &[Vec<Place>]) -> Result<(), BliskError> {
-        let beside = rows.windows(2).flat_map(|pair| pair[0].iter().zip(&pair[1]));
-        let mut jumps = beside.filter(|(a, b)| {
-            let [w, v] = [a.gap.width(), b.gap.width()];
-            (w - v).abs() > JUMP * w.max(v)
-        });
-        jumps.next().map_or(Ok(()), |(_, at)| Err(BliskError::LostWall { x: at.x, r: at.r }))
-    }
-
     /// The mesh's normal where a circle meets it. A triangle without area is met only along its neighbours'
     /// edges; there the direction around the axis stands in.
     fn normal(&self, crossing: Crossing) -> DVec3 {
@@ -212,6 +201,19 @@ impl WallFinder<'_> {
         let into_gap = if crossing.enters { -around } else { around };
         self.tracer.slices.normal(crossing.triangle).try_normalize().unwrap_or(into_gap)
     }
+}
+
+/// Refuses walls between which the passage widens by a jump from row to row: one of them is no blade from hub to tip.
+pub(super) fn check_rows(low: &ChannelWall, high: &ChannelWall) -> Result<(), BliskError> {
+    for (u, v) in (0..low.nu).flat_map(|u| (1..low.nv).map(move |v| (u, v))) {
+        let width = |v: usize| (high.cylindrical(u, v).theta - low.cylindrical(u, v).theta).rem_euclid(TAU);
+        let [before, here] = [width(v - 1), width(v)];
+        if (here - before).abs() > JUMP * here.max(before) {
+            let at = low.cylindrical(u, v);
+            return Err(BliskError::LostWall { x: at.x, r: at.r });
+        }
+    }
+    Ok(())
 }
 
 fn point(place: &Place, crossing: Crossing) -> DVec3 {
