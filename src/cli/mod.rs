@@ -294,7 +294,7 @@ impl Session {
 fn require_closed(path: &Path, imported: &Imported) -> anyhow::Result<()> {
     let report = &imported.report;
     anyhow::ensure!(
-        imported.mesh.is_watertight(),
+        report.watertight,
         "{}: the surface is not closed ({} holes, {} edges of more than two triangles), so it has no inside and \
          nothing can be proven about it; close it in the program it came from",
         path.display(),

@@ -13,7 +13,7 @@
 //! (nearly) furthest, the highest one at the greatest such height. Each turn goes only as far as the electrode keeps
 //! its clearance and the axes go, and the whole is certified by the same verifier as the feed.
 
-use std::cell::Cell;
+use std::sync::{Mutex, PoisonError};
 
 use serde::Serialize;
 
@@ -201,12 +201,14 @@ pub fn copying_motion(
     // Half the tolerance is left for the way between the rows.
     let least = settings.spark_gap - 0.5 * settings.verify.tolerance_mm;
     let limits = settings.machine.pose_limits();
-    // What was too near last mostly is so at the next pose too.
-    let too_near = Cell::new(None);
+    // What was too near to a wall last mostly is so at the next pose too.
+    let too_near: [Mutex<Option<[u32; 2]>>; 2] = Default::default();
     let keeps = |pose: &Pose| {
         limits.beyond(pose).is_none() && {
-            let found = verifier.nearer_than(pose, least, too_near.get());
-            too_near.set(found.or(too_near.get()));
+            let last = || too_near[usize::from(pose.a > 0.0)].lock().unwrap_or_else(PoisonError::into_inner);
+            let guess = *last();
+            let found = verifier.nearer_than(pose, least, guess);
+            *last() = found.or(guess);
             found.is_none()
         }
     };
@@ -227,18 +229,20 @@ pub fn copying_motion(
 fn reachable(
     wanted: &CopyingExtent,
     up: DVec2,
-    keeps: &dyn Fn(&Pose) -> bool,
+    keeps: &(dyn Fn(&Pose) -> bool + Sync),
     cancel: &Cancel,
 ) -> Result<(CopyingExtent, Vec<Turn>), VerifyError> {
     let share = |from: Pose, to: Pose| share_of_move(&from, &to, keeps, cancel);
     let at = |a: f64, outwards: f64| lifted(a, outwards, up);
     let top = wanted.outwards * share(Pose::FINAL, at(0.0, wanted.outwards))?;
-    let mut turns: Vec<Turn> = Vec::new();
-    let mut furthest = [0.0f64; 2];
-    for (wall, turn) in [-wanted.low, wanted.high].into_iter().enumerate().filter(|(_, a)| a.abs() >= LEAST_MOVE) {
+    let to_wall = |turn: f64| {
+        let mut turns: Vec<Turn> = Vec::new();
+        if turn.abs() < LEAST_MOVE {
+            return Ok(turns);
+        }
         let at_height = |z: f64| Ok(Turn { outwards: z, a: turn * share(at(0.0, z), at(turn, z))? });
         let lowest = first_good_turn(turn, LIFTS.into_iter().filter(|z| *z <= top), &at_height)?;
-        let Some(lowest) = lowest else { continue };
+        let Some(lowest) = lowest else { return Ok(turns) };
         turns.push(lowest);
         let room = top - lowest.outwards;
         if room >= LEAST_MOVE {
@@ -255,10 +259,12 @@ fn reachable(
         for level in 1..levels {
             turns.push(at_height(lowest.outwards + room * level as f64 / levels as f64)?);
         }
-        let of_wall = turns.iter().filter(|t| t.a * turn > 0.0);
-        furthest[wall] = of_wall.map(|t| t.a.abs()).fold(0.0, f64::max);
-    }
-    Ok((CopyingExtent { low: furthest[0], high: furthest[1], outwards: top }, turns))
+        Ok::<_, VerifyError>(turns)
+    };
+    let (low, high) = rayon::join(|| to_wall(-wanted.low), || to_wall(wanted.high));
+    let walls = [low?, high?];
+    let [low, high] = [0, 1].map(|wall| walls[wall].iter().map(|t| t.a.abs()).fold(0.0, f64::max));
+    Ok((CopyingExtent { low, high, outwards: top }, walls.concat()))
 }
 
 /// The first of the turns by `wanted` (rad) at `heights` that goes nearly as far as any of them, the heights being in
@@ -330,7 +336,7 @@ mod tests {
 
     const WANTED: CopyingExtent = CopyingExtent { low: 0.02, high: 0.01, outwards: 0.3 };
 
-    fn reach(keeps: impl Fn(&Pose) -> bool) -> (CopyingExtent, Vec<Turn>) {
+    fn reach(keeps: impl Fn(&Pose) -> bool + Sync) -> (CopyingExtent, Vec<Turn>) {
         reachable(&WANTED, DVec2::Y, &keeps, &Cancel::default()).unwrap()
     }
 

@@ -5,8 +5,6 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
-
 use super::clearance::{Bodies, ClearanceModel, SamplesOf};
 use super::objective::WallDistances;
 use super::outside::Outside;
@@ -14,9 +12,9 @@ use super::plan_params::PlanError;
 use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_convex_edges, sample_electrode};
 use geometry::distance_field::DistanceField;
 use geometry::exact::ExactMesh;
-use geometry::mesh::{Bounds, Mesh};
+use geometry::mesh::Mesh;
 use task::{Cancel, Cancelled, Task};
-use wheel::channel::{Channel, Flow};
+use wheel::channel::Channel;
 use wheel::electrode::{Electrode, EntrySide};
 use wheel::surface_finder::SurfaceFinder;
 
@@ -37,8 +35,6 @@ pub struct PlanningSpace {
 }
 
 impl PlanningSpace {
-    /// Reach of the field beside the channel's walls, as a share of the pitch: the electrode swings there.
-    const BESIDE: f64 = 0.75;
     /// Distance beyond the field up to which the blisk's edges are sampled (mm): shank and holder pass there.
     const RIMS: f64 = 25.0;
     /// Distance between points along the blisk's edges (mm).
@@ -53,26 +49,10 @@ impl PlanningSpace {
         task: &Task,
     ) -> Result<Self, PlanError> {
         let finder = SurfaceFinder::new(channel.clone())?;
-        let field = DistanceField::build(&blisk, exact, Self::region(&channel, &blisk), cell, task)?;
+        let field = DistanceField::build(&blisk, exact, channel.surroundings(&blisk), cell, task)?;
         let edges = sample_convex_edges(&blisk, field.bounds().grown(Self::RIMS), Self::EDGE_SPACING, &task.cancel)?;
         let walls = WallDistances::new(&finder, field.bounds(), &task.cancel)?;
         Ok(Self { blisk, channel, finder, field, walls, edges })
-    }
-
-    fn region(channel: &Channel, blisk: &Mesh) -> Bounds {
-        let walls = Bounds::of(channel.low.points.iter().chain(&channel.high.points).copied());
-        let [front, back] = channel.faces_x;
-        let beside = Self::BESIDE * std::f64::consts::TAU / channel.blades as f64 * walls.max.z;
-        let shroud = channel.meridian.iter().map(|m| m.shroud.y).fold(walls.max.z, f64::max);
-        // Where electrodes may leave along the radius, up to the rim.
-        let top = match channel.flow {
-            Flow::Axial => shroud,
-            _ => blisk.vertices.iter().map(|p| p.y.hypot(p.z)).fold(shroud, f64::max),
-        };
-        Bounds {
-            min: DVec3::new(front - 1.0, walls.min.y - beside, walls.min.z - 3.0),
-            max: DVec3::new(back + 1.0, walls.max.y + beside, top + 2.0),
-        }
     }
 }
 

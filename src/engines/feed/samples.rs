@@ -70,7 +70,7 @@ pub fn sample_electrode(
 ) -> Result<Vec<Sample>, Cancelled> {
     let size = spacing.on(ElectrodeFace::Holder).face;
     let mut sieve = Sieve { kept: Vec::new(), grid: HashMap::new(), size };
-    let edges = bent_edges(mesh, 20f64.to_radians());
+    let edges = bent_edges(mesh, 0..mesh.triangles.len(), 20f64.to_radians());
     let mut ends: HashMap<u32, usize> = HashMap::new();
     for &v in edges.iter().flat_map(|e| &e.ends) {
         *ends.entry(v).or_default() += 1;
@@ -147,7 +147,9 @@ pub fn sample_convex_edges(
     cancel: &Cancel,
 ) -> Result<Vec<Sample>, Cancelled> {
     let mut sieve = Sieve { kept: Vec::new(), grid: HashMap::new(), size: spacing };
-    for edge in bent_edges(mesh, 4f64.to_radians()).into_iter().filter(|e| e.convex) {
+    let near = |i: &usize| mesh.bounds_of(&mesh.triangles[*i]).intersects(&region);
+    let near: Vec<usize> = (0..mesh.triangles.len()).into_par_iter().filter(near).collect();
+    for edge in bent_edges(mesh, near.into_iter(), 4f64.to_radians()).into_iter().filter(|e| e.convex) {
         cancel.check()?;
         let [p, q] = edge.ends.map(|v| mesh.vertices[v as usize]);
         if !Bounds::of([p, q]).intersects(&region) {
@@ -181,22 +183,22 @@ impl BentEdge {
     }
 }
 
-/// Edges where the surface bends by more than `angle` (rad), in order of first occurrence.
-fn bent_edges(mesh: &Mesh, angle: f64) -> Vec<BentEdge> {
-    let normals: Vec<DVec3> = mesh.iter_corners().map(unit_normal).collect();
-    let mut first: HashMap<[u32; 2], usize> = HashMap::with_capacity(mesh.triangles.len() * 2);
+/// Edges between `triangles` where the surface bends by more than `angle` (rad), in order of first occurrence.
+fn bent_edges(mesh: &Mesh, triangles: impl ExactSizeIterator<Item = usize>, angle: f64) -> Vec<BentEdge> {
+    let mut first: HashMap<[u32; 2], (usize, DVec3)> = HashMap::with_capacity(triangles.len() * 2);
     let mut bent = Vec::new();
-    for (i, t) in mesh.triangles.iter().enumerate() {
+    for i in triangles {
+        let (t, normal) = (mesh.triangles[i], unit_normal(mesh.corners(i)));
         for k in 0..3 {
             let [here, next, opposite] = [0, 1, 2].map(|j| t[(k + j) % 3]);
             let ends = [here.min(next), here.max(next)];
-            let Some(&j) = first.get(&ends) else {
-                first.insert(ends, i);
+            let Some(&(j, other)) = first.get(&ends) else {
+                first.insert(ends, (i, normal));
                 continue;
             };
-            if normals[i].dot(normals[j]) < angle.cos() {
+            if normal.dot(other) < angle.cos() {
                 let arm = mesh.vertices[opposite as usize] - mesh.vertices[here as usize];
-                bent.push(BentEdge { ends, triangles: [j, i], convex: arm.dot(normals[j]) < 0.0 });
+                bent.push(BentEdge { ends, triangles: [j, i], convex: arm.dot(other) < 0.0 });
             }
         }
     }

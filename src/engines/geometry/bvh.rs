@@ -3,17 +3,26 @@
 //! Oriented boxes, because the surfaces of an electrode and of its channel run parallel and close to each
 //! other over long stretches: there a box as thin as its patch of surface tells near from far, one aligned
 //! with the axes does not (S. Gottschalk, M. Lin, D. Manocha, OBBTree, SIGGRAPH 1996).
+//!
+//! Large meshes are first cut into blocks of some thousand triangles, by boxes along the axes. The hierarchy of a block
+//! is built when it is first descended into: of a whole wheel an electrode comes near to few of them.
 
 use std::cmp::Ordering;
+use std::sync::OnceLock;
 
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, SymmetricEigen};
+use rayon::prelude::*;
 
-use super::mesh::{Mesh, normal_times_two_areas};
+use super::mesh::{Bounds, Mesh, normal_times_two_areas};
 use task::{Cancel, Cancelled};
 
-/// Below this many triangles a subtree is built on the thread at hand.
-const PARALLEL_FROM: usize = 2048;
+/// Most triangles of a [`Block`].
+const BLOCK: usize = 2048;
+/// Set in the numbers of nodes within blocks: below it the block's number, then the node's place in the block.
+const IN_BLOCK: u32 = 1 << 31;
+/// Bits of a node's place in its block, which has no more than `2 * BLOCK - 1` nodes.
+const PLACE_BITS: u32 = 12;
 
 /// A box of any attitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,7 +35,7 @@ pub struct OrientedBox {
     pub half: DVec3,
 }
 
-/// A node of a [`Bvh`]. Its subtree follows it in the list of nodes.
+/// A node of a [`Bvh`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Node {
     /// Holds the triangles of the subtree.
@@ -43,10 +52,26 @@ pub struct Node {
 /// any number of threads.
 #[derive(Debug, Clone)]
 pub struct Bvh {
-    /// The nodes, each before its first subtree, that before its second; the root first.
-    nodes: Vec<Node>,
+    /// The nodes down to the roots of the blocks; the root first.
+    top: Vec<(Node, Below)>,
+    blocks: Vec<Block>,
     /// Corners of the triangles by index in the mesh.
     corners: Vec<[DVec3; 3]>,
+}
+
+/// What stands below a node of the top.
+#[derive(Debug, Clone, Copy)]
+enum Below {
+    Nodes([u32; 2]),
+    Block(u32),
+}
+
+/// A subtree that is built when it is first asked for.
+#[derive(Debug, Clone)]
+struct Block {
+    triangles: Vec<u32>,
+    /// Each before its first subtree, that before its second; the root first.
+    nodes: OnceLock<Vec<Node>>,
 }
 
 impl OrientedBox {
@@ -93,32 +118,86 @@ fn gap(between: DVec3, extent: DVec3) -> DVec3 {
 }
 
 impl Bvh {
-    /// Builds the hierarchy. An empty mesh gives a tree without nodes.
+    /// Builds the hierarchy down to the blocks. An empty mesh gives a tree without nodes.
     ///
     /// # Errors
     /// [`Cancelled`].
     pub fn new(mesh: &Mesh, cancel: &Cancel) -> Result<Self, Cancelled> {
-        let corners: Vec<_> = mesh.iter_corners().collect();
+        let corners: Vec<_> = (0..mesh.triangles.len()).into_par_iter().map(|i| mesh.corners(i)).collect();
         let mut order: Vec<u32> = (0..corners.len() as u32).collect();
-        let nodes = if order.is_empty() { Vec::new() } else { subtree(&corners, &mut order, cancel)? };
-        Ok(Self { nodes, corners })
+        arrange(&corners, &mut order, cancel)?;
+        let mut tree = Self { top: Vec::new(), blocks: Vec::new(), corners };
+        if !order.is_empty() {
+            let mut blocks = Vec::new();
+            halve(&order, &mut |block| blocks.push(block));
+            let fitted = |block: &&[u32]| {
+                cancel.check()?;
+                Ok((fitted(&tree.corners, block), Bounds::of(block.iter().flat_map(|&t| tree.corners[t as usize]))))
+            };
+            let roots: Vec<(Node, Bounds)> = blocks.par_iter().map(fitted).collect::<Result<_, _>>()?;
+            tree.grow(&order, &mut roots.into_iter());
+        }
+        Ok(tree)
+    }
+
+    /// Adds the nodes over the triangles in `order`, whose blocks have the next of `roots` with the boxes along the axes
+    /// around them; answers the number of their root and the box around it.
+    fn grow(&mut self, order: &[u32], roots: &mut impl Iterator<Item = (Node, Bounds)>) -> Option<(u32, Bounds)> {
+        let number = self.top.len() as u32;
+        if order.len() <= BLOCK {
+            let (root, bounds) = roots.next()?;
+            self.top.push((root, Below::Block(self.blocks.len() as u32)));
+            self.blocks.push(Block { triangles: order.to_vec(), nodes: OnceLock::new() });
+            return Some((number, bounds));
+        }
+        let (count, triangle) = (order.len() as u32, order[0]);
+        let bounds = OrientedBox { center: DVec3::ZERO, axes: DMat3::IDENTITY, half: DVec3::ZERO };
+        self.top.push((Node { bounds, radius: 0.0, count, triangle }, Below::Nodes([0; 2])));
+        let (low, high) = order.split_at(order.len() / 2);
+        let ((first, a), (second, b)) = (self.grow(low, roots)?, self.grow(high, roots)?);
+        let around = Bounds { min: a.min.min(b.min), max: a.max.max(b.max) };
+        let (node, below) = &mut self.top[number as usize];
+        node.bounds = OrientedBox { center: around.center(), half: around.size() * 0.5, ..bounds };
+        node.radius = node.bounds.half.length();
+        *below = Below::Nodes([first, second]);
+        Some((number, around))
     }
 
     /// Whether there is nothing in it.
     pub fn is_empty(&self) -> bool {
-        self.nodes.is_empty()
+        self.top.is_empty()
     }
 
-    /// The node at `index`; the root is 0.
-    pub fn node(&self, index: u32) -> &Node {
-        &self.nodes[index as usize]
+    /// The node of this number; that of the root is 0.
+    pub fn node(&self, number: u32) -> &Node {
+        if number & IN_BLOCK == 0 {
+            return &self.top[number as usize].0;
+        }
+        let place = number & ((1 << PLACE_BITS) - 1);
+        &self.nodes_of((number & !IN_BLOCK) >> PLACE_BITS)[place as usize]
     }
 
-    /// The two halves of node `index`, unless it is a leaf.
-    pub fn children(&self, index: u32) -> Option<[u32; 2]> {
-        let node = self.node(index);
+    /// The two halves of a node, unless it is a leaf.
+    pub fn children(&self, number: u32) -> Option<[u32; 2]> {
+        if self.node(number).count == 1 {
+            return None;
+        }
+        let first = match self.top.get(number as usize) {
+            Some((_, Below::Nodes(halves))) => return Some(*halves),
+            Some((_, Below::Block(block))) => (IN_BLOCK | block << PLACE_BITS) + 1,
+            None => number + 1,
+        };
         // A binary tree with one triangle to a leaf has 2 n - 1 nodes, which places the second child.
-        (node.count > 1).then(|| [index + 1, index + 2 * self.node(index + 1).count])
+        Some([first, first + 2 * self.node(first).count - 1])
+    }
+
+    fn nodes_of(&self, block: u32) -> &[Node] {
+        let Block { triangles, nodes } = &self.blocks[block as usize];
+        nodes.get_or_init(|| {
+            let mut nodes = Vec::with_capacity(2 * triangles.len() - 1);
+            subtree(&self.corners, &mut triangles.clone(), &mut nodes);
+            nodes
+        })
     }
 
     /// Corners of every triangle in the order of the mesh.
@@ -132,30 +211,48 @@ impl Bvh {
     }
 }
 
-/// The nodes of a tree over the triangles in `order`, which it sorts as it goes.
-fn subtree(corners: &[[DVec3; 3]], order: &mut [u32], cancel: &Cancel) -> Result<Vec<Node>, Cancelled> {
+/// Puts triangles that are near each other into the same block: halves `order` across the longest side of the box that
+/// they lie in until the halves are blocks.
+fn arrange(corners: &[[DVec3; 3]], order: &mut [u32], cancel: &Cancel) -> Result<(), Cancelled> {
     cancel.check()?;
-    let node = fitted(corners, order);
-    if order.len() == 1 {
-        return Ok(vec![node]);
+    if order.len() <= BLOCK {
+        return Ok(());
     }
-    let key = |t: u32| node.bounds.axes.x_axis.dot(corners[t as usize].iter().sum::<DVec3>());
+    let place = |t: u32| corners[t as usize].iter().sum::<DVec3>();
+    let size = Bounds::of(order.iter().map(|&t| place(t))).size();
+    let across = (1..3).fold(0, |longest, k| if size[k] > size[longest] { k } else { longest });
+    let (low, high) = split(order, |t| place(t)[across]);
+    let (low, high) = rayon::join(|| arrange(corners, low, cancel), || arrange(corners, high, cancel));
+    low.and(high)
+}
+
+/// Shows `see` the blocks of `order` one after the other.
+fn halve<'a>(order: &'a [u32], see: &mut impl FnMut(&'a [u32])) {
+    if order.len() <= BLOCK {
+        return see(order);
+    }
+    let (low, high) = order.split_at(order.len() / 2);
+    halve(low, see);
+    halve(high, see);
+}
+
+/// Adds the nodes of a tree over the triangles in `order`, which it sorts as it goes.
+fn subtree(corners: &[[DVec3; 3]], order: &mut [u32], nodes: &mut Vec<Node>) {
+    let node = fitted(corners, order);
+    nodes.push(node);
+    if order.len() > 1 {
+        let (low, high) = split(order, |t| node.bounds.axes.x_axis.dot(corners[t as usize].iter().sum::<DVec3>()));
+        subtree(corners, low, nodes);
+        subtree(corners, high, nodes);
+    }
+}
+
+/// The halves of `order` by `key`. Ties are broken by index, so that they do not depend on how the selection shuffles.
+fn split(order: &mut [u32], key: impl Fn(u32) -> f64) -> (&mut [u32], &mut [u32]) {
     let middle = order.len() / 2;
-    // Ties are broken by index, so that the tree does not depend on how the selection shuffles.
     let by_key = |a: &u32, b: &u32| key(*a).partial_cmp(&key(*b)).unwrap_or(Ordering::Equal).then(a.cmp(b));
     order.select_nth_unstable_by(middle, by_key);
-    let (low, high) = order.split_at_mut(middle);
-    let (first, second) = if low.len() >= PARALLEL_FROM {
-        rayon::join(|| subtree(corners, low, cancel), || subtree(corners, high, cancel))
-    } else {
-        (subtree(corners, low, cancel), subtree(corners, high, cancel))
-    };
-    let (first, second) = (first?, second?);
-    let mut nodes = Vec::with_capacity(1 + first.len() + second.len());
-    nodes.push(node);
-    nodes.extend(first);
-    nodes.extend(second);
-    Ok(nodes)
+    order.split_at_mut(middle)
 }
 
 /// The node around the triangles in `order`: the first axis of its box is the longest, the last the thinnest.
@@ -233,9 +330,11 @@ mod tests {
             let mut all = below(&tree, 0);
             all.sort_unstable();
             prop_assert_eq!(all, (0..list.len() as u32).collect::<Vec<_>>());
-            for index in 0..2 * list.len() as u32 - 1 {
-                let node = tree.node(index);
-                for p in below(&tree, index).into_iter().flat_map(|t| *tree.corners(t)) {
+            let mut numbers = vec![0];
+            while let Some(number) = numbers.pop() {
+                let node = tree.node(number);
+                numbers.extend(tree.children(number).into_iter().flatten());
+                for p in below(&tree, number).into_iter().flat_map(|t| *tree.corners(t)) {
                     let local = node.bounds.axes.transpose() * (p - node.bounds.center);
                     prop_assert!((local.abs() - node.bounds.half).max_element() < 1e-9);
                     prop_assert!(p.distance(node.bounds.center) < node.radius + 1e-9);
@@ -256,6 +355,36 @@ mod tests {
                 prop_assert!(least - most >= vector.length() - 1e-9);
             }
         }
+    }
+
+    #[test]
+    fn a_tree_of_many_blocks_holds_every_triangle_once_and_its_boxes_hold_theirs() {
+        let list: Vec<_> = (0..3 * BLOCK as u32)
+            .map(|i| {
+                let p = DVec3::new(f64::from(i * 7 % 101), f64::from(i * 13 % 89), f64::from(i * 29 % 97));
+                [p, p + DVec3::X, p + DVec3::Y * 0.5]
+            })
+            .collect();
+        let tree = tree_of(&list);
+        assert_eq!(tree.blocks.len(), 4);
+        let mut all = below(&tree, 0);
+        all.sort_unstable();
+        assert_eq!(all, (0..list.len() as u32).collect::<Vec<_>>());
+        let (mut numbers, mut nodes) = (vec![0], 0);
+        while let Some(number) = numbers.pop() {
+            nodes += 1;
+            let node = tree.node(number);
+            let children = tree.children(number);
+            assert_eq!(children.is_none(), node.count == 1);
+            assert!(children.is_none_or(|c| c.iter().map(|&c| tree.node(c).count).sum::<u32>() == node.count));
+            numbers.extend(children.into_iter().flatten());
+            for p in below(&tree, number).into_iter().flat_map(|t| *tree.corners(t)) {
+                let local = node.bounds.axes.transpose() * (p - node.bounds.center);
+                assert!((local.abs() - node.bounds.half).max_element() < 1e-9);
+                assert!(p.distance(node.bounds.center) < node.radius + 1e-9);
+            }
+        }
+        assert_eq!(nodes, 2 * list.len() - 1);
     }
 
     #[test]

@@ -1,18 +1,39 @@
 //! Exact distances to a mesh, through parry3d-f64's bounding volume hierarchy.
 
+use std::sync::{Arc, OnceLock};
+
 use glam::{DAffine3, DQuat, DVec3};
-use parry3d_f64::bounding_volume::BoundingVolume;
+use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 use parry3d_f64::math::Pose;
 use parry3d_f64::partitioning::BvhNode;
 use parry3d_f64::query::{self, ClosestPoints, PointQuery, Ray, RayCast};
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
+use rayon::prelude::*;
 
-use super::mesh::Mesh;
+use super::mesh::{Bounds, Mesh};
 
 /// A mesh made ready for exact distance queries (errors of a few units in the last place of f64).
 pub struct ExactMesh {
     shape: TriMesh,
+    /// What is left of the mesh, where `shape` is only a part of it.
+    rest: Option<Rest>,
 }
+
+/// A mesh of which only the part around a region was made ready. Answers that could depend on the rest take it into
+/// account.
+struct Rest {
+    mesh: Arc<Mesh>,
+    region: Bounds,
+    /// Numbers in the mesh of the triangles that were made ready, those whose boxes meet the region.
+    ready: Vec<u32>,
+    /// Boxes around the others among each so many triangles in turn.
+    boxes: Vec<Bounds>,
+    /// All of the mesh, made ready once an answer needs it.
+    whole: OnceLock<Option<TriMesh>>,
+}
+
+/// Triangles to a box of the rest.
+const IN_BOX: usize = 64;
 
 /// Reason why a mesh cannot be queried.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -42,19 +63,43 @@ impl ExactMesh {
         if mesh.triangles.is_empty() {
             return Err(ExactMeshError::Empty);
         }
-        let shape = TriMesh::with_flags(mesh.vertices.clone(), mesh.triangles.clone(), TriMeshFlags::ORIENTED)
-            .map_err(|e| ExactMeshError::Rejected(e.to_string()))?;
-        Ok(Self { shape })
+        Ok(Self { shape: oriented(mesh)?, rest: None })
+    }
+
+    /// Prepares `mesh` for questions about places well inside of `region`: as exact as all of it anywhere, but the
+    /// first distance that reaches out of the region waits until the whole mesh is made ready.
+    pub fn around(mesh: Arc<Mesh>, region: Bounds) -> Result<Self, ExactMeshError> {
+        let is_near: Vec<bool> = mesh.triangles.par_iter().map(|t| mesh.bounds_of(t).intersects(&region)).collect();
+        let ready: Vec<u32> = (0..is_near.len()).filter(|&i| is_near[i]).map(|i| i as u32).collect();
+        if ready.is_empty() || ready.len() == is_near.len() {
+            return Self::new(&mesh);
+        }
+        let triangles = ready.iter().map(|&i| mesh.triangles[i as usize]).collect();
+        let shape = oriented(&Mesh { vertices: mesh.vertices.clone(), triangles }.compacted())?;
+        let others = |(triangles, is_near): (&[[u32; 3]], &[bool])| {
+            let others = triangles.iter().zip(is_near).filter(|(_, is_near)| !**is_near).flat_map(|(t, _)| t);
+            Bounds::of(others.map(|&v| mesh.vertices[v as usize]))
+        };
+        let boxes = mesh.triangles.par_chunks(IN_BOX).zip(is_near.par_chunks(IN_BOX)).map(others).collect();
+        Ok(Self { shape, rest: Some(Rest { mesh, region, ready, boxes, whole: OnceLock::new() }) })
+    }
+
+    /// All of the mesh.
+    fn whole(&self) -> &TriMesh {
+        let Some(rest) = &self.rest else { return &self.shape };
+        rest.whole.get_or_init(|| oriented(&rest.mesh).ok()).as_ref().unwrap_or(&self.shape)
     }
 
     /// The nearest point of the surface to `p`.
     pub fn nearest(&self, p: DVec3) -> Nearest {
-        let projection = self.shape.project_local_point(p, false);
-        let distance = (p - projection.point).length();
-        Nearest {
-            point: projection.point,
-            signed_distance: if projection.is_inside { -distance } else { distance },
-            triangle: projection.subshape,
+        let near = nearest_of(&self.shape, p);
+        match &self.rest {
+            None => near,
+            // No other triangle is nearer than the end of the region, and none is missing beside the nearest point.
+            Some(rest) if rest.reach(p) > near.signed_distance.abs() => {
+                Nearest { triangle: rest.ready[near.triangle as usize], ..near }
+            }
+            Some(_) => nearest_of(self.whole(), p),
         }
     }
 
@@ -66,7 +111,15 @@ impl ExactMesh {
     /// The triangles of which some point may lie within `reach` of `p` (those whose boxes do), in rising order.
     pub fn triangles_within(&self, p: DVec3, reach: f64) -> Vec<u32> {
         let near = |node: &BvhNode| node.aabb().distance_to_local_point(p, true) <= reach;
-        let mut found: Vec<u32> = self.shape.bvh().leaves(near).collect();
+        let leaves = self.shape.bvh().leaves(near);
+        let mut found: Vec<u32> = match &self.rest {
+            None => leaves.collect(),
+            Some(rest) => {
+                let is_within = |b: &Bounds| p.distance(p.clamp(b.min, b.max)) <= reach;
+                let others = (reach >= rest.reach(p)).then(|| rest.others(is_within)).into_iter().flatten();
+                leaves.map(|i| rest.ready[i as usize]).chain(others).collect()
+            }
+        };
         found.sort_unstable();
         found
     }
@@ -74,7 +127,7 @@ impl ExactMesh {
     /// Distance along the unit vector `direction` from `origin` to the first crossing of the surface from
     /// either side, if there is one within `reach`.
     pub fn first_crossing(&self, origin: DVec3, direction: DVec3, reach: f64) -> Option<f64> {
-        self.shape.cast_local_ray(&Ray::new(origin, direction), reach, false)
+        self.whole().cast_local_ray(&Ray::new(origin, direction), reach, false)
     }
 
     /// The triangles whose boxes the ray from `origin` along `direction` meets.
@@ -82,31 +135,104 @@ impl ExactMesh {
         let ray = Ray::new(origin, direction);
         // A hair more than the box, which rounding must not make too small.
         let meets = move |node: &BvhNode| node.aabb().loosened(1e-9).intersects_local_ray(&ray, f64::MAX);
-        let triangle = |i: u32| self.shape.triangle(i);
-        self.shape.bvh().leaves(meets).map(triangle).map(|t| [t.a, t.b, t.c])
+        let ready = self.shape.bvh().leaves(meets).map(|i| self.shape.triangle(i)).map(|t| [t.a, t.b, t.c]);
+        let is_met = move |b: &Bounds| {
+            let loose = Aabb::new(b.min, b.max).loosened(1e-9);
+            b.min.cmple(b.max).all() && loose.intersects_local_ray(&ray, f64::MAX)
+        };
+        let others = self.rest.iter().flat_map(move |rest| rest.others(is_met).map(|i| rest.mesh.corners(i as usize)));
+        ready.chain(others)
     }
 
     /// The least distance between this mesh and `other` moved by the rigid motion `placement`; 0 when they
     /// touch or cross. This is the library's own query, slow where the surfaces run close to each other.
     pub fn distance_to(&self, other: &ExactMesh, placement: &DAffine3) -> f64 {
         let pose = Pose::from_parts(placement.translation, DQuat::from_mat3(&placement.matrix3));
-        query::distance(&Pose::IDENTITY, &self.shape, &pose, &other.shape).map_or(f64::NAN, |d| d.distance)
+        query::distance(&Pose::IDENTITY, self.whole(), &pose, other.whole()).map_or(f64::NAN, |d| d.distance)
     }
 
     /// The point of this mesh that is nearest to `other` moved by `shift`; none if they touch or cross, or are further
     /// apart than `within`.
     pub fn nearest_to(&self, other: &ExactMesh, shift: DVec3, within: f64) -> Option<DVec3> {
         let pose = Pose::from_translation(shift);
-        match query::closest_points(&Pose::IDENTITY, &self.shape, &pose, &other.shape, within) {
+        match query::closest_points(&Pose::IDENTITY, self.whole(), &pose, other.whole(), within) {
             Ok(ClosestPoints::WithinMargin(own, _)) => Some(own),
             _ => None,
         }
     }
 }
 
+impl Rest {
+    /// Distance up to which everything around `p` was made ready (mm), negative outside of the region.
+    fn reach(&self, p: DVec3) -> f64 {
+        (p - self.region.min).min_element().min((self.region.max - p).min_element())
+    }
+
+    /// The triangles that were not made ready of which the boxes are `wanted`, as must be larger boxes around them.
+    fn others(&self, wanted: impl Fn(&Bounds) -> bool) -> impl Iterator<Item = u32> {
+        let all = self.mesh.triangles.chunks(IN_BOX).zip(&self.boxes).enumerate();
+        all.flat_map(move |(k, (triangles, around))| {
+            let triangles = if wanted(around) { triangles } else { &[] };
+            let is_wanted = |t: &[u32; 3]| {
+                let bounds = self.mesh.bounds_of(t);
+                !bounds.intersects(&self.region) && wanted(&bounds)
+            };
+            let found = triangles.iter().enumerate().filter(|(_, t)| is_wanted(t));
+            found.map(|(i, _)| (k * IN_BOX + i) as u32).collect::<Vec<_>>()
+        })
+    }
+}
+
+fn oriented(mesh: &Mesh) -> Result<TriMesh, ExactMeshError> {
+    TriMesh::with_flags(mesh.vertices.clone(), mesh.triangles.clone(), TriMeshFlags::ORIENTED)
+        .map_err(|e| ExactMeshError::Rejected(e.to_string()))
+}
+
+fn nearest_of(shape: &TriMesh, p: DVec3) -> Nearest {
+    let projection = shape.project_local_point(p, false);
+    let distance = (p - projection.point).length();
+    Nearest {
+        point: projection.point,
+        signed_distance: if projection.is_inside { -distance } else { distance },
+        triangle: projection.subshape,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_was_made_ready_around_a_region_answers_as_the_whole_does() {
+        // Boxes in a row, of which the region holds the second.
+        let mut mesh = Mesh::default();
+        for k in 0..40 {
+            let one = Mesh::cuboid(DVec3::ONE).mapped(|p| p + DVec3::X * 1.5 * f64::from(k));
+            let first = mesh.vertices.len() as u32;
+            mesh.vertices.extend(one.vertices);
+            mesh.triangles.extend(one.triangles.iter().map(|t| t.map(|v| v + first)));
+        }
+        let whole = ExactMesh::new(&mesh).unwrap();
+        let region = Bounds { min: DVec3::new(1.2, -1.0, -1.0), max: DVec3::new(2.8, 2.0, 2.0) };
+        let part = ExactMesh::around(mesh.into(), region).unwrap();
+        assert!(part.shape.indices().len() == 12 && part.rest.is_some());
+        for (i, place) in (0..200).map(|i| (i, f64::from(i))) {
+            let p =
+                DVec3::new(1.3 + 1.4 * (0.31 * place).fract(), (0.71 * place).fract(), 1.9 * (0.37 * place).fract());
+            let (a, b) = (part.nearest(p), whole.nearest(p));
+            assert_eq!((a.point, a.signed_distance), (b.point, b.signed_distance), "{p}");
+            assert_eq!(part.triangles_within(p, 0.02 * place), whole.triangles_within(p, 0.02 * place));
+            let along = DVec3::new(1.0, 0.01 * (0.13 * place).fract() - 0.005, 0.003);
+            let met = |mesh: &ExactMesh| {
+                let mut met: Vec<String> = mesh.triangles_along(p, along).map(|t| format!("{t:?}")).collect();
+                met.sort();
+                met
+            };
+            assert_eq!(met(&part), met(&whole), "{i}");
+        }
+        let far = DVec3::new(30.2, 0.5, 0.6);
+        assert_eq!(part.nearest(far), whole.nearest(far));
+    }
 
     #[test]
     fn distances_to_a_box_are_those_of_a_box() {

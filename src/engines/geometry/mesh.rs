@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
 use glam::DVec3;
+use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
 use super::frame::Frame;
@@ -98,6 +99,11 @@ impl Mesh {
         self.triangles[i].map(|v| self.vertices[v as usize])
     }
 
+    /// Box around a triangle of this mesh.
+    pub fn bounds_of(&self, triangle: &[u32; 3]) -> Bounds {
+        Bounds::of(triangle.map(|v| self.vertices[v as usize]))
+    }
+
     /// Corner points of every triangle in order.
     pub fn iter_corners(&self) -> impl ExactSizeIterator<Item = [DVec3; 3]> + '_ {
         self.triangles.iter().map(|t| t.map(|v| self.vertices[v as usize]))
@@ -126,10 +132,11 @@ impl Mesh {
         let mut hash = Sha256::new();
         hash.update((self.vertices.len() as u64).to_le_bytes());
         for vertex in &self.vertices {
-            vertex.to_array().iter().for_each(|v| hash.update(v.to_bits().to_le_bytes()));
+            let [x, y, z] = vertex.to_array().map(|v| v.to_bits().to_le_bytes());
+            hash.update([x, y, z].as_flattened());
         }
         for triangle in &self.triangles {
-            triangle.iter().for_each(|i| hash.update(i.to_le_bytes()));
+            hash.update(triangle.map(u32::to_le_bytes).as_flattened());
         }
         hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
@@ -163,9 +170,15 @@ impl Mesh {
 
     /// Whether every edge is shared by exactly two triangles of agreeing orientation.
     pub fn is_watertight(&self) -> bool {
-        let edges = self.directed_edges();
-        !self.triangles.is_empty()
-            && edges.iter().all(|(&(a, b), &n)| n == 1 && a != b && edges.get(&(b, a)) == Some(&1))
+        // The edge's vertices, the lower first, then the direction in which a triangle passes it.
+        let side =
+            |from: u32, to: u32| u64::from(from.min(to)) << 33 | u64::from(from.max(to)) << 1 | u64::from(from > to);
+        let of = |&[a, b, c]: &[u32; 3]| [side(a, b), side(b, c), side(c, a)];
+        let mut sides: Vec<u64> = self.triangles.par_iter().flat_map_iter(of).collect();
+        sides.par_sort_unstable();
+        // Sorted, the two directions of every edge stand side by side.
+        let is_passed_both_ways = |pair: &[u64]| pair[0] & 1 == 0 && pair.get(1) == Some(&(pair[0] | 1));
+        !sides.is_empty() && sides.par_chunks(2).all(is_passed_both_ways)
     }
 
     /// The mesh without the vertices that no triangle has.

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use foldhash::fast::FixedState;
 use glam::DVec3;
 
 /// A place as it is compared, to the last bit; minus zero is zero.
@@ -14,14 +15,17 @@ pub fn place(p: DVec3) -> [u64; 3] {
 /// The map is only ever looked up, so that the result does not depend on its order.
 #[derive(Debug, Default)]
 pub struct Weld {
-    numbers: HashMap<[u64; 3], u32>,
+    numbers: HashMap<[u64; 3], u32, FixedState>,
     points: Vec<DVec3>,
 }
 
 impl Weld {
     /// An empty set with room for this number of points.
     pub fn with_capacity(count: usize) -> Self {
-        Self { numbers: HashMap::with_capacity(count), points: Vec::with_capacity(count) }
+        Self {
+            numbers: HashMap::with_capacity_and_hasher(count, FixedState::default()),
+            points: Vec::with_capacity(count),
+        }
     }
 
     /// The number of point `p`, a new one if it has not come before.

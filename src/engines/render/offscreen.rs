@@ -118,7 +118,8 @@ impl Offscreen {
         self.image_until(scene, camera, size, &Cancel::default())
     }
 
-    fn image_until(
+    /// The picture in full quality, unless told to stop.
+    pub fn image_until(
         &mut self,
         scene: &Scene,
         camera: &Camera,
@@ -225,7 +226,7 @@ pub fn png_bytes(image: &RgbaImage, cancel: &Cancel) -> Result<Vec<u8>, RenderEr
     // Pictures have no holes: without the fourth channel the file is a good deal smaller.
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::High);
+    encoder.set_compression(png::Compression::Balanced);
     encoder.set_filter(png::Filter::Adaptive);
     let mut writer = encoder.write_header().map_err(failed)?;
     let mut stream = writer.stream_writer().map_err(failed)?;

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
+use geometry::exact::{ExactMesh, ExactMeshError};
 use geometry::frame::{Cylindrical, Frame};
-use geometry::mesh::Mesh;
+use geometry::mesh::{Bounds, Mesh};
 
 /// Face of its blade that a channel wall is, seen along the passage: against the meridional direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -298,6 +299,35 @@ impl Channel {
     /// The wheel in W: the loaded `mesh` that the channel was found in, or the whole wheel that it is a sector of.
     pub fn wheel_in_w(&self, mesh: &Mesh) -> Mesh {
         self.whole.as_deref().unwrap_or(mesh).in_frame(&self.frame)
+    }
+
+    /// The box around the channel that an electrode moves in, in `wheel`, which is in W.
+    pub fn surroundings(&self, wheel: &Mesh) -> Bounds {
+        /// Reach beside the walls, as a share of the pitch: the electrode swings there.
+        const BESIDE: f64 = 0.75;
+        let walls = Bounds::of(self.low.points.iter().chain(&self.high.points).copied());
+        let [front, back] = self.faces_x;
+        let beside = BESIDE * std::f64::consts::TAU / self.blades as f64 * walls.max.z;
+        let shroud = self.meridian.iter().map(|m| m.shroud.y).fold(walls.max.z, f64::max);
+        // Where electrodes may leave along the radius, up to the rim.
+        let top = match self.flow {
+            Flow::Axial => shroud,
+            _ => wheel.vertices.iter().map(|p| p.y.hypot(p.z)).fold(shroud, f64::max),
+        };
+        Bounds {
+            min: DVec3::new(front - 1.0, walls.min.y - beside, walls.min.z - 3.0),
+            max: DVec3::new(back + 1.0, walls.max.y + beside, top + 2.0),
+        }
+    }
+
+    /// `wheel`, which is in W, made ready for exact distances in the channel and around it.
+    ///
+    /// # Errors
+    /// If the mesh cannot be searched.
+    pub fn exact(&self, wheel: &Arc<Mesh>) -> Result<ExactMesh, ExactMeshError> {
+        /// Distances up to this are asked for beside the box that an electrode moves in (mm).
+        const REACH: f64 = 12.0;
+        ExactMesh::around(wheel.clone(), self.surroundings(wheel).grown(REACH))
     }
 
     /// Least and greatest x of the blades over both walls and all radii: the span between the edges (mm).

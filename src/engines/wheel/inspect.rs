@@ -13,7 +13,6 @@ use super::find_channel::{channel_of, prepared};
 use super::frame::{Axis, Repetition, find_wheel};
 use super::options::BliskOptions;
 use super::surfaces::{SurfaceClasses, classify};
-use geometry::exact::ExactMesh;
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
 use geometry::nurbs::FitError;
@@ -155,7 +154,7 @@ fn fill(found: &mut Inspection, mesh: &Mesh, options: &BliskOptions, task: &Task
     found.assumed = channel.assumed.clone();
     found.surfaces = Some(classify(&loaded, &channel, task)?);
     task.report("channel", 1.0, "centreline");
-    let exact = ExactMesh::new(&mesh.in_frame(&channel.frame)).map_err(|e| BliskError::Mesh(e.to_string()))?;
+    let exact = channel.exact(&mesh.in_frame(&channel.frame).into()).map_err(|e| BliskError::Mesh(e.to_string()))?;
     match CentrelineSummary::new(&channel, &exact, &task.cancel) {
         Ok(line) => found.centreline = Some(line),
         Err(CentrelineError::Cancelled(cancelled)) => return Err(cancelled.into()),

@@ -49,15 +49,25 @@ impl DistanceField {
     /// `cell` mm (0.2 suits parts of some 100 mm).
     pub fn build(mesh: &Mesh, exact: &ExactMesh, region: Bounds, cell: f64, task: &Task) -> Result<Self, FieldError> {
         const STAGE: &str = "distance field";
-        let root = cell * f64::from(1 << LEVELS);
-        let roots_wanted = (region.size() / root).ceil().max(DVec3::ONE);
+        let root_size = cell * f64::from(1 << LEVELS);
+        let roots_wanted = (region.size() / root_size).ceil().max(DVec3::ONE);
         let total = roots_wanted.element_product() * 8f64.powi(LEVELS as i32);
         if total.is_nan() || total > 2e8 {
             return Err(FieldError::TooLarge { cells: total });
         }
         let roots = [roots_wanted.x as usize, roots_wanted.y as usize, roots_wanted.z as usize];
-        let bounds = Bounds { min: region.min, max: region.min + roots_wanted * root };
-        let triangles = LocalTriangles::new(mesh);
+        let bounds = Bounds { min: region.min, max: region.min + roots_wanted * root_size };
+        // No triangle further away than this can be a candidate of any cube.
+        let reaches: Vec<f64> = (0..roots.iter().product())
+            .into_par_iter()
+            .map(|i| {
+                task.check()?;
+                let root = [i % roots[0], i / roots[0] % roots[1], i / roots[0] / roots[1]];
+                let center = bounds.min + (DVec3::from_array(root.map(|i| i as f64)) + 0.5) * root_size;
+                Ok(exact.nearest(center).signed_distance.abs() + 3f64.sqrt() * root_size + 1e-6)
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        let triangles = LocalTriangles::new(mesh, bounds.grown(reaches.into_iter().fold(0.0, f64::max)));
         let probes = [0, 1].map(|level| probes(level).collect());
         let builder = Builder { triangles: &triangles, exact, min: bounds.min, cell, probes };
         let slabs = roots[1] * roots[2];
@@ -194,7 +204,8 @@ impl Builder<'_> {
         let center = self.center(first, LEVELS);
         let reach = self.exact.nearest(center).signed_distance.abs() + 2.0 * self.half_diagonal(LEVELS);
         let near = |triangle| Near { from_center: 0.0, triangle, half_space: HalfSpace::ALL };
-        let candidates: Vec<Near> = self.exact.triangles_within(center, reach).into_iter().map(near).collect();
+        let within = self.exact.triangles_within(center, reach);
+        let candidates: Vec<Near> = self.triangles.numbers(within).map(near).collect();
         self.refine(&mut block, &mut Lattice::new(), ([0; 3], LEVELS), first, &candidates);
         block
     }

@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
+use foldhash::fast::FixedState;
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::inside::crossing;
 use crate::mesh::{Bounds, Mesh, unit_normal};
@@ -11,6 +13,8 @@ use crate::mesh::{Bounds, Mesh, unit_normal};
 /// pseudo-normals, Baerentzen and Aanaes 2005).
 pub(super) struct LocalTriangles {
     triangles: Vec<Triangle>,
+    /// For each triangle of the mesh its number here, [`ELSEWHERE`](Self::ELSEWHERE) if it is none of these.
+    numbers: Vec<u32>,
     /// A ball around each, apart from the rest so that looking at many of them is cheap.
     balls: Vec<Ball>,
 }
@@ -108,34 +112,47 @@ enum Feature {
 }
 
 impl LocalTriangles {
-    pub(super) fn new(mesh: &Mesh) -> Self {
-        let faces: Vec<DVec3> = mesh.iter_corners().map(unit_normal).collect();
+    const ELSEWHERE: u32 = u32::MAX;
+
+    /// The triangles of `mesh` whose boxes meet `around`, in their order.
+    pub(super) fn new(mesh: &Mesh, around: Bounds) -> Self {
+        let is_near: Vec<bool> = mesh.triangles.par_iter().map(|t| mesh.bounds_of(t).intersects(&around)).collect();
+        let own: Vec<u32> = (0..is_near.len()).filter(|&i| is_near[i]).map(|i| i as u32).collect();
+        let mut numbers = vec![Self::ELSEWHERE; is_near.len()];
+        own.iter().zip(0..).for_each(|(&i, number)| numbers[i as usize] = number);
+        let mut used = vec![false; mesh.vertices.len()];
+        own.iter().flat_map(|&i| mesh.triangles[i as usize]).for_each(|v| used[v as usize] = true);
         let mut corner_normals = vec![DVec3::ZERO; mesh.vertices.len()];
-        let mut edge_normals: HashMap<(u32, u32), DVec3> = HashMap::with_capacity(mesh.triangles.len() * 2);
-        for (t, &face) in mesh.triangles.iter().zip(&faces) {
+        let mut edge_normals: HashMap<(u32, u32), DVec3, FixedState> = HashMap::default();
+        // Those beside them have a say in the normals of what they share.
+        for t in mesh.triangles.iter().filter(|t| t.iter().any(|&v| used[v as usize])) {
+            let points = t.map(|v| mesh.vertices[v as usize]);
+            let face = unit_normal(points);
             for i in 0..3 {
-                let [here, next, last] = [0, 1, 2].map(|k| t[(i + k) % 3]);
-                let [p, q, r] = [here, next, last].map(|v| mesh.vertices[v as usize]);
+                let [(here, p), (next, q), (_, r)] = [0, 1, 2].map(|k| (t[(i + k) % 3], points[(i + k) % 3]));
                 corner_normals[here as usize] += face * angle_between(q - p, r - p);
                 *edge_normals.entry((here.min(next), here.max(next))).or_default() += face;
             }
         }
-        let triangles = mesh
-            .triangles
-            .iter()
-            .zip(&faces)
-            .map(|(&t, &face)| {
-                let [a, b, c] = t.map(|v| mesh.vertices[v as usize]);
-                let edge = |i: usize| edge_normals[&(t[i].min(t[(i + 1) % 3]), t[i].max(t[(i + 1) % 3]))];
-                let corners = t.map(|v| corner_normals[v as usize]);
-                Triangle { a, ab: b - a, ac: c - a, face, corners, edges: [edge(0), edge(1), edge(2)] }
-            })
-            .collect();
-        Self { triangles, balls: mesh.iter_corners().map(Ball::around).collect() }
+        let triangle = |&i: &u32| {
+            let t = mesh.triangles[i as usize];
+            let [a, b, c] = mesh.corners(i as usize);
+            let edge = |i: usize| edge_normals[&(t[i].min(t[(i + 1) % 3]), t[i].max(t[(i + 1) % 3]))];
+            let corners = t.map(|v| corner_normals[v as usize]);
+            let face = unit_normal([a, b, c]);
+            Triangle { a, ab: b - a, ac: c - a, face, corners, edges: [edge(0), edge(1), edge(2)] }
+        };
+        let triangles = own.iter().map(triangle).collect();
+        Self { triangles, numbers, balls: own.iter().map(|&i| Ball::around(mesh.corners(i as usize))).collect() }
+    }
+
+    /// The numbers here of those of the mesh's `triangles` that are here.
+    pub(super) fn numbers(&self, triangles: Vec<u32>) -> impl Iterator<Item = u32> {
+        triangles.into_iter().map(|i| self.numbers[i as usize]).filter(|&number| number != Self::ELSEWHERE)
     }
 
     pub(super) fn bytes(&self) -> usize {
-        self.triangles.len() * (size_of::<Triangle>() + size_of::<Ball>())
+        self.triangles.len() * (size_of::<Triangle>() + size_of::<Ball>()) + self.numbers.len() * 4
     }
 
     /// Distance from `p` to triangle `i`.

@@ -97,6 +97,8 @@ impl DistanceField {
     pub const NEAR: f64 = 0.5;
     /// Greatest error near the surface (mm).
     pub const ACCURACY: f64 = 0.005;
+    /// For rounding to single precision (mm).
+    const ROUNDING: f64 = 1e-5;
 
     /// The region that the field describes.
     pub fn bounds(&self) -> Bounds {
@@ -121,12 +123,10 @@ impl DistanceField {
     /// to know that, a cell's triangles need not be tested. `None` outside the field's bounds.
     #[inline]
     pub fn value_or_enough(&self, p: DVec3, enough: f64) -> Option<f64> {
-        /// For rounding to single precision (mm).
-        const ROUNDING: f64 = 1e-5;
         let (handle, cell) = self.locate(p)?;
         if handle.kind() >= Handle::OUTSIDE {
             // The distance changes by no more than one moves.
-            let least = f64::from(self.centres[handle.number()]) - p.distance(self.center(cell)) - ROUNDING;
+            let least = f64::from(self.centres[handle.number()]) - p.distance(self.center(cell)) - Self::ROUNDING;
             if least >= enough {
                 return Some(least);
             }
@@ -171,9 +171,18 @@ impl DistanceField {
     /// -1 if the surface winds around `p`, a point of a folded cell, and 1 if not.
     #[cold]
     fn sign_in_folded(&self, p: DVec3, handle: Handle, cell: [usize; 3]) -> f64 {
+        // No surface passes between `p` and a centre that is further from it.
+        let at_center = self.centres.get(handle.number()).map(|d| f64::from(*d)).filter(|d| d.is_finite());
+        if let Some(d) = at_center.filter(|d| d.abs() > p.distance(self.center(cell)) + Self::ROUNDING) {
+            return d.signum();
+        }
         let known = self.windings.get(&(handle.number() as u32)).copied().unwrap_or(0);
         let reference = self.reference_point(cell);
-        let passed = self.triangles.signed_crossings(p, reference, self.candidates(handle));
+        // Both points are in the cell, and so is any triangle between them, in part.
+        let reach = 0.5 * 3f64.sqrt() * self.cell + Self::ROUNDING;
+        let candidates = self.candidates(handle);
+        let between = candidates.partition_point(|c| c.in_order().0 <= reach);
+        let passed = self.triangles.signed_crossings(p, reference, &candidates[..between]);
         if known + passed == 0 { 1.0 } else { -1.0 }
     }
 

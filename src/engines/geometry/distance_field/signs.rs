@@ -241,7 +241,8 @@ impl DistanceField {
         // Twice half the diagonal, and rounding.
         let reach = exact.nearest(center).signed_distance.abs() + 3f64.sqrt() * self.cell + 1e-9;
         let with_distance = |t: u32| (self.triangles.distance(center, t), t);
-        let mut found: Vec<(f64, u32)> = exact.triangles_within(center, reach).into_iter().map(with_distance).collect();
+        let within = self.triangles.numbers(exact.triangles_within(center, reach));
+        let mut found: Vec<(f64, u32)> = within.map(with_distance).collect();
         found.retain(|&(d, _)| d <= reach);
         found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         found.into_iter().map(|(d, t)| Candidate::new(d, t)).collect()

@@ -58,10 +58,20 @@ impl RenderMesh {
     /// Prepares `mesh`. Triangles with vertices that do not exist or are not finite are not seen; the others
     /// keep their indices.
     pub fn new(mesh: &Mesh) -> Self {
+        Self::made(mesh, true)
+    }
+
+    /// Prepares `mesh` for pictures in full quality alone: it has no lighter version, and no ray meets it.
+    pub fn for_pictures(mesh: &Mesh) -> Self {
+        Self::made(mesh, false)
+    }
+
+    fn made(mesh: &Mesh, is_handled: bool) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let (source, bounds) = cleaned(mesh);
         let origin = if source.triangles.is_empty() { DVec3::ZERO } else { bounds.center() };
-        let (levels, rays) = rayon::join(|| levels(&source, origin), || RayMesh::new(&source).ok());
+        let rays = || is_handled.then(|| RayMesh::new(&source).ok()).flatten();
+        let (levels, rays) = rayon::join(|| levels(&source, origin, is_handled), rays);
         let Levels { full, lighter, closed } = levels;
         Self { id: NEXT.fetch_add(1, Ordering::Relaxed), source, bounds, closed, full, lighter, rays }
     }
@@ -132,14 +142,15 @@ struct Levels {
     closed: bool,
 }
 
-fn levels(source: &Mesh, origin: DVec3) -> Levels {
+fn levels(source: &Mesh, origin: DVec3, is_handled: bool) -> Levels {
     let normals: Vec<DVec3> = source.triangles.par_iter().map(|t| normal(source, t)).collect();
     let fans = Fans::new(source.vertices.len(), &source.triangles);
     let edges = edges::find_edges(&source.triangles, &fans, &normals, CREASE);
     let ends = |e: &[u32; 2]| e.map(|v| (source.vertices[v as usize] - origin).as_vec3().to_array());
     let shaded = shade(source, &fans, &normals, origin, CREASE);
     let full = Level { edges: edges.features.iter().map(ends).collect(), ..Level::from(shaded) };
-    let lighter = (source.triangles.len() >= LIGHTER_FROM).then(|| lighter_level(source, &fans, &normals, origin));
+    let is_large = is_handled && source.triangles.len() >= LIGHTER_FROM;
+    let lighter = is_large.then(|| lighter_level(source, &fans, &normals, origin));
     Levels { full, lighter, closed: edges.closed }
 }
 

@@ -88,7 +88,7 @@ impl Tracer<'_> {
             return Err(BliskError::NoHeight { hub, shroud });
         }
         let first = Traced { station: Station::across_axis(start.x, hub, shroud), gap: start.gap };
-        let bounds = self.slices.mesh().bounds();
+        let bounds = self.slices.bounds();
         let step = bounds.size().x / STATIONS;
         let mut stations = self.march(first, -step, bounds.min.x, shrouded)?;
         stations.reverse();

@@ -71,7 +71,7 @@ impl WallFinder<'_> {
     /// Longest step along the passage (mm).
     fn step(&self) -> f64 {
         let length = match (self.meridian.flow, &self.meridian.stations[..]) {
-            (Flow::Axial, _) | (_, []) => self.tracer.slices.mesh().bounds().size().x,
+            (Flow::Axial, _) | (_, []) => self.tracer.slices.bounds().size().x,
             (_, [first, ..]) => self.meridian.stations.last().map_or(0.0, |last| last.along - first.along),
         };
         length / 256.0

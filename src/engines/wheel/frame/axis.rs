@@ -7,6 +7,7 @@
 
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, SymmetricEigen};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
@@ -63,17 +64,23 @@ struct Facet {
     area: f64,
 }
 
-fn facets(mesh: &Mesh) -> Vec<Facet> {
+/// Facets that tell how well a surface turns about a line as well as more would.
+const MANY: usize = 200_000;
+
+/// Facets of a mesh, of a fine one evenly picked, about as many as `enough`.
+fn facets(mesh: &Mesh, enough: usize) -> Vec<Facet> {
     let facet = |t: [DVec3; 3]| {
         let n = normal_times_two_areas(t);
         Facet { center: (t[0] + t[1] + t[2]) / 3.0, normal: n.normalize_or_zero(), area: 0.5 * n.length() }
     };
-    mesh.iter_corners().map(facet).filter(|f| f.area > 0.0).collect()
+    // An odd step, so as not to pick the same triangle of every quad.
+    let step = (mesh.triangles.len() / enough) | 1;
+    mesh.iter_corners().step_by(step).map(facet).filter(|f| f.area > 0.0).collect()
 }
 
 /// Lines that may be the axis of `mesh`, the likeliest first, none twice; with `direction`, only lines along it.
 pub(super) fn candidates(mesh: &Mesh, direction: Option<DVec3>) -> Vec<Axis> {
-    let facets = facets(mesh);
+    let facets = facets(mesh, MANY);
     let size = mesh.bounds().size().length();
     let (center, moments) = solid_moments(mesh);
     let normals = Normals::new(&facets, center, size);
@@ -156,9 +163,7 @@ pub(super) struct Turning(Vec<Facet>);
 
 impl Turning {
     pub(super) fn new(mesh: &Mesh) -> Self {
-        let facets = facets(mesh);
-        let step = (facets.len() / Normals::ENOUGH) | 1;
-        Self(facets.into_iter().step_by(step).collect())
+        Self(facets(mesh, Normals::ENOUGH))
     }
 
     /// Share of the area that is a surface of revolution about `axis`.
@@ -184,7 +189,6 @@ impl<'a> Normals<'a> {
     const ENOUGH: usize = 15_000;
 
     fn new(facets: &'a [Facet], center: DVec3, size: f64) -> Self {
-        // An odd step, so as not to pick the same triangle of every quad.
         let step = (facets.len() / Self::ENOUGH) | 1;
         Self { facets: facets.iter().step_by(step).collect(), center, size }
     }
@@ -236,24 +240,24 @@ fn pseudo_inverse(m: DMat3) -> DMat3 {
 /// Angle about `axis` that the surface covers, of a full turn (rad), seen in 120 sectors and leaving out what
 /// lies near the axis, where a triangle covers much.
 pub(super) fn covered_angle(mesh: &Mesh, axis: &Axis) -> f64 {
-    const SECTORS: usize = 120;
+    const SECTORS: i64 = 120;
     let across = axis.direction.any_orthonormal_vector();
     let up = axis.direction.cross(across);
     let flat = |p: DVec3| glam::DVec2::new(across.dot(p - axis.point), up.dot(p - axis.point));
     let reach = mesh.vertices.iter().map(|&p| flat(p).length()).fold(0.0, f64::max);
-    let mut seen = [false; SECTORS];
     let sector = std::f64::consts::TAU / SECTORS as f64;
-    for corners in mesh.iter_corners() {
-        let points = corners.map(flat);
+    let seen = |triangle: &[u32; 3]| {
+        let points = triangle.map(|v| flat(mesh.vertices[v as usize]));
         if points.iter().any(|p| p.length() < 0.3 * reach) {
-            continue;
+            return 0;
         }
         let start = points[0].to_angle();
         let turns = points.map(|p| points[0].angle_to(p));
         let (least, most) = turns.iter().fold((0.0f64, 0.0f64), |(l, m), &t| (l.min(t), m.max(t)));
         let first = ((start + least) / sector).floor() as i64;
         let last = ((start + most) / sector).floor() as i64;
-        (first..=last).for_each(|i| seen[i.rem_euclid(SECTORS as i64) as usize] = true);
-    }
-    seen.iter().filter(|&&s| s).count() as f64 * sector
+        (first..=last).fold(0u128, |seen, i| seen | 1 << i.rem_euclid(SECTORS))
+    };
+    let seen = mesh.triangles.par_iter().map(seen).reduce(|| 0, |a, b| a | b);
+    f64::from(seen.count_ones()) * sector
 }

@@ -7,9 +7,10 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3, Vec3Swizzles as _};
+use rayon::prelude::*;
 
 use geometry::frame::{Cylindrical, wrap_angle};
-use geometry::mesh::{Mesh, unit_normal};
+use geometry::mesh::{Bounds, Mesh, unit_normal};
 
 /// Cells along the axis and along the radius of the grid that [`Slices::cell_middle`] counts in, and at most of
 /// the search grid.
@@ -27,6 +28,7 @@ const SLIVER: f64 = 1e-10;
 /// A mesh in W, sorted for circles about X and for radial rays.
 pub(crate) struct Slices {
     mesh: Mesh,
+    bounds: Bounds,
     /// Least x and radius 0.
     origin: DVec2,
     /// Extent in x and r.
@@ -98,29 +100,41 @@ impl Slices {
     /// Sorts `mesh`, which is given in W and has at least one triangle.
     pub fn new(mesh: Mesh) -> Self {
         let bounds = mesh.bounds();
-        let r_max = mesh.vertices.iter().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max);
+        let places: Vec<Cylindrical> = mesh.vertices.par_iter().map(|p| Cylindrical::from_point(*p)).collect();
+        let r_max = places.iter().map(|p| p.r).fold(0.0, f64::max);
         // A little more than the part, so that the last cell also holds its far boundary.
         let size = DVec2::new(bounds.size().x, r_max).max(DVec2::splat(1e-9)) * (1.0 + 1e-9);
         let origin = DVec2::new(bounds.min.x, 0.0);
         let mut grid = CELLS;
-        let mut spans = spans(&mesh, origin, size, grid);
-        while spans.iter().map(Span::entries).sum::<usize>() > MOST_ENTRIES && grid != [1, 1] {
+        let mut spans = spans(&mesh, &places, origin, size, grid);
+        while spans.par_iter().map(Span::entries).sum::<usize>() > MOST_ENTRIES && grid != [1, 1] {
             grid = grid.map(|n| n.div_ceil(2));
-            spans = self::spans(&mesh, origin, size, grid);
+            spans = self::spans(&mesh, &places, origin, size, grid);
         }
+        drop(places);
         let [nx, nr] = grid;
-        let cells = Buckets::new(nx * nr, &spans, |span, put| {
-            span.columns().for_each(|ix| span.rows().for_each(|ir| put(ix * nr + ir)));
-        });
-        let wedges = Buckets::new(nx * SECTORS, &spans, |span, put| {
-            span.columns().for_each(|ix| span.sectors().for_each(|s| put(ix * SECTORS + s)));
-        });
-        Self { mesh, origin, size, grid, cells, wedges }
+        let in_cells = |span: &Span| {
+            let [columns, rows] = [span.x, span.r].map(|[first, last]| usize::from(first)..=usize::from(last));
+            columns.flat_map(move |ix| rows.clone().map(move |ir| ix * nr + ir))
+        };
+        let in_wedges = |span: &Span| {
+            let ([first, last], columns) = (span.theta, usize::from(span.x[0])..=usize::from(span.x[1]));
+            let sectors = (first..=last).map(|s| i64::from(s).rem_euclid(SECTORS as i64) as usize);
+            columns.flat_map(move |ix| sectors.clone().map(move |s| ix * SECTORS + s))
+        };
+        let (cells, wedges) =
+            rayon::join(|| Buckets::new(nx * nr, &spans, in_cells), || Buckets::new(nx * SECTORS, &spans, in_wedges));
+        Self { mesh, bounds, origin, size, grid, cells, wedges }
     }
 
     /// The mesh in W.
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
+    }
+
+    /// Box around the mesh.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
     }
 
     /// Middle (x, r) of a cell of the grid of [`CELLS`].
@@ -391,30 +405,35 @@ fn sector(theta: f64) -> usize {
 
 /// The cells that a triangle may touch: first and last column, row and sector.
 struct Span {
-    x: [usize; 2],
-    r: [usize; 2],
-    theta: [i64; 2],
+    x: [u16; 2],
+    r: [u16; 2],
+    theta: [i16; 2],
 }
 
-fn spans(mesh: &Mesh, origin: DVec2, size: DVec2, grid: [usize; 2]) -> Vec<Span> {
-    mesh.iter_corners().map(|t| Span::new(t, origin, size, grid)).collect()
+/// The spans of the triangles of `mesh`, whose vertices are at `places`.
+fn spans(mesh: &Mesh, places: &[Cylindrical], origin: DVec2, size: DVec2, grid: [usize; 2]) -> Vec<Span> {
+    let span = |t: &[u32; 3]| {
+        let flat = t.map(|v| mesh.vertices[v as usize]).map(|p| DVec2::new(p.z, -p.y));
+        Span::new(flat, t.map(|v| places[v as usize]), origin, size, grid)
+    };
+    mesh.triangles.par_iter().map(span).collect()
 }
 
 impl Span {
-    fn new(corners: [DVec3; 3], origin: DVec2, size: DVec2, grid: [usize; 2]) -> Self {
-        let flat = corners.map(|p| DVec2::new(p.z, -p.y));
+    /// Of a triangle with these corners, also across the axis.
+    fn new(flat: [DVec2; 3], corners: [Cylindrical; 3], origin: DVec2, size: DVec2, grid: [usize; 2]) -> Self {
         // Computed as for a point that is looked up, so that both round alike.
         let [nx, nr] = grid.map(|n| n as f64);
         let x = corners.map(|p| (p.x - origin.x) / size.x * nx);
-        let r = flat.map(DVec2::length);
+        let r = corners.map(|p| p.r);
         let nearest = least_radius(flat);
-        let index = |value: f64, axis: usize| (value.max(0.0) as usize).min(grid[axis] - 1);
+        let index = |value: f64, axis: usize| (value.max(0.0) as usize).min(grid[axis] - 1) as u16;
         let theta = if nearest == 0.0 {
-            [0, SECTORS as i64 - 1]
+            [0, SECTORS as i16 - 1]
         } else {
-            let turns = flat.map(|p| flat[0].angle_to(p));
-            let start = flat[0].to_angle();
-            [sector_count(start + least(turns) - 1e-9), sector_count(start + most(turns) + 1e-9)]
+            let start = corners[0].theta;
+            let turns = corners.map(|p| wrap_angle(p.theta - start));
+            [least(turns) - 1e-9, most(turns) + 1e-9].map(|turn| sector_count(start + turn) as i16)
         };
         // A hair more than the triangle, so that rounding never loses it.
         let rows = [nearest * (1.0 - 1e-12), most(r) * (1.0 + 1e-12)].map(|r| index(r / size.y * nr, 1));
@@ -422,20 +441,8 @@ impl Span {
     }
 
     fn entries(&self) -> usize {
-        let columns = self.x[1] - self.x[0] + 1;
-        columns * (self.r[1] - self.r[0] + 1 + (self.theta[1] - self.theta[0] + 1) as usize)
-    }
-
-    fn columns(&self) -> impl Iterator<Item = usize> {
-        self.x[0]..=self.x[1]
-    }
-
-    fn rows(&self) -> impl Iterator<Item = usize> {
-        self.r[0]..=self.r[1]
-    }
-
-    fn sectors(&self) -> impl Iterator<Item = usize> {
-        (self.theta[0]..=self.theta[1]).map(|s| s.rem_euclid(SECTORS as i64) as usize)
+        let count = |[first, last]: [u16; 2]| usize::from(last - first) + 1;
+        count(self.x) * (count(self.r) + (self.theta[1] - self.theta[0] + 1) as usize)
     }
 }
 
@@ -469,20 +476,20 @@ struct Buckets {
 }
 
 impl Buckets {
-    /// Puts item `i` into every bucket that `visit(&spans[i], put)` names.
-    fn new(count: usize, spans: &[Span], visit: impl Fn(&Span, &mut dyn FnMut(usize))) -> Self {
+    /// Puts item `i` into every bucket of `of(&spans[i])`.
+    fn new<I: Iterator<Item = usize>>(count: usize, spans: &[Span], of: impl Fn(&Span) -> I) -> Self {
         let mut starts = vec![0; count + 1];
-        spans.iter().for_each(|span| visit(span, &mut |bucket| starts[bucket + 1] += 1));
+        spans.iter().flat_map(&of).for_each(|bucket| starts[bucket + 1] += 1);
         for i in 0..count {
             starts[i + 1] += starts[i];
         }
         let mut ends = starts.clone();
         let mut items = vec![0; starts[count]];
         for (i, span) in spans.iter().enumerate() {
-            visit(span, &mut |bucket| {
+            for bucket in of(span) {
                 items[ends[bucket]] = i as u32;
                 ends[bucket] += 1;
-            });
+            }
         }
         Self { starts, items }
     }

@@ -56,10 +56,10 @@ pub fn prepare(inputs: &PlanInputs, task: &Task) -> Result<PreparedBlisk, PlanJo
     let channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, task))?;
     sides_of(job, &channel)?;
     simulate::check_channels(job, &channel)?;
-    let blisk = channel.wheel_in_w(&inputs.blisk);
-    let exact = clock.time("exact mesh", || ExactMesh::new(&blisk))?;
+    let blisk = Arc::new(channel.wheel_in_w(&inputs.blisk));
+    let exact = clock.time("exact mesh", || channel.exact(&blisk))?;
     let cell = job.plan.field_cell_mm;
-    let mut prepared = PreparedBlisk::new(blisk.into(), exact.into(), channel.into(), cell, task)?;
+    let mut prepared = PreparedBlisk::new(blisk, exact.into(), channel.into(), cell, task)?;
     clock.0.append(&mut prepared.clock.0);
     prepared.clock = clock;
     Ok(prepared)

@@ -7,7 +7,7 @@ use crate::widgets::camera::PICTURE_SIZE;
 use crate::workspaces::blisk::report::{Report, StageTime};
 use crate::workspaces::blisk::scene::pictures::{PlanPicture, PlanToShow, plan_pictures};
 use files::report::Picture;
-use render::offscreen::{Offscreen, RenderError};
+use render::offscreen::{Offscreen, RenderError, png_bytes};
 use task::{Cancelled, Task};
 
 /// Puts the pictures of `outcome` into `report`, or the reason why there are none: a plan is good without them.
@@ -31,7 +31,6 @@ pub fn add(report: &mut Report, outcome: &PlanOutcome, inputs: &PlanInputs, task
 
 fn draw(outcome: &PlanOutcome, inputs: &PlanInputs, task: &Task) -> Result<Vec<Picture>, RenderError> {
     task.report("pictures", 0.0, "");
-    let mut offscreen = Offscreen::new()?;
     let plan = PlanToShow {
         blisk: &inputs.blisk,
         channel: &outcome.channel,
@@ -39,16 +38,20 @@ fn draw(outcome: &PlanOutcome, inputs: &PlanInputs, task: &Task) -> Result<Vec<P
         residual_stock: outcome.residual_stock().map(|left| &**left),
         spark_gap: inputs.job.electrode.spark_gap_mm,
     };
-    let pictures = plan_pictures(&plan, &inputs.job.export.pictures, task)?;
-    let count = pictures.len();
-    let mut drawn = Vec::with_capacity(count);
-    for (i, picture) in pictures.into_iter().enumerate() {
-        task.check()?;
-        task.report("pictures", i as f64 / count as f64, &picture.title);
-        let png = offscreen.png(&picture.scene, &picture.camera, PICTURE_SIZE, &task.cancel)?;
-        drawn.push(finished(picture, png));
-    }
-    Ok(drawn)
+    let (pictures, offscreen) = rayon::join(|| plan_pictures(&plan, &inputs.job.export.pictures, task), Offscreen::new);
+    let (pictures, mut offscreen) = (pictures?, offscreen?);
+    // One is compressed while the next is drawn.
+    let mut drawn: Vec<Result<Vec<u8>, RenderError>> = pictures.iter().map(|_| Ok(Vec::new())).collect();
+    rayon::in_place_scope(|scope| {
+        for (i, (picture, png)) in pictures.iter().zip(&mut drawn).enumerate() {
+            task.check()?;
+            task.report("pictures", i as f64 / pictures.len() as f64, &picture.title);
+            let image = offscreen.image_until(&picture.scene, &picture.camera, PICTURE_SIZE, &task.cancel)?;
+            scope.spawn(move |_| *png = png_bytes(&image, &task.cancel));
+        }
+        Ok::<(), RenderError>(())
+    })?;
+    pictures.into_iter().zip(drawn).map(|(picture, png)| Ok(finished(picture, png?))).collect()
 }
 
 fn finished(picture: PlanPicture, png: Vec<u8>) -> Picture {

@@ -168,9 +168,9 @@ pub fn channel(part: &Part, job: &PlanJob, refused_at: &dyn Fn(DVec3), task: &Ta
         refused.at.into_iter().for_each(refused_at);
         FIELDS.labelled(&refused)
     })?;
-    let blisk = channel.wheel_in_w(&part.mesh);
-    let exact = ExactMesh::new(&blisk).map_err(|e| e.to_string())?;
-    let mut shapes = channel_shapes(&blisk, &channel);
+    let blisk = Arc::new(channel.wheel_in_w(&part.mesh));
+    let exact = channel.exact(&blisk).map_err(|e| e.to_string())?;
+    let mut shapes = channel_shapes(&blisk, &channel, RenderMesh::new);
     let centreline = match Centreline::of_channel(&channel, &task.cancel) {
         Ok(line) => Some(line),
         Err(CentrelineError::Cancelled(cancelled)) => return Err(cancelled.to_string()),
@@ -179,7 +179,7 @@ pub fn channel(part: &Part, job: &PlanJob, refused_at: &dyn Fn(DVec3), task: &Ta
     };
     shapes.centreline = centreline.as_ref().map_or(Vec::new(), |line| line.polyline(LINE_POINTS));
     let centreline = centreline.map(Arc::new);
-    Ok(FoundChannel { channel: channel.into(), blisk: blisk.into(), exact: exact.into(), shapes, centreline })
+    Ok(FoundChannel { channel: channel.into(), blisk, exact: exact.into(), shapes, centreline })
 }
 
 /// Makes the electrodes in the order of their places along the passage, each for the side that a plan tries first, or for the

@@ -108,11 +108,12 @@ impl<'a> Drawn<'a> {
         // Seconds for each: only for those that are looked at.
         let looked_at = if wanted.sweep { &plan.electrodes[..] } else { &[] };
         let swept = looked_at.iter().zip(&tracks).map(room).collect::<Result<_, _>>()?;
-        let electrodes = plan.electrodes.iter().map(|(e, _)| Arc::new(RenderMesh::new(&e.mesh))).collect();
+        let electrodes = plan.electrodes.iter().map(|(e, _)| Arc::new(RenderMesh::for_pictures(&e.mesh))).collect();
         task.check()?;
-        let blisk = Arc::new(RenderMesh::new(plan.channel.whole.as_deref().unwrap_or(plan.blisk)));
+        let blisk = Arc::new(RenderMesh::for_pictures(plan.channel.whole.as_deref().unwrap_or(plan.blisk)));
         task.check()?;
-        let shapes = channel_shapes(&plan.channel.wheel_in_w(plan.blisk), plan.channel);
+        let in_w = plan.channel.wheel_in_w(plan.blisk);
+        let shapes = channel_shapes(&in_w, plan.channel, RenderMesh::for_pictures);
         Ok(Self { plan, blisk, shapes, electrodes, tracks, swept, layers })
     }
 

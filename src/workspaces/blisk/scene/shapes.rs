@@ -32,12 +32,12 @@ pub struct ChannelShapes {
     pub passage: PassageLines,
 }
 
-/// The shapes of `channel` in `blisk`, which is in W, without its centreline.
-pub fn channel_shapes(blisk: &Mesh, channel: &Channel) -> ChannelShapes {
+/// The shapes of `channel` in `blisk`, which is in W, without its centreline; `prepare` makes them ready for drawing.
+pub fn channel_shapes(blisk: &Mesh, channel: &Channel, prepare: fn(&Mesh) -> RenderMesh) -> ChannelShapes {
     ChannelShapes {
-        low: Arc::new(RenderMesh::new(&wall_mesh(&channel.low, true))),
-        high: Arc::new(RenderMesh::new(&wall_mesh(&channel.high, false))),
-        unshrouded: Arc::new(RenderMesh::new(&unshrouded(blisk, channel))),
+        low: Arc::new(prepare(&wall_mesh(&channel.low, true))),
+        high: Arc::new(prepare(&wall_mesh(&channel.high, false))),
+        unshrouded: Arc::new(prepare(&unshrouded(blisk, channel))),
         centreline: Vec::new(),
         passage: PassageLines::new(channel),
     }
