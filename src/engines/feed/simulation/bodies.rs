@@ -46,7 +46,7 @@ impl Mover {
             // C and B turn the electrode against the head.
             Some(Carrier::Head) => self.turns,
             // Where C turns the table, the bed is what moves.
-            Some(Carrier::Bed) => !self.on_bed && !(self.on_table && chain.on_table_c().is_some()),
+            Some(Carrier::Bed) => !(self.on_bed || self.on_table && chain.on_table_c().is_some()),
             Some(Carrier::Cradle) => true,
             _ => !self.on_table,
         }

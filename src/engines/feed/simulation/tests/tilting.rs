@@ -111,14 +111,16 @@ fn the_slides_of_the_machine_are_judged_by_its_travel() {
     let chain = *parts.simulate(&[0]).chain();
     let first = chain.machine_pose(&parts.feed.rows[0].pose);
     assert!((first.y - parts.feed.rows[0].pose.y).abs() > 3.0, "the table takes the channel aside: {first:?}");
-    parts.machine.travel_y_mm = [first.y.min(0.0) - 0.1, first.y.max(0.0) + 0.1];
+    let slides: Vec<f64> = chain.refined(&parts.feed.rows).iter().map(|row| chain.machine_pose(&row.pose).y).collect();
+    let (least, most) = slides.iter().fold((0.0f64, 0.0f64), |(least, most), y| (least.min(*y), most.max(*y)));
+    assert_eq!(first.y, least);
+    parts.machine.travel_y_mm = [least - 0.2, most + 0.2];
     // The approach ends with the travel of Y.
     let simulation = parts.simulate(&[0]);
     assert_eq!(simulation.travel(), None, "{}", simulation.sentence());
     let clear = simulation.approach()[0];
-    assert!(clear.x > 30.0 && (chain.machine_pose(&clear).y - first.y).abs() > 0.0999, "{clear:?}");
-    parts.machine.travel_y_mm = [first.y.min(0.0) + 0.1, first.y.max(0.0) - 0.1];
-    parts.machine.travel_y_mm = parts.machine.travel_y_mm.map(|y| if y.abs() <= 0.1 { 0.0 } else { y });
+    assert!(clear.x > 30.0 && (chain.machine_pose(&clear).y - first.y).abs() > 0.1999, "{clear:?}");
+    parts.machine.travel_y_mm[0] = least + 0.1;
     assert_eq!(parts.simulate(&[0]).travel().map(|t| t.axis), Some(Axis::Y));
     // A search is not held up by them.
     assert_eq!(parts.machine.pose_limits().of(Axis::Y), [f64::NEG_INFINITY, f64::INFINITY]);
