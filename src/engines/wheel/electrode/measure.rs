@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::{ElectrodeError, ElectrodeFace, EntrySide};
 use geometry::exact::ExactMesh;
 use geometry::inside::guarded_distance;
-use geometry::mesh::{Mesh, normal_times_two_areas, unit_normal};
+use geometry::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
 use task::Cancel;
 
 /// How far thickness is looked for (mm).
@@ -48,14 +48,20 @@ pub(super) fn burn_area(mesh: &Mesh, faces: &[ElectrodeFace]) -> f64 {
 }
 
 /// The reference point O of an electrode: the middle of its burning faces along X, y = 0, the mean of their least and
-/// greatest radius as z; of one that leaves along Z the middle of their box (mm).
+/// greatest radius as z. Of one that leaves along Z it is the middle of the holder across Z, that of the burning faces
+/// along Z (mm).
 pub(super) fn reference_point(mesh: &Mesh, faces: &[ElectrodeFace], side: EntrySide) -> DVec3 {
-    let burning = mesh.iter_corners().zip(faces).filter(|(_, face)| face.burns()).flat_map(|(corners, _)| corners);
-    let place = |p: DVec3| match side {
-        EntrySide::MinusX | EntrySide::PlusX => DVec3::new(p.x, 0.0, p.y.hypot(p.z)),
-        EntrySide::Outward => p,
+    let box_of = |is_of: &dyn Fn(ElectrodeFace) -> bool, place: &dyn Fn(DVec3) -> DVec3| {
+        let all = mesh.iter_corners().zip(faces).filter(|(_, face)| is_of(**face)).flat_map(|(corners, _)| corners);
+        Bounds::of(all.map(place)).center()
     };
-    geometry::mesh::Bounds::of(burning.map(place)).center()
+    match side {
+        EntrySide::MinusX | EntrySide::PlusX => box_of(&|f| f.burns(), &|p| DVec3::new(p.x, 0.0, p.y.hypot(p.z))),
+        EntrySide::Outward => {
+            let holder = box_of(&|f| f == ElectrodeFace::Holder, &|p| p);
+            holder.with_z(box_of(&|f| f.burns(), &|p| p).z)
+        }
+    }
 }
 
 /// The thinnest metal between the low and the high wall, or a wall and the division, from the centre of each wall face
