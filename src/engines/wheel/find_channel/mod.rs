@@ -105,7 +105,9 @@ pub(super) fn channel_of(
     assumed.extend(given_by_hand(options));
     let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&low, &high] };
     let agreement = measured.agreement(&throat)?;
-    walls::check_rows(&low, &high)?;
+    if !meridian.shrouded {
+        walls::check_rows(&low, &high)?;
+    }
     let unlike = measured.unlike(blades, blisk.repetition.kinds, blisk.repetition.tolerance_mm)?;
     let unlike: Vec<usize> = unlike.into_iter().map(|k| (options.channel + k) % blades).collect();
     assumed.extend(unlike_sentence(&unlike, blades / blisk.repetition.kinds));
