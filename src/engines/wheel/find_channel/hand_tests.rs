@@ -157,7 +157,7 @@ fn a_wheel_that_lacks_a_blade_is_found_by_its_blade_count() {
         let channel = find(&mesh, &options).unwrap();
         assert_eq!((channel.blades, channel.kinds), (part.blades, 1));
         // Blade 4 would bound the passages above blades 3 and 4; the picked one is above blade 1.
-        let unlike: Vec<usize> = channel.unlike.clone();
+        let unlike: Vec<usize> = channel.unlike.iter().map(|unlike| unlike.number).collect();
         assert_eq!(unlike, [2, 3], "{:?}", channel.assumed);
         assert!(off_curves(&part, &channel) < MOST_OFF);
     }
