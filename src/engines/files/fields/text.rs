@@ -207,3 +207,24 @@ fn without_nulls(value: Value) -> Value {
         other => other,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_are_typed_shown_and_refused() {
+        const FIELD: Field = Field::points("picked_mm", "Picked", "mm", -10.0, 10.0);
+        let parse = |text: &str| FIELD.parse("picked_mm", text);
+        let two = serde_json::json!([[1.0, -2.5, 3.0], [4.0, 5.0, 6.0]]);
+        for text in ["1, -2.5, 3; 4, 5, 6", "[[1.0, -2.5, 3.0], [4.0, 5.0, 6.0]]", "1 -2.5 3\n4 5 6;"] {
+            assert_eq!(parse(text).unwrap(), two, "{text}");
+        }
+        assert_eq!(FIELD.show(&two), "1, -2.5, 3; 4, 5, 6");
+        assert_eq!(parse("").unwrap(), serde_json::json!([]));
+        for wrong in ["1, 2", "1, 2, 3; 4, 5", "1, 2, 11", "1, 2, three", "[1, 2, 3]"] {
+            let message = parse(wrong).unwrap_err().to_string();
+            assert!(message.contains("points of three coordinates"), "{wrong}: {message}");
+        }
+    }
+}

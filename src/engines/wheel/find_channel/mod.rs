@@ -127,6 +127,9 @@ fn measured_channel(
     assumed.extend(given_by_hand(options));
     let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&low, &high] };
     let agreement = measured.agreement(&throat)?;
+    if !meridian.shrouded {
+        walls::check_rows(&low, &high)?;
+    }
     let unlike = measured.unlike(blades, blisk.repetition.kinds, blisk.repetition.tolerance_mm)?;
     let unlike: Vec<Unlike> =
         unlike.into_iter().map(|u| Unlike { number: (options.channel + u.number) % blades, ..u }).collect();

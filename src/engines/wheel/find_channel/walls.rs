@@ -1,6 +1,6 @@
 //! The two walls of a channel as grids of points that lie exactly on the mesh, between the blades' edges.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -17,6 +17,9 @@ pub(super) const INSET: f64 = 0.005;
 
 /// From step to step an end of a gap moves into it by less than this share of its width.
 const JUMP: f64 = 0.3;
+
+/// Share of the columns of a wall's grid that may jump between hub and shroud.
+const MOST_JUMPS: f64 = 0.05;
 
 /// Blades that go on so far beyond the end of hub or shroud (share of the height) are not bounded there.
 const BEYOND_END: f64 = 0.05;
@@ -182,7 +185,6 @@ impl WallFinder<'_> {
                 self.gaps(&self.row(share)?, nu)
             })
             .collect::<Result<_, BliskError>>()?;
-        self.check_rows(&rows)?;
         Ok([|g: &Gap| g.low, |g: &Gap| g.high].map(|end| {
             let order = || (0..nu).flat_map(|u| rows.iter().map(move |row| &row[u]));
             ChannelWall {
@@ -195,22 +197,28 @@ impl WallFinder<'_> {
         }))
     }
 
-    /// Refuses walls that jump from row to row: one of them is no blade from hub to tip.
-    fn check_rows(&self, rows: &[Vec<Place>]) -> Result<(), BliskError> {
-        let beside = rows.windows(2).flat_map(|pair| pair[0].iter().zip(&pair[1]));
-        let mut jumps = beside.filter(|(a, b)| {
-            let [w, v] = [a.gap.width(), b.gap.width()];
-            (w - v).abs() > JUMP * w.max(v)
-        });
-        jumps.next().map_or(Ok(()), |(_, at)| Err(BliskError::LostWall { x: at.x, r: at.r }))
-    }
-
     /// The mesh's normal where a circle meets it. A triangle without area is met only along its neighbours'
     /// edges; there the direction around the axis stands in.
     fn normal(&self, crossing: Crossing) -> DVec3 {
         let around = DVec3::new(0.0, -crossing.theta.cos(), -crossing.theta.sin());
         let into_gap = if crossing.enters { -around } else { around };
         self.tracer.slices.normal(crossing.triangle).try_normalize().unwrap_or(into_gap)
+    }
+}
+
+/// Refuses walls without shroud between which the passage widens by a jump from row to row, above the fillets at the
+/// hub: one of them is no blade up to its tip, as where a shroud covers a part of the passage.
+pub(super) fn check_rows(low: &ChannelWall, high: &ChannelWall) -> Result<(), BliskError> {
+    let jump = |u: usize| {
+        let width = |v: usize| (high.cylindrical(u, v).theta - low.cylindrical(u, v).theta).rem_euclid(TAU);
+        let jumps = |v: &usize| (width(*v) - width(v - 1)).abs() > JUMP * width(*v).max(width(v - 1));
+        (low.nv / 3..low.nv).find(jumps).map(|v| low.cylindrical(u, v))
+    };
+    // Beside the edges, round which the walls turn, a few may.
+    let jumps: Vec<Cylindrical> = (0..low.nu).filter_map(jump).collect();
+    match jumps[..] {
+        [at, ..] if jumps.len() as f64 > MOST_JUMPS * low.nu as f64 => Err(BliskError::LostWall { x: at.x, r: at.r }),
+        _ => Ok(()),
     }
 }
 

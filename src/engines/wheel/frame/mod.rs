@@ -161,7 +161,7 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
     let mut best: Option<(Axis, Repetition)> = None;
     for kinds in period::kinds(count) {
         cancel.check()?;
-        let blades = Blades { count, kinds };
+        let blades = Blades { count, kinds, may_lack: options.blades.given().is_some() };
         let axis = placed(mesh, axis, &circles, blades, options, cancel)?;
         let slices = Slices::new(mesh.in_frame(&frame_along(&axis)));
         let repetition = period::repetition(&slices, &circles, blades, tolerance);

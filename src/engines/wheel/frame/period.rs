@@ -25,6 +25,8 @@ pub(super) struct Blades {
     pub count: usize,
     /// Number of blades after which they repeat.
     pub kinds: usize,
+    /// Whether some may be missing, as where their count was given.
+    pub may_lack: bool,
 }
 
 /// Repetition of the walls around the axis.
@@ -231,12 +233,14 @@ struct Miss {
 
 /// Compares the walls around each of `circles` (x, r) with the mean walls of their kind; turns are taken about the
 /// point of the axis at `x_mid`.
-fn misses(slices: &Slices, circles: &[DVec2], Blades { count, kinds }: Blades, x_mid: f64) -> Vec<Miss> {
+fn misses(slices: &Slices, circles: &[DVec2], blades: Blades, x_mid: f64) -> Vec<Miss> {
+    let Blades { count, kinds, may_lack } = blades;
     let pitch = TAU / count as f64;
     let of_circle = |circle: &DVec2| {
         let gaps = slices.gaps(circle.x, circle.y);
         let mut misses = Vec::new();
-        let Some(slots) = slots(&gaps, count) else { return misses };
+        let whole = (gaps.len() == count).then(|| gaps.iter().copied().enumerate().collect());
+        let Some(slots) = whole.or_else(|| slots(&gaps, count).filter(|_| may_lack)) else { return misses };
         for side in [|g: &Gap| g.low, |g: &Gap| g.high] {
             let walls: Vec<_> = slots.iter().map(|(k, gap)| (*k, side(gap))).collect();
             let (first, start) = (walls[0].0, walls[0].1.theta);

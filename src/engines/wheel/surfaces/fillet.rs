@@ -3,7 +3,7 @@
 use super::{Beside, FACES_WALL, ON_WALL};
 
 /// Facets that face the wall by these cosines tell the radius.
-const FACING: [f64; 2] = [0.1, 0.92];
+const FACING: [f64; 2] = [0.1, 0.75];
 /// Radii of fillets as shares of the height of the passage.
 const RADII: [f64; 2] = [0.002, 0.5];
 /// Cells of the radii's histogram, which are equal steps of their logarithm.

@@ -8,6 +8,8 @@
 
 mod band;
 mod fillet;
+#[cfg(test)]
+mod tests;
 
 use std::f64::consts::TAU;
 
@@ -27,7 +29,8 @@ use task::{Cancelled, Task};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceClass {
-    /// The inner end wall, as far along the flow path as hub and shroud were found.
+    /// The inner end wall, as far along the flow path as hub and shroud or tips of the channel were found: of a wheel
+    /// with splitters and without shroud, beside the splitters and a height beyond their edges.
     Hub,
     /// The outer end wall.
     Shroud,
