@@ -411,15 +411,15 @@ impl Channel {
             && !self.unlike.iter().any(|unlike| unlike.number == number)
     }
 
-    /// What differs between this channel and one of [`unlike`](Self::unlike), for a reader.
+    /// What differs most between one of [`unlike`](Self::unlike) and this channel, for a reader: `"hub 0.412 mm off"`.
     pub fn difference(&self, unlike: &Unlike) -> String {
         match unlike.difference {
             Difference::Surface { surface, greatest_mm } if greatest_mm.is_finite() => {
-                format!("{} up to {greatest_mm:.3} mm elsewhere", self.surface_name(surface))
+                format!("{} {greatest_mm:.3} mm off", self.surface_name(surface))
             }
-            Difference::Surface { surface, .. } => format!("{} is missing", self.surface_name(surface)),
-            Difference::Tips => "covered where the other one has blade tips, or the reverse".to_owned(),
-            Difference::BesideEdges => "the blades beside its edges are others".to_owned(),
+            Difference::Surface { surface, .. } => format!("no {}", self.surface_name(surface)),
+            Difference::Tips => "other cover of its tips".to_owned(),
+            Difference::BesideEdges => "other blades beside it".to_owned(),
         }
     }
 

@@ -4,7 +4,7 @@ use glam::{DQuat, DVec2, DVec3, EulerRot};
 use proptest::prelude::*;
 
 use super::*;
-use crate::channel::{BladeSide, Flow, Surface};
+use crate::channel::{BladeSide, Difference, Flow, Surface};
 use crate::fixtures::{TestBlisk, flange, together, turned_part};
 use crate::options::{Auto, AxisChoice, AxisLine, AxisName};
 use crate::parametric::wheel::{Flaws, ParametricWheel, Splitters};
@@ -495,7 +495,17 @@ fn channels_that_are_not_like_the_found_one_are_named() {
         ..ParametricWheel::nozzle_ring()
     }
     .mesh();
-    assert_eq!(found(&turned).unlike.len(), 2);
+    let channel = found(&turned);
+    let mut walls: Vec<_> = channel.unlike.iter().map(|unlike| unlike.difference).collect();
+    walls.sort_by_key(|difference| matches!(difference, Difference::Surface { surface: Surface::HighWall, .. }));
+    let [Difference::Surface { surface: Surface::LowWall, greatest_mm: low }, other] = walls[..] else {
+        panic!("{walls:?}");
+    };
+    let Difference::Surface { surface: Surface::HighWall, greatest_mm: high } = other else { panic!("{other:?}") };
+    // The turn moves places by 0.005 rad of their radius, 68 to 104 mm, along the circle, and less along the normal.
+    for off in [low, high] {
+        assert!((0.2..0.52).contains(&off), "{walls:?}");
+    }
 }
 
 #[test]

@@ -86,7 +86,8 @@ mod tests {
     #[test]
     fn long_lists_are_cut_in_the_middle() {
         assert_eq!(listed(&[0, 2, 4]), "0, 2, 4");
-        assert_eq!(listed(&[1, 3, 5, 7]), "1, 3, 5, … 7");
+        assert_eq!(listed(&[1, 3, 5, 7]), "1, 3, 5, 7");
+        assert_eq!(listed(&[1, 3, 5, 7, 9]), "1, 3, 5, … 9");
         assert_eq!(listed(&[0, 1, 2, 3, 4, 23]), "0, 1, 2, … 23");
     }
 }

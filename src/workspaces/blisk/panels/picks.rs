@@ -11,17 +11,25 @@ use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::context::Context;
 use task::State;
 
-/// Draws them. They are open where the channel was refused.
+/// Whether they are needed, or in use: then they come before the form.
+pub fn come_first(desk: &BliskDesk) -> bool {
+    let is_picked = || Picked::ALL.into_iter().any(|of| !desk.picked(of).is_empty());
+    is_refused(desk) || desk.picking().is_some() || is_picked()
+}
+
+fn is_refused(desk: &BliskDesk) -> bool {
+    matches!(desk.work.state(Stage::Channel), State::Failed(_))
+}
+
+/// Draws them.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     if desk.work.part().is_none() {
         return;
     }
-    let failed = matches!(desk.work.state(Stage::Channel), State::Failed(_));
-    let is_used = failed || desk.picking().is_some() || Picked::ALL.into_iter().any(|of| !desk.picked(of).is_empty());
     // Where it is needed it is open, whatever it was before.
-    let header = CollapsingHeader::new("Pick in the view").open(is_used.then_some(true));
+    let header = CollapsingHeader::new("Pick in the view").open(come_first(desk).then_some(true));
     header.show_unindented(ui, |ui| {
-        if failed {
+        if is_refused(desk) {
             let text = "What was not found can be told by points on the wheel.";
             ui.label(RichText::new(text).color(palette(ui).faint));
         }

@@ -64,7 +64,9 @@ fn part(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
 }
 
 fn channel(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
-    super::picks::show(ui, desk, cx);
+    if !super::picks::come_first(desk) {
+        super::picks::show(ui, desk, cx);
+    }
     let Some(found) = desk.work.channel().cloned() else { return };
     if matches!(desk.work.state(Stage::Channel), State::Failed(_)) {
         return;

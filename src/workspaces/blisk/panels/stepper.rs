@@ -8,7 +8,7 @@ use crate::workspaces::context::Context;
 use egui::{Align2, Color32, FontId, Rect, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::forms::{self, Request};
-use super::step_facts;
+use super::{picks, step_facts};
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::document::stage::Stage;
 use task::State;
@@ -41,6 +41,10 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) -> Option<Reque
         }
         if desk.work.state(desk.step) == State::Stale {
             notice(ui, palette(ui).warning, stale_text(desk.step));
+        }
+        if desk.step == Stage::Channel && picks::come_first(desk) {
+            picks::show(ui, desk, cx);
+            ui.add_space(4.0);
         }
         request = forms::show(ui, desk, cx, desk.step);
         ui.add_space(8.0);
