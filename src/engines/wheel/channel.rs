@@ -254,7 +254,7 @@ impl BladeSpan {
 }
 
 /// One channel of a blisk: the passage between two blades, hub and shroud. All coordinates are in W: X is the blisk
-/// axis, the channel's middle lies on +Z.
+/// axis, the channel's middle lies on +Z; a passage that opens at the rim runs out there along +Z, seen along the axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
     /// W in the coordinates of the loaded mesh (mm).

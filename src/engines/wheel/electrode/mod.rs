@@ -96,7 +96,7 @@ pub enum EntrySide {
     /// Entry from the side of greater x.
     #[serde(rename = "+x")]
     PlusX,
-    /// Entry along the radius, from outside: withdrawal along Z, away from the axis.
+    /// Entry at the rim: withdrawal along Z, the direction in which the passage runs out there.
     #[serde(rename = "outward")]
     Outward,
 }
@@ -185,7 +185,8 @@ pub struct Electrode {
     pub faces: Vec<ElectrodeFace>,
     /// The side it enters from and is withdrawn to.
     pub enters_from: EntrySide,
-    /// Reference point O in W: the middle of the burning part along X, y = 0, its mean radius as z (mm).
+    /// Reference point O in W: the middle of the burning part along X, y = 0, its mean radius as z; of one that leaves
+    /// along Z the middle of the holder, at the burning part's middle along Z (mm).
     pub reference_point: DVec3,
     /// Number of the part of the channel that the electrode burns, counted from the side of entry, from 0: the order of
     /// burning.

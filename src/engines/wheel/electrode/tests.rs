@@ -2,10 +2,10 @@ use std::sync::LazyLock;
 
 use proptest::prelude::*;
 
-use glam::DVec2;
+use glam::{DMat3, DVec2};
 
 use super::*;
-use crate::channel::Channel;
+use crate::channel::{Channel, ChannelWall};
 use crate::find_channel::find_channel;
 use crate::fixtures::exact_channel;
 use crate::options::BliskOptions;
@@ -352,5 +352,43 @@ fn electrodes_of_passages_in_any_direction_keep_the_gap_and_fill_them() {
             }
             assert!(near as f64 > 0.97 * f64::from(count), "{side:?}: {near} of {count}");
         }
+    }
+}
+
+#[test]
+fn electrodes_between_leaning_blades_that_end_flush_with_the_rim_fill_the_passage_but_for_their_reductions() {
+    let wheel = ParametricWheel { span: [0.1, 1.0], lean: 0.35, fillet_mm: 0.8, ..ParametricWheel::impeller() };
+    let (channel, mesh) = passage_of(&wheel);
+    let blisk = ExactMesh::new(&mesh).unwrap();
+    let params = ElectrodeParams {
+        circumferential_reduction_deg: [3.0, 3.0],
+        radial_reduction_mm: 2.0,
+        parts: 2,
+        ..Default::default()
+    };
+    let electrodes = make_electrodes(&channel, &blisk, &params, EntrySide::Outward, &Task::default()).unwrap();
+    for electrode in &electrodes {
+        assert!(electrode.mesh.is_watertight() && electrode.clearance_mm >= 0.099, "{}", electrode.clearance_mm);
+    }
+    // At the rim the passage runs along +Z, seen along the axis.
+    let middle = |u: usize| {
+        let wall = |wall: &ChannelWall| wall.point(u, wall.nv / 2);
+        0.5 * (wall(&channel.low) + wall(&channel.high))
+    };
+    let last = channel.low.nu - 1;
+    let way = (middle(last) - middle(last - 3)).with_x(0.0).normalize();
+    assert!(way.dot(DVec3::Z) > 0.995, "{way}");
+    // Turned back to a wall, they are the gap away from it, up to where the shroud side is drawn in.
+    let bodies: Vec<ExactMesh> = electrodes.iter().map(|e| ExactMesh::new(&e.mesh).unwrap()).collect();
+    let turn = 3f64.to_radians();
+    for (wall, turn) in [(&channel.low, turn), (&channel.high, -turn)] {
+        let (mut near, mut count) = (0, 0);
+        for (u, v) in (4..wall.nu - 4).flat_map(|u| (2..wall.nv - 6).map(move |v| (u, v))) {
+            let place = DMat3::from_rotation_x(turn) * wall.point(u, v);
+            let distance = bodies.iter().map(|b| b.nearest(place).signed_distance).fold(f64::INFINITY, f64::min);
+            count += 1;
+            near += usize::from(distance < 0.15);
+        }
+        assert!(near as f64 > 0.95 * f64::from(count), "{near} of {count}");
     }
 }
