@@ -66,7 +66,8 @@ impl SurfaceMap {
             found.areas.par_iter().map(patch).collect()
         };
         let whole = patches(&|_| true)?;
-        let mut unshrouded = Vec::new();
+        // Of a sector, what is shown without its shroud is the whole wheel.
+        let mut unshrouded = if channel.whole.is_none() { whole.clone() } else { Vec::new() };
         if channel.shrouded && channel.whole.is_none() {
             let is_shroud = shroud_triangles(&mesh.in_frame(&channel.frame), channel);
             unshrouded = patches(&|i| !is_shroud[i])?;
