@@ -171,6 +171,8 @@ fn points_are_picked_on_the_wheel_listed_and_removed() {
         assert!(exact.nearest(*p).signed_distance.abs() < 1e-3, "{p} is off the wheel");
     }
     assert_eq!(desk.blisk().picked_markers().len(), points.len());
+    // Every point lets recognition begin anew.
+    desk.until_idle();
     desk.pictures("picked");
     desk.key(Key::Backspace);
     assert_eq!(picked(&desk), points[..points.len() - 1]);
@@ -206,9 +208,14 @@ fn three_places_around_an_edge_give_the_axis() {
     desk.assert_shows("circle of radius 28.000 mm");
     desk.until_done(Stage::Channel);
     assert_eq!(desk.blisk().work.channel().unwrap().channel.blades, 24);
-    // Points that are not on one circle change nothing.
+    // Points that are not on one circle change nothing, nor do three on different edges, through which there is a circle.
     desk.blisk_mut().add_picked(DVec3::new(-face, 50.0, 0.0));
     desk.settle();
     desk.assert_shows("not on one circle");
+    desk.press("Remove point 2 of Axis");
+    desk.press("Remove point 1 of Axis");
+    desk.blisk_mut().add_picked(DVec3::new(face, 0.0, radius));
+    desk.settle();
+    desk.assert_shows("No edge of the wheel");
     assert_eq!(desk.blisk().document.params().blisk.options.axis, AxisChoice::Line(line));
 }

@@ -15,6 +15,10 @@ use wheel::options::{AxisChoice, AxisLine, BliskOptions};
 
 /// Points of an axis that are further than this share of the radius from one circle are not on one.
 const OFF_CIRCLE: f64 = 0.01;
+/// A circular edge of the mesh has corners that are no further off its circle than this share of the radius.
+const ON_CIRCLE: f64 = 1e-4;
+/// It has as many of them at least. Through three corners of different edges there is a circle too, but none that has more.
+const LEAST_CORNERS: usize = 12;
 
 /// What a picked point lies on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,13 +80,15 @@ pub struct Picking {
     pub of: Option<Picked>,
     /// Points on a circle about the axis, in the coordinates of the mesh (mm).
     circle: Vec<DVec3>,
+    /// The circle through them, with the greatest distance of one from it (mm), or what is wrong with them.
+    found: Option<Result<(Circle, f64), String>>,
 }
 
 impl BliskDesk {
     /// Begins or ends picking points of `of`.
     pub fn toggle_picking(&mut self, of: Picked) {
         let is_on = self.picking.of != Some(of);
-        self.picking = Picking { of: is_on.then_some(of), circle: Vec::new() };
+        self.picking = Picking { of: is_on.then_some(of), ..Default::default() };
         if is_on {
             self.step = Stage::Channel;
             self.measuring = false;
@@ -142,7 +148,7 @@ impl BliskDesk {
 
     /// Takes all points of `of` away.
     pub fn clear_picked(&mut self, of: Picked) {
-        self.picking.circle.clear();
+        self.picking = Picking { of: self.picking.of, ..Default::default() };
         self.change_picked(of, Vec::clear);
     }
 
@@ -154,19 +160,25 @@ impl BliskDesk {
         Picked::ALL.into_iter().filter(|_| is_shown).flat_map(of).collect()
     }
 
-    /// The circle through the points of the axis, with the greatest distance of one from it (mm).
-    ///
-    /// # Errors
-    /// What is wrong with the points.
-    pub fn picked_circle(&self) -> Result<(Circle, f64), String> {
+    /// The circle through the points of the axis, with the greatest distance of one from it (mm), or what is wrong with
+    /// them; none as long as there are too few.
+    pub fn picked_circle(&self) -> Option<&Result<(Circle, f64), String>> {
+        self.picking.found.as_ref()
+    }
+
+    fn find_circle(&self) -> Result<(Circle, f64), String> {
         let points = &self.picking.circle;
-        if points.len() < 3 {
-            return Err(format!("{} of 3 points", points.len()));
-        }
         let circle = Circle::through(points).ok_or("these points lie on a line: pick points around a circle")?;
         let off = points.iter().map(|p| circle.distance(*p)).fold(0.0, f64::max);
         if off > OFF_CIRCLE * circle.radius {
             return Err(format!("these points are not on one circle: one is {off:.3} mm off; remove it"));
+        }
+        let corners = self.work.part().into_iter().flat_map(|part| &part.mesh.vertices);
+        let near = off.max(ON_CIRCLE * circle.radius);
+        if corners.filter(|p| circle.distance(**p) <= near).take(LEAST_CORNERS).count() < LEAST_CORNERS {
+            return Err("no edge of the wheel runs along the circle through these points: remove those that are on \
+                        another edge"
+                .to_owned());
         }
         Ok((circle, off))
     }
@@ -181,7 +193,8 @@ impl BliskDesk {
 
     /// Makes the axis of the picked circle the axis of the parameters.
     fn take_axis(&mut self) {
-        let Ok((Circle { centre, normal, .. }, _)) = self.picked_circle() else { return };
+        self.picking.found = (self.picking.circle.len() >= Picked::Axis.least()).then(|| self.find_circle());
+        let Some(Ok((Circle { centre, normal, .. }, _))) = self.picking.found else { return };
         // As W: towards the positive side of the axis of the mesh that it is nearest to.
         let main = normal.abs().max_position();
         let direction = if normal[main] < 0.0 { -normal } else { normal };

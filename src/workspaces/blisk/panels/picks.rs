@@ -75,14 +75,15 @@ fn points(ui: &mut Ui, desk: &mut BliskDesk, of: Picked) {
     }
     if of == Picked::Axis {
         match desk.picked_circle() {
-            Ok((circle, off)) => {
+            Some(Ok((circle, off))) => {
                 let text = format!("circle of radius {:.3} mm, all points within {off:.3} mm", circle.radius);
                 ui.label(RichText::new(text).small().color(palette(ui).good));
             }
-            Err(why) if points.len() < of.least() => {
-                ui.label(RichText::new(why).small().color(palette(ui).faint));
+            Some(Err(why)) => notice(ui, palette(ui).warning, why),
+            None => {
+                let text = format!("{} of {} points", points.len(), of.least());
+                ui.label(RichText::new(text).small().color(palette(ui).faint));
             }
-            Err(why) => notice(ui, palette(ui).warning, &why),
         }
     } else if points.len() < of.least() {
         ui.label(RichText::new("one more is needed").small().color(palette(ui).warning));
