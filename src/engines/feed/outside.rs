@@ -46,12 +46,18 @@ impl Outside {
     pub fn distance_outside(&self, pose: &Pose, side: EntrySide) -> f64 {
         // Where the table with the blisk does not turn: the blisk's own extent is the same on all sides of its axis.
         let place = Pose { a: 0.0, ..*pose }.placement(self.reference_point);
-        let [least, _] = extent(self.points.iter().map(|&p| place.transform_point3(p).dot(side.direction())));
+        let placed = || self.points.iter().map(|&p| place.transform_point3(p));
+        let [least, _] = extent(placed().map(|p| p.dot(side.direction())));
         least
             - match side {
                 EntrySide::MinusX => -self.faces_x[0],
                 EntrySide::PlusX => self.faces_x[1],
-                EntrySide::Outward => self.rim,
+                // Beside the axis the rim ends sooner.
+                EntrySide::Outward => {
+                    let [from, to] = extent(placed().map(|p| p.y));
+                    let beside = from.max(-to).max(0.0);
+                    (self.rim * self.rim - beside * beside).max(0.0).sqrt()
+                }
             }
     }
 
@@ -107,6 +113,10 @@ mod tests {
                 assert!((outside.distance_outside(&lifted, EntrySide::Outward) - (71.0 - rim)).abs() < 1e-9);
                 assert_eq!(outside.side_of(&lifted), Some(EntrySide::Outward));
             }
+            // From 48 mm beside the axis on the rim ends sooner.
+            let beside = Pose { y: 48.0, z: 11.0, ..Pose::FINAL };
+            let rim_there = (rim * rim - 48.0f64.powi(2)).sqrt();
+            assert!((outside.distance_outside(&beside, EntrySide::Outward) - (71.0 - rim_there)).abs() < 1e-9);
         }
     }
 }
