@@ -353,6 +353,8 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
     desk.press_role(Role::Tab, "Blisk workspace");
     let app = desk.window.state_mut();
     app.open(&home.path("mine.sparkpath"));
+    // Opened behind the window: the mold of before is ready until then.
+    desk.until("the project is opened", |d| d.app().shown() == "mold" && !d.mold().document.is_unsaved());
     desk.until_loaded();
     assert!(
         desk.app().shown() == "mold"
