@@ -9,11 +9,11 @@ const ON_A_LINE: f64 = 1e-4;
 /// A circle in space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circle {
-    /// Its centre (mm).
+    /// Centre (mm).
     pub centre: DVec3,
-    /// Unit normal of its plane.
+    /// Unit normal of the plane.
     pub normal: DVec3,
-    /// Its radius (mm).
+    /// Radius (mm).
     pub radius: f64,
 }
 

@@ -105,7 +105,7 @@ pub struct BliskOptions {
     /// Points on the hub, at least two or none, in any order and at any angle about the axis, in the coordinates of the
     /// mesh (mm). They tell which surface is the hub; it is measured beside the curve through them.
     pub hub_points_mm: Vec<[f64; 3]>,
-    /// The same for the shroud, or for the blade tips without one.
+    /// Points on the shroud, or on the blade tips without one, given in the same way (mm).
     pub shroud_points_mm: Vec<[f64; 3]>,
     /// Points on walls of blades, in the coordinates of the mesh (mm). They tell which circles about the axis blades
     /// bound; the wall of the first one bounds channel 0.

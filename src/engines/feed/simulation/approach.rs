@@ -48,7 +48,7 @@ fn within(machine: &MachineParams, axis: Axis, value: f64, from: f64) -> f64 {
 }
 
 /// `to`, or the place on the straight way there from `from` where the slides of a machine whose C turns the table end.
-/// They are linear on the way, where only slides move.
+/// The slides are linear on the way, where nothing else moves.
 fn within_slides(machine: &MachineParams, chain: &Chain, from: &Pose, to: Pose) -> Pose {
     let limits = machine.limits();
     let is_within = |t: f64| limits.beyond(&chain.machine_pose(&from.lerp(&to, t))).is_none();

@@ -17,7 +17,7 @@ use wheel::options::{AxisChoice, AxisLine, BliskOptions};
 const OFF_CIRCLE: f64 = 0.01;
 /// A circular edge of the mesh has corners that are no further off its circle than this share of the radius.
 const ON_CIRCLE: f64 = 1e-4;
-/// It has as many of them at least. Through three corners of different edges there is a circle too, but none that has more.
+/// Corners that a circular edge has at least: a circle through three corners of different edges has no more.
 const LEAST_CORNERS: usize = 12;
 
 /// What a picked point lies on.
