@@ -99,6 +99,13 @@ impl Order<'_> {
             false => along + (place - channel.line_at(along).place(height)).dot(forward(channel, along, share)),
         }
     }
+
+    /// Whether `p` is between hub and shroud: beside edges a circle may touch both walls far from the passage.
+    fn holds(self, p: DVec3) -> bool {
+        let Self::Along(channel) = self else { return true };
+        let [along, height] = channel.along_and_height(DVec2::new(p.x, p.y.hypot(p.z)));
+        (0.0..=channel.station_at(along).height()).contains(&height)
+    }
 }
 
 /// Place (x, r) at a position along the passage of `channel` and a share of its height; beyond the passage's ends it goes
@@ -165,7 +172,7 @@ impl Centreline {
         }
         let middles = middles(&sections, order)?;
         for (circles, [from, to]) in &mut sections {
-            circles.retain(|c| (*from..=*to).contains(&order.of(c.center)));
+            circles.retain(|c| (*from..=*to).contains(&order.of(c.center)) && order.holds(c.center));
         }
         let sections = sections.into_iter().map(|(circles, _)| circles).collect();
         let through: Vec<DVec3> = middles.iter().copied().step_by(2).collect();
@@ -524,21 +531,32 @@ impl CentrelineSummary {
     /// # Errors
     /// [`CentrelineError`].
     pub fn new(channel: &Channel, mesh: &ExactMesh, cancel: &Cancel) -> Result<Self, CentrelineError> {
-        Self::of_walls(&walls_of(channel)?, [channel.low.side, channel.high.side], mesh, cancel)
+        let line = Centreline::of_channel(channel, cancel)?;
+        Self::of_line(line, &walls_of(channel)?, [channel.low.side, channel.high.side], mesh, cancel)
     }
 
-    /// The figures of a low and a high wall, which are these sides of their blades; the blisk `mesh` is in the same
-    /// frame.
+    /// The figures of a low and a high wall along X, which are these sides of their blades; the blisk `mesh` is in the
+    /// same frame.
     ///
     /// # Errors
     /// [`CentrelineError`].
     pub fn of_walls(
+        walls: &[NurbsWall; 2],
+        sides: [BladeSide; 2],
+        mesh: &ExactMesh,
+        cancel: &Cancel,
+    ) -> Result<Self, CentrelineError> {
+        let line = Centreline::between(&walls[0], &walls[1], cancel)?;
+        Self::of_line(line, walls, sides, mesh, cancel)
+    }
+
+    fn of_line(
+        line: Centreline,
         [low, high]: &[NurbsWall; 2],
         sides: [BladeSide; 2],
         mesh: &ExactMesh,
         cancel: &Cancel,
     ) -> Result<Self, CentrelineError> {
-        let line = Centreline::between(low, high, cancel)?;
         let fit = |wall: &NurbsWall, side| {
             cancel.check()?;
             Ok::<_, CentrelineError>(WallFit { side, points: wall.off_points, mesh: wall.off_mesh(mesh) })

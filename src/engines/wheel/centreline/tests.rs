@@ -101,6 +101,9 @@ fn in_passages_of_any_direction_it_lies_in_the_middle() {
             assert!((share - 0.5).abs() < 0.08, "{i}: {share}");
             assert!((line.length_near(p) - l).abs() < 1e-6 && (direction.length() - 1.0).abs() < 1e-9);
         }
+        // A circle between two blades is no wider than their pitch.
+        let widest = channel.low.points.iter().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max) * wheel.pitch();
+        assert!(line.diameters()[1] < widest, "{:?}", line.diameters());
         // Half way between the blades, as the wheel is drawn.
         let middle = |i: u32| {
             let along = wheel.span[0] + (wheel.span[1] - wheel.span[0]) * f64::from(i) / 400.0;
