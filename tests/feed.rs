@@ -233,7 +233,7 @@ fn without_reductions_it_jams_and_says_where() {
     let outcome = plan(mesh(&curved_blisk()), job);
     assert!(!outcome.is_verified());
     let plan = &outcome.electrodes[0].plan;
-    let jam = plan.jam.expect("a curved electrode that fills its channel cannot come out");
+    let jam = plan.jam.as_ref().expect("a curved electrode that fills its channel cannot come out");
     assert!(plan.path.is_none() && jam.node == plan.nodes.len());
     let contact = jam.contact().expect("metal is in the way");
     let blisk = ExactMesh::new(&mesh(&curved_blisk()).in_frame(&outcome.channel.frame)).unwrap();
@@ -299,7 +299,7 @@ fn a_searched_reduction_that_leaves_no_metal_is_an_answer_and_not_bad_input() {
     };
     let nothing = |_: f64| Err(ElectrodeError::NoMetal { x: 0.0, r: 60.0, available: 1.0, taken: 1.1 });
     let plan = plan_feed(&space, &electrodes[0].clone().into(), &settings, &nothing, &task).unwrap();
-    let jam = plan.jam.unwrap();
+    let jam = plan.jam.as_ref().unwrap();
     assert!(matches!(jam.cause, JamCause::NothingLeft { h } if h > 0.0 && h == plan.h), "{jam:?}");
     assert!(!plan.is_verified() && plan.verdict(&channel).contains("leaves no electrode"));
 }
@@ -450,7 +450,7 @@ fn travel_that_ends_before_the_way_out_is_named() {
         job.plan.strategy = strategy;
         job.machine.travel_x_mm = [-4.0, 250.0];
         let outcome = plan_easy(job);
-        let jam = outcome.electrodes[0].plan.jam.expect("4 mm are not enough to leave a blisk of 14 mm");
+        let jam = outcome.electrodes[0].plan.jam.as_ref().expect("4 mm are not enough to leave a blisk of 14 mm");
         let JamCause::Travel { axis: Axis::X, value, limit: -4.0 } = jam.cause else { panic!("{jam:?}") };
         assert!((-4.81..-4.0).contains(&value), "{value}");
         assert!(jam.sentence(&outcome.channel).contains("axis X"));

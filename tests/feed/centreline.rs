@@ -101,7 +101,7 @@ fn an_electrode_that_fills_a_curved_channel_jams_with_a_reason() {
     let mut job = job();
     job.electrode.circumferential_reduction_deg = [0.1, 0.1];
     let outcome = plan(mesh(&curved_blisk()), job);
-    let jam = outcome.electrodes[0].plan.jam.expect("it cannot come out");
+    let jam = outcome.electrodes[0].plan.jam.as_ref().expect("it cannot come out");
     assert!(matches!(jam.cause, JamCause::Contact(_)), "{:?}", jam.cause);
     assert!(jam.sentence(&outcome.channel).contains("missing"));
 }

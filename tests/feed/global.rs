@@ -103,9 +103,9 @@ fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
     const TOO_LITTLE: f64 = 0.05;
     let inputs = easy_inputs(coarse_job(TOO_LITTLE));
     let outcome = run_prepared(ready(), &inputs, &|_, _, _| (), &Task::default()).unwrap();
-    let jam = only(&outcome).plan.jam.expect("it jams");
+    let jam = only(&outcome).plan.jam.as_ref().expect("it jams");
     assert!(matches!(jam.cause, JamCause::Contact(_)), "{jam:?}");
-    let opening = jam.opening.expect("what would help was looked for");
+    let opening = jam.opening.as_ref().expect("what would help was looked for");
     let both = opening.both.expect("some reduction opens it");
     assert!(both > 0.0);
     assert!(only(&outcome).plan.verdict(&outcome.channel).contains("feasible with more reduction"));

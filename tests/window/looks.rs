@@ -225,7 +225,7 @@ fn an_electrode_that_cannot_come_out_jams_at_a_node() {
     plan(&mut desk);
     desk.assert_shows("jams at node");
     assert!(desk.step_says(Stage::Plan, "failed") && !desk.blisk().work.can_release());
-    let jam = desk.blisk().outcome().unwrap().plan.jam.unwrap();
+    let jam = desk.blisk().outcome().unwrap().plan.jam.clone().unwrap();
     desk.assert_shows(&format!("Jams at node {}", jam.node));
     desk.press("Channel");
     desk.open_step(Stage::Plan);

@@ -70,6 +70,7 @@ impl CopyingExtent {
     /// Copying motion that undoes the reductions of `electrode`, made by `params` with its walls drawn in by a further
     /// `h` (rad). A column of a channel that is divided left and right copies to its own wall only.
     pub fn of(electrode: &Electrode, params: &ElectrodeParams, h: f64) -> Self {
+        let params = params.of_part(electrode.part);
         let [low, high] = params.circumferential_reduction_deg.map(|deg| deg.to_radians() + h);
         let only = |column, value: f64| if electrode.column.is_none_or(|c| c == column) { value } else { 0.0 };
         Self { low: only(Column::Low, low), high: only(Column::High, high), outwards: params.radial_reduction_mm }

@@ -7,9 +7,10 @@ use super::machine::BeyondTravel;
 use super::pose::{Axis, Pose};
 use geometry::frame::Cylindrical;
 use wheel::channel::{Channel, Surface};
+use wheel::electrode::EntrySide;
 
 /// End of a search without a path.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Jam {
     /// The node that could not be reached, counted from the final pose.
     pub node: usize,
@@ -19,8 +20,8 @@ pub struct Jam {
     pub pose: Pose,
     /// Cause of the jam.
     pub cause: JamCause,
-    /// Further reduction that would open a path, where that was searched for.
-    pub opening: Option<FurtherReduction>,
+    /// Changes that would open a path, where they were searched for.
+    pub opening: Option<Opening>,
 }
 
 /// Cause of a jam.
@@ -60,16 +61,69 @@ pub struct JamContact {
     pub lack: f64,
 }
 
-/// Further reduction (rad) that would let an electrode come out, by the walls drawn in; none where even the greatest
-/// tried is not enough.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct FurtherReduction {
-    /// Both walls by the same angle.
+/// Changes that would let an electrode come out where it jams, and those that would not.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Opening {
+    /// Greatest further reduction of the walls that was tried (rad).
+    pub most: f64,
+    /// Further reduction of both walls by the same angle (rad); none where even the greatest tried is not enough.
     pub both: Option<f64>,
-    /// The low wall alone.
+    /// That of the low wall alone (rad).
     pub low: Option<f64>,
-    /// The high wall alone.
+    /// That of the high wall alone (rad).
     pub high: Option<f64>,
+    /// Other changes that open a path, as far as a preview tells.
+    pub changes: Vec<Change>,
+    /// Other changes that do not.
+    pub in_vain: Vec<Change>,
+}
+
+/// A change of an electrode other than of the reductions of its walls.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Change {
+    /// Another side of entry.
+    Side(EntrySide),
+    /// Another radial reduction (mm).
+    Radial(f64),
+    /// Two electrodes in its place, divided at a share of the burned length of the passage.
+    Divided(f64),
+}
+
+impl Change {
+    /// The change after "feasible".
+    fn words(&self) -> String {
+        match self {
+            Self::Side(side) => format!("towards {}", side.words()),
+            Self::Radial(mm) => format!("with a radial reduction of {mm:.2} mm"),
+            Self::Divided(share) => format!("divided in two at {share:.2} of the burned length"),
+        }
+    }
+}
+
+impl Opening {
+    /// Whether some further reduction of the walls opens a path.
+    pub fn is_by_walls(&self) -> bool {
+        self.both.or(self.low).or(self.high).is_some()
+    }
+
+    /// Sentence on the changes, to follow a verdict.
+    fn sentence(&self, channel: &Channel) -> String {
+        let deg = |angle: f64| format!("{:.2} deg", angle.to_degrees());
+        let wall = |surface, angle: Option<f64>| {
+            angle.map(|a| format!("{} on the side of the {} alone", deg(a), channel.surface_name(surface)))
+        };
+        let both = self.both.map(|a| format!("{} on both walls", deg(a)));
+        let walls = [both, wall(Surface::LowWall, self.low), wall(Surface::HighWall, self.high)];
+        let walls: Vec<String> = walls.into_iter().flatten().collect();
+        let more = (!walls.is_empty()).then(|| format!("with more reduction: {}", walls.join(", or ")));
+        let changes: Vec<String> = more.into_iter().chain(self.changes.iter().map(Change::words)).collect();
+        if !changes.is_empty() {
+            return format!("; feasible {}", changes.join(", or "));
+        }
+        let in_vain = self.in_vain.iter().map(|change| format!(", nor {}", change.words()));
+        format!("; not feasible with {} more on both walls{}", deg(self.most), in_vain.collect::<String>())
+    }
 }
 
 impl Jam {
@@ -89,7 +143,7 @@ impl Jam {
 
     /// Place and cause of the jam, and the remedy, in one sentence.
     pub fn sentence(&self, channel: &Channel) -> String {
-        let help = self.opening.map(|opening| opening_sentence(&opening, channel)).unwrap_or_default();
+        let help = self.opening.as_ref().map(|opening| opening.sentence(channel)).unwrap_or_default();
         format!("{}{help}", self.where_and_why(channel))
     }
 
@@ -124,21 +178,5 @@ impl Jam {
             ),
             JamCause::Unknown => format!("{place}: no free pose was found"),
         }
-    }
-}
-
-/// Sentence on the further reductions that would open a path, to follow a verdict.
-fn opening_sentence(opening: &FurtherReduction, channel: &Channel) -> String {
-    let deg = |angle: f64| format!("{:.2} deg", angle.to_degrees());
-    let wall = |surface, angle: Option<f64>| {
-        angle.map(|a| format!("{} on the side of the {} alone", deg(a), channel.surface_name(surface)))
-    };
-    let both = opening.both.map(|a| format!("{} on both walls", deg(a)));
-    let ways = [both, wall(Surface::LowWall, opening.low), wall(Surface::HighWall, opening.high)];
-    let ways: Vec<String> = ways.into_iter().flatten().collect();
-    if ways.is_empty() {
-        "; not feasible at any reduction tried".to_owned()
-    } else {
-        format!("; feasible with more reduction: {}", ways.join(", or "))
     }
 }

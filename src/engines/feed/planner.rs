@@ -12,7 +12,7 @@ use super::clearance::ClearanceModel;
 use super::genetic::{GeneticParams, ReductionMode};
 use super::global::PreviewPath;
 use super::interpolation::{AxisCurves, Lever, PathFrame, feed_path};
-use super::jam::{FurtherReduction, Jam, JamCause};
+use super::jam::{Jam, JamCause, Opening};
 use super::machine::BeyondTravel;
 use super::path::FeedPath;
 use super::plan::{FeedPlan, PlanSettings, PlannedPath, Remake};
@@ -160,7 +160,7 @@ impl Planning<'_> {
     }
 
     /// Further reduction that would open a path; `model` is that of the prepared electrode.
-    fn opening(&self, electrode: &Electrode, model: &ClearanceModel) -> Result<FurtherReduction, PlanError> {
+    fn opening(&self, electrode: &Electrode, model: &ClearanceModel) -> Result<Opening, PlanError> {
         /// Tolerance of that angle, and the greatest angle tried (rad).
         const TOLERANCE: f64 = 0.001;
         const MOST: f64 = 0.05;

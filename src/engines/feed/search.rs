@@ -85,7 +85,7 @@ impl SearchProblem<'_> {
                 _ => {}
             }
             let jam = self.jam(&nodes, surface_of);
-            let here = SearchOutcome { nodes: nodes.clone(), convergence: convergence.clone(), jam: Some(jam) };
+            let here = SearchOutcome { nodes: nodes.clone(), convergence: convergence.clone(), jam: Some(jam.clone()) };
             let further = furthest.as_ref().and_then(|f| f.nodes.last()).is_none_or(|f| f.s < last.s);
             if further {
                 furthest = Some(here.clone());

@@ -3,7 +3,7 @@
 use super::clearance::ClearanceModel;
 use super::genetic::{GeneticParams, ReductionMode};
 use super::global::{ExtractionPath, GlobalParams};
-use super::jam::FurtherReduction;
+use super::jam::Opening;
 use super::plan::PlanSettings;
 use super::plan_params::PlanError;
 use super::prepared::PlanningSpace;
@@ -173,13 +173,14 @@ impl Sizer<'_> {
     ///
     /// # Errors
     /// [`PlanError::Cancelled`].
-    pub fn opening(&self, turns: Turns) -> Result<FurtherReduction, PlanError> {
+    pub fn opening(&self, turns: Turns) -> Result<Opening, PlanError> {
         const FIRST: f64 = 0.005;
         let Turns([low, high]) = turns;
         let least = |walls: [f64; 2]| {
             let drawn_in = |more: f64| Turns([low + walls[0] * more, high + walls[1] * more]);
             Ok::<_, PlanError>(self.least(FIRST, &drawn_in)?.map(|least| least.angle))
         };
-        Ok(FurtherReduction { both: least([1.0, 1.0])?, low: least([1.0, 0.0])?, high: least([0.0, 1.0])? })
+        let [both, low, high] = [least([1.0, 1.0])?, least([1.0, 0.0])?, least([0.0, 1.0])?];
+        Ok(Opening { most: self.most, both, low, high, changes: Vec::new(), in_vain: Vec::new() })
     }
 }

@@ -11,6 +11,7 @@ pub mod groups;
 pub mod inside;
 pub mod mesh;
 pub mod minkowski;
+pub mod nearest_pair;
 pub mod nurbs;
 pub mod offset;
 pub mod raycast;

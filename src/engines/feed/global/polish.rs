@@ -56,7 +56,19 @@ impl SearchProblem<'_> {
             smooth = bent;
             path = self.taken(&nodes, &path, &steps, cancel)?;
         }
-        Ok(self.settled(nodes, &smooth, &path))
+        Ok(self.led_out(self.settled(nodes, &smooth, &path)))
+    }
+
+    /// `nodes` with the last one so far out as is asked for: what turns on the way may have come nearer.
+    fn led_out(&self, mut nodes: Vec<Node>) -> Vec<Node> {
+        if let Some(last) = nodes.last_mut() {
+            let missing = self.exit_clearance - self.distance_outside(&last.pose);
+            if missing > 0.0 {
+                last.s += missing;
+                last.pose = self.withdrawn(&last.pose, last.s);
+            }
+        }
+        nodes
     }
 
     /// Demand of each node, a share of the clearance margin about it on top of the demand, and the pose near it that

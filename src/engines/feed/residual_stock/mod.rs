@@ -9,7 +9,8 @@
 //! (5 um near the surface); where it comes within 10 um of what the certificates prove it is not searched any further.
 //! Stock thicker than some 3 mm is told as that much or more. A figure of the surface is that of points some 0.4 mm
 //! apart, and 0.05 mm where two electrodes only just meet; one of the volume that of rays 0.3 mm apart along the passage, and
-//! from 0.05 mm apart at hub and shroud to 0.4 mm apart between.
+//! from 0.05 mm apart at hub and shroud to 0.4 mm apart between, in a large channel a 150th of its length and a 40th of its
+//! height.
 //!
 //! **What counts as the channel:** between the walls, hub and shroud, over the span of the blades along the
 //! passage. Beside it the

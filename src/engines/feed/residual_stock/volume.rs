@@ -11,10 +11,13 @@ use geometry::distance_field::DistanceField;
 use task::{Cancelled, Task};
 use wheel::channel::{Flow, Line};
 
-/// Distance between the lines that the rays start from, along the passage (mm).
+/// Distance between the lines that the rays start from, along the passage (mm), and their greatest number.
 const STEP_ALONG: f64 = 0.3;
-/// Distance between rays along such a line: at the hub and shroud, and the most between (mm).
+const MOST_LINES: f64 = 150.0;
+/// Distance between rays along such a line: at the hub and shroud, and the most between (mm), or this share of the
+/// height if that is more.
 const STEPS_UP: [f64; 2] = [0.05, 0.4];
+const SHARE_UP: f64 = 0.025;
 /// By how much each is longer than the one before.
 const GROWTH: f64 = 1.3;
 /// Shortest step along a ray (mm).
@@ -34,7 +37,7 @@ struct Passed {
 /// Stock left between the walls.
 pub(super) fn stock(passage: &Passage, removal: &Removal, task: &Task) -> Result<Stock, Cancelled> {
     let [from, to] = passage.span;
-    let planes = ((to - from) / STEP_ALONG).ceil().max(1.0) as usize;
+    let planes = ((to - from) / STEP_ALONG).ceil().clamp(1.0, MOST_LINES) as usize;
     let step = (to - from) / planes as f64;
     let done = AtomicUsize::new(0);
     let plane = |i: usize| {
@@ -84,11 +87,12 @@ fn shells(hub: f64, shroud: f64) -> Vec<[f64; 2]> {
     if middle.is_nan() || shroud <= hub {
         return Vec::new();
     }
+    let most = STEPS_UP[1].max(SHARE_UP * (shroud - hub));
     let (mut heights, mut sum, mut step) = (vec![0.0], 0.0, STEPS_UP[0]);
     while sum < 0.5 * (shroud - hub) {
         sum += step;
         heights.push(sum);
-        step = (step * GROWTH).min(STEPS_UP[1]);
+        step = (step * GROWTH).min(most);
     }
     // The last one ends in the middle, all others a little shorter.
     let scale = 0.5 * (shroud - hub) / sum;

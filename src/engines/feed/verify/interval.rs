@@ -6,8 +6,9 @@
 //! the upper bound less sharp and the work longer, but not the lower bound wrong.
 
 use super::motion::{Motion, Window};
-use super::nearest::{NodePair, halves};
+
 use geometry::bvh::Bvh;
+use geometry::nearest_pair::{NodePair, halves};
 use geometry::triangle_distance::{ClosestPoints, triangle_distance};
 use task::{Cancel, Cancelled};
 

@@ -21,9 +21,9 @@ use super::path::FeedPath;
 use super::pose::Pose;
 use certificate::{Certificate, Contact, Findings, TravelVerdict};
 use geometry::mesh::Mesh;
+use geometry::nearest_pair::{NearestPair, ROUNDING};
 use geometry::triangle_distance::ClosestPoints;
 use interval::{Answer, Question};
-use nearest::Nearest;
 use pair::{Pair, Solid};
 use task::{Cancel, Cancelled, Task};
 use wheel::channel::Surface;
@@ -32,13 +32,10 @@ pub mod certificate;
 mod inside;
 mod interval;
 mod motion;
-mod nearest;
 pub mod pair;
 #[cfg(test)]
 mod tests;
 
-/// Taken off the proven bound for rounding (mm): hundreds of times the error of coordinates of metres.
-const ROUNDING: f64 = 1e-9;
 /// Rows whose clearances are found one after the other, each from the closest triangles of the one before.
 const ROWS_IN_TURN: usize = 8;
 /// Intervals looked at between two decisions whether to stop.
@@ -338,7 +335,7 @@ impl Run<'_> {
     }
 
     /// The closest points at every row.
-    fn rows(&self) -> Result<Vec<Nearest>, VerifyError> {
+    fn rows(&self) -> Result<Vec<NearestPair>, VerifyError> {
         let done = AtomicUsize::new(0);
         let in_turn = |rows: &[super::path::PathRow]| {
             let mut guess = None;

@@ -6,11 +6,11 @@ use rayon::prelude::*;
 
 use super::interval::{self, Question};
 use super::motion::Motion;
-use super::nearest::{self, Nearest};
-use super::{ROUNDING, ROWS_IN_TURN, inside};
+use super::{ROWS_IN_TURN, inside};
 use crate::pose::Pose;
 use geometry::bvh::Bvh;
 use geometry::mesh::Mesh;
+use geometry::nearest_pair::{NearestPair, ROUNDING, nearer_than, nearest_pair};
 use task::{Cancel, Cancelled};
 
 /// A surface nearer than this is touched (mm).
@@ -89,14 +89,14 @@ impl Pair<'_> {
         (placement.matrix3, placement.transform_point3(self.moving.origin))
     }
 
-    pub(super) fn nearest(&self, pose: &Pose, guess: Option<[u32; 2]>) -> Nearest {
+    pub(super) fn nearest(&self, pose: &Pose, guess: Option<[u32; 2]>) -> NearestPair {
         let (rotation, shift) = self.placement(pose);
-        nearest::nearest(&self.moving.tree, &self.fixed.tree, (&rotation, shift), guess)
+        nearest_pair(&self.moving.tree, &self.fixed.tree, (&rotation, shift), guess)
     }
 
     pub(super) fn nearer_than(&self, pose: &Pose, limit: f64, guess: Option<[u32; 2]>) -> Option<[u32; 2]> {
         let (rotation, shift) = self.placement(pose);
-        nearest::nearer_than(&self.moving.tree, &self.fixed.tree, (&rotation, shift), limit, guess)
+        nearer_than(&self.moving.tree, &self.fixed.tree, (&rotation, shift), limit, guess)
     }
 
     fn near(&self, row: f64, pose: Pose, points: (f64, DVec3, DVec3)) -> Near {
@@ -189,7 +189,7 @@ impl Pair<'_> {
 
     fn least_at_poses(&self, poses: &[Pose], cancel: &Cancel) -> Result<Near, Cancelled> {
         let in_turn = |(turn, poses): (usize, &[Pose])| {
-            let (mut guess, mut least): (_, Option<(usize, Nearest)>) = (None, None);
+            let (mut guess, mut least): (_, Option<(usize, NearestPair)>) = (None, None);
             for (i, pose) in poses.iter().enumerate() {
                 cancel.check()?;
                 let nearest = self.nearest(pose, guess);

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::boundary::Section;
+use super::make::Which;
 use super::measure::{self, Measures};
 use super::ring::{Finisher, Layout, Reduction, Ring};
 use super::{Column, Electrode, ElectrodeError, ElectrodeFace, ElectrodeParams, EntrySide};
@@ -21,12 +22,9 @@ const ACCEPTED_SHORTFALL: f64 = 1e-3;
 /// Everything one electrode is made from.
 pub(super) struct Plan<'a> {
     pub channel: &'a Channel,
+    /// Those of its part.
     pub params: &'a ElectrodeParams,
-    pub side: EntrySide,
-    /// Whether the side of entry is that of the passage's last station.
-    pub at_last: bool,
-    pub part: usize,
-    pub column: Option<Column>,
+    pub which: Which,
     /// The span along the passage that it burns.
     pub range: [f64; 2],
     pub sections: &'a [Section],
@@ -35,12 +33,12 @@ pub(super) struct Plan<'a> {
 impl Plan<'_> {
     /// Sections in the order in which they leave the blisk.
     fn outwards(&self) -> Vec<&Section> {
-        if self.at_last { self.sections.iter().collect() } else { self.sections.iter().rev().collect() }
+        if self.which.at_last { self.sections.iter().collect() } else { self.sections.iter().rev().collect() }
     }
 
     /// The end of the burning part on the side of entry.
     fn entry_end(&self) -> f64 {
-        if self.at_last { self.range[1] } else { self.range[0] }
+        if self.which.at_last { self.range[1] } else { self.range[0] }
     }
 
     fn burning_sections(&self) -> Vec<&Section> {
@@ -49,7 +47,7 @@ impl Plan<'_> {
     }
 
     fn shank_sections(&self) -> Vec<&Section> {
-        let sign = if self.at_last { 1.0 } else { -1.0 };
+        let sign = if self.which.at_last { 1.0 } else { -1.0 };
         let along = |section: &Section| section.line.along;
         let mut kept: Vec<&Section> = Vec::new();
         let mut beyond =
@@ -67,15 +65,16 @@ impl Plan<'_> {
 /// Makes the electrode of `plan` and measures it.
 pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result<Electrode, ElectrodeError> {
     let params = plan.params;
-    let is_deep = plan.part > 0;
+    let Which { part, column, side, at_last } = plan.which;
+    let is_deep = part != if at_last { params.parts - 1 } else { 0 };
     let inset = if is_deep { params.channel_shank_inset_mm } else { params.shank_inset_mm };
-    let turns = super::own_turns(plan.column, params.turns());
+    let turns = super::own_turns(column, params.turns());
     let burning = finisher.rings(&plan.burning_sections(), Reduction { turns, inset: 0.0 }, cancel)?;
     let shank = finisher.rings(&plan.shank_sections(), Reduction { turns, inset }, cancel)?;
     let points = |ring: &Ring| (0..ring.points.len()).map(|k| ring.point(k)).collect::<Vec<_>>();
     let mut skin = Skin::new(finisher.layout);
     for ring in &burning {
-        skin.add(points(ring), |k| divided_face(finisher.layout.face(k), plan.column));
+        skin.add(points(ring), |k| divided_face(finisher.layout.face(k), column));
     }
     for (i, ring) in shank.iter().enumerate() {
         let face = if i == 0 { ElectrodeFace::EntryEnd } else { ElectrodeFace::Shank };
@@ -83,7 +82,7 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     }
     let mut assumed = Vec::new();
     if let Some(last) = shank.last() {
-        let direction = plan.side.direction();
+        let direction = side.direction();
         let last = points(last);
         // The shank goes on straight, to a plane beyond the face, or to where the whole holder is beyond the rim.
         let furthest = last.iter().map(|p| p.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
@@ -103,7 +102,7 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
         let nearest = ExactMesh::new(&mesh)?.nearest(at).triangle as usize;
         let is_of_shank = matches!(faces[nearest], ElectrodeFace::Shank | ElectrodeFace::Holder);
         if is_of_shank {
-            return Err(ElectrodeError::ShankMeets { side: plan.side, clearance, gap, at });
+            return Err(ElectrodeError::ShankMeets { side, clearance, gap, at });
         }
         return Err(ElectrodeError::TooClose { clearance, gap, at });
     }
@@ -125,11 +124,11 @@ fn finish(plan: &Plan, mesh: Mesh, faces: Vec<ElectrodeFace>, m: Measures, mut a
         assumed.push("The blisk has no shroud: the electrode ends at the radius of the blade tips.".to_owned());
     }
     Electrode {
-        enters_from: plan.side,
-        reference_point: measure::reference_point(&mesh, &faces, plan.side),
-        part: plan.part,
+        enters_from: plan.which.side,
+        reference_point: measure::reference_point(&mesh, &faces, plan.which.side),
+        part: plan.which.part,
         parts: plan.params.parts,
-        column: plan.column,
+        column: plan.which.column,
         least_thickness_mm: m.thickness,
         volume_mm3: mesh.volume(),
         burn_area_mm2: m.burn_area,
@@ -144,7 +143,7 @@ fn finish(plan: &Plan, mesh: Mesh, faces: Vec<ElectrodeFace>, m: Measures, mut a
 /// (mm).
 fn outermost(plan: &Plan, shank: &Bounds) -> f64 {
     let Plan { channel, params, .. } = plan;
-    match plan.side {
+    match plan.which.side {
         EntrySide::MinusX => -channel.faces_x[0],
         EntrySide::PlusX => channel.faces_x[1],
         EntrySide::Outward => {
@@ -163,7 +162,7 @@ fn block(shank: &[DVec3], plan: &Plan, layout: Layout, assumed: &mut Vec<String>
     let [_, width, height] = plan.params.holder_mm;
     let needed = bounds.size() + 2.0 * HOLDER_MARGIN;
     // From the hub to the shroud.
-    let up = match plan.side {
+    let up = match plan.which.side {
         EntrySide::MinusX | EntrySide::PlusX => DVec3::Z,
         EntrySide::Outward => DVec3::X * (shank[layout.shroud(0)] - shank[layout.hub(0)]).x.signum(),
     };

@@ -14,13 +14,11 @@ const MOST_ROOM: f64 = 0.02;
 const SPARE: f64 = 2e-4;
 const MOST_ATTEMPTS: usize = 3;
 
-/// Makes the electrodes of `channel`, in the order of burning: the part next to the side of entry first, and of each
-/// part the low column first.
-///
-/// `blisk` is the finished blisk in W. The result does not depend on the number of threads.
+/// Makes the electrodes of `channel` that enter from `side`, in the order of burning: the part next to that side first,
+/// and of each part the low column first.
 ///
 /// # Errors
-/// An [`ElectrodeError`] that says where the channel leaves no room for the wanted gap and reductions.
+/// Every error of [`make_electrode`].
 pub fn make_electrodes(
     channel: &Channel,
     blisk: &ExactMesh,
@@ -28,58 +26,85 @@ pub fn make_electrodes(
     side: EntrySide,
     task: &Task,
 ) -> Result<Vec<Electrode>, ElectrodeError> {
+    let mut parts: Vec<usize> = (0..params.parts).collect();
+    if side.mouth(channel)? {
+        parts.reverse();
+    }
+    let numbers = parts.into_iter().flat_map(|part| (0..params.columns).map(move |k| part * params.columns + k));
+    numbers.map(|number| make_electrode(channel, blisk, params, (number, side), task)).collect()
+}
+
+/// Makes electrode number `number` of `channel`, counted along the passage from its first station, the columns of one
+/// part low to high, to enter from `side`.
+///
+/// `blisk` is the finished blisk in W. The result does not depend on the number of threads.
+///
+/// # Errors
+/// An [`ElectrodeError`] that says where the channel leaves no room for the wanted gap and reductions.
+pub fn make_electrode(
+    channel: &Channel,
+    blisk: &ExactMesh,
+    params: &ElectrodeParams,
+    (number, side): (usize, EntrySide),
+    task: &Task,
+) -> Result<Electrode, ElectrodeError> {
     params.validate()?;
+    let (part, column) = params.place_of(number);
+    let which = Which { part, column, side, at_last: side.mouth(channel)? };
+    let params = params.of_part(part);
     let mut room = 0.0;
     for _ in 0..MOST_ATTEMPTS {
-        match with_room(channel, blisk, params, (side, room), task) {
+        match with_room(channel, blisk, &params, (which, room), task) {
             Err(ElectrodeError::TooClose { clearance, gap, .. }) if room + gap - clearance + SPARE < MOST_ROOM => {
                 room += gap - clearance + SPARE;
             }
             made => return made,
         }
     }
-    with_room(channel, blisk, params, (side, room), task)
+    with_room(channel, blisk, &params, (which, room), task)
 }
 
-/// The electrodes, built `room` (mm) farther from the blisk than the gap wants.
+/// One electrode of a channel.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Which {
+    pub part: usize,
+    pub column: Option<Column>,
+    pub side: EntrySide,
+    /// Whether the side of entry is that of the passage's last station.
+    pub at_last: bool,
+}
+
+/// The electrode, built `room` (mm) farther from the blisk than the gap wants.
 fn with_room(
     channel: &Channel,
     blisk: &ExactMesh,
     params: &ElectrodeParams,
-    (side, room): (EntrySide, f64),
+    (which, room): (Which, f64),
     task: &Task,
-) -> Result<Vec<Electrode>, ElectrodeError> {
-    let at_last = side.mouth(channel)?;
+) -> Result<Electrode, ElectrodeError> {
     task.report("electrode", 0.0, "boundary of the channel");
     let boundary = Boundary::new(channel, blisk, params, room)?;
-    let extent = burning_extent(channel, params);
-    let ranges = part_ranges(extent, params, at_last)?;
-    let mut planes: Vec<f64> = ranges.iter().flatten().copied().collect();
+    let whole = burning_extent(channel, params);
+    let range = part_ranges(whole, params)?[which.part];
+    // The burning part, and the way of the shank through the passage.
+    let extent = if which.at_last { [range[0], whole[1]] } else { [whole[0], range[1]] };
+    let mut planes: Vec<f64> = range.to_vec();
     planes.extend(edge_planes(channel, params, extent));
-    planes.extend(runout(channel, extent, at_last));
-    let sections = boundary.sections(extent, &planes, &task.cancel)?;
+    planes.extend(runout(channel, extent, which.at_last));
+    let mut sections = boundary.sections(extent, &planes, &task.cancel)?;
     let finisher = Finisher::new(&boundary, &sections);
-    let mut electrodes = Vec::with_capacity(params.count());
-    let columns: &[Option<Column>] =
-        if params.columns > 1 { &[Some(Column::Low), Some(Column::High)] } else { &[None] };
-    for &column in columns {
-        let sections: Vec<_> = sections.iter().map(|s| column_of(s, column, params)).collect();
-        for (part, &range) in ranges.iter().enumerate() {
-            task.report("electrode", (electrodes.len() + 1) as f64 / (params.count() + 1) as f64, "surfaces");
-            let plan = Plan { channel, params, side, at_last, part, column, range, sections: &sections };
-            let mut electrode = body::build(&plan, &finisher, &task.cancel)?;
-            if room > 0.0 {
-                electrode.assumed.push(format!(
-                    "It is {room:.4} mm smaller than the gap wants, all round, so that it keeps the gap between the points \
-                     that it is made from as well."
-                ));
-            }
-            electrodes.push(electrode);
-        }
+    sections.iter_mut().for_each(|section| *section = column_of(section, which.column, params));
+    task.report("electrode", 0.5, "surfaces");
+    let plan = Plan { channel, params, which, range, sections: &sections };
+    let mut electrode = body::build(&plan, &finisher, &task.cancel)?;
+    if room > 0.0 {
+        electrode.assumed.push(format!(
+            "It is {room:.4} mm smaller than the gap wants, all round, so that it keeps the gap between the points \
+             that it is made from as well."
+        ));
     }
-    electrodes.sort_by_key(|e| e.part);
     task.report("electrode", 1.0, "");
-    Ok(electrodes)
+    Ok(electrode)
 }
 
 /// The span along the passage that is burned: that of the blades and the overrun, at most to the faces; past blades that
@@ -94,22 +119,25 @@ fn burning_extent(channel: &Channel, params: &ElectrodeParams) -> [f64; 2] {
     extent
 }
 
-/// The span along the passage of each part, counted from the side of entry, which is that of the last station or not.
-fn part_ranges(extent: [f64; 2], params: &ElectrodeParams, at_last: bool) -> Result<Vec<[f64; 2]>, ElectrodeError> {
-    let (parts, shared) = (params.parts, params.shared_length());
-    let length = (extent[1] - extent[0] + (parts - 1) as f64 * shared) / parts as f64;
-    if parts > 1 && length < 2.0 * params.overlap_mm {
-        return Err(ElectrodeError::PartsTooShort { parts, length, overlap: params.overlap_mm });
-    }
-    let mut ranges: Vec<_> = (0..parts)
-        .map(|k| extent[0] + k as f64 * (length - shared))
-        .map(|from| [from, (from + length).min(extent[1])])
+/// The span along the passage of each part: from division to division, and at each by half of what its two parts share
+/// themselves, which is their overlap less the gap that each burns beyond itself.
+fn part_ranges([first, last]: [f64; 2], params: &ElectrodeParams) -> Result<Vec<[f64; 2]>, ElectrodeError> {
+    let divisions = params.divisions();
+    let end = |part: usize, sense: f64| {
+        let shared = params.overlap_after(part) - 2.0 * params.spark_gap_mm;
+        first + divisions[part] * (last - first) + sense * 0.5 * shared
+    };
+    let ranges: Vec<[f64; 2]> = (0..params.parts)
+        .map(|part| {
+            let from = if part == 0 { first } else { end(part - 1, -1.0) };
+            [from, if part + 1 == params.parts { last } else { end(part, 1.0) }]
+        })
         .collect();
-    if let Some(last) = ranges.last_mut() {
-        last[1] = extent[1];
-    }
-    if at_last {
-        ranges.reverse();
+    for (part, [from, to]) in ranges.iter().enumerate() {
+        let overlap = params.overlap_after(part).max(if part > 0 { params.overlap_after(part - 1) } else { 0.0 });
+        if params.parts > 1 && to - from < 2.0 * overlap {
+            return Err(ElectrodeError::PartTooShort { part: part + 1, length: to - from, overlap });
+        }
     }
     Ok(ranges)
 }
@@ -131,10 +159,10 @@ impl Junctions {
     /// If the parts are too short.
     pub fn of(channel: &Channel, params: &ElectrodeParams) -> Result<Self, ElectrodeError> {
         let gap = params.spark_gap_mm;
-        let ranges = part_ranges(burning_extent(channel, params), params, false)?;
-        let meet = ranges.windows(2).map(|pair| 0.5 * (pair[0][1] + pair[1][0]));
+        let ranges = part_ranges(burning_extent(channel, params), params)?;
+        let meet = |part: usize| 0.5 * (ranges[part][1] + ranges[part + 1][0]);
         Ok(Self {
-            planes: if params.overlap_mm < gap { meet.collect() } else { Vec::new() },
+            planes: (1..params.parts).filter(|&k| params.overlap_after(k - 1) < gap).map(|k| meet(k - 1)).collect(),
             split: (params.columns > 1 && params.column_overlap_mm < gap).then_some(params.column_split),
         })
     }

@@ -1,13 +1,16 @@
 //! Figures of an electrode: thickness, burn area, distance to the blisk, reference point.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::{ElectrodeError, ElectrodeFace, EntrySide};
+use geometry::bvh::Bvh;
 use geometry::exact::ExactMesh;
 use geometry::inside::guarded_distance;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
-use task::Cancel;
+use geometry::nearest_pair::nearest_pair;
+use geometry::triangle_distance::ClosestPoints;
+use task::{Cancel, Cancelled};
 
 /// How far thickness is looked for (mm).
 const REACH: f64 = 1e3;
@@ -20,9 +23,10 @@ pub(super) struct Measures {
     pub thickness: f64,
     /// Area of the faces that burn (mm^2).
     pub burn_area: f64,
-    /// Least distance to the blisk over vertices, edge midpoints and face centres (mm).
+    /// Least distance to the blisk (mm), negative where a vertex, the middle of an edge or the centre of a face is
+    /// inside it.
     pub clearance: f64,
-    /// Place of that distance, in W (mm).
+    /// Place of that distance on the electrode, in W (mm).
     pub closest: DVec3,
 }
 
@@ -32,7 +36,10 @@ pub(super) fn measure(
     blisk: &ExactMesh,
     cancel: &Cancel,
 ) -> Result<Measures, ElectrodeError> {
-    let (clearance, closest) = least_clearance(mesh, blisk, cancel)?;
+    let (mut clearance, mut closest) = least_clearance(mesh, blisk, cancel)?;
+    if let Some(nearest) = surface_distance(mesh, blisk, clearance, cancel)? {
+        (clearance, closest) = (nearest.distance, nearest.first);
+    }
     Ok(Measures {
         thickness: least_thickness(mesh, faces, cancel)?,
         burn_area: burn_area(mesh, faces),
@@ -84,6 +91,25 @@ pub(super) fn least_thickness(mesh: &Mesh, faces: &[ElectrodeFace], cancel: &Can
         _ => None,
     })?;
     Ok(depths.into_iter().flatten().fold(f64::INFINITY, f64::min))
+}
+
+/// The closest points of `mesh` and of `blisk`, if they are not inside each other and nearer than `known` (mm).
+pub(super) fn surface_distance(
+    mesh: &Mesh,
+    blisk: &ExactMesh,
+    known: f64,
+    cancel: &Cancel,
+) -> Result<Option<ClosestPoints>, Cancelled> {
+    if known.is_nan() || known <= 0.0 {
+        return Ok(None);
+    }
+    let around = Bvh::new(&blisk.part_within(mesh.bounds().grown(known)), cancel)?;
+    let own = Bvh::new(mesh, cancel)?;
+    if around.is_empty() || own.is_empty() {
+        return Ok(None);
+    }
+    let found = nearest_pair(&own, &around, (&DMat3::IDENTITY, DVec3::ZERO), None).points;
+    Ok(Some(found).filter(|points| points.distance < known))
 }
 
 fn least_clearance(mesh: &Mesh, blisk: &ExactMesh, cancel: &Cancel) -> Result<(f64, DVec3), ElectrodeError> {

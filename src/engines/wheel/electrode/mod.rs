@@ -7,8 +7,7 @@
 //! reaches round at most half an edge. Every surface is joined from closed rings with the same number of points, which
 //! makes it watertight by construction.
 //!
-//! Guaranteed: vertices, face centres and the nearest point of every edge keep the spark gap, so that on a blisk meshed
-//! as finely as usual the whole surface keeps it to a micrometre. Not guaranteed: that the electrode can be withdrawn,
+//! Guaranteed: the whole surface keeps the spark gap to a micrometre. Not guaranteed: that the electrode can be withdrawn,
 //! which the planner finds and the verifier proves.
 
 mod body;
@@ -27,9 +26,9 @@ use files::Invalid;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-pub use make::{Junctions, make_electrodes};
+pub use make::{Junctions, make_electrode, make_electrodes};
 pub use own::from_user_mesh;
-pub use params::{ElectrodeParams, EnterSide, Sizing};
+pub use params::{ElectrodeParams, EnterSide, PartParams, Sizing};
 
 use crate::channel::{Channel, Flow, OPENS, ways_out};
 use geometry::exact::ExactMeshError;
@@ -188,8 +187,8 @@ pub struct Electrode {
     /// Reference point O in W: the middle of the burning part along X, y = 0, its mean radius as z; of one that leaves
     /// along Z the middle of the holder, at the burning part's middle along Z (mm).
     pub reference_point: DVec3,
-    /// Number of the part of the channel that the electrode burns, counted from the side of entry, from 0: the order of
-    /// burning.
+    /// Number of the part of the channel that the electrode burns, counted along the passage from its first station,
+    /// from 0.
     pub part: usize,
     /// Number of parts.
     pub parts: usize,
@@ -202,8 +201,7 @@ pub struct Electrode {
     pub volume_mm3: f64,
     /// Area of the faces that burn: walls, hub side, shroud side and far end (mm^2).
     pub burn_area_mm2: f64,
-    /// Exact distance to the finished blisk in the final pose: for a derived electrode the least over vertices,
-    /// edge midpoints and face centres, for an own mesh over the whole surfaces (mm).
+    /// Exact distance to the finished blisk in the final pose (mm).
     pub clearance_mm: f64,
     /// Assumptions made, in plain sentences for the user.
     pub assumed: Vec<String>,
@@ -314,12 +312,15 @@ pub enum ElectrodeError {
         /// Part of it that the reductions take (mm).
         taken: f64,
     },
-    /// The parts are too short for their overlap.
-    #[error("{parts} parts of {length:.2} mm cannot overlap by {overlap:.2} mm: use fewer parts or lower the overlap")]
-    PartsTooShort {
-        /// Number of parts.
-        parts: usize,
-        /// Length of each (mm).
+    /// A part is too short for its overlaps.
+    #[error(
+        "part {part} along the passage is {length:.2} mm long, too short for an overlap of {overlap:.2} mm: use fewer parts, \
+         move its divisions, or lower the overlap"
+    )]
+    PartTooShort {
+        /// The part, counted from 1.
+        part: usize,
+        /// Its length (mm).
         length: f64,
         /// Overlap asked for (mm).
         overlap: f64,

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::boundary::components;
 
-use super::measure::{burn_area, in_batches, least_thickness, reference_point};
+use super::measure::{burn_area, in_batches, least_thickness, reference_point, surface_distance};
 use super::{Electrode, ElectrodeError, ElectrodeFace, EntrySide};
 use crate::channel::Channel;
 use geometry::exact::ExactMesh;
@@ -69,8 +69,8 @@ fn clearance(mesh: &Mesh, blisk: &ExactMesh, cancel: &Cancel) -> Result<f64, Ele
     if vertices.iter().any(|d| d.is_nan() || *d <= 0.0) {
         return Err(ElectrodeError::Interferes);
     }
-    let own = ExactMesh::new(mesh)?;
-    let distance = blisk.distance_to(&own, &glam::DAffine3::IDENTITY);
+    let known = vertices.into_iter().fold(f64::INFINITY, f64::min);
+    let distance = surface_distance(mesh, blisk, known, cancel)?.map_or(known, |points| points.distance);
     if distance > 0.0 { Ok(distance) } else { Err(ElectrodeError::Interferes) }
 }
 

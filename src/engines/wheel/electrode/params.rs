@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use files::Invalid;
 use serde::{Deserialize, Serialize};
 
-use super::{ElectrodeError, EntrySide};
+use super::{Column, ElectrodeError, EntrySide};
 use crate::channel::Channel;
 
 /// Parameters by which an electrode is derived from its channel (`[electrode]`).
@@ -21,6 +21,10 @@ pub struct ElectrodeParams {
     pub radial_reduction_mm: f64,
     /// Number of electrodes the channel is divided between along the passage.
     pub parts: usize,
+    /// What single parts have of their own, in order along the passage, that at its first station first
+    /// (`[[electrode.part]]`). Parts without a row are like all others.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub part: Vec<PartParams>,
     /// Overlap along the passage of the burns of two neighbouring parts, each with the spark gap that it burns beyond itself
     /// (mm). With 0 the burns only meet, and a ridge is left between them on every wall.
     pub overlap_mm: f64,
@@ -59,6 +63,7 @@ impl Default for ElectrodeParams {
             circumferential_reduction_deg: [0.8, 0.8],
             radial_reduction_mm: 0.5,
             parts: 1,
+            part: Vec::new(),
             overlap_mm: 1.0,
             columns: 1,
             column_overlap_mm: 0.5,
@@ -74,6 +79,46 @@ impl Default for ElectrodeParams {
         }
     }
 }
+
+/// What one part of a channel has of its own; what is left out is as for all parts.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PartParams {
+    /// Its side of entry.
+    pub enter: EnterSide,
+    /// Division between it and the next part, as a share of the burned length of the passage from its first station;
+    /// where none is given, divisions are spaced equally.
+    pub until: Option<f64>,
+    /// Overlap with the next part (mm).
+    pub overlap_mm: Option<f64>,
+    /// Circumferential reduction of its low wall (deg).
+    pub low_reduction_deg: Option<f64>,
+    /// Circumferential reduction of its high wall (deg).
+    pub high_reduction_deg: Option<f64>,
+    /// Radial reduction (mm).
+    pub radial_reduction_mm: Option<f64>,
+}
+
+impl PartParams {
+    /// Whether every value is within its range.
+    fn validate(&self) -> Result<(), Invalid> {
+        [
+            ("until", self.until, [0.01, 0.99], ""),
+            ("overlap_mm", self.overlap_mm, OVERLAP, "mm"),
+            ("low_reduction_deg", self.low_reduction_deg, TURN, "deg"),
+            ("high_reduction_deg", self.high_reduction_deg, TURN, "deg"),
+            ("radial_reduction_mm", self.radial_reduction_mm, RADIAL, "mm"),
+        ]
+        .into_iter()
+        .filter_map(|(key, value, range, unit)| value.map(|value| (key, value, range, unit)))
+        .try_for_each(|(key, value, range, unit)| Invalid::unless_within(key, value, range, unit))
+    }
+}
+
+/// Ranges that hold for all parts and for single ones.
+const OVERLAP: [f64; 2] = [0.0, 100.0];
+const TURN: [f64; 2] = [0.0, 45.0];
+const RADIAL: [f64; 2] = [0.0, 100.0];
 
 /// The wanted side of entry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -156,11 +201,11 @@ impl ElectrodeParams {
         let [length, width, height] = self.holder_mm;
         [
             ("spark_gap_mm", self.spark_gap_mm, [0.005, 2.0], "mm"),
-            ("circumferential_reduction_deg[0]", low, [0.0, 45.0], "deg"),
-            ("circumferential_reduction_deg[1]", high, [0.0, 45.0], "deg"),
-            ("radial_reduction_mm", self.radial_reduction_mm, [0.0, 100.0], "mm"),
+            ("circumferential_reduction_deg[0]", low, TURN, "deg"),
+            ("circumferential_reduction_deg[1]", high, TURN, "deg"),
+            ("radial_reduction_mm", self.radial_reduction_mm, RADIAL, "mm"),
             ("parts", self.parts as f64, [1.0, 20.0], ""),
-            ("overlap_mm", self.overlap_mm, [0.0, 100.0], "mm"),
+            ("overlap_mm", self.overlap_mm, OVERLAP, "mm"),
             ("columns", self.columns as f64, [1.0, 2.0], ""),
             ("column_overlap_mm", self.column_overlap_mm, [-20.0, 20.0], "mm"),
             ("column_split", self.column_split, [0.1, 0.9], ""),
@@ -174,7 +219,28 @@ impl ElectrodeParams {
         ]
         .into_iter()
         .try_for_each(|(key, value, range, unit)| Invalid::unless_within(key, value, range, unit))
+        .and_then(|()| self.validate_parts())
         .map_err(|problem| problem.within("electrode"))
+    }
+
+    fn validate_parts(&self) -> Result<(), Invalid> {
+        if self.part.len() > self.parts {
+            let remedy = format!("there are only {} parts: remove rows, or raise parts", self.parts);
+            return Err(Invalid::new("part", format!("a list of {} rows", self.part.len()), remedy));
+        }
+        for (i, part) in self.part.iter().enumerate() {
+            part.validate().map_err(|problem| problem.within(&format!("part[{i}]")))?;
+        }
+        let divisions = self.divisions();
+        match (1..divisions.len()).find(|&i| divisions[i] <= divisions[i - 1]) {
+            None => Ok(()),
+            Some(i) => {
+                let i = if self.part.get(i).is_some_and(|part| part.until.is_some()) { i } else { i - 1 };
+                let remedy = "divisions must follow one another along the passage";
+                let value = self.part.get(i).and_then(|part| part.until).unwrap_or_default();
+                Err(Invalid::new(format!("part[{i}].until"), value, remedy))
+            }
+        }
     }
 
     /// Number of electrodes that the channel is divided between.
@@ -182,9 +248,65 @@ impl ElectrodeParams {
         self.parts * self.columns
     }
 
-    /// Length along X that two neighbouring parts themselves share (mm); negative where they stand apart.
-    pub(super) fn shared_length(&self) -> f64 {
-        self.overlap_mm - 2.0 * self.spark_gap_mm
+    /// The parameters that hold for part `part` along the passage: of its own row only the division is left.
+    #[must_use]
+    pub fn of_part(&self, part: usize) -> Self {
+        let own = self.part.get(part).copied().unwrap_or_default();
+        let [low, high] = self.circumferential_reduction_deg;
+        let divided = |row: &PartParams| PartParams { until: row.until, overlap_mm: row.overlap_mm, ..Default::default() };
+        Self {
+            enter: if own.enter == EnterSide::Auto { self.enter } else { own.enter },
+            circumferential_reduction_deg: [
+                own.low_reduction_deg.unwrap_or(low),
+                own.high_reduction_deg.unwrap_or(high),
+            ],
+            radial_reduction_mm: own.radial_reduction_mm.unwrap_or(self.radial_reduction_mm),
+            part: self.part.iter().map(divided).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// Part and column of electrode number `number`, counted along the passage, the columns of one part low to high.
+    pub fn place_of(&self, number: usize) -> (usize, Option<Column>) {
+        let column = if number.is_multiple_of(self.columns) { Column::Low } else { Column::High };
+        (number / self.columns, (self.columns > 1).then_some(column))
+    }
+
+    /// Divisions between the parts as shares of the burned length, from the first station: those given, and between
+    /// them as many as are missing, equally spaced.
+    pub(super) fn divisions(&self) -> Vec<f64> {
+        let given = |i: usize| if i == self.parts { Some(1.0) } else { self.part.get(i - 1).and_then(|part| part.until) };
+        let (mut divisions, mut last) = (Vec::new(), (0, 0.0));
+        for i in 1..=self.parts {
+            if let Some(share) = given(i) {
+                let (from, start) = last;
+                let at = |k: usize| start + (share - start) * (k - from) as f64 / (i - from) as f64;
+                divisions.extend((from + 1..=i).map(at));
+                last = (i, share);
+            }
+        }
+        divisions.pop();
+        divisions
+    }
+
+    /// Divides part `part` along the passage in two of equal length that have what it has of its own; answers the new
+    /// division, to a hundredth.
+    pub fn divide(&mut self, part: usize) -> f64 {
+        let divisions = self.divisions();
+        self.part.resize(self.parts, PartParams::default());
+        for (row, division) in self.part.iter_mut().zip(&divisions) {
+            row.until = Some(*division);
+        }
+        let from = if part == 0 { 0.0 } else { divisions[part - 1] };
+        let share = (50.0 * (from + divisions.get(part).unwrap_or(&1.0))).round() / 100.0;
+        self.part.insert(part, PartParams { until: Some(share), overlap_mm: None, ..self.part[part] });
+        self.parts += 1;
+        share
+    }
+
+    /// Overlap of part `part` with the next (mm).
+    pub(super) fn overlap_after(&self, part: usize) -> f64 {
+        self.part.get(part).and_then(|part| part.overlap_mm).unwrap_or(self.overlap_mm)
     }
 
     /// Circumferential reductions of the low and the high wall (rad).

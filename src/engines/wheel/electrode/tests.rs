@@ -51,6 +51,12 @@ fn places(electrode: &Electrode, wanted: impl Fn(ElectrodeFace) -> bool) -> Vec<
         .collect()
 }
 
+/// Least and greatest x of the faces that burn (mm).
+fn burned(electrode: &Electrode) -> [f64; 2] {
+    let xs = places(electrode, |f| f.burns()).into_iter().map(|p| p.x);
+    xs.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
+}
+
 #[test]
 fn an_unreduced_electrode_lies_on_the_gap_everywhere() {
     let gap = 0.1;
@@ -142,12 +148,8 @@ fn a_straight_channel_has_the_thickness_of_geometry() {
 fn parts_share_the_overlap_and_cover_the_whole() {
     let whole = &make(&FINE, &ElectrodeParams::default(), EntrySide::PlusX).unwrap()[0];
     let params = ElectrodeParams { parts: 3, overlap_mm: 1.5, ..ElectrodeParams::default() };
-    let burned = |e: &Electrode| {
-        let xs = places(e, |f| f.burns()).into_iter().map(|p| p.x);
-        xs.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)])
-    };
     let parts = make(&FINE, &params, EntrySide::PlusX).unwrap();
-    assert_eq!(parts.iter().map(|e| e.part).collect::<Vec<_>>(), [0, 1, 2]);
+    assert_eq!(parts.iter().map(|e| e.part).collect::<Vec<_>>(), [2, 1, 0]);
     let ranges: Vec<_> = parts.iter().map(burned).collect();
     assert_eq!([ranges[2][0], ranges[0][1]], burned(whole), "entering from +X the first part is the one at +X");
     for pair in ranges.windows(2) {
@@ -161,6 +163,59 @@ fn parts_share_the_overlap_and_cover_the_whole() {
         for p in places(part, |f| f != ElectrodeFace::Holder) {
             assert!(whole.signed_distance(p) < 8e-3, "part {}: {p}", part.part);
         }
+    }
+}
+
+#[test]
+fn single_parts_have_divisions_overlaps_and_reductions_of_their_own() {
+    let row = PartParams::default();
+    let params = ElectrodeParams {
+        parts: 3,
+        part: vec![
+            PartParams { until: Some(0.5), overlap_mm: Some(2.2), radial_reduction_mm: Some(1.5), ..row },
+            PartParams { low_reduction_deg: Some(1.4), ..row },
+        ],
+        ..unreduced()
+    };
+    let [whole_from, whole_to] = burned(&make(&FINE, &unreduced(), EntrySide::MinusX).unwrap()[0]);
+    let parts = make(&FINE, &params, EntrySide::MinusX).unwrap();
+    let ranges: Vec<_> = parts.iter().map(burned).collect();
+    // The first division is given, the second one halves what is left; the burns share 2.2 and 1 mm, gaps included.
+    for (k, (division, shared)) in [(0.5, 2.0), (0.75, 0.8)].into_iter().enumerate() {
+        let middle = whole_from + division * (whole_to - whole_from);
+        assert!((ranges[k][1] - (middle + 0.5 * shared)).abs() < 1e-9, "{k}: {ranges:?}");
+        assert!((ranges[k + 1][0] - (middle - 0.5 * shared)).abs() < 1e-9, "{k}: {ranges:?}");
+    }
+    let top = |e: &Electrode| {
+        let on_shroud = places(e, |f| f == ElectrodeFace::ShroudSide).into_iter();
+        on_shroud.map(|p| p.y.hypot(p.z)).fold(0.0, f64::max)
+    };
+    assert!((top(&parts[2]) - top(&parts[0]) - 1.5).abs() < 5e-3);
+    let whole = ExactMesh::new(&make(&FINE, &unreduced(), EntrySide::MinusX).unwrap()[0].mesh).unwrap();
+    for (part, turn) in parts.iter().zip([0.0f64, 1.4, 0.0]) {
+        for (wall, turn) in [(ElectrodeFace::LowWall, turn), (ElectrodeFace::HighWall, 0.0)] {
+            for p in places(part, |f| f == wall).into_iter().filter(|p| p.x > 0.0 && p.x < 20.0) {
+                let at = Cylindrical::from_point(p);
+                let back = Cylindrical { theta: at.theta - turn.to_radians(), ..at }.point();
+                assert!(whole.signed_distance(back).abs() < 8e-3, "{wall:?} of part {}: {p}", part.part);
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_of_single_parts_that_cannot_be_are_refused_with_their_key() {
+    let of = |parts, part| ElectrodeParams { parts, part, ..unreduced() }.validate().map_err(|e| e.to_string());
+    let until = |share| PartParams { until: Some(share), ..PartParams::default() };
+    assert_eq!(of(3, vec![until(0.2), until(0.5)]), Ok(()));
+    for (parts, rows, key) in [
+        (1, vec![until(0.5), until(0.6)], "electrode.part is"),
+        (3, vec![until(0.5), until(0.4)], "electrode.part[1].until"),
+        (4, vec![until(0.995)], "electrode.part[0].until"),
+        (2, vec![PartParams { overlap_mm: Some(-1.0), ..PartParams::default() }], "electrode.part[0].overlap_mm"),
+    ] {
+        let said = of(parts, rows).unwrap_err();
+        assert!(said.contains(key), "{said}");
     }
 }
 
@@ -242,7 +297,7 @@ fn what_leaves_no_metal_is_refused_with_the_place_and_the_room_there_is() {
     let params = ElectrodeParams { radial_reduction_mm: 14.0, ..ElectrodeParams::default() };
     assert!(matches!(make(&FINE, &params, EntrySide::MinusX), Err(ElectrodeError::NoHeight { .. })));
     let params = ElectrodeParams { parts: 10, overlap_mm: 8.0, ..ElectrodeParams::default() };
-    assert!(matches!(make(&FINE, &params, EntrySide::MinusX), Err(ElectrodeError::PartsTooShort { .. })));
+    assert!(matches!(make(&FINE, &params, EntrySide::MinusX), Err(ElectrodeError::PartTooShort { .. })));
     let params = ElectrodeParams { spark_gap_mm: f64::NAN, ..ElectrodeParams::default() };
     assert!(make(&FINE, &params, EntrySide::MinusX).unwrap_err().to_string().contains("spark_gap_mm"));
     let task = Task::default();

@@ -250,7 +250,7 @@ impl BliskDesk {
     /// Retract distance of that place (mm).
     pub fn contact_s(&self) -> Option<f64> {
         let plan = &self.outcome().filter(|_| self.searched().is_none() && !self.is_live())?.plan;
-        plan.jam.map(|j| j.s).or_else(|| Some(plan.path.as_ref()?.certificate.least().s))
+        plan.jam.as_ref().map(|j| j.s).or_else(|| Some(plan.path.as_ref()?.certificate.least().s))
     }
 
     /// The place where bodies come too close in the whole motion on the machine. It takes precedence over the closest

@@ -186,9 +186,10 @@ impl KeptPlan {
             ReductionMode::Variable if !own => job.genetic.h_max_deg.to_radians() + ROUNDING,
             _ => 0.0,
         };
-        for KeptElectrode { side, h, nodes } in &self.electrodes {
+        for (number, KeptElectrode { side, h, nodes }) in self.electrodes.iter().enumerate() {
+            let (part, _) = job.electrode.place_of(number);
             require(
-                job.electrode.enter.allows(*side),
+                job.electrode.of_part(part).enter.allows(*side),
                 "an electrode enters from a side that the project does not allow",
             )?;
             require((0.0..=h_max).contains(h), "an electrode has another reduction than the project allows")?;

@@ -8,6 +8,7 @@ pub mod plan_pictures;
 pub mod planned;
 pub mod prepared_blisk;
 pub mod preview;
+mod remedy;
 pub mod released;
 pub mod simulate;
 pub mod sizing;

@@ -31,6 +31,13 @@ pub struct PlanInputs {
     pub job: PlanJob,
 }
 
+impl PlanInputs {
+    /// Number of electrodes that are planned.
+    pub fn electrodes(&self) -> usize {
+        if self.own_electrode.is_some() { 1 } else { self.job.electrode.count() }
+    }
+}
+
 /// What was found out about one electrode on one side.
 #[derive(Debug, Clone)]
 pub struct ElectrodeOutcome {

@@ -6,6 +6,7 @@ use std::time::Instant;
 use super::finish::finish;
 use super::outcome::{Clock, ElectrodeOutcome, PlanInputs, PlanJobError, PlanOutcome};
 use super::prepared_blisk::{PreparedBlisk, electrode_of};
+use super::remedy::look_for_changes;
 use super::simulate;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::kept_plan::{KeptElectrode, KeptPlan};
@@ -54,7 +55,9 @@ pub fn prepare(inputs: &PlanInputs, task: &Task) -> Result<PreparedBlisk, PlanJo
     let mut clock = Clock::default();
     simulate::check_machine(job, task)?;
     let channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, task))?;
-    sides_of(job, &channel)?;
+    for part in 0..job.electrode.parts {
+        sides_of(job, &channel, part)?;
+    }
     simulate::check_channels(job, &channel)?;
     let blisk = Arc::new(channel.wheel_in_w(&inputs.blisk));
     let exact = clock.time("exact mesh", || channel.exact(&blisk))?;
@@ -116,11 +119,7 @@ impl JobPlanner<'_> {
     }
 
     fn electrodes(&mut self) -> Result<Vec<ElectrodeOutcome>, PlanJobError> {
-        (0..self.parts()).map(|part| self.part(part)).collect()
-    }
-
-    fn parts(&self) -> usize {
-        if self.inputs.own_electrode.is_some() { 1 } else { self.inputs.job.electrode.count() }
+        (0..self.inputs.electrodes()).map(|number| self.part(number)).collect()
     }
 
     /// The electrode that is number `part` along the passage, columns of one part counted through. Tries the sides one after the
@@ -134,15 +133,14 @@ impl JobPlanner<'_> {
         let mut impossible: Option<ElectrodeError> = None;
         let mut tried = Vec::new();
         let (job, channel) = (&self.inputs.job, &self.prepared.space.channel);
+        let (along_passage, _) = job.electrode.place_of(part);
         let left_out =
-            job.electrode.enter.candidates(channel)?.into_iter().filter(|side| !job.machine.comes_from(*side));
+            job.electrode.of_part(along_passage).enter.candidates(channel)?.into_iter().filter(|side| !job.machine.comes_from(*side));
         let along = job.machine.head_along.axis().letter();
         let left_out =
             left_out.map(|side| (side, format!("is not tried: the head of the machine comes along {along}")));
         tried.extend(left_out);
-        let params = &self.inputs.job.electrode;
-        let columns = if self.inputs.own_electrode.is_some() { 1 } else { params.columns };
-        for side in sides(&self.inputs.job, &self.prepared.space.channel, part / columns, self.parts() / columns)? {
+        for side in sides(job, channel, part)? {
             let outcome = match self.on_side(part, side) {
                 Ok(outcome) => outcome,
                 Err(PlanJobError::Electrode(error)) => {
@@ -168,7 +166,14 @@ impl JobPlanner<'_> {
             }
         }
         match (best, impossible) {
-            (Some(best), _) => Ok(ElectrodeOutcome { tried, ..best }),
+            (Some(mut best), _) => {
+                if let Some(opening) = best.plan.jam.as_mut().and_then(|jam| jam.opening.as_mut()) {
+                    let sides: Vec<EntrySide> = tried.iter().map(|(side, _)| *side).collect();
+                    let sides = [sides, vec![best.electrode.enters_from]].concat();
+                    look_for_changes(opening, (self.prepared, self.inputs), part, &sides, self.task)?;
+                }
+                Ok(ElectrodeOutcome { tried, ..best })
+            }
             (None, Some(error)) => Err(error.into()),
             (None, None) => Err(Cancelled.into()),
         }
@@ -241,8 +246,11 @@ pub fn replay(
     let job = &inputs.job;
     job.validate()?;
     kept.check(job)?;
-    let open = sides_of(job, channel)?;
-    if kept.electrodes.iter().any(|electrode| !open.contains(&electrode.side)) {
+    let is_open = |(part, electrode): (usize, &KeptElectrode)| {
+        sides(job, channel, part).map(|open| open.contains(&electrode.side))
+    };
+    let are_open: Vec<bool> = kept.electrodes.iter().enumerate().map(is_open).collect::<Result<_, _>>()?;
+    if are_open.contains(&false) {
         return Err(PlanJobError::Job(
             "the kept plan enters from a side that the passage does not open to, or that the machine's bodies do not come \
              from; plan again"
@@ -282,12 +290,12 @@ fn rank(outcome: &ElectrodeOutcome) -> (bool, bool, f64) {
     (outcome.plan.is_verified(), outcome.plan.path.is_some(), withdrawn)
 }
 
-/// The sides that an electrode of `channel` may enter from, in the order in which they are tried.
+/// The sides that part `part` along the passage of `channel` may enter from, those at the first station first.
 ///
 /// # Errors
 /// If the passage opens to none of them, or the machine's bodies stand for heads that come from elsewhere.
-pub(super) fn sides_of(job: &PlanJob, channel: &Channel) -> Result<Vec<EntrySide>, PlanJobError> {
-    let mut sides = job.electrode.enter.candidates(channel)?;
+pub(super) fn sides_of(job: &PlanJob, channel: &Channel, part: usize) -> Result<Vec<EntrySide>, PlanJobError> {
+    let mut sides = job.electrode.of_part(part).enter.candidates(channel)?;
     sides.retain(|side| job.machine.comes_from(*side));
     if sides.is_empty() { Err(head_comes_from_elsewhere(job)) } else { Ok(sides) }
 }
@@ -306,23 +314,15 @@ pub(super) fn head_comes_from_elsewhere(job: &PlanJob) -> PlanJobError {
     ))
 }
 
-/// The sides to try for the part that is number `part` of `parts` along the passage, the nearer one first.
+/// The sides to try for electrode number `number` along the passage, the one that its part is nearer to first.
 ///
 /// # Errors
 /// Every error of [`sides_of`].
-pub(super) fn sides(
-    job: &PlanJob,
-    channel: &Channel,
-    part: usize,
-    parts: usize,
-) -> Result<Vec<EntrySide>, PlanJobError> {
-    Ok(nearer_first(sides_of(job, channel)?, part, parts))
-}
-
-/// `sides`, those at the first station first, in the order in which they are near to part `part` of `parts`.
-pub(super) fn nearer_first(mut sides: Vec<EntrySide>, part: usize, parts: usize) -> Vec<EntrySide> {
-    if 2 * part >= parts && part > 0 {
+pub(super) fn sides(job: &PlanJob, channel: &Channel, number: usize) -> Result<Vec<EntrySide>, PlanJobError> {
+    let (part, _) = job.electrode.place_of(number);
+    let mut sides = sides_of(job, channel, part)?;
+    if part > 0 && 2 * part >= job.electrode.parts {
         sides.reverse();
     }
-    sides
+    Ok(sides)
 }

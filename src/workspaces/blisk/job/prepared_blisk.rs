@@ -12,7 +12,7 @@ use geometry::mesh::Mesh;
 use task::Task;
 use wheel::channel::Channel;
 use wheel::electrode::{
-    Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, Sizing, from_user_mesh, make_electrodes,
+    Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, Sizing, from_user_mesh, make_electrode,
     own_turns,
 };
 
@@ -86,6 +86,8 @@ impl PreparedBlisk {
     ) -> Result<(Arc<PreparedElectrode>, Turns), PlanJobError> {
         let mut full = inputs.clone();
         let mut drawn_in = [0.0; 2];
+        let (along, _) = inputs.job.electrode.place_of(part);
+        full.job.electrode = inputs.job.electrode.of_part(along);
         if inputs.own_electrode.is_none() {
             std::mem::swap(&mut full.job.electrode.circumferential_reduction_deg, &mut drawn_in);
         }
@@ -131,14 +133,9 @@ pub(super) fn electrode_of(
             from_user_mesh(own.in_frame(&channel.frame), channel, exact, params.spark_gap_mm, side, &task.cancel)?
         }
         None => {
-            let [low, high] = params.circumferential_reduction_deg;
-            let circumferential_reduction_deg = [low + h.to_degrees(), high + h.to_degrees()];
-            let params = ElectrodeParams { circumferential_reduction_deg, ..params.clone() };
-            let mut all = make_electrodes(channel, exact, &params, side, task)?;
-            // Electrodes are counted from the side of entry.
-            let (along, column) = (part / params.columns, part % params.columns);
-            let from_entry = if side.mouth(channel)? { params.parts - 1 - along } else { along };
-            all.swap_remove(from_entry * params.columns + column)
+            let mut params = params.of_part(params.place_of(part).0);
+            params.circumferential_reduction_deg.iter_mut().for_each(|deg| *deg += h.to_degrees());
+            make_electrode(channel, exact, &params, (part, side), task)?
         }
     };
     electrode.mesh = as_written(&electrode.mesh, &channel.frame);

@@ -9,6 +9,7 @@ use super::prepared_blisk::PreparedBlisk;
 use super::prepared_blisk::electrode_of;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use feed::global::PreviewPath;
+use feed::plan::PlanSettings;
 use feed::planner::{DrawnIn, preview_path};
 use files::Validate as _;
 use render::mesh::RenderMesh;
@@ -52,18 +53,14 @@ pub fn live_way(
 ) -> Result<LiveWay, PlanJobError> {
     let job = &inputs.job;
     job.validate()?;
-    let settings = settings_of(job, &|_, _| ());
     let mut best: Option<LiveWay> = None;
-    let columns = if inputs.own_electrode.is_some() { 1 } else { job.electrode.columns };
-    let sides = sides(job, &prepared.space.channel, part / columns, job.electrode.parts)?;
+    let sides = sides(job, &prepared.space.channel, part)?;
     for (i, &side) in sides.iter().enumerate() {
-        let (full, turns) = match prepared.fullest(inputs, (part, side), task) {
+        let way = match preview_on(prepared, inputs, (part, side), task) {
             // A side for which no electrode can be made is left, unless it is the last hope.
             Err(PlanJobError::Electrode(_)) if i + 1 < sides.len() || best.is_some() => continue,
-            full => full?,
+            way => way?,
         };
-        let drawn_in = DrawnIn { prepared: &full, turns, electrode: full.electrode() };
-        let way = preview_path(&prepared.space, &drawn_in, &settings, task)?;
         let reach = |w: &PreviewPath| (w.margin.is_some(), w.nodes.last().map_or(0.0, |n| n.s));
         if best.as_ref().is_none_or(|b| reach(&b.way) < reach(&way)) {
             best = Some(LiveWay { side, way, other: None });
@@ -78,6 +75,23 @@ pub fn live_way(
         best.other = Some(Arc::new(electrode_of(inputs, channel, &prepared.exact, which, task)?));
     }
     Ok(best)
+}
+
+/// Preview of the extraction path of electrode number `number` along the passage to `side`.
+///
+/// # Errors
+/// If the electrode cannot be made, or when told to stop.
+pub(super) fn preview_on(
+    prepared: &PreparedBlisk,
+    inputs: &PlanInputs,
+    (number, side): (usize, EntrySide),
+    task: &Task,
+) -> Result<PreviewPath, PlanJobError> {
+    let (full, turns) = prepared.fullest(inputs, (number, side), task)?;
+    let drawn_in = DrawnIn { prepared: &full, turns, electrode: full.electrode() };
+    let machine = &inputs.job.machine.seen_from_w(side);
+    let settings = PlanSettings { machine, ..settings_of(&inputs.job, &|_, _| ()) };
+    Ok(preview_path(&prepared.space, &drawn_in, &settings, task)?)
 }
 
 /// A quick look as it is shown.

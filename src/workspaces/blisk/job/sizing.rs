@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
-use super::plan::{run_feeds, settings_of};
+use super::plan::{run_feeds, settings_of, sides};
 use super::prepared_blisk::PreparedBlisk;
 use feed::genetic::ReductionMode;
 use feed::plan_params::PlanError;
@@ -16,7 +16,7 @@ use feed::sizing::{Least, Sizer};
 use files::Validate as _;
 use task::Task;
 use wheel::channel::Surface;
-use wheel::electrode::{EnterSide, EntrySide, Sizing as SizeMode, own_turns};
+use wheel::electrode::{ElectrodeParams, EnterSide, EntrySide, Sizing as SizeMode, own_turns};
 
 /// What is sized.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +46,28 @@ pub struct SizeRow {
     pub limit: Option<SizeLimit>,
     /// What the certificate asked for beyond the reductions that the search needs (deg).
     pub raised_deg: f64,
+}
+
+impl SizeRow {
+    /// Puts parts, side and reductions of the row into `electrode`; with another number of parts than before its single
+    /// parts have nothing of their own.
+    pub fn apply(&self, electrode: &mut ElectrodeParams) {
+        if electrode.parts != self.parts {
+            (electrode.parts, electrode.part) = (self.parts, Vec::new());
+        }
+        for part in &mut electrode.part {
+            (part.low_reduction_deg, part.high_reduction_deg) = (None, None);
+        }
+        (electrode.circumferential_reduction_deg, electrode.enter) = (self.reduction_deg, self.enter);
+        electrode.size = SizeMode::Given;
+    }
+
+    /// Whether applying the row would not change `electrode`.
+    pub fn is_applied(&self, electrode: &ElectrodeParams) -> bool {
+        let mut applied = electrode.clone();
+        self.apply(&mut applied);
+        applied == *electrode
+    }
 }
 
 /// The electrode of a row that needs its reductions, and the narrowest place of its way out.
@@ -111,6 +133,9 @@ pub fn size(
     base.job.genetic.h = ReductionMode::Given;
     base.job.electrode.size = SizeMode::Given;
     base.job.electrode.circumferential_reduction_deg = [0.0; 2];
+    for part in &mut base.job.electrode.part {
+        (part.low_reduction_deg, part.high_reduction_deg) = (None, None);
+    }
     base.job.validate()?;
     let sizing = Sizing { prepared, base, found, task };
     let mut rows = Vec::new();
@@ -142,7 +167,7 @@ pub fn auto_sized(
     if let Some(row) = &thickest {
         sized.job.plan.strategy = Strategy::Global;
         let electrode = &mut sized.job.electrode;
-        (electrode.circumferential_reduction_deg, electrode.enter) = (row.reduction_deg, row.enter);
+        row.apply(electrode);
     }
     Ok((sized, thickest))
 }
@@ -158,7 +183,7 @@ impl Sizing<'_> {
     fn one_part(&self, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
         let mut best: Option<(EntrySide, Least)> = None;
         let (mut impossible, mut possible) = (None, false);
-        for side in super::plan::sides_of(&self.base.job, &self.prepared.space.channel)? {
+        for side in sides(&self.of(1).job, &self.prepared.space.channel, 0)? {
             let full = match self.full(1, 0, side) {
                 Err(PlanJobError::Electrode(error)) => {
                     impossible.get_or_insert(error);
@@ -214,12 +239,12 @@ impl Sizing<'_> {
     }
 
     fn many(&self, parts: usize, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
-        let columns = self.base.job.electrode.columns;
+        let inputs = self.of(parts);
         let (mut most, mut limiting) = (0.0f64, 0);
-        for number in 0..parts * columns {
+        for number in 0..inputs.electrodes() {
             let mut least: Option<Least> = None;
             let (mut impossible, mut possible) = (None, false);
-            for side in super::plan::sides(&self.base.job, &self.prepared.space.channel, number / columns, parts)? {
+            for side in sides(&inputs.job, &self.prepared.space.channel, number)? {
                 let full = match self.full(parts, number, side) {
                     Err(PlanJobError::Electrode(error)) => {
                         impossible.get_or_insert(error);
@@ -251,9 +276,18 @@ impl Sizing<'_> {
     }
 
     fn full(&self, parts: usize, number: usize, side: EntrySide) -> Result<Arc<PreparedElectrode>, PlanJobError> {
+        Ok(self.prepared.fullest(&self.of(parts), (number, side), self.task)?.0)
+    }
+
+    /// The inputs for a number of parts; with another number than that of the job its single parts have nothing of
+    /// their own.
+    fn of(&self, parts: usize) -> PlanInputs {
         let mut inputs = self.base.clone();
-        inputs.job.electrode.parts = parts;
-        Ok(self.prepared.fullest(&inputs, (number, side), self.task)?.0)
+        let electrode = &mut inputs.job.electrode;
+        if electrode.parts != parts {
+            (electrode.parts, electrode.part) = (parts, Vec::new());
+        }
+        inputs
     }
 
     /// What `work` finds with the sizer of `full`.
@@ -284,8 +318,7 @@ impl Sizing<'_> {
         turns: [f64; 2],
         limiting: usize,
     ) -> Result<Option<SizeRow>, PlanJobError> {
-        let mut inputs = self.base.clone();
-        inputs.job.electrode.parts = parts;
+        let mut inputs = self.of(parts);
         inputs.job.electrode.enter = enter;
         for raise in 0..=RAISES {
             let more = raise as f64 * TOLERANCE_DEG;

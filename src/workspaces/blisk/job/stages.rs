@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::plan::{nearer_first, sides_of};
+use super::plan::sides;
+use super::planned::inputs_of;
+use super::prepared_blisk::electrode_of;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::report::InputFile;
@@ -17,7 +19,7 @@ use render::mesh::RenderMesh;
 use task::Task;
 use wheel::centreline::{Centreline, CentrelineError};
 use wheel::channel::Channel;
-use wheel::electrode::{Electrode, EntrySide, from_user_mesh, make_electrodes};
+use wheel::electrode::Electrode;
 use wheel::find_channel::find_or_refuse;
 use wheel::parametric::{MeshResolution, ParametricBlisk};
 
@@ -182,56 +184,32 @@ pub fn channel(part: &Part, job: &PlanJob, refused_at: &dyn Fn(DVec3), task: &Ta
     Ok(FoundChannel { channel: channel.into(), blisk, exact: exact.into(), shapes, centreline })
 }
 
-/// Makes the electrodes in the order of their places along the passage, each for the side that a plan tries first, or for the
-/// first side on which all can be made.
+/// Makes the electrodes in the order of their places along the passage, each for the first side on which it can be made
+/// of those that a plan tries.
 ///
 /// # Errors
 /// One line for the user, of the side that is tried first.
 pub fn electrodes(part: &Part, found: &FoundChannel, job: &PlanJob, task: &Task) -> Result<Electrodes, String> {
     job.electrode.validate().map_err(|problem| FIELDS.in_window(&problem))?;
-    let (mut notes, mut made) = (Vec::new(), Vec::new());
-    let channel = &found.channel;
-    let sides = sides_of(job, channel).map_err(|e| FIELDS.labelled(&e))?;
-    for &side in &sides {
-        match on_side(part, found, job, side, task) {
-            Ok(electrodes) => made.push((side, electrodes)),
-            Err(error) => notes.push(error),
+    let inputs = inputs_of(part, job);
+    let (mut notes, mut electrodes) = (Vec::new(), Vec::new());
+    for number in 0..inputs.electrodes() {
+        let mut impossible = Vec::new();
+        for side in sides(job, &found.channel, number).map_err(|e| FIELDS.labelled(&e))? {
+            match electrode_of(&inputs, &found.channel, &found.exact, (number, side, 0.0), task) {
+                Ok(electrode) => {
+                    electrodes.push(electrode);
+                    break;
+                }
+                Err(error) => impossible.push(FIELDS.labelled(&error)),
+            }
         }
-        // A single part is tried on the first side, of more the further ones on the other.
-        if job.electrode.parts == 1 && !made.is_empty() {
-            break;
+        if electrodes.len() <= number {
+            return Err(impossible.into_iter().next().unwrap_or_default());
         }
+        notes.extend(impossible);
     }
-    let Some((_, first)) = made.first() else { return Err(notes.into_iter().next().unwrap_or_default()) };
-    let columns = if part.own_electrode.is_some() { 1 } else { job.electrode.columns };
-    let preferred = |i: usize| {
-        let side = nearer_first(sides.clone(), i / columns, job.electrode.parts).first().copied();
-        made.iter().find(|(made_for, _)| Some(*made_for) == side).map_or(first, |(_, electrodes)| electrodes)[i].clone()
-    };
-    let electrodes: Vec<Electrode> = (0..first.len()).map(preferred).collect();
+    notes.dedup();
     let shapes = electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.mesh))).collect();
     Ok(Electrodes { electrodes, shapes, notes })
-}
-
-fn on_side(
-    part: &Part,
-    found: &FoundChannel,
-    job: &PlanJob,
-    side: EntrySide,
-    task: &Task,
-) -> Result<Vec<Electrode>, String> {
-    let (channel, exact, params) = (&found.channel, &found.exact, &job.electrode);
-    let made = match &part.own_electrode {
-        Some(own) => {
-            let own = own.in_frame(&channel.frame);
-            from_user_mesh(own, channel, exact, params.spark_gap_mm, side, &task.cancel).map(|e| vec![e])
-        }
-        None => make_electrodes(channel, exact, params, side, task),
-    };
-    let mut made = made.map_err(|e| FIELDS.labelled(&e))?;
-    if side.mouth(channel) == Ok(true) {
-        // They come in the order of burning, from the side of entry.
-        made.sort_by_key(|e| std::cmp::Reverse(e.part));
-    }
-    Ok(made)
 }

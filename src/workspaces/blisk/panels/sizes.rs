@@ -7,7 +7,6 @@ use egui_plot::{AxisHints, GridInput, GridMark, Plot, PlotPoints, Points};
 use crate::widgets::panel_parts::notice;
 use crate::widgets::plot_parts::{legend, round_steps, round_text};
 use crate::widgets::theme::palette;
-use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::sizing::{SizeRow, TOLERANCE_DEG};
 use task::State;
@@ -88,7 +87,7 @@ fn table(ui: &mut Ui, desk: &BliskDesk, rows: &[SizeRow], current: bool) -> Opti
             told(ui.label(RichText::new(format!("{low:.3}")).monospace()));
             told(ui.label(RichText::new(format!("{high:.3}")).monospace()));
             told(ui.label(RichText::new(format!("{:.3}", row.least_thickness_mm)).monospace()));
-            let applied = current && is_applied(desk.document.params(), row);
+            let applied = current && row.is_applied(&desk.document.params().electrode);
             let response =
                 ui.add_enabled(current && !applied, egui::Button::new(if applied { "Taken" } else { "Take" }).small());
             let name = format!("Take size {}", i + 1);
@@ -112,19 +111,10 @@ fn hint(row: &SizeRow) -> String {
     format!("certified {:.4} mm{limit}; found to {TOLERANCE_DEG} deg{raised}", row.certified_mm)
 }
 
-fn is_applied(job: &PlanJob, row: &SizeRow) -> bool {
-    let e = &job.electrode;
-    let given = e.size == wheel::electrode::Sizing::Given;
-    given && e.parts == row.parts && e.enter == row.enter && e.circumferential_reduction_deg == row.reduction_deg
-}
-
 /// Puts a row's reductions, parts and side into the parameters, and the strategy that found them.
 fn apply(desk: &mut BliskDesk, row: &SizeRow) {
     let mut job = desk.document.params().clone();
-    job.electrode.parts = row.parts;
-    job.electrode.enter = row.enter;
-    job.electrode.size = wheel::electrode::Sizing::Given;
-    job.electrode.circumferential_reduction_deg = row.reduction_deg;
+    row.apply(&mut job.electrode);
     job.plan.strategy = feed::plan_params::Strategy::Global;
     desk.edit("Take a size", job, false);
 }

@@ -46,6 +46,28 @@ const FRAMES: &[Word] = &[word("mesh", "loaded mesh", ""), word("w", "workpiece 
 const SIZES: &[Word] = &[word("given", "as given", ""), word("auto", "found", "")];
 const ENDS: &[Word] = &[word("not-a-knot", "not-a-knot", ""), word("natural", "natural", "")];
 
+/// Columns of the table of single parts.
+const PART: &[Field] = &[
+    Field::choice("enter", "Enter from", SIDES).help("The part's own side of entry; automatic: that of all parts."),
+    Field::number("until", "Division", "", 0.01, 0.99).decimals(2).or_nothing(0.5).help(
+        "Where the part ends and the next one begins, as a share of the burned length from the first station of the \
+         passage.",
+    ),
+    Field::number("overlap_mm", "Overlap", "mm", 0.0, 100.0)
+        .decimals(2)
+        .or_nothing(1.0)
+        .help("Overlap of the burns of this part and the next."),
+    Field::number("low_reduction_deg", "Low wall", "deg", 0.0, 45.0)
+        .or_nothing(1.0)
+        .help("The part's own reduction at the low wall."),
+    Field::number("high_reduction_deg", "High wall", "deg", 0.0, 45.0)
+        .or_nothing(1.0)
+        .help("The part's own reduction at the high wall."),
+    Field::number("radial_reduction_mm", "Radial", "mm", 0.0, 100.0)
+        .or_nothing(1.0)
+        .help("The part's own radial reduction."),
+];
+
 /// The parameters in the order of the forms, under the steps that they belong to.
 pub static FIELDS: FieldTable<PlanJob> = FieldTable::new(GROUPS).with_defaults(defaults);
 
@@ -196,6 +218,15 @@ const GROUPS: &[Group] = &[
                 .decimals(2)
                 .help("Share of the channel's width that belongs to the low column."),
         ],
+    },
+    Group {
+        section: "Electrode",
+        name: "Single parts",
+        is_folded: true,
+        fields: &[Field::rows("electrode.part", "Part", PART, "{ enter = \"auto\" }").help(
+            "What single parts have of their own, in order along the passage, that at its first station first. What a \
+             row leaves out, and parts without a row, are as set above.",
+        )],
     },
     Group {
         section: "Electrode",
