@@ -8,7 +8,7 @@
 //! The motion is modelled as the machine makes it. Z is the direction of the channel's middle, so that a point at the
 //! angle `phi` from the middle moves outwards by `cos(phi)` of it and sideways by `sin(phi)`, and a leaning wall that
 //! is moved outwards comes nearer to its blade or farther from it. In a passage that does not run along the axis
-//! outwards is the direction from hub to shroud in its middle, and X takes part in it. A turned hub side meets fillets, and the facets of a
+//! outwards is the direction from hub to shroud in the middle of what the electrode burns, and X and Y take part in it. A turned hub side meets fillets, and the facets of a
 //! round hub, that it does not meet in the final pose. So the lowest turn is at the least height that lets it go
 //! (nearly) furthest, the highest one at the greatest such height. Each turn goes only as far as the electrode keeps
 //! its clearance and the axes go, and the whole is certified by the same verifier as the feed.
@@ -24,7 +24,7 @@ use super::pose::{Axis, Pose};
 use super::quantise::quantise_path;
 use super::verify::{Verifier, VerifyError, VerifyOptions};
 use geometry::frame::Frame;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use task::{Cancel, Task};
 use wheel::channel::Surface;
 use wheel::electrode::{Column, Electrode, ElectrodeParams};
@@ -176,8 +176,8 @@ pub struct CopyingSettings<'a> {
     pub spark_gap: f64,
     /// W in the coordinates of the loaded mesh.
     pub frame: Frame,
-    /// Direction (x, r) from the hub to the shroud in the middle of the electrode, a unit vector.
-    pub up: DVec2,
+    /// Direction in W from the hub to the shroud in the middle of what the electrode burns, a unit vector.
+    pub outwards: DVec3,
 }
 
 /// Makes the copying motion that goes as far as `wanted`, or as the clearance allows, and certifies it. `verifier` is
@@ -213,12 +213,12 @@ pub fn copying_motion(
             found.is_none()
         }
     };
-    let (reached, turns) = reachable(&wanted, settings.up, &keeps, &task.cancel)?;
+    let (reached, turns) = reachable(&wanted, settings.outwards, &keeps, &task.cancel)?;
     let path = FeedPath {
         frame: settings.frame,
         reference_point: electrode.reference_point,
         spark_gap: settings.spark_gap,
-        rows: rows_of(reached.outwards, settings.up, &turns),
+        rows: rows_of(reached.outwards, settings.outwards, &turns),
     };
     let path = quantise_path(&path);
     let task = task.as_stage("copying motion");
@@ -229,12 +229,12 @@ pub fn copying_motion(
 /// Part of `wanted` that can be reached while `keeps` holds, and the turns that reach it.
 fn reachable(
     wanted: &CopyingExtent,
-    up: DVec2,
+    direction: DVec3,
     keeps: &(dyn Fn(&Pose) -> bool + Sync),
     cancel: &Cancel,
 ) -> Result<(CopyingExtent, Vec<Turn>), VerifyError> {
     let share = |from: Pose, to: Pose| share_of_move(&from, &to, keeps, cancel);
-    let at = |a: f64, outwards: f64| lifted(a, outwards, up);
+    let at = |a: f64, outwards: f64| lifted(a, outwards, direction);
     let top = wanted.outwards * share(Pose::FINAL, at(0.0, wanted.outwards))?;
     let to_wall = |turn: f64| {
         let mut turns: Vec<Turn> = Vec::new();
@@ -309,22 +309,24 @@ fn share_of_move(from: &Pose, to: &Pose, keeps: &dyn Fn(&Pose) -> bool, cancel: 
 }
 
 /// The pose turned by `a` (rad) and moved outwards (mm).
-fn lifted(a: f64, outwards: f64, up: DVec2) -> Pose {
-    Pose { a, x: outwards * up.x, z: outwards * up.y, ..Pose::FINAL }
+fn lifted(a: f64, outwards: f64, direction: DVec3) -> Pose {
+    let DVec3 { x, y, z } = outwards * direction;
+    Pose { a, x, y, z, ..Pose::FINAL }
 }
 
 /// The rows of a motion: outwards by `top` in the middle and, on the way, every turn at its height, always back to the
 /// middle; at last back to the final pose.
-fn rows_of(top: f64, up: DVec2, turns: &[Turn]) -> Vec<PathRow> {
+fn rows_of(top: f64, direction: DVec3, turns: &[Turn]) -> Vec<PathRow> {
     let mut sorted = turns.to_vec();
     // From below: towards the low wall first where both turn at the same height.
     sorted.sort_by(|s, t| s.outwards.total_cmp(&t.outwards).then(s.a.total_cmp(&t.a)));
-    let at = |a: f64, outwards: f64| lifted(a, outwards, up);
+    let at = |a: f64, outwards: f64| lifted(a, outwards, direction);
+    let slid = |pose: &Pose| DVec3::new(pose.x, pose.y, pose.z);
     let mut poses = vec![Pose::FINAL];
     let turned = sorted.iter().flat_map(|t| [at(0.0, t.outwards), at(t.a, t.outwards), at(0.0, t.outwards)]);
     for pose in turned.chain([at(0.0, top), Pose::FINAL]) {
         let last = poses[poses.len() - 1];
-        if (pose.a - last.a).abs() >= LEAST_MOVE || (pose.z - last.z).hypot(pose.x - last.x) >= LEAST_MOVE {
+        if (pose.a - last.a).abs() >= LEAST_MOVE || slid(&pose).distance(slid(&last)) >= LEAST_MOVE {
             poses.push(pose);
         }
     }
@@ -338,7 +340,7 @@ mod tests {
     const WANTED: CopyingExtent = CopyingExtent { low: 0.02, high: 0.01, outwards: 0.3 };
 
     fn reach(keeps: impl Fn(&Pose) -> bool + Sync) -> (CopyingExtent, Vec<Turn>) {
-        reachable(&WANTED, DVec2::Y, &keeps, &Cancel::default()).unwrap()
+        reachable(&WANTED, DVec3::Z, &keeps, &Cancel::default()).unwrap()
     }
 
     #[test]
@@ -346,12 +348,12 @@ mod tests {
         let (reached, turns) = reach(|_| true);
         assert_eq!(reached, WANTED);
         let poses: Vec<[f64; 2]> =
-            rows_of(reached.outwards, DVec2::Y, &turns).iter().map(|r| [r.pose.a, r.pose.z]).collect();
+            rows_of(reached.outwards, DVec3::Z, &turns).iter().map(|r| [r.pose.a, r.pose.z]).collect();
         let level = |z| [[-0.02, z], [0.0, z], [0.01, z], [0.0, z]];
         let expected = [[[0.0, 0.0]].as_slice(), &level(0.0), &[[0.0, 0.15]], &level(0.15), &[[0.0, 0.3]], &level(0.3)];
         assert_eq!(poses, [expected.concat().as_slice(), &[[0.0, 0.0]]].concat());
-        assert_eq!(rows_of(0.0, DVec2::Y, &[Turn { outwards: 0.0, a: -0.02 }]).len(), 3);
-        assert!(rows_of(0.0, DVec2::Y, &[]).len() == 1 && CopyingExtent::default().is_none());
+        assert_eq!(rows_of(0.0, DVec3::Z, &[Turn { outwards: 0.0, a: -0.02 }]).len(), 3);
+        assert!(rows_of(0.0, DVec3::Z, &[]).len() == 1 && CopyingExtent::default().is_none());
     }
 
     #[test]

@@ -125,7 +125,7 @@ fn finish(plan: &Plan, mesh: Mesh, faces: Vec<ElectrodeFace>, m: Measures, mut a
     }
     Electrode {
         enters_from: plan.which.side,
-        reference_point: measure::reference_point(&mesh, &faces, plan.which.side),
+        reference_point: measure::reference_point(&mesh, &faces, plan.which.side, plan.channel.flow),
         part: plan.which.part,
         parts: plan.params.parts,
         column: plan.which.column,

@@ -4,6 +4,7 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::{ElectrodeError, ElectrodeFace, EntrySide};
+use crate::channel::Flow;
 use geometry::bvh::Bvh;
 use geometry::exact::ExactMesh;
 use geometry::inside::guarded_distance;
@@ -54,21 +55,21 @@ pub(super) fn burn_area(mesh: &Mesh, faces: &[ElectrodeFace]) -> f64 {
     burning.map(|(corners, _)| 0.5 * normal_times_two_areas(corners).length()).sum()
 }
 
-/// The reference point O of an electrode: the middle of its burning faces along X, y = 0, the mean of their least and
-/// greatest radius as z. Of one that leaves along Z it is the middle of the holder across Z, that of the burning faces
-/// along Z (mm).
-pub(super) fn reference_point(mesh: &Mesh, faces: &[ElectrodeFace], side: EntrySide) -> DVec3 {
+/// The reference point O of an electrode that leaves a passage of direction `flow` towards `side`: in an axial one the
+/// middle of its burning faces along X, y = 0, the mean of their least and greatest radius as z; in any other the middle
+/// of the holder across the direction of withdrawal, that of the burning faces along it (mm).
+pub(super) fn reference_point(mesh: &Mesh, faces: &[ElectrodeFace], side: EntrySide, flow: Flow) -> DVec3 {
     let box_of = |is_of: &dyn Fn(ElectrodeFace) -> bool, place: &dyn Fn(DVec3) -> DVec3| {
         let all = mesh.iter_corners().zip(faces).filter(|(_, face)| is_of(**face)).flat_map(|(corners, _)| corners);
         Bounds::of(all.map(place)).center()
     };
-    match side {
-        EntrySide::MinusX | EntrySide::PlusX => box_of(&|f| f.burns(), &|p| DVec3::new(p.x, 0.0, p.y.hypot(p.z))),
-        EntrySide::Outward => {
-            let holder = box_of(&|f| f == ElectrodeFace::Holder, &|p| p);
-            holder.with_z(box_of(&|f| f.burns(), &|p| p).z)
-        }
+    if flow == Flow::Axial {
+        return box_of(&|f| f.burns(), &|p| DVec3::new(p.x, 0.0, p.y.hypot(p.z)));
     }
+    let holder = box_of(&|f| f == ElectrodeFace::Holder, &|p| p);
+    let burning = box_of(&|f| f.burns(), &|p| p);
+    let way = side.direction();
+    holder.reject_from_normalized(way) + burning.project_onto_normalized(way)
 }
 
 /// The thinnest metal between the low and the high wall, or a wall and the division, from the centre of each wall face

@@ -32,7 +32,7 @@ pub use params::{ElectrodeParams, EnterSide, PartParams, Sizing};
 
 use crate::channel::{Channel, Flow, OPENS, ways_out};
 use geometry::exact::ExactMeshError;
-use geometry::mesh::Mesh;
+use geometry::mesh::{Mesh, normal_times_two_areas};
 use task::Cancelled;
 
 /// Purpose of a face of an electrode.
@@ -184,8 +184,8 @@ pub struct Electrode {
     pub faces: Vec<ElectrodeFace>,
     /// The side it enters from and is withdrawn to.
     pub enters_from: EntrySide,
-    /// Reference point O in W: the middle of the burning part along X, y = 0, its mean radius as z; of one that leaves
-    /// along Z the middle of the holder, at the burning part's middle along Z (mm).
+    /// Reference point O in W: in an axial passage the middle of the burning part along X, y = 0, its mean radius as z;
+    /// in any other the middle of the holder, at the burning part's middle along the direction of withdrawal (mm).
     pub reference_point: DVec3,
     /// Number of the part of the channel that the electrode burns, counted along the passage from its first station,
     /// from 0.
@@ -208,6 +208,17 @@ pub struct Electrode {
 }
 
 impl Electrode {
+    /// The middle of the faces that burn, each with its area, in W (mm).
+    pub fn middle(&self) -> DVec3 {
+        let burning = self.mesh.iter_corners().zip(&self.faces).filter(|(_, face)| face.burns());
+        let weighted = burning.map(|(corners, _)| {
+            let twice = normal_times_two_areas(corners).length();
+            (twice * corners.iter().sum::<DVec3>() / 3.0, twice)
+        });
+        let (sum, all) = weighted.fold((DVec3::ZERO, 0.0), |(sum, all), (place, area)| (sum + place, all + area));
+        if all > 0.0 { sum / all } else { self.reference_point }
+    }
+
     /// Share of a divided channel that the electrode burns: `part 1 of 2, low side`; empty for a single electrode.
     pub fn share(&self) -> String {
         let part = (self.parts > 1).then(|| format!("part {} of {}", self.part + 1, self.parts));

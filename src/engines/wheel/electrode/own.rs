@@ -49,7 +49,7 @@ pub fn from_user_mesh(
     let faces: Vec<_> = mesh.iter_corners().map(|corners| kind(corners, channel, side)).collect();
     Ok(Electrode {
         enters_from: side,
-        reference_point: reference_point(&mesh, &faces, side),
+        reference_point: reference_point(&mesh, &faces, side, channel.flow),
         part: 0,
         parts: 1,
         column: None,

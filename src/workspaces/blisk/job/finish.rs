@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 
 use super::outcome::{Clock, ElectrodeOutcome, Finishing, PlanInputs, PlanJobError, PlanOutcome, Stock};
 use super::simulate::{Around, simulate};
@@ -12,9 +12,11 @@ use feed::path::FeedPath;
 use feed::pose::Pose;
 use feed::residual_stock::{Burn, ResidualStock, ResidualStockError, Site, residual_stock};
 use feed::verify::Verifier;
+use geometry::frame::Cylindrical;
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
-use wheel::electrode::Junctions;
+use wheel::channel::{Channel, Flow};
+use wheel::electrode::{Electrode, Junctions};
 use wheel::surface_finder::SurfaceFinder;
 
 /// Works out how the electrodes of `outcome` finish the channel, as far as that is not known: their copying motions,
@@ -130,20 +132,29 @@ fn copying(around: &Around, outcome: &ElectrodeOutcome, task: &Task) -> Result<C
     let (job, electrode) = (around.job, &outcome.electrode);
     let wanted = CopyingExtent::of(electrode, &job.electrode, outcome.plan.h);
     let machine = &job.machine.seen_from_w(electrode.enters_from);
-    let o = electrode.reference_point;
-    let [along, _] = around.channel.along_and_height(DVec2::new(o.x, o.z));
     let settings = CopyingSettings {
         machine,
         verify: &job.verify,
         spark_gap: job.electrode.spark_gap_mm,
         frame: around.channel.frame,
-        up: around.channel.line_at(along).up,
+        outwards: outwards(electrode, around.channel),
     };
     task.report("copying motion", 0.0, "");
     let verifier = Verifier::new(around.blisk, &electrode.mesh, electrode.reference_point, &task.cancel)?;
     let verifier = verifier.within(machine.pose_limits());
     let surface_of = |p: DVec3| around.finder.surface_of(p);
     Ok(copying_motion(electrode, &verifier, wanted, &settings, &surface_of, task)?)
+}
+
+/// Direction from the hub to the shroud in the middle of what `electrode` burns; along Z in an axial channel.
+fn outwards(electrode: &Electrode, channel: &Channel) -> DVec3 {
+    if channel.flow == Flow::Axial {
+        return DVec3::Z;
+    }
+    let Cylindrical { x, r, theta } = Cylindrical::from_point(electrode.middle());
+    let [along, _] = channel.along_and_height(DVec2::new(x, r));
+    let DVec2 { x, y } = channel.line_at(along).up;
+    DMat3::from_rotation_x(theta) * DVec3::new(x, 0.0, y)
 }
 
 fn left_by(
