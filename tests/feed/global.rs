@@ -114,6 +114,18 @@ fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
     assert!(more.is_verified(), "{}", only(&more).plan.verdict(&more.channel));
 }
 
+/// A passage that turns by more than its walls can give way for: the verdict names other changes, and they do help.
+#[test]
+fn where_no_reduction_of_the_walls_is_enough_other_changes_are_named() {
+    let mut job = coarse_job(0.0);
+    job.electrode.enter = EnterSide::MinusX;
+    let outcome = plan(mesh(&curved_blisk()), job.clone());
+    let jam = only(&outcome).plan.jam.as_ref().expect("it jams");
+    let opening = jam.opening.as_ref().expect("what would help was looked for");
+    eprintln!("{opening:?} {}", only(&outcome).plan.verdict(&outcome.channel));
+    assert!(!opening.is_by_walls());
+}
+
 fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
     let mut base = easy_inputs(coarse_job(2.8));
     base.job.plan.strategy = Strategy::Genetic;

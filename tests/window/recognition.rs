@@ -99,6 +99,16 @@ fn an_arrow_at_either_mouth_chooses_the_side_of_entry() {
     assert_eq!(desk.blisk().work.electrodes().unwrap().electrodes[0].enters_from, other);
     desk.key_with(Modifiers::COMMAND, Key::Z);
     assert_eq!(desk.blisk().document.params().electrode.enter, EnterSide::Auto);
+    // Of several parts the one that is shown.
+    desk.blisk_mut().change_job(|job| job.electrode.parts = 2);
+    desk.until_done(Stage::Electrode);
+    assert_eq!(desk.blisk().cursor.electrode, 0);
+    desk.press_role(Role::RadioButton, &format!("Enter from {}", other.label()));
+    let params = desk.blisk().document.params().electrode.clone();
+    assert_eq!((params.enter, params.of_part(0).enter), (EnterSide::Auto, EnterSide::from(other)));
+    assert_eq!(params.of_part(1).enter, EnterSide::Auto);
+    desk.until_done(Stage::Electrode);
+    assert_eq!(desk.blisk().work.electrodes().unwrap().electrodes[0].enters_from, other);
 }
 
 #[test]

@@ -16,6 +16,7 @@ use geometry::mesh::Mesh;
 use task::{Cancel, Cancelled, Task};
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, EntrySide};
+use wheel::passage::Passage;
 use wheel::surface_finder::SurfaceFinder;
 
 /// Data that all electrodes of one channel share: the blisk's surface in W, its distance field, and the walls.
@@ -37,10 +38,15 @@ pub struct PlanningSpace {
 impl PlanningSpace {
     /// Distance beyond the field up to which the blisk's edges are sampled (mm): shank and holder pass there.
     const RIMS: f64 = 25.0;
+    /// How deep into the walls, and beyond them, distances are wanted as they are (mm).
+    const BESIDE: f64 = 2.0;
+    /// Cells of the field at most.
+    const MOST_CELLS: f64 = 2.5e6;
     /// Distance between points along the blisk's edges (mm).
     const EDGE_SPACING: f64 = 0.4;
 
-    /// Builds the distance field with cells of `cell` mm over the channel and its surroundings.
+    /// Builds the distance field with cells of `cell` mm, or larger ones if there would be too many, over the channel and
+    /// its surroundings.
     pub fn new(
         blisk: Arc<Mesh>,
         exact: &ExactMesh,
@@ -49,7 +55,11 @@ impl PlanningSpace {
         task: &Task,
     ) -> Result<Self, PlanError> {
         let finder = SurfaceFinder::new(channel.clone())?;
-        let field = DistanceField::build(&blisk, exact, channel.surroundings(&blisk), cell, task)?;
+        let region = channel.surroundings(&blisk);
+        let passage = Passage::new(&channel);
+        let wanted = |p, reach| passage.as_ref().is_none_or(|passage| passage.may_reach(p, reach + Self::BESIDE));
+        let cell = DistanceField::cell_for(&region, cell, Self::MOST_CELLS);
+        let field = DistanceField::build_where(&blisk, exact, (region, cell), &wanted, task)?;
         let edges = sample_convex_edges(&blisk, field.bounds().grown(Self::RIMS), Self::EDGE_SPACING, &task.cancel)?;
         let walls = WallDistances::new(&finder, field.bounds(), &task.cancel)?;
         Ok(Self { blisk, channel, finder, field, walls, edges })
@@ -65,8 +75,9 @@ pub struct PreparedElectrode {
 }
 
 impl PreparedElectrode {
-    /// Size of a cell of the electrode's distance field (mm).
+    /// Size of a cell of the electrode's distance field (mm), and how many there are at most.
     const CELL: f64 = 0.35;
+    const MOST_CELLS: f64 = 2e6;
 
     /// Prepares `electrode` for searches that want `clearance` (mm) and draw its walls in by up to `most` (rad).
     ///
@@ -82,7 +93,8 @@ impl PreparedElectrode {
         let exact = ExactMesh::new(&electrode.mesh)?;
         let region = electrode.mesh.bounds().grown(clearance + Bodies::AROUND);
         let task = task.as_stage("electrode's distance field");
-        let distance = DistanceField::build(&electrode.mesh, &exact, region, Self::CELL, &task)?;
+        let cell = DistanceField::cell_for(&region, Self::CELL, Self::MOST_CELLS);
+        let distance = DistanceField::build(&electrode.mesh, &exact, region, cell, &task)?;
         let outside = Outside::new(&space.blisk, &electrode.mesh, electrode.reference_point);
         let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), &task.cancel)?;
         if most > 0.0 {

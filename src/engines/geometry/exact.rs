@@ -115,7 +115,7 @@ impl ExactMesh {
         let mut found: Vec<u32> = match &self.rest {
             None => leaves.collect(),
             Some(rest) => {
-                let is_within = |b: &Bounds| p.distance(p.clamp(b.min, b.max)) <= reach;
+                let is_within = |b: &Bounds| b.distance_to(p) <= reach;
                 let others = (reach >= rest.reach(p)).then(|| rest.others(is_within)).into_iter().flatten();
                 leaves.map(|i| rest.ready[i as usize]).chain(others).collect()
             }

@@ -78,6 +78,11 @@ impl Bounds {
         Self { min: self.min - margin, max: self.max + margin }
     }
 
+    /// Distance from `p` to the box (mm); 0 within it.
+    pub fn distance_to(&self, p: DVec3) -> f64 {
+        p.distance(p.clamp(self.min, self.max))
+    }
+
     /// Whether the two boxes share a point.
     pub fn intersects(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()

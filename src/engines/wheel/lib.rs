@@ -15,6 +15,7 @@ pub mod inspect;
 pub mod nurbs_wall;
 pub mod options;
 pub mod parametric;
+pub mod passage;
 pub mod profile;
 pub mod sections;
 pub mod surface_finder;

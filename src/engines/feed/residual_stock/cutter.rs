@@ -14,6 +14,10 @@ pub(super) const RESOLUTION: f64 = 0.002;
 pub(super) const REACH: f64 = 3.0;
 /// Size of a cell of the field (mm).
 const CELL: f64 = 0.3;
+/// Cells at most.
+const MOST_CELLS: f64 = 2e6;
+/// Accuracy of distances as a share of them, where that is more than [`RESOLUTION`].
+const COARSE: f64 = 0.01;
 
 /// An electrode with the poses it passes through, linear in every axis between.
 pub(super) struct Cutter {
@@ -32,10 +36,12 @@ struct Motion {
     placements: Vec<DAffine3>,
     /// Turn of A (rad), slides (mm), turns of B and C (rad), added up.
     ways: Vec<[f64; 3]>,
+    /// Box that holds the electrode on the whole of it.
+    swept: Bounds,
 }
 
 impl Motion {
-    fn new(poses: Vec<Pose>, reference_point: DVec3) -> Self {
+    fn new(poses: Vec<Pose>, reference_point: DVec3, body: &Bounds) -> Self {
         let mut way = [0.0; 3];
         let mut ways = Vec::with_capacity(poses.len());
         for (i, pose) in poses.iter().enumerate() {
@@ -46,8 +52,9 @@ impl Motion {
             way[2] += (pose.b - last.b).abs() + (pose.c - last.c).abs();
             ways.push(way);
         }
-        let placements = poses.iter().map(|pose| pose.placement(reference_point)).collect();
-        Self { poses, placements, ways }
+        let placements: Vec<DAffine3> = poses.iter().map(|pose| pose.placement(reference_point)).collect();
+        let swept = swept(&placements, &ways, reference_point, body);
+        Self { poses, placements, ways, swept }
     }
 
     /// Position of `u`, in rows: the row before it and the share of the motion to the next.
@@ -90,11 +97,13 @@ impl Cutter {
         task: &Task,
     ) -> Result<Self, CutterError> {
         let (exact, bounds) = (ExactMesh::new(mesh)?, within(mesh, span_x));
-        let field = DistanceField::build(mesh, &exact, bounds.grown(REACH), CELL, task)?;
+        let region = bounds.grown(REACH);
+        let cell = DistanceField::cell_for(&region, CELL, MOST_CELLS);
+        let field = DistanceField::build(mesh, &exact, region, cell, task)?;
         let motions = motions
             .into_iter()
             .filter(|poses| !poses.is_empty())
-            .map(|poses| Motion::new(poses, reference_point))
+            .map(|poses| Motion::new(poses, reference_point, &bounds))
             .collect();
         Ok(Self { field, bounds, reference_point, motions })
     }
@@ -107,16 +116,20 @@ impl Cutter {
     /// The least signed distance (mm) from `p`, in W, to the electrode at the rows of its first motion, or `known` if
     /// it is nowhere less: mostly near the least of all, since that motion bends where the electrode is at a wall.
     pub(super) fn at_rows(&self, p: DVec3, known: f64) -> f64 {
-        let rows = self.motions.first().map_or(&[][..], |m| &m.placements);
+        let first = self.motions.first().filter(|motion| motion.swept.distance_to(p) < known);
+        let rows = first.map_or(&[][..], |motion| &motion.placements);
         rows.iter().filter_map(|placement| self.look(placement, p).distance).fold(known, f64::min)
     }
 
     /// The least signed distance (mm) from `p`, in W, to the electrode over the continuous motions, or `known` if it is
-    /// nowhere less. Once it is known to be `enough` or less the rest is not looked at. Within [`RESOLUTION`], and the
+    /// nowhere less. Once it is known to be `enough` or less the rest is not looked at. Within [`RESOLUTION`], or the share
+    /// [`COARSE`] of itself, and the
     /// error of the field.
     pub(super) fn least(&self, p: DVec3, mut known: f64, enough: f64) -> f64 {
         for motion in &self.motions {
-            known = self.least_over(motion, p, known, enough);
+            if motion.swept.distance_to(p) < known {
+                known = self.least_over(motion, p, known, enough);
+            }
         }
         known
     }
@@ -152,7 +165,8 @@ impl Cutter {
             let carried = turn * radius + slide;
             let travel = carried + tilt * (a.arm.max(b.arm) + carried);
             let bound = 0.5 * (a.at_least + b.at_least - travel);
-            if bound >= known - RESOLUTION || travel <= 2.0 * RESOLUTION {
+            let resolution = RESOLUTION.max(COARSE * known);
+            if bound >= known - resolution || travel <= 2.0 * resolution {
                 continue;
             }
             // At a row where there is one between, since the motion bends there.
@@ -170,6 +184,21 @@ impl Cutter {
         }
         known
     }
+}
+
+/// Box that holds `body` on its way through `placements`. Between two of them a point strays from the straight line by
+/// no more than its radius times an eighth of the square of the turn.
+fn swept(placements: &[DAffine3], ways: &[[f64; 3]], reference_point: DVec3, body: &Bounds) -> Bounds {
+    let corners = body.corners();
+    let at_rows = placements.iter().flat_map(|placement| corners.map(|p| placement.transform_point3(p)));
+    let bounds = Bounds::of(at_rows);
+    let arm = corners.iter().map(|p| p.distance(reference_point)).fold(0.0, f64::max);
+    let radius = bounds.corners().iter().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max);
+    let strays = ways.windows(2).map(|pair| {
+        let [turn, tilt] = [0, 2].map(|i| pair[1][i] - pair[0][i]);
+        (radius * turn * turn + arm * (tilt + turn) * (tilt + turn)) / 8.0
+    });
+    bounds.grown(strays.fold(0.0, f64::max))
 }
 
 /// The box around what of `mesh` lies in the span of X, whole triangles at a time, cut off at the span's ends.

@@ -5,8 +5,8 @@
 //! gap: positive where stock of that thickness is left, negative where the cut is too deep. Rays across the channel
 //! from wall to wall give the volume left between the walls, such as at the junction of two parts.
 //!
-//! **Accuracy:** motions are taken as continuous, the least distance to within 2 um and the error of a distance field
-//! (5 um near the surface); where it comes within 10 um of what the certificates prove it is not searched any further.
+//! **Accuracy:** motions are taken as continuous, the least distance to within 2 um, or a hundredth of the stock left, and the error of a distance
+//! field (5 um near the surface); where it comes within 10 um of what the certificates prove it is not searched any further.
 //! Stock thicker than some 3 mm is told as that much or more. A figure of the surface is that of points some 0.4 mm
 //! apart, and 0.05 mm where two electrodes only just meet; one of the volume that of rays 0.3 mm apart along the passage, and
 //! from 0.05 mm apart at hub and shroud to 0.4 mm apart between, in a large channel a 150th of its length and a 40th of its
@@ -25,19 +25,18 @@ mod tests;
 
 use std::sync::Arc;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use serde::Serialize;
 
 use super::pose::Pose;
 use cutter::{Cutter, CutterError, REACH};
 use geometry::distance_field::DistanceField;
 use geometry::exact::ExactMeshError;
-use geometry::frame::{Cylindrical, angle_near};
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
 use wheel::channel::{Channel, Surface};
-use wheel::electrode::walls::WallTable;
 use wheel::electrode::{Electrode, Junctions};
+use wheel::passage::Passage;
 use wheel::surface_finder::SurfaceFinder;
 
 /// Deviations up to this are good (mm): the form accuracy that P1 measures.
@@ -255,48 +254,5 @@ impl Removal {
             }
         }
         least - self.spark_gap
-    }
-}
-
-/// The room between the two walls.
-struct Passage<'a> {
-    channel: &'a Channel,
-    tables: [WallTable; 2],
-    /// Span along the passage between the edges of the blades (mm).
-    span: [f64; 2],
-}
-
-impl<'a> Passage<'a> {
-    fn new(channel: &'a Channel) -> Option<Self> {
-        Some(Self { channel, tables: WallTable::of(channel)?, span: channel.span_along() })
-    }
-
-    /// The angles of the low and the high wall at a position along the passage and a height there (rad).
-    fn between(&self, along: f64, height: f64) -> [f64; 2] {
-        [self.tables[0].at(along, height).theta, self.tables[1].at(along, height).theta]
-    }
-
-    /// Position along the passage and height of the place of `p` (mm).
-    fn along_and_height(&self, p: DVec3) -> [f64; 2] {
-        self.channel.along_and_height(DVec2::new(p.x, p.y.hypot(p.z)))
-    }
-
-    /// How far a point lies from the surface across the channel that has `share` of its width on the low side, along
-    /// the circumference (mm, negative on the low side).
-    fn beyond_split(&self, p: DVec3, share: f64) -> f64 {
-        let Cylindrical { r, theta, .. } = Cylindrical::from_point(p);
-        let [along, height] = self.along_and_height(p);
-        let [low, high] = self.between(along, height);
-        (angle_near(theta, 0.5 * (low + high)) - low - share * (high - low)) * r
-    }
-
-    /// Whether a point of the surface bounds the room, to within `slack` (mm) along the circumference.
-    fn holds(&self, p: DVec3, slack: f64) -> bool {
-        let Cylindrical { r, theta, .. } = Cylindrical::from_point(p);
-        let [along, height] = self.along_and_height(p);
-        let [low, high] = self.between(along, height);
-        let [from, to] = self.span;
-        (from..=to).contains(&along)
-            && (low - slack / r..=high + slack / r).contains(&angle_near(theta, 0.5 * (low + high)))
     }
 }

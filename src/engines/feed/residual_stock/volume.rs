@@ -41,12 +41,12 @@ pub(super) fn stock(passage: &Passage, removal: &Removal, task: &Task) -> Result
     let step = (to - from) / planes as f64;
     let done = AtomicUsize::new(0);
     let plane = |i: usize| {
-        let [before, line, after] = [0.0, 0.5, 1.0].map(|t| passage.channel.line_at(from + (i as f64 + t) * step));
+        let [before, line, after] = [0.0, 0.5, 1.0].map(|t| passage.channel().line_at(from + (i as f64 + t) * step));
         let [hub, shroud] = line.ends;
         // From the line before to the line after at the same share of the height, square to this line.
         let thickness = |height: f64| {
             let place = |of: &Line| of.place(of.ends[0] + (height - hub) / (shroud - hub) * (of.ends[1] - of.ends[0]));
-            if passage.channel.flow == Flow::Axial {
+            if passage.channel().flow == Flow::Axial {
                 step
             } else {
                 (place(&after) - place(&before)).perp_dot(line.up).abs()

@@ -100,6 +100,12 @@ impl DistanceField {
     /// For rounding to single precision (mm).
     const ROUNDING: f64 = 1e-5;
 
+    /// Size of the cells of a field over `region` (mm): `wanted`, or larger so that there are no more than `most`. Larger
+    /// cells are as accurate, but slower to look up.
+    pub fn cell_for(region: &Bounds, wanted: f64, most: f64) -> f64 {
+        wanted.max((region.size().element_product() / most).cbrt())
+    }
+
     /// The region that the field describes.
     pub fn bounds(&self) -> Bounds {
         self.bounds

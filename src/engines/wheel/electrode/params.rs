@@ -289,6 +289,16 @@ impl ElectrodeParams {
         divisions
     }
 
+    /// Sets the side of entry of part `part` along the passage: where there are several, of this one alone.
+    pub fn enter_from(&mut self, part: usize, side: EnterSide) {
+        if self.parts == 1 {
+            (self.enter, self.part) = (side, Vec::new());
+        } else {
+            self.part.resize(self.part.len().max(part + 1), PartParams::default());
+            self.part[part].enter = side;
+        }
+    }
+
     /// Divides part `part` along the passage in two of equal length that have what it has of its own; answers the new
     /// division, to a hundredth.
     pub fn divide(&mut self, part: usize) -> f64 {

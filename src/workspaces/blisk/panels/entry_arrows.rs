@@ -1,4 +1,5 @@
-//! The sides that the passage opens to as arrows at its mouths, in the step Electrode: a click on one chooses it.
+//! The sides that the passage opens to as arrows at its mouths, in the step Electrode: a click on one chooses it, for the
+//! part that is shown where there are several.
 
 use egui::{Align2, FontId, Rect, Role, Sense, Stroke, Ui, WidgetInfo};
 
@@ -37,15 +38,24 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, viewport: &Viewport) 
             continue;
         };
         if arrow(ui, rect, [from, to], (side, is_used(desk, side))) {
-            desk.change_job(|job| job.electrode.enter = side.into());
+            let number = desk.cursor.electrode;
+            desk.change_job(|job| {
+                let (part, _) = job.electrode.place_of(number);
+                job.electrode.enter_from(part, side.into());
+            });
         }
     }
 }
 
-/// Whether electrodes enter from `side`: the one that is chosen, or those that were found automatically.
+/// Whether the electrode that is shown enters from `side`: the one that is chosen, or the one that was found
+/// automatically.
 fn is_used(desk: &BliskDesk, side: EntrySide) -> bool {
-    match desk.document.params().electrode.enter {
-        EnterSide::Auto => desk.work.electrodes().is_some_and(|m| m.electrodes.iter().any(|e| e.enters_from == side)),
+    let (params, number) = (&desk.document.params().electrode, desk.cursor.electrode);
+    match params.of_part(params.place_of(number).0).enter {
+        EnterSide::Auto => {
+            let made = desk.work.electrodes().and_then(|made| made.electrodes.get(number));
+            made.is_some_and(|electrode| electrode.enters_from == side)
+        }
         chosen => chosen.allows(side),
     }
 }
