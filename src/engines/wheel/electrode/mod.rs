@@ -203,7 +203,7 @@ pub struct Electrode {
     /// Area of the faces that burn: walls, hub side, shroud side and far end (mm^2).
     pub burn_area_mm2: f64,
     /// Exact distance to the finished blisk in the final pose: for a derived electrode the least over vertices,
-    /// edge midpoints and face centres, for an own mesh over the whole surfaces (mm).
+    /// places along edges and face centres, for an own mesh over the whole surfaces (mm).
     pub clearance_mm: f64,
     /// Assumptions made, in plain sentences for the user.
     pub assumed: Vec<String>,
@@ -281,6 +281,17 @@ pub enum ElectrodeError {
          raising radial_reduction_mm"
     )]
     InsideBlisk {
+        /// Place along X (mm).
+        x: f64,
+        /// Radius of the place (mm).
+        r: f64,
+    },
+    /// Beyond the blades of the passage the blisk stands in the way out.
+    #[error(
+        "from the end of the passage the shank goes out at the angle of the blades' edges, and at x = {x:.2} mm, radius \
+         {r:.2} mm another blade stands in its way, as beside a splitter: choose another side of entry, or another channel"
+    )]
+    WayOut {
         /// Place along X (mm).
         x: f64,
         /// Radius of the place (mm).
