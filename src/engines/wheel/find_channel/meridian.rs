@@ -74,7 +74,7 @@ impl Tracer<'_> {
     pub fn bladed_gap(&self, x: f64, r: f64, near: &Gap) -> Option<Gap> {
         // Where one of the two blades is missing or ends, as a splitter does, the gap reaches to the next one. Between
         // thick blades that may be less than a pitch and a half away.
-        let reaches_on = |gap: &Gap| (gap.width() - near.width()).abs() > 0.5 * self.pitch;
+        let reaches_on = |gap: &Gap| gap.width() - near.width() > 0.5 * self.pitch;
         self.slices.gap_near(x, r, near).filter(|gap| gap.width() < 1.5 * self.pitch && !reaches_on(gap))
     }
 
