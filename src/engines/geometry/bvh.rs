@@ -15,6 +15,7 @@ use nalgebra::{Matrix3, SymmetricEigen};
 use rayon::prelude::*;
 
 use super::mesh::{Bounds, Mesh, normal_times_two_areas};
+use super::triangle_distance::triangle_distance;
 use task::{Cancel, Cancelled};
 
 /// Most triangles of a [`Block`].
@@ -200,6 +201,40 @@ impl Bvh {
         })
     }
 
+    /// Whether the surfaces come within `reach` (mm) of each other.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn meets(&self, other: &Self, reach: f64, cancel: &Cancel) -> Result<bool, Cancelled> {
+        if self.is_empty() || other.is_empty() {
+            return Ok(false);
+        }
+        let mut pairs = vec![(0, 0)];
+        let mut looked_at = 0_u32;
+        while let Some((a, b)) = pairs.pop() {
+            looked_at = looked_at.wrapping_add(1);
+            if looked_at.is_multiple_of(4096) {
+                cancel.check()?;
+            }
+            let (own, others) = (self.node(a), other.node(b));
+            if own.bounds.separation(&others.bounds).length() > reach {
+                continue;
+            }
+            match (self.children(a), other.children(b)) {
+                (None, None) => {
+                    let (first, second) = (self.corners(own.triangle), other.corners(others.triangle));
+                    if triangle_distance(first, second).distance <= reach {
+                        return Ok(true);
+                    }
+                }
+                (_, Some(halves)) if others.count > own.count => pairs.extend(halves.map(|half| (a, half))),
+                (Some(halves), _) => pairs.extend(halves.map(|half| (half, b))),
+                (None, Some(halves)) => pairs.extend(halves.map(|half| (a, half))),
+            }
+        }
+        Ok(false)
+    }
+
     /// Corners of every triangle in the order of the mesh.
     pub fn triangles(&self) -> &[[DVec3; 3]] {
         &self.corners
@@ -321,6 +356,27 @@ mod tests {
             Some(children) => children.into_iter().flat_map(|c| below(tree, c)).collect(),
             None => vec![tree.node(node).triangle],
         }
+    }
+
+    #[test]
+    fn surfaces_meet_where_their_triangles_come_near() {
+        let cube = |from: f64, size: f64| Mesh::cuboid(DVec3::splat(size)).mapped(|p| p + from);
+        let tree = |mesh: &Mesh| Bvh::new(mesh, &Cancel::default()).unwrap();
+        let outer = tree(&cube(0.0, 10.0));
+        for (other, reach, meet) in [
+            (cube(4.0, 1.0), 0.0, false),
+            (cube(9.5, 1.0), 0.0, true),
+            (cube(9.0, 1.0), 0.0, true),
+            (cube(9.0 - 1e-3, 1.0), 0.0, false),
+            (cube(9.0 - 1e-3, 1.0), 2e-3, true),
+            (cube(11.0, 1.0), 1.7, false),
+            (cube(11.0, 1.0), 1.8, true),
+        ] {
+            let other = tree(&other);
+            assert_eq!(outer.meets(&other, reach, &Cancel::default()).unwrap(), meet);
+            assert_eq!(other.meets(&outer, reach, &Cancel::default()).unwrap(), meet);
+        }
+        assert!(!outer.meets(&tree(&Mesh::default()), 1.0, &Cancel::default()).unwrap());
     }
 
     proptest! {

@@ -39,6 +39,7 @@ mod gltf;
 mod gltf_buffers;
 mod holes;
 mod limits;
+mod nesting;
 mod obj;
 mod orient;
 mod repair;

@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use super::edges::{EdgeTable, NONE, half_ends};
 use super::holes::Boundary;
+use super::nesting::cavities;
 use super::source::tick;
-use geometry::inside::half_solid_angle;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
-use task::{Cancel, Cancelled, Task};
+use task::{Cancelled, Task};
 
 /// Findings about orientation, and the corrections made.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -30,15 +30,15 @@ pub(super) struct Orientation {
 
 /// A connected part of the surface; volumes are for the directions that most of its triangles have.
 #[derive(Debug, Clone)]
-struct Part {
-    bounds: Bounds,
+pub(super) struct Part {
+    pub(super) bounds: Bounds,
     /// Some point on it.
-    point: DVec3,
-    volume: f64,
+    pub(super) point: DVec3,
+    pub(super) volume: f64,
     area: f64,
     /// Area of the caps that close its holes (mm^2).
     caps: f64,
-    closed: bool,
+    pub(super) closed: bool,
     /// Whether edges of three or more triangles leave its boundary in doubt.
     branched: bool,
 }
@@ -51,8 +51,9 @@ const LARGEST_GAP: f64 = 0.1;
 /// though not as to directions.
 ///
 /// Within a part all triangles are made to agree. A closed part is then given a positive volume, unless it lies
-/// inside an odd number of others: then it bounds a cavity and its volume is negative. An open part is treated
-/// likewise with its holes closed by flat caps, if these are small; otherwise it stays as it came.
+/// wholly inside the material of others: then it bounds a cavity and its volume is negative. Parts that cross or touch
+/// are solids that overlap. An open part is treated as a solid with its holes closed by flat caps, if these are small;
+/// otherwise it stays as it came.
 pub(super) fn orient(
     mesh: &mut Mesh,
     table: &EdgeTable,
@@ -67,9 +68,9 @@ pub(super) fn orient(
     };
     result.flipped = patches.flip.iter().filter(|&&flip| flip).count();
     let parts = measure(mesh, &patches, table, boundary);
-    let nesting = depths(mesh, &patches, &parts, &task.cancel)?;
+    let nesting = cavities(mesh, &patches, &parts, &task.cancel)?;
     result.nesting_unknown = nesting.is_none();
-    let depths = nesting.unwrap_or_else(|| vec![0; parts.len()]);
+    let is_cavity = nesting.unwrap_or_else(|| vec![false; parts.len()]);
     let mut turn = vec![false; parts.len()];
     for (i, part) in parts.iter().enumerate() {
         let sure = !part.branched && !patches.one_sided[i] && part.caps <= LARGEST_GAP * part.area;
@@ -78,9 +79,8 @@ pub(super) fn orient(
             result.unsure += 1;
             continue;
         }
-        let cavity = depths[i] % 2 == 1;
-        result.cavities += usize::from(cavity && part.closed);
-        turn[i] = (part.volume < 0.0) != cavity;
+        result.cavities += usize::from(is_cavity[i]);
+        turn[i] = (part.volume < 0.0) != is_cavity[i];
     }
     result.turned = turn.iter().filter(|&&t| t).count();
     for (t, triangle) in mesh.triangles.iter_mut().enumerate() {
@@ -92,12 +92,12 @@ pub(super) fn orient(
 }
 
 /// The parts of a mesh, and which triangles disagree with most of their part.
-struct Patches {
+pub(super) struct Patches {
     count: usize,
     /// Part of each triangle.
     of: Vec<u32>,
     /// Whether a triangle disagrees with most of its part.
-    flip: Vec<bool>,
+    pub(super) flip: Vec<bool>,
     /// Whether a part has triangles that cannot be made to agree.
     one_sided: Vec<bool>,
 }
@@ -153,7 +153,7 @@ impl Patches {
     }
 
     /// The triangles of each part, and where each part's begin.
-    fn members(&self) -> (Vec<u32>, Vec<usize>) {
+    pub(super) fn members(&self) -> (Vec<u32>, Vec<usize>) {
         let mut start = vec![0; self.count + 1];
         self.of.iter().for_each(|&part| start[part as usize + 1] += 1);
         (1..start.len()).for_each(|i| start[i] += start[i - 1]);
@@ -221,47 +221,6 @@ fn measure(mesh: &Mesh, patches: &Patches, table: &EdgeTable, boundary: &Boundar
     parts
 }
 
-/// How much work to spend on finding out which parts lie inside others: box tests and solid angles.
-const MOST_BOX_TESTS: usize = 20_000_000;
-const MOST_ANGLES: usize = 20_000_000;
-
-/// Within how many closed parts each closed part lies; `None` if that would take too long.
-fn depths(mesh: &Mesh, patches: &Patches, parts: &[Part], cancel: &Cancel) -> Result<Option<Vec<u32>>, Cancelled> {
-    let closed: Vec<usize> = (0..parts.len()).filter(|&i| parts[i].closed).collect();
-    if closed.len().saturating_mul(closed.len()) > MOST_BOX_TESTS {
-        return Ok(None);
-    }
-    let (triangles, start) = patches.members();
-    let mut depths = vec![0; parts.len()];
-    let mut angles = 0;
-    for &inner in &closed {
-        cancel.check()?;
-        for &outer in closed.iter().filter(|&&outer| outer != inner && encloses(&parts[outer], &parts[inner])) {
-            cancel.check()?;
-            let members = &triangles[start[outer]..start[outer + 1]];
-            angles += members.len();
-            if angles > MOST_ANGLES {
-                return Ok(None);
-            }
-            depths[inner] += u32::from(is_inside(mesh, patches, members, parts[inner].point));
-        }
-    }
-    Ok(Some(depths))
-}
-
-fn encloses(outer: &Part, inner: &Part) -> bool {
-    outer.bounds.min.cmplt(inner.bounds.min).all() && outer.bounds.max.cmpgt(inner.bounds.max).all()
-}
-
-/// Whether a closed part winds round `point`: the sum of the solid angles of its triangles is 4 pi, else 0.
-fn is_inside(mesh: &Mesh, patches: &Patches, members: &[u32], point: DVec3) -> bool {
-    let half_angle = |&t: &u32| {
-        let angle = half_solid_angle(&mesh.corners(t as usize), point);
-        if patches.flip[t as usize] { -angle } else { angle }
-    };
-    members.iter().map(half_angle).sum::<f64>().abs() > std::f64::consts::PI
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::holes::trace;
@@ -314,6 +273,58 @@ mod tests {
         let (mesh, result) = oriented(&mesh);
         assert_eq!((result.parts, result.cavities, result.turned), (4, 1, 3));
         assert!((mesh.volume() - (216.0 - 64.0 + 8.0 + 8.0)).abs() < 1e-9);
+    }
+
+    /// A block of 10 mm with its cavities and ribs, each given by its corners, in either direction of the file.
+    fn block_with(inner: &[(DVec3, DVec3, bool)]) -> Mesh {
+        let mut mesh = Mesh::cuboid(DVec3::splat(10.0));
+        for &(from, to, is_cavity) in inner {
+            let shell = Mesh::cuboid(to - from).mapped(|p| p + from);
+            append(&mut mesh, &if is_cavity { inside_out(shell) } else { shell });
+        }
+        mesh
+    }
+
+    #[test]
+    fn a_shell_that_touches_the_one_around_it_is_a_solid() {
+        let at = DVec3::new;
+        for (from, cavities) in [(at(0.0, 1.0, 1.0), 0), (at(1e-3, 1.0, 1.0), 1)] {
+            let (mesh, result) = oriented(&block_with(&[(from, from + at(1.0, 2.0, 3.0), cavities == 0)]));
+            assert_eq!((result.turned, result.cavities), (1, cavities));
+            let volume = if cavities == 0 { 1006.0 } else { 994.0 };
+            assert!((mesh.volume() - volume).abs() < 1e-9);
+        }
+    }
+
+    /// A bar across the hole of a block, with one end in the material: its box and its first corner lie in the block's.
+    #[test]
+    fn a_shell_that_crosses_the_one_around_it_is_a_solid() {
+        let mut mesh = block_with(&[]);
+        let notch = Mesh::cuboid(DVec3::new(6.0, 6.0, 12.0)).mapped(|p| p + DVec3::new(2.0, 2.0, -1.0));
+        mesh = geometry::solid::difference(&mesh, &notch).unwrap();
+        let bar = Mesh::cuboid(DVec3::new(2.0, 1.0, 8.0)).mapped(|p| p + DVec3::new(1.0, 4.0, 1.0));
+        append(&mut mesh, &bar);
+        for (given, turned) in [(mesh.clone(), 0), (inside_out(mesh), 2)] {
+            let (mesh, result) = oriented(&given);
+            assert_eq!((result.parts, result.turned, result.cavities), (2, turned, 0));
+            assert!((mesh.volume() - (1000.0 - 360.0 + 16.0)).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_cavity_stays_one_where_ribs_cross_it_and_where_solids_around_it_overlap() {
+        let at = DVec3::new;
+        let cavity = (at(2.0, 2.0, 2.0), at(8.0, 8.0, 8.0), true);
+        let ribbed = block_with(&[cavity, (at(1.0, 4.0, 4.0), at(9.0, 5.0, 5.0), false)]);
+        for (given, turned) in [(ribbed.clone(), 0), (inside_out(ribbed), 3)] {
+            let (mesh, result) = oriented(&given);
+            assert_eq!((result.turned, result.cavities), (turned, 1));
+            assert!((mesh.volume() - (1000.0 - 216.0 + 8.0)).abs() < 1e-9);
+        }
+        let overlapping = block_with(&[(at(-1.0, -1.0, 1.0), at(11.0, 11.0, 9.0), false), cavity]);
+        let (mesh, result) = oriented(&overlapping);
+        assert_eq!((result.turned, result.cavities), (0, 1));
+        assert!((mesh.volume() - (1000.0 + 1152.0 - 216.0)).abs() < 1e-9);
     }
 
     #[test]

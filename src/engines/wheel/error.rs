@@ -20,15 +20,19 @@ pub enum BliskError {
     Mesh(String),
     /// Only a part of a blisk.
     #[error(
-        "the surface of the mesh covers only about {covered_deg:.0} of 360 degrees around the axis {axis}: either the mesh \
-         is only a part of a blisk, or this is not its axis; load the whole blisk or a sector of it between two planes \
-         through its axis, or give its axis with blisk.axis"
+        "the surface of the mesh covers only about {covered_deg:.0} of 360 degrees around the axis {axis}{}, and no two \
+         planes through it cut it out of a wheel: {}load the whole blisk, or a sector of one pitch or more that ends on two \
+         planes through its axis",
+        if *.given { " that blisk.axis gives" } else { "" },
+        if *.given { "set blisk.axis to auto or correct it, or " } else { "give the axis with blisk.axis if it is another, or " }
     )]
     Partial {
         /// Angle that the surface covers (deg).
         covered_deg: f64,
         /// The axis it was measured around.
         axis: Axis,
+        /// Whether it is given by hand, or its direction.
+        given: bool,
     },
     /// A sector that no whole wheel can be made of.
     #[error(transparent)]
@@ -244,9 +248,9 @@ fn disagreement(found: &Agreement) -> String {
     };
     format!(
         "the {} that was found {off} (at x {x:.3}, r {r:.3} mm about the axis; {:.0} % of {} places disagree): the mesh \
-         has no passage between blades, hub and shroud as they were taken for; check blisk.axis and blisk.blades, pick a \
-         passage with blisk.blade_points_mm, or give points of hub and shroud with blisk.hub_points_mm and \
-         blisk.shroud_points_mm",
+         has no passage between blades, hub and shroud as they were taken for, or its facets are too coarse to tell; check \
+         blisk.axis and blisk.blades, pick a passage with blisk.blade_points_mm, give points of hub and shroud with \
+         blisk.hub_points_mm and blisk.shroud_points_mm, or load a finer mesh",
         found.surface.name(),
         100.0 * found.doubted,
         found.samples

@@ -177,8 +177,14 @@ impl BliskOptions {
             return Err(format!("blisk.hub_radius_mm ({hub}) must be less than blisk.shroud_radius_mm ({shroud})"));
         }
         for (key, points, least) in self.points() {
-            if !points.is_empty() && !(least..=MAX_POINTS).contains(&points.len()) {
-                return Err(format!("blisk.{key}: must have no point, or {least} to {MAX_POINTS}"));
+            if points.len() == 1 && least == 2 {
+                return Err(format!(
+                    "blisk.{key}: has only one point, and a second one is needed, nearer to the other edge of the blades; \
+                     or take the point away"
+                ));
+            }
+            if points.len() > MAX_POINTS {
+                return Err(format!("blisk.{key}: must have at most {MAX_POINTS} points"));
             }
             if points.iter().flatten().any(|c| !(c.is_finite() && c.abs() <= FURTHEST)) {
                 return Err(format!("blisk.{key}: coordinates must lie between -{FURTHEST} and {FURTHEST} mm"));
@@ -248,6 +254,10 @@ mod tests {
         ] {
             assert!(options.validate().unwrap_err().contains(key), "{key}");
         }
+        let one_point = BliskOptions { shroud_points_mm: vec![[1.0; 3]], ..default() };
+        let refusal = one_point.validate().unwrap_err();
+        assert!(refusal.contains("shroud_points_mm") && refusal.contains("second"), "{refusal}");
+        assert_eq!(BliskOptions { blade_points_mm: vec![[1.0; 3]], ..default() }.validate(), Ok(()));
         assert_eq!(default().validate(), Ok(()));
     }
 }

@@ -142,24 +142,31 @@ impl<'a> Boundary<'a> {
         places.dedup_by(|b, a| *b - *a < 1e-9);
         let is_beside_kept = |at: f64| kept.iter().any(|p| *p != at && (p - at).abs() < 0.2 * STEP);
         places.retain(|&at| kept.contains(&at) || !is_beside_kept(at));
-        let mut sections = self.solve(&places, cancel)?;
+        let mut sections = self.solve(&places, extent, cancel)?;
         for _ in 0..MOST_ROUNDS {
             let split = self.splits(&sections, extent, cancel)?;
             if split.is_empty() {
                 break;
             }
-            sections.extend(self.solve(&split, cancel)?);
+            sections.extend(self.solve(&split, extent, cancel)?);
             sections.sort_by(|a, b| a.line.along.total_cmp(&b.line.along));
         }
         Ok(sections)
     }
 
-    fn solve(&self, places: &[f64], cancel: &Cancel) -> Result<Vec<Section>, ElectrodeError> {
+    /// The sections at `places`; those outside of `extent` are of the way out of the blisk.
+    fn solve(&self, places: &[f64], extent: [f64; 2], cancel: &Cancel) -> Result<Vec<Section>, ElectrodeError> {
         let solved: Vec<_> = places
             .par_iter()
             .map(|&along| {
                 cancel.check()?;
-                self.section_at(along)
+                let is_way_out = along < extent[0] || along > extent[1];
+                self.section_at(along).map_err(|error| match error {
+                    ElectrodeError::InsideBlisk { x, r } | ElectrodeError::NoPassage { x, r, .. } if is_way_out => {
+                        ElectrodeError::WayOut { x, r }
+                    }
+                    other => other,
+                })
             })
             .collect();
         solved.into_iter().collect()

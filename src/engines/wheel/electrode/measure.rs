@@ -15,6 +15,8 @@ use task::{Cancel, Cancelled};
 
 /// How far thickness is looked for (mm).
 const REACH: f64 = 1e3;
+/// Places along an edge are no further apart than this (mm).
+const ALONG_EDGE: f64 = 0.5;
 /// Places processed between two checks of the cancel flag.
 const BATCH: usize = 256;
 
@@ -24,7 +26,7 @@ pub(super) struct Measures {
     pub thickness: f64,
     /// Area of the faces that burn (mm^2).
     pub burn_area: f64,
-    /// Least distance to the blisk (mm), negative where a vertex, the middle of an edge or the centre of a face is
+    /// Least distance to the blisk (mm), negative where a vertex, a place along an edge or the centre of a face is
     /// inside it.
     pub clearance: f64,
     /// Place of that distance on the electrode, in W (mm).
@@ -120,8 +122,12 @@ fn least_clearance(mesh: &Mesh, blisk: &ExactMesh, cancel: &Cancel) -> Result<(f
     }
     for &[a, b, c] in &mesh.triangles {
         // Each edge belongs to two triangles: look at it from one of them.
-        let edges = [(a, b), (b, c), (c, a)].into_iter().filter(|(p, q)| p < q);
-        places.extend(edges.map(|(p, q)| (mesh.vertices[p as usize] + mesh.vertices[q as usize]) / 2.0));
+        for (p, q) in [(a, b), (b, c), (c, a)].into_iter().filter(|(p, q)| p < q) {
+            let (p, q) = (mesh.vertices[p as usize], mesh.vertices[q as usize]);
+            // Blades are thinner than a straight shank is long. The middle is always looked at.
+            let pieces = 2.0 * (0.5 * p.distance(q) / ALONG_EDGE).ceil().clamp(1.0, 500.0);
+            places.extend((1..pieces as usize).map(|i| p.lerp(q, i as f64 / pieces)));
+        }
     }
     let distances = in_batches(places.len(), cancel, |i| guarded_distance(blisk, places[i]))?;
     let least = distances.into_iter().zip(places).reduce(|a, b| if b.0 < a.0 { b } else { a });

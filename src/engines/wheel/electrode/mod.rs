@@ -295,6 +295,17 @@ pub enum ElectrodeError {
         /// Radius of the place (mm).
         r: f64,
     },
+    /// Beyond the blades of the passage the blisk stands in the way out.
+    #[error(
+        "from the end of the passage the shank goes out at the angle of the blades' edges, and at x = {x:.2} mm, radius \
+         {r:.2} mm another blade stands in its way, as beside a splitter: choose another side of entry, or another channel"
+    )]
+    WayOut {
+        /// Place along X (mm).
+        x: f64,
+        /// Radius of the place (mm).
+        r: f64,
+    },
     /// The reductions leave no metal between the walls.
     #[error(
         "no metal is left at x = {x:.2} mm, radius {r:.2} mm: the channel less the gap is {available:.3} mm wide there \

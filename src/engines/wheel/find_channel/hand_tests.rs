@@ -226,7 +226,7 @@ fn points_that_do_not_lie_where_they_should_are_refused_by_key_and_number() {
     assert!(message.contains(&format!("{off:.1}")), "{off}: {message}");
 
     let message = refused(BliskOptions { hub_points_mm: vec![[0.0; 3]], ..BliskOptions::default() });
-    assert!(message.contains("blisk.hub_points_mm: must have no point, or 2 to"), "{message}");
+    assert!(message.contains("blisk.hub_points_mm: has only one point, and a second one is needed"), "{message}");
     let both = BliskOptions {
         hub_points_mm: on_curve(&part.hub, &SHARES),
         hub_radius_mm: Auto::Given(50.0),

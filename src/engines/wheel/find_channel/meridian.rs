@@ -72,8 +72,10 @@ pub(super) struct Tracer<'a> {
 impl Tracer<'_> {
     /// The gap at (`x`, `r`) that continues `near`, if blades bound it on both sides.
     pub fn bladed_gap(&self, x: f64, r: f64, near: &Gap) -> Option<Gap> {
-        // Where one of the two blades is missing the gap reaches to the next one.
-        self.slices.gap_near(x, r, near).filter(|g| g.width() < 1.5 * self.pitch)
+        // Where one of the two blades is missing or ends, as a splitter does, the gap reaches to the next one. Between
+        // thick blades that may be less than a pitch and a half away.
+        let reaches_on = |gap: &Gap| gap.width() - near.width() > 0.5 * self.pitch;
+        self.slices.gap_near(x, r, near).filter(|gap| gap.width() < 1.5 * self.pitch && !reaches_on(gap))
     }
 
     /// Hub and shroud along the whole ring of an axial channel, starting from a place between the blades.

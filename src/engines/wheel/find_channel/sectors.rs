@@ -8,9 +8,12 @@ use super::random_wheels::{faulty, wrong};
 use super::tests::{find, found, refused};
 use crate::fixtures::{TestBlisk, flange, turned_part};
 use crate::options::{Auto, AxisChoice, AxisLine, BliskOptions};
+use crate::parametric::wheel::{ParametricWheel, Splitters};
 use geometry::frame::Cylindrical;
 use geometry::mesh::Mesh;
 use geometry::solid::{intersection, prism, union};
+use import::ImportOptions;
+use task::Task;
 
 /// The part of a wheel about X between two angles (rad).
 fn sector(wheel: &Mesh, from: f64, angle: f64) -> Mesh {
@@ -122,4 +125,28 @@ fn sectors_of_random_wheels_are_recognised() {
         }
     });
     assert!(faulty.is_empty(), "{faulty}");
+}
+
+/// An STL file holds no parts: what the import makes of shells that cross is what is recognised.
+#[test]
+fn a_wheel_of_shells_that_cross_is_the_same_from_a_file() {
+    let splitters = Some(Splitters { span: [0.5, 0.95], off_middle: 0.0 });
+    let impeller =
+        ParametricWheel { blades: 18, thickness_mm: 1.5, pieces: [120, 48, 8], ..ParametricWheel::impeller() };
+    for wheel in [impeller.clone(), ParametricWheel { splitters, ..impeller }] {
+        let mesh = wheel.mesh();
+        let inside_out =
+            Mesh { triangles: mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..mesh.clone() };
+        for (mesh, turned) in [(&mesh, 0), (&inside_out, wheel.blades + 2)] {
+            let file = import::stl_bytes(mesh).unwrap();
+            let imported =
+                import::import_bytes("wheel.stl", &file, &ImportOptions::default(), &Task::default()).unwrap();
+            let report = &imported.report;
+            assert_eq!((report.components, report.components_turned, report.cavities), (wheel.blades + 2, turned, 0));
+            assert!((imported.mesh.volume() / wheel.mesh().volume() - 1.0).abs() < 1e-5);
+            let channel = found(&imported.mesh);
+            assert_eq!((channel.blades, channel.kinds), (wheel.blades, 1));
+            assert_eq!(channel.unlike.len(), if wheel.splitters.is_some() { 9 } else { 0 });
+        }
+    }
 }

@@ -225,3 +225,29 @@ pub(super) fn check_rows(low: &ChannelWall, high: &ChannelWall) -> Result<(), Bl
 fn point(place: &Place, crossing: Crossing) -> DVec3 {
     Cylindrical { x: place.x, r: place.r, theta: crossing.theta }.point()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_4;
+
+    use super::super::tests::found;
+    use crate::parametric::wheel::{ParametricWheel, Splitters};
+
+    /// Beside the hub the gap from main blade to main blade is narrower than one and a half pitches.
+    #[test]
+    fn walls_end_at_thick_splitters() {
+        let part = ParametricWheel {
+            blades: 18,
+            splitters: Some(Splitters { span: [0.5, 0.95], off_middle: 0.0 }),
+            thickness_mm: 7.0,
+            ..ParametricWheel::impeller()
+        };
+        let low = found(&part.mesh()).low;
+        for v in 0..low.nv {
+            let first = low.cylindrical(0, v);
+            // Splitters begin half way along arcs about (-30, 70).
+            let angle = (first.x + 30.0).atan2(70.0 - first.r);
+            assert!((angle - FRAC_PI_4).abs() < 0.02, "row {v}: {first:?}");
+        }
+    }
+}

@@ -99,6 +99,12 @@ pub(super) fn find_wheel<'a>(
     let mut blisk = match find_frame(&whole.mesh, &about_line, task) {
         Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),
         Ok(blisk) if blisk.repetition.blades == whole.blades => blisk,
+        // The surface of a whole wheel goes all the way round.
+        Ok(blisk) if matches!(error, BliskError::Partial { .. }) => {
+            let (made, counted) = (whole.blades, blisk.repetition.blades);
+            return Err(SectorError::Count { made, counted, axis: whole.axis }.into());
+        }
+        Err(of_whole) if matches!(error, BliskError::Partial { .. }) => return Err(of_whole),
         _ => return Err(error),
     };
     let kinds = blisk.repetition.kinds;
@@ -150,7 +156,8 @@ fn frame_along(axis: &Axis) -> Frame {
 fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) -> Result<BliskFrame, BliskError> {
     let covered_deg = axis::covered_angle(mesh, &axis).to_degrees();
     if covered_deg < 350.0 {
-        return Err(BliskError::Partial { covered_deg, axis });
+        let given = options.axis != AxisChoice::Named(AxisName::Auto);
+        return Err(BliskError::Partial { covered_deg, axis, given });
     }
     let slices = Slices::new(mesh.in_frame(&frame_along(&axis)));
     let region = bladed_region(&slices, mesh, axis, options, cancel)?;

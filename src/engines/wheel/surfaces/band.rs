@@ -8,6 +8,8 @@ use geometry::frame::angle_near;
 
 /// Cells along x and along r that the stations are looked up in.
 const CELLS: usize = 128;
+/// Stations are looked up so far beyond hub and shroud, as a share of the height.
+const BEYOND: f64 = 0.4;
 /// Share of the height beside hub and shroud where fillets may be in the walls' grid.
 const CLEAR: f64 = 0.3;
 /// Points of the walls' grid at either edge that lie on its rounding.
@@ -58,7 +60,8 @@ impl Band {
         let ways = (0..n).map(way).collect();
         let ends = || stations.iter().flat_map(|s| [s.hub, s.shroud]);
         let (least, most) = ends().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, m), p| (l.min(p), m.max(p)));
-        let margin = 0.05 * (most - least).length();
+        let highest = stations.iter().map(Station::height).fold(0.0, f64::max);
+        let margin = (0.05 * (most - least).length()).max(BEYOND * highest);
         let (least, most) = (least - margin, most + margin);
         let cell = (most - least) / CELLS as f64;
         let nearest = (0..CELLS * CELLS).map(|i| {

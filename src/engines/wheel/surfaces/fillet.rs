@@ -12,6 +12,8 @@ const CELLS: usize = 120;
 const STANDS_OUT: f64 = 6.0;
 /// How far a fillet may lie off the rolled ball, as a share of its radius.
 const OFF_BALL: f64 = 0.04;
+/// Facets of fillets are no wider than this share of the radius.
+const WIDEST: f64 = 0.8;
 /// Height of a facet next to the wall from which on it is the fillet's first, as a share of the radius.
 const FIRST: f64 = 0.008;
 
@@ -62,10 +64,13 @@ pub(super) fn radius(estimates: &[(f64, f64)], height: f64) -> Option<f64> {
         .map(|(radius, _)| radius)
 }
 
-/// Whether a facet belongs to the wall itself, beside fillets of `radius` (mm).
+/// Whether a facet belongs to the wall itself, beside fillets of `radius` (mm). Along a hollow wall the corners of coarse
+/// facets, wider than any of a fillet, lie below the wall that was measured, which is that of the chords.
 pub(super) fn is_wall(beside: &Beside, radius: Option<f64>) -> bool {
     let most = radius.map_or(ON_WALL, |radius| (FIRST * radius).min(ON_WALL)) + beside.chord;
-    beside.facing > FACES_WALL && beside.off[1] < most && beside.off[0] > -ON_WALL - beside.chord
+    let is_above =
+        beside.off[0] > -ON_WALL - beside.chord || radius.is_none_or(|radius| beside.width > WIDEST * radius);
+    beside.facing > FACES_WALL && beside.off[1] < most && is_above
 }
 
 /// Whether a facet lies in a fillet of `radius` (mm), rolled along the wall.

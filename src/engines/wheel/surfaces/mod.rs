@@ -134,6 +134,11 @@ const FACES_WALL: f64 = 0.9;
 const EDGE: f64 = 0.7;
 /// Blades that reach beyond the walls' ends do so within this share of the passage's length.
 const BEYOND: [f64; 2] = [0.02, 0.2];
+/// Blades stand out of the ends of hub and shroud or tips by at most this share of the height, above this share of it.
+const STAND_OUT: f64 = 0.3;
+const ABOVE_HUB: f64 = 0.03;
+/// What stands out further above the hub than this share of the height, and faces outwards, is a tip.
+const AT_TIPS: f64 = 0.9;
 /// Blades of which less than this share of the greatest area lies beyond the walls' ends are splitters.
 const MAIN: f64 = 0.3;
 
@@ -202,6 +207,8 @@ struct Facet {
     normal: DVec3,
     /// Area (mm²).
     area: f64,
+    /// Its height above its longest side (mm).
+    width: f64,
     /// Greatest difference of its corners' angles about the axis (rad).
     turn: f64,
 }
@@ -210,6 +217,8 @@ impl Facet {
     fn new(corners: [DVec3; 3], turned: f64) -> Self {
         let at = Cylindrical::from_point(corners.iter().sum::<DVec3>() / 3.0);
         let normal = turned * normal_times_two_areas(corners);
+        let sides = [0, 1, 2].map(|i| corners[i].distance(corners[(i + 1) % 3]));
+        let width = normal.length() / sides.into_iter().fold(f64::MIN_POSITIVE, f64::max);
         let corners = corners.map(Cylindrical::from_point);
         let turns = corners.map(|c| wrap_angle(c.theta - at.theta));
         let [least, most] = turns.iter().fold([0.0_f64, 0.0_f64], |[l, m], t| [l.min(*t), m.max(*t)]);
@@ -218,6 +227,7 @@ impl Facet {
             corners: corners.map(|c| DVec2::new(c.x, c.r)),
             normal: cylindrical_components(normal.normalize_or_zero(), at.theta),
             area: 0.5 * normal.length(),
+            width,
             turn: most - least,
         }
     }
@@ -247,6 +257,8 @@ struct Beside {
     facing: f64,
     /// How far its middle may lie off the wall because of chords (mm).
     chord: f64,
+    /// Height of the facet above its longest side (mm).
+    width: f64,
 }
 
 impl Teller<'_> {
@@ -255,7 +267,7 @@ impl Teller<'_> {
         let [a, b, c] = [feet[0]?, feet[1]?, feet[2]?];
         let off = [a.min(b).min(c), a.max(b).max(c)];
         let chord = foot.sag[wall] + facet.at.r * (1.0 - (0.5 * facet.turn).cos());
-        Some(Beside { off, facing: facet.facing(foot.normals[wall]), chord })
+        Some(Beside { off, facing: facet.facing(foot.normals[wall]), chord, width: facet.width })
     }
 
     /// The radii of the fillets at hub and shroud, where there are any (mm).
@@ -274,13 +286,42 @@ impl Teller<'_> {
         })
     }
 
-    /// The place of a facet against hub and shroud; none outside the flow path.
-    fn foot(&self, facet: &Facet) -> Option<Foot> {
+    /// The place of a facet against hub and shroud; none outside the flow path, of which it may stand out by `share` of
+    /// the height at either end.
+    fn foot_within(&self, facet: &Facet, share: f64) -> Option<Foot> {
         let foot = self.band.foot(DVec2::new(facet.at.x, facet.at.r))?;
         let [first, last] = self.band.ends();
         let slack = ON_WALL.max(1e-3 * foot.height);
-        let is_within = foot.along > first - slack && foot.along < last + slack;
+        let beyond = slack + share * foot.height;
+        let is_within = foot.along > first - beyond && foot.along < last + beyond;
         (is_within && foot.off.iter().all(|off| *off > -slack - 0.02 * foot.height)).then_some(foot)
+    }
+
+    fn foot(&self, facet: &Facet) -> Option<Foot> {
+        self.foot_within(facet, 0.0)
+    }
+
+    /// The place of a facet of which no more than a part stands out of the flow path: a facet belongs to hub or shroud as
+    /// a whole.
+    fn foot_of_any_corner(&self, facet: &Facet) -> Option<Foot> {
+        let [first, last] = self.band.ends();
+        let is_within = |corner: &DVec2| {
+            let inside = 1e-6 * (last - first);
+            self.band.foot(*corner).is_some_and(|foot| (first + inside..last - inside).contains(&foot.along))
+        };
+        facet.corners.iter().any(is_within).then(|| self.foot_within(facet, f64::INFINITY)).flatten()
+    }
+
+    /// The place of a facet of a blade that stands out of the flow path at one of its ends.
+    fn foot_of_standing_out(&self, facet: &Facet) -> Option<Foot> {
+        let foot = self.foot_within(facet, STAND_OUT)?;
+        let is_blade = foot.share > ABOVE_HUB && facet.facing(foot.normals[0]).abs() < EDGE;
+        (is_blade || self.is_outer_tip(facet, &foot)).then_some(foot)
+    }
+
+    /// Whether a facet that stands out of the flow path is of a tip.
+    fn is_outer_tip(&self, facet: &Facet, foot: &Foot) -> bool {
+        !self.channel.shrouded && foot.share > AT_TIPS && facet.facing(-foot.normals[1]) > EDGE
     }
 
     /// Which blade of its group a place belongs to, counted from the one below the channel.
@@ -320,7 +361,12 @@ impl Teller<'_> {
     }
 
     fn class(&self, facet: &Facet) -> SurfaceClass {
-        let Some(foot) = self.foot(facet) else { return SurfaceClass::Elsewhere };
+        let is_within = self.foot(facet);
+        let Some(foot) =
+            is_within.or_else(|| self.foot_of_any_corner(facet)).or_else(|| self.foot_of_standing_out(facet))
+        else {
+            return SurfaceClass::Elsewhere;
+        };
         if self.channel.whole.is_some() && facet.turn < 1e-6 {
             // The planes that a sector is cut by.
             return SurfaceClass::Elsewhere;
@@ -341,7 +387,8 @@ impl Teller<'_> {
                 return SurfaceClass::Elsewhere;
             }
         }
-        if walls == 1 && facet.facing(-foot.normals[1]) > FACES_WALL && foot.off[1] < ON_WALL.max(0.01 * foot.height) {
+        let is_tip = facet.facing(-foot.normals[1]) > FACES_WALL && foot.off[1] < ON_WALL.max(0.01 * foot.height);
+        if walls == 1 && (is_tip || (is_within.is_none() && self.is_outer_tip(facet, &foot))) {
             return SurfaceClass::Tip;
         }
         let at = self.blades.at(foot.along, foot.share);

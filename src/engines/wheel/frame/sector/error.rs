@@ -69,6 +69,20 @@ pub enum SectorError {
         /// The axis.
         axis: Axis,
     },
+    /// The wheel that is made of the sector shows another number of blades than it is made with.
+    #[error(
+        "the mesh is a sector about the axis {axis}, and its blades follow each other as those of a wheel of {made} do, but \
+         {counted} are counted around the wheel that is made of it: give the number of blades of the whole wheel with \
+         blisk.blades, or load a larger sector"
+    )]
+    Count {
+        /// Number of blades that the wheel is made with.
+        made: usize,
+        /// Number of blades that are counted around it.
+        counted: usize,
+        /// The axis.
+        axis: Axis,
+    },
     /// The whole wheel would be too large.
     #[error(
         "the whole wheel of this sector would have {triangles} triangles, more than {MOST_TRIANGLES}: load a coarser mesh"
@@ -101,6 +115,7 @@ impl SectorError {
             | Self::Narrow { axis, .. }
             | Self::Unlike { axis, .. }
             | Self::Kinds { axis, .. }
+            | Self::Count { axis, .. }
             | Self::Open { axis, .. } => Some(*axis),
             Self::Cancelled(_) | Self::Mesh(_) | Self::TooLarge { .. } => None,
         }
