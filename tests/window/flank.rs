@@ -380,7 +380,8 @@ fn a_blisks_electrode_is_milled_without_a_file() {
     desk.press("Mill its flanks");
     assert_eq!(desk.app().shown(), "flank");
     let part = desk.until_faces();
-    assert!((part / volume - 1.0).abs() < 1e-9, "{part} {volume}");
+    // But for the single precision of what is exported.
+    assert!((part / volume - 1.0).abs() < 1e-7, "{part} {volume}");
     // What is milled first is a wall of it, and neither its shank nor its holder.
     let faces = &desk.blisk().work.electrodes().unwrap().electrodes[0].faces;
     let mesh = desk.blisk().electrode_to_mill().unwrap().mesh;

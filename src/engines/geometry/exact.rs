@@ -129,9 +129,11 @@ impl ExactMesh {
         let wanted = Aabb::new(bounds.min, bounds.max);
         let leaves = self.shape.bvh().leaves(|node: &BvhNode| node.aabb().intersects(&wanted));
         let ready = leaves.map(|i| self.shape.triangle(i)).map(|t| [t.a, t.b, t.c]);
-        let others = self.rest.iter().filter(|rest| rest.region.min.cmpgt(bounds.min).any() || rest.region.max.cmplt(bounds.max).any()).flat_map(|rest| {
-            rest.others(|b| b.intersects(&bounds)).map(|i| rest.mesh.corners(i as usize))
-        });
+        let others = self
+            .rest
+            .iter()
+            .filter(|rest| rest.region.min.cmpgt(bounds.min).any() || rest.region.max.cmplt(bounds.max).any())
+            .flat_map(|rest| rest.others(|b| b.intersects(&bounds)).map(|i| rest.mesh.corners(i as usize)));
         let vertices: Vec<DVec3> = ready.chain(others).flatten().collect();
         let triangles = (0..vertices.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         Mesh { vertices, triangles }

@@ -116,8 +116,13 @@ fn burns_that_only_meet_leave_a_ridge_and_none_where_they_overlap() {
 
 fn motion(electrode: &Electrode, params: &ElectrodeParams, axes: AxisSet) -> Copying {
     let (verify, machine) = (VerifyOptions::default(), MachineParams { axes, ..Default::default() });
-    let settings =
-        CopyingSettings { machine: &machine, verify: &verify, spark_gap: GAP, frame: PART.channel.frame, outwards: DVec3::Z };
+    let settings = CopyingSettings {
+        machine: &machine,
+        verify: &verify,
+        spark_gap: GAP,
+        frame: PART.channel.frame,
+        outwards: DVec3::Z,
+    };
     let task = Task::default();
     let verifier = Verifier::new(&PART.mesh, &electrode.mesh, electrode.reference_point, &task.cancel).unwrap();
     let verifier = verifier.within(machine.limits());

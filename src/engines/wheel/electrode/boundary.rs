@@ -130,7 +130,9 @@ impl<'a> Boundary<'a> {
     ) -> Result<Vec<Section>, ElectrodeError> {
         let steps = ((extent[1] - extent[0]) / STEP).ceil().clamp(2.0, MOST_PLANES as f64 / 2.0);
         let mut places: Vec<f64> = planes.to_vec();
-        places.extend((0..=steps as usize).map(|i| extent[0] + (extent[1] - extent[0]) * i as f64 / steps));
+        // The ends as they are, to the last bit.
+        places.extend((1..steps as usize).map(|i| extent[0] + (extent[1] - extent[0]) * i as f64 / steps));
+        places.extend(extent);
         // Beyond what is traced a section goes straight on: the last one is enough.
         let [first, last] = self.traced;
         places.retain(|at| (first..=last).contains(at) || extent.contains(at));

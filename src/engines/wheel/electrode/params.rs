@@ -23,7 +23,6 @@ pub struct ElectrodeParams {
     pub parts: usize,
     /// What single parts have of their own, in order along the passage, that at its first station first
     /// (`[[electrode.part]]`). Parts without a row are like all others.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub part: Vec<PartParams>,
     /// Overlap along the passage of the burns of two neighbouring parts, each with the spark gap that it burns beyond itself
     /// (mm). With 0 the burns only meet, and a ridge is left between them on every wall.
@@ -253,7 +252,8 @@ impl ElectrodeParams {
     pub fn of_part(&self, part: usize) -> Self {
         let own = self.part.get(part).copied().unwrap_or_default();
         let [low, high] = self.circumferential_reduction_deg;
-        let divided = |row: &PartParams| PartParams { until: row.until, overlap_mm: row.overlap_mm, ..Default::default() };
+        let divided =
+            |row: &PartParams| PartParams { until: row.until, overlap_mm: row.overlap_mm, ..Default::default() };
         Self {
             enter: if own.enter == EnterSide::Auto { self.enter } else { own.enter },
             circumferential_reduction_deg: [
@@ -275,7 +275,8 @@ impl ElectrodeParams {
     /// Divisions between the parts as shares of the burned length, from the first station: those given, and between
     /// them as many as are missing, equally spaced.
     pub(super) fn divisions(&self) -> Vec<f64> {
-        let given = |i: usize| if i == self.parts { Some(1.0) } else { self.part.get(i - 1).and_then(|part| part.until) };
+        let given =
+            |i: usize| if i == self.parts { Some(1.0) } else { self.part.get(i - 1).and_then(|part| part.until) };
         let (mut divisions, mut last) = (Vec::new(), (0, 0.0));
         for i in 1..=self.parts {
             if let Some(share) = given(i) {

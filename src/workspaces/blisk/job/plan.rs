@@ -134,8 +134,13 @@ impl JobPlanner<'_> {
         let mut tried = Vec::new();
         let (job, channel) = (&self.inputs.job, &self.prepared.space.channel);
         let (along_passage, _) = job.electrode.place_of(part);
-        let left_out =
-            job.electrode.of_part(along_passage).enter.candidates(channel)?.into_iter().filter(|side| !job.machine.comes_from(*side));
+        let left_out = job
+            .electrode
+            .of_part(along_passage)
+            .enter
+            .candidates(channel)?
+            .into_iter()
+            .filter(|side| !job.machine.comes_from(*side));
         let along = job.machine.head_along.axis().letter();
         let left_out =
             left_out.map(|side| (side, format!("is not tried: the head of the machine comes along {along}")));

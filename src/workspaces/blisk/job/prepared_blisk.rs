@@ -12,8 +12,7 @@ use geometry::mesh::Mesh;
 use task::Task;
 use wheel::channel::Channel;
 use wheel::electrode::{
-    Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, Sizing, from_user_mesh, make_electrode,
-    own_turns,
+    Electrode, ElectrodeError, ElectrodeParams, EnterSide, EntrySide, Sizing, from_user_mesh, make_electrode, own_turns,
 };
 
 /// A blisk with everything prepared that does not change while electrodes and searches are tuned.
