@@ -1,9 +1,11 @@
-//! Blisks at random: where the searches of the papers find a way, the global one does.
+//! Blisks and wheels at random: where the searches of the papers find a way, the global one does, and no sample of a
+//! certified path comes nearer than its certificate says.
 
 use super::*;
 use feed::plan_params::Strategy;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
+use sparkpath::workspaces::blisk::job::outcome::ElectrodeOutcome;
 use std::ops::Range;
 
 /// A blisk that can be made, of some 20 to 60 blades with channels of 10 to 20 mm depth.
@@ -34,11 +36,78 @@ fn random_blisk(rng: &mut ChaCha8Rng) -> (ParametricBlisk, Mesh) {
     }
 }
 
-/// How many of the blisks with these seeds the global search found a way for. Where it finds none, no other search may: they are
-/// tried there only.
+/// What a plan of a wheel came to.
+#[derive(Debug, Default, Clone, Copy, PartialEq)]
+struct Came {
+    /// Whether an electrode can be made.
+    made: bool,
+    /// Whether the global search finds a certified path.
+    out: bool,
+}
+
+/// Plans one electrode of a wheel. Where the global search finds no path no other search may: they are tried there only.
+/// Of a path, samples are compared with the certificate.
+fn planned(name: &str, mesh: Mesh, job: PlanJob) -> Came {
+    let mut inputs = PlanInputs { blisk: mesh.into(), own_electrode: None, job };
+    let task = Task::default();
+    let ready = match prepare(&inputs, &task) {
+        Ok(ready) => ready,
+        Err(PlanJobError::Electrode(why)) => {
+            println!("{name}: no electrode: {why}");
+            return Came::default();
+        }
+        Err(other) => panic!("{name}: {other}"),
+    };
+    let plan = |strategy: Strategy, inputs: &mut PlanInputs| {
+        inputs.job.plan.strategy = strategy;
+        match run_feeds(&ready, inputs, &task) {
+            Ok(outcome) => Some(outcome),
+            // No electrode can be made at all, which is the same for every strategy.
+            Err(PlanJobError::Electrode(why)) => {
+                println!("{name}: no electrode: {why}");
+                None
+            }
+            Err(other) => panic!("{name}, {strategy:?}: {other}"),
+        }
+    };
+    let Some(outcome) = plan(Strategy::Global, &mut inputs) else { return Came::default() };
+    let came = Came { made: true, out: outcome.is_verified() };
+    println!(
+        "{name}: towards {}: {}",
+        outcome.electrodes[0].electrode.enters_from.words(),
+        outcome.electrodes[0].plan.verdict(&outcome.channel)
+    );
+    if came.out {
+        samples_keep_the_certificate(name, &ready, &outcome);
+    } else {
+        let others = [Strategy::Genetic, Strategy::Centreline];
+        let others = others.map(|other| plan(other, &mut inputs).is_some_and(|outcome| outcome.is_verified()));
+        assert_eq!(others, [false; 2], "genetic, centreline on {name}: {:?}", inputs.job.electrode);
+    }
+    came
+}
+
+/// Points of the electrode at poses along the path: none is nearer to the blisk than is certified.
+fn samples_keep_the_certificate(name: &str, ready: &PreparedBlisk, outcome: &PlanOutcome) {
+    let ElectrodeOutcome { electrode, plan, .. } = &outcome.electrodes[0];
+    let planned = plan.path.as_ref().unwrap();
+    let blisk = ExactMesh::new(ready.blisk()).unwrap();
+    let certified = planned.certificate.certified();
+    let places: Vec<DVec3> = electrode.mesh.iter_corners().flat_map(|[a, b, c]| [a, (a + b + c) / 3.0]).collect();
+    let mut pick = wheel::parametric::random::shares(places.len() as u64);
+    for rows in planned.path.rows.windows(2) {
+        for _ in 0..40 {
+            let place = places[((pick() * places.len() as f64) as usize).min(places.len() - 1)];
+            let pose = rows[0].pose.lerp(&rows[1].pose, pick());
+            let distance = blisk.signed_distance(pose.placement(electrode.reference_point).transform_point3(place));
+            assert!(distance >= certified - 1e-9, "{name}: {distance} for {certified} at s = {}", rows[0].s);
+        }
+    }
+}
+
+/// How many of the blisks with these seeds the global search found a way for.
 fn ways_found(seeds: Range<u64>) -> usize {
-    let mut found = 0;
-    for seed in seeds {
+    let one = |seed: u64| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let (blisk, mesh) = random_blisk(&mut rng);
         let mut job = PlanJob::demonstration();
@@ -46,25 +115,26 @@ fn ways_found(seeds: Range<u64>) -> usize {
         let reduction = pitch_deg * rng.random_range(0.12..0.32);
         job.electrode.circumferential_reduction_deg = [reduction; 2];
         job.electrode.enter = if rng.random() { EnterSide::MinusX } else { EnterSide::PlusX };
-        let mut inputs = PlanInputs { blisk: mesh.into(), own_electrode: None, job };
-        let task = Task::default();
-        let ready = prepare(&inputs, &task).unwrap();
-        let mut finds = |strategy: Strategy| {
-            inputs.job.plan.strategy = strategy;
-            match run_feeds(&ready, &inputs, &task) {
-                Ok(outcome) => outcome.is_verified(),
-                // No electrode can be made at all, which is the same for every strategy.
-                Err(PlanJobError::Electrode(_)) => false,
-                Err(other) => panic!("blisk {seed}, {strategy:?}: {other}"),
-            }
-        };
-        let global = finds(Strategy::Global);
-        let others = [Strategy::Genetic, Strategy::Centreline].map(|other| !global && finds(other));
-        println!("blisk {seed}: {reduction:.3} of {pitch_deg:.2} deg: global {global}, others where not {others:?}");
-        assert_eq!(others, [false; 2], "genetic, centreline on blisk {seed}, {reduction} deg: {blisk:?}");
-        found += usize::from(global);
-    }
-    found
+        planned(&format!("blisk {seed}, {reduction:.3} of {pitch_deg:.2} deg"), mesh, job)
+    };
+    seeds.map(one).filter(|came| came.out).count()
+}
+
+/// Wheels of every kind: what became of each.
+fn wheels_planned(numbers: Range<usize>) -> Vec<Came> {
+    let one = |number: usize| {
+        let mut share = wheel::parametric::random::shares(number as u64);
+        let (wheel, flow) = wheel::parametric::random::random_wheel(number, &mut share);
+        let mut job = PlanJob::demonstration();
+        let reduction = wheel.pitch().to_degrees() * (0.05 + 0.2 * share());
+        job.electrode.circumferential_reduction_deg = [reduction; 2];
+        job.electrode.radial_reduction_mm = 0.5 + 2.0 * share();
+        job.electrode.enter = EnterSide::Auto;
+        (job.plan.step_mm, job.plan.field_cell_mm) = (1.5, 0.6);
+        let name = format!("wheel {number}, {}, {reduction:.2} deg", flow.name());
+        planned(&name, wheel.mesh(), job)
+    };
+    numbers.map(one).collect()
 }
 
 #[test]
@@ -86,4 +156,17 @@ fn the_global_search_finds_a_way_wherever_another_does_on_fifty_blisks_the_secon
     let found = ways_found(25..50);
     println!("ways for {found} of 25");
     assert!(found > 5, "{found}");
+}
+
+#[test]
+#[ignore = "takes a quarter of an hour"]
+fn the_global_search_finds_a_way_wherever_another_does_on_wheels_of_every_kind() {
+    let numbers = std::env::var("WHEELS").ok().and_then(|text| {
+        let (from, to) = text.split_once("..")?;
+        Some(from.parse().ok()?..to.parse().ok()?)
+    });
+    let came = wheels_planned(numbers.unwrap_or(0..30));
+    let [made, out] = [|c: &&Came| c.made, |c: &&Came| c.out].map(|is| came.iter().filter(is).count());
+    println!("{made} electrodes and {out} paths of {} wheels", came.len());
+    assert!(2 * made > came.len() && out > 0);
 }

@@ -162,7 +162,7 @@ impl Planning<'_> {
     /// Further reduction that would open a path; `model` is that of the prepared electrode.
     fn opening(&self, electrode: &Electrode, model: &ClearanceModel) -> Result<Opening, PlanError> {
         /// Tolerance of that angle, and the greatest angle tried (rad).
-        const TOLERANCE: f64 = 0.001;
+        const TOLERANCE: f64 = 0.0005;
         const MOST: f64 = 0.05;
         let Self { setup: SearchSetup { space, settings, .. }, task } = *self;
         let task = &task.as_stage("what would make it feasible");

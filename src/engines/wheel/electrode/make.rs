@@ -122,11 +122,9 @@ fn burning_extent(channel: &Channel, params: &ElectrodeParams) -> [f64; 2] {
 /// The span along the passage of each part: from division to division, and at each by half of what its two parts share
 /// themselves, which is their overlap less the gap that each burns beyond itself.
 fn part_ranges([first, last]: [f64; 2], params: &ElectrodeParams) -> Result<Vec<[f64; 2]>, ElectrodeError> {
-    let divisions = params.divisions();
-    let end = |part: usize, sense: f64| {
-        let shared = params.overlap_after(part) - 2.0 * params.spark_gap_mm;
-        first + divisions[part] * (last - first) + sense * 0.5 * shared
-    };
+    let shared = |overlap: f64| overlap - 2.0 * params.spark_gap_mm;
+    let divisions = params.divisions(last - first, shared(params.overlap_mm));
+    let end = |part: usize, sense: f64| first + divisions[part] + sense * 0.5 * shared(params.overlap_after(part));
     let ranges: Vec<[f64; 2]> = (0..params.parts)
         .map(|part| {
             let from = if part == 0 { first } else { end(part - 1, -1.0) };

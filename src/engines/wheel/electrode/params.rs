@@ -86,7 +86,7 @@ pub struct PartParams {
     /// Its side of entry.
     pub enter: EnterSide,
     /// Division between it and the next part, as a share of the burned length of the passage from its first station;
-    /// where none is given, divisions are spaced equally.
+    /// where none is given, parts are equally long.
     pub until: Option<f64>,
     /// Overlap with the next part (mm).
     pub overlap_mm: Option<f64>,
@@ -230,7 +230,7 @@ impl ElectrodeParams {
         for (i, part) in self.part.iter().enumerate() {
             part.validate().map_err(|problem| problem.within(&format!("part[{i}]")))?;
         }
-        let divisions = self.divisions();
+        let divisions = self.divisions(1.0, 0.0);
         match (1..divisions.len()).find(|&i| divisions[i] <= divisions[i - 1]) {
             None => Ok(()),
             Some(i) => {
@@ -272,18 +272,21 @@ impl ElectrodeParams {
         (number / self.columns, (self.columns > 1).then_some(column))
     }
 
-    /// Divisions between the parts as shares of the burned length, from the first station: those given, and between
-    /// them as many as are missing, equally spaced.
-    pub(super) fn divisions(&self) -> Vec<f64> {
+    /// Divisions between the parts over a burned length of `length` (mm), from the first station: those given, and
+    /// between them as many as are missing, so that these parts, of which neighbours have `shared` (mm), are equally long.
+    pub(super) fn divisions(&self, length: f64, shared: f64) -> Vec<f64> {
         let given =
             |i: usize| if i == self.parts { Some(1.0) } else { self.part.get(i - 1).and_then(|part| part.until) };
         let (mut divisions, mut last) = (Vec::new(), (0, 0.0));
         for i in 1..=self.parts {
             if let Some(share) = given(i) {
-                let (from, start) = last;
-                let at = |k: usize| start + (share - start) * (k - from) as f64 / (i - from) as f64;
-                divisions.extend((from + 1..=i).map(at));
-                last = (i, share);
+                let ((from, start), end) = (last, share * length);
+                // Parts reach over divisions, but not over the ends of the passage.
+                let over = [from > 0, i < self.parts].map(|is_division| if is_division { 0.5 * shared } else { 0.0 });
+                let apart = (end - start + over[0] + over[1] - shared) / (i - from) as f64;
+                divisions.extend((1..i - from).map(|k| start - over[0] + k as f64 * apart + 0.5 * shared));
+                divisions.push(end);
+                last = (i, end);
             }
         }
         divisions.pop();
@@ -303,7 +306,7 @@ impl ElectrodeParams {
     /// Divides part `part` along the passage in two of equal length that have what it has of its own; answers the new
     /// division, to a hundredth.
     pub fn divide(&mut self, part: usize) -> f64 {
-        let divisions = self.divisions();
+        let divisions = self.divisions(1.0, 0.0);
         self.part.resize(self.parts, PartParams::default());
         for (row, division) in self.part.iter_mut().zip(&divisions) {
             row.until = Some(*division);

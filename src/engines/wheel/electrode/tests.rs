@@ -180,9 +180,11 @@ fn single_parts_have_divisions_overlaps_and_reductions_of_their_own() {
     let [whole_from, whole_to] = burned(&make(&FINE, &unreduced(), EntrySide::MinusX).unwrap()[0]);
     let parts = make(&FINE, &params, EntrySide::MinusX).unwrap();
     let ranges: Vec<_> = parts.iter().map(burned).collect();
-    // The first division is given, the second one halves what is left; the burns share 2.2 and 1 mm, gaps included.
-    for (k, (division, shared)) in [(0.5, 2.0), (0.75, 0.8)].into_iter().enumerate() {
-        let middle = whole_from + division * (whole_to - whole_from);
+    // The first division is given, by the second one parts that share 0.8 mm with their neighbours get equally long; the
+    // burns share 2.2 and 1 mm, gaps included.
+    let length = whole_to - whole_from;
+    for (k, (division, shared)) in [(0.5 * length, 2.0), (0.75 * length - 0.2, 0.8)].into_iter().enumerate() {
+        let middle = whole_from + division;
         assert!((ranges[k][1] - (middle + 0.5 * shared)).abs() < 1e-9, "{k}: {ranges:?}");
         assert!((ranges[k + 1][0] - (middle - 0.5 * shared)).abs() < 1e-9, "{k}: {ranges:?}");
     }

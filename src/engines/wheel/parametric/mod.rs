@@ -15,6 +15,8 @@ use mesher::Mesher;
 
 mod mesher;
 #[cfg(any(test, feature = "fixtures"))]
+pub mod random;
+#[cfg(any(test, feature = "fixtures"))]
 pub(crate) mod welder;
 #[cfg(any(test, feature = "fixtures"))]
 pub mod wheel;

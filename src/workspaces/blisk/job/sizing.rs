@@ -102,13 +102,13 @@ impl SizeLimit {
 }
 
 /// Reductions are found to this angle (deg).
-pub const TOLERANCE_DEG: f64 = 0.03;
+pub const TOLERANCE_DEG: f64 = 0.015;
 /// Greatest reduction that is tried (deg).
 const MOST_DEG: f64 = 10.0;
 /// Where the search begins (deg).
 const FIRST_DEG: f64 = 1.0;
 /// Times that a little more reduction is taken where the certificate does not hold.
-const RAISES: usize = 4;
+const RAISES: usize = 8;
 
 /// Sizes the electrodes of the job for every number of parts in `range`, and shows `found` each row as it is certified.
 /// For one part both reductions are equal first, on each side of entry that the job allows, and then as unequal as
