@@ -7,6 +7,7 @@ use super::walls::WallTable;
 use super::{ElectrodeError, ElectrodeParams};
 use crate::channel::{Channel, ChannelWall, Flow, Line, Station};
 use geometry::exact::ExactMesh;
+use geometry::frame::angle_near;
 use geometry::inside::guarded_distance;
 use task::Cancel;
 
@@ -61,9 +62,10 @@ pub(super) struct Boundary<'a> {
     pub(super) gap: f64,
     pub(super) radial_reduction: f64,
     /// Positions along the passage between which sections are traced on the blisk (mm); infinite unless the blades end
-    /// flush with the passage. Beside such an edge a circle leaves the blisk between the facets of the rim; there
-    /// sections go straight on.
+    /// bluntly or flush with the passage. Beside such an end there is no edge to reach round, and a circle leaves the
+    /// blisk between the facets of the rim; there sections go straight on.
     traced: [f64; 2],
+    ends: [BladeEnd; 2],
     tables: [WallTable; 2],
     rows: usize,
 }
@@ -91,16 +93,17 @@ impl<'a> Boundary<'a> {
             gap: params.spark_gap_mm + room,
             radial_reduction: params.radial_reduction_mm,
             traced: [f64::NEG_INFINITY, f64::INFINITY],
+            ends: blade_ends(channel, params),
             tables,
             rows: (height / ROW).ceil().clamp(4.0, 40.0) as usize,
         };
-        for end in flush_ends(channel, params) {
+        for end in (0..2).filter(|&end| boundary.ends[end] != BladeEnd::Edge) {
             boundary.traced[end] = boundary.last_traced(end);
         }
         Ok(boundary)
     }
 
-    /// Next to the flush end `end` of the blades, the position nearest to it where metal bounds both walls all the way
+    /// Next to the blunt or flush end `end` of the blades, the position nearest to it where metal bounds both walls all the way
     /// from hub to shroud (mm).
     fn last_traced(&self, end: usize) -> f64 {
         let tip = self.channel.span_along()[end];
@@ -135,7 +138,7 @@ impl<'a> Boundary<'a> {
         places.extend(extent);
         // Beyond what is traced a section goes straight on: the last one is enough.
         let [first, last] = self.traced;
-        places.retain(|at| (first..=last).contains(at) || extent.contains(at));
+        places.retain(|at| (first..=last).contains(at) || extent.contains(at) || planes.contains(at));
         let mut kept: Vec<f64> = self.traced.into_iter().filter(|at| (extent[0]..=extent[1]).contains(at)).collect();
         places.extend(&kept);
         kept.extend(planes.iter().chain(&extent));
@@ -211,7 +214,20 @@ impl<'a> Boundary<'a> {
         let further = self.section(self.channel.line_at(2.0 * last - along))?;
         let line = self.channel.line_at(along);
         let go_on = |(a, b): (&Spot, &Spot)| Spot { height: 2.0 * a.height - b.height, theta: 2.0 * a.theta - b.theta };
-        let walls = [0, 1].map(|w| near.walls[w].iter().zip(&further.walls[w]).map(go_on).collect());
+        let mut walls = [0, 1].map(|w| near.walls[w].iter().zip(&further.walls[w]).map(go_on).collect::<Vec<_>>());
+        if self.ends[usize::from(along > last)] == BladeEnd::Blunt {
+            // Hub and shroud go on beside the blades.
+            let [hub, shroud] = line.ends;
+            let height = 0.5 * (hub + shroud);
+            let middle = 0.5 * (walls[0][self.rows / 2].theta + walls[1][self.rows / 2].theta);
+            let (bottom, top) = self.height(&line, Spot { height, theta: middle })?;
+            for wall in &mut walls {
+                let reduced = top - bottom - self.radial_reduction;
+                wall.iter_mut()
+                    .enumerate()
+                    .for_each(|(v, p)| p.height = bottom + reduced * v as f64 / self.rows as f64);
+            }
+        }
         Ok(Section { line, walls })
     }
 
@@ -220,12 +236,7 @@ impl<'a> Boundary<'a> {
         let [hub, shroud] = line.ends;
         let height = 0.5 * (hub + shroud);
         let middle = Spot { height, theta: self.middle(&line, height) };
-        let clearance = self.clearance(&line, middle);
-        if clearance.is_nan() || clearance < 0.0 {
-            return Err(self.no_passage(line.place(height), clearance));
-        }
-        let bottom = self.descend(&line, middle);
-        let top = if self.channel.shrouded { self.ascend(&line, middle) } else { shroud };
+        let (bottom, top) = self.height(&line, middle)?;
         let (available, taken) = (top - bottom, self.radial_reduction);
         if available < taken + 0.2 {
             return Err(ElectrodeError::NoHeight { x: line.place(height).x, available, taken });
@@ -246,6 +257,16 @@ impl<'a> Boundary<'a> {
             Ok(points)
         };
         Ok(Section { line, walls: [wall(0)?, wall(1)?] })
+    }
+
+    /// Heights at which the hub's gap and the shroud's are met below and above `middle`, which must be free.
+    fn height(&self, line: &Line, middle: Spot) -> Result<(f64, f64), ElectrodeError> {
+        let clearance = self.clearance(line, middle);
+        if clearance.is_nan() || clearance < 0.0 {
+            return Err(self.no_passage(line.place(middle.height), clearance));
+        }
+        let top = if self.channel.shrouded { self.ascend(line, middle) } else { line.ends[1] };
+        Ok((self.descend(line, middle), top))
     }
 
     /// Reason why the channel's middle is not free.
@@ -343,19 +364,50 @@ impl<'a> Boundary<'a> {
     }
 }
 
-/// The ends of the passage, 0 the first, where the blades end flush with it all the way from hub to shroud, to within
-/// the gap; none in an axial channel, whose rings are traced as far as its faces.
-pub(super) fn flush_ends(channel: &Channel, params: &ElectrodeParams) -> impl Iterator<Item = usize> {
-    let is_flush = |end: usize| {
-        let along = |wall: &ChannelWall, v: usize| {
-            let place = wall.cylindrical(end * (wall.nu - 1), v);
-            channel.along_and_height(DVec2::new(place.x, place.r))[0]
-        };
-        let mut edges = [&channel.low, &channel.high].into_iter().flat_map(|wall| (0..wall.nv).map(move |v| (wall, v)));
-        edges.all(|(wall, v)| (along(wall, v) - channel.ends_along()[end]).abs() < params.spark_gap_mm)
+/// How the blades of a channel end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum BladeEnd {
+    /// In an edge that the boundary reaches round.
+    Edge,
+    /// In a plane or a cylinder across the passage, within it.
+    Blunt,
+    /// Flush with the end of the passage all the way from hub to shroud, to within the gap. Not in an axial channel, whose
+    /// rings are traced as far as its faces.
+    Flush,
+}
+
+/// How the blades end at the first and at the last end of the passage.
+pub(super) fn blade_ends(channel: &Channel, params: &ElectrodeParams) -> [BladeEnd; 2] {
+    /// A blunt end is at least so wide across the passage on one wall (mm), and so much longer than it is deep.
+    const WIDTH: f64 = 0.8;
+    const SLENDER: f64 = 4.0;
+    let along = |wall: &ChannelWall, u: usize, v: usize| {
+        let place = wall.cylindrical(u, v);
+        channel.along_and_height(DVec2::new(place.x, place.r))[0]
     };
-    let flush = if channel.flow == Flow::Axial { [false; 2] } else { [0, 1].map(is_flush) };
-    (0..2).filter(move |&end| flush[end])
+    let edges = || [&channel.low, &channel.high].into_iter().flat_map(|wall| (0..wall.nv).map(move |v| (wall, v)));
+    let at = |wall: &ChannelWall, end: usize, k: usize| if end == 0 { k } else { wall.nu - 1 - k };
+    let is_flush = |end: usize| {
+        let ends = channel.ends_along()[end];
+        edges().all(|(wall, v)| (along(wall, at(wall, end, 0), v) - ends).abs() < params.spark_gap_mm)
+    };
+    // Some points from the end a wall has come far across the passage, but hardly along it.
+    let is_blunt = |end: usize| {
+        edges().any(|(wall, v)| {
+            let tip = wall.cylindrical(at(wall, end, 0), v);
+            (1..wall.nu / 4).any(|k| {
+                let place = wall.cylindrical(at(wall, end, k), v);
+                let across = (angle_near(place.theta, tip.theta) - tip.theta).abs() * tip.r;
+                let depth = (along(wall, at(wall, end, k), v) - along(wall, at(wall, end, 0), v)).abs();
+                across > WIDTH && across > SLENDER * depth
+            })
+        })
+    };
+    [0, 1].map(|end| match (channel.flow != Flow::Axial && is_flush(end), is_blunt(end)) {
+        (true, _) => BladeEnd::Flush,
+        (false, true) => BladeEnd::Blunt,
+        (false, false) => BladeEnd::Edge,
+    })
 }
 
 /// Components of a direction at `point` along `up` (x, r) in the meridional plane there, and along theta.

@@ -1,7 +1,7 @@
 //! Making the electrodes of a channel: its division into parts and columns (P1), and the junctions between them.
 
 use super::body::{self, Plan};
-use super::boundary::{Boundary, Section, Spot, flush_ends};
+use super::boundary::{BladeEnd, Boundary, Section, Spot, blade_ends};
 use super::ring::Finisher;
 use super::{Column, Electrode, ElectrodeError, ElectrodeParams, EntrySide};
 use crate::channel::Channel;
@@ -108,12 +108,13 @@ fn with_room(
 }
 
 /// The span along the passage that is burned: that of the blades and the overrun, at most to the faces; past blades that
-/// end flush with the passage by the spark gap, where the electrode is out of the blisk.
+/// end bluntly or flush with the passage by the spark gap.
 fn burning_extent(channel: &Channel, params: &ElectrodeParams) -> [f64; 2] {
     let [from, to] = channel.span_along();
     let [front, back] = channel.ends_along();
     let mut extent = [(from - params.overrun_mm).max(front.min(from)), (to + params.overrun_mm).min(back.max(to))];
-    for end in flush_ends(channel, params) {
+    let ends = blade_ends(channel, params);
+    for end in (0..2).filter(|&end| ends[end] != BladeEnd::Edge) {
         extent[end] = [from - params.spark_gap_mm, to + params.spark_gap_mm][end];
     }
     extent

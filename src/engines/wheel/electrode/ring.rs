@@ -28,6 +28,11 @@ const IN_FACE: [[f64; 3]; 4] =
     [[0.5, 0.25, 0.25], [0.25, 0.5, 0.25], [0.25, 0.25, 0.5], [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0]];
 /// Rounds of giving way at most.
 const MOST_ROUNDS: usize = 40;
+/// How far a vertex gives way at most, along the line across the passage and along theta (mm): what is not free by then
+/// does not get free in this way.
+const MOST_WAY: f64 = 1.0;
+/// Both parts of a direction across the passage are less than this where it is along the passage.
+const ALONG: f64 = 0.5;
 
 /// How many intervals a ring has on its four sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -309,6 +314,7 @@ impl<'a> Finisher<'a> {
     /// fillet, where the walls, which are turned inwards by `turns`, are turned back.
     fn relax(&self, rings: &mut [Ring], [low, high]: [f64; 2], cancel: &Cancel) -> Result<(), ElectrodeError> {
         let mut is_moved = vec![true; rings.len()];
+        let starts: Vec<Vec<Spot>> = rings.iter().map(|ring| ring.points.clone()).collect();
         let poses: Vec<Turned> = [-low, high].into_iter().filter(|t| *t != 0.0).map(Turned::by).collect();
         for _ in 0..MOST_ROUNDS {
             let pushes: Vec<_> = (0..rings.len())
@@ -330,8 +336,12 @@ impl<'a> Finisher<'a> {
             for (i, &[up, around]) in moves.iter().enumerate().filter(|(_, m)| **m != [0.0; 2]) {
                 let (ring, point) = (i / self.layout.len(), i % self.layout.len());
                 let Ring { line, points } = &mut rings[ring];
-                let p = &mut points[point];
-                *p = Spot { height: p.height + up, theta: p.theta + around / line.radius(p.height) };
+                let (p, start) = (&mut points[point], starts[ring][point]);
+                let radius = line.radius(start.height);
+                let turn = MOST_WAY / radius;
+                let height = (p.height + up).clamp(start.height - MOST_WAY, start.height + MOST_WAY);
+                let theta = (p.theta + around / line.radius(p.height)).clamp(start.theta - turn, start.theta + turn);
+                *p = Spot { height, theta };
                 is_moved[ring] = true;
             }
             if !is_moved.contains(&true) {
@@ -394,7 +404,12 @@ impl<'a> Finisher<'a> {
         let nearest = self.boundary.blisk.nearest(place).point;
         let away = (place - nearest).normalize_or_zero() * distance.signum();
         let up = around.first().map_or(DVec2::Y, |&(ring, _)| rings[ring].line.up);
-        let (axis, sense, part) = self.way_in(around, components(place, up, away));
+        let across = components(place, up, away);
+        // Beside a blunt end of a blade nothing is gained across the passage.
+        if turned.spare > 0.0 && across.iter().all(|part| part.abs() < ALONG) {
+            return;
+        }
+        let (axis, sense, part) = self.way_in(around, across);
         let by = (short + SURPLUS) / part.max(0.2) * sense;
         pushes.extend(around.iter().map(|&(ring, point)| Push { ring, point, axis, by }));
     }

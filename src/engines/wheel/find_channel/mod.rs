@@ -239,10 +239,11 @@ fn middle_of(tracer: &Tracer, start: Place, lines: Option<&Lines>) -> Result<(Pl
     let middle = finder.place(&row, 0.5 * (front + back))?;
     let ways = if meridian.flow == Flow::Axial { [DVec2::ZERO; 2] } else { ways_out(&meridian.stations) };
     let near = NEAR_MOUTH * (back - front);
-    let ends = [(row.front, front + near), (row.back, back - near)].into_iter().zip(ways);
+    // Not up to the edges: at blunt ones a gap says nothing.
+    let ends = [[front + near, front + 0.2 * near], [back - near, back - 0.2 * near]].into_iter().zip(ways);
     let mouth = ends.max_by(|a, b| a.1.y.total_cmp(&b.1.y)).filter(|(_, way)| way.y >= OPENS);
-    let Some(((mouth, inside), _)) = mouth else { return Ok((middle, middle.gap.middle())) };
-    let [from, to] = [finder.place(&row, inside)?, mouth].map(|place| {
+    let Some(([inside, mouth], _)) = mouth else { return Ok((middle, middle.gap.middle())) };
+    let [from, to] = [finder.place(&row, inside)?, finder.place(&row, mouth)?].map(|place| {
         let theta = place.gap.middle();
         Cylindrical { x: place.x, r: place.r, theta }.point()
     });
