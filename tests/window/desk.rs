@@ -200,7 +200,7 @@ impl Desk {
     }
 
     #[track_caller]
-    fn find<'a>(&'a self, role: Role, name: &'a str) -> Node<'a> {
+    pub fn find<'a>(&'a self, role: Role, name: &'a str) -> Node<'a> {
         let all: Vec<Node<'a>> = self.window.query_all(By::new().role(role).label(name)).collect();
         *all.first().unwrap_or_else(|| panic!("there is no {role:?} called \"{name}\""))
     }
