@@ -224,7 +224,7 @@ impl ElectrodeParams {
 
     fn validate_parts(&self) -> Result<(), Invalid> {
         if self.part.len() > self.parts {
-            let remedy = format!("there are only {} parts: remove rows, or raise parts", self.parts);
+            let remedy = format!("more than electrode.parts, which is {}: remove rows, or raise parts", self.parts);
             return Err(Invalid::new("part", format!("a list of {} rows", self.part.len()), remedy));
         }
         for (i, part) in self.part.iter().enumerate() {
