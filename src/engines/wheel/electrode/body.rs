@@ -16,8 +16,6 @@ use task::Cancel;
 const SHANK_STEP: f64 = 0.45;
 /// By how much the holder block is larger than the shank at least (mm).
 const HOLDER_MARGIN: f64 = 1.0;
-/// How far below the gap an electrode may come out (mm).
-const ACCEPTED_SHORTFALL: f64 = 1e-3;
 
 /// Everything one electrode is made from.
 pub(super) struct Plan<'a> {
@@ -27,6 +25,8 @@ pub(super) struct Plan<'a> {
     pub which: Which,
     /// The span along the passage that it burns.
     pub range: [f64; 2],
+    /// How far below the gap it may come out (mm).
+    pub accepted: f64,
     pub sections: &'a [Section],
 }
 
@@ -97,7 +97,7 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     let (mesh, faces) = skin.close();
     let measures = measure::measure(&mesh, &faces, finisher.boundary.blisk, cancel)?;
     let gap = params.spark_gap_mm;
-    if measures.clearance < gap - ACCEPTED_SHORTFALL {
+    if measures.clearance < gap - plan.accepted {
         let (clearance, at) = (measures.clearance, measures.closest);
         let nearest = ExactMesh::new(&mesh)?.nearest(at).triangle as usize;
         let is_of_shank = matches!(faces[nearest], ElectrodeFace::Shank | ElectrodeFace::Holder);

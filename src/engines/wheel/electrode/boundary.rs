@@ -367,12 +367,11 @@ impl<'a> Boundary<'a> {
 /// How the blades of a channel end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum BladeEnd {
-    /// In an edge that the boundary reaches round.
+    /// In an edge that the boundary reaches round, or at the face of an axial blisk.
     Edge,
     /// In a plane or a cylinder across the passage, within it.
     Blunt,
-    /// Flush with the end of the passage all the way from hub to shroud, to within the gap. Not in an axial channel, whose
-    /// rings are traced as far as its faces.
+    /// Flush with the end of the passage all the way from hub to shroud, to within the gap; not in an axial channel.
     Flush,
 }
 
@@ -403,10 +402,11 @@ pub(super) fn blade_ends(channel: &Channel, params: &ElectrodeParams) -> [BladeE
             })
         })
     };
-    [0, 1].map(|end| match (channel.flow != Flow::Axial && is_flush(end), is_blunt(end)) {
-        (true, _) => BladeEnd::Flush,
-        (false, true) => BladeEnd::Blunt,
-        (false, false) => BladeEnd::Edge,
+    [0, 1].map(|end| match is_flush(end) {
+        true if channel.flow == Flow::Axial => BladeEnd::Edge,
+        true => BladeEnd::Flush,
+        false if is_blunt(end) => BladeEnd::Blunt,
+        false => BladeEnd::Edge,
     })
 }
 
