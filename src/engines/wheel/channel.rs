@@ -201,15 +201,15 @@ pub struct Agreement {
     pub surface: Surface,
     /// Places measured.
     pub samples: usize,
-    /// Share of them that agree within their tolerance, 0 to 1.
+    /// Share of them that agree, 0 to 1.
     pub share: f64,
+    /// Distance up to which a place agrees, beside the mesh's own chord error there (mm).
+    pub within_mm: f64,
     /// Greatest distance along the radius (hub, shroud) or along the normal (walls) (mm); infinite, `null` in JSON,
     /// where the mesh has no such surface at all.
     pub greatest_mm: f64,
     /// Where that is, in W (mm).
     pub at: DVec3,
-    /// Share of the places that are further off than any error of measurement, 0 to 1.
-    pub doubted: f64,
 }
 
 /// A channel that is not like the chosen one turned about the axis, though it is of its kind.

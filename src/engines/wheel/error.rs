@@ -252,7 +252,7 @@ fn disagreement(found: &Agreement) -> String {
          blisk.axis and blisk.blades, pick a passage with blisk.blade_points_mm, give points of hub and shroud with \
          blisk.hub_points_mm and blisk.shroud_points_mm, or load a finer mesh",
         found.surface.name(),
-        100.0 * found.doubted,
+        100.0 * (1.0 - found.share),
         found.samples
     )
 }

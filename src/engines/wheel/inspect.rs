@@ -176,7 +176,8 @@ impl Inspection {
             0 => String::new(),
             count => format!("; other channels that are not like it: {count}"),
         };
-        format!("agrees with the mesh, within 0.005 mm and its chord error: {}{unlike}", surfaces.join(", "))
+        let within = channel.agreement.iter().map(|a| a.within_mm).fold(0.0, f64::max);
+        format!("agrees with the mesh, within {within:.3} mm and its chord error: {}{unlike}", surfaces.join(", "))
     }
 }
 

@@ -14,14 +14,14 @@ use super::meridian::{Meridian, Tracer};
 use super::walls::INSET;
 use geometry::frame::{Cylindrical, angle_near};
 
-/// Least share of the samples of a surface that must not be doubted.
+/// Least share of the samples of a surface that must agree.
 const ENOUGH: f64 = 0.95;
-/// Distance up to which a place agrees, beside the mesh's own chord error (mm).
+/// Distance up to which a place agrees, beside the mesh's own chord error (mm), or as a share of the height where that
+/// is more.
 const TOLERANCE: f64 = 0.005;
-/// Distance from which on a place is doubted, beside the mesh's own chord error (mm), or as a share of the height where
-/// that is more: a few times the error of the curves between their stations, and well below any spark gap.
-const DOUBT: f64 = 0.025;
-const DOUBT_SHARE: f64 = 0.001;
+const TOLERANCE_SHARE: f64 = 2e-4;
+/// So many times that far apart the same places of two channels may be: either is found with an error.
+const APART: f64 = 5.0;
 /// Most that the surfaces of channels that are alike may differ by, beside the mesh's chord error (mm).
 const MOST_TOLERANCE: f64 = 0.1;
 /// Cells of a wall at either edge that are not measured.
@@ -57,11 +57,11 @@ struct Density {
 const DENSE: Density = Density { every: 2, stations: 40, across: 9 };
 const SPARSE: Density = Density { every: 8, stations: 8, across: 3 };
 
-/// One measured place: how far off the mesh it is, with the sense, how far it may be, and where.
+/// One measured place: how far off the mesh it is, with the sense, the mesh's own chord error there, and where it is.
 #[derive(Clone, Copy)]
 struct Sample {
     off: f64,
-    allowed: f64,
+    chord: f64,
     at: DVec3,
 }
 
@@ -80,10 +80,10 @@ impl Measured<'_> {
     /// [`BliskError::Disagrees`] where more than a few places of a surface are not where the channel has them, and
     /// [`BliskError::NoThroat`] where its walls touch: what was found is no channel of this part then.
     pub fn agreement(&self, throat: &Throat) -> Result<Vec<Agreement>, BliskError> {
-        let doubt = self.doubt();
-        let all = self.samples(DENSE, 0.0)?.map(|(surface, samples)| summary(surface, samples, doubt));
+        let within = self.tolerance();
+        let all = self.samples(DENSE, 0.0)?.map(|(surface, samples)| summary(surface, samples, within));
         let all: Vec<Agreement> = all.collect();
-        if let Some(a) = all.iter().find(|a| a.doubted > 1.0 - ENOUGH) {
+        if let Some(a) = all.iter().find(|a| a.share < ENOUGH) {
             return Err(BliskError::Disagrees(*a));
         }
         if throat.width_mm < LEAST_THROAT {
@@ -97,7 +97,7 @@ impl Measured<'_> {
     /// of a surface are further than `tolerance` (mm) from those of this channel turned about the axis, with what differs
     /// most.
     pub fn unlike(&self, blades: usize, kinds: usize, tolerance: f64) -> Result<Vec<Unlike>, BliskError> {
-        let doubt = self.doubt().max(tolerance.min(MOST_TOLERANCE));
+        let within = (APART * self.tolerance()).max(tolerance.min(MOST_TOLERANCE));
         let covered = self.covered(0.0);
         let own: Vec<_> = self.samples(SPARSE, 0.0)?.collect();
         let unlike = |number: usize| {
@@ -105,9 +105,9 @@ impl Measured<'_> {
             let compared = self.samples(SPARSE, turn)?.zip(&own).map(|((surface, mut samples), (_, own))| {
                 // The two channels are compared, not both with the grid between its points.
                 samples.iter_mut().zip(own).for_each(|(sample, own)| sample.off -= own.off);
-                summary(surface, samples, doubt)
+                summary(surface, samples, within)
             });
-            let off = compared.filter(|a| a.doubted > 1.0 - ENOUGH);
+            let off = compared.filter(|a| a.share < ENOUGH);
             let off = off.max_by(|a, b| a.greatest_mm.total_cmp(&b.greatest_mm));
             let off = off.map(|a| Difference::Surface { surface: a.surface, greatest_mm: a.greatest_mm });
             let tips = || ((self.covered(turn) - covered).abs() > 1.0 - ENOUGH).then_some(Difference::Tips);
@@ -177,10 +177,10 @@ impl Measured<'_> {
         (-AROUND..=AROUND).map(|k| !is_free(theta(k))).collect()
     }
 
-    /// Distance from which on a place is doubted (mm).
-    fn doubt(&self) -> f64 {
+    /// Distance up to which a place agrees, beside the mesh's own chord error (mm).
+    fn tolerance(&self) -> f64 {
         let heights = self.meridian.stations.iter().map(Station::height);
-        DOUBT.max(DOUBT_SHARE * heights.fold(f64::INFINITY, f64::min))
+        TOLERANCE.max(TOLERANCE_SHARE * heights.fold(f64::INFINITY, f64::min))
     }
 
     /// The measured places of each surface of the channel that lies `turn` further about the axis (rad).
@@ -218,7 +218,7 @@ impl Measured<'_> {
                 let normal = tracer.slices.normal(crossing.triangle).try_normalize().unwrap_or(around);
                 r * (crossing.theta - theta) * normal.dot(around).abs()
             });
-            Sample { off, allowed: TOLERANCE + sag.min(most_sag), at }
+            Sample { off, chord: sag.min(most_sag), at }
         };
         cells.par_iter().map(sample).collect()
     }
@@ -242,21 +242,28 @@ impl Measured<'_> {
             let expected = START * station.height();
             let [first, last] = [ends[0].theta, angle_near(ends[1].theta, ends[0].theta)];
             let (middle, half) = (0.5 * (first + last) + turn, 0.5 * MIDDLE_SHARE * (last - first));
-            let samples =
-                (0..across).map(move |k| {
-                    let theta = middle + half * (2.0 * k as f64 / (across - 1) as f64 - 1.0);
-                    let met = tracer.met(theta, from, toward, f64::INFINITY);
-                    let end = from + met.map_or(expected, |(distance, _)| distance) * toward;
+            let met = |k: usize| {
+                let theta = middle + half * (2.0 * k as f64 / (across - 1) as f64 - 1.0);
+                (theta, tracer.met(theta, from, toward, f64::INFINITY))
+            };
+            let met: Vec<_> = (0..across).map(met).collect();
+            let end = |met: &Option<(f64, u32)>| from + met.map_or(expected, |(distance, _)| distance) * toward;
+            // A station is that of the facet which stands out most there, beside which flatter ones lie.
+            let chord = |met: &Option<(f64, u32)>| {
+                met.map_or(0.0, |(_, facet)| chord_error(tracer.slices, meridian, share, facet, end(met).y))
+            };
+            let chord = met.iter().map(|(_, met)| chord(met)).fold(0.0, f64::max).min(MOST_CHORD * station.height());
+            let sample =
+                |(theta, met): &(f64, Option<(f64, u32)>)| {
                     // A radius given by hand may leave metal to others, but may not reach into the part.
                     let off = met.map_or(f64::INFINITY, |(distance, _)| {
                         if given { (expected - distance).max(0.0) } else { expected - distance }
                     });
-                    let chord =
-                        met.map_or(0.0, |(_, triangle)| chord_error(tracer.slices, meridian, share, triangle, end.y));
-                    let at = Cylindrical { x: end.x, r: end.y, theta }.point();
-                    Sample { off, allowed: TOLERANCE + chord.min(MOST_CHORD * station.height()), at }
-                });
-            samples.collect::<Vec<_>>()
+                    let end = end(met);
+                    let at = Cylindrical { x: end.x, r: end.y, theta: *theta }.point();
+                    Sample { off, chord, at }
+                };
+            met.iter().map(sample).collect::<Vec<_>>()
         };
         columns.par_iter().map(of_column).collect::<Vec<_>>().concat()
     }
@@ -286,18 +293,15 @@ fn high(gap: &Gap) -> Crossing {
     gap.high
 }
 
-/// What cannot be measured is doubted: a distance that is no number, and a surface without any place.
-fn summary(surface: Surface, samples: Vec<Sample>, doubt: f64) -> Agreement {
-    let share = |within: f64| {
-        let good = samples.iter().filter(|s| s.off.abs() <= s.allowed - TOLERANCE + within).count();
-        good as f64 / samples.len().max(1) as f64
-    };
+/// What cannot be measured does not agree: a distance that is no number, and a surface without any place.
+fn summary(surface: Surface, samples: Vec<Sample>, within_mm: f64) -> Agreement {
+    let good = samples.iter().filter(|s| s.off.abs() <= s.chord + within_mm).count();
     let worst = samples.iter().max_by(|a, b| a.off.abs().total_cmp(&b.off.abs()));
     Agreement {
         surface,
         samples: samples.len(),
-        share: share(TOLERANCE),
-        doubted: 1.0 - share(doubt),
+        share: good as f64 / samples.len().max(1) as f64,
+        within_mm,
         greatest_mm: worst.map_or(0.0, |s| s.off.abs()),
         at: worst.map_or(DVec3::ZERO, |s| s.at),
     }
@@ -319,12 +323,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_cannot_be_measured_is_doubted() {
-        let sample = |off: f64| Sample { off, allowed: TOLERANCE, at: DVec3::ZERO };
-        let doubted =
-            |offs: &[f64]| summary(Surface::Hub, offs.iter().map(|off| sample(*off)).collect(), DOUBT).doubted;
-        assert_eq!(doubted(&[]), 1.0);
-        assert_eq!(doubted(&[0.0, 0.02, f64::NAN, f64::INFINITY]), 0.5);
-        assert_eq!(summary(Surface::Hub, vec![sample(0.004), sample(0.006)], DOUBT).share, 0.5);
+    fn what_cannot_be_measured_does_not_agree() {
+        let sample = |off: f64| Sample { off, chord: 0.001, at: DVec3::ZERO };
+        let share =
+            |offs: &[f64]| summary(Surface::Hub, offs.iter().map(|off| sample(*off)).collect(), TOLERANCE).share;
+        assert_eq!(share(&[]), 0.0);
+        assert_eq!(share(&[0.0, 0.0059, f64::NAN, f64::INFINITY]), 0.5);
+        assert_eq!(share(&[-0.0059, -0.0061]), 0.5);
     }
 }

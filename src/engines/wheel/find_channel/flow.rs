@@ -51,24 +51,49 @@ struct Piece {
     is_solid: bool,
 }
 
-/// The lines across the passage through `start`; none where it runs along the axis, within 45 degrees, or where the
-/// blades do not reach a hub from end to end, so that nothing is known of its direction.
-pub(super) fn lines(tracer: &Tracer, start: Place) -> Result<Option<Lines>, BliskError> {
+/// The lines across the passage through `start` between blades of so many kinds; none where it runs along the axis,
+/// within 45 degrees, or where the blades do not reach a hub from end to end, so that nothing is known of its direction.
+pub(super) fn lines(tracer: &Tracer, start: Place, kinds: usize) -> Result<Option<Lines>, BliskError> {
     // Where both are given there is nothing to be found.
     let is_known = tracer.by_hand.ends.iter().all(|points| !points.is_empty());
-    let found = if is_known { None } else { lines_found(tracer, start)? };
+    let found = if is_known { None } else { lines_found(tracer, start, kinds)? };
     tracer.lines_by_hand(start, found)
 }
 
-fn lines_found(tracer: &Tracer, start: Place) -> Result<Option<Lines>, BliskError> {
+fn lines_found(tracer: &Tracer, start: Place, kinds: usize) -> Result<Option<Lines>, BliskError> {
+    let beside = |x: f64, r: f64, near: &Gap| tracer.bladed_gap(x, r, near);
+    let found = lines_where(tracer, start, &beside)?;
+    if kinds == 1 || found.as_ref().is_none_or(Lines::is_steep) {
+        return Ok(found.filter(Lines::is_steep));
+    }
+    // A splitter may end before the passage turns, which goes on between the main blades.
+    let most = (kinds as f64 + 0.5) * tracer.pitch;
+    let between_main = |x: f64, r: f64, near: &Gap| tracer.slices.gap_near(x, r, near).filter(|g| g.width() < most);
+    let whole = lines_where(tracer, start, &between_main)?;
+    Ok(found.filter(|_| whole.is_some_and(|whole| whole.is_steep())))
+}
+
+impl Lines {
+    /// Whether the passage is not axial.
+    fn is_steep(&self) -> bool {
+        let middle: Vec<DVec2> = self.lines.iter().map(|[hub, shroud]| 0.5 * (*hub + *shroud)).collect();
+        steep_share(&middle) > MOST_STEEP
+    }
+}
+
+/// The gap at (x, r) that continues another, where it is one of the channel.
+type GapAt<'a> = dyn Fn(f64, f64, &Gap) -> Option<Gap> + 'a;
+
+/// The lines across the part of the meridional plane in which there is a gap.
+fn lines_where(tracer: &Tracer, start: Place, gap_at: &GapAt) -> Result<Option<Lines>, BliskError> {
     let mut lattice = Lattice { start: DVec2::new(start.x, start.r), step: tracer.slices.cell_size().y };
-    let mut points = bladed(tracer, &start, &lattice)?;
+    let mut points = bladed(tracer, &start, &lattice, gap_at)?;
     for _ in 0..MOST_HALVINGS {
         if points.len() >= ENOUGH_POINTS {
             break;
         }
         lattice.step *= 0.5;
-        points = bladed(tracer, &start, &lattice)?;
+        points = bladed(tracer, &start, &lattice, gap_at)?;
     }
     if points.len() >= MOST_POINTS {
         return Ok(None);
@@ -77,8 +102,7 @@ fn lines_found(tracer: &Tracer, start: Place) -> Result<Option<Lines>, BliskErro
     Ok(curves(&outline).and_then(|[hub, outer]| {
         let shrouded = outer.is_solid;
         let lines = ordered(smooth(&hub.points)?, smooth(&outer.points)?, shrouded);
-        let middle: Vec<DVec2> = lines.iter().map(|[hub, shroud]| 0.5 * (*hub + *shroud)).collect();
-        (steep_share(&middle) > MOST_STEEP).then_some(Lines { lines, step: lattice.step, shrouded })
+        Some(Lines { lines, step: lattice.step, shrouded })
     }))
 }
 
@@ -105,7 +129,12 @@ impl Lattice {
 
 /// Points of a lattice that begins at `start` whose circles have the channel's gap between two blades; at most
 /// [`MOST_POINTS`].
-fn bladed(tracer: &Tracer, start: &Place, lattice: &Lattice) -> Result<HashMap<[i32; 2], Gap>, BliskError> {
+fn bladed(
+    tracer: &Tracer,
+    start: &Place,
+    lattice: &Lattice,
+    gap_at: &GapAt,
+) -> Result<HashMap<[i32; 2], Gap>, BliskError> {
     let mut found = HashMap::from([([0, 0], start.gap)]);
     let mut queue = vec![[0, 0]];
     let mut done = 0;
@@ -116,7 +145,7 @@ fn bladed(tracer: &Tracer, start: &Place, lattice: &Lattice) -> Result<HashMap<[
         for next in around(point) {
             let at = lattice.place(next.map(f64::from));
             if !found.contains_key(&next)
-                && let Some(gap) = tracer.bladed_gap(at.x, at.y, &near)
+                && let Some(gap) = gap_at(at.x, at.y, &near)
             {
                 found.insert(next, gap);
                 queue.push(next);

@@ -20,8 +20,12 @@ const ABOUT_POINTS: f64 = 0.4;
 const BESIDE: f64 = 0.1;
 /// Rays that differ from the middle one of them by more than this share of the height met something else.
 const SAME_WALL: f64 = 0.03;
+/// Share of the part's size by which the vertices of a plane face may lie off it.
+pub(super) const FACE_ROUNDING: f64 = 1e-6;
+/// Share of the distance of two stations within which a step of an end wall between them is found.
+const STEP_WIDTH: f64 = 1e-6;
 /// Share of the height, beside the dip of facets, up to which rays meet an even wall.
-pub(super) const DIP: f64 = 0.0005;
+pub(super) const DIP: f64 = 0.0001;
 
 /// A place in a channel: a circle and its gap.
 #[derive(Debug, Clone, Copy)]
@@ -99,29 +103,71 @@ impl Tracer<'_> {
         Ok(Meridian { stations, flow: Flow::Axial, shrouded })
     }
 
-    /// Stations beyond `from` in steps of `step` up to where an end wall ends, which is found exactly.
+    /// Stations beyond `from` in steps of `step` up to where an end wall ends, which is found exactly. Where an end wall
+    /// steps away from the passage, as at a face of the ring, the passage keeps its height.
     fn march(&self, mut from: Traced, step: f64, end: f64, shrouded: bool) -> Result<Vec<Station>, BliskError> {
         let mut stations = Vec::new();
+        let mut most = [f64::NEG_INFINITY, f64::INFINITY];
+        let within =
+            |s: Station, most: [f64; 2]| Station::across_axis(s.along, s.hub.y.max(most[0]), s.shroud.y.min(most[1]));
         loop {
             self.cancel.check()?;
             let x =
                 if step > 0.0 { (from.station.along + step).min(end) } else { (from.station.along + step).max(end) };
-            let Some(next) = (x != end).then(|| self.station(x, &from, shrouded)).flatten() else {
-                let (mut good, mut bad) = (from, x);
-                while (bad - good.station.along).abs() > 1e-9 * step.abs() {
-                    match self.station(0.5 * (good.station.along + bad), &good, shrouded) {
-                        Some(station) => good = station,
-                        None => bad = 0.5 * (good.station.along + bad),
+            if x != end
+                && let Some(next) = self.station(x, &from, shrouded)
+            {
+                if let Some([before, after]) = self.step_between(&from, &next, shrouded) {
+                    stations.push(within(before, most));
+                    let same = SAME_WALL * before.height();
+                    if after.hub.y < before.hub.y - same {
+                        most[0] = most[0].max(before.hub.y);
                     }
+                    if after.shroud.y > before.shroud.y + same {
+                        most[1] = most[1].min(before.shroud.y);
+                    }
+                    stations.push(within(after, most));
                 }
-                if good.station.along != from.station.along {
-                    stations.push(good.station);
+                stations.push(within(next.station, most));
+                from = next;
+                continue;
+            }
+            let (mut good, mut bad) = (from, x);
+            while (bad - good.station.along).abs() > 1e-9 * step.abs() {
+                match self.station(0.5 * (good.station.along + bad), &good, shrouded) {
+                    Some(station) => good = station,
+                    None => bad = 0.5 * (good.station.along + bad),
                 }
-                return Ok(stations);
-            };
-            stations.push(next.station);
-            from = next;
+            }
+            // The vertices of a face across the axis lie off it by their rounding: there rays meet the face itself.
+            let before = good.station.along - FACE_ROUNDING * self.slices.bounds().size().length() * step.signum();
+            if (before - from.station.along) * step > 0.0
+                && let Some(before) = self.station(before, &from, shrouded)
+                && jump(&before.station, &good.station) > SAME_WALL * before.station.height()
+            {
+                good = before;
+            }
+            if good.station.along != from.station.along {
+                stations.push(within(good.station, most));
+            }
+            return Ok(stations);
         }
+    }
+
+    /// The stations just before and just after a step of an end wall between two known ones, if there is one.
+    fn step_between(&self, from: &Traced, to: &Traced, shrouded: bool) -> Option<[Station; 2]> {
+        let is_step = |a: &Traced, b: &Traced| jump(&a.station, &b.station) > SAME_WALL * a.station.height();
+        let step = (to.station.along - from.station.along).abs();
+        let (mut before, mut after) = (*from, *to);
+        while is_step(&before, &after) {
+            if (after.station.along - before.station.along).abs() < STEP_WIDTH * step {
+                return Some([before.station, after.station]);
+            }
+            let middle = self.station(0.5 * (before.station.along + after.station.along), &before, shrouded)?;
+            let is_before = jump(&middle.station, &before.station) <= jump(&middle.station, &after.station);
+            *(if is_before { &mut before } else { &mut after }) = middle;
+        }
+        None
     }
 
     /// The end walls at `x`, beside a known station; none where one of them has ended.
@@ -218,6 +264,11 @@ impl Tracer<'_> {
         }
         good
     }
+}
+
+/// Greatest difference of the radii of two stations (mm).
+fn jump(one: &Station, other: &Station) -> f64 {
+    (one.hub.y - other.hub.y).abs().max((one.shroud.y - other.shroud.y).abs())
 }
 
 fn sorted(values: impl Iterator<Item = RadialCrossing>) -> Vec<RadialCrossing> {

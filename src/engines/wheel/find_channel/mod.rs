@@ -211,7 +211,7 @@ fn place_channel(
     let gap = || slices.gaps(x, r).into_iter().find(|g| g.width() < 1.5 * pitch);
     let found = || Some(Place { along: x, x, r, gap: gap()? });
     let start = picked.or_else(found).ok_or(BliskError::LostWall { x, r })?;
-    let lines = flow::lines(&tracer, start)?;
+    let lines = flow::lines(&tracer, start, blisk.repetition.kinds)?;
     let (mut place, _) = middle_of(&tracer, start, lines.as_ref())?;
 
     // The same again from the chosen channel, since facets differ a little from channel to channel.

@@ -400,7 +400,7 @@ fn what_was_found_is_measured_against_the_mesh_and_refused_where_that_is_otherwi
             panic!("a waved {name} is taken for one");
         };
         assert_eq!(found.surface, surface);
-        assert!(found.doubted > 0.05 && found.greatest_mm > 0.1 && found.greatest_mm < 0.7, "{found:?}");
+        assert!(found.share < 0.95 && found.greatest_mm > 0.1 && found.greatest_mm < 0.7, "{found:?}");
         assert!(refused(&waved).contains(&format!("the {name} that was found is up to")));
     }
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::super::channel::{BladeSide, ChannelWall, Flow, station_at};
 use super::super::error::BliskError;
 use super::super::frame::slices::{Crossing, Gap};
-use super::meridian::{Meridian, Place, Tracer};
+use super::meridian::{FACE_ROUNDING, Meridian, Place, Tracer};
 use geometry::frame::Cylindrical;
 
 /// The first and last row of points stay away from hub and shroud by this share of the height, so that the
@@ -17,6 +17,9 @@ pub(super) const INSET: f64 = 0.005;
 
 /// From step to step an end of a gap moves into it by less than this share of its width.
 const JUMP: f64 = 0.3;
+/// At an edge that is flush with a face the ends of a gap move by less than this share of its width within the rounding
+/// of that face.
+const EDGE_JUMP: f64 = 0.005;
 
 /// Share of the columns of a wall's grid that may jump between hub and shroud.
 const MOST_JUMPS: f64 = 0.05;
@@ -57,13 +60,16 @@ impl WallFinder<'_> {
         (ends[0]..=ends[1]).contains(&along).then(|| station.place(share))
     }
 
-    /// The channel's place at `along` and `share` of the height, where blades bound it on both sides. A gap of which an
-    /// end jumps is none between the same blades: a splitter begins there, or facets of an end wall stand out of it.
-    fn bladed(&self, along: f64, share: f64, near: &Gap) -> Option<Place> {
+    /// The channel's place at `along` and `share` of the height, where blades bound it on both sides as they do at
+    /// `near`. A gap of which an end jumps is none between the same blades: a splitter begins there, or facets of an end
+    /// wall stand out of it.
+    fn bladed(&self, along: f64, share: f64, near: &Place) -> Option<Place> {
         let at = self.place_at(along, share)?;
-        let narrowed = |gap: &Gap| (gap.low.theta - near.low.theta).max(near.high.theta - gap.high.theta);
-        let gap = self.tracer.bladed_gap(at.x, at.y, near).filter(|gap| narrowed(gap) < JUMP * near.width())?;
-        Some(Place { along, x: at.x, r: at.y, gap })
+        let gap = self.tracer.bladed_gap(at.x, at.y, &near.gap)?;
+        let narrowed = (gap.low.theta - near.gap.low.theta).max(near.gap.high.theta - gap.high.theta);
+        // Less in less than a step, but the root of that beside round edges.
+        let most = JUMP * near.gap.width() * ((along - near.along).abs() / self.step()).min(1.0).sqrt();
+        (narrowed <= most).then_some(Place { along, x: at.x, r: at.y, gap })
     }
 
     fn lost(&self, along: f64, share: f64) -> BliskError {
@@ -103,16 +109,25 @@ impl WallFinder<'_> {
         let mut good = *from;
         let mut bad = loop {
             self.tracer.cancel.check()?;
-            match self.bladed(good.along + toward * step, share, &good.gap) {
+            match self.bladed(good.along + toward * step, share, &good) {
                 Some(place) => good = place,
                 None => break good.along + toward * step,
             }
         };
         while (bad - good.along).abs() > 1e-9 * step {
             let along = 0.5 * (good.along + bad);
-            match self.bladed(along, share, &good.gap) {
+            match self.bladed(along, share, &good) {
                 Some(place) => good = place,
                 None => bad = along,
+            }
+        }
+        // Beside a face that is flush with the edge a circle may meet the face itself.
+        let inside = good.along - toward * FACE_ROUNDING * self.tracer.slices.bounds().size().length();
+        if (inside - from.along) * toward > 0.0 {
+            let inside = self.follow(share, from, inside)?;
+            let moved = [inside.gap.low.theta - good.gap.low.theta, inside.gap.high.theta - good.gap.high.theta];
+            if moved.iter().any(|moved| moved.abs() > EDGE_JUMP * good.gap.width()) {
+                good = inside;
             }
         }
         self.check_end(&good, share, toward)?;
@@ -172,7 +187,7 @@ impl WallFinder<'_> {
         let steps = ((to - from.along).abs() / self.step()).ceil().max(1.0) as usize;
         (1..=steps).try_fold(*from, |place, i| {
             let along = from.along + (to - from.along) * i as f64 / steps as f64;
-            self.bladed(along, share, &place.gap).ok_or_else(|| self.lost(along, share))
+            self.bladed(along, share, &place).ok_or_else(|| self.lost(along, share))
         })
     }
 

@@ -6,7 +6,7 @@
 //! for a part of a blisk and for one with balance cuts.
 
 use glam::{DMat3, DVec3};
-use nalgebra::{Matrix3, SymmetricEigen};
+use nalgebra::{Matrix3, Matrix4, SymmetricEigen, Vector4};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -37,6 +37,11 @@ impl Axis {
     pub(super) fn major(&self) -> usize {
         let size = self.direction.abs().to_array();
         (1..3).fold(0, |best, i| if size[i] > size[best] + 1e-9 { i } else { best })
+    }
+
+    /// Point of the line that is nearest to `p`.
+    fn foot(&self, p: DVec3) -> DVec3 {
+        self.point + self.direction * self.direction.dot(p - self.point)
     }
 
     /// Distance of `p` from the line (mm).
@@ -98,9 +103,8 @@ pub(super) fn candidates(mesh: &Mesh, direction: Option<DVec3>) -> Vec<Axis> {
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut distinct: Vec<Axis> = Vec::new();
     for (_, axis) in ranked {
-        let beside_center = axis.point + axis.direction * axis.direction.dot(center - axis.point);
         let same =
-            |a: &Axis| a.direction.cross(axis.direction).length() < 1e-3 && a.distance(beside_center) < 1e-3 * size;
+            |a: &Axis| a.direction.cross(axis.direction).length() < 1e-3 && a.distance(axis.foot(center)) < 1e-3 * size;
         if !distinct.iter().any(same) {
             distinct.push(axis);
         }
@@ -235,6 +239,70 @@ fn pseudo_inverse(m: DMat3) -> DMat3 {
     let greatest = pairs.iter().fold(0.0, |g: f64, (value, _)| g.max(value.abs()));
     let kept = pairs.into_iter().filter(|(value, _)| value.abs() > 1e-9 * greatest);
     kept.fold(DMat3::ZERO, |sum, (value, vector)| sum + outer(vector) * (1.0 / value))
+}
+
+/// The line near `axis` about which the turned surfaces of `mesh` turn, where they tell it from `axis`: those of a wheel
+/// whose blades were set a little aslant. A line along one of the mesh's own axes stands for one that cannot be told from
+/// it.
+///
+/// Gauss and Newton's steps of the reweighted least squares of [`Normals`], with the covariance of their result, which
+/// tells lines apart.
+pub(super) fn of_turned_surfaces(mesh: &Mesh, axis: Axis) -> Option<Axis> {
+    const ROUNDS: usize = 8;
+    /// How far a normal may miss the axis, as a sine: the slant of a facet.
+    const SLANT: f64 = 0.03;
+    /// Nearer lines are the same, as a share of the part's radius.
+    const SAME: f64 = 2e-4;
+    /// Square of the distance in standard deviations from which on lines differ.
+    const DIFFERENT: f64 = 50.0;
+    let facets = facets(mesh, MANY);
+    let total = facets.iter().map(|f| f.area).sum::<f64>();
+    let center = facets.iter().map(|f| f.area * f.center).sum::<DVec3>() / total;
+    let reach = facets.iter().map(|f| axis.distance(f.center)).fold(0.0, f64::max);
+    // Of a line: its point beside the center, and two directions square to it.
+    let base = |line: &Axis| {
+        let across = line.direction.any_orthonormal_vector();
+        (line.foot(center), [across, line.direction.cross(across)])
+    };
+    let (mut line, mut information) = (axis, Matrix4::zeros());
+    for _ in 0..ROUNDS {
+        let (origin, ways) = base(&line);
+        let (mut normal, mut right, mut scatter) = (Matrix4::zeros(), Vector4::zeros(), Matrix4::zeros());
+        for f in &facets {
+            let arm = f.center - origin;
+            let around = line.direction.cross(arm);
+            let miss = f.normal.dot(around) / reach;
+            let slant = f.normal.dot(around.normalize_or_zero()) / SLANT;
+            let weight = f.area / (1.0 + slant * slant).powi(2);
+            // How the miss changes as the line moves sideways, in units of the reach, and tilts.
+            let moved = ways.map(|way| -f.normal.dot(line.direction.cross(way)));
+            let tilted = ways.map(|way| f.normal.dot(way.cross(arm)) / reach);
+            let change = Vector4::new(moved[0], moved[1], tilted[0], tilted[1]);
+            let square = change * change.transpose();
+            normal += weight * square;
+            right -= weight * miss * change;
+            scatter += (weight * miss).powi(2) * square;
+        }
+        let inverse = normal.try_inverse()?;
+        let step = inverse * right;
+        information = (inverse * scatter * inverse).try_inverse()?;
+        let point = origin + reach * (step[0] * ways[0] + step[1] * ways[1]);
+        line = Axis::new(point, line.direction + step[2] * ways[0] + step[3] * ways[1]);
+        if !line.point.is_finite() || line.distance(center) > reach {
+            return None;
+        }
+    }
+    let is_same = |other: &Axis| {
+        let (origin, ways) = base(&line);
+        let [moved, tilted] = [(other.foot(origin) - origin) / reach, other.direction - line.direction];
+        let apart = Vector4::new(ways[0].dot(moved), ways[1].dot(moved), ways[0].dot(tilted), ways[1].dot(tilted));
+        apart.norm() < SAME || apart.dot(&(information * apart)) < DIFFERENT
+    };
+    if is_same(&axis) {
+        return None;
+    }
+    let own = Axis::new(DVec3::ZERO, [DVec3::X, DVec3::Y, DVec3::Z][line.major()]);
+    Some(if is_same(&own) { own } else { line })
 }
 
 /// Angle about `axis` that the surface covers, of a full turn (rad), seen in 120 sectors and leaving out what

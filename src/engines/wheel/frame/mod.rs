@@ -180,6 +180,18 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
             break;
         }
     }
+    // A wheel is clamped by its turned surfaces: where blades were set aslant they do not tell the axis.
+    if let Some((axis, known)) = best
+        && matches!(options.axis, AxisChoice::Named(_))
+        && let Some(turned) = axis::of_turned_surfaces(mesh, axis)
+    {
+        let blades = Blades { count, kinds: known.kinds, may_lack: options.blades.given().is_some() };
+        let slices = Slices::new(mesh.in_frame(&frame_along(&turned)));
+        let repetition = period::repetition(&slices, &circles, blades, tolerance);
+        if repetition.matched >= period::MOST_REPEAT {
+            best = Some((turned, repetition));
+        }
+    }
     let Some((axis, repetition)) = best.filter(|(_, repetition)| repetition.matched >= 0.5) else {
         return Err(BliskError::NoChannels {
             axis: best.map_or(axis, |(axis, _)| axis),
