@@ -11,12 +11,15 @@ use parry3d_f64::shape::{TriMesh, TriMeshFlags};
 use rayon::prelude::*;
 
 use super::mesh::{Bounds, Mesh};
+use super::shells::Shells;
 
 /// A mesh made ready for exact distance queries (errors of a few units in the last place of f64).
 pub struct ExactMesh {
     shape: TriMesh,
     /// What is left of the mesh, where `shape` is only a part of it.
     rest: Option<Rest>,
+    /// Its shells, once somebody asks for them.
+    shells: OnceLock<Shells>,
 }
 
 /// A mesh of which only the part around a region was made ready. Answers that could depend on the rest take it into
@@ -63,7 +66,7 @@ impl ExactMesh {
         if mesh.triangles.is_empty() {
             return Err(ExactMeshError::Empty);
         }
-        Ok(Self { shape: oriented(mesh)?, rest: None })
+        Ok(Self { shape: oriented(mesh)?, rest: None, shells: OnceLock::new() })
     }
 
     /// Prepares `mesh` for questions about places well inside of `region`: as exact as all of it anywhere, but the
@@ -81,7 +84,8 @@ impl ExactMesh {
             Bounds::of(others.map(|&v| mesh.vertices[v as usize]))
         };
         let boxes = mesh.triangles.par_chunks(IN_BOX).zip(is_near.par_chunks(IN_BOX)).map(others).collect();
-        Ok(Self { shape, rest: Some(Rest { mesh, region, ready, boxes, whole: OnceLock::new() }) })
+        let rest = Rest { mesh, region, ready, boxes, whole: OnceLock::new() };
+        Ok(Self { shape, rest: Some(rest), shells: OnceLock::new() })
     }
 
     /// All of the mesh.
@@ -106,6 +110,18 @@ impl ExactMesh {
     /// Distance from `p` to the surface, negative inside.
     pub fn signed_distance(&self, p: DVec3) -> f64 {
         self.nearest(p).signed_distance
+    }
+
+    /// Whether the mesh has several shells and `p` lies in one of them: beside one that it is nearest to, but in another
+    /// that reaches into it, say.
+    pub fn is_in_overlapping_shell(&self, p: DVec3) -> bool {
+        let shells = self.shells.get_or_init(|| match &self.rest {
+            Some(rest) => Shells::of(&rest.mesh),
+            None => {
+                Shells::of(&Mesh { vertices: self.shape.vertices().to_vec(), triangles: self.shape.indices().to_vec() })
+            }
+        });
+        shells.hold(p)
     }
 
     /// The triangles of which some point may lie within `reach` of `p` (those whose boxes do), in rising order.
@@ -198,12 +214,12 @@ impl Rest {
     }
 }
 
-fn oriented(mesh: &Mesh) -> Result<TriMesh, ExactMeshError> {
+pub(super) fn oriented(mesh: &Mesh) -> Result<TriMesh, ExactMeshError> {
     TriMesh::with_flags(mesh.vertices.clone(), mesh.triangles.clone(), TriMeshFlags::ORIENTED)
         .map_err(|e| ExactMeshError::Rejected(e.to_string()))
 }
 
-fn nearest_of(shape: &TriMesh, p: DVec3) -> Nearest {
+pub(super) fn nearest_of(shape: &TriMesh, p: DVec3) -> Nearest {
     let projection = shape.project_local_point(p, false);
     let distance = (p - projection.point).length();
     Nearest {

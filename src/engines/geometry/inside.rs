@@ -60,11 +60,13 @@ pub fn is_inside(mesh: &ExactMesh, p: DVec3) -> bool {
 
 /// The exact distance from `p` to the surface, negative inside (mm).
 ///
-/// Where a mesh is folded the normals next to the nearest point may give the wrong sign: blade tips closed by a
-/// fan of triangles are an example. A negative sign is therefore believed only if the surface winds around `p`.
+/// The normals next to the nearest point may give the wrong sign: beside a fold, as of a blade tip closed by a fan of
+/// triangles, and within a shell beside another that reaches into it. So the surface must wind around `p` where they say
+/// that it is inside, and where it lies in one of several shells.
 pub fn guarded_distance(mesh: &ExactMesh, p: DVec3) -> f64 {
     let distance = mesh.signed_distance(p);
-    if distance < 0.0 && !is_inside(mesh, p) { -distance } else { distance }
+    let is_doubted = distance < 0.0 || mesh.is_in_overlapping_shell(p);
+    if is_doubted && is_inside(mesh, p) { -distance.abs() } else { distance.abs() }
 }
 
 /// Crossings from inside to outside less those from outside to inside that a ray from `p` has with `triangles`.
@@ -154,6 +156,11 @@ mod tests {
         }
         let small = Mesh::cuboid(DVec3::ONE).mapped(|p| p + 1.0);
         let hollow = with(Mesh { triangles: small.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..small });
+        // 0.2 from a face of one cube within the other.
+        assert!((guarded_distance(&overlapping, DVec3::new(3.0, 3.0, 1.8)) + 0.2).abs() < 1e-12);
+        assert!((guarded_distance(&overlapping, DVec3::new(5.0, 5.0, 1.8)) - 0.2).abs() < 1e-12);
+        assert!((guarded_distance(&hollow, DVec3::splat(1.5)) - 0.5).abs() < 1e-12);
+        assert!(guarded_distance(&hollow, DVec3::splat(0.8)) < 0.0);
         assert_eq!(winding_number(&hollow, DVec3::splat(1.5)), 0);
         assert_eq!(winding_number(&hollow, DVec3::splat(3.5)), 1);
     }

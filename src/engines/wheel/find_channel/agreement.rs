@@ -10,7 +10,7 @@ use super::super::channel::{
 };
 use super::super::error::BliskError;
 use super::super::frame::slices::{Crossing, Gap, Slices};
-use super::meridian::{Meridian, Tracer};
+use super::meridian::{FACE_ROUNDING, Meridian, Tracer};
 use super::walls::INSET;
 use geometry::frame::{Cylindrical, angle_near};
 
@@ -144,6 +144,10 @@ impl Measured<'_> {
     fn differing_beside_edges(&self, turn: f64) -> f64 {
         let (wall, stations) = (self.walls[0], &self.meridian.stations[..]);
         let (mut all, mut metal, mut differ) = (0, 0, 0);
+        // Not beyond the passage's own ends, where there may be other things, nor on a face there.
+        let face = FACE_ROUNDING * self.tracer.slices.bounds().size().length();
+        let [Some(first), Some(last)] = [stations.first(), stations.last()] else { return 0.0 };
+        let (first, last) = (first.along + face, (last.along - face).max(first.along + face));
         for share in [0.1, 0.5, 0.9] {
             let v = (share * (wall.nv - 1) as f64).round() as usize;
             let share = INSET + (1.0 - 2.0 * INSET) * v as f64 / (wall.nv - 1) as f64;
@@ -153,8 +157,7 @@ impl Measured<'_> {
             for (ends, way) in edges.into_iter().zip([-length, length]) {
                 let middle = 0.5 * (ends[0].theta + angle_near(ends[1].theta, ends[0].theta));
                 for beyond in BEYOND {
-                    // Not beyond the passage's own ends, where there may be other things.
-                    let at = station_at(stations, along(ends[0]) + beyond * way).place(share);
+                    let at = station_at(stations, (along(ends[0]) + beyond * way).clamp(first, last)).place(share);
                     let both = [middle, middle + turn].map(|middle| self.metal(at, middle));
                     all += both[0].len();
                     metal += both[0].iter().zip(&both[1]).filter(|(a, b)| **a || **b).count();
