@@ -112,16 +112,19 @@ impl ExactMesh {
         self.nearest(p).signed_distance
     }
 
-    /// Whether the mesh has several shells and `p` lies in one of them: beside one that it is nearest to, but in another
-    /// that reaches into it, say.
-    pub fn is_in_overlapping_shell(&self, p: DVec3) -> bool {
+    /// Whether the mesh has several shells and `p`, whose nearest point is given, lies in one of them that reaches to that
+    /// point.
+    pub fn is_in_overlapping_shell(&self, p: DVec3, nearest: &Nearest) -> bool {
+        let mesh = |mesh: &TriMesh| Mesh { vertices: mesh.vertices().to_vec(), triangles: mesh.indices().to_vec() };
         let shells = self.shells.get_or_init(|| match &self.rest {
             Some(rest) => Shells::of(&rest.mesh),
-            None => {
-                Shells::of(&Mesh { vertices: self.shape.vertices().to_vec(), triangles: self.shape.indices().to_vec() })
-            }
+            None => Shells::of(&mesh(&self.shape)),
         });
-        shells.hold(p)
+        let corners = match &self.rest {
+            Some(rest) => rest.mesh.corners(nearest.triangle as usize),
+            None => self.shape.triangle(nearest.triangle).vertices().to_owned(),
+        };
+        shells.hold(p, nearest.triangle, corners)
     }
 
     /// The triangles of which some point may lie within `reach` of `p` (those whose boxes do), in rising order.

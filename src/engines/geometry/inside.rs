@@ -64,8 +64,9 @@ pub fn is_inside(mesh: &ExactMesh, p: DVec3) -> bool {
 /// triangles, and within a shell beside another that reaches into it. So the surface must wind around `p` where they say
 /// that it is inside, and where it lies in one of several shells.
 pub fn guarded_distance(mesh: &ExactMesh, p: DVec3) -> f64 {
-    let distance = mesh.signed_distance(p);
-    let is_doubted = distance < 0.0 || mesh.is_in_overlapping_shell(p);
+    let nearest = mesh.nearest(p);
+    let distance = nearest.signed_distance;
+    let is_doubted = distance < 0.0 || mesh.is_in_overlapping_shell(p, &nearest);
     if is_doubted && is_inside(mesh, p) { -distance.abs() } else { distance.abs() }
 }
 

@@ -20,6 +20,8 @@ pub(super) struct Lines {
     pub step: f64,
     /// Whether the outer ends are those of a wall; if not, of the blade tips.
     pub shrouded: bool,
+    /// Share of the whole passage that runs more along the radius than along the axis, also where splitters have ended.
+    pub steep: f64,
 }
 
 /// Most points of the lattice that are looked at.
@@ -62,22 +64,22 @@ pub(super) fn lines(tracer: &Tracer, start: Place, kinds: usize) -> Result<Optio
 
 fn lines_found(tracer: &Tracer, start: Place, kinds: usize) -> Result<Option<Lines>, BliskError> {
     let beside = |x: f64, r: f64, near: &Gap| tracer.bladed_gap(x, r, near);
-    let found = lines_where(tracer, start, &beside)?;
-    if kinds == 1 || found.as_ref().is_none_or(Lines::is_steep) {
-        return Ok(found.filter(Lines::is_steep));
+    let mut found = lines_where(tracer, start, &beside)?;
+    if kinds > 1
+        && let Some(lines) = &mut found
+    {
+        // A splitter may end before the passage turns, which goes on between the main blades.
+        let most = (kinds as f64 + 0.5) * tracer.pitch;
+        let between = |x: f64, r: f64, near: &Gap| tracer.slices.gap_near(x, r, near).filter(|g| g.width() < most);
+        lines.steep = lines_where(tracer, start, &between)?.map_or(lines.steep, |whole| whole.steep);
     }
-    // A splitter may end before the passage turns, which goes on between the main blades.
-    let most = (kinds as f64 + 0.5) * tracer.pitch;
-    let between_main = |x: f64, r: f64, near: &Gap| tracer.slices.gap_near(x, r, near).filter(|g| g.width() < most);
-    let whole = lines_where(tracer, start, &between_main)?;
-    Ok(found.filter(|_| whole.is_some_and(|whole| whole.is_steep())))
+    Ok(found.filter(|lines| lines.steep > MOST_STEEP))
 }
 
 impl Lines {
-    /// Whether the passage is not axial.
-    fn is_steep(&self) -> bool {
-        let middle: Vec<DVec2> = self.lines.iter().map(|[hub, shroud]| 0.5 * (*hub + *shroud)).collect();
-        steep_share(&middle) > MOST_STEEP
+    pub fn new(lines: Vec<[DVec2; 2]>, step: f64, shrouded: bool) -> Self {
+        let middle: Vec<DVec2> = lines.iter().map(|[hub, shroud]| 0.5 * (*hub + *shroud)).collect();
+        Self { steep: steep_share(&middle), lines, step, shrouded }
     }
 }
 
@@ -102,7 +104,7 @@ fn lines_where(tracer: &Tracer, start: Place, gap_at: &GapAt) -> Result<Option<L
     Ok(curves(&outline).and_then(|[hub, outer]| {
         let shrouded = outer.is_solid;
         let lines = ordered(smooth(&hub.points)?, smooth(&outer.points)?, shrouded);
-        Some(Lines { lines, step: lattice.step, shrouded })
+        Some(Lines::new(lines, lattice.step, shrouded))
     }))
 }
 

@@ -59,7 +59,7 @@ impl Tracer<'_> {
             gap.and_then(|gap| self.met(gap.middle(), from, toward, 0.75 * station.height())).is_some()
         };
         let shrouded = 2 * pairs.iter().filter(meets).count() > pairs.len();
-        Ok(Some(Lines { lines: rising(pairs), step: ABOUT_TIPS * height / 3.0, shrouded }))
+        Ok(Some(Lines::new(rising(pairs), ABOUT_TIPS * height / 3.0, shrouded)))
     }
 
     /// Lines square to a curve, the hub (`end` 0) or the shroud (1), to where the other end of the passage is met.

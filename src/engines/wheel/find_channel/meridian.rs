@@ -224,7 +224,7 @@ impl Tracer<'_> {
         let (hub, shroud) = (most(&inner), most(&outer));
         let height = shroud.map_or(place.r, |c| c.r) - hub.map_or(place.r, |c| c.r);
         // The same wall is met as far off as its facets dip; what differs more is a fillet or a blade.
-        let dip = |c: &RadialCrossing| DIP * height + 2.0 * self.slices.sag(c.triangle, c.r);
+        let dip = |c: &RadialCrossing| DIP * height + self.slices.sag(c.triangle, c.r);
         // Between its facets a hub stands out at corners, which rays miss.
         let corners = self.slices.corner_radii(place.x, middle, half);
         let greatest = |c: &RadialCrossing, same: f64| {

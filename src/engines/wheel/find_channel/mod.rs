@@ -221,7 +221,9 @@ fn place_channel(
     // one of greater theta.
     let nearest = if picked.is_some() { theta } else { theta - pitch * ((theta / pitch - 0.5) - 1e-6).ceil() };
     let turn = nearest + pitch * options.channel as f64 - theta;
-    let chosen = tracer.bladed_gap(x, r, &turned(place.gap, turn)).ok_or(BliskError::LostWall { x, r })?;
+    // Beside splitters off the middle it may be much wider than the one that it is counted from.
+    let chosen = slices.gap_near(x, r, &turned(place.gap, turn)).filter(|gap| gap.width() < 1.5 * pitch);
+    let chosen = chosen.ok_or(BliskError::LostWall { x, r })?;
     let theta;
     (place, theta) = middle_of(&tracer, Place { gap: chosen, ..place }, lines.as_ref())?;
     place.gap = turned(place.gap, -theta);

@@ -70,7 +70,7 @@ impl Tracer<'_> {
             stations[i].along = along;
         }
         let middle: Vec<DVec2> = stations.iter().map(|s| s.place(0.5)).collect();
-        let is_radial = steep_share(&middle) >= 1.0 - MOST_STEEP;
+        let is_radial = steep_share(&middle).min(known.steep) >= 1.0 - MOST_STEEP;
         let flow = if is_radial { Flow::Radial } else { Flow::Mixed };
         let here = stations[index];
         let at = here.place(0.5);
@@ -188,7 +188,7 @@ impl Tracer<'_> {
         }
         // The same wall is met as far off as its facets dip; what differs more is a fillet or a blade.
         let (typical, triangle) = met[met.len() / 2];
-        let dip = DIP * height + 2.0 * self.slices.radial_sag(triangle, (from + typical * toward).y);
+        let dip = DIP * height + self.slices.radial_sag(triangle, (from + typical * toward).y);
         let nearest = met.iter().map(|m| m.0).find(|d| *d >= typical - dip)?;
         Some(from + nearest * toward)
     }

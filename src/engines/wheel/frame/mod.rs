@@ -160,13 +160,13 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
         return Err(BliskError::Partial { covered_deg, axis, given });
     }
     let slices = Slices::new(mesh.in_frame(&frame_along(&axis)));
-    let region = bladed_region(&slices, mesh, axis, options, cancel)?;
+    let (region, least_kinds) = bladed_region(&slices, mesh, axis, options, cancel)?;
     let middle = region.middle(&slices);
     let circles = region.circles(&slices, 160);
     let count = region.count;
     let tolerance = TOLERANCE * std::f64::consts::TAU * middle.y / count as f64;
     let mut best: Option<(Axis, Repetition)> = None;
-    for kinds in period::kinds(count) {
+    for kinds in period::kinds(count).filter(|kinds| kinds % least_kinds == 0) {
         cancel.check()?;
         let blades = Blades { count, kinds, may_lack: options.blades.given().is_some() };
         let axis = placed(mesh, axis, &circles, blades, options, cancel)?;
@@ -203,14 +203,15 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
     Ok(BliskFrame { axis, frame: frame_along(&axis), repetition, middle, assumed })
 }
 
-/// The region whose gaps are channels between blades and have the most wall.
+/// The region whose gaps are channels between blades and have the most wall, with splitters where there are some, and how
+/// many kinds of blades there are at least.
 fn bladed_region(
     slices: &Slices,
     mesh: &Mesh,
     axis: Axis,
     options: &BliskOptions,
     cancel: &Cancel,
-) -> Result<Region, BliskError> {
+) -> Result<(Region, usize), BliskError> {
     let wanted = options.blades.given();
     let places = ByHand::new(options, &frame_along(&axis)).places();
     let mut first_objection = None;
@@ -220,11 +221,19 @@ fn bladed_region(
         regions.retain(|region| far(region) <= NEAR_CELLS * places.len() as f64);
         regions.sort_by(|a, b| far(a).total_cmp(&far(b)));
     }
-    for region in regions {
+    for i in 0..regions.len() {
         // Whoever names the blade count or points of the passage has seen that there are blades.
-        match if wanted.is_some() || !places.is_empty() { None } else { region.objection(slices) } {
-            None => return Ok(region),
-            Some(reason) => first_objection = first_objection.or(Some((region.count, reason))),
+        match if wanted.is_some() || !places.is_empty() { None } else { regions[i].objection(slices) } {
+            None => {
+                let has_more =
+                    |other: &Region| other.count > regions[i].count && other.least_kinds(slices, &regions[i..=i]) > 1;
+                let i = if places.is_empty() { regions.iter().position(has_more).unwrap_or(i) } else { i };
+                let region = regions.swap_remove(i);
+                let others = if wanted.is_some() { period::regions(slices, None, cancel)? } else { regions };
+                let least_kinds = region.least_kinds(slices, &others);
+                return Ok((region, least_kinds));
+            }
+            Some(reason) => first_objection = first_objection.or(Some((regions[i].count, reason))),
         }
     }
     Err(match first_objection {
@@ -275,8 +284,8 @@ fn assumptions(axis: &Axis, repetition: &Repetition, options: &BliskOptions) -> 
     }
     if kinds > 1 {
         assumed.push(format!(
-            "The blades repeat after every {kinds}: splitters stand between the main blades, and there are {kinds} kinds of \
-             channels. Channels whose numbers differ by a multiple of {kinds} are of one kind."
+            "The blades repeat after every {kinds}, as where splitters stand between main blades: there are {kinds} kinds \
+             of channels. Channels whose numbers differ by a multiple of {kinds} are of one kind."
         ));
     }
     // Points beside edges and fillets miss on many meshes; which channels differ is measured by itself.

@@ -154,6 +154,24 @@ impl Region {
         self.cells.iter().any(|&[x, r]| [[x + 1, r], [x, r + 1], [x + 1, r + 1]].iter().all(|&c| self.holds(c)))
     }
 
+    /// Whether the other region begins within some cells of this one: where a round edge of a splitter becomes thin, gaps
+    /// beside it are not even.
+    fn touches(&self, other: &Self) -> bool {
+        const BESIDE: usize = 12;
+        let around = |at: usize| at.saturating_sub(BESIDE)..=at + BESIDE;
+        let is_near = |&[x, r]: &[usize; 2]| around(x).any(|x| around(r).any(|r| self.holds([x, r])));
+        other.cells.iter().any(is_near)
+    }
+
+    /// Number of kinds of blades that each stand in another part of the passage: of this region's blades only one in so
+    /// many goes on into one of the `others`, where the others have ended, as splitters do.
+    pub fn least_kinds(&self, slices: &Slices, others: &[Self]) -> usize {
+        let goes_on =
+            |other: &&Self| other.count < self.count && self.touches(other) && other.objection(slices).is_none();
+        let of = |other: &Self| kinds(self.count).find(|kinds| kinds * other.count == self.count);
+        others.iter().filter(goes_on).filter_map(of).max().unwrap_or(1)
+    }
+
     /// Cells whose neighbours all belong to the region, or all of them if there are none.
     fn inner_cells(&self) -> Vec<[usize; 2]> {
         let inner = |&&[x, r]: &&[usize; 2]| {

@@ -53,7 +53,8 @@ fn curves(flow: Flow, share: &mut dyn FnMut() -> f64) -> [MeridianCurve; 2] {
 }
 
 /// Wheel number `number` and its direction of flow. Kinds come in turn: directions of flow, with and without a shroud,
-/// without splitters, with splitters in the middle between the blades and off it. All else is at random.
+/// without splitters, with splitters in the middle between the blades and off it, outward and inward. All else is at
+/// random.
 pub fn random_wheel(number: usize, share: &mut dyn FnMut() -> f64) -> (ParametricWheel, Flow) {
     let flow = [Flow::Axial, Flow::Mixed, Flow::Radial][number % 3];
     let shrouded = number % 6 < 3;
@@ -80,12 +81,16 @@ pub fn random_wheel(number: usize, share: &mut dyn FnMut() -> f64) -> (Parametri
     let splitters = (splitting > 0).then(|| Splitters { span: [0.35 + 0.2 * share(), 0.92], off_middle });
     let lean = 0.1 * (share() - 0.5);
     let edge = share();
+    // Of some the flow runs inwards, and splitters stand at the end of smaller radius.
+    let inward = (number / 18) % 2 == 1;
+    let reversed = |[from, to]: [f64; 2]| if inward { [1.0 - to, 1.0 - from] } else { [from, to] };
+    let splitters = splitters.map(|s| Splitters { span: reversed(s.span), ..s });
     let wheel = ParametricWheel {
         blades,
         hub,
         shroud,
         shrouded,
-        span: [0.1, 0.92],
+        span: reversed([0.1, 0.92]),
         splitters,
         wrap,
         lean,
