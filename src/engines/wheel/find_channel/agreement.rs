@@ -22,6 +22,10 @@ const TOLERANCE: f64 = 0.005;
 const TOLERANCE_SHARE: f64 = 2e-4;
 /// So many times that far apart the same places of two channels may be: either is found with an error.
 const APART: f64 = 5.0;
+/// So many places of a surface that are so many times further off than that are metal which one channel has, and not the
+/// other, however small it is.
+const LEAST_MORE: usize = 2;
+const MORE: f64 = 10.0;
 /// Most that the surfaces of channels that are alike may differ by, beside the mesh's chord error (mm).
 const MOST_TOLERANCE: f64 = 0.1;
 /// Cells of a wall at either edge that are not measured.
@@ -55,7 +59,7 @@ struct Density {
 
 /// For the channel itself, and for whether the others are like it.
 const DENSE: Density = Density { every: 2, stations: 40, across: 9 };
-const SPARSE: Density = Density { every: 8, stations: 8, across: 3 };
+const SPARSE: Density = Density { every: 4, stations: 16, across: 5 };
 
 /// One measured place: how far off the mesh it is, with the sense, the mesh's own chord error there, and where it is.
 #[derive(Clone, Copy)]
@@ -105,9 +109,10 @@ impl Measured<'_> {
             let compared = self.samples(SPARSE, turn)?.zip(&own).map(|((surface, mut samples), (_, own))| {
                 // The two channels are compared, not both with the grid between its points.
                 samples.iter_mut().zip(own).for_each(|(sample, own)| sample.off -= own.off);
-                summary(surface, samples, within)
+                let has_more = samples.iter().filter(|s| s.off.abs() > s.chord + MORE * within).count() >= LEAST_MORE;
+                (summary(surface, samples, within), has_more)
             });
-            let off = compared.filter(|a| a.share < ENOUGH);
+            let off = compared.filter(|(a, has_more)| a.share < ENOUGH || *has_more).map(|(a, _)| a);
             let off = off.max_by(|a, b| a.greatest_mm.total_cmp(&b.greatest_mm));
             let off = off.map(|a| Difference::Surface { surface: a.surface, greatest_mm: a.greatest_mm });
             let tips = || ((self.covered(turn) - covered).abs() > 1.0 - ENOUGH).then_some(Difference::Tips);

@@ -294,11 +294,21 @@ fn given_by_hand(options: &BliskOptions) -> impl Iterator<Item = String> {
     sentence.into_iter().chain((!options.blade_points_mm.is_empty()).then_some(picked))
 }
 
-/// Says which of the channels of its kind, of which there are `alike`, are not like the one that was found.
+/// Says which of the channels of its kind, of which there are `alike`, are not like the one that was found, or that it is
+/// the odd one.
 fn unlike_sentence(unlike: &[Unlike], alike: usize) -> Option<String> {
     const MOST: usize = 8;
     let mut sorted: Vec<usize> = unlike.iter().map(|unlike| unlike.number).collect();
     sorted.sort_unstable();
+    if sorted.len() > 1 && 2 * sorted.len() > alike {
+        return Some(format!(
+            "Of the other {} channels of its kind, {} are not like this one: it is the odd one, or no two are alike. Compare another with \
+             blisk.channel, {} say.",
+            alike - 1,
+            sorted.len(),
+            sorted[sorted.len() / 2]
+        ));
+    }
     let names: Vec<String> = sorted.iter().take(MOST).map(usize::to_string).collect();
     let more = if sorted.len() > MOST { ", …" } else { "" };
     (!sorted.is_empty()).then(|| {
