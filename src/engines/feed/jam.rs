@@ -66,22 +66,30 @@ pub struct JamContact {
 pub struct Opening {
     /// Greatest further reduction of the walls that was tried (rad).
     pub most: f64,
-    /// Further reduction of both walls by the same angle (rad); none where even the greatest tried is not enough.
+    /// Further reduction of both walls by the same angle that a search finds enough (rad); none where even the greatest
+    /// tried is not. What an electrode made with it comes to is among the changes.
     pub both: Option<f64>,
-    /// That of the low wall alone (rad).
+    /// That of the low wall alone (rad), where `both` is not enough.
     pub low: Option<f64>,
-    /// That of the high wall alone (rad).
+    /// That of the high wall alone (rad), where `both` is not enough.
     pub high: Option<f64>,
-    /// Other changes that open a path, as far as a preview tells.
+    /// Changes that open a path: of walls with a certificate, others as far as a preview tells.
     pub changes: Vec<Change>,
-    /// Other changes that do not.
+    /// Changes that do not.
     pub in_vain: Vec<Change>,
 }
 
-/// A change of an electrode other than of the reductions of its walls.
+/// A change of an electrode.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Change {
+    /// Other reductions of the low and the high wall.
+    Walls {
+        /// The reductions (rad).
+        reductions: [f64; 2],
+        /// What each is more than now (rad).
+        more: [f64; 2],
+    },
     /// Another side of entry.
     Side(EntrySide),
     /// Another radial reduction (mm).
@@ -92,8 +100,21 @@ pub enum Change {
 
 impl Change {
     /// The change after "feasible".
-    fn words(&self) -> String {
+    fn words(&self, channel: &Channel) -> String {
+        let deg = |angle: f64| format!("{:.2} deg", angle.to_degrees());
         match self {
+            Self::Walls { reductions: [low, high], more: [a, b] } if a == b && low == high => {
+                format!("with both walls reduced by {}, {} more than now", deg(*low), deg(*a))
+            }
+            Self::Walls { reductions, more } => {
+                let walls = [Surface::LowWall, Surface::HighWall].into_iter().zip(reductions.iter().zip(more));
+                let of = |(wall, (angle, more)): (Surface, (&f64, &f64))| {
+                    let name = channel.surface_name(wall);
+                    (*more > 0.0)
+                        .then(|| format!("the {name} reduced by {}, {} more than now", deg(*angle), deg(*more)))
+                };
+                format!("with {}", walls.filter_map(of).collect::<Vec<_>>().join(" and "))
+            }
             Self::Side(side) => format!("towards {}", side.words()),
             Self::Radial(mm) => format!("with a radial reduction of {mm:.2} mm"),
             Self::Divided(share) => format!("divided in two at {share:.2} of the burned length"),
@@ -109,20 +130,14 @@ impl Opening {
 
     /// Sentence on the changes, to follow a verdict.
     fn sentence(&self, channel: &Channel) -> String {
-        let deg = |angle: f64| format!("{:.2} deg", angle.to_degrees());
-        let wall = |surface, angle: Option<f64>| {
-            angle.map(|a| format!("{} on the side of the {} alone", deg(a), channel.surface_name(surface)))
-        };
-        let both = self.both.map(|a| format!("{} on both walls", deg(a)));
-        let walls = [both, wall(Surface::LowWall, self.low), wall(Surface::HighWall, self.high)];
-        let walls: Vec<String> = walls.into_iter().flatten().collect();
-        let more = (!walls.is_empty()).then(|| format!("with more reduction: {}", walls.join(", or ")));
-        let changes: Vec<String> = more.into_iter().chain(self.changes.iter().map(Change::words)).collect();
-        if !changes.is_empty() {
-            return format!("; feasible {}", changes.join(", or "));
+        let words = |changes: &[Change]| changes.iter().map(|change| change.words(channel)).collect::<Vec<_>>();
+        if !self.changes.is_empty() {
+            return format!("; feasible {}", words(&self.changes).join(", or "));
         }
-        let in_vain = self.in_vain.iter().map(|change| format!(", nor {}", change.words()));
-        format!("; not feasible with {} more on both walls{}", deg(self.most), in_vain.collect::<String>())
+        let walls =
+            (!self.is_by_walls()).then(|| format!("with both walls reduced by {:.2} deg more", self.most.to_degrees()));
+        let in_vain: Vec<String> = walls.into_iter().chain(words(&self.in_vain)).collect();
+        if in_vain.is_empty() { String::new() } else { format!("; not feasible {}", in_vain.join(", nor ")) }
     }
 }
 

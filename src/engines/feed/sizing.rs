@@ -180,7 +180,10 @@ impl Sizer<'_> {
             let drawn_in = |more: f64| Turns([low + walls[0] * more, high + walls[1] * more]);
             Ok::<_, PlanError>(self.least(FIRST, &drawn_in)?.map(|least| least.angle))
         };
-        let [both, low, high] = [least([1.0, 1.0])?, least([1.0, 0.0])?, least([0.0, 1.0])?];
+        let both = least([1.0, 1.0])?;
+        // Where the same angle helps on both, that is enough to know.
+        let single = |walls| if both.is_none() { least(walls) } else { Ok(None) };
+        let [low, high] = [single([1.0, 0.0])?, single([0.0, 1.0])?];
         Ok(Opening { most: self.most, both, low, high, changes: Vec::new(), in_vain: Vec::new() })
     }
 }

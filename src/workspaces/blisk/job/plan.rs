@@ -97,6 +97,21 @@ pub fn run_feeds(prepared: &PreparedBlisk, inputs: &PlanInputs, task: &Task) -> 
     JobPlanner { inputs, prepared, observe: &|_, _, _| (), explain: false, task, clock }.outcome()
 }
 
+/// Whether electrode number `number` along the passage has a certified path.
+///
+/// # Errors
+/// Every error of [`run_prepared`].
+pub(super) fn comes_out(
+    prepared: &PreparedBlisk,
+    inputs: &PlanInputs,
+    number: usize,
+    task: &Task,
+) -> Result<bool, PlanJobError> {
+    let mut planner =
+        JobPlanner { inputs, prepared, observe: &|_, _, _| (), explain: false, task, clock: Clock::default() };
+    Ok(planner.part(number)?.plan.is_verified())
+}
+
 struct JobPlanner<'a> {
     inputs: &'a PlanInputs,
     prepared: &'a PreparedBlisk,
@@ -132,6 +147,8 @@ impl JobPlanner<'_> {
         let mut best: Option<ElectrodeOutcome> = None;
         let mut impossible: Option<ElectrodeError> = None;
         let mut tried = Vec::new();
+        // Further reduction of both walls that is enough on some side (rad).
+        let mut least_enough: Option<f64> = None;
         let (job, channel) = (&self.inputs.job, &self.prepared.space.channel);
         let (along_passage, _) = job.electrode.place_of(part);
         let left_out = job
@@ -155,6 +172,8 @@ impl JobPlanner<'_> {
                 }
                 Err(other) => return Err(other),
             };
+            let enough = outcome.plan.jam.as_ref().and_then(|jam| jam.opening.as_ref()?.both);
+            least_enough = [least_enough, enough].into_iter().flatten().min_by(f64::total_cmp);
             let worse = match best.take() {
                 Some(before) if rank(&before) >= rank(&outcome) => {
                     best = Some(before);
@@ -175,6 +194,7 @@ impl JobPlanner<'_> {
                 if let Some(opening) = best.plan.jam.as_mut().and_then(|jam| jam.opening.as_mut()) {
                     let sides: Vec<EntrySide> = tried.iter().map(|(side, _)| *side).collect();
                     let sides = [sides, vec![best.electrode.enters_from]].concat();
+                    opening.both = least_enough;
                     look_for_changes(opening, (self.prepared, self.inputs), part, &sides, self.task)?;
                 }
                 Ok(ElectrodeOutcome { tried, ..best })
