@@ -10,6 +10,9 @@ const RADII: [f64; 2] = [0.002, 0.5];
 const CELLS: usize = 120;
 /// A radius is one where its cell holds so many times as much as the middle one.
 const STANDS_OUT: f64 = 6.0;
+/// A fillet turns from the wall to the blade: more of its area than this share faces the wall by less, and by more, than
+/// the middle of [`FACING`], as a leaning blade beside a wall does not.
+const TURNS: f64 = 0.1;
 /// How far a fillet may lie off the rolled ball, as a share of its radius.
 const OFF_BALL: f64 = 0.04;
 /// Facets of fillets are no wider than this share of the radius.
@@ -32,14 +35,28 @@ pub(super) fn estimate(off: [f64; 2], facing: f64, height: f64) -> Option<f64> {
     (RADII[0]..RADII[1]).contains(&(radius / height)).then_some(radius)
 }
 
-/// The radius (mm) that stands out among estimates, each with the area of its facet, in a passage of this height.
-pub(super) fn radius(estimates: &[(f64, f64)], height: f64) -> Option<f64> {
+/// A radius (mm) that a facet tells, with the area of the facet (mm²) and the cosine by which it faces the wall.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Estimate {
+    pub radius: f64,
+    pub area: f64,
+    pub facing: f64,
+}
+
+impl Estimate {
+    /// Of a leaned blade every height has the same say.
+    fn weight(&self) -> f64 {
+        self.area / self.radius
+    }
+}
+
+/// The radius (mm) that stands out among estimates in a passage of this height.
+pub(super) fn radius(estimates: &[Estimate], height: f64) -> Option<f64> {
     let step = (RADII[1] / RADII[0]).ln() / CELLS as f64;
     let mut cells = [0.0; CELLS];
-    for (radius, area) in estimates {
-        let cell = ((radius / (RADII[0] * height)).ln() / step).max(0.0) as usize;
-        // Of a leaned blade every height has the same say.
-        cells[cell.min(CELLS - 1)] += area / radius;
+    for estimate in estimates {
+        let cell = ((estimate.radius / (RADII[0] * height)).ln() / step).max(0.0) as usize;
+        cells[cell.min(CELLS - 1)] += estimate.weight();
     }
     let smooth: Vec<f64> = (0..CELLS).map(|i| cells[i.saturating_sub(1)..(i + 2).min(CELLS)].iter().sum()).collect();
     let best = (0..CELLS).max_by(|a, b| smooth[*a].total_cmp(&smooth[*b]))?;
@@ -51,15 +68,19 @@ pub(super) fn radius(estimates: &[(f64, f64)], height: f64) -> Option<f64> {
     }
     let of = |i: f64| RADII[0] * height * (step * i).exp();
     let [from, to] = [of(best as f64 - 1.0), of(best as f64 + 2.0)];
-    let near = estimates.iter().filter(|(radius, _)| (from..to).contains(radius));
-    let mut near: Vec<(f64, f64)> = near.map(|(radius, area)| (*radius, area / radius)).collect();
+    let near = || estimates.iter().filter(|e| (from..to).contains(&e.radius));
+    let weight: f64 = near().map(Estimate::weight).sum();
+    let facing: f64 = near().filter(|e| e.facing > 0.5 * (FACING[0] + FACING[1])).map(Estimate::weight).sum();
+    if facing < TURNS * weight || facing > (1.0 - TURNS) * weight {
+        return None;
+    }
+    let mut near: Vec<(f64, f64)> = near().map(|e| (e.radius, e.weight())).collect();
     near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let half = 0.5 * near.iter().map(|(_, weight)| weight).sum::<f64>();
     let mut sum = 0.0;
     near.into_iter()
-        .find(|(_, weight)| {
-            sum += weight;
-            sum >= half
+        .find(|(_, share)| {
+            sum += share;
+            sum >= 0.5 * weight
         })
         .map(|(radius, _)| radius)
 }

@@ -279,7 +279,8 @@ impl Teller<'_> {
             let estimate = |facet: &Facet| {
                 let foot = self.foot(facet)?;
                 let beside = self.beside(facet, &foot, wall)?;
-                Some((fillet::estimate(beside.off, beside.facing, foot.height)?, facet.area))
+                let radius = fillet::estimate(beside.off, beside.facing, foot.height)?;
+                Some(fillet::Estimate { radius, area: facet.area, facing: beside.facing })
             };
             let estimates: Vec<_> = samples.par_iter().filter_map(estimate).collect();
             fillet::radius(&estimates, self.channel.middle().height())
