@@ -77,7 +77,7 @@ fn onto(channel: &Channel, side: EntrySide, bounds: &Bounds, camera: Camera, asp
 /// The direction along X from which one looks past the hub into the channel.
 fn beside_hub(channel: &Channel, side: EntrySide) -> f64 {
     match side {
-        EntrySide::Outward => channel.line_at(channel.middle().along).up.x.signum(),
+        EntrySide::Outward | EntrySide::Inward => channel.line_at(channel.middle().along).up.x.signum(),
         side => side.sign(),
     }
 }
@@ -93,7 +93,9 @@ pub fn onto_section(plane: &SectionPlane, up: DVec3, at: DVec3, height: f64) -> 
 pub fn from_entry(channel: &Channel, side: EntrySide, scene: &Scene, aspect: f64) -> Camera {
     let frame = &channel.frame;
     let towards_viewer = match side {
-        EntrySide::Outward => frame.z * 0.8 - frame.y * 0.45 + frame.x * (0.4 * beside_hub(channel, side)),
+        EntrySide::Outward | EntrySide::Inward => {
+            frame.z * 0.8 - frame.y * 0.45 + frame.x * (0.4 * beside_hub(channel, side))
+        }
         side => frame.x * (0.9 * side.sign()) + frame.z * 0.45 - frame.y * 0.55,
     };
     let mut camera = Camera { orientation: looking(towards_viewer, frame.z), ..Camera::default() };

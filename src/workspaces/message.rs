@@ -47,12 +47,12 @@ impl ElectrodePart {
     }
 
     /// Number `number` (from 1) of a blisk, in its own axes or, given the `frame` of these, in those of the blisk's
-    /// mesh. Up is away from the axis; of an electrode from the rim, which is clamped by its holder, from there to its
+    /// mesh. Up is away from the axis; of an electrode from the rim or the bore, which is clamped by its holder, from there to its
     /// burning part.
     pub fn of_blisk(electrode: &BliskElectrode, (number, blisk): (usize, &str), frame: Option<&Frame>) -> Self {
         let side = electrode.enters_from;
-        let is_upside_down = side == EntrySide::Outward;
-        let up = if is_upside_down { DVec3::NEG_Z } else { DVec3::Z };
+        let is_upside_down = matches!(side, EntrySide::Outward | EntrySide::Inward);
+        let up = if is_upside_down { -side.direction() } else { DVec3::Z };
         let in_file = |v: DVec3| frame.map_or(v, |frame| frame.direction_to_parent(v));
         let mesh = frame.map_or_else(|| electrode.mesh.clone(), |frame| electrode.mesh.in_parent_of(frame));
         // Shoulder, shank and holder begin where it stops to burn.

@@ -32,8 +32,9 @@ pub struct Bodies<'a> {
     pub electrode: &'a DistanceField,
     /// X extent of the blisk at the channel's radii (mm): beyond it, outside the field, there is nothing to meet.
     pub faces_x: [f64; 2],
-    /// The blisk's greatest radius, where the electrode is withdrawn along the radius (mm).
-    pub rim: Option<f64>,
+    /// Radii within and beyond which there is nothing to meet, where the electrode is withdrawn along the radius (mm): those
+    /// of the bore and of the rim.
+    pub free_radii: Option<[f64; 2]>,
     /// Extent of the blisk beyond which the electrode is outside.
     pub outside: &'a Outside,
     /// Electrode reference point O in W (mm).
@@ -161,9 +162,10 @@ impl Bodies<'_> {
         if beyond > 0.0 { beyond } else { -1.0 }
     }
 
-    /// How far `p` is beyond the blisk's rim, where that leads outside.
+    /// How far `p` is beyond the blisk's rim or within its bore, where that leads outside.
     fn beyond_rim(&self, p: DVec3) -> f64 {
-        self.rim.map_or(f64::NEG_INFINITY, |rim| p.y.hypot(p.z) - rim)
+        let r = p.y.hypot(p.z);
+        self.free_radii.map_or(f64::NEG_INFINITY, |[bore, rim]| (r - rim).max(bore - r))
     }
 
     fn clearance_and_direction(&self, p: DVec3) -> (f64, DVec3) {
@@ -171,7 +173,7 @@ impl Bodies<'_> {
             let middle = 0.5 * (self.faces_x[0] + self.faces_x[1]);
             let beside = (self.faces_x[0] - p.x).max(p.x - self.faces_x[1]);
             let out = if self.beyond_rim(p) > beside {
-                p.with_x(0.0).normalize_or(DVec3::Z)
+                p.with_x(0.0).normalize_or(DVec3::Z) * self.side.sign()
             } else {
                 DVec3::X * (p.x - middle).signum()
             };

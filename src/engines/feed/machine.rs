@@ -306,7 +306,7 @@ impl MachineParams {
 
     /// Whether its bodies, if it has any, are those of a machine whose head comes from `side`.
     pub fn comes_from(&self, side: EntrySide) -> bool {
-        !self.has_bodies() || Axis::of_withdrawal(side) == self.head_along.axis()
+        !self.has_bodies() || (side != EntrySide::Inward && Axis::of_withdrawal(side) == self.head_along.axis())
     }
 
     /// The part of the parameters that a search depends on.
@@ -342,7 +342,7 @@ impl MachineParams {
         let holds_greater_x = match side {
             EntrySide::MinusX => true,
             EntrySide::PlusX => false,
-            EntrySide::Outward => self.mounted_face == MountedFace::PlusX,
+            EntrySide::Outward | EntrySide::Inward => self.mounted_face == MountedFace::PlusX,
         };
         self.has_bodies() && holds_greater_x
     }

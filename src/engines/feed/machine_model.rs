@@ -98,7 +98,7 @@ impl Station {
         let interface = end.center();
         let on_c_axis = match side {
             EntrySide::MinusX | EntrySide::PlusX => reference_point,
-            EntrySide::Outward => reference_point.with_z(interface.z),
+            EntrySide::Outward | EntrySide::Inward => reference_point.with_z(interface.z),
         };
         let blisk = blisk.bounds();
         let seat = if mounting.is_turned { blisk.max.x } else { blisk.min.x };

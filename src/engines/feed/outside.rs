@@ -1,6 +1,6 @@
 //! Extent of a blisk: the one definition of an electrode being outside, for the search and the verifier alike.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::pose::Pose;
 use geometry::mesh::Mesh;
@@ -15,6 +15,8 @@ pub struct Outside {
     faces_x: [f64; 2],
     /// The blisk's greatest radius (mm).
     rim: f64,
+    /// The radius of the cylinder about the axis that is free of metal (mm).
+    bore: f64,
     /// Vertices of the electrode in its final pose, in W (mm).
     points: Vec<DVec3>,
     reference_point: DVec3,
@@ -33,12 +35,18 @@ impl Outside {
         let around = blisk.iter_corners().filter(|t| t.iter().any(|p| radius(p) > innermost - SURROUNDINGS));
         let faces_x = extent(around.flatten().map(|p| p.x));
         let [_, rim] = extent(blisk.iter_corners().flatten().map(|p| radius(&p)));
-        Self { faces_x, rim, points, reference_point }
+        let bore = blisk.iter_corners().map(distance_from_axis).fold(f64::INFINITY, f64::min);
+        Self { faces_x, rim, bore, points, reference_point }
     }
 
     /// The blisk's greatest radius (mm).
     pub fn rim(&self) -> f64 {
         self.rim
+    }
+
+    /// The radius of the cylinder about the axis that is free of metal (mm).
+    pub fn bore(&self) -> f64 {
+        self.bore
     }
 
     /// Distance of the whole electrode beyond the metal on `side` at `pose` (mm); negative while some point is not
@@ -47,11 +55,14 @@ impl Outside {
         // Where the table with the blisk does not turn: the blisk's own extent is the same on all sides of its axis.
         let place = Pose { a: 0.0, ..*pose }.placement(self.reference_point);
         let placed = || self.points.iter().map(|&p| place.transform_point3(p));
+        if side == EntrySide::Inward {
+            return self.bore - placed().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max);
+        }
         let [least, _] = extent(placed().map(|p| p.dot(side.direction())));
         least
             - match side {
                 EntrySide::MinusX => -self.faces_x[0],
-                EntrySide::PlusX => self.faces_x[1],
+                EntrySide::PlusX | EntrySide::Inward => self.faces_x[1],
                 // Beside the axis the rim ends sooner.
                 EntrySide::Outward => {
                     let [from, to] = extent(placed().map(|p| p.y));
@@ -72,6 +83,22 @@ impl Outside {
     pub fn is_outside(&self, pose: &Pose) -> bool {
         self.side_of(pose).is_some()
     }
+}
+
+/// Distance of a triangle from the axis X (mm).
+fn distance_from_axis(corners: [DVec3; 3]) -> f64 {
+    let [a, b, c] = corners.map(|p| DVec2::new(p.y, p.z));
+    let sides = [[a, b], [b, c], [c, a]];
+    let turns = sides.map(|[p, q]| p.perp_dot(q));
+    if turns.iter().all(|t| *t > 0.0) || turns.iter().all(|t| *t < 0.0) {
+        return 0.0;
+    }
+    let of_side = |[p, q]: [DVec2; 2]| {
+        let way = q - p;
+        let share = (-p.dot(way) / way.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        (p + share * way).length()
+    };
+    sides.map(of_side).into_iter().fold(f64::INFINITY, f64::min)
 }
 
 fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {

@@ -53,7 +53,7 @@ impl Axis {
     pub fn of_withdrawal(side: EntrySide) -> Self {
         match side {
             EntrySide::MinusX | EntrySide::PlusX => Self::X,
-            EntrySide::Outward => Self::Z,
+            EntrySide::Outward | EntrySide::Inward => Self::Z,
         }
     }
 

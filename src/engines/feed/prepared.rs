@@ -9,13 +9,14 @@ use super::clearance::{Bodies, ClearanceModel, SamplesOf};
 use super::objective::WallDistances;
 use super::outside::Outside;
 use super::plan_params::PlanError;
+use super::pose::Axis;
 use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_convex_edges, sample_electrode};
 use geometry::distance_field::DistanceField;
 use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
 use task::{Cancel, Cancelled, Task};
 use wheel::channel::Channel;
-use wheel::electrode::{Electrode, EntrySide};
+use wheel::electrode::Electrode;
 use wheel::passage::Passage;
 use wheel::surface_finder::SurfaceFinder;
 
@@ -136,7 +137,8 @@ impl PreparedElectrode {
             blisk: &space.field,
             electrode: &self.distance,
             faces_x: space.channel.faces_x,
-            rim: (self.electrode.enters_from == EntrySide::Outward).then(|| self.outside.rim()),
+            free_radii: (Axis::of_withdrawal(self.electrode.enters_from) == Axis::Z)
+                .then(|| [self.outside.bore(), self.outside.rim()]),
             outside: &self.outside,
             reference_point: self.electrode.reference_point,
             side: self.electrode.enters_from,

@@ -315,9 +315,21 @@ impl Channel {
             _ => wheel.vertices.iter().map(|p| p.y.hypot(p.z)).fold(shroud, f64::max),
         };
         Bounds {
-            min: DVec3::new(front - 1.0, walls.min.y - beside, walls.min.z - 3.0),
+            min: DVec3::new(front - 1.0, walls.min.y - beside, self.bottom(walls.min.z - 3.0, beside)),
             max: DVec3::new(back + 1.0, walls.max.y + beside, top + 2.0),
         }
+    }
+
+    /// Least z that an electrode moves in, of which `bottom` is that between the walls and `beside` how far it swings (mm):
+    /// down to the bore where the passage opens to it below Z.
+    fn bottom(&self, bottom: f64, beside: f64) -> f64 {
+        let [first, last] = ways_out(&self.meridian);
+        let column = if last.y < first.y { self.low.nu - 1 } else { 0 };
+        let mouth = [&self.low, &self.high].map(|wall| wall.point(column, wall.nv / 2));
+        let farthest = mouth.iter().map(|p| p.y.abs()).fold(0.0, f64::max);
+        let bore = self.meridian.iter().map(|m| m.hub.y.min(m.shroud.y)).fold(f64::INFINITY, f64::min);
+        let is_above_bore = self.flow != Flow::Axial && -first.y.min(last.y) >= OPENS && farthest < beside;
+        if is_above_bore { bottom.min((bore * bore - (farthest + beside).powi(2)).max(0.0).sqrt()) } else { bottom }
     }
 
     /// `wheel`, which is in W, made ready for exact distances in the channel and around it.

@@ -86,6 +86,19 @@ pub enum AxisChoice {
     Line(AxisLine),
 }
 
+/// Place of a passage that is not axial that lies along Z of W, so that electrodes leave it there along Z.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ZAt {
+    /// Its mouth at the rim, where it runs along Z, seen along the axis; its middle where it does not open there.
+    #[default]
+    Rim,
+    /// Its mouth in the bore, through which Z goes; its middle where it does not open there.
+    Bore,
+    /// Its middle, through which Z goes.
+    Middle,
+}
+
 /// Options for finding the channel of a blisk.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -98,6 +111,8 @@ pub struct BliskOptions {
     /// middle of a mesh that is a sector; the others
     /// follow in the sense of a right-handed turn about W's X.
     pub channel: usize,
+    /// Place of the passage along Z of W.
+    pub z_at: ZAt,
     /// Radius of the hub along the whole channel (mm; P0: R_h).
     pub hub_radius_mm: Auto<f64>,
     /// Radius of the shroud, or of the blade tips without one, along the whole channel (mm; P0: R_c).
@@ -122,6 +137,7 @@ impl Default for BliskOptions {
             axis: AxisChoice::Named(AxisName::Auto),
             blades: Auto::Auto,
             channel: 0,
+            z_at: ZAt::Rim,
             hub_radius_mm: Auto::Auto,
             shroud_radius_mm: Auto::Auto,
             hub_points_mm: Vec::new(),

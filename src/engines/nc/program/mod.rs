@@ -275,7 +275,8 @@ fn header(w: &mut Writer, approved: &Approved) {
     if !other_words.is_empty() {
         w.comment(&format!("Words of this post for the axes above: {}", other_words.join(", ")));
     }
-    let is_from_rim = approved.enters_from() == EntrySide::Outward;
+    let is_from_bore = approved.enters_from() == EntrySide::Inward;
+    let is_from_rim = is_from_bore || approved.enters_from() == EntrySide::Outward;
     if w.job.is_turned {
         let mounted = match is_from_rim {
             true => "the blisk is mounted on its face at the greatest x of W, which is that towards -X of the machine",
@@ -293,7 +294,13 @@ fn header(w: &mut Writer, approved: &Approved) {
             true => "",
             false => " No head and no table were simulated.",
         };
-        w.comment(&format!("THE ELECTRODE ENTERS FROM THE RIM: it is fed and retracted along Z of W.{simulated}"));
+        w.comment(&match is_from_bore {
+            true => format!(
+                "THE ELECTRODE ENTERS FROM THE BORE: it is fed and retracted along Z of W, and must stand within the bore \
+                 before this program and after it.{simulated}"
+            ),
+            false => format!("THE ELECTRODE ENTERS FROM THE RIM: it is fed and retracted along Z of W.{simulated}"),
+        });
     }
     tour::header(w, approved);
     feed_comments(w, approved);

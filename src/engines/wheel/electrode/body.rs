@@ -152,6 +152,12 @@ fn outermost(plan: &Plan, shank: &Bounds) -> f64 {
             let nearest = (shank.center().y.abs() - half_width).max(0.0);
             (rim * rim - nearest * nearest).max(0.0).sqrt()
         }
+        EntrySide::Inward => {
+            let bore = channel.meridian.iter().map(|s| s.hub.y.min(s.shroud.y)).fold(f64::INFINITY, f64::min);
+            let half_width = 0.5 * params.holder_mm[1].max(shank.size().y + 2.0 * HOLDER_MARGIN);
+            let farthest = shank.center().y.abs() + half_width;
+            -(bore * bore - farthest * farthest).max(0.0).sqrt()
+        }
     }
 }
 
@@ -164,7 +170,9 @@ fn block(shank: &[DVec3], plan: &Plan, layout: Layout, assumed: &mut Vec<String>
     // From the hub to the shroud.
     let up = match plan.which.side {
         EntrySide::MinusX | EntrySide::PlusX => DVec3::Z,
-        EntrySide::Outward => DVec3::X * (shank[layout.shroud(0)] - shank[layout.hub(0)]).x.signum(),
+        EntrySide::Outward | EntrySide::Inward => {
+            DVec3::X * (shank[layout.shroud(0)] - shank[layout.hub(0)]).x.signum()
+        }
     };
     let (w, h) = (width.max(needed.y), height.max(needed.dot(up.abs())));
     if w > width || h > height {

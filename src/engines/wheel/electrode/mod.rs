@@ -98,15 +98,19 @@ pub enum EntrySide {
     /// Entry at the rim: withdrawal along Z, the direction in which the passage runs out there.
     #[serde(rename = "outward")]
     Outward,
+    /// Entry from the free bore of a ring: withdrawal against Z.
+    #[serde(rename = "inward")]
+    Inward,
 }
 
 impl EntrySide {
     /// All sides, in the order in which they are tried.
-    pub const ALL: [Self; 3] = [Self::MinusX, Self::PlusX, Self::Outward];
+    pub const ALL: [Self; 4] = [Self::MinusX, Self::PlusX, Self::Outward, Self::Inward];
+
     /// The sign of the direction in which the electrode is withdrawn, on the axis along which it is.
     pub fn sign(self) -> f64 {
         match self {
-            Self::MinusX => -1.0,
+            Self::MinusX | Self::Inward => -1.0,
             Self::PlusX | Self::Outward => 1.0,
         }
     }
@@ -117,6 +121,7 @@ impl EntrySide {
             Self::MinusX => DVec3::NEG_X,
             Self::PlusX => DVec3::X,
             Self::Outward => DVec3::Z,
+            Self::Inward => DVec3::NEG_Z,
         }
     }
 
@@ -129,6 +134,7 @@ impl EntrySide {
     pub fn words(self) -> &'static str {
         match self {
             Self::Outward => "the rim",
+            Self::Inward => "the bore",
             other => other.name(),
         }
     }
@@ -139,6 +145,7 @@ impl EntrySide {
             Self::MinusX => "-X",
             Self::PlusX => "+X",
             Self::Outward => "the rim",
+            Self::Inward => "the bore",
         }
     }
 
@@ -157,6 +164,7 @@ impl EntrySide {
             Self::MinusX => DVec2::NEG_X,
             Self::PlusX => DVec2::X,
             Self::Outward => DVec2::Y,
+            Self::Inward => DVec2::NEG_Y,
         };
         let [first, last] =
             if channel.flow == Flow::Axial { [DVec2::NEG_X, DVec2::X] } else { ways_out(&channel.meridian) };
@@ -164,6 +172,15 @@ impl EntrySide {
             [first, last] if first.max(last) < OPENS => Err(no_mouth),
             [first, last] => Ok(last >= first),
         }
+    }
+}
+
+/// What lets a shank that leaves along the radius run straight on along the passage.
+fn straight(side: EntrySide) -> &'static str {
+    match side {
+        EntrySide::Outward => "; with blisk.z_at = \"rim\" Z is along the passage there",
+        EntrySide::Inward => "; with blisk.z_at = \"bore\" Z goes through the mouth there",
+        EntrySide::MinusX | EntrySide::PlusX => "",
     }
 }
 
@@ -371,8 +388,8 @@ pub enum ElectrodeError {
     /// Shank or holder, which go straight to the side of entry, meet the blisk.
     #[error(
         "the shank, which goes straight on towards {} from the end of the passage, {} at ({:.2}, {:.2}, {:.2}) mm in the workpiece frame, the gap is {gap:.3} mm: choose another side of entry, \
-         more parts, or a larger shank inset",
-        .side.label(), near(*clearance), at.x, at.y, at.z
+         more parts, or a larger shank inset{}",
+        .side.label(), near(*clearance), at.x, at.y, at.z, straight(*side)
     )]
     ShankMeets {
         /// The side of entry.

@@ -81,7 +81,7 @@ fn kind(corners: [DVec3; 3], channel: &Channel, side: EntrySide) -> ElectrodeFac
     let is_outside = match side {
         EntrySide::MinusX => center.x < from - slack,
         EntrySide::PlusX => center.x > to + slack,
-        EntrySide::Outward => false,
+        EntrySide::Outward | EntrySide::Inward => false,
     };
     if is_outside {
         return ElectrodeFace::Shank;

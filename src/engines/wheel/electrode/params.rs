@@ -131,6 +131,9 @@ pub enum EnterSide {
     /// Entry along the radius, from outside.
     #[serde(rename = "outward")]
     Outward,
+    /// Entry along the radius, from within the bore.
+    #[serde(rename = "inward")]
+    Inward,
     /// The better side.
     #[default]
     #[serde(rename = "auto")]
@@ -144,6 +147,7 @@ impl EnterSide {
             Self::PlusX => "+x",
             Self::MinusX => "-x",
             Self::Outward => "outward",
+            Self::Inward => "inward",
             Self::Auto => "auto",
         }
     }
@@ -153,7 +157,8 @@ impl EnterSide {
         self == Self::Auto || self == side.into()
     }
 
-    /// The sides to try: the given one, or all that the passage of `channel` opens to, those at its first station first.
+    /// The sides to try: the given one, or all that the passage of `channel` opens to, those at its first station first;
+    /// the bore only where there is no other.
     ///
     /// # Errors
     /// If the passage does not open to the given side, or to none.
@@ -163,8 +168,13 @@ impl EnterSide {
             Self::PlusX => only(EntrySide::PlusX),
             Self::MinusX => only(EntrySide::MinusX),
             Self::Outward => only(EntrySide::Outward),
+            Self::Inward => only(EntrySide::Inward),
             Self::Auto => {
                 let mut sides = EntrySide::open(channel);
+                // A bore is reached by few machines.
+                if sides.len() > 1 {
+                    sides.retain(|side| *side != EntrySide::Inward);
+                }
                 sides.sort_by_key(|side| side.mouth(channel) == Ok(true));
                 if sides.is_empty() { Err(ElectrodeError::Closed(channel.flow)) } else { Ok(sides) }
             }
@@ -178,6 +188,7 @@ impl From<EntrySide> for EnterSide {
             EntrySide::MinusX => Self::MinusX,
             EntrySide::PlusX => Self::PlusX,
             EntrySide::Outward => Self::Outward,
+            EntrySide::Inward => Self::Inward,
         }
     }
 }

@@ -31,7 +31,7 @@ use super::channel::{Channel, ChannelWall, Flow, OPENS, Unlike, ways_out};
 use super::error::{BliskError, Refused};
 use super::frame::slices::{Gap, Slices};
 use super::frame::{BliskFrame, Wheel, find_wheel, is_inside_out};
-use super::options::BliskOptions;
+use super::options::{BliskOptions, ZAt};
 use geometry::frame::{Cylindrical, Frame};
 use geometry::mesh::Mesh;
 use task::{Cancel, Task};
@@ -232,7 +232,7 @@ fn place_channel(
 
 /// The middle of the channel through a place, half way between the edges and half way up, and the angle about X that
 /// becomes W's +Z: that of the direction in which the passage runs out at the rim, since electrodes leave it there along
-/// +Z; of a passage that does not open at the rim the angle of its middle (rad).
+/// +Z; that of its mouth in the bore, where it may run far off the radius; otherwise that of its middle (rad).
 fn middle_of(tracer: &Tracer, start: Place, lines: Option<&Lines>) -> Result<(Place, f64), BliskError> {
     let (meridian, start) = meridian_of(tracer, start, lines)?;
     let finder = WallFinder { tracer, meridian: &meridian, start };
@@ -243,13 +243,16 @@ fn middle_of(tracer: &Tracer, start: Place, lines: Option<&Lines>) -> Result<(Pl
     let near = NEAR_MOUTH * (back - front);
     // Not up to the edges: at blunt ones a gap says nothing.
     let ends = [[front + near, front + 0.2 * near], [back - near, back - 0.2 * near]].into_iter().zip(ways);
-    let mouth = ends.max_by(|a, b| a.1.y.total_cmp(&b.1.y)).filter(|(_, way)| way.y >= OPENS);
+    let z_at = tracer.options.z_at;
+    let outwards = if z_at == ZAt::Bore { -1.0 } else { 1.0 };
+    let mouth = ends.max_by(|a, b| (outwards * a.1.y).total_cmp(&(outwards * b.1.y)));
+    let mouth = mouth.filter(|(_, way)| outwards * way.y >= OPENS && z_at != ZAt::Middle);
     let Some(([inside, mouth], _)) = mouth else { return Ok((middle, middle.gap.middle())) };
     let [from, to] = [finder.place(&row, inside)?, finder.place(&row, mouth)?].map(|place| {
         let theta = place.gap.middle();
         Cylindrical { x: place.x, r: place.r, theta }.point()
     });
-    Ok((middle, Cylindrical::from_point(to - from).theta))
+    Ok((middle, Cylindrical::from_point(if z_at == ZAt::Bore { to } else { to - from }).theta))
 }
 
 fn turned(mut gap: Gap, angle: f64) -> Gap {

@@ -370,5 +370,6 @@ fn side_name(side: EntrySide) -> &'static str {
         EntrySide::MinusX => "\u{2212}x",
         EntrySide::PlusX => "+x",
         EntrySide::Outward => "the rim",
+        EntrySide::Inward => "the bore",
     }
 }

@@ -17,8 +17,14 @@ const UNITS: &[Word] = &[
 const AXES: &[Word] = &[word("auto", "automatic", ""), word("x", "X", ""), word("y", "Y", ""), word("z", "Z", "")];
 /// The words of [`AXES`]: otherwise the axis is a line that is given.
 const AXIS_WORDS: &[&str] = &["auto", "x", "y", "z"];
-const SIDES: &[Word] =
-    &[word("auto", "automatic", ""), word("-x", "-X", ""), word("+x", "+X", ""), word("outward", "rim", "")];
+const SIDES: &[Word] = &[
+    word("auto", "automatic", ""),
+    word("-x", "-X", ""),
+    word("+x", "+X", ""),
+    word("outward", "rim", ""),
+    word("inward", "bore", ""),
+];
+const Z_AT: &[Word] = &[word("rim", "its rim", ""), word("bore", "its bore", ""), word("middle", "its middle", "")];
 const MACHINES: &[Word] = &[word("XYZC", "XYZ C", ""), word("XYZAC", "XYZ A C", ""), word("XYZABC", "XYZ A B C", "")];
 const BODIES: &[Word] = &[
     word("", "none", ""),
@@ -115,6 +121,8 @@ const GROUPS: &[Group] = &[
                 "Which channel: 0 is the one nearest to the mesh's +Z, the others follow in the sense of a \
                  right-handed turn about X.",
             ),
+            Field::choice("blisk.z_at", "Z at", Z_AT)
+                .help("What of a passage that is not axial lies along Z of W, so that electrodes leave it there along Z."),
         ],
     },
     Group {

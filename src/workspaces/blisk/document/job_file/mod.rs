@@ -19,7 +19,7 @@ use files::{Invalid, Params, Validate};
 use import::Units;
 use nc::program::NcSettings;
 use wheel::electrode::{ElectrodeParams, EnterSide, Sizing};
-use wheel::options::{Auto, AxisChoice, BliskOptions};
+use wheel::options::{Auto, AxisChoice, BliskOptions, ZAt};
 
 /// Parameters of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -70,6 +70,7 @@ struct BliskKeys {
     axis: AxisChoice,
     blades: Auto<usize>,
     channel: usize,
+    z_at: ZAt,
     hub_radius_mm: Auto<f64>,
     shroud_radius_mm: Auto<f64>,
     hub_points_mm: Vec<[f64; 3]>,
@@ -88,6 +89,7 @@ impl Default for BliskKeys {
             axis: options.axis,
             blades: options.blades,
             channel: options.channel,
+            z_at: options.z_at,
             hub_radius_mm: options.hub_radius_mm,
             shroud_radius_mm: options.shroud_radius_mm,
             hub_points_mm: options.hub_points_mm,
@@ -105,6 +107,7 @@ impl From<BliskKeys> for BliskSection {
             axis: keys.axis,
             blades: keys.blades,
             channel: keys.channel,
+            z_at: keys.z_at,
             hub_radius_mm: keys.hub_radius_mm,
             shroud_radius_mm: keys.shroud_radius_mm,
             hub_points_mm: keys.hub_points_mm,
