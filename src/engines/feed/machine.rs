@@ -431,7 +431,7 @@ mod tests {
     #[test]
     fn a_ram_along_z_serves_the_rim_alone_and_is_turned_with_the_face_that_is_held() {
         let of = |head_along| MachineParams { name: "m".to_owned(), head_along, ..Default::default() };
-        for (head, sides) in [(HeadAxis::X, [true, true, false]), (HeadAxis::Z, [false, false, true])] {
+        for (head, sides) in [(HeadAxis::X, [true, true, false, false]), (HeadAxis::Z, [false, false, true, false])] {
             assert_eq!(EntrySide::ALL.map(|side| of(head).comes_from(side)), sides);
         }
         assert!(EntrySide::ALL.iter().all(|side| MachineParams::default().comes_from(*side)), "no bodies, no head");

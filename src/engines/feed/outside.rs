@@ -110,6 +110,26 @@ mod tests {
     use super::*;
 
     #[test]
+    fn within_a_bore_the_farthest_corner_counts() {
+        // Two beams at 30 mm to either side of the axis.
+        let beam = Mesh::cuboid(DVec3::new(10.0, 40.0, 5.0)).mapped(|p| p + DVec3::new(0.0, -20.0, 30.0));
+        let below = beam.mapped(|p| DVec3::new(p.x, -p.y, -p.z));
+        let first = beam.vertices.len() as u32;
+        let triangles = beam.triangles.iter().copied().chain(below.triangles.iter().map(|t| t.map(|v| v + first)));
+        let triangles = triangles.collect();
+        let blisk = Mesh { vertices: [beam.vertices, below.vertices].concat(), triangles };
+        let tool = Mesh::cuboid(DVec3::new(1.0, 8.0, 10.0)).mapped(|p| p + DVec3::new(4.0, -4.0, 25.0));
+        let outside = Outside::new(&blisk, &tool, DVec3::ZERO);
+        assert!((outside.bore() - 30.0).abs() < 1e-12);
+        for z in [-2.0_f64, -8.0, -30.0] {
+            let free = 30.0 - 4f64.hypot((35.0 + z).max(-25.0 - z));
+            let pose = Pose { z, ..Pose::FINAL };
+            assert!((outside.distance_outside(&pose, EntrySide::Inward) - free).abs() < 1e-12, "{z}");
+            assert_eq!(outside.side_of(&pose), (free > 0.0).then_some(EntrySide::Inward));
+        }
+    }
+
+    #[test]
     fn metal_just_below_the_electrode_counts_and_metal_far_below_does_not() {
         let tool = Mesh::cuboid(DVec3::ONE).mapped(|p| p + DVec3::new(4.0, 0.0, 60.0));
         for (top, way) in [(46.0, -31.0), (44.0, -11.0)] {

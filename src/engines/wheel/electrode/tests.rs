@@ -8,7 +8,8 @@ use super::*;
 use crate::channel::{Channel, ChannelWall};
 use crate::find_channel::find_channel;
 use crate::fixtures::exact_channel;
-use crate::options::BliskOptions;
+use crate::options::{BliskOptions, ZAt};
+use crate::parametric::random::{random_wheel, shares};
 use crate::parametric::wheel::ParametricWheel;
 use crate::parametric::{MeshResolution, ParametricBlisk};
 use geometry::exact::ExactMesh;
@@ -408,6 +409,42 @@ fn electrodes_of_passages_in_any_direction_keep_the_gap_and_fill_them() {
                 }
             }
             assert!(near as f64 > 0.97 * f64::from(count), "{side:?}: {near} of {count}");
+        }
+    }
+}
+
+/// From the bore the shank goes straight inwards along the radius through the mouth, and the holder stands in the bore.
+#[test]
+fn an_electrode_from_the_bore_stands_in_it() {
+    let wheel = ParametricWheel::nozzle_ring();
+    let mesh = wheel.mesh();
+    let options = BliskOptions { z_at: ZAt::Bore, ..BliskOptions::default() };
+    let channel = find_channel(&mesh, &options, &Task::default()).unwrap();
+    let blisk = ExactMesh::new(&channel.wheel_in_w(&mesh)).unwrap();
+    let part = Part { channel, blisk };
+    let electrode = &make(&part, &ElectrodeParams::default(), EntrySide::Inward).unwrap()[0];
+    assert!(electrode.clearance_mm > 0.099, "{}", electrode.clearance_mm);
+    let bore = wheel.place(0.0, 0.5).y;
+    let holder = places(electrode, |face| face == ElectrodeFace::Holder);
+    assert!(holder.iter().all(|p| p.y.hypot(p.z) < bore + 1e-9 && p.z < bore), "{holder:?}");
+    // Of both mouths only that in the bore is below the passage.
+    assert_eq!(EntrySide::open(&part.channel), [EntrySide::Outward, EntrySide::Inward]);
+    assert_eq!(EnterSide::Auto.candidates(&part.channel), Ok(vec![EntrySide::Outward]));
+}
+
+/// Where a flange steps back from the hub, and where the hub goes on within the blades, of shells that reach into one
+/// another.
+#[test]
+fn electrodes_keep_the_gap_beside_steps_and_overlapping_shells() {
+    for number in [15, 54] {
+        let (wheel, _) = random_wheel(number, &mut shares(number as u64));
+        let (channel, mesh) = passage_of(&wheel);
+        let part = Part { blisk: ExactMesh::new(&mesh).unwrap(), channel };
+        let turn = wheel.pitch().to_degrees();
+        let params = ElectrodeParams { circumferential_reduction_deg: [0.2 * turn; 2], ..unreduced() };
+        for side in [EntrySide::MinusX, EntrySide::PlusX] {
+            let electrode = &make(&part, &params, side).unwrap()[0];
+            assert!(electrode.clearance_mm > 0.099, "wheel {number}: {}", electrode.clearance_mm);
         }
     }
 }

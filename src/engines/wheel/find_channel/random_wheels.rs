@@ -25,7 +25,7 @@ fn case(number: usize) -> Case {
     let turn = DQuat::from_euler(EulerRot::ZYX, within(-PI, PI), within(-1.5, 1.5), within(-PI, PI));
     let shift = DVec3::new(within(-200.0, 200.0), within(-200.0, 200.0), within(-200.0, 200.0));
     let size = 10f64.powf(within(-1.0, 1.5));
-    Case { wheel, placement: DAffine3::from_scale_rotation_translation(DVec3::splat(size), turn, shift), flow }
+    Case { wheel, placement: DAffine3::from_scale_rotation_translation(DVec3::splat(size), turn, size * shift), flow }
 }
 
 /// The shares of passage and height of a place (x, r).
@@ -146,7 +146,9 @@ pub(super) fn faulty(what: impl Fn(&Case) -> Vec<String>) -> String {
 }
 
 fn find(case: &Case) -> Result<Channel, BliskError> {
-    find_channel(&case.wheel.mesh_at(case.placement), &BliskOptions::default(), &Task::default())
+    // Rounded as in an STL file.
+    let mesh = case.wheel.mesh_at(case.placement).mapped(|p| p.as_vec3().as_dvec3());
+    find_channel(&mesh, &BliskOptions::default(), &Task::default())
 }
 
 #[test]
@@ -156,6 +158,28 @@ fn random_wheels_are_recognised() {
         Err(error) => vec![format!("refused: {error}")],
     });
     assert!(faulty.is_empty(), "{faulty}");
+}
+
+/// A wheel is clamped by its turned surfaces: where its blades were set aslant they do not tell the axis.
+#[test]
+fn the_axis_is_that_of_the_turned_surfaces_where_blades_are_aslant() {
+    for wheel in [ParametricWheel::impeller(), ParametricWheel::nozzle_ring()] {
+        let aslant = DAffine3::from_rotation_y(0.002) * DAffine3::from_translation(DVec3::new(0.0, 0.05, -0.08));
+        let mut mesh = wheel.mesh();
+        // The walls come first, each with two points a step along the passage.
+        let [around, along, _] = wheel.pieces;
+        mesh.vertices[4 * around * (along + 1)..].iter_mut().for_each(|p| *p = aslant.transform_point3(*p));
+        let turn = DQuat::from_euler(EulerRot::ZYX, 0.3, -0.7, 1.1);
+        let at = DVec3::new(20.0, -30.0, 10.0);
+        for placement in [DAffine3::IDENTITY, DAffine3::from_rotation_translation(turn, at)] {
+            let placed = mesh.mapped(|p| placement.transform_point3(p));
+            let channel = find_channel(&placed, &BliskOptions::default(), &Task::default()).unwrap();
+            let (axis, origin) = (placement.transform_vector3(DVec3::X), placement.translation);
+            let off =
+                channel.frame.x.cross(axis).length().max((channel.frame.origin - origin).cross(axis).length() / 100.0);
+            assert!(off < 2e-4, "{off}");
+        }
+    }
 }
 
 /// A wheel that is spoilt is refused, or the channels beside what is wrong with it are told.
