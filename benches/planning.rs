@@ -51,7 +51,7 @@ fn planning(criterion: &mut Criterion) {
         blisk: &field,
         electrode: &own_field,
         faces_x: channel.faces_x,
-        rim: None,
+        free_radii: None,
         outside: &outside,
         reference_point: electrode.reference_point,
         side: electrode.enters_from,

@@ -43,7 +43,7 @@ pub fn a_spoiled_path_is_repaired_without_another_search() {
         blisk: &space.field,
         electrode: &own,
         faces_x: space.channel.faces_x,
-        rim: None,
+        free_radii: None,
         outside: &outside,
         reference_point: o,
         side: electrode.enters_from,

@@ -57,6 +57,11 @@ impl Motion {
         Self { poses, placements, ways, swept }
     }
 
+    /// Whether the electrode may come nearer to `p` than `known` (mm), which is negative where it has been within it.
+    fn may_lower(&self, p: DVec3, known: f64) -> bool {
+        known <= 0.0 && self.swept.distance_to(p) == 0.0 || self.swept.distance_to(p) < known
+    }
+
     /// Position of `u`, in rows: the row before it and the share of the motion to the next.
     fn place(&self, u: f64) -> (usize, usize, f64) {
         let row = (u.floor() as usize).min(self.poses.len() - 1);
@@ -116,7 +121,7 @@ impl Cutter {
     /// The least signed distance (mm) from `p`, in W, to the electrode at the rows of its first motion, or `known` if
     /// it is nowhere less: mostly near the least of all, since that motion bends where the electrode is at a wall.
     pub(super) fn at_rows(&self, p: DVec3, known: f64) -> f64 {
-        let first = self.motions.first().filter(|motion| motion.swept.distance_to(p) < known);
+        let first = self.motions.first().filter(|motion| motion.may_lower(p, known));
         let rows = first.map_or(&[][..], |motion| &motion.placements);
         rows.iter().filter_map(|placement| self.look(placement, p).distance).fold(known, f64::min)
     }
@@ -127,7 +132,7 @@ impl Cutter {
     /// error of the field.
     pub(super) fn least(&self, p: DVec3, mut known: f64, enough: f64) -> f64 {
         for motion in &self.motions {
-            if motion.swept.distance_to(p) < known {
+            if motion.may_lower(p, known) {
                 known = self.least_over(motion, p, known, enough);
             }
         }

@@ -144,7 +144,8 @@ fn part_ranges([first, last]: [f64; 2], params: &ElectrodeParams) -> Result<Vec<
         })
         .collect();
     for (part, [from, to]) in ranges.iter().enumerate() {
-        let overlap = params.overlap_after(part).max(if part > 0 { params.overlap_after(part - 1) } else { 0.0 });
+        let neighbours = part.saturating_sub(1)..(part + 1).min(params.parts - 1);
+        let overlap = neighbours.map(|before| params.overlap_after(before)).fold(0.0, f64::max);
         if params.parts > 1 && to - from < 2.0 * overlap {
             return Err(ElectrodeError::PartTooShort { part: part + 1, length: to - from, overlap });
         }

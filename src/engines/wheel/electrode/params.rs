@@ -307,7 +307,8 @@ impl ElectrodeParams {
     /// Sets the side of entry of part `part` along the passage: where there are several, of this one alone.
     pub fn enter_from(&mut self, part: usize, side: EnterSide) {
         if self.parts == 1 {
-            (self.enter, self.part) = (side, Vec::new());
+            self.enter = side;
+            self.part.iter_mut().for_each(|row| row.enter = EnterSide::Auto);
         } else {
             self.part.resize(self.part.len().max(part + 1), PartParams::default());
             self.part[part].enter = side;
