@@ -69,9 +69,9 @@ pub struct Opening {
     /// Further reduction of both walls by the same angle that a search finds enough (rad); none where even the greatest
     /// tried is not. What an electrode made with it comes to is among the changes.
     pub both: Option<f64>,
-    /// That of the low wall alone (rad), where `both` is not enough.
+    /// Further reduction of the low wall alone (rad), where no angle of both is enough.
     pub low: Option<f64>,
-    /// That of the high wall alone (rad), where `both` is not enough.
+    /// Further reduction of the high wall alone (rad), where no angle of both is enough.
     pub high: Option<f64>,
     /// Changes that open a path: of walls with a certificate, others as far as a preview tells.
     pub changes: Vec<Change>,
@@ -87,7 +87,7 @@ pub enum Change {
     Walls {
         /// The reductions (rad).
         reductions: [f64; 2],
-        /// What each is more than now (rad).
+        /// Increase of each over the present reduction (rad).
         more: [f64; 2],
     },
     /// Another side of entry.

@@ -18,7 +18,7 @@ pub struct ExactMesh {
     shape: TriMesh,
     /// What is left of the mesh, where `shape` is only a part of it.
     rest: Option<Rest>,
-    /// Its shells, once somebody asks for them.
+    /// The shells of the mesh, found when first asked for.
     shells: OnceLock<Shells>,
 }
 

@@ -90,12 +90,13 @@ pub enum AxisChoice {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ZAt {
-    /// Its mouth at the rim, where it runs along Z, seen along the axis; its middle where it does not open there.
+    /// The mouth at the rim, where the passage runs along Z, seen along the axis; the middle where there is no such
+    /// mouth.
     #[default]
     Rim,
-    /// Its mouth in the bore, through which Z goes; its middle where it does not open there.
+    /// The mouth in the bore, through which Z goes; the middle where there is no such mouth.
     Bore,
-    /// Its middle, through which Z goes.
+    /// The middle of the passage, through which Z goes.
     Middle,
 }
 

@@ -20,10 +20,10 @@ const ENOUGH: f64 = 0.95;
 /// is more.
 const TOLERANCE: f64 = 0.005;
 const TOLERANCE_SHARE: f64 = 2e-4;
-/// So many times that far apart the same places of two channels may be: either is found with an error.
+/// Factor on the tolerance where two channels are compared: each is found with an error of its own.
 const APART: f64 = 5.0;
-/// So many places of a surface that are so many times further off than that are metal which one channel has, and not the
-/// other, however small it is.
+/// Number of places of a surface that must be further off than the tolerance by the factor [`MORE`] to be metal that one
+/// channel has and the other has not, however small it is.
 const LEAST_MORE: usize = 2;
 const MORE: f64 = 10.0;
 /// Most that the surfaces of channels that are alike may differ by, beside the mesh's chord error (mm).

@@ -1,57 +1,15 @@
 //! Every parameter of a blisk's plan. Forms, `--set`, reports and the names of steps of undo are made from this table.
 
-use files::{Field, FieldTable, Group, When, Word, word};
+use files::{Field, FieldTable, Group, When};
 
 use super::PlanJob;
+use super::choice_words::{
+    AXES, AXIS_WORDS, BODIES, CHANNELS, CONSTRAINTS, CURVES, ENDS, FACES, FRAMES, H_MODES, HEADS, MACHINES, POSTS,
+    SIDES, SIZES, STRATEGIES, TURNED, UNITS, Z_AT,
+};
 
 /// A greatest value that is none.
 const ANY: f64 = f64::INFINITY;
-const UNITS: &[Word] = &[
-    word("auto", "automatic", ""),
-    word("mm", "mm", ""),
-    word("cm", "cm", ""),
-    word("m", "m", ""),
-    word("inch", "inch", ""),
-    word("um", "µm", ""),
-];
-const AXES: &[Word] = &[word("auto", "automatic", ""), word("x", "X", ""), word("y", "Y", ""), word("z", "Z", "")];
-/// The words of [`AXES`]: otherwise the axis is a line that is given.
-const AXIS_WORDS: &[&str] = &["auto", "x", "y", "z"];
-const SIDES: &[Word] = &[
-    word("auto", "automatic", ""),
-    word("-x", "-X", ""),
-    word("+x", "+X", ""),
-    word("outward", "rim", ""),
-    word("inward", "bore", ""),
-];
-const Z_AT: &[Word] = &[word("rim", "its rim", ""), word("bore", "its bore", ""), word("middle", "its middle", "")];
-const MACHINES: &[Word] = &[word("XYZC", "XYZ C", ""), word("XYZAC", "XYZ A C", ""), word("XYZABC", "XYZ A B C", "")];
-const BODIES: &[Word] = &[
-    word("", "none", ""),
-    word("xyzc", "built-in XYZ C", ""),
-    word("xyzac", "built-in XYZ A C", ""),
-    word("xyzabc", "built-in XYZ A B C", ""),
-    word("xyzac-ram", "built-in XYZ A C, ram", ""),
-];
-const TURNED: &[Word] = &[word("electrode", "the electrode", ""), word("table", "the table under A", "")];
-const HEADS: &[Word] = &[word("x", "along X", ""), word("z", "along Z", "")];
-const FACES: &[Word] = &[word("-x", "at -X", ""), word("+x", "at +X", "")];
-const CHANNELS: &[Word] = &[word("own", "the planned one", ""), word("all", "all, by A", "")];
-const CONSTRAINTS: &[Word] = &[word("distance", "distance", ""), word("angle", "angle", "")];
-const STRATEGIES: &[Word] = &[
-    word("global", "global", ""),
-    word("genetic", "genetic", ""),
-    word("centreline", "centreline", ""),
-    word("free-travel", "free travel", ""),
-    word("max-min-distance", "max. min. distance", ""),
-];
-const CURVES: &[Word] = &[word("spline", "cubic spline", ""), word("nurbs", "NURBS", "")];
-const H_MODES: &[Word] = &[word("given", "as given", ""), word("variable", "search", "")];
-const POSTS: &[Word] = &[word("iso", "ISO 6983 (RS-274)", ""), word("beckhoff-edm", "Beckhoff EDM", "")];
-const FRAMES: &[Word] = &[word("mesh", "loaded mesh", ""), word("w", "workpiece W", "")];
-const SIZES: &[Word] = &[word("given", "as given", ""), word("auto", "found", "")];
-const ENDS: &[Word] = &[word("not-a-knot", "not-a-knot", ""), word("natural", "natural", "")];
-
 /// Columns of the table of single parts.
 const PART: &[Field] = &[
     Field::choice("enter", "Enter from", SIDES).help("The part's own side of entry; automatic: that of all parts."),

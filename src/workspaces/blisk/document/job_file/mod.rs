@@ -1,6 +1,7 @@
 //! The parameters of a plan, in a project file as TOML. Every key but the mesh has a default. An unknown key is an
 //! error, because a misspelt key would otherwise be ignored.
 
+mod choice_words;
 pub mod field_table;
 
 use std::path::{Path, PathBuf};
