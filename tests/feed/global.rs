@@ -136,9 +136,12 @@ fn where_no_reduction_of_the_walls_is_enough_other_changes_are_tried() {
     let height = outcome.channel.middle().height();
     assert!((radial - inputs.job.electrode.radial_reduction_mm - 0.35 * height).abs() <= 0.1, "{radial}");
     let said = only(&outcome).plan.verdict(&outcome.channel);
-    for word in
-        ["both walls reduced by 2.86 deg more", "nor towards +x", "nor with a radial reduction of", "nor divided in two"]
-    {
+    for word in [
+        "both walls reduced by 2.86 deg more",
+        "nor towards +x",
+        "nor with a radial reduction of",
+        "nor divided in two",
+    ] {
         assert!(said.contains(word), "{said}");
     }
     // Both halves have what the whole has of its own.

@@ -80,7 +80,7 @@ fn volume_is_that_of_rings_and_blades() {
 
 #[test]
 fn turning_by_one_pitch_changes_nothing() {
-    let blisk = ParametricBlisk::demonstration();
+    let blisk = ParametricBlisk::turbine();
     let mesh = blisk.mesh(&MeshResolution::default()).unwrap();
     let turn = DMat3::from_rotation_x(blisk.pitch());
     let key = |p: DVec3| [p.x, p.y, p.z].map(|c| (c * 1e6).round() as i64);
@@ -95,15 +95,15 @@ fn turning_by_one_pitch_changes_nothing() {
 }
 
 #[test]
-fn the_demonstration_is_a_blisk_of_a_handy_size() {
-    let mesh = ParametricBlisk::demonstration().mesh(&MeshResolution::default()).unwrap();
+fn the_turbine_is_a_blisk_of_a_handy_size() {
+    let mesh = ParametricBlisk::turbine().mesh(&MeshResolution::default()).unwrap();
     assert!(mesh.is_watertight() && mesh.volume() > 0.0);
     assert!((40_000..=60_000).contains(&mesh.triangles.len()), "{}", mesh.triangles.len());
 }
 
 #[test]
 fn the_walls_meet_in_the_edges_of_the_blades() {
-    let blisk = ParametricBlisk::demonstration();
+    let blisk = ParametricBlisk::turbine();
     let r = 104.0;
     for x in [blisk.x_le(r), blisk.x_te(r)] {
         let low = blisk.wall_theta(ChannelSide::Low, x, r);
