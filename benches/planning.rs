@@ -17,12 +17,12 @@ use task::{Cancel, Task};
 use wheel::electrode::{EntrySide, make_electrodes};
 use wheel::find_channel::find_channel;
 use wheel::options::BliskOptions;
-use wheel::parametric::{MeshResolution, ParametricBlisk};
+use wheel::parametric::wheel::ParametricWheel;
 
 fn planning(criterion: &mut Criterion) {
     let task = Task::default();
     let job = PlanJob::demonstration();
-    let mesh = ParametricBlisk::demonstration().mesh(&MeshResolution::default()).expect("the demonstration blisk");
+    let mesh = ParametricWheel::demonstration().mesh();
     let options = BliskOptions::default();
     let mut group = criterion.benchmark_group("planning");
     group.sample_size(10);

@@ -19,7 +19,7 @@ use import::Units;
 use nc::post::Post;
 use task::{Cancel, Task};
 use wheel::electrode::Sizing;
-use wheel::parametric::{MeshResolution, ParametricBlisk};
+use wheel::parametric::wheel::ParametricWheel;
 
 /// Plans `project` and writes the results into `out`.
 pub(super) fn plan(project: &ProjectArguments, out: &Path, session: &Session) -> anyhow::Result<Answer> {
@@ -65,7 +65,7 @@ pub(super) fn demo(settings: &Settings, out: &Path, session: &Session) -> anyhow
     settings.apply(&FIELDS, &mut job)?;
     job.validate()?;
     job.genetic.seed = session.seed.unwrap_or(job.genetic.seed);
-    let blisk = ParametricBlisk::demonstration().mesh(&MeshResolution::default())?;
+    let blisk = ParametricWheel::demonstration().mesh();
     let file = InputFile {
         role: "blisk".to_owned(),
         path: "built-in demonstration blisk".to_owned(),

@@ -23,7 +23,7 @@ fn ring() -> Mesh {
     let wheel = ParametricWheel {
         hub: across(0.0),
         shroud: across(6.0),
-        wrap: 0.3,
+        wrap: [0.3; 2],
         thickness_mm: 1.5,
         fillet_mm: 0.3,
         wall_mm: 2.0,

@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn in_the_final_pose_they_are_the_gap_and_the_reductions() {
-        let blisk = ParametricBlisk::demonstration();
+        let blisk = ParametricBlisk::turbine();
         let channel = exact_channel(&blisk);
         let mesh = blisk.mesh(&MeshResolution::default()).unwrap().in_frame(&channel.frame);
         let task = Task::default();

@@ -7,6 +7,7 @@ use crate::channel::{Flow, Station};
 use crate::parametric::ChannelSide;
 use crate::parametric::ParametricBlisk;
 use crate::parametric::welder::Welder;
+pub use crate::parametric::wheel::flange;
 use std::f64::consts::PI;
 use std::f64::consts::TAU;
 
@@ -205,39 +206,6 @@ pub fn turned_part(outline: &[[f64; 2]], n: usize) -> Mesh {
         Cylindrical { x, r, theta: TAU * (j % n) as f64 / n as f64 }.point()
     };
     w.patch(n, outline.len(), |j, i| at(i, j));
-    w.mesh
-}
-
-/// A flat ring with `holes` round holes through it, 10 mm thick, as bolted on shafts.
-pub fn flange(inner: f64, outer: f64, holes: usize, hole_radius: f64) -> Mesh {
-    const AROUND: usize = 32;
-    let mut w = Welder::default();
-    let half = std::f64::consts::PI / holes as f64;
-    let middle = 0.5 * (inner + outer);
-    for k in 0..holes {
-        let turn = 2.0 * half * k as f64;
-        // The hole's rim and the sector's border, each in as many points, counter-clockwise seen from +X.
-        let rim = |j: usize| {
-            let (s, c) = (TAU * j as f64 / AROUND as f64).sin_cos();
-            [middle + hole_radius * c, hole_radius / middle * s]
-        };
-        let border = |j: usize| {
-            let (s, c) = (TAU * (j % AROUND) as f64 / AROUND as f64).sin_cos();
-            let k = 1.0 / s.abs().max(c.abs());
-            [middle + 0.5 * (outer - inner) * k * c, half * k * s]
-        };
-        let at = |x: f64, [r, theta]: [f64; 2]| Cylindrical { x, r, theta: theta + turn }.point();
-        let pick = |i: usize, j: usize| if i == 0 { rim(j) } else { border(j) };
-        w.patch(AROUND, 1, |j, i| at(10.0, pick(i, j)));
-        w.patch(1, AROUND, |i, j| at(0.0, pick(i, j)));
-        w.patch(AROUND, 1, |j, i| at(10.0 * i as f64, rim(j)));
-        for j in 0..AROUND {
-            let (a, b) = (border(j), border(j + 1));
-            if (a[0] - b[0]).abs() < 1e-9 && (a[0] - middle).abs() > 0.49 * (outer - inner) {
-                w.patch(1, 1, |t, i| at(10.0 * (1 - i) as f64, if t == 0 { a } else { b }));
-            }
-        }
-    }
     w.mesh
 }
 

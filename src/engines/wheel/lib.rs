@@ -16,6 +16,7 @@ pub mod nurbs_wall;
 pub mod options;
 pub mod parametric;
 pub mod passage;
+#[cfg(any(test, feature = "fixtures"))]
 pub mod profile;
 pub mod sections;
 pub mod surface_finder;

@@ -8,7 +8,7 @@ use wheel::parametric::MeshResolution;
 use wheel::parametric::ParametricBlisk;
 
 fn guide() -> (Guide, Centreline) {
-    let blisk = ParametricBlisk::demonstration();
+    let blisk = ParametricBlisk::turbine();
     let channel = exact_channel(&blisk);
     let mesh = blisk.mesh(&MeshResolution::default()).unwrap().in_frame(&channel.frame);
     let task = Task::default();

@@ -6,6 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Layer, Passage, Removal, ResidualStockError, Site, SurfaceFigures, TOLERANCE};
+use geometry::exact::ExactMesh;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
 use geometry::weld::Weld;
 use task::{Cancel, Cancelled, Task};
@@ -21,6 +22,8 @@ const AT_JUNCTION: f64 = 0.15;
 const BESIDE: f64 = 0.1;
 /// Greatest distance of a point from the nearest surface of the channel (mm): the middle of a fillet.
 const IN_FILLET: f64 = 0.8;
+/// How far off a triangle is looked whether it bounds another shell's inside (mm).
+const OFF: f64 = 0.02;
 /// Vertices between two looks at the cancel flag.
 const BATCH: usize = 64;
 
@@ -35,10 +38,17 @@ pub(super) struct Patch {
     pub surfaces: Vec<Surface>,
 }
 
-/// The triangles of the blisk that bound the channel.
+/// The triangles of the blisk that bound the channel; not what another of its shells buries, as the end of a blade in a
+/// hub.
 pub(super) fn patch(site: &Site, passage: &Passage, cancel: &Cancel) -> Result<Patch, ResidualStockError> {
     let walls = site.channel.low.points.iter().chain(&site.channel.high.points).copied();
     let around = Bounds::of(walls).grown(1.0);
+    let exact = ExactMesh::new(site.blisk)?;
+    let is_bare = |corners: &[DVec3; 3]| {
+        let center = corners.iter().sum::<DVec3>() / 3.0;
+        let off = center + OFF * normal_times_two_areas(*corners).normalize_or_zero();
+        !exact.is_in_overlapping_shell(off, &exact.nearest(off))
+    };
     let longest = |p: DVec3, q: DVec3| if at_junction(site, passage, p, q) { EDGE_AT_JUNCTION } else { EDGE };
     let parts: Vec<_> = site
         .blisk
@@ -50,7 +60,7 @@ pub(super) fn patch(site: &Site, passage: &Passage, cancel: &Cancel) -> Result<P
             let near = corners.filter(|corners| Bounds::of(*corners).intersects(&around));
             Ok(near
                 .flat_map(|corners| pieces(corners, &around, &longest))
-                .filter_map(|c| part(site, passage, c))
+                .filter_map(|c| part(site, passage, c).filter(|(corners, _)| is_bare(corners)))
                 .collect())
         })
         .collect();

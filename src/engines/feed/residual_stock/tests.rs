@@ -6,7 +6,7 @@ use crate::machine::{AxisSet, MachineParams};
 use crate::verify::{Verifier, VerifyOptions};
 use geometry::exact::ExactMesh;
 use wheel::electrode::{ElectrodeParams, EntrySide, make_electrodes};
-use wheel::fixtures::exact_channel;
+use wheel::fixtures::{exact_channel, together, turned_part};
 use wheel::parametric::{MeshResolution, ParametricBlisk};
 
 const GAP: f64 = 0.1;
@@ -293,4 +293,14 @@ fn columns_that_overlap_leave_no_more_than_one_electrode_and_a_web_where_they_do
     let hub = found.surfaces.iter().find(|s| s.surface == Surface::Hub).unwrap();
     let shroud = found.surfaces.iter().find(|s| s.surface == Surface::Shroud).unwrap();
     assert!(hub.left.depth_mm > 0.3 && shroud.left.depth_mm > 0.3, "{hub:?} {shroud:?}");
+}
+
+#[test]
+fn what_another_shell_buries_is_no_surface_of_the_channel() {
+    let electrode = &make(&unreduced())[0];
+    let burn = || [Burn { electrode, feed: Vec::new(), copying: Vec::new() }];
+    let ring = turned_part(&[[2.0, 89.0], [12.0, 89.0], [12.0, 89.6], [2.0, 89.6]], 120);
+    let with_ring = together(PART.mesh.clone(), &ring);
+    let buried = residual_stock(&Site { blisk: &with_ring, ..site() }, &burn(), &Task::default()).unwrap();
+    assert_eq!(buried.surfaces, left_by(&burn()).surfaces);
 }

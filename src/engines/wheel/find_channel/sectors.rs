@@ -110,7 +110,7 @@ fn sectors_of_random_wheels_are_recognised() {
         let most = 0.45 * wheel.blades as f64;
         // With two kinds of blades two of each must be there.
         let kinds = if wheel.splitters.is_some() { 2.0 } else { 1.0 };
-        let random = |k: f64| (k * (wheel.wrap + wheel.thickness_mm)).sin().abs();
+        let random = |k: f64| (k * (wheel.wrap[0] + wheel.thickness_mm)).sin().abs();
         let pitches = (2.0 * kinds + 3.0 * random(71.0)).min(most);
         if pitches < 2.0 * kinds {
             return Vec::new();

@@ -92,7 +92,7 @@ pub fn random_wheel(number: usize, share: &mut dyn FnMut() -> f64) -> (Parametri
         shrouded,
         span: reversed([0.1, 0.92]),
         splitters,
-        wrap,
+        wrap: [wrap; 2],
         lean,
         thickness_mm,
         nose: if edge < 0.3 { 0.0 } else { 0.06 * edge },

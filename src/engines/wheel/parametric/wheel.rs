@@ -8,7 +8,6 @@ use std::f64::consts::{PI, TAU};
 use glam::{DAffine3, DVec2, DVec3};
 
 use super::welder::Welder;
-use crate::fixtures::flange;
 use geometry::frame::Cylindrical;
 use geometry::mesh::Mesh;
 
@@ -73,12 +72,15 @@ pub struct ParametricWheel {
     pub span: [f64; 2],
     /// Every other blade, where there are splitters.
     pub splitters: Option<Splitters>,
-    /// Angle that a blade winds about the axis over the whole passage (rad).
-    pub wrap: f64,
+    /// How fast a blade winds about the axis at the inlet and at the outlet, the rate changing evenly between
+    /// (rad over the whole passage).
+    pub wrap: [f64; 2],
     /// Angle by which a blade's end at the shroud is ahead of that at the hub (rad).
     pub lean: f64,
-    /// Thickness of a blade along the circumference (mm).
+    /// Thickness of a blade along the circumference, midway between its edges (mm).
     pub thickness_mm: f64,
+    /// Thickness of a blade at its edges, as a share of that midway.
+    pub edge_thickness: f64,
     /// Share of the passage over which an edge of a blade is rounded; 0 for a flat edge.
     pub nose: f64,
     /// Radius of the fillets between blades and walls, along the circumference (mm); at most 0.3 of the height.
@@ -93,13 +95,38 @@ pub struct ParametricWheel {
     pub flaws: Flaws,
     /// Pieces about the axis, along the passage and across it.
     pub pieces: [usize; 3],
+    /// Pieces of a fillet.
+    pub fillet_pieces: usize,
 }
 
 impl ParametricWheel {
     /// How far blades reach into walls, as a share of the height.
     const INTO: f64 = 0.1;
-    /// Pieces of a fillet.
-    const FILLET: usize = 8;
+
+    /// The built-in demonstration: a shrouded axial turbine wheel of moderate turning whose electrode comes out in one
+    /// part.
+    pub fn demonstration() -> Self {
+        let at = DVec2::new;
+        Self {
+            blades: 44,
+            hub: MeridianCurve([at(-4.0, 96.0), at(5.0, 95.2), at(15.0, 95.2), at(24.0, 96.4)]),
+            shroud: MeridianCurve([at(-4.0, 111.4), at(5.0, 111.6), at(15.0, 112.2), at(24.0, 113.4)]),
+            span: [9.0 / 64.0, 55.0 / 64.0],
+            // Blade angles of 30 and -40 degrees at the edges.
+            wrap: [0.231, -0.303],
+            lean: 0.003,
+            thickness_mm: 3.4,
+            edge_thickness: 0.4,
+            nose: 0.03,
+            fillet_mm: 0.6,
+            wall_mm: 5.0,
+            teeth: 6,
+            holes: 11,
+            pieces: [176, 24, 3],
+            fillet_pieces: 4,
+            ..Self::nozzle_ring()
+        }
+    }
 
     /// A ring of blades between two flat rings 12 mm apart.
     pub fn nozzle_ring() -> Self {
@@ -111,9 +138,10 @@ impl ParametricWheel {
             shrouded: true,
             span: [0.1, 0.9],
             splitters: None,
-            wrap: 0.5,
+            wrap: [0.5; 2],
             lean: 0.0,
             thickness_mm: 3.0,
+            edge_thickness: 1.0,
             nose: 0.0,
             fillet_mm: 0.0,
             wall_mm: 5.0,
@@ -121,6 +149,7 @@ impl ParametricWheel {
             holes: 0,
             flaws: Flaws::default(),
             pieces: [240, 96, 12],
+            fillet_pieces: 8,
         }
     }
 
@@ -131,7 +160,7 @@ impl ParametricWheel {
             let (from, to) = (DVec2::new(-30.0, 70.0 - radius), DVec2::new(-30.0 + radius, 70.0));
             MeridianCurve::quarter(from, DVec2::X, to)
         };
-        Self { blades: 9, hub: arc(50.0), shroud: arc(34.0), span: [0.1, 0.95], wrap: 1.2, ..Self::nozzle_ring() }
+        Self { blades: 9, hub: arc(50.0), shroud: arc(34.0), span: [0.1, 0.95], wrap: [1.2; 2], ..Self::nozzle_ring() }
     }
 
     /// Angle from blade to blade (rad).
@@ -151,6 +180,12 @@ impl ParametricWheel {
         (span, self.pitch() * k as f64 + turned + off)
     }
 
+    /// Angle that a blade has wound about the axis up to a share of the passage (rad).
+    fn wound(&self, along: f64) -> f64 {
+        let [from, to] = self.wrap;
+        from * along + 0.5 * (to - from) * along * along
+    }
+
     /// Half the thickness of a blade over `span` at a share of the passage and of the height, fillets included (mm).
     fn half_thickness(&self, span: [f64; 2], along: f64, height: f64) -> f64 {
         let from_end = (along - span[0]).min(span[1] - along).max(0.0);
@@ -158,13 +193,15 @@ impl ParametricWheel {
             nose if from_end >= nose => 1.0,
             nose => (1.0 - (1.0 - from_end / nose).powi(2)).sqrt(),
         };
+        let off_middle = (2.0 * along - span[0] - span[1]) / (span[1] - span[0]);
+        let thickness_mm = self.thickness_mm * (1.0 - (1.0 - self.edge_thickness) * off_middle * off_middle);
         let span_mm = self.hub.at(along).distance(self.shroud.at(along));
         let fillet = |off: f64| {
             let k = (1.0 - off.max(0.0) / self.fillet_mm.max(1e-300)).clamp(0.0, 1.0);
             self.fillet_mm * (1.0 - (1.0 - k * k).sqrt())
         };
         let above = if self.shrouded { fillet((1.0 - height) * span_mm) } else { 0.0 };
-        nose * (0.5 * self.thickness_mm + fillet(height * span_mm) + above)
+        nose * (0.5 * thickness_mm + fillet(height * span_mm) + above)
     }
 
     /// Angles of the low and the high wall of the passage above blade `k`, at a share of the passage and of the height
@@ -176,7 +213,7 @@ impl ParametricWheel {
             let turns = if blade >= self.blades { TAU } else { 0.0 };
             let stands = self.flaws.missing_blade != Some(blade % self.blades);
             (stands && (span[0]..=span[1]).contains(&along)).then(|| {
-                let middle = begin + turns + self.wrap * along + self.lean * height;
+                let middle = begin + turns + self.wound(along) + self.lean * height;
                 middle + side * self.half_thickness(span, along, height) / r
             })
         };
@@ -257,7 +294,7 @@ impl ParametricWheel {
             };
             let place = self.place(t, height);
             let half = self.half_thickness(span, t, height.clamp(0.0, 1.0));
-            let theta = begin + self.wrap * t + self.lean * height + side * half / place.y;
+            let theta = begin + self.wound(t) + self.lean * height + side * half / place.y;
             Cylindrical { x: place.x, r: place.y, theta }.point()
         };
         let mut quads = Vec::new();
@@ -281,8 +318,8 @@ impl ParametricWheel {
     /// Heights of a blade's rows: into the walls, close together in the fillets, up to the tips where there is no
     /// shroud.
     fn heights(&self, across: usize) -> Vec<Height> {
-        let fillet = |i: usize| self.fillet_mm * (1.0 - (0.5 * PI * i as f64 / Self::FILLET as f64).cos());
-        let rounds = if self.fillet_mm > 0.0 { Self::FILLET } else { 0 };
+        let fillet = |i: usize| self.fillet_mm * (1.0 - (0.5 * PI * i as f64 / self.fillet_pieces as f64).cos());
+        let rounds = if self.fillet_mm > 0.0 { self.fillet_pieces } else { 0 };
         let mut heights = vec![Height::Share(-Self::INTO), Height::Share(0.0)];
         heights.extend((1..=rounds).map(|i| Height::AboveHub(fillet(i))));
         let [from, to] = if self.fillet_mm > 0.0 { [0.3, if self.shrouded { 0.7 } else { 1.0 }] } else { [0.0, 1.0] };
@@ -322,6 +359,39 @@ fn turned(outline: &[DVec2], around: usize, steps: usize, along: usize) -> Mesh 
     let mut welder = Welder::default();
     sides.chain(caps).for_each(|quad| welder.quad(quad.map(point)));
     outwards(welder.mesh)
+}
+
+/// A flat ring with `holes` round holes through it, 10 mm thick, as bolted on shafts.
+pub fn flange(inner: f64, outer: f64, holes: usize, hole_radius: f64) -> Mesh {
+    const AROUND: usize = 32;
+    let mut w = Welder::default();
+    let half = PI / holes as f64;
+    let middle = 0.5 * (inner + outer);
+    for k in 0..holes {
+        let turn = 2.0 * half * k as f64;
+        // The hole's rim and the sector's border, each in as many points, counter-clockwise seen from +X.
+        let rim = |j: usize| {
+            let (s, c) = (TAU * j as f64 / AROUND as f64).sin_cos();
+            [middle + hole_radius * c, hole_radius / middle * s]
+        };
+        let border = |j: usize| {
+            let (s, c) = (TAU * (j % AROUND) as f64 / AROUND as f64).sin_cos();
+            let k = 1.0 / s.abs().max(c.abs());
+            [middle + 0.5 * (outer - inner) * k * c, half * k * s]
+        };
+        let at = |x: f64, [r, theta]: [f64; 2]| Cylindrical { x, r, theta: theta + turn }.point();
+        let pick = |i: usize, j: usize| if i == 0 { rim(j) } else { border(j) };
+        w.patch(AROUND, 1, |j, i| at(10.0, pick(i, j)));
+        w.patch(1, AROUND, |i, j| at(0.0, pick(i, j)));
+        w.patch(AROUND, 1, |j, i| at(10.0 * i as f64, rim(j)));
+        for j in 0..AROUND {
+            let (a, b) = (border(j), border(j + 1));
+            if (a[0] - b[0]).abs() < 1e-9 && (a[0] - middle).abs() > 0.49 * (outer - inner) {
+                w.patch(1, 1, |t, i| at(10.0 * (1 - i) as f64, if t == 0 { a } else { b }));
+            }
+        }
+    }
+    w.mesh
 }
 
 /// A closed shell, oriented outwards.

@@ -83,7 +83,7 @@ fn area(found: &SurfaceClasses, class: SurfaceClass) -> f64 {
 fn fillets_have_the_radius_and_the_area_that_they_were_made_with() {
     // Blades along the radius, so that the section across a fillet is the circle that it was made from.
     for fillet_mm in [0.6, 1.0, 1.6] {
-        let part = ParametricWheel { wrap: 0.0, fillet_mm, pieces: PIECES, ..ParametricWheel::nozzle_ring() };
+        let part = ParametricWheel { wrap: [0.0; 2], fillet_mm, pieces: PIECES, ..ParametricWheel::nozzle_ring() };
         let mesh = part.mesh();
         let (found, _) = classes(&mesh);
         for radius in [found.hub_fillet_mm, found.shroud_fillet_mm] {

@@ -21,7 +21,7 @@ use wheel::centreline::{Centreline, CentrelineError};
 use wheel::channel::Channel;
 use wheel::electrode::Electrode;
 use wheel::find_channel::find_or_refuse;
-use wheel::parametric::{MeshResolution, ParametricBlisk};
+use wheel::parametric::wheel::ParametricWheel;
 
 /// The meshes of a job as loaded.
 #[derive(Debug, Clone)]
@@ -99,7 +99,7 @@ impl Electrodes {
 /// # Errors
 /// One line naming file, place and remedy.
 pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
-    let Some(path) = &job.blisk.mesh else { return demonstration() };
+    let Some(path) = &job.blisk.mesh else { return Ok(demonstration()) };
     let blisk = import(path, job.blisk.units, task)?;
     let mut files = vec![input_file("blisk", path, &blisk)];
     let own_electrode = match &job.electrode.mesh {
@@ -116,8 +116,8 @@ pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
     Ok(Part { name, mesh: Arc::new(blisk.mesh), shape, report: Some(blisk.report), own_electrode, files })
 }
 
-fn demonstration() -> Result<Part, String> {
-    let mesh = ParametricBlisk::demonstration().mesh(&MeshResolution::default()).map_err(|e| e.to_string())?;
+fn demonstration() -> Part {
+    let mesh = ParametricWheel::demonstration().mesh();
     let file = InputFile {
         role: "blisk".to_owned(),
         path: "built-in demonstration blisk".to_owned(),
@@ -128,7 +128,7 @@ fn demonstration() -> Result<Part, String> {
     };
     let name = "Demonstration blisk".to_owned();
     let shape = Arc::new(RenderMesh::new(&mesh));
-    Ok(Part { name, mesh: Arc::new(mesh), shape, report: None, own_electrode: None, files: vec![file] })
+    Part { name, mesh: Arc::new(mesh), shape, report: None, own_electrode: None, files: vec![file] }
 }
 
 fn import(path: &Path, units: Units, task: &Task) -> Result<Imported, String> {

@@ -360,7 +360,7 @@ mod tests {
 
     #[test]
     fn whatever_keeps_a_path_from_being_verified_is_told() {
-        let channel = exact_channel(&ParametricBlisk::demonstration());
+        let channel = exact_channel(&ParametricBlisk::turbine());
         let scene = fixtures::Scene::new(wheel::electrode::EntrySide::MinusX);
         let told = |path: &FeedPath, c: &Certificate| failure(&plan(path.clone(), c.clone()), &channel);
         let good = scene.certificate(&scene.path);

@@ -356,7 +356,7 @@ mod tests {
 
     #[test]
     fn the_centreline_is_a_line_where_its_layer_is_shown() {
-        let channel = exact_channel(&ParametricBlisk::demonstration());
+        let channel = exact_channel(&ParametricBlisk::turbine());
         let empty = || Arc::new(RenderMesh::new(&Mesh { vertices: Vec::new(), triangles: Vec::new() }));
         let points = vec![DVec3::new(1.0, 2.0, 100.0), DVec3::new(9.0, 0.0, 101.0)];
         let shapes = ChannelShapes {

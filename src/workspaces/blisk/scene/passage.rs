@@ -142,7 +142,7 @@ mod tests {
 
     #[test]
     fn hub_shroud_and_stations_lie_between_the_walls_at_the_heights_of_the_passage() {
-        let blisk = ParametricBlisk::demonstration();
+        let blisk = ParametricBlisk::turbine();
         let channel = exact_channel(&blisk);
         let lines = PassageLines::new(&channel);
         for (line, share) in [(&lines.hub, 0.0), (&lines.shroud, 1.0)] {
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn the_ends_are_closed_lines_along_the_edges() {
-        let channel = exact_channel(&ParametricBlisk::demonstration());
+        let channel = exact_channel(&ParametricBlisk::turbine());
         for (end, u) in PassageLines::new(&channel).ends.iter().zip([0, channel.low.nu - 1]) {
             assert!(end.first().unwrap().distance(*end.last().unwrap()) < 1e-9);
             for wall in [&channel.low, &channel.high] {

@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn without_its_shroud_a_blisk_keeps_its_disc_and_blades() {
-        let part = ParametricBlisk::demonstration();
+        let part = ParametricBlisk::turbine();
         let mesh = part.mesh(&MeshResolution::default()).unwrap();
         let channel = find_channel(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
         let bare = unshrouded(&mesh.in_frame(&channel.frame), &channel);

@@ -115,7 +115,7 @@ mod tests {
     /// Every triangle is drawn once, in the colour of its class, and the surfaces are where the part has them.
     #[test]
     fn the_classes_cover_the_part_and_take_its_place_in_a_scene() {
-        let part = ParametricBlisk::demonstration();
+        let part = ParametricBlisk::turbine();
         let mesh = part.mesh(&MeshResolution::default()).unwrap();
         let channel = find_channel(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
         let map = SurfaceMap::new(&mesh, &channel, &Task::default()).unwrap();

@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn the_room_holds_the_electrode_in_every_pose() {
-        let blisk = ParametricBlisk::demonstration();
+        let blisk = ParametricBlisk::turbine();
         let exact = ExactMesh::new(&blisk.mesh(&MeshResolution::default()).unwrap()).unwrap();
         let (params, task) = (ElectrodeParams::default(), Task::default());
         let channel = exact_channel(&blisk);
