@@ -16,7 +16,7 @@ pub mod nurbs;
 pub mod offset;
 pub mod raycast;
 pub mod segmentation;
-mod shells;
+pub mod shells;
 pub mod smoothing;
 pub mod solid;
 pub mod spline;

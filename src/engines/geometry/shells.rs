@@ -30,7 +30,7 @@ impl Shell {
 }
 
 /// The shells of a mesh; none where it is one.
-pub(super) struct Shells {
+pub struct Shells {
     shells: Vec<Shell>,
     /// Of each triangle the number of its shell.
     shell_of: Vec<u32>,
@@ -42,6 +42,7 @@ const NO: u8 = 1;
 const YES: u8 = 2;
 
 impl Shells {
+    /// Finds the shells of `mesh` and makes each ready for distances.
     pub fn of(mesh: &Mesh) -> Self {
         let (shell_of, parts) = connected(mesh);
         let ready = |part: &Mesh| {
@@ -56,8 +57,8 @@ impl Shells {
         Self { shells, shell_of, is_near_another: (0..triangles).map(|_| AtomicU8::new(0)).collect() }
     }
 
-    /// Whether `p`, which is nearest to `triangle` of `mesh`, lies in a shell that reaches to that triangle, and in no
-    /// cavity of it.
+    /// Whether `p`, which is near `triangle` of the mesh, lies in a shell that reaches to that triangle, and in no cavity
+    /// of it.
     pub fn hold(&self, p: DVec3, triangle: u32, corners: [DVec3; 3]) -> bool {
         if self.shells.is_empty() || !self.is_near_another(triangle, corners) {
             return false;

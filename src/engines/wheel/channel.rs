@@ -372,6 +372,15 @@ impl Channel {
         Line { along, origin: station.hub + beyond, up, ends: [0.0, station.height()] }
     }
 
+    /// Direction (x, r) in which the passage goes on across `line`, from its inlet to its outlet.
+    pub fn onward(&self, line: &Line) -> DVec2 {
+        let [front, back] = self.ends_along();
+        let step = 0.01 * (back - front);
+        let way = self.line_at(line.along + step).place(0.0) - self.line_at(line.along - step).place(0.0);
+        let across = -line.up.perp();
+        if across.dot(way) < 0.0 { -across } else { across }
+    }
+
     /// Position along the passage of the place (x, r), and its height on the line across the passage there (mm).
     pub fn along_and_height(&self, place: DVec2) -> [f64; 2] {
         const ROUNDS: usize = 30;

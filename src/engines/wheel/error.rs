@@ -163,6 +163,19 @@ pub enum BliskError {
         /// Where (mm from the axis).
         r: f64,
     },
+    /// Something stands in the passage.
+    #[error(
+        "metal stands in the passage at x {:.3}, r {:.3} mm about the axis, {off_mm:.3} mm off its walls, hub and shroud: no electrode fills this passage; \
+         take it out of the mesh if the finished wheel is without it, or pick another passage with blisk.channel if only \
+         some have it",
+        .at.x, .at.y.hypot(.at.z)
+    )]
+    Obstructed {
+        /// The place that is furthest from the surfaces of the passage (mm).
+        at: DVec3,
+        /// How far it is from the nearest of them (mm).
+        off_mm: f64,
+    },
     /// Points that are given do not lie on the hub or the shroud that was measured beside them.
     #[error(
         "point {number} of blisk.{key}, at x {x:.3}, r {r:.3} mm about the axis, is {off_mm:.3} mm off the {surface} that was \
@@ -277,7 +290,7 @@ impl BliskError {
             | Self::LostWall { x, r }
             | Self::HandCurve { x, r, .. }
             | Self::NoThroat { x, r } => Some(Cylindrical { x, r, theta: 0.0 }.point()),
-            Self::Disagrees(Agreement { at, .. }) => Some(at),
+            Self::Disagrees(Agreement { at, .. }) | Self::Obstructed { at, .. } => Some(at),
             _ => None,
         }
         .filter(|p| p.is_finite())

@@ -60,13 +60,24 @@ impl<'a> Passage<'a> {
             return true;
         }
         let [hub, shroud] = self.channel.line_at(along).ends;
-        (hub - reach..=shroud + reach).contains(&height)
-            && self.is_between(p, [along, height.clamp(hub, shroud)], reach)
+        if !(hub - reach..=shroud + reach).contains(&height) {
+            return false;
+        }
+        // A wall that runs around the axis comes nearer beside `p` than at its own place.
+        let height = height.clamp(hub, shroud);
+        let beside = [-reach, 0.0, reach].map(|step| self.between(along + step, height));
+        let low = beside.iter().fold(f64::INFINITY, |least, [low, _]| least.min(*low));
+        let high = beside.iter().fold(f64::NEG_INFINITY, |most, [_, high]| most.max(*high));
+        is_within(p, [low, high], reach)
     }
 
     fn is_between(&self, p: DVec3, [along, height]: [f64; 2], slack: f64) -> bool {
-        let Cylindrical { r, theta, .. } = Cylindrical::from_point(p);
-        let [low, high] = self.between(along, height);
-        (low - slack / r..=high + slack / r).contains(&angle_near(theta, 0.5 * (low + high)))
+        is_within(p, self.between(along, height), slack)
     }
+}
+
+/// Whether the angle of `p` lies between two angles, to within `slack` (mm) along the circumference.
+fn is_within(p: DVec3, [low, high]: [f64; 2], slack: f64) -> bool {
+    let Cylindrical { r, theta, .. } = Cylindrical::from_point(p);
+    (low - slack / r..=high + slack / r).contains(&angle_near(theta, 0.5 * (low + high)))
 }

@@ -192,7 +192,7 @@ impl Cutter {
 }
 
 /// Box that holds `body` on its way through `placements`. Between two of them a point strays from the straight line by
-/// no more than its radius times an eighth of the square of the turn.
+/// no more than an eighth of its second derivative: that of a turn about A, of slides carried by it, and of tilts.
 fn swept(placements: &[DAffine3], ways: &[[f64; 3]], reference_point: DVec3, body: &Bounds) -> Bounds {
     let corners = body.corners();
     let at_rows = placements.iter().flat_map(|placement| corners.map(|p| placement.transform_point3(p)));
@@ -200,8 +200,8 @@ fn swept(placements: &[DAffine3], ways: &[[f64; 3]], reference_point: DVec3, bod
     let arm = corners.iter().map(|p| p.distance(reference_point)).fold(0.0, f64::max);
     let radius = bounds.corners().iter().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max);
     let strays = ways.windows(2).map(|pair| {
-        let [turn, tilt] = [0, 2].map(|i| pair[1][i] - pair[0][i]);
-        (radius * turn * turn + arm * (tilt + turn) * (tilt + turn)) / 8.0
+        let [turn, slide, tilt] = std::array::from_fn(|i| pair[1][i] - pair[0][i]);
+        (radius * turn * turn + 2.0 * turn * slide + arm * (tilt + turn) * (tilt + turn)) / 8.0
     });
     bounds.grown(strays.fold(0.0, f64::max))
 }

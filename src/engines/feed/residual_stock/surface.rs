@@ -6,8 +6,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Layer, Passage, Removal, ResidualStockError, Site, SurfaceFigures, TOLERANCE};
-use geometry::exact::ExactMesh;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
+use geometry::shells::Shells;
 use geometry::weld::Weld;
 use task::{Cancel, Cancelled, Task};
 use wheel::channel::Surface;
@@ -43,25 +43,27 @@ pub(super) struct Patch {
 pub(super) fn patch(site: &Site, passage: &Passage, cancel: &Cancel) -> Result<Patch, ResidualStockError> {
     let walls = site.channel.low.points.iter().chain(&site.channel.high.points).copied();
     let around = Bounds::of(walls).grown(1.0);
-    let exact = ExactMesh::new(site.blisk)?;
-    let is_bare = |corners: &[DVec3; 3]| {
-        let center = corners.iter().sum::<DVec3>() / 3.0;
-        let off = center + OFF * normal_times_two_areas(*corners).normalize_or_zero();
-        !exact.is_in_overlapping_shell(off, &exact.nearest(off))
+    let shells = Shells::of(site.blisk);
+    let is_bare = |piece: &[DVec3; 3], triangle: usize| {
+        let center = piece.iter().sum::<DVec3>() / 3.0;
+        let off = center + OFF * normal_times_two_areas(*piece).normalize_or_zero();
+        !shells.hold(off, triangle as u32, site.blisk.corners(triangle))
     };
     let longest = |p: DVec3, q: DVec3| if at_junction(site, passage, p, q) { EDGE_AT_JUNCTION } else { EDGE };
     let parts: Vec<_> = site
         .blisk
         .triangles
         .par_chunks(BATCH)
-        .map(|batch| {
+        .enumerate()
+        .map(|(number, batch)| {
             cancel.check()?;
-            let corners = batch.iter().map(|t| t.map(|v| site.blisk.vertices[v as usize]));
-            let near = corners.filter(|corners| Bounds::of(*corners).intersects(&around));
-            Ok(near
-                .flat_map(|corners| pieces(corners, &around, &longest))
-                .filter_map(|c| part(site, passage, c).filter(|(corners, _)| is_bare(corners)))
-                .collect())
+            let triangles = number * BATCH..number * BATCH + batch.len();
+            let near = triangles.filter(|&t| Bounds::of(site.blisk.corners(t)).intersects(&around));
+            let bounding = |t: usize| {
+                let pieces = pieces(site.blisk.corners(t), &around, &longest).into_iter();
+                pieces.filter_map(|piece| part(site, passage, piece)).filter(move |(piece, _)| is_bare(piece, t))
+            };
+            Ok(near.flat_map(bounding).collect())
         })
         .collect();
     let parts: Vec<Vec<([DVec3; 3], Surface)>> = parts.into_iter().collect::<Result<_, Cancelled>>()?;

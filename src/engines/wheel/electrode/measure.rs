@@ -59,7 +59,8 @@ pub(super) fn burn_area(mesh: &Mesh, faces: &[ElectrodeFace]) -> f64 {
 
 /// The reference point O of an electrode that leaves a passage of direction `flow` towards `side`: in an axial one the
 /// middle of its burning faces along X, y = 0, the mean of their least and greatest radius as z; in any other the middle
-/// of the holder across the direction of withdrawal, that of the burning faces along it (mm).
+/// of the holder, or of the whole electrode where none is told apart, across the direction of withdrawal, that of the
+/// burning faces along it (mm).
 pub(super) fn reference_point(mesh: &Mesh, faces: &[ElectrodeFace], side: EntrySide, flow: Flow) -> DVec3 {
     let box_of = |is_of: &dyn Fn(ElectrodeFace) -> bool, place: &dyn Fn(DVec3) -> DVec3| {
         let all = mesh.iter_corners().zip(faces).filter(|(_, face)| is_of(**face)).flat_map(|(corners, _)| corners);
@@ -68,7 +69,8 @@ pub(super) fn reference_point(mesh: &Mesh, faces: &[ElectrodeFace], side: EntryS
     if flow == Flow::Axial {
         return box_of(&|f| f.burns(), &|p| DVec3::new(p.x, 0.0, p.y.hypot(p.z)));
     }
-    let holder = box_of(&|f| f == ElectrodeFace::Holder, &|p| p);
+    let has_holder = faces.contains(&ElectrodeFace::Holder);
+    let holder = box_of(&|f| f == ElectrodeFace::Holder || !has_holder, &|p| p);
     let burning = box_of(&|f| f.burns(), &|p| p);
     let way = side.direction();
     holder.reject_from_normalized(way) + burning.project_onto_normalized(way)

@@ -247,14 +247,6 @@ impl Electrode {
     }
 }
 
-/// Refuses a passage that does not run along the axis.
-fn axial_only(channel: &Channel) -> Result<(), ElectrodeError> {
-    match channel.flow {
-        Flow::Axial => Ok(()),
-        flow => Err(ElectrodeError::NotAxial(flow)),
-    }
-}
-
 /// Reason why no electrode can be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ElectrodeError {
@@ -264,13 +256,6 @@ pub enum ElectrodeError {
     /// A parameter cannot be used.
     #[error(transparent)]
     Params(#[from] Invalid),
-    /// An own mesh is given for a channel that does not run along the axis.
-    #[error(
-        "the passage is {}: an electrode of one's own can only be given for a passage along the axis, within 45 degrees; \
-         leave electrode.mesh out to have one made",
-        .0.name()
-    )]
-    NotAxial(Flow),
     /// The channel does not open to the wanted side.
     #[error(
         "the passage is {} and neither of its ends opens to {} within 45 degrees: choose another side of entry, or auto",

@@ -14,13 +14,12 @@ use task::Cancel;
 
 /// Electrode of `channel` from a user's mesh in its final pose in W.
 ///
-/// Faces are classified by position and normal: those past the blades' span belong to the shank, the others to the
-/// wall, end wall or end that their normals point to. The closest distance to the blisk is exact; one below
+/// Faces are classified by position and normal: those past the blades' edges at the mouth belong to the shank, the others
+/// to the wall, end wall or end that their normals point to. The closest distance to the blisk is exact; one below
 /// `spark_gap_mm` is accepted and reported in `assumed`.
 ///
 /// # Errors
-/// When the passage does not run along the axis, and when the mesh is open, inside out, or touches or crosses the
-/// blisk.
+/// When the passage does not open to that side, and when the mesh is open, inside out, or touches or crosses the blisk.
 pub fn from_user_mesh(
     mesh: Mesh,
     channel: &Channel,
@@ -29,8 +28,7 @@ pub fn from_user_mesh(
     side: EntrySide,
     cancel: &Cancel,
 ) -> Result<Electrode, ElectrodeError> {
-    super::axial_only(channel)?;
-    side.mouth(channel)?;
+    let is_last = side.mouth(channel)?;
     if !mesh.is_watertight() {
         return Err(ElectrodeError::NotWatertight);
     }
@@ -46,7 +44,8 @@ pub fn from_user_mesh(
     if clearance_mm < spark_gap_mm {
         assumed.push(format!("That is less than the spark gap of {spark_gap_mm:.4} mm: it would cut too deep."));
     }
-    let faces: Vec<_> = mesh.iter_corners().map(|corners| kind(corners, channel, side)).collect();
+    let span = channel.span_along();
+    let faces: Vec<_> = mesh.iter_corners().map(|corners| kind(corners, channel, (span, is_last))).collect();
     Ok(Electrode {
         enters_from: side,
         reference_point: reference_point(&mesh, &faces, side, channel.flow),
@@ -74,26 +73,27 @@ fn clearance(mesh: &Mesh, blisk: &ExactMesh, cancel: &Cancel) -> Result<f64, Ele
     if distance > 0.0 { Ok(distance) } else { Err(ElectrodeError::Interferes) }
 }
 
-fn kind(corners: [DVec3; 3], channel: &Channel, side: EntrySide) -> ElectrodeFace {
+/// The kind of a face, where the blades span so much along the passage, for an electrode that enters at its last end, or at
+/// its first.
+fn kind(corners: [DVec3; 3], channel: &Channel, ([from, to], is_last): ([f64; 2], bool)) -> ElectrodeFace {
     let center = corners.iter().sum::<DVec3>() / 3.0;
-    let [from, to] = channel.span_x();
-    let slack = 0.05 * (to - from);
-    let is_outside = match side {
-        EntrySide::MinusX => center.x < from - slack,
-        EntrySide::PlusX => center.x > to + slack,
-        EntrySide::Outward | EntrySide::Inward => false,
-    };
-    if is_outside {
+    let place = DVec2::new(center.x, center.y.hypot(center.z));
+    let edge = channel.line_at(if is_last { to } else { from });
+    let out = if is_last { 1.0 } else { -1.0 };
+    let beyond = out * (place - edge.place(0.0)).dot(channel.onward(&edge));
+    if beyond > 0.05 * (to - from) {
         return ElectrodeFace::Shank;
     }
     let normal = unit_normal(corners);
-    let (along, [radial, around]) = (normal.x, components(center, DVec2::Y, normal));
-    // Walls run mostly along the axis, so that only nearly axial faces are ends.
-    if along.abs() > 0.95 {
-        let is_entry = along * side.sign() > 0.0;
-        return if is_entry { ElectrodeFace::EntryEnd } else { ElectrodeFace::FarEnd };
+    let [along, _] = channel.along_and_height(place);
+    let line = channel.line_at(along.clamp(from, to));
+    let [across, around] = components(center, line.up, normal);
+    let [onward, _] = components(center, channel.onward(&line), normal);
+    // Walls run mostly along the passage, so that only faces nearly across it are ends.
+    if onward.abs() > 0.95 {
+        return if onward * out > 0.0 { ElectrodeFace::EntryEnd } else { ElectrodeFace::FarEnd };
     }
-    match (radial.abs() > around.abs(), radial > 0.0, around > 0.0) {
+    match (across.abs() > around.abs(), across > 0.0, around > 0.0) {
         (true, true, _) => ElectrodeFace::ShroudSide,
         (true, false, _) => ElectrodeFace::HubSide,
         (false, _, true) => ElectrodeFace::HighWall,

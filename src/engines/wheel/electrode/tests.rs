@@ -415,6 +415,34 @@ fn electrodes_of_passages_in_any_direction_keep_the_gap_and_fill_them() {
     }
 }
 
+#[test]
+fn faces_of_an_own_mesh_are_told_as_they_were_made_in_any_direction_of_the_passage() {
+    use ElectrodeFace::{HighWall, HubSide, LowWall, ShroudSide};
+    let radial = (ParametricWheel::nozzle_ring(), EntrySide::Outward);
+    let mixed = [EntrySide::MinusX, EntrySide::Outward].map(|side| (ParametricWheel::impeller(), side));
+    for (wheel, side) in [radial].into_iter().chain(mixed) {
+        let (channel, mesh) = passage_of(&wheel);
+        let part = Part { channel, blisk: ExactMesh::new(&mesh).unwrap() };
+        let made = make(&part, &unreduced(), side).unwrap().remove(0);
+        let cancel = Cancel::default();
+        let own = from_user_mesh(made.mesh.clone(), &part.channel, &part.blisk, 0.1, side, &cancel).unwrap();
+        assert!((own.clearance_mm - made.clearance_mm).abs() < 1e-3, "{side:?}: {}", own.clearance_mm);
+        assert!((own.burn_area_mm2 / made.burn_area_mm2 - 1.0).abs() < 0.05, "{side:?}: {}", own.burn_area_mm2);
+        for face in [LowWall, HighWall, HubSide, ShroudSide] {
+            let areas = made.mesh.iter_corners().zip(made.faces.iter().zip(&own.faces));
+            let [all, same] =
+                areas.filter(|(_, (was, _))| **was == face).fold([0.0; 2], |[all, same], (corners, (was, is))| {
+                    let area = geometry::mesh::normal_times_two_areas(corners).length();
+                    [all + area, same + if was == is { area } else { 0.0 }]
+                });
+            assert!(same > 0.9 * all, "{side:?} {face:?}: {same} of {all}");
+        }
+        let apart = (own.reference_point - made.reference_point).dot(side.direction());
+        // Faces at the mouth may count for the shank.
+        assert!(apart.abs() < 2.0, "{side:?}: {apart}");
+    }
+}
+
 /// From the bore the shank goes straight inwards along the radius through the mouth, and the holder stands in the bore.
 #[test]
 fn an_electrode_from_the_bore_stands_in_it() {

@@ -7,6 +7,7 @@ mod hand_lines;
 mod hand_tests;
 mod measure;
 mod meridian;
+mod obstruction;
 #[cfg(test)]
 mod random_wheels;
 #[cfg(test)]
@@ -137,8 +138,7 @@ fn measured_channel(
     let unlike: Vec<Unlike> =
         unlike.into_iter().map(|u| Unlike { number: (options.channel + u.number) % blades, ..u }).collect();
     assumed.extend(unlike_sentence(&unlike, blades / blisk.repetition.kinds));
-    task.report("channel", 1.0, "");
-    Ok(Channel {
+    let channel = Channel {
         frame,
         blades,
         index: options.channel,
@@ -155,7 +155,12 @@ fn measured_channel(
         unlike,
         whole: is_of_sector.then(|| Arc::new(mesh.into_owned())),
         assumed,
-    })
+    };
+    if let Some((at, off_mm)) = obstruction::obstruction(&channel, slices.mesh()) {
+        return Err(BliskError::Obstructed { at, off_mm });
+    }
+    task.report("channel", 1.0, "");
+    Ok(channel)
 }
 
 /// Hub and shroud of the channel through `start`, along `lines` where it is not axial, and `start` with its position

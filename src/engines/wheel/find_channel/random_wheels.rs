@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::*;
 use crate::channel::Flow;
+use crate::fixtures::together;
 use crate::parametric::random::{random_wheel, shares};
 use crate::parametric::wheel::{Flaws, MeridianCurve, ParametricWheel};
 use geometry::frame::Cylindrical;
@@ -204,6 +205,35 @@ fn spoilt_random_wheels_are_refused_or_told() {
             (told < least).then(|| format!("{told} channels differ of {flaws:?}"))
         });
         unsaid.collect()
+    });
+    assert!(faulty.is_empty(), "{faulty}");
+}
+
+/// The wheel with a pin from blade to blade through every passage, as long as its share of the passage's width says.
+fn with_pins(wheel: &ParametricWheel, share: f64) -> Mesh {
+    let span = wheel.splitters.map_or(wheel.span, |splitters| splitters.span);
+    let middle = 0.5 * (span[0] + span[1]);
+    let place = wheel.place(middle, 0.5);
+    let thick = 0.25 * wheel.place(middle, 0.0).distance(wheel.place(middle, 1.0));
+    (0..wheel.blades).fold(wheel.mesh(), |mesh, k| {
+        let [low, high] = wheel.walls(k, middle, 0.5).unwrap();
+        let width = high - low;
+        let pin = Mesh::cuboid(DVec3::new(thick, share * width * place.y, thick));
+        let at = Cylindrical { x: place.x, r: place.y, theta: 0.5 * (low + high) };
+        let turn = DAffine3::from_translation(at.point()) * DAffine3::from_rotation_x(-at.theta);
+        together(mesh, &pin.mapped(|p| turn.transform_point3(p)))
+    })
+}
+
+/// Where every passage has a pin no two differ, and all four surfaces of a passage are where they were.
+#[test]
+fn what_stands_in_every_passage_is_no_passage_without_it() {
+    let faulty = faulty(|case| {
+        let accepted = [1.1, 0.4].into_iter().filter(|&share| {
+            let mesh = with_pins(&case.wheel, share).mapped(|p| case.placement.transform_point3(p));
+            find_channel(&mesh, &BliskOptions::default(), &Task::default()).is_ok()
+        });
+        accepted.map(|share| format!("accepted with pins over {share} of the width")).collect()
     });
     assert!(faulty.is_empty(), "{faulty}");
 }
