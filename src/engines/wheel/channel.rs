@@ -372,13 +372,18 @@ impl Channel {
         Line { along, origin: station.hub + beyond, up, ends: [0.0, station.height()] }
     }
 
-    /// Direction (x, r) in which the passage goes on across `line`, from its inlet to its outlet.
-    pub fn onward(&self, line: &Line) -> DVec2 {
-        let [front, back] = self.ends_along();
-        let step = 0.01 * (back - front);
-        let way = self.line_at(line.along + step).place(0.0) - self.line_at(line.along - step).place(0.0);
+    /// Direction (x, r) of the passage at a position along it and a share of its height, a unit vector.
+    pub fn forward(&self, along: f64, share: f64) -> DVec2 {
+        let [first, last] = self.ends_along();
+        let near = 0.01 * (last - first);
+        let at = |along: f64| self.station_at(along.clamp(first, last)).place(share);
+        (at(along + near) - at(along - near)).normalize_or_zero()
+    }
+
+    /// Direction (x, r) square to `line`, from the inlet of the passage to its outlet, a unit vector.
+    pub fn across(&self, line: &Line) -> DVec2 {
         let across = -line.up.perp();
-        if across.dot(way) < 0.0 { -across } else { across }
+        if across.dot(self.forward(line.along, 0.5)) < 0.0 { -across } else { across }
     }
 
     /// Position along the passage of the place (x, r), and its height on the line across the passage there (mm).

@@ -165,9 +165,9 @@ pub enum BliskError {
     },
     /// Something stands in the passage.
     #[error(
-        "metal stands in the passage at x {:.3}, r {:.3} mm about the axis, {off_mm:.3} mm off its walls, hub and shroud: no electrode fills this passage; \
-         take it out of the mesh if the finished wheel is without it, or pick another passage with blisk.channel if only \
-         some have it",
+        "metal stands in the passage at x {:.3}, r {:.3} mm about the axis, {off_mm:.3} mm off its walls, hub and shroud, so \
+         that no electrode fills it; take it out of the mesh if the finished wheel is without it, or pick another passage \
+         with blisk.channel if only some have it",
         .at.x, .at.y.hypot(.at.z)
     )]
     Obstructed {

@@ -22,7 +22,7 @@ const AT_JUNCTION: f64 = 0.15;
 const BESIDE: f64 = 0.1;
 /// Greatest distance of a point from the nearest surface of the channel (mm): the middle of a fillet.
 const IN_FILLET: f64 = 0.8;
-/// How far off a triangle is looked whether it bounds another shell's inside (mm).
+/// Distance off a triangle of the place that tells whether another shell buries it (mm).
 const OFF: f64 = 0.02;
 /// Vertices between two looks at the cancel flag.
 const BATCH: usize = 64;

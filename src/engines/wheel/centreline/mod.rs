@@ -96,7 +96,7 @@ impl Order<'_> {
         let [first, last] = channel.ends_along();
         match along > first && along < last {
             true => along,
-            false => along + (place - channel.line_at(along).place(height)).dot(forward(channel, along, share)),
+            false => along + (place - channel.line_at(along).place(height)).dot(channel.forward(along, share)),
         }
     }
 
@@ -115,15 +115,7 @@ fn place_at(channel: &Channel, along: f64, share: f64) -> DVec2 {
     let within = along.clamp(first, last);
     let beyond = along - within;
     let place = channel.station_at(within).place(share);
-    if beyond == 0.0 { place } else { place + beyond * forward(channel, within, share) }
-}
-
-/// Direction (x, r) of the passage of `channel` at a position along it, a unit vector.
-fn forward(channel: &Channel, along: f64, share: f64) -> DVec2 {
-    let [first, last] = channel.ends_along();
-    let near = 0.01 * (last - first);
-    let at = |along: f64| channel.station_at(along.clamp(first, last)).place(share);
-    (at(along + near) - at(along - near)).normalize_or_zero()
+    if beyond == 0.0 { place } else { place + beyond * channel.forward(within, share) }
 }
 
 impl Centreline {

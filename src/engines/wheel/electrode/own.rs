@@ -73,14 +73,14 @@ fn clearance(mesh: &Mesh, blisk: &ExactMesh, cancel: &Cancel) -> Result<f64, Ele
     if distance > 0.0 { Ok(distance) } else { Err(ElectrodeError::Interferes) }
 }
 
-/// The kind of a face, where the blades span so much along the passage, for an electrode that enters at its last end, or at
-/// its first.
+/// The kind of a face. `from` and `to` are the blades' edges along the passage (mm); the electrode enters at `to` if
+/// `is_last`, else at `from`.
 fn kind(corners: [DVec3; 3], channel: &Channel, ([from, to], is_last): ([f64; 2], bool)) -> ElectrodeFace {
     let center = corners.iter().sum::<DVec3>() / 3.0;
     let place = DVec2::new(center.x, center.y.hypot(center.z));
     let edge = channel.line_at(if is_last { to } else { from });
     let out = if is_last { 1.0 } else { -1.0 };
-    let beyond = out * (place - edge.place(0.0)).dot(channel.onward(&edge));
+    let beyond = out * (place - edge.place(0.0)).dot(channel.across(&edge));
     if beyond > 0.05 * (to - from) {
         return ElectrodeFace::Shank;
     }
@@ -88,10 +88,10 @@ fn kind(corners: [DVec3; 3], channel: &Channel, ([from, to], is_last): ([f64; 2]
     let [along, _] = channel.along_and_height(place);
     let line = channel.line_at(along.clamp(from, to));
     let [across, around] = components(center, line.up, normal);
-    let [onward, _] = components(center, channel.onward(&line), normal);
+    let [forward, _] = components(center, channel.across(&line), normal);
     // Walls run mostly along the passage, so that only faces nearly across it are ends.
-    if onward.abs() > 0.95 {
-        return if onward * out > 0.0 { ElectrodeFace::EntryEnd } else { ElectrodeFace::FarEnd };
+    if forward.abs() > 0.95 {
+        return if forward * out > 0.0 { ElectrodeFace::EntryEnd } else { ElectrodeFace::FarEnd };
     }
     match (across.abs() > around.abs(), across > 0.0, around > 0.0) {
         (true, true, _) => ElectrodeFace::ShroudSide,

@@ -8,11 +8,14 @@ use super::super::passage::Passage;
 use geometry::frame::{Cylindrical, angle_near};
 use geometry::mesh::{Bounds, Mesh};
 
-/// Share of the passage's height that metal must be off every wall, and at least so much (mm), not to belong to one.
+/// Share of the passage's height that metal must be off walls, hub and shroud not to belong to one of them.
 const OFF_SHARE: f64 = 0.06;
+/// Least distance that it must be off them (mm).
 const LEAST_OFF: f64 = 0.1;
 /// Share of the blades' span at either edge that is not looked at: round edges of neighbours reach into it.
 const EDGE: f64 = 0.05;
+/// Distance of the places on a triangle, as a share of the passage's height.
+const STEP: f64 = 0.2;
 /// Most pieces that the edge of a triangle is divided into to look at places between its corners.
 const MOST_PIECES: f64 = 12.0;
 
@@ -23,7 +26,7 @@ pub(super) fn obstruction(channel: &Channel, mesh: &Mesh) -> Option<(DVec3, f64)
     let around = Bounds::of(channel.low.points.iter().chain(&channel.high.points).copied());
     let [from, to] = passage.span;
     let (from, to) = (from + EDGE * (to - from), to - EDGE * (to - from));
-    // How far a place is off the nearest surface, beyond what belongs to one; none outside.
+    // How far a place is off the nearest surface; none outside the passage, or where it may belong to a surface.
     let depth = |p: DVec3| {
         let [along, height] = passage.along_and_height(p);
         if !(from..=to).contains(&along) {
@@ -36,8 +39,7 @@ pub(super) fn obstruction(channel: &Channel, mesh: &Mesh) -> Option<(DVec3, f64)
         let off = ((theta - low) * r).min((high - theta) * r).min(height - hub).min(shroud - height);
         (off > LEAST_OFF.max(OFF_SHARE * (shroud - hub))).then_some(off)
     };
-    let height = |along: f64| channel.line_at(along).ends[1] - channel.line_at(along).ends[0];
-    let step = 0.2 * height(0.5 * (from + to));
+    let step = STEP * channel.middle().height();
     let of_triangle = |i: usize| {
         let corners = mesh.corners(i);
         if !Bounds::of(corners).intersects(&around) {
