@@ -16,7 +16,7 @@ pub(super) struct InscribedCircle {
 }
 
 /// Two curves in the plane z = 0, the channel between them.
-pub(super) struct Passage {
+pub(super) struct CurvePair {
     low: Looked,
     high: Looked,
 }
@@ -45,7 +45,7 @@ impl Looked {
     }
 }
 
-impl Passage {
+impl CurvePair {
     /// Circles looked for along the low curve before its covered part is known.
     const LOOKS: usize = 64;
 
@@ -151,7 +151,7 @@ mod tests {
     #[test]
     fn between_concentric_arcs_the_circles_lie_on_the_arc_half_way() {
         let arc = |radius: f64| curve(move |t| DVec3::new(radius * (t - 0.5).sin(), radius * (t - 0.5).cos(), 0.0));
-        let passage = Passage::new(arc(36.0), arc(44.0));
+        let passage = CurvePair::new(arc(36.0), arc(44.0));
         let circles = passage.circles(41).unwrap();
         for circle in &circles {
             assert!((circle.center.length() - 40.0).abs() < 1e-7, "{}", circle.center.length());
@@ -168,7 +168,7 @@ mod tests {
         let line = |angle: f64, from: f64, to: f64| {
             curve(move |t| DVec3::new(angle.cos(), angle.sin(), 0.0) * (from + (to - from) * t))
         };
-        let circles = Passage::new(line(low, 10.0, 50.0), line(high, 20.0, 40.0)).circles(21).unwrap();
+        let circles = CurvePair::new(line(low, 10.0, 50.0), line(high, 20.0, 40.0)).circles(21).unwrap();
         for circle in &circles {
             let angle = circle.center.y.atan2(circle.center.x);
             assert!((angle - 0.2).abs() < 1e-9);
@@ -177,7 +177,7 @@ mod tests {
         // Contacts are as far from the origin on one line as on the other.
         let ends = [0, 20].map(|i| circles[i].center.length() * 0.1f64.cos());
         assert!((ends[0] - 20.0).abs() < 1e-3 && (ends[1] - 40.0).abs() < 1e-3, "{ends:?}");
-        let apart = Passage::new(line(low, 10.0, 15.0), line(high, 20.0, 40.0));
+        let apart = CurvePair::new(line(low, 10.0, 15.0), line(high, 20.0, 40.0));
         assert_eq!(apart.circles(5), None);
     }
 }

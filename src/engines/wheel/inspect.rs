@@ -276,11 +276,16 @@ impl fmt::Display for SurfaceClasses {
 impl fmt::Display for CentrelineSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut row = |name: &str, value: String| writeln!(f, "{name:<18}{value}");
-        let [least, greatest] = self.diameters_mm;
         let error = |e: &FitError| format!("greatest {:.6} mm, RMS {:.6} mm", e.greatest_mm, e.rms_mm);
-        let circles = format!("circles of {least:.3} to {greatest:.3} mm in {} sections", self.sections);
-        row("Centreline", format!("{:.3} mm long, {circles}", self.length_mm))?;
-        row("", format!("off the sections' middles: {}", error(&self.fit)))?;
+        let (made_of, middles) = match self.diameters_mm {
+            Some([least, greatest]) => (
+                format!("circles of {least:.3} to {greatest:.3} mm in {} sections", self.sections),
+                "the sections' middles",
+            ),
+            None => ("half way between the walls, since no circles lead through".to_owned(), "the middles"),
+        };
+        row("Centreline", format!("{:.3} mm long, {made_of}", self.length_mm))?;
+        row("", format!("off {middles}: {}", error(&self.fit)))?;
         for (name, wall) in ["low", "high"].iter().zip(&self.walls) {
             row("NURBS walls", format!("{name}, {}: off its points {}", side_name(wall.side), error(&wall.points)))?;
             row("", format!("off the mesh {}", error(&wall.mesh)))?;

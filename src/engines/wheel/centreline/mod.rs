@@ -6,16 +6,22 @@
 //! meridional lengths are scaled as arcs are at each radius, so that the plane keeps angles. The circles' centres are taken
 //! back to space by the true places of the two points of contact, so that unrolling costs an error of second order along
 //! the channel only.
+//!
+//! Between blades that hardly overlap, or that wind far around the axis, such circles do not lead through the passage: they
+//! leave it, or hardly any fits. The centreline is then half way between both walls at each position along the passage.
 
 #[cfg(test)]
 mod tests;
+
+use std::ops::RangeInclusive;
 
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
 use crate::channel::{BladeSide, Channel, Flow};
-use crate::inscribed::{InscribedCircle, Passage};
+use crate::inscribed::{CurvePair, InscribedCircle};
 use crate::nurbs_wall::NurbsWall;
+use crate::passage::Passage;
 use geometry::exact::ExactMesh;
 use geometry::frame::{Cylindrical, angle_near};
 use geometry::nurbs::{FitError, NurbsCurve, NurbsError};
@@ -36,7 +42,8 @@ pub struct ChannelCircle {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Centreline {
     curve: NurbsCurve,
-    /// Circles of each section, from the hub outwards, in order along the channel.
+    /// Circles of each section, from the hub outwards, in order along the channel; none where the line is half way
+    /// between the walls.
     pub sections: Vec<Vec<ChannelCircle>>,
     /// Distances of the curve from the middles of the sections, half of which it was fitted to.
     pub fit: FitError,
@@ -62,10 +69,7 @@ pub enum CentrelineError {
         sections: usize,
     },
     /// The middles fold back.
-    #[error(
-        "the channel's centreline folds back at x = {x:.2} mm, radius {r:.2} mm: the circles between the walls do not lead \
-         through it; look at the walls there"
-    )]
+    #[error("the channel's centreline folds back at x = {x:.2} mm, radius {r:.2} mm; look at the walls there")]
     Folds {
         /// Where along X (mm).
         x: f64,
@@ -132,6 +136,8 @@ impl Centreline {
     /// Share of the length over which the direction beyond an end is taken: circles at the very mouth of a channel
     /// lean on the round edge of one blade.
     const MOUTH: f64 = 0.05;
+    /// Least and greatest share of the passage's width, and of its height, that the line has on one side of it.
+    const IN_THE_MIDDLE: RangeInclusive<f64> = 0.2..=0.8;
 
     /// The centreline of `channel`.
     ///
@@ -140,7 +146,43 @@ impl Centreline {
     pub fn of_channel(channel: &Channel, cancel: &Cancel) -> Result<Self, CentrelineError> {
         let [low, high] = walls_of(channel)?;
         let order = if channel.flow == Flow::Axial { Order::X } else { Order::Along(channel) };
-        Self::ordered(&low, &high, order, cancel)
+        let passage = Passage::new(channel).ok_or(NurbsError::Counts)?;
+        match Self::ordered(&low, &high, order, cancel) {
+            Ok(line) if line.is_in_the_middle_of(&passage) => Ok(line),
+            Err(CentrelineError::Cancelled(cancelled)) => Err(cancelled.into()),
+            _ => Self::half_way(&passage, order),
+        }
+    }
+
+    /// The line half way between the walls, and between hub and shroud, from edge to edge of the blades.
+    fn half_way(passage: &Passage, order: Order) -> Result<Self, CentrelineError> {
+        let channel = passage.channel();
+        let end = |u: usize, v: usize| [&channel.low, &channel.high].map(|wall| order.of(wall.point(u, v)));
+        let mean = |u: usize| {
+            let alongs = (0..channel.low.nv).flat_map(|v| end(u, v));
+            alongs.sum::<f64>() / (2 * channel.low.nv) as f64
+        };
+        let [from, to] = [mean(0), mean(channel.low.nu - 1)];
+        let middle = |i: usize| {
+            let line = channel.line_at(from + (to - from) * i as f64 / (Self::MIDDLES - 1) as f64);
+            let height = 0.5 * (line.ends[0] + line.ends[1]);
+            let [low, high] = passage.between(line.along, height);
+            line.point(height, 0.5 * (low + high))
+        };
+        Self::through(&(0..Self::MIDDLES).map(middle).collect::<Vec<_>>(), Vec::new(), order)
+    }
+
+    /// Whether the line keeps off walls, hub and shroud of the passage that it belongs to.
+    fn is_in_the_middle_of(&self, passage: &Passage) -> bool {
+        (0..=Self::TABLE).all(|i| {
+            let p = self.curve.point(i as f64 / Self::TABLE as f64);
+            let [along, height] = passage.along_and_height(p);
+            let [hub, shroud] = passage.channel().line_at(along).ends;
+            let [low, high] = passage.between(along, height);
+            let theta = angle_near(Cylindrical::from_point(p).theta, 0.5 * (low + high));
+            let shares = [(theta - low) / (high - low), (height - hub) / (shroud - hub)];
+            shares.iter().all(|share| Self::IN_THE_MIDDLE.contains(share))
+        })
     }
 
     /// The centreline between two walls along X whose sections belong together.
@@ -166,7 +208,11 @@ impl Centreline {
         for (circles, [from, to]) in &mut sections {
             circles.retain(|c| (*from..=*to).contains(&order.of(c.center)) && order.holds(c.center));
         }
-        let sections = sections.into_iter().map(|(circles, _)| circles).collect();
+        Self::through(&middles, sections.into_iter().map(|(circles, _)| circles).collect(), order)
+    }
+
+    /// The line through `middles`, which follow each other along the passage.
+    fn through(middles: &[DVec3], sections: Vec<Vec<ChannelCircle>>, order: Order) -> Result<Self, CentrelineError> {
         let through: Vec<DVec3> = middles.iter().copied().step_by(2).collect();
         let curve = NurbsCurve::cubic(&through, None)?;
         let back = middles.windows(2).find(|pair| order.of(pair[1]) <= order.of(pair[0]));
@@ -286,10 +332,10 @@ impl Centreline {
         (0..=steps).map(|i| self.at_length(self.length() * i as f64 / steps as f64)[0]).collect()
     }
 
-    /// Least and greatest diameter of the circles (mm).
-    pub fn diameters(&self) -> [f64; 2] {
-        let radii = self.sections.iter().flatten().map(|c| 2.0 * c.radius);
-        radii.fold([f64::INFINITY, 0.0], |[least, most], d| [least.min(d), most.max(d)])
+    /// Least and greatest diameter of the circles (mm); none where the line is half way between the walls.
+    pub fn diameters(&self) -> Option<[f64; 2]> {
+        let diameters = self.sections.iter().flatten().map(|c| [2.0 * c.radius; 2]);
+        diameters.reduce(|[least, most], [d, _]| [least.min(d), most.max(d)])
     }
 }
 
@@ -383,7 +429,7 @@ impl<'a> Section<'a> {
     /// The circles in order along the channel; none if no circle fits.
     fn circles(&self) -> Result<Option<Vec<ChannelCircle>>, NurbsError> {
         let curves = [self.curve(0)?, self.curve(1)?];
-        let found = Passage::new(curves[0].clone(), curves[1].clone()).circles(Centreline::CIRCLES);
+        let found = CurvePair::new(curves[0].clone(), curves[1].clone()).circles(Centreline::CIRCLES);
         let Some(found) = found else { return Ok(None) };
         let mut circles: Vec<ChannelCircle> = Vec::new();
         for circle in &found {
@@ -502,10 +548,10 @@ pub struct WallFit {
 pub struct CentrelineSummary {
     /// Length of the centreline between the blades (mm).
     pub length_mm: f64,
-    /// Sections in which circles were inscribed.
+    /// Sections in which circles were inscribed; 0 where the line is half way between the walls.
     pub sections: usize,
     /// Diameter of the least and of the greatest circle (mm).
-    pub diameters_mm: [f64; 2],
+    pub diameters_mm: Option<[f64; 2]>,
     /// The curve against the middles of the sections.
     pub fit: FitError,
     /// The low and the high wall.

@@ -3,6 +3,7 @@ use task::Task;
 use super::*;
 use crate::find_channel::find_channel;
 use crate::options::BliskOptions;
+use crate::parametric::random::{random_wheel, shares};
 use crate::parametric::wheel::ParametricWheel;
 use crate::parametric::{MeshResolution, ParametricBlisk};
 use crate::surface_finder::SurfaceFinder;
@@ -34,7 +35,7 @@ fn the_centreline_of_a_straight_bore_is_its_axis() {
         let p = line.curve().point(f64::from(i) / 50.0);
         assert!(p.y.abs() < 1e-3 && (p.z - 110.0).abs() < 1e-3, "{p}");
     }
-    assert!(line.diameters()[1] < 8.0 + 1e-3);
+    assert!(line.diameters().unwrap()[1] < 8.0 + 1e-3);
     for circle in line.sections.iter().flatten() {
         let [a, b] = circle.contacts.map(|c| c.distance(circle.center));
         assert!((a - b).abs() < 1e-6, "as far from one wall as from the other");
@@ -103,7 +104,7 @@ fn in_passages_of_any_direction_it_lies_in_the_middle() {
         }
         // A circle between two blades is no wider than their pitch.
         let widest = channel.low.points.iter().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max) * wheel.pitch();
-        assert!(line.diameters()[1] < widest, "{:?}", line.diameters());
+        assert!(line.diameters().unwrap()[1] < widest, "{:?}", line.diameters());
         // Half way between the blades, as the wheel is drawn.
         let middle = |i: u32| {
             let along = wheel.span[0] + (wheel.span[1] - wheel.span[0]) * f64::from(i) / 400.0;
@@ -114,6 +115,31 @@ fn in_passages_of_any_direction_it_lies_in_the_middle() {
         let drawn: Vec<DVec3> = (0..=400).filter_map(middle).collect();
         let drawn: f64 = drawn.windows(2).map(|pair| pair[0].distance(pair[1])).sum();
         assert!(line.length() > 0.7 * drawn && line.length() < 1.05 * drawn, "{} of {drawn}", line.length());
+    }
+}
+
+/// Between blades that hardly overlap, or that wind far around the axis, circles do not lead through: the line stays off
+/// the metal and goes on from the inlet to the outlet all the same.
+#[test]
+fn where_no_circles_lead_through_it_is_half_way_between_the_walls() {
+    for number in [10, 33, 34] {
+        let (wheel, _) = random_wheel(number, &mut shares(number as u64));
+        let mesh = wheel.mesh();
+        let channel = find_channel(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
+        let line = Centreline::of_channel(&channel, &Cancel::default()).unwrap();
+        let exact = channel.exact(&mesh.in_frame(&channel.frame).into()).unwrap();
+        let [from, to] = channel.span_along();
+        let mut before = f64::NEG_INFINITY;
+        for i in 0..=200 {
+            let [p, _] = line.at_length(line.length() * f64::from(i) / 200.0);
+            let [along, _] = channel.along_and_height(DVec2::new(p.x, p.y.hypot(p.z)));
+            assert!(along > before && (from..=to).contains(&along), "wheel {number}: {along} after {before}");
+            let off = exact.nearest(p).signed_distance;
+            let room = channel.throat.width_mm.min(channel.station_at(along).height());
+            assert!(off > 0.2 * room, "wheel {number}: {off} at {along}");
+            before = along;
+        }
+        assert!(before - from > 0.8 * (to - from), "wheel {number}: as far as {before} of {from} to {to}");
     }
 }
 

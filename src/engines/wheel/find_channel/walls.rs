@@ -1,6 +1,7 @@
 //! The two walls of a channel as grids of points that lie exactly on the mesh, between the blades' edges.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::RangeInclusive;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -9,7 +10,8 @@ use super::super::channel::{BladeSide, ChannelWall, Flow, station_at};
 use super::super::error::BliskError;
 use super::super::frame::slices::{Crossing, Gap};
 use super::meridian::{FACE_ROUNDING, Meridian, Place, Tracer};
-use geometry::frame::Cylindrical;
+use super::turned;
+use geometry::frame::{Cylindrical, angle_near};
 
 /// The first and last row of points stay away from hub and shroud by this share of the height, so that the
 /// facets of the end walls do not cut their circles.
@@ -23,6 +25,11 @@ const EDGE_JUMP: f64 = 0.005;
 
 /// Share of the columns of a wall's grid that may jump between hub and shroud.
 const MOST_JUMPS: f64 = 0.05;
+
+/// From step to step a wall moves by less than this share of the passage's width.
+const SAME_WALL: f64 = 0.1;
+/// Shares of the height at which facets of hub and shroud do not stand out into a row.
+const NOT_AT_END_WALLS: RangeInclusive<f64> = 0.04..=0.96;
 
 /// Blades that go on so far beyond the end of hub or shroud (share of the height) are not bounded there.
 const BEYOND_END: f64 = 0.05;
@@ -131,7 +138,30 @@ impl WallFinder<'_> {
             }
         }
         self.check_end(&good, share, toward)?;
+        self.check_undivided(&good, bad + 0.5 * toward * step, share)?;
         Ok(good)
+    }
+
+    /// Refuses an edge beyond which, at `beyond`, both blades go on, with metal between them.
+    fn check_undivided(&self, edge: &Place, beyond: f64, share: f64) -> Result<(), BliskError> {
+        let Some(at) = self.place_at(beyond, share).filter(|_| NOT_AT_END_WALLS.contains(&share)) else { return Ok(()) };
+        let (width, middle) = (edge.gap.width(), edge.gap.middle());
+        let mut gaps = self.tracer.slices.gaps(at.x, at.y);
+        for gap in &mut gaps {
+            let turn = angle_near(gap.middle(), middle) - gap.middle();
+            *gap = turned(*gap, turn);
+        }
+        gaps.sort_by(|a, b| a.low.theta.total_cmp(&b.low.theta));
+        let starts = |gap: &Gap| (gap.low.theta - edge.gap.low.theta).abs() < SAME_WALL * width;
+        let ends = |gap: &Gap| (gap.high.theta - edge.gap.high.theta).abs() < SAME_WALL * width;
+        let (Some(first), Some(last)) = (gaps.iter().position(starts), gaps.iter().position(ends)) else { return Ok(()) };
+        if first >= last {
+            return Ok(());
+        }
+        let [low, high] = [gaps[first].high.theta, gaps[first + 1].low.theta];
+        let off_mm = at.y * (low - edge.gap.low.theta).min(edge.gap.high.theta - high);
+        let at = Cylindrical { x: at.x, r: at.y, theta: 0.5 * (low + high) }.point();
+        Err(BliskError::Obstructed { at, off_mm })
     }
 
     /// Refuses an edge where hub or shroud ends, but not the blades.

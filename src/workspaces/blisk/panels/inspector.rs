@@ -64,10 +64,14 @@ fn selected(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context) {
         Layer::Centreline => {
             let Some(line) = desk.work.channel().and_then(|found| found.centreline.as_ref()) else { return };
             heading(ui, layer.name());
-            let [least, greatest] = line.diameters();
             fact(ui, "Length", length.show(line.length(), 3));
-            fact(ui, "Least circle", length.show(least, 3));
-            fact(ui, "Greatest circle", length.show(greatest, 3));
+            match line.diameters() {
+                Some([least, greatest]) => {
+                    fact(ui, "Least circle", length.show(least, 3));
+                    fact(ui, "Greatest circle", length.show(greatest, 3));
+                }
+                None => fact(ui, "Made of", "middles between the walls"),
+            }
         }
         _ => {}
     }
