@@ -1,6 +1,6 @@
 //! Why a mesh is not taken for a blisk, in words that say what to do about it.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::channel::Agreement;
 use super::frame::axis::Axis;
@@ -66,6 +66,21 @@ pub enum BliskError {
         count: usize,
         /// Reason why they are no channels.
         reason: &'static str,
+    },
+    /// What is given by hand keeps the wheel from being found.
+    #[error(
+        "{} nothing in the mesh, which has {blades} blades about the axis {axis}, at x {:.3}, r {:.3} mm about it: {}",
+        .given.words()[0], .at.x, .at.y, .given.words()[1]
+    )]
+    Misleading {
+        /// What is given.
+        given: Misleading,
+        /// The axis that is found without it.
+        axis: Axis,
+        /// The number of blades that is found without it.
+        blades: usize,
+        /// Position along the axis and distance from it (mm) of a place between these blades.
+        at: DVec2,
     },
     /// The channel that is asked for does not exist.
     #[error("blisk.channel is {index}, but the blisk has {blades} channels, 0 to {}", .blades - 1)]
@@ -230,6 +245,49 @@ pub enum BliskError {
     Cancelled(#[from] Cancelled),
 }
 
+/// What is given by hand and fits nothing in the mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Misleading {
+    /// Points of hub, shroud or blades.
+    Points,
+    /// The number of blades.
+    Blades,
+    /// The axis.
+    Axis,
+}
+
+impl Misleading {
+    /// All of them, what is likeliest to be wrong first.
+    pub(super) const ALL: [Self; 3] = [Self::Points, Self::Blades, Self::Axis];
+
+    /// Takes it out of `options`; false if it is not given there.
+    pub(super) fn take_away(self, options: &mut BliskOptions) -> bool {
+        let given = options.clone();
+        match self {
+            Self::Points => {
+                options.hub_points_mm.clear();
+                options.shroud_points_mm.clear();
+                options.blade_points_mm.clear();
+            }
+            Self::Blades => options.blades = BliskOptions::default().blades,
+            Self::Axis => options.axis = BliskOptions::default().axis,
+        }
+        *options != given
+    }
+
+    /// The beginning and the end of a sentence about it.
+    fn words(self) -> [&'static str; 2] {
+        match self {
+            Self::Points => [
+                "the points of blisk.blade_points_mm, blisk.hub_points_mm and blisk.shroud_points_mm lie beside",
+                "pick points beside these blades, or take the points away",
+            ],
+            Self::Blades => ["blisk.blades fits", "correct it, or set it to auto"],
+            Self::Axis => ["blisk.axis fits", "correct it, or set it to auto"],
+        }
+    }
+}
+
 /// Refusal of a wheel, with the place that it is about.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{error}")]
@@ -310,7 +368,10 @@ impl BliskError {
     /// The axis about which the search failed.
     pub fn axis(&self) -> Option<Axis> {
         match self {
-            Self::Partial { axis, .. } | Self::NoBlades { axis, .. } | Self::NoChannels { axis, .. } => Some(*axis),
+            Self::Partial { axis, .. }
+            | Self::NoBlades { axis, .. }
+            | Self::NoChannels { axis, .. }
+            | Self::Misleading { axis, .. } => Some(*axis),
             Self::Sector(error) => error.axis(),
             _ => None,
         }

@@ -47,6 +47,21 @@ fn a_sector_is_the_wheel_that_it_was_cut_from() {
     }
 }
 
+/// Half a wheel is bounded by one plane, and one blade of a radial wheel turns about itself as well.
+#[test]
+fn half_a_wheel_and_one_pitch_of_it_are_the_wheel() {
+    let ring = ParametricWheel::nozzle_ring();
+    let (wheel, pitch) = (ring.mesh(), ring.pitch());
+    let turn = DQuat::from_euler(EulerRot::XYZ, 0.3, -0.8, 1.1);
+    for (from, angle) in [(0.3, 0.5 * TAU), (0.0, 0.5 * TAU), (0.4, pitch)] {
+        let cut = sector(&wheel, from * pitch, angle).mapped(|p| turn * p + DVec3::new(5.0, -80.0, 33.0));
+        let channel = find(&cut, &BliskOptions::default()).unwrap_or_else(|e| panic!("{from} {angle}: {e}"));
+        assert_eq!((channel.blades, channel.kinds, channel.unlike.len()), (ring.blades, 1, 0));
+        let again = channel.wheel_in_w(&cut).volume();
+        assert!((again / wheel.volume() - 1.0).abs() < 1e-3, "{again} of {}", wheel.volume());
+    }
+}
+
 #[test]
 fn a_sector_without_a_bore_is_a_wheel_without_one() {
     let part = TestBlisk::default();

@@ -18,10 +18,11 @@ pub(crate) use period::MOST_KINDS;
 pub use period::Repetition;
 
 use self::period::{Blades, Region};
+use self::axis::Turning;
 use self::sector::SectorError;
 use self::slices::Slices;
 use super::by_hand::ByHand;
-use super::error::BliskError;
+use super::error::{BliskError, Misleading};
 use super::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
@@ -88,17 +89,55 @@ pub(super) fn find_wheel<'a>(
     task: &Task,
 ) -> Result<Wheel<'a>, BliskError> {
     let error = match find_frame(&mesh, options, task) {
-        Ok(blisk) => return Ok(Wheel { mesh, is_of_sector: false, blisk }),
+        Ok(blisk) => return whole_or_sector(mesh, blisk, options, task),
         Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),
         Err(error) => error,
     };
-    let Some(whole) = sector::whole_wheel(&mesh, options, &task.cancel)? else { return Err(error) };
+    refuse_misleading(&mesh, options, task)?;
+    let Some(whole) = sector::whole_wheel(&mesh, options, 0.0, &task.cancel)? else { return Err(error) };
+    wheel_of_sector(whole, error, options, task)
+}
+
+/// The whole wheel that was found, or the one that the mesh is a sector of, if little of its surface turns about the axis
+/// that was found, and more about that of the sector: a blade alone may look like a wheel of a few.
+fn whole_or_sector<'a>(
+    mesh: Cow<'a, Mesh>,
+    blisk: BliskFrame,
+    options: &BliskOptions,
+    task: &Task,
+) -> Result<Wheel<'a>, BliskError> {
+    /// Share of the surface that turns about the axis of most wheels.
+    const MOST_TURN: f64 = 0.1;
+    let share = Turning::new(&mesh).share(&blisk.axis);
+    if share < MOST_TURN && options.axis == AxisChoice::Named(AxisName::Auto) {
+        let whole = match sector::whole_wheel(&mesh, options, share, &task.cancel) {
+            Err(SectorError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            whole => whole.ok().flatten(),
+        };
+        let failed = BliskError::NoChannels { axis: blisk.axis, count: blisk.repetition.blades, reason: "" };
+        match whole.map(|whole| wheel_of_sector(whole, failed, options, task)) {
+            Some(Err(BliskError::Cancelled(cancelled))) => return Err(cancelled.into()),
+            Some(Ok(wheel)) => return Ok(wheel),
+            _ => {}
+        }
+    }
+    Ok(Wheel { mesh, is_of_sector: false, blisk })
+}
+
+/// The wheel that was made of a sector, which as a whole wheel is refused for `error`.
+fn wheel_of_sector<'a>(
+    whole: sector::Whole,
+    error: BliskError,
+    options: &BliskOptions,
+    task: &Task,
+) -> Result<Wheel<'a>, BliskError> {
     let line = AxisLine { direction: whole.axis.direction.into(), point: whole.axis.point.into() };
     let about_line = BliskOptions { axis: AxisChoice::Line(line), ..options.clone() };
     // What only looks like a sector is what it was before.
     let mut blisk = match find_frame(&whole.mesh, &about_line, task) {
         Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),
-        Ok(blisk) if blisk.repetition.blades == whole.blades => blisk,
+        // Its copies are as many as its own symmetry allows.
+        Ok(blisk) if blisk.repetition.blades.is_multiple_of(whole.copies) => blisk,
         // The surface of a whole wheel goes all the way round.
         Ok(blisk) if matches!(error, BliskError::Partial { .. }) => {
             let (made, counted) = (whole.blades, blisk.repetition.blades);
@@ -115,6 +154,25 @@ pub(super) fn find_wheel<'a>(
     blisk.frame = Frame::from_x_and_z_hint(blisk.axis.point, blisk.axis.direction, whole.middle);
     blisk.assumed.insert(0, whole.assumed);
     Ok(Wheel { mesh: Cow::Owned(whole.mesh), is_of_sector: true, blisk })
+}
+
+/// Refuses what is given by hand where the whole wheel is found without it: first points, then the number of blades, then
+/// the axis.
+fn refuse_misleading(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<(), BliskError> {
+    let mut fewer = options.clone();
+    for given in Misleading::ALL {
+        if !given.take_away(&mut fewer) {
+            continue;
+        }
+        match find_frame(mesh, &fewer, task) {
+            Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            Err(_) => {}
+            Ok(BliskFrame { axis, repetition, middle, .. }) => {
+                return Err(BliskError::Misleading { given, axis, blades: repetition.blades, at: middle });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Finds the axis and the blade count of `mesh`, which must be oriented outwards.

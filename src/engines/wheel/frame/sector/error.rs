@@ -41,7 +41,7 @@ pub enum SectorError {
     #[error(
         "the mesh is a sector about the axis {axis}, but what lies {angle_deg:.2} deg apart in it is not congruent: at \
          x {x:.3}, r {r:.3} mm about the axis it is {off_mm:.3} mm off; check the axis and the number of blades, or load \
-         the whole wheel"
+         the whole wheel, or a sector of one pitch or more"
     )]
     Unlike {
         /// Angle between the two ends (deg).

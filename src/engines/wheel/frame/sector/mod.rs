@@ -1,4 +1,4 @@
-//! The whole wheel from a sector of it that two planes through the axis cut out.
+//! The whole wheel from a sector of it that two planes through the axis cut out, or one, which leaves a half.
 //!
 //! The sector keeps as many whole pitches as fit into it, and into a full turn without rest. These are turned about the
 //! axis. The two ends of what is kept are sections of surfaces that repeat, so that they are congruent but for the
@@ -14,7 +14,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat3, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
-use self::cuts::{clipped, cuts};
+use self::cuts::{Cut, clipped, cuts};
 pub use self::error::SectorError;
 use self::join::join;
 use super::axis::{self, Axis, Turning};
@@ -43,8 +43,10 @@ pub(super) struct Whole {
     pub mesh: Mesh,
     /// Axis of the wheel.
     pub axis: Axis,
-    /// Number of blades.
+    /// Number of blades that its pitch was told by.
     pub blades: usize,
+    /// Number of copies that it was made of.
+    pub copies: usize,
     /// Unit vector from the axis to the middle of the sector.
     pub middle: DVec3,
     /// Whole pitches that the sector holds.
@@ -53,14 +55,19 @@ pub(super) struct Whole {
     pub assumed: String,
 }
 
-/// The wheel that `mesh`, oriented outwards, is a sector of; none if no two planes cut it out about an axis that
-/// `options` allow.
+/// The wheel that `mesh`, oriented outwards, is a sector of; none if no planes cut it out about an axis that `options`
+/// allow and that more than a share `turning` of its surface turns about.
 ///
 /// # Errors
 /// [`SectorError`], of the likeliest axis.
-pub(super) fn whole_wheel(mesh: &Mesh, options: &BliskOptions, cancel: &Cancel) -> Result<Option<Whole>, SectorError> {
+pub(super) fn whole_wheel(
+    mesh: &Mesh,
+    options: &BliskOptions,
+    turning: f64,
+    cancel: &Cancel,
+) -> Result<Option<Whole>, SectorError> {
     let mut first_error = None;
-    for sector in sectors(mesh, options) {
+    for sector in sectors(mesh, options, turning) {
         match sector.whole(options.blades.given(), cancel) {
             Err(SectorError::Cancelled(cancelled)) => return Err(cancelled.into()),
             Err(error) => first_error = first_error.or(Some(error)),
@@ -92,8 +99,9 @@ struct Sector {
     joint: f64,
 }
 
-/// The sectors that `mesh` may be, the likeliest first: about the line of two cuts that its surfaces turn about most.
-fn sectors<'a>(mesh: &'a Mesh, options: &BliskOptions) -> impl Iterator<Item = Sector> + use<'a> {
+/// The sectors that `mesh` may be, the likeliest first: about the line of two cuts, or in the one cut of half a wheel,
+/// that its surfaces turn about most, a share of more than `least`.
+fn sectors<'a>(mesh: &'a Mesh, options: &BliskOptions, least: f64) -> impl Iterator<Item = Sector> + use<'a> {
     /// Cuts at a smaller angle meet nowhere that can be told.
     const LEAST_ANGLE: f64 = 0.01;
     /// Hub, shroud and rims turn about the axis: at least this share of the surface, and this part of what turns about
@@ -106,6 +114,11 @@ fn sectors<'a>(mesh: &'a Mesh, options: &BliskOptions) -> impl Iterator<Item = S
     let on_cut = ON_CUT * size;
     let (cuts, turning) = (cuts(mesh, on_cut), Turning::new(mesh));
     let mut axes: Vec<(f64, Axis, [DVec3; 2])> = Vec::new();
+    let mut add = |axis: Axis, normals| {
+        let share = turning.share(&axis);
+        let allowed = allowed(axis, options, on_cut, size).filter(|_| share > LEAST_TURNING.max(least));
+        axes.extend(allowed.map(|axis| (share, axis, normals)));
+    };
     for (i, a) in cuts.iter().enumerate() {
         for b in &cuts[..i] {
             let along = a.normal.cross(b.normal);
@@ -113,10 +126,15 @@ fn sectors<'a>(mesh: &'a Mesh, options: &BliskOptions) -> impl Iterator<Item = S
                 continue;
             }
             let point = (b.normal.cross(along) * a.at + along.cross(a.normal) * b.at) / along.length_squared();
-            let axis = Axis::new(point, along).snapped(size);
-            let share = turning.share(&axis);
-            let allowed = allowed(axis, options, on_cut, size).filter(|_| share > LEAST_TURNING);
-            axes.extend(allowed.map(|axis| (share, axis, [a.normal, b.normal])));
+            add(Axis::new(point, along).snapped(size), [a.normal, b.normal]);
+        }
+        for axis in lines_of_symmetry(mesh, a, on_cut) {
+            let axis = axis::of_turned_surfaces(mesh, axis).unwrap_or(axis);
+            let off = a.normal.dot(axis.point) - a.at;
+            if axis.direction.dot(a.normal).abs() < SAME && off.abs() < SAME * size {
+                let direction = axis.direction.reject_from_normalized(a.normal);
+                add(Axis::new(axis.point - off * a.normal, direction).snapped(size), [a.normal; 2]);
+            }
         }
     }
     axes.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -136,7 +154,22 @@ fn sectors<'a>(mesh: &'a Mesh, options: &BliskOptions) -> impl Iterator<Item = S
         let joint = (JOINT * size).max(chord_error(&mesh).min(MOST_JOINT * size));
         Sector { mesh, frame, axis, from, angle, on_cut, joint }
     };
-    axes.into_iter().map(sector).filter(|sector| sector.angle < PI)
+    axes.into_iter().map(sector).filter(|sector| sector.angle < PI + SAME)
+}
+
+/// The lines in a cut that its area may be symmetric about, as it is about the axis where it leaves half a wheel.
+fn lines_of_symmetry(mesh: &Mesh, cut: &Cut, on_cut: f64) -> [Axis; 2] {
+    let lies = |corners: &[DVec3; 3]| corners.iter().all(|p| cut.at - cut.normal.dot(*p) <= on_cut);
+    let facets: Vec<(DVec3, f64)> = mesh
+        .iter_corners()
+        .filter(lies)
+        .map(|t| ((t[0] + t[1] + t[2]) / 3.0, normal_times_two_areas(t).dot(cut.normal)))
+        .collect();
+    let center = facets.iter().map(|(p, area)| *area * *p).sum::<DVec3>() / facets.iter().map(|f| f.1).sum::<f64>();
+    let moments = facets.iter().fold(DMat3::ZERO, |sum, (p, area)| sum + axis::outer(*p - center) * *area);
+    // Square to the cut there is none.
+    let [_, (_, narrow), (_, wide)] = axis::eigen(moments);
+    [narrow, wide].map(|direction| Axis::new(center, direction))
 }
 
 /// Greatest height of an arc about X over the edge that stands for it, on surfaces of revolution (mm).
@@ -233,7 +266,8 @@ impl Sector {
                         let mesh = mesh.in_parent_of(&self.frame);
                         let theta = self.from + 0.5 * self.angle;
                         let middle = self.frame.direction_to_parent(Cylindrical { x: 0.0, r: 1.0, theta }.point());
-                        return Ok(Whole { mesh, axis, blades: *count, middle, pitches_held, assumed });
+                        let copies = count / kept;
+                        return Ok(Whole { mesh, axis, blades: *count, copies, middle, pitches_held, assumed });
                     }
                     Err(error) => first_error = first_error.or(Some(error)),
                 }
