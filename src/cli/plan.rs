@@ -85,6 +85,8 @@ fn finish(inputs: PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sessi
     let (prepared, inputs) = ready(inputs, session)?;
     let outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), task)?;
     finish_as_far_as_possible(&outcome, &inputs, prepared.blisk(), task)?;
+    // Its fields make room for the pictures.
+    drop(prepared);
     let stopped = outcome.stopped();
     // What was certified before the work was stopped is written all the same.
     let cancel = if stopped.is_some() { Cancel::default() } else { task.cancel.clone() };
