@@ -239,7 +239,7 @@ impl<'a> Boundary<'a> {
         let (bottom, top) = self.height(&line, middle)?;
         let (available, taken) = (top - bottom, self.radial_reduction);
         if available < taken + 0.2 {
-            return Err(ElectrodeError::NoHeight { x: line.place(height).x, available, taken });
+            return Err(ElectrodeError::NoHeight { x: line.place(height).x, available, taken, of_shank: false });
         }
         let rows = self.rows;
         let height = |v: usize| bottom + (available - taken) * v as f64 / rows as f64;

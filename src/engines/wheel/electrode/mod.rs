@@ -323,19 +323,27 @@ pub enum ElectrodeError {
         /// Part of it that the reductions take (mm).
         taken: f64,
     },
-    /// The reductions leave no height between hub and shroud.
+    /// The radial reduction, or the inset of the shank, leaves no height between hub and shroud.
     #[error(
-        "no height is left at x = {x:.2} mm: there is {available:.3} mm between hub and shroud less the gaps, and \
-         the radial reduction and insets take {taken:.3} mm; lower radial_reduction_mm"
+        "no height is left at x = {x:.2} mm: there is {available:.3} mm between hub and shroud less the gaps{}, and {} {taken:.3} mm; \
+         lower {}",
+        if *.of_shank { " and the radial reduction" } else { "" },
+        if *.of_shank { "the shank's insets take" } else { "the radial reduction takes" },
+        if *.of_shank { "shank_inset_mm, channel_shank_inset_mm or radial_reduction_mm" } else { "radial_reduction_mm" }
     )]
     NoHeight {
         /// Where along X (mm).
         x: f64,
-        /// Height without reductions (mm).
+        /// Height that there is for it (mm).
         available: f64,
-        /// Part of it that the reductions take (mm).
+        /// Part of it that is taken (mm).
         taken: f64,
+        /// Whether it is the shank that has none.
+        of_shank: bool,
     },
+    /// None can be made for any side of entry.
+    #[error("{}", .0.iter().map(|(side, why)| format!("towards {}: {why}", side.words())).collect::<Vec<_>>().join("; "))]
+    Sides(Vec<(EntrySide, ElectrodeError)>),
     /// A part is too short for its overlaps.
     #[error(
         "part {part} along the passage is {length:.2} mm long, too short for an overlap of {overlap:.2} mm: use fewer parts, \
@@ -401,4 +409,16 @@ pub enum ElectrodeError {
          the frame and units of the blisk's mesh"
     )]
     Interferes,
+}
+
+impl ElectrodeError {
+    /// The reason where no side of entry can have an electrode: those of all sides, in the order in which they were
+    /// tried; none if there are none.
+    pub fn of_sides(mut reasons: Vec<(EntrySide, Self)>) -> Option<Self> {
+        match reasons.len() {
+            0 => None,
+            1 => Some(reasons.remove(0).1),
+            _ => Some(Self::Sides(reasons)),
+        }
+    }
 }

@@ -245,6 +245,7 @@ impl<'a> Finisher<'a> {
                     x: ring.line.place(ring.points[low].height).x,
                     available,
                     taken: 2.0 * inset,
+                    of_shank: true,
                 });
             }
         }

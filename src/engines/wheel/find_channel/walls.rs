@@ -144,7 +144,9 @@ impl WallFinder<'_> {
 
     /// Refuses an edge beyond which, at `beyond`, both blades go on, with metal between them.
     fn check_undivided(&self, edge: &Place, beyond: f64, share: f64) -> Result<(), BliskError> {
-        let Some(at) = self.place_at(beyond, share).filter(|_| NOT_AT_END_WALLS.contains(&share)) else { return Ok(()) };
+        let Some(at) = self.place_at(beyond, share).filter(|_| NOT_AT_END_WALLS.contains(&share)) else {
+            return Ok(());
+        };
         let (width, middle) = (edge.gap.width(), edge.gap.middle());
         let mut gaps = self.tracer.slices.gaps(at.x, at.y);
         for gap in &mut gaps {
@@ -154,7 +156,9 @@ impl WallFinder<'_> {
         gaps.sort_by(|a, b| a.low.theta.total_cmp(&b.low.theta));
         let starts = |gap: &Gap| (gap.low.theta - edge.gap.low.theta).abs() < SAME_WALL * width;
         let ends = |gap: &Gap| (gap.high.theta - edge.gap.high.theta).abs() < SAME_WALL * width;
-        let (Some(first), Some(last)) = (gaps.iter().position(starts), gaps.iter().position(ends)) else { return Ok(()) };
+        let (Some(first), Some(last)) = (gaps.iter().position(starts), gaps.iter().position(ends)) else {
+            return Ok(());
+        };
         if first >= last {
             return Ok(());
         }

@@ -17,8 +17,8 @@ pub use axis::Axis;
 pub(crate) use period::MOST_KINDS;
 pub use period::Repetition;
 
-use self::period::{Blades, Region};
 use self::axis::Turning;
+use self::period::{Blades, Region};
 use self::sector::SectorError;
 use self::slices::Slices;
 use super::by_hand::ByHand;

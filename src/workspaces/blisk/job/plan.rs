@@ -142,10 +142,10 @@ impl JobPlanner<'_> {
     /// answer. A side for which no electrode can be made is noted and left.
     ///
     /// # Errors
-    /// The error of the first side if no electrode can be made for any side.
+    /// Those of all sides if no electrode can be made for any.
     fn part(&mut self, part: usize) -> Result<ElectrodeOutcome, PlanJobError> {
         let mut best: Option<ElectrodeOutcome> = None;
-        let mut impossible: Option<ElectrodeError> = None;
+        let mut impossible = Vec::new();
         let mut tried = Vec::new();
         // Further reduction of both walls that is enough on some side (rad).
         let mut least_enough: Option<f64> = None;
@@ -167,7 +167,7 @@ impl JobPlanner<'_> {
                 Ok(outcome) => outcome,
                 Err(PlanJobError::Electrode(error)) => {
                     tried.push((side, format!("cannot be made: {error}")));
-                    impossible.get_or_insert(error);
+                    impossible.push((side, error));
                     continue;
                 }
                 Err(other) => return Err(other),
@@ -189,7 +189,7 @@ impl JobPlanner<'_> {
                 break;
             }
         }
-        match (best, impossible) {
+        match (best, ElectrodeError::of_sides(impossible)) {
             (Some(mut best), _) => {
                 if let Some(opening) = best.plan.jam.as_mut().and_then(|jam| jam.opening.as_mut()) {
                     let sides: Vec<EntrySide> = tried.iter().map(|(side, _)| *side).collect();

@@ -16,7 +16,7 @@ use feed::sizing::{Least, Sizer};
 use files::Validate as _;
 use task::Task;
 use wheel::channel::Surface;
-use wheel::electrode::{ElectrodeParams, EnterSide, EntrySide, Sizing as SizeMode, own_turns};
+use wheel::electrode::{ElectrodeError, ElectrodeParams, EnterSide, EntrySide, Sizing as SizeMode, own_turns};
 
 /// What is sized.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -182,11 +182,11 @@ struct Sizing<'a> {
 impl Sizing<'_> {
     fn one_part(&self, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
         let mut best: Option<(EntrySide, Least)> = None;
-        let (mut impossible, mut possible) = (None, false);
+        let (mut impossible, mut possible) = (Vec::new(), false);
         for side in sides(&self.of(1).job, &self.prepared.space.channel, 0)? {
             let full = match self.full(1, 0, side) {
                 Err(PlanJobError::Electrode(error)) => {
-                    impossible.get_or_insert(error);
+                    impossible.push((side, error));
                     continue;
                 }
                 full => full?,
@@ -202,7 +202,7 @@ impl Sizing<'_> {
             }
         }
         // A side for which no electrode can be made is left, unless there is no other.
-        if let Some(error) = impossible.filter(|_| !possible) {
+        if let Some(error) = ElectrodeError::of_sides(impossible).filter(|_| !possible) {
             return Err(error.into());
         }
         if let Some((side, least)) = best {
@@ -243,11 +243,11 @@ impl Sizing<'_> {
         let (mut most, mut limiting) = (0.0f64, 0);
         for number in 0..inputs.electrodes() {
             let mut least: Option<Least> = None;
-            let (mut impossible, mut possible) = (None, false);
+            let (mut impossible, mut possible) = (Vec::new(), false);
             for side in sides(&inputs.job, &self.prepared.space.channel, number)? {
                 let full = match self.full(parts, number, side) {
                     Err(PlanJobError::Electrode(error)) => {
-                        impossible.get_or_insert(error);
+                        impossible.push((side, error));
                         continue;
                     }
                     full => full?,
@@ -261,7 +261,7 @@ impl Sizing<'_> {
                     break;
                 }
             }
-            if let Some(error) = impossible.filter(|_| !possible) {
+            if let Some(error) = ElectrodeError::of_sides(impossible).filter(|_| !possible) {
                 return Err(error.into());
             }
             let Some(least) = least else { return Ok(()) };

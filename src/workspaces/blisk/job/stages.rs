@@ -19,7 +19,7 @@ use render::mesh::RenderMesh;
 use task::Task;
 use wheel::centreline::{Centreline, CentrelineError};
 use wheel::channel::Channel;
-use wheel::electrode::Electrode;
+use wheel::electrode::{Electrode, ElectrodeError};
 use wheel::find_channel::find_or_refuse;
 use wheel::parametric::wheel::ParametricWheel;
 
@@ -188,7 +188,7 @@ pub fn channel(part: &Part, job: &PlanJob, refused_at: &dyn Fn(DVec3), task: &Ta
 /// of those that a plan tries.
 ///
 /// # Errors
-/// One line for the user, of the side that is tried first.
+/// One line for the user, of all sides that are tried.
 pub fn electrodes(part: &Part, found: &FoundChannel, job: &PlanJob, task: &Task) -> Result<Electrodes, String> {
     job.electrode.validate().map_err(|problem| FIELDS.in_window(&problem))?;
     let inputs = inputs_of(part, job);
@@ -201,13 +201,13 @@ pub fn electrodes(part: &Part, found: &FoundChannel, job: &PlanJob, task: &Task)
                     electrodes.push(electrode);
                     break;
                 }
-                Err(error) => impossible.push(FIELDS.labelled(&error)),
+                Err(error) => impossible.push((side, error)),
             }
         }
         if electrodes.len() <= number {
-            return Err(impossible.into_iter().next().unwrap_or_default());
+            return Err(ElectrodeError::of_sides(impossible).map_or_else(String::new, |why| FIELDS.labelled(&why)));
         }
-        notes.extend(impossible);
+        notes.extend(impossible.iter().map(|(_, why)| FIELDS.labelled(why)));
     }
     notes.dedup();
     let shapes = electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.mesh))).collect();
