@@ -45,7 +45,8 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
     }
     match inspection.not_found.first() {
         None => Ok(Answer::Yes),
-        Some(problem) => anyhow::bail!("{}: {problem}", file.display()),
+        Some(problem) if session.json => anyhow::bail!("{}: {problem}", file.display()),
+        Some(_) => anyhow::bail!("{}: refused, for the reason in its verdict", file.display()),
     }
 }
 

@@ -2,7 +2,7 @@
 //! certified path comes nearer than its certificate says.
 
 use super::*;
-use feed::plan_params::{PlanError, Strategy};
+use feed::plan_params::Strategy;
 use geometry::inside::guarded_distance;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -66,11 +66,6 @@ fn planned(name: &str, mesh: Mesh, job: PlanJob) -> Came {
             // No electrode can be made at all, which is the same for every strategy.
             Err(PlanJobError::Electrode(why)) => {
                 println!("{name}: no electrode: {why}");
-                None
-            }
-            // Where it has no line to follow it finds no path.
-            Err(PlanJobError::Plan(PlanError::Centreline(why))) => {
-                println!("{name}: no centreline: {why}");
                 None
             }
             Err(other) => panic!("{name}, {strategy:?}: {other}"),

@@ -158,12 +158,12 @@ impl Bodies<'_> {
     }
 
     fn clearance_outside(&self, p: DVec3) -> f64 {
-        let beyond = (self.faces_x[0] - p.x).max(p.x - self.faces_x[1]).max(self.beyond_rim(p));
+        let beyond = (self.faces_x[0] - p.x).max(p.x - self.faces_x[1]).max(self.beyond_radii(p));
         if beyond > 0.0 { beyond } else { -1.0 }
     }
 
     /// How far `p` is beyond the blisk's rim or within its bore, where that leads outside.
-    fn beyond_rim(&self, p: DVec3) -> f64 {
+    fn beyond_radii(&self, p: DVec3) -> f64 {
         let r = p.y.hypot(p.z);
         self.free_radii.map_or(f64::NEG_INFINITY, |[bore, rim]| (r - rim).max(bore - r))
     }
@@ -172,8 +172,10 @@ impl Bodies<'_> {
         self.blisk.value_and_gradient(p).unwrap_or_else(|| {
             let middle = 0.5 * (self.faces_x[0] + self.faces_x[1]);
             let beside = (self.faces_x[0] - p.x).max(p.x - self.faces_x[1]);
-            let out = if self.beyond_rim(p) > beside {
-                p.with_x(0.0).normalize_or(DVec3::Z) * self.side.sign()
+            let out = if self.beyond_radii(p) > beside {
+                let [bore, rim] = self.free_radii.unwrap_or_default();
+                let r = p.y.hypot(p.z);
+                p.with_x(0.0).normalize_or(DVec3::Z) * if r - rim > bore - r { 1.0 } else { -1.0 }
             } else {
                 DVec3::X * (p.x - middle).signum()
             };

@@ -55,21 +55,18 @@ impl Outside {
         // Where the table with the blisk does not turn: the blisk's own extent is the same on all sides of its axis.
         let place = Pose { a: 0.0, ..*pose }.placement(self.reference_point);
         let placed = || self.points.iter().map(|&p| place.transform_point3(p));
-        if side == EntrySide::Inward {
-            return self.bore - placed().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max);
-        }
         let [least, _] = extent(placed().map(|p| p.dot(side.direction())));
-        least
-            - match side {
-                EntrySide::MinusX => -self.faces_x[0],
-                EntrySide::PlusX | EntrySide::Inward => self.faces_x[1],
-                // Beside the axis the rim ends sooner.
-                EntrySide::Outward => {
-                    let [from, to] = extent(placed().map(|p| p.y));
-                    let beside = from.max(-to).max(0.0);
-                    (self.rim * self.rim - beside * beside).max(0.0).sqrt()
-                }
+        match side {
+            EntrySide::MinusX => least + self.faces_x[0],
+            EntrySide::PlusX => least - self.faces_x[1],
+            // Beside the axis the rim ends sooner.
+            EntrySide::Outward => {
+                let [from, to] = extent(placed().map(|p| p.y));
+                let beside = from.max(-to).max(0.0);
+                least - (self.rim * self.rim - beside * beside).max(0.0).sqrt()
             }
+            EntrySide::Inward => self.bore - placed().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max),
+        }
     }
 
     /// The side on which the whole electrode at `pose` is beyond the metal, the one furthest beyond if there are two;

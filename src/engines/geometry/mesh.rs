@@ -223,6 +223,30 @@ pub fn normal_times_two_areas([a, b, c]: [DVec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
+/// A triangle halved until no edge is longer than `longest` allows between its ends, at the edge that exceeds it most,
+/// as far as it lies in `around`. Every long edge is halved at its middle, from both sides, so that neighbours share
+/// their vertices.
+pub fn halved(corners: [DVec3; 3], around: &Bounds, longest: &dyn Fn(DVec3, DVec3) -> f64) -> Vec<[DVec3; 3]> {
+    let (mut open, mut small) = (vec![corners], Vec::new());
+    while let Some([a, b, c]) = open.pop() {
+        if !Bounds::of([a, b, c]).intersects(around) {
+            continue;
+        }
+        let turns = [[a, b, c], [b, c, a], [c, a, b]];
+        let excess = turns.map(|[p, q, _]| p.distance(q) / longest(p, q));
+        let most = (0..3).fold(0, |best, i| if excess[i] > excess[best] { i } else { best });
+        if excess[most] <= 1.0 {
+            small.push([a, b, c]);
+            continue;
+        }
+        let [p, q, r] = turns[most];
+        // The sum does not depend on the order of the two ends.
+        let middle = (p + q) * 0.5;
+        open.extend([[p, middle, r], [middle, q, r]]);
+    }
+    small
+}
+
 /// The unit normal of a triangle, zero for a degenerate one.
 pub fn unit_normal(corners: [DVec3; 3]) -> DVec3 {
     normal_times_two_areas(corners).normalize_or_zero()

@@ -1,6 +1,7 @@
 //! The connected shells of a mesh, where it has several: solids of an assembly that reach into each other.
 
 use std::collections::HashMap;
+use std::sync::OnceLock;
 use std::sync::atomic::AtomicU8;
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -15,17 +16,20 @@ use super::mesh::{Bounds, Mesh};
 /// More shells are no solids of an assembly but triangles that share no vertices.
 const MOST_SHELLS: usize = 2000;
 
-/// A shell that was made ready.
+/// A shell, which is made ready for distances where they are asked for.
 struct Shell {
+    mesh: Mesh,
     bounds: Bounds,
-    shape: TriMesh,
     is_cavity: bool,
+    /// None where it cannot be made ready.
+    shape: OnceLock<Option<TriMesh>>,
 }
 
 impl Shell {
-    /// Distance of `p` from the shell, negative in its solid (mm).
-    fn distance(&self, p: DVec3) -> f64 {
-        nearest_of(&self.shape, p).signed_distance
+    /// Distance of `p` from the shell, negative in its solid (mm). What cannot be made ready is no solid.
+    fn distance(&self, p: DVec3) -> Option<f64> {
+        let shape = self.shape.get_or_init(|| oriented(&self.mesh).ok()).as_ref()?;
+        Some(nearest_of(shape, p).signed_distance)
     }
 }
 
@@ -42,17 +46,15 @@ const NO: u8 = 1;
 const YES: u8 = 2;
 
 impl Shells {
-    /// Finds the shells of `mesh` and makes each ready for distances.
+    /// Finds the shells of `mesh`.
     pub fn of(mesh: &Mesh) -> Self {
         let (shell_of, parts) = connected(mesh);
-        let ready = |part: &Mesh| {
-            let shape = oriented(part).ok()?;
-            Some(Shell { bounds: part.bounds(), is_cavity: part.volume() < 0.0, shape })
+        let shell = |mesh: Mesh| {
+            let (bounds, is_cavity) = (mesh.bounds(), mesh.volume() < 0.0);
+            Shell { mesh, bounds, is_cavity, shape: OnceLock::new() }
         };
         let is_assembly = (2..=MOST_SHELLS).contains(&parts.len());
-        // What cannot be made ready is no solid.
-        let shells: Option<Vec<Shell>> = parts.iter().filter(|_| is_assembly).map(ready).collect();
-        let shells = shells.unwrap_or_default();
+        let shells: Vec<Shell> = parts.into_iter().filter(|_| is_assembly).map(shell).collect();
         let triangles = if shells.is_empty() { 0 } else { shell_of.len() };
         Self { shells, shell_of, is_near_another: (0..triangles).map(|_| AtomicU8::new(0)).collect() }
     }
@@ -65,10 +67,10 @@ impl Shells {
         }
         let around = self.shells.iter().filter(|shell| shell.bounds.distance_to(p) == 0.0);
         let depth = |shell: &Shell| {
-            let is_behind = shell.distance(p) < 0.0;
-            i32::from(is_behind != shell.is_cavity) * if shell.is_cavity { -1 } else { 1 }
+            let is_behind = shell.distance(p)? < 0.0;
+            Some(i32::from(is_behind != shell.is_cavity) * if shell.is_cavity { -1 } else { 1 })
         };
-        around.map(depth).sum::<i32>() > 0
+        around.filter_map(depth).sum::<i32>() > 0
     }
 
     /// Whether another shell may reach to the triangle.
@@ -79,8 +81,9 @@ impl Shells {
             let radius = corners.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
             let own = self.shell_of[triangle as usize] as usize;
             let others = self.shells.iter().enumerate().filter(|(i, _)| *i != own).map(|(_, shell)| shell);
-            let comes_near =
-                |shell: &Shell| shell.bounds.distance_to(middle) <= radius && shell.distance(middle) <= radius;
+            let comes_near = |shell: &Shell| {
+                shell.bounds.distance_to(middle) <= radius && shell.distance(middle).is_some_and(|d| d <= radius)
+            };
             known.store(if others.into_iter().any(comes_near) { YES } else { NO }, Relaxed);
         }
         known.load(Relaxed) == YES

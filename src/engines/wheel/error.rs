@@ -4,6 +4,7 @@ use glam::{DVec2, DVec3};
 
 use super::channel::Agreement;
 use super::frame::axis::Axis;
+use super::frame::frame_along;
 use super::frame::sector::SectorError;
 use super::options::BliskOptions;
 use geometry::frame::{Cylindrical, Frame};
@@ -154,7 +155,7 @@ pub enum BliskError {
     /// The walls could not be followed over the whole channel.
     #[error(
         "the channel's walls were lost at x {x:.3}, r {r:.3} mm about the axis, where the blades do not bound it on \
-         both sides; pick a passage that they do bound with blisk.blade_points_mm or blisk.channel, or give points of hub \
+         both sides, or metal stands between them; pick a passage that they bound with blisk.blade_points_mm or blisk.channel, or give points of hub \
          and shroud with blisk.hub_points_mm and blisk.shroud_points_mm"
     )]
     LostWall {
@@ -180,15 +181,15 @@ pub enum BliskError {
     },
     /// Something stands in the passage.
     #[error(
-        "metal stands in the passage at x {:.3}, r {:.3} mm about the axis, {off_mm:.3} mm off its walls, hub and shroud, so \
-         that no electrode fills it; take it out of the mesh if the finished wheel is without it, or pick another passage \
+        "metal stands in the passage at x {:.3}, r {:.3} mm about the axis, {off_mm:.3} mm within it, so that no electrode \
+         fills it; take it out of the mesh if the finished wheel is without it, or pick another passage \
          with blisk.channel if only some have it",
         .at.x, .at.y.hypot(.at.z)
     )]
     Obstructed {
-        /// The place that is furthest from the surfaces of the passage (mm).
+        /// The place that is furthest within it (mm).
         at: DVec3,
-        /// How far it is from the nearest of them (mm).
+        /// How far it is from the nearest surface of the passage that the metal does not reach to (mm).
         off_mm: f64,
     },
     /// Points that are given do not lie on the hub or the shroud that was measured beside them.
@@ -307,7 +308,13 @@ impl Refused {
 
 impl From<BliskError> for Refused {
     fn from(error: BliskError) -> Self {
-        Self { error, at: None }
+        let at = match error {
+            BliskError::Misleading { axis, at, .. } => {
+                Some(frame_along(&axis).to_parent(Cylindrical { x: at.x, r: at.y, theta: 0.0 }.point()))
+            }
+            _ => None,
+        };
+        Self { error, at }
     }
 }
 

@@ -165,10 +165,10 @@ fn fill(found: &mut Inspection, mesh: &Mesh, options: &BliskOptions, task: &Task
 }
 
 impl Inspection {
-    /// The verdict in a sentence: what was found agrees with the mesh, or what was not found.
+    /// The verdict in a sentence: what was found agrees with the mesh, or why it was refused.
     pub fn verdict(&self) -> String {
         let Some(channel) = &self.channel else {
-            return "refused: see what was not found, at the end".to_owned();
+            return format!("refused: {}", self.not_found.join("; "));
         };
         let of = |a: &Agreement| format!("{} {:.1} %", a.surface.name(), 100.0 * a.share);
         let surfaces: Vec<String> = channel.agreement.iter().map(of).collect();
@@ -177,7 +177,11 @@ impl Inspection {
             count => format!("; other channels that are not like it: {count}"),
         };
         let within = channel.agreement.iter().map(|a| a.within_mm).fold(0.0, f64::max);
-        format!("agrees with the mesh, within {within:.3} mm and its chord error: {}{unlike}", surfaces.join(", "))
+        let open = if self.watertight { "" } else { "; the mesh is not closed, so that nothing can be planned in it" };
+        format!(
+            "agrees with the mesh, within {within:.3} mm and its chord error: {}{unlike}{open}",
+            surfaces.join(", ")
+        )
     }
 }
 
@@ -218,8 +222,7 @@ impl fmt::Display for Inspection {
         if let Some(line) = &self.centreline {
             write!(f, "{line}")?;
         }
-        list(f, "Assumed", &self.assumed)?;
-        list(f, "Not found", &self.not_found)
+        list(f, "Assumed", &self.assumed)
     }
 }
 
@@ -282,7 +285,10 @@ impl fmt::Display for CentrelineSummary {
                 format!("circles of {least:.3} to {greatest:.3} mm in {} sections", self.sections),
                 "the sections' middles",
             ),
-            None => ("half way between the walls, since no circles lead through".to_owned(), "the middles"),
+            None => (
+                "half way between the walls: circles between them do not fit or leave its middle".to_owned(),
+                "the middles",
+            ),
         };
         row("Centreline", format!("{:.3} mm long, {made_of}", self.length_mm))?;
         row("", format!("off {middles}: {}", error(&self.fit)))?;

@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Layer, Passage, Removal, ResidualStockError, Site, SurfaceFigures, TOLERANCE};
-use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
+use geometry::mesh::{Bounds, Mesh, halved, normal_times_two_areas};
 use geometry::shells::Shells;
 use geometry::weld::Weld;
 use task::{Cancel, Cancelled, Task};
@@ -60,7 +60,7 @@ pub(super) fn patch(site: &Site, passage: &Passage, cancel: &Cancel) -> Result<P
             let triangles = number * BATCH..number * BATCH + batch.len();
             let near = triangles.filter(|&t| Bounds::of(site.blisk.corners(t)).intersects(&around));
             let bounding = |t: usize| {
-                let pieces = pieces(site.blisk.corners(t), &around, &longest).into_iter();
+                let pieces = halved(site.blisk.corners(t), &around, &longest).into_iter();
                 pieces.filter_map(|piece| part(site, passage, piece)).filter(move |(piece, _)| is_bare(piece, t))
             };
             Ok(near.flat_map(bounding).collect())
@@ -85,30 +85,6 @@ fn at_junction(site: &Site, passage: &Passage, p: DVec3, q: DVec3) -> bool {
     let along = |p: DVec3| passage.along_and_height(p)[0];
     planes.iter().any(|at| near(along(p) - at, along(q) - at))
         || split.is_some_and(|s| near(passage.beyond_split(p, s), passage.beyond_split(q, s)))
-}
-
-/// A triangle halved until no edge is longer than `longest` allows between its ends, at the edge that exceeds it most,
-/// as far as it lies in `around`. Every long edge is halved at its middle, from both sides, so that neighbours share
-/// their vertices.
-fn pieces(corners: [DVec3; 3], around: &Bounds, longest: &dyn Fn(DVec3, DVec3) -> f64) -> Vec<[DVec3; 3]> {
-    let (mut open, mut small) = (vec![corners], Vec::new());
-    while let Some([a, b, c]) = open.pop() {
-        if !Bounds::of([a, b, c]).intersects(around) {
-            continue;
-        }
-        let turns = [[a, b, c], [b, c, a], [c, a, b]];
-        let excess = turns.map(|[p, q, _]| p.distance(q) / longest(p, q));
-        let most = (0..3).fold(0, |best, i| if excess[i] > excess[best] { i } else { best });
-        if excess[most] <= 1.0 {
-            small.push([a, b, c]);
-            continue;
-        }
-        let [p, q, r] = turns[most];
-        // The sum does not depend on the order of the two ends.
-        let middle = (p + q) * 0.5;
-        open.extend([[p, middle, r], [middle, q, r]]);
-    }
-    small
 }
 
 /// Surface of the channel that a small triangle belongs to, if it bounds the channel.

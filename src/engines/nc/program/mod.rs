@@ -276,9 +276,9 @@ fn header(w: &mut Writer, approved: &Approved) {
         w.comment(&format!("Words of this post for the axes above: {}", other_words.join(", ")));
     }
     let is_from_bore = approved.enters_from() == EntrySide::Inward;
-    let is_from_rim = is_from_bore || approved.enters_from() == EntrySide::Outward;
+    let is_along_z = is_from_bore || approved.enters_from() == EntrySide::Outward;
     if w.job.is_turned {
-        let mounted = match is_from_rim {
+        let mounted = match is_along_z {
             true => "the blisk is mounted on its face at the greatest x of W, which is that towards -X of the machine",
             false => {
                 "the electrode enters from -X of W, and the blisk is mounted with that side towards +X of the machine"
@@ -289,7 +289,7 @@ fn header(w: &mut Writer, approved: &Approved) {
              machine, opposite to those of W."
         ));
     }
-    if is_from_rim {
+    if is_along_z {
         let simulated = match w.job.machine.has_bodies() {
             true => "",
             false => " No head and no table were simulated.",

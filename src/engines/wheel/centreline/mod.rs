@@ -150,7 +150,8 @@ impl Centreline {
         match Self::ordered(&low, &high, order, cancel) {
             Ok(line) if line.is_in_the_middle_of(&passage) => Ok(line),
             Err(CentrelineError::Cancelled(cancelled)) => Err(cancelled.into()),
-            _ => Self::half_way(&passage, order),
+            Err(error) => Self::half_way(&passage, order).map_err(|_| error),
+            Ok(_) => Self::half_way(&passage, order),
         }
     }
 

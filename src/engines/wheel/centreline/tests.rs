@@ -128,6 +128,7 @@ fn where_no_circles_lead_through_it_is_half_way_between_the_walls() {
         let channel = find_channel(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
         let line = Centreline::of_channel(&channel, &Cancel::default()).unwrap();
         let exact = channel.exact(&mesh.in_frame(&channel.frame).into()).unwrap();
+        assert!(line.sections.is_empty() && line.diameters().is_none(), "wheel {number}");
         let [from, to] = channel.span_along();
         let mut before = f64::NEG_INFINITY;
         for i in 0..=200 {

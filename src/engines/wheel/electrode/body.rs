@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::boundary::Section;
-use super::make::Which;
+use super::make::{MOST_SHORTFALL, Which};
 use super::measure::{self, Measures};
 use super::ring::{Finisher, Layout, Reduction, Ring};
 use super::{Column, Electrode, ElectrodeError, ElectrodeFace, ElectrodeParams, EntrySide};
@@ -25,8 +25,7 @@ pub(super) struct Plan<'a> {
     pub which: Which,
     /// The span along the passage that it burns.
     pub range: [f64; 2],
-    /// How far below the gap it may come out (mm).
-    pub accepted: f64,
+    /// The boundary over that span and the way of the shank.
     pub sections: &'a [Section],
 }
 
@@ -97,7 +96,7 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     let (mesh, faces) = skin.close();
     let measures = measure::measure(&mesh, &faces, finisher.boundary.blisk, cancel)?;
     let gap = params.spark_gap_mm;
-    if measures.clearance < gap - plan.accepted {
+    if measures.clearance < gap - MOST_SHORTFALL {
         let (clearance, at) = (measures.clearance, measures.closest);
         let nearest = ExactMesh::new(&mesh)?.nearest(at).triangle as usize;
         let is_of_shank = matches!(faces[nearest], ElectrodeFace::Shank | ElectrodeFace::Holder);

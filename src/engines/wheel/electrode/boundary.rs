@@ -377,9 +377,10 @@ pub(super) enum BladeEnd {
 
 /// How the blades end at the first and at the last end of the passage.
 pub(super) fn blade_ends(channel: &Channel, params: &ElectrodeParams) -> [BladeEnd; 2] {
-    /// A blunt end is at least so wide across the passage on one wall (mm), and so much longer than it is deep.
+    /// A blunt end is at least so wide across the passage on one wall (mm), and so much wider than it is deep; thick round
+    /// noses are not.
     const WIDTH: f64 = 0.8;
-    const SLENDER: f64 = 4.0;
+    const SLENDER: f64 = 20.0;
     let along = |wall: &ChannelWall, u: usize, v: usize| {
         let place = wall.cylindrical(u, v);
         channel.along_and_height(DVec2::new(place.x, place.r))[0]

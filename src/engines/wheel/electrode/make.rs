@@ -8,15 +8,15 @@ use crate::channel::Channel;
 use geometry::exact::ExactMesh;
 use task::Task;
 
-/// What is built may miss the gap between its points; then it is built again, by that and [`SPARE`] smaller, at most by
-/// this (mm).
-const MOST_ROOM: f64 = 0.02;
+/// What is built may miss the gap between its points by this much (mm); else it is built again, by that and [`SPARE`]
+/// smaller, at most by [`MOST_ROOM`].
+const SHORTFALL: f64 = 1e-3;
 const SPARE: f64 = 2e-4;
-const MOST_ATTEMPTS: usize = 3;
-/// How far below the gap an electrode may come out (mm), and how far where building it smaller does not help: still within
-/// what a certificate tolerates.
-const ACCEPTED_SHORTFALL: f64 = 1e-3;
-const LAST_SHORTFALL: f64 = 2e-3;
+const MOST_ROOM: f64 = 0.02;
+const MOST_ATTEMPTS: usize = 4;
+/// How much an electrode may miss the gap by where building it smaller does not help (mm): still within what a
+/// certificate tolerates.
+pub(super) const MOST_SHORTFALL: f64 = 2e-3;
 
 /// Makes the electrodes of `channel` that enter from `side`, in the order of burning: the part next to that side first,
 /// and of each part the low column first.
@@ -57,16 +57,20 @@ pub fn make_electrode(
     let which = Which { part, column, side, at_last: side.mouth(channel)? };
     let params = params.of_part(part);
     let mut room = 0.0;
-    for _ in 0..MOST_ATTEMPTS {
-        match with_room(channel, blisk, &params, (which, room, ACCEPTED_SHORTFALL), task) {
-            Err(ElectrodeError::TooClose { clearance, gap, .. }) if room + gap - clearance + SPARE < MOST_ROOM => {
-                room += gap - clearance + SPARE;
-            }
-            Err(ElectrodeError::TooClose { .. }) => break,
-            made => return made,
+    for _ in 1..MOST_ATTEMPTS {
+        let made = with_room(channel, blisk, &params, (which, room), task);
+        let clearance = match &made {
+            Ok(electrode) => electrode.clearance_mm,
+            Err(ElectrodeError::TooClose { clearance, .. }) => *clearance,
+            Err(_) => return made,
+        };
+        let more = params.spark_gap_mm - clearance + SPARE;
+        if clearance >= params.spark_gap_mm - SHORTFALL || room + more >= MOST_ROOM {
+            return made;
         }
+        room += more;
     }
-    with_room(channel, blisk, &params, (which, room, LAST_SHORTFALL), task)
+    with_room(channel, blisk, &params, (which, room), task)
 }
 
 /// One electrode of a channel.
@@ -79,12 +83,12 @@ pub(super) struct Which {
     pub at_last: bool,
 }
 
-/// The electrode, built `room` (mm) farther from the blisk than the gap wants, where it may come `accepted` (mm) nearer.
+/// The electrode, built `room` (mm) farther from the blisk than the gap wants.
 fn with_room(
     channel: &Channel,
     blisk: &ExactMesh,
     params: &ElectrodeParams,
-    (which, room, accepted): (Which, f64, f64),
+    (which, room): (Which, f64),
     task: &Task,
 ) -> Result<Electrode, ElectrodeError> {
     task.report("electrode", 0.0, "boundary of the channel");
@@ -100,7 +104,7 @@ fn with_room(
     let finisher = Finisher::new(&boundary, &sections);
     sections.iter_mut().for_each(|section| *section = column_of(section, which.column, params));
     task.report("electrode", 0.5, "surfaces");
-    let plan = Plan { channel, params, which, range, accepted, sections: &sections };
+    let plan = Plan { channel, params, which, range, sections: &sections };
     let mut electrode = body::build(&plan, &finisher, &task.cancel)?;
     if room > 0.0 {
         electrode.assumed.push(format!(
@@ -108,7 +112,7 @@ fn with_room(
              that it is made from as well."
         ));
     }
-    if electrode.clearance_mm < params.spark_gap_mm - ACCEPTED_SHORTFALL {
+    if electrode.clearance_mm < params.spark_gap_mm - SHORTFALL {
         electrode.assumed.push(format!(
             "It comes within {:.4} mm of the finished blisk: nearer than the gap, by less than a certificate tolerates.",
             electrode.clearance_mm

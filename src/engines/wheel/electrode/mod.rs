@@ -413,12 +413,9 @@ pub enum ElectrodeError {
 
 impl ElectrodeError {
     /// The reason where no side of entry can have an electrode: those of all sides, in the order in which they were
-    /// tried; none if there are none.
-    pub fn of_sides(mut reasons: Vec<(EntrySide, Self)>) -> Option<Self> {
-        match reasons.len() {
-            0 => None,
-            1 => Some(reasons.remove(0).1),
-            _ => Some(Self::Sides(reasons)),
-        }
+    /// tried, or the one that is the same for all; none if there are none.
+    pub fn of_sides(reasons: Vec<(EntrySide, Self)>) -> Option<Self> {
+        let first = reasons.first()?.1.clone();
+        Some(if reasons.iter().all(|(_, reason)| *reason == first) { first } else { Self::Sides(reasons) })
     }
 }

@@ -156,9 +156,7 @@ fn measured_channel(
         whole: is_of_sector.then(|| Arc::new(mesh.into_owned())),
         assumed,
     };
-    if let Some((at, off_mm)) = obstruction::obstruction(&channel, slices.mesh()) {
-        return Err(BliskError::Obstructed { at, off_mm });
-    }
+    obstruction::check_unobstructed(&channel, slices.mesh(), &task.cancel)?;
     task.report("channel", 1.0, "");
     Ok(channel)
 }

@@ -1,5 +1,6 @@
 //! Recognition of random wheels against the formulas that they were made from.
 
+use std::cell::Cell;
 use std::f64::consts::{PI, TAU};
 
 use super::*;
@@ -244,22 +245,36 @@ fn with_struts(wheel: &ParametricWheel, share: f64) -> Mesh {
     })
 }
 
-/// Where every passage has a pin no two differ, and all four surfaces of a passage are where they were.
+/// Where every passage has a pin or a strut no two differ, and all four surfaces of a passage are where they were. Some are told
+/// as what stands in it, with their place; others keep the blades or their walls from being found.
 #[test]
 fn what_stands_in_every_passage_is_no_passage_without_it() {
+    let told = Cell::new(0);
     let faulty = faulty(|case| {
-        let accepted = [1.1, 0.4].into_iter().filter(|&share| {
-            let mesh = with_pins(&case.wheel, share).mapped(|p| case.placement.transform_point3(p));
-            find_channel(&mesh, &BliskOptions::default(), &Task::default()).is_ok()
-        });
-        let pins = accepted.map(|share| format!("accepted with pins over {share} of the width"));
-        let accepted = [0.3, 0.5, 0.7].into_iter().filter(|&share| {
-            let mesh = with_struts(&case.wheel, share).mapped(|p| case.placement.transform_point3(p));
-            let found = find_channel(&mesh, &BliskOptions::default(), &Task::default());
-            // Where struts are taken for splitters, the passage is the one beside them.
-            found.is_ok_and(|channel| channel.blades == case.wheel.blades)
-        });
-        pins.chain(accepted.map(|share| format!("accepted with struts at {share} of the span"))).collect()
+        let wheel = &case.wheel;
+        let span = wheel.splitters.map_or(wheel.span, |splitters| splitters.span);
+        let fault = |mesh: Mesh, share: f64, what: String| {
+            let mesh = mesh.mapped(|p| case.placement.transform_point3(p));
+            let along = span[0] + share * (span[1] - span[0]);
+            match find_or_refuse(&mesh, &BliskOptions::default(), &Task::default()) {
+                // Where struts are taken for splitters, the passage is the one beside them.
+                Ok(channel) => (channel.blades == wheel.blades).then(|| format!("accepted with {what}")),
+                Err(Refused { error: BliskError::Obstructed { .. }, at: Some(p) }) => {
+                    told.set(told.get() + 1);
+                    let p = Cylindrical::from_point(case.placement.inverse().transform_point3(p));
+                    let off = DVec2::new(p.x, p.r).distance(wheel.place(along, 0.5));
+                    let height = wheel.place(along, 0.0).distance(wheel.place(along, 1.0));
+                    (off > height).then(|| format!("{what} told {off} mm off their place"))
+                }
+                Err(_) => None,
+            }
+        };
+        let pins =
+            [1.1, 0.4].map(|share| fault(with_pins(wheel, share), 0.5, format!("pins over {share} of the width")));
+        let at = [0.3, 0.5, 0.7];
+        let struts = at.map(|at| fault(with_struts(wheel, at), at, format!("struts at {at} of the span")));
+        pins.into_iter().chain(struts).flatten().collect()
     });
     assert!(faulty.is_empty(), "{faulty}");
+    assert!(told.get() > WHEELS, "{} are told", told.get());
 }

@@ -6,6 +6,7 @@ use glam::{DAffine3, DQuat, DVec2, DVec3, EulerRot, Vec3Swizzles as _};
 
 use super::random_wheels::{faulty, wrong};
 use super::tests::{find, found, refused};
+use crate::error::{BliskError, Misleading};
 use crate::fixtures::{TestBlisk, flange, turned_part};
 use crate::options::{Auto, AxisChoice, AxisLine, BliskOptions};
 use crate::parametric::wheel::{ParametricWheel, Splitters};
@@ -59,6 +60,34 @@ fn half_a_wheel_and_one_pitch_of_it_are_the_wheel() {
         assert_eq!((channel.blades, channel.kinds, channel.unlike.len()), (ring.blades, 1, 0));
         let again = channel.wheel_in_w(&cut).volume();
         assert!((again / wheel.volume() - 1.0).abs() < 1e-3, "{again} of {}", wheel.volume());
+        assert!(channel.assumed[0].contains("wheel of 20 blades"), "{:?}", channel.assumed);
+        // What is given and right is right of a sector, too, where a blade alone looks like a wheel of a few.
+        let (axis, moved) = (turn * DVec3::X, turn * DVec3::ZERO + DVec3::new(5.0, -80.0, 33.0));
+        let axis = AxisChoice::Line(AxisLine { direction: axis.into(), point: moved.into() });
+        let right = [
+            BliskOptions { axis, ..Default::default() },
+            BliskOptions { blades: Auto::Given(ring.blades), ..Default::default() },
+        ];
+        for options in right {
+            assert_eq!(find(&cut, &options).unwrap_or_else(|e| panic!("{from} {angle}: {e}")).blades, ring.blades);
+        }
+        let wrong = BliskOptions { blades: Auto::Given(ring.blades + 3), ..Default::default() };
+        let error = find(&cut, &wrong).unwrap_err();
+        assert!(matches!(error, BliskError::Misleading { blades: 20, .. }), "{error}");
+    }
+}
+
+/// The passage between main blades before their splitters begin can be taken by hand.
+#[test]
+fn a_passage_may_end_where_splitters_begin() {
+    let part = ParametricWheel {
+        splitters: Some(Splitters { span: [0.6, 0.95], off_middle: 0.0 }),
+        ..ParametricWheel::impeller()
+    };
+    let options = BliskOptions { blades: Auto::Given(part.blades / 2), ..Default::default() };
+    match find(&part.mesh(), &options) {
+        Ok(channel) => assert_eq!((channel.blades, channel.unlike.len()), (part.blades / 2, 0)),
+        Err(error) => assert!(!matches!(error, BliskError::Obstructed { .. }), "{error}"),
     }
 }
 
@@ -89,7 +118,7 @@ fn axis_and_blades_of_a_sector_may_be_given() {
     // No sector about that line, and no wheel of that many blades.
     assert!(find(&cut, &given([0.0, 1.0, 0.0], part.blades)).is_err());
     let error = find(&cut, &given([1.0, 0.0, 0.0], part.blades + 1)).unwrap_err();
-    assert!(error.to_string().contains("sector"), "{error}");
+    assert!(matches!(error, BliskError::Misleading { given: Misleading::Blades, .. }), "{error}");
     assert_eq!(error.axis().unwrap().direction, DVec3::X);
 }
 

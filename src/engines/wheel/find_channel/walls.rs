@@ -142,30 +142,37 @@ impl WallFinder<'_> {
         Ok(good)
     }
 
-    /// Refuses an edge beyond which, at `beyond`, both blades go on, with metal between them.
+    /// Refuses an edge beyond which, at `beyond`, both blades go on with metal between them that ends before they do: a
+    /// splitter goes on to the end.
     fn check_undivided(&self, edge: &Place, beyond: f64, share: f64) -> Result<(), BliskError> {
-        let Some(at) = self.place_at(beyond, share).filter(|_| NOT_AT_END_WALLS.contains(&share)) else {
-            return Ok(());
-        };
-        let (width, middle) = (edge.gap.width(), edge.gap.middle());
-        let mut gaps = self.tracer.slices.gaps(at.x, at.y);
-        for gap in &mut gaps {
-            let turn = angle_near(gap.middle(), middle) - gap.middle();
-            *gap = turned(*gap, turn);
+        let (step, mut walls) = ((beyond - edge.along).signum() * self.step(), edge.gap);
+        let (mut along, mut met) = (beyond, None);
+        while let Some(at) = self.place_at(along, share).filter(|_| NOT_AT_END_WALLS.contains(&share)) {
+            self.tracer.cancel.check()?;
+            let Some((around, between)) = self.between(&walls, at) else { break };
+            met = met.or(between.map(|metal| (at, metal)));
+            let Some((at, [low, high])) = met else { break };
+            if between.is_none() {
+                let off_mm = at.y * (low - edge.gap.low.theta).min(edge.gap.high.theta - high);
+                let at = Cylindrical { x: at.x, r: at.y, theta: 0.5 * (low + high) }.point();
+                return Err(BliskError::Obstructed { at, off_mm });
+            }
+            (walls, along) = (around, along + step);
         }
+        Ok(())
+    }
+
+    /// At a place (x, r), where both walls are near those of `near`: the gap from one to the other, and from where to
+    /// where the first metal between them reaches, if there is any.
+    fn between(&self, near: &Gap, at: DVec2) -> Option<(Gap, Option<[f64; 2]>)> {
+        let turned_near = |gap: Gap| turned(gap, angle_near(gap.middle(), near.middle()) - gap.middle());
+        let mut gaps: Vec<Gap> = self.tracer.slices.gaps(at.x, at.y).into_iter().map(turned_near).collect();
         gaps.sort_by(|a, b| a.low.theta.total_cmp(&b.low.theta));
-        let starts = |gap: &Gap| (gap.low.theta - edge.gap.low.theta).abs() < SAME_WALL * width;
-        let ends = |gap: &Gap| (gap.high.theta - edge.gap.high.theta).abs() < SAME_WALL * width;
-        let (Some(first), Some(last)) = (gaps.iter().position(starts), gaps.iter().position(ends)) else {
-            return Ok(());
-        };
-        if first >= last {
-            return Ok(());
-        }
-        let [low, high] = [gaps[first].high.theta, gaps[first + 1].low.theta];
-        let off_mm = at.y * (low - edge.gap.low.theta).min(edge.gap.high.theta - high);
-        let at = Cylindrical { x: at.x, r: at.y, theta: 0.5 * (low + high) }.point();
-        Err(BliskError::Obstructed { at, off_mm })
+        let is_near = |a: Crossing, b: Crossing| (a.theta - b.theta).abs() < SAME_WALL * near.width();
+        let first = gaps.iter().position(|gap| is_near(gap.low, near.low))?;
+        let last = gaps.iter().position(|gap| is_near(gap.high, near.high)).filter(|last| *last >= first)?;
+        let metal = (last > first).then(|| [gaps[first].high.theta, gaps[first + 1].low.theta]);
+        Some((Gap { low: gaps[first].low, high: gaps[last].high }, metal))
     }
 
     /// Refuses an edge where hub or shroud ends, but not the blades.

@@ -26,7 +26,7 @@ use super::error::{BliskError, Misleading};
 use super::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
-use task::{Cancel, Task};
+use task::{Cancel, Cancelled, Task};
 
 /// A wall repeats where it misses the mean one by less than this share of the pitch.
 const TOLERANCE: f64 = 0.005;
@@ -93,9 +93,18 @@ pub(super) fn find_wheel<'a>(
         Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),
         Err(error) => error,
     };
-    refuse_misleading(&mesh, options, task)?;
-    let Some(whole) = sector::whole_wheel(&mesh, options, 0.0, &task.cancel)? else { return Err(error) };
-    wheel_of_sector(whole, error, options, task)
+    let error = match sector::whole_wheel(&mesh, options, 0.0, &task.cancel) {
+        Ok(Some(whole)) => match wheel_of_sector(whole, error, options, task) {
+            Err(error) => error,
+            found => return found,
+        },
+        Ok(None) => error,
+        Err(error) => error.into(),
+    };
+    Err(match error {
+        BliskError::Cancelled(_) => error,
+        error => misleading(&mesh, options, task)?.unwrap_or(error),
+    })
 }
 
 /// The whole wheel that was found, or the one that the mesh is a sector of, if little of its surface turns about the axis
@@ -146,33 +155,32 @@ fn wheel_of_sector<'a>(
         Err(of_whole) if matches!(error, BliskError::Partial { .. }) => return Err(of_whole),
         _ => return Err(error),
     };
-    let kinds = blisk.repetition.kinds;
-    if kinds > 1 && whole.pitches_held < 2 * kinds {
-        return Err(SectorError::Kinds { kinds, seen: whole.pitches_held, axis: whole.axis }.into());
+    let Repetition { blades, kinds, .. } = blisk.repetition;
+    // Its pitch may have been told by every other blade.
+    let pitches_held = whole.pitches_held * blades / whole.blades;
+    if kinds > 1 && pitches_held < 2 * kinds {
+        return Err(SectorError::Kinds { kinds, seen: pitches_held, axis: whole.axis }.into());
     }
     // Channel 0 is one of those that the sector holds.
     blisk.frame = Frame::from_x_and_z_hint(blisk.axis.point, blisk.axis.direction, whole.middle);
-    blisk.assumed.insert(0, whole.assumed);
+    blisk.assumed.insert(0, whole.assumed(blades));
     Ok(Wheel { mesh: Cow::Owned(whole.mesh), is_of_sector: true, blisk })
 }
 
-/// Refuses what is given by hand where the whole wheel is found without it: first points, then the number of blades, then
+/// The refusal of what is given by hand where the wheel is found without it: points first, then the number of blades, then
 /// the axis.
-fn refuse_misleading(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<(), BliskError> {
+fn misleading(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Option<BliskError>, Cancelled> {
     let mut fewer = options.clone();
-    for given in Misleading::ALL {
-        if !given.take_away(&mut fewer) {
-            continue;
+    let Some(given) = Misleading::ALL.into_iter().find(|given| given.take_away(&mut fewer)) else { return Ok(None) };
+    Ok(match find_wheel(Cow::Borrowed(mesh), &fewer, task) {
+        Ok(Wheel { blisk, .. }) => {
+            let BliskFrame { axis, repetition, middle, .. } = blisk;
+            Some(BliskError::Misleading { given, axis, blades: repetition.blades, at: middle })
         }
-        match find_frame(mesh, &fewer, task) {
-            Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),
-            Err(_) => {}
-            Ok(BliskFrame { axis, repetition, middle, .. }) => {
-                return Err(BliskError::Misleading { given, axis, blades: repetition.blades, at: middle });
-            }
-        }
-    }
-    Ok(())
+        Err(BliskError::Cancelled(cancelled)) => return Err(cancelled),
+        Err(error @ BliskError::Misleading { .. }) => Some(error),
+        Err(_) => None,
+    })
 }
 
 /// Finds the axis and the blade count of `mesh`, which must be oriented outwards.
@@ -205,7 +213,7 @@ fn candidate_axes(mesh: &Mesh, options: &BliskOptions) -> Vec<Axis> {
 }
 
 /// The frame along `axis` with its Z near the mesh's reference direction.
-fn frame_along(axis: &Axis) -> Frame {
+pub(super) fn frame_along(axis: &Axis) -> Frame {
     let reference = if axis.major() == 2 { DVec3::X } else { DVec3::Z };
     Frame::from_x_and_z_hint(axis.point, axis.direction, reference)
 }

@@ -83,9 +83,9 @@ impl Remedies<'_> {
         });
         for (with, walls) in &tries {
             match comes_out(self.prepared, with, number, self.task) {
-                // One that cannot be made does not come out.
-                Err(PlanJobError::Electrode(_)) => break,
-                Err(other) => return Err(other),
+                Err(PlanJobError::Cancelled(cancelled)) => return Err(cancelled.into()),
+                // One that cannot be made or judged does not come out.
+                Err(_) => break,
                 Ok(true) => return Ok((*walls, true)),
                 Ok(false) => {}
             }
@@ -140,11 +140,11 @@ impl Remedies<'_> {
 
     /// Whether a preview finds a path of electrode number `number` to some side that `inputs` allow.
     fn comes_out(&self, inputs: &PlanInputs, number: usize) -> Result<bool, PlanJobError> {
-        for side in sides(&inputs.job, &self.prepared.space.channel, number)? {
+        for side in sides(&inputs.job, &self.prepared.space.channel, number).unwrap_or_default() {
             match preview_on(self.prepared, inputs, (number, side), self.task) {
-                // One that cannot be made does not come out.
-                Err(PlanJobError::Electrode(_)) => {}
-                Err(other) => return Err(other),
+                Err(PlanJobError::Cancelled(cancelled)) => return Err(cancelled.into()),
+                // One that cannot be made or judged does not come out.
+                Err(_) => {}
                 Ok(way) if way.margin.is_some() => return Ok(true),
                 Ok(_) => {}
             }

@@ -201,6 +201,7 @@ pub fn electrodes(part: &Part, found: &FoundChannel, job: &PlanJob, task: &Task)
                     electrodes.push(electrode);
                     break;
                 }
+                Err(ElectrodeError::Cancelled(cancelled)) => return Err(cancelled.to_string()),
                 Err(error) => impossible.push((side, error)),
             }
         }

@@ -6,6 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use geometry::mesh::{Mesh, normal_times_two_areas};
+use task::{Cancel, Cancelled};
 
 /// A plane that all of a mesh lies on one side of.
 pub(super) struct Cut {
@@ -18,7 +19,10 @@ pub(super) struct Cut {
 }
 
 /// Planes that the mesh lies on one side of, and with a part of its surface in, the largest part first.
-pub(super) fn cuts(mesh: &Mesh, on_cut: f64) -> Vec<Cut> {
+///
+/// # Errors
+/// [`Cancelled`].
+pub(super) fn cuts(mesh: &Mesh, on_cut: f64, cancel: &Cancel) -> Result<Vec<Cut>, Cancelled> {
     /// Directions that are looked at, those of most area.
     const MOST: usize = 200;
     /// Normals in one of these steps are one direction.
@@ -37,6 +41,7 @@ pub(super) fn cuts(mesh: &Mesh, on_cut: f64) -> Vec<Cut> {
     directions.sort_by(|(i, a), (j, b)| b.length_squared().total_cmp(&a.length_squared()).then(i.cmp(j)));
     directions.truncate(MOST);
     let cut = |(_, direction): &([i32; 3], DVec3)| {
+        cancel.check()?;
         let normal = direction.normalize_or_zero();
         let furthest = |normal: DVec3| mesh.vertices.iter().map(|p| normal.dot(*p)).fold(f64::NEG_INFINITY, f64::max);
         let (mut cut, near) = (Cut { normal, at: furthest(normal), area: 0.0 }, 50.0 * on_cut);
@@ -49,9 +54,10 @@ pub(super) fn cuts(mesh: &Mesh, on_cut: f64) -> Vec<Cut> {
             let normal = sum.normalize_or_zero();
             cut = Cut { normal, at: furthest(normal), area: 0.5 * sum.length() };
         }
-        cut
+        Ok(cut)
     };
-    let cuts: Vec<Cut> = directions.par_iter().map(cut).filter(|cut| cut.area > LEAST * whole).collect();
+    let mut cuts: Vec<Cut> = directions.par_iter().map(cut).collect::<Result<_, Cancelled>>()?;
+    cuts.retain(|cut| cut.area > LEAST * whole);
     let mut found: Vec<Cut> = Vec::new();
     for cut in cuts {
         if !found.iter().any(|known: &Cut| known.normal.dot(cut.normal) > 1.0 - STEP * STEP) {
@@ -59,7 +65,7 @@ pub(super) fn cuts(mesh: &Mesh, on_cut: f64) -> Vec<Cut> {
         }
     }
     found.sort_by(|a, b| b.area.total_cmp(&a.area));
-    found
+    Ok(found)
 }
 
 /// The part of `mesh` on the side of the plane through the origin that `inward` points to, without what lies in the

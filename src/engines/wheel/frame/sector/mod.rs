@@ -51,8 +51,26 @@ pub(super) struct Whole {
     pub middle: DVec3,
     /// Whole pitches that the sector holds.
     pub pitches_held: usize,
-    /// Assumption made, in sentences for the user.
-    pub assumed: String,
+    /// Angle between the cuts (rad).
+    angle: f64,
+    /// How far points were moved to join the copies (mm).
+    shift: f64,
+}
+
+impl Whole {
+    /// The assumption made, in sentences for the user, of a wheel that turned out to have so many blades.
+    pub fn assumed(&self, blades: usize) -> String {
+        format!(
+            "The mesh is a sector of {:.3} deg. Its cuts meet in the axis {}; {} of its pitches were turned about it \
+             into the {} sectors of the whole wheel of {blades} blades, whose ends were moved by up to {:.4} mm to \
+             meet. What does not repeat with the blades, as bolt holes, is not where it is on the part.",
+            self.angle.to_degrees(),
+            self.axis,
+            blades / self.copies,
+            self.copies,
+            self.shift
+        )
+    }
 }
 
 /// The wheel that `mesh`, oriented outwards, is a sector of; none if no planes cut it out about an axis that `options`
@@ -67,7 +85,7 @@ pub(super) fn whole_wheel(
     cancel: &Cancel,
 ) -> Result<Option<Whole>, SectorError> {
     let mut first_error = None;
-    for sector in sectors(mesh, options, turning) {
+    for sector in sectors(mesh, options, turning, cancel)? {
         match sector.whole(options.blades.given(), cancel) {
             Err(SectorError::Cancelled(cancelled)) => return Err(cancelled.into()),
             Err(error) => first_error = first_error.or(Some(error)),
@@ -101,18 +119,24 @@ struct Sector {
 
 /// The sectors that `mesh` may be, the likeliest first: about the line of two cuts, or in the one cut of half a wheel,
 /// that its surfaces turn about most, a share of more than `least`.
-fn sectors<'a>(mesh: &'a Mesh, options: &BliskOptions, least: f64) -> impl Iterator<Item = Sector> + use<'a> {
+fn sectors<'a>(
+    mesh: &'a Mesh,
+    options: &BliskOptions,
+    least: f64,
+    cancel: &Cancel,
+) -> Result<impl Iterator<Item = Sector> + use<'a>, Cancelled> {
     /// Cuts at a smaller angle meet nowhere that can be told.
     const LEAST_ANGLE: f64 = 0.01;
     /// Hub, shroud and rims turn about the axis: at least this share of the surface, and this part of what turns about
     /// any other line.
     const LEAST_TURNING: f64 = 0.02;
     const LEAST_PART: f64 = 0.5;
-    /// Lines that are tried.
+    /// Lines that are tried, and cuts that half a wheel may be cut at.
     const MOST: usize = 4;
+    const MOST_HALVES: usize = 8;
     let size = mesh.bounds().size().length();
     let on_cut = ON_CUT * size;
-    let (cuts, turning) = (cuts(mesh, on_cut), Turning::new(mesh));
+    let (cuts, turning) = (cuts(mesh, on_cut, cancel)?, Turning::new(mesh));
     let mut axes: Vec<(f64, Axis, [DVec3; 2])> = Vec::new();
     let mut add = |axis: Axis, normals| {
         let share = turning.share(&axis);
@@ -128,7 +152,12 @@ fn sectors<'a>(mesh: &'a Mesh, options: &BliskOptions, least: f64) -> impl Itera
             let point = (b.normal.cross(along) * a.at + along.cross(a.normal) * b.at) / along.length_squared();
             add(Axis::new(point, along).snapped(size), [a.normal, b.normal]);
         }
-        for axis in lines_of_symmetry(mesh, a, on_cut) {
+    }
+    // The cut that leaves half a wheel is one of the largest.
+    for a in cuts.iter().take(MOST_HALVES) {
+        cancel.check()?;
+        let about = |axis: &Axis| turning.share(axis) > 0.5 * LEAST_TURNING;
+        for axis in lines_of_symmetry(mesh, a, on_cut).into_iter().filter(about) {
             let axis = axis::of_turned_surfaces(mesh, axis).unwrap_or(axis);
             let off = a.normal.dot(axis.point) - a.at;
             if axis.direction.dot(a.normal).abs() < SAME && off.abs() < SAME * size {
@@ -154,7 +183,7 @@ fn sectors<'a>(mesh: &'a Mesh, options: &BliskOptions, least: f64) -> impl Itera
         let joint = (JOINT * size).max(chord_error(&mesh).min(MOST_JOINT * size));
         Sector { mesh, frame, axis, from, angle, on_cut, joint }
     };
-    axes.into_iter().map(sector).filter(|sector| sector.angle < PI + SAME)
+    Ok(axes.into_iter().map(sector).filter(|sector| sector.angle < PI + SAME))
 }
 
 /// The lines in a cut that its area may be symmetric about, as it is about the axis where it leaves half a wheel.
@@ -261,13 +290,12 @@ impl Sector {
                 let from = self.from + place * spare;
                 match self.turned([from, from + kept_angle], count / kept) {
                     Ok((mesh, shift)) => {
-                        let (pitches_held, assumed) =
-                            (((self.angle + SAME * pitch) / pitch) as usize, self.assumed(kept, *count, shift));
+                        let pitches_held = ((self.angle + SAME * pitch) / pitch) as usize;
                         let mesh = mesh.in_parent_of(&self.frame);
                         let theta = self.from + 0.5 * self.angle;
                         let middle = self.frame.direction_to_parent(Cylindrical { x: 0.0, r: 1.0, theta }.point());
-                        let copies = count / kept;
-                        return Ok(Whole { mesh, axis, blades: *count, copies, middle, pitches_held, assumed });
+                        let (blades, copies, angle) = (*count, count / kept, self.angle);
+                        return Ok(Whole { mesh, axis, blades, copies, middle, pitches_held, angle, shift });
                     }
                     Err(error) => first_error = first_error.or(Some(error)),
                 }
@@ -275,17 +303,6 @@ impl Sector {
         }
         let narrow = SectorError::Narrow { angle_deg, pitch_deg: pitch.to_degrees(), blades: *count, axis };
         Err(first_error.unwrap_or(narrow))
-    }
-
-    fn assumed(&self, kept: usize, blades: usize, shift: f64) -> String {
-        format!(
-            "The mesh is a sector of {:.3} deg. Its cuts meet in the axis {}; {kept} of its pitches were turned about it \
-             into the {} sectors of the whole wheel of {blades} blades, whose ends were moved by up to {shift:.4} mm to \
-             meet. What does not repeat with the blades, as bolt holes, is not where it is on the part.",
-            self.angle.to_degrees(),
-            self.axis,
-            blades / kept
-        )
     }
 
     /// Why the blades do not repeat after a turn by `angle`, as far as that stays in the sector; none if they do.
