@@ -9,8 +9,8 @@ use serde::Serialize;
 use super::centreline::{CentrelineError, CentrelineSummary};
 use super::channel::{Agreement, BladeSide, Channel, Flow, Station, Throat};
 use super::error::BliskError;
-use super::find_channel::{channel_of, prepared};
-use super::frame::{Axis, Repetition, find_wheel};
+use super::find_channel::{prepared, wheel_and_channel};
+use super::frame::{Axis, Repetition, Wheel};
 use super::options::BliskOptions;
 use super::surfaces::{SurfaceClasses, classify};
 use geometry::frame::Frame;
@@ -142,19 +142,21 @@ fn fill(found: &mut Inspection, mesh: &Mesh, options: &BliskOptions, task: &Task
     found.assumed = assumed;
     found.watertight = mesh.is_watertight();
     found.volume_mm3 = mesh.volume();
-    let loaded = mesh.clone();
-    let wheel = find_wheel(mesh, options, task)?;
-    found.axis = Some(wheel.blisk.axis);
-    found.repetition = Some(wheel.blisk.repetition);
-    found.assumed.extend(wheel.blisk.assumed.iter().cloned());
-    let mesh = wheel.mesh.clone();
-    let channel = channel_of(wheel, options, found.assumed.clone(), task).map_err(|refused| refused.error)?;
+    let assumed = found.assumed.clone();
+    let mut tell = |wheel: &Wheel| {
+        found.axis = Some(wheel.blisk.axis);
+        found.repetition = Some(wheel.blisk.repetition);
+        found.assumed = [&assumed[..], &wheel.blisk.assumed].concat();
+    };
+    let (wheel, channel) =
+        wheel_and_channel(&mesh, options, &assumed, task, &mut tell).map_err(|refused| refused.error)?;
     found.channel = Some(ChannelSummary::new(&channel));
     found.whole = channel.whole.clone();
     found.assumed = channel.assumed.clone();
-    found.surfaces = Some(classify(&loaded, &channel, task)?);
+    found.surfaces = Some(classify(&mesh, &channel, task)?);
     task.report("channel", 1.0, "centreline");
-    let exact = channel.exact(&mesh.in_frame(&channel.frame).into()).map_err(|e| BliskError::Mesh(e.to_string()))?;
+    let exact =
+        channel.exact(&wheel.mesh.in_frame(&channel.frame).into()).map_err(|e| BliskError::Mesh(e.to_string()))?;
     match CentrelineSummary::new(&channel, &exact, &task.cancel) {
         Ok(line) => found.centreline = Some(line),
         Err(CentrelineError::Cancelled(cancelled)) => return Err(cancelled.into()),

@@ -223,14 +223,16 @@ impl<'a> Finisher<'a> {
         (spot, is_lowered)
     }
 
-    /// `p` moved along the line in the sense of `up` until it keeps the gap.
-    fn freed(&self, line: &Line, mut p: Spot, up: f64) -> Spot {
-        for _ in 0..60 {
-            let clearance = self.boundary.clearance(line, p);
-            if clearance >= 0.0 {
-                break;
+    /// `p` moved along the line in the sense of `up` until it keeps the gap; `p` itself where that does not help, as
+    /// beside a wall.
+    fn freed(&self, line: &Line, p: Spot, up: f64) -> Spot {
+        let mut free = p;
+        while (free.height - p.height).abs() <= MOST_WAY {
+            let clearance = self.boundary.clearance(line, free);
+            if clearance.is_nan() || clearance >= 0.0 {
+                return free;
             }
-            p.height += up * (SURPLUS - clearance);
+            free.height += up * (SURPLUS - clearance);
         }
         p
     }

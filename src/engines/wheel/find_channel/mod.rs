@@ -29,10 +29,10 @@ use self::meridian::{Meridian, Place, Tracer};
 use self::walls::{INSET, WallFinder};
 use super::by_hand::ByHand;
 use super::channel::{Channel, ChannelWall, Flow, OPENS, Unlike, ways_out};
-use super::error::{BliskError, Refused};
+use super::error::{BliskError, Misleading, Refused};
 use super::frame::slices::{Gap, Slices};
-use super::frame::{BliskFrame, Wheel, find_wheel, is_inside_out};
-use super::options::{BliskOptions, ZAt};
+use super::frame::{BliskFrame, Wheel, find_sector, find_wheel, is_inside_out};
+use super::options::{AxisChoice, AxisName, BliskOptions, ZAt};
 use geometry::frame::{Cylindrical, Frame};
 use geometry::mesh::Mesh;
 use task::{Cancel, Task};
@@ -61,10 +61,61 @@ pub fn find_channel(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<
 /// # Errors
 /// [`Refused`] with the error of [`find_channel`] and its place.
 pub fn find_or_refuse(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Channel, Refused> {
-    let (mesh, mut assumed) = prepared(mesh, options)?;
-    let wheel = find_wheel(mesh, options, task)?;
-    assumed.extend(wheel.blisk.assumed.iter().cloned());
-    channel_of(wheel, options, assumed, task)
+    let (mesh, assumed) = prepared(mesh, options)?;
+    Ok(wheel_and_channel(&mesh, options, &assumed, task, &mut |_| ())?.1)
+}
+
+/// The wheel in `mesh`, which is oriented outwards, and its chosen channel. `assumed` is carried on; `found` is called with
+/// each wheel whose channel is looked for.
+pub(super) fn wheel_and_channel<'a>(
+    mesh: &'a Mesh,
+    options: &BliskOptions,
+    assumed: &[String],
+    task: &Task,
+    found: &mut dyn FnMut(&Wheel),
+) -> Result<(Wheel<'a>, Channel), Refused> {
+    let mut channel = |wheel: &Wheel| {
+        found(wheel);
+        let assumed = [assumed, &wheel.blisk.assumed].concat();
+        channel_of(wheel.clone(), options, assumed, task)
+    };
+    let wheel = match find_wheel(mesh, options, task) {
+        Ok(wheel) => wheel,
+        Err(BliskError::Cancelled(cancelled)) => return Err(BliskError::from(cancelled).into()),
+        Err(error) => return Err(misleading(mesh, options, task)?.unwrap_or(error).into()),
+    };
+    let whole = channel(&wheel);
+    // A blade alone may look like a wheel of a few: no two of its channels are alike.
+    let error = match &whole {
+        Ok(of) if !of.unlike.is_empty() && of.unlike.len() + 1 == of.blades / of.kinds => {
+            BliskError::NoChannels { axis: wheel.blisk.axis, count: of.blades, reason: "no two of them are alike" }
+        }
+        Ok(_) | Err(Refused { error: BliskError::Cancelled(_), .. }) => return whole.map(|channel| (wheel, channel)),
+        Err(refused) => refused.error.clone(),
+    };
+    if !wheel.is_of_sector && options.axis == AxisChoice::Named(AxisName::Auto) {
+        let sector = find_sector(mesh, error, options, task).map_err(BliskError::from)?;
+        if let Some(Ok(found)) = sector.map(|wheel| channel(&wheel).map(|channel| (wheel, channel))) {
+            return Ok(found);
+        }
+        found(&wheel);
+    }
+    whole.map(|channel| (wheel, channel))
+}
+
+/// The refusal of what is given by hand where a channel is found without it: points first, then the number of blades, then
+/// the axis.
+fn misleading(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Option<BliskError>, BliskError> {
+    let mut fewer = options.clone();
+    let Some(given) = Misleading::ALL.into_iter().find(|given| given.take_away(&mut fewer)) else { return Ok(None) };
+    match wheel_and_channel(mesh, &fewer, &[], task, &mut |_| ()) {
+        Ok((Wheel { blisk: BliskFrame { axis, repetition, middle, .. }, .. }, _)) => {
+            Ok(Some(BliskError::Misleading { given, axis, blades: repetition.blades, at: middle }))
+        }
+        Err(Refused { error: error @ BliskError::Cancelled(_), .. }) => Err(error),
+        Err(Refused { error: error @ BliskError::Misleading { .. }, .. }) => Ok(Some(error)),
+        Err(_) => Ok(None),
+    }
 }
 
 /// The mesh with its normals outwards, and what was assumed for that.
@@ -79,7 +130,7 @@ pub(super) fn prepared<'a>(mesh: &'a Mesh, options: &BliskOptions) -> Result<(Co
 }
 
 /// The chosen channel of a wheel whose axis and period are known. `assumed` is carried on.
-pub(super) fn channel_of(
+fn channel_of(
     Wheel { mesh, is_of_sector, blisk }: Wheel,
     options: &BliskOptions,
     assumed: Vec<String>,
@@ -123,7 +174,14 @@ fn measured_channel(
     if meridian.flow == Flow::Axial {
         check_axial(&meridian, [&low, &high])?;
     }
-    let throat = measure::throat(&low, &high);
+    let throat = match blisk.repetition.kinds {
+        1 => measure::throat(&low, &high),
+        // Beside splitters the narrowest place may be where a main blade stands ahead of one, or goes on behind it.
+        _ => {
+            let [low, high] = finder.beyond_edges([&low, &high])?;
+            measure::throat(&low, &high)
+        }
+    };
     let (turning, sides) = measure::turning(&low, &high, meridian.flow);
     [low.side, high.side] = sides;
     let faces_x = measure::faces_x(slices.mesh(), &meridian.stations);
@@ -211,11 +269,9 @@ fn place_channel(
     let tracer = Tracer { slices: &slices, pitch, options, by_hand: &by_hand, cancel };
     let (x, r) = (blisk.middle.x, blisk.middle.y);
     let picked = tracer.picked()?;
-    let gap = || slices.gaps(x, r).into_iter().find(|g| g.width() < 1.5 * pitch);
-    let found = || Some(Place { along: x, x, r, gap: gap()? });
-    let start = picked.or_else(found).ok_or(BliskError::LostWall { x, r })?;
-    let lines = flow::lines(&tracer, start, blisk.repetition.kinds)?;
-    let (mut place, _) = middle_of(&tracer, start, lines.as_ref())?;
+    let gaps = || slices.gaps(x, r).into_iter().filter(|g| g.width() < 1.5 * pitch);
+    let starts = picked.map_or_else(|| gaps().map(|gap| Place { along: x, x, r, gap }).collect(), |place| vec![place]);
+    let (lines, mut place) = first_middle(&tracer, &starts, blisk)?;
 
     // The same again from the chosen channel, since facets differ a little from channel to channel.
     let (x, r) = (place.x, place.r);
@@ -231,6 +287,25 @@ fn place_channel(
     (place, theta) = middle_of(&tracer, Place { gap: chosen, ..place }, lines.as_ref())?;
     place.gap = turned(place.gap, -theta);
     Ok(Placed { frame: blisk.frame.turned_about_x(theta), start: place, lines })
+}
+
+/// The lines across the channels and the middle of the first channel that has them: of those at `starts` some around the
+/// wheel are tried, since one may hold what keeps it from being found.
+fn first_middle(tracer: &Tracer, starts: &[Place], blisk: &BliskFrame) -> Result<(Option<Lines>, Place), BliskError> {
+    const TRIED: usize = 4;
+    let kinds = blisk.repetition.kinds;
+    let step = kinds * (starts.len() / kinds / TRIED).max(1);
+    let mut first_error = BliskError::LostWall { x: blisk.middle.x, r: blisk.middle.y };
+    for (i, start) in starts.iter().step_by(step).take(TRIED).enumerate() {
+        let lines = flow::lines(tracer, *start, kinds);
+        match lines.and_then(|lines| Ok((middle_of(tracer, *start, lines.as_ref())?.0, lines))) {
+            Ok((place, lines)) => return Ok((lines, place)),
+            Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            Err(error) if i == 0 => first_error = error,
+            Err(_) => {}
+        }
+    }
+    Err(first_error)
 }
 
 /// The middle of the channel through a place, half way between the edges and half way up, and the angle about X that

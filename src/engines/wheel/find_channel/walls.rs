@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::super::channel::{BladeSide, ChannelWall, Flow, station_at};
+use super::super::channel::{BladeSide, ChannelWall, Flow, along_at, station_at};
 use super::super::error::BliskError;
 use super::super::frame::slices::{Crossing, Gap};
 use super::meridian::{FACE_ROUNDING, Meridian, Place, Tracer};
@@ -30,6 +30,9 @@ const MOST_JUMPS: f64 = 0.05;
 const SAME_WALL: f64 = 0.1;
 /// Shares of the height at which facets of hub and shroud do not stand out into a row.
 const NOT_AT_END_WALLS: RangeInclusive<f64> = 0.04..=0.96;
+
+/// Points beyond an edge on a wall that goes on there.
+const BEYOND_EDGE: usize = 24;
 
 /// Blades that go on so far beyond the end of hub or shroud (share of the height) are not bounded there.
 const BEYOND_END: f64 = 0.05;
@@ -73,10 +76,12 @@ impl WallFinder<'_> {
     fn bladed(&self, along: f64, share: f64, near: &Place) -> Option<Place> {
         let at = self.place_at(along, share)?;
         let gap = self.tracer.bladed_gap(at.x, at.y, &near.gap)?;
-        let narrowed = (gap.low.theta - near.gap.low.theta).max(near.gap.high.theta - gap.high.theta);
+        let [low, high] = [gap.low.theta - near.gap.low.theta, near.gap.high.theta - gap.high.theta];
         // Less in less than a step, but the root of that beside round edges.
         let most = JUMP * near.gap.width() * ((along - near.along).abs() / self.step()).min(1.0).sqrt();
-        (narrowed <= most).then_some(Place { along, x: at.x, r: at.y, gap })
+        // Behind facets of an end wall it widens again.
+        let widened = if NOT_AT_END_WALLS.contains(&share) { -low.min(high) } else { 0.0 };
+        (low.max(high) <= most && widened <= most).then_some(Place { along, x: at.x, r: at.y, gap })
     }
 
     fn lost(&self, along: f64, share: f64) -> BliskError {
@@ -143,8 +148,18 @@ impl WallFinder<'_> {
     }
 
     /// Refuses an edge beyond which, at `beyond`, both blades go on with metal between them that ends before they do: a
-    /// splitter goes on to the end.
+    /// splitter goes on to the end. So is one beyond which the passage of the same blades is suddenly wider: metal in it
+    /// has ended there.
     fn check_undivided(&self, edge: &Place, beyond: f64, share: f64) -> Result<(), BliskError> {
+        let inner = self.place_at(beyond, share).filter(|_| NOT_AT_END_WALLS.contains(&share));
+        if let Some((at, wider)) = inner.and_then(|at| Some((at, self.tracer.bladed_gap(at.x, at.y, &edge.gap)?))) {
+            let ends = [[wider.low, edge.gap.low], [edge.gap.high, wider.high]].map(|ends| ends.map(|end| end.theta));
+            let [from, to] = if ends[0][1] - ends[0][0] > ends[1][1] - ends[1][0] { ends[0] } else { ends[1] };
+            if to - from > JUMP * edge.gap.width() {
+                let place = Cylindrical { x: at.x, r: at.y, theta: 0.5 * (from + to) }.point();
+                return Err(BliskError::Obstructed { at: place, off_mm: 0.5 * (to - from) * at.y });
+            }
+        }
         let (step, mut walls) = ((beyond - edge.along).signum() * self.step(), edge.gap);
         let (mut along, mut met) = (beyond, None);
         while let Some(at) = self.place_at(along, share).filter(|_| NOT_AT_END_WALLS.contains(&share)) {
@@ -251,6 +266,55 @@ impl WallFinder<'_> {
                 side: BladeSide::Flat,
             }
         }))
+    }
+
+    /// The grids of both walls with what their blades go on by beyond the ends of the passage between them, as far as it is
+    /// wide there; where a blade ends, points repeat. Their normals are left out.
+    pub fn beyond_edges(&self, walls: [&ChannelWall; 2]) -> Result<[ChannelWall; 2], BliskError> {
+        let (nu, nv) = (walls[0].nu, walls[0].nv);
+        let rows: Vec<[Vec<DVec3>; 2]> = (0..nv)
+            .into_par_iter()
+            .map(|v| {
+                self.tracer.cancel.check()?;
+                let ends = [self.beyond_edge(walls, (0, v), -1.0), self.beyond_edge(walls, (nu - 1, v), 1.0)];
+                Ok([0, 1].map(|w| {
+                    let ahead = ends[0][w].iter().rev().copied();
+                    ahead.chain((0..nu).map(|u| walls[w].point(u, v))).chain(ends[1][w].iter().copied()).collect()
+                }))
+            })
+            .collect::<Result<_, BliskError>>()?;
+        let nu = nu + 2 * BEYOND_EDGE;
+        Ok([0, 1].map(|w| {
+            let points = (0..nu).flat_map(|u| rows.iter().map(move |row| row[w][u])).collect();
+            ChannelWall { nu, nv, points, normals: Vec::new(), side: BladeSide::Flat }
+        }))
+    }
+
+    /// Of each wall the points beyond its end at grid position (`u`, `v`).
+    fn beyond_edge(&self, walls: [&ChannelWall; 2], (u, v): (usize, usize), toward: f64) -> [Vec<DVec3>; 2] {
+        let stations = &self.meridian.stations;
+        let share = INSET + (1.0 - 2.0 * INSET) * v as f64 / (walls[0].nv - 1) as f64;
+        let (ends, at) = (walls.map(|wall| wall.cylindrical(u, v)), walls.map(|wall| wall.point(u, v)));
+        let along = along_at(stations, DVec2::new(ends[0].x, ends[0].r), share);
+        let step = toward * at[0].distance(at[1]) / BEYOND_EDGE as f64;
+        [0, 1].map(|w| {
+            let (mut theta, mut points) = (ends[w].theta, Vec::with_capacity(BEYOND_EDGE));
+            let next = |theta: f64, k: usize| {
+                let place = self.place_at(along + k as f64 * step, share)?;
+                let gaps = self.tracer.slices.gaps(place.x, place.y).into_iter();
+                let thetas = gaps.map(|gap| angle_near([gap.low, gap.high][w].theta, theta));
+                let near = thetas.min_by(|a, b| (a - theta).abs().total_cmp(&(b - theta).abs()))?;
+                let is_on = (near - theta).abs() < SAME_WALL * self.tracer.pitch;
+                is_on.then(|| (near, Cylindrical { x: place.x, r: place.y, theta: near }.point()))
+            };
+            for k in 1..=BEYOND_EDGE {
+                let Some((on, point)) = next(theta, k) else { break };
+                theta = on;
+                points.push(point);
+            }
+            points.resize(BEYOND_EDGE, points.last().copied().unwrap_or(at[w]));
+            points
+        })
     }
 
     /// The mesh's normal where a circle meets it. A triangle without area is met only along its neighbours'

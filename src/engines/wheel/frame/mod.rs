@@ -17,12 +17,11 @@ pub use axis::Axis;
 pub(crate) use period::MOST_KINDS;
 pub use period::Repetition;
 
-use self::axis::Turning;
 use self::period::{Blades, Region};
 use self::sector::SectorError;
 use self::slices::Slices;
 use super::by_hand::ByHand;
-use super::error::{BliskError, Misleading};
+use super::error::BliskError;
 use super::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
@@ -69,6 +68,7 @@ pub(super) fn is_inside_out(mesh: &Mesh) -> Result<bool, BliskError> {
 }
 
 /// A wheel with its axis and blade count.
+#[derive(Clone)]
 pub(super) struct Wheel<'a> {
     /// Mesh: the given one, or the whole wheel that it is a sector of.
     pub mesh: Cow<'a, Mesh>,
@@ -83,63 +83,51 @@ pub(super) struct Wheel<'a> {
 ///
 /// # Errors
 /// Every error of [`find_frame`], and [`SectorError`] if the part is a sector that makes no wheel.
-pub(super) fn find_wheel<'a>(
-    mesh: Cow<'a, Mesh>,
-    options: &BliskOptions,
-    task: &Task,
-) -> Result<Wheel<'a>, BliskError> {
-    let error = match find_frame(&mesh, options, task) {
-        Ok(blisk) => return whole_or_sector(mesh, blisk, options, task),
+pub(super) fn find_wheel<'a>(mesh: &'a Mesh, options: &BliskOptions, task: &Task) -> Result<Wheel<'a>, BliskError> {
+    let error = match find_frame(mesh, options, task) {
+        Ok(mut blisk) => {
+            if let (AxisChoice::Line(_), Some(turned)) = (options.axis, axis::of_turned_surfaces(mesh, blisk.axis)) {
+                blisk.assumed.push(format!(
+                    "The turned surfaces of the mesh have another axis than the one that is given: {turned}."
+                ));
+            }
+            return Ok(Wheel { mesh: Cow::Borrowed(mesh), is_of_sector: false, blisk });
+        }
         Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),
         Err(error) => error,
     };
-    let error = match sector::whole_wheel(&mesh, options, 0.0, &task.cancel) {
-        Ok(Some(whole)) => match wheel_of_sector(whole, error, options, task) {
-            Err(error) => error,
-            found => return found,
-        },
-        Ok(None) => error,
-        Err(error) => error.into(),
-    };
-    Err(match error {
-        BliskError::Cancelled(_) => error,
-        error => misleading(&mesh, options, task)?.unwrap_or(error),
-    })
+    let Some(whole) = sector::whole_wheel(mesh, options, &task.cancel)? else { return Err(error) };
+    wheel_of_sector(whole, error, options, task)
 }
 
-/// The whole wheel that was found, or the one that the mesh is a sector of, if little of its surface turns about the axis
-/// that was found, and more about that of the sector: a blade alone may look like a wheel of a few.
-fn whole_or_sector<'a>(
-    mesh: Cow<'a, Mesh>,
-    blisk: BliskFrame,
+/// The whole wheel if `mesh` is a sector of one, although it was taken for a wheel about another axis, as a blade alone
+/// may be: what was found there was refused for `error`.
+///
+/// # Errors
+/// [`Cancelled`].
+pub(super) fn find_sector(
+    mesh: &Mesh,
+    error: BliskError,
     options: &BliskOptions,
     task: &Task,
-) -> Result<Wheel<'a>, BliskError> {
-    /// Share of the surface that turns about the axis of most wheels.
-    const MOST_TURN: f64 = 0.1;
-    let share = Turning::new(&mesh).share(&blisk.axis);
-    if share < MOST_TURN && options.axis == AxisChoice::Named(AxisName::Auto) {
-        let whole = match sector::whole_wheel(&mesh, options, share, &task.cancel) {
-            Err(SectorError::Cancelled(cancelled)) => return Err(cancelled.into()),
-            whole => whole.ok().flatten(),
-        };
-        let failed = BliskError::NoChannels { axis: blisk.axis, count: blisk.repetition.blades, reason: "" };
-        match whole.map(|whole| wheel_of_sector(whole, failed, options, task)) {
-            Some(Err(BliskError::Cancelled(cancelled))) => return Err(cancelled.into()),
-            Some(Ok(wheel)) => return Ok(wheel),
-            _ => {}
-        }
+) -> Result<Option<Wheel<'static>>, Cancelled> {
+    let whole = match sector::whole_wheel(mesh, options, &task.cancel) {
+        Err(SectorError::Cancelled(cancelled)) => return Err(cancelled),
+        whole => whole.ok().flatten(),
+    };
+    match whole.map(|whole| wheel_of_sector(whole, error, options, task)) {
+        Some(Err(BliskError::Cancelled(cancelled))) => Err(cancelled),
+        found => Ok(found.and_then(Result::ok)),
     }
-    Ok(Wheel { mesh, is_of_sector: false, blisk })
 }
 
 /// The wheel that was made of a sector, which as a whole wheel is refused for `error`.
-fn wheel_of_sector<'a>(
+fn wheel_of_sector(
     whole: sector::Whole,
     error: BliskError,
     options: &BliskOptions,
     task: &Task,
-) -> Result<Wheel<'a>, BliskError> {
+) -> Result<Wheel<'static>, BliskError> {
     let line = AxisLine { direction: whole.axis.direction.into(), point: whole.axis.point.into() };
     let about_line = BliskOptions { axis: AxisChoice::Line(line), ..options.clone() };
     // What only looks like a sector is what it was before.
@@ -158,29 +146,13 @@ fn wheel_of_sector<'a>(
     let Repetition { blades, kinds, .. } = blisk.repetition;
     // Its pitch may have been told by every other blade.
     let pitches_held = whole.pitches_held * blades / whole.blades;
-    if kinds > 1 && pitches_held < 2 * kinds {
+    if kinds > 1 && pitches_held < 2 * kinds && options.blades.given().is_none() {
         return Err(SectorError::Kinds { kinds, seen: pitches_held, axis: whole.axis }.into());
     }
     // Channel 0 is one of those that the sector holds.
     blisk.frame = Frame::from_x_and_z_hint(blisk.axis.point, blisk.axis.direction, whole.middle);
     blisk.assumed.insert(0, whole.assumed(blades));
     Ok(Wheel { mesh: Cow::Owned(whole.mesh), is_of_sector: true, blisk })
-}
-
-/// The refusal of what is given by hand where the wheel is found without it: points first, then the number of blades, then
-/// the axis.
-fn misleading(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Option<BliskError>, Cancelled> {
-    let mut fewer = options.clone();
-    let Some(given) = Misleading::ALL.into_iter().find(|given| given.take_away(&mut fewer)) else { return Ok(None) };
-    Ok(match find_wheel(Cow::Borrowed(mesh), &fewer, task) {
-        Ok(Wheel { blisk, .. }) => {
-            let BliskFrame { axis, repetition, middle, .. } = blisk;
-            Some(BliskError::Misleading { given, axis, blades: repetition.blades, at: middle })
-        }
-        Err(BliskError::Cancelled(cancelled)) => return Err(cancelled),
-        Err(error @ BliskError::Misleading { .. }) => Some(error),
-        Err(_) => None,
-    })
 }
 
 /// Finds the axis and the blade count of `mesh`, which must be oriented outwards.
@@ -226,7 +198,7 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
         return Err(BliskError::Partial { covered_deg, axis, given });
     }
     let slices = Slices::new(mesh.in_frame(&frame_along(&axis)));
-    let (region, least_kinds) = bladed_region(&slices, mesh, axis, options, cancel)?;
+    let (region, least_kinds, others) = bladed_region(&slices, mesh, axis, options, cancel)?;
     let middle = region.middle(&slices);
     let circles = region.circles(&slices, 160);
     let count = region.count;
@@ -265,19 +237,26 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
             reason: "most of their walls do not repeat from gap to gap",
         });
     };
-    let assumed = assumptions(&axis, &repetition, options);
+    let mut assumed = assumptions(&axis, &repetition, options);
+    assumed.extend(others.iter().map(|other| {
+        let (count, DVec2 { x, y: r }) = (other.count, other.middle(&slices));
+        format!(
+            "Another row of {count} blades stands about x {x:.1}, r {r:.1} mm: give a point on one of them with \
+             blisk.blade_points_mm to plan there."
+        )
+    }));
     Ok(BliskFrame { axis, frame: frame_along(&axis), repetition, middle, assumed })
 }
 
-/// The region whose gaps are channels between blades and have the most wall, with splitters where there are some, and how
-/// many kinds of blades there are at least.
+/// The region whose gaps are channels between blades and have the most wall, with splitters where there are some, how
+/// many kinds of blades there are at least, and the regions of other rows of blades.
 fn bladed_region(
     slices: &Slices,
     mesh: &Mesh,
     axis: Axis,
     options: &BliskOptions,
     cancel: &Cancel,
-) -> Result<(Region, usize), BliskError> {
+) -> Result<(Region, usize, Vec<Region>), BliskError> {
     let wanted = options.blades.given();
     let places = ByHand::new(options, &frame_along(&axis)).places();
     let mut first_objection = None;
@@ -295,9 +274,11 @@ fn bladed_region(
                     |other: &Region| other.count > regions[i].count && other.least_kinds(slices, &regions[i..=i]) > 1;
                 let i = if places.is_empty() { regions.iter().position(has_more).unwrap_or(i) } else { i };
                 let region = regions.swap_remove(i);
-                let others = if wanted.is_some() { period::regions(slices, None, cancel)? } else { regions };
+                let mut others = if wanted.is_some() { period::regions(slices, None, cancel)? } else { regions };
                 let least_kinds = region.least_kinds(slices, &others);
-                return Ok((region, least_kinds));
+                let is_row = |other: &Region| other.is_row_beside(&region) && other.objection(slices).is_none();
+                others.retain(|other| places.is_empty() && wanted.is_none() && is_row(other));
+                return Ok((region, least_kinds, others));
             }
             Some(reason) => first_objection = first_objection.or(Some((regions[i].count, reason))),
         }

@@ -172,6 +172,14 @@ impl Region {
         others.iter().filter(goes_on).filter_map(of).max().unwrap_or(1)
     }
 
+    /// Whether this may be another row of blades than those of `chosen`: a good part as large, and not beside them, as
+    /// where splitters begin.
+    pub fn is_row_beside(&self, chosen: &Self) -> bool {
+        const LEAST: f64 = 0.25;
+        let walls = |region: &Self| (region.count * region.cells.len()) as f64;
+        walls(self) > LEAST * walls(chosen) && !self.touches(chosen)
+    }
+
     /// Cells whose neighbours all belong to the region, or all of them if there are none.
     fn inner_cells(&self) -> Vec<[usize; 2]> {
         let inner = |&&[x, r]: &&[usize; 2]| {

@@ -58,7 +58,8 @@ pub enum SectorError {
     /// The blades of the sector differ, and it cannot be told whether they repeat.
     #[error(
         "the mesh is a sector about the axis {axis}, and the blades of its {seen} pitches are not alike: {kinds} kinds \
-         can only be told to repeat in a sector of {} pitches; load a larger sector or the whole wheel",
+         can only be told to repeat in a sector of {} pitches; load a larger sector or the whole wheel, or give the number of \
+         blades with blisk.blades if they are main blades and splitters",
         2 * .kinds
     )]
     Kinds {

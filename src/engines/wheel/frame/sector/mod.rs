@@ -10,6 +10,7 @@ mod join;
 
 use std::collections::HashSet;
 use std::f64::consts::{PI, TAU};
+use std::ops::RangeInclusive;
 
 use glam::{DMat3, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
@@ -74,18 +75,13 @@ impl Whole {
 }
 
 /// The wheel that `mesh`, oriented outwards, is a sector of; none if no planes cut it out about an axis that `options`
-/// allow and that more than a share `turning` of its surface turns about.
+/// allow.
 ///
 /// # Errors
 /// [`SectorError`], of the likeliest axis.
-pub(super) fn whole_wheel(
-    mesh: &Mesh,
-    options: &BliskOptions,
-    turning: f64,
-    cancel: &Cancel,
-) -> Result<Option<Whole>, SectorError> {
+pub(super) fn whole_wheel(mesh: &Mesh, options: &BliskOptions, cancel: &Cancel) -> Result<Option<Whole>, SectorError> {
     let mut first_error = None;
-    for sector in sectors(mesh, options, turning, cancel)? {
+    for sector in sectors(mesh, options, cancel)? {
         match sector.whole(options.blades.given(), cancel) {
             Err(SectorError::Cancelled(cancelled)) => return Err(cancelled.into()),
             Err(error) => first_error = first_error.or(Some(error)),
@@ -118,11 +114,10 @@ struct Sector {
 }
 
 /// The sectors that `mesh` may be, the likeliest first: about the line of two cuts, or in the one cut of half a wheel,
-/// that its surfaces turn about most, a share of more than `least`.
+/// that its surfaces turn about most.
 fn sectors<'a>(
     mesh: &'a Mesh,
     options: &BliskOptions,
-    least: f64,
     cancel: &Cancel,
 ) -> Result<impl Iterator<Item = Sector> + use<'a>, Cancelled> {
     /// Cuts at a smaller angle meet nowhere that can be told.
@@ -134,13 +129,15 @@ fn sectors<'a>(
     /// Lines that are tried, and cuts that half a wheel may be cut at.
     const MOST: usize = 4;
     const MOST_HALVES: usize = 8;
+    /// Share of the area of such a cut that lies on one side of the axis.
+    const HALVES: RangeInclusive<f64> = 0.3..=0.7;
     let size = mesh.bounds().size().length();
     let on_cut = ON_CUT * size;
     let (cuts, turning) = (cuts(mesh, on_cut, cancel)?, Turning::new(mesh));
     let mut axes: Vec<(f64, Axis, [DVec3; 2])> = Vec::new();
     let mut add = |axis: Axis, normals| {
         let share = turning.share(&axis);
-        let allowed = allowed(axis, options, on_cut, size).filter(|_| share > LEAST_TURNING.max(least));
+        let allowed = allowed(axis, options, on_cut, size).filter(|_| share > LEAST_TURNING);
         axes.extend(allowed.map(|axis| (share, axis, normals)));
     };
     for (i, a) in cuts.iter().enumerate() {
@@ -156,11 +153,16 @@ fn sectors<'a>(
     // The cut that leaves half a wheel is one of the largest.
     for a in cuts.iter().take(MOST_HALVES) {
         cancel.check()?;
-        let about = |axis: &Axis| turning.share(axis) > 0.5 * LEAST_TURNING;
-        for axis in lines_of_symmetry(mesh, a, on_cut).into_iter().filter(about) {
+        let facets = facets_of(mesh, a, on_cut);
+        let about = |axis: &Axis| {
+            let across = a.normal.cross(axis.direction);
+            let beyond = facets.iter().filter(|(p, _)| across.dot(*p - axis.point) > 0.0).map(|(_, area)| area);
+            turning.share(axis) > 0.5 * LEAST_TURNING && HALVES.contains(&(beyond.sum::<f64>() / a.area))
+        };
+        for axis in lines_of_symmetry(&facets).into_iter().filter(about) {
             let axis = axis::of_turned_surfaces(mesh, axis).unwrap_or(axis);
             let off = a.normal.dot(axis.point) - a.at;
-            if axis.direction.dot(a.normal).abs() < SAME && off.abs() < SAME * size {
+            if axis.direction.dot(a.normal).abs() < SAME && off.abs() < SAME * size && about(&axis) {
                 let direction = axis.direction.reject_from_normalized(a.normal);
                 add(Axis::new(axis.point - off * a.normal, direction).snapped(size), [a.normal; 2]);
             }
@@ -186,14 +188,16 @@ fn sectors<'a>(
     Ok(axes.into_iter().map(sector).filter(|sector| sector.angle < PI + SAME))
 }
 
-/// The lines in a cut that its area may be symmetric about, as it is about the axis where it leaves half a wheel.
-fn lines_of_symmetry(mesh: &Mesh, cut: &Cut, on_cut: f64) -> [Axis; 2] {
+/// Middles and areas of the facets in a cut.
+fn facets_of(mesh: &Mesh, cut: &Cut, on_cut: f64) -> Vec<(DVec3, f64)> {
     let lies = |corners: &[DVec3; 3]| corners.iter().all(|p| cut.at - cut.normal.dot(*p) <= on_cut);
-    let facets: Vec<(DVec3, f64)> = mesh
-        .iter_corners()
-        .filter(lies)
-        .map(|t| ((t[0] + t[1] + t[2]) / 3.0, normal_times_two_areas(t).dot(cut.normal)))
-        .collect();
+    let facet = |t: [DVec3; 3]| ((t[0] + t[1] + t[2]) / 3.0, 0.5 * normal_times_two_areas(t).dot(cut.normal));
+    mesh.iter_corners().filter(lies).map(facet).collect()
+}
+
+/// The lines in a cut of these facets that its area may be symmetric about, as it is about the axis where it leaves half
+/// a wheel.
+fn lines_of_symmetry(facets: &[(DVec3, f64)]) -> [Axis; 2] {
     let center = facets.iter().map(|(p, area)| *area * *p).sum::<DVec3>() / facets.iter().map(|f| f.1).sum::<f64>();
     let moments = facets.iter().fold(DMat3::ZERO, |sum, (p, area)| sum + axis::outer(*p - center) * *area);
     // Square to the cut there is none.
