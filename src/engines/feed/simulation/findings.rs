@@ -51,6 +51,11 @@ pub struct PairReport {
 }
 
 impl PairReport {
+    /// Whether less is proven than is required, but some at the nearest place, and no contact.
+    pub(super) fn is_short(&self) -> bool {
+        !self.holds() && self.contact.is_none() && self.least.distance >= self.required
+    }
+
     /// Whether the proven clearance is at least the clearance required.
     pub fn holds(&self) -> bool {
         self.certified > 0.0 && self.certified >= self.required

@@ -18,6 +18,9 @@ use crate::verify::pair::{Near, Pair, PairClearance, TOUCHING};
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
 
+/// Share of the usual resolution at which every channel is tested itself.
+const FINER: f64 = 0.1;
+
 /// Simulates the whole motion.
 ///
 /// # Errors
@@ -27,15 +30,15 @@ pub fn simulate(scenario: &Scenario, options: &SimulationOptions, task: &Task) -
     let bodies = Bodies::new(scenario, &task.cancel)?;
     let (visits, out_of_reach) = tour::visits(scenario, &options.channels);
     let period_error = periodic::error_of(scenario.blisk, visits.iter().map(|v| v.turn), &task.cancel)?;
-    let run = Run { scenario, options, bodies: &bodies, visits: &visits, period_error, task };
+    let mut run = Run { scenario, options, bodies: &bodies, visits: &visits, period_error, task };
     let copies = run.copies()?;
-    task.report("simulation", 0.0, "approach");
-    let approach = run.approach(&copies)?;
-    let mut pairs = Vec::new();
-    // Without a feed there is nothing to say of any pair.
-    if !scenario.feed.0.rows.is_empty() {
-        pairs.extend(run.feed_pairs());
-        pairs.extend(run.all(&approach, &copies)?);
+    let (mut approach, mut pairs) = run.found(&copies)?;
+    // What one channel stands for in all of them is less by what they differ by: where that is too little, each is tested
+    // itself, more finely.
+    let finer = SimulationOptions { resolution_mm: FINER * options.resolution_mm, ..options.clone() };
+    if period_error.is_some_and(|error| error > 0.0) && pairs.iter().any(PairReport::is_short) {
+        (run.period_error, run.options) = (None, &finer);
+        (approach, pairs) = run.found(&copies)?;
     }
     pairs.sort_by(|p, q| (p.certified - p.required).total_cmp(&(q.certified - q.required)));
     let chain = bodies.chain;
@@ -105,6 +108,19 @@ pub(super) struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
+    /// The way to the first row, and what is found of every pair on the whole motion.
+    fn found(&self, copies: &[Option<Copies>]) -> Result<(Approach, Vec<PairReport>), Cancelled> {
+        self.task.report("simulation", 0.0, "approach");
+        let approach = self.approach(copies)?;
+        let mut pairs = Vec::new();
+        // Without a feed there is nothing to say of any pair.
+        if !self.scenario.feed.0.rows.is_empty() {
+            pairs.extend(self.feed_pairs());
+            pairs.extend(self.all(&approach, copies)?);
+        }
+        Ok((approach, pairs))
+    }
+
     /// The first way to the first row on which everything keeps its clearance in every channel; if there is none, the
     /// first that does in one of them, and then the first of all.
     pub fn approach(&self, copies: &[Option<Copies>]) -> Result<Approach, Cancelled> {

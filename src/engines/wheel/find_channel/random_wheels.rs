@@ -245,6 +245,26 @@ fn with_struts(wheel: &ParametricWheel, share: f64) -> Mesh {
     })
 }
 
+/// Where only some passages hold something, they are refused, and the others are found.
+#[test]
+fn a_passage_beside_one_with_a_strut_is_found() {
+    let wheel = ParametricWheel::nozzle_ring();
+    let place = wheel.place(0.5, 0.5);
+    let mesh = (0..wheel.blades).step_by(4).fold(wheel.mesh(), |mesh, k| {
+        let [low, high] = wheel.walls(k, 0.5, 0.5).unwrap();
+        let strut = Mesh::cuboid(DVec3::new(14.0, 2.0, 2.0));
+        // Nearer to one of the walls.
+        let at = Cylindrical { x: place.x, r: place.y, theta: 0.3 * low + 0.7 * high };
+        let turn = DAffine3::from_translation(at.point()) * DAffine3::from_rotation_x(-at.theta);
+        together(mesh, &strut.mapped(|p| turn.transform_point3(p)))
+    });
+    let of = |channel: usize| find_channel(&mesh, &BliskOptions { channel, ..Default::default() }, &Task::default());
+    let refused: Vec<usize> = (0..8).filter(|&channel| of(channel).is_err()).collect();
+    assert_eq!(refused.len(), 2, "{refused:?}");
+    assert!(matches!(of(refused[0]), Err(BliskError::Obstructed { .. })), "{:?}", of(refused[0]));
+    assert_eq!(of(refused[0] + 1).unwrap().unlike.len(), 5);
+}
+
 /// Where every passage has a pin or a strut no two differ, and all four surfaces of a passage are where they were. Some are told
 /// as what stands in it, with their place; others keep the blades or their walls from being found.
 #[test]

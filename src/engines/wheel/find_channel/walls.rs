@@ -26,6 +26,8 @@ const EDGE_JUMP: f64 = 0.005;
 /// Share of the columns of a wall's grid that may jump between hub and shroud.
 const MOST_JUMPS: f64 = 0.05;
 
+/// A passage that widens at once by more than this share of its width does so suddenly.
+const SUDDEN: f64 = 0.05;
 /// From step to step a wall moves by less than this share of the passage's width.
 const SAME_WALL: f64 = 0.1;
 /// Shares of the height at which facets of hub and shroud do not stand out into a row.
@@ -76,12 +78,10 @@ impl WallFinder<'_> {
     fn bladed(&self, along: f64, share: f64, near: &Place) -> Option<Place> {
         let at = self.place_at(along, share)?;
         let gap = self.tracer.bladed_gap(at.x, at.y, &near.gap)?;
-        let [low, high] = [gap.low.theta - near.gap.low.theta, near.gap.high.theta - gap.high.theta];
+        let narrowed = (gap.low.theta - near.gap.low.theta).max(near.gap.high.theta - gap.high.theta);
         // Less in less than a step, but the root of that beside round edges.
         let most = JUMP * near.gap.width() * ((along - near.along).abs() / self.step()).min(1.0).sqrt();
-        // Behind facets of an end wall it widens again.
-        let widened = if NOT_AT_END_WALLS.contains(&share) { -low.min(high) } else { 0.0 };
-        (low.max(high) <= most && widened <= most).then_some(Place { along, x: at.x, r: at.y, gap })
+        (narrowed <= most).then_some(Place { along, x: at.x, r: at.y, gap })
     }
 
     fn lost(&self, along: f64, share: f64) -> BliskError {
@@ -122,7 +122,10 @@ impl WallFinder<'_> {
         let mut bad = loop {
             self.tracer.cancel.check()?;
             match self.bladed(good.along + toward * step, share, &good) {
-                Some(place) => good = place,
+                Some(place) => {
+                    self.check_widening(&good, &place, share)?;
+                    good = place;
+                }
                 None => break good.along + toward * step,
             }
         };
@@ -147,19 +150,36 @@ impl WallFinder<'_> {
         Ok(good)
     }
 
-    /// Refuses an edge beyond which, at `beyond`, both blades go on with metal between them that ends before they do: a
-    /// splitter goes on to the end. So is one beyond which the passage of the same blades is suddenly wider: metal in it
-    /// has ended there.
-    fn check_undivided(&self, edge: &Place, beyond: f64, share: f64) -> Result<(), BliskError> {
-        let inner = self.place_at(beyond, share).filter(|_| NOT_AT_END_WALLS.contains(&share));
-        if let Some((at, wider)) = inner.and_then(|at| Some((at, self.tracer.bladed_gap(at.x, at.y, &edge.gap)?))) {
-            let ends = [[wider.low, edge.gap.low], [edge.gap.high, wider.high]].map(|ends| ends.map(|end| end.theta));
-            let [from, to] = if ends[0][1] - ends[0][0] > ends[1][1] - ends[1][0] { ends[0] } else { ends[1] };
-            if to - from > JUMP * edge.gap.width() {
-                let place = Cylindrical { x: at.x, r: at.y, theta: 0.5 * (from + to) }.point();
-                return Err(BliskError::Obstructed { at: place, off_mm: 0.5 * (to - from) * at.y });
-            }
+    /// Refuses a passage that widens suddenly between two places and goes on: metal in it has ended there. At a
+    /// blade's edge it ends there.
+    fn check_widening(&self, from: &Place, to: &Place, share: f64) -> Result<(), BliskError> {
+        const HALVINGS: usize = 12;
+        let widened = |from: &Place, to: &Place| {
+            let ends = [[to.gap.low, from.gap.low], [from.gap.high, to.gap.high]].map(|ends| ends.map(|end| end.theta));
+            if ends[0][1] - ends[0][0] > ends[1][1] - ends[1][0] { ends[0] } else { ends[1] }
+        };
+        let is_jump = |[low, high]: [f64; 2]| high - low > SUDDEN * from.gap.width();
+        if !is_jump(widened(from, to)) || !NOT_AT_END_WALLS.contains(&share) {
+            return Ok(());
         }
+        // What is sudden stays so however near to each other the places are.
+        let (mut near, mut far) = (*from, *to);
+        for _ in 0..HALVINGS {
+            let Some(middle) = self.bladed(0.5 * (near.along + far.along), share, &near) else { return Ok(()) };
+            if is_jump(widened(&near, &middle)) { far = middle } else { near = middle }
+        }
+        let [low, high] = widened(&near, &far);
+        let beyond = to.along + 0.25 * (to.along - from.along).signum() * (high - low) * to.r;
+        if !is_jump([low, high]) || self.follow(share, to, beyond).is_err() {
+            return self.tracer.cancel.check().map_err(BliskError::from);
+        }
+        let at = Cylindrical { x: near.x, r: near.r, theta: 0.5 * (low + high) }.point();
+        Err(BliskError::Obstructed { at, off_mm: 0.5 * (high - low) * near.r })
+    }
+
+    /// Refuses an edge beyond which, at `beyond`, both blades go on with metal between them that ends before they do: a
+    /// splitter goes on to the end.
+    fn check_undivided(&self, edge: &Place, beyond: f64, share: f64) -> Result<(), BliskError> {
         let (step, mut walls) = ((beyond - edge.along).signum() * self.step(), edge.gap);
         let (mut along, mut met) = (beyond, None);
         while let Some(at) = self.place_at(along, share).filter(|_| NOT_AT_END_WALLS.contains(&share)) {
@@ -350,8 +370,46 @@ fn point(place: &Place, crossing: Crossing) -> DVec3 {
 mod tests {
     use std::f64::consts::FRAC_PI_4;
 
-    use super::super::tests::found;
+    use glam::DVec3;
+
+    use super::super::tests::{find, found};
+    use crate::options::BliskOptions;
     use crate::parametric::wheel::{ParametricWheel, Splitters};
+    use geometry::frame::Cylindrical;
+
+    /// Splitters are nearest to the main blades ahead of them, where their passages have not yet begun.
+    #[test]
+    fn the_throat_beside_splitters_is_that_of_the_blades() {
+        let part = ParametricWheel {
+            blades: 14,
+            splitters: Some(Splitters { span: [0.5, 0.95], off_middle: 0.0 }),
+            ..ParametricWheel::impeller()
+        };
+        let mesh = part.mesh();
+        // Main blades alone, which go on ahead of the splitters.
+        let main = ParametricWheel { blades: 7, splitters: None, ..part.clone() };
+        let wall = |part: &ParametricWheel, k: usize, side: usize| {
+            let share = |i: i32, n: i32| f64::from(i) / f64::from(n);
+            let places = (0..=400).flat_map(|i| (0..=20).map(move |j| (share(i, 400), 0.005 + 0.99 * share(j, 20))));
+            let point = |(along, height): (f64, f64)| {
+                let [low, high] = part.walls(k, along, height)?;
+                let at = part.place(along, height);
+                Some(Cylindrical { x: at.x, r: at.y, theta: [low, high][side] }.point())
+            };
+            places.filter_map(point).collect::<Vec<_>>()
+        };
+        let nearest = |low: Vec<DVec3>, high: Vec<DVec3>| {
+            let pairs = low.iter().flat_map(|p| high.iter().map(move |q| p.distance_squared(*q)));
+            pairs.fold(f64::INFINITY, f64::min).sqrt()
+        };
+        let mut drawn = [nearest(wall(&main, 0, 0), wall(&part, 0, 1)), nearest(wall(&part, 1, 0), wall(&main, 0, 1))];
+        let mut found = [0, 1].map(|channel| {
+            let options = BliskOptions { channel, ..Default::default() };
+            find(&mesh, &options).unwrap().throat.width_mm
+        });
+        [&mut drawn, &mut found].map(|widths| widths.sort_by(f64::total_cmp));
+        assert!((0..2).all(|i| (found[i] / drawn[i] - 1.0).abs() < 0.005), "{found:?} of {drawn:?}");
+    }
 
     /// Beside the hub the gap from main blade to main blade is narrower than one and a half pitches.
     #[test]
