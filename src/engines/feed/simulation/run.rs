@@ -18,7 +18,7 @@ use crate::verify::pair::{Near, Pair, PairClearance, TOUCHING};
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
 
-/// Share of the usual resolution at which every channel is tested itself.
+/// Share of the usual resolution at which channels are tested where that proves too little.
 const FINER: f64 = 0.1;
 
 /// Simulates the whole motion.
@@ -30,14 +30,13 @@ pub fn simulate(scenario: &Scenario, options: &SimulationOptions, task: &Task) -
     let bodies = Bodies::new(scenario, &task.cancel)?;
     let (visits, out_of_reach) = tour::visits(scenario, &options.channels);
     let period_error = periodic::error_of(scenario.blisk, visits.iter().map(|v| v.turn), &task.cancel)?;
-    let mut run = Run { scenario, options, bodies: &bodies, visits: &visits, period_error, task };
+    let mut run = Run { scenario, options, bodies: &bodies, visits: &visits, period_error, fineness: 1.0, task };
     let copies = run.copies()?;
     let (mut approach, mut pairs) = run.found(&copies)?;
-    // What one channel stands for in all of them is less by what they differ by: where that is too little, each is tested
-    // itself, more finely.
-    let finer = SimulationOptions { resolution_mm: FINER * options.resolution_mm, ..options.clone() };
-    if period_error.is_some_and(|error| error > 0.0) && pairs.iter().any(PairReport::is_short) {
-        (run.period_error, run.options) = (None, &finer);
+    // What one channel proves for all of them is less by what they differ by, and every proof by its resolution: where that
+    // is too little, each is tested itself, more finely.
+    if pairs.iter().any(PairReport::is_short) {
+        (run.period_error, run.fineness) = (None, FINER);
         (approach, pairs) = run.found(&copies)?;
     }
     pairs.sort_by(|p, q| (p.certified - p.required).total_cmp(&(q.certified - q.required)));
@@ -104,6 +103,8 @@ pub(super) struct Run<'a> {
     pub visits: &'a [Visit],
     /// Greatest distance of the blisk from itself turned to other channels (mm); none if its channels differ.
     pub period_error: Option<f64>,
+    /// Share of the usual resolution.
+    pub fineness: f64,
     pub task: &'a Task,
 }
 
@@ -297,7 +298,7 @@ impl<'a> Run<'a> {
             moving: &test.moving.solid,
             fixed: &test.fixed.solid,
             // In a channel the gap itself is narrow.
-            resolution: self.options.resolution_mm.min(0.005 * test.required).max(1e-9),
+            resolution: (self.fineness * self.options.resolution_mm.min(0.005 * test.required)).max(1e-9),
             required: test.required,
             share: self.options.resolution_share,
         };

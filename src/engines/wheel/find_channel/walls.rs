@@ -407,7 +407,8 @@ mod tests {
             let options = BliskOptions { channel, ..Default::default() };
             find(&mesh, &options).unwrap().throat.width_mm
         });
-        [&mut drawn, &mut found].map(|widths| widths.sort_by(f64::total_cmp));
+        drawn.sort_by(f64::total_cmp);
+        found.sort_by(f64::total_cmp);
         assert!((0..2).all(|i| (found[i] / drawn[i] - 1.0).abs() < 0.005), "{found:?} of {drawn:?}");
     }
 

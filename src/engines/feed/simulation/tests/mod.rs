@@ -276,6 +276,28 @@ fn a_drum_that_is_not_alike_is_tested_in_every_channel() {
     assert!(in_others.holds(), "the spark gap is asked for in a channel");
 }
 
+/// What another channel keeps by less than the usual resolution is proven more finely.
+#[test]
+fn a_channel_that_just_keeps_the_gap_is_proven_to() {
+    let nearest = |distance: f64| {
+        let mut parts = parts(vec![chuck()], 0.0);
+        let tooth = block([0.0, -90.0, 0.0], [4.0, 2.0 * (9.0 - distance), 4.0]);
+        let count = parts.blisk.vertices.len() as u32;
+        parts.blisk.vertices.extend(&tooth.vertices);
+        parts.blisk.triangles.extend(tooth.triangles.iter().map(|t| t.map(|v| v + count)));
+        let parts = parts.certified();
+        let machine = parts.machine.seen_from_w(parts.electrode.enters_from);
+        simulate(&parts.scenario(&machine), &SimulationOptions::of(vec![0, 1]), &Task::default()).unwrap()
+    };
+    let required = 0.098;
+    for (beyond, holds) in [(2e-4, true), (-2e-4, false)] {
+        let simulation = nearest(required + beyond);
+        let in_others = simulation.pairs().iter().find(|p| p.during == Some("feed in other channels")).unwrap();
+        assert!((in_others.required - required).abs() < 1e-9 && in_others.holds() == holds, "{in_others:?}");
+        assert!(in_others.certified <= required + beyond + 1e-9, "{in_others:?}");
+    }
+}
+
 #[test]
 fn c_turns_what_the_electrode_carries_and_not_the_head() {
     // 30 mm from the C axis along x, which C turns to y: the post stands there at the start of the feed.
@@ -365,7 +387,15 @@ fn copies_of_a_table_tell_what_turning_it_tells() {
     let (scenario, options, task) = (parts.scenario(&parts.machine), options(&[0, 1, 2, 3]), &Task::default());
     let (visits, _) = tour::visits(&scenario, &options.channels);
     let bodies = &Bodies::new(&scenario, &task.cancel).unwrap();
-    let run = Run { scenario: &scenario, options: &options, bodies, visits: &visits, period_error: Some(0.0), task };
+    let run = Run {
+        scenario: &scenario,
+        options: &options,
+        bodies,
+        visits: &visits,
+        period_error: Some(0.0),
+        fineness: 1.0,
+        task,
+    };
     let copies = run.copies().unwrap();
     assert_eq!(copies.iter().flatten().count(), 2);
     let approach = run.approach(&copies).unwrap();
