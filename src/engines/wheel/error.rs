@@ -164,6 +164,19 @@ pub enum BliskError {
         /// Where (mm from the axis).
         r: f64,
     },
+    /// With a radius that is given the walls could not be followed.
+    #[error(
+        "with the radius that blisk.{key} gives, the blades do not bound the channel on both sides at x {x:.3}, r {r:.3} mm \
+         about the axis: correct it, so that the blades reach as far, or set it to auto"
+    )]
+    GivenRadius {
+        /// The key that gives it.
+        key: &'static str,
+        /// Where (mm along the axis).
+        x: f64,
+        /// Where (mm from the axis).
+        r: f64,
+    },
     /// What was found is not what the mesh has.
     #[error("{}", disagreement(.0))]
     Disagrees(Agreement),
@@ -302,6 +315,11 @@ pub struct Refused {
 impl Refused {
     /// The refusal for `error`, which speaks of places in `frame` or of points of `options`.
     pub(super) fn new(error: BliskError, frame: &Frame, options: &BliskOptions) -> Self {
+        let radius = options.radii().into_iter().find(|(_, radius)| radius.given().is_some());
+        let error = match (error, radius) {
+            (BliskError::LostWall { x, r }, Some((key, _))) => BliskError::GivenRadius { key, x, r },
+            (error, _) => error,
+        };
         Self { at: error.given_point(options).or_else(|| Some(frame.to_parent(error.place()?))), error }
     }
 }
@@ -353,6 +371,7 @@ impl BliskError {
             | Self::Turns { x, r }
             | Self::Unbounded { x, r }
             | Self::LostWall { x, r }
+            | Self::GivenRadius { x, r, .. }
             | Self::HandCurve { x, r, .. }
             | Self::NoThroat { x, r } => Some(Cylindrical { x, r, theta: 0.0 }.point()),
             Self::Disagrees(Agreement { at, .. }) | Self::Obstructed { at, .. } => Some(at),
