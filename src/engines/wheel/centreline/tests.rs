@@ -1,6 +1,7 @@
 use task::Task;
 
 use super::*;
+use crate::channel::BladeSide;
 use crate::find_channel::find_channel;
 use crate::options::BliskOptions;
 use crate::parametric::random::{random_wheel, shares};
