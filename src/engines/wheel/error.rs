@@ -70,7 +70,7 @@ pub enum BliskError {
     },
     /// What is given by hand keeps the wheel from being found.
     #[error(
-        "{} nothing in the mesh, which has {blades} blades about the axis {axis}, at x {:.3}, r {:.3} mm about it: {}",
+        "{} the mesh, which has {blades} blades about the axis {axis}, at x {:.3}, r {:.3} mm about it: {}",
         .given.words()[0], .at.x, .at.y, .given.words()[1]
     )]
     Misleading {
@@ -293,11 +293,11 @@ impl Misleading {
     fn words(self) -> [&'static str; 2] {
         match self {
             Self::Points => [
-                "the points of blisk.blade_points_mm, blisk.hub_points_mm and blisk.shroud_points_mm lie beside",
+                "the points of blisk.blade_points_mm, blisk.hub_points_mm and blisk.shroud_points_mm do not lie beside the blades of",
                 "pick points beside these blades, or take the points away",
             ],
-            Self::Blades => ["blisk.blades fits", "correct it, or set it to auto"],
-            Self::Axis => ["blisk.axis fits", "correct it, or set it to auto"],
+            Self::Blades => ["blisk.blades does not fit", "correct it, or set it to auto"],
+            Self::Axis => ["blisk.axis does not fit", "correct it, or set it to auto"],
         }
     }
 }

@@ -142,7 +142,7 @@ impl JobPlanner<'_> {
     /// answer. A side for which no electrode can be made is noted and left.
     ///
     /// # Errors
-    /// Those of all sides if no electrode can be made for any.
+    /// The reasons of all sides if no electrode can be made for any.
     fn part(&mut self, part: usize) -> Result<ElectrodeOutcome, PlanJobError> {
         let mut best: Option<ElectrodeOutcome> = None;
         let mut impossible = Vec::new();
