@@ -3,6 +3,7 @@
 pub mod bvh;
 pub mod circle;
 pub mod distance_field;
+pub mod envelope;
 pub mod exact;
 #[cfg(any(test, feature = "fixtures"))]
 pub mod fixtures;

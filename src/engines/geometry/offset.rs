@@ -37,37 +37,6 @@ pub fn offset(mesh: &Mesh, distance: impl Fn(DVec3) -> f64 + Sync) -> Result<Mes
     moved(mesh, |own| least_shift(&own.iter().map(|n| (*n, distance(*n))).collect::<Vec<_>>()))
 }
 
-/// `mesh` with every face moved outwards by `distance` and by what a disc across Z of this radius sweeps beyond it
-/// (mm), as by [`offset`] with `distance` and the radius times the part of the normal across Z. Of the shifts that are
-/// enough for the faces at a vertex, it takes the one with its part for the disc across Z: the least one would go along
-/// the normal, so that where a floor rises into a fillet the corners of its lowest faces would stay behind, before
-/// those further up.
-///
-/// # Errors
-/// [`OffsetError`].
-pub fn offset_along_disc(mesh: &Mesh, distance: f64, radius: f64) -> Result<Mesh, OffsetError> {
-    let planes =
-        |own: &[DVec3], by: &dyn Fn(DVec3) -> f64| own.iter().map(|n| (*n, by(*n))).collect::<Vec<(DVec3, f64)>>();
-    moved(mesh, |own| {
-        let across = across_z(own, radius);
-        let even = least_shift(&planes(own, &|_| distance));
-        let both = across.zip(even).map(|(across, even)| across + even);
-        both.or_else(|| least_shift(&planes(own, &|n| distance + radius * n.truncate().length())))
-    })
-}
-
-/// The shortest shift across Z by which faces with these normals are moved as far as by a disc; none where they look
-/// all ways around, or so many that it would go much further than the disc.
-fn across_z(normals: &[DVec3], radius: f64) -> Option<DVec3> {
-    /// Part of a normal across Z up to which a face is level: rounding of files.
-    const LEVEL: f64 = 1e-4;
-    /// How much further than the disc it may go.
-    const FURTHEST: f64 = 3.0;
-    let across = normals.iter().map(|n| n.with_z(0.0)).filter(|n| n.length() > LEVEL);
-    let planes: Vec<(DVec3, f64)> = across.map(|n| (n.normalize(), radius)).collect();
-    least_shift(&planes).filter(|shift| shift.length() <= FURTHEST * radius)
-}
-
 /// `mesh` with each vertex moved by the shift for the different normals of the faces around it.
 fn moved(mesh: &Mesh, shift: impl Fn(&[DVec3]) -> Option<DVec3> + Sync) -> Result<Mesh, OffsetError> {
     let normals = vertex_normals(mesh);
@@ -166,7 +135,7 @@ fn filled_anew(grown: &Mesh, face: &[usize], normal: DVec3) -> Option<Vec<[u32; 
 }
 
 /// The different normals of the faces around each vertex, those of the largest triangles first.
-fn vertex_normals(mesh: &Mesh) -> Vec<Vec<DVec3>> {
+pub(super) fn vertex_normals(mesh: &Mesh) -> Vec<Vec<DVec3>> {
     let mut around: Vec<Vec<(f64, DVec3)>> = vec![Vec::new(); mesh.vertices.len()];
     for (triangle, corners) in mesh.triangles.iter().zip(mesh.iter_corners()) {
         let [a, b, c] = corners;
@@ -191,7 +160,7 @@ fn vertex_normals(mesh: &Mesh) -> Vec<Vec<DVec3>> {
 }
 
 /// The shortest shift that goes at least each plane's distance along its normal.
-fn least_shift(planes: &[(DVec3, f64)]) -> Option<DVec3> {
+pub(super) fn least_shift(planes: &[(DVec3, f64)]) -> Option<DVec3> {
     let holds = |shift: DVec3| planes.iter().all(|(n, d)| n.dot(shift) >= d - SLACK * (1.0 + d.abs()));
     let mut best: Option<DVec3> = None;
     let mut offer = |shift: DVec3| {
@@ -284,40 +253,6 @@ mod tests {
             let off = moved.map(|p| normal.dot(p - corners[0]));
             assert!(off.iter().all(|d| (0.3 - 1e-6..0.33).contains(d)), "{off:?}");
         }
-    }
-
-    #[test]
-    fn where_a_floor_rises_into_a_fillet_a_disc_moves_its_corners_across() {
-        // A trough along Y: a floor, faces that rise by 5, 30 and 60 degrees on both sides, and walls.
-        let rises = [(5f64, 0.2), (30.0, 0.2), (60.0, 0.2)];
-        let mut side = vec![DVec2::new(2.0, 1.0)];
-        for (angle, length) in rises {
-            side.push(side[side.len() - 1] + DVec2::from_angle(angle.to_radians()) * length);
-        }
-        side.push(DVec2::new(side[side.len() - 1].x, 6.0));
-        let profile: Vec<DVec2> = side.iter().copied().chain(side.iter().rev().map(|p| p.with_x(-p.x))).collect();
-        let trough = prism(&[&profile], -3.0, 3.0).unwrap().mapped(|p| DVec3::new(p.z, p.x, p.y));
-        let mesh = difference(&block(DVec3::new(-5.0, -5.0, 0.0), DVec3::new(5.0, 5.0, 5.0)), &trough).unwrap();
-        let (gap, radius) = (0.05, 0.1);
-        let grown = offset_along_disc(&mesh, gap, radius).unwrap();
-        let at = |p: DVec2| {
-            let is_it = |q: &&DVec3| (q.y - p.x).abs() < 1e-9 && (q.z - p.y).abs() < 1e-9;
-            let found: Vec<usize> = (0..mesh.vertices.len()).filter(|v| is_it(&&mesh.vertices[*v])).collect();
-            found.into_iter().map(|v| grown.vertices[v] - mesh.vertices[v]).collect::<Vec<_>>()
-        };
-        for p in &side[..side.len() - 2] {
-            let shifts = at(*p);
-            assert!(shifts.len() == 2, "{p}");
-            for shift in shifts {
-                // As far as the disc across, and what the gap asks for there: it is never longer than the gap's mitre.
-                let rest = shift + DVec3::new(0.0, radius, 0.0);
-                let across = rest.with_x(0.0);
-                assert!((gap - 1e-9..1.05 * gap).contains(&across.length()), "{p}: {shift}");
-            }
-        }
-        // No more is grown than by the faces' own distances: the floor by the gap, the walls by both.
-        let bounds = grown.bounds().size();
-        assert!((bounds - DVec3::new(10.3, 10.3, 5.1)).abs().max_element() < 1e-9, "{bounds}");
     }
 
     #[test]

@@ -3,11 +3,13 @@
 use std::collections::HashMap;
 
 use glam::{DVec2, DVec3};
+use manifold_rust::linalg::Vec3;
 use manifold_rust::manifold::Manifold;
 use manifold_rust::types::{BooleanEngine, Error, MeshGL64, OpType, WindingRule};
 
-use super::mesh::Mesh;
+use super::mesh::{Bounds, Mesh};
 use super::weld::Weld;
+use task::{Cancel, Cancelled};
 
 /// Reason why solids cannot be combined.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -18,6 +20,9 @@ pub enum SolidError {
     /// The boolean operation itself failed.
     #[error("two solids cannot be combined: {0}")]
     Failed(String),
+    /// Told to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// Outlines that bound no area.
     #[error("an outline crosses itself or has no area, so that it bounds no solid")]
     Outline,
@@ -60,7 +65,7 @@ pub fn unfolded(surface: Mesh) -> Result<Mesh, SolidError> {
 ///
 /// # Errors
 /// [`SolidError::NotClosed`], [`SolidError::Failed`].
-pub(super) fn wound(surface: &Mesh) -> Result<Mesh, SolidError> {
+pub fn wound(surface: &Mesh) -> Result<Mesh, SolidError> {
     let found = soup(surface)?.rebuild_solid(WindingRule::Positive);
     match found.status() {
         Error::NoError => Ok(mesh(&found)),
@@ -77,6 +82,54 @@ fn combine(a: &Mesh, b: &Mesh, operation: OpType) -> Result<Mesh, SolidError> {
         Error::NoError => Ok(mesh(&found)),
         error => Err(SolidError::Failed(error.to_str().to_owned())),
     }
+}
+
+/// Edges that are shorter, and corners that are nearer to the line of their neighbours (mm), are left out of what was
+/// combined.
+const SMALLEST: f64 = 1e-6;
+
+/// Everything inside the convex hull of one of these sets of points, to within a millionth of a millimetre.
+///
+/// # Errors
+/// [`SolidError::Failed`], and [`SolidError::Cancelled`] when cancelled.
+pub fn union_of_hulls(sets: &[Vec<DVec3>], cancel: &Cancel) -> Result<Mesh, SolidError> {
+    let middle = |points: &[DVec3]| points.iter().sum::<DVec3>() / points.len().max(1) as f64;
+    let mut placed: Vec<(DVec3, &[DVec3])> = sets.iter().map(|set| (middle(set), &set[..])).collect();
+    let all = united(&mut placed, cancel)?;
+    Ok(mesh(&all.simplify(SMALLEST)))
+}
+
+/// The union of hulls, each with its middle: halves of them that lie apart first.
+fn united(hulls: &mut [(DVec3, &[DVec3])], cancel: &Cancel) -> Result<Manifold, SolidError> {
+    cancel.check()?;
+    if let [(_, points)] = hulls {
+        return Ok(hull_of(points));
+    }
+    if hulls.is_empty() {
+        return Ok(Manifold::empty());
+    }
+    let bounds = Bounds::of(hulls.iter().map(|(middle, _)| *middle));
+    let size = bounds.size();
+    let axis = if size.x >= size.y.max(size.z) { 0 } else { usize::from(size.z > size.y) + 1 };
+    let half = hulls.len() / 2;
+    hulls.sort_by(|(a, _), (b, _)| a[axis].total_cmp(&b[axis]));
+    let (low, high) = hulls.split_at_mut(half);
+    let (low, high) = rayon::join(|| united(low, cancel), || united(high, cancel));
+    let found = low?.boolean_with_engine(&high?, OpType::Add, BooleanEngine::Exact);
+    match found.status() {
+        Error::NoError => Ok(found),
+        error => Err(SolidError::Failed(error.to_str().to_owned())),
+    }
+}
+
+/// The convex hull of points; a mesh without triangles where they lie in a plane.
+pub fn hull(points: &[DVec3]) -> Mesh {
+    mesh(&hull_of(points))
+}
+
+fn hull_of(points: &[DVec3]) -> Manifold {
+    let points: Vec<Vec3> = points.iter().map(|p| Vec3::new(p.x, p.y, p.z)).collect();
+    Manifold::hull(&points)
 }
 
 /// A surface as it is. Read as a solid it would be tidied first, and where faces lie folded on one another that moves

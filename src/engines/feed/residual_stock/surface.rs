@@ -90,7 +90,7 @@ fn at_junction(site: &Site, passage: &Passage, p: DVec3, q: DVec3) -> bool {
 /// Surface of the channel that a small triangle belongs to, if it bounds the channel.
 fn part(site: &Site, passage: &Passage, corners: [DVec3; 3]) -> Option<([DVec3; 3], Surface)> {
     let center = corners.iter().sum::<DVec3>() / 3.0;
-    if !passage.holds(center, BESIDE) {
+    if !passage.holds(center, BESIDE) || is_beside_blades(passage, corners, site.spark_gap) {
         return None;
     }
     let [along, height] = passage.along_and_height(center);
@@ -100,6 +100,20 @@ fn part(site: &Site, passage: &Passage, corners: [DVec3; 3]) -> Option<([DVec3; 
     let distances = [low, high, (height - hub).abs(), closed];
     let nearest = (0..4).fold(0, |best, i| if distances[i] < distances[best] { i } else { best });
     (distances[nearest] <= IN_FILLET).then_some((corners, SURFACES[nearest]))
+}
+
+/// Whether a small triangle reaches further than the spark gap beyond the edges of the blades, or lies in the flat end
+/// of a blade.
+fn is_beside_blades(passage: &Passage, corners: [DVec3; 3], spark_gap: f64) -> bool {
+    /// Part of a normal along the passage from which on a face is an end.
+    const END: f64 = 0.995;
+    let [from, to] = passage.span;
+    let along = corners.map(|p| passage.along_and_height(p)[0]);
+    let beyond = along.iter().map(|at| (from - at).max(at - to)).fold(f64::NEG_INFINITY, f64::max);
+    let center = corners.iter().sum::<DVec3>() / 3.0;
+    let off = OFF * normal_times_two_areas(corners).normalize_or_zero();
+    let slope = (passage.along_and_height(center + off)[0] - passage.along_and_height(center)[0]) / OFF;
+    beyond > spark_gap || (beyond > -EDGE && slope.abs() > END)
 }
 
 /// Thickness of the stock left on every vertex (mm), negative where it is cut too deep. Once it is known to be `enough`

@@ -304,3 +304,16 @@ fn what_another_shell_buries_is_no_surface_of_the_channel() {
     let buried = residual_stock(&Site { blisk: &with_ring, ..site() }, &burn(), &Task::default()).unwrap();
     assert_eq!(buried.surfaces, left_by(&burn()).surfaces);
 }
+
+#[test]
+fn what_lies_beside_the_blades_is_no_surface_of_the_channel() {
+    let channel = &PART.channel;
+    let passage = Passage::new(channel).unwrap();
+    let [_, to] = passage.span;
+    let electrodes = make(&unreduced());
+    let found = standing(&electrodes);
+    // Pieces of hub and shroud are 0.45 mm long, so that whole ones would reach as far as 0.3 mm beyond the edges.
+    let along = |p: &DVec3| passage.along_and_height(*p)[0];
+    let furthest = found.map.mesh.vertices.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
+    assert!((to - 0.45..=to + GAP).contains(&furthest), "{furthest} {to}");
+}

@@ -165,7 +165,7 @@ fn parts_of(
     }
     match parts.into_iter().map(|f| whole(burned, f)).collect::<Result<Vec<Part>, _>>() {
         Ok(parts) => Ok(Some(Halves { parts, mouth, lacks_thin })),
-        Err(TipError::NoRoom | TipError::NoSurface | TipError::Solid(_) | TipError::Unusable { .. }) => Ok(None),
+        Err(TipError::NoRoom | TipError::NoSurface | TipError::Solid(_)) => Ok(None),
         Err(other) => Err(other),
     }
 }

@@ -2,6 +2,7 @@
 
 use files::Validate;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
@@ -19,7 +20,7 @@ use super::params::{Edit, ElectrodeParams, Method, Shape, Stage};
 use super::part_numbers::{Numbered, Parts, numbers, renumber, shape, volumes};
 use super::plan_checks::checked;
 use super::residual_stock::{LeftOfRegion, Milled};
-use super::setting::{ElectrodeError, RegionToBurn, Setting};
+use super::setting::{ElectrodeError, KeptClear, RegionToBurn, Setting};
 use super::sharing::{Leaf, assembled, shared};
 use super::tip::{Burned, Place, TipError, footprint};
 use crate::cutter::CutterLibrary;
@@ -78,8 +79,8 @@ fn plan_stages(
         task.report("electrodes", (1.0 - (number + 1) as f64 / stages.len() as f64) * 0.7, &stage.name);
         let is_last = number + 1 == stages.len();
         for &direction in &directions {
-            let setting = Setting::new(mold, direction, stage)?;
             let here: Vec<usize> = (0..regions.len()).filter(|r| plans[*r].direction == direction).collect();
+            let setting = Setting::new(mold, direction, stage)?;
             let known = (&mut parts, like.map(|(_, parts)| parts));
             let found = (&mut plans[..], &mut made[number][..]);
             let leaves = leaves(&setting, regions, (&here, number, is_last), (found, known), params, &task.cancel)?;
@@ -207,7 +208,6 @@ fn leaves(
                 plan.left_out.push(no_room(&setting.stage, number));
             }
             Err(other) => {
-                let other = other.placed(|p| setting.turned.transpose() * p);
                 plan.reason.get_or_insert(format!("{} stage: {other}", setting.stage.name));
             }
         }
@@ -220,7 +220,7 @@ fn leaves(
 fn numbered(
     setting: &Setting,
     (region, stage): (usize, usize),
-    Divided { mut tree, parts, met, in_plan, is_lacking }: Divided,
+    Divided { mut tree, parts, met, in_plan, is_lacking, clear }: Divided,
     plan: &mut RegionPlan,
     (known, like): Known,
     (least, is_last): (f64, bool),
@@ -251,9 +251,10 @@ fn numbered(
         shape,
         front: front(number),
     }));
-    let burns = |p: DVec3| setting.burns(p);
-    let forms: Vec<Form> = parts.par_iter().map(|(_, p)| Form::of(&p.body, burns)).collect();
-    let leaf = |((part, leaf), form): ((usize, Part), Form)| Leaf { id: PartId { region, part }, part: leaf, form };
+    let forms: Vec<Form> = parts.par_iter().map(|(_, p)| Form::of(&p.body, |p| clear.burns(p))).collect();
+    let leaf = |((part, leaf), form): ((usize, Part), Form)| {
+        Leaf { id: PartId { region, part }, part: leaf, form, clear: clear.clone() }
+    };
     (parts.into_iter().zip(forms).map(leaf).collect(), share)
 }
 
@@ -267,6 +268,7 @@ struct Divided {
     in_plan: Vec<Outline>,
     /// Whether it lacks parts that would be too thin.
     is_lacking: bool,
+    clear: Arc<KeptClear>,
 }
 
 /// The parts of a region after division and those of the user's changes that may meet it.
@@ -282,15 +284,17 @@ fn parts_of(
     // Layers may know less of a region than its surface does; above the mold there is nothing to burn.
     let known = if setting.turned == DMat3::IDENTITY { region.rim } else { f64::NEG_INFINITY };
     let rim = known.max(highest().min(setting.mold.bounds().max.z));
-    let keeps_gap = |p: DVec3| setting.keeps_gap(p);
+    let place = Place::new(corners, rim);
+    if place.corners.is_empty() {
+        return Err(TipError::NoSurface);
+    }
+    let clear = KeptClear::around(&setting.mold, &setting.stage, &place.bounds, params.margin_mm, cancel)?;
+    let clear = Arc::new(clear);
     let burned = Burned {
-        kept_clear: &setting.kept_clear,
-        exact: &setting.exact,
+        kept_clear: &clear.mesh,
         gap_up: setting.stage.undersize(DVec3::Z),
         gap_across: setting.stage.most_across(),
-        keeps_gap: &keeps_gap,
     };
-    let place = Place::new(corners, rim);
     let settings =
         DivisionSettings { overlap: params.overlap_mm, least: params.least_size_mm, leaves_out_thin: !is_last };
     let first = footprint(&burned, &place, method, params.margin_mm, cancel)?;
@@ -304,7 +308,7 @@ fn parts_of(
     }
     let tree = node(&divided, &places(&divided), &mut 0);
     let parts = divided.leaves().into_iter().cloned().collect();
-    Ok(Divided { tree, parts, met, in_plan, is_lacking: divided.is_lacking() })
+    Ok(Divided { tree, parts, met, in_plan, is_lacking: divided.is_lacking(), clear })
 }
 
 fn node(part: &Part, places: &[Option<DVec2>], count: &mut usize) -> PartNode {

@@ -17,13 +17,13 @@ use super::params::{ElectrodeParams, Stage};
 use super::residual_stock::{Burns, Looked, left_by};
 use super::residual_stock::{LeftOfRegion, Milled, Sample, residual_stock};
 use super::samples::{concave_edges, samples};
-use super::setting::{ElectrodeError, RegionToBurn, kept_clear, to_burn_frame};
+use super::setting::{ElectrodeError, KeptClear, RegionToBurn, plan_around, to_burn_frame};
 use super::tip::joined;
 use crate::cutter::CutterLibrary;
 use crate::height_field::HeightFieldError;
 use crate::outline::Outline;
 use crate::plane;
-use geometry::mesh::{Edge, Mesh};
+use geometry::mesh::{Bounds, Edge, Mesh};
 use geometry::solid::{difference, prism};
 use task::Cancel;
 
@@ -37,35 +37,40 @@ struct Setting {
     direction: DVec3,
     /// Rotation from the upright mold to the burn frame.
     turned: DMat3,
+    /// The mold's surface in it.
+    surface: Mesh,
     /// The mold in it.
     mold: Obstacle,
     /// The edges in which the spark leaves something.
     edges: Vec<Edge>,
-    /// The fullest electrode of the last stage: all that gap and orbit leave room for.
-    fullest: Option<Burning>,
 }
 
 impl Setting {
-    fn new(mold: &Mesh, direction: DVec3, last: Option<&Stage>, cancel: &Cancel) -> Result<Self, ElectrodeError> {
+    fn new(mold: &Mesh, direction: DVec3, cancel: &Cancel) -> Result<Self, ElectrodeError> {
         cancel.check()?;
         let turned = to_burn_frame(direction);
-        let setting = mold.mapped(|p| turned * p);
-        let fullest = match last.filter(|stage| stage.most_across() > 0.0) {
-            Some(stage) => fullest(&setting, stage)?,
-            None => None,
-        };
-        let (edges, mold) = (concave_edges(&setting), Obstacle::new(&setting)?.stopped_by(cancel));
-        Ok(Self { direction, turned, mold, edges, fullest })
+        let surface = mold.mapped(|p| turned * p);
+        let (edges, mold) = (concave_edges(&surface), Obstacle::new(&surface)?.stopped_by(cancel));
+        Ok(Self { direction, turned, surface, mold, edges })
     }
 }
 
-/// All that a stage's gap and orbit leave room for, within and around a mold; none where that has no solid.
-fn fullest(mold: &Mesh, stage: &Stage) -> Result<Option<Burning>, ElectrodeError> {
-    let around = mold.bounds().grown(4.0 * stage.most_across() + 1.0);
-    let [low, high] = [around.min, around.max].map(|p| p.truncate());
+/// All that a stage's gap and orbit leave room for around a region; none where that has no solid.
+fn fullest(
+    mold: &Mesh,
+    (stage, margin): (&Stage, f64),
+    corners: &[[DVec3; 3]],
+    cancel: &Cancel,
+) -> Result<Option<Burning>, ElectrodeError> {
+    if stage.most_across() <= 0.0 || corners.is_empty() {
+        return Ok(None);
+    }
+    let around = Bounds::of(corners.iter().flatten().copied());
+    let clear = KeptClear::around(mold, stage, &around, margin, cancel)?;
+    let [low, high] = plan_around(&around, stage, margin);
     let sides = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
-    let kept_clear = kept_clear(mold, stage)?;
-    let room = prism(&[&sides], around.min.z, around.max.z).and_then(|all| difference(&all, &kept_clear));
+    let top = around.max.z + 4.0 * stage.most_across() + 1.0;
+    let room = prism(&[&sides], around.min.z, top).and_then(|all| difference(&all, &clear.mesh));
     room.ok().map(|room| Ok(Burning::new(&room, stage)?)).transpose()
 }
 
@@ -83,12 +88,14 @@ pub(super) fn checked(
     let mut settings: Vec<Setting> = Vec::new();
     for direction in plans.iter().map(|plan| plan.direction).chain(electrodes.iter().map(|e| e.direction)) {
         if !settings.iter().any(|s| is_same(s, direction)) {
-            settings.push(Setting::new(mold, direction, stages.last(), cancel)?);
+            settings.push(Setting::new(mold, direction, cancel)?);
         }
     }
     let of_direction = |direction: DVec3| settings.iter().find(|s| is_same(s, direction));
     let left_of = |r: usize| match of_direction(plans[r].direction) {
-        Some(setting) => left_of((setting, milled), (r, &plans[r], &regions[r]), &last, stages, cancel),
+        Some(setting) => {
+            left_of((setting, milled), (r, &plans[r], &regions[r]), &last, (stages, params.margin_mm), cancel)
+        }
         None => Ok(Left::default()),
     };
     let left: Vec<Left> = (0..regions.len()).into_par_iter().map(left_of).collect::<Result<_, _>>()?;
@@ -222,7 +229,7 @@ fn left_of(
     (setting, milled): (&Setting, &Milled),
     (number, plan, region): (usize, &RegionPlan, &RegionToBurn),
     electrodes: &[&Electrode],
-    stages: &[Stage],
+    (stages, margin): (&[Stage], f64),
     cancel: &Cancel,
 ) -> Result<Left, ElectrodeError> {
     cancel.check()?;
@@ -242,7 +249,8 @@ fn left_of(
     let back = setting.turned.transpose();
     let leaves = |p: DVec3| (milled.leaves)(back * p);
     let milled = Milled { leaves: &leaves, within: milled.within };
-    let burns = Burns { all: &burns, fullest: setting.fullest.as_ref() };
+    let fullest = fullest(&setting.surface, (last, margin), &corners, cancel)?;
+    let burns = Burns { all: &burns, fullest: fullest.as_ref() };
     let found = left_by(&burns, &samples, (&setting.mold, &milled), cancel)?;
     let reach = last.most_across() + CELL;
     let mut left = Left { looked, ..Left::default() };

@@ -9,11 +9,10 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 use super::params::{Orbit, Stage};
 use crate::height_field::HeightFieldError;
 use geometry::exact::{ExactMesh, ExactMeshError};
-use geometry::mesh::{Mesh, unit_normal};
-use geometry::minkowski::{on_grid, up_to_grid, with_rectangle};
-use geometry::offset::{OffsetError, offset, offset_along_disc};
-use geometry::solid::{SolidError, unfolded};
-use task::Cancelled;
+use geometry::mesh::{Bounds, Mesh, unit_normal};
+use geometry::envelope::{Growth, Sweep, envelope};
+use geometry::solid::SolidError;
+use task::{Cancel, Cancelled};
 
 /// By how much an electrode may come closer than the gap (mm): rounding of files, not of sparks.
 pub const GOUGE: f64 = 5e-4;
@@ -26,10 +25,7 @@ pub enum ElectrodeError {
     /// Parameters that cannot be used.
     #[error(transparent)]
     Params(#[from] Invalid),
-    /// The mold's surface cannot be moved by the gap.
-    #[error("the mold grown by the spark gap: {0}")]
-    Offset(#[from] OffsetError),
-    /// The mold is no solid.
+    /// Solids that cannot be combined.
     #[error("electrodes need a closed mold, which can be told inside from outside: {0}")]
     Solid(#[from] SolidError),
     /// The mold cannot be searched.
@@ -77,9 +73,6 @@ pub(super) struct Setting {
     pub(super) mold: Mesh,
     /// The mold for distance queries.
     own: ExactMesh,
-    /// Volume that electrodes must keep out of: the mold grown by gap, stock and orbit.
-    pub(super) kept_clear: Mesh,
-    pub(super) exact: ExactMesh,
     pub(super) stage: Stage,
 }
 
@@ -87,15 +80,8 @@ impl Setting {
     pub(super) fn new(mold: &Mesh, direction: DVec3, stage: &Stage) -> Result<Self, ElectrodeError> {
         let turned = to_burn_frame(direction);
         let mold = mold.mapped(|p| turned * p);
-        let kept_clear = kept_clear(&mold, stage)?;
-        let exact = ExactMesh::new(&kept_clear)?;
         let own = ExactMesh::new(&mold)?;
-        Ok(Self { turned, mold, own, kept_clear, exact, stage: stage.clone() })
-    }
-
-    /// Whether a point lies on the surface that burns.
-    pub(super) fn burns(&self, p: DVec3) -> bool {
-        self.exact.nearest(p).signed_distance.abs() < ON_BURN
+        Ok(Self { turned, mold, own, stage: stage.clone() })
     }
 
     /// Whether an electrode that holds a point keeps the gap there all along its orbit.
@@ -113,21 +99,46 @@ impl Setting {
     }
 }
 
-/// Volume that an electrode must not enter, in the burn frame: the mold grown by the gap, and by the orbit's sweep.
-///
-/// A circular orbit moves each face by its own amount. So does a square orbit, but where the facets of two of its
-/// quarters meet, a side of the square belongs between them: moved separately they would meet further out, by as much
-/// as the orbit times the tangent of half their turn. The sweep of a square is therefore added as a solid.
-pub(super) fn kept_clear(mold: &Mesh, stage: &Stage) -> Result<Mesh, ElectrodeError> {
-    let gap = stage.gap_mm + stage.stock_mm;
-    match stage.orbit {
-        Orbit::None => Ok(unfolded(offset(mold, |_| gap)?)?),
-        Orbit::Circular { radius_mm } => Ok(unfolded(offset_along_disc(mold, gap, radius_mm)?)?),
-        Orbit::Square { radius_mm } => {
-            let grown = unfolded(on_grid(&offset(mold, |_| gap)?))?;
-            Ok(with_rectangle(&grown, DVec2::splat(up_to_grid(radius_mm)))?)
-        }
+/// What a straight sinking electrode must stay above around a region, in the burn frame: the mold grown by gap and
+/// orbit, and all that lies below.
+pub(super) struct KeptClear {
+    /// The volume.
+    pub(super) mesh: Mesh,
+    exact: ExactMesh,
+}
+
+impl KeptClear {
+    /// That of a mold around a region that lies within `bounds`, as wide as its heads may become with `margin` (mm).
+    pub(super) fn around(
+        mold: &Mesh,
+        stage: &Stage,
+        bounds: &Bounds,
+        margin: f64,
+        cancel: &Cancel,
+    ) -> Result<Self, SolidError> {
+        /// How far it reaches below the region (mm).
+        const BELOW: f64 = 1.0;
+        let sweep = match stage.orbit {
+            Orbit::None => Sweep::None,
+            Orbit::Circular { radius_mm } => Sweep::Disc(radius_mm),
+            Orbit::Square { radius_mm } => Sweep::Square(radius_mm),
+        };
+        let growth = Growth { gap: stage.gap_mm + stage.stock_mm, sweep };
+        let mesh = envelope(mold, &growth, plan_around(bounds, stage, margin), bounds.min.z - BELOW, cancel)?;
+        let exact = ExactMesh::new(&mesh).map_err(|error| SolidError::Failed(error.to_string()))?;
+        Ok(Self { mesh, exact })
     }
+
+    /// Whether a point lies on the surface that burns.
+    pub(super) fn burns(&self, p: DVec3) -> bool {
+        self.exact.nearest(p).signed_distance.abs() < ON_BURN
+    }
+}
+
+/// The rectangle in plan that heads for a region within `bounds` stand over: they may be boxes along its walls.
+pub(super) fn plan_around(bounds: &Bounds, stage: &Stage, margin: f64) -> [DVec2; 2] {
+    let beside = 0.5 * bounds.size().truncate().length() + margin + 2.0 * stage.most_across();
+    [bounds.min.truncate() - beside, bounds.max.truncate() + beside]
 }
 
 /// The rotation that turns a burn direction to -Z; none for straight down.
@@ -154,12 +165,12 @@ pub(super) fn layer(region: &RegionToBurn, turned: &DMat3, [stage, next]: [&Stag
 }
 
 /// Area of bodies on the surface that burns, the mold's own moved by the gap (mm^2).
-pub(super) fn burn_area<'a>(setting: &Setting, bodies: impl Iterator<Item = &'a Mesh>) -> f64 {
-    let of = |body: &Mesh| -> f64 {
-        let burns: Vec<bool> = body.vertices.iter().map(|p| setting.burns(*p)).collect();
+pub(super) fn burn_area<'a>(bodies: impl Iterator<Item = (&'a KeptClear, &'a Mesh)>) -> f64 {
+    let of = |(clear, body): (&KeptClear, &Mesh)| -> f64 {
+        let burns: Vec<bool> = body.vertices.iter().map(|p| clear.burns(*p)).collect();
         let is_burning = |t: &&[u32; 3]| {
             let middle = t.iter().map(|i| body.vertices[*i as usize]).sum::<DVec3>() / 3.0;
-            t.iter().all(|i| burns[*i as usize]) && setting.burns(middle)
+            t.iter().all(|i| burns[*i as usize]) && clear.burns(middle)
         };
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|i| body.vertices[i as usize]);

@@ -1,5 +1,7 @@
 //! Sharing: the places that one electrode burns, and the electrode itself.
 
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -12,7 +14,7 @@ use super::division::Part;
 use super::footprint::is_thin;
 use super::params::{ElectrodeParams, Method};
 use super::samples::samples;
-use super::setting::{ElectrodeError, RegionToBurn, Setting, burn_area};
+use super::setting::{ElectrodeError, KeptClear, RegionToBurn, Setting, burn_area};
 use super::tip::{joined, led_up};
 use crate::cutter::{Cutter, CutterLibrary};
 use crate::plane;
@@ -24,6 +26,8 @@ pub(super) struct Leaf {
     pub(super) id: PartId,
     pub(super) part: Part,
     pub(super) form: Form,
+    /// What it stays above.
+    pub(super) clear: Arc<KeptClear>,
 }
 
 /// One electrode for several leaves: which, turned and shifted how.
@@ -168,7 +172,7 @@ pub(super) fn assembled(
         burns,
         is_thin: own.iter().any(|leaf| is_thin(&leaf.part.footprint.free, params.least_size_mm)),
         front_area: own.iter().map(|leaf| plane::area(&leaf.part.footprint.free)).sum(),
-        burn_area: burn_area(setting, own.iter().map(|leaf| &leaf.part.body)),
+        burn_area: burn_area(own.iter().map(|leaf| (&*leaf.clear, &leaf.part.body))),
         base,
         family: Default::default(),
         others: Mesh::default(),

@@ -10,8 +10,6 @@ use crate::outline::Outline;
 use crate::plane;
 use crate::plane::Shape;
 use crate::section::sections;
-use geometry::exact::ExactMesh;
-use geometry::groups::Groups;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
 use geometry::solid;
 use geometry::solid::SolidError;
@@ -21,8 +19,6 @@ use task::{Cancel, Cancelled};
 const BELOW_RIM: f64 = 1e-3;
 /// How far a prism reaches into the walls that trim it (mm), so that no two faces of solids lie in one another.
 pub(super) const SKIN: f64 = 0.02;
-/// By how much a prism is moved until it can be trimmed (mm).
-const HAIRS: [f64; 5] = [0.0, -1e-5, 1e-5, -1e-4, -1e-3];
 /// A tip stands over a box or a hull around its region unless that is this much larger than what surrounds it closely.
 const WIDE: f64 = 2.0;
 /// Cells of a region in plan at most.
@@ -48,14 +44,6 @@ pub enum TipError {
          what is left with a finer grid"
     )]
     NoSurface,
-    /// The trimmed tip is no body that can be used.
-    #[error("{fault} at ({:.3}, {:.3}, {:.3}): {}", place.x, place.y, place.z, fault.remedy())]
-    Unusable {
-        /// Fault of the tip.
-        fault: TipFault,
-        /// Place of the fault, in the burn frame (mm).
-        place: DVec3,
-    },
     /// The solids could not be combined.
     #[error("the head could not be trimmed by the mold: {0}; change the margin of the heads, or divide the region")]
     Solid(#[from] SolidError),
@@ -64,55 +52,14 @@ pub enum TipError {
     Cancelled(#[from] Cancelled),
 }
 
-impl TipError {
-    /// The error with its place, which is in the burn frame, mapped by `to`.
-    pub(super) fn placed(self, to: impl Fn(DVec3) -> DVec3) -> Self {
-        match self {
-            Self::Unusable { fault, place } => Self::Unusable { fault, place: to(place) },
-            other => other,
-        }
-    }
-}
-
-/// Fault of a trimmed tip.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum TipFault {
-    /// Two of its faces meet.
-    #[error("the head touches itself")]
-    TouchesItself,
-    /// A wall of the mold hangs over it.
-    #[error("a wall of the mold, with the spark gap, hangs over the head")]
-    Undercut,
-    /// A part of it lies in what it was trimmed by.
-    #[error("the head comes nearer to the mold than the spark gap")]
-    Enters,
-}
-
-impl TipFault {
-    fn remedy(self) -> &'static str {
-        match self {
-            Self::Undercut => {
-                "it cannot be withdrawn that way; burn the region from another direction, or divide it there"
-            }
-            Self::TouchesItself | Self::Enters => {
-                "divide the region there, or change the spark gap or the margin of the heads"
-            }
-        }
-    }
-}
-
 /// The mold as the electrodes see it, in the burn frame.
 pub struct Burned<'a> {
-    /// Volume that electrodes must not enter: the mold grown by the gap.
+    /// Volume that electrodes must stay above.
     pub kept_clear: &'a Mesh,
-    /// The grown mold for distance queries.
-    pub exact: &'a ExactMesh,
     /// The gap upwards (mm): how far horizontal faces are moved.
     pub gap_up: f64,
     /// The gap across (mm): how far upright faces are moved at most.
     pub gap_across: f64,
-    /// Whether an electrode that holds a point keeps the gap there all along its orbit.
-    pub keeps_gap: &'a (dyn Fn(DVec3) -> bool + Sync),
 }
 
 /// A region in the burn frame.
@@ -231,9 +178,6 @@ pub fn footprint(
     margin: f64,
     cancel: &Cancel,
 ) -> Result<Footprint, TipError> {
-    if place.corners.is_empty() {
-        return Err(TipError::NoSurface);
-    }
     let cap = place.bounds.max.z + burned.gap_up - BELOW_RIM;
     let section = sections(burned.kept_clear, &[cap], cancel)?.remove(0);
     let cells = place.cells(margin / CELLS);
@@ -275,81 +219,11 @@ pub fn footprint(
 pub fn tip(burned: &Burned, footprint: &Footprint) -> Result<Mesh, TipError> {
     let mut tip = Mesh::default();
     for shape in plane::union(&footprint.outlines, &[]) {
-        tip = joined(tip, trimmed(burned, footprint, &shape)?);
+        let rings: Vec<&[DVec2]> = shape.iter().map(Outline::points).collect();
+        let prism = solid::prism(&rings, footprint.low, footprint.cap)?;
+        tip = joined(tip, solid::difference(&prism, burned.kept_clear)?);
     }
     if tip.triangles.is_empty() { Err(TipError::NoRoom) } else { Ok(tip) }
-}
-
-/// The prism over a shape less the mold. Where faces lie in one another so that the solids cannot be distinguished, the
-/// shape is moved by a hair.
-fn trimmed(burned: &Burned, footprint: &Footprint, shape: &Shape) -> Result<Mesh, TipError> {
-    let mut found = Err(TipError::NoRoom);
-    for by in HAIRS {
-        let moved = if by == 0.0 { vec![shape.clone()] } else { plane::grown(shape, by) };
-        let part = |shape: &Shape| -> Result<Mesh, TipError> {
-            let rings: Vec<&[DVec2]> = shape.iter().map(Outline::points).collect();
-            let part = solid::difference(&solid::prism(&rings, footprint.low, footprint.cap)?, burned.kept_clear)?;
-            match fault(burned, footprint, &part) {
-                None => Ok(real(burned, footprint.cap, part)),
-                Some((fault, place)) => Err(TipError::Unusable { fault, place }),
-            }
-        };
-        match moved.iter().map(part).collect::<Result<Vec<Mesh>, _>>() {
-            Ok(parts) => return Ok(parts.into_iter().fold(Mesh::default(), joined)),
-            Err(error) => found = Err(error),
-        }
-    }
-    found
-}
-
-/// The pieces of a tip less those that keep the gap nowhere: in a hollow narrower than the gap the walls, moved past
-/// one another, bound a hollow that is none. At the cap even that may be far enough above the rim.
-fn real(burned: &Burned, cap: f64, part: Mesh) -> Mesh {
-    let mut groups = Groups::of(part.vertices.len());
-    for [a, b, c] in &part.triangles {
-        groups.join(*a as usize, *b as usize);
-        groups.join(*b as usize, *c as usize);
-    }
-    let (piece_of, count) = groups.numbers();
-    let mut is_real = vec![false; count];
-    for (p, piece) in part.vertices.iter().zip(&piece_of) {
-        let piece = &mut is_real[*piece as usize];
-        *piece = *piece || (p.z < cap - ON_CAP && (burned.keeps_gap)(*p));
-    }
-    if is_real.iter().all(|is| *is) {
-        return part;
-    }
-    let mut kept = Mesh::default();
-    let mut number = vec![0; part.vertices.len()];
-    for (v, p) in part.vertices.iter().enumerate().filter(|(v, _)| is_real[piece_of[*v] as usize]) {
-        number[v] = kept.vertices.len() as u32;
-        kept.vertices.push(*p);
-    }
-    let triangles = part.triangles.iter().filter(|[a, ..]| is_real[piece_of[*a as usize] as usize]);
-    kept.triangles = triangles.map(|t| t.map(|v| number[v as usize])).collect();
-    kept
-}
-
-/// Fault of a tip that was trimmed, and its place.
-fn fault(burned: &Burned, footprint: &Footprint, part: &Mesh) -> Option<(TipFault, DVec3)> {
-    /// How far a corner may be within what is kept clear (mm), and how far faces may look up.
-    const WITHIN: f64 = 1e-5;
-    const UPWARDS: f64 = 1e-2;
-    if part.triangles.is_empty() {
-        return None;
-    }
-    if !part.is_watertight() || !solid::is_closed(part, 1e-6) {
-        return Some((TipFault::TouchesItself, part.bounds().center()));
-    }
-    let is_folded = |corners: &[DVec3; 3]| {
-        let twice = normal_times_two_areas(*corners);
-        twice.z > UPWARDS * twice.length() && twice.length() > 1e-6 && !is_cap(*corners, footprint.cap)
-    };
-    if let Some(corners) = part.iter_corners().find(is_folded) {
-        return Some((TipFault::Undercut, corners.iter().sum::<DVec3>() / 3.0));
-    }
-    let is_within = |p: &&DVec3| burned.exact.nearest(**p).signed_distance < -WITHIN;
-    part.vertices.iter().find(is_within).map(|p| (TipFault::Enters, *p))
 }
 
 /// Both meshes as one, side by side.
