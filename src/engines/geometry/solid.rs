@@ -49,7 +49,11 @@ pub fn intersection(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
 /// # Errors
 /// [`SolidError::NotClosed`], [`SolidError::Failed`].
 pub fn union(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
-    if a.triangles.is_empty() { Ok(b.clone()) } else { combine(a, b, OpType::Add) }
+    match (a.triangles.is_empty(), b.triangles.is_empty()) {
+        (true, _) => Ok(b.clone()),
+        (_, true) => Ok(a.clone()),
+        _ => combine(a, b, OpType::Add),
+    }
 }
 
 /// The solid that a closed surface bounds which may cross or fold over itself: what it winds around at least once.
@@ -114,8 +118,7 @@ fn united(hulls: &mut [(DVec3, &[DVec3])], cancel: &Cancel) -> Result<Manifold, 
     let half = hulls.len() / 2;
     hulls.sort_by(|(a, _), (b, _)| a[axis].total_cmp(&b[axis]));
     let (low, high) = hulls.split_at_mut(half);
-    let (low, high) = rayon::join(|| united(low, cancel), || united(high, cancel));
-    let found = low?.boolean_with_engine(&high?, OpType::Add, BooleanEngine::Exact);
+    let found = united(low, cancel)?.boolean_with_engine(&united(high, cancel)?, OpType::Add, BooleanEngine::Exact);
     match found.status() {
         Error::NoError => Ok(found),
         error => Err(SolidError::Failed(error.to_str().to_owned())),

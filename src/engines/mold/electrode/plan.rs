@@ -22,7 +22,7 @@ use super::plan_checks::checked;
 use super::residual_stock::{LeftOfRegion, Milled};
 use super::setting::{ElectrodeError, KeptClear, RegionToBurn, Setting};
 use super::sharing::{Leaf, assembled, shared};
-use super::tip::{Burned, Place, TipError, footprint};
+use super::tip::{Burned, Place, Rooms, TipError, footprint};
 use crate::cutter::CutterLibrary;
 use crate::outline::Outline;
 use crate::plane;
@@ -288,7 +288,8 @@ fn parts_of(
     if place.corners.is_empty() {
         return Err(TipError::NoSurface);
     }
-    let clear = KeptClear::around(&setting.mold, &setting.stage, &place.bounds, params.margin_mm, cancel)?;
+    let rooms = Rooms::around(&place, params.margin_mm);
+    let clear = KeptClear::over(&setting.mold, &setting.stage, rooms.extent(), place.bounds.min.z, cancel)?;
     let clear = Arc::new(clear);
     let burned = Burned {
         kept_clear: &clear.mesh,
@@ -297,7 +298,7 @@ fn parts_of(
     };
     let settings =
         DivisionSettings { overlap: params.overlap_mm, least: params.least_size_mm, leaves_out_thin: !is_last };
-    let first = footprint(&burned, &place, method, params.margin_mm, cancel)?;
+    let first = footprint(&burned, &place.bounds, &rooms, (method, params.margin_mm), cancel)?;
     let in_plan = first.region.clone();
     let mut divided = divide(&burned, first, &settings, cancel)?;
     let mut met = Vec::new();

@@ -17,7 +17,7 @@ use super::params::{ElectrodeParams, Stage};
 use super::residual_stock::{Burns, Looked, left_by};
 use super::residual_stock::{LeftOfRegion, Milled, Sample, residual_stock};
 use super::samples::{concave_edges, samples};
-use super::setting::{ElectrodeError, KeptClear, RegionToBurn, plan_around, to_burn_frame};
+use super::setting::{ElectrodeError, KeptClear, RegionToBurn, to_burn_frame};
 use super::tip::joined;
 use crate::cutter::CutterLibrary;
 use crate::height_field::HeightFieldError;
@@ -66,8 +66,9 @@ fn fullest(
         return Ok(None);
     }
     let around = Bounds::of(corners.iter().flatten().copied());
-    let clear = KeptClear::around(mold, stage, &around, margin, cancel)?;
-    let [low, high] = plan_around(&around, stage, margin);
+    let beside = margin + 2.0 * stage.most_across();
+    let [low, high] = [around.min.truncate() - beside, around.max.truncate() + beside];
+    let clear = KeptClear::over(mold, stage, [low, high], around.min.z, cancel)?;
     let sides = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
     let top = around.max.z + 4.0 * stage.most_across() + 1.0;
     let room = prism(&[&sides], around.min.z, top).and_then(|all| difference(&all, &clear.mesh));

@@ -9,7 +9,7 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 use super::params::{Orbit, Stage};
 use crate::height_field::HeightFieldError;
 use geometry::exact::{ExactMesh, ExactMeshError};
-use geometry::mesh::{Bounds, Mesh, unit_normal};
+use geometry::mesh::{Mesh, unit_normal};
 use geometry::envelope::{Growth, Sweep, envelope};
 use geometry::solid::SolidError;
 use task::{Cancel, Cancelled};
@@ -108,12 +108,12 @@ pub(super) struct KeptClear {
 }
 
 impl KeptClear {
-    /// That of a mold around a region that lies within `bounds`, as wide as its heads may become with `margin` (mm).
-    pub(super) fn around(
+    /// That of a mold over a rectangle in plan (its corners, mm), for a region whose lowest point is at the height `low`.
+    pub(super) fn over(
         mold: &Mesh,
         stage: &Stage,
-        bounds: &Bounds,
-        margin: f64,
+        plan: [DVec2; 2],
+        low: f64,
         cancel: &Cancel,
     ) -> Result<Self, SolidError> {
         /// How far it reaches below the region (mm).
@@ -124,7 +124,7 @@ impl KeptClear {
             Orbit::Square { radius_mm } => Sweep::Square(radius_mm),
         };
         let growth = Growth { gap: stage.gap_mm + stage.stock_mm, sweep };
-        let mesh = envelope(mold, &growth, plan_around(bounds, stage, margin), bounds.min.z - BELOW, cancel)?;
+        let mesh = envelope(mold, &growth, plan, low - BELOW, cancel)?;
         let exact = ExactMesh::new(&mesh).map_err(|error| SolidError::Failed(error.to_string()))?;
         Ok(Self { mesh, exact })
     }
@@ -133,12 +133,6 @@ impl KeptClear {
     pub(super) fn burns(&self, p: DVec3) -> bool {
         self.exact.nearest(p).signed_distance.abs() < ON_BURN
     }
-}
-
-/// The rectangle in plan that heads for a region within `bounds` stand over: they may be boxes along its walls.
-pub(super) fn plan_around(bounds: &Bounds, stage: &Stage, margin: f64) -> [DVec2; 2] {
-    let beside = 0.5 * bounds.size().truncate().length() + margin + 2.0 * stage.most_across();
-    [bounds.min.truncate() - beside, bounds.max.truncate() + beside]
 }
 
 /// The rotation that turns a burn direction to -Z; none for straight down.

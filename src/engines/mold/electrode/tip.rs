@@ -166,50 +166,77 @@ pub struct Footprint {
     pub method: Method,
 }
 
-/// The footprint of a tip for a region, `margin` wider than it (mm): the box around it along its walls where that holds
-/// little more than the region, else its hull, else what lies within the margin of it.
+/// Where a tip for a region may stand in plan, `margin` wider than it (mm), whatever the mold leaves of that.
+pub struct Rooms {
+    /// Rectangles, runs of cells, that cover the region closely.
+    touched: Vec<Outline>,
+    /// The same, larger.
+    cells: Vec<[DVec2; 4]>,
+    /// All within the margin of it.
+    close: Vec<Outline>,
+    /// The box around it along its walls, and its hull.
+    wide: [Vec<Outline>; 2],
+}
+
+impl Rooms {
+    /// Those around the parts of the surface that bound a region.
+    pub fn around(place: &Place, margin: f64) -> Self {
+        let cells = place.cells(margin / CELLS);
+        let points: Vec<DVec2> = place.corners.iter().flatten().map(|p| p.truncate()).collect();
+        let grown = |pieces: Vec<Vec<DVec2>>| grown_pieces(pieces.into_iter(), margin).into_iter().flatten().collect();
+        Self {
+            touched: place.cells(margin / FINE_CELLS).into_iter().filter_map(|c| Outline::new(c.to_vec())).collect(),
+            close: grown(cells.iter().map(|c| c.to_vec()).collect()),
+            wide: [box_around(&points, place.walls(), margin).into_iter().collect(), grown(vec![points])],
+            cells,
+        }
+    }
+
+    /// The least rectangle along X and Y that holds all of them.
+    pub fn extent(&self) -> [DVec2; 2] {
+        let [low, high] = plane::extent(&self.close);
+        let boxes = self.wide.iter().filter(|room| !room.is_empty()).map(|room| plane::extent(room));
+        boxes.fold([low, high], |[low, high], [l, h]| [low.min(l), high.max(h)])
+    }
+}
+
+/// The footprint of a tip for a region: the box around it along its walls where that holds little more than the region,
+/// else its hull, else what lies within the margin of it (mm).
 ///
 /// # Errors
-/// [`TipError::NoRoom`], [`TipError::NoSurface`], [`TipError::Cancelled`].
+/// [`TipError::NoRoom`], [`TipError::Cancelled`].
 pub fn footprint(
     burned: &Burned,
-    place: &Place,
-    method: Method,
-    margin: f64,
+    bounds: &Bounds,
+    rooms: &Rooms,
+    (method, margin): (Method, f64),
     cancel: &Cancel,
 ) -> Result<Footprint, TipError> {
-    let cap = place.bounds.max.z + burned.gap_up - BELOW_RIM;
+    let cap = bounds.max.z + burned.gap_up - BELOW_RIM;
     let section = sections(burned.kept_clear, &[cap], cancel)?.remove(0);
-    let cells = place.cells(margin / CELLS);
-    let touched: Vec<Outline> =
-        place.cells(margin / FINE_CELLS).into_iter().filter_map(|c| Outline::new(c.to_vec())).collect();
     // What is narrower than the gap is burned from beside it.
     let reach = burned.gap_across + 0.5 * burned.gap_up.max(SKIN);
     let near: Vec<Outline> =
-        grown_pieces(cells.iter().map(|c| c.to_vec()), reach.max(1.5 * SKIN)).into_iter().flatten().collect();
+        grown_pieces(rooms.cells.iter().map(|c| c.to_vec()), reach.max(1.5 * SKIN)).into_iter().flatten().collect();
     let free_of = |outlines: &[Outline]| {
         let is_touched = |shape: &Shape| !plane::intersection(shape, &near).is_empty();
         let free = plane::difference(outlines, &section.outlines);
         free.into_iter().filter(is_touched).flatten().collect::<Vec<Outline>>()
     };
-    let close: Vec<Outline> = grown_pieces(cells.iter().map(|c| c.to_vec()), margin).into_iter().flatten().collect();
-    let least = plane::area(&free_of(&close));
-    let points: Vec<DVec2> = place.corners.iter().flatten().map(|p| p.truncate()).collect();
-    let round = || grown_pieces(std::iter::once(points.clone()), margin).into_iter().flatten().collect();
-    let wide = [box_around(&points, place.walls(), margin).into_iter().collect::<Vec<Outline>>(), round()];
+    let least = plane::area(&free_of(&rooms.close));
     let fits = |room: &&Vec<Outline>| (1e-9..=WIDE * least).contains(&plane::area(&free_of(room)));
     // Inner corners become as round as the margin, so that a cutter reaches into them.
     let is_boxed = method == Method::Cutting;
-    let boxed = wide.iter().filter(|_| is_boxed).find(fits).cloned();
-    let room = boxed.unwrap_or_else(|| shrunk(&grown(&close, margin), margin));
+    let boxed = rooms.wide.iter().filter(|_| is_boxed).find(fits).cloned();
+    let room = boxed.unwrap_or_else(|| shrunk(&grown(&rooms.close, margin), margin));
     let free = free_of(&room);
     if free.is_empty() {
         return Err(TipError::NoRoom);
     }
     let into_walls: Vec<Outline> = plane::grown(&free, SKIN).into_iter().flatten().collect();
     let outlines = plane::intersection(&into_walls, &room).into_iter().flatten().collect();
-    let low = place.bounds.min.z + burned.gap_up - BELOW_RIM;
-    Ok(Footprint { outlines, free, cap, low, region: touched, method })
+    let low = bounds.min.z + burned.gap_up - BELOW_RIM;
+    Ok(Footprint { outlines, free, cap, low, region: rooms.touched.clone(), method })
 }
 
 /// The tips over a footprint: as many as it has separate parts. Each ends with flat caps at the footprint's height.
