@@ -16,7 +16,7 @@ use std::sync::LazyLock;
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::mesh::{Bounds, Mesh};
+use super::mesh::{Bounds, Mesh, unit_normal};
 use super::offset::{least_shift, vertex_normals};
 use super::solid::{self, SolidError, hull};
 use task::Cancel;
@@ -27,8 +27,10 @@ const LONGEST: f64 = 1.8;
 const GRID: f64 = 1.0 / (1u64 << 30) as f64;
 /// Directions in which a ball is bounded that lie nearer to a face's normal than this are left out (rad).
 const APART: f64 = 0.25;
+/// Part of a unit normal downwards from which on others lie over a face.
+const LEVEL: f64 = 1e-3;
 /// Share of its size by which a column around a corner is larger, and how many such shares there are.
-const HAIR: f64 = 1e-8;
+const HAIR: f64 = 1e-6;
 const HAIRS: usize = 61;
 /// Corners of the polygon around a disc that sweeps.
 const DISC: usize = 24;
@@ -77,7 +79,7 @@ pub struct Growth {
     pub sweep: Sweep,
 }
 
-/// The solid from the height `floor` (mm) up to the upper envelope of a surface with its growth, over the rectangle
+/// The solid from below the height `floor` (mm) up to the upper envelope of a surface with its growth, over the rectangle
 /// `over` in plan (its corners, mm). Beside it the solid may be incomplete.
 ///
 /// # Errors
@@ -89,7 +91,6 @@ pub fn envelope(
     floor: f64,
     cancel: &Cancel,
 ) -> Result<Mesh, SolidError> {
-    let floor = (floor / GRID).round() * GRID;
     let corners = corners(mesh, growth);
     let reach = LONGEST * (growth.gap + growth.sweep.reach());
     let is_near = |t: &usize| {
@@ -99,8 +100,25 @@ pub fn envelope(
             && (min.truncate() - reach).cmple(high).all()
     };
     let near: Vec<usize> = (0..mesh.triangles.len()).filter(is_near).collect();
-    let hulls: Vec<Vec<DVec3>> = near.iter().filter_map(|t| column_around(mesh, &corners, *t, floor)).collect();
-    let moved: Vec<[u32; 3]> = near.into_iter().map(|t| mesh.triangles[t]).filter(|t| looks_up(&corners, *t)).collect();
+    // All columns stand on one floor, below faces that reach further down too.
+    let lowest = near.iter().flat_map(|t| mesh.corners(*t)).map(|p| p.z).fold(floor, f64::min);
+    let floor = ((lowest - reach) / GRID).floor() * GRID;
+    // Beside what is not moved as one, the surface that is has borders: there no fold of it covers another.
+    let mut is_beside = vec![false; mesh.vertices.len()];
+    for triangle in &mesh.triangles {
+        let has_one = triangle.iter().any(|v| matches!(corners[*v as usize], Corner::Around(_)));
+        triangle.iter().for_each(|v| is_beside[*v as usize] |= has_one);
+    }
+    let needs_own = |t: &usize| {
+        let triangle = mesh.triangles[*t];
+        let looks_down = unit_normal(mesh.corners(*t)).z < -LEVEL;
+        triangle.iter().any(|v| matches!(corners[*v as usize], Corner::Around(_)))
+            || (triangle.iter().any(|v| is_beside[*v as usize]) && !looks_up(&corners, triangle) && !looks_down)
+    };
+    let own = near.iter().filter(|t| needs_own(t));
+    let hulls: Vec<Vec<DVec3>> = own.map(|t| column_around(mesh, &corners, *t, floor)).collect();
+    let moved: Vec<[u32; 3]> = near.iter().copied().map(|t| mesh.triangles[t]).filter(|t| looks_up(&corners, *t)).collect();
+    cancel.check()?;
     cancel.check()?;
     let columns = solid::unfolded(below(&corners, &moved, floor))?;
     solid::union(&columns, &solid::union_of_hulls(&hulls, cancel)?)
@@ -124,7 +142,7 @@ fn below(corners: &[Corner], triangles: &[[u32; 3]], floor: f64) -> Mesh {
     let mut number = |v: u32, mesh: &mut Mesh| {
         *numbers.entry(v).or_insert_with(|| {
             let top = corners[v as usize].points()[0];
-            mesh.vertices.extend([top.with_z(top.z.max(floor + GRID)), top.with_z(floor)]);
+            mesh.vertices.extend([top, top.with_z(floor)]);
             mesh.vertices.len() as u32 - 2
         })
     };
@@ -208,16 +226,17 @@ fn around(normals: &[DVec3], growth: &Growth) -> Vec<DVec3> {
     /// Corners further away than this, in gaps, are those of planes that are hardly different.
     const FURTHEST: f64 = 1.2;
     let apart = APART.cos();
-    let fixed = DIRECTIONS.iter().filter(|d| normals.iter().all(|n| n.dot(**d) < apart));
-    let up = normals.iter().filter(|n| n.z >= 0.0);
-    let directions: Vec<DVec3> = up.chain(fixed).copied().chain([DVec3::NEG_Z]).collect();
+    // What lies below belongs to the column anyway.
+    let up: Vec<DVec3> = normals.iter().copied().filter(|n| n.z > -APART).collect();
+    let fixed = DIRECTIONS.iter().copied().filter(|d| up.iter().all(|n| n.dot(*d) < apart));
+    let directions: Vec<DVec3> = up.iter().copied().chain(fixed).chain([DVec3::NEG_Z]).collect();
     // The corners of what planes bound are the planes of the hull of their normals.
     let dual = hull(&directions);
     let corner = |[a, b, c]: [DVec3; 3]| {
         let rows = DMat3::from_cols(a, b, c).transpose();
         let met = (rows.determinant().abs() > 1e-9).then(|| rows.inverse() * DVec3::splat(growth.gap));
         let outwards = (a + b + c).normalize_or_zero() * growth.gap;
-        met.filter(|p| p.length() <= FURTHEST * growth.gap).unwrap_or(outwards)
+        met.unwrap_or(outwards).clamp_length_max(FURTHEST * growth.gap)
     };
     let ball: Vec<DVec3> = dual.iter_corners().map(corner).collect();
     let swept = growth.sweep.polygon();
@@ -233,19 +252,15 @@ static DIRECTIONS: LazyLock<Vec<DVec3>> = LazyLock::new(|| {
     up.map(|direction| of(direction).normalize()).collect()
 });
 
-/// Points whose hull is the column under a grown triangle that has a corner moved to several places; none under others.
-fn column_around(mesh: &Mesh, corners: &[Corner], triangle: usize, floor: f64) -> Option<Vec<DVec3>> {
-    let own = mesh.triangles[triangle].map(|v| &corners[v as usize]);
-    if own.iter().all(|corner| matches!(corner, Corner::Meeting(_))) {
-        return None;
-    }
-    let moved = own.iter().flat_map(|corner| corner.points()).copied();
-    let high: Vec<DVec3> = moved.chain(mesh.corners(triangle)).filter(|p| p.z > floor).collect();
+/// Points whose hull is the column under a grown triangle.
+fn column_around(mesh: &Mesh, corners: &[Corner], triangle: usize, floor: f64) -> Vec<DVec3> {
+    let moved = mesh.triangles[triangle].iter().flat_map(|v| corners[*v as usize].points()).copied();
+    let high: Vec<DVec3> = moved.chain(mesh.corners(triangle)).collect();
     let low = high.iter().map(|p| p.with_z(floor));
     let points: Vec<DVec3> = high.iter().copied().chain(low).collect();
     // Solids whose faces lie in one another cannot be told apart once their corners are rounded: each is larger by a
     // hair of its own.
     let hair = HAIR * (1.0 + (triangle % HAIRS) as f64);
-    let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
-    (!points.is_empty()).then(|| points.iter().map(|p| *p + (*p - middle) * hair).collect())
+    let middle = points.iter().sum::<DVec3>() / points.len() as f64;
+    points.iter().map(|p| *p + (*p - middle) * hair).collect()
 }

@@ -81,7 +81,7 @@ fn combine(a: &Mesh, b: &Mesh, operation: OpType) -> Result<Mesh, SolidError> {
     if a.triangles.is_empty() {
         return Ok(Mesh::default());
     }
-    let found = manifold(a)?.boolean_with_engine(&manifold(b)?, operation, BooleanEngine::Exact);
+    let found = manifold(a)?.boolean_with_engine(&manifold(b)?, operation, BooleanEngine::Auto);
     match found.status() {
         Error::NoError => Ok(mesh(&found)),
         error => Err(SolidError::Failed(error.to_str().to_owned())),
@@ -90,7 +90,7 @@ fn combine(a: &Mesh, b: &Mesh, operation: OpType) -> Result<Mesh, SolidError> {
 
 /// Edges that are shorter, and corners that are nearer to the line of their neighbours (mm), are left out of what was
 /// combined.
-const SMALLEST: f64 = 1e-6;
+const SMALLEST: f64 = 1e-9;
 
 /// Everything inside the convex hull of one of these sets of points, to within a millionth of a millimetre.
 ///
@@ -118,7 +118,7 @@ fn united(hulls: &mut [(DVec3, &[DVec3])], cancel: &Cancel) -> Result<Manifold, 
     let half = hulls.len() / 2;
     hulls.sort_by(|(a, _), (b, _)| a[axis].total_cmp(&b[axis]));
     let (low, high) = hulls.split_at_mut(half);
-    let found = united(low, cancel)?.boolean_with_engine(&united(high, cancel)?, OpType::Add, BooleanEngine::Exact);
+    let found = united(low, cancel)?.boolean_with_engine(&united(high, cancel)?, OpType::Add, BooleanEngine::Auto);
     match found.status() {
         Error::NoError => Ok(found),
         error => Err(SolidError::Failed(error.to_str().to_owned())),
