@@ -95,9 +95,7 @@ pub fn envelope(
     let reach = LONGEST * (growth.gap + growth.sweep.reach());
     let is_near = |t: &usize| {
         let Bounds { min, max } = Bounds::of(mesh.corners(*t));
-        max.z + reach > floor
-            && (max.truncate() + reach).cmpge(low).all()
-            && (min.truncate() - reach).cmple(high).all()
+        max.z + reach > floor && (max.truncate() + reach).cmpge(low).all() && (min.truncate() - reach).cmple(high).all()
     };
     let near: Vec<usize> = (0..mesh.triangles.len()).filter(is_near).collect();
     // All columns stand on one floor, below faces that reach further down too.
@@ -117,7 +115,8 @@ pub fn envelope(
     };
     let own = near.iter().filter(|t| needs_own(t));
     let hulls: Vec<Vec<DVec3>> = own.map(|t| column_around(mesh, &corners, *t, floor)).collect();
-    let moved: Vec<[u32; 3]> = near.iter().copied().map(|t| mesh.triangles[t]).filter(|t| looks_up(&corners, *t)).collect();
+    let moved: Vec<[u32; 3]> =
+        near.iter().copied().map(|t| mesh.triangles[t]).filter(|t| looks_up(&corners, *t)).collect();
     cancel.check()?;
     cancel.check()?;
     let columns = solid::unfolded(below(&corners, &moved, floor))?;

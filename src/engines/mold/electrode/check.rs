@@ -4,9 +4,9 @@
 use glam::DVec3;
 
 use super::finding::{CheckKind, Finding};
-use crate::cutter::CutterLibrary;
+use crate::cutter::{Cutter, CutterLibrary};
 use crate::height_field;
-use crate::height_field::{HeightField, HeightFieldError};
+use crate::height_field::{FieldRegion, HeightField, HeightFieldError};
 use crate::invert::{InvertFaces, LEAST_INVERT};
 use geometry::mesh::Mesh;
 use geometry::solid;
@@ -15,6 +15,8 @@ use task::Cancel;
 /// Vertices within this are one in a file of single precision (mm).
 const WELD: f64 = 1e-6;
 
+/// The smallest radius of a cutter that is looked at as a remedy (mm).
+const SMALLEST: f64 = 0.2;
 /// Cells of the smallest radius on the grid on which it is tried whether an electrode can be milled.
 const MILLING_CELLS: f64 = 20.0;
 
@@ -47,17 +49,28 @@ pub fn machinable(
     let over = electrode.mapped(|p| DVec3::new(p.x, -p.y, -p.z));
     let radius = cutters.needed().iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
     let field = HeightField::raster(&over, (radius / MILLING_CELLS).min(1.25 * tolerance.max(0.02)), cancel)?;
-    let closing = height_field::closing(&field, cutters, cancel)?;
-    let left = height_field::regions(&field, &closing, tolerance, cancel)?;
+    let left_by = |cutters: &CutterLibrary| -> Result<Vec<FieldRegion>, HeightFieldError> {
+        let closing = height_field::closing(&field, cutters, cancel)?;
+        Ok(height_field::regions(&field, &closing, tolerance, cancel)?)
+    };
+    let left = left_by(cutters)?;
     let invert = InvertFaces::of(&over).area;
     let back = |p: DVec3| DVec3::new(p.x, -p.y, -p.z);
     Ok(match left.first() {
         Some(worst) => {
             let volume = left.iter().map(|r| r.volume).sum::<f64>();
             let thickness = left.iter().map(|r| r.normal_depth).fold(0.0, f64::max);
+            let mut remedy = format!("no cutter down to a radius of {SMALLEST} mm mills it: divide it there");
+            for smaller in [0.5 * radius, 0.25 * radius, SMALLEST] {
+                let both = CutterLibrary { cutter: vec![Cutter::flat(smaller), Cutter::ball(smaller)] };
+                if (SMALLEST..radius).contains(&smaller) && left_by(&both)?.is_empty() {
+                    remedy = format!("flat and ball cutters of {smaller} mm radius mill it");
+                    break;
+                }
+            }
             let text = format!(
                 "not millable: the cutters leave rest material at {} places, {volume:.3} mm^3 in all, up to \
-                 {thickness:.3} mm thick; divide it there, or add a smaller cutter",
+                 {thickness:.3} mm thick; {remedy}",
                 left.len(),
             );
             let finding = Finding::new(CheckKind::Machinable, false, text, Some(back(worst.bounds.center())));

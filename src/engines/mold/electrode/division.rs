@@ -7,7 +7,7 @@
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::footprint::{grown, half_plane, shrunk};
+use super::footprint::{grown, half_plane, is_thin, shrunk};
 use super::h_edge::{HEdge, h_edges, is_upright, place};
 use super::tip::{Burned, Footprint, SKIN, TipError, tip};
 use crate::outline::Outline;
@@ -158,7 +158,7 @@ fn parts_of(
 ) -> Result<Option<Halves>, TipError> {
     let (mut parts, mouth) = cut_along(burned, footprint, cut, settings);
     let all = parts.len();
-    parts.retain(|f| least_width(&f.free) >= settings.least);
+    parts.retain(|f| !is_too_small(&f.free, settings.least));
     let lacks_thin = parts.len() < all;
     if parts.is_empty() || (lacks_thin && !settings.leaves_out_thin) {
         return Ok(None);
@@ -275,6 +275,11 @@ fn back_over(shape: &Shape, through: DVec2, outward: DVec2, by: f64) -> (f64, Ve
     let turned =
         |o: Outline| if o.area() > 0.0 { Some(o) } else { Outline::new(o.points().iter().rev().copied().collect()) };
     (length, strips.into_iter().filter_map(turned).collect())
+}
+
+/// Whether a head over a set would be smaller than the least size (mm), or nowhere as thick as that.
+fn is_too_small(outlines: &[Outline], least: f64) -> bool {
+    least_width(outlines) < least || is_thin(outlines, least)
 }
 
 /// The least width of a set over all directions in steps of 15 degrees (mm).

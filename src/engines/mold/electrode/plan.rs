@@ -252,8 +252,11 @@ fn numbered(
         front: front(number),
     }));
     let forms: Vec<Form> = parts.par_iter().map(|(_, p)| Form::of(&p.body, |p| clear.burns(p))).collect();
-    let leaf = |((part, leaf), form): ((usize, Part), Form)| {
-        Leaf { id: PartId { region, part }, part: leaf, form, clear: clear.clone() }
+    let leaf = |((part, leaf), form): ((usize, Part), Form)| Leaf {
+        id: PartId { region, part },
+        part: leaf,
+        form,
+        clear: clear.clone(),
     };
     (parts.into_iter().zip(forms).map(leaf).collect(), share)
 }

@@ -8,9 +8,9 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use super::params::{Orbit, Stage};
 use crate::height_field::HeightFieldError;
+use geometry::envelope::{Growth, Sweep, envelope};
 use geometry::exact::{ExactMesh, ExactMeshError};
 use geometry::mesh::{Mesh, unit_normal};
-use geometry::envelope::{Growth, Sweep, envelope};
 use geometry::solid::SolidError;
 use task::{Cancel, Cancelled};
 
