@@ -23,60 +23,27 @@ use task::Cancel;
 
 /// Gaps within which the planes of faces that meet are carried on.
 const LONGEST: f64 = 1.8;
+/// Radii within which the planes of walls that a disc is swept along are carried on.
+const FURTHEST: f64 = 3.0;
 /// Step to which moved corners are rounded (mm): exact in binary, so that it can be told exactly which faces look up.
 const GRID: f64 = 1.0 / (1u64 << 30) as f64;
 /// Directions in which a ball is bounded that lie nearer to a face's normal than this are left out (rad).
 const APART: f64 = 0.25;
 /// Part of a unit normal downwards from which on others lie over a face.
 const LEVEL: f64 = 1e-3;
-/// Share of its size by which a column around a corner is larger, and how many such shares there are.
-const HAIR: f64 = 1e-6;
+/// Steps by which columns of their own are larger than they are (mm), and how many such steps there are.
+const HAIR: f64 = 2e-8;
 const HAIRS: usize = 61;
 /// Corners of the polygon around a disc that sweeps.
 const DISC: usize = 24;
-
-/// What a body sweeps across Z beside its way.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Sweep {
-    /// Nothing.
-    None,
-    /// A disc of this radius (mm).
-    Disc(f64),
-    /// A square of this half side along X and Y (mm).
-    Square(f64),
-}
-
-impl Sweep {
-    /// How far it goes (mm).
-    fn reach(self) -> f64 {
-        match self {
-            Self::None => 0.0,
-            Self::Disc(radius) => radius,
-            Self::Square(half) => half * std::f64::consts::SQRT_2,
-        }
-    }
-
-    /// Corners of a polygon around it.
-    fn polygon(self) -> Vec<DVec2> {
-        let around = |corners: usize, radius: f64| {
-            let step = TAU / corners as f64;
-            (0..corners).map(|i| DVec2::from_angle((i as f64 + 0.5) * step) * radius / (0.5 * step).cos()).collect()
-        };
-        match self {
-            Self::None => vec![DVec2::ZERO],
-            Self::Disc(radius) => around(DISC, radius),
-            Self::Square(half) => around(4, half),
-        }
-    }
-}
 
 /// What is kept clear around a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Growth {
     /// Distance (mm).
     pub gap: f64,
-    /// What else a body sweeps across Z.
-    pub sweep: Sweep,
+    /// Radius of the disc across Z that a body sweeps beside (mm).
+    pub radius: f64,
 }
 
 /// The solid from below the height `floor` (mm) up to the upper envelope of a surface with its growth, over the rectangle
@@ -92,7 +59,7 @@ pub fn envelope(
     cancel: &Cancel,
 ) -> Result<Mesh, SolidError> {
     let corners = corners(mesh, growth);
-    let reach = LONGEST * (growth.gap + growth.sweep.reach());
+    let reach = LONGEST * growth.gap + FURTHEST * growth.radius;
     let is_near = |t: &usize| {
         let Bounds { min, max } = Bounds::of(mesh.corners(*t));
         max.z + reach > floor && (max.truncate() + reach).cmpge(low).all() && (min.truncate() - reach).cmple(high).all()
@@ -109,15 +76,15 @@ pub fn envelope(
     }
     let needs_own = |t: &usize| {
         let triangle = mesh.triangles[*t];
-        let looks_down = unit_normal(mesh.corners(*t)).z < -LEVEL;
-        triangle.iter().any(|v| matches!(corners[*v as usize], Corner::Around(_)))
-            || (triangle.iter().any(|v| is_beside[*v as usize]) && !looks_up(&corners, triangle) && !looks_down)
+        let is_apart = triangle.iter().any(|v| matches!(corners[*v as usize], Corner::Around(_)));
+        let is_beside = triangle.iter().any(|v| is_beside[*v as usize]);
+        let looks_down = || unit_normal(mesh.corners(*t)).z < -LEVEL;
+        is_apart || (is_beside && !looks_up(&corners, triangle) && !looks_down())
     };
     let own = near.iter().filter(|t| needs_own(t));
     let hulls: Vec<Vec<DVec3>> = own.map(|t| column_around(mesh, &corners, *t, floor)).collect();
     let moved: Vec<[u32; 3]> =
         near.iter().copied().map(|t| mesh.triangles[t]).filter(|t| looks_up(&corners, *t)).collect();
-    cancel.check()?;
     cancel.check()?;
     let columns = solid::unfolded(below(&corners, &moved, floor))?;
     solid::union(&columns, &solid::union_of_hulls(&hulls, cancel)?)
@@ -182,26 +149,25 @@ fn corners(mesh: &Mesh, growth: &Growth) -> Vec<Corner> {
         let even = least_shift(&normals.iter().map(|n| (*n, growth.gap)).collect::<Vec<_>>());
         let even = even.filter(|shift| *is_whole && !normals.is_empty() && shift.length() <= LONGEST * growth.gap);
         let at = |d: DVec3| ((*p + d) / GRID).round() * GRID;
-        match (even, growth.sweep) {
-            (Some(even), Sweep::None) => Corner::Meeting(at(even)),
-            (Some(even), Sweep::Disc(radius)) if let Some(across) = across(normals, radius) => {
-                Corner::Meeting(at(even + across))
-            }
-            (Some(even), sweep) => Corner::Around(sweep.polygon().iter().map(|s| at(even + s.extend(0.0))).collect()),
-            (None, _) => Corner::Around(around(normals, growth).into_iter().map(at).collect()),
+        match even.zip(across(normals, growth)) {
+            Some((even, across)) => Corner::Meeting(at(even + across)),
+            None => Corner::Around(around(normals, growth).into_iter().map(at).collect()),
         }
     };
     mesh.vertices.par_iter().zip(&normals).zip(&whole).map(of).collect()
 }
 
-/// The shortest shift across Z by which faces with these normals are moved as far as by a disc; none where it would go
-/// much further than the disc.
-fn across(normals: &[DVec3], radius: f64) -> Option<DVec3> {
+/// The shortest shift across Z by which faces with these normals are moved as far as by the disc; none where it would go
+/// much further than that.
+fn across(normals: &[DVec3], growth: &Growth) -> Option<DVec3> {
     /// Part of a normal across Z up to which a face is level: rounding of files.
     const LEVEL: f64 = 1e-4;
+    if growth.radius == 0.0 {
+        return Some(DVec3::ZERO);
+    }
     let across = normals.iter().map(|n| n.with_z(0.0)).filter(|n| n.length() > LEVEL);
-    let planes: Vec<(DVec3, f64)> = across.map(|n| (n.normalize(), radius)).collect();
-    least_shift(&planes).filter(|shift| shift.length() <= LONGEST * radius)
+    let planes: Vec<(DVec3, f64)> = across.map(|n| (n.normalize(), growth.radius)).collect();
+    least_shift(&planes).filter(|shift| shift.length() <= FURTHEST * growth.radius)
 }
 
 /// Which vertices the faces close around: each of their edges belongs to two faces that run along it both ways.
@@ -223,7 +189,7 @@ fn whole(mesh: &Mesh) -> Vec<bool> {
 /// otherwise by planes in fixed directions.
 fn around(normals: &[DVec3], growth: &Growth) -> Vec<DVec3> {
     /// Corners further away than this, in gaps, are those of planes that are hardly different.
-    const FURTHEST: f64 = 1.2;
+    const SLENDER: f64 = 1.2;
     let apart = APART.cos();
     // What lies below belongs to the column anyway.
     let up: Vec<DVec3> = normals.iter().copied().filter(|n| n.z > -APART).collect();
@@ -235,11 +201,15 @@ fn around(normals: &[DVec3], growth: &Growth) -> Vec<DVec3> {
         let rows = DMat3::from_cols(a, b, c).transpose();
         let met = (rows.determinant().abs() > 1e-9).then(|| rows.inverse() * DVec3::splat(growth.gap));
         let outwards = (a + b + c).normalize_or_zero() * growth.gap;
-        met.unwrap_or(outwards).clamp_length_max(FURTHEST * growth.gap)
+        met.unwrap_or(outwards).clamp_length_max(SLENDER * growth.gap)
     };
     let ball: Vec<DVec3> = dual.iter_corners().map(corner).collect();
-    let swept = growth.sweep.polygon();
-    ball.iter().flat_map(|p| swept.iter().map(|s| *p + s.extend(0.0))).collect()
+    if growth.radius == 0.0 {
+        return ball;
+    }
+    let half_step = 0.5 * TAU / DISC as f64;
+    let beside = |i: usize| DVec2::from_angle((2 * i) as f64 * half_step) * (growth.radius / half_step.cos());
+    ball.iter().flat_map(|p| (0..DISC).map(move |i| *p + beside(i).extend(0.0))).collect()
 }
 
 /// Directions upwards and level, no two neighbours further apart than 31 degrees: those of a divided octahedron.
@@ -261,5 +231,122 @@ fn column_around(mesh: &Mesh, corners: &[Corner], triangle: usize, floor: f64) -
     // hair of its own.
     let hair = HAIR * (1.0 + (triangle % HAIRS) as f64);
     let middle = points.iter().sum::<DVec3>() / points.len() as f64;
-    points.iter().map(|p| *p + (*p - middle) * hair).collect()
+    points.iter().map(|p| *p + (*p - middle).normalize_or_zero() * hair).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exact::ExactMesh;
+    use crate::inside::winding_number;
+    use crate::solid::{difference, prism, union};
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    const GAP: f64 = 0.1;
+
+    fn prism_over(ring: &[(f64, f64)], low: f64, high: f64) -> Mesh {
+        let ring: Vec<DVec2> = ring.iter().map(|p| DVec2::from(*p)).collect();
+        prism(&[&ring], low, high).unwrap()
+    }
+
+    fn block() -> Mesh {
+        prism_over(&[(-4.0, -4.0), (4.0, -4.0), (4.0, 4.0), (-4.0, 4.0)], -3.0, 0.0)
+    }
+
+    /// A prism lying along Y over a profile in X and Z.
+    fn bar(profile: &[(f64, f64)]) -> Mesh {
+        prism_over(profile, -5.0, 5.0).mapped(|p| DVec3::new(p.x, -p.z, p.y))
+    }
+
+    /// A knife edge of 20 degrees that stands on the block.
+    fn with_knife() -> Mesh {
+        let half = 10f64.to_radians().tan();
+        let knife = bar(&[(-half, -0.1), (half, -0.1), (0.0, 1.0)]).mapped(|p| p * DVec3::new(1.0, 0.4, 1.0));
+        union(&block(), &knife).unwrap()
+    }
+
+    /// A groove with a sharp bottom, slanted walls of 30 degrees, and an undercut beside it.
+    fn with_groove() -> Mesh {
+        let groove = bar(&[(0.0, -2.0), (1.0, 0.3), (-1.0, 0.3)]);
+        let undercut = bar(&[(2.0, -2.0), (3.5, -2.0), (2.6, 0.5), (2.3, 0.5)]);
+        difference(&difference(&block(), &groove).unwrap(), &undercut).unwrap()
+    }
+
+    /// Two needles that touch in their points, and a triangle that is missing.
+    fn broken() -> Mesh {
+        let corners = [(1.0, 0.0), (-0.5, 0.8), (-0.5, -0.8)].map(|(x, y)| DVec2::new(x, y));
+        let mut mesh = Mesh { vertices: vec![DVec3::ZERO], triangles: Vec::new() };
+        mesh.vertices.extend(corners.map(|p| p.extend(-2.0)));
+        mesh.vertices.extend(corners.map(|p| (0.2 * p).extend(2.0)));
+        for i in 0..3 {
+            let [a, b] = [1 + i, 1 + (i + 1) % 3];
+            mesh.triangles.extend([[0, a, b], [0, b + 3, a + 3]]);
+        }
+        mesh.triangles.extend([[1, 3, 2], [4, 5, 6]]);
+        mesh.triangles.remove(2);
+        mesh
+    }
+
+    #[test]
+    fn what_is_nearer_than_the_gap_or_lies_below_is_held_and_little_more() {
+        for (mesh, growth) in [with_knife(), with_groove(), broken()]
+            .into_iter()
+            .flat_map(|mesh| [0.0, 0.2].map(|radius| (mesh.clone(), Growth { gap: GAP, radius })))
+        {
+            let over = [DVec2::splat(-5.0), DVec2::splat(5.0)];
+            let held = envelope(&mesh, &growth, over, -3.5, &Cancel::default()).unwrap();
+            assert!(held.is_watertight());
+            let (exact, own) = (ExactMesh::new(&held).unwrap(), ExactMesh::new(&mesh).unwrap());
+            let mut rng = ChaCha8Rng::seed_from_u64(7);
+            let mut unit = || DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
+            for corners in mesh.iter_corners() {
+                for _ in 0..60 {
+                    let weights = unit().abs() + 1e-9;
+                    let weights = weights / weights.element_sum();
+                    let p = corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z;
+                    let beside = growth.radius * unit().truncate().clamp_length_max(1.0);
+                    let near = p + 0.999 * (unit().clamp_length_max(1.0) * GAP + beside.extend(0.0));
+                    let below = near.with_z(near.z + (-3.4 - near.z) * 0.5 * (1.0 + unit().x));
+                    for q in [near, below] {
+                        assert!(winding_number(&exact, q) > 0, "{q} near {p} is free");
+                    }
+                }
+            }
+            // A corner of what is held is no further from the surface than where planes that are carried on may meet,
+            // but for what lies below.
+            let furthest = LONGEST * GAP + FURTHEST * growth.radius + 1e-6;
+            let shaded = |p: DVec3| own.first_crossing(p + DVec3::Z * 10.0, DVec3::NEG_Z, 10.0).is_some();
+            for p in held.vertices.iter().filter(|p| p.z > -3.0 && !shaded(**p)) {
+                let above = own.nearest(*p).signed_distance.abs();
+                let is_under =
+                    |d: DVec2| own.first_crossing(p.truncate().extend(10.0) + d.extend(0.0), DVec3::NEG_Z, 10.0 - p.z);
+                let is_below =
+                    (0..24).any(|i| is_under(DVec2::from_angle(f64::from(i) * TAU / 24.0) * furthest).is_some());
+                assert!(above <= furthest || is_below, "{p} is {above} off");
+            }
+        }
+    }
+
+    #[test]
+    fn faces_are_moved_by_the_gap_and_walls_by_the_disc_too() {
+        let pocket =
+            difference(&block(), &prism_over(&[(-2.0, -1.0), (2.0, -1.0), (2.0, 1.0), (-2.0, 1.0)], -2.0, 1.0));
+        let growth = Growth { gap: GAP, radius: 0.2 };
+        let over = [DVec2::splat(-4.0), DVec2::splat(4.0)];
+        let held = envelope(&pocket.unwrap(), &growth, over, -2.5, &Cancel::default()).unwrap();
+        let room = prism_over(&[(-3.0, -3.0), (3.0, -3.0), (3.0, 3.0), (-3.0, 3.0)], -2.0, GAP);
+        let head = difference(&room, &held).unwrap();
+        let expected = (4.0 - 0.6) * (2.0 - 0.6) * 2.0;
+        assert!((head.volume() - expected).abs() < 1e-6, "{} {expected}", head.volume());
+    }
+
+    #[test]
+    fn nothing_is_made_for_one_who_has_gone() {
+        let cancel = Cancel::default();
+        cancel.cancel();
+        let growth = Growth { gap: GAP, radius: 0.0 };
+        let found = envelope(&block(), &growth, [DVec2::splat(-1.0), DVec2::splat(1.0)], -1.0, &cancel);
+        assert!(matches!(found, Err(SolidError::Cancelled(_))));
+    }
 }

@@ -51,7 +51,7 @@ pub fn machinable(
     let field = HeightField::raster(&over, (radius / MILLING_CELLS).min(1.25 * tolerance.max(0.02)), cancel)?;
     let left_by = |cutters: &CutterLibrary| -> Result<Vec<FieldRegion>, HeightFieldError> {
         let closing = height_field::closing(&field, cutters, cancel)?;
-        Ok(height_field::regions(&field, &closing, tolerance, cancel)?)
+        height_field::regions(&field, &closing, tolerance, cancel)
     };
     let left = left_by(cutters)?;
     let invert = InvertFaces::of(&over).area;

@@ -51,6 +51,13 @@ impl Obstacle {
         (nearest.signed_distance, (p - nearest.point).normalize_or_zero())
     }
 
+    /// Whether the mold hangs over a place beside it.
+    pub(super) fn hangs_over(&self, p: DVec3) -> bool {
+        /// Further than any mold is high (mm).
+        const FAR: f64 = 1e5;
+        self.mesh.first_crossing(p, DVec3::Z, FAR).is_some()
+    }
+
     /// Least distance of the electrode from the mold (mm), in the burning position and on its way straight up by `lift`
     /// (mm).
     ///

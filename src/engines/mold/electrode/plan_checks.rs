@@ -223,6 +223,8 @@ struct Left {
     of_parts: BTreeMap<usize, LeftOfRegion>,
     /// Residual stock where no part stands.
     of_none: LeftOfRegion,
+    /// Residual stock that the mold hangs over.
+    shaded: LeftOfRegion,
     looked: Looked,
 }
 
@@ -256,9 +258,14 @@ fn left_of(
     let reach = last.most_across() + CELL;
     let mut left = Left { looked, ..Left::default() };
     for (sample, found) in samples.iter().zip(found) {
-        let is_own = found.left.thickness > 0.0 && !found.is_in_slot;
+        let is_own = found.left.thickness > 0.0 && !found.is_in_slot && !found.is_shaded;
+        let is_shaded = found.is_shaded;
         let found = LeftOfRegion { place: back * found.left.place, ..found.left };
         left.all = left.all.and(found);
+        if is_shaded {
+            left.shaded = left.shaded.and(found);
+            continue;
+        }
         let own = if is_own { own_parts(sample, &parts, reach) } else { Vec::new() };
         if own.is_empty() {
             left.of_none = left.of_none.and(found);
@@ -295,16 +302,22 @@ fn cuts(node: &PartNode) -> Vec<(DVec2, DVec2)> {
     own.chain(node.parts.iter().flat_map(cuts)).collect()
 }
 
-/// Report on residual stock that no tip comes near.
+/// Report on residual stock that no head comes near.
 fn nobodys(left: &Left, tolerance: f64) -> Option<String> {
-    let LeftOfRegion { excess, place: p, .. } = left.of_none;
-    (excess > tolerance).then(|| {
-        format!(
-            "residual stock {excess:.4} mm where no head reaches, as near ({:.3}, {:.3}, {:.3}), allowed rest \
-             {tolerance:.4} mm: reduce spark gap or orbit, or add a cutter",
-            p.x, p.y, p.z
-        )
-    })
+    let text = |LeftOfRegion { excess, place: p, .. }: LeftOfRegion, why: &str, remedy: &str| {
+        (excess > tolerance).then(|| {
+            format!(
+                "residual stock {excess:.4} mm {why} at ({:.3}, {:.3}, {:.3}), allowed rest {tolerance:.4} mm: {remedy}",
+                p.x, p.y, p.z
+            )
+        })
+    };
+    let shaded = text(
+        left.shaded,
+        "where a wall of the mold hangs over it, so that no head that sinks straight reaches it,",
+        "burn the region from another direction",
+    );
+    shaded.or_else(|| text(left.of_none, "where no head reaches, as", "reduce spark gap or orbit, or add a cutter"))
 }
 
 #[cfg(test)]

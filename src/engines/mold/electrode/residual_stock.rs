@@ -17,6 +17,8 @@ use task::{Cancel, Cancelled};
 
 /// How near to the burn surface a march along a normal ends (mm).
 const ARRIVED: f64 = 1e-6;
+/// Distance off the surface at which it is asked what hangs over a sample (mm).
+const BESIDE: f64 = 1e-4;
 /// Share of a distance by which a point above a face is nearer to another one if it is that one's.
 const OTHER: f64 = 1e-3;
 /// A step of such a march, at least (mm).
@@ -88,6 +90,8 @@ pub(super) struct LeftAt {
     pub(super) left: LeftOfRegion,
     /// Whether it is in a slot that no electrode of this spark enters, so that none of them is to blame.
     pub(super) is_in_slot: bool,
+    /// Whether none comes near it, because the mold hangs over it.
+    pub(super) is_shaded: bool,
 }
 
 /// Residual stock on each of the samples of a region's surface, of the stock that the cutters left.
@@ -110,18 +114,20 @@ pub(super) fn left_by(
 fn left_at(burns: &Burns, sample: &Sample, mold: &Obstacle, milled: &Milled) -> LeftAt {
     let beyond = |p: DVec3| burns.all.iter().map(|burn| burn.beyond(p)).fold(f64::INFINITY, f64::min);
     let thickness = march(sample, &beyond, mold, milled).thickness;
-    let (mut allowed, mut is_in_slot) = (0.0, false);
+    let (mut allowed, mut is_in_slot, mut is_shaded) = (0.0, false, false);
     if let Some(fullest) = burns.fullest.filter(|_| thickness > 0.0 && !burns.all.is_empty()) {
         let least = march(sample, &|p| fullest.beyond(p), mold, milled);
         let reach = burns.all.iter().map(Burning::reach).fold(0.0, f64::max);
         is_in_slot = least.is_opposed;
-        if least.farthest <= FARTHEST * reach && !is_in_slot {
+        let is_near = least.farthest <= FARTHEST * reach;
+        is_shaded = !is_near && !is_in_slot && mold.hangs_over(sample.point + sample.normal * BESIDE);
+        if is_near && !is_in_slot {
             allowed = least.thickness;
         }
     }
     let excess = (thickness - allowed).max(0.0);
     let left = LeftOfRegion { thickness, excess, place: sample.point, volume: thickness * sample.area };
-    LeftAt { left, is_in_slot }
+    LeftAt { left, is_in_slot, is_shaded }
 }
 
 /// Walk along a sample's normal through the residual stock.

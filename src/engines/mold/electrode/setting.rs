@@ -8,9 +8,10 @@ use glam::{DMat3, DQuat, DVec2, DVec3};
 
 use super::params::{Orbit, Stage};
 use crate::height_field::HeightFieldError;
-use geometry::envelope::{Growth, Sweep, envelope};
+use geometry::envelope::{Growth, envelope};
 use geometry::exact::{ExactMesh, ExactMeshError};
 use geometry::mesh::{Mesh, unit_normal};
+use geometry::minkowski::{on_grid, up_to_grid, with_rectangle};
 use geometry::solid::SolidError;
 use task::{Cancel, Cancelled};
 
@@ -118,13 +119,16 @@ impl KeptClear {
     ) -> Result<Self, SolidError> {
         /// How far it reaches below the region (mm).
         const BELOW: f64 = 1.0;
-        let sweep = match stage.orbit {
-            Orbit::None => Sweep::None,
-            Orbit::Circular { radius_mm } => Sweep::Disc(radius_mm),
-            Orbit::Square { radius_mm } => Sweep::Square(radius_mm),
+        let gap = stage.gap_mm + stage.stock_mm;
+        // Moved apart by a square the facets of two of its quarters would meet too far out: it is swept as a solid.
+        let (radius, half) = match stage.orbit {
+            Orbit::None => (0.0, 0.0),
+            Orbit::Circular { radius_mm } => (radius_mm, 0.0),
+            Orbit::Square { radius_mm } => (0.0, up_to_grid(radius_mm)),
         };
-        let growth = Growth { gap: stage.gap_mm + stage.stock_mm, sweep };
-        let mesh = envelope(mold, &growth, plan, low - BELOW, cancel)?;
+        let [from, to] = plan;
+        let grown = envelope(mold, &Growth { gap, radius }, [from - half, to + half], low - BELOW, cancel)?;
+        let mesh = if half > 0.0 { with_rectangle(&on_grid(&grown), DVec2::splat(half))? } else { grown };
         let exact = ExactMesh::new(&mesh).map_err(|error| SolidError::Failed(error.to_string()))?;
         Ok(Self { mesh, exact })
     }
