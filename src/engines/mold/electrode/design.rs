@@ -48,6 +48,16 @@ pub struct Burn {
     pub minutes: f64,
 }
 
+impl Burn {
+    /// Distance above the mold's top that its lowest point is retracted to (mm).
+    pub const CLEAR_MM: f64 = 2.0;
+
+    /// Retract distance (mm): what brings it clear of the mold, and no less than `least`.
+    pub fn retract(&self, least: f64) -> f64 {
+        least.max(self.depth + Self::CLEAR_MM)
+    }
+}
+
 /// Membership of an electrode in a base shared by several stages.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -345,6 +355,12 @@ impl ElectrodeSet {
     /// Whether every region has its electrodes and every check holds.
     pub fn holds(&self) -> bool {
         self.without_electrode().is_empty() && (0..self.electrodes.len()).all(|e| !self.fails(e))
+    }
+
+    /// Retract distance that serves all burns (mm).
+    pub fn retract(&self) -> f64 {
+        let burns = self.electrodes.iter().flat_map(|e| &e.burns);
+        burns.map(|burn| burn.retract(self.params.lift_mm)).fold(self.params.lift_mm, f64::max)
     }
 
     /// Duration of all burns (minutes).

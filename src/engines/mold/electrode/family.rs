@@ -185,7 +185,7 @@ fn is_clear(
             for (other, other_at) in row.iter().filter(|(other, _)| other != e) {
                 let tips = electrodes[*other].tips.mapped(|p| p + other_at.extend(0.0));
                 let moved = placed(&tips, burn.turn, origin);
-                if !obstacle.keeps_clear(&moved, stage, params.lift_mm.max(burn.depth))? {
+                if !obstacle.keeps_clear(&moved, stage, burn.retract(params.lift_mm))? {
                     return Ok(false);
                 }
             }

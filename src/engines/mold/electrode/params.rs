@@ -319,7 +319,7 @@ pub struct ElectrodeParams {
     pub family: bool,
     /// Least distance between the heads of a family (mm).
     pub family_spacing_mm: f64,
-    /// Retract distance after the burn (mm).
+    /// Least retract distance after the burn (mm): each is retracted until it is clear of the mold.
     pub lift_mm: f64,
     /// Allowed residual stock (mm): thickness across the surface, beyond what the spark gap's radius leaves in corners.
     pub tolerance_mm: f64,

@@ -138,15 +138,13 @@ fn clearances(
     let turned = &setting.turned;
     let clearance = |burn: &Burn| {
         let mesh = electrode.burning(&electrode.mesh, burn, turned);
-        setting.mold.clearance(&mesh, stage, params.lift_mm.max(burn.depth))
+        setting.mold.clearance(&mesh, stage, burn.retract(params.lift_mm))
     };
     let all: Vec<Clearance> = electrode.burns.iter().map(clearance).collect::<Result<_, _>>()?;
     let Some(worst) = all.into_iter().reduce(Clearance::worse) else { return Ok(Vec::new()) };
     let [gouge, approach] = worst.findings(stage);
-    let short = electrode.burns.iter().find(|burn| params.lift_mm < burn.depth);
     let upright = |f: Finding| Finding { place: f.place.map(|p| turned.transpose() * p), ..f };
-    let approach = short.map_or_else(|| upright(approach), |burn| too_short_a_lift(params.lift_mm, burn));
-    Ok(vec![upright(gouge), approach])
+    Ok(vec![upright(gouge), upright(approach)])
 }
 
 /// Residual stock of the parts that an electrode is for, each once.
@@ -184,14 +182,6 @@ fn milling(
         Ok(finding) => placed_first(finding, electrode),
     };
     Ok(if electrode.is_thin { thin(params) } else { milling })
-}
-
-fn too_short_a_lift(lift: f64, burn: &Burn) -> Finding {
-    let text = format!("retract distance {lift} mm is too short: it needs {:.2} mm; increase it", burn.depth);
-    Finding {
-        place: Some(burn.position),
-        ..Finding::failed(CheckKind::Approach, text, ("too_short_mm", burn.depth - lift))
-    }
 }
 
 /// Finding for an earlier stage, whose residual stock the later stages burn.

@@ -137,7 +137,9 @@ fn serves(
     }
     let top = setting.mold.bounds().max.z + params.extension_mm;
     let led = placed(&led_up(&first.part.body, first.part.footprint.cap, top - shift.z), turn, shift);
-    let found = mold.clearance(&led, &setting.stage, params.lift_mm)?;
+    let depth = setting.mold.bounds().max.z - led.bounds().min.z;
+    let lift = params.lift_mm.max(depth + Burn::CLEAR_MM);
+    let found = mold.clearance(&led, &setting.stage, lift)?;
     Ok(found.findings(&setting.stage).iter().all(|finding| finding.holds))
 }
 

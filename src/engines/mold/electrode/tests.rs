@@ -228,11 +228,16 @@ fn broken_electrodes_are_caught_by_the_check_that_is_meant_for_it() {
 }
 
 #[test]
-fn a_short_lift_a_thin_blade_and_a_block_without_gap_in_the_wall_are_caught() {
+fn a_thin_blade_and_a_block_without_gap_in_the_wall_are_caught_and_every_burn_is_lifted_clear() {
     let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 0.8), 5.0)]);
     let slot = [region(&mold, DVec2::new(-4.1, -0.5), DVec2::new(4.1, 0.5))];
     let short = planned(&mold, &slot, &ElectrodeParams { lift_mm: 2.0, ..params(GAP) });
-    assert!(!holds(&short.checks[0], CheckKind::Approach) && holds(&short.checks[0], CheckKind::Gouge));
+    assert!(
+        short.holds() && (short.retract() - (5.0 - GAP + 2.0)).abs() < 1e-6,
+        "{} {:?}",
+        short.retract(),
+        short.checks
+    );
     let thin = planned(&mold, &slot, &params(0.3));
     assert!(!holds(&thin.checks[0], CheckKind::Machinable), "0.2 mm is less than the least size: {:?}", thin.checks);
     // Without gap: a block that stands in the slot's wall, and one that touches it.

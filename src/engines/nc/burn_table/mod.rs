@@ -293,7 +293,7 @@ impl BurnTable {
             ),
             shape: set.params.shape,
             material: set.params.material.clone(),
-            lift_mm: set.params.lift_mm,
+            lift_mm: set.retract(),
             minutes: set.minutes(),
             burns: electrodes.iter().map(|e| e.burns.len()).sum(),
             electrodes,

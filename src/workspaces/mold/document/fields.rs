@@ -178,7 +178,7 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
                 .help("Chamfer at the corner +X +Y that shows the orientation, along each side; 0 for none."),
             Field::number("electrodes.lift_mm", "Retract distance", "mm", 0.0, 10000.0)
                 .step(0.05)
-                .help("Distance by which the electrode is retracted after the burn."),
+                .help("Least distance by which the electrode is retracted after the burn; it is always brought clear of the mold."),
         ],
     },
     Group {

@@ -208,7 +208,7 @@ impl ElectrodeDesk {
 
     /// Motion of the selected burn.
     pub fn way(&self) -> Option<BurnWay> {
-        let lift = self.shown.as_ref()?.set.params.lift_mm;
+        let lift = self.shown.as_ref()?.set.retract();
         self.chosen().map(|(_, burn)| BurnWay::of(burn, lift))
     }
 
