@@ -32,7 +32,7 @@ const APART: f64 = 0.25;
 /// Part of a unit normal downwards from which on others lie over a face.
 const LEVEL: f64 = 1e-3;
 /// Steps by which columns of their own are larger than they are (mm), and how many such steps there are.
-const HAIR: f64 = 2e-8;
+const HAIR: f64 = 1e-6;
 const HAIRS: usize = 61;
 /// Corners of the polygon around a disc that sweeps.
 const DISC: usize = 24;

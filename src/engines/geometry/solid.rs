@@ -33,7 +33,7 @@ pub enum SolidError {
 /// # Errors
 /// [`SolidError::NotClosed`], [`SolidError::Failed`].
 pub fn difference(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
-    combine(a, b, OpType::Subtract)
+    Ok(mesh(&combine(a, b, OpType::Subtract, BooleanEngine::Exact)?))
 }
 
 /// The part of `a` inside `b`; a mesh without triangles where there is none.
@@ -41,7 +41,7 @@ pub fn difference(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
 /// # Errors
 /// [`SolidError::NotClosed`], [`SolidError::Failed`].
 pub fn intersection(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
-    combine(a, b, OpType::Intersect)
+    Ok(mesh(&combine(a, b, OpType::Intersect, BooleanEngine::Exact)?))
 }
 
 /// Everything inside `a` or `b`.
@@ -52,7 +52,7 @@ pub fn union(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
     match (a.triangles.is_empty(), b.triangles.is_empty()) {
         (true, _) => Ok(b.clone()),
         (_, true) => Ok(a.clone()),
-        _ => combine(a, b, OpType::Add),
+        _ => Ok(mesh(&combine(a, b, OpType::Add, BooleanEngine::Auto)?.simplify(SMALLEST))),
     }
 }
 
@@ -77,15 +77,24 @@ pub fn wound(surface: &Mesh) -> Result<Mesh, SolidError> {
     }
 }
 
-fn combine(a: &Mesh, b: &Mesh, operation: OpType) -> Result<Mesh, SolidError> {
+fn combine(a: &Mesh, b: &Mesh, operation: OpType, engine: BooleanEngine) -> Result<Manifold, SolidError> {
     if a.triangles.is_empty() {
-        return Ok(Mesh::default());
+        return Ok(Manifold::empty());
     }
-    let found = manifold(a)?.boolean_with_engine(&manifold(b)?, operation, BooleanEngine::Auto);
+    let found = manifold(a)?.boolean_with_engine(&manifold(b)?, operation, engine);
     match found.status() {
-        Error::NoError => Ok(mesh(&found)),
+        Error::NoError => Ok(found),
         error => Err(SolidError::Failed(error.to_str().to_owned())),
     }
+}
+
+/// The part of `a` outside `b`, which may touch itself: slower than [`difference`], and without the slivers that faces
+/// leave which lie in one another but for rounding.
+///
+/// # Errors
+/// [`SolidError::NotClosed`], [`SolidError::Failed`].
+pub fn trimmed(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
+    Ok(mesh(&combine(a, b, OpType::Subtract, BooleanEngine::Auto)?.simplify(SMALLEST)))
 }
 
 /// Edges that are shorter, and corners that are nearer to the line of their neighbours (mm), are left out of what was

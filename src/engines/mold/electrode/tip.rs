@@ -248,7 +248,7 @@ pub fn tip(burned: &Burned, footprint: &Footprint) -> Result<Mesh, TipError> {
     for shape in plane::union(&footprint.outlines, &[]) {
         let rings: Vec<&[DVec2]> = shape.iter().map(Outline::points).collect();
         let prism = solid::prism(&rings, footprint.low, footprint.cap)?;
-        tip = joined(tip, solid::difference(&prism, burned.kept_clear)?);
+        tip = joined(tip, solid::trimmed(&prism, burned.kept_clear)?);
     }
     if tip.triangles.is_empty() { Err(TipError::NoRoom) } else { Ok(tip) }
 }
