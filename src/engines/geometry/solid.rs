@@ -94,7 +94,9 @@ fn combine(a: &Mesh, b: &Mesh, operation: OpType, engine: BooleanEngine) -> Resu
 /// # Errors
 /// [`SolidError::NotClosed`], [`SolidError::Failed`].
 pub fn trimmed(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
-    Ok(mesh(&combine(a, b, OpType::Subtract, BooleanEngine::Auto)?.simplify(SMALLEST)))
+    /// Longest edge of a sliver (mm): files that weld corners closer than that stay closed.
+    const SLIVER: f64 = 3e-6;
+    Ok(mesh(&combine(a, b, OpType::Subtract, BooleanEngine::Auto)?.simplify(SLIVER)))
 }
 
 /// Edges that are shorter, and corners that are nearer to the line of their neighbours (mm), are left out of what was
