@@ -175,12 +175,11 @@ fn a_circular_orbit_keeps_the_gap_where_a_floor_rises_into_a_fillet() {
         let set = planned_in(&mold, Orbit::Circular { radius_mm: RADIUS }, 0.5);
         assert!(!set.electrodes.is_empty(), "{:?}", set.regions[0].reason);
         let mut all = Vec::new();
-        for (electrode, findings) in set.electrodes.iter().zip(&set.checks) {
+        for (made, findings) in set.electrodes.iter().zip(&set.checks) {
             assert!(findings.iter().filter(|f| f.kind != CheckKind::Machinable).all(|f| f.holds), "{findings:?}");
-            let electrode = burning(electrode);
-            let nearest = least_distance(&mold, &electrode, around());
+            let nearest = least_distance(&mold, &burning(made), around());
             assert!((GAP - GOUGE..GAP + 1e-3).contains(&nearest), "{corner} {fillet}: {nearest}");
-            all.extend(electrode.vertices.into_iter().filter(|p| p.z < 0.0));
+            all.extend(made.burns.iter().flat_map(|b| made.burning(&made.tips, b, &DMat3::IDENTITY).vertices));
         }
         // Floor and walls are flat, and as far off as they should be.
         let bounds = Bounds::of(all);
