@@ -7,7 +7,7 @@
 //!
 //! **Accuracy, always on the safe side:** faces are moved by the gap exactly. Where faces meet, their planes are
 //! carried on until they meet, as long as that is no more than [`LONGEST`] gaps away; beyond, a polyhedron around the
-//! ball takes its place, which reaches no more than 8 % of the gap beyond it.
+//! ball takes its place, which reaches no more than 20 % of the gap beyond it.
 
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::TAU;
@@ -31,13 +31,13 @@ const GRID: f64 = 1.0 / (1u64 << 30) as f64;
 const APART: f64 = 0.25;
 /// Part of a unit normal downwards from which on others lie over a face.
 const LEVEL: f64 = 1e-3;
-/// Steps by which columns of their own are larger than they are (mm), and how many such steps there are.
+/// Enlargement of the columns around sharp corners (mm): a multiple of this, up to as many as below.
 const HAIR: f64 = 1e-6;
 const HAIRS: usize = 61;
 /// Corners of the polygon around a disc that sweeps.
 const DISC: usize = 24;
 
-/// What is kept clear around a surface.
+/// Growth of a surface: the gap, and the disc that a body sweeps beside.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Growth {
     /// Distance (mm).
@@ -68,7 +68,8 @@ pub fn envelope(
     // All columns stand on one floor, below faces that reach further down too.
     let lowest = near.iter().flat_map(|t| mesh.corners(*t)).map(|p| p.z).fold(floor, f64::min);
     let floor = ((lowest - reach) / GRID).floor() * GRID;
-    // Beside what is not moved as one, the surface that is has borders: there no fold of it covers another.
+    // Beside a triangle with a corner that is moved to several places the moved surface ends. A fold of it there may be
+    // covered by nothing else, so that such triangles get columns of their own too.
     let mut is_beside = vec![false; mesh.vertices.len()];
     for triangle in &mesh.triangles {
         let has_one = triangle.iter().any(|v| matches!(corners[*v as usize], Corner::Around(_)));

@@ -103,7 +103,7 @@ pub fn trimmed(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
 /// combined.
 const SMALLEST: f64 = 1e-9;
 
-/// Everything inside the convex hull of one of these sets of points, to within a millionth of a millimetre.
+/// Union of the convex hulls of these sets of points.
 ///
 /// # Errors
 /// [`SolidError::Failed`], and [`SolidError::Cancelled`] when cancelled.

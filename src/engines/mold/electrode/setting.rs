@@ -109,7 +109,7 @@ pub(super) struct KeptClear {
 }
 
 impl KeptClear {
-    /// That of a mold over a rectangle in plan (its corners, mm), for a region whose lowest point is at the height `low`.
+    /// Volume of a mold over a rectangle in plan (its corners, mm), for a region whose lowest point is at the height `low`.
     pub(super) fn over(
         mold: &Mesh,
         stage: &Stage,

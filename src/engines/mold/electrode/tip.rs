@@ -170,16 +170,16 @@ pub struct Footprint {
 pub struct Rooms {
     /// Rectangles, runs of cells, that cover the region closely.
     touched: Vec<Outline>,
-    /// The same, larger.
+    /// Rectangles that cover the region more roughly.
     cells: Vec<[DVec2; 4]>,
-    /// All within the margin of it.
+    /// Set of places within the margin of the region.
     close: Vec<Outline>,
     /// The box around it along its walls, and its hull.
     wide: [Vec<Outline>; 2],
 }
 
 impl Rooms {
-    /// Those around the parts of the surface that bound a region.
+    /// Rooms around the parts of the surface that bound a region.
     pub fn around(place: &Place, margin: f64) -> Self {
         let cells = place.cells(margin / CELLS);
         let points: Vec<DVec2> = place.corners.iter().flatten().map(|p| p.truncate()).collect();
