@@ -18,7 +18,7 @@ pub enum SolidError {
     #[error("the surface is not closed, or touches itself: {0}; repair the mesh first")]
     NotClosed(String),
     /// The boolean operation itself failed.
-    #[error("two solids cannot be combined: {0}")]
+    #[error("where two bodies meet no closed surface was found ({0})")]
     Failed(String),
     /// Told to stop.
     #[error(transparent)]
@@ -94,8 +94,8 @@ fn combine(a: &Mesh, b: &Mesh, operation: OpType, engine: BooleanEngine) -> Resu
 /// # Errors
 /// [`SolidError::NotClosed`], [`SolidError::Failed`].
 pub fn trimmed(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
-    /// Longest edge of a sliver (mm): files that weld corners closer than that stay closed.
-    const SLIVER: f64 = 3e-6;
+    /// Longest edge of a sliver (mm): more than single precision cannot tell apart 50 mm from the origin.
+    const SLIVER: f64 = 1e-5;
     Ok(mesh(&combine(a, b, OpType::Subtract, BooleanEngine::Auto)?.simplify(SLIVER)))
 }
 

@@ -12,7 +12,7 @@ use geometry::mesh::Mesh;
 use geometry::solid;
 use task::Cancel;
 
-/// Vertices within this are one in a file of single precision (mm).
+/// Vertices within this are one to programs that weld (mm).
 const WELD: f64 = 1e-6;
 
 /// The smallest radius of a cutter that is looked at as a remedy (mm).
@@ -20,10 +20,11 @@ const SMALLEST: f64 = 0.2;
 /// Cells of the smallest radius on the grid on which it is tried whether an electrode can be milled.
 const MILLING_CELLS: f64 = 20.0;
 
-/// Whether a surface is closed.
+/// Whether a surface is closed, also as a file in single precision has it.
 pub fn watertight(mesh: &Mesh) -> Finding {
     let volume = mesh.volume();
-    let is_closed = mesh.is_watertight() && solid::is_closed(mesh, WELD);
+    let filed = mesh.mapped(|p| p.as_vec3().as_dvec3());
+    let is_closed = mesh.is_watertight() && [mesh, &filed].into_iter().all(|mesh| solid::is_closed(mesh, WELD));
     let holds = is_closed && volume > 0.0;
     let text = if holds {
         format!("closed; {volume:.2} mm^3")

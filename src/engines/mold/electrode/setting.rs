@@ -18,7 +18,7 @@ use task::{Cancel, Cancelled};
 /// By how much an electrode may come closer than the gap (mm): rounding of files, not of sparks.
 pub const GOUGE: f64 = 5e-4;
 /// How far off a burn surface a point of a tip may be to be part of it (mm).
-const ON_BURN: f64 = 1e-6;
+const ON_BURN: f64 = 2e-5;
 
 /// Reason why there are no electrodes.
 #[derive(Debug, thiserror::Error)]
@@ -26,9 +26,9 @@ pub enum ElectrodeError {
     /// Parameters that cannot be used.
     #[error(transparent)]
     Params(#[from] Invalid),
-    /// Solids that cannot be combined.
+    /// A body that encloses nothing.
     #[error("electrodes need a closed mold, which can be told inside from outside: {0}")]
-    Solid(#[from] SolidError),
+    Solid(SolidError),
     /// The mold cannot be searched.
     #[error(transparent)]
     Exact(#[from] ExactMeshError),
@@ -38,6 +38,15 @@ pub enum ElectrodeError {
     /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<SolidError> for ElectrodeError {
+    fn from(error: SolidError) -> Self {
+        match error {
+            SolidError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Solid(other),
+        }
+    }
 }
 
 impl From<HeightFieldError> for ElectrodeError {

@@ -44,12 +44,21 @@ pub enum TipError {
          what is left with a finer grid"
     )]
     NoSurface,
-    /// The solids could not be combined.
-    #[error("the head could not be trimmed by the mold: {0}; change the margin of the heads, or divide the region")]
-    Solid(#[from] SolidError),
+    /// A body that encloses nothing.
+    #[error("the head does not close where the mold bounds it: {0}; change the margin of the heads, or divide the region")]
+    Solid(SolidError),
     /// Told to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<SolidError> for TipError {
+    fn from(error: SolidError) -> Self {
+        match error {
+            SolidError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            other => Self::Solid(other),
+        }
+    }
 }
 
 /// The mold as the electrodes see it, in the burn frame.
