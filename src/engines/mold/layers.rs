@@ -17,11 +17,15 @@ const SAME_HEIGHT: f64 = 2e-5;
 /// How far below a horizontal face the layer under it lies (mm).
 const BELOW: f64 = 1e-6;
 
-/// Share of the spacing up to which a slab is halved for the number of pieces alone.
-const COUNTED: f64 = 0.125;
+/// Share of the spacing up to which a slab is halved for the number and the places of pieces alone.
+pub(super) const COUNTED: f64 = 0.25;
 
-/// Share of what is left up to which a layer is as predicted, however much is left.
+/// Share of what is left in a layer up to which it is as predicted, however much is left.
 const PREDICTED: f64 = 1e-3;
+
+/// Share of all that is left by which the middle of a slab may miss what its ends predict. The trapezoids over both
+/// halves then miss a sixth of it at most, so that the errors of all slabs are far below 1 %.
+const SHARE: f64 = 5e-4;
 
 /// How finely a mold is cut into layers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,9 +37,9 @@ pub struct LayerSettings {
     pub is_fixed: bool,
     /// No slab thinner than this is halved (mm).
     pub least_spacing_mm: f64,
-    /// Volume by which the middle of a slab may miss what its ends predict (mm^3).
+    /// Least volume by which the middle of a slab may miss what its ends predict (mm^3).
     pub volume_tolerance_mm3: f64,
-    /// Area of untouched wall by which it may (mm^2).
+    /// Least area of untouched wall by which it may (mm^2).
     pub wall_tolerance_mm2: f64,
     /// Depth up to which what is left counts as cut (mm).
     pub depth_tolerance_mm: f64,
@@ -192,8 +196,33 @@ pub struct LayerFigures {
     pub length: f64,
 }
 
+/// By how much the middle of a slab may miss what its ends predict.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// Volume (mm^3).
+    pub volume: f64,
+    /// Area of untouched wall (mm^2).
+    pub wall: f64,
+    /// Thickness of a slab up to which the number of its pieces counts (mm).
+    pub counted: f64,
+}
+
+impl Tolerance {
+    /// The tolerance for rising layers: as set, and no less than a share of all that they have.
+    pub fn of(layers: &[LayerFigures], settings: &LayerSettings) -> Self {
+        let sum = |of: fn(&LayerFigures) -> f64| -> f64 {
+            layers.windows(2).map(|pair| 0.5 * (of(&pair[0]) + of(&pair[1])) * (pair[1].z - pair[0].z)).sum()
+        };
+        Self {
+            volume: settings.volume_tolerance_mm3.max(SHARE * sum(|f| f.area)),
+            wall: settings.wall_tolerance_mm2.max(SHARE * sum(|f| f.length)),
+            counted: COUNTED * settings.spacing_mm,
+        }
+    }
+}
+
 /// Whether the slabs beside a layer need layers in their own middles: it is not what the layers beside it predict.
-pub fn is_bent([low, middle, high]: [LayerFigures; 3], settings: &LayerSettings) -> bool {
+pub fn is_bent([low, middle, high]: [LayerFigures; 3], tolerance: &Tolerance) -> bool {
     let share = (middle.z - low.z) / (high.z - low.z);
     let off = |of: fn(&LayerFigures) -> f64| {
         let off = (of(&middle) - (of(&low) + (of(&high) - of(&low)) * share)).abs();
@@ -201,9 +230,9 @@ pub fn is_bent([low, middle, high]: [LayerFigures; 3], settings: &LayerSettings)
     };
     let thickness = high.z - low.z;
     let counts = low.count.min(high.count)..=low.count.max(high.count);
-    off(|f| f.area) * thickness > settings.volume_tolerance_mm3
-        || off(|f| f.length) * thickness > settings.wall_tolerance_mm2
-        || (!counts.contains(&middle.count) && thickness > COUNTED * settings.spacing_mm)
+    off(|f| f.area) * thickness > tolerance.volume
+        || off(|f| f.length) * thickness > tolerance.wall
+        || (!counts.contains(&middle.count) && thickness > tolerance.counted)
 }
 
 #[cfg(test)]
@@ -250,10 +279,15 @@ mod tests {
     fn a_layer_that_its_neighbours_predict_is_not_bent() {
         let settings = LayerSettings::default();
         let at = |z: f64, count: usize, area: f64| LayerFigures { z, count, area, length: 1.0 };
-        assert!(!is_bent([at(0.0, 2, 1.0), at(0.1, 2, 2.0), at(0.4, 2, 5.0)], &settings));
-        assert!(is_bent([at(0.0, 2, 1.0), at(0.1, 2, 2.1), at(0.4, 2, 5.0)], &settings));
-        assert!(is_bent([at(0.0, 2, 1.0), at(0.2, 3, 1.0), at(0.4, 2, 1.0)], &settings));
-        assert!(!is_bent([at(0.0, 2, 1.0), at(0.2, 3, 1.0), at(0.4, 3, 1.0)], &settings));
+        let tolerance = Tolerance::of(&[at(0.0, 2, 1.0), at(0.4, 2, 5.0)], &settings);
+        assert!((tolerance.volume, tolerance.wall) == (0.005, 0.05), "{tolerance:?}");
+        assert!(!is_bent([at(0.0, 2, 1.0), at(0.1, 2, 2.0), at(0.4, 2, 5.0)], &tolerance));
+        assert!(is_bent([at(0.0, 2, 1.0), at(0.1, 2, 2.1), at(0.4, 2, 5.0)], &tolerance));
+        assert!(is_bent([at(0.0, 2, 1.0), at(0.2, 3, 1.0), at(0.4, 2, 1.0)], &tolerance));
+        assert!(!is_bent([at(0.0, 2, 1.0), at(0.2, 3, 1.0), at(0.4, 3, 1.0)], &tolerance));
+        // Of 1200 mm^3 in 12 mm no slab has to be known to a hundredth of a cubic millimetre.
+        let much = Tolerance::of(&[at(0.0, 2, 100.0), at(4.0, 2, 100.0), at(12.0, 2, 100.0)], &settings);
+        assert!((much.volume - 0.6).abs() < 1e-12 && much.wall == 0.05, "{much:?}");
     }
 
     #[test]

@@ -1,12 +1,11 @@
 //! Regions: what is left of a mold, joined from the pieces of its layers.
 //!
-//! Pieces of neighbouring layers that overlap in plan belong to one region. Its volume is the trapezoid over its
-//! pieces.
+//! Pieces of neighbouring layers that overlap in plan belong to one region, and so does a piece that overlaps none but
+//! has one close beside it: a corner of slanted walls wanders. The volume of a region is the trapezoid over its pieces.
 
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::layers::LayerSettings;
 use super::piece::UncutPiece;
 use super::plane;
 use super::stack::UncutLayer;
@@ -18,6 +17,11 @@ const OVERLAP: f64 = 1e-6;
 /// Share of its least width by which a piece may come or go between two layers. Corners of walls up to 60 degrees off
 /// the vertical then still overlap from layer to layer.
 const DRIFT: f64 = 0.15;
+/// How far a piece may wander from one layer to the next, in distances between them: corners of walls up to 60 degrees
+/// off the vertical do.
+const WANDER: f64 = 2.0;
+/// Pieces further apart than this are never one (mm).
+const APART: f64 = 0.25;
 
 /// A connected part of what the cutters leave.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +63,10 @@ pub fn regions(layers: &[UncutLayer], tolerance: f64) -> Vec<LayerRegion> {
     let links: Vec<Vec<[usize; 2]>> = (1..layers.len())
         .into_par_iter()
         .map(|k| {
-            let pairs = overlaps(&layers[k - 1].pieces, &layers[k].pieces);
+            let [low, high] = [&layers[k - 1], &layers[k]];
+            let reach = (WANDER * (high.z - low.z)).min(APART);
+            let mut pairs = overlaps(&low.pieces, &high.pieces);
+            pairs.extend(beside([&low.pieces, &high.pieces], &pairs, reach));
             pairs.into_iter().map(|[a, b]| [first[k - 1] + a, first[k] + b]).collect()
         })
         .collect();
@@ -114,6 +121,25 @@ fn overlaps(a: &[UncutPiece], b: &[UncutPiece]) -> Vec<[usize; 2]> {
     pairs
 }
 
+/// For each piece of two layers that overlaps none of the other the nearest one there, if it is within `reach` (mm)
+/// seen by the boxes around them. What comes and goes between facets joins nothing.
+fn beside(layers: [&[UncutPiece]; 2], pairs: &[[usize; 2]], reach: f64) -> Vec<[usize; 2]> {
+    let extents = layers.map(|pieces| pieces.iter().map(UncutPiece::extent).collect::<Vec<_>>());
+    let gap = |[low, high]: &[DVec2; 2], [from, to]: &[DVec2; 2]| (*from - *high).max(*low - *to).max(DVec2::ZERO).length();
+    let mut found = Vec::new();
+    for side in [0, 1] {
+        let mut is_alone = vec![true; extents[side].len()];
+        pairs.iter().for_each(|pair| is_alone[pair[side]] = false);
+        for own in (0..is_alone.len()).filter(|own| is_alone[*own] && !layers[side][*own].is_shallow()) {
+            let others = (0..extents[1 - side].len()).filter(|other| !layers[1 - side][*other].is_shallow());
+            let gaps = others.map(|other| (other, gap(&extents[side][own], &extents[1 - side][other])));
+            let nearest = gaps.filter(|(_, gap)| *gap <= reach).min_by(|a, b| a.1.total_cmp(&b.1));
+            found.extend(nearest.map(|(other, _)| if side == 0 { [own, other] } else { [other, own] }));
+        }
+    }
+    found
+}
+
 fn do_overlap(a: &UncutPiece, b: &UncutPiece) -> bool {
     // Between vertical walls nothing changes.
     if a.boundary == b.boundary {
@@ -124,14 +150,14 @@ fn do_overlap(a: &UncutPiece, b: &UncutPiece) -> bool {
 }
 
 /// Whether every piece of two neighbouring layers overlaps one of the other, or the layers are so near to each other
-/// that what comes or goes between them is flat.
-pub fn have_partners(low: &UncutLayer, high: &UncutLayer, settings: &LayerSettings) -> bool {
+/// that what comes or goes between them is flat: nearer than `counted` (mm), or than the piece is wide.
+pub fn have_partners(low: &UncutLayer, high: &UncutLayer, counted: f64) -> bool {
     let thickness = high.z - low.z;
     let is_flat = |piece: &UncutPiece| {
         let [from, to] = piece.extent();
-        piece.is_shallow() || thickness <= (DRIFT * (to - from).min_element()).max(settings.least_spacing_mm)
+        piece.is_shallow() || thickness <= DRIFT * (to - from).min_element()
     };
-    if low.pieces.iter().chain(&high.pieces).all(is_flat) {
+    if thickness <= counted || low.pieces.iter().chain(&high.pieces).all(is_flat) {
         return true;
     }
     let pairs = overlaps(&low.pieces, &high.pieces);
@@ -161,15 +187,14 @@ mod tests {
     }
 
     #[test]
-    fn pieces_that_overlap_join_and_touching_ones_do_not() {
+    fn pieces_that_overlap_join() {
         let layers = [
             layer(0.0, vec![square(0.0, 2.0), square(10.0, 2.0)]),
-            layer(1.0, vec![square(1.0, 2.0), square(12.0, 2.0)]),
+            layer(1.0, vec![square(1.0, 2.0), square(12.3, 2.0)]),
             layer(2.0, vec![square(2.5, 2.0)]),
         ];
         let regions = regions(&layers, 1e-3);
         let pieces: Vec<_> = regions.iter().map(|r| r.pieces.clone()).collect();
-        // The two at 10 and 12 share a side only.
         assert_eq!(pieces, [vec![[0, 0], [1, 0], [2, 0]]], "alone a piece has no height");
         let region = &regions[0];
         assert_eq!((region.volume, region.plan_area, region.height), (8.0, 4.0, 2.0));
@@ -188,11 +213,24 @@ mod tests {
 
     #[test]
     fn a_piece_alone_has_its_partner_further_between_unless_the_slab_is_thin() {
-        let settings = LayerSettings::default();
-        let far = |thickness: f64| {
-            have_partners(&layer(0.0, vec![square(0.0, 1.0)]), &layer(thickness, vec![square(3.0, 1.0)]), &settings)
+        let far = |thickness: f64, counted: f64| {
+            have_partners(&layer(0.0, vec![square(0.0, 1.0)]), &layer(thickness, vec![square(3.0, 1.0)]), counted)
         };
-        assert!(!far(0.5) && far(0.1));
-        assert!(have_partners(&layer(0.0, vec![square(0.0, 1.0)]), &layer(0.5, vec![square(0.3, 1.0)]), &settings));
+        assert!(!far(0.5, 0.1) && far(0.1, 0.0) && far(0.5, 0.5));
+        assert!(have_partners(&layer(0.0, vec![square(0.0, 1.0)]), &layer(0.5, vec![square(0.3, 1.0)]), 0.1));
+    }
+
+    /// The corner of walls 45 degrees off the vertical wanders as far as the layers are apart.
+    #[test]
+    fn a_piece_alone_goes_on_in_the_nearest_one_close_beside_it() {
+        let low = layer(0.0, vec![square(0.0, 0.02), square(0.5, 0.02)]);
+        let high = layer(0.1, vec![square(0.1, 0.02), square(0.6, 0.02)]);
+        let found = regions(&[low.clone(), high], 1e-3);
+        let pieces: Vec<_> = found.iter().map(|r| r.pieces.clone()).collect();
+        assert_eq!(pieces, [[[0, 0], [1, 0]], [[0, 1], [1, 1]]]);
+        let segments = vec![[-0.01, 0.0, 0.01].map(|x| DVec2::new(0.1 + x, 0.0)).to_vec()];
+        let shallow = UncutPiece { segments, depth: 1e-5, ..square(0.1, 0.02) };
+        assert!(shallow.is_shallow(), "what comes and goes between facets");
+        assert!(regions(&[low, layer(0.1, vec![shallow])], 1e-3).is_empty());
     }
 }

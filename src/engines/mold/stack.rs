@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::centre_path::Obstacle;
 use super::cutter::{Cutter, CutterKind};
 use super::invert::{InvertFaces, Shadows};
-use super::layers::{FirstLayers, LayerFigures, LayerSettings, first_layers, is_bent};
+use super::layers::{FirstLayers, LayerFigures, LayerSettings, Tolerance, first_layers, is_bent};
 use super::outline::Outline;
 use super::piece::{UncutPiece, clipped, intersected};
 use super::plane;
@@ -106,14 +106,15 @@ fn halves(layers: &[UncutLayer], floors: &[f64], settings: &LayerSettings) -> Ve
         floors.get(at).is_none_or(|f| *f > layers[i + 1].z)
     };
     let slabs: Vec<bool> = (0..n.saturating_sub(1)).map(spans).collect();
+    let tolerance = Tolerance::of(&figures, settings);
     let is_wide = |i: usize| figures[i + 1].z - figures[i].z > settings.least_spacing_mm;
     let bent: Vec<bool> = (0..n)
         .map(|i| i > 0 && i + 1 < n && slabs[i - 1] && slabs[i])
         .enumerate()
-        .map(|(i, inner)| inner && is_bent([figures[i - 1], figures[i], figures[i + 1]], settings))
+        .map(|(i, inner)| inner && is_bent([figures[i - 1], figures[i], figures[i + 1]], &tolerance))
         .collect();
     let is_halved = |&i: &usize| {
-        slabs[i] && is_wide(i) && (bent[i] || bent[i + 1] || !have_partners(&layers[i], &layers[i + 1], settings))
+        slabs[i] && is_wide(i) && (bent[i] || bent[i + 1] || !have_partners(&layers[i], &layers[i + 1], tolerance.counted))
     };
     let chosen: Vec<usize> = (0..slabs.len()).into_par_iter().filter(is_halved).collect();
     chosen.into_iter().map(|i| 0.5 * (figures[i].z + figures[i + 1].z)).collect()
