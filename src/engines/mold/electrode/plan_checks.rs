@@ -104,7 +104,7 @@ pub(super) fn checked(
         plan.left = left.all;
         // Of what needs no tip it is told that it stays.
         let needs_none = plan.tree.is_none() && is_nothing(region, params);
-        let nobodys = || (!needs_none).then(|| nobodys(left, params.tolerance_mm)).flatten();
+        let nobodys = || (!needs_none).then(|| nobodys(left, (params.tolerance_mm, milled.accuracy()))).flatten();
         plan.reason = plan.reason.take().or_else(nobodys);
     }
     let check = |electrode: &Electrode| -> Result<Vec<Finding>, ElectrodeError> {
@@ -115,7 +115,7 @@ pub(super) fn checked(
         if let Some(setting) = of_direction(electrode.direction) {
             findings.extend(clearances(electrode, setting, &stages[electrode.stage], params)?);
         }
-        findings.extend(residual_stock_of(electrode, &left, stages, params));
+        findings.extend(residual_stock_of(electrode, &left, stages, (params.tolerance_mm, milled.accuracy())));
         if is_closed {
             findings.push(milling(electrode, cutters, params, cancel)?);
         }
@@ -152,7 +152,7 @@ fn residual_stock_of(
     electrode: &Electrode,
     left: &[Left],
     stages: &[Stage],
-    params: &ElectrodeParams,
+    tolerance: (f64, f64),
 ) -> Option<Finding> {
     let own: BTreeSet<PartId> = electrode.burns.iter().flat_map(|b| &b.parts).copied().collect();
     let looked = own.iter().map(|p| left[p.region].looked).reduce(Looked::and)?;
@@ -161,7 +161,7 @@ fn residual_stock_of(
     }
     let of_part = |p: &PartId| left[p.region].of_parts.get(&p.part).copied();
     let all = own.iter().filter_map(of_part).fold(LeftOfRegion::default(), LeftOfRegion::and);
-    Some(residual_stock(&all, params.tolerance_mm, &stages[electrode.stage], looked))
+    Some(residual_stock(&all, tolerance, &stages[electrode.stage], looked))
 }
 
 /// Whether it can be milled.
@@ -293,9 +293,9 @@ fn cuts(node: &PartNode) -> Vec<(DVec2, DVec2)> {
 }
 
 /// Report on residual stock that no head comes near.
-fn nobodys(left: &Left, tolerance: f64) -> Option<String> {
+fn nobodys(left: &Left, (tolerance, accuracy): (f64, f64)) -> Option<String> {
     let text = |LeftOfRegion { excess, place: p, .. }: LeftOfRegion, why: &str, remedy: &str| {
-        (excess > tolerance).then(|| {
+        (excess > tolerance + accuracy).then(|| {
             format!(
                 "residual stock {excess:.4} mm {why} at ({:.3}, {:.3}, {:.3}), allowed rest {tolerance:.4} mm: {remedy}",
                 p.x, p.y, p.z

@@ -75,6 +75,14 @@ pub struct Milled<'a> {
     pub within: f64,
 }
 
+impl Milled<'_> {
+    /// Accuracy of the thickness of what the cutters leave (mm): on its grid a cutter is taken for thinner than it is by
+    /// up to a quarter of a cell.
+    pub fn accuracy(&self) -> f64 {
+        0.25 * self.within
+    }
+}
+
 /// Burns of a region.
 pub(super) struct Burns<'a> {
     /// Each of its burns.
@@ -190,12 +198,23 @@ const SQUARE: &str =
     "; a square orbit reaches only into corners of walls along X and Y: a circular one, or none, leaves less";
 
 /// The finding for what is left of the parts that an electrode is for: what is left beyond what the spark keeps in
-/// corners is held against the tolerance.
-pub fn residual_stock(left: &LeftOfRegion, tolerance: f64, stage: &Stage, looked: Looked) -> Finding {
-    let holds = left.excess <= tolerance;
+/// corners is held against the tolerance, to the accuracy that what the cutters leave is known to (mm).
+pub fn residual_stock(
+    left: &LeftOfRegion,
+    (tolerance, accuracy): (f64, f64),
+    stage: &Stage,
+    looked: Looked,
+) -> Finding {
+    let holds = left.excess <= tolerance + accuracy;
     let apart =
         format!("sampled every {:.2} mm on faces, every {:.2} mm along edges", looked.on_faces, looked.along_edges);
-    let text = if holds {
+    let text = if holds && left.excess > tolerance {
+        format!(
+            "residual stock {:.4} mm beyond the corner radius, allowed rest {tolerance:.4} mm, which is kept within \
+             the {accuracy:.4} mm to which the cutters' rest is known; {:.4} mm^3 in all; {apart}",
+            left.excess, left.volume
+        )
+    } else if holds {
         format!(
             "residual stock up to {:.4} mm, in corners rounded by the spark; {:.4} mm^3 in all; {apart}",
             left.thickness, left.volume

@@ -224,7 +224,7 @@ fn broken_electrodes_are_caught_by_the_check_that_is_meant_for_it() {
     let burns = Burns { all: &[burning], fullest: None };
     let left = left_by(&burns, &[floor], (&obstacle, &milled), &Cancel::default()).unwrap()[0].left;
     assert!((left.thickness - 0.3).abs() < 1e-3, "{left:?}");
-    assert!(!residual_stock(&left, params.tolerance_mm, &params.stages[0], Looked::default()).holds);
+    assert!(!residual_stock(&left, (params.tolerance_mm, 0.0), &params.stages[0], Looked::default()).holds);
 }
 
 #[test]
