@@ -2,6 +2,9 @@
 //!
 //! The three molds come from a CAD kernel: square pockets, slots and lands, filleted cavities on a draft.
 
+#[path = "mold/random.rs"]
+mod random;
+
 use geometry::mesh::Mesh;
 use glam::{DVec2, DVec3};
 use import::{ImportOptions, import_file};
