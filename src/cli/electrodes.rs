@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
+use glam::DAffine3;
 
 use super::uncut::{AskedMold, MoldArguments};
 use super::{Answer, Session, mm};
@@ -108,13 +109,18 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
         anyhow::bail!("--override {unknown}: there is no electrode {}; there {names}", unknown.of);
     }
     let file_name = mesh.file_name().map_or(name, |n| n.to_string_lossy().into_owned());
-    let mut report = ElectrodesReport::of(&set, &file_name, asked.opening);
-    report.table.notes.extend(imported.report.unit_doubt());
-    let mut lines = lines(&set, &report);
+    let mut report = ElectrodesReport::of(&set, &file_name, asked.opening(), &asked.datum);
+    let hidden = uncut.hidden_cavity().map(ToString::to_string);
+    report.table.notes.extend(imported.report.unit_doubt().into_iter().chain(hidden.clone()));
+    let mut lines = lines(&set, &report, &asked.datum.of_upright(asked.opening()));
+    lines.extend(hidden.map(|text| format!("warning: {text}")));
     let mut has_all_files = true;
     if let Some(folder) = folder {
-        let drawn =
-            if arguments.no_pictures { Ok(Vec::new()) } else { pictures(&imported.mesh, &set, asked.opening, session) };
+        let drawn = if arguments.no_pictures {
+            Ok(Vec::new())
+        } else {
+            pictures(&imported.mesh, &set, asked.opening(), session)
+        };
         let pictures = drawn.unwrap_or_else(|error| {
             lines.push(format!("no pictures in the report: {error}"));
             Vec::new()
@@ -185,8 +191,17 @@ fn pictures(
     Ok(drawn)
 }
 
-fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
+/// What was made and what fails, with places in the axes of the datum, which `axes` lead to from the upright mold.
+fn lines(set: &ElectrodeSet, report: &ElectrodesReport, axes: &DAffine3) -> Vec<String> {
     let mut lines = vec![report.sentence.clone()];
+    let datum = &report.table.datum;
+    if *axes != DAffine3::IDENTITY {
+        let [x, y, z] = datum.origin_mm;
+        let (name, angle) = (&datum.name, datum.angle_deg);
+        lines.push(format!(
+            "positions are from the work datum: {name}, at ({x}, {y}, {z}) of the file, turned by {angle} deg"
+        ));
+    }
     for ((electrode, findings), entry) in set.electrodes.iter().zip(&set.checks).zip(&report.table.electrodes) {
         let burns = electrode.burns.len();
         let parts: usize = electrode.burns.iter().map(|b| b.parts.len()).sum();
@@ -209,7 +224,8 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
         lines.extend(entry.warnings.iter().map(|text| format!("    {text}")));
         let failed = findings.iter().filter(|f| !f.holds);
         lines.extend(failed.map(|f| {
-            let place = f.place.map_or_else(String::new, |p| format!(" at ({:.3}, {:.3}, {:.3})", p.x, p.y, p.z));
+            let place = f.place.map(|p| axes.transform_point3(p));
+            let place = place.map_or_else(String::new, |p| format!(" at ({:.3}, {:.3}, {:.3})", p.x, p.y, p.z));
             format!("    {} fails: {}{place}", f.kind.name(), f.text)
         }));
     }
@@ -218,7 +234,7 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
         let what = if set.electrodes.iter().any(is_burned) { "" } else { " has no electrode" };
         lines.push(format!("region {region}{what}: {why}"));
     }
-    lines.extend(corners(set));
+    lines.extend(corners(set, axes));
     let idle = set.idle_overrides(&set.params.overrides);
     lines.extend(idle.into_iter().map(|(o, why)| format!("override {o}: {why}")));
     lines.extend(report.unmet_edits.iter().map(|edit| {
@@ -228,11 +244,11 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport) -> Vec<String> {
 }
 
 /// What sharp corners keep, where that is more than is allowed on faces: it is no failure, and has to be known.
-fn corners(set: &ElectrodeSet) -> Option<String> {
+fn corners(set: &ElectrodeSet, axes: &DAffine3) -> Option<String> {
     let tolerance = set.params.tolerance_mm;
     let kept = set.regions.iter().map(|r| &r.left).filter(|left| left.excess <= tolerance);
     let most = kept.max_by(|a, b| a.thickness.total_cmp(&b.thickness)).filter(|left| left.thickness > tolerance)?;
-    let p = most.place;
+    let p = axes.transform_point3(most.place);
     Some(format!(
         "residual stock in sharp corners is up to {:.4} mm, allowed rest {tolerance} mm, as near ({:.3}, {:.3}, \
          {:.3}); a smaller spark gap leaves less",

@@ -44,7 +44,8 @@ pub(super) fn of_mold(file: &Path, arguments: &RenderArguments, session: &Sessio
     let asked = open_mold(file, user_folder().as_deref())?;
     let Some(mesh) = &asked.mesh else { return Err(message("mesh is missing; name one in the project".to_owned())) };
     let imported = session.import(mesh, asked.units)?;
-    let of_part = asked.of_part(&part_of(&imported));
+    let mut of_part = asked.of_part(&part_of(&imported));
+    of_part.open(&imported.mesh);
     session.note_dropped(mesh, &asked, &of_part);
     let asked = of_part;
     let mold = Arc::new(RenderMesh::new(&imported.mesh));
@@ -54,7 +55,7 @@ pub(super) fn of_mold(file: &Path, arguments: &RenderArguments, session: &Sessio
             let made = electrodes(&imported.mesh, &found, &asked.electrodes, &session.task);
             let set = made.map_err(|e| message(e.to_string()))?;
             // The first picture is of all of them.
-            let pictures = electrode_pictures(&set, &electrode_shapes(&set), &mold, asked.opening);
+            let pictures = electrode_pictures(&set, &electrode_shapes(&set), &mold, asked.opening());
             let last = pictures.len().saturating_sub(1);
             let picture = pictures
                 .into_iter()
@@ -63,7 +64,7 @@ pub(super) fn of_mold(file: &Path, arguments: &RenderArguments, session: &Sessio
             (picture.scene, Some(picture.camera))
         }
         None => {
-            let shapes = region_shapes(&imported.mesh, &found.surface, found.regions.len(), asked.opening);
+            let shapes = region_shapes(&imported.mesh, &found.surface, found.regions.len(), asked.opening());
             let scene = build_mold(&MoldScene {
                 mold: &mold,
                 regions: &shapes,

@@ -16,6 +16,7 @@ use crate::workspaces::mold::report::uncut::UncutReport;
 use crate::workspaces::mold::report::uncut::surface_as_ply;
 use files::paths::user_folder;
 use files::{Document, ExportFolder, Params, Validate};
+use glam::DVec3;
 use import::{Imported, Units};
 use mold::cutter::{Cutter, CutterLibrary};
 use mold::opening::Opening;
@@ -36,10 +37,18 @@ pub(super) struct MoldArguments {
     /// A library of cutters (TOML).
     #[arg(long, value_name = "FILE")]
     library: Option<PathBuf>,
-    /// The direction in which the mold's opening looks, from where the cutters come: +x, -x, +y, -y, +z, -z [default:
-    /// +z].
-    #[arg(long, value_name = "AXIS", allow_hyphen_values = true)]
-    opening: Option<Opening>,
+    /// The direction in which the mold's opening looks, from where the cutters come: +x, -x, +y, -y, +z, -z, three
+    /// numbers as in 0,0.5,1, or auto for the one from which most of the part is seen [default: auto].
+    #[arg(long, value_name = "DIRECTION", allow_hyphen_values = true, value_parser = opening)]
+    opening: Option<GivenOpening>,
+    /// Origin of the work datum, to which positions of burns refer, in the axes of the mold's file (mm) [default: its
+    /// origin].
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = place)]
+    datum: Option<DVec3>,
+    /// Angle of the datum's X axis about the opening direction, counter-clockwise seen from where the cutters come
+    /// (degrees) [default: 0, as the mold lies when its opening is turned upwards].
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    datum_angle: Option<f64>,
     /// Thickness of the residue up to which it counts as cut (mm) [default: 0.02].
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = |text: &str| mm(text, [1e-4, 10.0]))]
     tolerance: Option<f64>,
@@ -57,6 +66,25 @@ pub(super) struct MoldArguments {
     save: Option<PathBuf>,
     #[command(flatten)]
     settings: Settings,
+}
+
+/// An opening direction that is given; none for the proposed one.
+#[derive(Debug, Clone, Copy)]
+struct GivenOpening(Option<Opening>);
+
+fn opening(text: &str) -> Result<GivenOpening, String> {
+    match text.trim() {
+        "auto" => Ok(GivenOpening(None)),
+        text => {
+            text.parse().map(|opening| GivenOpening(Some(opening))).map_err(|wrong: String| format!("{wrong}, or auto"))
+        }
+    }
+}
+
+fn place(text: &str) -> Result<DVec3, String> {
+    let parts: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let place = parts.and_then(|parts| <[f64; 3]>::try_from(parts).ok());
+    place.map(DVec3::from).ok_or_else(|| "expected three lengths in mm, as in 10,-4.5,0".to_owned())
 }
 
 #[derive(Debug, Args)]
@@ -109,7 +137,10 @@ impl MoldArguments {
         };
         with_values(before.clone())?;
         let imported = session.import(&path, before.units)?;
-        let params = with_values(before.of_part(&part_of(&imported)))?;
+        let mut params = with_values(before.of_part(&part_of(&imported)))?;
+        if let Some(proposal) = params.open(&imported.mesh) {
+            session.note(&format!("{}: opening direction {}", path.display(), proposal.sentence()));
+        }
         session.note_dropped(&path, &with_values(before)?, &params);
         if let Some(file) = &self.save {
             Document::new(params.clone()).export(file)?;
@@ -123,7 +154,11 @@ impl MoldArguments {
         } else if !self.cutters.is_empty() {
             params.library = CutterLibrary { cutter: self.cutters.clone() };
         }
-        params.opening = self.opening.unwrap_or(params.opening);
+        params.opening = self.opening.map_or(params.opening, |given| given.0);
+        if let Some(origin) = self.datum {
+            params.datum = params.datum.at(origin, "");
+        }
+        params.datum.angle_deg = self.datum_angle.unwrap_or(params.datum.angle_deg);
         params.tolerance_mm = self.tolerance.unwrap_or(params.tolerance_mm);
         params.grid_step_mm = self.step.or(params.grid_step_mm);
         if let Some(spacing) = self.layers {
@@ -148,7 +183,7 @@ pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Re
         "sha256": imported.sha256, "import": imported.report, "uncut": report,
     }))?;
     if let Some(folder) = &arguments.out {
-        let surface = surface_as_ply(&found.surface, params.opening);
+        let surface = surface_as_ply(&found.surface, params.opening());
         let files =
             [("uncut.json", json.as_bytes()), ("uncut.txt", text.as_bytes()), ("uncut.ply", surface.as_slice())];
         ExportFolder::write_all(folder, "uncut", &files)?;

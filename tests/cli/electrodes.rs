@@ -37,6 +37,42 @@ fn a_pocket_gets_one_electrode_that_burns_its_four_corners() {
     assert!(sum.iter().all(|v| v.abs() < 1e-3), "{sum:?}");
 }
 
+/// The same files of electrodes to the last byte, and positions that differ by the datum.
+#[test]
+fn a_work_datum_changes_positions_and_no_electrode() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mold.stl");
+    write_stl(&file, &pocket()).unwrap();
+    let mold = file.to_str().unwrap();
+    let made = |name: &str, more: &[&str]| {
+        let out = folder.path().join(name);
+        let base = ["electrodes", mold, "--units", "mm", "--cutters", "flat:1", "--no-pictures", "--out"];
+        let (code, words) = said(&sparkpath(&[&base[..], &[out.to_str().unwrap()], more].concat()));
+        assert_eq!(code, Some(0), "{words}");
+        let read = |name: &str| std::fs::read(out.join(name)).unwrap();
+        let table: serde_json::Value = serde_json::from_slice(&read("burn_table.json")).unwrap();
+        (read("E01_finish_g0.05_copper_x1.stl"), table, String::from_utf8(read("burn_sheet.txt")).unwrap(), words)
+    };
+    let (plain, from_mesh, ..) = made("plain", &[]);
+    let (same, from_datum, sheet, words) = made("datum", &["--datum", "10,-4,0.5", "--datum-angle", "90"]);
+    assert!(plain == same, "the electrode is the same to the last byte");
+    assert!(sheet.contains("Datum: given, at X 10.0000 Y -4.0000 Z 0.5000 of the mold's file."), "{sheet}");
+    assert!(words.contains("work datum: given, at (10, -4, 0.5) of the file, turned by 90 deg"), "{words}");
+    let burns = |table: &serde_json::Value| table["electrodes"][0]["burns"].as_array().unwrap().clone();
+    let figure = |burn: &serde_json::Value, key: &str| burn[key].as_f64().unwrap();
+    assert_eq!(burns(&from_mesh).len(), 4);
+    for (a, b) in burns(&from_mesh).iter().zip(&burns(&from_datum)) {
+        // X of the datum is Y of the file, and Y against its X.
+        let [x, y, z] = ["x_mm", "y_mm", "z_mm"].map(|key| figure(a, key));
+        let found = ["x_mm", "y_mm", "z_mm"].map(|key| figure(b, key));
+        let expected = [y + 4.0, 10.0 - x, z - 0.5];
+        assert!(found.iter().zip(expected).all(|(f, e)| (f - e).abs() < 2e-4), "{found:?} {expected:?}");
+        let turned = (figure(a, "c_deg") - figure(b, "c_deg")).rem_euclid(360.0);
+        assert!((turned - 90.0).abs() < 1e-3, "{turned}");
+        assert_eq!(a["depth_mm"], b["depth_mm"]);
+    }
+}
+
 #[test]
 fn what_cannot_be_made_is_answered_in_words_and_what_fails_is_not_written() {
     let folder = tempfile::tempdir().unwrap();

@@ -82,6 +82,9 @@ fn wrong_questions_are_answered_in_one_line() {
         (["--cutters", "flat:0"], "radius is 0: must"),
         (["--cutters", "cone:1"], "is no cutter"),
         (["--opening", "up"], "expected +x"),
+        (["--opening", "0,0,0"], "or auto"),
+        (["--datum", "1,2"], "expected three lengths"),
+        (["--datum-angle", "400"], "datum.angle_deg is 400"),
         (["--tolerance", "-1"], "expected a length in mm from 0.0001 to 10"),
         (["--tolerance", "abc"], "expected a length in mm from 0.0001 to 10"),
         (["--layers", "0"], "expected a length in mm from 0.000001"),
@@ -105,7 +108,33 @@ fn what_looks_away_from_the_cutters_is_not_reached_and_is_no_hole_in_the_floor()
     let found = &json["uncut"];
     assert_eq!(code, Some(3), "{found}");
     assert_eq!(found["sentence"], "The cutters reach everything but 2 undercut faces of 48.00 mm2.");
-    assert!(found["is_whole"] == false && found["warnings"].as_array().unwrap().is_empty(), "{found}");
+    // The floor looks away, and the walls lie under it.
+    let warnings = found["warnings"].as_array().unwrap();
+    let hidden = warnings[0].as_str().unwrap();
+    assert!(found["is_whole"] == false && warnings.len() == 1, "{found}");
+    assert!(hidden.contains("of 160.0 mm^2 of the part's inner faces (100 %)"), "{hidden}");
+}
+
+#[test]
+fn the_opening_direction_is_proposed_where_none_is_given() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let [file, project] = ["mold.stl", "mold.sparkpath"].map(path);
+    write_stl(Path::new(&file), &pocket().mapped(|p| DVec3::new(-p.z, p.y, p.x))).unwrap();
+    let asked = ["--units", "mm", "--cutters", "flat:1"];
+    let said = |output: &std::process::Output| (text(&output.stdout), text(&output.stderr));
+    let (found, note) = said(&sparkpath(&[&["uncut", &file, "--save", &project], &asked[..]].concat()));
+    assert!(found.starts_with("The cutters leave 4 regions of 3.43"), "{found}");
+    assert!(note.contains("opening direction -x: 0.0 mm2 of faces look away") && note.contains("next best "), "{note}");
+    // It is written in the project, and no longer proposed.
+    assert!(std::fs::read_to_string(&project).unwrap().contains("opening = \"-x\""));
+    let (again, note) = said(&sparkpath(&["uncut", &project]));
+    assert!(again == found && !note.contains("opening"), "{note}");
+    let (_, note) = said(&sparkpath(&["uncut", &project, "--opening", "auto"]));
+    assert!(note.contains("opening direction -x: "), "{note}");
+    // The same along a vector that is hardly off it.
+    let (along, _) = said(&sparkpath(&[&["uncut", &file, "--opening", "-1,0,1e-9"], &asked[..]].concat()));
+    assert!(along.starts_with("The cutters leave 4 regions of 3.43"), "{along}");
 }
 
 #[test]
@@ -115,9 +144,10 @@ fn what_is_dropped_for_another_mesh_is_named() {
     let [mesh, project, picture] = ["mold.stl", "mold.sparkpath", "mold.png"].map(path);
     let turned = pocket().mapped(|p| DVec3::new(-p.z, p.y, p.x));
     write_stl(Path::new(&mesh), &turned).unwrap();
-    let asked = ["--units", "mm", "--cutters", "flat:1", "--opening", "-x", "--save", &project];
+    let datum = ["--datum", "1,-2,0.5", "--datum-angle", "-90"];
+    let asked = [&["--units", "mm", "--cutters", "flat:1", "--opening", "+x", "--save", &project][..], &datum].concat();
     let first = sparkpath(&[&["uncut", &mesh], &asked[..]].concat());
-    assert!(first.status.success() && !text(&first.stderr).contains("dropped"), "{}", text(&first.stderr));
+    assert!(!text(&first.stderr).contains("dropped"), "{}", text(&first.stderr));
     let mut params =
         files::Document::<sparkpath::workspaces::mold::document::MoldParams>::open(project.as_ref()).unwrap();
     params.amend(true, |params| params.electrodes.overrides.push("E01:gouge".parse().unwrap()));
@@ -125,10 +155,14 @@ fn what_is_dropped_for_another_mesh_is_named() {
     write_stl(Path::new(&mesh), &turned.mapped(|p| p * 1.01)).unwrap();
     for command in [&["uncut", &project][..], &["electrodes", &project], &["render", &project, "--png", &picture]] {
         let said = text(&sparkpath(command).stderr);
-        assert!(said.contains("dropped: opening direction -x (now +z), 1 override;"), "{command:?}: {said}");
+        assert!(
+            said.contains("dropped: opening direction +x (now -x), work datum given, 1 override;"),
+            "{command:?}: {said}"
+        );
     }
-    let kept = text(&sparkpath(&["uncut", &project, "--opening", "-x"]).stderr);
-    assert!(kept.contains("dropped: 1 override;"), "the direction is given anew: {kept}");
+    let kept =
+        text(&sparkpath(&["uncut", &project, "--opening", "+x", "--datum", "1,-2,0.5", "--datum-angle", "-90"]).stderr);
+    assert!(kept.contains("dropped: 1 override;"), "direction and datum are given anew: {kept}");
 }
 
 #[test]

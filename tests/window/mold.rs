@@ -15,11 +15,11 @@ use glam::DVec3;
 use import::{Units, write_stl};
 use mold::cutter::{Cutter, CutterLibrary};
 use mold::electrode::params::Edit;
-use mold::opening::Opening::MinusX;
+use mold::opening::Opening::{MinusX, PlusZ};
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::mold::MoldWorkspace;
 use sparkpath::workspaces::mold::document::MoldParams;
-use sparkpath::workspaces::mold::panels::desk::MoldDesk;
+use sparkpath::workspaces::mold::panels::desk::{DatumPick, MoldDesk};
 
 use crate::desk::{Desk, Home};
 
@@ -448,7 +448,7 @@ fn moved() -> Mesh {
 /// `params` with everything that is decided for one part only.
 fn decided(params: &MoldParams) -> MoldParams {
     let mut decided = params.clone();
-    decided.opening = MinusX;
+    decided.opening = Some(MinusX);
     decided.electrodes.edits.push(Edit::Split { line: [DVec3::X, DVec3::Y] });
     let parts = vec!["R1.1".to_owned()];
     let of = "E01".to_owned();
@@ -479,7 +479,7 @@ fn what_is_decided_for_one_mold_holds_for_no_other() {
     desk.until_loaded();
     let now = desk.mold();
     assert_eq!(now.params().mesh.as_ref(), Some(&other));
-    assert_eq!((&now.params().electrodes, now.params().opening), (&standard, MoldParams::default().opening));
+    assert_eq!((&now.params().electrodes, now.params().opening), (&standard, Some(PlusZ)), "the one that is proposed");
     assert_eq!(now.params().tolerance_mm, MoldParams::default().tolerance_mm);
     assert_eq!(now.params().library.cutter, [Cutter::flat(3.0)], "a shop has its cutters for every mold");
     assert_eq!((now.electrodes.exploded, now.least_volume), (0.0, 0.0));
@@ -515,7 +515,7 @@ fn decisions_do_not_pass_to_another_mesh_in_the_same_file() {
     desk.until_loaded();
     let is_clean = |desk: &Desk| {
         let MoldParams { opening, electrodes, .. } = desk.mold().document.params();
-        *opening == MoldParams::default().opening && electrodes.edits.is_empty() && electrodes.overrides.is_empty()
+        *opening == Some(PlusZ) && electrodes.edits.is_empty() && electrodes.overrides.is_empty()
     };
     assert!(is_clean(&desk) && desk.mold().document.is_unsaved());
     assert!(desk.log().iter().any(|line| line.contains("1 override") && line.contains("dropped")), "{:?}", desk.log());
@@ -543,6 +543,88 @@ fn how_a_mold_looks() {
     desk.key(Key::L);
     desk.key(Key::D);
     desk.pictures("mold_layer");
+}
+
+/// The opening direction is proposed, chosen along an axis, typed, and taken back; one that hides the cavity is warned of.
+#[test]
+fn the_opening_direction_is_proposed_and_another_one_is_warned_of() {
+    let home = Home::new();
+    let file = home.mold();
+    write_stl(&file, &stepped().mapped(|p| DVec3::new(p.x, p.z, -p.y))).unwrap();
+    let mut desk = home.start(Opening::In("mold", Some(file)));
+    desk.until_loaded();
+    let opening = |desk: &Desk| desk.mold().params().opening.map(|opening| opening.name()).unwrap_or_default();
+    assert!(opening(&desk) == "+y" && !desk.mold().document.is_unsaved(), "{}", opening(&desk));
+    desk.assert_shows("Proposed +y: 0.0 mm\u{b2} of faces look away and about 0 mm\u{b2} lie under others; next best");
+    desk.take_cutters(&[Cutter::flat(3.0)]);
+    desk.mold_mut().follows = false;
+    desk.press_role(Role::Button, "-y");
+    desk.until("it is looked at", |d| d.mold().glanced().is_some());
+    desk.assert_shows("of the part's inner faces (100 %)");
+    desk.pictures("mold_hidden");
+    desk.press("As proposed");
+    assert_eq!(opening(&desk), "+y");
+    desk.press_role(Role::TextInput, "Opening vector");
+    desk.window.event(egui::Event::Text("0, 1, 0.5".to_owned()));
+    desk.settle();
+    desk.key(Key::Enter);
+    assert_eq!(opening(&desk), "0,1,0.5");
+    for expected in ["+y", "-y", "+y"] {
+        desk.key_with(Modifiers::COMMAND, Key::Z);
+        assert_eq!(opening(&desk), expected);
+    }
+}
+
+impl Desk {
+    /// Clicks in the view on a place of the part (mm), seen from where it is seen now.
+    fn click_on(&mut self, place: DVec3) {
+        let view = self.window.get(By::new().role(Role::Image).label("3D viewport")).rect();
+        let seen = self.app().camera().project(place, [view.width() as u32, view.height() as u32]).unwrap().pixel;
+        let at = view.min + vec2(seen.x as f32, seen.y as f32);
+        self.window.hover_at(at);
+        self.window.drag_at(at);
+        self.window.drop_at(at);
+        self.settle();
+    }
+}
+
+/// Picked at a corner, then in the middle across two pairs of walls, undone, and the results stay.
+#[test]
+fn the_work_datum_is_picked_on_the_part_and_moves_no_result() {
+    let home = Home::new();
+    let mut desk = found(&home);
+    desk.key(Key::Num7);
+    desk.until("the view has turned", |d| d.app().camera().backward().z > 0.9999);
+    desk.press_role(Role::DisclosureTriangle, "Work datum");
+    desk.press("Corner");
+    desk.assert_shows("Work datum: click on a corner of the mold");
+    desk.click_on(DVec3::new(13.6, 9.5, 12.0));
+    let datum = |desk: &Desk| desk.mold().params().datum.clone();
+    let corner = datum(&desk);
+    assert_eq!((corner.origin_mm, corner.name.as_str()), (DVec3::new(14.0, 9.0, 12.0), "corner"));
+    assert!(desk.mold().pick.is_none() && !desk.shows("click on a corner"));
+    // A pair of walls: seen from above they are the steps of the floor, so the lower pocket's own from the front.
+    desk.mold_mut().pick_datum(DatumPick::Faces(None));
+    let wall = |x: f64| (DVec3::new(x, 1.0, 5.0), DVec3::NEG_X * x.signum());
+    let _: Result<(), &str> = desk.mold_mut().take_datum(wall(-8.0).0, wall(-8.0).1);
+    assert!(desk.mold_mut().take_datum(DVec3::new(0.0, 5.0, 5.0), DVec3::NEG_Y).is_err(), "not parallel");
+    desk.mold_mut().take_datum(wall(8.0).0, wall(8.0).1).unwrap();
+    desk.settle();
+    assert_eq!(datum(&desk).origin_mm, DVec3::new(0.0, 9.0, 12.0), "across the walls only");
+    desk.mold_mut().pick_datum(DatumPick::Hole);
+    assert!(desk.mold_mut().take_datum(DVec3::ZERO, DVec3::Z).unwrap_err().contains("no round rim"));
+    desk.key(Key::Escape);
+    assert!(desk.mold().pick.is_none());
+    desk.enter("X axis", "90");
+    let axes = desk.app().scene().lines.iter().rev().take(3).map(|l| l.polylines[0].clone()).collect::<Vec<_>>();
+    let along: Vec<DVec3> = axes.iter().rev().map(|ends| (ends[1] - ends[0]).normalize()).collect();
+    assert!(along[0].distance(DVec3::Y) < 1e-9 && along[2].distance(DVec3::Z) < 1e-9, "{along:?}");
+    assert!(desk.mold().state() == State::Ready && desk.mold().glanced().is_none(), "nothing is asked anew");
+    desk.pictures("mold_datum");
+    for expected in [DVec3::new(0.0, 9.0, 12.0), corner.origin_mm, DVec3::ZERO] {
+        desk.key_with(Modifiers::COMMAND, Key::Z);
+        assert!(datum(&desk).angle_deg == 0.0 && datum(&desk).origin_mm == expected, "{:?}", datum(&desk));
+    }
 }
 
 /// The view has as much room as both panels together, and all of it where they are folded.

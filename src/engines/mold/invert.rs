@@ -17,7 +17,7 @@ use geometry::mesh::{Mesh, normal_times_two_areas, unit_normal};
 use task::{Cancel, Cancelled};
 
 /// Faces whose unit normal's z is less than this look downwards; vertical walls of files in single precision do not.
-const DOWNWARDS: f64 = -1e-3;
+pub(super) const DOWNWARDS: f64 = -1e-3;
 /// How far above the mesh's bottom a face must reach not to belong to its base (mm).
 const BASE: f64 = 1e-6;
 /// Area of faces that look downwards up to which it is rounding (mm^2).

@@ -5,6 +5,7 @@
 
 pub mod ball_agreement;
 pub mod cutter;
+pub mod datum;
 pub mod electrode;
 pub mod height_field;
 pub mod invert;
@@ -20,6 +21,7 @@ pub mod stack;
 pub mod surface;
 pub mod uncut_layer;
 pub mod uncut_region;
+pub mod unseen;
 pub mod warning;
 
 mod capsule;

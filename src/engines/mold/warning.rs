@@ -50,6 +50,18 @@ pub enum MoldWarning {
         /// Area of the openings at the bottom (mm^2).
         area: f64,
     },
+    /// The opening direction hides a large part of the cavity.
+    #[error(
+        "the opening direction hides {hidden_mm2:.1} of {inner_mm2:.1} mm^2 of the part's inner faces ({:.0} %), which \
+         look away or lie under others: choose the proposed one, unless these faces are made otherwise",
+        100.0 * hidden_mm2 / inner_mm2
+    )]
+    HiddenCavity {
+        /// Area of inner faces that are not seen from there, about (mm^2).
+        hidden_mm2: f64,
+        /// Area of all inner faces (mm^2).
+        inner_mm2: f64,
+    },
     /// Pieces in single shallow corners, as between the facets of a round.
     #[error(
         "{pieces} pieces lie in single corners up to {depth:.4} mm deep: if these are facets of a round, set the depth \

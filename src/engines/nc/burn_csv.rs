@@ -57,7 +57,7 @@ const COLUMNS: [&str; 31] = [
 ];
 
 /// Columns after the checks.
-const MORE_COLUMNS: [&str; 18] = [
+const MORE_COLUMNS: [&str; 23] = [
     "opening",
     "x_axis_x",
     "x_axis_y",
@@ -76,6 +76,11 @@ const MORE_COLUMNS: [&str; 18] = [
     "family",
     "offset_x_mm",
     "offset_y_mm",
+    "datum",
+    "datum_x_mm",
+    "datum_y_mm",
+    "datum_z_mm",
+    "datum_angle_deg",
 ];
 
 fn csv_row(table: &BurnTable, e: &ElectrodeEntry, burn: &BurnEntry) -> Vec<String> {
@@ -115,7 +120,7 @@ fn csv_row(table: &BurnTable, e: &ElectrodeEntry, burn: &BurnEntry) -> Vec<Strin
         e.state.name().to_owned(),
     ];
     row.extend(e.checks.iter().map(|c| c.state.name().to_owned()));
-    row.push(table.opening.to_owned());
+    row.push(quoted(&table.opening));
     row.extend([burn.x_axis, e.orbit.x_axis, e.orbit.y_axis].as_flattened().iter().map(|v| number(*v, 6)));
     // Only of a round one, or else it would be read as what is to be taken.
     row.push(e.blank.diameter_mm.filter(|_| e.blank.is_round).map_or(String::new(), |d| number(d, 3)));
@@ -123,6 +128,9 @@ fn csv_row(table: &BurnTable, e: &ElectrodeEntry, burn: &BurnEntry) -> Vec<Strin
     row.push(quoted(&e.warnings.join("; ")));
     row.push(e.family.as_ref().map_or(String::new(), |f| quoted(&f.name)));
     row.extend([0, 1].map(|i| e.family.as_ref().map_or(String::new(), |f| number(f.offset_mm[i], 4))));
+    row.push(quoted(&table.datum.name));
+    row.extend(table.datum.origin_mm.map(|v| number(v, 4)));
+    row.push(number(table.datum.angle_deg, 4));
     row
 }
 

@@ -1,8 +1,8 @@
 //! Tables that templates are tried on before there are electrodes.
 
 use super::burn_table::{
-    BlankEntry, BurnEntry, BurnTable, CheckEntry, CheckState, ElectrodeEntry, ElectrodeState, FamilyEntry, HolderEntry,
-    NotBurned, OrbitEntry, Pose, SCHEMA,
+    BlankEntry, BurnEntry, BurnTable, CheckEntry, CheckState, DatumEntry, ElectrodeEntry, ElectrodeState, FamilyEntry,
+    HolderEntry, NotBurned, OrbitEntry, Pose, SCHEMA,
 };
 use mold::electrode::finding::CheckKind;
 use mold::electrode::params::{Method, Shape};
@@ -19,7 +19,13 @@ impl BurnTable {
             schema: SCHEMA,
             program_version: env!("CARGO_PKG_VERSION"),
             mold: "example".to_owned(),
-            opening: "+z",
+            opening: "+z".to_owned(),
+            datum: DatumEntry {
+                name: "corner".to_owned(),
+                origin_mm: [0.0; 3],
+                x_axis: [1.0, 0.0, 0.0],
+                angle_deg: 0.0,
+            },
             to_file: AS_IT_IS,
             shape: Shape::Undersized,
             material: "copper".to_owned(),

@@ -181,11 +181,12 @@ fn explained(error: &Error, template: &str, name: &str) -> TemplateError {
 mod tests {
     use super::*;
     use crate::electrode_fixtures::set;
+    use mold::datum::Datum;
     use mold::electrode::params::Shape;
     use mold::opening::Opening;
 
     fn table() -> BurnTable {
-        BurnTable::of(&set(), "shell", Opening::PlusZ)
+        BurnTable::of(&set(), "shell", Opening::PlusZ, &Datum::default())
     }
 
     fn render(table: &BurnTable, template: &str, name: &str) -> Result<String, TemplateError> {
@@ -208,7 +209,8 @@ mod tests {
         let mut one = set();
         (one.params.shape, one.electrodes) = (Shape::Net, one.electrodes.drain(2..).collect());
         one.checks.drain(..2);
-        let text = render(&BurnTable::of(&one, "shell", Opening::PlusZ), BURN_SHEET, "standard").unwrap();
+        let text =
+            render(&BurnTable::of(&one, "shell", Opening::PlusZ, &Datum::default()), BURN_SHEET, "standard").unwrap();
         let line = |words: &[&str]| text.lines().any(|l| words.iter().all(|w| l.contains(w)));
         assert!(line(&["1 electrode, 1 burn,"]) && line(&["FILES HOLD THE SHAPE OF THE CAVITY"]), "{text}");
         assert!(line(&["TO BE MILLED SMALLER by wall 0.0500 floor 0.0500"]), "{text}");

@@ -45,6 +45,7 @@ mod tests {
 
     use super::*;
     use geometry::mesh::Mesh;
+    use mold::datum::Datum;
     use mold::opening::Opening;
     use nc::electrode_fixtures::set;
 
@@ -60,7 +61,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("a/b");
         let set = set();
-        let report = ElectrodesReport::of(&set, "shell", Opening::PlusZ);
+        let report = ElectrodesReport::of(&set, "shell", Opening::PlusZ, &Datum::default());
         std::fs::create_dir_all(&out).unwrap();
         std::fs::write(out.join("mine.txt"), "mine").unwrap();
         std::fs::write(out.join("E04_finish_g0.05_Cu-soft_x1.stl"), "of an earlier plan").unwrap();
@@ -94,7 +95,7 @@ mod tests {
         let out = folder.path().join("a/b");
         let mut broken = set();
         broken.electrodes[1].mesh = Mesh::default();
-        let report = ElectrodesReport::of(&broken, "shell", Opening::PlusZ);
+        let report = ElectrodesReport::of(&broken, "shell", Opening::PlusZ, &Datum::default());
         let tried = |set: &ElectrodeSet| {
             let opened = ExportFolder::open(&out, EXPORT).unwrap();
             export_electrodes(opened, (set, &report), &BurnSheet::standard(), &[], &[ElectrodeFormat::Glb])

@@ -214,7 +214,7 @@ impl Commanded for MoldDesk {
         if let Some(command) = F::of(command) {
             return match command {
                 F::Undo | F::Redo => self.document.undo_label(command == F::Redo).is_some(),
-                F::Cancel => self.work.is_busy() || burns.split.is_some(),
+                F::Cancel => self.work.is_busy() || burns.split.is_some() || self.pick.is_some(),
                 F::Export => self.is_designed(),
                 F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode => is_one_seen,
                 _ => true,
@@ -279,6 +279,7 @@ impl Workspace for MoldWorkspace {
             Some(F::Cancel) if self.opening.is_busy() => self.opening.cancel(),
             // What is being drawn is given up first.
             Some(F::Cancel) if self.desk.electrodes.split.is_some() => self.desk.electrodes.give_up_split(),
+            Some(F::Cancel) if self.desk.pick.is_some() => self.desk.pick = None,
             Some(F::Cancel) => self.desk.cancel(),
             Some(F::Export) => cx.ask(MoldPath::ElectrodeFolder, ""),
             Some(along @ (F::Play | F::NextNode | F::PreviousNode | F::FirstNode | F::LastNode)) => {

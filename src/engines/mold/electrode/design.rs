@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 
 use files::{Figures, Override};
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::base::Base;
@@ -218,10 +218,22 @@ pub struct RegionPlan {
     /// Reason why the region has no electrode, or lacks one for a part.
     #[serde(rename = "trouble")]
     pub reason: Option<String>,
+    /// Place that the reason speaks of, in the upright mold (mm); none if it speaks of none.
+    pub reason_place: Option<DVec3>,
     /// Parts that stages leave to later ones.
     pub left_out: Vec<LeftOut>,
     /// Residual stock of the region after all burns and cutters.
     pub left: LeftOfRegion,
+}
+
+impl RegionPlan {
+    /// The reason with its place, which `axes` take from the upright mold to those of a datum.
+    pub fn reason_at(&self, axes: &DAffine3) -> Option<String> {
+        // No zero with a sign.
+        let place = self.reason_place.map(|place| (axes.transform_point3(place) * 1e3).round() / 1e3 + 0.0);
+        let at = place.map_or_else(String::new, |p| format!(", at ({:.3}, {:.3}, {:.3})", p.x, p.y, p.z));
+        self.reason.as_ref().map(|reason| format!("{reason}{at}"))
+    }
 }
 
 /// All electrodes for a mold, with the findings of their checks.
@@ -339,11 +351,12 @@ impl ElectrodeSet {
         (0..self.regions.len()).filter(needs_none).collect()
     }
 
-    /// Reason why no electrode burns a region, or a part of it; none where all is burned.
-    pub fn why_not_burned(&self, region: usize) -> Option<&str> {
+    /// Reason why no electrode burns a region, or a part of it, with its place, which `axes` take from the upright mold to
+    /// those of a datum; none where all is burned.
+    pub fn why_not_burned(&self, region: usize, axes: &DAffine3) -> Option<String> {
         let plan = &self.regions[region];
-        let left_out = || plan.left_out.last().map_or("there is nothing to burn", |left| &left.text);
-        plan.reason.as_deref().or_else(|| self.needing_none().contains(&region).then(left_out))
+        let left_out = || plan.left_out.last().map_or("there is nothing to burn", |left| &left.text).to_owned();
+        plan.reason_at(axes).or_else(|| self.needing_none().contains(&region).then(left_out))
     }
 
     /// User's changes that apply to no region, or change nothing: their indices in the list.

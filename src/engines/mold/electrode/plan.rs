@@ -159,6 +159,7 @@ fn region_plan(region: &RegionToBurn, edits: Vec<usize>, params: &ElectrodeParam
         direction,
         edits,
         reason: None,
+        reason_place: None,
         left_out: Vec::new(),
         left: LeftOfRegion::default(),
     }

@@ -105,7 +105,9 @@ pub(super) fn checked(
         // Of what needs no tip it is told that it stays.
         let needs_none = plan.tree.is_none() && is_nothing(region, params);
         let nobodys = || (!needs_none).then(|| nobodys(left, (params.tolerance_mm, milled.accuracy()))).flatten();
-        plan.reason = plan.reason.take().or_else(nobodys);
+        if plan.reason.is_none() {
+            (plan.reason, plan.reason_place) = nobodys().unzip();
+        }
     }
     let check = |electrode: &Electrode| -> Result<Vec<Finding>, ElectrodeError> {
         cancel.check()?;
@@ -292,22 +294,18 @@ fn cuts(node: &PartNode) -> Vec<(DVec2, DVec2)> {
     own.chain(node.parts.iter().flat_map(cuts)).collect()
 }
 
-/// Report on residual stock that no head comes near.
-fn nobodys(left: &Left, (tolerance, accuracy): (f64, f64)) -> Option<String> {
-    let text = |LeftOfRegion { excess, place: p, .. }: LeftOfRegion, why: &str, remedy: &str| {
-        (excess > tolerance + accuracy).then(|| {
-            format!(
-                "residual stock {excess:.4} mm {why} at ({:.3}, {:.3}, {:.3}), allowed rest {tolerance:.4} mm: {remedy}",
-                p.x, p.y, p.z
-            )
-        })
+/// Report on residual stock that no head comes near, with its place.
+fn nobodys(left: &Left, (tolerance, accuracy): (f64, f64)) -> Option<(String, DVec3)> {
+    let text = |LeftOfRegion { excess, place, .. }: LeftOfRegion, why: &str, remedy: &str| {
+        (excess > tolerance + accuracy)
+            .then(|| (format!("residual stock {excess:.4} mm {why}, allowed rest {tolerance:.4} mm: {remedy}"), place))
     };
     let shaded = text(
         left.shaded,
-        "where a wall of the mold hangs over it, so that no head that sinks straight reaches it,",
+        "where a wall of the mold hangs over it, so that no head that sinks straight reaches it",
         "burn the region from another direction",
     );
-    shaded.or_else(|| text(left.of_none, "where no head reaches, as", "reduce spark gap or orbit, or add a cutter"))
+    shaded.or_else(|| text(left.of_none, "where no head reaches", "reduce spark gap or orbit, or add a cutter"))
 }
 
 #[cfg(test)]

@@ -581,8 +581,9 @@ fn walls_that_hang_over_a_head_are_told_with_their_place_and_the_way_out() {
     let slot = region(&mold, DVec2::new(-4.1, -3.1), DVec2::new(4.1, 3.1));
     let set = planned(&mold, &[slot], &params(GAP));
     let reason = set.regions[0].reason.clone().unwrap();
-    let place = reason.split_once(" at (").and_then(|(_, rest)| rest.split_once("), ")).map(|(place, _)| place);
-    let place: Vec<f64> = place.unwrap_or_else(|| panic!("{reason}")).split(", ").map(|v| v.parse().unwrap()).collect();
-    assert!(place[0].abs() < 4.1 && place[1].abs() < 3.1 && (-5.1..0.1).contains(&place[2]), "{reason}");
+    let place = set.regions[0].reason_place.unwrap();
+    assert!(place.x.abs() < 4.1 && place.y.abs() < 3.1 && (-5.1..0.1).contains(&place.z), "{reason} {place}");
+    let told = set.regions[0].reason_at(&glam::DAffine3::from_translation(-place)).unwrap();
+    assert_eq!(told, format!("{reason}, at (0.000, 0.000, 0.000)"), "from another origin");
     assert!(reason.contains("hangs over it") && reason.contains("burn the region from another"), "{reason}");
 }

@@ -1,13 +1,13 @@
 //! The burn table: what is burned with which electrode, where, how deep, and what was checked, as CSV and JSON.
 //!
-//! Positions are in the axes of the upright mold, whose opening looks along +Z; `to_file` takes them to the axes of the
-//! mold's file. Text of any other form is made from the
-//! same table by [`burn_template`](super::burn_template).
+//! Positions are in the axes of the work datum, whose Z is the opening direction; `to_file` takes them to the axes of the
+//! mold's file. Text of any other form is made from the same table by [`burn_template`](super::burn_template).
 
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use serde::Serialize;
 
 use files::Override;
+use mold::datum::Datum;
 use mold::electrode::base::round_blank;
 use mold::electrode::design::Family;
 use mold::electrode::design::{Burn, Electrode, ElectrodeSet};
@@ -17,7 +17,7 @@ use mold::electrode::setting::to_burn_frame;
 use mold::opening::Opening;
 
 /// Version of the keys of `burn_table.json`, which templates use too.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 /// Positions and angles are rounded to as many decimals.
 const DECIMALS: i32 = 4;
 
@@ -34,7 +34,9 @@ pub struct BurnTable {
     /// Name of the mold.
     pub mold: String,
     /// The direction in which the mold's opening looks in the axes of its file; along +Z in this table.
-    pub opening: &'static str,
+    pub opening: String,
+    /// The work datum, to which all positions refer.
+    pub datum: DatumEntry,
     /// From the axes of this table to those of the mold's file.
     pub to_file: Pose,
     /// Shape that electrode files hold.
@@ -53,6 +55,19 @@ pub struct BurnTable {
     pub not_burned: Vec<NotBurned>,
     /// Notes on the mold, in words.
     pub notes: Vec<String>,
+}
+
+/// The work datum, in the axes of the mold's file.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DatumEntry {
+    /// Name: how it was found.
+    pub name: String,
+    /// Origin (mm).
+    pub origin_mm: [f64; 3],
+    /// Unit vector of its X axis; its Z axis is the opening direction.
+    pub x_axis: [f64; 3],
+    /// Angle of its X axis from that of the upright mold, counter-clockwise seen from where cutters come (degrees).
+    pub angle_deg: f64,
 }
 
 /// A region that is not burned, or not wholly.
@@ -274,30 +289,35 @@ pub struct CheckEntry {
     pub state: CheckState,
     /// The finding in words.
     pub text: String,
-    /// Place, in the upright mold (mm).
+    /// Place (mm).
     pub place_mm: Option<[f64; 3]>,
 }
 
 impl BurnTable {
-    /// The table for electrodes of a mold that is called `mold`.
-    pub fn of(set: &ElectrodeSet, mold: &str, opening: Opening) -> Self {
-        let electrodes: Vec<ElectrodeEntry> = (0..set.electrodes.len()).map(|e| entry(set, e)).collect();
+    /// The table for electrodes of a mold that is called `mold`, with positions from `datum`.
+    pub fn of(set: &ElectrodeSet, mold: &str, opening: Opening, datum: &Datum) -> Self {
+        let axes = datum.of_upright(opening);
+        let electrodes: Vec<ElectrodeEntry> = (0..set.electrodes.len()).map(|e| entry(set, e, &axes)).collect();
+        let [x, y, z] = datum.axes(opening);
         Self {
             schema: SCHEMA,
             program_version: env!("CARGO_PKG_VERSION"),
             mold: mold.to_owned(),
             opening: opening.name(),
-            to_file: pose(
-                DMat3::from_cols_array_2d(&[DVec3::X, DVec3::Y, DVec3::Z].map(|a| opening.in_mesh(a).to_array())),
-                [0.0; 3],
-            ),
+            datum: DatumEntry {
+                name: datum.label().to_owned(),
+                origin_mm: datum.origin_mm.to_array().map(|v| v + 0.0),
+                x_axis: unit(x),
+                angle_deg: datum.angle_deg + 0.0,
+            },
+            to_file: pose(DMat3::from_cols(x, y, z), datum.origin_mm.to_array()),
             shape: set.params.shape,
             material: set.params.material.clone(),
             lift_mm: set.retract(),
             minutes: set.minutes(),
             burns: electrodes.iter().map(|e| e.burns.len()).sum(),
             electrodes,
-            not_burned: not_burned(set),
+            not_burned: not_burned(set, &axes),
             notes: Vec::new(),
         }
     }
@@ -311,9 +331,9 @@ impl BurnTable {
     }
 }
 
-fn not_burned(set: &ElectrodeSet) -> Vec<NotBurned> {
-    let regions = (0..set.regions.len()).filter_map(|r| Some((r, set.why_not_burned(r)?)));
-    regions.map(|(r, why)| NotBurned { region: r + 1, why: why.to_owned() }).collect()
+fn not_burned(set: &ElectrodeSet, axes: &DAffine3) -> Vec<NotBurned> {
+    let regions = (0..set.regions.len()).filter_map(|r| Some((r, set.why_not_burned(r, axes)?)));
+    regions.map(|(r, why)| NotBurned { region: r + 1, why }).collect()
 }
 
 /// Name of a shape.
@@ -332,10 +352,10 @@ pub fn method_name(method: Method) -> &'static str {
     }
 }
 
-fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
+fn entry(set: &ElectrodeSet, e: usize, axes: &DAffine3) -> ElectrodeEntry {
     let (electrode, params) = (&set.electrodes[e], &set.params);
     let stage = &params.stages[electrode.stage];
-    let turned = to_burn_frame(electrode.direction).transpose();
+    let orbit = axes.matrix3 * to_burn_frame(electrode.direction).transpose();
     let pattern = match stage.orbit {
         Orbit::None => "none",
         Orbit::Circular { .. } => "circular",
@@ -344,7 +364,8 @@ fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
     let DVec3 { x, y, z } = electrode.blank;
     let diameter_mm = round_blank(&electrode.base, &params.blanks);
     let holder = electrode.holder.and_then(|h| params.holders.get(h));
-    let burns = electrode.burns.iter().enumerate().map(|(i, burn)| burn_entry(i + 1, burn, &turned));
+    let burns =
+        electrode.burns.iter().enumerate().map(|(i, burn)| BurnEntry::of(i + 1, burn, electrode.direction, axes));
     ElectrodeEntry {
         name: electrode.name.clone(),
         state: ElectrodeState::of(set, e, &params.overrides),
@@ -355,8 +376,8 @@ fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
         orbit: OrbitEntry {
             pattern,
             radius_mm: stage.orbit.radius_mm(),
-            x_axis: unit(turned.x_axis),
-            y_axis: unit(turned.y_axis),
+            x_axis: unit(orbit.x_axis),
+            y_axis: unit(orbit.y_axis),
         },
         undersize_wall_mm: stage.undersize(DVec3::X),
         undersize_floor_mm: stage.undersize(DVec3::Z),
@@ -367,7 +388,7 @@ fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
         blank: BlankEntry { is_round: electrode.base.is_round, sides_mm: [x, y], length_mm: z, diameter_mm },
         holder: holder.map(|h| HolderEntry { name: h.name.clone(), size_mm: h.size_mm, height_mm: h.height_mm }),
         family: family(set, e),
-        lift: unit(-electrode.direction),
+        lift: unit(axes.transform_vector3(-electrode.direction)),
         front_area_mm2: electrode.front_area,
         burn_area_mm2: electrode.burn_area,
         base_height_mm: electrode.base.height,
@@ -375,7 +396,7 @@ fn entry(set: &ElectrodeSet, e: usize) -> ElectrodeEntry {
         volume_mm3: electrode.burns.iter().map(|b| b.volume).sum(),
         minutes: electrode.minutes,
         burns: burns.collect(),
-        checks: CheckKind::ALL.map(|kind| check(set, e, kind)).to_vec(),
+        checks: CheckKind::ALL.map(|kind| check(set, e, kind, axes)).to_vec(),
     }
 }
 
@@ -440,25 +461,32 @@ fn pose(turned: DMat3, shift: [f64; 3]) -> Pose {
     [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]]
 }
 
-fn burn_entry(number: usize, burn: &Burn, turned: &DMat3) -> BurnEntry {
-    let [x_mm, y_mm, z_mm] = burn.position.to_array().map(rounded);
-    let mut regions: Vec<usize> = burn.parts.iter().map(|p| p.region + 1).collect();
-    regions.sort_unstable();
-    regions.dedup();
-    let stands = *turned * DMat3::from_rotation_z(burn.turn);
-    BurnEntry {
-        number,
-        x_mm,
-        y_mm,
-        z_mm,
-        c_deg: c_deg(burn.turn),
-        x_axis: unit(stands.x_axis),
-        pose: pose(stands, [x_mm, y_mm, z_mm]),
-        depth_mm: burn.depth,
-        volume_mm3: burn.volume,
-        minutes: burn.minutes,
-        parts: burn.parts.iter().map(ToString::to_string).collect(),
-        regions,
+impl BurnEntry {
+    /// The burn number `number` of an electrode along `direction` in the upright mold; `axes` are from there to those of
+    /// the datum.
+    pub fn of(number: usize, burn: &Burn, direction: DVec3, axes: &DAffine3) -> Self {
+        let [x_mm, y_mm, z_mm] = axes.transform_point3(burn.position).to_array().map(rounded);
+        let mut regions: Vec<usize> = burn.parts.iter().map(|p| p.region + 1).collect();
+        regions.sort_unstable();
+        regions.dedup();
+        let turned = axes.matrix3 * to_burn_frame(direction).transpose();
+        // C is counted from the burn frame in the axes of the datum.
+        let x = to_burn_frame(axes.transform_vector3(direction)) * turned.x_axis;
+        let stands = turned * DMat3::from_rotation_z(burn.turn);
+        Self {
+            number,
+            x_mm,
+            y_mm,
+            z_mm,
+            c_deg: c_deg(burn.turn + x.y.atan2(x.x)),
+            x_axis: unit(stands.x_axis),
+            pose: pose(stands, [x_mm, y_mm, z_mm]),
+            depth_mm: burn.depth,
+            volume_mm3: burn.volume,
+            minutes: burn.minutes,
+            parts: burn.parts.iter().map(ToString::to_string).collect(),
+            regions,
+        }
     }
 }
 
@@ -474,7 +502,7 @@ fn c_deg(turn: f64) -> f64 {
     if c > 180.0 { rounded(c - 360.0) } else { c }
 }
 
-fn check(set: &ElectrodeSet, e: usize, kind: CheckKind) -> CheckEntry {
+fn check(set: &ElectrodeSet, e: usize, kind: CheckKind, axes: &DAffine3) -> CheckEntry {
     let made: Vec<_> = set.checks[e].iter().filter(|finding| finding.kind == kind).collect();
     let fails = made.iter().any(|finding| !finding.holds);
     // What holds is of no interest beside what does not.
@@ -489,7 +517,10 @@ fn check(set: &ElectrodeSet, e: usize, kind: CheckKind) -> CheckEntry {
         kind,
         state,
         text: told.iter().map(|finding| finding.text.as_str()).collect::<Vec<_>>().join("; "),
-        place_mm: told.iter().find_map(|finding| finding.place).map(|p| p.to_array().map(rounded)),
+        place_mm: told
+            .iter()
+            .find_map(|finding| finding.place)
+            .map(|p| axes.transform_point3(p).to_array().map(rounded)),
     }
 }
 

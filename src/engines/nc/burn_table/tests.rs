@@ -5,7 +5,7 @@ use crate::electrode_fixtures::set;
 use mold::electrode::base::Base;
 
 fn table() -> BurnTable {
-    BurnTable::of(&set(), "shell, upper", Opening::MinusX)
+    BurnTable::of(&set(), "shell, upper", Opening::MinusX, &Datum::default())
 }
 
 /// The records of a CSV text, by the rules of RFC 4180.
@@ -72,7 +72,7 @@ fn the_json_has_the_keys_that_templates_name() {
     };
     assert_eq!(
         keys(&json),
-        "burns electrodes lift_mm material minutes mold not_burned notes opening program_version schema shape to_file"
+        "burns datum electrodes lift_mm material minutes mold not_burned notes opening program_version schema shape to_file"
     );
     let electrode = &json["electrodes"][2];
     assert_eq!(
@@ -103,7 +103,7 @@ fn minutes_of_burns_add_up_to_those_of_their_electrode() {
     assert!((one(3.5) - (3.0 + 3.5 / 0.8)).abs() < 1e-12);
     electrode.burns.iter_mut().for_each(|b| b.minutes = one(b.volume));
     electrode.minutes = electrode.burns.iter().map(|b| b.minutes).sum();
-    let table = BurnTable::of(&set, "", Opening::PlusZ);
+    let table = BurnTable::of(&set, "", Opening::PlusZ, &Datum::default());
     let entry = &table.electrodes[0];
     assert!((entry.burns.iter().map(|b| b.minutes).sum::<f64>() - entry.minutes).abs() < 1e-9);
     assert_eq!(entry.volume_mm3, 7.0);
@@ -114,14 +114,14 @@ fn a_net_shape_is_said_and_keeps_what_it_is_to_be_milled_smaller_by() {
     let mut set = set();
     set.params.shape = Shape::Net;
     set.params.blanks.diameters_mm = vec![12.0, 15.0, 16.0];
-    let table = BurnTable::of(&set, "", Opening::PlusZ);
+    let table = BurnTable::of(&set, "", Opening::PlusZ, &Datum::default());
     assert_eq!(table.electrodes[0].shape, Shape::Net);
     assert!((table.electrodes[0].undersize_wall_mm - 0.3).abs() < 1e-12);
     // The diagonal of 10 by 12 is 15.6.
     assert_eq!(table.electrodes[0].blank.diameter_mm, Some(16.0));
     set.electrodes[0].base = Base { sides: DVec2::splat(12.0), is_round: true, ..set.electrodes[0].base };
     set.electrodes[0].blank = DVec3::new(12.0, 12.0, 25.0);
-    let round = BurnTable::of(&set, "", Opening::PlusZ).electrodes[0].blank.clone();
+    let round = BurnTable::of(&set, "", Opening::PlusZ, &Datum::default()).electrodes[0].blank.clone();
     assert_eq!((round.diameter_mm, round.text(" x ").as_str()), (Some(12.0), "round 12 x 25"));
     assert!(table.csv().contains(",net,"));
     let told = table.electrodes[0].warnings.join(" ");
@@ -137,7 +137,7 @@ fn moved(pose: &Pose, p: DVec3) -> DVec3 {
 #[test]
 fn poses_put_an_electrode_where_its_burn_does_whatever_the_direction() {
     let set = set();
-    let table = BurnTable::of(&set, "", Opening::MinusY);
+    let table = BurnTable::of(&set, "", Opening::MinusY, &Datum::default());
     let points = [DVec3::ZERO, DVec3::new(1.0, 2.0, -5.0), DVec3::new(-3.0, 0.5, 1.0)];
     for (electrode, entry) in set.electrodes.iter().zip(&table.electrodes) {
         let turned = to_burn_frame(electrode.direction);
@@ -156,4 +156,43 @@ fn poses_put_an_electrode_where_its_burn_does_whatever_the_direction() {
             assert_eq!((column(0), column(2)), (told.x_axis, entry.lift));
         }
     }
+}
+
+/// The datum changes positions, and nothing else: what is told leads to the same places of the mold's file.
+#[test]
+fn a_datum_moves_every_position_and_no_electrode() {
+    let opening = Opening::along(DVec3::new(0.3, -0.5, 0.8)).unwrap();
+    let datum = Datum { name: "corner".to_owned(), origin_mm: DVec3::new(12.5, -40.0, 7.0), angle_deg: 25.0 };
+    let set = set();
+    let [plain, table] = [Datum::default(), datum.clone()].map(|datum| BurnTable::of(&set, "", opening, &datum));
+    assert_eq!((table.datum.name.as_str(), table.datum.origin_mm), ("corner", [12.5, -40.0, 7.0]));
+    let axes = datum.axes(opening);
+    let in_file = |table: &BurnTable, p: [f64; 3]| moved(&table.to_file, p.into());
+    let turned = |table: &BurnTable, v: [f64; 3]| in_file(table, v) - in_file(table, [0.0; 3]);
+    for (a, b) in plain.electrodes.iter().zip(&table.electrodes) {
+        for (v, w) in [(a.lift, b.lift), (a.orbit.x_axis, b.orbit.x_axis), (a.orbit.y_axis, b.orbit.y_axis)] {
+            assert!(turned(&plain, v).distance(turned(&table, w)) < 1e-9);
+        }
+        for (a, b) in a.burns.iter().zip(&b.burns) {
+            let [p, q] = [(&plain, a), (&table, b)].map(|(table, b)| in_file(table, [b.x_mm, b.y_mm, b.z_mm]));
+            assert!(p.distance(q) < 3e-4, "{p} {q}");
+            // By the definition of coordinates: distances from the datum along its axes.
+            let own = axes.map(|axis| axis.dot(p - datum.origin_mm));
+            assert!(DVec3::from(own).distance(DVec3::new(b.x_mm, b.y_mm, b.z_mm)) < 3e-4);
+            let tip = DVec3::new(3.0, -1.0, -20.0);
+            let [p, q] = [(&plain, a), (&table, b)].map(|(table, b)| in_file(table, moved(&b.pose, tip).to_array()));
+            assert!(p.distance(q) < 3e-4, "{p} {q}");
+            assert_eq!((a.depth_mm, a.volume_mm3, &a.parts), (b.depth_mm, b.volume_mm3, &b.parts));
+        }
+        for (a, b) in a.checks.iter().zip(&b.checks) {
+            let [p, q] = [(&plain, a), (&table, b)].map(|(table, c)| c.place_mm.map(|place| in_file(table, place)));
+            assert!(p.zip(q).map_or(p == q, |(p, q)| p.distance(q) < 3e-4));
+            assert_eq!((a.state, &a.text), (b.state, &b.text));
+        }
+    }
+    // Straight down C is counted from the datum's X axis, which lies 25 degrees further on.
+    let [a, b] = [&plain, &table].map(|table| table.electrodes[0].burns[0].c_deg);
+    assert_eq!((a, b), (90.0, 65.0));
+    let row = table.csv().lines().nth(1).unwrap().to_owned();
+    assert!(row.ends_with(",corner,12.5000,-40.0000,7.0000,25.0000") && row.contains("\"0.3,-0.5,0.8\""), "{row}");
 }

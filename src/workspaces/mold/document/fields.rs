@@ -4,9 +4,11 @@ use super::MoldParams;
 use files::{Field, FieldTable, Group, Variant, When, Word, word};
 use import::Units;
 use mold::cutter::CutterLibrary;
+use mold::datum::FURTHEST;
 use mold::electrode::params::Edit;
 
 const OPENINGS: &[Word] = &[
+    word("auto", "as proposed", "The direction from which most of the part is seen"),
     word("+x", "+x", ""),
     word("-x", "-x", ""),
     word("+y", "+y", ""),
@@ -94,10 +96,25 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
         fields: &[
             Field::file("mesh", "Mesh").help("The mold: STL, OBJ, glTF or GLB."),
             Field::choice("units", "Unit", Units::WORDS).help("Unit of the mesh."),
-            Field::choice("opening", "Opening direction", OPENINGS).help("The cutters come from this side."),
+            Field::choice_or("opening", "Opening direction", OPENINGS, "three numbers as in [0.0, 0.5, 1.0]")
+                .help("The cutters come from this side."),
             Field::number("tolerance_mm", "Tolerance", "mm", 1e-4, 10.0)
                 .step(0.001)
                 .help("Thickness of the residue across the mold's surface up to which it counts as cut."),
+        ],
+    },
+    Group {
+        section: "Mold",
+        name: "Work datum",
+        is_folded: true,
+        fields: &[
+            Field::numbers("datum.origin_mm", "Origin", "mm", -FURTHEST, FURTHEST)
+                .count(3)
+                .help("Origin of the work datum in the axes of the mesh. Positions of burns refer to it."),
+            Field::number("datum.angle_deg", "X axis", "deg", -360.0, 360.0)
+                .decimals(2)
+                .help("Angle of the datum's X axis about the opening direction, counter-clockwise seen from above. Z is the opening direction."),
+            Field::text("datum.name", "Name of the datum").help("Stands in burn table, burn sheet and report."),
         ],
     },
     Group {
@@ -252,6 +269,9 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
 
 /// Name of the step from `before` to `now`, for undo.
 pub fn change(before: &MoldParams, now: &MoldParams) -> String {
+    if before.datum != now.datum {
+        return "Work datum".to_owned();
+    }
     let (old, new) = (&before.electrodes, &now.electrodes);
     if new.edits.len() < old.edits.len() {
         return "Removal of a change".to_owned();
@@ -321,6 +341,8 @@ mod tests {
             change(&before, &now)
         };
         assert_eq!(named(|p| p.electrodes.lift_mm = 3.0), "Retract distance");
+        assert_eq!(named(|p| p.datum = p.datum.at(glam::DVec3::X, "corner")), "Work datum");
+        assert_eq!(named(|p| p.opening = Some(mold::opening::Opening::PlusY)), "Opening direction");
         assert_eq!(named(|p| p.library.cutter[2].diameter_mm = 3.5), "Cutters 3, Diameter");
         assert_eq!(named(|p| drop(p.library.cutter.pop())), "Cutters: row removed");
         assert_eq!(named(|p| p.electrodes.stages[0].gap_mm = 0.1), "Stages 1, Spark gap");
@@ -333,6 +355,11 @@ mod tests {
         assert_eq!(set("electrodes.lift_mm", "12.5").unwrap().electrodes.lift_mm, 12.5);
         let own = set("electrodes.cutters.cutter", "[{ diameter_mm = 1.0 }]").unwrap().electrodes.cutters.unwrap();
         assert_eq!(own.cutter, [Cutter::flat(0.5)]);
+        let along = |text: &str| set("opening", text).unwrap().opening.map(|opening| opening.name());
+        assert_eq!(
+            ["auto", "-y", "0,1,1", "[0, 1, 1]"].map(|text| along(text).unwrap_or_default()),
+            ["", "-y", "0,1,1", "0,1,1"]
+        );
         assert!(set("lift_mm", "1").unwrap_err().to_string().contains("did you mean electrodes.lift_mm?"));
     }
 }

@@ -7,6 +7,7 @@ pub mod standard;
 
 use std::path::{Path, PathBuf};
 
+use geometry::mesh::Mesh;
 use serde::{Deserialize, Serialize};
 
 use crate::workspaces::mold::document::cutter_file::standard_cutters;
@@ -14,9 +15,11 @@ use crate::workspaces::mold::job::uncut::UncutParams;
 use files::{Invalid, Params, Validate};
 use import::{Imported, Units};
 use mold::cutter::CutterLibrary;
+use mold::datum::Datum;
 use mold::electrode::params::ElectrodeParams;
 use mold::layers::LayerSettings;
 use mold::opening::Opening;
+use mold::unseen::OpeningProposal;
 
 /// Parameters of a mold.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,8 +32,11 @@ pub struct MoldParams {
     /// The part that decisions were made for: the digest of its file and the unit, as read last. None before that.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub part: Option<String>,
-    /// Opening direction, in the axes of the mesh.
-    pub opening: Opening,
+    /// Opening direction, in the axes of the mesh; none, `"auto"`, until the one that is proposed for the part is taken.
+    #[serde(with = "or_auto")]
+    pub opening: Option<Opening>,
+    /// Work datum, to which positions of burns refer.
+    pub datum: Datum,
     /// Thickness of the residue, across the mold's surface, up to which it counts as cut (mm).
     pub tolerance_mm: f64,
     /// Step of the height map (mm); none to choose it automatically.
@@ -50,7 +56,8 @@ impl Default for MoldParams {
             mesh: None,
             units: Units::Auto,
             part: None,
-            opening: Opening::default(),
+            opening: None,
+            datum: Datum::default(),
             tolerance_mm: 0.02,
             grid_step_mm: None,
             layers: LayerSettings::default(),
@@ -64,6 +71,7 @@ impl Default for MoldParams {
 impl Validate for MoldParams {
     fn validate(&self) -> Result<(), Invalid> {
         fields::FIELDS.check(self)?;
+        self.datum.validate().map_err(|problem| problem.within("datum"))?;
         Validate::validate(&self.library).map_err(|problem| problem.within("library"))?;
         self.layers.validate().map_err(|problem| problem.within("layers"))?;
         if let Some(step) = self.grid_step_mm {
@@ -94,31 +102,46 @@ impl Params for MoldParams {
 }
 
 impl MoldParams {
+    /// Opening direction; +Z as long as none is known.
+    pub fn opening(&self) -> Opening {
+        self.opening.unwrap_or_default()
+    }
+
+    /// Takes the opening direction that is proposed for the part's mesh, if none is given. Returns the proposal then.
+    pub fn open(&mut self, mesh: &Mesh) -> Option<OpeningProposal> {
+        let proposal = self.opening.is_none().then(|| OpeningProposal::of(mesh))?;
+        self.opening = Some(proposal.opening);
+        Some(proposal)
+    }
+
     /// Parameters of the search for uncut regions.
     pub fn uncut(&self) -> UncutParams {
         UncutParams {
             library: self.library.clone(),
-            opening: self.opening,
+            opening: self.opening(),
             tolerance_mm: self.tolerance_mm,
             grid_step_mm: self.grid_step_mm,
             layers: self.layers.clone(),
         }
     }
 
-    /// The parameters without decisions for one part: opening direction, division and burn directions of regions,
-    /// overrides, and names of electrodes.
+    /// The parameters without decisions for one part: opening direction, work datum, division and burn directions of
+    /// regions, overrides, and names of electrodes.
     pub fn undecided(&self) -> Self {
         let (edits, overrides, names) = (Vec::new(), Vec::new(), Vec::new());
         let electrodes = ElectrodeParams { edits, overrides, names, ..self.electrodes.clone() };
-        Self { opening: Opening::default(), electrodes, ..self.clone() }
+        Self { opening: None, datum: Datum::default(), electrodes, ..self.clone() }
     }
 
     /// Decisions of `before` that these parameters no longer have, because the part is another one, in words; none
     /// if there were none.
     pub fn dropped(&self, before: &Self) -> Option<String> {
         let mut dropped = Vec::new();
-        if self.opening != before.opening {
-            dropped.push(format!("opening direction {} (now {})", before.opening.name(), self.opening.name()));
+        if let Some(opening) = before.opening.filter(|_| self.opening != before.opening) {
+            dropped.push(format!("opening direction {} (now {})", opening.name(), self.opening().name()));
+        }
+        if self.datum != before.datum {
+            dropped.push(format!("work datum {}", before.datum.label()));
         }
         let (own, former) = (&self.electrodes, &before.electrodes);
         let lists = [
@@ -146,6 +169,36 @@ impl MoldParams {
     }
 }
 
+/// An opening direction in files, or `"auto"` for none.
+mod or_auto {
+    use super::{Deserialize, Opening, Serialize};
+    use serde::{Deserializer, Serializer};
+
+    #[derive(Serialize, Deserialize)]
+    enum Word {
+        #[serde(rename = "auto")]
+        Auto,
+    }
+
+    #[derive(Serialize, Deserialize)]
+    #[serde(untagged, expecting = "expected auto, +x, -x, +y, -y, +z, -z, or three numbers as in [0, 0.5, 1]")]
+    enum Written {
+        Auto(Word),
+        Given(Opening),
+    }
+
+    pub(super) fn serialize<S: Serializer>(opening: &Option<Opening>, serializer: S) -> Result<S::Ok, S::Error> {
+        opening.map_or(Written::Auto(Word::Auto), Written::Given).serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Opening>, D::Error> {
+        Ok(match Written::deserialize(deserializer)? {
+            Written::Auto(Word::Auto) => None,
+            Written::Given(opening) => Some(opening),
+        })
+    }
+}
+
 /// Digest of a part: digest of its file, and the unit that it was read in.
 pub fn part_of(imported: &Imported) -> String {
     format!("{} {}", imported.sha256, imported.report.unit.name())
@@ -164,7 +217,8 @@ mod tests {
         let [here, there] = ["here", "there"].map(|name| folder.path().join(name));
         [&here, &there].into_iter().for_each(|f| std::fs::create_dir(f).unwrap());
         let mut params = MoldParams { mesh: Some(here.join("part.stl")), ..MoldParams::default() };
-        (params.opening, params.tolerance_mm) = (Opening::MinusX, 0.05);
+        (params.opening, params.tolerance_mm) = (Opening::along(glam::DVec3::ONE), 0.05);
+        params.datum = Datum::default().at(glam::DVec3::new(1.0, -2.5, 0.125), "corner");
         params.electrodes.edits.push(Edit::Split { line: [glam::DVec3::X, glam::DVec3::Y] });
         params.electrodes.overrides.push("E01:gouge".parse().unwrap());
         params.library.cutter.push(Cutter { reach_mm: Some(12.0), ..Cutter::bull_nose(3.0, 0.5) });
@@ -189,7 +243,8 @@ mod tests {
         for (text, words) in [
             ("tolerance_mm = -1", "line 2: tolerance_mm is -1"),
             ("tolerance_mm = nan", "tolerance_mm is nan"),
-            ("opening = \"up\"", "unknown variant"),
+            ("opening = \"up\"", "line 2: opening: expected auto, +x"),
+            ("[datum]\nangle_deg = 400", "line 3: datum.angle_deg is 400"),
             ("[[library.cutter]]\ndiameter_mm = 0", "line 3: library.cutter[0].diameter_mm is 0"),
             ("library = {}", "no cutter"),
             ("tolerance = 1", "unknown field"),

@@ -17,7 +17,9 @@ use crate::workspaces::mold::work::{FoundUncut, Glance, MoldWork};
 use crate::workspaces::news::{EventKind, WorkEvent};
 use files::{AnyDocument, Document};
 use geometry::mesh::Bounds;
+use glam::DVec3;
 use mold::cutter::CutterLibrary;
+use mold::datum::rim_at;
 use mold::electrode::params::GivenName;
 use mold::uncut_region::UncutRegion;
 use task::{Priority, Scheduler, State};
@@ -27,6 +29,29 @@ const REST: f64 = 0.3;
 /// Delay after the last change until electrodes are made again (s): a user who changes one setting often changes
 /// another.
 const REST_OF_DESIGN: f64 = 1.2;
+
+/// How the origin of the work datum is picked on the part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DatumPick {
+    /// At a corner.
+    Corner,
+    /// In the middle between two parallel faces: a place of the first (mm) with its normal, once it is picked.
+    Faces(Option<(DVec3, DVec3)>),
+    /// At the centre of a hole.
+    Hole,
+}
+
+impl DatumPick {
+    /// What is to be clicked on.
+    pub fn instruction(self) -> &'static str {
+        match self {
+            Self::Corner => "click on a corner of the mold",
+            Self::Faces(None) => "click on the first of two parallel faces",
+            Self::Faces(Some(_)) => "click on the other face",
+            Self::Hole => "click on a hole, near its rim",
+        }
+    }
+}
 
 /// A column of the list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,6 +120,8 @@ pub struct MoldDesk {
     pub follows: bool,
     /// Region that the view flies to next.
     pub fly_to: Option<usize>,
+    /// How the work datum is being picked.
+    pub pick: Option<DatumPick>,
     /// Parameters of the last frame.
     followed: MoldParams,
     gesture: Gesture,
@@ -141,6 +168,7 @@ impl MoldDesk {
             only_vanishing: false,
             follows: true,
             fly_to: None,
+            pick: None,
             now: 0.0,
             edited: None,
             changed: None,
@@ -211,6 +239,7 @@ impl MoldDesk {
         // How the last mold was looked at would hide parts of this one.
         self.electrodes.begin_anew();
         (self.is_faint, self.layer, self.least_volume, self.only_vanishing) = (false, None, 0.0, false);
+        self.pick = None;
     }
 
     /// Notes a fact about the part in the document, without computing anything anew.
@@ -220,19 +249,22 @@ impl MoldDesk {
         self.followed = self.params().clone();
     }
 
-    /// Ties the parameters to the mold that was read. Decisions for another mold are dropped. Returns the report of
-    /// that.
+    /// Ties the parameters to the mold that was read, and takes the opening direction that is proposed for it if none
+    /// was given. Decisions for another mold are dropped. Returns the report of that.
     fn follow_part(&mut self) -> Option<WorkEvent> {
-        let part = self.work.part(self.document.params())?.to_owned();
-        let own = self.params().part.clone();
-        if own.as_ref() == Some(&part) {
+        let mold = self.work.part(self.document.params())?;
+        let (part, proposed) = (mold.sha256.clone(), mold.proposal.opening);
+        let MoldParams { part: own, opening, .. } = self.params();
+        if own.as_ref().is_none_or(|own| *own == part) {
+            if own.is_none() || opening.is_none() {
+                self.note(true, |params| {
+                    params.part.get_or_insert_with(|| part.clone());
+                    params.opening.get_or_insert(proposed);
+                });
+            }
             return None;
         }
-        if own.is_none() {
-            self.note(true, |params| params.part = params.part.take().or_else(|| Some(part.clone())));
-            return None;
-        }
-        let now = self.params().of_part(&part);
+        let now = MoldParams { opening: Some(proposed), ..self.params().of_part(&part) };
         let dropped = now.dropped(self.params());
         self.document.complete_step(now);
         dropped.map(|text| WorkEvent { kind: EventKind::Refused, text: format!("Mold: {text}"), took: None })
@@ -259,14 +291,53 @@ impl MoldDesk {
         if *params == self.followed {
             return;
         }
-        // What is left does not depend on electrodes.
-        let is_asked_anew =
-            MoldParams { electrodes: self.followed.electrodes.clone(), ..params.clone() } != self.followed;
+        // What is left depends neither on electrodes nor on where positions are counted from.
+        let MoldParams { electrodes, datum, .. } = self.followed.clone();
+        let is_asked_anew = MoldParams { electrodes, datum, ..params.clone() } != self.followed;
         self.followed = params.clone();
         self.changed = Some(self.now);
         if is_asked_anew {
             self.edited = self.changed;
         }
+    }
+
+    /// Begins to pick the origin of the work datum on the part, or gives it up.
+    pub fn pick_datum(&mut self, pick: DatumPick) {
+        self.pick = (self.pick != Some(pick)).then_some(pick);
+        // Electrodes would be in the way.
+        self.electrodes.is_shown = false;
+        self.electrodes.give_up_split();
+    }
+
+    /// Takes a place on the part (mm, in the axes of the mesh) with the normal there for what is being picked of the work
+    /// datum.
+    ///
+    /// # Errors
+    /// One line if it is not found there; it goes on being picked.
+    pub fn take_datum(&mut self, place: DVec3, normal: DVec3) -> Result<(), &'static str> {
+        let (Some(pick), Some(mold)) = (self.pick, self.work.mold()) else { return Ok(()) };
+        let datum = &self.params().datum;
+        let found = match pick {
+            DatumPick::Corner => {
+                let off = |p: &&DVec3| p.distance_squared(place);
+                let corner = mold.mesh.vertices.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+                corner.map(|corner| datum.at(*corner, "corner")).ok_or("the mold has no corner")
+            }
+            DatumPick::Faces(None) => {
+                self.pick = Some(DatumPick::Faces(Some((place, normal))));
+                return Ok(());
+            }
+            DatumPick::Faces(Some(first)) => {
+                datum.between([first, (place, normal)]).ok_or("the two faces are not parallel: click on another one")
+            }
+            DatumPick::Hole => rim_at(&mold.rims, place)
+                .map(|rim| datum.at(rim.centre, &format!("hole dia {:.3}", 2.0 * rim.radius)))
+                .ok_or("no round rim is near: click nearer to the rim of a hole"),
+        };
+        let params = MoldParams { datum: found?, ..self.params().clone() };
+        self.pick = None;
+        self.edit(params);
+        Ok(())
     }
 
     /// State of the result for the present parameters.

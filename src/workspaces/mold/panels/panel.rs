@@ -4,21 +4,26 @@ use crate::workspaces::commands::{CommandSet, FrameCommand};
 use crate::workspaces::context::Context;
 use crate::workspaces::mold::commands::MoldCommand;
 use crate::workspaces::mold::panels::desk::MoldDesk;
-use egui::{ProgressBar, RichText, Ui, vec2};
+use egui::{ProgressBar, RichText, TextEdit, Ui, vec2};
 use files::Validate as _;
 
+use super::desk::DatumPick;
 use super::{compare, cutters, electrode, list};
 use crate::widgets::form::Form;
 use crate::widgets::panel_parts::grouped;
 use crate::widgets::panel_parts::section;
 use crate::widgets::panel_parts::{fact, notice};
 use crate::widgets::theme::{palette, tick};
+use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::cutter_file::standard_cutters;
 use crate::workspaces::mold::document::fields::FIELDS;
 use crate::workspaces::mold::paths::MoldPath;
 use crate::workspaces::mold::work::FoundUncut;
 use crate::workspaces::news::EventKind;
 use files::Params;
+use mold::datum::Datum;
+use mold::opening::Opening;
+use mold::unseen::OpeningProposal;
 use task::State;
 
 /// Height of the list of regions where it has no panel of its own (points).
@@ -34,6 +39,7 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, with_list: bool)
         // Nothing ends below the bar.
         ui.set_max_width(ui.available_width() - BAR);
         section(ui, "Mold", true, |ui| asked = mold(ui, desk, cx));
+        section(ui, "Work datum", false, |ui| datum(ui, desk, cx));
         section(ui, "Cutters", true, |ui| asked = library(ui, desk, cx).or(asked.take()));
         section(ui, "Uncut", true, |ui| uncut(ui, desk, cx));
         section(ui, "Electrodes", false, |ui| asked = electrode::form(ui, desk, cx).or(asked.take()));
@@ -63,12 +69,81 @@ fn mold(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> 
         notice(ui, palette(ui).bad, why);
     }
     let mut form = Form::new(&FIELDS, desk.document.params(), desk.document.problem());
-    for key in ["units", "opening", "tolerance_mm"] {
-        form.row(ui, key);
-    }
+    form.row(ui, "units");
+    opening(ui, &mut form, desk.work.part(desk.document.params()).map(|mold| mold.proposal));
+    form.row(ui, "tolerance_mm");
     desk.take(form.answer(), cx);
     facts(ui, desk, cx);
     asked
+}
+
+/// The opening direction: along an axis, a typed vector, or the one that is proposed, with the reason.
+fn opening(ui: &mut Ui, form: &mut Form<MoldParams>, proposal: Option<OpeningProposal>) {
+    let now = form.params().opening;
+    let mut chosen = now;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        ui.label("Opening direction").on_hover_text("The cutters come from this side.");
+        for axis in Opening::AXES {
+            if ui.selectable_label(now == Some(axis), axis.name()).clicked() {
+                chosen = Some(axis);
+            }
+        }
+    });
+    ui.horizontal(|ui| {
+        let own = now.filter(|opening| !Opening::AXES.contains(opening)).map_or_else(String::new, Opening::name);
+        let id = ui.make_persistent_id("opening vector");
+        let mut text = ui.data_mut(|d| d.get_temp(id)).unwrap_or(own);
+        let is_wrong = !text.trim().is_empty() && text.parse::<Opening>().is_err();
+        let colour = is_wrong.then_some(palette(ui).bad);
+        let edit = TextEdit::singleline(&mut text).hint_text("or x, y, z").desired_width(128.0).text_color_opt(colour);
+        let edit = ui.add(edit).on_hover_text("Three numbers, as in 0, 0.5, 1");
+        ui.ctx().accesskit_node_builder(edit.id, |node| node.set_label("Opening vector"));
+        if edit.has_focus() {
+            ui.data_mut(|d| d.insert_temp(id, text));
+        } else {
+            ui.data_mut(|d| d.remove::<String>(id));
+            chosen = text.parse().ok().filter(|_| edit.lost_focus()).or(chosen);
+        }
+        let other = proposal.filter(|proposal| Some(proposal.opening) != now);
+        if ui.add_enabled(other.is_some(), egui::Button::new("As proposed")).clicked() {
+            chosen = other.map(|proposal| proposal.opening).or(chosen);
+        }
+    });
+    if let Some(proposal) = proposal {
+        let text = format!("Proposed {}", proposal.sentence().replace("mm2", "mm²"));
+        ui.add(egui::Label::new(RichText::new(text).small().color(palette(ui).faint)).wrap());
+    }
+    if chosen != now {
+        form.change(|params| params.opening = chosen);
+    }
+}
+
+/// The work datum: typed, or picked on the part.
+fn datum(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
+    let mut form = Form::new(&FIELDS, desk.document.params(), desk.document.problem());
+    for key in ["datum.origin_mm", "datum.angle_deg", "datum.name"] {
+        form.row(ui, key);
+    }
+    let is_loaded = desk.work.mold().is_some();
+    ui.horizontal_wrapped(|ui| {
+        for (name, hint, pick) in [
+            ("Corner", "Click on a corner of the mold", DatumPick::Corner),
+            ("Between faces", "The middle between two parallel faces, across them", DatumPick::Faces(None)),
+            ("Hole", "The centre of a hole, at the rim that is clicked on", DatumPick::Hole),
+        ] {
+            let is_on = desk.pick.is_some_and(|now| std::mem::discriminant(&now) == std::mem::discriminant(&pick));
+            if ui.add_enabled(is_loaded, egui::Button::selectable(is_on, name)).on_hover_text(hint).clicked() {
+                desk.pick_datum(pick);
+            }
+        }
+        if ui.button("Reset").on_hover_text("Origin and axes of the mold's file").clicked() {
+            form.change(|params| params.datum = Datum::default());
+        }
+    });
+    let text = "Positions of burns refer to it. Z is the opening direction.";
+    ui.label(RichText::new(text).small().color(palette(ui).faint));
+    desk.take(form.answer(), cx);
 }
 
 fn facts(ui: &mut Ui, desk: &MoldDesk, cx: &mut Context) {

@@ -1,5 +1,6 @@
-//! The strip over the view that goes through the layers.
+//! The strips over the view: through the layers, and for picking the work datum.
 
+use crate::workspaces::commands::{CommandSet, FrameCommand};
 use crate::workspaces::mold::panels::desk::MoldDesk;
 use egui::{Rect, RichText, Slider, Ui};
 
@@ -32,6 +33,17 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut MoldDesk) {
             let text = format!("{:.2} mm, {:.3} mm² uncut", layer.segment_length, layer.area);
             let said = ui.label(RichText::new(text).small().color(palette(ui).faint));
             said.on_hover_text("Length of the outline that no cutter touches in this layer, and the uncut area");
+        }
+    });
+}
+
+/// What is to be clicked on for the work datum.
+pub fn picking(ui: &mut Ui, rect: Rect, desk: &mut MoldDesk) {
+    let Some(pick) = desk.pick else { return };
+    row(ui, rect, (0, 560.0), |ui| {
+        ui.label(format!("Work datum: {}", pick.instruction()));
+        if ui.button("Cancel picking").on_hover_text(FrameCommand::Cancel.hint(ui.ctx())).clicked() {
+            desk.pick = None;
         }
     });
 }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use egui::{Rect, Stroke, Ui};
 
+use super::desk::DatumPick;
 use super::electrode;
 use super::electrode::desk::{Fly, Look};
 use super::strip;
@@ -15,9 +16,13 @@ use crate::widgets::overlay;
 use crate::widgets::theme::palette;
 use crate::widgets::viewport::{Moves, Source, Viewport};
 use crate::workspaces::mold::scene::{
-    MoldLayer, MoldLook, MoldPart, MoldScene, RegionColours, build_mold, depth_legend, mold_part,
+    MoldLayer, MoldLook, MoldPart, MoldScene, RegionColours, build_mold, datum_lines, depth_legend, mold_part,
+    rim_lines,
 };
 use crate::workspaces::mold::work::{Designed, FoundUncut, Glance, LoadedMold};
+use crate::workspaces::news::EventKind;
+use mold::datum::Datum;
+use mold::opening::Opening;
 use render::camera::Camera;
 use render::colour::Theme;
 use render::pick::Pick;
@@ -52,6 +57,9 @@ struct SceneKey {
     /// Electrodes, while they are looked at.
     designed: Source<Designed>,
     burns: Look,
+    /// Work datum, where it is worth showing.
+    datum: Option<(Datum, Opening)>,
+    pick: Option<DatumPick>,
     dark: bool,
 }
 
@@ -72,8 +80,9 @@ impl SceneKey {
         Self {
             mold: Source(mold.work.mold().cloned()),
             found: Source(mold.found().cloned()),
-            glance: Source(mold.glanced().cloned()),
-            shown: shown(desk),
+            // What lies on the mold is not the mold: a place that is picked is one of the mold itself.
+            glance: Source(mold.glanced().filter(|_| mold.pick.is_none()).cloned()),
+            shown: if mold.pick.is_none() { shown(desk) } else { Vec::new() },
             colours: mold.colours,
             selected: match electrodes.seen() {
                 // The one that is to be split, not what else is there.
@@ -81,10 +90,13 @@ impl SceneKey {
                 None => mold.selected,
             },
             look,
-            shows_invert: mold.shows_invert,
+            shows_invert: mold.shows_invert && mold.pick.is_none(),
             layer: mold.layer.filter(|_| electrodes.seen().is_none()),
             designed: Source(electrodes.seen().cloned()),
             burns: electrodes.picture(),
+            datum: Some((mold.params().datum.clone(), mold.params().opening()))
+                .filter(|(datum, _)| !datum.is_of_mesh() || mold.pick.is_some()),
+            pick: mold.pick,
             dark,
         }
     }
@@ -92,10 +104,10 @@ impl SceneKey {
     fn scene(&self, desk: &MoldDesk) -> Scene {
         let theme = if self.dark { Theme::DARK } else { Theme::LIGHT };
         let Some(loaded) = desk.work.mold() else { return Scene { triad: false, ..Scene::new(theme) } };
-        let found = desk.found();
+        let (found, glance) = (desk.found(), self.glance.0.as_ref());
         let layer = desk.layer().filter(|_| self.layer.is_some());
         let segments = found.zip(layer).map_or_else(Vec::new, |(f, (layer, _))| f.uncut.segments(layer.z));
-        let opening = found.map_or(desk.document.params().opening, |f| f.uncut.params.opening);
+        let opening = found.map_or(desk.document.params().opening(), |f| f.uncut.params.opening);
         let pieces: Vec<_> =
             found.zip(layer).map_or_else(Vec::new, |(f, (_, number))| f.uncut.pieces(number).collect());
         let mut scene = build_mold(&MoldScene {
@@ -106,8 +118,10 @@ impl SceneKey {
             deepest: found.map_or(0.0, |f| f.deepest),
             selected: self.selected,
             look: self.look,
-            invert: found.and_then(|f| f.invert.as_ref()).filter(|_| self.shows_invert),
-            glance: desk.glanced().map(|glance| &glance.shape),
+            invert: glance
+                .map_or_else(|| found.and_then(|f| f.invert.as_ref()), |glance| glance.invert.as_ref())
+                .filter(|_| self.shows_invert),
+            glance: glance.map(|glance| &glance.shape),
             layer: found.zip(layer).map(|(found, (layer, number))| MoldLayer {
                 z: layer.z,
                 next: found.uncut.layers.get(number + 1).map(|next| next.z),
@@ -124,6 +138,15 @@ impl SceneKey {
         }
         if let (Some(Some(first)), Some(made)) = (electrodes.split, electrodes.seen()) {
             let at = made.opening.in_mesh(first);
+            scene.markers.push(Marker { at, colour: theme.accent, radius_px: 5.0 });
+        }
+        if let Some((datum, opening)) = &self.datum {
+            scene.lines.extend(datum_lines(datum, *opening, &loaded.shape.bounds()));
+        }
+        if self.pick == Some(DatumPick::Hole) {
+            scene.lines.push(rim_lines(&loaded.rims, theme));
+        }
+        if let Some(DatumPick::Faces(Some((at, _)))) = self.pick {
             scene.markers.push(Marker { at, colour: theme.accent, radius_px: 5.0 });
         }
         scene
@@ -148,7 +171,7 @@ impl MoldView {
                 }
             }
             Fly::Above => {
-                let up = desk.document.params().opening.in_mesh(glam::DVec3::Z);
+                let up = desk.document.params().opening().in_mesh(glam::DVec3::Z);
                 self.viewport.turn_to(up, now);
             }
             Fly::All => self.viewport.fit(true),
@@ -196,14 +219,16 @@ impl MoldView {
         let (rect, clicked) = self.viewport.show(ui, navigation, &self.scene, (fitted_to, moves));
         self.fly(desk, ui);
         if let Some(picked) = clicked {
-            click(desk, picked);
+            click(desk, picked, cx);
         }
         cx.view_buttons(ui, rect, desk, &buttons(desk));
         self.line(ui, rect, desk);
         self.pointed(ui, rect, desk);
         overlay::gizmo(ui, rect, &mut self.viewport);
         electrode::strip(ui, rect, desk, cx);
-        if desk.electrodes.seen().is_none() {
+        if desk.pick.is_some() {
+            strip::picking(ui, rect, desk);
+        } else if desk.electrodes.seen().is_none() {
             strip::show(ui, rect, desk);
         }
         if desk.work.mold().is_none() {
@@ -232,8 +257,14 @@ fn shown(desk: &MoldDesk) -> Vec<bool> {
     }
 }
 
-/// Selects what was clicked, or takes it for an end of a line.
-fn click(desk: &mut MoldDesk, picked: Option<Pick>) {
+/// Selects what was clicked, or takes it for an end of a line or for the work datum.
+fn click(desk: &mut MoldDesk, picked: Option<Pick>, cx: &mut Context) {
+    if desk.pick.is_some() {
+        if let Some(Err(why)) = picked.map(|p| desk.take_datum(p.point, p.normal)) {
+            cx.say(EventKind::Refused, format!("Work datum: {why}"));
+        }
+        return;
+    }
     let part = picked.map(|p| mold_part(p.object));
     let Some(made) = desk.electrodes.seen().cloned() else {
         desk.selected = part.and_then(|part| if let MoldPart::Region(i) = part { Some(i) } else { None });
@@ -288,7 +319,7 @@ fn caption(ui: &mut Ui, rect: Rect, desk: &MoldDesk) {
     }
     let others = desk.found_of_others().zip(desk.found());
     let text = match (desk.glanced(), others) {
-        (Some(glance), _) => glance.preview.sentence(),
+        (Some(glance), _) => glance.sentence(),
         (None, Some((others, found))) => format!("{others}: {}", found.sentence()),
         // The panel says it.
         (None, None) => return,

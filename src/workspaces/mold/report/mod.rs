@@ -3,23 +3,26 @@
 mod page;
 pub mod uncut;
 
+use glam::{DAffine3, DVec2, DVec3};
 use serde::Serialize;
 
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::fields::FIELDS;
 use files::report::{PageError, counted};
 use files::{Override, ParameterList};
+use mold::datum::Datum;
 use mold::electrode::design::IdleOverride;
 use mold::electrode::design::{Electrode, ElectrodeSet, PartNode, RegionPlan};
 use mold::electrode::params::Edit;
+use mold::electrode::setting::to_burn_frame;
 use mold::opening::Opening;
 use nc::burn_table::{BurnTable, ElectrodeState, method_name};
 use nc::electrode_files::why_blocked;
 
 /// Version of the keys of `electrodes.json`.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
-/// All that a report says of electrodes. Places are in the axes of the upright mold; regions and parts count from 1.
+/// All that a report says of electrodes. Places are in the axes of the work datum; regions and parts count from 1.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ElectrodesReport {
     /// [`SCHEMA`].
@@ -126,9 +129,10 @@ pub struct Division {
 }
 
 impl ElectrodesReport {
-    /// The report on electrodes of a mold that is called `mold`.
-    pub fn of(set: &ElectrodeSet, mold: &str, opening: Opening) -> Self {
-        let table = BurnTable::of(set, mold, opening);
+    /// The report on electrodes of a mold that is called `mold`, with positions from `datum`.
+    pub fn of(set: &ElectrodeSet, mold: &str, opening: Opening, datum: &Datum) -> Self {
+        let table = BurnTable::of(set, mold, opening, datum);
+        let axes = datum.of_upright(opening);
         let blocked =
             |e: usize| why_blocked(set, e).map(|why| BlockedEntry { electrode: set.electrodes[e].name.clone(), why });
         let is = |state: ElectrodeState| table.electrodes.iter().filter(move |e| e.state == state);
@@ -142,7 +146,7 @@ impl ElectrodesReport {
             idle_overrides: set.idle_overrides(&set.params.overrides).into_iter().map(idle).collect(),
             unmet_edits: set.unmet_edits().into_iter().map(|e| set.params.edits[e].to_string()).collect(),
             model: MODEL,
-            regions: set.regions.iter().enumerate().map(|(r, plan)| region(set, r, plan)).collect(),
+            regions: set.regions.iter().enumerate().map(|(r, plan)| region(set, r, plan, &axes)).collect(),
             parameters: FIELDS
                 .list(&MoldParams { electrodes: set.params.clone(), ..MoldParams::default() })
                 .of_table("electrodes"),
@@ -238,26 +242,26 @@ pub fn why_unmet(edit: &Edit) -> String {
     format!("{edit}: {remedy}")
 }
 
-fn region(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> RegionEntry {
+fn region(set: &ElectrodeSet, r: usize, plan: &RegionPlan, axes: &DAffine3) -> RegionEntry {
     let burns = |e: &&Electrode| e.burns.iter().flat_map(|b| &b.parts).any(|part| part.region == r);
     RegionEntry {
         index: r + 1,
         method: method_name(plan.method),
-        direction: plan.direction.to_array().map(|v| v + 0.0),
+        direction: axes.transform_vector3(plan.direction).to_array().map(|v| rounded(v, 1e12)),
         parts: plan.tree.as_ref().map_or(0, leaves),
-        division: plan.tree.as_ref().map(|tree| division(tree, r)),
-        earlier_divisions: earlier_divisions(set, r, plan),
+        division: division_of(plan, r, axes),
+        earlier_divisions: earlier_divisions(set, r, plan, axes),
         electrodes: set.electrodes.iter().filter(burns).map(|e| e.name.clone()).collect(),
         left_thickness_mm: plan.left.thickness,
-        left_at_mm: plan.left.place.to_array().map(|v| rounded(v, 1e6)),
+        left_at_mm: axes.transform_point3(plan.left.place).to_array().map(|v| rounded(v, 1e6)),
         left_volume_mm3: plan.left.volume,
-        trouble: plan.reason.clone(),
+        trouble: plan.reason_at(axes),
         left_out: plan.left_out.iter().map(|left| left.text.clone()).collect(),
     }
 }
 
 /// What names parts that the last stage's division does not have.
-fn earlier_divisions(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> Vec<EarlierDivision> {
+fn earlier_divisions(set: &ElectrodeSet, r: usize, plan: &RegionPlan, axes: &DAffine3) -> Vec<EarlierDivision> {
     fn has(node: &PartNode, part: usize) -> bool {
         node.part == Some(part) || node.parts.iter().any(|node| has(node, part))
     }
@@ -267,7 +271,7 @@ fn earlier_divisions(set: &ElectrodeSet, r: usize, plan: &RegionPlan) -> Vec<Ear
     let told = plan.earlier.iter().rev().filter(|(_, tree)| plan.tree.as_ref().is_some_and(|last| is_new(tree, last)));
     let of = |(stage, tree): &(usize, PartNode)| EarlierDivision {
         stage: set.params.stages[*stage].name.clone(),
-        division: division(tree, r),
+        division: division(tree, r, &Plan { direction: plan.direction, axes }),
     };
     told.map(of).collect()
 }
@@ -290,14 +294,38 @@ fn beyond(node: &PartNode) -> &'static str {
     }
 }
 
-fn division(node: &PartNode, r: usize) -> Division {
+/// From the plan of the burn frame in the upright mold to that in the axes of the datum.
+struct Plan<'a> {
+    /// Burn direction, in the upright mold.
+    direction: DVec3,
+    axes: &'a DAffine3,
+}
+
+impl Plan<'_> {
+    fn vector(&self, v: DVec2) -> DVec2 {
+        let turned = self.axes.matrix3 * (to_burn_frame(self.direction).transpose() * v.extend(0.0));
+        (to_burn_frame(self.axes.transform_vector3(self.direction)) * turned).truncate()
+    }
+
+    fn point(&self, p: DVec2) -> DVec2 {
+        // Along the burn all is one place.
+        self.vector(p) + (to_burn_frame(self.axes.transform_vector3(self.direction)) * self.axes.translation).truncate()
+    }
+}
+
+/// Division of region `r` by the last stage; `axes` are from the upright mold to those of the datum.
+pub fn division_of(plan: &RegionPlan, r: usize, axes: &DAffine3) -> Option<Division> {
+    plan.tree.as_ref().map(|tree| division(tree, r, &Plan { direction: plan.direction, axes }))
+}
+
+fn division(node: &PartNode, r: usize, plan: &Plan) -> Division {
     let edges = match node.h_edges {
         0 => String::new(),
         n => format!(", {}", counted(n, "H-edge")),
     };
     let text = match (&node.cut, node.part) {
         (Some(cut), _) => {
-            let (through, outward) = (cut.through, cut.outward);
+            let (through, outward) = (plan.point(cut.through), plan.vector(cut.outward));
             let overlap = if cut.overlaps { ", parts overlap" } else { "" };
             // A line across its normal, the same whichever way the normal points.
             let along = rounded(outward.perp().to_angle().to_degrees(), 10.0).rem_euclid(180.0);
@@ -308,7 +336,7 @@ fn division(node: &PartNode, r: usize) -> Division {
         (None, Some(part)) => format!("part R{}.{}{edges}", r + 1, part + 1),
         (None, None) => format!("not burned{edges}"),
     };
-    Division { text, h_edges: node.h_edges, parts: node.parts.iter().map(|part| division(part, r)).collect() }
+    Division { text, h_edges: node.h_edges, parts: node.parts.iter().map(|part| division(part, r, plan)).collect() }
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@ use super::*;
 use nc::electrode_fixtures::set;
 
 fn report() -> ElectrodesReport {
-    ElectrodesReport::of(&set(), "<shell>", Opening::MinusX)
+    ElectrodesReport::of(&set(), "<shell>", Opening::MinusX, &Datum::default())
 }
 
 #[test]
@@ -23,7 +23,7 @@ fn the_sentence_names_what_is_blocked_overridden_and_not_burned() {
     let mut good = set();
     good.regions.pop();
     good.checks.iter_mut().flatten().for_each(|finding| finding.holds = true);
-    let good = ElectrodesReport::of(&good, "", Opening::PlusZ);
+    let good = ElectrodesReport::of(&good, "", Opening::PlusZ, &Datum::default());
     assert!(
         good.holds && good.blocked.is_empty() && good.sentence.ends_with("Every check holds."),
         "{}",
@@ -32,9 +32,11 @@ fn the_sentence_names_what_is_blocked_overridden_and_not_burned() {
     assert_eq!(idle(&good), ["E02-finish:leftover", "E99:leftover"], "an override of what holds does nothing");
     let mut none = set();
     (none.electrodes, none.checks, none.regions) = Default::default();
-    assert!(ElectrodesReport::of(&none, "", Opening::PlusZ).sentence.contains("no electrode is made"));
+    assert!(
+        ElectrodesReport::of(&none, "", Opening::PlusZ, &Datum::default()).sentence.contains("no electrode is made")
+    );
     none.regions = set().regions;
-    let sentence = ElectrodesReport::of(&none, "", Opening::PlusZ).sentence;
+    let sentence = ElectrodesReport::of(&none, "", Opening::PlusZ, &Datum::default()).sentence;
     assert!(sentence.starts_with("0 electrodes with 0 burns for 3 regions: 0 minutes."), "{sentence}");
 }
 
@@ -62,7 +64,12 @@ fn a_cut_that_leads_to_one_part_says_why() {
         let tree = set.regions[0].tree.as_mut().unwrap();
         tree.parts.truncate(1);
         tree.lacks_thin = lacks_thin;
-        ElectrodesReport::of(&set, "", Opening::PlusZ).regions[0].division.as_ref().unwrap().text.clone()
+        ElectrodesReport::of(&set, "", Opening::PlusZ, &Datum::default()).regions[0]
+            .division
+            .as_ref()
+            .unwrap()
+            .text
+            .clone()
     };
     assert!(text(false).ends_with("2 H-edges: beyond it nothing is to be burned"), "{}", text(false));
     assert!(text(true).ends_with("thinner than the least size beyond it is left to later stages"), "{}", text(true));
@@ -74,7 +81,7 @@ fn parts_that_only_an_earlier_stage_has_are_told_with_its_division() {
     let last = set.regions[0].tree.clone().unwrap();
     set.regions[0].earlier = vec![(0, last.clone())];
     let divisions = |set: &ElectrodeSet| {
-        let report = ElectrodesReport::of(set, "", Opening::PlusZ);
+        let report = ElectrodesReport::of(set, "", Opening::PlusZ, &Datum::default());
         (report.regions[0].earlier_divisions.clone(), report.html(&[]).unwrap())
     };
     assert!(divisions(&set).0.is_empty(), "the same parts are told once");
@@ -104,7 +111,8 @@ fn the_page_stands_alone_and_holds_everything() {
         "0.0300",
         "data:image/png;base64,iVBORw==",
         "All &lt;electrodes&gt;",
-        "\u{2212}X of its file",
+        "\u{2212}X of the file",
+        "Positions are from the work datum: origin of the file, at 0.000, 0.000, 0.000 of",
         "not made",
     ] {
         assert!(page.contains(words), "{words}");

@@ -21,7 +21,7 @@ pub struct UncutReport {
     /// The cutters, as they are called.
     pub cutters: Vec<String>,
     /// The direction in which the opening looks.
-    pub opening: &'static str,
+    pub opening: String,
     /// Thickness of the residue up to which it counts as cut (mm).
     pub tolerance_mm: f64,
     /// Whether the regions are those of the layers (exact, only flat cutters count) or of the field of heights.

@@ -11,7 +11,9 @@ use rayon::prelude::*;
 
 use crate::widgets::theme::{BAD, STEEL};
 use crate::workspaces::mold::scene::electrodes::BurnOf;
-use geometry::mesh::{Mesh, normal_times_two_areas};
+use geometry::circle::Circle;
+use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
+use mold::datum::Datum;
 use mold::opening::Opening;
 use mold::piece::UncutPiece;
 use mold::surface::SurfacePiece;
@@ -27,6 +29,10 @@ const INVERT: Colour = Colour::rgb(0x9a, 0x78, 0xb8);
 const BEFORE: f64 = 3e-4;
 /// How far from a layer the mold is cut, in the same parts: layers lie on horizontal faces, or just below them.
 const OFF: f64 = 1e-6;
+/// Length of the axes of the work datum, in parts of the mold's diagonal.
+const CROSS: f64 = 0.12;
+/// Colours of the axes X, Y and Z.
+const AXES: [Colour; 3] = [Colour::rgb(0xe5, 0x48, 0x4d), Colour::rgb(0x46, 0xa7, 0x58), Colour::rgb(0x3b, 0x82, 0xf6)];
 /// Opacity of the mold where it would hide what is looked at.
 const FAINT: f32 = 0.3;
 
@@ -257,6 +263,26 @@ pub fn build_mold(inputs: &MoldScene) -> Scene {
     }
     scene.grid = Grid::below(&inputs.mold.bounds());
     scene
+}
+
+/// The axes of the work datum of a mold in this box, as a cross: X red, Y green, Z blue.
+pub fn datum_lines(datum: &Datum, opening: Opening, mold: &Bounds) -> [LineSet; 3] {
+    let length = CROSS * mold.size().length();
+    let axes = datum.axes(opening);
+    std::array::from_fn(|i| {
+        let ends = [-0.25, 1.0].map(|share| datum.origin_mm + share * length * axes[i]);
+        LineSet { width_px: 2.5, on_top: true, ..LineSet::new(vec![ends.to_vec()], AXES[i]) }
+    })
+}
+
+/// Circles, as they can be picked.
+pub fn rim_lines(rims: &[Circle], theme: Theme) -> LineSet {
+    let round = |rim: &Circle| {
+        let (x, y) = rim.normal.any_orthonormal_pair();
+        let at = |angle: f64| rim.centre + rim.radius * (angle.cos() * x + angle.sin() * y);
+        (0..=48).map(|i| at(f64::from(i) / 48.0 * std::f64::consts::TAU)).collect()
+    };
+    LineSet { width_px: 3.0, on_top: true, ..LineSet::new(rims.iter().map(round).collect(), theme.accent) }
 }
 
 /// The bounds of what is left in a layer, thin, and what no cutter touches of the mold's outline, in red.

@@ -8,6 +8,7 @@ use crate::workspaces::mold::job::electrodes::electrodes;
 use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::electrodes::{ElectrodeShape, electrode_shapes};
 use files::Override;
+use mold::datum::Datum;
 use mold::electrode::design::{ElectrodeSet, PartNode};
 use mold::electrode::params::ElectrodeParams;
 use mold::opening::Opening;
@@ -18,12 +19,14 @@ use task::Task;
 pub struct Designed {
     /// The electrodes.
     pub set: ElectrodeSet,
-    /// Report on the electrodes, without overrides.
+    /// Report on the electrodes, without overrides; positions are those of the upright mold.
     pub report: ElectrodesReport,
     /// The electrodes for the screen.
     pub shapes: Vec<ElectrodeShape>,
     /// Opening direction of the mold.
     pub opening: Opening,
+    /// Warning of a cavity that the opening direction hides.
+    pub hidden: Option<String>,
     /// A place on the surface of each region, upright, by which changes name the region (mm).
     pub places: Vec<Option<DVec3>>,
     /// Whether this run of the program has computed them, rather than read them from a file.
@@ -84,6 +87,7 @@ pub(super) fn shown(mold: &LoadedMold, found: &FoundUncut, set: ElectrodeSet, is
     }
     let opening = uncut.params.opening;
     let plain = ElectrodeSet { params: ElectrodeParams { overrides: Vec::new(), ..set.params }, ..set };
-    let report = ElectrodesReport::of(&plain, &mold.name, opening);
-    Designed { report, shapes: electrode_shapes(&plain), opening, places, set: plain, is_proven }
+    let report = ElectrodesReport::of(&plain, &mold.name, opening, &Datum::default());
+    let hidden = uncut.hidden_cavity().map(ToString::to_string);
+    Designed { report, shapes: electrode_shapes(&plain), opening, hidden, places, set: plain, is_proven }
 }

@@ -9,6 +9,7 @@ use crate::workspaces::mold::export::{EXPORT, export_electrodes};
 use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::pictures::electrode_pictures;
 use files::ExportFolder;
+use mold::datum::Datum;
 use mold::electrode::design::ElectrodeSet;
 use mold::electrode::design::IdleOverride;
 use nc::burn_template::BurnSheet;
@@ -60,7 +61,7 @@ impl Exported {
 pub(super) fn export(
     folder: &Path,
     (set, designed): (&ElectrodeSet, &Designed),
-    (mold, name): (&LoadedMold, &str),
+    (mold, name, datum): (&LoadedMold, &str, &Datum),
     (formats, sheet): (&[ElectrodeFormat], &BurnSheet),
     task: &Task,
 ) -> Result<Exported, String> {
@@ -70,8 +71,8 @@ pub(super) fn export(
         Err(RenderError::Cancelled(cancelled)) => return Err(cancelled.to_string()),
         Err(error) => (Vec::new(), Some(error.to_string())),
     };
-    let mut report = ElectrodesReport::of(set, name, designed.opening);
-    report.table.notes.extend(mold.report.unit_doubt());
+    let mut report = ElectrodesReport::of(set, name, designed.opening, datum);
+    report.table.notes.extend(mold.report.unit_doubt().into_iter().chain(designed.hidden.clone()));
     task.check().map_err(|e| e.to_string())?;
     let (written, published) =
         export_electrodes(opened, (set, &report), sheet, &pictures, formats).map_err(|e| e.to_string())?;

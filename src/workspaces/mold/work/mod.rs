@@ -194,14 +194,15 @@ impl MoldWork {
         (is_same && !matches!(self.mold_state(params), State::Failed(_) | State::Cancelled)).then_some(mold)
     }
 
-    /// Digest of the part of `params`, once read.
-    pub fn part(&self, params: &MoldParams) -> Option<&str> {
-        let mold = self.current_mold(params).filter(|_| self.mold_state(params) == State::Ready);
-        mold.map(|mold| mold.sha256.as_str())
+    /// The part of `params`, once read.
+    pub fn part(&self, params: &MoldParams) -> Option<&Arc<LoadedMold>> {
+        self.current_mold(params).filter(|_| self.mold_state(params) == State::Ready)
     }
 
     fn question(&self, params: &MoldParams) -> Option<Question> {
-        self.current_mold(params).map(|mold| (mold.sha256.clone(), params.uncut()))
+        // The direction is proposed once the mold is read.
+        let mold = self.current_mold(params).filter(|_| params.opening.is_some())?;
+        Some((mold.sha256.clone(), params.uncut()))
     }
 
     /// Key for `params`, and the mold.
@@ -426,6 +427,7 @@ impl MoldWork {
             return Err("the electrodes are out of date: create them again".to_owned());
         };
         let (folder, name, formats, sheet) = (folder.to_owned(), params.name(), formats.to_vec(), sheet.clone());
+        let datum = params.datum.clone();
         // Which of them are let pass, and what they are called, may have changed since they were made.
         let asked = ElectrodeParams { names: Vec::new(), ..params.electrodes.clone() };
         let electrodes = params.electrodes.clone();
@@ -447,7 +449,7 @@ impl MoldWork {
             }
             let made = proof.as_ref().map_or(&made, |(_, _, proven)| proven);
             let set = ElectrodeSet { params: asked.clone(), ..made.set.clone() };
-            let exported = export(&folder, (&set, made), (&mold, &name), (&formats, &sheet), &work.task)?;
+            let exported = export(&folder, (&set, made), (&mold, &name, &datum), (&formats, &sheet), &work.task)?;
             Ok((exported, proof))
         });
         Ok(())

@@ -11,8 +11,13 @@ use crate::workspaces::mold::job::uncut::{Uncut, UncutParams, uncut};
 use crate::workspaces::mold::report::uncut::UncutReport;
 use crate::workspaces::mold::scene::{RegionShape, faces_shape, region_shapes};
 use files::PartFile;
+use geometry::circle::Circle;
 use geometry::mesh::Mesh;
 use import::{ImportOptions, ImportReport, Units, import_file};
+use mold::datum::rims;
+use mold::invert::InvertFaces;
+use mold::unseen::{OpeningProposal, Unseen, undercuts};
+use mold::warning::MoldWarning;
 use render::mesh::RenderMesh;
 use task::{Cancel, Task};
 
@@ -29,6 +34,10 @@ pub struct LoadedMold {
     pub report: ImportReport,
     /// Volume (mm^3).
     pub volume: f64,
+    /// Opening direction that is proposed.
+    pub proposal: OpeningProposal,
+    /// Rims of holes and bosses, in the axes of the file (mm).
+    pub rims: Vec<Circle>,
     /// File of the mold as it was read.
     pub file: PartFile,
     /// Digest of the part: digest of the file and the unit that it was read in.
@@ -79,8 +88,9 @@ pub fn load(path: &Path, units: Units, task: &Task) -> Result<LoadedMold, String
     task.check().map_err(|e| e.to_string())?;
     let sha256 = part_of(&imported);
     let file = PartFile { path: path.to_owned(), sha256: imported.sha256 };
-    let volume = imported.mesh.volume();
-    Ok(LoadedMold { name, file, mesh: Arc::new(imported.mesh), shape, report: imported.report, volume, sha256 })
+    let (volume, proposal, rims) = (imported.mesh.volume(), OpeningProposal::of(&imported.mesh), rims(&imported.mesh));
+    let mesh = Arc::new(imported.mesh);
+    Ok(LoadedMold { name, file, mesh, shape, report: imported.report, volume, proposal, rims, sha256 })
 }
 
 /// Searches the uncut regions.
@@ -124,6 +134,18 @@ pub struct Glance {
     pub preview: Preview,
     /// Shape of the uncut regions on the mold, for the screen.
     pub shape: Arc<RenderMesh>,
+    /// Undercut faces, for the screen.
+    pub invert: Option<Arc<RenderMesh>>,
+    /// Warning of a cavity that the opening direction hides.
+    pub hidden: Option<MoldWarning>,
+}
+
+impl Glance {
+    /// The preview in a sentence, and what is hidden.
+    pub fn sentence(&self) -> String {
+        let hidden = self.hidden.as_ref().map_or_else(String::new, |warning| format!(" Warning: {warning}."));
+        self.preview.sentence() + &hidden.replace("mm^2", "mm²")
+    }
 }
 
 /// Previews the uncut regions.
@@ -135,5 +157,9 @@ pub(super) fn glance(mold: &LoadedMold, params: &UncutParams, cancel: &Cancel) -
     let cells = preview.regions.iter().flat_map(|r| &r.cells);
     let surface: Vec<_> = cells.flat_map(|cell| cell.pieces(0)).collect();
     let shape = region_shapes(&mold.mesh, &surface, 1, params.opening).swap_remove(0).shape;
-    Ok(Glance { preview, shape })
+    let upright = params.opening.upright_mesh(&mold.mesh);
+    cancel.check().map_err(|e| e.to_string())?;
+    let invert = undercuts(InvertFaces::of(&upright), &upright, params.opening);
+    let invert = faces_shape(&mold.mesh, &invert.triangles);
+    Ok(Glance { preview, shape, invert, hidden: Unseen::warning(&upright) })
 }

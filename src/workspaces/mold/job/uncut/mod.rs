@@ -28,6 +28,7 @@ use mold::region::{LayerRegion, regions};
 use mold::stack::{UncutStack, uncut_stack};
 use mold::surface::{SurfacePiece, segments_at, uncut_surface};
 use mold::uncut_region::{Regions, UncutRegion};
+use mold::unseen::{Unseen, undercuts};
 use mold::warning::MoldWarning;
 use step::usual_step;
 use task::{Cancel, Cancelled, Task};
@@ -204,6 +205,11 @@ impl Uncut {
         Some(&self.stack.invert).filter(|invert| invert.area > LEAST_INVERT)
     }
 
+    /// The warning of a cavity that the opening direction hides.
+    pub fn hidden_cavity(&self) -> Option<&MoldWarning> {
+        self.stack.warnings.iter().find(|warning| matches!(warning, MoldWarning::HiddenCavity { .. }))
+    }
+
     /// Number of thin regions of which it is not known whether rounded cutters take them.
     pub fn unknown_regions(&self) -> usize {
         let unknown = |w: &MoldWarning| if let MoldWarning::ThinRegions { regions, .. } = w { *regions } else { 0 };
@@ -237,6 +243,7 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
     let field = HeightField::raster(&upright, grid_step, &task.cancel)?;
     let mut stack = uncut_stack(&upright, &flats, None, &params.layers, task)?;
     doubt(&mut stack, mesh, &needed, grid_step);
+    stack.warnings.extend(Unseen::warning(&upright));
     let flat_regions = regions(&stack.layers, params.tolerance_mm);
     task.report("height map", 0.2, "");
     let (closing, of_field) = on_field(&field, &params.library, params.tolerance_mm, &task.cancel)?;
@@ -281,6 +288,7 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
     } else {
         of_surface(&stack, (&field, &closing), &of_field, &surface)
     };
+    stack.invert = undercuts(stack.invert, &upright, params.opening);
     task.report("surface", 1.0, "");
     Ok(Uncut { params: params.clone(), stack, layers, regions, surface, grid_step, coarser, agreement, ball_agreement })
 }

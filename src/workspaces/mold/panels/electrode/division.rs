@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 
 use super::checks;
 use crate::widgets::theme::palette;
-use crate::workspaces::mold::report::Division;
+use crate::workspaces::mold::report::{Division, division_of};
 use crate::workspaces::mold::work::Designed;
 use mold::electrode::params::{Edit, Method};
 use mold::electrode::residual_stock::LeftOfRegion;
@@ -21,7 +21,7 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, regio
 }
 
 fn region_of(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, r): (usize, usize)) {
-    let (Some(plan), Some(entry)) = (made.set.regions.get(r), made.report.regions.get(r)) else { return };
+    let Some(plan) = made.set.regions.get(r) else { return };
     ui.add_space(4.0);
     ui.horizontal_wrapped(|ui| {
         ui.label(RichText::new(format!("Region {}", r + 1)).strong());
@@ -39,9 +39,10 @@ fn region_of(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, r): 
         }
     });
     left(ui, desk, &plan.left, (electrode, r));
-    if let Some(division) = &entry.division {
+    let axes = desk.params().datum.of_upright(made.opening);
+    if let Some(division) = division_of(plan, r, &axes) {
         let (places, mut leaf) = (made.leaves(r), 0);
-        node(ui, desk, division, (r, 0), &mut leaf, &places);
+        node(ui, desk, &division, (r, 0), &mut leaf, &places);
         // Parts of a region that was divided otherwise in the meantime are chosen no more.
         desk.electrodes.parts.retain(|part| part.0 != r || part.1 < leaf);
     }

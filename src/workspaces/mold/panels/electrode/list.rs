@@ -190,7 +190,8 @@ fn joined(numbers: &[usize]) -> String {
 /// Regions that have no electrode for all of them, and why.
 fn without(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed) {
     for region in made.set.without_electrode() {
-        let why = made.set.regions[region].reason.clone().unwrap_or_default();
+        let axes = desk.params().datum.of_upright(made.opening);
+        let why = made.set.regions[region].reason_at(&axes).unwrap_or_default();
         ui.horizontal(|ui| {
             let place = made.places.get(region).copied().flatten();
             let text = format!("Region {} has no electrode: {why}", region + 1);
@@ -224,8 +225,10 @@ fn details(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed, 
         notice(ui, palette(ui).warning, warning);
     }
     checks::show(ui, desk, cx, made, at.electrode);
-    if let Some(burn) = entry.burns.get(at.burn) {
-        burns(ui, desk, (at, entry.burns.len()), burn);
+    if let Some((electrode, burn)) = at.find(&made.set) {
+        let axes = desk.params().datum.of_upright(made.opening);
+        let burn = BurnEntry::of(at.burn + 1, burn, electrode.direction, &axes);
+        burns(ui, desk, (at, entry.burns.len()), &burn);
     }
     fact(ui, "Blank", format!("{} mm", entry.blank.text(" × ")));
     fact(ui, "Holder", entry.holder.as_ref().map_or("none large enough: add a holder".to_owned(), |h| h.name.clone()));
