@@ -5,6 +5,7 @@
 
 pub mod ball_agreement;
 pub mod cutter;
+pub mod demonstration;
 pub mod electrode;
 pub mod height_field;
 pub mod invert;

@@ -322,7 +322,8 @@ impl MoldDesk {
         self.follow_params();
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
         let mut events = self.work.follow(self.document.params(), priority);
-        self.work.mold().into_iter().for_each(|mold| self.document.note_file(&mold.file));
+        let read = self.work.mold().filter(|_| self.document.params().mesh.is_some());
+        read.into_iter().for_each(|mold| self.document.note_file(&mold.file));
         events.extend(self.follow_part());
         self.follow_answer();
         self.electrodes.follow(self.work.designed());
