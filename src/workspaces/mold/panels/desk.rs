@@ -184,12 +184,14 @@ impl MoldDesk {
     }
 
     /// A new document for the mesh at `mesh`: with the present cutters, and without decisions for another mold. If
-    /// there was no mold before, unsaved choices are kept for this one.
+    /// there was no mold before but the demonstration mold, other unsaved choices are kept for this one.
     pub fn begun(&self, mesh: &Path) -> Document<MoldParams> {
         let params = self.params();
         if params.mesh.is_none() {
             let mut document = self.document.detached();
-            document.amend(true, |params| params.mesh = Some(mesh.to_owned()));
+            document.amend(true, |params| {
+                *params = MoldParams { mesh: Some(mesh.to_owned()), part: None, ..params.undecided() };
+            });
             return document;
         }
         let (mesh, library) = (Some(mesh.to_owned()), params.library.clone());
