@@ -8,17 +8,19 @@ use glam::DAffine3;
 
 use super::uncut::{AskedMold, MoldArguments};
 use super::{Answer, Session, mm};
-use crate::widgets::camera::PICTURE_SIZE;
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::cutter_file::CUTTERS;
 use crate::workspaces::mold::document::holder_files::read_holders;
 use crate::workspaces::mold::export::{EXPORT, export_electrodes};
+use crate::workspaces::mold::job::divisions::{WayResult, compare_divisions};
 use crate::workspaces::mold::job::electrodes::electrodes as find_electrodes;
 use crate::workspaces::mold::job::uncut::uncut as find_uncut;
-use crate::workspaces::mold::report::ElectrodesReport;
+use crate::workspaces::mold::report::steps::steps;
+use crate::workspaces::mold::report::{ElectrodesPage, ElectrodesReport};
 use crate::workspaces::mold::scene::electrodes::electrode_shapes;
-use crate::workspaces::mold::scene::pictures::electrode_pictures;
+use crate::workspaces::mold::scene::pictures::{draw, electrode_pictures};
 use files::Override;
+use files::report::Picture;
 use files::{ExportFolder, Published};
 use geometry::mesh::Mesh;
 use mold::cutter::{Cutter, CutterLibrary};
@@ -30,7 +32,7 @@ use nc::burn_table::NotBurned;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::{ElectrodeFormat, WrittenElectrodes};
 use render::mesh::RenderMesh;
-use render::offscreen::Offscreen;
+use task::{StageClock, Task};
 
 #[derive(Debug, Args)]
 pub(super) struct ElectrodesArguments {
@@ -62,6 +64,9 @@ pub(super) struct ElectrodesArguments {
     /// A template for the burn sheet (Jinja) [default: the built-in one].
     #[arg(long, value_name = "FILE")]
     template: Option<PathBuf>,
+    /// Compares with other ways of dividing regions into heads: not at all, by whole faces, at every inner edge.
+    #[arg(long)]
+    compare_divisions: bool,
     /// No pictures in the report.
     #[arg(long)]
     no_pictures: bool,
@@ -98,9 +103,10 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     let AskedMold { params: asked, imported, path: mesh } =
         arguments.mold.read(|params| apply(arguments, params), session)?;
     let name = mesh.display().to_string();
-    let uncut =
-        find_uncut(&imported.mesh, &asked.uncut(), &session.task).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
-    let set = find_electrodes(&imported.mesh, &uncut, &asked.electrodes, &session.task)
+    let clock = StageClock::default();
+    let task = clock.timed(&session.task);
+    let uncut = find_uncut(&imported.mesh, &asked.uncut(), &task).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+    let set = find_electrodes(&imported.mesh, &uncut, &asked.electrodes, &task)
         .map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
     let is_made = |o: &&Override| !set.electrodes.iter().any(|e| e.name == o.of);
     if let Some(unknown) = arguments.overrides.iter().find(is_made) {
@@ -114,12 +120,18 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     report.table.notes.extend(imported.report.unit_doubt().into_iter().chain(hidden.clone()));
     let mut lines = lines(&set, &report, &asked.datum.of_upright(asked.opening()));
     lines.extend(hidden.map(|text| format!("warning: {text}")));
+    if arguments.compare_divisions {
+        let ways =
+            compare_divisions(&imported.mesh, &uncut, &set, &task).map_err(|e| anyhow::anyhow!("{file_name}: {e}"))?;
+        lines.extend(division_lines(&ways));
+        report.divisions = Some(ways);
+    }
     let mut has_all_files = true;
     if let Some(folder) = folder {
         let drawn = if arguments.no_pictures {
             Ok(Vec::new())
         } else {
-            pictures(&imported.mesh, &set, asked.opening(), session)
+            pictures(&imported.mesh, &set, asked.opening(), &task)
         };
         let pictures = drawn.unwrap_or_else(|error| {
             lines.push(format!("no pictures in the report: {error}"));
@@ -127,7 +139,8 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
         });
         session.task.check()?;
         let formats: Vec<ElectrodeFormat> = arguments.formats.iter().copied().map(ElectrodeFormat::from).collect();
-        let (written, published) = export_electrodes(folder, (&set, &report), &sheet, &pictures, &formats)?;
+        let page = ElectrodesPage { times: &steps(&clock.times()), pictures: &pictures };
+        let (written, published) = export_electrodes(folder, (&set, &report), &sheet, &page, &formats)?;
         has_all_files = written.no_sheet.is_none();
         lines.extend(not_written(&written, &published));
     } else {
@@ -174,21 +187,9 @@ fn apply(arguments: &ElectrodesArguments, params: &mut MoldParams) -> anyhow::Re
 }
 
 /// The report's pictures.
-fn pictures(
-    mesh: &Mesh,
-    set: &ElectrodeSet,
-    opening: Opening,
-    session: &Session,
-) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
-    let mut offscreen = Offscreen::new()?;
-    let mut drawn = Vec::new();
+fn pictures(mesh: &Mesh, set: &ElectrodeSet, opening: Opening, task: &Task) -> anyhow::Result<Vec<Picture>> {
     let (shapes, mold) = (electrode_shapes(set), Arc::new(RenderMesh::new(mesh)));
-    for picture in electrode_pictures(set, &shapes, &mold, opening) {
-        session.task.report("pictures", 0.0, &picture.caption);
-        let png = offscreen.png(&picture.scene, &picture.camera, PICTURE_SIZE, &session.task.cancel)?;
-        drawn.push((picture.caption, png));
-    }
-    Ok(drawn)
+    Ok(draw(electrode_pictures(set, &shapes, &mold, opening), task)?)
 }
 
 /// What was made and what fails, with places in the axes of the datum, which `axes` lead to from the upright mold.
@@ -241,6 +242,32 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport, axes: &DAffine3) -> Vec<
         format!("the change \"{edit}\" has no effect: its place is in no region, or nothing changes there")
     }));
     lines
+}
+
+/// The ways of dividing as a table.
+fn division_lines(ways: &[WayResult]) -> Vec<String> {
+    let head = "divided at          regions  edges  remain  heads  electrodes  burns      min  longest mm  not millable  \
+                not burned";
+    let line = |w: &WayResult| {
+        let name = format!("{}{}", w.way.name(), if w.is_own { " (own)" } else { "" });
+        if let Some(why) = &w.failure {
+            return format!("{name:<18}  {why}");
+        }
+        format!(
+            "{name:<18}  {:>7}  {:>5}  {:>6}  {:>5}  {:>10}  {:>5}  {:>7.0}  {:>10.2}  {:>12}  {:>10}",
+            w.regions,
+            w.edges,
+            w.edges_left,
+            w.heads,
+            w.electrodes,
+            w.burns,
+            w.minutes,
+            w.largest_mm,
+            w.not_millable,
+            w.not_burned
+        )
+    };
+    std::iter::once(head.to_owned()).chain(ways.iter().map(line)).collect()
 }
 
 /// What sharp corners keep, where that is more than is allowed on faces: it is no failure, and has to be known.

@@ -42,11 +42,15 @@ pub(super) fn of_mold(file: &Path, arguments: &RenderArguments, session: &Sessio
     let view = view(arguments)?;
     let message = |e: String| anyhow::anyhow!("{}: {e}", file.display());
     let asked = open_mold(file, user_folder().as_deref())?;
-    let Some(mesh) = &asked.mesh else { return Err(message("mesh is missing; name one in the project".to_owned())) };
-    let imported = session.import(mesh, asked.units)?;
+    let demonstrated = asked.demonstrated(&session.task).map_err(message)?;
+    let imported = match (&asked.mesh, demonstrated) {
+        (Some(mesh), _) => session.import(mesh, asked.units)?,
+        (None, Some(demonstrated)) => demonstrated,
+        (None, None) => return Err(message("mesh is missing; name one in the project".to_owned())),
+    };
     let mut of_part = asked.of_part(&part_of(&imported));
     of_part.open(&imported.mesh);
-    session.note_dropped(mesh, &asked, &of_part);
+    session.note_dropped(asked.mesh.as_deref().unwrap_or(file), &asked, &of_part);
     let asked = of_part;
     let mold = Arc::new(RenderMesh::new(&imported.mesh));
     let found = uncut(&imported.mesh, &asked.uncut(), &session.task).map_err(|e| message(e.to_string()))?;

@@ -1,6 +1,7 @@
 //! `sparkpath uncut`: what milling cutters leave of a mold.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::Args;
 
@@ -8,18 +9,27 @@ use super::project::{Settings, of_kind};
 use super::{Answer, POSITIVE, Session, mm, unit};
 use crate::workspaces::context::is_project;
 use crate::workspaces::mold::document::cutter_file::CUTTERS;
+use crate::workspaces::mold::document::demonstration::DEMONSTRATION;
 use crate::workspaces::mold::document::fields::FIELDS;
 use crate::workspaces::mold::document::standard::{open_mold, standard_mold};
 use crate::workspaces::mold::document::{MoldParams, part_of};
-use crate::workspaces::mold::job::uncut::uncut as find_uncut;
-use crate::workspaces::mold::report::uncut::UncutReport;
-use crate::workspaces::mold::report::uncut::surface_as_ply;
+use crate::workspaces::mold::export::UncutFiles;
+use crate::workspaces::mold::job::compare::compare;
+use crate::workspaces::mold::job::uncut::{Uncut, UncutParams, uncut as find_uncut};
+use crate::workspaces::mold::report::steps::steps;
+use crate::workspaces::mold::report::uncut::{ComparisonReport, UncutPage, UncutReport};
+use crate::workspaces::mold::scene::pictures::{UncutShapes, draw, uncut_pictures};
+use crate::workspaces::mold::scene::{faces_shape, region_shapes};
 use files::paths::user_folder;
+use files::report::Picture;
 use files::{Document, ExportFolder, Params, Validate};
+use geometry::mesh::Mesh;
 use glam::DVec3;
 use import::{Imported, Units};
 use mold::cutter::{Cutter, CutterLibrary};
 use mold::opening::Opening;
+use render::mesh::RenderMesh;
+use task::{StageClock, Task};
 
 /// A mold and the cutters that mill it. What is not given is as in the project, or as usual.
 #[derive(Debug, Args)]
@@ -91,7 +101,16 @@ fn place(text: &str) -> Result<DVec3, String> {
 pub(super) struct UncutArguments {
     #[command(flatten)]
     mold: MoldArguments,
-    /// Folder for uncut.json, uncut.txt and uncut.ply, made if it is not there.
+    /// Other cutters to compare with, written as for --cutters: what they would leave less and more, and where.
+    #[arg(long, value_name = "CUTTERS", value_delimiter = ',', conflicts_with = "compare_library")]
+    compare: Vec<Cutter>,
+    /// A library of other cutters (TOML) to compare with.
+    #[arg(long, value_name = "FILE")]
+    compare_library: Option<PathBuf>,
+    /// No pictures on the page.
+    #[arg(long)]
+    no_pictures: bool,
+    /// Folder for uncut.json, uncut.txt, uncut.ply, uncut_segments.csv and uncut.html, made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -123,9 +142,9 @@ impl MoldArguments {
         before.mesh = self.mesh.clone().or(before.mesh);
         before.units = self.units.unwrap_or(before.units);
         self.settings.apply(&FIELDS, &mut before)?;
-        let Some(path) = before.mesh.clone() else {
-            anyhow::bail!("{}: mesh is missing; give one with --mesh", self.file.display())
-        };
+        let demonstrated = before.demonstrated(&session.task).map_err(anyhow::Error::msg)?;
+        let path = before.mesh.clone().or(demonstrated.as_ref().map(|_| PathBuf::from(DEMONSTRATION)));
+        let Some(path) = path else { anyhow::bail!("{}: mesh is missing; give one with --mesh", self.file.display()) };
         // What is quick to find wrong comes first.
         let with_values = |mut params: MoldParams| {
             // Options of their own count more.
@@ -136,7 +155,7 @@ impl MoldArguments {
             anyhow::Ok(params)
         };
         with_values(before.clone())?;
-        let imported = session.import(&path, before.units)?;
+        let imported = demonstrated.map_or_else(|| session.import(&path, before.units), Ok)?;
         let mut params = with_values(before.of_part(&part_of(&imported)))?;
         if let Some(proposal) = params.open(&imported.mesh) {
             session.note(&format!("{}: opening direction {}", path.display(), proposal.sentence()));
@@ -170,25 +189,57 @@ impl MoldArguments {
     }
 }
 
-/// Finds what the cutters leave, prints it and writes it into the folder if there is one. The answer is no where it is
-/// not known for all of the mold.
+/// Finds what the cutters leave, compares it with what others leave if these are given, prints it and writes it into the
+/// folder if there is one. The answer is no where it is not known for all of the mold.
 pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Result<Answer> {
+    let other = match &arguments.compare_library {
+        Some(file) => Some(CUTTERS.read(file)?),
+        None => Some(CutterLibrary { cutter: arguments.compare.clone() }).filter(|other| !other.cutter.is_empty()),
+    };
+    arguments.out.as_deref().map_or(Ok(()), ExportFolder::check)?;
     let AskedMold { params, imported, path } = arguments.mold.read(|_| Ok(()), session)?;
-    let found = find_uncut(&imported.mesh, &params.uncut(), &session.task)
-        .map_err(|e| anyhow::anyhow!("{}: {e}", path.display()))?;
+    let clock = StageClock::default();
+    let task = clock.timed(&session.task);
+    let wrong = |e| anyhow::anyhow!("{}: {e}", path.display());
+    let found = find_uncut(&imported.mesh, &params.uncut(), &task).map_err(wrong)?;
     let report = UncutReport::of(&found);
+    let compared = |library: CutterLibrary| {
+        let others = UncutParams { library, ..params.uncut() };
+        let others = find_uncut(&imported.mesh, &others, &task.as_stage("comparison"))?;
+        let comparison = compare(&imported.mesh, &found, &others, &task)?;
+        Ok(ComparisonReport::of(&comparison, &others.params.library, params.opening()))
+    };
+    let comparison = other.map(compared).transpose().map_err(wrong)?;
     let notes: Vec<String> = imported.report.unit_doubt().into_iter().collect();
-    let text = report.text(&notes);
-    let json = serde_json::to_string_pretty(&serde_json::json!({
-        "sha256": imported.sha256, "import": imported.report, "uncut": report,
-    }))?;
-    if let Some(folder) = &arguments.out {
-        let surface = surface_as_ply(&found.surface, params.opening());
-        let files =
-            [("uncut.json", json.as_bytes()), ("uncut.txt", text.as_bytes()), ("uncut.ply", surface.as_slice())];
-        ExportFolder::write_all(folder, "uncut", &files)?;
-    }
+    let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+    let drawn = if arguments.out.is_some() && !arguments.no_pictures {
+        pictures(&imported.mesh, &found, &task).unwrap_or_else(|error| {
+            session.note(&format!("no pictures on the page: {error}"));
+            Vec::new()
+        })
+    } else {
+        Vec::new()
+    };
+    session.task.check()?;
+    let (comparison, times) = (comparison.as_ref(), steps(&clock.times()));
+    let files = UncutFiles {
+        uncut: &found,
+        report: &report,
+        sha256: &imported.sha256,
+        import: &imported.report,
+        page: UncutPage { mold: &name, notes: &notes, comparison, times: &times, pictures: &drawn },
+    };
+    arguments.out.as_deref().map(|folder| files.write(folder)).transpose()?;
     super::terminal::finish();
-    say!("{}", if session.json { &json } else { text.trim_end() });
+    say!("{}", if session.json { files.json()? } else { files.text().trim_end().to_owned() });
     Ok(if report.is_whole { Answer::Yes } else { Answer::No })
+}
+
+/// Pictures of what is left of a mold.
+fn pictures(mesh: &Mesh, found: &Uncut, task: &Task) -> anyhow::Result<Vec<Picture>> {
+    let mold = Arc::new(RenderMesh::new(mesh));
+    let regions = region_shapes(mesh, &found.surface, found.regions.len(), found.params.opening);
+    let invert = faces_shape(mesh, &found.stack.invert.triangles);
+    let shapes = UncutShapes { mold: &mold, regions: &regions, invert: invert.as_ref() };
+    Ok(draw(uncut_pictures(mesh, found, &shapes, &task.cancel)?, task)?)
 }

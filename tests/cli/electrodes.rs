@@ -74,6 +74,32 @@ fn a_work_datum_changes_positions_and_no_electrode() {
 }
 
 #[test]
+fn ways_of_dividing_are_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, out) = (folder.path().join("mold.stl"), folder.path().join("out"));
+    write_stl(&file, &pocket()).unwrap();
+    let [mold, out_text] = [&file, &out].map(|p| p.to_str().unwrap().to_owned());
+    let base = ["electrodes", &mold, "--units", "mm", "--cutters", "flat:1", "--no-pictures", "--out", &out_text];
+    let (code, words) = said(&sparkpath(&[&base[..], &["--compare-divisions"]].concat()));
+    assert_eq!(code, Some(0), "{words}");
+    let rows: Vec<Vec<&str>> = words
+        .lines()
+        .skip_while(|line| !line.starts_with("divided at"))
+        .skip(1)
+        .map(|line| line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect())
+        .collect();
+    let names: Vec<&str> = rows.iter().take(4).map(|row| row[0]).collect();
+    assert_eq!(names, ["undivided", "whole faces", "every inner edge", "H-edges (own)"], "{words}");
+    assert_eq!((rows[1][1], rows[3][1]), ("1", "4"), "faces of four corners are those of one region: {words}");
+    let json: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("electrodes.json")).unwrap()).unwrap();
+    assert_eq!(json["divisions"][3]["is_own"], true);
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    for text in ["Ways of dividing", "every inner edge of whole faces", "Refinement: reuse and shared bases"] {
+        assert!(page.contains(text), "{text}");
+    }
+}
+
+#[test]
 fn what_cannot_be_made_is_answered_in_words_and_what_fails_is_not_written() {
     let folder = tempfile::tempdir().unwrap();
     let (file, out) = (folder.path().join("mold.stl"), folder.path().join("out"));

@@ -47,6 +47,43 @@ fn the_corners_of_a_pocket_are_left_whichever_way_it_opens() {
 }
 
 #[test]
+fn segments_page_and_other_cutters_are_written_and_no_time_is_in_files_for_programs() {
+    let folder = tempfile::tempdir().unwrap();
+    let (file, other) = (folder.path().join("mold.stl"), folder.path().join("other.toml"));
+    write_stl(&file, &pocket()).unwrap();
+    std::fs::write(&other, "[[cutter]]\ndiameter_mm = 1.0\n").unwrap();
+    let run = |out: &str, more: &[&str]| {
+        let out = folder.path().join(out);
+        let to = ["--cutters", "flat:1", "--no-pictures", "--out", out.to_str().unwrap()];
+        let (code, json) = answer(&file, &[&to, more].concat());
+        assert_eq!(code, Some(0), "{json}");
+        let read = |name: &str| std::fs::read_to_string(out.join(name)).unwrap();
+        (json, ["uncut.json", "uncut.txt", "uncut_segments.csv", "uncut.html"].map(read))
+    };
+    let (plain, [figures, words, segments, page]) = run("plain", &[]);
+    let runs: Vec<&str> = segments.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(runs[0], "layer,height_mm,region,length_mm,points_mm");
+    let of_layer = runs.iter().filter(|run| run.starts_with("2,")).count();
+    assert_eq!(of_layer, 4, "a run in each corner: {segments}");
+    for text in ["Uncut detection", "height map, layers, surface", "mold.stl", "flat 2"] {
+        assert!(page.contains(text), "{text}");
+    }
+    assert!(plain.get("comparison").is_none() && !page.contains("Other cutters"));
+    let ways = [["--compare", "flat:0.5"], ["--compare-library", other.to_str().unwrap()]];
+    let [given, listed] = ways.map(|more| run(more[0], &more));
+    assert!(given == listed || given.1[..3] == listed.1[..3], "the same however it is given");
+    let comparison = &given.0["comparison"];
+    assert_eq!((comparison["regions"][1].as_u64(), comparison["taken"].as_array().unwrap().len()), (Some(4), 4));
+    let left = comparison["volumes_mm3"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect::<Vec<_>>();
+    assert!((left[0] / left[1] - 4.0).abs() < 1e-3, "a corner is as the square of the radius: {left:?}");
+    assert!(given.1[1].contains("less is left") && given.1[3].contains("Other cutters"), "{}", given.1[1]);
+    let again = run("plain", &[]).1;
+    assert_eq!([&again[0], &again[1], &again[2]], [&figures, &words, &segments]);
+    let wrong = sparkpath(&["uncut", file.to_str().unwrap(), "--compare", "flat:0"]);
+    assert!(wrong.status.code() == Some(2) && text(&wrong.stderr).contains("radius is 0: must"));
+}
+
+#[test]
 fn a_ball_leaves_the_edges_of_a_floor_and_both_together_the_corners() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("mold.stl");

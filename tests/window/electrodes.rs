@@ -1,6 +1,8 @@
 //! Electrodes in the workspace of molds: from a mesh to burns that are looked at, changed and exported.
 
-use std::path::Path;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::Arc;
 
 use egui::{Key, Modifiers, Role};
@@ -12,7 +14,8 @@ use glam::{DVec2, DVec3};
 use import::write_stl;
 use mold::cutter::{Cutter, CutterLibrary};
 use mold::electrode::design::{Burn, ElectrodeSet};
-use mold::electrode::params::{Edit, Method};
+use mold::electrode::params::{Edit, Holder, Method};
+use mold::opening::Opening::MinusX;
 use nc::burn_template::BurnSheet;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::commands::{CommandSet as _, Commanded as _};
@@ -421,6 +424,108 @@ fn two_parts_of_a_region_are_merged_and_one_is_split_along_a_drawn_line() {
     assert_eq!(parts(&desk), 3);
 }
 
+/// Names and contents of the files of an export, without pages, whose pictures and times differ, and the manifest.
+fn exported(folder: &Path) -> Vec<(OsString, Vec<u8>)> {
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|file| file.extension().is_some_and(|e| e != "html") && !file.ends_with(files::MANIFEST));
+    files.sort();
+    let content = |file: &PathBuf| (file.file_name().unwrap().to_owned(), std::fs::read(file).unwrap());
+    files.iter().map(content).collect()
+}
+
+/// Opening, cutters, holders, material, names, divisions and burn directions by hand, overrides: a saved project has them
+/// all, and the command line makes the same files of it to the last bit.
+#[test]
+fn a_saved_project_with_every_edit_is_answered_headless_as_in_the_window() {
+    let home = Home::new();
+    let [mesh, project, shown, headless] =
+        ["bent.stl", "bent.sparkpath", "shown", "headless"].map(|name| home.path(name));
+    // A second region beside the bent one: a groove that is open on one side.
+    let groove = [[6.0, 1.0], [11.0, 1.0], [11.0, 2.5], [6.0, 2.5]].map(DVec2::from);
+    let mold = difference(&bent_slot(), &prism(&[&groove], 7.0, 11.0).unwrap()).unwrap();
+    write_stl(&mesh, &mold.mapped(|p| MinusX.in_mesh(p))).unwrap();
+    let mut desk = home.start_in(Opening::In("mold", Some(mesh)), [1280, 720], 1.0);
+    desk.take_cutters(&[Cutter::flat(2.0)]);
+    let mut params = desk.mold().document.params().clone();
+    params.opening = MinusX;
+    params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(0.5)] });
+    params.electrodes.stages[0].gap_mm = 0.06;
+    params.electrodes.material = "graphite".to_owned();
+    params.electrodes.holders = vec![Holder { name: "mine".to_owned(), size_mm: [60.0, 60.0], height_mm: 25.0 }];
+    desk.mold_mut().edit(params);
+    desk.until_loaded();
+    desk.press("Create electrodes");
+    until_designed(&mut desk);
+    let made = desk.mold().electrodes.designed().unwrap().clone();
+    let bent = (0..2).find(|r| made.leaves(*r).len() == 2).unwrap();
+    let [Some(a), Some(b)] = made.leaves(bent)[..] else { panic!("{:?}", made.leaves(bent)) };
+    let direction = DVec3::new(-0.1, 0.0, -1.0);
+    let mut params = desk.mold().document.params().clone();
+    params.electrodes.edits = vec![
+        Edit::Merge { places: [a, b] },
+        Edit::Split { line: [DVec3::new(2.0, -7.5, 10.0), DVec3::new(2.0, -1.5, 10.0)] },
+        Edit::Make { place: made.places[bent].unwrap(), method: Method::Extruding },
+        Edit::Burn { place: made.places[1 - bent].unwrap(), direction },
+    ];
+    params.electrodes.overrides.push("E01:machinable".parse().unwrap());
+    desk.mold_mut().edit(params);
+    desk.until("they are made again", |d| d.mold().is_designed() && !d.mold().work.is_busy());
+    let made = desk.mold().electrodes.designed().unwrap().clone();
+    assert!(made.set.unmet_edits().is_empty(), "{:?}", made.report.sentence);
+    assert!(made.set.regions[1 - bent].direction.distance(direction.normalize()) < 1e-12);
+    desk.key_with(Modifiers::COMMAND, Key::S);
+    desk.type_path(&project);
+    desk.key_with(Modifiers::COMMAND, Key::E);
+    desk.type_path(&shown);
+    desk.until("they are exported", |d| !d.mold().work.is_busy());
+    desk.press("Export rest\u{2026}");
+    desk.type_path(&shown);
+    desk.until("the rest is exported", |d| !d.mold().work.is_busy());
+    for command in ["electrodes", "uncut"] {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_sparkpath"));
+        program.args([command, "--no-pictures", "--out"]).args([&headless, &project]);
+        let said = program.env("XDG_CONFIG_HOME", home.path("no-settings")).output().unwrap();
+        assert!(matches!(said.status.code(), Some(0 | 3)), "{}", String::from_utf8_lossy(&said.stderr));
+    }
+    let [shown, headless] = [shown, headless].map(|folder| exported(&folder));
+    let names = |files: &[(OsString, Vec<u8>)]| files.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&shown), names(&headless));
+    for known in ["burn_table.csv", "electrodes.json", "uncut.json", "uncut_segments.csv"] {
+        assert!(names(&shown).iter().any(|name| *name == known), "{known}");
+    }
+    for ((name, shown), (_, headless)) in shown.iter().zip(&headless) {
+        assert!(shown == headless, "{name:?} differs");
+    }
+}
+
+#[test]
+fn ways_of_dividing_are_compared_with_the_electrodes_that_are_shown() {
+    let home = Home::new();
+    let file = home.path("bent.stl");
+    write_stl(&file, &bent_slot()).unwrap();
+    let mut desk = home.start_in(Opening::In("mold", Some(file)), [1280, 900], 1.0);
+    desk.take_cutters(&[Cutter::flat(2.0)]);
+    let mut params = desk.mold().document.params().clone();
+    params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(0.5)] });
+    desk.mold_mut().edit(params);
+    desk.until_loaded();
+    desk.press("Create electrodes");
+    until_designed(&mut desk);
+    for shut in ["Mold", "Cutters", "Uncut"] {
+        desk.press_role(Role::DisclosureTriangle, shut);
+    }
+    desk.press_role(Role::DisclosureTriangle, "Electrodes");
+    desk.press("Compare ways of dividing");
+    desk.until("they are compared", |d| !d.mold().work.is_busy());
+    let ways = desk.mold().work.divisions(desk.mold().params()).unwrap().clone();
+    let made = desk.mold().electrodes.designed().unwrap();
+    assert_eq!(ways.iter().map(|way| way.heads).collect::<Vec<_>>()[..1], [1]);
+    assert!(ways[3].is_own && ways[3].heads == 2 && ways[3].minutes == made.set.minutes(), "{ways:?}");
+    assert!(ways[0].not_millable == 1 && ways[3].not_millable == 0, "{ways:?}");
+    desk.assert_shows("whole faces");
+    desk.picture("mold_divisions_dark");
+}
+
 /// A click in the view on a place of the mold.
 fn click_at(desk: &mut Desk, place: DVec3) {
     let view = desk.window.get(By::new().role(Role::Image).label("3D viewport")).rect();
@@ -441,13 +546,7 @@ fn what_was_computed_is_shown_at_once_when_its_project_is_opened_and_proven_befo
         desk.key_with(Modifiers::COMMAND, Key::E);
         desk.type_path(folder);
         desk.until("it is exported", |d| !d.mold().work.is_busy());
-        let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-        files.retain(|file| file.extension().is_some_and(|e| e != "html") && !file.ends_with(files::MANIFEST));
-        files.sort();
-        files
-            .into_iter()
-            .map(|file| (file.file_name().unwrap().to_owned(), std::fs::read(&file).unwrap()))
-            .collect::<Vec<_>>()
+        exported(folder)
     };
     let mut desk = designed(&home, [1280, 720]);
     let made = desk.mold().electrodes.designed().unwrap().clone();

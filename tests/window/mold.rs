@@ -210,6 +210,7 @@ fn a_change_of_a_cutter_is_seen_at_a_glance_and_found_exactly_at_rest() {
 fn what_is_done_to_cutters_is_undone_step_by_step() {
     let home = Home::new();
     let mut desk = home.start(Opening::In("mold", None));
+    desk.until_loaded();
     let start = desk.mold().document.params().clone();
     desk.enter("Cutters 2, Diameter", "7");
     let wide = desk.mold().document.params().clone();
@@ -236,6 +237,41 @@ fn what_is_done_to_cutters_is_undone_step_by_step() {
     assert_eq!((desk.mold().document.params(), desk.mold().document.undo_label(true)), (&end, None));
     // Nothing of it was done to the blisk.
     assert!(!desk.blisk().document.is_unsaved());
+}
+
+/// The demonstration mold is there as soon as the workspace is, is worked on like any other, and makes room for a mold.
+#[test]
+fn an_empty_workspace_shows_a_demonstration_mold() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::In("mold", None));
+    desk.until_loaded();
+    desk.assert_shows("Demonstration mold. Drop your own here");
+    assert!(!desk.mold().document.is_unsaved() && desk.mold().params().mesh.is_none());
+    let bounds = desk.mold().work.mold().unwrap().shape.bounds();
+    assert_eq!(desk.app().scene().objects.len(), 1);
+    assert!(bounds.size().distance(DVec3::new(64.0, 46.0, 18.0)) < 1e-4, "{bounds:?}");
+    desk.pictures("mold_demonstration");
+    // Saved it is the same headless.
+    let (file, out) = (home.path("demonstration.sparkpath"), home.path("out"));
+    let mut params = desk.mold().params().clone();
+    params.library.cutter = vec![Cutter::flat(1.0)];
+    desk.mold_mut().edit(params);
+    desk.press("Find rest material");
+    desk.until_found();
+    let regions = desk.mold().regions().len();
+    assert!(regions >= 7, "two ribs, a cross, four corners: {regions}");
+    desk.key_with(Modifiers::COMMAND, Key::S);
+    desk.type_path(&file);
+    let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_sparkpath"));
+    program.args(["uncut", "--no-pictures", "--out"]).args([&out, &file]);
+    assert!(program.env("XDG_CONFIG_HOME", home.path("no-settings")).status().unwrap().success());
+    let json: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("uncut.json")).unwrap()).unwrap();
+    assert_eq!(json["uncut"]["regions"].as_array().unwrap().len(), regions);
+    let mesh = home.mold();
+    desk.drop_file(&mesh);
+    desk.until_loaded();
+    assert_eq!(desk.mold().params().mesh.as_ref(), Some(&mesh));
+    assert!(desk.mold().found().is_none() && !desk.shows("Demonstration mold. Drop"));
 }
 
 #[test]
@@ -318,7 +354,6 @@ fn other_cutters_are_compared_region_by_region() {
 fn cutters_are_added_saved_and_loaded() {
     let home = Home::new();
     let mut desk = home.start(Opening::In("mold", None));
-    assert!(desk.app().scene().objects.is_empty());
     let standard = desk.mold().document.params().library.clone();
     desk.press("Add to Cutters");
     desk.press("Cutters 9");

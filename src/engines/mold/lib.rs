@@ -6,6 +6,7 @@
 pub mod ball_agreement;
 pub mod cutter;
 pub mod datum;
+pub mod demonstration;
 pub mod electrode;
 pub mod height_field;
 pub mod invert;

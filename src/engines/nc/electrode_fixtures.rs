@@ -68,6 +68,7 @@ fn leaf(part: usize) -> PartNode {
 
 fn region(tree: Option<PartNode>, reason: Option<&str>, thickness: f64) -> RegionPlan {
     RegionPlan {
+        is_set_aside: false,
         edits: Vec::new(),
         tree,
         earlier: Vec::new(),

@@ -5,6 +5,7 @@
 
 mod memo;
 mod scheduler;
+mod stage_times;
 #[cfg(test)]
 mod tests;
 
@@ -13,6 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 pub use memo::{Doing, Ended, Memo, Refusal, Same, State, Work};
 pub use scheduler::{Lane, Priority, Scheduler};
+pub use stage_times::{StageClock, StageTime};
 
 /// The result of a computation that was cancelled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]

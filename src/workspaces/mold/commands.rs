@@ -13,6 +13,8 @@ pub enum MoldCommand {
     /// Shows regions or electrodes.
     Electrodes,
     CompareCutters,
+    ExportUncut,
+    CompareDivisions,
     FlyToRegion,
     Isolate,
     Layers,
@@ -32,7 +34,7 @@ impl CommandSet for MoldCommand {
         const fn info(name: &'static str) -> CommandInfo {
             CommandInfo::new(name)
         }
-        static TABLE: [(C, CommandInfo); 13] = [
+        static TABLE: [(C, CommandInfo); 15] = [
             (C::FindUncut, info("Find rest material").key(Key::F6)),
             (C::DesignElectrodes, info("Create electrodes").key(Key::F7)),
             (C::Electrodes, info("Show regions or electrodes").key(Key::E)),
@@ -40,6 +42,11 @@ impl CommandSet for MoldCommand {
                 C::CompareCutters,
                 info("Compare with other cutters").needing("Find the rest material of the present cutters first"),
             ),
+            (
+                C::ExportUncut,
+                info("Export rest material").needing("Find the rest material of the present cutters first"),
+            ),
+            (C::CompareDivisions, info("Compare ways of dividing").needing("Create the electrodes first")),
             (C::FlyToRegion, info("Fly to the region")),
             (C::Isolate, info("Show only this region").key(Key::I)),
             (C::Layers, info("Layers of the mold").key(Key::L)),

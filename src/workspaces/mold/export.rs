@@ -1,7 +1,14 @@
-//! All files of electrodes in one folder, or none.
+//! All files of uncut regions or of electrodes in one folder, or none.
 
-use crate::workspaces::mold::report::ElectrodesReport;
-use files::{ExportFolder, Published};
+use std::path::Path;
+
+use crate::workspaces::mold::job::uncut::Uncut;
+use crate::workspaces::mold::report::segments::segments_as_csv;
+use crate::workspaces::mold::report::uncut::{UncutPage, UncutReport, surface_as_ply};
+use crate::workspaces::mold::report::{ElectrodesPage, ElectrodesReport};
+use files::report::PageError;
+use files::{ExportFolder, FileError, Published};
+use import::ImportReport;
 use mold::electrode::design::ElectrodeSet;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::{
@@ -10,6 +17,75 @@ use nc::electrode_files::{
 
 /// What the manifest of a folder calls an export of electrodes.
 pub const EXPORT: &str = "electrodes";
+
+/// Kind of an export of uncut regions in the manifest of a folder.
+pub const UNCUT_EXPORT: &str = "uncut";
+
+/// Uncut regions with all that their files say.
+pub struct UncutFiles<'a> {
+    /// The regions.
+    pub uncut: &'a Uncut,
+    /// Report on them.
+    pub report: &'a UncutReport,
+    /// Digest of the mold's file (SHA-256).
+    pub sha256: &'a str,
+    /// Report of the mold's import.
+    pub import: &'a ImportReport,
+    /// What the page shows beside the report.
+    pub page: UncutPage<'a>,
+}
+
+/// Reason why files of uncut regions were not written.
+#[derive(Debug, thiserror::Error)]
+pub enum UncutExportError {
+    /// The figures could not be made.
+    #[error("uncut.json: {0}")]
+    Json(#[from] serde_json::Error),
+    /// The page could not be made.
+    #[error(transparent)]
+    Page(#[from] PageError),
+    /// A file could not be written.
+    #[error(transparent)]
+    File(#[from] FileError),
+}
+
+impl UncutFiles<'_> {
+    /// Content of `uncut.json`.
+    ///
+    /// # Errors
+    /// The writer's own; none is known.
+    pub fn json(&self) -> Result<String, serde_json::Error> {
+        let mut all = serde_json::json!({ "sha256": self.sha256, "import": self.import, "uncut": self.report });
+        if let Some(comparison) = self.page.comparison {
+            all["comparison"] = serde_json::to_value(comparison)?;
+        }
+        serde_json::to_string_pretty(&all)
+    }
+
+    /// Content of `uncut.txt`: the report in lines, and the comparison with other cutters if there is one.
+    pub fn text(&self) -> String {
+        let compared = self.page.comparison.map_or_else(String::new, |comparison| comparison.text());
+        self.report.text(self.page.notes) + &compared
+    }
+
+    /// Writes all files into `folder`, which is made if missing.
+    ///
+    /// # Errors
+    /// [`UncutExportError`]; then nothing was written.
+    pub fn write(&self, folder: &Path) -> Result<Published, UncutExportError> {
+        let (json, text, page) = (self.json()?, self.text(), self.report.html(&self.page)?);
+        let surface = surface_as_ply(&self.uncut.surface, self.uncut.params.opening);
+        let segments = segments_as_csv(self.uncut, self.page.mold);
+        let files: [(&str, &[u8]); 5] = [
+            ("uncut.json", json.as_bytes()),
+            ("uncut.txt", text.as_bytes()),
+            ("uncut.ply", &surface),
+            ("uncut_segments.csv", segments.as_bytes()),
+            ("uncut.html", page.as_bytes()),
+        ];
+        Ok(ExportFolder::write_all(folder, UNCUT_EXPORT, &files)?)
+    }
+}
 
 /// Writes and publishes the electrodes that may be exported in all `formats`, `burn_table.csv` and `.json`, the burn
 /// sheet, and the report with its pictures. Electrode files of earlier exports do not stay under their names. A sheet
@@ -21,7 +97,7 @@ pub fn export_electrodes(
     folder: ExportFolder,
     (set, report): (&ElectrodeSet, &ElectrodesReport),
     sheet: &BurnSheet,
-    pictures: &[(String, Vec<u8>)],
+    page: &ElectrodesPage,
     formats: &[ElectrodeFormat],
 ) -> Result<(WrittenElectrodes, Published), ElectrodeExportError> {
     let mut folder =
@@ -34,15 +110,13 @@ pub fn export_electrodes(
         Err(error) => written.no_sheet = Some(error.to_string()),
     }
     folder.write("electrodes.json", report.json()?.as_bytes())?;
-    folder.write("report.html", report.html(pictures)?.as_bytes())?;
+    folder.write("report.html", report.html(page)?.as_bytes())?;
     let published = folder.publish()?;
     Ok((written, published))
 }
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
     use geometry::mesh::Mesh;
     use mold::datum::Datum;
@@ -67,8 +141,14 @@ mod tests {
         std::fs::write(out.join("E04_finish_g0.05_Cu-soft_x1.stl"), "of an earlier plan").unwrap();
         let opened = ExportFolder::open(&out, EXPORT).unwrap();
         std::fs::write(out.join("burn_table.csv"), "old").unwrap();
-        let (_, published) =
-            export_electrodes(opened, (&set, &report), &BurnSheet::standard(), &[], &[ElectrodeFormat::Stl]).unwrap();
+        let (_, published) = export_electrodes(
+            opened,
+            (&set, &report),
+            &BurnSheet::standard(),
+            &ElectrodesPage::default(),
+            &[ElectrodeFormat::Stl],
+        )
+        .unwrap();
         let renamed =
             "E04_finish_g0.05_Cu-soft_x1.stl of an earlier export is now called E04_finish_g0.05_Cu-soft_x1.stl.old";
         assert_eq!(published.notes(), [renamed]);
@@ -98,7 +178,13 @@ mod tests {
         let report = ElectrodesReport::of(&broken, "shell", Opening::PlusZ, &Datum::default());
         let tried = |set: &ElectrodeSet| {
             let opened = ExportFolder::open(&out, EXPORT).unwrap();
-            export_electrodes(opened, (set, &report), &BurnSheet::standard(), &[], &[ElectrodeFormat::Glb])
+            export_electrodes(
+                opened,
+                (set, &report),
+                &BurnSheet::standard(),
+                &ElectrodesPage::default(),
+                &[ElectrodeFormat::Glb],
+            )
         };
         assert!(tried(&broken).unwrap_err().to_string().contains("E02-finish as glb"));
         assert!(!folder.path().join("a").exists(), "folders made for nothing go again");

@@ -13,6 +13,8 @@ pub enum MoldPath {
     Cutters,
     /// Another one to compare with.
     OtherCutters,
+    /// Folder for the files of uncut regions.
+    UncutFolder,
     /// Folder for the files of electrodes.
     ElectrodeFolder,
     /// A template of the burn sheet.
@@ -26,13 +28,14 @@ pub enum MoldPath {
 impl PathSet for MoldPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use MoldPath as P;
-        static TABLE: [(P, PathInfo); 7] = [
+        static TABLE: [(P, PathInfo); 8] = [
             (
                 P::Open,
                 PathInfo::open("Open a mold", PathKind::Read("Molds and meshes", &[PROJECT, MESH_ENDINGS], false)),
             ),
             (P::Cutters, PathInfo::new("Load cutters", PathKind::Read("Cutters", &[TOML], false))),
             (P::OtherCutters, PathInfo::new("Load cutters to compare with", PathKind::Read("Cutters", &[TOML], false))),
+            (P::UncutFolder, PathInfo::new("Folder for the rest material", PathKind::Folder)),
             (P::ElectrodeFolder, PathInfo::new("Folder for the electrodes", PathKind::Folder)),
             (P::BurnSheet, PathInfo::new("Template of the burn sheet", PathKind::Read("", &[], false))),
             (P::SaveCutters, PathInfo::new("Save cutters", PathKind::Write("Cutters", ".toml"))),

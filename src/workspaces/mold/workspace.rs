@@ -141,6 +141,14 @@ impl MoldWorkspace {
         }
     }
 
+    /// Writes the files of the rest material into `folder`, or shows why that is not possible.
+    pub fn export_uncut(&mut self, folder: &Path, cx: &mut Context) {
+        let desk = &mut self.desk;
+        if let Err(why) = desk.work.export_uncut(desk.document.params(), &desk.other, folder) {
+            cx.error("Nothing was exported", why);
+        }
+    }
+
     /// Steps along the burn of the selected electrode.
     fn step_along_burn(&mut self, command: FrameCommand) {
         let burns = &mut self.desk.electrodes;
@@ -176,6 +184,8 @@ impl MoldWorkspace {
             }
             MoldCommand::DesignElectrodes => done = desk.design(),
             MoldCommand::CompareCutters => done = desk.work.compare(desk.document.params(), &desk.other),
+            MoldCommand::CompareDivisions => done = desk.work.compare_divisions(desk.document.params()),
+            MoldCommand::ExportUncut => cx.ask(MoldPath::UncutFolder, ""),
             MoldCommand::Electrodes => burns.is_shown = !burns.is_shown,
             MoldCommand::FlyToRegion if burns.seen().is_some() => {
                 bounds.into_iter().for_each(|bounds| burns.fly_to_selected(bounds));
@@ -229,9 +239,10 @@ impl Commanded for MoldDesk {
             MoldCommand::FlyToRegion | MoldCommand::Isolate if burns.seen().is_some() => burns.chosen().is_some(),
             MoldCommand::FlyToRegion | MoldCommand::Isolate => self.selected.is_some(),
             MoldCommand::Section => is_one_seen,
-            MoldCommand::CompareCutters => self.state() == State::Ready,
+            MoldCommand::CompareCutters | MoldCommand::ExportUncut => self.state() == State::Ready,
             MoldCommand::Layers if burns.seen().is_some() => false,
             MoldCommand::Layers => self.found().is_some_and(|found| !found.uncut.layers.is_empty()),
+            MoldCommand::CompareDivisions => self.is_designed(),
             MoldCommand::MillFlanks => self.is_designed() && burns.chosen().is_some(),
             _ => true,
         }
@@ -258,11 +269,14 @@ impl Workspace for MoldWorkspace {
         match menu {
             Menu::New | Menu::Save => Vec::new(),
             Menu::Own => vec![
-                [of(&[C::FindUncut, C::DesignElectrodes, C::CompareCutters]), vec![FrameCommand::Cancel.into()]]
-                    .concat(),
+                [
+                    of(&[C::FindUncut, C::DesignElectrodes, C::CompareCutters, C::ExportUncut]),
+                    vec![FrameCommand::Cancel.into()],
+                ]
+                .concat(),
                 of(&[C::Electrodes, C::Layers, C::DepthColours, C::FaintMold]),
                 of(&[C::FoldPanel, C::FoldList]),
-                of(&[C::FlyToRegion, C::Isolate, C::MillFlanks]),
+                of(&[C::FlyToRegion, C::Isolate, C::CompareDivisions, C::MillFlanks]),
             ],
             Menu::View => vec![of(&[C::Section])],
         }
@@ -369,6 +383,7 @@ impl Workspace for MoldWorkspace {
             Some(MoldPath::OtherCutters) => self.load_cutters(&path, true, cx),
             Some(MoldPath::SaveCutters) => self.save_cutters(&path, cx),
             Some(MoldPath::BurnSheet) => self.take_burn_sheet(&path, cx),
+            Some(MoldPath::UncutFolder) => self.export_uncut(&path, cx),
             Some(MoldPath::ElectrodeFolder) => self.export(&path, cx),
             None => {}
         }

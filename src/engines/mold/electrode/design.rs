@@ -213,6 +213,8 @@ pub struct RegionPlan {
     pub method: Method,
     /// Burn direction of its electrodes, in the upright mold.
     pub direction: DVec3,
+    /// Whether the user has set the region aside: no electrode is made for it.
+    pub is_set_aside: bool,
     /// User's changes that apply to the region: their indices in the list.
     pub edits: Vec<usize>,
     /// Reason why the region has no electrode, or lacks one for a part.
@@ -347,14 +349,22 @@ impl ElectrodeSet {
     pub fn needing_none(&self) -> Vec<usize> {
         let burned: BTreeSet<usize> =
             self.electrodes.iter().flat_map(|e| &e.burns).flat_map(|b| &b.parts).map(|part| part.region).collect();
-        let needs_none = |r: &usize| self.regions[*r].reason.is_none() && !burned.contains(r);
-        (0..self.regions.len()).filter(needs_none).collect()
+        let is_needless = |plan: &RegionPlan| plan.reason.is_none() && !plan.is_set_aside;
+        (0..self.regions.len()).filter(|r| is_needless(&self.regions[*r]) && !burned.contains(r)).collect()
+    }
+
+    /// Indices of regions that the user has set aside.
+    pub fn set_aside(&self) -> Vec<usize> {
+        (0..self.regions.len()).filter(|r| self.regions[*r].is_set_aside).collect()
     }
 
     /// Reason why no electrode burns a region, or a part of it, with its place, which `axes` take from the upright mold to
     /// those of a datum; none where all is burned.
     pub fn why_not_burned(&self, region: usize, axes: &DAffine3) -> Option<String> {
         let plan = &self.regions[region];
+        if plan.is_set_aside {
+            return Some("set aside".to_owned());
+        }
         let left_out = || plan.left_out.last().map_or("there is nothing to burn", |left| &left.text).to_owned();
         plan.reason_at(axes).or_else(|| self.needing_none().contains(&region).then(left_out))
     }

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::footprint::{grown, half_plane, is_thin, shrunk};
 use super::h_edge::{HEdge, h_edges, is_upright, place};
+use super::params::DividedAt;
 use super::tip::{Burned, Footprint, SKIN, TipError, tip};
 use crate::outline::Outline;
 use crate::plane;
@@ -79,6 +80,8 @@ pub struct DivisionSettings {
     pub overlap: f64,
     /// The least width of a part (mm).
     pub least: f64,
+    /// Inner edges of tips at which it is divided.
+    pub at: DividedAt,
     /// Whether parts that are narrower are left out, for the stages that come after; else nothing is divided where
     /// there would be one.
     pub leaves_out_thin: bool,
@@ -94,7 +97,8 @@ pub fn divide(
     settings: &DivisionSettings,
     cancel: &Cancel,
 ) -> Result<Part, TipError> {
-    divided(burned, footprint, settings, DEEPEST, cancel)
+    let deepest = if settings.at == DividedAt::Nothing { 0 } else { DEEPEST };
+    divided(burned, footprint, settings, deepest, cancel)
 }
 
 fn divided(
@@ -105,7 +109,7 @@ fn divided(
     cancel: &Cancel,
 ) -> Result<Part, TipError> {
     cancel.check()?;
-    let mut part = whole(burned, footprint)?;
+    let mut part = whole(burned, footprint, settings.at)?;
     // The first cut that takes an H-edge away, the longest first, and leaves fewest in its parts.
     for edge in part.h_edges.iter().filter(|_| deeper > 0) {
         let mut best: Option<(usize, f64, Cut, Halves)> = None;
@@ -134,9 +138,9 @@ fn divided(
 ///
 /// # Errors
 /// [`TipError`].
-pub(super) fn whole(burned: &Burned, footprint: Footprint) -> Result<Part, TipError> {
+pub(super) fn whole(burned: &Burned, footprint: Footprint, at: DividedAt) -> Result<Part, TipError> {
     let body = tip(burned, &footprint)?;
-    let h_edges = h_edges(&body);
+    let h_edges = h_edges(&body, at);
     Ok(Part { footprint, body, h_edges, divided: None, lacks_thin: false })
 }
 
@@ -163,7 +167,7 @@ fn parts_of(
     if parts.is_empty() || (lacks_thin && !settings.leaves_out_thin) {
         return Ok(None);
     }
-    match parts.into_iter().map(|f| whole(burned, f)).collect::<Result<Vec<Part>, _>>() {
+    match parts.into_iter().map(|f| whole(burned, f, settings.at)).collect::<Result<Vec<Part>, _>>() {
         Ok(parts) => Ok(Some(Halves { parts, mouth, lacks_thin })),
         Err(TipError::NoRoom | TipError::NoSurface | TipError::Solid(_)) => Ok(None),
         Err(other) => Err(other),

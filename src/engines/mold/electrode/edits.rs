@@ -26,7 +26,7 @@ impl Edit {
     pub(super) fn validate(&self) -> Result<(), Invalid> {
         let is_place = match self {
             Self::Merge { places: [a, b] } | Self::Split { line: [a, b] } => a.is_finite() && b.is_finite(),
-            Self::Make { place, .. } | Self::Burn { place, .. } => place.is_finite(),
+            Self::Make { place, .. } | Self::Burn { place, .. } | Self::SetAside { place } => place.is_finite(),
         };
         if !is_place {
             return Err(Invalid::of("", "its places must be finite numbers (mm)"));
@@ -60,9 +60,9 @@ pub(super) fn apply(
         }
         Edit::Merge { places } => {
             let [a, b] = places.map(plan);
-            merge(burned, tree, [a, b])
+            merge(burned, tree, [a, b], settings)
         }
-        Edit::Make { .. } | Edit::Burn { .. } => Ok(false),
+        Edit::Make { .. } | Edit::Burn { .. } | Edit::SetAside { .. } => Ok(false),
     }
 }
 
@@ -76,13 +76,13 @@ fn split(burned: &Burned, tree: &mut Part, [a, b]: [DVec2; 2], settings: &Divisi
     if halves.len() < 2 {
         return Ok(false);
     }
-    let halves = halves.into_iter().map(|f| whole(burned, f)).collect::<Result<Vec<_>, _>>()?;
+    let halves = halves.into_iter().map(|f| whole(burned, f, settings.at)).collect::<Result<Vec<_>, _>>()?;
     part.divided = Some((cut, halves));
     Ok(true)
 }
 
 /// Makes the parts that two places name one, which stands where the first of them stood.
-fn merge(burned: &Burned, tree: &mut Part, places: [DVec2; 2]) -> Result<bool, TipError> {
+fn merge(burned: &Burned, tree: &mut Part, places: [DVec2; 2], settings: &DivisionSettings) -> Result<bool, TipError> {
     let [Some(a), Some(b)] = places.map(|p| holder(tree, p)) else { return Ok(false) };
     if a == b {
         return Ok(false);
@@ -98,7 +98,7 @@ fn merge(burned: &Burned, tree: &mut Part, places: [DVec2; 2]) -> Result<bool, T
     footprint.free = flat(plane::grown(&flat(plane::grown(&free, HAIR)), -HAIR));
     footprint.outlines = flat(plane::grown(&footprint.free, SKIN));
     footprint.region = joined(&footprint.region, &other.region);
-    *one = whole(burned, footprint)?;
+    *one = whole(burned, footprint, settings.at)?;
     remove(tree, &second);
     Ok(true)
 }
@@ -150,12 +150,12 @@ pub(super) fn named(
     offs.iter().map(|of| (0..edits.len()).filter(|e| is_near(of, *e)).collect()).collect()
 }
 
-/// For each region those of the changes that say how it is made and from where, by their places in the list: each is
+/// For each region those of the changes that say whether it is burned, how it is made and from where, by their places in the list: each is
 /// for the region nearest to its place, if that is near enough.
 pub(super) fn pointed_at(regions: &[RegionToBurn], edits: &[Edit]) -> Vec<Vec<usize>> {
     let mut of = vec![Vec::new(); regions.len()];
     for (number, edit) in edits.iter().enumerate() {
-        let (Edit::Make { place, .. } | Edit::Burn { place, .. }) = edit else { continue };
+        let (Edit::Make { place, .. } | Edit::Burn { place, .. } | Edit::SetAside { place }) = edit else { continue };
         let offs: Vec<f64> = regions.par_iter().map(|region| off_in_space(region, *place)).collect();
         let nearest = offs.iter().copied().fold(f64::INFINITY, f64::min);
         let is_meant = |off: f64| off < TOUCHES && off <= nearest + AS_NEAR;

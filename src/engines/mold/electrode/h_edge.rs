@@ -6,6 +6,7 @@
 
 use glam::DVec2;
 
+use super::params::DividedAt;
 use geometry::mesh::{Edge, Mesh};
 
 /// Turn of a concave edge from which on it is one; below, it is a facet of a rounding.
@@ -30,11 +31,12 @@ pub fn is_upright(edge: &HEdge) -> bool {
     (edge.ends[1] - edge.ends[0]).truncate().length() < TOGETHER
 }
 
-/// The H-edges of a tip, the longest first, upright ones above one another together.
-pub fn h_edges(tip: &Mesh) -> Vec<HEdge> {
+/// The H-edges of a tip, the longest first, upright ones above one another together; with [`DividedAt::EveryEdge`] also
+/// the concave edges that a flat end mills.
+pub fn h_edges(tip: &Mesh, at: DividedAt) -> Vec<HEdge> {
     let is_level = |edge: &Edge| (edge.ends[1] - edge.ends[0]).z.abs() <= LEVEL * edge.length();
     let mut found = tip.concave_edges(LEAST_TURN_DEG.to_radians());
-    found.retain(|edge| !is_level(edge) && edge.length() > SHORTEST);
+    found.retain(|edge| (at == DividedAt::EveryEdge || !is_level(edge)) && edge.length() > SHORTEST);
     joined(found)
 }
 

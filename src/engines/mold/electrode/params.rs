@@ -141,6 +141,19 @@ pub enum Method {
     Cutting,
 }
 
+/// Inner edges of heads at which regions are divided.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DividedAt {
+    /// Nowhere: a head for each region, whatever edges it has.
+    Nothing,
+    /// Every inner edge, also those that a flat end mills.
+    EveryEdge,
+    /// Inner edges that no cutter mills.
+    #[default]
+    HEdges,
+}
+
 /// A holder for electrodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -261,6 +274,11 @@ pub enum Edit {
         /// Burn direction, upright: straight down is (0, 0, -1).
         direction: DVec3,
     },
+    /// Sets the region at a place aside: no electrode is made for it.
+    SetAside {
+        /// A place of the mold, upright (mm).
+        place: DVec3,
+    },
 }
 
 impl std::fmt::Display for Edit {
@@ -274,6 +292,7 @@ impl std::fmt::Display for Edit {
                 let how = if *method == Method::Extruding { "extruded" } else { "cut" };
                 write!(f, "{how} at {:.2}, {:.2}", place.x, place.y)
             }
+            Self::SetAside { place } => write!(f, "set aside at {:.2}, {:.2}", place.x, place.y),
             Self::Burn { direction: d, .. } => write!(f, "burned along {:.2}, {:.2}, {:.2}", d.x, d.y, d.z),
         }
     }
@@ -299,6 +318,8 @@ pub struct ElectrodeParams {
     pub shape: Shape,
     /// Distance by which heads extend beyond the uncut region, where the mold allows it (mm).
     pub margin_mm: f64,
+    /// Inner edges of heads at which regions are divided.
+    pub divided_at: DividedAt,
     /// Overlap of the parts of a divided region (mm).
     pub overlap_mm: f64,
     /// Least width of a part (mm).
@@ -349,6 +370,7 @@ impl Default for ElectrodeParams {
             stages: vec![Stage::finish(0.05)],
             shape: Shape::Undersized,
             margin_mm: 0.3,
+            divided_at: DividedAt::HEdges,
             overlap_mm: 0.3,
             least_size_mm: 0.3,
             extension_mm: 5.0,

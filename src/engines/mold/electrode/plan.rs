@@ -76,14 +76,17 @@ fn plan_stages(
     let mut made = vec![vec![1.0; regions.len()]; stages.len()];
     // The last stage, which burns everything, tells what the parts are.
     for (number, stage) in stages.iter().enumerate().rev() {
-        task.report("electrodes", (1.0 - (number + 1) as f64 / stages.len() as f64) * 0.7, &stage.name);
+        let done = (1.0 - (number + 1) as f64 / stages.len() as f64) * 0.7;
         let is_last = number + 1 == stages.len();
         for &direction in &directions {
-            let here: Vec<usize> = (0..regions.len()).filter(|r| plans[*r].direction == direction).collect();
+            task.report("electrodes", done, &stage.name);
+            let here: Vec<usize> =
+                (0..regions.len()).filter(|r| plans[*r].direction == direction && !plans[*r].is_set_aside).collect();
             let setting = Setting::new(mold, direction, stage)?;
             let known = (&mut parts, like.map(|(_, parts)| parts));
             let found = (&mut plans[..], &mut made[number][..]);
             let leaves = leaves(&setting, regions, (&here, number, is_last), (found, known), params, &task.cancel)?;
+            task.report("sharing", done, &stage.name);
             let shared = shared(&setting, &leaves, regions, cutters, params, &task.cancel)?;
             for group in &shared {
                 match assembled(&setting, &leaves, group, (number, params)) {
@@ -145,10 +148,12 @@ fn region_plans(regions: &[RegionToBurn], params: &ElectrodeParams) -> Vec<Regio
 fn region_plan(region: &RegionToBurn, edits: Vec<usize>, params: &ElectrodeParams) -> RegionPlan {
     let mut method = if region.has_whole_faces { Method::Extruding } else { Method::Cutting };
     let mut direction = DVec3::NEG_Z;
+    let mut is_set_aside = false;
     for number in &edits {
         match &params.edits[*number] {
             Edit::Make { method: chosen, .. } => method = *chosen,
             Edit::Burn { direction: chosen, .. } => direction = chosen.normalize_or(DVec3::NEG_Z),
+            Edit::SetAside { .. } => is_set_aside = true,
             Edit::Merge { .. } | Edit::Split { .. } => {}
         }
     }
@@ -157,6 +162,7 @@ fn region_plan(region: &RegionToBurn, edits: Vec<usize>, params: &ElectrodeParam
         earlier: Vec::new(),
         method,
         direction,
+        is_set_aside,
         edits,
         reason: None,
         reason_place: None,
@@ -300,8 +306,12 @@ fn parts_of(
         gap_up: setting.stage.undersize(DVec3::Z),
         gap_across: setting.stage.most_across(),
     };
-    let settings =
-        DivisionSettings { overlap: params.overlap_mm, least: params.least_size_mm, leaves_out_thin: !is_last };
+    let settings = DivisionSettings {
+        overlap: params.overlap_mm,
+        least: params.least_size_mm,
+        at: params.divided_at,
+        leaves_out_thin: !is_last,
+    };
     let first = footprint(&burned, &place.bounds, &rooms, (method, params.margin_mm), cancel)?;
     let in_plan = first.region.clone();
     let mut divided = divide(&burned, first, &settings, cancel)?;

@@ -103,7 +103,7 @@ pub(super) fn checked(
     for ((plan, left), region) in plans.iter_mut().zip(&left).zip(regions) {
         plan.left = left.all;
         // Of what needs no tip it is told that it stays.
-        let needs_none = plan.tree.is_none() && is_nothing(region, params);
+        let needs_none = plan.is_set_aside || (plan.tree.is_none() && is_nothing(region, params));
         let nobodys = || (!needs_none).then(|| nobodys(left, (params.tolerance_mm, milled.accuracy()))).flatten();
         if plan.reason.is_none() {
             (plan.reason, plan.reason_place) = nobodys().unzip();

@@ -172,6 +172,13 @@ fn a_change_is_for_the_nearest_region_and_a_direction_that_is_none_is_refused() 
     let set = planned(&mold, &regions, &ElectrodeParams { edits, ..params(GAP) });
     let of = |r: usize| (set.regions[r].method, set.regions[r].direction == DVec3::NEG_Z, set.regions[r].edits.len());
     assert_eq!((of(0), of(1)), ((Method::Extruding, false, 2), (Method::Cutting, true, 0)));
+    let aside = planned(&mold, &regions, &ElectrodeParams { edits: vec![Edit::SetAside { place }], ..params(GAP) });
+    assert_eq!(
+        (aside.set_aside(), aside.needing_none(), aside.why_not_burned(0)),
+        (vec![0], vec![], Some("set aside"))
+    );
+    let burned: Vec<usize> = aside.electrodes.iter().flat_map(Electrode::parts).map(|part| part.region).collect();
+    assert!(aside.holds() && burned == [1] && aside.unmet_edits().is_empty(), "{:?}", aside.checks);
     let asked = |edit: Edit| ElectrodeParams { edits: vec![edit], ..params(GAP) }.validate();
     for wrong in [f64::NAN, f64::INFINITY, 1e200, 0.0, 1e-320] {
         let direction = DVec3::new(0.0, 0.0, wrong);

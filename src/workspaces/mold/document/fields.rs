@@ -20,6 +20,11 @@ const SHAPES: &[Word] = &[
     word("undersized", "undersized", "With spark gap: the electrode as it is milled, smaller by the undersize"),
     word("net", "net", "Without spark gap: the net shape; the undersize is stated in the burn table"),
 ];
+const DIVIDED_AT: &[Word] = &[
+    word("h-edges", "H-edges", "Unmillable inner edges: those that no cutter mills"),
+    word("every-edge", "every inner edge", "Also inner edges that a flat end mills"),
+    word("nothing", "nowhere", "A head for each region"),
+];
 const ORBITS: &[Variant] = &[
     Variant { word: word("none", "no orbit", ""), new: "{ pattern = \"none\" }" },
     Variant { word: word("circular", "circle", ""), new: "{ pattern = \"circular\", radius_mm = 0.05 }" },
@@ -150,6 +155,8 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
             Field::number("electrodes.extension_mm", "Clearance above mold", "mm", 0.1, 1000.0)
                 .step(0.05)
                 .help("From the top of the mold to the electrode base."),
+            Field::choice("electrodes.divided_at", "Divide at", DIVIDED_AT)
+                .help("Inner edges of heads at which regions are divided."),
             Field::number("electrodes.overlap_mm", "Overlap", "mm", 0.0, 20.0)
                 .step(0.01)
                 .help("Overlap of the parts of a divided region."),
@@ -281,6 +288,7 @@ pub fn change(before: &MoldParams, now: &MoldParams) -> String {
             Some(Edit::Merge { .. }) => "Merged parts",
             Some(Edit::Split { .. }) => "Split part",
             Some(Edit::Burn { .. }) => "Burn direction",
+            Some(Edit::SetAside { .. }) => "Region set aside",
             _ => "Method of a region",
         };
         return name.to_owned();

@@ -1,6 +1,7 @@
 //! The parameters of a mold.
 
 pub mod cutter_file;
+pub mod demonstration;
 pub mod fields;
 pub mod holder_files;
 pub mod standard;
@@ -25,7 +26,7 @@ use mold::unseen::OpeningProposal;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MoldParams {
-    /// Mesh of the mold; none as long as nothing is loaded.
+    /// Mesh of the mold; none as long as nothing is loaded, where the window shows the demonstration mold.
     pub mesh: Option<PathBuf>,
     /// Unit of the mesh.
     pub units: Units,
@@ -91,7 +92,7 @@ impl Params for MoldParams {
     }
 
     fn name(&self) -> String {
-        if self.mesh.is_some() { self.part() } else { "No mold".to_owned() }
+        if self.mesh.is_some() { self.part() } else { demonstration::DEMONSTRATION.to_owned() }
     }
 
     fn change_paths(&mut self, change: &mut dyn FnMut(&Path) -> PathBuf) {

@@ -103,6 +103,7 @@ mod tests {
                 Edit::Split { line: [DVec3::X, DVec3::Y] },
                 Edit::Make { place, method: Method::Cutting },
                 Edit::Burn { place, direction: DVec3::NEG_X },
+                Edit::SetAside { place },
             ],
             overrides: vec![
                 "E03:approach:0.25".parse().unwrap(),

@@ -1,9 +1,12 @@
 //! Electrodes for what the cutters leave of a mold.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use files::Validate;
 use glam::{DVec2, DVec3};
 
 use super::uncut::{Uncut, UncutError, on_field};
+use geometry::groups::Groups;
 use geometry::mesh::Mesh;
 use geometry::segmentation::{Segmentation, SegmentationSettings};
 use mold::electrode::design::ElectrodeSet;
@@ -60,16 +63,32 @@ pub fn electrodes(
     params: &ElectrodeParams,
     task: &Task,
 ) -> Result<ElectrodeSet, ElectrodesError> {
+    params.validate().map_err(ElectrodeError::from)?;
+    on_milled(mesh, uncut, task, |upright, milled| {
+        let regions = to_burn(upright, uncut, false);
+        task.check()?;
+        Ok(plan(upright, &regions, (&uncut.params.library, milled), params, task)?)
+    })
+}
+
+/// Does `work` on the upright mold with what its cutters leave of it.
+///
+/// # Errors
+/// [`ElectrodesError`].
+pub(super) fn on_milled<T>(
+    mesh: &Mesh,
+    uncut: &Uncut,
+    task: &Task,
+    work: impl FnOnce(&Mesh, &Milled) -> Result<T, ElectrodesError>,
+) -> Result<T, ElectrodesError> {
     let open = super::uncut::open_edges(mesh);
     if open > 0 {
         return Err(ElectrodesError::Open(open));
     }
-    params.validate().map_err(ElectrodeError::from)?;
     let upright = uncut.params.opening.upright_mesh(mesh);
     task.report("rest material", 0.0, "");
     let field = HeightField::raster(&upright, uncut.grid_step, &task.cancel).map_err(UncutError::from)?;
-    let library = &uncut.params.library;
-    let (closing, found) = on_field(&field, library, uncut.params.tolerance_mm, &task.cancel)?;
+    let (closing, found) = on_field(&field, &uncut.params.library, uncut.params.tolerance_mm, &task.cancel)?;
     let covered = Covered::new(&field, &closing, &found);
     let step = covered.step();
     let leaves = |p: DVec3| {
@@ -77,14 +96,12 @@ pub fn electrodes(
         let is_left = |at: DVec2| covered.at(p.truncate() + at).is_some_and(|l| l.low - step <= p.z && p.z <= l.high);
         near.as_flattened().iter().any(|at| is_left(*at))
     };
-    let milled = Milled { leaves: &leaves, within: step };
-    let regions = to_burn(&upright, uncut);
-    task.check()?;
-    Ok(plan(&upright, &regions, (library, &milled), params, task)?)
+    work(&upright, &Milled { leaves: &leaves, within: step })
 }
 
-/// The regions with their surfaces.
-fn to_burn(upright: &Mesh, uncut: &Uncut) -> Vec<RegionToBurn> {
+/// The regions with their surfaces; if they are of whole faces, each with all of every face that it is part of, and
+/// those that share one as one.
+pub(super) fn to_burn(upright: &Mesh, uncut: &Uncut, of_whole_faces: bool) -> Vec<RegionToBurn> {
     let of = |r: &mold::uncut_region::UncutRegion| RegionToBurn {
         corners: Vec::new(),
         depths: Vec::new(),
@@ -95,7 +112,7 @@ fn to_burn(upright: &Mesh, uncut: &Uncut) -> Vec<RegionToBurn> {
     };
     let mut regions: Vec<RegionToBurn> = uncut.regions.iter().map(of).collect();
     let segmentation = Segmentation::of(upright, &SegmentationSettings::default());
-    let mut left: Vec<std::collections::BTreeMap<u32, f64>> = vec![Default::default(); regions.len()];
+    let mut left: Vec<BTreeMap<u32, f64>> = vec![Default::default(); regions.len()];
     for piece in &uncut.surface {
         let region = &mut regions[piece.region as usize];
         region.corners.push(piece.corners);
@@ -103,12 +120,51 @@ fn to_burn(upright: &Mesh, uncut: &Uncut) -> Vec<RegionToBurn> {
         let face = segmentation.face_of[piece.face as usize];
         *left[piece.region as usize].entry(face).or_default() += piece.area();
     }
-    for (region, faces) in regions.iter_mut().zip(left) {
+    let counted = |faces: &BTreeMap<u32, f64>| {
         let all: f64 = faces.values().sum();
-        let area = |face: u32| segmentation.faces.get(face as usize).map_or(f64::INFINITY, |f| f.area);
-        let counts = |area: &f64| *area > MINOR * all;
-        region.has_whole_faces =
-            faces.iter().filter(|(_, a)| counts(a)).all(|(face, found)| *found >= WHOLE * area(*face));
+        faces.iter().filter(|(_, area)| **area > MINOR * all).map(|(face, area)| (*face, *area)).collect::<Vec<_>>()
+    };
+    if of_whole_faces {
+        let faces: Vec<Vec<u32>> =
+            left.iter().map(|of| counted(of).into_iter().map(|(face, _)| face).collect()).collect();
+        return whole_faces(upright, &regions, &faces, &segmentation);
+    }
+    let area = |face: u32| segmentation.faces.get(face as usize).map_or(f64::INFINITY, |f| f.area);
+    for (region, faces) in regions.iter_mut().zip(left) {
+        region.has_whole_faces = counted(&faces).into_iter().all(|(face, found)| found >= WHOLE * area(face));
     }
     regions
+}
+
+/// Regions of all triangles of these `faces` of each, those that share a face as one.
+fn whole_faces(
+    upright: &Mesh,
+    regions: &[RegionToBurn],
+    faces: &[Vec<u32>],
+    segmentation: &Segmentation,
+) -> Vec<RegionToBurn> {
+    let mut groups = Groups::of(regions.len());
+    let mut owner = BTreeMap::new();
+    for (r, face) in faces.iter().enumerate().flat_map(|(r, own)| own.iter().map(move |face| (r, *face))) {
+        groups.join(r, *owner.entry(face).or_insert(r));
+    }
+    let (numbers, count) = groups.numbers();
+    let of_group = |group: usize| {
+        let own: Vec<usize> = (0..regions.len()).filter(|r| numbers[*r] as usize == group).collect();
+        let known: BTreeSet<u32> = own.iter().flat_map(|r| faces[*r].iter().copied()).collect();
+        let triangles =
+            known.iter().filter_map(|face| segmentation.faces.get(*face as usize)).flat_map(|f| &f.triangles);
+        let corners: Vec<[DVec3; 3]> = triangles.map(|t| upright.corners(*t as usize)).collect();
+        let rim = corners.iter().flatten().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
+        let height = |c: &[DVec3; 3]| rim - c.iter().map(|p| p.z).sum::<f64>() / 3.0;
+        RegionToBurn {
+            depths: corners.iter().map(height).collect(),
+            corners,
+            rim,
+            volume: own.iter().map(|r| regions[*r].volume).sum(),
+            thickness: own.iter().map(|r| regions[*r].thickness).fold(0.0, f64::max),
+            has_whole_faces: true,
+        }
+    };
+    (0..count).map(of_group).collect()
 }

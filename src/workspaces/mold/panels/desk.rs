@@ -212,12 +212,14 @@ impl MoldDesk {
     }
 
     /// A new document for the mesh at `mesh`: with the present cutters, and without decisions for another mold. If
-    /// there was no mold before, unsaved choices are kept for this one.
+    /// there was no mold before but the demonstration mold, other unsaved choices are kept for this one.
     pub fn begun(&self, mesh: &Path) -> Document<MoldParams> {
         let params = self.params();
         if params.mesh.is_none() {
             let mut document = self.document.detached();
-            document.amend(true, |params| params.mesh = Some(mesh.to_owned()));
+            document.amend(true, |params| {
+                *params = MoldParams { mesh: Some(mesh.to_owned()), part: None, ..params.undecided() };
+            });
             return document;
         }
         let (mesh, library) = (Some(mesh.to_owned()), params.library.clone());
@@ -393,7 +395,8 @@ impl MoldDesk {
         self.follow_params();
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
         let mut events = self.work.follow(self.document.params(), priority);
-        self.work.mold().into_iter().for_each(|mold| self.document.note_file(&mold.file));
+        let read = self.work.mold().filter(|_| self.document.params().mesh.is_some());
+        read.into_iter().for_each(|mold| self.document.note_file(&mold.file));
         events.extend(self.follow_part());
         self.follow_answer();
         self.electrodes.follow(self.work.designed());

@@ -60,9 +60,9 @@ fn mold(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> 
         if ui.button("Open mold…").on_hover_text(FrameCommand::Open.hint(ui.ctx())).clicked() {
             asked = Some(MoldPath::Open);
         }
-        match &state {
-            State::Missing => drop(ui.label(RichText::new("or drop a mesh here").color(palette(ui).faint))),
-            _ => drop(ui.add(egui::Label::new(RichText::new(desk.document.params().name()).strong()).truncate())),
+        match &desk.document.params().mesh {
+            None => drop(ui.label(RichText::new("or drop a mesh here").color(palette(ui).faint))),
+            Some(_) => drop(ui.add(egui::Label::new(RichText::new(desk.document.params().name()).strong()).truncate())),
         }
     });
     if let Some(why) = state.why_not() {
@@ -194,8 +194,11 @@ fn uncut(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
         let is_next = state == State::Ready && !desk.is_designed();
         cx.button(ui, desk, MoldCommand::DesignElectrodes, "Create electrodes", is_next);
     });
-    let hint = "Recomputes rest material and electrodes after each change";
-    tick(ui, &mut desk.follows, "update automatically").on_hover_text(hint);
+    ui.horizontal(|ui| {
+        let hint = "Recomputes rest material and electrodes after each change";
+        tick(ui, &mut desk.follows, "update automatically").on_hover_text(hint);
+        cx.button(ui, desk, MoldCommand::ExportUncut, "Export rest\u{2026}", false);
+    });
     if let Some(doing) = desk.work.doing().cloned() {
         ui.horizontal(|ui| {
             let bar = ui.add(ProgressBar::new(doing.fraction as f32).desired_width(150.0).desired_height(8.0));

@@ -322,6 +322,10 @@ fn caption(ui: &mut Ui, rect: Rect, desk: &MoldDesk) {
         (Some(glance), _) => glance.sentence(),
         (None, Some((others, found))) => format!("{others}: {}", found.sentence()),
         // The panel says it.
+        (None, None) if desk.document.params().mesh.is_none() && desk.found().is_none() => {
+            let hint = "Demonstration mold. Drop your own here: STL, OBJ, glTF or GLB.";
+            return overlay::caption(ui, rect, 10.0, colours.faint, hint);
+        }
         (None, None) => return,
     };
     let above = if desk.layer.is_some() { 50.0 } else { 10.0 };

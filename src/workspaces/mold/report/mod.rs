@@ -1,6 +1,8 @@
 //! The report on a mold's electrodes, as `electrodes.json` for programs and `report.html` for people.
 
 mod page;
+pub mod segments;
+pub mod steps;
 pub mod uncut;
 
 use glam::{DAffine3, DVec2, DVec3};
@@ -8,6 +10,7 @@ use serde::Serialize;
 
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::fields::FIELDS;
+use crate::workspaces::mold::job::divisions::WayResult;
 use files::report::{PageError, counted};
 use files::{Override, ParameterList};
 use mold::datum::Datum;
@@ -18,6 +21,7 @@ use mold::electrode::setting::to_burn_frame;
 use mold::opening::Opening;
 use nc::burn_table::{BurnTable, ElectrodeState, method_name};
 use nc::electrode_files::why_blocked;
+pub use page::ElectrodesPage;
 
 /// Version of the keys of `electrodes.json`.
 pub const SCHEMA: u32 = 3;
@@ -45,6 +49,9 @@ pub struct ElectrodesReport {
     pub model: &'static str,
     /// Every region.
     pub regions: Vec<RegionEntry>,
+    /// Comparison with other ways of dividing, if it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub divisions: Option<Vec<WayResult>>,
     /// Every parameter, defaults included.
     pub parameters: ParameterList,
 }
@@ -147,6 +154,7 @@ impl ElectrodesReport {
             unmet_edits: set.unmet_edits().into_iter().map(|e| set.params.edits[e].to_string()).collect(),
             model: MODEL,
             regions: set.regions.iter().enumerate().map(|(r, plan)| region(set, r, plan, &axes)).collect(),
+            divisions: None,
             parameters: FIELDS
                 .list(&MoldParams { electrodes: set.params.clone(), ..MoldParams::default() })
                 .of_table("electrodes"),
@@ -168,12 +176,12 @@ impl ElectrodesReport {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 
-    /// The report as one self-contained page with pictures, each a caption and PNG bytes.
+    /// The report as one self-contained page.
     ///
     /// # Errors
     /// [`PageError`], which a test of the template keeps from happening.
-    pub fn html(&self, pictures: &[(String, Vec<u8>)]) -> Result<String, PageError> {
-        page::page(self, pictures)
+    pub fn html(&self, shown: &ElectrodesPage) -> Result<String, PageError> {
+        page::page(self, shown)
     }
 }
 
@@ -211,6 +219,11 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> St
         let what = if without.len() == 1 { "Region" } else { "Regions" };
         text += &format!(" {what} not burned, or not wholly: {}.", without.join(", "));
     }
+    let aside: Vec<String> = set.set_aside().iter().map(|r| (r + 1).to_string()).collect();
+    if !aside.is_empty() {
+        let what = if aside.len() == 1 { "Region" } else { "Regions" };
+        text += &format!(" {what} set aside: {}.", aside.join(", "));
+    }
     let none: Vec<String> = set.needing_none().iter().map(|r| (r + 1).to_string()).collect();
     if !none.is_empty() {
         let what = if none.len() == 1 { "Region" } else { "Regions" };
@@ -237,7 +250,9 @@ pub fn why_unmet(edit: &Edit) -> String {
              change and draw a line across the part, with its middle inside"
         }
         Edit::Merge { .. } => "the places lie in one part, or not in two parts of one region: remove the change",
-        Edit::Make { .. } | Edit::Burn { .. } => "no region is at this place any more: remove the change",
+        Edit::Make { .. } | Edit::Burn { .. } | Edit::SetAside { .. } => {
+            "no region is at this place any more: remove the change"
+        }
     };
     format!("{edit}: {remedy}")
 }

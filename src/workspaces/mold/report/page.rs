@@ -4,18 +4,29 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
+use super::steps::StepTime;
 use crate::workspaces::mold::report::ElectrodesReport;
 use files::Entry;
 use files::report::{PageError, Picture, Template};
 
-/// The page of `report`, with pictures, each a caption and PNG bytes.
-pub(super) fn page(report: &ElectrodesReport, pictures: &[(String, Vec<u8>)]) -> Result<String, PageError> {
+/// What a page on electrodes shows beside the report.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct ElectrodesPage<'a> {
+    /// Times of the steps; none where they are not known.
+    pub times: &'a [StepTime],
+    /// Pictures.
+    pub pictures: &'a [Picture],
+}
+
+/// The page of `report`.
+pub(super) fn page(report: &ElectrodesReport, shown: &ElectrodesPage) -> Result<String, PageError> {
     const TEMPLATE: Template = Template { name: "report.html.jinja", text: include_str!("report.html.jinja") };
     #[derive(Serialize)]
     struct Page<'a> {
         report: &'a ElectrodesReport,
         parameters: &'a [Entry],
-        pictures: Vec<Picture>,
+        #[serde(flatten)]
+        shown: &'a ElectrodesPage<'a>,
         /// Electrodes to make; a body that several stages share is one piece.
         pieces: u32,
         /// Whether volumes and minutes of stages or of tips on one base need an explanation.
@@ -28,17 +39,10 @@ pub(super) fn page(report: &ElectrodesReport, pictures: &[(String, Vec<u8>)]) ->
         *body = e.quantity.max(*body);
     }
     let stages = electrodes.iter().map(|e| e.stage.as_str()).collect::<BTreeSet<_>>().len();
-    let picture = |(title, png): &(String, Vec<u8>)| Picture {
-        file: String::new(),
-        title: title.clone(),
-        caption: String::new(),
-        legend: Vec::new(),
-        png: png.clone(),
-    };
     let page = Page {
         report,
         parameters: &report.parameters.entries,
-        pictures: pictures.iter().map(picture).collect(),
+        shown,
         pieces: bodies.into_values().fold(0, u32::saturating_add),
         needs_model: stages > 1 || electrodes.iter().flat_map(|e| &e.burns).any(|burn| burn.parts.len() > 1),
     };

@@ -1,4 +1,5 @@
 use super::*;
+use files::report::Picture;
 use nc::electrode_fixtures::set;
 
 fn report() -> ElectrodesReport {
@@ -82,7 +83,7 @@ fn parts_that_only_an_earlier_stage_has_are_told_with_its_division() {
     set.regions[0].earlier = vec![(0, last.clone())];
     let divisions = |set: &ElectrodeSet| {
         let report = ElectrodesReport::of(set, "", Opening::PlusZ, &Datum::default());
-        (report.regions[0].earlier_divisions.clone(), report.html(&[]).unwrap())
+        (report.regions[0].earlier_divisions.clone(), report.html(&ElectrodesPage::default()).unwrap())
     };
     assert!(divisions(&set).0.is_empty(), "the same parts are told once");
     set.regions[0].earlier[0].1.parts[1].part = Some(2);
@@ -94,8 +95,15 @@ fn parts_that_only_an_earlier_stage_has_are_told_with_its_division() {
 
 #[test]
 fn the_page_stands_alone_and_holds_everything() {
-    let pictures = [("All <electrodes>".to_owned(), vec![0x89, b'P', b'N', b'G'])];
-    let page = report().html(&pictures).unwrap();
+    let pictures = [Picture {
+        file: String::new(),
+        title: "All <electrodes>".to_owned(),
+        caption: String::new(),
+        legend: Vec::new(),
+        png: vec![0x89, b'P', b'N', b'G'],
+    }];
+    let times = [steps::StepTime { step: "Electrode <design>".to_owned(), stages: Vec::new(), seconds: 90.0 }];
+    let page = report().html(&ElectrodesPage { times: &times, pictures: &pictures }).unwrap();
     for words in [
         "&lt;shell&gt;",
         "E03 is blocked.",
@@ -111,6 +119,8 @@ fn the_page_stands_alone_and_holds_everything() {
         "0.0300",
         "data:image/png;base64,iVBORw==",
         "All &lt;electrodes&gt;",
+        "Electrode &lt;design&gt;",
+        "<td class=\"num\">90.00</td><td class=\"num\">1.500</td>",
         "\u{2212}X of the file",
         "Positions are from the work datum: origin of the file, at 0.000, 0.000, 0.000 of",
         "not made",

@@ -4,9 +4,13 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
+use super::steps::StepTime;
+use crate::workspaces::mold::job::compare::{Comparison, Difference};
 use crate::workspaces::mold::job::uncut::{Coarser, Found, LayerFound, Uncut};
-use files::report::counted;
+use files::report::{PageError, Picture, Template, counted};
+use geometry::mesh::Bounds;
 use mold::ball_agreement::BallAgreement;
+use mold::cutter::CutterLibrary;
 use mold::opening::Opening;
 use mold::surface::SurfacePiece;
 use mold::uncut_region::UncutRegion;
@@ -106,7 +110,122 @@ pub struct LayerReport {
     pub segment_length_mm: f64,
 }
 
+/// What other cutters would leave, compared with these. Places are in the axes of the mesh; the first of two figures is
+/// that of these cutters, the second that of the others.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ComparisonReport {
+    /// The comparison in two sentences.
+    pub sentence: String,
+    /// The other cutters.
+    pub cutters: Vec<String>,
+    /// Numbers of regions.
+    pub regions: [usize; 2],
+    /// Volumes (mm^3).
+    pub volumes_mm3: [f64; 2],
+    /// Number of regions that the other cutters remove.
+    pub vanishing: usize,
+    /// Number of regions of the other cutters where these leave nothing.
+    pub new_regions: usize,
+    /// For each region of these cutters the volume that the others leave of it (mm^3).
+    pub remains_mm3: Vec<f64>,
+    /// Places where the other cutters leave less, the largest first.
+    pub taken: Vec<PlaceReport>,
+    /// Places where the other cutters leave more.
+    pub added: Vec<PlaceReport>,
+    /// Step of the height map on which places are compared (mm).
+    pub step_mm: f64,
+}
+
+/// A place that one library leaves and another one cuts.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlaceReport {
+    /// Volume (mm^3).
+    pub volume_mm3: f64,
+    /// Area seen from the cutter (mm^2).
+    pub plan_area_mm2: f64,
+    /// Greatest height (mm).
+    pub height_mm: f64,
+    /// Greatest thickness across the mold's surface (mm).
+    pub thickness_mm: f64,
+    /// Corners of the box around it (mm).
+    pub bounds_mm: [[f64; 3]; 2],
+    /// Region of these cutters that it is part of, counted from 1; none if of none.
+    pub region: Option<usize>,
+}
+
+impl ComparisonReport {
+    /// The report of `comparison` with the cutters `other` of a mold with this opening.
+    pub fn of(comparison: &Comparison, other: &CutterLibrary, opening: Opening) -> Self {
+        let place = |d: &Difference| PlaceReport {
+            volume_mm3: d.volume,
+            plan_area_mm2: d.plan_area,
+            height_mm: d.depth,
+            thickness_mm: d.thickness,
+            bounds_mm: corners(&d.bounds, opening),
+            region: d.region.map(|r| r + 1),
+        };
+        Self {
+            sentence: comparison.sentence(),
+            cutters: other.cutter.iter().map(|c| c.label()).collect(),
+            regions: comparison.regions,
+            volumes_mm3: comparison.volumes,
+            vanishing: comparison.vanishing(),
+            new_regions: comparison.new_regions,
+            remains_mm3: comparison.remains.clone(),
+            taken: comparison.taken.iter().map(place).collect(),
+            added: comparison.added.iter().map(place).collect(),
+            step_mm: comparison.step,
+        }
+    }
+
+    /// The comparison in lines for a terminal.
+    pub fn text(&self) -> String {
+        let mut text = format!("Compared with {}: {}\n", self.cutters.join(", "), self.sentence);
+        for (change, places) in [("less is left", &self.taken), ("more is left", &self.added)] {
+            for d in places {
+                let [low, high] = d.bounds_mm;
+                let at: Vec<String> = (0..3).map(|k| format!("{:.2}..{:.2}", low[k], high[k])).collect();
+                let region = d.region.map_or_else(String::new, |r| format!(", region {r}"));
+                let (volume, at) = (d.volume_mm3, at.join(" "));
+                let _ = writeln!(text, "    {change}: {volume:>10.4} mm3 at {at}{region}");
+            }
+        }
+        text
+    }
+}
+
+/// What a page on uncut regions shows beside the report.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct UncutPage<'a> {
+    /// Name of the mold.
+    pub mold: &'a str,
+    /// Notes on the mold.
+    pub notes: &'a [String],
+    /// Comparison with other cutters.
+    pub comparison: Option<&'a ComparisonReport>,
+    /// Times of the steps; none where they are not known.
+    pub times: &'a [StepTime],
+    /// Pictures.
+    pub pictures: &'a [Picture],
+}
+
 impl UncutReport {
+    /// The report as one self-contained page.
+    ///
+    /// # Errors
+    /// [`PageError`], which a test of the template keeps from happening.
+    pub fn html(&self, shown: &UncutPage) -> Result<String, PageError> {
+        const TEMPLATE: Template = Template { name: "uncut.html.jinja", text: include_str!("uncut.html.jinja") };
+        #[derive(Serialize)]
+        struct Page<'a> {
+            report: &'a UncutReport,
+            version: &'static str,
+            #[serde(flatten)]
+            shown: &'a UncutPage<'a>,
+        }
+        files::report::page(&TEMPLATE, &Page { report: self, version: env!("CARGO_PKG_VERSION"), shown })
+    }
+
     /// The report of `uncut`.
     pub fn of(uncut: &Uncut) -> Self {
         let library = &uncut.params.library;
@@ -231,22 +350,25 @@ fn sentence(uncut: &Uncut) -> String {
 
 fn regions(uncut: &Uncut) -> Vec<RegionReport> {
     let cutters = &uncut.params.library.cutter;
-    let report = |(i, r): (usize, &UncutRegion)| {
-        // To a nanometre, so that no zero has a sign.
-        let ends = [r.bounds.min, r.bounds.max].map(|p| (uncut.params.opening.in_mesh(p) * 1e6).round() / 1e6 + 0.0);
-        RegionReport {
-            index: i + 1,
-            volume_mm3: r.volume,
-            plan_area_mm2: r.plan_area,
-            surface_area_mm2: r.surface_area,
-            height_mm: r.depth,
-            thickness_mm: r.thickness,
-            bounds_mm: [ends[0].min(ends[1]).to_array(), ends[0].max(ends[1]).to_array()],
-            faces: r.faces.clone(),
-            nearest_cutter: r.nearest_cutter.and_then(|k| cutters.get(k)).map(|c| c.label()),
-        }
+    let report = |(i, r): (usize, &UncutRegion)| RegionReport {
+        index: i + 1,
+        volume_mm3: r.volume,
+        plan_area_mm2: r.plan_area,
+        surface_area_mm2: r.surface_area,
+        height_mm: r.depth,
+        thickness_mm: r.thickness,
+        bounds_mm: corners(&r.bounds, uncut.params.opening),
+        faces: r.faces.clone(),
+        nearest_cutter: r.nearest_cutter.and_then(|k| cutters.get(k)).map(|c| c.label()),
     };
     uncut.regions.iter().enumerate().map(report).collect()
+}
+
+/// Corners of an upright box in the axes of the mesh (mm).
+fn corners(bounds: &Bounds, opening: Opening) -> [[f64; 3]; 2] {
+    // To a nanometre, so that no zero has a sign.
+    let ends = [bounds.min, bounds.max].map(|p| (opening.in_mesh(p) * 1e6).round() / 1e6 + 0.0);
+    [ends[0].min(ends[1]).to_array(), ends[0].max(ends[1]).to_array()]
 }
 
 /// The pieces of the surface as PLY, in the axes of the mesh: every corner with the height of what is left above it

@@ -12,7 +12,7 @@ use mold::datum::Datum;
 use mold::electrode::design::{ElectrodeSet, PartNode};
 use mold::electrode::params::ElectrodeParams;
 use mold::opening::Opening;
-use task::Task;
+use task::{StageClock, StageTime, Task};
 
 /// Electrodes with everything shown of them.
 #[derive(Debug)]
@@ -31,6 +31,8 @@ pub struct Designed {
     pub places: Vec<Option<DVec3>>,
     /// Whether this run of the program has computed them, rather than read them from a file.
     pub is_proven: bool,
+    /// Times of the stages, those of the search for uncut regions first; none of what was read from a file.
+    pub times: Vec<StageTime>,
 }
 
 impl Designed {
@@ -71,9 +73,11 @@ pub(super) fn design(
     task: &Task,
 ) -> Result<Designed, String> {
     let uncut = &found.uncut;
-    let set = electrodes(&mold.mesh, uncut, params, task).map_err(|e| FIELDS.labelled(&e))?;
+    let clock = StageClock::default();
+    let set = electrodes(&mold.mesh, uncut, params, &clock.timed(task)).map_err(|e| FIELDS.labelled(&e))?;
+    let times = [found.times.clone(), clock.times()].concat();
     task.check().map_err(|e| e.to_string())?;
-    Ok(shown(mold, found, set, found.is_proven))
+    Ok(Designed { times, ..shown(mold, found, set, found.is_proven) })
 }
 
 /// The electrodes with everything shown of them, without overrides.
@@ -89,5 +93,6 @@ pub(super) fn shown(mold: &LoadedMold, found: &FoundUncut, set: ElectrodeSet, is
     let plain = ElectrodeSet { params: ElectrodeParams { overrides: Vec::new(), ..set.params }, ..set };
     let report = ElectrodesReport::of(&plain, &mold.name, opening, &Datum::default());
     let hidden = uncut.hidden_cavity().map(ToString::to_string);
-    Designed { report, shapes: electrode_shapes(&plain), opening, hidden, places, set: plain, is_proven }
+    let (shapes, times) = (electrode_shapes(&plain), Vec::new());
+    Designed { report, shapes, opening, hidden, places, set: plain, is_proven, times }
 }

@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 
 use super::design::Designed;
 use super::steps::LoadedMold;
-use crate::widgets::camera::PICTURE_SIZE;
+use super::uncut_export::drawn;
 use crate::workspaces::mold::export::{EXPORT, export_electrodes};
-use crate::workspaces::mold::report::ElectrodesReport;
+use crate::workspaces::mold::job::divisions::WayResult;
+use crate::workspaces::mold::report::steps::steps;
+use crate::workspaces::mold::report::{ElectrodesPage, ElectrodesReport};
 use crate::workspaces::mold::scene::pictures::electrode_pictures;
 use files::ExportFolder;
 use mold::datum::Datum;
@@ -14,7 +16,6 @@ use mold::electrode::design::ElectrodeSet;
 use mold::electrode::design::IdleOverride;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::{ElectrodeFormat, LeftOut};
-use render::offscreen::{Offscreen, RenderError};
 use task::Task;
 
 /// Result of an export.
@@ -60,22 +61,21 @@ impl Exported {
 /// One line naming the file.
 pub(super) fn export(
     folder: &Path,
-    (set, designed): (&ElectrodeSet, &Designed),
-    (mold, name, datum): (&LoadedMold, &str, &Datum),
+    (set, designed, divisions): (&ElectrodeSet, &Designed, Option<&Vec<WayResult>>),
+    (mold, datum): (&LoadedMold, &Datum),
     (formats, sheet): (&[ElectrodeFormat], &BurnSheet),
     task: &Task,
 ) -> Result<Exported, String> {
     let opened = ExportFolder::open(folder, EXPORT).map_err(|e| e.to_string())?;
-    let (pictures, no_pictures) = match draw(set, designed, mold, task) {
-        Ok(pictures) => (pictures, None),
-        Err(RenderError::Cancelled(cancelled)) => return Err(cancelled.to_string()),
-        Err(error) => (Vec::new(), Some(error.to_string())),
-    };
-    let mut report = ElectrodesReport::of(set, name, designed.opening, datum);
+    let pictures = electrode_pictures(set, &designed.shapes, &mold.shape, designed.opening);
+    let (pictures, no_pictures) = drawn(pictures, task)?;
+    let mut report = ElectrodesReport::of(set, &mold.name, designed.opening, datum);
     report.table.notes.extend(mold.report.unit_doubt().into_iter().chain(designed.hidden.clone()));
+    report.divisions = divisions.cloned();
     task.check().map_err(|e| e.to_string())?;
+    let page = ElectrodesPage { times: &steps(&designed.times), pictures: &pictures };
     let (written, published) =
-        export_electrodes(opened, (set, &report), sheet, &pictures, formats).map_err(|e| e.to_string())?;
+        export_electrodes(opened, (set, &report), sheet, &page, formats).map_err(|e| e.to_string())?;
     let idle = set.idle_overrides(&set.params.overrides).into_iter();
     let lapsed = idle.filter(|(_, why)| matches!(why, IdleOverride::Lapsed(_)));
     let lapsed = lapsed.map(|(o, why)| format!("override of {o}: {why}")).collect();
@@ -88,22 +88,4 @@ pub(super) fn export(
         no_sheet: written.no_sheet,
         no_pictures,
     })
-}
-
-fn draw(
-    set: &ElectrodeSet,
-    designed: &Designed,
-    mold: &LoadedMold,
-    task: &Task,
-) -> Result<Vec<(String, Vec<u8>)>, RenderError> {
-    let mut offscreen = Offscreen::new()?;
-    let pictures = electrode_pictures(set, &designed.shapes, &mold.shape, designed.opening);
-    let count = pictures.len() as f64;
-    let mut drawn = Vec::new();
-    for (i, picture) in pictures.into_iter().enumerate() {
-        task.check()?;
-        task.report("pictures", i as f64 / count, &picture.caption);
-        drawn.push((picture.caption, offscreen.png(&picture.scene, &picture.camera, PICTURE_SIZE, &task.cancel)?));
-    }
-    Ok(drawn)
 }

@@ -4,6 +4,7 @@
 mod design;
 mod electrode_export;
 mod steps;
+mod uncut_export;
 
 use files::Validate;
 use std::path::{Path, PathBuf};
@@ -12,11 +13,13 @@ use std::sync::Arc;
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::fields::FIELDS;
 use crate::workspaces::mold::job::compare::Comparison;
+use crate::workspaces::mold::job::divisions::{WayResult, compare_divisions};
 use crate::workspaces::mold::job::uncut::UncutParams;
+use crate::workspaces::mold::report::uncut::ComparisonReport;
 use crate::workspaces::news::{EventKind, WorkEvent};
 pub use design::Designed;
 use electrode_export::{Exported, export};
-use files::{Params, ResultCache};
+use files::ResultCache;
 use import::Units;
 use mold::cutter::CutterLibrary;
 use mold::electrode::design::ElectrodeSet;
@@ -26,8 +29,8 @@ use nc::electrode_files::ElectrodeFormat;
 pub use steps::{FoundUncut, Glance, LoadedMold, load as read_part};
 use task::{Doing, Lane, Memo, Priority, Scheduler, State};
 
-/// Key of a mesh: the file, its unit, and the number of reloads.
-type MeshKey = (PathBuf, Units, u64);
+/// Key of a mesh: the file, none for the demonstration mold, its unit, and the number of reloads.
+type MeshKey = (Option<PathBuf>, Units, u64);
 /// Key of uncut regions: the digest of the mesh, and the parameters.
 type Question = (String, UncutParams);
 /// Key of electrodes: the key of the uncut regions, and the parameters of electrodes.
@@ -49,10 +52,14 @@ pub struct MoldWork {
     other: Memo<(Question, CutterLibrary), (FoundUncut, Comparison)>,
     glances: Memo<Question, Glance>,
     designed: Memo<DesignQuestion, Designed>,
+    /// Ways of dividing, compared with the electrodes of the key.
+    divisions: Memo<DesignQuestion, Vec<WayResult>>,
     /// Whether electrodes are made once the uncut regions are known.
     is_waiting: bool,
     /// Exports, each with what was proven for it.
     exported: Memo<u64, (Exported, Option<Proof>)>,
+    /// Exports of uncut regions: what was written, in a sentence.
+    uncut_exported: Memo<u64, String>,
     exports: u64,
     reloads: u64,
     priority: Priority,
@@ -71,8 +78,10 @@ impl MoldWork {
             other: Memo::new(scheduler, Lane::Long, "Compare").remembering(1),
             glances: Memo::new(scheduler, Lane::Quick, "Quick look").letting_finish().remembering(2),
             designed: Memo::new(scheduler, Lane::Long, "Electrodes").remembering(4),
+            divisions: Memo::new(scheduler, Lane::Long, "Compare divisions").remembering(1),
             is_waiting: false,
             exported: Memo::new(scheduler, Lane::Long, "Export of electrodes").remembering(1),
+            uncut_exported: Memo::new(scheduler, Lane::Long, "Export of rest material").remembering(1),
             exports: 0,
             reloads: 0,
             priority: Priority::Normal,
@@ -98,11 +107,19 @@ impl MoldWork {
             let sentence = |made: &Designed| (EventKind::Done, made.sentence(&params.electrodes.overrides));
             events.push(WorkEvent::of("Electrodes", ended, sentence));
         }
+        while let Some(ended) = self.divisions.take() {
+            let sentence =
+                |ways: &Vec<WayResult>| (EventKind::Done, format!("{} ways of dividing compared", ways.len()));
+            events.push(WorkEvent::of("Compare", ended, sentence));
+        }
         while let Some(ended) = self.exported.take() {
             if let Ok((_, Some(proof))) = ended.result.as_deref() {
                 self.take_proof(proof);
             }
             events.push(WorkEvent::of("Electrodes", ended, |(exported, _)| (EventKind::Done, exported.sentence())));
+        }
+        while let Some(ended) = self.uncut_exported.take() {
+            events.push(WorkEvent::of("Uncut", ended, |text| (EventKind::Done, text.clone())));
         }
         self.load(params);
         self.turn_to(params);
@@ -130,7 +147,9 @@ impl MoldWork {
                 if self.other.under_way().is_some_and(|(of, _)| *of != question) {
                     self.other.stop();
                 }
-                self.designed.turn_to(&design_question(question, &params.electrodes));
+                let designed = design_question(question, &params.electrodes);
+                self.designed.turn_to(&designed);
+                self.divisions.turn_to(&designed);
             }
             None if self.mold_state(params) == State::Running => {}
             None => {
@@ -154,22 +173,28 @@ impl MoldWork {
         Some(WorkEvent { kind: EventKind::Failed, text: format!("Electrodes: {why}"), took: None })
     }
 
-    /// Reads the mesh of `params`, unless that is done.
+    /// Reads the mesh of `params`, unless that is done. The demonstration mold is made once it is to be seen.
     fn load(&mut self, params: &MoldParams) {
-        let Some(key) = self.mesh_key(params) else { return };
-        let (path, units) = (key.0.clone(), key.1);
-        self.mold.ask(&key, self.priority, move |work| steps::load(&path, units, &work.task));
+        let key = self.mesh_key(params);
+        match key.0.clone() {
+            Some(path) => {
+                self.mold.ask(&key, self.priority, move |work| steps::load(&path, key.1, &work.task));
+            }
+            None if self.priority == Priority::Shown => {
+                self.mold.ask(&key, self.priority, |work| steps::load_demonstration(&work.task));
+            }
+            None => {}
+        }
     }
 
-    fn mesh_key(&self, params: &MoldParams) -> Option<MeshKey> {
-        Some((params.mesh.clone()?, params.units, self.reloads))
+    fn mesh_key(&self, params: &MoldParams) -> MeshKey {
+        let units = if params.mesh.is_some() { params.units } else { Units::Mm };
+        (params.mesh.clone(), units, self.reloads)
     }
 
     /// Takes `mold` as the mesh of `params`.
     pub fn put(&mut self, params: &MoldParams, mold: Arc<LoadedMold>) {
-        if let Some(key) = self.mesh_key(params) {
-            self.mold.put(&key, mold);
-        }
+        self.mold.put(&self.mesh_key(params), mold);
     }
 
     /// Reads the mesh again.
@@ -179,7 +204,7 @@ impl MoldWork {
 
     /// State of the mesh of `params`.
     pub fn mold_state(&self, params: &MoldParams) -> State {
-        self.mesh_key(params).map_or(State::Missing, |key| self.mold.state(&key))
+        self.mold.state(&self.mesh_key(params))
     }
 
     /// The mold that was read last.
@@ -190,7 +215,8 @@ impl MoldWork {
     /// The mold of `params`, if read. While the mesh is read again, the known one.
     fn current_mold(&self, params: &MoldParams) -> Option<&Arc<LoadedMold>> {
         let ((path, units, _), mold) = self.mold.last()?;
-        let is_same = params.mesh.as_ref() == Some(path) && params.units == *units;
+        let asked = self.mesh_key(params);
+        let is_same = (&asked.0, asked.1) == (path, *units);
         (is_same && !matches!(self.mold_state(params), State::Failed(_) | State::Cancelled)).then_some(mold)
     }
 
@@ -296,6 +322,28 @@ impl MoldWork {
         Ok(())
     }
 
+    /// Writes the uncut regions for `params` into `folder`, with their comparison with the cutters `other` if that is
+    /// there.
+    ///
+    /// # Errors
+    /// One line if there are none for `params`.
+    pub fn export_uncut(&mut self, params: &MoldParams, other: &CutterLibrary, folder: &Path) -> Result<(), String> {
+        let (question, mold) = self.asked(params)?;
+        let found = self.found.get(&question).filter(|_| self.found.state(&question) == State::Ready).cloned();
+        let found = found.ok_or("the rest material is out of date: find it again")?;
+        let compared = self.other().filter(|_| self.is_other_of(params, other));
+        let comparison = compared.map(|made| ComparisonReport::of(&made.1, other, params.opening()));
+        let folder = folder.to_owned();
+        self.exports += 1;
+        self.uncut_exported.restart(&self.exports, Priority::Shown, move |work| {
+            // What was read from a file is shown, but proves nothing.
+            let proven = if found.is_proven { None } else { Some(steps::find(&mold, &question.1, &work.task)?) };
+            let found = proven.as_ref().unwrap_or(&found);
+            uncut_export::export(&folder, found, comparison.as_ref(), &mold, &work.task)
+        });
+        Ok(())
+    }
+
     /// State of the comparison of `params` with `library`.
     pub fn comparison_state(&self, params: &MoldParams, library: &CutterLibrary) -> State {
         let question = self.question(params);
@@ -344,7 +392,9 @@ impl MoldWork {
     /// Work under way.
     pub fn doing(&self) -> Option<&Doing> {
         let all = [self.mold.doing(), self.found.doing(), self.other.doing()];
-        all.into_iter().chain([self.designed.doing(), self.exported.doing()]).flatten().next()
+        let made = [self.designed.doing(), self.divisions.doing()];
+        let exported = [self.exported.doing(), self.uncut_exported.doing()];
+        all.into_iter().chain(made).chain(exported).flatten().next()
     }
 
     /// Whether work waits or runs.
@@ -359,7 +409,9 @@ impl MoldWork {
         self.found.cancel();
         self.other.cancel();
         self.designed.cancel();
+        self.divisions.cancel();
         self.exported.cancel();
+        self.uncut_exported.cancel();
     }
 
     /// Makes electrodes for the uncut regions, after searching them if needed.
@@ -412,6 +464,34 @@ impl MoldWork {
         self.designed.last().is_some_and(|(of, _)| asked.as_ref() == Some(of))
     }
 
+    /// Compares other ways of dividing with that of the electrodes for `params`.
+    ///
+    /// # Errors
+    /// One line if there are none for `params`.
+    pub fn compare_divisions(&mut self, params: &MoldParams) -> Result<(), String> {
+        let (question, mold) = self.asked(params)?;
+        let found = self.found.get(&question).cloned();
+        let asked = design_question(question, &params.electrodes);
+        let made = self.designed.get(&asked).cloned();
+        let (found, made) = found.zip(made).ok_or("the electrodes are out of date: create them again")?;
+        self.divisions.restart(&asked, self.priority, move |work| {
+            let ways = compare_divisions(&mold.mesh, &found.uncut, &made.set, &work.task);
+            ways.map_err(|e| FIELDS.labelled(&e))
+        });
+        Ok(())
+    }
+
+    /// State of the comparison of ways of dividing for `params`.
+    pub fn divisions_state(&self, params: &MoldParams) -> State {
+        let state = |question| self.divisions.state(&design_question(question, &params.electrodes));
+        self.question(params).map_or(State::Missing, state)
+    }
+
+    /// Ways of dividing compared for `params`.
+    pub fn divisions(&self, params: &MoldParams) -> Option<&Arc<Vec<WayResult>>> {
+        self.divisions.get(&design_question(self.question(params)?, &params.electrodes))
+    }
+
     /// Writes the electrodes into `folder`.
     ///
     /// # Errors
@@ -426,11 +506,11 @@ impl MoldWork {
         let (Some(made), Ok((question, mold))) = (made, self.asked(params)) else {
             return Err("the electrodes are out of date: create them again".to_owned());
         };
-        let (folder, name, formats, sheet) = (folder.to_owned(), params.name(), formats.to_vec(), sheet.clone());
+        let (folder, formats, sheet) = (folder.to_owned(), formats.to_vec(), sheet.clone());
         let datum = params.datum.clone();
         // Which of them are let pass, and what they are called, may have changed since they were made.
         let asked = ElectrodeParams { names: Vec::new(), ..params.electrodes.clone() };
-        let electrodes = params.electrodes.clone();
+        let (electrodes, divisions) = (params.electrodes.clone(), self.divisions(params).cloned());
         self.exports += 1;
         self.exported.restart(&self.exports, Priority::Shown, move |work| {
             // What was read from a file is shown, but proves nothing.
@@ -449,7 +529,8 @@ impl MoldWork {
             }
             let made = proof.as_ref().map_or(&made, |(_, _, proven)| proven);
             let set = ElectrodeSet { params: asked.clone(), ..made.set.clone() };
-            let exported = export(&folder, (&set, made), (&mold, &name, &datum), (&formats, &sheet), &work.task)?;
+            let all = (&set, &**made, divisions.as_deref());
+            let exported = export(&folder, all, (&mold, &datum), (&formats, &sheet), &work.task)?;
             Ok((exported, proof))
         });
         Ok(())

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::workspaces::mold::document::demonstration::{DEMONSTRATION, demonstration};
 use crate::workspaces::mold::document::fields::FIELDS;
 use crate::workspaces::mold::document::part_of;
 use crate::workspaces::mold::job::compare::{Comparison, compare as compare_answers};
@@ -13,13 +14,13 @@ use crate::workspaces::mold::scene::{RegionShape, faces_shape, region_shapes};
 use files::PartFile;
 use geometry::circle::Circle;
 use geometry::mesh::Mesh;
-use import::{ImportOptions, ImportReport, Units, import_file};
+use import::{ImportOptions, ImportReport, Imported, Units, import_file};
 use mold::datum::rims;
 use mold::invert::InvertFaces;
 use mold::unseen::{OpeningProposal, Unseen, undercuts};
 use mold::warning::MoldWarning;
 use render::mesh::RenderMesh;
-use task::{Cancel, Task};
+use task::{Cancel, StageClock, StageTime, Task};
 
 /// A mold as loaded.
 #[derive(Debug)]
@@ -38,7 +39,7 @@ pub struct LoadedMold {
     pub proposal: OpeningProposal,
     /// Rims of holes and bosses, in the axes of the file (mm).
     pub rims: Vec<Circle>,
-    /// File of the mold as it was read.
+    /// File of the mold as it was read; without a path for the demonstration mold.
     pub file: PartFile,
     /// Digest of the part: digest of the file and the unit that it was read in.
     pub sha256: String,
@@ -66,6 +67,8 @@ pub struct FoundUncut {
     pub deepest: f64,
     /// Whether this run of the program has computed the result, rather than read it from a file.
     pub is_proven: bool,
+    /// Times of the stages; none of a result that was read from a file.
+    pub times: Vec<StageTime>,
 }
 
 impl FoundUncut {
@@ -84,6 +87,18 @@ pub fn load(path: &Path, units: Units, task: &Task) -> Result<LoadedMold, String
     let options = ImportOptions { units, ..Default::default() };
     let imported = import_file(path, &options, task).map_err(|e| e.to_string())?;
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    loaded(name, path, imported, task)
+}
+
+/// The demonstration mold.
+///
+/// # Errors
+/// Those of [`demonstration`].
+pub(super) fn load_demonstration(task: &Task) -> Result<LoadedMold, String> {
+    loaded(DEMONSTRATION.to_owned(), Path::new(""), demonstration(task)?, task)
+}
+
+fn loaded(name: String, path: &Path, imported: Imported, task: &Task) -> Result<LoadedMold, String> {
     let shape = Arc::new(RenderMesh::new(&imported.mesh));
     task.check().map_err(|e| e.to_string())?;
     let sha256 = part_of(&imported);
@@ -98,10 +113,12 @@ pub fn load(path: &Path, units: Units, task: &Task) -> Result<LoadedMold, String
 /// # Errors
 /// One line for the user.
 pub(super) fn find(mold: &LoadedMold, params: &UncutParams, task: &Task) -> Result<FoundUncut, String> {
-    let found = uncut(&mold.mesh, params, task).map_err(|e| FIELDS.labelled(&e))?;
+    let clock = StageClock::default();
+    let found = uncut(&mold.mesh, params, &clock.timed(task)).map_err(|e| FIELDS.labelled(&e))?;
+    let times = clock.times();
     let shown = shown(mold, found, true);
     task.check().map_err(|e| e.to_string())?;
-    Ok(shown)
+    Ok(FoundUncut { times, ..shown })
 }
 
 /// The uncut regions with everything shown of them.
@@ -109,7 +126,7 @@ pub(super) fn shown(mold: &LoadedMold, found: Uncut, is_proven: bool) -> FoundUn
     let shapes = region_shapes(&mold.mesh, &found.surface, found.regions.len(), found.params.opening);
     let invert = faces_shape(&mold.mesh, &found.stack.invert.triangles);
     let deepest = found.regions.iter().fold(0.0, |most: f64, r| most.max(r.depth));
-    FoundUncut { report: UncutReport::of(&found), uncut: found, shapes, invert, deepest, is_proven }
+    FoundUncut { report: UncutReport::of(&found), uncut: found, shapes, invert, deepest, is_proven, times: Vec::new() }
 }
 
 /// Searches the uncut regions of other cutters, and compares them with the result.

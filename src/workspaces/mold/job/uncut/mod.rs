@@ -5,6 +5,7 @@
 //! told.
 
 mod layer_figures;
+mod segments;
 mod step;
 #[cfg(test)]
 mod tests;
@@ -30,6 +31,7 @@ use mold::surface::{SurfacePiece, segments_at, uncut_surface};
 use mold::uncut_region::{Regions, UncutRegion};
 use mold::unseen::{Unseen, undercuts};
 use mold::warning::MoldWarning;
+pub use segments::SegmentRun;
 use step::usual_step;
 use task::{Cancel, Cancelled, Task};
 

@@ -37,6 +37,14 @@ fn region_of(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, r): 
         {
             desk.electrodes.begin_split(r);
         }
+        let hint = "No electrode for this region. It is taken back under \"Changes to the division\".";
+        if let Some(place) = made.places.get(r).copied().flatten()
+            && ui.small_button("Set aside").on_hover_text(hint).clicked()
+        {
+            let mut params = desk.document.params().clone();
+            params.electrodes.edits.push(Edit::SetAside { place });
+            desk.edit(params);
+        }
     });
     left(ui, desk, &plan.left, (electrode, r));
     let axes = desk.params().datum.of_upright(made.opening);

@@ -2,10 +2,11 @@
 
 use crate::workspaces::commands::FrameCommand;
 use crate::workspaces::context::Context;
+use crate::workspaces::mold::commands::MoldCommand;
 use crate::workspaces::mold::panels::desk::MoldDesk;
 use std::path::Path;
 
-use egui::{CollapsingHeader, RichText, Ui};
+use egui::{CollapsingHeader, Grid, RichText, Ui};
 
 use super::super::cutters;
 use crate::widgets::form::{Form, heading};
@@ -142,6 +143,7 @@ fn answer(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath
         notice(ui, colours.warning, &format!("Out of date: {said}"));
     }
     fact(ui, "All burns", format!("{:.0} min", made.set.minutes()));
+    divisions(ui, desk, cx);
     let asked = burn_sheet(ui, desk);
     ui.horizontal(|ui| {
         for (format, is_on) in ElectrodeFormat::ALL.into_iter().zip(&mut desk.electrodes.formats) {
@@ -157,6 +159,51 @@ fn answer(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath
         ui.add(egui::Label::new(RichText::new(text).small().color(colours.bad)).wrap());
     }
     asked
+}
+
+/// Ways of dividing side by side.
+fn divisions(ui: &mut Ui, desk: &MoldDesk, cx: &mut Context) {
+    let params = desk.document.params();
+    if let Some(why) = desk.work.divisions_state(params).why_not() {
+        notice(ui, palette(ui).bad, why);
+    }
+    let Some(ways) = desk.work.divisions(params).cloned() else {
+        return cx.button(ui, desk, MoldCommand::CompareDivisions, "Compare ways of dividing", false);
+    };
+    let faint = palette(ui).faint;
+    Grid::new("ways of dividing").num_columns(7).spacing([10.0, 3.0]).striped(true).show(ui, |ui| {
+        for (head, hint) in [
+            ("divided at", "Heads of whole faces: a face that is partly uncut counts as uncut"),
+            ("heads", "Heads on all electrodes"),
+            ("els.", "Electrodes"),
+            ("burns", ""),
+            ("min", "Duration of all burns"),
+            ("long", "Longest head in plan (mm)"),
+            ("\u{2716}", "Electrodes that the cutters do not mill"),
+        ] {
+            ui.label(RichText::new(head).small().color(faint)).on_hover_text(hint);
+        }
+        ui.end_row();
+        for way in ways.iter() {
+            let name = RichText::new(way.way.name()).small();
+            ui.label(if way.is_own { name.strong() } else { name });
+            if let Some(why) = &way.failure {
+                ui.label(RichText::new("none").small().color(palette(ui).bad)).on_hover_text(why);
+                ui.end_row();
+                continue;
+            }
+            let figures = [
+                way.heads.to_string(),
+                way.electrodes.to_string(),
+                way.burns.to_string(),
+                format!("{:.0}", way.minutes),
+                format!("{:.1}", way.largest_mm),
+                way.not_millable.to_string(),
+            ];
+            figures.into_iter().for_each(|figure| drop(ui.label(RichText::new(figure).small().monospace())));
+            ui.end_row();
+        }
+    });
 }
 
 /// The template of the burn sheet.
