@@ -128,11 +128,8 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     }
     let mut has_all_files = true;
     if let Some(folder) = folder {
-        let drawn = if arguments.no_pictures {
-            Ok(Vec::new())
-        } else {
-            pictures(&imported.mesh, &set, asked.opening(), &task)
-        };
+        let drawn =
+            if arguments.no_pictures { Ok(Vec::new()) } else { pictures(&imported.mesh, &set, asked.opening(), &task) };
         let pictures = drawn.unwrap_or_else(|error| {
             lines.push(format!("no pictures in the report: {error}"));
             Vec::new()

@@ -58,7 +58,8 @@ fn cavity(rng: &mut ChaCha8Rng, depth: f64) -> Mesh {
             let half = depth * rng.random_range(0.2..0.6);
             let groove = |at: f64| {
                 let wide = half * (depth + ABOVE) / depth;
-                let end = |y: f64| [(at - wide, ABOVE), (at + wide, ABOVE), (at, -depth)].map(|(x, z)| DVec3::new(x, y, z));
+                let end =
+                    |y: f64| [(at - wide, ABOVE), (at + wide, ABOVE), (at, -depth)].map(|(x, z)| DVec3::new(x, y, z));
                 [end(-0.5 * y), end(0.5 * y)].concat()
             };
             let apart = half * rng.random_range(0.7..1.1);

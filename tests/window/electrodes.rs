@@ -447,7 +447,7 @@ fn a_saved_project_with_every_edit_is_answered_headless_as_in_the_window() {
     let mut desk = home.start_in(Opening::In("mold", Some(mesh)), [1280, 720], 1.0);
     desk.take_cutters(&[Cutter::flat(2.0)]);
     let mut params = desk.mold().document.params().clone();
-    params.opening = MinusX;
+    params.opening = Some(MinusX);
     params.electrodes.cutters = Some(CutterLibrary { cutter: vec![Cutter::flat(0.5)] });
     params.electrodes.stages[0].gap_mm = 0.06;
     params.electrodes.material = "graphite".to_owned();

@@ -125,7 +125,8 @@ fn overlaps(a: &[UncutPiece], b: &[UncutPiece]) -> Vec<[usize; 2]> {
 /// seen by the boxes around them. What comes and goes between facets joins nothing.
 fn beside(layers: [&[UncutPiece]; 2], pairs: &[[usize; 2]], reach: f64) -> Vec<[usize; 2]> {
     let extents = layers.map(|pieces| pieces.iter().map(UncutPiece::extent).collect::<Vec<_>>());
-    let gap = |[low, high]: &[DVec2; 2], [from, to]: &[DVec2; 2]| (*from - *high).max(*low - *to).max(DVec2::ZERO).length();
+    let gap =
+        |[low, high]: &[DVec2; 2], [from, to]: &[DVec2; 2]| (*from - *high).max(*low - *to).max(DVec2::ZERO).length();
     let mut found = Vec::new();
     for side in [0, 1] {
         let mut is_alone = vec![true; extents[side].len()];

@@ -114,7 +114,9 @@ fn halves(layers: &[UncutLayer], floors: &[f64], settings: &LayerSettings) -> Ve
         .map(|(i, inner)| inner && is_bent([figures[i - 1], figures[i], figures[i + 1]], &tolerance))
         .collect();
     let is_halved = |&i: &usize| {
-        slabs[i] && is_wide(i) && (bent[i] || bent[i + 1] || !have_partners(&layers[i], &layers[i + 1], tolerance.counted))
+        slabs[i]
+            && is_wide(i)
+            && (bent[i] || bent[i + 1] || !have_partners(&layers[i], &layers[i + 1], tolerance.counted))
     };
     let chosen: Vec<usize> = (0..slabs.len()).into_par_iter().filter(is_halved).collect();
     chosen.into_iter().map(|i| 0.5 * (figures[i].z + figures[i + 1].z)).collect()

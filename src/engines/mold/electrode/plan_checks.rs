@@ -150,12 +150,7 @@ fn clearances(
 }
 
 /// Residual stock of the parts that an electrode is for, each once.
-fn residual_stock_of(
-    electrode: &Electrode,
-    left: &[Left],
-    stages: &[Stage],
-    tolerance: (f64, f64),
-) -> Option<Finding> {
+fn residual_stock_of(electrode: &Electrode, left: &[Left], stages: &[Stage], tolerance: (f64, f64)) -> Option<Finding> {
     let own: BTreeSet<PartId> = electrode.burns.iter().flat_map(|b| &b.parts).copied().collect();
     let looked = own.iter().map(|p| left[p.region].looked).reduce(Looked::and)?;
     if electrode.stage + 1 < stages.len() {

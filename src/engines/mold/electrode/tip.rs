@@ -45,7 +45,9 @@ pub enum TipError {
     )]
     NoSurface,
     /// A body that encloses nothing.
-    #[error("the head does not close where the mold bounds it: {0}; change the margin of the heads, or divide the region")]
+    #[error(
+        "the head does not close where the mold bounds it: {0}; change the margin of the heads, or divide the region"
+    )]
     Solid(SolidError),
     /// Told to stop.
     #[error(transparent)]
