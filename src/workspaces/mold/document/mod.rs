@@ -36,13 +36,13 @@ pub struct MoldParams {
     /// Opening direction, in the axes of the mesh; none, `"auto"`, until the one that is proposed for the part is taken.
     #[serde(with = "or_auto")]
     pub opening: Option<Opening>,
-    /// Work datum, to which positions of burns refer.
-    pub datum: Datum,
     /// Thickness of the residue, across the mold's surface, up to which it counts as cut (mm).
     pub tolerance_mm: f64,
     /// Step of the height map (mm); none to choose it automatically.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid_step_mm: Option<f64>,
+    /// Work datum, to which positions of burns refer.
+    pub datum: Datum,
     /// Settings of the layers.
     pub layers: LayerSettings,
     /// The cutters.
