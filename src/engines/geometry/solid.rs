@@ -81,22 +81,41 @@ fn combine(a: &Mesh, b: &Mesh, operation: OpType, engine: BooleanEngine) -> Resu
     if a.triangles.is_empty() {
         return Ok(Manifold::empty());
     }
-    let found = manifold(a)?.boolean_with_engine(&manifold(b)?, operation, engine);
+    combined(&manifold(a)?, &manifold(b)?, operation, engine)
+}
+
+fn combined(a: &Manifold, b: &Manifold, operation: OpType, engine: BooleanEngine) -> Result<Manifold, SolidError> {
+    let found = a.boolean_with_engine(b, operation, engine);
     match found.status() {
         Error::NoError => Ok(found),
         error => Err(SolidError::Failed(error.to_str().to_owned())),
     }
 }
 
-/// The part of `a` outside `b`, which may touch itself: slower than [`difference`], and without the slivers that faces
-/// leave which lie in one another but for rounding.
-///
-/// # Errors
-/// [`SolidError::NotClosed`], [`SolidError::Failed`].
-pub fn trimmed(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
-    /// Longest edge of a sliver (mm): more than single precision cannot tell apart 50 mm from the origin.
-    const SLIVER: f64 = 1e-5;
-    Ok(mesh(&combine(a, b, OpType::Subtract, BooleanEngine::Auto)?.simplify(SLIVER)))
+/// A solid that others are trimmed by, again and again: what is known of it is found once. It may touch itself.
+pub struct Trimmer(Manifold);
+
+impl Trimmer {
+    /// A trimmer from its surface.
+    ///
+    /// # Errors
+    /// [`SolidError::NotClosed`].
+    pub fn new(surface: &Mesh) -> Result<Self, SolidError> {
+        Ok(Self(manifold(surface)?))
+    }
+
+    /// The part of `a` outside of it, without the slivers that faces leave which lie in one another but for rounding.
+    ///
+    /// # Errors
+    /// [`SolidError::NotClosed`], [`SolidError::Failed`].
+    pub fn trim(&self, a: &Mesh) -> Result<Mesh, SolidError> {
+        /// Longest edge of a sliver (mm): more than single precision cannot tell apart 50 mm from the origin.
+        const SLIVER: f64 = 1e-5;
+        if a.triangles.is_empty() {
+            return Ok(Mesh::default());
+        }
+        Ok(mesh(&combined(&manifold(a)?, &self.0, OpType::Subtract, BooleanEngine::Auto)?.simplify(SLIVER)))
+    }
 }
 
 /// Edges that are shorter, and corners that are nearer to the line of their neighbours (mm), are left out of what was

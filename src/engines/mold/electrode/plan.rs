@@ -303,6 +303,7 @@ fn parts_of(
     let clear = Arc::new(clear);
     let burned = Burned {
         kept_clear: &clear.mesh,
+        trimmer: &clear.trimmer,
         gap_up: setting.stage.undersize(DVec3::Z),
         gap_across: setting.stage.most_across(),
     };

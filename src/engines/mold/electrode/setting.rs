@@ -12,7 +12,7 @@ use geometry::envelope::{Growth, envelope};
 use geometry::exact::{ExactMesh, ExactMeshError};
 use geometry::mesh::{Mesh, unit_normal};
 use geometry::minkowski::{on_grid, up_to_grid, with_rectangle};
-use geometry::solid::SolidError;
+use geometry::solid::{SolidError, Trimmer};
 use task::{Cancel, Cancelled};
 
 /// By how much an electrode may come closer than the gap (mm): rounding of files, not of sparks.
@@ -114,6 +114,7 @@ impl Setting {
 pub(super) struct KeptClear {
     /// The volume.
     pub(super) mesh: Mesh,
+    pub(super) trimmer: Trimmer,
     exact: ExactMesh,
 }
 
@@ -139,7 +140,7 @@ impl KeptClear {
         let grown = envelope(mold, &Growth { gap, radius }, [from - half, to + half], low - BELOW, cancel)?;
         let mesh = if half > 0.0 { with_rectangle(&on_grid(&grown), DVec2::splat(half))? } else { grown };
         let exact = ExactMesh::new(&mesh).map_err(|error| SolidError::Failed(error.to_string()))?;
-        Ok(Self { mesh, exact })
+        Ok(Self { trimmer: Trimmer::new(&mesh)?, mesh, exact })
     }
 
     /// Whether a point lies on the surface that burns.

@@ -12,7 +12,7 @@ use crate::plane::Shape;
 use crate::section::sections;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
 use geometry::solid;
-use geometry::solid::SolidError;
+use geometry::solid::{SolidError, Trimmer};
 use task::{Cancel, Cancelled};
 
 /// How far below the rim of what is left a tip's walls are cut off and led straight up (mm).
@@ -67,6 +67,8 @@ impl From<SolidError> for TipError {
 pub struct Burned<'a> {
     /// Volume that electrodes must stay above.
     pub kept_clear: &'a Mesh,
+    /// The same, to trim tips by.
+    pub trimmer: &'a Trimmer,
     /// The gap upwards (mm): how far horizontal faces are moved.
     pub gap_up: f64,
     /// The gap across (mm): how far upright faces are moved at most.
@@ -259,7 +261,7 @@ pub fn tip(burned: &Burned, footprint: &Footprint) -> Result<Mesh, TipError> {
     for shape in plane::union(&footprint.outlines, &[]) {
         let rings: Vec<&[DVec2]> = shape.iter().map(Outline::points).collect();
         let prism = solid::prism(&rings, footprint.low, footprint.cap)?;
-        tip = joined(tip, solid::trimmed(&prism, burned.kept_clear)?);
+        tip = joined(tip, burned.trimmer.trim(&prism)?);
     }
     if tip.triangles.is_empty() { Err(TipError::NoRoom) } else { Ok(tip) }
 }
