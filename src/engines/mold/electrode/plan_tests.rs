@@ -174,8 +174,8 @@ fn a_change_is_for_the_nearest_region_and_a_direction_that_is_none_is_refused() 
     assert_eq!((of(0), of(1)), ((Method::Extruding, false, 2), (Method::Cutting, true, 0)));
     let aside = planned(&mold, &regions, &ElectrodeParams { edits: vec![Edit::SetAside { place }], ..params(GAP) });
     assert_eq!(
-        (aside.set_aside(), aside.needing_none(), aside.why_not_burned(0)),
-        (vec![0], vec![], Some("set aside"))
+        (aside.set_aside(), aside.needing_none(), aside.why_not_burned(0, &glam::DAffine3::IDENTITY)),
+        (vec![0], vec![], Some("set aside".to_owned()))
     );
     let burned: Vec<usize> = aside.electrodes.iter().flat_map(Electrode::parts).map(|part| part.region).collect();
     assert!(aside.holds() && burned == [1] && aside.unmet_edits().is_empty(), "{:?}", aside.checks);
