@@ -85,7 +85,8 @@ fn filleted_cavities_keep_what_a_dexel_field_says() {
     let flat = left(&mold("c_fillets.stl"), "flat:1", None);
     let clear: Vec<_> = flat.regions.iter().filter(|r| !r.faces.is_empty()).collect();
     assert_eq!((clear.len(), flat.regions.len()), (12, 20));
-    assert!(flat.regions.iter().all(|r| !r.faces.is_empty() || r.thickness < 0.05));
+    let thickest = flat.regions.iter().filter(|r| r.faces.is_empty()).map(|r| r.thickness).fold(0.0, f64::max);
+    assert!(thickest < 2.0 * flat.grid_step, "{thickest} {}", flat.grid_step);
     let volume: f64 = clear.iter().map(|r| r.volume).sum();
     let area: f64 = clear.iter().map(|r| r.plan_area).sum();
     assert!((volume / 9.1692 - 1.0).abs() < 0.03 && (area / 4.7122 - 1.0).abs() < 0.05, "{volume} {area}");

@@ -457,7 +457,9 @@ fn a_saved_project_with_every_edit_is_answered_headless_as_in_the_window() {
     desk.press("Create electrodes");
     until_designed(&mut desk);
     let made = desk.mold().electrodes.designed().unwrap().clone();
-    let bent = (0..2).find(|r| made.leaves(*r).len() == 2).unwrap();
+    let leaves: Vec<usize> = (0..made.set.regions.len()).map(|r| made.leaves(r).len()).collect();
+    let bent =
+        leaves.iter().position(|count| *count == 2).unwrap_or_else(|| panic!("{leaves:?} {:?}", made.set.regions));
     let [Some(a), Some(b)] = made.leaves(bent)[..] else { panic!("{:?}", made.leaves(bent)) };
     let direction = DVec3::new(-0.1, 0.0, -1.0);
     let mut params = desk.mold().document.params().clone();
@@ -520,7 +522,7 @@ fn ways_of_dividing_are_compared_with_the_electrodes_that_are_shown() {
     let ways = desk.mold().work.divisions(desk.mold().params()).unwrap().clone();
     let made = desk.mold().electrodes.designed().unwrap();
     assert_eq!(ways.iter().map(|way| way.heads).collect::<Vec<_>>()[..1], [1]);
-    assert!(ways[3].is_own && ways[3].heads == 2 && ways[3].minutes == made.set.minutes(), "{ways:?}");
+    assert!(ways[3].is_own && ways[3].burns == 2 && ways[3].minutes == made.set.minutes(), "{ways:?}");
     assert!(ways[0].not_millable == 1 && ways[3].not_millable == 0, "{ways:?}");
     desk.assert_shows("whole faces");
     desk.picture("mold_divisions_dark");

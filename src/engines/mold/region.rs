@@ -6,6 +6,7 @@
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::outline::{Outline, off_segment};
 use super::piece::UncutPiece;
 use super::plane;
 use super::stack::UncutLayer;
@@ -121,24 +122,38 @@ fn overlaps(a: &[UncutPiece], b: &[UncutPiece]) -> Vec<[usize; 2]> {
     pairs
 }
 
-/// For each piece of two layers that overlaps none of the other the nearest one there, if it is within `reach` (mm)
-/// seen by the boxes around them. What comes and goes between facets joins nothing.
+/// For each piece of two layers that overlaps none of the other the nearest one there, if it is within `reach` (mm).
+/// What comes and goes between facets joins nothing.
 fn beside(layers: [&[UncutPiece]; 2], pairs: &[[usize; 2]], reach: f64) -> Vec<[usize; 2]> {
     let extents = layers.map(|pieces| pieces.iter().map(UncutPiece::extent).collect::<Vec<_>>());
-    let gap =
-        |[low, high]: &[DVec2; 2], [from, to]: &[DVec2; 2]| (*from - *high).max(*low - *to).max(DVec2::ZERO).length();
+    let are_near = |[low, high]: &[DVec2; 2], [from, to]: &[DVec2; 2]| {
+        (*from - *high).cmple(DVec2::splat(reach)).all() && (*low - *to).cmple(DVec2::splat(reach)).all()
+    };
     let mut found = Vec::new();
     for side in [0, 1] {
         let mut is_alone = vec![true; extents[side].len()];
         pairs.iter().for_each(|pair| is_alone[pair[side]] = false);
         for own in (0..is_alone.len()).filter(|own| is_alone[*own] && !layers[side][*own].is_shallow()) {
             let others = (0..extents[1 - side].len()).filter(|other| !layers[1 - side][*other].is_shallow());
-            let gaps = others.map(|other| (other, gap(&extents[side][own], &extents[1 - side][other])));
+            let near = others.filter(|other| are_near(&extents[side][own], &extents[1 - side][*other]));
+            let gaps = near.map(|other| (other, off(&layers[side][own], &layers[1 - side][other])));
             let nearest = gaps.filter(|(_, gap)| *gap <= reach).min_by(|a, b| a.1.total_cmp(&b.1));
             found.extend(nearest.map(|(other, _)| if side == 0 { [own, other] } else { [other, own] }));
         }
     }
     found
+}
+
+/// How far apart the boundaries of two pieces are (mm).
+fn off(a: &UncutPiece, b: &UncutPiece) -> f64 {
+    let from = |a: &UncutPiece, b: &UncutPiece| {
+        let off_side = |[p, q]: [DVec2; 2]| {
+            let points = a.boundary.iter().flat_map(Outline::points);
+            points.map(|at| off_segment(*at, p, q)).fold(f64::INFINITY, f64::min)
+        };
+        b.boundary.iter().flat_map(Outline::sides).map(off_side).fold(f64::INFINITY, f64::min)
+    };
+    from(a, b).min(from(b, a))
 }
 
 fn do_overlap(a: &UncutPiece, b: &UncutPiece) -> bool {
@@ -174,7 +189,6 @@ pub fn have_partners(low: &UncutLayer, high: &UncutLayer, counted: f64) -> bool 
 mod tests {
     use super::*;
     use crate::fixtures::rectangle;
-    use crate::outline::Outline;
 
     /// A square piece with this middle and side.
     fn square(x: f64, side: f64) -> UncutPiece {
