@@ -496,7 +496,9 @@ fn a_saved_project_with_every_edit_is_answered_headless_as_in_the_window() {
         assert!(names(&shown).iter().any(|name| *name == known), "{known}");
     }
     for ((name, shown), (_, headless)) in shown.iter().zip(&headless) {
-        assert!(shown == headless, "{name:?} differs");
+        let lines = [shown, headless].map(|bytes| String::from_utf8_lossy(bytes).into_owned());
+        let differing = lines[0].lines().zip(lines[1].lines()).find(|(a, b)| a != b);
+        assert!(shown == headless, "{name:?} differs: {differing:?}");
     }
 }
 

@@ -16,7 +16,7 @@ use files::{Override, ParameterList};
 use mold::datum::Datum;
 use mold::electrode::design::IdleOverride;
 use mold::electrode::design::{Electrode, ElectrodeSet, PartNode, RegionPlan};
-use mold::electrode::params::Edit;
+use mold::electrode::params::{Edit, ElectrodeParams};
 use mold::electrode::setting::to_burn_frame;
 use mold::opening::Opening;
 use nc::burn_table::{BurnTable, ElectrodeState, method_name};
@@ -145,6 +145,8 @@ impl ElectrodesReport {
         let is = |state: ElectrodeState| table.electrodes.iter().filter(move |e| e.state == state);
         let overridden: Vec<String> = is(ElectrodeState::Overridden).map(|e| e.name.clone()).collect();
         let idle = |(o, why): (&Override, IdleOverride)| IdleEntry { name: o.to_string(), why: why.to_string() };
+        // Names that were given once are remembered, and are no parameter.
+        let own = ElectrodeParams { names: Vec::new(), ..set.params.clone() };
         Self {
             schema: SCHEMA,
             sentence: sentence(set, &table, &set.params.overrides),
@@ -155,9 +157,7 @@ impl ElectrodesReport {
             model: MODEL,
             regions: set.regions.iter().enumerate().map(|(r, plan)| region(set, r, plan, &axes)).collect(),
             divisions: None,
-            parameters: FIELDS
-                .list(&MoldParams { electrodes: set.params.clone(), ..MoldParams::default() })
-                .of_table("electrodes"),
+            parameters: FIELDS.list(&MoldParams { electrodes: own, ..MoldParams::default() }).of_table("electrodes"),
             overridden,
             table,
         }
