@@ -24,7 +24,7 @@ const OFF_CIRCLE: f64 = 2e-3;
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Datum {
-    /// What it is, as in `corner`; may be empty.
+    /// Name, as in `corner`; may be empty.
     pub name: String,
     /// Origin, in the axes of the mesh (mm).
     pub origin_mm: DVec3,
@@ -48,7 +48,7 @@ impl Datum {
         self.origin_mm == DVec3::ZERO && self.angle_deg == 0.0
     }
 
-    /// Its name, or else what it is.
+    /// Name for people: the given one, or else `origin of the file` or `given`.
     pub fn label(&self) -> &str {
         match (self.name.trim(), self.is_of_mesh()) {
             ("", true) => "origin of the file",
@@ -63,19 +63,19 @@ impl Datum {
         DAffine3::from_mat3_translation(turn, -(turn * opening.upright(self.origin_mm)))
     }
 
-    /// Its unit axes X, Y and Z, in the axes of the mesh.
+    /// Unit axes X, Y and Z of the datum, in the axes of the mesh.
     pub fn axes(&self, opening: Opening) -> [DVec3; 3] {
         let turn = DMat3::from_rotation_z(self.angle_deg.to_radians());
         [turn.x_axis, turn.y_axis, turn.z_axis].map(|axis| opening.in_mesh(axis))
     }
 
-    /// The same with its origin at a place of the mesh (mm), to a nanometre, that is called `name`.
+    /// This datum with its origin at a place of the mesh (mm), to a nanometre, that is called `name`.
     pub fn at(&self, place: DVec3, name: &str) -> Self {
         Self { name: name.to_owned(), origin_mm: (place * 1e6).round() / 1e6 + 0.0, ..self.clone() }
     }
 
-    /// The same with its origin moved across two parallel faces to the middle between them, each given by a place (mm)
-    /// and a normal; none if they are not parallel.
+    /// This datum with its origin moved across two parallel faces to the middle between them, each face given by a
+    /// place (mm) and a normal; none if they are not parallel.
     pub fn between(&self, faces: [(DVec3, DVec3); 2]) -> Option<Self> {
         let [(p, n), (q, m)] = faces;
         let (n, m) = (n.try_normalize()?, m.try_normalize()?);

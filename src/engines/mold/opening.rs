@@ -72,7 +72,7 @@ impl Opening {
         }
     }
 
-    /// How it is written: the axis as in `+y`, or else the three numbers as in `0,0.5,1`.
+    /// Name in files and on the command line: the axis as in `+y`, or else the three numbers as in `0,0.5,1`.
     pub fn name(self) -> String {
         match self {
             Self::PlusX => "+x".to_owned(),

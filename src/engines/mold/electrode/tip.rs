@@ -67,7 +67,7 @@ impl From<SolidError> for TipError {
 pub struct Burned<'a> {
     /// Volume that electrodes must stay above.
     pub kept_clear: &'a Mesh,
-    /// The same, to trim tips by.
+    /// The kept-clear volume made ready to trim tips by.
     pub trimmer: &'a Trimmer,
     /// The gap upwards (mm): how far horizontal faces are moved.
     pub gap_up: f64,

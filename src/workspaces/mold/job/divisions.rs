@@ -51,7 +51,7 @@ impl Way {
 pub struct WayResult {
     /// The way.
     pub way: Way,
-    /// Whether it is the one that the electrodes are made by.
+    /// Whether the electrodes are made by this way.
     pub is_own: bool,
     /// Reason why there are no electrodes this way; the figures are then 0.
     pub failure: Option<String>,

@@ -85,7 +85,7 @@ pub fn draw(pictures: Vec<MoldPicture>, task: &Task) -> Result<Vec<Picture>, Ren
 pub struct UncutShapes<'a> {
     /// The mold.
     pub mold: &'a Arc<RenderMesh>,
-    /// Its regions.
+    /// Uncut regions.
     pub regions: &'a [RegionShape],
     /// Undercut faces, if there are any.
     pub invert: Option<&'a Arc<RenderMesh>>,
