@@ -104,7 +104,7 @@ pub fn set() -> ElectrodeSet {
         DVec3::splat(4.0),
     );
     (overridden.holder, overridden.direction) = (None, DVec3::X);
-    let cut = Cut { through: DVec2::new(1.5, -2.0), outward: DVec2::Y, overlaps: true };
+    let cut = Cut::upright(DVec2::new(1.5, -2.0), DVec2::Y, true);
     let divided = PartNode { cut: Some(cut), h_edges: 2, parts: vec![leaf(0), leaf(1)], ..leaf(0) };
     let divided = PartNode { part: None, ..divided };
     ElectrodeSet {

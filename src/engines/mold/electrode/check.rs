@@ -36,8 +36,54 @@ pub fn watertight(mesh: &Mesh) -> Finding {
     Finding::new(CheckKind::Watertight, holds, text, None).with(&[("not_closed", 1.0)])
 }
 
-/// Whether cutters mill an electrode, turned over so that its tips look up, leaving nothing above `tolerance` (mm).
-/// Only stock on a footing of its own counts: tips need the base that they stand on.
+/// What cutters leave of an electrode, turned over so that its tips look up.
+pub(super) struct Milled {
+    /// The heights of it.
+    field: HeightField,
+    /// Rest material, the largest first, with places of the electrode turned over.
+    pub(super) left: Vec<FieldRegion>,
+    /// Area that looks away from the cutters (mm^2).
+    pub(super) undercut: f64,
+}
+
+/// What cutters leave of an electrode above `tolerance` (mm). Only stock on a footing of its own counts: tips need the
+/// base that they stand on.
+///
+/// # Errors
+/// [`HeightFieldError`].
+pub(super) fn milled(
+    electrode: &Mesh,
+    cutters: &CutterLibrary,
+    tolerance: f64,
+    cancel: &Cancel,
+) -> Result<Milled, HeightFieldError> {
+    let over = electrode.mapped(turned_over);
+    let field =
+        HeightField::raster(&over, (least_radius(cutters) / MILLING_CELLS).min(1.25 * tolerance.max(0.02)), cancel)?;
+    let left = left_by(&field, cutters, tolerance, cancel)?;
+    Ok(Milled { field, left, undercut: InvertFaces::of(&over).area })
+}
+
+/// A point of an electrode that is turned over, and of one that is not.
+pub(super) fn turned_over(p: DVec3) -> DVec3 {
+    DVec3::new(p.x, -p.y, -p.z)
+}
+
+fn least_radius(cutters: &CutterLibrary) -> f64 {
+    cutters.needed().iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min)
+}
+
+fn left_by(
+    field: &HeightField,
+    cutters: &CutterLibrary,
+    tolerance: f64,
+    cancel: &Cancel,
+) -> Result<Vec<FieldRegion>, HeightFieldError> {
+    let closing = height_field::closing(field, cutters, cancel)?;
+    height_field::regions(field, &closing, tolerance, cancel)
+}
+
+/// Whether cutters mill an electrode, leaving nothing above `tolerance` (mm).
 ///
 /// # Errors
 /// [`HeightFieldError`].
@@ -47,16 +93,8 @@ pub fn machinable(
     tolerance: f64,
     cancel: &Cancel,
 ) -> Result<Finding, HeightFieldError> {
-    let over = electrode.mapped(|p| DVec3::new(p.x, -p.y, -p.z));
-    let radius = cutters.needed().iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
-    let field = HeightField::raster(&over, (radius / MILLING_CELLS).min(1.25 * tolerance.max(0.02)), cancel)?;
-    let left_by = |cutters: &CutterLibrary| -> Result<Vec<FieldRegion>, HeightFieldError> {
-        let closing = height_field::closing(&field, cutters, cancel)?;
-        height_field::regions(&field, &closing, tolerance, cancel)
-    };
-    let left = left_by(cutters)?;
-    let invert = InvertFaces::of(&over).area;
-    let back = |p: DVec3| DVec3::new(p.x, -p.y, -p.z);
+    let Milled { field, left, undercut } = milled(electrode, cutters, tolerance, cancel)?;
+    let radius = least_radius(cutters);
     Ok(match left.first() {
         Some(worst) => {
             let volume = left.iter().map(|r| r.volume).sum::<f64>();
@@ -64,7 +102,7 @@ pub fn machinable(
             let mut remedy = format!("no cutter down to a radius of {SMALLEST} mm mills it: divide it there");
             for smaller in [0.5 * radius, 0.25 * radius, SMALLEST] {
                 let both = CutterLibrary { cutter: vec![Cutter::flat(smaller), Cutter::ball(smaller)] };
-                if (SMALLEST..radius).contains(&smaller) && left_by(&both)?.is_empty() {
+                if (SMALLEST..radius).contains(&smaller) && left_by(&field, &both, tolerance, cancel)?.is_empty() {
                     remedy = format!("flat and ball cutters of {smaller} mm radius mill it");
                     break;
                 }
@@ -74,12 +112,12 @@ pub fn machinable(
                  {thickness:.3} mm thick; {remedy}",
                 left.len(),
             );
-            let finding = Finding::new(CheckKind::Machinable, false, text, Some(back(worst.bounds.center())));
+            let finding = Finding::new(CheckKind::Machinable, false, text, Some(turned_over(worst.bounds.center())));
             finding.with(&[("volume_mm3", volume), ("thickness_mm", thickness)])
         }
-        None if invert > LEAST_INVERT => {
-            let text = format!("not millable: {invert:.3} mm^2 are undercut");
-            Finding::failed(CheckKind::Machinable, text, ("undercut_mm2", invert))
+        None if undercut > LEAST_INVERT => {
+            let text = format!("not millable: {undercut:.3} mm^2 are undercut");
+            Finding::failed(CheckKind::Machinable, text, ("undercut_mm2", undercut))
         }
         None => Finding::new(CheckKind::Machinable, true, "millable: no rest material".into(), None),
     })

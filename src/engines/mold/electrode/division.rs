@@ -1,20 +1,25 @@
 //! Division of a region until its tips can be milled.
 //!
-//! An H-edge that stands upright is where the walls of two faces meet. Cutting the footprint along one of the walls
-//! leaves one part on whose boundary that wall goes on straight (the face is enlarged), and parts beyond it. These
-//! reach back over the cut by the overlap, between their own walls enlarged, so that nothing is left between them.
+//! At an H-edge two faces of a tip meet, and at least one of them is steep. Cutting along that face leaves a part on
+//! whose boundary it goes on straight (the face is enlarged, whatever its draft), and parts beyond it. These reach back
+//! over the cut by the overlap, between their own faces enlarged, so that nothing is left between them.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+use super::base::{INTO_BASE, on_plate};
+use super::check::{milled, turned_over};
 use super::footprint::{grown, half_plane, is_thin, shrunk};
-use super::h_edge::{HEdge, h_edges, is_upright, place};
+use super::h_edge::{HEdge, Milling, h_edges, inner_edges, is_upright, place};
 use super::params::DividedAt;
-use super::tip::{Burned, Footprint, SKIN, TipError, tip};
+use super::tip::{Burned, Footprint, SKIN, TipError, led_up, tip};
+use crate::cutter::CutterLibrary;
+use crate::height_field::HeightFieldError;
+use crate::invert::LEAST_INVERT;
 use crate::outline::Outline;
 use crate::plane;
 use crate::plane::Shape;
-use geometry::mesh::Mesh;
+use geometry::mesh::{Bounds, Mesh};
 use task::Cancel;
 
 /// How far from a tip in plan what it burns may lie, beyond the gap (mm): regions are known to cells.
@@ -27,20 +32,84 @@ const FAR: f64 = 1e5;
 const DEEPEST: usize = 8;
 /// Half the width up to which a part of a region is none (mm): regions are known to cells of this size.
 const NOTHING: f64 = 0.008;
-/// How near an H-edge lies to one that was to be taken away, if it was not (mm).
-const STILL_THERE: f64 = 0.01;
+/// Share of the rest material that a division may leave at most.
+const LESS: f64 = 0.7;
+/// Faces along which cuts are tried at most, those with the longest edges.
+const MOST_FACES: usize = 4;
+/// How alike normals of faces are that are cut along at once (radians).
+const ALIKE: f64 = 2e-3;
+/// How far a head is led up to try whether it can be milled (mm).
+const LED_UP: f64 = 1.0;
 /// How near a corner lies to a line to be on it (mm).
 const ON_LINE: f64 = 1e-6;
+/// Downward part of a normal up to which a face is cut along.
+const STEEP: f64 = 0.5;
+/// Downward part of a normal up to which a face is upright.
+const UPRIGHT: f64 = 1e-6;
+/// How far the ends of an edge may be off a plane to lie in it (mm).
+const ON_PLANE: f64 = 0.015;
+/// Downward part of a normal from which on a face that is enlarged has something below it.
+const ON_LEVEL: f64 = 1e-3;
+/// Least sine of the angle between faces that have a profile, and of its direction with the cut.
+const ALONG: f64 = 0.3;
 
-/// A cut through a footprint.
+/// A cut through a part along a plane, in the burn frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Cut {
-    /// A point that it goes through, in plan (mm).
-    pub through: DVec2,
-    /// Unit normal.
-    pub outward: DVec2,
+    /// A point that it goes through (mm).
+    pub through: DVec3,
+    /// Unit normal, level or downwards: that of the near part's face in the plane.
+    pub normal: DVec3,
+    /// Height from which up it goes (mm), if it is slanted.
+    pub low: f64,
     /// Whether parts beyond it reach back over it.
     pub overlaps: bool,
+}
+
+impl Cut {
+    /// An upright cut through a point in plan (mm) with this unit normal.
+    pub fn upright(through: DVec2, outward: DVec2, overlaps: bool) -> Self {
+        Self { through: through.extend(0.0), normal: outward.extend(0.0), low: f64::NEG_INFINITY, overlaps }
+    }
+
+    /// The cut along a face of a tip through one of its points (mm); none where the face is not steep.
+    fn along(face: DVec3, through: DVec3) -> Option<Self> {
+        let normal = if face.z.abs() < UPRIGHT { face.with_z(0.0).normalize_or_zero() } else { face };
+        let is_steep = (-STEEP..=0.0).contains(&normal.z) && normal != DVec3::ZERO;
+        is_steep.then_some(Self { through, normal, low: f64::NEG_INFINITY, overlaps: true })
+    }
+
+    /// Whether an edge lies in it.
+    fn holds(&self, edge: &HEdge) -> bool {
+        edge.ends.iter().all(|p| self.beyond(*p).abs() < ON_PLANE)
+    }
+
+    /// Unit normal of its lines in plan.
+    fn outward(&self) -> DVec2 {
+        self.normal.truncate().normalize_or_zero()
+    }
+
+    /// A point of its line at a height (mm), in plan.
+    fn line(&self, height: f64) -> DVec2 {
+        let across = self.normal.truncate().length();
+        self.through.truncate() - self.outward() * self.normal.z / across * (height - self.through.z)
+    }
+
+    /// How far a point lies beyond it (mm).
+    pub(super) fn beyond(&self, p: DVec3) -> f64 {
+        (p - self.through).dot(self.normal)
+    }
+
+    /// Everything beyond it between two heights, as corners of a convex body (mm).
+    fn all_beyond(&self, [low, high]: [f64; 2]) -> Vec<DVec3> {
+        let along = self.outward().perp() * FAR;
+        let at = |height: f64| {
+            let line = self.line(height) - self.outward() * OFF_WALL;
+            let far = self.line(high) + self.outward() * FAR;
+            [line - along, line + along, far - along, far + along].map(|p| p.extend(height))
+        };
+        [at(low), at(high)].concat()
+    }
 }
 
 /// A part of a region and what it was divided into.
@@ -50,7 +119,9 @@ pub struct Part {
     pub footprint: Footprint,
     /// Tip, up to the cap.
     pub body: Mesh,
-    /// The edges that no cutter makes.
+    /// Its inner edges.
+    inner: Vec<HEdge>,
+    /// Those of them that no cutter makes.
     pub h_edges: Vec<HEdge>,
     /// The cut, and what it leads to; none where it is not divided.
     pub divided: Option<(Cut, Vec<Part>)>,
@@ -74,14 +145,20 @@ impl Part {
 }
 
 /// How a region is divided.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DivisionSettings {
+#[derive(Debug, Clone, Copy)]
+pub struct DivisionSettings<'a> {
     /// How far parts reach over one another (mm).
     pub overlap: f64,
     /// The least width of a part (mm).
     pub least: f64,
     /// Inner edges of tips at which it is divided.
     pub at: DividedAt,
+    /// How inner edges are milled.
+    pub milling: Milling,
+    /// The cutters that mill the heads.
+    pub cutters: &'a CutterLibrary,
+    /// What they may leave (mm).
+    pub tolerance: f64,
     /// Whether parts that are narrower are left out, for the stages that come after; else nothing is divided where
     /// there would be one.
     pub leaves_out_thin: bool,
@@ -98,55 +175,97 @@ pub fn divide(
     cancel: &Cancel,
 ) -> Result<Part, TipError> {
     let deepest = if settings.at == DividedAt::Nothing { 0 } else { DEEPEST };
-    divided(burned, footprint, settings, deepest, cancel)
+    let part = whole(burned, footprint, settings)?;
+    // A head without H-edges needs no look.
+    let rest = if part.h_edges.is_empty() { RestMaterial::default() } else { rest_material(&part, settings, cancel)? };
+    divided(burned, (part, rest), settings, deepest, cancel)
 }
 
 fn divided(
     burned: &Burned,
-    footprint: Footprint,
+    (mut part, rest): (Part, RestMaterial),
     settings: &DivisionSettings,
     deeper: usize,
     cancel: &Cancel,
 ) -> Result<Part, TipError> {
-    cancel.check()?;
-    let mut part = whole(burned, footprint, settings.at)?;
-    // The first cut that takes an H-edge away, the longest first, and leaves fewest in its parts.
-    for edge in part.h_edges.iter().filter(|_| deeper > 0) {
-        let mut best: Option<(usize, f64, Cut, Halves)> = None;
-        for cut in cuts(edge) {
-            cancel.check()?;
-            let Some(halves) = parts_of(burned, &part.footprint, &cut, settings)? else { continue };
-            let (parts, mouth) = (&halves.parts, halves.mouth);
-            let is_left = |h: &HEdge| place(h).distance(place(edge)) < STILL_THERE;
-            let left = parts.iter().map(|p| p.h_edges.len()).sum::<usize>();
-            let is_better = best.as_ref().is_none_or(|(least, shortest, ..)| (left, mouth) < (*least, *shortest));
-            if is_better && !parts.iter().flat_map(|p| &p.h_edges).any(is_left) {
-                best = Some((left, mouth, cut, halves));
-            }
+    if deeper == 0 || rest.size == 0.0 {
+        return Ok(part);
+    }
+    let mut best: Option<(f64, Cut, Halves)> = None;
+    for cut in cuts(&part, &rest, settings) {
+        cancel.check()?;
+        let Some(halves) = parts_of(burned, &part, &cut, settings, cancel)? else { continue };
+        let left: f64 = halves.parts.iter().map(|(_, rest)| rest.size).sum();
+        let is_better = best.as_ref().is_none_or(|(least, _, other)| (left, halves.mouth) < (*least, other.mouth));
+        if is_better && left <= LESS * rest.size {
+            best = Some((left, cut, halves));
         }
-        if let Some((.., cut, halves)) = best {
-            let deeper = |p: Part| divided(burned, p.footprint, settings, deeper - 1, cancel);
-            part.lacks_thin = halves.lacks_thin;
-            part.divided = Some((cut, halves.parts.into_iter().map(deeper).collect::<Result<_, _>>()?));
-            return Ok(part);
+        if best.as_ref().is_some_and(|(least, ..)| *least == 0.0) {
+            break;
         }
     }
+    if let Some((_, cut, halves)) = best {
+        let deeper = |half| divided(burned, half, settings, deeper - 1, cancel);
+        part.lacks_thin = halves.lacks_thin;
+        part.divided = Some((cut, halves.parts.into_iter().map(deeper).collect::<Result<_, _>>()?));
+    }
     Ok(part)
+}
+
+/// Whether two cuts are one.
+fn is_same(a: &Cut, b: &Cut) -> bool {
+    a.overlaps == b.overlaps
+        && a.low == b.low
+        && a.normal.distance(b.normal) < ALIKE
+        && a.beyond(b.through).abs() < ON_PLANE
+}
+
+/// What cutters leave of a part's head.
+#[derive(Default)]
+struct RestMaterial {
+    /// Volume (mm^3) and undercut area (mm^2), or the length of the edges that are to be divided at (mm).
+    size: f64,
+    /// Where it is.
+    places: Vec<Bounds>,
+}
+
+fn rest_material(part: &Part, settings: &DivisionSettings, cancel: &Cancel) -> Result<RestMaterial, TipError> {
+    if settings.at == DividedAt::EveryEdge {
+        let size = part.h_edges.iter().map(HEdge::length).sum();
+        let places = part.h_edges.iter().map(|edge| Bounds::of(edge.ends)).collect();
+        return Ok(RestMaterial { size, places });
+    }
+    let cap = part.footprint.cap;
+    let head = led_up(&part.body, cap, cap + LED_UP + INTO_BASE).mapped(|p| p - (cap + LED_UP) * DVec3::Z);
+    let Ok(head) = on_plate(&head) else { return Ok(RestMaterial { size: f64::INFINITY, places: Vec::new() }) };
+    match milled(&head, settings.cutters, settings.tolerance, cancel) {
+        Ok(milled) => {
+            let undercut = if milled.undercut > LEAST_INVERT { milled.undercut } else { 0.0 };
+            let volume: f64 = milled.left.iter().map(|left| left.volume).sum();
+            let places = milled.left.iter().map(|left| {
+                Bounds::of([left.bounds.min, left.bounds.max].map(|p| turned_over(p) + (cap + LED_UP) * DVec3::Z))
+            });
+            Ok(RestMaterial { size: volume + undercut, places: places.collect() })
+        }
+        Err(HeightFieldError::Cancelled(cancelled)) => Err(cancelled.into()),
+        Err(_) => Ok(RestMaterial { size: f64::INFINITY, places: Vec::new() }),
+    }
 }
 
 /// A part that is not divided.
 ///
 /// # Errors
 /// [`TipError`].
-pub(super) fn whole(burned: &Burned, footprint: Footprint, at: DividedAt) -> Result<Part, TipError> {
+pub(super) fn whole(burned: &Burned, footprint: Footprint, settings: &DivisionSettings) -> Result<Part, TipError> {
     let body = tip(burned, &footprint)?;
-    let h_edges = h_edges(&body, at);
-    Ok(Part { footprint, body, h_edges, divided: None, lacks_thin: false })
+    let inner = inner_edges(&body);
+    let h_edges = h_edges(&inner, settings.at, &settings.milling);
+    Ok(Part { footprint, body, inner, h_edges, divided: None, lacks_thin: false })
 }
 
 /// Both parts that a cut makes of a part.
 struct Halves {
-    parts: Vec<Part>,
+    parts: Vec<(Part, RestMaterial)>,
     /// The length along which they meet (mm).
     mouth: f64,
     /// Whether one was left out as too thin.
@@ -156,74 +275,133 @@ struct Halves {
 /// The parts on both sides of a cut; none where one of them is too small, or its tip cannot be made.
 fn parts_of(
     burned: &Burned,
-    footprint: &Footprint,
+    part: &Part,
     cut: &Cut,
     settings: &DivisionSettings,
+    cancel: &Cancel,
 ) -> Result<Option<Halves>, TipError> {
-    let (mut parts, mouth) = cut_along(burned, footprint, cut, settings);
+    let (mut parts, mouth) = cut_along(burned, part, cut, settings);
     let all = parts.len();
     parts.retain(|f| !is_too_small(&f.free, settings.least));
     let lacks_thin = parts.len() < all;
     if parts.is_empty() || (lacks_thin && !settings.leaves_out_thin) {
         return Ok(None);
     }
-    match parts.into_iter().map(|f| whole(burned, f, settings.at)).collect::<Result<Vec<Part>, _>>() {
+    let of = |footprint| {
+        let part = whole(burned, footprint, settings)?;
+        let rest = rest_material(&part, settings, cancel)?;
+        Ok((part, rest))
+    };
+    match parts.into_iter().map(of).collect::<Result<Vec<_>, _>>() {
         Ok(parts) => Ok(Some(Halves { parts, mouth, lacks_thin })),
         Err(TipError::NoRoom | TipError::NoSurface | TipError::Solid(_)) => Ok(None),
         Err(other) => Err(other),
     }
 }
 
-/// The cuts that take an H-edge away, those that overlap first.
-fn cuts(edge: &HEdge) -> Vec<Cut> {
-    let through = place(edge);
-    let outwards: Vec<DVec2> = if is_upright(edge) {
-        edge.normals.iter().map(|n| n.truncate().normalize_or_zero()).filter(|n| *n != DVec2::ZERO).collect()
-    } else {
-        let along = (edge.ends[1] - edge.ends[0]).truncate().normalize_or_zero();
-        vec![along.perp(), -along.perp()]
+/// The cuts that may take H-edges away where cutters leave something: along the steep faces beside them, those with the
+/// longest H-edges first, and along slanted edges themselves.
+fn cuts(part: &Part, rest: &RestMaterial, settings: &DivisionSettings) -> Vec<Cut> {
+    let reach = settings.milling.least;
+    let is_near = |edge: &&HEdge| rest.places.iter().any(|place| place.grown(reach).intersects(&Bounds::of(edge.ends)));
+    let near: Vec<&HEdge> = part.h_edges.iter().filter(is_near).collect();
+    let mut along_faces: Vec<Cut> = Vec::new();
+    for cut in near.iter().flat_map(|edge| edge.normals.map(|n| Cut::along(n, edge.ends[0]))).flatten() {
+        if !along_faces.iter().any(|other| is_same(other, &cut)) {
+            along_faces.push(cut);
+        }
+    }
+    let length = |cut: &Cut| near.iter().filter(|edge| cut.holds(edge)).map(|edge| edge.length()).sum::<f64>();
+    let mut along_faces: Vec<(f64, Cut)> = along_faces.into_iter().map(|cut| (length(&cut), cut)).collect();
+    along_faces.sort_by(|a, b| b.0.total_cmp(&a.0));
+    along_faces.truncate(MOST_FACES);
+    let both = |(_, cut): (f64, Cut)| {
+        let on: Vec<DVec3> = part.inner.iter().filter(|edge| cut.holds(edge)).flat_map(|edge| edge.ends).collect();
+        let low = on.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
+        // The face is known to rounding: none of its edges stays before the cut.
+        let first = on.iter().copied().min_by(|p, q| cut.beyond(*p).total_cmp(&cut.beyond(*q)));
+        let through = first.unwrap_or(cut.through);
+        [true, false].map(|overlaps| Cut { through, low, overlaps, ..cut })
     };
-    let of = |overlaps: bool| outwards.clone().into_iter().map(move |outward| Cut { through, outward, overlaps });
-    if is_upright(edge) { of(true).chain(of(false)).collect() } else { of(false).collect() }
+    let along_itself = |edge: &&HEdge| {
+        let outward = (edge.ends[1] - edge.ends[0]).truncate().normalize_or_zero().perp();
+        [outward, -outward].map(|outward| Cut::upright(place(edge), outward, false))
+    };
+    let slanted = near.iter().filter(|edge| !is_upright(edge)).take(MOST_FACES).flat_map(along_itself);
+    along_faces.into_iter().flat_map(both).chain(slanted).collect()
 }
 
-/// The parts of a footprint on both sides of a cut, and the length along which they meet (mm).
-pub fn cut_along(
-    burned: &Burned,
-    footprint: &Footprint,
-    cut: &Cut,
-    settings: &DivisionSettings,
-) -> (Vec<Footprint>, f64) {
+/// The parts of a part on both sides of a cut, and the length along which they meet (mm).
+pub(super) fn cut_along(burned: &Burned, part: &Part, cut: &Cut, settings: &DivisionSettings) -> (Vec<Footprint>, f64) {
+    let (footprint, outward) = (&part.footprint, cut.outward());
+    let crossed: Vec<&HEdge> = part.inner.iter().filter(|edge| cut.holds(edge)).collect();
+    // The near part is widest at the cap, what lies beyond it where the cut begins.
+    let low = cut.low.clamp(footprint.low, footprint.cap);
+    let [inner, outer] = [low, footprint.cap].map(|height| cut.line(height));
     // Both sides keep off the wall itself, so that neither gets a hair of what lies behind it.
-    let through = cut.through + cut.outward * OFF_WALL;
-    let near = half_plane(cut.through - cut.outward * OFF_WALL, cut.outward, FAR);
-    let far = half_plane(through, -cut.outward, FAR);
-    let needed = |side: &[Outline], outward: DVec2| -> Vec<(Shape, Vec<Outline>)> {
-        let all = plane::intersection(&footprint.free, side).into_iter();
-        all.filter_map(|free| share(burned, footprint, &free, (side, cut.through, outward)).map(|own| (free, own)))
+    let through = outer + outward * OFF_WALL;
+    let near = half_plane(outer - outward * OFF_WALL, outward, FAR);
+    let far = half_plane(through, -outward, FAR);
+    let needed = |side: &[Outline], through: DVec2, outward: DVec2| -> Vec<(Shape, Vec<Outline>)> {
+        // What is no wider than faces are known to is part of their walls.
+        let is_wide = |free: &Shape| !shrunk(free, ON_PLANE).is_empty();
+        let all = plane::intersection(&footprint.free, side).into_iter().filter(is_wide);
+        all.filter_map(|free| share(burned, footprint, &free, (side, through, outward)).map(|own| (free, own)))
             .collect()
     };
     let with_walls =
         |free: &Shape, side: &[Outline]| both(&both(&flat(plane::grown(free, SKIN)), &footprint.outlines), side);
-    let part = |outlines: Vec<Outline>, own: &[Outline]| {
+    let part = |outlines: Vec<Outline>, own: &[Outline], removed: &[Vec<DVec3>]| {
         let free = both(&outlines, &footprint.free);
         let region = flat(plane::union(&both(&outlines, &footprint.region), own));
-        Footprint { outlines, free, region, ..*footprint }
+        let removed = footprint.removed.iter().chain(removed).cloned().collect();
+        Footprint { outlines, free, region, removed, ..*footprint }
     };
+    let (bottom, top) = (footprint.low - 1.0, footprint.cap + 1.0);
+    let from = if low > footprint.low { low } else { bottom };
+    let beyond: Vec<Vec<DVec3>> = (cut.normal.z < 0.0).then(|| cut.all_beyond([from, top])).into_iter().collect();
     let mut parts: Vec<Footprint> =
-        needed(&near, cut.outward).iter().map(|(free, own)| part(with_walls(free, &near), own)).collect();
+        needed(&near, outer, outward).iter().map(|(free, own)| part(with_walls(free, &near), own, &beyond)).collect();
+    // Below the cap a slanted cut lies within the near part's outline.
+    let reach = inner.distance(outer) + if cut.overlaps { settings.overlap } else { 0.0 };
+    let below: Vec<Vec<DVec3>> = enlarged(&crossed, cut, reach, bottom);
     let mut mouths = 0.0;
-    for (free, own) in needed(&far, -cut.outward) {
+    for (free, own) in needed(&far, outer, -outward) {
         let mut outlines = with_walls(&free, &far);
-        let (length, strip) = back_over(&free, through, cut.outward, settings.overlap);
+        let (length, strip) = back_over(&free, through, outward, reach);
         mouths += length;
-        if cut.overlaps {
+        if reach > 0.0 {
             let strip = both(&strip, &footprint.free);
             outlines = flat(plane::union(&outlines, &strip));
         }
-        parts.push(part(outlines, &own));
+        parts.push(part(outlines, &own, if reach > 0.0 { &below } else { &[] }));
     }
     (parts, mouths)
+}
+
+/// What lies below the faces beyond a cut at the edges on it, enlarged back over the cut, down to a height: convex
+/// bodies, each given by its corners (mm).
+fn enlarged(edges: &[&HEdge], cut: &Cut, reach: f64, low: f64) -> Vec<Vec<DVec3>> {
+    let beyond = |edge: &HEdge| {
+        let [n, m] = edge.normals;
+        if n.dot(cut.normal) < m.dot(cut.normal) { n } else { m }
+    };
+    let faces: Vec<DVec3> = edges.iter().map(|edge| beyond(edge)).collect();
+    // Faces of one profile are enlarged along it, so that they go on together.
+    let first = faces.first().copied().unwrap_or(DVec3::Z);
+    let along = faces.iter().map(|n| first.cross(*n)).max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+    let along = along.and_then(|along| (along.length() > ALONG).then(|| along.normalize().truncate()));
+    let outward = cut.outward();
+    let along = along.filter(|along| along.dot(outward).abs() > ALONG).unwrap_or(outward);
+    let back = along * (-2.0 * reach / along.dot(outward));
+    let below = |(edge, face): (&&HEdge, &DVec3)| {
+        // Below an upright face there is nothing.
+        let rise = (face.z < -ON_LEVEL).then(|| -face.truncate().dot(back) / face.z)?;
+        let [a, b] = edge.ends;
+        let top = [a, b, a + back.extend(rise), b + back.extend(rise)];
+        Some(top.into_iter().chain(top.map(|p| p.with_z(low))).collect())
+    };
+    edges.iter().zip(&faces).filter_map(below).collect()
 }
 
 /// Part of the region that a piece of a footprint burns on its side of a cut; none where that is nothing, so that the

@@ -71,12 +71,12 @@ fn split(burned: &Burned, tree: &mut Part, [a, b]: [DVec2; 2], settings: &Divisi
     let (through, outward) = (a.midpoint(b), (b - a).perp().normalize_or_zero());
     let held = holder(tree, through).filter(|_| outward != DVec2::ZERO);
     let Some(part) = held.and_then(|way| at(tree, &way)) else { return Ok(false) };
-    let cut = Cut { through, outward, overlaps: true };
-    let (halves, _) = cut_along(burned, &part.footprint, &cut, settings);
+    let cut = Cut::upright(through, outward, true);
+    let (halves, _) = cut_along(burned, part, &cut, settings);
     if halves.len() < 2 {
         return Ok(false);
     }
-    let halves = halves.into_iter().map(|f| whole(burned, f, settings.at)).collect::<Result<Vec<_>, _>>()?;
+    let halves = halves.into_iter().map(|f| whole(burned, f, settings)).collect::<Result<Vec<_>, _>>()?;
     part.divided = Some((cut, halves));
     Ok(true)
 }
@@ -98,7 +98,8 @@ fn merge(burned: &Burned, tree: &mut Part, places: [DVec2; 2], settings: &Divisi
     footprint.free = flat(plane::grown(&flat(plane::grown(&free, HAIR)), -HAIR));
     footprint.outlines = flat(plane::grown(&footprint.free, SKIN));
     footprint.region = joined(&footprint.region, &other.region);
-    *one = whole(burned, footprint, settings.at)?;
+    footprint.removed.retain(|body| other.removed.contains(body));
+    *one = whole(burned, footprint, settings)?;
     remove(tree, &second);
     Ok(true)
 }

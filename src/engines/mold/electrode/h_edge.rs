@@ -7,10 +7,13 @@
 use glam::DVec2;
 
 use super::params::DividedAt;
+use crate::cutter::{Cutter, CutterKind, CutterLibrary};
 use geometry::mesh::{Edge, Mesh};
 
 /// Turn of a concave edge from which on it is one; below, it is a facet of a rounding.
 const LEAST_TURN_DEG: f64 = 20.0;
+/// Turn of the shallowest inner edges that are looked at.
+const SHALLOWEST_DEG: f64 = 2.0;
 /// Height per length below which an edge is horizontal.
 const LEVEL: f64 = 1e-3;
 /// Length below which an edge is none (mm).
@@ -31,13 +34,48 @@ pub fn is_upright(edge: &HEdge) -> bool {
     (edge.ends[1] - edge.ends[0]).truncate().length() < TOGETHER
 }
 
-/// The H-edges of a tip, the longest first, upright ones above one another together; with [`DividedAt::EveryEdge`] also
-/// the concave edges that a flat end mills.
-pub fn h_edges(tip: &Mesh, at: DividedAt) -> Vec<HEdge> {
+/// How the inner edges of tips are milled.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Milling {
+    /// Least radius of all cutters (mm).
+    pub least: f64,
+    /// Least radius of those with a ball end (mm); infinite without any.
+    pub least_ball: f64,
+    /// What may stay in an edge (mm).
+    pub tolerance: f64,
+}
+
+impl Milling {
+    /// With the cutters of a library.
+    pub fn by(cutters: &CutterLibrary, tolerance: f64) -> Self {
+        let least = |is: fn(CutterKind) -> bool| {
+            let all = cutters.needed().into_iter().filter(|c| is(c.kind()));
+            all.map(Cutter::radius).fold(f64::INFINITY, f64::min)
+        };
+        Self { least: least(|_| true), least_ball: least(|kind| kind == CutterKind::Ball), tolerance }
+    }
+
+    /// Thickness of what the best of them leaves in a long inner edge that no flat end follows (mm).
+    fn left_in(&self, edge: &Edge) -> f64 {
+        let half = 0.5 * edge.normals[0].angle_between(edge.normals[1]);
+        let radius = if is_upright(edge) { self.least } else { self.least_ball };
+        radius * (1.0 / half.cos().max(1e-9) - 1.0)
+    }
+}
+
+/// The inner edges of a tip, down to shallow ones.
+pub fn inner_edges(tip: &Mesh) -> Vec<HEdge> {
+    tip.concave_edges(SHALLOWEST_DEG.to_radians())
+}
+
+/// The H-edges among the inner edges of a tip, the longest first, upright ones above one another together; with
+/// [`DividedAt::EveryEdge`] also those that cutters mill.
+pub fn h_edges(inner: &[HEdge], at: DividedAt, milling: &Milling) -> Vec<HEdge> {
     let is_level = |edge: &Edge| (edge.ends[1] - edge.ends[0]).z.abs() <= LEVEL * edge.length();
-    let mut found = tip.concave_edges(LEAST_TURN_DEG.to_radians());
-    found.retain(|edge| (at == DividedAt::EveryEdge || !is_level(edge)) && edge.length() > SHORTEST);
-    joined(found)
+    let is_sharp = |edge: &&HEdge| edge.normals[0].dot(edge.normals[1]) < LEAST_TURN_DEG.to_radians().cos();
+    let is_milled = |edge: &HEdge| is_level(edge) || milling.left_in(edge) <= milling.tolerance;
+    let is_asked = |edge: &&HEdge| (at == DividedAt::EveryEdge || !is_milled(edge)) && edge.length() > SHORTEST;
+    joined(inner.iter().filter(is_sharp).filter(is_asked).copied().collect())
 }
 
 fn joined(found: Vec<HEdge>) -> Vec<HEdge> {

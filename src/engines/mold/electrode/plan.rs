@@ -14,6 +14,7 @@ use super::division::{DivisionSettings, Part, divide};
 use super::earlier::{is_nothing, left_to_later, no_room, nothing, thick_only};
 use super::edits::{apply, named as named_by_edits, places, pointed_at};
 use super::family::into_families;
+use super::h_edge::Milling;
 use super::names::named;
 use super::net_shape::{net, told_of_real};
 use super::params::{Edit, ElectrodeParams, Method, Shape, Stage};
@@ -85,7 +86,8 @@ fn plan_stages(
             let setting = Setting::new(mold, direction, stage)?;
             let known = (&mut parts, like.map(|(_, parts)| parts));
             let found = (&mut plans[..], &mut made[number][..]);
-            let leaves = leaves(&setting, regions, (&here, number, is_last), (found, known), params, &task.cancel)?;
+            let division = division_settings(params, cutters, is_last);
+            let leaves = leaves(&setting, regions, (&here, number, &division), (found, known), params, &task.cancel)?;
             task.report("sharing", done, &stage.name);
             let shared = shared(&setting, &leaves, regions, cutters, params, &task.cancel)?;
             for group in &shared {
@@ -180,15 +182,16 @@ type Known<'a> = (&'a mut Parts, Option<&'a Parts>);
 fn leaves(
     setting: &Setting,
     regions: &[RegionToBurn],
-    (here, number, is_last): (&[usize], usize, bool),
+    (here, number, division): (&[usize], usize, &DivisionSettings),
     ((plans, made), (parts, like)): (Found, Known),
     params: &ElectrodeParams,
     cancel: &Cancel,
 ) -> Result<Vec<Leaf>, ElectrodeError> {
+    let is_last = !division.leaves_out_thin;
     let own: Vec<&RegionToBurn> = here.iter().map(|r| &regions[*r]).collect();
     let edits = named_by_edits(&own, &params.edits, |p| (setting.turned * p).truncate());
     let of = |(r, edits): (&usize, &Vec<usize>)| {
-        parts_of(setting, &regions[*r], (plans[*r].method, edits), (params, is_last), cancel)
+        parts_of(setting, &regions[*r], (plans[*r].method, edits), (params, division), cancel)
     };
     let found: Vec<Result<Divided, TipError>> = here.par_iter().zip(&edits).map(of).collect();
     let least = params.least_size_mm;
@@ -268,6 +271,19 @@ fn numbered(
     (parts.into_iter().zip(forms).map(leaf).collect(), share)
 }
 
+/// How regions are divided for a stage whose electrodes are milled with these cutters.
+fn division_settings<'a>(params: &ElectrodeParams, cutters: &'a CutterLibrary, is_last: bool) -> DivisionSettings<'a> {
+    DivisionSettings {
+        overlap: params.overlap_mm,
+        least: params.least_size_mm,
+        at: params.divided_at,
+        milling: Milling::by(cutters, params.tolerance_mm),
+        cutters,
+        tolerance: params.tolerance_mm,
+        leaves_out_thin: !is_last,
+    }
+}
+
 /// A region's division.
 struct Divided {
     tree: PartNode,
@@ -286,7 +302,7 @@ fn parts_of(
     setting: &Setting,
     region: &RegionToBurn,
     (method, edits): (Method, &[usize]),
-    (params, is_last): (&ElectrodeParams, bool),
+    (params, settings): (&ElectrodeParams, &DivisionSettings),
     cancel: &Cancel,
 ) -> Result<Divided, TipError> {
     let corners = region.corners.iter().map(|c| c.map(|p| setting.turned * p)).collect();
@@ -307,18 +323,12 @@ fn parts_of(
         gap_up: setting.stage.undersize(DVec3::Z),
         gap_across: setting.stage.most_across(),
     };
-    let settings = DivisionSettings {
-        overlap: params.overlap_mm,
-        least: params.least_size_mm,
-        at: params.divided_at,
-        leaves_out_thin: !is_last,
-    };
     let first = footprint(&burned, &place.bounds, &rooms, (method, params.margin_mm), cancel)?;
     let in_plan = first.region.clone();
-    let mut divided = divide(&burned, first, &settings, cancel)?;
+    let mut divided = divide(&burned, first, settings, cancel)?;
     let mut met = Vec::new();
     for &number in edits {
-        if apply(&burned, &mut divided, &params.edits[number], |p| (setting.turned * p).truncate(), &settings)? {
+        if apply(&burned, &mut divided, &params.edits[number], |p| (setting.turned * p).truncate(), settings)? {
             met.push(number);
         }
     }

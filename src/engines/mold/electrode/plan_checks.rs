@@ -10,7 +10,7 @@ use super::burning::Burning;
 use super::check::{machinable, watertight};
 use super::clearance::{Clearance, Obstacle};
 use super::design::{Burn, Electrode, PartId, PartNode, RegionPlan};
-use super::division::CELL;
+use super::division::{CELL, Cut};
 use super::earlier::is_nothing;
 use super::finding::{CheckKind, Finding};
 use super::params::{ElectrodeParams, Stage};
@@ -283,9 +283,9 @@ fn in_plan(node: &PartNode) -> Vec<(usize, Vec<Outline>)> {
     }
 }
 
-/// The cuts between parts: a point of each, and its normal.
-fn cuts(node: &PartNode) -> Vec<(DVec2, DVec2)> {
-    let own = node.cut.iter().map(|cut| (cut.through, cut.outward));
+/// The cuts between parts.
+fn cuts(node: &PartNode) -> Vec<Cut> {
+    let own = node.cut.iter().copied();
     own.chain(node.parts.iter().flat_map(cuts)).collect()
 }
 

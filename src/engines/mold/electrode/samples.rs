@@ -1,9 +1,10 @@
 //! Samples for residual stock on a region's surface: evenly on its faces, and closely along the edges where the
 //! spark rounds them and along the cuts between parts.
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
+use super::division::Cut;
 use super::residual_stock::Looked;
 use super::residual_stock::Sample;
 use super::setting::RegionToBurn;
@@ -167,12 +168,12 @@ impl Surface<'_> {
         (samples, apart)
     }
 
-    /// Along cuts in plan: they stand for no area.
-    fn along_cuts(&self, cuts: &[(DVec2, DVec2)]) -> Vec<Sample> {
+    /// Along cuts: they stand for no area.
+    fn along_cuts(&self, cuts: &[Cut]) -> Vec<Sample> {
         let mut crossings: Vec<(usize, [DVec3; 2])> = Vec::new();
-        for (through, outward) in cuts {
+        for cut in cuts {
             for (i, corners) in self.corners.iter().enumerate() {
-                let off = corners.map(|p| (p.truncate() - *through).dot(*outward));
+                let off = corners.map(|p| cut.beyond(p));
                 let sides = (0..3).map(|k| (k, (k + 1) % 3)).filter(|(k, l)| (off[*k] < 0.0) != (off[*l] < 0.0));
                 let at = |(k, l): (usize, usize)| corners[k].lerp(corners[l], off[k] / (off[k] - off[l]));
                 let ends: Vec<DVec3> = sides.map(at).collect();
@@ -195,7 +196,7 @@ impl Surface<'_> {
 pub(super) fn samples(
     corners: &[[DVec3; 3]],
     region: &RegionToBurn,
-    (edges, cuts): (&[Edge], &[(DVec2, DVec2)]),
+    (edges, cuts): (&[Edge], &[Cut]),
     radii: [f64; 2],
 ) -> (Vec<Sample>, Looked) {
     let surface = Surface { corners, region };

@@ -175,6 +175,8 @@ pub struct Footprint {
     pub low: f64,
     /// The region itself in plan, roughly.
     pub region: Vec<Outline>,
+    /// What is left out of the tip beside what it must keep clear of: convex bodies, each given by its corners (mm).
+    pub removed: Vec<Vec<DVec3>>,
     /// How it was found.
     pub method: Method,
 }
@@ -249,7 +251,7 @@ pub fn footprint(
     let into_walls: Vec<Outline> = plane::grown(&free, SKIN).into_iter().flatten().collect();
     let outlines = plane::intersection(&into_walls, &room).into_iter().flatten().collect();
     let low = bounds.min.z + burned.gap_up - BELOW_RIM;
-    Ok(Footprint { outlines, free, cap, low, region: rooms.touched.clone(), method })
+    Ok(Footprint { outlines, free, cap, low, region: rooms.touched.clone(), removed: Vec::new(), method })
 }
 
 /// The tips over a footprint: as many as it has separate parts. Each ends with flat caps at the footprint's height.
@@ -262,6 +264,10 @@ pub fn tip(burned: &Burned, footprint: &Footprint) -> Result<Mesh, TipError> {
         let rings: Vec<&[DVec2]> = shape.iter().map(Outline::points).collect();
         let prism = solid::prism(&rings, footprint.low, footprint.cap)?;
         tip = joined(tip, burned.trimmer.trim(&prism)?);
+    }
+    if !footprint.removed.is_empty() {
+        let removed = solid::union_of_hulls(&footprint.removed, &Cancel::default())?;
+        tip = Trimmer::new(&removed)?.trim(&tip)?;
     }
     if tip.triangles.is_empty() { Err(TipError::NoRoom) } else { Ok(tip) }
 }
