@@ -51,11 +51,17 @@ impl Obstacle {
         (nearest.signed_distance, (p - nearest.point).normalize_or_zero())
     }
 
-    /// Whether the mold hangs over a place beside it.
-    pub(super) fn hangs_over(&self, p: DVec3) -> bool {
+    /// Whether the mold hangs over a place beside it, or within a distance of that in plan (mm).
+    pub(super) fn hangs_over(&self, p: DVec3, within: f64) -> bool {
         /// Further than any mold is high (mm).
         const FAR: f64 = 1e5;
-        self.mesh.first_crossing(p, DVec3::Z, FAR).is_some()
+        /// Directions in which it is looked for.
+        const AROUND: usize = 8;
+        let is_over = |p: DVec3| self.mesh.first_crossing(p, DVec3::Z, FAR).is_some();
+        let around = |i: usize| (DVec2::from_angle(i as f64 * 2.0 * PI / AROUND as f64) * within).extend(0.0);
+        // Beside a wall that stands upright the way there leads into the mold.
+        let is_beside = |off: DVec3| self.mesh.nearest(p + off).signed_distance > 0.0 && is_over(p + off);
+        is_over(p) || (0..AROUND).map(around).any(is_beside)
     }
 
     /// Least distance of the electrode from the mold (mm), in the burning position and on its way straight up by `lift`

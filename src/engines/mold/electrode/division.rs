@@ -4,6 +4,8 @@
 //! whose boundary it goes on straight (the face is enlarged, whatever its draft), and parts beyond it. These reach back
 //! over the cut by the overlap, between their own faces enlarged, so that nothing is left between them.
 
+use std::f64::consts::PI;
+
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +36,10 @@ const DEEPEST: usize = 8;
 const NOTHING: f64 = 0.008;
 /// Share of the rest material that a division may leave at most.
 const LESS: f64 = 0.7;
+/// The same of one that takes H-edges away alone.
+const AS_MUCH: f64 = 1.02;
+/// Divisions one after another that may take H-edges away alone.
+const AHEAD: usize = 3;
 /// Faces along which cuts are tried at most, those with the longest edges.
 const MOST_FACES: usize = 4;
 /// How alike normals of faces are that are cut along at once (radians).
@@ -84,8 +90,13 @@ impl Cut {
         edge.ends.iter().all(|p| self.beyond(*p).abs() < ON_PLANE)
     }
 
+    /// The angle by which it leans from upright (radians).
+    pub fn slope(&self) -> f64 {
+        (-self.normal.z).clamp(0.0, 1.0).asin()
+    }
+
     /// Unit normal of its lines in plan.
-    fn outward(&self) -> DVec2 {
+    pub fn outward(&self) -> DVec2 {
         self.normal.truncate().normalize_or_zero()
     }
 
@@ -176,40 +187,52 @@ pub fn divide(
 ) -> Result<Part, TipError> {
     let deepest = if settings.at == DividedAt::Nothing { 0 } else { DEEPEST };
     let part = whole(burned, footprint, settings)?;
-    // A head without H-edges needs no look.
-    let rest = if part.h_edges.is_empty() { RestMaterial::default() } else { rest_material(&part, settings, cancel)? };
-    divided(burned, (part, rest), settings, deepest, cancel)
+    // A head without H-edges needs no look, unless it consists of several.
+    let is_simple = part.h_edges.is_empty() && shapes(&part.footprint).len() < 2;
+    let rest = if is_simple { RestMaterial::default() } else { rest_material(&part, settings, cancel)? };
+    Ok(divided(burned, (part, rest), settings, (deepest, AHEAD), cancel)?.0)
 }
 
+/// A part, divided as long as that leaves less, and the size of what the cutters leave of its heads. `ahead` divisions
+/// one after another may take H-edges away alone.
 fn divided(
     burned: &Burned,
     (mut part, rest): (Part, RestMaterial),
     settings: &DivisionSettings,
-    deeper: usize,
+    (deeper, ahead): (usize, usize),
     cancel: &Cancel,
-) -> Result<Part, TipError> {
+) -> Result<(Part, f64), TipError> {
     if deeper == 0 || rest.size == 0.0 {
-        return Ok(part);
+        return Ok((part, rest.size));
     }
-    let mut best: Option<(f64, Cut, Halves)> = None;
+    let edges: f64 = part.h_edges.iter().map(HEdge::length).sum();
+    let mut best: Option<([f64; 3], Cut, Halves)> = None;
     for cut in cuts(&part, &rest, settings) {
         cancel.check()?;
         let Some(halves) = parts_of(burned, &part, &cut, settings, cancel)? else { continue };
         let left: f64 = halves.parts.iter().map(|(_, rest)| rest.size).sum();
-        let is_better = best.as_ref().is_none_or(|(least, _, other)| (left, halves.mouth) < (*least, other.mouth));
-        if is_better && left <= LESS * rest.size {
-            best = Some((left, cut, halves));
+        let edges_left: f64 = halves.parts.iter().flat_map(|(p, _)| &p.h_edges).map(HEdge::length).sum();
+        let is_less = left <= LESS * rest.size;
+        let is_on_the_way = ahead > 0 && left <= AS_MUCH * rest.size && edges_left <= LESS * edges;
+        let figures = [left, edges_left, halves.mouth];
+        if (is_less || is_on_the_way) && best.as_ref().is_none_or(|(least, ..)| figures < *least) {
+            best = Some((figures, cut, halves));
         }
-        if best.as_ref().is_some_and(|(least, ..)| *least == 0.0) {
+        if best.as_ref().is_some_and(|([least, ..], ..)| *least == 0.0) {
             break;
         }
     }
-    if let Some((_, cut, halves)) = best {
-        let deeper = |half| divided(burned, half, settings, deeper - 1, cancel);
-        part.lacks_thin = halves.lacks_thin;
-        part.divided = Some((cut, halves.parts.into_iter().map(deeper).collect::<Result<_, _>>()?));
+    let Some(([left, ..], cut, halves)) = best else { return Ok((part, rest.size)) };
+    let ahead = if left <= LESS * rest.size { AHEAD } else { ahead - 1 };
+    let further = |half| divided(burned, half, settings, (deeper - 1, ahead), cancel);
+    let parts: Vec<(Part, f64)> = halves.parts.into_iter().map(further).collect::<Result<_, _>>()?;
+    let left: f64 = parts.iter().map(|(_, left)| left).sum();
+    if left > LESS * rest.size {
+        return Ok((part, rest.size));
     }
-    Ok(part)
+    part.lacks_thin = halves.lacks_thin;
+    part.divided = Some((cut, parts.into_iter().map(|(part, _)| part).collect()));
+    Ok((part, left))
 }
 
 /// Whether two cuts are one.
@@ -328,7 +351,42 @@ fn cuts(part: &Part, rest: &RestMaterial, settings: &DivisionSettings) -> Vec<Cu
         [outward, -outward].map(|outward| Cut::upright(place(edge), outward, false))
     };
     let slanted = near.iter().filter(|edge| !is_upright(edge)).take(MOST_FACES).flat_map(along_itself);
-    along_faces.into_iter().flat_map(both).chain(slanted).collect()
+    let apart = apart(&part.footprint, 2.0 * reach);
+    let cuts: Vec<Cut> = apart.into_iter().chain(along_faces.into_iter().flat_map(both)).chain(slanted).collect();
+    if !cuts.is_empty() {
+        return cuts;
+    }
+    // In a valley without edges across what is left.
+    let across = |place: &Bounds| {
+        let middle = place.center().truncate();
+        [0.0, 0.25, 0.5, 0.75].map(|turns| Cut::upright(middle, DVec2::from_angle(turns * PI), false))
+    };
+    rest.places.iter().take(MOST_FACES).flat_map(across).collect()
+}
+
+/// Connected pieces of a footprint.
+fn shapes(footprint: &Footprint) -> Vec<Shape> {
+    plane::union(&footprint.free, &[])
+}
+
+/// Cuts between connected pieces of a footprint that no cutter passes, so near do they stand (mm).
+fn apart(footprint: &Footprint, nearer: f64) -> Vec<Cut> {
+    let shapes = shapes(footprint);
+    let onto =
+        |p: DVec2, [a, b]: [DVec2; 2]| a + (b - a) * ((p - a).dot(b - a) / a.distance_squared(b)).clamp(0.0, 1.0);
+    let ways = |a: &Shape, b: &Shape| -> Vec<[DVec2; 2]> {
+        let sides: Vec<[DVec2; 2]> = b.iter().flat_map(Outline::sides).collect();
+        a.iter().flat_map(Outline::points).flat_map(|p| sides.iter().map(|side| [*p, onto(*p, *side)])).collect()
+    };
+    let between = |a: &Shape, b: &Shape| {
+        let back = ways(b, a).into_iter().map(|[p, q]| [q, p]);
+        let all = ways(a, b).into_iter().chain(back);
+        let [p, q] = all.min_by(|x, y| x[0].distance(x[1]).total_cmp(&y[0].distance(y[1])))?;
+        let is_near = (ON_LINE..nearer).contains(&p.distance(q));
+        is_near.then(|| Cut::upright(p.midpoint(q), (q - p).normalize(), false))
+    };
+    let pairs = (0..shapes.len()).flat_map(|i| (0..i).map(move |j| [i, j]));
+    pairs.filter_map(|[i, j]| between(&shapes[i], &shapes[j])).take(MOST_FACES).collect()
 }
 
 /// The parts of a part on both sides of a cut, and the length along which they meet (mm).

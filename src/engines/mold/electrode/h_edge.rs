@@ -71,9 +71,13 @@ pub fn inner_edges(tip: &Mesh) -> Vec<HEdge> {
 /// The H-edges among the inner edges of a tip, the longest first, upright ones above one another together; with
 /// [`DividedAt::EveryEdge`] also those that cutters mill.
 pub fn h_edges(inner: &[HEdge], at: DividedAt, milling: &Milling) -> Vec<HEdge> {
-    let is_level = |edge: &Edge| (edge.ends[1] - edge.ends[0]).z.abs() <= LEVEL * edge.length();
+    // A flat end mills a level edge on a floor.
+    let is_on_floor = |edge: &Edge| {
+        let is_level = (edge.ends[1] - edge.ends[0]).z.abs() <= LEVEL * edge.length();
+        is_level && edge.normals.iter().any(|n| n.truncate().length() <= LEVEL)
+    };
     let is_sharp = |edge: &&HEdge| edge.normals[0].dot(edge.normals[1]) < LEAST_TURN_DEG.to_radians().cos();
-    let is_milled = |edge: &HEdge| is_level(edge) || milling.left_in(edge) <= milling.tolerance;
+    let is_milled = |edge: &HEdge| is_on_floor(edge) || milling.left_in(edge) <= milling.tolerance;
     let is_asked = |edge: &&HEdge| (at == DividedAt::EveryEdge || !is_milled(edge)) && edge.length() > SHORTEST;
     joined(inner.iter().filter(is_sharp).filter(is_asked).copied().collect())
 }

@@ -31,6 +31,8 @@ mod samples;
 mod sharing;
 
 #[cfg(test)]
+mod division_tests;
+#[cfg(test)]
 mod orbit_tests;
 #[cfg(test)]
 mod plan_tests;

@@ -128,7 +128,10 @@ fn left_at(burns: &Burns, sample: &Sample, mold: &Obstacle, milled: &Milled) -> 
         let reach = burns.all.iter().map(Burning::reach).fold(0.0, f64::max);
         is_in_slot = least.is_opposed;
         let is_near = least.farthest <= FARTHEST * reach;
-        is_shaded = !is_near && !is_in_slot && mold.hangs_over(sample.point + sample.normal * BESIDE);
+        // What burns there keeps the gap on its way up too.
+        let is_under = || mold.hangs_over(sample.point + sample.normal * reach, reach);
+        is_shaded =
+            !is_near && !is_in_slot && (mold.hangs_over(sample.point + sample.normal * BESIDE, 0.0) || is_under());
         if is_near && !is_in_slot {
             allowed = least.thickness;
         }

@@ -12,7 +12,7 @@ use super::combine::{Form, near};
 use super::design::{Electrode, ElectrodeSet};
 use super::finding::{CheckKind, Finding};
 use super::footprint::{grown, hull, shrunk};
-use super::h_edge::{h_edges, place};
+use super::h_edge::{Milling, h_edges, inner_edges, place};
 use super::params::{DividedAt, Edit, ElectrodeParams, GivenName, Method, Orbit, Removal, Shape, Stage};
 use super::plan::plan;
 use super::residual_stock::Milled;
@@ -272,7 +272,8 @@ fn what_hangs_over_the_cavity_is_met_on_the_way_in() {
 fn an_inner_corner_that_no_cutter_reaches_is_an_h_edge_and_cannot_be_milled() {
     let angle = ring(&[(0.0, 0.0), (6.0, 0.0), (6.0, 2.0), (2.0, 2.0), (2.0, 6.0), (0.0, 6.0)]);
     let upright = prism(&[&angle], 0.0, 3.0).unwrap();
-    let edges = h_edges(&upright, DividedAt::HEdges);
+    let of = |tip: &Mesh, at| h_edges(&inner_edges(tip), at, &Milling::by(&cutters(), 0.02));
+    let edges = of(&upright, DividedAt::HEdges);
     assert_eq!(edges.len(), 1, "{edges:?}");
     assert!(place(&edges[0]).distance(DVec2::splat(2.0)) < 1e-9 && (edges[0].length() - 3.0).abs() < 1e-9);
     let large = CutterLibrary { cutter: vec![Cutter::flat(0.5)] };
@@ -282,8 +283,8 @@ fn an_inner_corner_that_no_cutter_reaches_is_an_h_edge_and_cannot_be_milled() {
     assert!(!found.holds && found.place.unwrap().truncate().distance(DVec2::splat(2.1)) < 0.2, "{found:?}");
     // Lying down, the step is horizontal: a flat end makes it.
     let lying = upright.mapped(|p| DVec3::new(p.x, p.z, -p.y));
-    assert!(h_edges(&lying, DividedAt::HEdges).is_empty());
-    assert_eq!(h_edges(&lying, DividedAt::EveryEdge).len(), 1);
+    assert!(of(&lying, DividedAt::HEdges).is_empty());
+    assert_eq!(of(&lying, DividedAt::EveryEdge).len(), 1);
     let lying = on_plate(&lying.mapped(|p| p - DVec3::Z * (lying.bounds().max.z - 0.1))).unwrap();
     assert!(machinable(&lying, &large, 0.02, &Cancel::default()).unwrap().holds);
 }

@@ -340,13 +340,15 @@ fn division(node: &PartNode, r: usize, plan: &Plan) -> Division {
     };
     let text = match (&node.cut, node.part) {
         (Some(cut), _) => {
-            let (through, outward) = (plan.point(cut.through), plan.vector(cut.outward));
+            let (through, outward) = (plan.point(cut.through.truncate()), plan.vector(cut.outward()));
+            let slope = rounded(cut.slope().to_degrees(), 100.0);
+            let slope = if slope == 0.0 { String::new() } else { format!(", on a draft of {slope}\u{b0}") };
             let overlap = if cut.overlaps { ", parts overlap" } else { "" };
             // A line across its normal, the same whichever way the normal points.
             let along = rounded(outward.perp().to_angle().to_degrees(), 10.0).rem_euclid(180.0);
             let [x, y] = through.to_array().map(|v| rounded(v, 1e3));
             let beyond = beyond(node);
-            format!("cut through {x:.3}, {y:.3} along {along:.1}\u{b0}{overlap}{edges}{beyond}")
+            format!("cut through {x:.3}, {y:.3} along {along:.1}\u{b0}{slope}{overlap}{edges}{beyond}")
         }
         (None, Some(part)) => format!("part R{}.{}{edges}", r + 1, part + 1),
         (None, None) => format!("not burned{edges}"),

@@ -1,0 +1,76 @@
+//! Division of heads along slanted faces, and of those that cutters cannot mill as one.
+
+use glam::{DVec2, DVec3};
+
+use super::design::{ElectrodeSet, PartNode};
+use super::h_edge::{Milling, h_edges, inner_edges};
+use super::params::{DividedAt, ElectrodeParams};
+use super::tests::{GAP, cutters, mold, params, planned, region};
+use crate::fixtures::rectangle;
+use geometry::mesh::Mesh;
+use geometry::solid::{difference, hull};
+
+/// What the groove of a drafted pocket is cut along, in degrees.
+const DRAFT_DEG: f64 = 2.0;
+
+fn tree(set: &ElectrodeSet) -> &PartNode {
+    set.regions[0].tree.as_ref().unwrap()
+}
+
+fn leaves(node: &PartNode) -> usize {
+    if node.parts.is_empty() { 1 } else { node.parts.iter().map(leaves).sum() }
+}
+
+/// A pocket on a draft, with a round groove through one of its walls that ends halfway down.
+fn pocket_with_groove() -> Mesh {
+    let at = |side: f64, z: f64| rectangle(7.0, side).into_iter().map(move |p| p.extend(z));
+    let wider = |z: f64| 2.0 + 2.0 * (z + 6.0) * DRAFT_DEG.to_radians().tan();
+    let pocket: Vec<DVec3> = at(wider(-6.0), -6.0).chain(at(wider(1.0), 1.0)).collect();
+    let angle = |i: usize| -std::f64::consts::PI * i as f64 / 12.0;
+    let ground = (0..=12).map(|i| DVec2::from_angle(angle(i)) * 2.0).map(|p| (p.x, p.y - 0.5));
+    let profile: Vec<(f64, f64)> = ground.chain([(2.0, 1.0), (-2.0, 1.0)]).collect();
+    let groove: Vec<DVec3> =
+        [0.0, 4.0].iter().flat_map(|y| profile.iter().map(|(x, z)| DVec3::new(*x, *y, *z))).collect();
+    let block = mold([20.0, 20.0, 12.0], &[]);
+    [hull(&pocket), hull(&groove)].iter().fold(block, |block, cavity| difference(&block, cavity).unwrap())
+}
+
+#[test]
+fn a_head_is_divided_along_a_wall_on_a_draft_and_both_parts_are_milled() {
+    let mold = pocket_with_groove();
+    let all = region(&mold, DVec2::new(-4.1, -2.0), DVec2::new(4.1, 4.1));
+    let set = planned(&mold, &[all], &params(GAP));
+    assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
+    assert_eq!(leaves(tree(&set)), 2, "{:?}", tree(&set));
+    let cut = tree(&set).cut.unwrap();
+    assert!((cut.slope().to_degrees() - DRAFT_DEG).abs() < 0.01 && cut.outward().distance(DVec2::Y) < 1e-6, "{cut:?}");
+}
+
+#[test]
+fn prongs_between_which_no_cutter_passes_are_heads_of_their_own() {
+    let slot = |x: f64| rectangle(0.8, 6.0).iter().map(|p| *p + DVec2::X * x).collect::<Vec<_>>();
+    let mold = mold([20.0, 20.0, 10.0], &[(&slot(-0.45), 4.0), (&slot(0.45), 4.0)]);
+    let both = region(&mold, DVec2::new(-1.0, -3.1), DVec2::new(1.0, 3.1));
+    let apart = ElectrodeParams { share: false, together_mm: 0.0, ..params(GAP) };
+    let set = planned(&mold, &[both], &apart);
+    assert!(set.holds(), "{:?}", set.checks);
+    assert_eq!(leaves(tree(&set)), 2, "{:?}", tree(&set));
+}
+
+#[test]
+fn an_edge_that_a_ball_mills_within_the_tolerance_is_no_h_edge() {
+    // A ball of radius r leaves r (1 / cos(a / 2) - 1) in an edge of turn a: 0.0121 mm of 0.5 in 25 degrees.
+    let valley = |degrees: f64| {
+        let deep = (0.5 * degrees).to_radians().tan();
+        let groove = [(-1.0, 0.0), (0.0, -deep), (1.0, 0.0)].map(|(x, z)| [-3.0, 3.0].map(|y| DVec3::new(x, y, z)));
+        let open = groove.as_flattened().iter().flat_map(|p| [*p, p.with_z(1.0)]).filter(|p| p.x != 0.0 || p.z < 0.0);
+        difference(&mold([4.0, 4.0, 4.0], &[]), &hull(&open.collect::<Vec<_>>())).unwrap()
+    };
+    let found = |tip: &Mesh| h_edges(&inner_edges(tip), DividedAt::HEdges, &Milling::by(&cutters(), 0.02)).len();
+    assert_eq!((found(&valley(25.0)), found(&valley(40.0))), (0, 1));
+    // On a floor a flat end mills any edge that runs level and straight.
+    let step =
+        [(0.0, -1.0), (3.0, -1.0), (0.0, 1.0), (3.0, 1.0)].map(|(x, z)| [-3.0, 3.0].map(|y| DVec3::new(x, y, z)));
+    let step = difference(&mold([4.0, 4.0, 4.0], &[]), &hull(step.as_flattened())).unwrap();
+    assert_eq!(found(&step), 0);
+}
