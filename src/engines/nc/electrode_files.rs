@@ -200,7 +200,8 @@ fn file_stem(body: &[&Electrode], params: &ElectrodeParams) -> String {
         parts.push("net".to_owned());
     }
     let quantity = body.iter().map(|e| params.stages[e.stage].quantity).max().unwrap_or(1);
-    parts.extend([plain(&params.material), format!("x{quantity}")]);
+    let material = body.first().map_or(&params.material, |electrode| &electrode.material);
+    parts.extend([plain(material), format!("x{quantity}")]);
     parts.join("_")
 }
 

@@ -30,6 +30,7 @@ fn checks(failing: &[CheckKind]) -> Vec<Finding> {
 fn electrode(name: &str, stage: usize, burns: Vec<Burn>, size: DVec3) -> Electrode {
     Electrode {
         name: name.to_owned(),
+        number: 0,
         stage,
         mesh: Mesh::cuboid(size).mapped(|p| p - DVec3::new(0.0, 0.0, 5.0)),
         tips: Mesh::cuboid(DVec3::ONE),
@@ -45,6 +46,9 @@ fn electrode(name: &str, stage: usize, burns: Vec<Burn>, size: DVec3) -> Electro
         base: Base { sides: DVec2::new(10.0, 12.0), is_round: false, height: 15.0, corner: 1.0 },
         family: Family::None,
         others: Mesh::default(),
+        material: "Cu, \"soft\"".to_owned(),
+        unmet: Vec::new(),
+        other_way: None,
     }
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
-use super::params::{Blanks, ElectrodeParams};
+use super::params::{Blanks, ElectrodeParams, Holder};
 use geometry::mesh::{Bounds, Mesh};
 use geometry::solid;
 use geometry::solid::SolidError;
@@ -51,10 +51,13 @@ impl Base {
 
     /// The first of the holders that takes it: its place in the list.
     pub fn holder(&self, params: &ElectrodeParams) -> Option<usize> {
-        params.holders.iter().position(|h| {
-            let [x, y] = h.size_mm;
-            self.sides.min_element() <= x.min(y) && self.sides.max_element() <= x.max(y)
-        })
+        params.holders.iter().position(|holder| self.fits(holder))
+    }
+
+    /// Whether a holder takes it.
+    pub fn fits(&self, holder: &Holder) -> bool {
+        let [x, y] = holder.size_mm;
+        self.sides.min_element() <= x.min(y) && self.sides.max_element() <= x.max(y)
     }
 
     /// Outline.

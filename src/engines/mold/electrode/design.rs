@@ -10,9 +10,19 @@ use serde::{Deserialize, Serialize};
 use super::base::Base;
 use super::division::Cut;
 use super::finding::{CheckKind, Finding};
-use super::params::{ElectrodeParams, GivenName, Method};
+use super::params::{ElectrodeParams, Given, GivenName, Method};
 use super::residual_stock::LeftOfRegion;
 use geometry::mesh::{Bounds, Mesh};
+use geometry::solid::SolidError;
+
+fn counted(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+/// Margin of a base that the user's own blank needs at most (mm).
+const MOST_MARGIN: f64 = 0.5;
+/// Rounding of a length (mm).
+const HAIR: f64 = 1e-6;
 
 /// Identifier of a part of a region: the index of the region in the list, and the number of the part, which is the same
 /// for the same place in every stage.
@@ -92,6 +102,8 @@ impl Family {
 pub struct Electrode {
     /// Name, also of its files.
     pub name: String,
+    /// Number, which it keeps; 0 until it has one.
+    pub number: usize,
     /// Stage: its index in the list.
     pub stage: usize,
     /// Surface, tips and base (mm).
@@ -122,9 +134,87 @@ pub struct Electrode {
     pub family: Family,
     /// Tips of the other stages that stand on the base.
     pub others: Mesh,
+    /// Material.
+    pub material: String,
+    /// What of the user's wishes for it could not be met, in words.
+    pub unmet: Vec<String>,
+    /// The other way to burn places of its shape, if there is one.
+    pub other_way: Option<OtherWay>,
+}
+
+/// The other way to burn places of one shape: by one head in several burns, or by several heads at once.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OtherWay {
+    /// The places that are burned at once, as numbers of the electrode's burns, or of its heads if it has several.
+    pub at_once: Vec<Vec<usize>>,
+    /// Sides of the largest blank, and its length along Z (mm).
+    pub blank: DVec3,
+    /// Duration of all burns (minutes).
+    pub minutes: f64,
+}
+
+impl OtherWay {
+    /// Number of electrodes.
+    pub fn electrodes(&self) -> usize {
+        if self.is_of_burns() { 1 } else { self.at_once.len() }
+    }
+
+    /// Its figures in words, beside the duration of the present way (minutes).
+    pub fn sentence(&self, now: f64) -> String {
+        let DVec3 { x, y, z } = self.blank;
+        let way = if self.is_of_burns() {
+            format!("one head that burns {} places one after another", self.at_once.len())
+        } else {
+            let most = self.at_once.iter().map(Vec::len).max().unwrap_or(0);
+            format!("{} with up to {most} heads at once", counted(self.electrodes(), "electrode"))
+        };
+        format!("Other way: {way}, {:.1} min (now {now:.1}), blank {x} x {y} x {z} mm", self.minutes)
+    }
+
+    /// Whether it is one head that burns one place after another.
+    pub fn is_of_burns(&self) -> bool {
+        self.at_once.iter().all(|places| places.len() == 1)
+    }
 }
 
 impl Electrode {
+    /// Takes what the user gave it.
+    ///
+    /// # Errors
+    /// [`SolidError`].
+    pub(super) fn as_given(&mut self, given: &Given, params: &ElectrodeParams) -> Result<(), SolidError> {
+        if let Some(material) = &given.material {
+            self.material.clone_from(material);
+        }
+        if let Some([x, y]) = given.blank_mm {
+            let needed = self.tips.bounds().size().truncate() + 2.0 * params.base_margin_mm.min(MOST_MARGIN);
+            if self.family.name().is_some() {
+                self.unmet.push("its blank is shared with other stages, so that no other can be given".to_owned());
+            } else if DVec2::new(x, y).cmplt(needed - HAIR).any() {
+                let DVec2 { x: a, y: b } = needed;
+                self.unmet.push(format!(
+                    "the blank of {x} x {y} mm is too small: its heads need {a:.2} x {b:.2} mm; give a larger one"
+                ));
+            } else {
+                self.base = Base { sides: DVec2::new(x, y), is_round: false, ..self.base };
+                self.mesh = self.base.with_tips(std::slice::from_ref(&self.tips))?;
+                self.blank = self.base.sides.extend(self.blank.z);
+                self.holder = self.base.holder(params);
+            }
+        }
+        if let Some(name) = &given.holder {
+            let found = params.holders.iter().position(|holder| holder.name == *name);
+            match found.filter(|h| self.base.fits(&params.holders[*h])) {
+                Some(holder) => self.holder = Some(holder),
+                None if found.is_some() => {
+                    self.unmet.push(format!("its blank is too large for the holder {name}: choose another one"));
+                }
+                None => self.unmet.push(format!("the holder {name} is not in the list of holders: choose another one")),
+            }
+        }
+        Ok(())
+    }
+
     /// Bounding box.
     pub fn bounds(&self) -> Bounds {
         self.mesh.bounds()

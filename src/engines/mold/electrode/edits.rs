@@ -24,10 +24,7 @@ const AS_NEAR: f64 = 0.02;
 impl Edit {
     /// Whether it can be made.
     pub(super) fn validate(&self) -> Result<(), Invalid> {
-        let is_place = match self {
-            Self::Merge { places: [a, b] } | Self::Split { line: [a, b] } => a.is_finite() && b.is_finite(),
-            Self::Make { place, .. } | Self::Burn { place, .. } | Self::SetAside { place } => place.is_finite(),
-        };
+        let is_place = self.places().iter().all(|place| place.is_finite());
         if !is_place {
             return Err(Invalid::of("", "its places must be finite numbers (mm)"));
         }
@@ -62,7 +59,7 @@ pub(super) fn apply(
             let [a, b] = places.map(plan);
             merge(burned, tree, [a, b], settings)
         }
-        Edit::Make { .. } | Edit::Burn { .. } | Edit::SetAside { .. } => Ok(false),
+        _ => Ok(false),
     }
 }
 

@@ -23,6 +23,7 @@ pub mod residual_stock;
 pub mod setting;
 pub mod tip;
 
+mod arrangement;
 mod earlier;
 mod edits;
 mod net_shape;
@@ -30,6 +31,8 @@ mod part_numbers;
 mod samples;
 mod sharing;
 
+#[cfg(test)]
+mod arrangement_tests;
 #[cfg(test)]
 mod division_tests;
 #[cfg(test)]

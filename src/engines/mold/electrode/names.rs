@@ -16,13 +16,21 @@ use super::part_numbers::{Numbered, Parts};
 use super::setting::{RegionToBurn, to_burn_frame};
 use crate::outline::Outline;
 use crate::plane;
+use geometry::solid::SolidError;
 
 /// What is burned: the regions, how, and their parts.
 pub(super) type Burned<'a> = (&'a [RegionToBurn], &'a [RegionPlan], &'a Parts);
 
 /// Names electrodes: the same number for all stages where they burn the same parts. Returns all numbers that were
 /// given, those of `params` first.
-pub(super) fn named(electrodes: &mut [Electrode], params: &ElectrodeParams, burned: Burned) -> Vec<GivenName> {
+///
+/// # Errors
+/// [`SolidError`], where a blank that the user gave cannot be joined with its heads.
+pub(super) fn named(
+    electrodes: &mut [Electrode],
+    params: &ElectrodeParams,
+    burned: Burned,
+) -> Result<Vec<GivenName>, SolidError> {
     let mut forms: Vec<Vec<PartId>> = Vec::new();
     let mut form_of = Vec::new();
     for electrode in electrodes.iter() {
@@ -40,19 +48,24 @@ pub(super) fn named(electrodes: &mut [Electrode], params: &ElectrodeParams, burn
         number_of.push(known.unwrap_or_else(|| {
             last = last.saturating_add(1);
             let places = form.iter().filter_map(|part| place_of(*part, burned)).collect();
-            given.push(GivenName { number: last, places });
+            given.push(GivenName { number: last, places, ..GivenName::default() });
             last
         }));
     }
     for (electrode, form) in electrodes.iter_mut().zip(form_of) {
         let (number, stage) = (number_of[form], &params.stages[electrode.stage].name);
-        let short = format!("E{number:02}");
+        let own = given.iter().find(|name| name.number == number).map(|name| &name.given);
+        let short = own.and_then(|own| own.name.clone()).unwrap_or_else(|| format!("E{number:02}"));
+        electrode.number = number;
+        if let Some(own) = own {
+            electrode.as_given(own, params)?;
+        }
         electrode.name = if params.stages.len() == 1 { short.clone() } else { format!("{short}-{stage}") };
         if let Family::Member { name, .. } = &mut electrode.family {
             *name = short;
         }
     }
-    given
+    Ok(given)
 }
 
 /// For each of these sets of parts the number that was given to most of it, each number once.
@@ -85,7 +98,7 @@ fn numbers(forms: &[Vec<PartId>], given: &[GivenName], burned: Burned) -> Vec<Op
 
 /// The part at a place: of the region that is nearest to it in plan, and of several the one that is nearest to it in
 /// space.
-fn part_at(place: DVec3, (regions, plans, parts): Burned) -> Option<PartId> {
+pub(super) fn part_at(place: DVec3, (regions, plans, parts): Burned) -> Option<PartId> {
     let near = regions.iter().enumerate().filter_map(|(r, region)| {
         let turned = to_burn_frame(plans[r].direction);
         let plan = |p: DVec3| (turned * p).truncate();

@@ -279,6 +279,38 @@ pub enum Edit {
         /// A place of the mold, upright (mm).
         place: DVec3,
     },
+    /// Puts the heads at these two places on one base, of whichever regions they are.
+    Join {
+        /// Places of the mold, upright (mm).
+        places: [DVec3; 2],
+    },
+    /// Gives the head at a place an electrode of its own.
+    TakeApart {
+        /// A place of the mold, upright (mm).
+        place: DVec3,
+    },
+    /// Burns the second place, of another cavity, with the electrode that has the head at the first one.
+    Copy {
+        /// Places of the mold, upright (mm).
+        places: [DVec3; 2],
+    },
+}
+
+impl Edit {
+    /// The places that it names, upright (mm).
+    pub fn places(&self) -> Vec<DVec3> {
+        match self {
+            Self::Merge { places } | Self::Split { line: places } | Self::Join { places } | Self::Copy { places } => {
+                places.to_vec()
+            }
+            Self::Make { place, .. }
+            | Self::Burn { place, .. }
+            | Self::SetAside { place }
+            | Self::TakeApart { place } => {
+                vec![*place]
+            }
+        }
+    }
 }
 
 impl std::fmt::Display for Edit {
@@ -293,19 +325,82 @@ impl std::fmt::Display for Edit {
                 write!(f, "{how} at {:.2}, {:.2}", place.x, place.y)
             }
             Self::SetAside { place } => write!(f, "set aside at {:.2}, {:.2}", place.x, place.y),
+            Self::Join { places: [a, b] } => {
+                write!(f, "heads at {:.2}, {:.2} and {:.2}, {:.2} on one base", a.x, a.y, b.x, b.y)
+            }
+            Self::TakeApart { place } => write!(f, "head at {:.2}, {:.2} taken apart", place.x, place.y),
+            Self::Copy { places: [a, b] } => {
+                write!(f, "electrode at {:.2}, {:.2} copied to {:.2}, {:.2}", a.x, a.y, b.x, b.y)
+            }
             Self::Burn { direction: d, .. } => write!(f, "burned along {:.2}, {:.2}, {:.2}", d.x, d.y, d.z),
         }
     }
 }
 
-/// A number given to an electrode, with the places it burned then.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// A number given to an electrode, with the places it burned then and what the user gave it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GivenName {
     /// The number: 4 of `E04`.
     pub number: usize,
     /// A place of each burned part of a region, in the upright mold (mm).
     pub places: Vec<DVec3>,
+    /// What the user gave the electrode.
+    #[serde(default, skip_serializing_if = "Given::is_nothing")]
+    pub given: Given,
+}
+
+/// What the user gives an electrode; what is none is as for all.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Given {
+    /// Name, instead of `E` and the number.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Name of the holder.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub holder: Option<String>,
+    /// Sides of the rectangular blank along X and Y (mm).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub blank_mm: Option<[f64; 2]>,
+    /// Material.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
+}
+
+impl Given {
+    /// Whether it gives nothing.
+    pub fn is_nothing(&self) -> bool {
+        *self == Self::default()
+    }
+
+    fn validate(&self) -> Result<(), Invalid> {
+        if self.name.as_ref().is_some_and(|name| !is_plain(name)) {
+            return Err(Invalid::of("name", "must consist of letters, digits, - and _: file names carry it"));
+        }
+        match self.blank_mm {
+            Some(sides) => {
+                sides.into_iter().try_for_each(|side| Invalid::unless_within("blank_mm", side, [1.0, 1000.0], "mm"))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// Whether a name is one of letters, digits, `-` and `_`.
+fn is_plain(name: &str) -> bool {
+    !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_')
+}
+
+/// How places of the same shape are burned that stand near one another.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Repeat {
+    /// By one head, one place after another.
+    #[default]
+    Burns,
+    /// By as many heads on one base, at once.
+    Heads,
 }
 
 /// Parameters of electrodes.
@@ -334,6 +429,8 @@ pub struct ElectrodeParams {
     pub datum_corner_mm: f64,
     /// Whether congruent places share an electrode.
     pub share: bool,
+    /// How congruent places are burned that stand near one another.
+    pub repeat: Repeat,
     /// Greatest width of neighbouring heads on one base (mm); 0 for none.
     pub together_mm: f64,
     /// Whether electrodes of several stages for the same places stand on one base, as a family.
@@ -378,6 +475,7 @@ impl Default for ElectrodeParams {
             base_margin_mm: 2.0,
             datum_corner_mm: 1.0,
             share: true,
+            repeat: Repeat::Burns,
             together_mm: 12.0,
             family: false,
             family_spacing_mm: 5.0,
@@ -423,6 +521,13 @@ impl Validate for ElectrodeParams {
         self.validate_stages()?;
         for (i, edit) in self.edits.iter().enumerate() {
             edit.validate().map_err(|problem| problem.within(&format!("edits[{i}]")))?;
+        }
+        for (i, name) in self.names.iter().enumerate() {
+            name.given.validate().map_err(|problem| problem.within(&format!("names[{i}].given")))?;
+            let is_same = |other: &GivenName| other.given.name.is_some() && other.given.name == name.given.name;
+            if self.names[..i].iter().any(is_same) {
+                return Err(Invalid::of(format!("names[{i}].given.name"), "another electrode has this name"));
+            }
         }
         let is_holder = |h: &Holder| h.size_mm.iter().chain([&h.height_mm]).all(|v| v.is_finite() && *v > 0.0);
         if let Some(bad) = self.holders.iter().find(|h| !is_holder(h)) {
@@ -471,9 +576,8 @@ impl ElectrodeParams {
                     "stage {name}: the finish must be from VDI 0 to 60, and the quantity at least 1"
                 ));
             }
-            let is_plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
             let is_known = self.stages[..i].iter().any(|s| s.name.eq_ignore_ascii_case(name));
-            if is_known || name.is_empty() || !name.chars().all(is_plain) {
+            if is_known || !is_plain(name) {
                 return wrong(format!(
                     "two stages are called {name:?}, or a name is empty or holds more than letters, digits, - and _: \
                      file names carry it"

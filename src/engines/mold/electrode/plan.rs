@@ -7,6 +7,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::arrangement::Arrangement;
 use super::base::placed;
 use super::combine::Form;
 use super::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
@@ -89,9 +90,13 @@ fn plan_stages(
             let division = division_settings(params, cutters, is_last);
             let leaves = leaves(&setting, regions, (&here, number, &division), (found, known), params, &task.cancel)?;
             task.report("sharing", done, &stage.name);
-            let shared = shared(&setting, &leaves, regions, cutters, params, &task.cancel)?;
+            let arrangement = Arrangement::of(&leaves, &params.edits, (regions, &plans, &parts));
+            let (shared, copied) = shared(&setting, (&leaves, &arrangement), regions, cutters, params, &task.cancel)?;
+            let copies = arrangement.copies.iter().filter(|(edit, _)| copied.contains(edit));
+            let copies = copies.map(|(edit, [a, _])| (*edit, leaves[*a].id.region));
+            arrangement.met.iter().copied().chain(copies).for_each(|(edit, region)| plans[region].edits.push(edit));
             for group in &shared {
-                match assembled(&setting, &leaves, group, (number, params)) {
+                match assembled(&setting, &leaves, group, (number, params, cutters)) {
                     Ok(electrode) => electrodes.push(electrode),
                     Err(ElectrodeError::Solid(error)) => {
                         let ids = group.burns.iter().flat_map(|(.., ids)| ids).map(|i| leaves[*i].id.region);
@@ -111,7 +116,7 @@ fn plan_stages(
     plans.iter_mut().for_each(|plan| plan.left_out.sort_by_key(|left| left.stage));
     with_volumes(&mut electrodes, &volumes(regions, &plans, &parts, params, &made), (&parts, params));
     into_families(mold, &mut electrodes, like.map(|(real, _)| real), (cutters, params, stages), &task.cancel)?;
-    let names = named(&mut electrodes, params, (regions, &plans, &parts));
+    let names = named(&mut electrodes, params, (regions, &plans, &parts))?;
     task.report("checks", 0.7, "");
     let checks = checked((mold, milled), &electrodes, &mut plans, regions, (cutters, params, stages), &task.cancel)?;
     task.report("checks", 1.0, "");
@@ -138,6 +143,17 @@ fn with_volumes(
             burn.minutes = params.removal.minutes_of_tips(&tips, params.stages[stage].finish_vdi);
         }
         electrode.minutes = electrode.burns.iter().map(|burn| burn.minutes).sum();
+        if let Some(way) = &mut electrode.other_way {
+            // Each place has its tip: of burns one after another the burn's own, else the head's.
+            let heads = electrode.burns.iter().flat_map(|burn| &burn.parts);
+            let volume = |id: &PartId| volumes.get(&(stage, *id)).copied().unwrap_or(0.0);
+            let tips: Vec<(f64, f64)> = heads.map(|id| (volume(id), front(id).unwrap_or(0.0))).collect();
+            let minutes = |places: &Vec<usize>| {
+                let tips: Vec<(f64, f64)> = places.iter().filter_map(|place| tips.get(*place).copied()).collect();
+                params.removal.minutes_of_tips(&tips, params.stages[stage].finish_vdi)
+            };
+            way.minutes = way.at_once.iter().map(minutes).sum();
+        }
     }
 }
 
@@ -156,7 +172,7 @@ fn region_plan(region: &RegionToBurn, edits: Vec<usize>, params: &ElectrodeParam
             Edit::Make { method: chosen, .. } => method = *chosen,
             Edit::Burn { direction: chosen, .. } => direction = chosen.normalize_or(DVec3::NEG_Z),
             Edit::SetAside { .. } => is_set_aside = true,
-            Edit::Merge { .. } | Edit::Split { .. } => {}
+            _ => {}
         }
     }
     RegionPlan {

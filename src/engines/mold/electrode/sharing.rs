@@ -5,14 +5,15 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::arrangement::Arrangement;
 use super::base::{Base, INTO_BASE, placed};
 use super::burning::Burning;
 use super::clearance::Obstacle;
 use super::combine::{Form, near};
-use super::design::{Burn, Electrode, PartId};
+use super::design::{Burn, Electrode, OtherWay, PartId};
 use super::division::Part;
 use super::footprint::is_thin;
-use super::params::{ElectrodeParams, Method};
+use super::params::{ElectrodeParams, Method, Repeat};
 use super::samples::samples;
 use super::setting::{ElectrodeError, KeptClear, RegionToBurn, Setting, burn_area};
 use super::tip::{joined, led_up};
@@ -36,57 +37,174 @@ pub(super) struct Shared {
     pub(super) leaves: Vec<usize>,
     /// The burns; the first is as the leaves stand.
     pub(super) burns: Vec<(f64, DVec3, Vec<usize>)>,
+    /// Whether its heads are of one shape that one head could burn.
+    is_repeated: bool,
 }
 
-/// Groups of leaves that one electrode burns: congruent ones at several positions, near ones at once.
+impl Shared {
+    fn of(leaves: Vec<usize>) -> Self {
+        Self { burns: vec![(0.0, DVec3::ZERO, leaves.clone())], leaves, is_repeated: false }
+    }
+
+    fn holds(&self, leaf: usize) -> bool {
+        self.burns.iter().any(|(.., own)| own.contains(&leaf))
+    }
+}
+
+/// What a leaf is compared with others by.
+struct Comparison<'a> {
+    setting: &'a Setting,
+    mold: Obstacle,
+    leaves: &'a [Leaf],
+    regions: &'a [RegionToBurn],
+    params: &'a ElectrodeParams,
+    cancel: &'a Cancel,
+}
+
+impl Comparison<'_> {
+    /// How one of these leaves is laid onto another place so that it burns that too.
+    fn fits(&self, [first, other]: [usize; 2], own: &mut Option<Own>) -> Option<(f64, DVec3)> {
+        let onto = self.leaves[first].form.onto(&self.leaves[other].form).into_iter();
+        onto.filter(|(turn, _)| self.setting.stage.orbit.fits_turned(*turn))
+            .find(|by| !self.cancel.is_cancelled() && self.serves([first, other], *by, own))
+    }
+
+    /// Whether a leaf, turned and moved, burns another's place. What that one burns itself is looked for once.
+    fn serves(&self, [first, other]: [usize; 2], by: (f64, DVec3), own: &mut Option<Own>) -> bool {
+        let leaf = &self.leaves[other];
+        if own.is_none() {
+            *own = Own::of(self.setting, leaf, &self.regions[leaf.id.region], self.params).ok();
+        }
+        let Some(own) = own else { return false };
+        serves(self.setting, &self.mold, (&self.leaves[first], own), by, self.params).unwrap_or(false)
+    }
+
+    /// The burn of another cavity by these heads: the first of the pair burns the second there, and each of the others
+    /// what it finds.
+    fn copied(&self, heads: &[usize], [a, b]: [usize; 2]) -> Option<(f64, DVec3, Vec<usize>)> {
+        let (turn, shift) = self.fits([a, b], &mut None)?;
+        let middle = |leaf: usize| {
+            let [low, high] = plane::extent(&self.leaves[leaf].part.footprint.free);
+            low.midpoint(high)
+        };
+        let there = |head: usize| DVec2::from_angle(turn).rotate(middle(head)) + shift.truncate();
+        let burned = |head: usize| {
+            let others = (0..self.leaves.len()).filter(|leaf| !heads.contains(leaf));
+            let near = others.filter(|leaf| middle(*leaf).distance(there(head)) < NEAR);
+            near.into_iter().find(|leaf| self.serves([head, *leaf], (turn, shift), &mut None))
+        };
+        let found: Vec<usize> =
+            heads.iter().filter_map(|head| if *head == a { Some(b) } else { burned(*head) }).collect();
+        Some((turn, shift, found))
+    }
+}
+
+/// How near the middle of a head comes to that of a place that it burns (mm).
+const NEAR: f64 = 1.0;
+
+/// Groups of leaves that one electrode burns: as the user arranges them, and else congruent ones at several positions
+/// and near ones at once. Also tells which of the user's copies are made.
 pub(super) fn shared(
     setting: &Setting,
-    leaves: &[Leaf],
+    (leaves, arrangement): (&[Leaf], &Arrangement),
     regions: &[RegionToBurn],
     cutters: &CutterLibrary,
     params: &ElectrodeParams,
     cancel: &Cancel,
-) -> Result<Vec<Shared>, ElectrodeError> {
+) -> Result<(Vec<Shared>, Vec<usize>), ElectrodeError> {
     let mold = Obstacle::new(&setting.mold)?.stopped_by(cancel);
+    let comparison = Comparison { setting, mold, leaves, regions, params, cancel };
+    let mut by_hand: Vec<Shared> = arrangement.bases().into_iter().map(Shared::of).collect();
+    let mut copied = Vec::new();
+    for (edit, [a, b]) in &arrangement.copies {
+        cancel.check()?;
+        let Some(from) = by_hand.iter().position(|group| group.leaves.contains(a) && !group.holds(*b)) else {
+            continue;
+        };
+        let Some(burn) = comparison.copied(&by_hand[from].leaves, [*a, *b]) else { continue };
+        // What is burned by the copy needs no other electrode.
+        by_hand.retain(|group| !group.leaves.iter().all(|leaf| burn.2.contains(leaf)));
+        if let Some(group) = by_hand.iter_mut().find(|group| group.leaves.contains(a)) {
+            group.burns.push(burn);
+            copied.push(*edit);
+        }
+    }
+    let is_free = |leaf: &usize| !by_hand.iter().any(|group| group.holds(*leaf));
     let mut groups: Vec<Shared> = Vec::new();
-    for (i, leaf) in leaves.iter().enumerate() {
+    for i in (0..leaves.len()).filter(is_free) {
         cancel.check()?;
         // Looked for once there is a tip that may be laid onto it.
         let mut own: Option<Own> = None;
-        let mut fits = |group: &Shared| -> Option<(f64, DVec3)> {
-            let first = &leaves[group.leaves[0]];
-            let onto = first.form.onto(&leaf.form).into_iter();
-            for by in onto.filter(|(turn, _)| setting.stage.orbit.fits_turned(*turn)) {
-                if own.is_none() {
-                    own = Own::of(setting, leaf, &regions[leaf.id.region], params).ok();
-                }
-                if cancel.is_cancelled() {
-                    return None;
-                }
-                if serves(setting, &mold, (first, own.as_ref()?), by, params).unwrap_or(false) {
-                    return Some(by);
-                }
-            }
-            None
-        };
+        let mut fits = |group: &Shared| comparison.fits([group.leaves[0], i], &mut own);
         let found =
             params.share.then(|| groups.iter().enumerate().find_map(|(g, group)| Some((g, fits(group)?)))).flatten();
         match found {
             Some((g, (turn, shift))) => groups[g].burns.push((turn, shift, vec![i])),
-            None => groups.push(Shared { leaves: vec![i], burns: vec![(0.0, DVec3::ZERO, vec![i])] }),
+            None => groups.push(Shared::of(vec![i])),
         }
     }
     let (single, mut several): (Vec<Shared>, Vec<Shared>) = groups.into_iter().partition(|g| g.burns.len() == 1);
     let radius = cutters.needed().iter().map(|c: &&Cutter| c.radius()).fold(f64::INFINITY, f64::min);
-    let boxes: Vec<[DVec2; 2]> =
-        single.iter().map(|g| plane::extent(&leaves[g.leaves[0]].part.footprint.free)).collect();
     // A cutter has to pass between two tips.
-    for members in near(&boxes, params.together_mm, 2.2 * radius) {
-        let all: Vec<usize> = members.iter().flat_map(|m| single[*m].leaves.iter().copied()).collect();
-        several.push(Shared { burns: vec![(0.0, DVec3::ZERO, all.clone())], leaves: all });
+    let clear = 2.2 * radius;
+    let together = |all: &[usize]| -> Vec<Vec<usize>> {
+        let boxes: Vec<[DVec2; 2]> = all.iter().map(|leaf| plane::extent(&leaves[*leaf].part.footprint.free)).collect();
+        let near = near(&boxes, params.together_mm, clear);
+        near.into_iter().map(|members| members.into_iter().map(|m| all[m]).collect()).collect()
+    };
+    if params.repeat == Repeat::Heads {
+        several = several.into_iter().flat_map(|group| heads_of(group, &together)).collect();
     }
+    let single: Vec<usize> = single.iter().map(|group| group.leaves[0]).collect();
+    several.extend(together(&single).into_iter().map(Shared::of));
+    several.extend(by_hand);
     several.sort_by_key(|g| g.leaves[0]);
-    Ok(several)
+    Ok((several, copied))
+}
+
+/// The electrodes that burn the places of a group by a head for each where they stand near one another.
+fn heads_of(group: Shared, together: &dyn Fn(&[usize]) -> Vec<Vec<usize>>) -> Vec<Shared> {
+    let all: Vec<usize> = group.burns.iter().flat_map(|(.., own)| own.iter().copied()).collect();
+    let sets = together(&all);
+    if sets.len() == all.len() {
+        return vec![group];
+    }
+    sets.into_iter().map(|set| Shared { is_repeated: set.len() > 1, ..Shared::of(set) }).collect()
+}
+
+/// The other way to burn the places of a group, without its duration; none if they are of several shapes or there is
+/// but one.
+fn other_way(
+    leaves: &[Leaf],
+    group: &Shared,
+    (raised, params): (&[Mesh], &ElectrodeParams),
+    clear: f64,
+) -> Option<OtherWay> {
+    let head = raised.first()?.bounds();
+    if group.is_repeated {
+        let (base, length) = Base::under(&head, params);
+        let at_once = (0..group.leaves.len()).map(|head| vec![head]).collect();
+        return Some(OtherWay { at_once, blank: base.sides.extend(length), minutes: 0.0 });
+    }
+    let is_one_head = group.burns.len() > 1 && group.burns.iter().all(|(.., own)| own.len() == 1);
+    let boxes = || -> Vec<[DVec2; 2]> {
+        group.burns.iter().map(|(.., own)| plane::extent(&leaves[own[0]].part.footprint.free)).collect()
+    };
+    let boxes = is_one_head.then(boxes)?;
+    let at_once = near(&boxes, params.together_mm, clear);
+    if at_once.len() == boxes.len() {
+        return None;
+    }
+    let blank = |set: &Vec<usize>| {
+        let around = set.iter().flat_map(|burn| boxes[*burn]);
+        let [low, high] = around.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[l, h], p| [l.min(p), h.max(p)]);
+        let bounds = Bounds { min: low.extend(head.min.z), max: high.extend(head.max.z) };
+        let (base, length) = Base::under(&bounds, params);
+        base.sides.extend(length)
+    };
+    let size = |blank: &DVec3| blank.x * blank.y * blank.z;
+    let largest = at_once.iter().map(blank).max_by(|a, b| size(a).total_cmp(&size(b)))?;
+    Some(OtherWay { at_once, blank: largest, minutes: 0.0 })
 }
 
 /// Places of its region's surface that a leaf's own tip burns, as sampled by the check of residual stock, and the
@@ -148,7 +266,7 @@ pub(super) fn assembled(
     setting: &Setting,
     leaves: &[Leaf],
     group: &Shared,
-    (stage, params): (usize, &ElectrodeParams),
+    (stage, params, cutters): (usize, &ElectrodeParams, &CutterLibrary),
 ) -> Result<Electrode, ElectrodeError> {
     let own: Vec<&Leaf> = group.leaves.iter().map(|i| &leaves[*i]).collect();
     let highest = group.burns.iter().map(|(_, shift, _)| -shift.z).fold(0.0, f64::max);
@@ -159,10 +277,13 @@ pub(super) fn assembled(
     let origin = around.center().with_z(seat);
     let tips: Vec<Mesh> = raised.iter().map(|m| m.mapped(|p| p - origin)).collect();
     let (base, length) = Base::under(&Bounds { max: around.max.with_z(seat), ..around }, params);
+    let radius = cutters.needed().iter().map(|c: &&Cutter| c.radius()).fold(f64::INFINITY, f64::min);
+    let other_way = other_way(leaves, group, (&raised, params), 2.2 * radius);
     let burns = burns(setting, leaves, group, (origin, around.min.z));
     let is_extruded = own.iter().all(|leaf| leaf.part.footprint.method == Method::Extruding);
     Ok(Electrode {
         name: String::new(),
+        number: 0,
         stage,
         mesh: base.with_tips(&tips)?,
         tips: tips.into_iter().fold(Mesh::default(), joined),
@@ -178,6 +299,9 @@ pub(super) fn assembled(
         base,
         family: Default::default(),
         others: Mesh::default(),
+        material: params.material.clone(),
+        unmet: Vec::new(),
+        other_way,
     })
 }
 

@@ -473,7 +473,7 @@ fn names_once_given_never_move_and_gaps_stay() {
     }
     assert_eq!(names(&with(&thirds, &[])), at_first);
     // Names of a file that says the same number twice, or a place that is nowhere, are given once.
-    let far = GivenName { number: usize::MAX, places: vec![DVec3::NAN, DVec3::splat(1e9)] };
+    let far = GivenName { number: usize::MAX, places: vec![DVec3::NAN, DVec3::splat(1e9)], ..GivenName::default() };
     let twice = [first.names.clone(), first.names.clone(), vec![far]].concat();
     assert_eq!(names(&with(&thirds, &twice)), at_first);
 }

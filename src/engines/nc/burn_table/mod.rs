@@ -370,7 +370,7 @@ fn entry(set: &ElectrodeSet, e: usize, axes: &DAffine3) -> ElectrodeEntry {
         name: electrode.name.clone(),
         state: ElectrodeState::of(set, e, &params.overrides),
         stage: stage.name.clone(),
-        material: params.material.clone(),
+        material: electrode.material.clone(),
         shape: params.shape,
         gap_mm: stage.gap_mm,
         orbit: OrbitEntry {
@@ -417,6 +417,7 @@ fn warnings(set: &ElectrodeSet, electrode: &Electrode) -> Vec<String> {
         let DVec3 { x, y, .. } = electrode.blank;
         warnings.push(format!("no holder is large enough for a blank of {x} x {y} mm: add one to the list of holders"));
     }
+    warnings.extend(electrode.unmet.iter().cloned());
     if electrode.burns.iter().all(|b| b.volume <= 0.0) {
         warnings.push(
             "it removes nothing: the rest material there is thinner than the stock of its stage; leave it out".into(),

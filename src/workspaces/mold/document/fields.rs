@@ -25,6 +25,10 @@ const DIVIDED_AT: &[Word] = &[
     word("every-edge", "every inner edge", "Also inner edges that a flat end mills"),
     word("nothing", "nowhere", "A head for each region"),
 ];
+const REPEAT: &[Word] = &[
+    word("burns", "one head", "One head burns one place after another"),
+    word("heads", "several heads", "As many heads on one base burn them at once"),
+];
 const ORBITS: &[Variant] = &[
     Variant { word: word("none", "no orbit", ""), new: "{ pattern = \"none\" }" },
     Variant { word: word("circular", "circle", ""), new: "{ pattern = \"circular\", radius_mm = 0.05 }" },
@@ -178,6 +182,9 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
             Field::number("electrodes.together_mm", "Group within", "mm", 0.0, 1000.0)
                 .step(0.05)
                 .help("Neighbouring heads share a base up to this width; 0 for none."),
+            Field::choice("electrodes.repeat", "Identical places nearby", REPEAT)
+                .when(When::Is("electrodes.share", &["true"]))
+                .help("How identical places are burned that stand within the width above."),
             Field::flag("electrodes.family", "Stages on one base")
                 .help("Family: electrodes of all stages for the same places on one base."),
             Field::number("electrodes.family_spacing_mm", "Distance between stages", "mm", 0.1, 1000.0)
@@ -289,12 +296,18 @@ pub fn change(before: &MoldParams, now: &MoldParams) -> String {
             Some(Edit::Split { .. }) => "Split part",
             Some(Edit::Burn { .. }) => "Burn direction",
             Some(Edit::SetAside { .. }) => "Region set aside",
+            Some(Edit::Join { .. }) => "Joined heads",
+            Some(Edit::TakeApart { .. }) => "Head taken apart",
+            Some(Edit::Copy { .. }) => "Copied electrode",
             _ => "Method of a region",
         };
         return name.to_owned();
     }
     if let Some(new) = new.overrides.iter().find(|one| !old.overrides.contains(one)) {
         return format!("Override of {}", new.of);
+    }
+    if new.names != old.names {
+        return "Electrode by hand".to_owned();
     }
     if new.overrides != old.overrides {
         return "Override taken back".to_owned();

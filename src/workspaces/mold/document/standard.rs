@@ -104,6 +104,9 @@ mod tests {
                 Edit::Make { place, method: Method::Cutting },
                 Edit::Burn { place, direction: DVec3::NEG_X },
                 Edit::SetAside { place },
+                Edit::Join { places: [place, DVec3::X] },
+                Edit::TakeApart { place },
+                Edit::Copy { places: [place, DVec3::X] },
             ],
             overrides: vec![
                 "E03:approach:0.25".parse().unwrap(),

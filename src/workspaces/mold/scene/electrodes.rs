@@ -273,6 +273,7 @@ mod tests {
         let mesh = Mesh::cuboid(DVec3::new(2.0, 3.0, 4.0)).mapped(|p| p - DVec3::new(1.0, 1.5, 4.0));
         Electrode {
             name: "E01".to_owned(),
+            number: 0,
             stage: 0,
             tips: mesh.clone(),
             mesh,
@@ -288,6 +289,9 @@ mod tests {
             base: Base { sides: DVec2::ONE, is_round: false, height: 1.0, corner: 0.0 },
             family: Default::default(),
             others: Default::default(),
+            material: String::new(),
+            unmet: Vec::new(),
+            other_way: None,
         }
     }
 

@@ -6,7 +6,7 @@ use crate::workspaces::mold::panels::desk::MoldDesk;
 use egui::{Align, Layout, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use egui_extras::{Column as Width, TableBuilder};
 
-use super::{checks, division};
+use super::{arrangement, checks, division};
 use crate::widgets::panel_parts::{fact, notice};
 use crate::widgets::theme::palette;
 use crate::workspaces::mold::scene::electrodes::{BurnOf, electrode_colour};
@@ -243,6 +243,7 @@ fn details(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed, 
     };
     fact(ui, "Gap", format!("{} mm{orbit}", entry.gap_mm));
     fact(ui, "Time", format!("{:.1} min", entry.minutes));
+    arrangement::show(ui, desk, made, at.electrode);
     division::show(ui, desk, made, (at.electrode, &regions(entry)));
 }
 

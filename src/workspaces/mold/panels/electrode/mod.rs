@@ -1,5 +1,6 @@
 //! Electrodes in the workspace of molds: what is asked of them, which there are, what was checked, and how they burn.
 
+mod arrangement;
 mod checks;
 pub(super) mod desk;
 mod division;

@@ -1,0 +1,117 @@
+//! Electrodes as the user arranges them.
+
+use glam::{DVec2, DVec3};
+
+use super::design::ElectrodeSet;
+use super::params::{Edit, ElectrodeParams, Given, GivenName, Holder, Repeat};
+use super::setting::RegionToBurn;
+use super::tests::{GAP, mold, params, planned, region};
+use crate::fixtures::rectangle;
+use geometry::mesh::Mesh;
+
+/// Slots of these sides at these places, 4 mm deep, each with its region.
+fn slots(all: &[([f64; 2], [f64; 2])]) -> (Mesh, Vec<RegionToBurn>) {
+    let outline = |([x, y], [w, d]): &([f64; 2], [f64; 2])| -> Vec<DVec2> {
+        rectangle(*w, *d).iter().map(|p| *p + DVec2::new(*x, *y)).collect()
+    };
+    let outlines: Vec<Vec<DVec2>> = all.iter().map(outline).collect();
+    let hollows: Vec<(&[DVec2], f64)> = outlines.iter().map(|o| (&o[..], 4.0)).collect();
+    let mesh = mold([60.0, 60.0, 10.0], &hollows);
+    let of = |([x, y], [w, d]): &([f64; 2], [f64; 2])| {
+        let (middle, half) = (DVec2::new(*x, *y), 0.5 * DVec2::new(*w, *d) + 0.1);
+        region(&mesh, middle - half, middle + half)
+    };
+    let regions = all.iter().map(of).collect();
+    (mesh, regions)
+}
+
+fn at(x: f64, y: f64) -> DVec3 {
+    DVec3::new(x, y, -4.0)
+}
+
+/// Of each electrode the number of parts of each burn.
+fn burned(set: &ElectrodeSet) -> Vec<Vec<usize>> {
+    let mut all: Vec<Vec<usize>> =
+        set.electrodes.iter().map(|e| e.burns.iter().map(|burn| burn.parts.len()).collect()).collect();
+    all.sort();
+    all
+}
+
+fn with(edits: Vec<Edit>) -> ElectrodeParams {
+    ElectrodeParams { edits, ..params(GAP) }
+}
+
+#[test]
+fn heads_of_any_regions_are_joined_on_one_base_and_taken_apart() {
+    let (mold, regions) = slots(&[([-20.0, 0.0], [8.0, 0.8]), ([0.0, 0.0], [6.0, 1.2]), ([20.0, 0.0], [8.0, 0.8])]);
+    let set = planned(&mold, &regions, &params(GAP));
+    assert_eq!(burned(&set), [vec![1], vec![1, 1]], "those of one shape share an electrode");
+    let join = Edit::Join { places: [at(-20.0, 0.0), at(0.0, 0.0)] };
+    let set = planned(&mold, &regions, &with(vec![join]));
+    assert!(set.holds() && set.unmet_edits().is_empty(), "{:?}", set.checks);
+    assert_eq!(burned(&set), [vec![1], vec![2]]);
+    let apart = Edit::TakeApart { place: at(20.0, 0.0) };
+    let set = planned(&mold, &regions, &with(vec![apart]));
+    assert!(set.holds() && set.unmet_edits().is_empty());
+    assert_eq!(burned(&set), [vec![1], vec![1], vec![1]]);
+    let nowhere = Edit::Join { places: [at(-20.0, 0.0), at(0.0, 20.0)] };
+    assert_eq!(planned(&mold, &regions, &with(vec![nowhere])).unmet_edits(), [0]);
+}
+
+#[test]
+fn an_electrode_of_several_heads_is_copied_to_another_cavity() {
+    let shapes = |x: f64| [([x, 0.0], [8.0, 0.8]), ([x, 5.0], [6.0, 1.2])];
+    let (mold, regions) = slots(&[shapes(-15.0), shapes(15.0)].concat());
+    let join = Edit::Join { places: [at(-15.0, 0.0), at(-15.0, 5.0)] };
+    let copy = Edit::Copy { places: [at(-15.0, 0.0), at(15.0, 0.0)] };
+    let set = planned(&mold, &regions, &with(vec![join, copy]));
+    assert!(set.holds() && set.unmet_edits().is_empty(), "{:?} {:?}", set.checks, set.unmet_edits());
+    assert_eq!(burned(&set), [vec![2, 2]]);
+    let [one, two] = &set.electrodes[0].burns[..] else { panic!() };
+    assert!((two.position - one.position).distance(30.0 * DVec3::X) < 1e-3, "{}", two.position - one.position);
+    // A place of another shape is not burned by it.
+    let wrong = Edit::Copy { places: [at(-15.0, 0.0), at(15.0, 5.0)] };
+    assert_eq!(planned(&mold, &regions, &with(vec![join, wrong])).unmet_edits(), [1]);
+}
+
+#[test]
+fn places_of_one_shape_are_burned_by_one_head_or_by_several_and_the_other_way_is_told() {
+    let (mold, regions) = slots(&[([0.0, 0.0], [8.0, 0.8]), ([0.0, 6.0], [8.0, 0.8])]);
+    let one = planned(&mold, &regions, &params(GAP));
+    let several = planned(&mold, &regions, &ElectrodeParams { repeat: Repeat::Heads, ..params(GAP) });
+    assert!(one.holds() && several.holds());
+    assert_eq!((burned(&one), burned(&several)), (vec![vec![1, 1]], vec![vec![2]]));
+    let [one, several] = [one, several].map(|set| set.electrodes[0].clone());
+    let [way, back] = [&one, &several].map(|electrode| electrode.other_way.as_ref().unwrap());
+    assert!((way.minutes - several.minutes).abs() < 1e-9 && way.blank == several.blank, "{way:?} {}", several.minutes);
+    assert!((back.minutes - one.minutes).abs() < 1e-9 && back.blank == one.blank, "{back:?} {}", one.minutes);
+    assert!(back.is_of_burns() && !way.is_of_burns() && several.minutes < one.minutes);
+}
+
+#[test]
+fn an_electrode_has_the_name_holder_blank_and_material_that_it_is_given() {
+    let (mold, regions) = slots(&[([0.0, 0.0], [8.0, 0.8])]);
+    let holder = |name: &str, side: f64| Holder { name: name.to_owned(), size_mm: [side; 2], height_mm: 10.0 };
+    let holders = vec![holder("small", 20.0), holder("large", 50.0)];
+    let common = ElectrodeParams { holders, ..params(GAP) };
+    let plain = planned(&mold, &regions, &common);
+    assert_eq!(plain.electrodes[0].holder, Some(0));
+    let given = |given: Given| {
+        let names = vec![GivenName { given, ..plain.names[0].clone() }];
+        planned(&mold, &regions, &ElectrodeParams { names, ..common.clone() }).electrodes[0].clone()
+    };
+    let own = given(Given {
+        name: Some("slot-A".to_owned()),
+        holder: Some("large".to_owned()),
+        blank_mm: Some([18.0, 14.0]),
+        material: Some("graphite".to_owned()),
+    });
+    assert_eq!((&own.name[..], &own.material[..], own.holder, own.number), ("slot-A", "graphite", Some(1), 1));
+    assert_eq!((own.blank.x, own.blank.y), (18.0, 14.0));
+    let size = own.mesh.bounds().size();
+    assert!((size.truncate() - DVec2::new(18.0, 14.0)).length() < 1e-9 && own.unmet.is_empty(), "{size}");
+    let too_small = given(Given { blank_mm: Some([8.0, 5.0]), ..Given::default() });
+    assert!(too_small.unmet[0].contains("too small") && too_small.blank == plain.electrodes[0].blank);
+    let too_large = given(Given { holder: Some("small".into()), blank_mm: Some([30.0, 30.0]), ..Given::default() });
+    assert!(too_large.unmet[0].contains("too large for the holder") && too_large.holder == Some(1));
+}
