@@ -23,6 +23,7 @@ pub mod residual_stock;
 pub mod setting;
 pub mod tip;
 
+mod cut_lines;
 mod earlier;
 mod edits;
 mod net_shape;

@@ -48,7 +48,7 @@ fn region_of(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, r): 
     });
     left(ui, desk, &plan.left, (electrode, r));
     let axes = desk.params().datum.of_upright(made.opening);
-    if let Some(division) = division_of(plan, r, &axes) {
+    if let Some(division) = division_of(&made.set, r, &axes) {
         let (places, mut leaf) = (made.leaves(r), 0);
         node(ui, desk, &division, (r, 0), &mut leaf, &places);
         // Parts of a region that was divided otherwise in the meantime are chosen no more.
