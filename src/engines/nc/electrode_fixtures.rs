@@ -9,6 +9,7 @@ use mold::electrode::design::Family;
 use mold::electrode::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
 use mold::electrode::division::Cut;
 use mold::electrode::finding::{CheckKind, Finding};
+use mold::electrode::h_edge::EdgeChain;
 use mold::electrode::params::{ElectrodeParams, Holder, Method, Orbit, Stage};
 use mold::electrode::residual_stock::LeftOfRegion;
 
@@ -61,7 +62,8 @@ fn burn(position: DVec3, turn_deg: f64, parts: &[(usize, usize)]) -> Burn {
 fn leaf(part: usize) -> PartNode {
     PartNode {
         cut: None,
-        h_edges: 0,
+        h_edges: Vec::new(),
+        heights: [-5.0, 0.0],
         outlines: Vec::new(),
         parts: Vec::new(),
         lacks_thin: false,
@@ -109,7 +111,9 @@ pub fn set() -> ElectrodeSet {
     );
     (overridden.holder, overridden.direction) = (None, DVec3::X);
     let cut = Cut::upright(DVec2::new(1.5, -2.0), DVec2::Y, true);
-    let divided = PartNode { cut: Some(cut), h_edges: 2, parts: vec![leaf(0), leaf(1)], ..leaf(0) };
+    // Two edges of 2.5 and 0.5 mm.
+    let chain = EdgeChain([-3.0, -0.5, 0.0].map(|z| DVec3::new(1.5, -2.0, z)).to_vec());
+    let divided = PartNode { cut: Some(cut), h_edges: vec![chain], parts: vec![leaf(0), leaf(1)], ..leaf(0) };
     let divided = PartNode { part: None, ..divided };
     ElectrodeSet {
         params: ElectrodeParams {

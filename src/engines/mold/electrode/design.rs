@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::base::Base;
 use super::division::Cut;
 use super::finding::{CheckKind, Finding};
+use super::h_edge::EdgeChain;
 use super::params::{ElectrodeParams, Given, GivenName, Method};
 use super::residual_stock::LeftOfRegion;
 use geometry::mesh::{Bounds, Mesh};
@@ -262,10 +263,13 @@ impl fmt::Display for IdleOverride {
 pub struct PartNode {
     /// Cut that divides the part; none for a leaf.
     pub cut: Option<Cut>,
-    /// Number of H-edges.
-    pub h_edges: usize,
+    /// H-edges, as chains in the burn frame.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub h_edges: Vec<EdgeChain>,
     /// Outlines in plan, in the burn frame (mm).
     pub outlines: Vec<Vec<DVec2>>,
+    /// Heights in the burn frame at which the head begins and ends (mm).
+    pub heights: [f64; 2],
     /// Parts of the part; a single one where nothing else of it is burned.
     pub parts: Vec<PartNode>,
     /// Whether a part beyond the cut was left out as too thin.
@@ -277,6 +281,16 @@ pub struct PartNode {
 }
 
 impl PartNode {
+    /// Number of H-edges.
+    pub fn h_edge_count(&self) -> usize {
+        self.h_edges.iter().map(EdgeChain::edges).sum()
+    }
+
+    /// This part and all that it is divided into, each before its own parts.
+    pub fn nodes(&self) -> Vec<&Self> {
+        [self].into_iter().chain(self.parts.iter().flat_map(Self::nodes)).collect()
+    }
+
     /// The leaf with this number among the region's parts.
     fn leaf(&self, part: usize) -> Option<&Self> {
         if self.part == Some(part) { Some(self) } else { self.parts.iter().find_map(|inner| inner.leaf(part)) }

@@ -85,6 +85,16 @@ impl Cut {
         is_steep.then_some(Self { through, normal, low: f64::NEG_INFINITY, overlaps: true })
     }
 
+    /// The same with the inner edges of a tip that lie in it: from the lowest of their ends up, and through the one
+    /// furthest before it.
+    fn fitted(self, inner: &[HEdge]) -> Self {
+        let on: Vec<DVec3> = inner.iter().filter(|edge| self.holds(edge)).flat_map(|edge| edge.ends).collect();
+        let low = on.iter().map(|p| p.z).reduce(f64::min).unwrap_or(self.low);
+        // The face is known to rounding: none of its edges stays before the cut.
+        let first = on.iter().copied().min_by(|p, q| self.beyond(*p).total_cmp(&self.beyond(*q)));
+        Self { through: first.unwrap_or(self.through), low, ..self }
+    }
+
     /// Whether an edge lies in it.
     fn holds(&self, edge: &HEdge) -> bool {
         edge.ends.iter().all(|p| self.beyond(*p).abs() < ON_PLANE)
@@ -101,7 +111,7 @@ impl Cut {
     }
 
     /// A point of its line at a height (mm), in plan.
-    fn line(&self, height: f64) -> DVec2 {
+    pub(super) fn line(&self, height: f64) -> DVec2 {
         let across = self.normal.truncate().length();
         self.through.truncate() - self.outward() * self.normal.z / across * (height - self.through.z)
     }
@@ -141,6 +151,11 @@ pub struct Part {
 }
 
 impl Part {
+    /// The cut along a face of its head, given by a point (mm) and its outward normal; none where the face is not steep.
+    pub(super) fn cut_along_face(&self, through: DVec3, normal: DVec3) -> Option<Cut> {
+        Cut::along(normal, through).map(|cut| cut.fitted(&self.inner))
+    }
+
     /// The parts that are not divided further, in order.
     pub fn leaves(&self) -> Vec<&Part> {
         match &self.divided {
@@ -339,12 +354,8 @@ fn cuts(part: &Part, rest: &RestMaterial, settings: &DivisionSettings) -> Vec<Cu
     along_faces.sort_by(|a, b| b.0.total_cmp(&a.0));
     along_faces.truncate(MOST_FACES);
     let both = |(_, cut): (f64, Cut)| {
-        let on: Vec<DVec3> = part.inner.iter().filter(|edge| cut.holds(edge)).flat_map(|edge| edge.ends).collect();
-        let low = on.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-        // The face is known to rounding: none of its edges stays before the cut.
-        let first = on.iter().copied().min_by(|p, q| cut.beyond(*p).total_cmp(&cut.beyond(*q)));
-        let through = first.unwrap_or(cut.through);
-        [true, false].map(|overlaps| Cut { through, low, overlaps, ..cut })
+        let cut = cut.fitted(&part.inner);
+        [true, false].map(|overlaps| Cut { overlaps, ..cut })
     };
     let along_itself = |edge: &&HEdge| {
         let outward = (edge.ends[1] - edge.ends[0]).truncate().normalize_or_zero().perp();

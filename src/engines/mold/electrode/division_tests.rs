@@ -4,9 +4,11 @@ use glam::{DVec2, DVec3};
 
 use super::design::{ElectrodeSet, PartNode};
 use super::h_edge::{Milling, h_edges, inner_edges};
-use super::params::{DividedAt, ElectrodeParams};
+use super::params::{DividedAt, Edit, ElectrodeParams};
 use super::tests::{GAP, cutters, mold, params, planned, region};
 use crate::fixtures::rectangle;
+use crate::outline::Outline;
+use crate::plane;
 use geometry::mesh::Mesh;
 use geometry::solid::{difference, hull};
 
@@ -19,6 +21,11 @@ fn tree(set: &ElectrodeSet) -> &PartNode {
 
 fn leaves(node: &PartNode) -> usize {
     if node.parts.is_empty() { 1 } else { node.parts.iter().map(leaves).sum() }
+}
+
+/// Outlines of a part in plan.
+fn outlines(node: &PartNode) -> Vec<Outline> {
+    node.outlines.iter().filter_map(|points| Outline::new(points.clone())).collect()
 }
 
 /// A pocket on a draft, with a round groove through one of its walls that ends halfway down.
@@ -44,6 +51,37 @@ fn a_head_is_divided_along_a_wall_on_a_draft_and_both_parts_are_milled() {
     assert_eq!(leaves(tree(&set)), 2, "{:?}", tree(&set));
     let cut = tree(&set).cut.unwrap();
     assert!((cut.slope().to_degrees() - DRAFT_DEG).abs() < 0.01 && cut.outward().distance(DVec2::Y) < 1e-6, "{cut:?}");
+}
+
+#[test]
+fn a_division_by_hand_along_the_wall_is_the_one_that_is_found_there() {
+    let mold = pocket_with_groove();
+    let all = [region(&mold, DVec2::new(-4.1, -2.0), DVec2::new(4.1, 4.1))];
+    let found = planned(&mold, &all, &params(GAP));
+    let by_hand = |edits: Vec<Edit>| {
+        planned(&mold, &all, &ElectrodeParams { divided_at: DividedAt::Nothing, edits, ..params(GAP) })
+    };
+    // On the wall below the groove.
+    let wall = |z: f64| DVec3::new(0.0, 1.0 + (z + 6.0) * DRAFT_DEG.to_radians().tan(), z);
+    let set = by_hand(vec![Edit::SplitAlong { place: wall(-4.0) }]);
+    assert_eq!((leaves(tree(&set)), set.unmet_edits()), (2, vec![]), "{:?}", tree(&set));
+    let [cut, other] = [&set, &found].map(|set| tree(set).cut.unwrap());
+    assert!((cut.slope().to_degrees() - DRAFT_DEG).abs() < 0.01 && cut.outward().distance(DVec2::Y) < 1e-6, "{cut:?}");
+    assert!((cut.low - other.low).abs() < 1e-3 && cut.beyond(other.through).abs() < 0.015, "{cut:?} {other:?}");
+    // The near parts are the same. The far ones differ at most by what reaches back over the cut, which is as wide as
+    // the groove.
+    let areas = |set: &ElectrodeSet| {
+        let area = |node: &PartNode| plane::area(&outlines(node));
+        [0, 1].map(|i| area(&tree(set).parts[i]))
+    };
+    let ([near, far], [near_found, far_found]) = (areas(&set), areas(&found));
+    assert!((near - near_found).abs() < 0.02, "{near} {near_found}");
+    assert!((far - far_found).abs() < 0.5 * 4.2, "{far} {far_found}");
+    // The floor is not steep, and nothing is beyond the wall opposite.
+    for place in [DVec3::new(2.0, 0.0, -6.0), -wall(-4.0).with_z(4.0)] {
+        let set = by_hand(vec![Edit::SplitAlong { place }]);
+        assert_eq!((leaves(tree(&set)), set.unmet_edits()), (1, vec![0]), "{place}");
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::division::{Cut, DivisionSettings, Part, cut_along, whole};
 use super::params::Edit;
-use super::setting::RegionToBurn;
+use super::setting::{RegionToBurn, Setting};
 use super::tip::{Burned, Footprint, SKIN, TipError};
 use crate::outline::{Outline, off_segment};
 use crate::plane;
@@ -38,8 +38,7 @@ impl Edit {
     }
 }
 
-/// Makes a change to the parts of a region; whether it meets them. `plan` takes a place of the upright mold to the plan
-/// of the burn frame.
+/// Makes a change to the parts of a region; whether it meets them.
 ///
 /// # Errors
 /// [`TipError`].
@@ -47,13 +46,18 @@ pub(super) fn apply(
     burned: &Burned,
     tree: &mut Part,
     edit: &Edit,
-    plan: impl Fn(DVec3) -> DVec2,
+    setting: &Setting,
     settings: &DivisionSettings,
 ) -> Result<bool, TipError> {
+    let plan = |place: DVec3| (setting.turned * place).truncate();
     match edit {
         Edit::Split { line } => {
             let [a, b] = line.map(plan);
             split(burned, tree, [a, b], settings)
+        }
+        Edit::SplitAlong { place } => {
+            let face = setting.face_at(setting.turned * *place, TOUCHES);
+            face.map_or(Ok(false), |face| split_along(burned, tree, (plan(*place), face), settings))
         }
         Edit::Merge { places } => {
             let [a, b] = places.map(plan);
@@ -68,7 +72,23 @@ fn split(burned: &Burned, tree: &mut Part, [a, b]: [DVec2; 2], settings: &Divisi
     let (through, outward) = (a.midpoint(b), (b - a).perp().normalize_or_zero());
     let held = holder(tree, through).filter(|_| outward != DVec2::ZERO);
     let Some(part) = held.and_then(|way| at(tree, &way)) else { return Ok(false) };
-    let cut = Cut::upright(through, outward, true);
+    halve(burned, part, Cut::upright(through, outward, true), settings)
+}
+
+/// Cuts the part that a place in plan names along a face of its head, which is given by a point and its normal.
+fn split_along(
+    burned: &Burned,
+    tree: &mut Part,
+    (place, (through, normal)): (DVec2, (DVec3, DVec3)),
+    settings: &DivisionSettings,
+) -> Result<bool, TipError> {
+    let Some(part) = holder(tree, place).and_then(|way| at(tree, &way)) else { return Ok(false) };
+    let cut = part.cut_along_face(through, normal);
+    cut.map_or(Ok(false), |cut| halve(burned, part, cut, settings))
+}
+
+/// Divides a part along a cut; whether there is something of it on both sides.
+fn halve(burned: &Burned, part: &mut Part, cut: Cut, settings: &DivisionSettings) -> Result<bool, TipError> {
     let (halves, _) = cut_along(burned, part, &cut, settings);
     if halves.len() < 2 {
         return Ok(false);
@@ -136,9 +156,12 @@ pub(super) fn named(
     plan: impl Fn(DVec3) -> DVec2 + Sync,
 ) -> Vec<Vec<usize>> {
     let off = |region: &RegionToBurn, edit: &Edit| -> f64 {
-        let (Edit::Split { line: [a, b] } | Edit::Merge { places: [a, b] }) = edit else { return f64::INFINITY };
-        let (a, b) = (plan(*a), plan(*b));
-        let places = if matches!(edit, Edit::Split { .. }) { [a.midpoint(b); 2] } else { [a, b] };
+        let places = match edit {
+            Edit::Split { line: [a, b] } => [plan(*a).midpoint(plan(*b)); 2],
+            Edit::SplitAlong { place } => [plan(*place); 2],
+            Edit::Merge { places } => places.map(&plan),
+            Edit::Make { .. } | Edit::Burn { .. } | Edit::SetAside { .. } => return f64::INFINITY,
+        };
         places.into_iter().map(|p| off_in_plan(region, &plan, p)).fold(0.0, f64::max)
     };
     let offs: Vec<Vec<f64>> = regions.par_iter().map(|r| edits.iter().map(|e| off(r, e)).collect()).collect();

@@ -4,7 +4,8 @@
 //! horizontal straight edge between two planes (which wire erosion makes too); others split the region (P3, section
 //! 4.3).
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 use super::params::DividedAt;
 use crate::cutter::{Cutter, CutterKind, CutterLibrary};
@@ -18,11 +19,30 @@ const SHALLOWEST_DEG: f64 = 2.0;
 const LEVEL: f64 = 1e-3;
 /// Length below which an edge is none (mm).
 const SHORTEST: f64 = 0.02;
-/// Distance in plan within which edges are one chain (mm).
+/// Distance within which ends of edges are one point, and upright edges one edge in plan (mm).
 const TOGETHER: f64 = 1e-3;
+/// Greatest turn from one edge of a chain to the next.
+const MOST_TURN_DEG: f64 = 45.0;
 
 /// Concave edges of a tip that stand above one another, or one that is slanted; normals are outwards.
 pub type HEdge = Edge;
+
+/// H-edges that run on from one another: points of a polyline in the burn frame (mm), each side of which is an edge. A
+/// closed one ends where it begins.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EdgeChain(pub Vec<DVec3>);
+
+impl EdgeChain {
+    /// Number of its edges.
+    pub fn edges(&self) -> usize {
+        self.0.len().saturating_sub(1)
+    }
+
+    /// Length (mm).
+    pub fn length(&self) -> f64 {
+        self.0.windows(2).map(|side| side[0].distance(side[1])).sum()
+    }
+}
 
 /// Where an edge is in plan (mm).
 pub fn place(edge: &HEdge) -> DVec2 {
@@ -97,4 +117,86 @@ fn joined(found: Vec<HEdge>) -> Vec<HEdge> {
     }
     chains.sort_by(|a, b| b.length().total_cmp(&a.length()));
     chains
+}
+
+/// The edges as chains, the longest first. Edges with a common end are of one chain where they go on in about the same
+/// direction; where several do, the straightest way is taken.
+pub fn chains(edges: &[HEdge]) -> Vec<EdgeChain> {
+    // Ends are numbered: those of edge e are 2 e and 2 e + 1.
+    let point = |end: usize| edges[end / 2].ends[end % 2];
+    let out = |end: usize| edges[end / 2].along() * [-1.0, 1.0][end % 2];
+    let ends = 0..2 * edges.len();
+    let mut by_x: Vec<usize> = ends.clone().collect();
+    by_x.sort_by(|a, b| point(*a).x.total_cmp(&point(*b).x).then(a.cmp(b)));
+    let mut meetings: Vec<(f64, [usize; 2])> = Vec::new();
+    for (i, &a) in by_x.iter().enumerate() {
+        for &b in by_x[i + 1..].iter().take_while(|b| point(**b).x - point(a).x <= TOGETHER) {
+            let straight = -out(a).dot(out(b));
+            let is_met = a / 2 != b / 2 && point(a).distance(point(b)) <= TOGETHER;
+            if is_met && straight >= MOST_TURN_DEG.to_radians().cos() {
+                meetings.push((straight, [a.min(b), a.max(b)]));
+            }
+        }
+    }
+    meetings.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let mut next: Vec<Option<usize>> = vec![None; ends.len()];
+    for (_, [a, b]) in meetings {
+        if next[a].is_none() && next[b].is_none() {
+            (next[a], next[b]) = (Some(b), Some(a));
+        }
+    }
+    let mut is_taken = vec![false; edges.len()];
+    let mut chains = Vec::new();
+    // From the ends of open chains first, so that closed ones are what remains.
+    for start in ends.clone().filter(|end| next[*end].is_none()).chain(ends) {
+        let (mut points, mut end) = (Vec::new(), Some(start));
+        while let Some(from) = end.filter(|end| !is_taken[end / 2]) {
+            is_taken[from / 2] = true;
+            if points.is_empty() {
+                points.push(point(from));
+            }
+            points.push(point(from ^ 1));
+            end = next[from ^ 1];
+        }
+        chains.extend((!points.is_empty()).then_some(EdgeChain(points)));
+    }
+    chains.sort_by(|a: &EdgeChain, b| b.length().total_cmp(&a.length()));
+    chains
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn edge(from: DVec3, to: DVec3) -> HEdge {
+        HEdge { ends: [from, to], normals: [DVec3::X, DVec3::Y] }
+    }
+
+    #[test]
+    fn edges_that_run_on_are_one_chain_and_corners_and_branches_end_it() {
+        // A quarter of a circle of 6 edges in any order and direction, with an upright edge at its end.
+        let at = |i: usize| 2.0 * DVec2::from_angle(std::f64::consts::FRAC_PI_2 * i as f64 / 6.0).extend(0.0);
+        let mut edges: Vec<HEdge> = [3, 0, 5, 2, 4, 1].map(|i| edge(at(i), at(i + 1))).to_vec();
+        edges[2].ends.reverse();
+        edges.push(edge(at(6), at(6) + DVec3::Z));
+        let found = chains(&edges);
+        assert_eq!(found.iter().map(EdgeChain::edges).collect::<Vec<_>>(), [6, 1]);
+        let side = 4.0 * (std::f64::consts::PI / 24.0).sin();
+        assert!((found[0].length() - 6.0 * side).abs() < 1e-12 && (found[1].length() - 1.0).abs() < 1e-12);
+        let ends = [found[0].0[0], found[0].0[6]];
+        assert!(ends == [at(0), at(6)] || ends == [at(6), at(0)], "{ends:?}");
+        // Of three edges at a point the two that go straight on are one chain.
+        let slanted = edge(DVec3::ZERO, DVec3::new(1.0, 0.5, 0.0));
+        let found = chains(&[edge(-DVec3::X, DVec3::ZERO), slanted, edge(DVec3::X, DVec3::ZERO)]);
+        assert_eq!(found.iter().map(EdgeChain::edges).collect::<Vec<_>>(), [2, 1]);
+        assert_eq!((found[0].length(), chains(&[]).len()), (2.0, 0));
+    }
+
+    #[test]
+    fn a_closed_chain_ends_where_it_begins() {
+        let at = |i: usize| DVec2::from_angle(std::f64::consts::TAU * i as f64 / 12.0).extend(0.0);
+        let edges: Vec<HEdge> = (0..12).map(|i| edge(at(i), at((i + 1) % 12))).collect();
+        let [chain] = &chains(&edges)[..] else { panic!("one chain") };
+        assert_eq!((chain.edges(), chain.0[0]), (12, chain.0[12]));
+    }
 }

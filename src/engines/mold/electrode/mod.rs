@@ -24,6 +24,7 @@ pub mod setting;
 pub mod tip;
 
 mod arrangement;
+mod cut_lines;
 mod earlier;
 mod edits;
 mod net_shape;

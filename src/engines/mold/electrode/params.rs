@@ -260,6 +260,12 @@ pub enum Edit {
         /// Places of the mold at the line's ends, upright (mm).
         line: [DVec3; 2],
     },
+    /// Splits the part nearest to a place along the mold's face there: the cut is this face moved by the gap and
+    /// enlarged, with its draft.
+    SplitAlong {
+        /// A place on a steep face of the mold, upright (mm).
+        place: DVec3,
+    },
     /// Makes the part at a place by this method.
     Make {
         /// A place of the mold, upright (mm).
@@ -306,6 +312,7 @@ impl Edit {
             Self::Make { place, .. }
             | Self::Burn { place, .. }
             | Self::SetAside { place }
+            | Self::SplitAlong { place }
             | Self::TakeApart { place } => {
                 vec![*place]
             }
@@ -320,6 +327,7 @@ impl std::fmt::Display for Edit {
                 write!(f, "merged at {:.2}, {:.2} and {:.2}, {:.2}", a.x, a.y, b.x, b.y)
             }
             Self::Split { line: [a, b] } => write!(f, "split from {:.2}, {:.2} to {:.2}, {:.2}", a.x, a.y, b.x, b.y),
+            Self::SplitAlong { place: p } => write!(f, "split along the face at {:.2}, {:.2}, {:.2}", p.x, p.y, p.z),
             Self::Make { place, method } => {
                 let how = if *method == Method::Extruding { "extruded" } else { "cut" };
                 write!(f, "{how} at {:.2}, {:.2}", place.x, place.y)

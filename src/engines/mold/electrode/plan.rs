@@ -15,7 +15,7 @@ use super::division::{DivisionSettings, Part, divide};
 use super::earlier::{is_nothing, left_to_later, no_room, nothing, thick_only};
 use super::edits::{apply, named as named_by_edits, places, pointed_at};
 use super::family::into_families;
-use super::h_edge::Milling;
+use super::h_edge::{Milling, chains};
 use super::names::named;
 use super::net_shape::{net, told_of_real};
 use super::params::{Edit, ElectrodeParams, Method, Shape, Stage};
@@ -344,7 +344,7 @@ fn parts_of(
     let mut divided = divide(&burned, first, settings, cancel)?;
     let mut met = Vec::new();
     for &number in edits {
-        if apply(&burned, &mut divided, &params.edits[number], |p| (setting.turned * p).truncate(), settings)? {
+        if apply(&burned, &mut divided, &params.edits[number], setting, settings)? {
             met.push(number);
         }
     }
@@ -355,13 +355,14 @@ fn parts_of(
 
 fn node(part: &Part, places: &[Option<DVec2>], count: &mut usize) -> PartNode {
     let outlines = part.footprint.free.iter().map(|o| o.points().to_vec()).collect();
-    let (cut, h_edges) = (part.divided.as_ref().map(|(cut, _)| *cut), part.h_edges.len());
+    let (cut, h_edges) = (part.divided.as_ref().map(|(cut, _)| *cut), chains(&part.h_edges));
+    let heights = [part.footprint.low, part.footprint.cap];
     let parts = part.divided.iter().flat_map(|(_, parts)| parts);
     let parts: Vec<PartNode> = parts.map(|p| node(p, places, count)).collect();
     let number = parts.is_empty().then_some(*count);
     let place = number.and_then(|number| places.get(number).copied().flatten());
     *count += usize::from(number.is_some());
-    PartNode { cut, h_edges, outlines, parts, lacks_thin: part.lacks_thin, part: number, place }
+    PartNode { cut, h_edges, outlines, heights, parts, lacks_thin: part.lacks_thin, part: number, place }
 }
 
 impl Electrode {

@@ -94,6 +94,15 @@ impl Setting {
         Ok(Self { turned, mold, own, stage: stage.clone() })
     }
 
+    /// The face of an electrode over the mold's face at a point within `reach` (mm): a point of it (mm) and its unit
+    /// normal, out of the electrode. All in the burn frame; none where the mold has no surface.
+    pub(super) fn face_at(&self, p: DVec3, reach: f64) -> Option<(DVec3, DVec3)> {
+        let nearest = self.own.nearest(p);
+        let normal = unit_normal(self.mold.corners(nearest.triangle as usize));
+        let is_there = nearest.point.distance(p) <= reach;
+        is_there.then(|| (nearest.point + self.stage.undersize(normal) * normal, -normal))
+    }
+
     /// Whether an electrode that holds a point keeps the gap there all along its orbit.
     pub(super) fn keeps_gap(&self, p: DVec3) -> bool {
         /// Places of an orbit that are tried.

@@ -137,8 +137,8 @@ fn an_angle_of_slots_is_divided_at_its_inner_corner_and_nothing_is_left() {
     let all = region(&mold, DVec2::splat(-5.1), DVec2::splat(5.1));
     let set = planned(&mold, &[all], &params(GAP));
     let tree = set.regions[0].tree.as_ref().unwrap();
-    assert_eq!((tree.h_edges, tree.parts.len()), (1, 2), "{tree:?}");
-    assert!(tree.parts.iter().all(|p| p.h_edges == 0 && p.parts.is_empty()));
+    assert_eq!((tree.h_edge_count(), tree.parts.len()), (1, 2), "{tree:?}");
+    assert!(tree.parts.iter().all(|p| p.h_edges.is_empty() && p.parts.is_empty()));
     assert!(set.holds(), "{:?}", set.checks);
     let parts: usize = set.electrodes.iter().flat_map(|e| &e.burns).map(|b| b.parts.len()).sum();
     assert_eq!(parts, 2);

@@ -294,6 +294,7 @@ pub fn change(before: &MoldParams, now: &MoldParams) -> String {
         let name = match new.edits.last() {
             Some(Edit::Merge { .. }) => "Merged parts",
             Some(Edit::Split { .. }) => "Split part",
+            Some(Edit::SplitAlong { .. }) => "Part split along a face",
             Some(Edit::Burn { .. }) => "Burn direction",
             Some(Edit::SetAside { .. }) => "Region set aside",
             Some(Edit::Join { .. }) => "Joined heads",

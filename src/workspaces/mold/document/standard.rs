@@ -101,6 +101,7 @@ mod tests {
             edits: vec![
                 Edit::Merge { places: [place, DVec3::X] },
                 Edit::Split { line: [DVec3::X, DVec3::Y] },
+                Edit::SplitAlong { place },
                 Edit::Make { place, method: Method::Cutting },
                 Edit::Burn { place, direction: DVec3::NEG_X },
                 Edit::SetAside { place },

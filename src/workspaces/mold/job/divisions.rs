@@ -88,8 +88,8 @@ impl WayResult {
             is_own,
             failure: None,
             regions: set.regions.len(),
-            edges: trees().map(|tree| tree.h_edges).sum(),
-            edges_left: leaves.iter().map(|leaf| leaf.h_edges).sum(),
+            edges: trees().map(PartNode::h_edge_count).sum(),
+            edges_left: leaves.iter().map(|leaf| leaf.h_edge_count()).sum(),
             heads: set.electrodes.iter().filter_map(|e| e.burns.first()).map(|burn| burn.parts.len()).sum(),
             electrodes: set.electrodes.len(),
             burns: set.electrodes.iter().map(|e| e.burns.len()).sum(),
@@ -148,7 +148,8 @@ pub fn compare_divisions(
             if way != Way::WholeFaces && way.divided_at() == own.params.divided_at {
                 return Ok(WayResult::of(way, own, true));
             }
-            let edits = own.params.edits.iter().filter(|e| !matches!(e, Edit::Merge { .. } | Edit::Split { .. }));
+            let is_by_hand = |e: &Edit| matches!(e, Edit::Merge { .. } | Edit::Split { .. } | Edit::SplitAlong { .. });
+            let edits = own.params.edits.iter().filter(|e| !is_by_hand(e));
             let params = ElectrodeParams {
                 divided_at: way.divided_at(),
                 edits: edits.copied().collect(),

@@ -15,6 +15,7 @@ use super::strip;
 use crate::widgets::overlay;
 use crate::widgets::theme::palette;
 use crate::widgets::viewport::{Moves, Source, Viewport};
+use crate::workspaces::mold::scene::division::division_lines;
 use crate::workspaces::mold::scene::{
     MoldLayer, MoldLook, MoldPart, MoldScene, RegionColours, build_mold, datum_lines, depth_legend, mold_part,
     rim_lines,
@@ -57,6 +58,8 @@ struct SceneKey {
     /// Electrodes, while they are looked at.
     designed: Source<Designed>,
     burns: Look,
+    /// Electrodes, and regions whose division is drawn.
+    divided: (Source<Designed>, Vec<usize>),
     /// Work datum, where it is worth showing.
     datum: Option<(Datum, Opening)>,
     pick: Option<DatumPick>,
@@ -94,6 +97,7 @@ impl SceneKey {
             layer: mold.layer.filter(|_| electrodes.seen().is_none()),
             designed: Source(electrodes.seen().cloned()),
             burns: electrodes.picture(),
+            divided: (Source(electrodes.designed().cloned()), divided(desk)),
             datum: Some((mold.params().datum.clone(), mold.params().opening()))
                 .filter(|(datum, _)| !datum.is_of_mesh() || mold.pick.is_some()),
             pick: mold.pick,
@@ -135,6 +139,10 @@ impl SceneKey {
         if let Some(burns) = electrodes.scene(loaded.shape.bounds()) {
             burns.add_to(&mut scene);
             scene.section = electrodes.plane();
+        }
+        if let (Some(made), regions) = (&self.divided.0.0, &self.divided.1) {
+            let emphasised = electrodes.hovered.or(electrodes.node);
+            scene.lines.extend(division_lines((&made.set, regions), emphasised, made.opening, theme));
         }
         if let (Some(Some(first)), Some(made)) = (electrodes.split, electrodes.seen()) {
             let at = made.opening.in_mesh(first);
@@ -206,6 +214,8 @@ impl MoldView {
             self.scene = Arc::new(key.scene(desk));
             self.key = Some(key);
         }
+        // The panels, which are drawn first, say it anew in each frame.
+        desk.electrodes.hovered = None;
         if let Some(mold) = desk.work.mold().filter(|mold| self.part.as_ref() != Some(&mold.sha256)) {
             // Another part is looked at as the first one was.
             (self.viewport, self.before, self.part) = (Viewport::default(), None, Some(mold.sha256.clone()));
@@ -244,6 +254,15 @@ impl MoldView {
     }
 }
 
+/// Regions whose division is drawn; none while a place for the datum is picked.
+fn divided(desk: &MoldDesk) -> Vec<usize> {
+    if desk.pick.is_some() {
+        return Vec::new();
+    }
+    // Of others the numbers mean other regions.
+    desk.electrodes.divided(desk.selected.filter(|_| desk.is_designed()))
+}
+
 /// Whether each region is shown: while electrodes are, those that have none.
 fn shown(desk: &MoldDesk) -> Vec<bool> {
     let electrodes = &desk.electrodes;
@@ -257,7 +276,7 @@ fn shown(desk: &MoldDesk) -> Vec<bool> {
     }
 }
 
-/// Selects what was clicked, or takes it for an end of a line or for the work datum.
+/// Selects what was clicked, or takes it for an end of a line, for a face to divide along, or for the work datum.
 fn click(desk: &mut MoldDesk, picked: Option<Pick>, cx: &mut Context) {
     if desk.pick.is_some() {
         if let Some(Err(why)) = picked.map(|p| desk.take_datum(p.point, p.normal)) {

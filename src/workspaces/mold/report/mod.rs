@@ -16,6 +16,7 @@ use files::{Override, ParameterList};
 use mold::datum::Datum;
 use mold::electrode::design::IdleOverride;
 use mold::electrode::design::{Electrode, ElectrodeSet, PartNode, RegionPlan};
+use mold::electrode::h_edge::EdgeChain;
 use mold::electrode::params::{Edit, ElectrodeParams};
 use mold::electrode::setting::to_burn_frame;
 use mold::opening::Opening;
@@ -249,6 +250,10 @@ pub fn why_unmet(edit: &Edit) -> String {
             "the middle of the line lies in no part of a region, or all of the part lies on one side of it: remove the \
              change and draw a line across the part, with its middle inside"
         }
+        Edit::SplitAlong { .. } => {
+            "no steep face of the mold is at the place, or no part of a region is beside it, or all of the part lies on \
+             one side of the face: remove the change and click on a steep face where the head goes on beyond it"
+        }
         Edit::Merge { .. } => "the places lie in one part, or not in two parts of one region: remove the change",
         Edit::Join { .. } => "there are no two heads of one burn direction at its places: remove the change",
         Edit::TakeApart { .. } => "there is no head at this place any more: remove the change",
@@ -270,7 +275,7 @@ fn region(set: &ElectrodeSet, r: usize, plan: &RegionPlan, axes: &DAffine3) -> R
         method: method_name(plan.method),
         direction: axes.transform_vector3(plan.direction).to_array().map(|v| rounded(v, 1e12)),
         parts: plan.tree.as_ref().map_or(0, leaves),
-        division: division_of(plan, r, axes),
+        division: division_of(set, r, axes),
         earlier_divisions: earlier_divisions(set, r, plan, axes),
         electrodes: set.electrodes.iter().filter(burns).map(|e| e.name.clone()).collect(),
         left_thickness_mm: plan.left.thickness,
@@ -292,7 +297,7 @@ fn earlier_divisions(set: &ElectrodeSet, r: usize, plan: &RegionPlan, axes: &DAf
     let told = plan.earlier.iter().rev().filter(|(_, tree)| plan.tree.as_ref().is_some_and(|last| is_new(tree, last)));
     let of = |(stage, tree): &(usize, PartNode)| EarlierDivision {
         stage: set.params.stages[*stage].name.clone(),
-        division: division(tree, r, &Plan { direction: plan.direction, axes }),
+        division: division(tree, r, &Plan::of(set, plan, axes)),
     };
     told.map(of).collect()
 }
@@ -320,9 +325,15 @@ struct Plan<'a> {
     /// Burn direction, in the upright mold.
     direction: DVec3,
     axes: &'a DAffine3,
+    /// Overlap of parts (mm).
+    overlap: f64,
 }
 
-impl Plan<'_> {
+impl<'a> Plan<'a> {
+    fn of(set: &ElectrodeSet, plan: &RegionPlan, axes: &'a DAffine3) -> Self {
+        Self { direction: plan.direction, axes, overlap: set.params.overlap_mm }
+    }
+
     fn vector(&self, v: DVec2) -> DVec2 {
         let turned = self.axes.matrix3 * (to_burn_frame(self.direction).transpose() * v.extend(0.0));
         (to_burn_frame(self.axes.transform_vector3(self.direction)) * turned).truncate()
@@ -335,21 +346,29 @@ impl Plan<'_> {
 }
 
 /// Division of region `r` by the last stage; `axes` are from the upright mold to those of the datum.
-pub fn division_of(plan: &RegionPlan, r: usize, axes: &DAffine3) -> Option<Division> {
-    plan.tree.as_ref().map(|tree| division(tree, r, &Plan { direction: plan.direction, axes }))
+pub fn division_of(set: &ElectrodeSet, r: usize, axes: &DAffine3) -> Option<Division> {
+    let plan = set.regions.get(r)?;
+    plan.tree.as_ref().map(|tree| division(tree, r, &Plan::of(set, plan, axes)))
+}
+
+/// The H-edges of a part in words, after what is said of it.
+fn edges_of(node: &PartNode) -> String {
+    if node.h_edges.is_empty() {
+        return String::new();
+    }
+    let length: f64 = node.h_edges.iter().map(EdgeChain::length).sum();
+    let (edges, chains) = (counted(node.h_edge_count(), "H-edge"), counted(node.h_edges.len(), "chain"));
+    format!(", {edges} in {chains}, {length:.1} mm")
 }
 
 fn division(node: &PartNode, r: usize, plan: &Plan) -> Division {
-    let edges = match node.h_edges {
-        0 => String::new(),
-        n => format!(", {}", counted(n, "H-edge")),
-    };
+    let edges = edges_of(node);
     let text = match (&node.cut, node.part) {
         (Some(cut), _) => {
             let (through, outward) = (plan.point(cut.through.truncate()), plan.vector(cut.outward()));
             let slope = rounded(cut.slope().to_degrees(), 100.0);
             let slope = if slope == 0.0 { String::new() } else { format!(", on a draft of {slope}\u{b0}") };
-            let overlap = if cut.overlaps { ", parts overlap" } else { "" };
+            let overlap = if cut.overlaps { format!(", parts overlap by {} mm", plan.overlap) } else { String::new() };
             // A line across its normal, the same whichever way the normal points.
             let along = rounded(outward.perp().to_angle().to_degrees(), 10.0).rem_euclid(180.0);
             let [x, y] = through.to_array().map(|v| rounded(v, 1e3));
@@ -359,7 +378,11 @@ fn division(node: &PartNode, r: usize, plan: &Plan) -> Division {
         (None, Some(part)) => format!("part R{}.{}{edges}", r + 1, part + 1),
         (None, None) => format!("not burned{edges}"),
     };
-    Division { text, h_edges: node.h_edges, parts: node.parts.iter().map(|part| division(part, r, plan)).collect() }
+    Division {
+        text,
+        h_edges: node.h_edge_count(),
+        parts: node.parts.iter().map(|part| division(part, r, plan)).collect(),
+    }
 }
 
 #[cfg(test)]

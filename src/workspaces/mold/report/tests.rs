@@ -49,7 +49,10 @@ fn regions_know_their_electrodes_their_division_and_their_trouble() {
     assert_eq!(report.regions.iter().map(|r| r.parts).collect::<Vec<_>>(), [2, 1, 0]);
     let tree = report.regions[0].division.as_ref().unwrap();
     // The normal is along Y, the cut along X.
-    assert_eq!(tree.text, "cut through 1.500, -2.000 along 0.0\u{b0}, parts overlap, 2 H-edges");
+    assert_eq!(
+        tree.text,
+        "cut through 1.500, -2.000 along 0.0\u{b0}, parts overlap by 0.3 mm, 2 H-edges in 1 chain, 3.0 mm"
+    );
     assert_eq!(tree.parts.iter().map(|p| p.text.as_str()).collect::<Vec<_>>(), ["part R1.1", "part R1.2"]);
     assert_eq!(report.regions[2].trouble.as_deref(), Some("no room for a tip <of 0.3 mm>"));
     let json: serde_json::Value = serde_json::from_str(&report.json().unwrap()).unwrap();
@@ -72,7 +75,11 @@ fn a_cut_that_leads_to_one_part_says_why() {
             .text
             .clone()
     };
-    assert!(text(false).ends_with("2 H-edges: beyond it nothing is to be burned"), "{}", text(false));
+    assert!(
+        text(false).ends_with("2 H-edges in 1 chain, 3.0 mm: beyond it nothing is to be burned"),
+        "{}",
+        text(false)
+    );
     assert!(text(true).ends_with("thinner than the least size beyond it is left to later stages"), "{}", text(true));
 }
 

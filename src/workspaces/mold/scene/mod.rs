@@ -1,5 +1,6 @@
 //! The scene of a mold: what is left on it, layer by layer, by region or by depth.
 
+pub mod division;
 pub mod electrodes;
 pub mod pictures;
 

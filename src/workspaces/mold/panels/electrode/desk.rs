@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::workspaces::mold::document::holder_files::load_holders;
 use crate::workspaces::mold::scene::MoldLook;
+use crate::workspaces::mold::scene::division::NodeAt;
 use crate::workspaces::mold::scene::electrodes::{BurnCut, BurnOf, BurnPhase, BurnWay, ElectrodeScene};
 use crate::workspaces::mold::work::Designed;
 use geometry::mesh::Bounds;
@@ -60,6 +61,8 @@ pub struct Look {
     stage: usize,
     /// First end of the line along which a part is split; none before the first click.
     split: Option<Option<DVec3>>,
+    /// Node of a tree of divisions that stands out.
+    node: Option<NodeAt>,
 }
 
 /// The state of the view of electrodes: selection, section, motion and marks.
@@ -88,8 +91,14 @@ pub struct ElectrodeDesk {
     pub stage: usize,
     /// Parts to merge: number of the region and of the part.
     pub parts: Vec<(usize, usize)>,
+    /// Node of a tree of divisions that is selected.
+    pub node: Option<NodeAt>,
+    /// Node below the pointer, in this frame alone.
+    pub hovered: Option<NodeAt>,
     /// Line along which a part is split; see [`Look`].
     pub split: Option<Option<DVec3>>,
+    /// Whether the part is split along a face, which one click names, instead of along a line.
+    pub is_split_along_face: bool,
     /// Region to split, if the line is drawn for one region.
     pub split_region: Option<usize>,
     /// Whether each format is written.
@@ -120,7 +129,10 @@ impl Default for ElectrodeDesk {
             place: None,
             stage: 0,
             parts: Vec::new(),
+            node: None,
+            hovered: None,
             split: None,
+            is_split_along_face: false,
             split_region: None,
             formats: [true, false, false],
             sheet: BurnSheet::standard(),
@@ -156,6 +168,7 @@ impl ElectrodeDesk {
         self.is_shown = now.is_some() && (is_first || is_awaited || self.is_shown);
         self.place = None;
         self.parts.clear();
+        self.node = None;
         if !goes_on {
             self.give_up_split();
         }
@@ -187,7 +200,7 @@ impl ElectrodeDesk {
     /// Selects a burn, and resets what was shown of another one.
     pub fn select(&mut self, at: BurnOf) {
         if self.selected != Some(at) {
-            (self.time, self.is_playing, self.place) = (None, false, None);
+            (self.time, self.is_playing, self.place, self.node) = (None, false, None, None);
         }
         self.selected = Some(at);
         if let Some(stage) = self.chosen().map(|(electrode, _)| electrode.stage) {
@@ -204,6 +217,7 @@ impl ElectrodeDesk {
             self.fly = Some(Fly::Back);
         }
         (self.selected, self.is_alone, self.time, self.is_playing, self.place) = (None, false, None, false, None);
+        self.node = None;
     }
 
     /// Motion of the selected burn.
@@ -316,23 +330,51 @@ impl ElectrodeDesk {
             place: self.place.as_ref().map(|place| place.at),
             stage: self.stage,
             split: self.split,
+            node: self.hovered.or(self.node),
         }
+    }
+
+    /// Regions whose division is drawn in the view: the one that is split, else those of the selected electrode; while
+    /// regions are shown instead of electrodes, the one that is `selected` there.
+    pub fn divided(&self, selected: Option<usize>) -> Vec<usize> {
+        if !self.is_shown {
+            return selected.into_iter().collect();
+        }
+        if self.split.is_some() {
+            return self.split_region.into_iter().collect();
+        }
+        let mut regions: Vec<usize> =
+            self.chosen().iter().flat_map(|(e, _)| e.parts()).map(|part| part.region).collect();
+        regions.dedup();
+        regions
     }
 
     /// Starts drawing a line along which a part of this region is split.
     pub fn begin_split(&mut self, region: usize) {
         self.deselect();
         (self.split, self.split_region, self.fly) = (Some(None), Some(region), Some(Fly::Above));
+        self.is_split_along_face = false;
     }
 
-    /// Stops drawing the line.
+    /// Starts picking a face along which a part of this region is split.
+    pub fn begin_split_along(&mut self, region: usize) {
+        self.deselect();
+        (self.split, self.split_region, self.is_split_along_face) = (Some(None), Some(region), true);
+    }
+
+    /// Stops drawing the line, or picking the face.
     pub fn give_up_split(&mut self) {
-        (self.split, self.split_region) = (None, None);
+        (self.split, self.split_region, self.is_split_along_face) = (None, None, false);
     }
 
-    /// Takes a click on the mold as an end of the splitting line. Returns the change once both ends are known.
+    /// Takes a click on the mold as the face, or as an end of the splitting line. Returns the change once the face or both
+    /// ends are known.
     pub fn click(&mut self, place: DVec3) -> Option<Edit> {
         match self.split? {
+            _ if self.is_split_along_face => {
+                self.give_up_split();
+                Some(Edit::SplitAlong { place })
+            }
             None => {
                 self.split = Some(Some(place));
                 None
@@ -370,4 +412,28 @@ fn burn_at(electrode: &Electrode, regions: &[RegionPlan], place: DVec3) -> usize
         a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
     });
     nearest.map_or(0, |(i, _)| i)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_click_names_a_face_and_two_clicks_a_line() {
+        let mut desk = ElectrodeDesk::default();
+        desk.begin_split_along(2);
+        assert_eq!(desk.click(DVec3::X), Some(Edit::SplitAlong { place: DVec3::X }));
+        assert_eq!((desk.split, desk.click(DVec3::X)), (None, None), "it ends with the click");
+        desk.begin_split(2);
+        assert_eq!(desk.click(DVec3::X), None);
+        assert_eq!(desk.click(DVec3::Y), Some(Edit::Split { line: [DVec3::X, DVec3::Y] }));
+    }
+
+    #[test]
+    fn the_division_of_a_selected_region_is_drawn_while_regions_are_shown() {
+        let mut desk = ElectrodeDesk::default();
+        assert_eq!((desk.divided(Some(3)), desk.divided(None)), (vec![3], vec![]));
+        desk.is_shown = true;
+        assert!(desk.divided(Some(3)).is_empty(), "no electrode is selected");
+    }
 }

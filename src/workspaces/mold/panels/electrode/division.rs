@@ -9,9 +9,19 @@ use glam::{DVec2, DVec3};
 use super::checks;
 use crate::widgets::theme::palette;
 use crate::workspaces::mold::report::{Division, division_of};
+use crate::workspaces::mold::scene::division::NodeAt;
 use crate::workspaces::mold::work::Designed;
 use mold::electrode::params::{Edit, Method};
 use mold::electrode::residual_stock::LeftOfRegion;
+
+/// Explanation of a part that is divided.
+const DIVIDED: &str = "The head is cut here. H-edges are inner edges of the head that no cutter mills; those that run on \
+    from one another are a chain. The cut goes along a face, enlarged. The draft is the angle by which this face leans \
+    from the burn direction. By the overlap the part beyond the cut reaches back over it. The view shows the chains and \
+    the cut; click to keep them emphasised.";
+/// Explanation of splitting along a face.
+const ALONG_FACE: &str = "One click on a steep face of the mold: the part nearest to it is cut along this face, enlarged, \
+    with its draft. Clicked beside a chain of H-edges that lies on the face, the cut takes the chain away.";
 
 /// Draws the division of these regions of an electrode, counted from 1.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, regions): (usize, &[usize])) {
@@ -37,6 +47,9 @@ fn region_of(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, r): 
         {
             desk.electrodes.begin_split(r);
         }
+        if ui.small_button("Divide along a face\u{2026}").on_hover_text(ALONG_FACE).clicked() {
+            desk.electrodes.begin_split_along(r);
+        }
         let hint = "No electrode for this region. It is taken back under \"Changes to the division\".";
         if let Some(place) = made.places.get(r).copied().flatten()
             && ui.small_button("Set aside").on_hover_text(hint).clicked()
@@ -48,9 +61,9 @@ fn region_of(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, r): 
     });
     left(ui, desk, &plan.left, (electrode, r));
     let axes = desk.params().datum.of_upright(made.opening);
-    if let Some(division) = division_of(plan, r, &axes) {
-        let (places, mut leaf) = (made.leaves(r), 0);
-        node(ui, desk, &division, (r, 0), &mut leaf, &places);
+    if let Some(division) = division_of(&made.set, r, &axes) {
+        let (places, mut leaf, mut number) = (made.leaves(r), 0, 0);
+        node(ui, desk, &division, (r, 0), (&mut leaf, &mut number), &places);
         // Parts of a region that was divided otherwise in the meantime are chosen no more.
         desk.electrodes.parts.retain(|part| part.0 != r || part.1 < leaf);
     }
@@ -168,19 +181,28 @@ fn node(
     desk: &mut MoldDesk,
     division: &Division,
     (r, depth): (usize, usize),
-    leaf: &mut usize,
+    (leaf, number): (&mut usize, &mut usize),
     places: &[Option<DVec3>],
 ) {
     let part = (r, *leaf);
+    let at = NodeAt { region: r, number: *number };
+    *number += 1;
     ui.horizontal(|ui| {
         ui.add_space(12.0 * depth as f32);
         if !division.parts.is_empty() {
-            ui.add(egui::Label::new(RichText::new(&division.text).small().color(palette(ui).faint)).wrap());
+            let is_on = desk.electrodes.node == Some(at);
+            let text = RichText::new(&division.text).small().color(palette(ui).faint);
+            let button = ui.add(egui::Button::selectable(is_on, text).wrap()).on_hover_text(DIVIDED);
+            if button.contains_pointer() {
+                desk.electrodes.hovered = Some(at);
+            }
+            if button.clicked() {
+                desk.electrodes.node = (!is_on).then_some(at);
+            }
             return;
         }
         let is_there = places.get(*leaf).is_some_and(Option::is_some) && places.len() > 1;
-        let parts = &mut desk.electrodes.parts;
-        let is_on = parts.contains(&part);
+        let is_on = desk.electrodes.parts.contains(&part);
         let button = egui::Button::selectable(is_on, RichText::new(&division.text).small());
         let why_not = if places.len() > 1 {
             "Parts of a region that is burned straight down can be merged"
@@ -188,7 +210,19 @@ fn node(
             "The region has no other part to merge with"
         };
         let button = ui.add_enabled(is_there, button).on_disabled_hover_text(why_not);
-        if button.on_hover_text("Select two parts to merge them").clicked() {
+        // What cannot be merged is shown as well.
+        if button.contains_pointer() {
+            desk.electrodes.hovered = Some(at);
+        }
+        let hint = if division.h_edges > 0 {
+            "Select two parts to merge them. The H-edges of this part, inner edges that no cutter mills, are shown in the \
+             view"
+        } else {
+            "Select two parts to merge them"
+        };
+        if button.on_hover_text(hint).clicked() {
+            desk.electrodes.node = (!is_on).then_some(at);
+            let parts = &mut desk.electrodes.parts;
             if is_on {
                 parts.retain(|other| *other != part);
             } else {
@@ -208,7 +242,7 @@ fn node(
         merge(ui, desk, [one, last].map(|(_, part)| places.get(part).copied().flatten()));
     }
     for part in &division.parts {
-        node(ui, desk, part, (r, depth + 1), leaf, places);
+        node(ui, desk, part, (r, depth + 1), (&mut *leaf, &mut *number), places);
     }
 }
 

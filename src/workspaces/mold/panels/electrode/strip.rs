@@ -105,16 +105,19 @@ fn cut(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
     }
 }
 
-/// Instruction for drawing a line.
+/// Instruction for drawing a line, or for picking a face.
 fn splitting(ui: &mut Ui, rect: Rect, desk: &mut MoldDesk) {
     let first = desk.electrodes.split.flatten();
     row(ui, rect, (0, WIDTH), |ui| {
+        let is_along_face = desk.electrodes.is_split_along_face;
         let text = match first {
+            _ if is_along_face => "click on a steep face of the mold beside the part".to_owned(),
             None => "click on the mold where the line begins".to_owned(),
             Some(p) => format!("from {:.2}, {:.2}: click where the line ends", p.x, p.y),
         };
         let what = desk.electrodes.split_region.map_or("Split".to_owned(), |r| format!("Split region {}", r + 1));
-        let text = format!("{what}: {text}");
+        let along = if is_along_face { " along a face" } else { "" };
+        let text = format!("{what}{along}: {text}");
         ui.label(text);
         if ui.button("Cancel split").on_hover_text(FrameCommand::Cancel.hint(ui.ctx())).clicked() {
             desk.electrodes.give_up_split();
