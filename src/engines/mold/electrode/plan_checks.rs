@@ -145,8 +145,21 @@ fn clearances(
     let all: Vec<Clearance> = electrode.burns.iter().map(clearance).collect::<Result<_, _>>()?;
     let Some(worst) = all.into_iter().reduce(Clearance::worse) else { return Ok(Vec::new()) };
     let [gouge, approach] = worst.findings(stage);
+    let approach = within_limit(approach, electrode, params);
     let upright = |f: Finding| Finding { place: f.place.map(|p| turned.transpose() * p), ..f };
     Ok(vec![upright(gouge), upright(approach)])
+}
+
+/// The finding on the way in and out, which also fails where a burn needs a greater retract distance than the limit.
+fn within_limit(approach: Finding, electrode: &Electrode, params: &ElectrodeParams) -> Finding {
+    let needed = electrode.burns.iter().map(|burn| burn.retract(params.lift_mm)).fold(0.0, f64::max);
+    let Some(limit) = params.lift_limit_mm.filter(|limit| needed > *limit) else { return approach };
+    let text = format!(
+        "{}; the retract distance that brings it clear of the mold is {needed:.3} mm, the retract limit {limit:.3} mm: \
+         burn the region from another direction, or raise the retract limit",
+        approach.text
+    );
+    Finding { holds: false, text, ..approach }.with(&[("retract_mm", needed - limit)])
 }
 
 /// Residual stock of the parts that an electrode is for, each once.

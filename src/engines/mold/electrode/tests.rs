@@ -238,6 +238,20 @@ fn a_thin_blade_and_a_block_without_gap_in_the_wall_are_caught_and_every_burn_is
         short.retract(),
         short.checks
     );
+    // What needs a greater retract distance than the limit fails, with both figures.
+    let limited = |limit: f64| {
+        let params = ElectrodeParams { lift_mm: 2.0, lift_limit_mm: Some(limit), ..params(GAP) };
+        planned(&mold, &slot, &params).checks.remove(0)
+    };
+    let needed = 5.0 - GAP + 2.0;
+    let findings = limited(needed - 0.25);
+    let approach = findings.iter().find(|finding| finding.kind == CheckKind::Approach).unwrap();
+    assert!(!approach.holds && holds(&findings, CheckKind::Gouge), "{findings:?}");
+    assert!(approach.text.contains("6.950 mm, the retract limit 6.700 mm"), "{}", approach.text);
+    assert!((approach.figures["retract_mm"] - 0.25).abs() < 1e-6, "{approach:?}");
+    assert!(limited(needed + 0.25).iter().all(|finding| finding.holds));
+    let low = ElectrodeParams { lift_limit_mm: Some(29.0), ..params(GAP) }.validate().unwrap_err().to_string();
+    assert!(low.starts_with("lift_limit_mm is 29: must be from 30 to 10000 mm"), "{low}");
     let thin = planned(&mold, &slot, &params(0.3));
     assert!(!holds(&thin.checks[0], CheckKind::Machinable), "0.2 mm is less than the least size: {:?}", thin.checks);
     // Without gap: a block that stands in the slot's wall, and one that touches it.
