@@ -263,6 +263,9 @@ fn every_parameter_of_electrodes_has_a_field() {
         desk.enter(name, text);
         assert_eq!(desk.mold().document.undo_label(false), Some(step), "{name}");
     }
+    desk.press_role(Role::CheckBox, "Retract limit: none");
+    desk.enter("Retract limit", "60");
+    assert_eq!(desk.mold().document.params().electrodes.lift_limit_mm, Some(60.0));
     desk.press_role(Role::DisclosureTriangle, "Blanks");
     desk.type_in("Sides", "20 8; 12,5; x");
     desk.assert_shows("Sides is 20 8; 12,5; x: numbers with commas between");
@@ -289,7 +292,7 @@ fn every_parameter_of_electrodes_has_a_field() {
     assert!(own.cutter[0].diameter_mm == 0.8 && own.cutter[1..] == library.cutter[1..]);
     desk.picture("electrode_form_dark");
     // Of all this nothing is left where every step is taken back.
-    for _ in 0..14 {
+    for _ in 0..16 {
         desk.key_with(Modifiers::COMMAND, Key::Z);
     }
     assert_eq!((&desk.mold().document.params().electrodes, desk.mold().document.undo_label(false)), (&before, None));

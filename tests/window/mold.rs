@@ -14,6 +14,7 @@ use geometry::mesh::Mesh;
 use glam::DVec3;
 use import::{Units, write_stl};
 use mold::cutter::{Cutter, CutterLibrary};
+use mold::datum::Datum;
 use mold::electrode::params::Edit;
 use mold::opening::Opening::{MinusX, PlusZ};
 use sparkpath::shell::run::Opening;
@@ -660,6 +661,16 @@ fn the_work_datum_is_picked_on_the_part_and_moves_no_result() {
         desk.key_with(Modifiers::COMMAND, Key::Z);
         assert!(datum(&desk).angle_deg == 0.0 && datum(&desk).origin_mm == expected, "{:?}", datum(&desk));
     }
+    // The X axis along an edge of the pocket's mouth, from one of its corners to the other.
+    desk.press("X direction");
+    desk.assert_shows("Work datum: click on the corner where an edge along X begins");
+    let mut take = |place: DVec3| desk.mold_mut().take_datum(place, DVec3::Z);
+    take(DVec3::new(14.3, 9.2, 12.0)).unwrap();
+    assert!(take(DVec3::new(14.1, 9.1, 7.1)).unwrap_err().contains("over the first one"), "below it");
+    take(DVec3::new(14.2, -9.3, 12.0)).unwrap();
+    desk.settle();
+    assert!(desk.mold().pick.is_none() && !desk.shows("where an edge along X begins"));
+    assert_eq!(datum(&desk), Datum { angle_deg: -90.0, ..Datum::default() });
 }
 
 /// The view has as much room as both panels together, and all of it where they are folded.

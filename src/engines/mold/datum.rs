@@ -13,6 +13,8 @@ use geometry::mesh::{Mesh, unit_normal};
 pub const FURTHEST: f64 = 1e5;
 /// Faces whose normals are nearer to one line than this are parallel (rad).
 const PARALLEL: f64 = 2e-3;
+/// Two places that are nearer to one another in plan give no direction (mm).
+const SHORTEST: f64 = 1e-3;
 /// Angle between two faces from which on their edge may be of a rim (rad); facets of a round turn by less.
 const SHARP: f64 = 0.61;
 /// Fewest corners of a rim: a square or a hexagon is none.
@@ -72,6 +74,14 @@ impl Datum {
     /// This datum with its origin at a place of the mesh (mm), to a nanometre, that is called `name`.
     pub fn at(&self, place: DVec3, name: &str) -> Self {
         Self { name: name.to_owned(), origin_mm: (place * 1e6).round() / 1e6 + 0.0, ..self.clone() }
+    }
+
+    /// This datum with its X axis along the way from one place of the mesh to another (mm), seen from where cutters
+    /// come, to a billionth of a degree; none if they lie over one another.
+    pub fn with_x_along(&self, opening: Opening, [from, to]: [DVec3; 2]) -> Option<Self> {
+        let along = opening.upright(to - from).truncate();
+        let angle = (along.to_angle().to_degrees() * 1e9).round() / 1e9 + 0.0;
+        (along.length() > SHORTEST).then(|| Self { angle_deg: angle, ..self.clone() })
     }
 
     /// This datum with its origin moved across two parallel faces to the middle between them, each face given by a
@@ -175,6 +185,28 @@ mod tests {
         let found = datum.between(faces).unwrap();
         assert_eq!((found.origin_mm, found.angle_deg), (DVec3::new(3.0, 2.0, 3.0), 5.0));
         assert_eq!(datum.between([faces[0], (DVec3::ZERO, DVec3::new(1.0, 0.01, 0.0))]), None, "not parallel");
+    }
+
+    #[test]
+    fn the_x_axis_runs_along_the_way_between_two_places_seen_from_above() {
+        let slant = Opening::along(DVec3::new(0.2, -0.4, 0.7)).unwrap();
+        let datum = Datum { name: "corner".to_owned(), origin_mm: DVec3::new(4.0, -2.0, 7.5), angle_deg: 30.0 };
+        for opening in [Opening::PlusZ, Opening::MinusX, Opening::PlusY, slant] {
+            // Two places at any heights, whose way makes 150 degrees with the X axis of the upright mold.
+            let from = DVec3::new(3.0, -1.0, 2.0);
+            let way = DVec3::new(-(3f64.sqrt()), 1.0, -5.0);
+            let places = [from, from + way].map(|p| opening.in_mesh(p));
+            let found = datum.with_x_along(opening, places).unwrap();
+            assert!((found.angle_deg - 150.0).abs() < 1e-8, "{found:?}");
+            assert_eq!(Datum { angle_deg: 30.0, ..found.clone() }, datum, "nothing else changes");
+            // The way has no part along Y, and its part along X is positive.
+            let [x, y, _] = found.axes(opening).map(|axis| axis.dot(places[1] - places[0]));
+            assert!((x - 2.0).abs() < 1e-8 && y.abs() < 1e-8, "{x} {y}");
+            let back = datum.with_x_along(opening, [places[1], places[0]]).unwrap();
+            assert!((back.angle_deg + 30.0).abs() < 1e-8, "{back:?}");
+            let above = [from, from + 4.0 * DVec3::Z].map(|p| opening.in_mesh(p));
+            assert_eq!(datum.with_x_along(opening, above), None, "over one another");
+        }
     }
 
     #[test]

@@ -51,13 +51,18 @@ impl Obstacle {
         (nearest.signed_distance, (p - nearest.point).normalize_or_zero())
     }
 
+    /// Whether the mold stands between a place beside it and one far away in the direction of a unit vector.
+    pub(super) fn is_hidden(&self, p: DVec3, from: DVec3) -> bool {
+        /// Further than any mold is large (mm).
+        const FAR: f64 = 1e5;
+        self.mesh.first_crossing(p, from, FAR).is_some()
+    }
+
     /// Whether the mold hangs over a place beside it, or within a distance of that in plan (mm).
     pub(super) fn hangs_over(&self, p: DVec3, within: f64) -> bool {
-        /// Further than any mold is high (mm).
-        const FAR: f64 = 1e5;
         /// Directions in which it is looked for.
         const AROUND: usize = 8;
-        let is_over = |p: DVec3| self.mesh.first_crossing(p, DVec3::Z, FAR).is_some();
+        let is_over = |p: DVec3| self.is_hidden(p, DVec3::Z);
         let around = |i: usize| (DVec2::from_angle(i as f64 * 2.0 * PI / AROUND as f64) * within).extend(0.0);
         // Beside a wall that stands upright the way there leads into the mold.
         let is_beside = |off: DVec3| self.mesh.nearest(p + off).signed_distance > 0.0 && is_over(p + off);

@@ -8,6 +8,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::base::Base;
+use super::burn_direction::BurnProposal;
 use super::division::Cut;
 use super::finding::{CheckKind, Finding};
 use super::h_edge::EdgeChain;
@@ -330,6 +331,9 @@ pub struct RegionPlan {
     pub left_out: Vec<LeftOut>,
     /// Residual stock of the region after all burns and cutters.
     pub left: LeftOfRegion,
+    /// Another burn direction, where the mold hangs over residual stock and more of the region is seen from that
+    /// direction.
+    pub proposal: Option<BurnProposal>,
 }
 
 impl RegionPlan {

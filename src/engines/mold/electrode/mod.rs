@@ -5,6 +5,7 @@
 //! region is divided. Everything here stands in the burn frame: the electrode comes down along -Z.
 
 pub mod base;
+pub mod burn_direction;
 pub mod burning;
 pub mod check;
 pub mod clearance;

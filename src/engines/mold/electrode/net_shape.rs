@@ -41,6 +41,7 @@ pub(super) fn told_of_real(mut filed: ElectrodeSet, made: ElectrodeSet) -> Elect
         plan.left = made.left;
         plan.left_out = made.left_out;
         plan.reason = plan.reason.take().or(made.reason);
+        plan.proposal = plan.proposal.or(made.proposal);
         if plan.reason.is_none() && lacking.contains(&number) {
             plan.reason = Some(OTHER_NET.to_owned());
         }

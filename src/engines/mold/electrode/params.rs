@@ -447,6 +447,8 @@ pub struct ElectrodeParams {
     pub family_spacing_mm: f64,
     /// Least retract distance after the burn (mm): each is retracted until it is clear of the mold.
     pub lift_mm: f64,
+    /// Greatest retract distance that the machine allows (mm); none for any.
+    pub lift_limit_mm: Option<f64>,
     /// Allowed residual stock (mm): thickness across the surface, beyond what the spark gap's radius leaves in corners.
     pub tolerance_mm: f64,
     /// Material of the electrodes.
@@ -488,6 +490,7 @@ impl Default for ElectrodeParams {
             family: false,
             family_spacing_mm: 5.0,
             lift_mm: 30.0,
+            lift_limit_mm: None,
             tolerance_mm: 0.02,
             material: "copper".into(),
             cutters: None,
@@ -525,6 +528,9 @@ impl Validate for ElectrodeParams {
             ("tolerance_mm", self.tolerance_mm, [1e-4, 1.0]),
         ] {
             Invalid::unless_within(key, value, range, "mm")?;
+        }
+        if let Some(limit) = self.lift_limit_mm {
+            Invalid::unless_within("lift_limit_mm", limit, [self.lift_mm, 10000.0], "mm")?;
         }
         self.validate_stages()?;
         for (i, edit) in self.edits.iter().enumerate() {

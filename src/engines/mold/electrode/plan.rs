@@ -186,6 +186,7 @@ fn region_plan(region: &RegionToBurn, edits: Vec<usize>, params: &ElectrodeParam
         reason_place: None,
         left_out: Vec::new(),
         left: LeftOfRegion::default(),
+        proposal: None,
     }
 }
 

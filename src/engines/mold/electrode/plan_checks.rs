@@ -6,6 +6,7 @@ use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::base::on_plate;
+use super::burn_direction::{BurnProposal, proposed};
 use super::burning::Burning;
 use super::check::{machinable, watertight};
 use super::clearance::{Clearance, Obstacle};
@@ -94,14 +95,12 @@ pub(super) fn checked(
     }
     let of_direction = |direction: DVec3| settings.iter().find(|s| is_same(s, direction));
     let left_of = |r: usize| match of_direction(plans[r].direction) {
-        Some(setting) => {
-            left_of((setting, milled), (r, &plans[r], &regions[r]), &last, (stages, params.margin_mm), cancel)
-        }
+        Some(setting) => left_of((setting, milled), (r, &plans[r], &regions[r]), &last, (stages, params), cancel),
         None => Ok(Left::default()),
     };
     let left: Vec<Left> = (0..regions.len()).into_par_iter().map(left_of).collect::<Result<_, _>>()?;
     for ((plan, left), region) in plans.iter_mut().zip(&left).zip(regions) {
-        plan.left = left.all;
+        (plan.left, plan.proposal) = (left.all, left.proposal);
         // Of what needs no tip it is told that it stays.
         let needs_none = plan.is_set_aside || (plan.tree.is_none() && is_nothing(region, params));
         let nobodys = || (!needs_none).then(|| nobodys(left, (params.tolerance_mm, milled.accuracy()))).flatten();
@@ -145,8 +144,21 @@ fn clearances(
     let all: Vec<Clearance> = electrode.burns.iter().map(clearance).collect::<Result<_, _>>()?;
     let Some(worst) = all.into_iter().reduce(Clearance::worse) else { return Ok(Vec::new()) };
     let [gouge, approach] = worst.findings(stage);
+    let approach = within_limit(approach, electrode, params);
     let upright = |f: Finding| Finding { place: f.place.map(|p| turned.transpose() * p), ..f };
     Ok(vec![upright(gouge), upright(approach)])
+}
+
+/// The finding on the way in and out, which also fails where a burn needs a greater retract distance than the limit.
+fn within_limit(approach: Finding, electrode: &Electrode, params: &ElectrodeParams) -> Finding {
+    let needed = electrode.burns.iter().map(|burn| burn.retract(params.lift_mm)).fold(0.0, f64::max);
+    let Some(limit) = params.lift_limit_mm.filter(|limit| needed > *limit) else { return approach };
+    let text = format!(
+        "{}; the retract distance that brings it clear of the mold is {needed:.3} mm, the retract limit {limit:.3} mm: \
+         burn the region from another direction, or raise the retract limit",
+        approach.text
+    );
+    Finding { holds: false, text, ..approach }.with(&[("retract_mm", needed - limit)])
 }
 
 /// Residual stock of the parts that an electrode is for, each once.
@@ -212,6 +224,8 @@ struct Left {
     of_none: LeftOfRegion,
     /// Residual stock that the mold hangs over.
     shaded: LeftOfRegion,
+    /// Another burn direction, where that is more than is allowed.
+    proposal: Option<BurnProposal>,
     looked: Looked,
 }
 
@@ -219,7 +233,7 @@ fn left_of(
     (setting, milled): (&Setting, &Milled),
     (number, plan, region): (usize, &RegionPlan, &RegionToBurn),
     electrodes: &[&Electrode],
-    (stages, margin): (&[Stage], f64),
+    (stages, params): (&[Stage], &ElectrodeParams),
     cancel: &Cancel,
 ) -> Result<Left, ElectrodeError> {
     cancel.check()?;
@@ -239,11 +253,12 @@ fn left_of(
     let back = setting.turned.transpose();
     let leaves = |p: DVec3| (milled.leaves)(back * p);
     let milled = Milled { leaves: &leaves, within: milled.within };
-    let fullest = fullest(&setting.surface, (last, margin), &corners, cancel)?;
+    let fullest = fullest(&setting.surface, (last, params.margin_mm), &corners, cancel)?;
     let burns = Burns { all: &burns, fullest: fullest.as_ref() };
     let found = left_by(&burns, &samples, (&setting.mold, &milled), cancel)?;
     let reach = last.most_across() + CELL;
     let mut left = Left { looked, ..Left::default() };
+    let are_shaded: Vec<bool> = found.iter().map(|found| found.is_shaded).collect();
     for (sample, found) in samples.iter().zip(found) {
         let is_own = found.left.thickness > 0.0 && !found.is_in_slot && !found.is_shaded;
         let is_shaded = found.is_shaded;
@@ -261,6 +276,10 @@ fn left_of(
             let of_part = left.of_parts.entry(part).or_default();
             *of_part = of_part.and(found);
         }
+    }
+    if left.shaded.excess > params.tolerance_mm + milled.accuracy() {
+        let samples: Vec<(Sample, bool)> = samples.into_iter().zip(are_shaded).collect();
+        left.proposal = proposed(&setting.mold, &setting.turned, &samples, cancel)?;
     }
     Ok(left)
 }
@@ -298,7 +317,10 @@ fn nobodys(left: &Left, (tolerance, accuracy): (f64, f64)) -> Option<(String, DV
     let shaded = text(
         left.shaded,
         "where a wall of the mold hangs over it, so that no head that sinks straight reaches it",
-        "burn the region from another direction",
+        &left.proposal.map_or_else(
+            || "no straight burn from another direction sees more of it".to_owned(),
+            |proposal| format!("burn the region from another direction: {proposal}"),
+        ),
     );
     shaded.or_else(|| text(left.of_none, "where no head reaches", "reduce spark gap or orbit, or add a cutter"))
 }

@@ -238,6 +238,20 @@ fn a_thin_blade_and_a_block_without_gap_in_the_wall_are_caught_and_every_burn_is
         short.retract(),
         short.checks
     );
+    // What needs a greater retract distance than the limit fails, with both figures.
+    let limited = |limit: f64| {
+        let params = ElectrodeParams { lift_mm: 2.0, lift_limit_mm: Some(limit), ..params(GAP) };
+        planned(&mold, &slot, &params).checks.remove(0)
+    };
+    let needed = 5.0 - GAP + 2.0;
+    let findings = limited(needed - 0.25);
+    let approach = findings.iter().find(|finding| finding.kind == CheckKind::Approach).unwrap();
+    assert!(!approach.holds && holds(&findings, CheckKind::Gouge), "{findings:?}");
+    assert!(approach.text.contains("6.950 mm, the retract limit 6.700 mm"), "{}", approach.text);
+    assert!((approach.figures["retract_mm"] - 0.25).abs() < 1e-6, "{approach:?}");
+    assert!(limited(needed + 0.25).iter().all(|finding| finding.holds));
+    let low = ElectrodeParams { lift_limit_mm: Some(29.0), ..params(GAP) }.validate().unwrap_err().to_string();
+    assert!(low.starts_with("lift_limit_mm is 29: must be from 30 to 10000 mm"), "{low}");
     let thin = planned(&mold, &slot, &params(0.3));
     assert!(!holds(&thin.checks[0], CheckKind::Machinable), "0.2 mm is less than the least size: {:?}", thin.checks);
     // Without gap: a block that stands in the slot's wall, and one that touches it.
@@ -588,4 +602,33 @@ fn walls_that_hang_over_a_head_are_told_with_their_place_and_the_way_out() {
     let told = set.regions[0].reason_at(&glam::DAffine3::from_translation(-place)).unwrap();
     assert_eq!(told, format!("{reason}, at (0.000, 0.000, 0.000)"), "from another origin");
     assert!(reason.contains("hangs over it") && reason.contains("burn the region from another"), "{reason}");
+    // Two walls that lean apart are not seen from one direction.
+    let proposal = set.regions[0].proposal.unwrap();
+    assert!(!proposal.sees_all() && proposal.seen > proposal.seen_now, "{proposal:?}");
+    assert!(reason.ends_with(&proposal.to_string()), "{reason}");
+}
+
+#[test]
+fn a_slot_that_leans_is_burned_along_what_is_proposed_and_an_upright_one_gets_no_proposal() {
+    let lean = glam::DMat3::from_rotation_x(20f64.to_radians());
+    let slot = Mesh::cuboid(DVec3::new(6.0, 2.0, 8.0)).mapped(|p| lean * (p - DVec3::new(3.0, 1.0, 4.0)));
+    let block = mold([30.0, 20.0, 10.0], &[]);
+    let leaning = difference(&block, &slot).unwrap();
+    let all = [region(&leaning, DVec2::splat(-5.0), DVec2::splat(5.0))];
+    let set = planned(&leaning, &all, &params(GAP));
+    let reason = set.regions[0].reason.clone().unwrap();
+    let expected = "burn the region from another direction: tilted 20.0 deg towards 90.0 deg all of it is seen";
+    assert!(reason.ends_with(expected), "{reason}");
+    let proposal = set.regions[0].proposal.unwrap();
+    let along = Edit::Burn { place: all[0].corners[0][0], direction: proposal.direction };
+    let along = planned(&leaning, &all, &ElectrodeParams { edits: vec![along], ..params(GAP) });
+    let plan = &along.regions[0];
+    assert!(plan.direction.distance(proposal.direction) < 1e-12 && !along.electrodes.is_empty(), "{plan:?}");
+    let is_hung_over = plan.reason.as_ref().is_some_and(|reason| reason.contains("hangs over it"));
+    assert!(plan.proposal.is_none() && !is_hung_over, "{plan:?}");
+    assert!(plan.left.thickness < set.regions[0].left.thickness, "{plan:?}");
+    let upright = mold([30.0, 20.0, 10.0], &[(&rectangle(6.0, 2.0), 4.0)]);
+    let all = region(&upright, DVec2::splat(-5.0), DVec2::splat(5.0));
+    let set = planned(&upright, &[all], &params(GAP));
+    assert!(set.holds() && set.regions[0].proposal.is_none(), "{:?}", set.regions[0]);
 }

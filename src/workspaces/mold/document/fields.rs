@@ -210,6 +210,10 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
             Field::number("electrodes.lift_mm", "Retract distance", "mm", 0.0, 10000.0)
                 .step(0.05)
                 .help("Least distance by which the electrode is retracted after the burn; it is always brought clear of the mold."),
+            Field::number("electrodes.lift_limit_mm", "Retract limit", "mm", 0.0, 10000.0)
+                .or_nothing(100.0)
+                .step(0.05)
+                .help("Greatest retract distance that the machine allows, no less than the one above. An electrode that needs more fails its check of the approach."),
         ],
     },
     Group {

@@ -30,7 +30,7 @@ const REST: f64 = 0.3;
 /// another.
 const REST_OF_DESIGN: f64 = 1.2;
 
-/// How the origin of the work datum is picked on the part.
+/// How the origin or the X axis of the work datum is picked on the part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DatumPick {
     /// At a corner.
@@ -39,6 +39,8 @@ pub enum DatumPick {
     Faces(Option<(DVec3, DVec3)>),
     /// At the centre of a hole.
     Hole,
+    /// The X axis, from one corner to another: the first (mm), once it is picked.
+    XAxis(Option<DVec3>),
 }
 
 impl DatumPick {
@@ -49,6 +51,8 @@ impl DatumPick {
             Self::Faces(None) => "click on the first of two parallel faces",
             Self::Faces(Some(_)) => "click on the other face",
             Self::Hole => "click on a hole, near its rim",
+            Self::XAxis(None) => "click on the corner where an edge along X begins",
+            Self::XAxis(Some(_)) => "click on the corner where it ends, towards +X",
         }
     }
 }
@@ -303,7 +307,7 @@ impl MoldDesk {
         }
     }
 
-    /// Begins to pick the origin of the work datum on the part, or gives it up.
+    /// Begins to pick the origin or the X axis of the work datum on the part, or gives it up.
     pub fn pick_datum(&mut self, pick: DatumPick) {
         self.pick = (self.pick != Some(pick)).then_some(pick);
         // Electrodes would be in the way.
@@ -319,12 +323,13 @@ impl MoldDesk {
     pub fn take_datum(&mut self, place: DVec3, normal: DVec3) -> Result<(), &'static str> {
         let (Some(pick), Some(mold)) = (self.pick, self.work.mold()) else { return Ok(()) };
         let datum = &self.params().datum;
+        let corner = || {
+            let off = |p: &&DVec3| p.distance_squared(place);
+            let nearest = mold.mesh.vertices.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+            nearest.copied().ok_or("the mold has no corner")
+        };
         let found = match pick {
-            DatumPick::Corner => {
-                let off = |p: &&DVec3| p.distance_squared(place);
-                let corner = mold.mesh.vertices.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-                corner.map(|corner| datum.at(*corner, "corner")).ok_or("the mold has no corner")
-            }
+            DatumPick::Corner => corner().map(|corner| datum.at(corner, "corner")),
             DatumPick::Faces(None) => {
                 self.pick = Some(DatumPick::Faces(Some((place, normal))));
                 return Ok(());
@@ -335,6 +340,13 @@ impl MoldDesk {
             DatumPick::Hole => rim_at(&mold.rims, place)
                 .map(|rim| datum.at(rim.centre, &format!("hole dia {:.3}", 2.0 * rim.radius)))
                 .ok_or("no round rim is near: click nearer to the rim of a hole"),
+            DatumPick::XAxis(None) => {
+                self.pick = Some(DatumPick::XAxis(Some(corner()?)));
+                return Ok(());
+            }
+            DatumPick::XAxis(Some(first)) => datum
+                .with_x_along(self.params().opening(), [first, corner()?])
+                .ok_or("the corner lies over the first one: click on another one"),
         };
         let params = MoldParams { datum: found?, ..self.params().clone() };
         self.pick = None;

@@ -131,6 +131,11 @@ fn datum(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
             ("Corner", "Click on a corner of the mold", DatumPick::Corner),
             ("Between faces", "The middle between two parallel faces, across them", DatumPick::Faces(None)),
             ("Hole", "The centre of a hole, at the rim that is clicked on", DatumPick::Hole),
+            (
+                "X direction",
+                "The X axis along an edge, from the first of two corners to the second",
+                DatumPick::XAxis(None),
+            ),
         ] {
             let is_on = desk.pick.is_some_and(|now| std::mem::discriminant(&now) == std::mem::discriminant(&pick));
             if ui.add_enabled(is_loaded, egui::Button::selectable(is_on, name)).on_hover_text(hint).clicked() {

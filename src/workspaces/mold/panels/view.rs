@@ -154,7 +154,7 @@ impl SceneKey {
         if self.pick == Some(DatumPick::Hole) {
             scene.lines.push(rim_lines(&loaded.rims, theme));
         }
-        if let Some(DatumPick::Faces(Some((at, _)))) = self.pick {
+        if let Some(DatumPick::Faces(Some((at, _))) | DatumPick::XAxis(Some(at))) = self.pick {
             scene.markers.push(Marker { at, colour: theme.accent, radius_px: 5.0 });
         }
         scene

@@ -4,13 +4,14 @@ use crate::workspaces::mold::panels::desk::MoldDesk;
 use std::ops::RangeInclusive;
 
 use egui::{ComboBox, DragValue, RichText, Ui, vec2};
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 
 use super::checks;
 use crate::widgets::theme::palette;
 use crate::workspaces::mold::report::{Division, division_of};
 use crate::workspaces::mold::scene::division::NodeAt;
 use crate::workspaces::mold::work::Designed;
+use mold::electrode::burn_direction::{BurnProposal, along, angles_deg};
 use mold::electrode::params::{Edit, Method};
 use mold::electrode::residual_stock::LeftOfRegion;
 
@@ -38,7 +39,8 @@ fn region_of(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, (electrode, r): 
         if let Some(place) = made.places.get(r).copied().flatten() {
             method(ui, desk, (r, place), plan.method);
             let is_current = made.set.params.edits == desk.document.params().electrodes.edits;
-            direction(ui, desk, (r, place), if is_current { plan.direction } else { DVec3::NEG_Z });
+            let now = if is_current { plan.direction } else { DVec3::NEG_Z };
+            direction(ui, desk, (r, place), (now, plan.proposal.filter(|_| is_current)));
         }
         if ui
             .small_button("Split\u{2026}")
@@ -100,8 +102,13 @@ fn in_words(left: &LeftOfRegion) -> String {
 }
 
 /// From where a region is burned: along `now`, unless a change says otherwise. Another direction than straight down is
-/// one.
-fn direction(ui: &mut Ui, desk: &mut MoldDesk, (r, place): (usize, DVec3), now: DVec3) {
+/// one. A button takes the proposal.
+fn direction(
+    ui: &mut Ui,
+    desk: &mut MoldDesk,
+    (r, place): (usize, DVec3),
+    (now, proposal): (DVec3, Option<BurnProposal>),
+) {
     let own = |edit: &Edit| matches!(edit, Edit::Burn { place: of, .. } if *of == place);
     let mut params = desk.document.params().clone();
     let edits = &mut params.electrodes.edits;
@@ -116,6 +123,12 @@ fn direction(ui: &mut Ui, desk: &mut MoldDesk, (r, place): (usize, DVec3), now: 
     if tilt > 0.0 {
         let hint = "Direction of the tilted burn in plan, from +X towards +Y of the upright mold";
         changed |= angle(ui, &mut towards, -180.0..=180.0, &of("Heading"), hint);
+    }
+    if let Some(proposal) = proposal {
+        let hint = format!("Another burn direction of the region: {proposal}").replace(" deg", "\u{b0}");
+        if ui.small_button("Use proposal").on_hover_text(hint).clicked() {
+            ([tilt, towards], changed) = (angles_deg(proposal.direction), true);
+        }
     }
     if changed {
         edits.retain(|edit| !own(edit));
@@ -133,20 +146,6 @@ fn angle(ui: &mut Ui, value: &mut f64, range: RangeInclusive<f64>, name: &str, h
     let response = ui.add_sized(vec2(46.0, 22.0), field);
     ui.ctx().accesskit_node_builder(response.id, |node| node.set_label(name));
     response.on_hover_text(hint).changed()
-}
-
-/// Tilt of a direction from straight down, and where it goes in plan, from +X towards +Y (degrees).
-fn angles_deg(direction: DVec3) -> [f64; 2] {
-    let flat = direction.truncate();
-    let tilt = flat.length().atan2(-direction.z).to_degrees();
-    // What rounding makes of straight down has no direction in plan.
-    if tilt < 1e-6 { [0.0, 0.0] } else { [tilt, flat.to_angle().to_degrees()].map(|deg| (deg * 1e6).round() / 1e6) }
-}
-
-/// The direction with this tilt and heading (degrees).
-fn along(tilt: f64, towards: f64) -> DVec3 {
-    let (tilt, flat) = (tilt.to_radians(), DVec2::from_angle(towards.to_radians()));
-    (tilt.sin() * flat).extend(-tilt.cos())
 }
 
 /// Method of making the tips of a region; another choice is a change.
@@ -254,25 +253,5 @@ fn merge(ui: &mut Ui, desk: &mut MoldDesk, places: [Option<DVec3>; 2]) {
         params.electrodes.edits.push(Edit::Merge { places: [a, b] });
         desk.electrodes.parts.clear();
         desk.edit(params);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_direction_is_told_by_its_angles() {
-        assert_eq!(angles_deg(DVec3::NEG_Z), [0.0, 0.0]);
-        assert!(along(0.0, 77.0).distance(DVec3::NEG_Z) < 1e-15);
-        for (direction, angles) in [
-            (DVec3::X, [90.0, 0.0]),
-            (DVec3::NEG_Y, [90.0, -90.0]),
-            (DVec3::new(-0.6, 0.0, -0.8), [36.869_898, 180.0]),
-            (DVec3::new(0.5, 0.5, -0.5f64.sqrt()), [45.0, 45.0]),
-        ] {
-            assert_eq!(angles_deg(direction), angles, "{direction}");
-            assert!(along(angles[0], angles[1]).distance(direction) < 1e-8, "{direction}");
-        }
     }
 }
