@@ -160,7 +160,7 @@ pub(super) fn named(
             Edit::Split { line: [a, b] } => [plan(*a).midpoint(plan(*b)); 2],
             Edit::SplitAlong { place } => [plan(*place); 2],
             Edit::Merge { places } => places.map(&plan),
-            Edit::Make { .. } | Edit::Burn { .. } | Edit::SetAside { .. } => return f64::INFINITY,
+            _ => return f64::INFINITY,
         };
         places.into_iter().map(|p| off_in_plan(region, &plan, p)).fold(0.0, f64::max)
     };
@@ -171,7 +171,8 @@ pub(super) fn named(
     offs.iter().map(|of| (0..edits.len()).filter(|e| is_near(of, *e)).collect()).collect()
 }
 
-/// For each region those of the changes that say whether it is burned, how it is made and from where, by their places in the list: each is
+/// For each region those of the changes that say whether it is burned, how it is made and from where, by their places in
+/// the list: each is
 /// for the region nearest to its place, if that is near enough.
 pub(super) fn pointed_at(regions: &[RegionToBurn], edits: &[Edit]) -> Vec<Vec<usize>> {
     let mut of = vec![Vec::new(); regions.len()];
