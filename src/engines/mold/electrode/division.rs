@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::base::{INTO_BASE, on_plate};
-use super::check::{milled, turned_over};
+use super::check::{milled, turned_over, watertight};
 use super::footprint::{grown, half_plane, is_thin, shrunk};
 use super::h_edge::{HEdge, Milling, h_edges, inner_edges, is_upright, place};
 use super::params::DividedAt;
@@ -202,8 +202,8 @@ pub fn divide(
 ) -> Result<Part, TipError> {
     let deepest = if settings.at == DividedAt::Nothing { 0 } else { DEEPEST };
     let part = whole(burned, footprint, settings)?;
-    // A head without H-edges needs no look, unless it consists of several.
-    let is_simple = part.h_edges.is_empty() && shapes(&part.footprint).len() < 2;
+    // A head without inner edges needs no look, unless it consists of several.
+    let is_simple = part.inner.is_empty() && shapes(&part.footprint).len() < 2;
     let rest = if is_simple { RestMaterial::default() } else { rest_material(&part, settings, cancel)? };
     Ok(divided(burned, (part, rest), settings, (deepest, AHEAD), cancel)?.0)
 }
@@ -221,7 +221,8 @@ fn divided(
         return Ok((part, rest.size));
     }
     let edges: f64 = part.h_edges.iter().map(HEdge::length).sum();
-    let mut best: Option<([f64; 3], Cut, Halves)> = None;
+    let own = burned.by(&part.body);
+    let mut best: Option<([f64; 4], Cut, Halves)> = None;
     for cut in cuts(&part, &rest, settings) {
         cancel.check()?;
         let Some(halves) = parts_of(burned, &part, &cut, settings, cancel)? else { continue };
@@ -229,15 +230,17 @@ fn divided(
         let edges_left: f64 = halves.parts.iter().flat_map(|(p, _)| &p.h_edges).map(HEdge::length).sum();
         let is_less = left <= LESS * rest.size;
         let is_on_the_way = ahead > 0 && left <= AS_MUCH * rest.size && edges_left <= LESS * edges;
-        let figures = [left, edges_left, halves.mouth];
-        if (is_less || is_on_the_way) && best.as_ref().is_none_or(|(least, ..)| figures < *least) {
+        let open = halves.parts.iter().filter(|(_, rest)| rest.is_open).count();
+        let figures = [open as f64, left, edges_left, halves.mouth];
+        let is_better = (is_less || is_on_the_way) && best.as_ref().is_none_or(|(least, ..)| figures < *least);
+        if is_better && (halves.lacks_thin || burned.is_by_all(&own, halves.parts.iter().map(|(part, _)| &part.body))) {
             best = Some((figures, cut, halves));
         }
-        if best.as_ref().is_some_and(|([least, ..], ..)| *least == 0.0) {
+        if best.as_ref().is_some_and(|([open, least, ..], ..)| *open == 0.0 && *least == 0.0) {
             break;
         }
     }
-    let Some(([left, ..], cut, halves)) = best else { return Ok((part, rest.size)) };
+    let Some(([_, left, ..], cut, halves)) = best else { return Ok((part, rest.size)) };
     let ahead = if left <= LESS * rest.size { AHEAD } else { ahead - 1 };
     let further = |half| divided(burned, half, settings, (deeper - 1, ahead), cancel);
     let parts: Vec<(Part, f64)> = halves.parts.into_iter().map(further).collect::<Result<_, _>>()?;
@@ -265,28 +268,33 @@ struct RestMaterial {
     size: f64,
     /// Where it is.
     places: Vec<Bounds>,
+    /// Whether the head's surface has open edges or touches itself.
+    is_open: bool,
 }
 
 fn rest_material(part: &Part, settings: &DivisionSettings, cancel: &Cancel) -> Result<RestMaterial, TipError> {
     if settings.at == DividedAt::EveryEdge {
         let size = part.h_edges.iter().map(HEdge::length).sum();
         let places = part.h_edges.iter().map(|edge| Bounds::of(edge.ends)).collect();
-        return Ok(RestMaterial { size, places });
+        return Ok(RestMaterial { size, places, is_open: false });
     }
     let cap = part.footprint.cap;
-    let head = led_up(&part.body, cap, cap + LED_UP + INTO_BASE).mapped(|p| p - (cap + LED_UP) * DVec3::Z);
-    let Ok(head) = on_plate(&head) else { return Ok(RestMaterial { size: f64::INFINITY, places: Vec::new() }) };
+    // As in its file, where it stands at the origin.
+    let origin = part.body.bounds().center().with_z(cap + LED_UP);
+    let head = led_up(&part.body, cap, cap + LED_UP + INTO_BASE).mapped(|p| p - origin);
+    let nothing_known = || RestMaterial { size: f64::INFINITY, places: Vec::new(), is_open: true };
+    let is_open = !watertight(&head).holds;
+    let Ok(head) = on_plate(&head) else { return Ok(nothing_known()) };
     match milled(&head, settings.cutters, settings.tolerance, cancel) {
         Ok(milled) => {
             let undercut = if milled.undercut > LEAST_INVERT { milled.undercut } else { 0.0 };
             let volume: f64 = milled.left.iter().map(|left| left.volume).sum();
-            let places = milled.left.iter().map(|left| {
-                Bounds::of([left.bounds.min, left.bounds.max].map(|p| turned_over(p) + (cap + LED_UP) * DVec3::Z))
-            });
-            Ok(RestMaterial { size: volume + undercut, places: places.collect() })
+            let back = |p: DVec3| turned_over(p) + origin;
+            let places = milled.left.iter().map(|left| Bounds::of([left.bounds.min, left.bounds.max].map(back)));
+            Ok(RestMaterial { size: volume + undercut, places: places.collect(), is_open })
         }
         Err(HeightFieldError::Cancelled(cancelled)) => Err(cancelled.into()),
-        Err(_) => Ok(RestMaterial { size: f64::INFINITY, places: Vec::new() }),
+        Err(_) => Ok(nothing_known()),
     }
 }
 

@@ -22,6 +22,7 @@ use super::params::{Edit, ElectrodeParams, Method, Shape, Stage};
 use super::part_numbers::{Numbered, Parts, numbers, renumber, shape, volumes};
 use super::plan_checks::checked;
 use super::residual_stock::{LeftOfRegion, Milled};
+use super::samples::samples;
 use super::setting::{ElectrodeError, KeptClear, RegionToBurn, Setting};
 use super::sharing::{Leaf, assembled, shared};
 use super::tip::{Burned, Place, Rooms, TipError, footprint};
@@ -322,7 +323,9 @@ fn parts_of(
     (params, settings): (&ElectrodeParams, &DivisionSettings),
     cancel: &Cancel,
 ) -> Result<Divided, TipError> {
-    let corners = region.corners.iter().map(|c| c.map(|p| setting.turned * p)).collect();
+    let corners: Vec<[DVec3; 3]> = region.corners.iter().map(|c| c.map(|p| setting.turned * p)).collect();
+    let (samples, _) = samples(&corners, region, (&[], &[]), [0.0; 2]);
+    let on_surface: Vec<DVec3> = samples.into_iter().map(|sample| sample.point).collect();
     let highest = || region.corners.iter().flatten().map(|p| (setting.turned * *p).z).fold(f64::NEG_INFINITY, f64::max);
     // Layers may know less of a region than its surface does; above the mold there is nothing to burn.
     let known = if setting.turned == DMat3::IDENTITY { region.rim } else { f64::NEG_INFINITY };
@@ -339,6 +342,8 @@ fn parts_of(
         trimmer: &clear.trimmer,
         gap_up: setting.stage.undersize(DVec3::Z),
         gap_across: setting.stage.most_across(),
+        stage: &setting.stage,
+        places: &on_surface,
     };
     let first = footprint(&burned, &place.bounds, &rooms, (method, params.margin_mm), cancel)?;
     let in_plan = first.region.clone();

@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 
+use super::burning::Burning;
 use super::footprint::{grown, grown_pieces, shrunk};
-use super::params::Method;
+use super::params::{Method, Stage};
 use crate::outline::Outline;
 use crate::plane;
 use crate::plane::Shape;
@@ -13,6 +14,7 @@ use crate::section::sections;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
 use geometry::solid;
 use geometry::solid::{SolidError, Trimmer};
+use rayon::prelude::*;
 use task::{Cancel, Cancelled};
 
 /// How far below the rim of what is left a tip's walls are cut off and led straight up (mm).
@@ -73,6 +75,29 @@ pub struct Burned<'a> {
     pub gap_up: f64,
     /// The gap across (mm): how far upright faces are moved at most.
     pub gap_across: f64,
+    /// The stage.
+    pub stage: &'a Stage,
+    /// Places of the region's surface (mm).
+    pub places: &'a [DVec3],
+}
+
+impl Burned<'_> {
+    /// For each of the places how far it is from what a tip burns (mm).
+    pub(super) fn by(&self, tip: &Mesh) -> Vec<f64> {
+        match Burning::new(tip, self.stage) {
+            Ok(burning) => self.places.par_iter().map(|p| burning.beyond(*p)).collect(),
+            Err(_) => vec![f64::INFINITY; self.places.len()],
+        }
+    }
+
+    /// Whether these tips together burn what one of them all did, given how far the places are from that.
+    pub(super) fn is_by_all<'m>(&self, by_one: &[f64], tips: impl Iterator<Item = &'m Mesh>) -> bool {
+        /// By how much less a place may be burned (mm): faces are known so well, and corners of parts are rounded.
+        const LESS: f64 = 0.015;
+        let by_each: Vec<Vec<f64>> = tips.map(|tip| self.by(tip)).collect();
+        let least = |i: usize| by_each.iter().map(|by| by[i]).fold(f64::INFINITY, f64::min);
+        by_one.iter().enumerate().all(|(i, off)| *off > self.gap_across || least(i) <= off.max(0.0) + LESS)
+    }
 }
 
 /// A region in the burn frame.
