@@ -200,7 +200,7 @@ fn file_stem(body: &[&Electrode], params: &ElectrodeParams) -> String {
         parts.push("net".to_owned());
     }
     let quantity = body.iter().map(|e| params.stages[e.stage].quantity).max().unwrap_or(1);
-    let material = body.first().map_or(&params.material, |electrode| &electrode.material);
+    let material = body.first().map_or(&params.material[..], |electrode| electrode.material(params));
     parts.extend([plain(material), format!("x{quantity}")]);
     parts.join("_")
 }

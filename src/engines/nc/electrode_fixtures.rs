@@ -47,7 +47,7 @@ fn electrode(name: &str, stage: usize, burns: Vec<Burn>, size: DVec3) -> Electro
         base: Base { sides: DVec2::new(10.0, 12.0), is_round: false, height: 15.0, corner: 1.0 },
         family: Family::None,
         others: Mesh::default(),
-        material: "Cu, \"soft\"".to_owned(),
+        material: None,
         unmet: Vec::new(),
         other_way: None,
     }

@@ -6,74 +6,62 @@ use glam::DVec3;
 
 use super::names::{Burned, part_at};
 use super::params::Edit;
+use super::part_numbers::{Numbered, Parts};
 use super::sharing::Leaf;
 
-/// The user's arrangement of the heads of one stage and burn direction, by their places in the list.
+/// What the user does with heads, by their places in the list of those of one stage and burn direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Arranged {
+    /// The electrodes of two heads become one.
+    Joined([usize; 2]),
+    /// The electrode of the first head burns the second place too.
+    Copied([usize; 2]),
+}
+
+/// The user's arrangement of the heads of one stage and burn direction.
 #[derive(Debug, Default)]
 pub(super) struct Arrangement {
-    /// Heads that stand on one base.
-    pub(super) joined: Vec<Vec<usize>>,
     /// Heads that have an electrode of their own.
     pub(super) apart: BTreeSet<usize>,
-    /// Pairs of which the electrode with the first burns the second too, each with its change's place in the list.
-    pub(super) copies: Vec<(usize, [usize; 2])>,
-    /// Changes of joined heads and of those apart, with a region that each is for.
+    /// What is done with the others, each with its change's place in the list.
+    pub(super) arranged: Vec<(usize, Arranged)>,
+    /// Changes that gave heads an electrode of their own, with the region that each is for.
     pub(super) met: Vec<(usize, usize)>,
 }
 
 impl Arrangement {
-    /// The arrangement that the user's changes ask for.
-    pub(super) fn of(leaves: &[Leaf], edits: &[Edit], burned: Burned) -> Self {
+    /// The arrangement that the user's changes ask for; later ones prevail.
+    pub(super) fn of(leaves: &[Leaf], edits: &[Edit], (regions, plans, parts): Burned, stage: usize) -> Self {
+        let mut found = Self::default();
+        if !edits.iter().any(|edit| matches!(edit, Edit::Join { .. } | Edit::TakeApart { .. } | Edit::Copy { .. })) {
+            return found;
+        }
+        let of_stage = |all: &Vec<Numbered>| all.iter().filter(|part| part.stage == stage).cloned().collect();
+        let parts: Parts = parts.iter().map(of_stage).collect();
         let head = |place: &DVec3| {
-            let part = part_at(*place, burned)?;
+            let part = part_at(*place, (regions, plans, &parts))?;
             leaves.iter().position(|leaf| leaf.id == part)
         };
-        let mut found = Self::default();
         for (number, edit) in edits.iter().enumerate() {
+            let pair = |[a, b]: &[DVec3; 2]| Some([head(a)?, head(b)?]).filter(|[a, b]| a != b);
             match edit {
-                Edit::Join { places: [a, b] } => {
-                    let (Some(a), Some(b)) = (head(a), head(b)) else { continue };
-                    if a != b {
-                        found.join(a, b);
-                        found.met.push((number, leaves[a].id.region));
-                    }
+                Edit::Join { places } => {
+                    let Some(pair) = pair(places) else { continue };
+                    found.arranged.push((number, Arranged::Joined(pair)));
                 }
                 Edit::TakeApart { place } => {
                     let Some(head) = head(place) else { continue };
+                    found.arranged.retain(|(_, Arranged::Joined(pair) | Arranged::Copied(pair))| !pair.contains(&head));
                     found.apart.insert(head);
                     found.met.push((number, leaves[head].id.region));
                 }
-                Edit::Copy { places: [a, b] } => {
-                    if let (Some(a), Some(b)) = (head(a), head(b)) {
-                        found.copies.push((number, [a, b]));
-                    }
+                Edit::Copy { places } => {
+                    let Some(pair) = pair(places) else { continue };
+                    found.arranged.push((number, Arranged::Copied(pair)));
                 }
                 _ => {}
             }
         }
         found
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let mut all = vec![a, b];
-        self.joined.retain(|set| {
-            let is_joined = set.contains(&a) || set.contains(&b);
-            if is_joined {
-                all.extend(set);
-            }
-            !is_joined
-        });
-        all.sort_unstable();
-        all.dedup();
-        self.joined.push(all);
-    }
-
-    /// The electrodes that it begins with, each given by its heads.
-    pub(super) fn bases(&self) -> Vec<Vec<usize>> {
-        let joined = self.joined.iter();
-        let is_single = |head: &&usize| !self.joined.iter().any(|set| set.contains(head));
-        let first = self.copies.iter().map(|(_, [a, _])| a);
-        let single: BTreeSet<usize> = self.apart.iter().chain(first).filter(is_single).copied().collect();
-        joined.cloned().chain(single.into_iter().map(|head| vec![head])).collect()
     }
 }

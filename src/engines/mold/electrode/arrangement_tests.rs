@@ -101,17 +101,55 @@ fn an_electrode_has_the_name_holder_blank_and_material_that_it_is_given() {
         planned(&mold, &regions, &ElectrodeParams { names, ..common.clone() }).electrodes[0].clone()
     };
     let own = given(Given {
+        number: Some(7),
         name: Some("slot-A".to_owned()),
         holder: Some("large".to_owned()),
         blank_mm: Some([18.0, 14.0]),
         material: Some("graphite".to_owned()),
     });
-    assert_eq!((&own.name[..], &own.material[..], own.holder, own.number), ("slot-A", "graphite", Some(1), 1));
+    assert_eq!((&own.name[..], own.material(&common), own.holder, own.number), ("slot-A", "graphite", Some(1), 1));
     assert_eq!((own.blank.x, own.blank.y), (18.0, 14.0));
     let size = own.mesh.bounds().size();
     assert!((size.truncate() - DVec2::new(18.0, 14.0)).length() < 1e-9 && own.unmet.is_empty(), "{size}");
+    let renumbered = given(Given { number: Some(7), ..Given::default() });
+    assert_eq!((&renumbered.name[..], renumbered.number), ("E07", 1), "it stays the one with number 1");
     let too_small = given(Given { blank_mm: Some([8.0, 5.0]), ..Given::default() });
     assert!(too_small.unmet[0].contains("too small") && too_small.blank == plain.electrodes[0].blank);
     let too_large = given(Given { holder: Some("small".into()), blank_mm: Some([30.0, 30.0]), ..Given::default() });
     assert!(too_large.unmet[0].contains("too large for the holder") && too_large.holder == Some(1));
+}
+
+#[test]
+fn no_two_electrodes_have_one_name() {
+    let (mold, regions) = slots(&[([-20.0, 0.0], [8.0, 0.8]), ([20.0, 0.0], [6.0, 1.2])]);
+    let plain = planned(&mold, &regions, &params(GAP));
+    let named = |given: [Given; 2]| {
+        let names = plain.names.iter().zip(given).map(|(name, given)| GivenName { given, ..name.clone() }).collect();
+        let set = planned(&mold, &regions, &ElectrodeParams { names, ..params(GAP) });
+        set.electrodes.iter().map(|e| (e.name.clone(), e.unmet.len())).collect::<Vec<_>>()
+    };
+    let name = |name: &str| Given { name: Some(name.to_owned()), ..Given::default() };
+    assert_eq!(named([name("rib"), name("Rib")]), [("rib".to_owned(), 0), ("E02".to_owned(), 1)]);
+    let second = Given { number: Some(2), ..Given::default() };
+    assert_eq!(named([second, Given::default()]), [("E01".to_owned(), 1), ("E02".to_owned(), 0)]);
+    // Numbers can be exchanged.
+    let [one, two] = [1, 2].map(|number| Given { number: Some(number), ..Given::default() });
+    assert_eq!(named([two, one]), [("E02".to_owned(), 0), ("E01".to_owned(), 0)]);
+}
+
+#[test]
+fn an_automatic_group_is_joined_and_copied_as_a_whole_and_later_changes_prevail() {
+    let near = |x: f64| [([x, 0.0], [6.0, 0.8]), ([x, 4.0], [5.0, 1.2])];
+    let (mold, regions) = slots(&[near(-18.0), near(18.0)].concat());
+    let apart = ElectrodeParams { share: false, ..params(GAP) };
+    let with = |edits: Vec<Edit>| planned(&mold, &regions, &ElectrodeParams { edits, ..apart.clone() });
+    assert_eq!(burned(&with(Vec::new())), [vec![2], vec![2]]);
+    let copy = Edit::Copy { places: [at(-18.0, 0.0), at(18.0, 0.0)] };
+    let set = with(vec![copy]);
+    assert_eq!((burned(&set), set.unmet_edits()), (vec![vec![2, 2]], Vec::new()));
+    let join = Edit::Join { places: [at(-18.0, 0.0), at(18.0, 4.0)] };
+    assert_eq!(burned(&with(vec![join])), [vec![4]]);
+    let take = Edit::TakeApart { place: at(18.0, 4.0) };
+    assert_eq!(burned(&with(vec![join, take])), [vec![1], vec![1], vec![2]]);
+    assert_eq!(burned(&with(vec![take, join])), [vec![1], vec![3]]);
 }

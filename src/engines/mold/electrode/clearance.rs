@@ -62,11 +62,10 @@ impl Obstacle {
     pub(super) fn hangs_over(&self, p: DVec3, within: f64) -> bool {
         /// Directions in which it is looked for.
         const AROUND: usize = 8;
-        let is_over = |p: DVec3| self.is_hidden(p, DVec3::Z);
+        // From within the mold every way leads through it.
+        let is_over = |p: DVec3| self.mesh.nearest(p).signed_distance > 0.0 && self.is_hidden(p, DVec3::Z);
         let around = |i: usize| (DVec2::from_angle(i as f64 * 2.0 * PI / AROUND as f64) * within).extend(0.0);
-        // Beside a wall that stands upright the way there leads into the mold.
-        let is_beside = |off: DVec3| self.mesh.nearest(p + off).signed_distance > 0.0 && is_over(p + off);
-        is_over(p) || (0..AROUND).map(around).any(is_beside)
+        is_over(p) || (within > 0.0 && (0..AROUND).map(around).any(|off| is_over(p + off)))
     }
 
     /// Least distance of the electrode from the mold (mm), in the burning position and on its way straight up by `lift`

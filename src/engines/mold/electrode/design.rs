@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::base::Base;
 use super::burn_direction::BurnProposal;
+use super::check::watertight;
 use super::division::Cut;
 use super::finding::{CheckKind, Finding};
 use super::h_edge::EdgeChain;
@@ -136,8 +137,8 @@ pub struct Electrode {
     pub family: Family,
     /// Tips of the other stages that stand on the base.
     pub others: Mesh,
-    /// Material.
-    pub material: String,
+    /// Material, where it is not that of all.
+    pub material: Option<String>,
     /// What of the user's wishes for it could not be met, in words.
     pub unmet: Vec<String>,
     /// The other way to burn places of its shape, if there is one.
@@ -158,7 +159,9 @@ pub struct OtherWay {
 impl OtherWay {
     /// Number of electrodes.
     pub fn electrodes(&self) -> usize {
-        if self.is_of_burns() { 1 } else { self.at_once.len() }
+        // Places by themselves share one.
+        let several = self.at_once.iter().filter(|places| places.len() > 1).count();
+        several + usize::from(several < self.at_once.len())
     }
 
     /// Its figures in words, beside the duration of the present way (minutes).
@@ -180,14 +183,17 @@ impl OtherWay {
 }
 
 impl Electrode {
+    /// Its material, that of all unless it has its own.
+    pub fn material<'a>(&'a self, params: &'a ElectrodeParams) -> &'a str {
+        self.material.as_deref().unwrap_or(&params.material)
+    }
+
     /// Takes what the user gave it.
     ///
     /// # Errors
     /// [`SolidError`].
     pub(super) fn as_given(&mut self, given: &Given, params: &ElectrodeParams) -> Result<(), SolidError> {
-        if let Some(material) = &given.material {
-            self.material.clone_from(material);
-        }
+        self.material.clone_from(&given.material);
         if let Some([x, y]) = given.blank_mm {
             let needed = self.tips.bounds().size().truncate() + 2.0 * params.base_margin_mm.min(MOST_MARGIN);
             if self.family.name().is_some() {
@@ -198,10 +204,21 @@ impl Electrode {
                     "the blank of {x} x {y} mm is too small: its heads need {a:.2} x {b:.2} mm; give a larger one"
                 ));
             } else {
-                self.base = Base { sides: DVec2::new(x, y), is_round: false, ..self.base };
-                self.mesh = self.base.with_tips(std::slice::from_ref(&self.tips))?;
-                self.blank = self.base.sides.extend(self.blank.z);
-                self.holder = self.base.holder(params);
+                // The chamfer stays beside the heads.
+                let beside = (0.5 * (DVec2::new(x, y) - self.tips.bounds().size().truncate())).min_element();
+                let corner = self.base.corner.min(0.9 * beside);
+                let base = Base { sides: DVec2::new(x, y), is_round: false, corner, ..self.base };
+                match base.with_tips(std::slice::from_ref(&self.tips)) {
+                    Ok(mesh) if watertight(&mesh).holds => {
+                        (self.base, self.mesh) = (base, mesh);
+                        self.blank = self.base.sides.extend(self.blank.z);
+                        self.holder = self.base.holder(params);
+                    }
+                    Err(SolidError::Cancelled(cancelled)) => return Err(SolidError::Cancelled(cancelled)),
+                    _ => self
+                        .unmet
+                        .push(format!("its heads and a blank of {x} x {y} mm make no closed body: give another size")),
+                }
             }
         }
         if let Some(name) = &given.holder {

@@ -205,13 +205,15 @@ pub fn divide(
     // A head without inner edges needs no look, unless it consists of several.
     let is_simple = part.inner.is_empty() && shapes(&part.footprint).len() < 2;
     let rest = if is_simple { RestMaterial::default() } else { rest_material(&part, settings, cancel)? };
-    Ok(divided(burned, (part, rest), settings, (deepest, AHEAD), cancel)?.0)
+    let by_whole = if rest.size > 0.0 { burned.by(&part.body) } else { Vec::new() };
+    Ok(divided((burned, &by_whole), (part, rest), settings, (deepest, AHEAD), cancel)?.0)
 }
 
-/// A part, divided as long as that leaves less, and the size of what the cutters leave of its heads. `ahead` divisions
-/// one after another may take H-edges away alone.
+/// A part, divided as long as that leaves less, and the size of what the cutters leave of its heads. `by_whole` tells how
+/// far places are from what the head of the whole region burns (mm). `ahead` divisions one after another may take H-edges
+/// away alone.
 fn divided(
-    burned: &Burned,
+    (burned, by_whole): (&Burned, &[f64]),
     (mut part, rest): (Part, RestMaterial),
     settings: &DivisionSettings,
     (deeper, ahead): (usize, usize),
@@ -233,7 +235,10 @@ fn divided(
         let open = halves.parts.iter().filter(|(_, rest)| rest.is_open).count();
         let figures = [open as f64, left, edges_left, halves.mouth];
         let is_better = (is_less || is_on_the_way) && best.as_ref().is_none_or(|(least, ..)| figures < *least);
-        if is_better && (halves.lacks_thin || burned.is_by_all(&own, halves.parts.iter().map(|(part, _)| &part.body))) {
+        if is_better
+            && (halves.lacks_thin
+                || burned.is_by_all([by_whole, &own], halves.parts.iter().map(|(part, _)| &part.body)))
+        {
             best = Some((figures, cut, halves));
         }
         if best.as_ref().is_some_and(|([open, least, ..], ..)| *open == 0.0 && *least == 0.0) {
@@ -242,7 +247,7 @@ fn divided(
     }
     let Some(([_, left, ..], cut, halves)) = best else { return Ok((part, rest.size)) };
     let ahead = if left <= LESS * rest.size { AHEAD } else { ahead - 1 };
-    let further = |half| divided(burned, half, settings, (deeper - 1, ahead), cancel);
+    let further = |half| divided((burned, by_whole), half, settings, (deeper - 1, ahead), cancel);
     let parts: Vec<(Part, f64)> = halves.parts.into_iter().map(further).collect::<Result<_, _>>()?;
     let left: f64 = parts.iter().map(|(_, left)| left).sum();
     if left > LESS * rest.size {

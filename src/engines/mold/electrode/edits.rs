@@ -93,8 +93,12 @@ fn halve(burned: &Burned, part: &mut Part, cut: Cut, settings: &DivisionSettings
     if halves.len() < 2 {
         return Ok(false);
     }
-    let halves = halves.into_iter().map(|f| whole(burned, f, settings)).collect::<Result<Vec<_>, _>>()?;
-    part.divided = Some((cut, halves));
+    match halves.into_iter().map(|f| whole(burned, f, settings)).collect::<Result<Vec<_>, _>>() {
+        Ok(halves) => part.divided = Some((cut, halves)),
+        // A cut that leaves no head on one side divides nothing.
+        Err(TipError::NoRoom | TipError::NoSurface | TipError::Solid(_)) => return Ok(false),
+        Err(other) => return Err(other),
+    }
     Ok(true)
 }
 
@@ -172,8 +176,7 @@ pub(super) fn named(
 }
 
 /// For each region those of the changes that say whether it is burned, how it is made and from where, by their places in
-/// the list: each is
-/// for the region nearest to its place, if that is near enough.
+/// the list: each is for the region nearest to its place, if that is near enough.
 pub(super) fn pointed_at(regions: &[RegionToBurn], edits: &[Edit]) -> Vec<Vec<usize>> {
     let mut of = vec![Vec::new(); regions.len()];
     for (number, edit) in edits.iter().enumerate() {

@@ -11,7 +11,7 @@ use super::design::{Electrode, Family, PartId, RegionPlan};
 use super::edits::TOUCHES;
 use super::edits::off_in_plan;
 use super::family::parts;
-use super::params::{ElectrodeParams, GivenName};
+use super::params::{ElectrodeParams, Given, GivenName};
 use super::part_numbers::{Numbered, Parts};
 use super::setting::{RegionToBurn, to_burn_frame};
 use crate::outline::Outline;
@@ -52,13 +52,14 @@ pub(super) fn named(
             last
         }));
     }
+    let shorts = short_names(&number_of, &given, params);
     for (electrode, form) in electrodes.iter_mut().zip(form_of) {
         let (number, stage) = (number_of[form], &params.stages[electrode.stage].name);
-        let own = given.iter().find(|name| name.number == number).map(|name| &name.given);
-        let short = own.and_then(|own| own.name.clone()).unwrap_or_else(|| format!("E{number:02}"));
+        let (short, unmet) = shorts[form].clone();
         electrode.number = number;
-        if let Some(own) = own {
-            electrode.as_given(own, params)?;
+        electrode.unmet.extend(unmet);
+        if let Some(own) = given.iter().find(|name| name.number == number) {
+            electrode.as_given(&own.given, params)?;
         }
         electrode.name = if params.stages.len() == 1 { short.clone() } else { format!("{short}-{stage}") };
         if let Family::Member { name, .. } = &mut electrode.family {
@@ -66,6 +67,42 @@ pub(super) fn named(
         }
     }
     Ok(given)
+}
+
+/// The name of each of these numbers without its stage, and why it is not the one that the user gave, if so. No two are
+/// the same, also where case does not count.
+fn short_names(numbers: &[usize], given: &[GivenName], params: &ElectrodeParams) -> Vec<(String, Option<String>)> {
+    let own = |number: usize| given.iter().find(|name| name.number == number).map(|name| &name.given);
+    let plain = |number: usize| format!("E{number:02}");
+    let is_free = |given: &Given| given.number.is_none() && given.name.is_none();
+    let mut taken: Vec<String> = Vec::new();
+    let mut names: Vec<Option<(String, Option<String>)>> = vec![None; numbers.len()];
+    // Those without a name of their own first.
+    let mut order: Vec<usize> = (0..numbers.len()).collect();
+    order.sort_by_key(|i| !own(numbers[*i]).is_none_or(is_free));
+    for i in order {
+        let number = numbers[i];
+        let asked = own(number).and_then(|own| own.name.clone().or(own.number.map(plain)));
+        let ends_with_stage =
+            |name: &str| params.stages.iter().any(|stage| name.ends_with(&format!("-{}", stage.name)));
+        let is_taken = |name: &str| taken.contains(&name.to_ascii_lowercase()) || ends_with_stage(name);
+        names[i] = Some(match asked {
+            Some(name) if is_taken(&name) => {
+                let unmet =
+                    format!("the name {name} is that of another electrode, or ends with a stage: choose another one");
+                // A number of its own is free but where it was given to another.
+                let mut own = plain(number);
+                while taken.contains(&own.to_ascii_lowercase()) {
+                    own.push('b');
+                }
+                (own, Some(unmet))
+            }
+            Some(name) => (name, None),
+            None => (plain(number), None),
+        });
+        taken.extend(names[i].iter().map(|(name, _)| name.to_ascii_lowercase()));
+    }
+    names.into_iter().flatten().collect()
 }
 
 /// For each of these sets of parts the number that was given to most of it, each number once.

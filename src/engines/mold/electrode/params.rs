@@ -362,6 +362,9 @@ pub struct GivenName {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Given {
+    /// Number in its name, instead of the one that it got.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub number: Option<usize>,
     /// Name, instead of `E` and the number.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
@@ -386,6 +389,9 @@ impl Given {
         if self.name.as_ref().is_some_and(|name| !is_plain(name)) {
             return Err(Invalid::of("name", "must consist of letters, digits, - and _: file names carry it"));
         }
+        if self.name.as_ref().is_some_and(|name| is_numbered(name)) {
+            return Err(Invalid::of("name", "E and a number is the name of electrodes without another: give a number"));
+        }
         match self.blank_mm {
             Some(sides) => {
                 sides.into_iter().try_for_each(|side| Invalid::unless_within("blank_mm", side, [1.0, 1000.0], "mm"))
@@ -393,6 +399,12 @@ impl Given {
             None => Ok(()),
         }
     }
+}
+
+/// Whether a name is `E` and a number.
+fn is_numbered(name: &str) -> bool {
+    let digits = name.strip_prefix(['E', 'e']).unwrap_or_default();
+    !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit())
 }
 
 /// Whether a name is one of letters, digits, `-` and `_`.
@@ -538,10 +550,6 @@ impl Validate for ElectrodeParams {
         }
         for (i, name) in self.names.iter().enumerate() {
             name.given.validate().map_err(|problem| problem.within(&format!("names[{i}].given")))?;
-            let is_same = |other: &GivenName| other.given.name.is_some() && other.given.name == name.given.name;
-            if self.names[..i].iter().any(is_same) {
-                return Err(Invalid::of(format!("names[{i}].given.name"), "another electrode has this name"));
-            }
         }
         let is_holder = |h: &Holder| h.size_mm.iter().chain([&h.height_mm]).all(|v| v.is_finite() && *v > 0.0);
         if let Some(bad) = self.holders.iter().find(|h| !is_holder(h)) {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::arrangement::Arrangement;
+use super::arrangement::{Arranged, Arrangement};
 use super::base::placed;
 use super::combine::Form;
 use super::design::{Burn, Electrode, ElectrodeSet, PartId, PartNode, RegionPlan};
@@ -91,11 +91,12 @@ fn plan_stages(
             let division = division_settings(params, cutters, is_last);
             let leaves = leaves(&setting, regions, (&here, number, &division), (found, known), params, &task.cancel)?;
             task.report("sharing", done, &stage.name);
-            let arrangement = Arrangement::of(&leaves, &params.edits, (regions, &plans, &parts));
-            let (shared, copied) = shared(&setting, (&leaves, &arrangement), regions, cutters, params, &task.cancel)?;
-            let copies = arrangement.copies.iter().filter(|(edit, _)| copied.contains(edit));
-            let copies = copies.map(|(edit, [a, _])| (*edit, leaves[*a].id.region));
-            arrangement.met.iter().copied().chain(copies).for_each(|(edit, region)| plans[region].edits.push(edit));
+            let arrangement = Arrangement::of(&leaves, &params.edits, (regions, &plans, &parts), number);
+            let (shared, met) = shared(&setting, (&leaves, &arrangement), regions, cutters, params, &task.cancel)?;
+            let arranged = arrangement.arranged.iter().filter(|(edit, _)| met.contains(edit));
+            let arranged = arranged
+                .map(|(edit, Arranged::Joined([a, _]) | Arranged::Copied([a, _]))| (*edit, leaves[*a].id.region));
+            arrangement.met.iter().copied().chain(arranged).for_each(|(edit, region)| plans[region].edits.push(edit));
             for group in &shared {
                 match assembled(&setting, &leaves, group, (number, params, cutters)) {
                     Ok(electrode) => electrodes.push(electrode),
@@ -134,12 +135,9 @@ fn with_volumes(
         let stage = electrode.stage;
         let is_it = |id: &PartId, part: &&Numbered| (part.stage, part.number) == (stage, id.part);
         let front = |id: &PartId| parts[id.region].iter().find(|part| is_it(id, part)).and_then(|part| part.front);
-        // Each place is burned by the tip in the same place of the list.
-        let own: Vec<PartId> = electrode.burns.first().map(|burn| burn.parts.clone()).unwrap_or_default();
-        let fronts: Vec<f64> = own.iter().map(|id| front(id).unwrap_or(0.0)).collect();
         for burn in &mut electrode.burns {
             let volume = |id: &PartId| volumes.get(&(stage, *id)).copied().unwrap_or(0.0);
-            let tips: Vec<(f64, f64)> = burn.parts.iter().map(volume).zip(fronts.iter().copied()).collect();
+            let tips: Vec<(f64, f64)> = burn.parts.iter().map(|id| (volume(id), front(id).unwrap_or(0.0))).collect();
             burn.volume = tips.iter().map(|(volume, _)| volume).sum();
             burn.minutes = params.removal.minutes_of_tips(&tips, params.stages[stage].finish_vdi);
         }

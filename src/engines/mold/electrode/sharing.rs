@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::arrangement::Arrangement;
+use super::arrangement::{Arranged, Arrangement};
 use super::base::{Base, INTO_BASE, placed};
 use super::burning::Burning;
 use super::clearance::Obstacle;
@@ -32,6 +32,7 @@ pub(super) struct Leaf {
 }
 
 /// One electrode for several leaves: which, turned and shifted how.
+#[derive(Clone)]
 pub(super) struct Shared {
     /// The leaves of the first burn.
     pub(super) leaves: Vec<usize>,
@@ -48,6 +49,23 @@ impl Shared {
 
     fn holds(&self, leaf: usize) -> bool {
         self.burns.iter().any(|(.., own)| own.contains(&leaf))
+    }
+
+    /// It without places that another electrode burns: none of it where nothing is left, and several where its first
+    /// burn is gone.
+    fn without(self, gone: &[usize]) -> Vec<Self> {
+        if !self.burns.iter().any(|(.., own)| own.iter().any(|leaf| gone.contains(leaf))) {
+            return vec![self];
+        }
+        let left = |own: &[usize]| -> Vec<usize> { own.iter().copied().filter(|leaf| !gone.contains(leaf)).collect() };
+        let is_whole = |own: &[usize]| left(own).len() == own.len();
+        if is_whole(&self.burns[0].2) {
+            let (whole, part): (Vec<_>, Vec<_>) = self.burns.into_iter().partition(|(.., own)| is_whole(own));
+            let rest = part.iter().map(|(.., own)| left(own)).filter(|own| !own.is_empty()).map(Self::of);
+            let rest: Vec<Self> = rest.collect();
+            return [vec![Self { burns: whole, ..self }], rest].concat();
+        }
+        self.burns.iter().map(|(.., own)| left(own)).filter(|own| !own.is_empty()).map(Self::of).collect()
     }
 }
 
@@ -103,7 +121,7 @@ impl Comparison<'_> {
 const NEAR: f64 = 1.0;
 
 /// Groups of leaves that one electrode burns: as the user arranges them, and else congruent ones at several positions
-/// and near ones at once. Also tells which of the user's copies are made.
+/// and near ones at once. Also tells which of the user's changes are made.
 pub(super) fn shared(
     setting: &Setting,
     (leaves, arrangement): (&[Leaf], &Arrangement),
@@ -114,24 +132,8 @@ pub(super) fn shared(
 ) -> Result<(Vec<Shared>, Vec<usize>), ElectrodeError> {
     let mold = Obstacle::new(&setting.mold)?.stopped_by(cancel);
     let comparison = Comparison { setting, mold, leaves, regions, params, cancel };
-    let mut by_hand: Vec<Shared> = arrangement.bases().into_iter().map(Shared::of).collect();
-    let mut copied = Vec::new();
-    for (edit, [a, b]) in &arrangement.copies {
-        cancel.check()?;
-        let Some(from) = by_hand.iter().position(|group| group.leaves.contains(a) && !group.holds(*b)) else {
-            continue;
-        };
-        let Some(burn) = comparison.copied(&by_hand[from].leaves, [*a, *b]) else { continue };
-        // What is burned by the copy needs no other electrode.
-        by_hand.retain(|group| !group.leaves.iter().all(|leaf| burn.2.contains(leaf)));
-        if let Some(group) = by_hand.iter_mut().find(|group| group.leaves.contains(a)) {
-            group.burns.push(burn);
-            copied.push(*edit);
-        }
-    }
-    let is_free = |leaf: &usize| !by_hand.iter().any(|group| group.holds(*leaf));
     let mut groups: Vec<Shared> = Vec::new();
-    for i in (0..leaves.len()).filter(is_free) {
+    for i in (0..leaves.len()).filter(|i| !arrangement.apart.contains(i)) {
         cancel.check()?;
         // Looked for once there is a tip that may be laid onto it.
         let mut own: Option<Own> = None;
@@ -157,9 +159,49 @@ pub(super) fn shared(
     }
     let single: Vec<usize> = single.iter().map(|group| group.leaves[0]).collect();
     several.extend(together(&single).into_iter().map(Shared::of));
-    several.extend(by_hand);
+    several.extend(arrangement.apart.iter().map(|leaf| Shared::of(vec![*leaf])));
+    let mut met = Vec::new();
+    for (edit, arranged) in &arrangement.arranged {
+        cancel.check()?;
+        let of = |leaf: usize, all: &[Shared]| all.iter().position(|group| group.holds(leaf));
+        match arranged {
+            Arranged::Joined([a, b]) => {
+                // A place that shares an electrode gets a head of its own for it.
+                for leaf in [*a, *b] {
+                    if let Some(g) = of(leaf, &several).filter(|g| several[*g].burns.len() > 1) {
+                        let rest = several.remove(g).without(&[leaf]);
+                        several.extend(rest.into_iter().chain([Shared::of(vec![leaf])]));
+                    }
+                }
+                let (Some(one), Some(other)) = (of(*a, &several), of(*b, &several)) else { continue };
+                if one != other {
+                    let [low, high] = [one.min(other), one.max(other)];
+                    let heads = [several.remove(high).leaves, several.remove(low).leaves].concat();
+                    several.push(Shared::of(sorted(heads)));
+                }
+                met.push(*edit);
+            }
+            Arranged::Copied([a, b]) => {
+                let Some(from) = of(*a, &several).filter(|from| !several[*from].holds(*b)) else { continue };
+                // The head that burns the first place.
+                let at = several[from].burns.iter().find_map(|(.., own)| own.iter().position(|leaf| leaf == a));
+                let Some(head) = at.and_then(|at| several[from].leaves.get(at).copied()) else { continue };
+                let Some(burn) = comparison.copied(&several[from].leaves, [head, *b]) else { continue };
+                let mut group = several.remove(from);
+                several = several.into_iter().flat_map(|other| other.without(&burn.2)).collect();
+                group.burns.push(burn);
+                several.push(group);
+                met.push(*edit);
+            }
+        }
+    }
     several.sort_by_key(|g| g.leaves[0]);
-    Ok((several, copied))
+    Ok((several, met))
+}
+
+fn sorted(mut leaves: Vec<usize>) -> Vec<usize> {
+    leaves.sort_unstable();
+    leaves
 }
 
 /// The electrodes that burn the places of a group by a head for each where they stand near one another.
@@ -169,7 +211,23 @@ fn heads_of(group: Shared, together: &dyn Fn(&[usize]) -> Vec<Vec<usize>>) -> Ve
     if sets.len() == all.len() {
         return vec![group];
     }
-    sets.into_iter().map(|set| Shared { is_repeated: set.len() > 1, ..Shared::of(set) }).collect()
+    let (alone, at_once): (Vec<_>, Vec<_>) = sets.into_iter().partition(|set| set.len() == 1);
+    let at_once = at_once.into_iter().map(|set| Shared { is_repeated: true, ..Shared::of(set) });
+    // Places by themselves share one head as before.
+    let mut alone = alone.into_iter().flatten();
+    let place = |leaf: usize| group.burns.iter().find(|(.., own)| own.contains(&leaf));
+    let first = alone.next().and_then(|leaf| Some((leaf, place(leaf)?)));
+    let one_head = first.map(|(leaf, (from, at, _))| {
+        let mut shared = Shared::of(vec![leaf]);
+        shared.burns.extend(alone.filter_map(|other| {
+            let (turn, shift, _) = place(other)?;
+            let by = turn - from;
+            let back = DVec2::from_angle(by).rotate(at.truncate()).extend(at.z);
+            Some((by, *shift - back, vec![other]))
+        }));
+        shared
+    });
+    at_once.chain(one_head).collect()
 }
 
 /// The other way to burn the places of a group, without its duration; none if they are of several shapes or there is
@@ -299,7 +357,7 @@ pub(super) fn assembled(
         base,
         family: Default::default(),
         others: Mesh::default(),
-        material: params.material.clone(),
+        material: None,
         unmet: Vec::new(),
         other_way,
     })

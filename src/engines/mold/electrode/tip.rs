@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use glam::{DVec2, DVec3};
 
 use super::burning::Burning;
+use super::division::CELL;
 use super::footprint::{grown, grown_pieces, shrunk};
 use super::params::{Method, Stage};
 use crate::outline::Outline;
@@ -90,13 +91,18 @@ impl Burned<'_> {
         }
     }
 
-    /// Whether these tips together burn what one of them all did, given how far the places are from that.
-    pub(super) fn is_by_all<'m>(&self, by_one: &[f64], tips: impl Iterator<Item = &'m Mesh>) -> bool {
-        /// By how much less a place may be burned (mm): faces are known so well, and corners of parts are rounded.
+    /// Whether tips together burn what one did that they are parts of, given how far the places are from what the head
+    /// of the whole region burns and from what that one does.
+    pub(super) fn is_by_all<'m>(&self, [by_whole, by_one]: [&[f64]; 2], tips: impl Iterator<Item = &'m Mesh>) -> bool {
+        /// By how much less a place may be burned than by the whole (mm): faces are known so well, and corners of parts
+        /// are rounded.
         const LESS: f64 = 0.015;
         let by_each: Vec<Vec<f64>> = tips.map(|tip| self.by(tip)).collect();
         let least = |i: usize| by_each.iter().map(|by| by[i]).fold(f64::INFINITY, f64::min);
-        by_one.iter().enumerate().all(|(i, off)| *off > self.gap_across || least(i) <= off.max(0.0) + LESS)
+        let enough = |i: usize| by_whole[i].max(0.0) + LESS;
+        // What lies further off than that is none of the head's.
+        let is_asked = |i: &usize| by_whole[*i] <= self.gap_across + CELL && by_one[*i] <= enough(*i);
+        (0..by_one.len()).filter(is_asked).all(|i| least(i) <= enough(i))
     }
 }
 

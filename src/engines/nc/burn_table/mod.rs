@@ -370,7 +370,7 @@ fn entry(set: &ElectrodeSet, e: usize, axes: &DAffine3) -> ElectrodeEntry {
         name: electrode.name.clone(),
         state: ElectrodeState::of(set, e, &params.overrides),
         stage: stage.name.clone(),
-        material: electrode.material.clone(),
+        material: electrode.material(params).to_owned(),
         shape: params.shape,
         gap_mm: stage.gap_mm,
         orbit: OrbitEntry {

@@ -289,7 +289,7 @@ mod tests {
             base: Base { sides: DVec2::ONE, is_round: false, height: 1.0, corner: 0.0 },
             family: Default::default(),
             others: Default::default(),
-            material: String::new(),
+            material: None,
             unmet: Vec::new(),
             other_way: None,
         }

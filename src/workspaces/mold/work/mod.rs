@@ -544,9 +544,11 @@ fn is_as_shown(shown: &ElectrodeSet, now: &ElectrodeSet) -> bool {
     bodies(shown) == bodies(now) && shown.checks == now.checks
 }
 
-/// The parameters that electrodes depend on: neither overrides nor former names, which they keep.
+/// The parameters that electrodes depend on: neither overrides nor former names, which they keep, but what the user gave
+/// them.
 fn design_question(question: Question, electrodes: &ElectrodeParams) -> DesignQuestion {
-    let (overrides, names, material) = (Vec::new(), Vec::new(), String::new());
+    let (overrides, material) = (Vec::new(), String::new());
+    let names = electrodes.names.iter().filter(|name| !name.given.is_nothing()).cloned().collect();
     (question, ElectrodeParams { overrides, names, material, ..electrodes.clone() })
 }
 

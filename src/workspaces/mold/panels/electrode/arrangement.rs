@@ -65,16 +65,15 @@ fn join(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, electrode: usize) {
 fn take_apart(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, own: &Electrode) {
     let all: Vec<DVec3> = places(made, &own.parts());
     let button = ui.add_enabled(all.len() > 1, egui::Button::new("Take apart"));
-    let button = button.on_disabled_hover_text("It has one head that burns one place");
+    let why_not = if own.parts().len() > 1 {
+        "Only electrodes of the last stage that burn straight down are taken apart"
+    } else {
+        "It has one head that burns one place"
+    };
+    let button = button.on_disabled_hover_text(why_not);
     if button.on_hover_text("An electrode of its own for each place").clicked() {
-        change(desk, |params| {
-            let edits = &mut params.electrodes.edits;
-            // Places that were joined by hand or copied are no more.
-            edits.retain(|edit| {
-                !matches!(edit, Edit::Join { places } | Edit::Copy { places } if places.iter().any(|p| all.contains(p)))
-            });
-            edits.extend(all.iter().map(|place| Edit::TakeApart { place: *place }));
-        });
+        let apart = all.iter().map(|place| Edit::TakeApart { place: *place });
+        change(desk, |params| params.electrodes.edits.extend(apart));
     }
 }
 
@@ -120,11 +119,12 @@ fn other_way(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, own: &Electrode)
 fn given(ui: &mut Ui, desk: &mut MoldDesk, own: &Electrode) {
     let params = desk.document.params();
     let Some(at) = params.electrodes.names.iter().position(|name| name.number == own.number) else { return };
-    let (mut given, mut number) = (params.electrodes.names[at].given.clone(), own.number);
+    let mut given = params.electrodes.names[at].given.clone();
+    let mut number = given.number.unwrap_or(own.number);
     let before = given.clone();
     let common = params.electrodes.material.clone();
     let holders: Vec<String> = params.electrodes.holders.iter().map(|holder| holder.name.clone()).collect();
-    named(ui, "Name", |ui, label| text(ui, label, &mut given.name, &format!("E{:02}", own.number)));
+    named(ui, "Name", |ui, label| name(ui, label, &mut given, own));
     named(ui, "Number", |ui, _| {
         ui.add(DragValue::new(&mut number).range(1..=9999).update_while_editing(false));
     });
@@ -138,18 +138,10 @@ fn given(ui: &mut Ui, desk: &mut MoldDesk, own: &Electrode) {
         });
     });
     named(ui, "Blank", |ui, _| blank(ui, &mut given, own));
-    named(ui, "Material", |ui, label| text(ui, label, &mut given.material, &common));
+    named(ui, "Material", |ui, label| text(ui, label.with(own.number), label, &mut given.material, &common));
+    given.number = (number != own.number).then_some(number);
     if given != before {
         change(desk, |params| params.electrodes.names[at].given = given);
-    } else if number != own.number {
-        change(desk, |params| {
-            // Two electrodes exchange their numbers.
-            let names = &mut params.electrodes.names;
-            if let Some(other) = names.iter_mut().find(|name| name.number == number) {
-                other.number = own.number;
-            }
-            names[at].number = number;
-        });
     }
 }
 
@@ -166,9 +158,17 @@ fn blank(ui: &mut Ui, given: &mut Given, own: &Electrode) {
     });
 }
 
+/// The name: characters that no file name may carry become hyphens.
+fn name(ui: &mut Ui, label: egui::Id, given: &mut Given, own: &Electrode) {
+    let common = format!("E{:02}", given.number.unwrap_or(own.number));
+    text(ui, label.with(own.number), label, &mut given.name, &common);
+    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
+    // The usual name is none of its own.
+    given.name = given.name.take().map(|name| name.chars().map(plain).collect()).filter(|name| *name != common);
+}
+
 /// A text beside a label that is taken when it is left; empty for what is common to all.
-fn text(ui: &mut Ui, label: egui::Id, value: &mut Option<String>, common: &str) {
-    let id = label.with("text");
+fn text(ui: &mut Ui, id: egui::Id, label: egui::Id, value: &mut Option<String>, common: &str) {
     let mut now = ui.data_mut(|d| d.get_temp(id)).unwrap_or_else(|| value.clone().unwrap_or_default());
     let edit = ui.add(TextEdit::singleline(&mut now).hint_text(common).desired_width(120.0)).labelled_by(label);
     if edit.has_focus() {
