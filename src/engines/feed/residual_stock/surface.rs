@@ -104,7 +104,7 @@ fn part(site: &Site, passage: &Passage, corners: [DVec3; 3]) -> Option<([DVec3; 
 
 /// Whether a small triangle reaches further than the spark gap beyond the edges of the blades, or lies in the flat end
 /// of a blade.
-fn is_beside_blades(passage: &Passage, corners: [DVec3; 3], spark_gap: f64) -> bool {
+pub(super) fn is_beside_blades(passage: &Passage, corners: [DVec3; 3], spark_gap: f64) -> bool {
     /// Part of a normal along the passage from which on a face is an end.
     const END: f64 = 0.995;
     let [from, to] = passage.span;

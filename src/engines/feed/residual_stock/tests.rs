@@ -317,3 +317,27 @@ fn what_lies_beside_the_blades_is_no_surface_of_the_channel() {
     let furthest = found.map.mesh.vertices.iter().map(along).fold(f64::NEG_INFINITY, f64::max);
     assert!((to - 0.45..=to + GAP).contains(&furthest), "{furthest} {to}");
 }
+
+#[test]
+fn pieces_that_reach_beyond_the_edges_and_flat_ends_of_blades_lie_beside_the_blades() {
+    let passage = Passage::new(&PART.channel).unwrap();
+    let [_, to] = passage.span;
+    // The channel is straight: along it goes X.
+    let at = |x: f64, r: f64, turn: f64| DVec3::new(x, r * turn.cos(), r * turn.sin());
+    let along = |x: f64| passage.along_and_height(at(x, 95.0, 0.0))[0];
+    let x_of = |s: f64| 5.0 + (s - along(5.0)) / (along(6.0) - along(5.0));
+    let is_beside = |corners: [DVec3; 3]| surface::is_beside_blades(&passage, corners, GAP);
+    // A piece of the hub that begins within the blades.
+    let hub = |end: f64| {
+        is_beside([at(x_of(to - 0.2), 90.0, 0.0), at(x_of(end), 90.0, 0.0), at(x_of(to - 0.2), 90.0, 0.005)])
+    };
+    assert!(!hub(to + 0.5 * GAP) && hub(to + 3.0 * GAP));
+    // A face across the passage at its end is one of a blade's; the same far within is a step of the wall.
+    let across = |s: f64| {
+        let x = x_of(s);
+        is_beside([at(x, 95.0, 0.0), at(x, 95.0, 0.005), at(x, 95.4, 0.0)])
+    };
+    assert!(across(to) && !across(0.5 * (passage.span[0] + to)));
+    // A wall along the passage up to its end is part of the channel.
+    assert!(!is_beside([at(x_of(to - 0.3), 95.0, 0.0), at(x_of(to), 95.0, 0.0), at(x_of(to), 95.3, 0.0)]));
+}
