@@ -145,6 +145,7 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
             "nothing was written: give --out DIR for electrode files, burn table, burn sheet and report".to_owned(),
         );
     }
+    lines.extend(uncut.stack.warnings.iter().map(|warning| format!("warning: {warning}")));
     let is_whole = uncut.is_whole();
     if !is_whole {
         lines.push("the rest material is not known for all of the mold: see `sparkpath uncut`".to_owned());
@@ -235,9 +236,6 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport, axes: &DAffine3) -> Vec<
     lines.extend(corners(set, axes));
     let idle = set.idle_overrides(&set.params.overrides);
     lines.extend(idle.into_iter().map(|(o, why)| format!("override {o}: {why}")));
-    lines.extend(report.unmet_edits.iter().map(|edit| {
-        format!("the change \"{edit}\" has no effect: its place is in no region, or nothing changes there")
-    }));
     lines
 }
 

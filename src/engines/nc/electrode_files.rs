@@ -157,7 +157,9 @@ pub fn why_blocked(set: &ElectrodeSet, electrode: usize) -> Option<String> {
         let names: Vec<&str> = others.map(|e| set.electrodes[e].name.as_str()).collect();
         return Some(format!("it is one body with {}, of which a check fails", names.join(", ")));
     }
-    Some(format!("{}; correct it, or release it by its name, {}", told.join("; "), set.electrodes[electrode].name))
+    let name = &set.electrodes[electrode].name;
+    let releases: Vec<String> = fails(electrode).map(|finding| format!("{name}:{}", finding.kind.name())).collect();
+    Some(format!("{}; correct it, or release it by the override {}", told.join("; "), releases.join(", ")))
 }
 
 /// Names of the electrodes' files without their endings, all different even where small and large letters are the same;

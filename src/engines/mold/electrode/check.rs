@@ -108,9 +108,9 @@ pub fn machinable(
                 }
             }
             let text = format!(
-                "not millable: the cutters leave rest material at {} places, {volume:.3} mm^3 in all, up to \
-                 {thickness:.3} mm thick; {remedy}",
-                left.len(),
+                "not millable: the cutters leave rest material at {}, {volume:.3} mm^3 in all, up to {thickness:.3} mm \
+                 thick; {remedy}",
+                if left.len() == 1 { "1 place".to_owned() } else { format!("{} places", left.len()) },
             );
             let finding = Finding::new(CheckKind::Machinable, false, text, Some(turned_over(worst.bounds.center())));
             finding.with(&[("volume_mm3", volume), ("thickness_mm", thickness)])

@@ -188,6 +188,8 @@ pub struct DivisionSettings<'a> {
     /// Whether parts that are narrower are left out, for the stages that come after; else nothing is divided where
     /// there would be one.
     pub leaves_out_thin: bool,
+    /// Least radius of the cutters that milled the mold (mm).
+    pub milled_by: f64,
 }
 
 /// A footprint divided until no part has H-edges, or parts would be smaller than the least size.

@@ -74,6 +74,8 @@ pub(super) fn named(
 fn short_names(numbers: &[usize], given: &[GivenName], params: &ElectrodeParams) -> Vec<(String, Option<String>)> {
     let own = |number: usize| given.iter().find(|name| name.number == number).map(|name| &name.given);
     let plain = |number: usize| format!("E{number:02}");
+    // File names tell neither case nor hyphens from underscores.
+    let in_files = |name: &str| name.to_ascii_lowercase().replace('_', "-");
     let is_free = |given: &Given| given.number.is_none() && given.name.is_none();
     let mut taken: Vec<String> = Vec::new();
     let mut names: Vec<Option<(String, Option<String>)>> = vec![None; numbers.len()];
@@ -85,14 +87,14 @@ fn short_names(numbers: &[usize], given: &[GivenName], params: &ElectrodeParams)
         let asked = own(number).and_then(|own| own.name.clone().or(own.number.map(plain)));
         let ends_with_stage =
             |name: &str| params.stages.iter().any(|stage| name.ends_with(&format!("-{}", stage.name)));
-        let is_taken = |name: &str| taken.contains(&name.to_ascii_lowercase()) || ends_with_stage(name);
+        let is_taken = |name: &str| taken.contains(&in_files(name)) || ends_with_stage(name);
         names[i] = Some(match asked {
             Some(name) if is_taken(&name) => {
                 let unmet =
                     format!("the name {name} is that of another electrode, or ends with a stage: choose another one");
                 // A number of its own is free but where it was given to another.
                 let mut own = plain(number);
-                while taken.contains(&own.to_ascii_lowercase()) {
+                while taken.contains(&in_files(&own)) {
                     own.push('b');
                 }
                 (own, Some(unmet))
@@ -100,7 +102,7 @@ fn short_names(numbers: &[usize], given: &[GivenName], params: &ElectrodeParams)
             Some(name) => (name, None),
             None => (plain(number), None),
         });
-        taken.extend(names[i].iter().map(|(name, _)| name.to_ascii_lowercase()));
+        taken.extend(names[i].iter().map(|(name, _)| in_files(name)));
     }
     names.into_iter().flatten().collect()
 }

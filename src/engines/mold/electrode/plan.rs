@@ -88,7 +88,7 @@ fn plan_stages(
             let setting = Setting::new(mold, direction, stage)?;
             let known = (&mut parts, like.map(|(_, parts)| parts));
             let found = (&mut plans[..], &mut made[number][..]);
-            let division = division_settings(params, cutters, is_last);
+            let division = division_settings(params, (library, cutters), is_last);
             let leaves = leaves(&setting, regions, (&here, number, &division), (found, known), params, &task.cancel)?;
             task.report("sharing", done, &stage.name);
             let arrangement = Arrangement::of(&leaves, &params.edits, (regions, &plans, &parts), number);
@@ -287,8 +287,13 @@ fn numbered(
     (parts.into_iter().zip(forms).map(leaf).collect(), share)
 }
 
-/// How regions are divided for a stage whose electrodes are milled with these cutters.
-fn division_settings<'a>(params: &ElectrodeParams, cutters: &'a CutterLibrary, is_last: bool) -> DivisionSettings<'a> {
+/// How regions are divided for a stage: the mold was milled with a library, the electrodes are with these cutters.
+fn division_settings<'a>(
+    params: &ElectrodeParams,
+    (library, cutters): (&CutterLibrary, &'a CutterLibrary),
+    is_last: bool,
+) -> DivisionSettings<'a> {
+    let least = library.needed().iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
     DivisionSettings {
         overlap: params.overlap_mm,
         least: params.least_size_mm,
@@ -297,6 +302,7 @@ fn division_settings<'a>(params: &ElectrodeParams, cutters: &'a CutterLibrary, i
         cutters,
         tolerance: params.tolerance_mm,
         leaves_out_thin: !is_last,
+        milled_by: if least.is_finite() { least } else { 0.0 },
     }
 }
 
@@ -343,7 +349,8 @@ fn parts_of(
         stage: &setting.stage,
         places: &on_surface,
     };
-    let first = footprint(&burned, &place.bounds, &rooms, (method, params.margin_mm), cancel)?;
+    let round = params.margin_mm.max(settings.milled_by);
+    let first = footprint(&burned, &place.bounds, &rooms, (method, round), cancel)?;
     let in_plan = first.region.clone();
     let mut divided = divide(&burned, first, settings, cancel)?;
     let mut met = Vec::new();

@@ -247,7 +247,8 @@ impl Rooms {
 }
 
 /// The footprint of a tip for a region: the box around it along its walls where that holds little more than the region,
-/// else its hull, else what lies within the margin of it (mm).
+/// else its hull, else what lies within the margin of it, without gaps that a disc of the radius `round` does not enter
+/// (mm).
 ///
 /// # Errors
 /// [`TipError::NoRoom`], [`TipError::Cancelled`].
@@ -255,7 +256,7 @@ pub fn footprint(
     burned: &Burned,
     bounds: &Bounds,
     rooms: &Rooms,
-    (method, margin): (Method, f64),
+    (method, round): (Method, f64),
     cancel: &Cancel,
 ) -> Result<Footprint, TipError> {
     let cap = bounds.max.z + burned.gap_up - BELOW_RIM;
@@ -271,10 +272,11 @@ pub fn footprint(
     };
     let least = plane::area(&free_of(&rooms.close));
     let fits = |room: &&Vec<Outline>| (1e-9..=WIDE * least).contains(&plane::area(&free_of(room)));
-    // Inner corners become as round as the margin, so that a cutter reaches into them.
+    // Inner corners become so round that a cutter reaches into them, and what is too narrow for one is filled: no cutter
+    // has been in there.
     let is_boxed = method == Method::Cutting;
     let boxed = rooms.wide.iter().filter(|_| is_boxed).find(fits).cloned();
-    let room = boxed.unwrap_or_else(|| shrunk(&grown(&rooms.close, margin), margin));
+    let room = boxed.unwrap_or_else(|| shrunk(&grown(&rooms.close, round), round));
     let free = free_of(&room);
     if free.is_empty() {
         return Err(TipError::NoRoom);

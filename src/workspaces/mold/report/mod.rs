@@ -46,6 +46,8 @@ pub struct ElectrodesReport {
     pub idle_overrides: Vec<IdleEntry>,
     /// The user's changes that met no region, or changed nothing.
     pub unmet_edits: Vec<String>,
+    /// For electrodes whose places can be burned in another way, that way with its figures.
+    pub other_ways: Vec<String>,
     /// What volumes and minutes of stages are counted by.
     pub model: &'static str,
     /// Every region.
@@ -146,8 +148,10 @@ impl ElectrodesReport {
         let is = |state: ElectrodeState| table.electrodes.iter().filter(move |e| e.state == state);
         let overridden: Vec<String> = is(ElectrodeState::Overridden).map(|e| e.name.clone()).collect();
         let idle = |(o, why): (&Override, IdleOverride)| IdleEntry { name: o.to_string(), why: why.to_string() };
-        // Names that were given once are remembered, and are no parameter.
-        let own = ElectrodeParams { names: Vec::new(), ..set.params.clone() };
+        // Names that were given once are remembered, and are no parameter but for what the user gave.
+        let names = set.params.names.iter().filter(|name| !name.given.is_nothing()).cloned().collect();
+        let own = ElectrodeParams { names, ..set.params.clone() };
+        let other_way = |e: &Electrode| Some(format!("{}: {}.", e.name, e.other_way.as_ref()?.sentence(e.minutes)));
         Self {
             schema: SCHEMA,
             sentence: sentence(set, &table, &set.params.overrides),
@@ -156,6 +160,7 @@ impl ElectrodesReport {
             idle_overrides: set.idle_overrides(&set.params.overrides).into_iter().map(idle).collect(),
             unmet_edits: set.unmet_edits().into_iter().map(|e| set.params.edits[e].to_string()).collect(),
             model: MODEL,
+            other_ways: set.electrodes.iter().filter_map(other_way).collect(),
             regions: set.regions.iter().enumerate().map(|(r, plan)| region(set, r, plan, &axes)).collect(),
             divisions: None,
             parameters: FIELDS.list(&MoldParams { electrodes: own, ..MoldParams::default() }).of_table("electrodes"),
