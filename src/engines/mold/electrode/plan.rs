@@ -350,7 +350,8 @@ fn parts_of(
         places: &on_surface,
     };
     let round = params.margin_mm.max(settings.milled_by);
-    let first = footprint(&burned, &place.bounds, &rooms, (method, round), cancel)?;
+    let is_tilted = setting.turned != DMat3::IDENTITY;
+    let first = footprint(&burned, &place.bounds, &rooms, (method, round, is_tilted), cancel)?;
     let in_plan = first.region.clone();
     let mut divided = divide(&burned, first, settings, cancel)?;
     let mut met = Vec::new();

@@ -256,7 +256,7 @@ pub fn footprint(
     burned: &Burned,
     bounds: &Bounds,
     rooms: &Rooms,
-    (method, round): (Method, f64),
+    (method, round, is_tilted): (Method, f64, bool),
     cancel: &Cancel,
 ) -> Result<Footprint, TipError> {
     let cap = bounds.max.z + burned.gap_up - BELOW_RIM;
@@ -271,10 +271,12 @@ pub fn footprint(
         free.into_iter().filter(is_touched).flatten().collect::<Vec<Outline>>()
     };
     let least = plane::area(&free_of(&rooms.close));
-    let fits = |room: &&Vec<Outline>| (1e-9..=WIDE * least).contains(&plane::area(&free_of(room)));
+    // Along another direction the surface of a region is no longer below all of it: its walls may be lines in plan.
+    let widest = if is_tilted { f64::INFINITY } else { WIDE * least };
+    let fits = |room: &&Vec<Outline>| (1e-9..=widest).contains(&plane::area(&free_of(room)));
     // Inner corners become so round that a cutter reaches into them, and what is too narrow for one is filled: no cutter
     // has been in there.
-    let is_boxed = method == Method::Cutting;
+    let is_boxed = method == Method::Cutting || is_tilted;
     let boxed = rooms.wide.iter().filter(|_| is_boxed).find(fits).cloned();
     let room = boxed.unwrap_or_else(|| shrunk(&grown(&rooms.close, round), round));
     let free = free_of(&room);
