@@ -36,7 +36,7 @@ pub fn watertight(mesh: &Mesh) -> Finding {
     Finding::new(CheckKind::Watertight, holds, text, None).with(&[("not_closed", 1.0)])
 }
 
-/// What cutters leave of an electrode, turned over so that its tips look up.
+/// Rest material on an electrode that is turned over so that its tips look up.
 pub(super) struct Milled {
     /// The heights of it.
     field: HeightField,

@@ -139,7 +139,7 @@ pub struct Electrode {
     pub others: Mesh,
     /// Material, where it is not that of all.
     pub material: Option<String>,
-    /// What of the user's wishes for it could not be met, in words.
+    /// Wishes of the user for this electrode that could not be met, in words.
     pub unmet: Vec<String>,
     /// The other way to burn places of its shape, if there is one.
     pub other_way: Option<OtherWay>,
@@ -164,7 +164,7 @@ impl OtherWay {
         several + usize::from(several < self.at_once.len())
     }
 
-    /// Its figures in words, beside the duration of the present way (minutes).
+    /// The figures of this way in words, beside the duration of the present way (minutes).
     pub fn sentence(&self, now: f64) -> String {
         let DVec3 { x, y, z } = self.blank;
         let way = if self.is_of_burns() {
@@ -183,7 +183,7 @@ impl OtherWay {
 }
 
 impl Electrode {
-    /// Its material, that of all unless it has its own.
+    /// Material: that of all electrodes unless this one was given another.
     pub fn material<'a>(&'a self, params: &'a ElectrodeParams) -> &'a str {
         self.material.as_deref().unwrap_or(&params.material)
     }
@@ -304,7 +304,7 @@ impl PartNode {
         self.h_edges.iter().map(EdgeChain::edges).sum()
     }
 
-    /// This part and all that it is divided into, each before its own parts.
+    /// The part and all that it is divided into, each before its own parts.
     pub fn nodes(&self) -> Vec<&Self> {
         [self].into_iter().chain(self.parts.iter().flat_map(Self::nodes)).collect()
     }

@@ -140,9 +140,9 @@ pub struct Part {
     pub footprint: Footprint,
     /// Tip, up to the cap.
     pub body: Mesh,
-    /// Its inner edges.
+    /// Inner edges of the tip.
     inner: Vec<HEdge>,
-    /// Those of them that no cutter makes.
+    /// Inner edges that no cutter makes.
     pub h_edges: Vec<HEdge>,
     /// The cut, and what it leads to; none where it is not divided.
     pub divided: Option<(Cut, Vec<Part>)>,
@@ -183,7 +183,7 @@ pub struct DivisionSettings<'a> {
     pub milling: Milling,
     /// The cutters that mill the heads.
     pub cutters: &'a CutterLibrary,
-    /// What they may leave (mm).
+    /// Rest material that the cutters may leave (mm).
     pub tolerance: f64,
     /// Whether parts that are narrower are left out, for the stages that come after; else nothing is divided where
     /// there would be one.
@@ -268,7 +268,7 @@ fn is_same(a: &Cut, b: &Cut) -> bool {
         && a.beyond(b.through).abs() < ON_PLANE
 }
 
-/// What cutters leave of a part's head.
+/// Rest material on a part's head.
 #[derive(Default)]
 struct RestMaterial {
     /// Volume (mm^3) and undercut area (mm^2), or the length of the edges that are to be divided at (mm).
@@ -463,7 +463,7 @@ pub(super) fn cut_along(burned: &Burned, part: &Part, cut: &Cut, settings: &Divi
     (parts, mouths)
 }
 
-/// What lies below the faces beyond a cut at the edges on it, enlarged back over the cut, down to a height: convex
+/// The space below the faces beyond a cut at the edges on it, enlarged back over the cut, down to a height: convex
 /// bodies, each given by its corners (mm).
 fn enlarged(edges: &[&HEdge], cut: &Cut, reach: f64, low: f64) -> Vec<Vec<DVec3>> {
     let beyond = |edge: &HEdge| {

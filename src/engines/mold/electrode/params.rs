@@ -353,12 +353,12 @@ pub struct GivenName {
     pub number: usize,
     /// A place of each burned part of a region, in the upright mold (mm).
     pub places: Vec<DVec3>,
-    /// What the user gave the electrode.
+    /// Properties that the user gave the electrode.
     #[serde(default, skip_serializing_if = "Given::is_nothing")]
     pub given: Given,
 }
 
-/// What the user gives an electrode; what is none is as for all.
+/// Properties that the user gives one electrode; a property that is none is as for all electrodes.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Given {

@@ -51,7 +51,7 @@ impl Shared {
         self.burns.iter().any(|(.., own)| own.contains(&leaf))
     }
 
-    /// It without places that another electrode burns: none of it where nothing is left, and several where its first
+    /// The group without places that another electrode burns: none where nothing is left, and several where its first
     /// burn is gone.
     fn without(self, gone: &[usize]) -> Vec<Self> {
         if !self.burns.iter().any(|(.., own)| own.iter().any(|leaf| gone.contains(leaf))) {
@@ -69,7 +69,7 @@ impl Shared {
     }
 }
 
-/// What a leaf is compared with others by.
+/// Comparison of leaves: whether one can burn the place of another.
 struct Comparison<'a> {
     setting: &'a Setting,
     mold: Obstacle,
