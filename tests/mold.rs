@@ -6,11 +6,12 @@
 mod random;
 
 use geometry::mesh::Mesh;
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use import::{ImportOptions, import_file};
 use mold::cutter::{Cutter, CutterLibrary};
-use mold::electrode::design::ElectrodeSet;
+use mold::electrode::design::{Burn, Electrode, ElectrodeSet};
 use mold::electrode::params::{ElectrodeParams, Stage};
+use mold::fixtures::{frame, rectangle};
 use mold::surface::SurfacePiece;
 use sparkpath::workspaces::mold::job::electrodes::electrodes;
 use sparkpath::workspaces::mold::job::uncut::{Uncut, UncutParams, uncut};
@@ -182,6 +183,24 @@ fn has_electrodes(name: &str, step: Option<f64>, [regions, most]: [usize; 2], ga
         let thickest = set.regions.iter().map(|r| r.left.thickness).fold(0.0, f64::max);
         assert!(thickest <= (3f64.sqrt() - 1.0) * gap + 0.02, "{name}, gap {gap}: {thickest}");
         assert!(gap > 0.0 || volume < 1e-3 * residue, "{name}: {volume} of {residue}");
+    }
+}
+
+#[test]
+fn openings_through_the_block_are_burned_through_its_underside() {
+    // A slot that no cutter enters, and a window with sharp corners.
+    for (hole, regions) in [([9.0, 1.2], 1), ([9.0, 6.0], 4)] {
+        let mesh = frame(&rectangle(20.0, 16.0), &rectangle(hole[0], hole[1]), 8.0);
+        for cutters in ["flat:1", "flat:1,ball:1"] {
+            let left = left(&mesh, cutters, None);
+            let set = designed(&mesh, &left, 0.05);
+            assert!(set.holds() && left.regions.len() == regions, "{hole:?} {cutters}: {:?}", set.checks);
+            let burns = set.electrodes.iter().flat_map(|e| e.burns.iter().map(move |burn| (e, burn)));
+            let lowest = |(e, burn): (&Electrode, &Burn)| e.burning(&e.tips, burn, &DMat3::IDENTITY).bounds().min.z;
+            let lowest: Vec<f64> = burns.map(lowest).collect();
+            assert_eq!(lowest.len(), regions);
+            assert!(lowest.iter().all(|z| *z < mesh.bounds().min.z), "{lowest:?}");
+        }
     }
 }
 

@@ -33,6 +33,14 @@ pub fn random_mold(number: u64) -> (Mesh, Opening) {
             mold = with(&mold, &boss.mapped(|p| place(p - DVec3::new(0.5 * side, 0.5 * side, depth))));
         }
     }
+    if rng.random_bool(0.25) {
+        // A slot, a window or a round opening through all of the block.
+        let [x, y] = [rng.random_range(0.8..6.0), rng.random_range(0.8..6.0)];
+        let outline = if rng.random_bool(0.7) { rectangle(x, y) } else { polygon(24, 0.5 * x) };
+        let turn = DMat3::from_rotation_z(rng.random_range(-0.8..0.8));
+        let through = prism(&[&outline], -ABOVE, top + ABOVE).unwrap();
+        mold = difference(&mold, &through.mapped(|p| turn * p + DVec3::new(7.0, 7.0, 0.0))).unwrap();
+    }
     let opening = Opening::AXES[rng.random_range(0..Opening::AXES.len())];
     (mold.mapped(|p| opening.in_mesh(p)), opening)
 }

@@ -44,8 +44,11 @@ pub enum MoldWarning {
         /// The highest of them (mm).
         to: f64,
     },
-    /// The mold is open downwards.
-    #[error("the mold has no floor over {area:.3} mm^2: cutters pass through it, and what is left ends at its bottom")]
+    /// The mold has openings through its underside.
+    #[error(
+        "the mold is open through its underside over {area:.3} mm^2: rest material is looked for there down to the \
+         underside, and what is outside the block's outline counts as air"
+    )]
     NoFloor {
         /// Area of the openings at the bottom (mm^2).
         area: f64,

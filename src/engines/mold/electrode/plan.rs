@@ -32,6 +32,9 @@ use crate::plane;
 use geometry::mesh::Mesh;
 use task::{Cancel, Task};
 
+/// How far below the underside of a mold heads of regions go that go through it (mm).
+const THROUGH: f64 = 0.5;
+
 /// Electrodes for `regions` of a mold that opens along +Z.
 ///
 /// # Errors
@@ -334,9 +337,12 @@ fn parts_of(
     // Layers may know less of a region than its surface does; above the mold there is nothing to burn.
     let known = if setting.turned == DMat3::IDENTITY { region.rim } else { f64::NEG_INFINITY };
     let rim = known.max(highest().min(setting.mold.bounds().max.z));
-    let place = Place::new(corners, rim);
+    let mut place = Place::new(corners, rim);
     if place.corners.is_empty() {
         return Err(TipError::NoSurface);
+    }
+    if region.is_through {
+        place.bounds.min.z -= THROUGH;
     }
     let rooms = Rooms::around(&place, params.margin_mm);
     let clear = KeptClear::over(&setting.mold, &setting.stage, rooms.extent(), place.bounds.min.z, cancel)?;

@@ -73,6 +73,8 @@ pub struct RegionToBurn {
     pub thickness: f64,
     /// Whether it consists of whole faces of the mold.
     pub has_whole_faces: bool,
+    /// Whether it goes through the mold's underside.
+    pub is_through: bool,
 }
 
 /// The mold for one burn direction and stage.

@@ -59,7 +59,7 @@ pub(super) fn region(mold: &Mesh, low: DVec2, high: DVec2) -> RegionToBurn {
     }
     corners.retain(inside);
     let depths = corners.iter().map(|c| -(c[0].z + c[1].z + c[2].z) / 3.0).collect();
-    RegionToBurn { corners, depths, rim: 0.0, volume: 1.0, thickness: 3.0, has_whole_faces: false }
+    RegionToBurn { corners, depths, rim: 0.0, volume: 1.0, thickness: 3.0, has_whole_faces: false, is_through: false }
 }
 
 /// The triangle cut across its longest side, if that is longer than 0.2 mm.

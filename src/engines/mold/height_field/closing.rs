@@ -67,8 +67,14 @@ pub fn closing(field: &HeightField, library: &CutterLibrary, cancel: &Cancel) ->
         nearest: vec![0; field.heights.len()],
         cutters: cutters.collect(),
     };
+    // Below the underside nothing stops a cutter: a rounded one goes on until its full width is through.
+    let beyond = needed.iter().map(|cutter| cutter.corner_mm).fold(0.0, f64::max) as f32;
+    let lowered = (!field.through.is_empty() && beyond > 0.0).then(|| field.opened_below(beyond));
     for (number, cutter) in needed.into_iter().enumerate() {
-        Passes::new(field, cutter)?.lower(&mut closing, number as u8, cancel)?;
+        Passes::new(lowered.as_ref().unwrap_or(field), cutter)?.lower(&mut closing, number as u8, cancel)?;
+    }
+    if lowered.is_some() {
+        closing.heights.par_iter_mut().zip(&field.heights).for_each(|(left, height)| *left = greater(*left, *height));
     }
     Ok(closing)
 }

@@ -2,7 +2,8 @@
 //!
 //! A mold seen from above is one height per cell of a regular grid, that of the topmost material at the cell's centre;
 //! what lies below an overhang is in its shadow, and outside the block is air. The cutter's tip comes down anywhere
-//! until its surface meets a height ([`closing`]). What lies between the least surface so left over all cutters and the
+//! until its surface meets a height ([`closing`]). Where the material encloses an opening through it, the stock ends at
+//! the underside, and cutters go on below it. What lies between the least surface so left over all cutters and the
 //! material is uncut, and its connected pieces are the regions ([`regions`]).
 //!
 //! Plan positions are exact to about half a cell, so what is left in a corner is found once it is some cells wide: with
@@ -89,6 +90,8 @@ pub struct HeightField {
     heights: Vec<f32>,
     /// The z component of the surface's unit normal, in parts of [`UPNESS_ONE`].
     upness: Vec<u16>,
+    /// Cells of openings through the material, in order; their height is that of the underside.
+    through: Vec<u32>,
 }
 
 /// The upness of a horizontal face.
@@ -111,7 +114,8 @@ impl HeightField {
         self.corner + (at + 0.5) * self.step
     }
 
-    /// Height of the topmost material at a cell's centre (mm); none where there is none, or no such cell.
+    /// Height of the topmost material at a cell's centre (mm); none where there is none, or no such cell. In
+    /// openings that the material encloses it is that of the underside.
     pub fn height(&self, cell: usize) -> Option<f64> {
         self.heights.get(cell).filter(|h| h.is_finite()).map(|&h| self.base + f64::from(h))
     }
@@ -119,6 +123,13 @@ impl HeightField {
     /// The point of the surface at a cell's centre (mm); none where there is no material, or no such cell.
     pub fn surface_point(&self, cell: usize) -> Option<DVec3> {
         self.height(cell).map(|z| self.center(cell).extend(z))
+    }
+
+    /// This field with openings through the material `beyond` the underside (mm).
+    fn opened_below(&self, beyond: f32) -> Self {
+        let mut lowered = self.clone();
+        self.through.iter().for_each(|cell| lowered.heights[*cell as usize] -= beyond);
+        lowered
     }
 
     /// The point of the surface at a cell's centre, whose height is given above the base.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::{HeightField, HeightFieldError, UPNESS_ONE, check_size};
 use geometry::mesh::{Mesh, normal_times_two_areas};
-use task::Cancel;
+use task::{Cancel, Cancelled};
 
 /// Rows of cells that are filled together.
 const BAND: usize = 32;
@@ -40,12 +40,41 @@ impl HeightField {
             base: 0.5 * (bounds.min.z + bounds.max.z),
             heights: vec![f32::NEG_INFINITY; columns * rows],
             upness: vec![0; columns * rows],
+            through: Vec::new(),
         };
         field.fill(mesh, cancel)?;
         if field.heights.par_iter().all(|h| !h.is_finite()) {
             return Err(HeightFieldError::NoMaterial);
         }
+        field.open_through((bounds.min.z - field.base) as f32, cancel)?;
         Ok(field)
+    }
+
+    /// Gives the cells without material that others enclose the height of the underside: the block was whole there.
+    fn open_through(&mut self, underside: f32, cancel: &Cancel) -> Result<(), Cancelled> {
+        let (columns, rows) = (self.columns, self.rows);
+        let mut is_outside = vec![false; self.heights.len()];
+        let borders = (0..columns).flat_map(|i| [i, (rows - 1) * columns + i]);
+        let mut reached: Vec<usize> =
+            borders.chain((0..rows).flat_map(|j| [j * columns, (j + 1) * columns - 1])).collect();
+        while let Some(cell) = reached.pop() {
+            if is_outside[cell] || self.heights[cell].is_finite() {
+                continue;
+            }
+            is_outside[cell] = true;
+            let column = cell % columns;
+            reached.extend((column > 0).then(|| cell - 1));
+            reached.extend((column + 1 < columns).then_some(cell + 1));
+            reached.extend(cell.checked_sub(columns));
+            reached.extend(Some(cell + columns).filter(|below| *below < is_outside.len()));
+        }
+        cancel.check()?;
+        let is_through = |cell: &usize| !is_outside[*cell] && !self.heights[*cell].is_finite();
+        self.through = (0..self.heights.len()).filter(is_through).map(|cell| cell as u32).collect();
+        for cell in self.through.iter().map(|cell| *cell as usize) {
+            (self.heights[cell], self.upness[cell]) = (underside, u16::MAX);
+        }
+        Ok(())
     }
 
     fn fill(&mut self, mesh: &Mesh, cancel: &Cancel) -> Result<(), HeightFieldError> {

@@ -203,6 +203,6 @@ pub fn difference(
         return Err(HeightFieldError::OtherGrid { expected, found });
     }
     // For this question what both leave is material.
-    let filled = HeightField { heights: less.heights.clone(), upness: field.upness.clone(), ..*field };
+    let filled = HeightField { heights: less.heights.clone(), ..field.clone() };
     regions(&filled, more, tolerance, cancel)
 }

@@ -7,6 +7,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::cutter::{Cutter, CutterKind, CutterLibrary};
+use crate::fixtures::{frame, rectangle, with};
 use geometry::mesh::Mesh;
 use task::Cancel;
 
@@ -237,6 +238,35 @@ fn pieces_join_where_they_touch_and_overlap_in_height() {
 }
 
 #[test]
+fn corners_of_an_opening_through_the_block_are_left_down_to_its_underside() {
+    let mesh = frame(&rectangle(14.0, 14.0), &rectangle(8.0, 6.0), 5.0);
+    let field = raster(&mesh, STEP);
+    // A ball goes on below the underside until it is through, so that it leaves what a flat cutter leaves.
+    for cutters in [&[Cutter::flat(1.0)][..], &[Cutter::ball(1.0)], &[Cutter::flat(2.0), Cutter::ball(1.0)]] {
+        let found = regions_of(&field, cutters);
+        assert_eq!(found.len(), 4, "{cutters:?}");
+        for region in found {
+            assert!((region.volume / (CORNER * 5.0) - 1.0).abs() < 0.05, "{cutters:?}: {}", region.volume);
+            assert!((region.bounds.min.z - mesh.bounds().min.z).abs() < 1e-5);
+        }
+    }
+    // A slot that the ball does not enter keeps all but what it takes where it sinks between the edges.
+    let mesh = frame(&rectangle(14.0, 14.0), &rectangle(8.0, 1.0), 5.0);
+    let slot = regions_of(&raster(&mesh, STEP), &[Cutter::ball(1.0)]);
+    let taken = 0.5f64.asin() - 0.5 * 0.75f64.sqrt();
+    assert_eq!(slot.len(), 1);
+    assert!((slot[0].volume / (8.0 * (5.0 - taken)) - 1.0).abs() < 0.005, "{}", slot[0].volume);
+}
+
+#[test]
+fn beside_the_block_there_is_air_down_to_the_underside() {
+    // Two blocks beside each other: what is between them is not enclosed.
+    let block = Mesh::cuboid(DVec3::new(2.0, 6.0, 3.0));
+    let both = with(&block.mapped(|p| p - DVec3::X * 1.5), &block.mapped(|p| p + DVec3::X * 1.5));
+    assert!(regions_of(&raster(&both, STEP), &[Cutter::flat(1.0)]).is_empty());
+}
+
+#[test]
 fn any_number_of_threads_finds_the_same() {
     let mesh = pocket([2.5; 2], 2.0, 0.4);
     let on = |threads: usize| {
@@ -255,7 +285,7 @@ fn any_number_of_threads_finds_the_same() {
 fn of_heights(columns: usize, heights: Vec<f32>) -> HeightField {
     let rows = heights.len() / columns;
     let upness = vec![u16::MAX; heights.len()];
-    HeightField { corner: DVec2::ZERO, step: 0.1, columns, rows, base: 0.0, heights, upness }
+    HeightField { corner: DVec2::ZERO, step: 0.1, columns, rows, base: 0.0, heights, upness, through: Vec::new() }
 }
 
 /// Residual stock of a cutter by definition: every tip over every cell, every cell under every tip.

@@ -21,6 +21,8 @@ use task::{Cancelled, Task};
 const WHOLE: f64 = 0.9;
 /// Share of a region's surface below which a face does not count.
 const MINOR: f64 = 0.01;
+/// How far above the underside of a mold a region that goes through it may end (mm): heights are in single precision.
+const ON_UNDERSIDE: f64 = 1e-3;
 
 /// Reason why there are no electrodes.
 #[derive(Debug, thiserror::Error)]
@@ -102,6 +104,7 @@ pub(super) fn on_milled<T>(
 /// The regions with their surfaces; if they are of whole faces, each with all of every face that it is part of, and
 /// those that share one as one.
 pub(super) fn to_burn(upright: &Mesh, uncut: &Uncut, of_whole_faces: bool) -> Vec<RegionToBurn> {
+    let underside = upright.bounds().min.z;
     let of = |r: &mold::uncut_region::UncutRegion| RegionToBurn {
         corners: Vec::new(),
         depths: Vec::new(),
@@ -109,6 +112,7 @@ pub(super) fn to_burn(upright: &Mesh, uncut: &Uncut, of_whole_faces: bool) -> Ve
         volume: r.volume,
         thickness: r.thickness,
         has_whole_faces: false,
+        is_through: r.bounds.min.z <= underside + ON_UNDERSIDE,
     };
     let mut regions: Vec<RegionToBurn> = uncut.regions.iter().map(of).collect();
     let segmentation = Segmentation::of(upright, &SegmentationSettings::default());
@@ -164,6 +168,7 @@ fn whole_faces(
             volume: own.iter().map(|r| regions[*r].volume).sum(),
             thickness: own.iter().map(|r| regions[*r].thickness).fold(0.0, f64::max),
             has_whole_faces: true,
+            is_through: own.iter().any(|r| regions[*r].is_through),
         }
     };
     (0..count).map(of_group).collect()
