@@ -116,10 +116,8 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     }
     let file_name = mesh.file_name().map_or(name, |n| n.to_string_lossy().into_owned());
     let mut report = ElectrodesReport::of(&set, &file_name, asked.opening(), &asked.datum);
-    let hidden = uncut.hidden_cavity().map(ToString::to_string);
-    report.table.notes.extend(imported.report.unit_doubt().into_iter().chain(hidden.clone()));
+    report.table.notes.extend(imported.report.unit_doubt().into_iter().chain(uncut.doubts()));
     let mut lines = lines(&set, &report, &asked.datum.of_upright(asked.opening()));
-    lines.extend(hidden.map(|text| format!("warning: {text}")));
     if arguments.compare_divisions {
         let ways =
             compare_divisions(&imported.mesh, &uncut, &set, &task).map_err(|e| anyhow::anyhow!("{file_name}: {e}"))?;
@@ -145,18 +143,10 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
             "nothing was written: give --out DIR for electrode files, burn table, burn sheet and report".to_owned(),
         );
     }
-    lines.extend(uncut.stack.warnings.iter().map(|warning| format!("warning: {warning}")));
+    lines.extend(uncut.doubts().iter().map(|doubt| format!("warning: {doubt}")));
     let is_whole = uncut.is_whole();
     if !is_whole {
         lines.push("the rest material is not known for all of the mold: see `sparkpath uncut`".to_owned());
-    }
-    if let Some(faces) = uncut.undercut() {
-        lines.push(format!(
-            "{} undercut faces ({:.2} mm2) are not reachable and get no electrode: give another --opening, or plan \
-             a slide",
-            faces.triangles.len(),
-            faces.area
-        ));
     }
     super::terminal::finish();
     say!("{}", if session.json { report.json()? } else { lines.join("\n") });

@@ -23,6 +23,8 @@ use task::Cancel;
 
 /// Gaps within which the planes of faces that meet are carried on.
 const LONGEST: f64 = 1.8;
+/// Gaps up to which an edge is short: moved apart, its ends may change places.
+const SHORT: f64 = 0.25;
 /// Radii within which the planes of walls that a disc is swept along are carried on.
 const FURTHEST: f64 = 3.0;
 /// Step to which moved corners are rounded (mm): exact in binary, so that it can be told exactly which faces look up.
@@ -146,16 +148,42 @@ impl Corner {
 fn corners(mesh: &Mesh, growth: &Growth) -> Vec<Corner> {
     let whole = whole(mesh);
     let normals = vertex_normals(mesh);
-    let of = |((p, normals), is_whole): ((&DVec3, &Vec<DVec3>), &bool)| {
-        let even = least_shift(&normals.iter().map(|n| (*n, growth.gap)).collect::<Vec<_>>());
-        let even = even.filter(|shift| *is_whole && !normals.is_empty() && shift.length() <= LONGEST * growth.gap);
+    let close = close(mesh, SHORT * growth.gap);
+    let of = |(v, p): (usize, &DVec3)| {
+        let own = &normals[v];
+        // A sliver folds when it is moved: its corners have to clear the faces at its other end too.
+        let beside = close.get(&(v as u32)).into_iter().flatten().map(|w| *w as usize);
+        let beside = beside.flat_map(|w| normals[w].iter().map(move |n| (*n, n.dot(mesh.vertices[w] - *p))));
+        let planes: Vec<(DVec3, f64)> =
+            own.iter().map(|n| (*n, 0.0)).chain(beside).map(|(n, off)| (n, growth.gap + off)).collect();
+        let all: Vec<DVec3> = planes.iter().map(|(n, _)| *n).collect();
+        let even = least_shift(&planes);
+        let even = even.filter(|shift| whole[v] && !own.is_empty() && shift.length() <= LONGEST * growth.gap);
         let at = |d: DVec3| ((*p + d) / GRID).round() * GRID;
-        match even.zip(across(normals, growth)) {
+        match even.zip(across(&all, growth)) {
             Some((even, across)) => Corner::Meeting(at(even + across)),
-            None => Corner::Around(around(normals, growth).into_iter().map(at).collect()),
+            None => Corner::Around(around(own, growth).into_iter().map(at).collect()),
         }
     };
-    mesh.vertices.par_iter().zip(&normals).zip(&whole).map(of).collect()
+    mesh.vertices.par_iter().enumerate().map(of).collect()
+}
+
+/// For vertices with edges shorter than `length` (mm) where those lead.
+fn close(mesh: &Mesh, length: f64) -> HashMap<u32, Vec<u32>> {
+    let mut close: HashMap<u32, Vec<u32>> = HashMap::new();
+    for [a, b, c] in &mesh.triangles {
+        for (from, to) in [(*a, *b), (*b, *c), (*c, *a)] {
+            if mesh.vertices[from as usize].distance_squared(mesh.vertices[to as usize]) < length * length {
+                close.entry(from).or_default().push(to);
+                close.entry(to).or_default().push(from);
+            }
+        }
+    }
+    close.values_mut().for_each(|ends| {
+        ends.sort_unstable();
+        ends.dedup();
+    });
+    close
 }
 
 /// The shortest shift across Z by which faces with these normals are moved as far as by the disc; none where it would go
@@ -327,6 +355,46 @@ mod tests {
                 assert!(above <= furthest || is_below, "{p} is {above} off");
             }
         }
+    }
+
+    /// A block under two by two pairs of facets of random heights, with an opening through it whose wall passes a micrometre
+    /// beside their middle corner.
+    fn with_slivers(rng: &mut ChaCha8Rng) -> Mesh {
+        let mut heights: Vec<f64> = (0..9).map(|_| rng.random_range(0.0..1.2)).collect();
+        heights[4] = 0.6;
+        let at = |i: usize, j: usize, z: f64| DVec3::new(i as f64 - 1.0, j as f64 - 1.0, z);
+        let columns: Vec<Vec<DVec3>> = (0..2)
+            .flat_map(|i| {
+                (0..2).flat_map(move |j| [[(i, j), (i + 1, j), (i + 1, j + 1)], [(i, j), (i + 1, j + 1), (i, j + 1)]])
+            })
+            .map(|t| t.iter().flat_map(|(i, j)| [at(*i, *j, -3.0), at(*i, *j, heights[3 * i + j])]).collect())
+            .collect();
+        let block = solid::union_of_hulls(&columns, &Cancel::default()).unwrap();
+        let (along, off) = (DVec2::from_angle(rng.random_range(0.0..TAU)), rng.random_range(2e-4..3e-3));
+        let corner = |u: f64, v: f64| along * u + along.perp() * (v + off);
+        let ring = [corner(-0.9, 0.0), corner(0.7, 0.0), corner(0.7, 0.6), corner(-0.9, 0.6)];
+        difference(&block, &prism(&[&ring], -4.0, 2.0).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn corners_of_slivers_clear_the_faces_at_their_other_end_too() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let growth = Growth { gap: 0.05, radius: 0.0 };
+        let mut count = 0;
+        for _ in 0..150 {
+            let mesh = with_slivers(&mut rng);
+            let (moved, normals) = (corners(&mesh, &growth), vertex_normals(&mesh));
+            for (a, b) in mesh.triangles.iter().flat_map(|[a, b, c]| [(*a, *b), (*b, *c), (*c, *a)]) {
+                let [p, q] = [a, b].map(|v| mesh.vertices[v as usize]);
+                let Corner::Meeting(to) = &moved[a as usize] else { continue };
+                if p.distance(q) < 0.01 {
+                    let least = normals[b as usize].iter().map(|n| n.dot(*to - q)).fold(f64::INFINITY, f64::min);
+                    assert!(least > growth.gap - 1e-6, "{p} is moved {least} off a face at {q}");
+                    count += 1;
+                }
+            }
+        }
+        assert!(count > 6, "{count}");
     }
 
     #[test]

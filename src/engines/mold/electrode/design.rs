@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
+use files::report::counted;
 use files::{Figures, Override};
 use glam::{DAffine3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
@@ -17,10 +18,6 @@ use super::params::{ElectrodeParams, Given, GivenName, Method};
 use super::residual_stock::LeftOfRegion;
 use geometry::mesh::{Bounds, Mesh};
 use geometry::solid::SolidError;
-
-fn counted(count: usize, what: &str) -> String {
-    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
-}
 
 /// Margin of a base that the user's own blank needs at most (mm).
 const MOST_MARGIN: f64 = 0.5;

@@ -261,13 +261,14 @@ pub fn why_unmet(edit: &Edit) -> String {
         }
         Edit::Merge { .. } => "the places lie in one part, or not in two parts of one region: remove the change",
         Edit::Join { .. } => "there are no two heads of one burn direction at its places: remove the change",
-        Edit::TakeApart { .. } => "there is no head at this place any more: remove the change",
+        Edit::TakeApart { .. } => "there is no head at this place: remove the change, or give a place under a head",
         Edit::Copy { .. } => {
             "there is no head at one of its places, or the head at the first one does not burn the second place: the \
              places differ in shape, or it comes too near to the mold there; remove the change"
         }
         Edit::Make { .. } | Edit::Burn { .. } | Edit::SetAside { .. } => {
-            "no region is at this place any more: remove the change"
+            "no region has its surface within 0.5 mm of this place: give a point on a wall or floor of the region, or \
+             remove the change"
         }
     };
     format!("{edit}: {remedy}")

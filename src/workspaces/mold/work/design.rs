@@ -25,8 +25,8 @@ pub struct Designed {
     pub shapes: Vec<ElectrodeShape>,
     /// Opening direction of the mold.
     pub opening: Opening,
-    /// Warning of a cavity that the opening direction hides.
-    pub hidden: Option<String>,
+    /// What the search for uncut regions does not tell, in sentences.
+    pub doubts: Vec<String>,
     /// A place on the surface of each region, upright, by which changes name the region (mm).
     pub places: Vec<Option<DVec3>>,
     /// Whether this run of the program has computed them, rather than read them from a file.
@@ -92,7 +92,6 @@ pub(super) fn shown(mold: &LoadedMold, found: &FoundUncut, set: ElectrodeSet, is
     let opening = uncut.params.opening;
     let plain = ElectrodeSet { params: ElectrodeParams { overrides: Vec::new(), ..set.params }, ..set };
     let report = ElectrodesReport::of(&plain, &mold.name, opening, &Datum::default());
-    let hidden = uncut.hidden_cavity().map(ToString::to_string);
     let (shapes, times) = (electrode_shapes(&plain), Vec::new());
-    Designed { report, shapes, opening, hidden, places, set: plain, is_proven, times }
+    Designed { report, shapes, opening, doubts: uncut.doubts(), places, set: plain, is_proven, times }
 }

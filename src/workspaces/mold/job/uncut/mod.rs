@@ -10,6 +10,7 @@ mod step;
 #[cfg(test)]
 mod tests;
 
+use files::report::counted;
 use files::{Invalid, Validate};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -207,9 +208,13 @@ impl Uncut {
         Some(&self.stack.invert).filter(|invert| invert.area > LEAST_INVERT)
     }
 
-    /// The warning of a cavity that the opening direction hides.
-    pub fn hidden_cavity(&self) -> Option<&MoldWarning> {
-        self.stack.warnings.iter().find(|warning| matches!(warning, MoldWarning::HiddenCavity { .. }))
+    /// What the answer does not tell, in sentences: the warnings, and faces that cutters from above do not reach.
+    pub fn doubts(&self) -> Vec<String> {
+        let undercut = self.undercut().map(|faces| {
+            let (count, area) = (counted(faces.triangles.len(), "undercut face"), faces.area);
+            format!("{count} ({area:.2} mm2) cannot be reached along the opening: another set-up or a slide is needed")
+        });
+        self.stack.warnings.iter().map(ToString::to_string).chain(undercut).collect()
     }
 
     /// Number of thin regions of which it is not known whether rounded cutters take them.
