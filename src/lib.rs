@@ -9,12 +9,14 @@
 //! * [`workspaces`]: blisk, mold and flank, each with its document, jobs, reports, scenes and panels.
 //! * [`widgets`]: parts of the window that every workspace uses.
 //! * [`shell`]: the frame of the window.
+//! * [`reproduce`]: the papers' results beside ours.
 //! * [`cli`]: the command line.
 //!
 //! Lengths are millimetres and angles radians everywhere inside; degrees appear only at the edges, in names that end in
 //! `_deg`.
 
 pub mod cli;
+pub mod reproduce;
 pub mod shell;
 pub mod widgets;
 pub mod workspaces;

@@ -24,6 +24,7 @@ mod plan;
 mod project;
 mod render;
 mod render_project;
+mod reproduce;
 mod simulate;
 mod size;
 mod terminal;
@@ -133,6 +134,8 @@ enum Command {
     Verify(VerifyArguments),
     /// A picture of a project or of meshes as a PNG file, without a window.
     Render(RenderArguments),
+    /// The tables and figures of the papers that the program builds on, beside its own results, on parts of its own.
+    Reproduce(reproduce::ReproduceArguments),
     /// What the importer and the channel finder make of a mesh.
     Inspect(InspectArguments),
 }
@@ -382,6 +385,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
         }
         Command::Verify(arguments) => verify::verify(arguments, session),
         Command::Render(arguments) => render::render(arguments, session),
+        Command::Reproduce(arguments) => reproduce::reproduce(arguments, session),
         Command::Inspect(arguments) => inspect::inspect(arguments, session),
     }
 }
