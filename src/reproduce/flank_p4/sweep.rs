@@ -100,12 +100,12 @@ pub(super) fn sweep(task: &Task) -> Result<Outcome, ReproduceError> {
             GRID[0], GRID[1]
         ),
         verdict: Verdict::NotComparable,
-        why:
-            "the paper has no such sweep; ours tells how far its single cutters may be taken as typical. Thick cutters \
-              deviate more, more control points give little"
-                .to_owned(),
+        why: "the paper has no such sweep; ours tells how far its single cutters may be taken as typical. The taper \
+              decides most, the radius little, and more than ten control points gain little"
+            .to_owned(),
         by_hand: "one value at a time: sparkpath flank --demo a --below 0 --grid 50x25 --locations 60 --radius 2 (or \
-                  --taper-deg 8, --points 20). Window: workspace Flank, drag Radius or Taper, or set Points."
+                  --taper-deg 8, --points 20). Window: workspace Flank, Path {Extend below 0, Grid 50 x \
+                  25, Locations 60}, drag Radius or Taper, or set Points."
             .to_owned(),
         tables,
         plots,
