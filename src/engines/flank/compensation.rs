@@ -7,7 +7,7 @@
 use glam::{DMat2, DVec2, DVec3};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::FlankError;
 use super::advance::Advance;
@@ -34,11 +34,13 @@ pub struct RankCurve {
 }
 
 /// Model of the effect of a change of the control points.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Model {
     /// Shift of each place of the axis along the normal; P4's model.
     Shift,
     /// Shift, and change of the height of the place, and so of the radius of a cone there.
+    #[default]
     Height,
     /// And another place of the axis then stands over the same place of the surface: the exact derivative.
     Moving,

@@ -224,6 +224,34 @@ impl DesignGrid {
     }
 }
 
+/// Deviation over a grid of the axis surface, `size` places along t and a with the ends among them, each at the foot of
+/// its own place: the grid of P4 (12). Not for choosing paths: its sum becomes less too where a path leaves the part.
+///
+/// # Errors
+/// [`FlankError::Unmeasured`] if a place has no foot.
+pub fn on_axis_grid(
+    surface: &RuledSurface,
+    axis: &AxisSurface,
+    cutter: &FlankCutter,
+    size: [usize; 2],
+) -> Result<Deviation, FlankError> {
+    let share = |i: usize, n: usize| i as f64 / (n.max(2) - 1) as f64;
+    let place = |k: usize| DVec2::new(share(k / size[1], size[0]), share(k % size[1], size[1]));
+    let one = |k: usize| {
+        let q = place(k);
+        let at = axis.at(q.x);
+        let p = at.tip.lerp(at.top, q.y);
+        let foot = surface.foot(p, DVec2::new(axis.u0(q.x), q.y))?;
+        Some((p - foot.point).dot(foot.normal) - cutter.sphere_at(q.y * at.length()))
+    };
+    let found: Vec<Option<f64>> = (0..size[0] * size[1]).into_par_iter().map(one).collect();
+    if let Some(first) = found.iter().position(Option::is_none) {
+        let (count, q) = (found.iter().filter(|f| f.is_none()).count(), place(first));
+        return Err(FlankError::Unmeasured { count, u: q.x, v: q.y });
+    }
+    Ok(Deviation::of(size, found.into_iter().flatten().collect()))
+}
+
 /// Deviation (mm) of the cutter at the share `a` of the axis over a place.
 fn deviation_at(cutter: &FlankCutter, place: &GridPlace, axis: &AxisAt, a: f64) -> f64 {
     let off = axis.tip.lerp(axis.top, a) - place.at.point;

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::FlankError;
+use super::compensation::Model;
 
 /// Initial placing of the cutter.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -56,6 +57,8 @@ pub struct FlankParams {
     pub below_mm: f64,
     /// Greatest sliding of the upper contact from the lower one, in u.
     pub slide_u: f64,
+    /// Row of the matrix of the compensation, P4 (10) and (11).
+    pub row: Model,
     /// Objective that the refined path minimises.
     pub objective: Objective,
     /// Most rounds of refinement; 0 for none.
@@ -75,6 +78,7 @@ impl Default for FlankParams {
             overrun_u: 0.005,
             below_mm: 0.1,
             slide_u: 0.25,
+            row: Model::default(),
             objective: Objective::Sum,
             rounds: 60,
             gouge_tolerance_mm: 0.01,

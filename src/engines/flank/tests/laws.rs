@@ -103,6 +103,19 @@ fn the_exact_derivative_is_the_limit_of_differences_and_height_matters_for_a_con
 }
 
 #[test]
+fn the_row_without_the_height_is_that_of_a_cylinder_only() {
+    for (name, is_same) in [("cyl_R2_B", true), ("cone_r1_a5_B", false)] {
+        let (surface, cutter, _) = case(&reference(), name);
+        let [shift, height] = [Model::Shift, Model::Height].map(|row| {
+            let params = FlankParams { row, grid: [20, 10], rounds: 0, ..FlankParams::default() };
+            planned(&surface, &cutter, &params).unwrap()
+        });
+        assert!(shift.initial == height.initial, "{name}: the row comes after the first path");
+        assert_eq!(shift.ranks == height.ranks && shift.chosen == height.chosen, is_same, "{name}");
+    }
+}
+
+#[test]
 fn splines_sum_to_one_and_reproduce_a_cubic_past_their_ends() {
     use crate::axis_surface::CubicBasis;
     for count in [4, 5, 10, 23] {

@@ -44,6 +44,11 @@ const OBJECTIVES: &[Variant] = &[
         new: "{ least = \"bounded\", overcut_mm = 0.01 }",
     },
 ];
+const ROWS: &[Word] = &[
+    word("shift", "shift", "Shift along the normal, as in the paper"),
+    word("height", "and height", "And the height along a cone, which changes its radius"),
+    word("moving", "exact", "And another place of the axis over the sample: the exact derivative"),
+];
 const PATHS: &[Word] = &[
     word("initial", "initial", "Mill the initial path (offset)"),
     word("chosen", "chosen", "Mill the chosen path (best rank)"),
@@ -191,6 +196,8 @@ pub static FIELDS: FieldTable<FlankDocument> = FieldTable::new(&[
                 .help("How far past the last place needed the path goes, as a share of the guides."),
             Field::number("plan.slide_u", "Slide", "", 1e-3, 0.5)
                 .help("How far the upper contact may slide away from the lower one, as a share of the guides."),
+            Field::choice("plan.row", "Matrix row", ROWS)
+                .help("How a change of the control points is taken to change the deviation, for the chosen path."),
             Field::integer("source.fit.most_control_points", "Points of a guide", 7.0, 259.0)
                 .when(MESH)
                 .help("Control points that each fitted guide may have at most."),
