@@ -34,6 +34,21 @@ pub struct SurfaceFoot {
     pub aside: f64,
 }
 
+/// A wall with the points that it was made from, where searches for nearest points begin.
+pub struct WallFeet<'a> {
+    wall: &'a NurbsWall,
+    places: Vec<([f64; 2], DVec3)>,
+}
+
+impl WallFeet<'_> {
+    /// The point of the wall nearest to `p`.
+    pub fn foot(&self, p: DVec3) -> SurfaceFoot {
+        let off = |place: &&([f64; 2], DVec3)| place.1.distance_squared(p);
+        let start = self.places.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        self.wall.foot_from(p, start.map_or([0.0; 2], |place| place.0))
+    }
+}
+
 /// Reason why there are no walls through measured sections.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MeasuredError {
@@ -136,14 +151,18 @@ impl NurbsWall {
         distance(0.5 * (low + high)).sqrt()
     }
 
-    /// The point of the surface nearest to `p`, by Newton's method without second derivatives, from the nearest of the
-    /// points that the wall was made from.
-    pub fn foot(&self, p: DVec3) -> SurfaceFoot {
+    /// The wall ready for nearest points.
+    pub fn feet(&self) -> WallFeet<'_> {
+        let places = self.u.iter().flat_map(|u| self.v.iter().map(move |v| [*u, *v]));
+        WallFeet { wall: self, places: places.map(|at| (at, self.surface.point(at[0], at[1]))).collect() }
+    }
+
+    /// The point of the surface nearest to `p`, by Newton's method without second derivatives from the parameters
+    /// `at`.
+    fn foot_from(&self, p: DVec3, mut at: [f64; 2]) -> SurfaceFoot {
         const ROUNDS: usize = 40;
-        let starts = self.u.iter().flat_map(|u| self.v.iter().map(move |v| [*u, *v]));
         let off = |[u, v]: [f64; 2]| self.surface.point(u, v).distance_squared(p);
-        let start = starts.map(|at| (off(at), at)).min_by(|a, b| a.0.total_cmp(&b.0));
-        let (mut distance, mut at) = start.unwrap_or((f64::INFINITY, [0.0; 2]));
+        let mut distance = off(at);
         for _ in 0..ROUNDS {
             let step = self.step_towards(p, at);
             let shorter = |share: f64| [0, 1].map(|i| (at[i] + share * step[i]).clamp(0.0, 1.0));

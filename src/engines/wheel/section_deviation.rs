@@ -61,9 +61,10 @@ impl SideDeviation {
 
     /// `sign` is that of the wall's normal into the channel.
     fn new(points: &[DVec3], wall: &NurbsWall, sign: f64, cancel: &Cancel) -> Result<Self, Cancelled> {
+        let feet = wall.feet();
         let deviation = |p: &DVec3| {
             cancel.check()?;
-            let foot = wall.foot(*p);
+            let foot = feet.foot(*p);
             Ok((foot.aside <= Self::BESIDE).then_some(sign * foot.height))
         };
         let of_points = points.par_iter().map(deviation).collect::<Result<Vec<Option<f64>>, Cancelled>>()?;

@@ -12,6 +12,7 @@ use crate::reproduce::{Outcome, ReproduceError, Table, Verdict};
 use crate::widgets::theme::STEEL;
 use crate::workspaces::mold::scene::pictures::MoldPicture;
 use files::report::number;
+use geometry::frame::Frame;
 use render::colour::Theme;
 use render::colour_map::ColourMap;
 use render::mesh::RenderMesh;
@@ -63,7 +64,7 @@ const CASES: [Case; 7] = [
     },
 ];
 
-pub(super) fn outcomes(part: &Part, task: &Task) -> Result<Vec<Outcome>, ReproduceError> {
+pub(super) fn outcomes(part: &Part, frame: &Frame, task: &Task) -> Result<Vec<Outcome>, ReproduceError> {
     let judged = CASES.iter().map(|case| Judged::new(part, case, task)).collect::<Result<Vec<_>, _>>()?;
     let right = judged.iter().filter(|j| j.is_right()).count();
     let last = judged.last();
@@ -102,7 +103,7 @@ pub(super) fn outcomes(part: &Part, task: &Task) -> Result<Vec<Outcome>, Reprodu
         Outcome {
             tables,
             pictures: drawn(map.into_iter().collect(), task)?,
-            files: files(part, last)?,
+            files: files(part, frame, last)?,
             ..outcome(
                 "Figure 10",
                 "Result of the experiment: times and accuracy of the blades",
@@ -205,8 +206,8 @@ fn map(part: &Part, judged: &Judged) -> MoldPicture {
     }
 }
 
-/// The part and the last set, for doing the same by hand.
-fn files(part: &Part, last: Option<&Judged>) -> Result<Vec<(String, Vec<u8>)>, ReproduceError> {
+/// The part, and the last set in the workpiece frame W of the channel that is found in it, for doing the same by hand.
+fn files(part: &Part, frame: &Frame, last: Option<&Judged>) -> Result<Vec<(String, Vec<u8>)>, ReproduceError> {
     let mesh = import::stl_bytes(&part.mesh).map_err(|e| ReproduceError::Result {
         paper: super::PAPER,
         name: "Figure 10",
@@ -216,7 +217,7 @@ fn files(part: &Part, last: Option<&Judged>) -> Result<Vec<(String, Vec<u8>)>, R
     let mut csv = "section,side,x,y,z\n".to_owned();
     for section in last.iter().flat_map(|j| &j.measured) {
         for (side, points) in [("low", &section.low), ("high", &section.high)] {
-            for p in points {
+            for p in points.iter().map(|p| frame.from_parent(*p)) {
                 // Writing into a string does not fail.
                 let _ = writeln!(csv, "{},{side},{:.6},{:.6},{:.6}", section.name, p.x, p.y, p.z);
             }

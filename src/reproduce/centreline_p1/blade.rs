@@ -203,7 +203,8 @@ fn figure_4(part: &Part, task: &Task) -> Result<Outcome, ReproduceError> {
     for (i, (name, wall)) in ["suction side", "pressure side"].iter().zip(&part.walls).enumerate() {
         task.check()?;
         let points: Vec<DVec3> = between.iter().flat_map(|s| [&s.low, &s.high][i].iter().copied()).collect();
-        let off = FitError::of(points.par_iter().map(|p| wall.foot(*p).height).collect::<Vec<f64>>());
+        let feet = wall.feet();
+        let off = FitError::of(points.par_iter().map(|p| feet.foot(*p).height).collect::<Vec<f64>>());
         let figures = [wall.off_points.greatest_mm, off.greatest_mm, off.rms_mm].map(small);
         rows.push([vec![(*name).to_owned(), format!("{SECTIONS} x {POINTS}")], figures.to_vec()].concat());
     }

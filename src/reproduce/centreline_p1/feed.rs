@@ -1,6 +1,7 @@
 //! Feed paths along the centreline: figures 1, 2, 5, 7 and 8, and table 4.
 
 use std::fmt::Write;
+use std::sync::Arc;
 
 use glam::DVec3;
 
@@ -20,6 +21,7 @@ use feed::pose::Pose;
 use feed::wall_clearances::{ClearanceGauge, WallClearances};
 use files::report::number;
 use files::report::plot::{Plot, Series};
+use geometry::frame::Frame;
 use task::Task;
 use wheel::centreline::Centreline;
 use wheel::channel::{BladeSide, Channel};
@@ -77,6 +79,11 @@ impl Planned {
         Ok(Self { plans: plans.into_iter().collect::<Result<_, ReproduceError>>()? })
     }
 
+    /// The workpiece frame W of the channel that was found in the mesh.
+    pub(super) fn frame(&self) -> Frame {
+        self.plans.first().map_or(Frame::IDENTITY, |(_, _, outcome)| outcome.channel.frame)
+    }
+
     pub(super) fn outcomes(&self, part: &Part, task: &Task) -> Result<Vec<Outcome>, ReproduceError> {
         let Some((_, inputs, outcome)) = self.plans.first() else { return Ok(Vec::new()) };
         let mut pictures = pictures(part, inputs, outcome, task)?.into_iter();
@@ -89,8 +96,9 @@ impl Planned {
         );
         let figure_1 = Outcome { pictures: pictures.next().into_iter().collect(), ..figure_1 };
         let figure_2 = Outcome { pictures: pictures.collect(), ..figure_2(outcome) };
-        let facts =
-            outcome.electrodes.iter().map(|e| facts(e, &outcome.channel, task)).collect::<Result<Vec<_>, _>>()?;
+        let line = Centreline::of_channel(&outcome.channel, &task.cancel).map_err(failed("Figure 7", task))?;
+        let facts = |e: &ElectrodeOutcome| facts(e, &outcome.channel, &line, task);
+        let facts = outcome.electrodes.iter().map(facts).collect::<Result<Vec<_>, _>>()?;
         Ok(vec![figure_1, figure_2, figure_5(), table_4(inputs), self.figure_7(&facts), self.figure_8()])
     }
 
@@ -263,11 +271,11 @@ fn table_4(inputs: &PlanInputs) -> Outcome {
 /// Core point and distances at every node of an electrode.
 fn facts(
     e: &ElectrodeOutcome,
-    channel: &std::sync::Arc<Channel>,
+    channel: &Arc<Channel>,
+    line: &Centreline,
     task: &Task,
 ) -> Result<Vec<NodeFacts>, ReproduceError> {
-    let line = Centreline::of_channel(channel, &task.cancel).map_err(failed("Figure 7", task))?;
-    let guide = Guide::new(line, channel, &e.electrode).map_err(failed("Figure 7", task))?;
+    let guide = Guide::new(line.clone(), channel, &e.electrode).map_err(failed("Figure 7", task))?;
     let finder = SurfaceFinder::new(channel.clone()).map_err(failed("Figure 7", task))?;
     let gauge = ClearanceGauge::new(&e.electrode, channel, &finder, &task.cancel)?;
     let poses: Vec<Pose> = e.plan.nodes.iter().map(|n| n.pose).collect();

@@ -52,9 +52,10 @@ pub(super) fn figure_6(part: &Part, task: &Task) -> Result<Outcome, ReproduceErr
     });
     let apart = apart.fold(0.0, f64::max);
     // How far a line is from the middle: half the difference of its distances to both walls.
+    let feet = part.walls.each_ref().map(|wall| wall.feet());
     let off_middle = |line: &[DVec3]| {
         let off = |p: &DVec3| {
-            let [low, high] = part.walls.each_ref().map(|wall| wall.foot(*p).point.distance(*p));
+            let [low, high] = feet.each_ref().map(|feet| feet.foot(*p).point.distance(*p));
             0.5 * (low - high).abs()
         };
         // Beyond the edges there is a wall on one side only.

@@ -40,7 +40,7 @@ pub(super) fn results(task: &Task) -> Result<Vec<Outcome>, ReproduceError> {
     let mut all = planned.outcomes(&part, task)?;
     all.extend(blade::outcomes(&part, task)?);
     all.push(midline::figure_6(&part, task)?);
-    all.extend(accuracy::outcomes(&part, task)?);
+    all.extend(accuracy::outcomes(&part, &planned.frame(), task)?);
     // As they follow each other in the paper.
     const ORDER: [&str; 15] = [
         "Figure 1",
@@ -79,7 +79,7 @@ const POINTS: usize = 121;
 impl Part {
     fn new(task: &Task) -> Result<Self, ReproduceError> {
         let blisk = ParametricBlisk { blades: CHANNELS, ..ParametricBlisk::default() };
-        let fine = MeshResolution { edge: 8, chord: 40, span: 8, ..MeshResolution::default() };
+        let fine = MeshResolution { edge: 8, chord: 36, span: 5, pitch: 8, ..MeshResolution::default() };
         let mesh = Arc::new(blisk.mesh(&fine).map_err(failed("Figure 1", task))?);
         let heights: Vec<f64> = (0..SECTIONS).map(|k| k as f64 / (SECTIONS - 1) as f64).collect();
         let walls = NurbsWall::of_measured(&sections(&blisk, &heights, POINTS, &|_| DVec3::ZERO), &task.cancel);
