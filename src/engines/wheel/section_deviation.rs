@@ -239,12 +239,14 @@ mod tests {
         let never = Cancel::default();
         let walls = NurbsWall::of_measured(&sections(&[0.0, 0.5, 1.0], 61, |_, _, _| 0.0), &never).unwrap();
         let mut measured = sections(&[0.5, 1.2], 20, |_, _, _| 0.0);
+        let found = SectionsDeviation::new(&measured, &walls, P1_LIMIT_MM, &never).unwrap();
+        assert_eq!(found.sections[1].sides[1].judged, 0);
+        assert!(!found.holds(), "what is not judged is not good");
+        assert!(found.verdict().starts_with("not judged"), "{}", found.verdict());
         // The wall turns round to face upstream at its edge: what stands there is an edge that is too long.
         measured[0].low[0].x -= 0.5;
         let found = SectionsDeviation::new(&measured, &walls, P1_LIMIT_MM, &never).unwrap();
         assert!((found.sections[0].sides[0].greatest_mm.unwrap() - 0.5).abs() < 0.01, "{found}");
-        assert_eq!(found.sections[1].sides[1].judged, 0);
-        assert!(!found.holds(), "what is not judged is not good");
-        assert!(found.verdict().starts_with("not judged"), "{}", found.verdict());
+        assert!(found.verdict().starts_with("not within"), "{}", found.verdict());
     }
 }

@@ -237,7 +237,9 @@ mod tests {
         let part = Part::new(&task).unwrap();
         let judged: Vec<Judged> = CASES.iter().map(|case| Judged::new(&part, case, &task).unwrap()).collect();
         for set in &judged {
-            assert!(set.is_right() && set.miss < 2e-3, "{}: miss {}, {}", set.name, set.miss, set.found);
+            // Blades that are turned move by 0.062 mm along their round edges of 0.3 mm, which depart from their tangents
+            // by 0.0064 mm there.
+            assert!(set.is_right() && set.miss < 8e-3, "{}: miss {}, {}", set.name, set.miss, set.found);
         }
         let within = judged.iter().filter(|set| set.introduced.abs() <= limit).count();
         assert!(within >= 3 && judged.len() - within >= 3, "sets on both sides of the limit");

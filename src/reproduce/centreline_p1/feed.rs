@@ -150,7 +150,7 @@ impl Planned {
         let why = format!(
             "The paper shows the search window for 4, 5 and 6 axes and states that paths were found; it gives no nodes. Here \
              {certified} of {} paths along the centreline are found and certified over the whole motion, where the paper tests \
-             its nodes.",
+             its nodes. Some of them waver: the reversals of all axes stand in the table.",
             all.count()
         );
         let verdict = if certified == self.plans.len() * ELECTRODES { Verdict::Same } else { Verdict::Worse };
