@@ -52,7 +52,7 @@ fn measured_walls_are_compared_with_the_mesh() {
         assert_eq!(answer["measured"]["within_limit"], code == 0);
         let sides = answer["measured"]["deviation"]["sections"][0]["sides"].as_array().unwrap();
         for side in sides {
-            assert!((side["mean_mm"].as_f64().unwrap() - 0.05).abs() < 2e-3, "{side}");
+            assert!((side["mean_mm"].as_f64().unwrap() - 0.05).abs() < 5e-3, "{side}");
         }
     }
     for (table, named) in [("section,side,x,y,z\na,low,1,2,drei\n", "line 2: z is"), ("", "heading line")] {
