@@ -9,9 +9,9 @@ use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
 use import::Imported;
 use wheel::centreline::CentrelineSummary;
-use wheel::channel::BladeSide;
-use wheel::inspect::inspect as inspect_blisk;
+use wheel::inspect::{ChannelSummary, inspect as inspect_blisk};
 use wheel::nurbs_wall::NurbsWall;
+use wheel::section_deviation::SectionsDeviation;
 use wheel::sections::read_sections_file;
 
 /// Prints what was found in the mesh of `arguments`.
@@ -22,41 +22,61 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
     };
     let imported = session.import_silently(&file, units)?;
     let inspection = inspect_blisk(&imported.mesh, &options, &session.task)?;
-    let measured = match (&arguments.sections, &inspection.channel) {
-        (Some(file), Some(channel)) => {
-            let wheel = inspection.whole.as_deref().unwrap_or(&imported.mesh);
-            Some(measured(file, &wheel.in_frame(&channel.frame), channel.sides, session)?)
+    let measured = match (&arguments.sections, &inspection.channel, inspection.walls.as_deref()) {
+        (Some(file), Some(channel), Some(walls)) => {
+            let wheel = inspection.whole.as_deref().unwrap_or(&imported.mesh).in_frame(&channel.frame);
+            Some(Measured::new(file, (channel, walls, &wheel), arguments.limit, session)?)
         }
         _ => None,
     };
     super::terminal::finish();
     if session.json {
         let mut all = serde_json::json!({ "sha256": imported.sha256, "import": imported.report, "blisk": inspection });
-        if let Some(measured) = measured {
-            all["measured"] = serde_json::to_value(measured)?;
+        if let Some(Measured { surfaces, deviation }) = &measured {
+            all["measured"] = serde_json::to_value(surfaces)?;
+            all["measured"]["deviation"] = serde_json::to_value(deviation)?;
+            all["measured"]["within_limit"] = deviation.holds().into();
         }
         say!("{}", serde_json::to_string_pretty(&all)?);
     } else {
         print_import(&imported);
         say!("{inspection}");
-        if let Some(measured) = measured {
-            say!("From the measured sections:\n{measured}");
+        if let Some(Measured { surfaces, deviation }) = &measured {
+            say!("From the measured sections:\n{deviation}{surfaces}");
         }
     }
     match inspection.not_found.first() {
+        None if measured.is_some_and(|m| !m.deviation.holds()) => Ok(Answer::No),
         None => Ok(Answer::Yes),
         Some(problem) if session.json => anyhow::bail!("{}: {problem}", file.display()),
         Some(_) => anyhow::bail!("{}: refused, for the reason in its verdict", file.display()),
     }
 }
 
-/// The walls through the measured sections in `file`, against `mesh`, both in W.
-fn measured(file: &Path, mesh: &Mesh, sides: [BladeSide; 2], session: &Session) -> anyhow::Result<CentrelineSummary> {
-    let name = file.display();
-    let sections = read_sections_file(file).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
-    let walls = NurbsWall::of_measured(&sections, &session.task.cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
-    let exact = ExactMesh::new(mesh)?;
-    CentrelineSummary::of_walls(&walls, sides, &exact, &session.task.cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))
+/// What measured sections tell.
+struct Measured {
+    /// The surfaces through them, against the mesh.
+    surfaces: CentrelineSummary,
+    /// Their points, against the walls of the channel.
+    deviation: SectionsDeviation,
+}
+
+impl Measured {
+    /// The sections in `file`, judged against `limit` (mm); channel, walls and mesh are in W.
+    fn new(
+        file: &Path,
+        (channel, walls, mesh): (&ChannelSummary, &[NurbsWall; 2], &Mesh),
+        limit: f64,
+        session: &Session,
+    ) -> anyhow::Result<Self> {
+        let (name, cancel) = (file.display(), &session.task.cancel);
+        let sections = read_sections_file(file).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+        let deviation = SectionsDeviation::new(&sections, walls, limit, cancel)?;
+        let through = NurbsWall::of_measured(&sections, cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+        let exact = ExactMesh::new(mesh)?;
+        let surfaces = CentrelineSummary::of_walls(&through, channel.sides, &exact, cancel);
+        Ok(Self { surfaces: surfaces.map_err(|e| anyhow::anyhow!("{name}: {e}"))?, deviation })
+    }
 }
 
 fn print_import(imported: &Imported) {

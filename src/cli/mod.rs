@@ -47,6 +47,7 @@ use feed::pose::Axis;
 use import::{ImportOptions, Imported, Units, import_file};
 use project::{ProjectArguments, Settings};
 use task::{Cancel, Task};
+use wheel::section_deviation::P1_LIMIT_MM;
 
 /// Plans, verifies and exports EDM electrode feed paths for shrouded blisks.
 #[derive(Debug, Parser)]
@@ -208,9 +209,12 @@ struct InspectArguments {
     #[command(flatten)]
     project: ProjectArguments,
     /// Measured sections of the channel's walls in W: a CSV file with the columns section, side (low or high), x, and
-    /// y, z or r, theta_deg. Their surfaces are compared with the mesh.
+    /// y, z or r, theta_deg. Their points are judged against the walls, and their surfaces are compared with the mesh.
     #[arg(long, value_name = "CSV")]
     sections: Option<PathBuf>,
+    /// Greatest deviation of a measured point from its wall, either way (mm).
+    #[arg(long, value_name = "MM", default_value_t = P1_LIMIT_MM, value_parser = |text: &str| mm(text, POSITIVE), requires = "sections")]
+    limit: f64,
 }
 
 fn unit(text: &str) -> Result<Units, String> {

@@ -8,7 +8,7 @@ use wheel::options::BliskOptions;
 
 use super::{easy_blisk, mesh, part, sparkpath, text};
 
-/// The walls of the easy blisk as a probe would have measured them, each point `off` mm along the radius.
+/// The walls of the easy blisk as a probe would have measured them, each point `off` mm from its wall into the channel.
 fn table(off: f64) -> String {
     let mesh = mesh(&easy_blisk());
     let channel = find_channel(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
@@ -17,7 +17,7 @@ fn table(off: f64) -> String {
         for (side, wall) in [("low", &channel.low), ("high", &channel.high)] {
             for u in 0..wall.nu {
                 let p = wall.point(u, v);
-                let moved = p + off * p.with_x(0.0).normalize();
+                let moved = p + off * wall.normal(u, v);
                 writeln!(table, "{v},{side},{},{},{}", moved.x, moved.y, moved.z).unwrap();
             }
         }
@@ -29,11 +29,11 @@ fn table(off: f64) -> String {
 fn measured_walls_are_compared_with_the_mesh() {
     let folder = tempfile::tempdir().unwrap();
     let (file, part) = (folder.path().join("sections.csv"), part(folder.path()));
-    let inspected = |table: &str| {
+    let inspected = |table: &str, limit: &str| {
         std::fs::write(&file, table).unwrap();
-        sparkpath(&["inspect", &part, "--sections", file.to_str().unwrap(), "--json"])
+        sparkpath(&["inspect", &part, "--sections", file.to_str().unwrap(), "--limit", limit, "--json"])
     };
-    let output = inspected(&table(0.0));
+    let output = inspected(&table(0.0), "0.03");
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let [grid, measured] = [&answer["blisk"]["centreline"], &answer["measured"]];
@@ -44,8 +44,19 @@ fn measured_walls_are_compared_with_the_mesh() {
         assert!(figure("points") < 1e-9, "the surface passes through its points");
         assert!(figure("mesh") < 0.05, "{measured}");
     }
+    // Blades 0.05 mm too thick on both sides.
+    for (limit, code) in [("0.03", 3), ("0.06", 0)] {
+        let output = inspected(&table(0.05), limit);
+        assert_eq!(output.status.code(), Some(code), "{}", text(&output.stderr));
+        let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(answer["measured"]["within_limit"], code == 0);
+        let sides = answer["measured"]["deviation"]["sections"][0]["sides"].as_array().unwrap();
+        for side in sides {
+            assert!((side["mean_mm"].as_f64().unwrap() - 0.05).abs() < 5e-3, "{side}");
+        }
+    }
     for (table, named) in [("section,side,x,y,z\na,low,1,2,drei\n", "line 2: z is"), ("", "heading line")] {
-        let output = inspected(table);
+        let output = inspected(table, "0.03");
         assert_eq!(output.status.code(), Some(2));
         assert!(text(&output.stderr).contains(named), "{}", text(&output.stderr));
     }

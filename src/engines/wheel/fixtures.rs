@@ -255,20 +255,9 @@ fn exact_wall(blisk: &ParametricBlisk, side: ChannelSide) -> ChannelWall {
         // Close stations at the edges, where the wall turns round.
         let along = 0.5 - 0.5 * (u as f64 / (nu - 1) as f64 * PI).cos();
         for v in 0..nv {
-            let at = |along: f64, v: f64| {
-                let (mut x, mut r) = (0.5 * blisk.chord_mm, 0.0);
-                for _ in 0..40 {
-                    let (hub, tip) = blisk.radii(x);
-                    r = hub + v * (tip - hub);
-                    x = blisk.x_le(r) + along * (blisk.x_te(r) - blisk.x_le(r));
-                }
-                Cylindrical { x, r, theta: blisk.wall_theta(side, x, r) }.point()
-            };
-            let (v, h) = (v as f64 / (nv - 1) as f64, 1e-4);
-            let chordwise = at((along + h).min(1.0), v) - at((along - h).max(0.0), v);
-            let normal = chordwise.cross(at(along, v + h) - at(along, v - h)).normalize();
-            points.push(at(along, v));
-            normals.push(if side == ChannelSide::Low { normal } else { -normal });
+            let [point, normal] = blisk.wall_at(side, along, v as f64 / (nv - 1) as f64);
+            points.push(point);
+            normals.push(normal);
         }
     }
     ChannelWall { nu, nv, points, normals, side: blisk.blade_side(side) }

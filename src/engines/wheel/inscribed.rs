@@ -70,6 +70,31 @@ impl CurvePair {
         (2 * circles.len() >= count).then_some(circles)
     }
 
+    /// Circles along the passage, each touching the one before, as many as there is room for.
+    pub fn chain(&self) -> Vec<InscribedCircle> {
+        const STEPS: usize = 256;
+        let [start, end] = self.low.curve.domain();
+        let at = |i: usize| start + (end - start) * i as f64 / STEPS as f64;
+        let all: Vec<InscribedCircle> = (0..=STEPS).filter_map(|i| self.circle(at(i))).collect();
+        let gap = |a: &InscribedCircle, b: &InscribedCircle| a.center.distance(b.center) - a.radius - b.radius;
+        let mut chain = Vec::from_iter(all.first().copied());
+        while let Some(last) = chain.last().copied() {
+            let is_beyond = |c: &&InscribedCircle| c.contacts[0] > last.contacts[0] && gap(&last, c) > 0.0;
+            let Some(beyond) = all.iter().find(is_beyond) else { break };
+            let (mut near, mut far) = (last, *beyond);
+            for _ in 0..60 {
+                let Some(middle) = self.circle(0.5 * (near.contacts[0] + far.contacts[0])) else { break };
+                if gap(&last, &middle) > 0.0 {
+                    far = middle;
+                } else {
+                    near = middle;
+                }
+            }
+            chain.push(far);
+        }
+        chain
+    }
+
     /// The last parameter from `good` towards `bad` with a circle.
     fn edge(&self, good: f64, bad: f64) -> f64 {
         let (mut good, mut bad) = (good, bad);
@@ -159,6 +184,18 @@ mod tests {
         }
         let length: f64 = circles.windows(2).map(|w| w[0].center.distance(w[1].center)).sum();
         assert!((length - 40.0).abs() < 1e-2, "the whole arc is covered: {length}");
+    }
+
+    #[test]
+    fn between_concentric_arcs_circles_in_a_chain_stand_their_diameter_apart() {
+        let arc = |radius: f64| curve(move |t| DVec3::new(radius * (t - 0.5).sin(), radius * (t - 0.5).cos(), 0.0));
+        let chain = CurvePair::new(arc(36.0), arc(44.0)).chain();
+        // One radian holds steps of 2 asin(4 / 40) each.
+        assert_eq!(chain.len(), 5);
+        for pair in chain.windows(2) {
+            assert!((pair[0].center.distance(pair[1].center) - 8.0).abs() < 1e-6);
+            assert!((pair[1].center.length() - 40.0).abs() < 1e-7);
+        }
     }
 
     #[test]

@@ -11,6 +11,7 @@ use super::channel::{Agreement, BladeSide, Channel, Flow, Station, Throat};
 use super::error::BliskError;
 use super::find_channel::{prepared, wheel_and_channel};
 use super::frame::{Axis, Repetition, Wheel};
+use super::nurbs_wall::NurbsWall;
 use super::options::BliskOptions;
 use super::surfaces::{SurfaceClasses, classify};
 use geometry::frame::Frame;
@@ -40,8 +41,11 @@ pub struct Inspection {
     pub whole: Option<Arc<Mesh>>,
     /// Surfaces of the mesh told apart.
     pub surfaces: Option<SurfaceClasses>,
-    /// Centreline of the channel, and its walls as NURBS.
+    /// Centreline of the channel, and figures of its walls as NURBS.
     pub centreline: Option<CentrelineSummary>,
+    /// The low and the high wall of the channel as NURBS, in W.
+    #[serde(skip)]
+    pub walls: Option<Arc<[NurbsWall; 2]>>,
     /// Assumptions made, in plain sentences.
     pub assumed: Vec<String>,
     /// Missing features, with reason and remedy.
@@ -123,6 +127,7 @@ pub fn inspect(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Inspe
         whole: None,
         surfaces: None,
         centreline: None,
+        walls: None,
         assumed: Vec::new(),
         not_found: Vec::new(),
     };
@@ -155,6 +160,7 @@ fn fill(found: &mut Inspection, mesh: &Mesh, options: &BliskOptions, task: &Task
     found.assumed = channel.assumed.clone();
     found.surfaces = Some(classify(&mesh, &channel, task)?);
     task.report("channel", 1.0, "centreline");
+    found.walls = NurbsWall::of_channel(&channel).ok().map(Arc::new);
     let exact =
         channel.exact(&wheel.mesh.in_frame(&channel.frame).into()).map_err(|e| BliskError::Mesh(e.to_string()))?;
     match CentrelineSummary::new(&channel, &exact, &task.cancel) {

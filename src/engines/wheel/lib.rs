@@ -16,8 +16,8 @@ pub mod nurbs_wall;
 pub mod options;
 pub mod parametric;
 pub mod passage;
-#[cfg(any(test, feature = "fixtures"))]
 pub mod profile;
+pub mod section_deviation;
 pub mod sections;
 pub mod surface_finder;
 pub mod surfaces;

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use rayon::prelude::*;
 
-use super::channel::ChannelWall;
+use super::channel::{Channel, ChannelWall};
 use super::sections::MeasuredSection;
 use geometry::exact::ExactMesh;
 use geometry::nurbs::{FitError, NurbsCurve, NurbsError, NurbsSurface};
@@ -23,6 +23,32 @@ pub struct NurbsWall {
     pub off_points: FitError,
 }
 
+/// The point of a wall nearest to another point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceFoot {
+    /// The nearest point (mm).
+    pub point: DVec3,
+    /// Height of the other point over the tangent plane there, positive along u x v: to the side of greater theta (mm).
+    pub height: f64,
+    /// Distance of the other point from the normal there: greater than 0 only beyond the border (mm).
+    pub aside: f64,
+}
+
+/// A wall with the points that it was made from, where searches for nearest points begin.
+pub struct WallFeet<'a> {
+    wall: &'a NurbsWall,
+    places: Vec<([f64; 2], DVec3)>,
+}
+
+impl WallFeet<'_> {
+    /// The point of the wall nearest to `p`.
+    pub fn foot(&self, p: DVec3) -> SurfaceFoot {
+        let off = |place: &&([f64; 2], DVec3)| place.1.distance_squared(p);
+        let start = self.places.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+        self.wall.foot_from(p, start.map_or([0.0; 2], |place| place.0))
+    }
+}
+
 /// Reason why there are no walls through measured sections.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MeasuredError {
@@ -37,6 +63,14 @@ pub enum MeasuredError {
 impl NurbsWall {
     /// Most points along the chord that a wall is made from when its sections have different numbers of them.
     const MOST_POINTS: usize = 400;
+
+    /// The low and the high wall of a channel.
+    ///
+    /// # Errors
+    /// [`NurbsError`] if points of a wall coincide.
+    pub fn of_channel(channel: &Channel) -> Result<[Self; 2], NurbsError> {
+        Ok([Self::of_grid(&channel.low)?, Self::of_grid(&channel.high)?])
+    }
 
     /// The wall through the grid of `wall`.
     ///
@@ -115,6 +149,50 @@ impl NurbsWall {
             }
         }
         distance(0.5 * (low + high)).sqrt()
+    }
+
+    /// The wall ready for nearest points.
+    pub fn feet(&self) -> WallFeet<'_> {
+        let places = self.u.iter().flat_map(|u| self.v.iter().map(move |v| [*u, *v]));
+        WallFeet { wall: self, places: places.map(|at| (at, self.surface.point(at[0], at[1]))).collect() }
+    }
+
+    /// The point of the surface nearest to `p`, by Newton's method without second derivatives from the parameters
+    /// `at`.
+    fn foot_from(&self, p: DVec3, mut at: [f64; 2]) -> SurfaceFoot {
+        const ROUNDS: usize = 40;
+        let off = |[u, v]: [f64; 2]| self.surface.point(u, v).distance_squared(p);
+        let mut distance = off(at);
+        for _ in 0..ROUNDS {
+            let step = self.step_towards(p, at);
+            let shorter = |share: f64| [0, 1].map(|i| (at[i] + share * step[i]).clamp(0.0, 1.0));
+            let mut tries = [1.0, 0.5, 0.25, 0.125].into_iter().map(shorter).map(|at| (off(at), at));
+            let Some((nearer, next)) = tries.find(|(next, _)| *next < distance) else { break };
+            (distance, at) = (nearer, next);
+        }
+        let [point, along_u, along_v] = self.surface.at(at[0], at[1]);
+        let normal = along_u.cross(along_v).normalize_or_zero();
+        let height = normal.dot(p - point);
+        SurfaceFoot { point, height, aside: (p - point - height * normal).length() }
+    }
+
+    /// The step in the parameters from `at` to the foot of `p` in the tangent plane there, along the border where it
+    /// leads out over it.
+    fn step_towards(&self, p: DVec3, at: [f64; 2]) -> [f64; 2] {
+        let [point, along_u, along_v] = self.surface.at(at[0], at[1]);
+        let off = p - point;
+        let (a, b, c) = (along_u.length_squared(), along_u.dot(along_v), along_v.length_squared());
+        let (e, f) = (along_u.dot(off), along_v.dot(off));
+        let determinant = a * c - b * b;
+        let step = [(c * e - b * f) / determinant, (a * f - b * e) / determinant];
+        let leads_out = |i: usize| (at[i] <= 0.0 && step[i] < 0.0) || (at[i] >= 1.0 && step[i] > 0.0);
+        match [leads_out(0), leads_out(1)] {
+            _ if !step.iter().all(|s| s.is_finite()) => [0.0; 2],
+            [false, false] => step,
+            [true, false] => [0.0, f / c],
+            [false, true] => [e / a, 0.0],
+            [true, true] => [0.0; 2],
+        }
     }
 
     /// Distances of the surface from `mesh`, in the same frame: at its points and half way between them.

@@ -6,7 +6,10 @@
 //! and is the polynomial of fifth order that has the given position, slope and second derivative at both
 //! tangent points. Both sides are single-valued in `x`, which is what makes structured meshes of a blisk easy.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
+
+use crate::inscribed::CurvePair;
+use geometry::nurbs::{NurbsCurve, NurbsError};
 
 /// Parameters of a section. Angles are measured from the blisk axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,16 +32,16 @@ pub struct ProfileParams {
     pub trailing_radius: f64,
 }
 
-/// An edge circle.
+/// A circle of a section: one of its edges, or one inscribed between its sides.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EdgeCircle {
+pub struct SectionCircle {
     /// Centre of the circle (mm).
     pub center: DVec2,
     /// Radius of the circle (mm).
     pub radius: f64,
 }
 
-impl EdgeCircle {
+impl SectionCircle {
     /// Half the height of the circle at `x`, 0 outside.
     fn half_height(&self, x: f64) -> f64 {
         let dx = x - self.center.x;
@@ -85,8 +88,33 @@ impl Quintic {
 
     /// The value at `x` (mm).
     pub fn value(&self, x: f64) -> f64 {
-        let t = (x - self.start) / (self.end - self.start);
-        self.coefficients.iter().rev().fold(0.0, |sum, c| sum * t + c)
+        self.at(x)[0]
+    }
+
+    /// Value (mm), slope and second derivative (1/mm) at `x`.
+    pub fn at(&self, x: f64) -> [f64; 3] {
+        let length = self.end - self.start;
+        let t = (x - self.start) / length;
+        let sums =
+            self.coefficients.iter().rev().fold([0.0; 3], |[value, slope, half_bend], c| {
+                [value * t + c, slope * t + value, half_bend * t + slope]
+            });
+        [sums[0], sums[1] / length, 2.0 * sums[2] / (length * length)]
+    }
+
+    /// Coefficients of the powers 0 to 5 of x in mm: P1's a0 to a5 and b0 to b5, equation 3.
+    pub fn in_powers_of_x(&self) -> [f64; 6] {
+        let length = self.end - self.start;
+        let mut sums = [0.0; 6];
+        // Horner's scheme, each round a product with (x - start) / length.
+        for c in self.coefficients.iter().rev() {
+            let below = [0.0, sums[0], sums[1], sums[2], sums[3], sums[4]];
+            for (sum, below) in sums.iter_mut().zip(below) {
+                *sum = (below - self.start * *sum) / length;
+            }
+            sums[0] += c;
+        }
+        sums
     }
 }
 
@@ -94,9 +122,9 @@ impl Quintic {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BladeProfile {
     /// The circle at the leading edge.
-    pub leading: EdgeCircle,
+    pub leading: SectionCircle,
     /// The circle at the trailing edge.
-    pub trailing: EdgeCircle,
+    pub trailing: SectionCircle,
     /// The side of greater `y` between the tangent points.
     pub upper: Quintic,
     /// The side of smaller `y` between the tangent points.
@@ -118,13 +146,13 @@ impl BladeProfile {
             let t = x - 0.5 * params.chord;
             0.5 * bend * t * t + (slopes[0] + bend * (0.5 * params.chord - centers_x[0])) * t
         };
-        let circle = |x: f64, radius| EdgeCircle { center: DVec2::new(x, camber(x)), radius };
+        let circle = |x: f64, radius| SectionCircle { center: DVec2::new(x, camber(x)), radius };
         let leading = circle(centers_x[0], params.leading_radius);
         let trailing = circle(centers_x[1], params.trailing_radius);
         let side = |sign: f64, swell: f64| {
             let angles =
                 [params.beta_in + 0.5 * sign * params.wedge_in, params.beta_out - 0.5 * sign * params.wedge_out];
-            let end = |edge: &EdgeCircle, angle: f64| EndCondition {
+            let end = |edge: &SectionCircle, angle: f64| EndCondition {
                 at: edge.tangent_point(angle, sign),
                 slope: angle.tan(),
                 bend: bend + sign * swell,
@@ -159,6 +187,23 @@ impl BladeProfile {
         } else {
             side.value(x)
         }
+    }
+
+    /// Circles between both sides, each touching the one before, from the leading edge to the trailing one: P1's C_i,
+    /// conditions 1 to 3.
+    ///
+    /// # Errors
+    /// [`NurbsError`] if the sides cannot be followed.
+    pub fn inscribed_circles(&self) -> Result<Vec<SectionCircle>, NurbsError> {
+        const PIECES: usize = 160;
+        let curve = |side: &Quintic| {
+            let x = |i: usize| side.start + (side.end - side.start) * i as f64 / PIECES as f64;
+            let points: Vec<DVec3> = (0..=PIECES).map(x).map(|x| DVec3::new(x, side.value(x), 0.0)).collect();
+            NurbsCurve::through(&points, 5)
+        };
+        let chain = CurvePair::new(curve(&self.lower)?, curve(&self.upper)?).chain();
+        let circle = chain.iter().map(|c| SectionCircle { center: c.center.truncate(), radius: c.radius });
+        Ok(circle.collect())
     }
 
     /// The least thickness along `y` away from the edge circles, and where it is (mm); negative when the sides cross.
@@ -205,7 +250,12 @@ mod tests {
         fn sides_leave_the_edge_circles_tangentially(p in params()) {
             let profile = BladeProfile::new(&p);
             for side in [&profile.upper, &profile.lower] {
+                let powers = side.in_powers_of_x();
                 for (edge, x) in [(&profile.leading, side.start), (&profile.trailing, side.end)] {
+                    let [value, first, _] = side.at(x);
+                    let sum = powers.iter().rev().fold(0.0, |sum, c| sum * x + c);
+                    prop_assert!((sum - value).abs() < 1e-7, "{sum} and {value}");
+                    prop_assert!((first - slope(side, x)).abs() < 1e-6);
                     let spoke = DVec2::new(x, side.value(x)) - edge.center;
                     prop_assert!((spoke.length() - edge.radius).abs() < 1e-9, "starts on the circle");
                     let tangent = DVec2::new(1.0, slope(side, x)).normalize();
@@ -234,9 +284,8 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_symmetric_section_is_symmetric() {
-        let profile = BladeProfile::new(&ProfileParams {
+    fn symmetric() -> BladeProfile {
+        BladeProfile::new(&ProfileParams {
             chord: 20.0,
             beta_in: 0.0,
             beta_out: 0.0,
@@ -245,7 +294,47 @@ mod tests {
             thickness: 3.0,
             leading_radius: 0.4,
             trailing_radius: 0.4,
+        })
+    }
+
+    #[test]
+    fn circles_between_the_sides_touch_both_and_each_other() {
+        let turned = BladeProfile::new(&ProfileParams {
+            chord: 20.0,
+            beta_in: 0.7,
+            beta_out: -0.8,
+            wedge_in: 0.35,
+            wedge_out: 0.25,
+            thickness: 3.2,
+            leading_radius: 0.4,
+            trailing_radius: 0.3,
         });
+        for profile in [symmetric(), turned] {
+            let circles = profile.inscribed_circles().unwrap();
+            assert!(circles.len() > 6, "{}", circles.len());
+            assert!(circles[0].center.distance(profile.leading.center) < 0.1, "begins at the edge");
+            let end = circles[circles.len() - 1];
+            let gap = end.center.distance(profile.trailing.center);
+            assert!(gap < 2.0 * end.radius + 0.01, "no further circle fits before the trailing edge: {gap}");
+            for pair in circles.windows(2) {
+                let apart = pair[0].center.distance(pair[1].center) - pair[0].radius - pair[1].radius;
+                assert!(apart.abs() < 1e-9, "{apart}");
+            }
+            for circle in &circles {
+                for side in [&profile.upper, &profile.lower] {
+                    let places = (0..=20_000).map(|i| side.start + (side.end - side.start) * f64::from(i) / 2e4);
+                    let nearest = places.map(|x| circle.center.distance(DVec2::new(x, side.value(x))));
+                    let nearest = nearest.fold(f64::INFINITY, f64::min);
+                    assert!((nearest - circle.radius).abs() < 1e-5, "{nearest} for {circle:?}");
+                }
+            }
+        }
+        assert!(symmetric().inscribed_circles().unwrap().iter().all(|c| c.center.y.abs() < 1e-6));
+    }
+
+    #[test]
+    fn a_symmetric_section_is_symmetric() {
+        let profile = symmetric();
         for i in 0..=100 {
             let x = 0.2 * f64::from(i);
             assert!((profile.upper_y(x) + profile.lower_y(x)).abs() < 1e-12);

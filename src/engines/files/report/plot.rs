@@ -142,6 +142,16 @@ impl Scale {
 }
 
 impl Plot {
+    /// The plot as high as makes a length along y look as long as along x.
+    pub fn with_equal_scales(mut self) -> Self {
+        self.size[1] = self.size[0];
+        if let Some(Scale { x, y, .. }) = Scale::of(&self) {
+            let width = self.size[0] - LEFT - RIGHT;
+            self.size[1] = TOP + BOTTOM + (width * (y[1] - y[0]) / (x[1] - x[0])).round();
+        }
+        self
+    }
+
     /// The picture as an `<svg>` element.
     pub fn svg(&self) -> String {
         let ([w, h], title) = (self.size, escape(&self.title));
@@ -281,5 +291,15 @@ mod tests {
         assert_eq!(tick_text(-20.0, 20.0), "\u{2212}20");
         assert_eq!(tick_text(0.0, 1e-7), "0e0");
         assert_eq!(log_ticks(0.09, 1.1), vec![0.1, 0.2, 0.5, 1.0]);
+    }
+
+    #[test]
+    fn with_equal_scales_a_square_is_drawn_as_one() {
+        let points = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
+        let series = vec![Series { points, class: "c0", dots: false }];
+        let plot = Plot { size: [500.0, 0.0], series, ..Plot::default() }.with_equal_scales();
+        let scale = Scale::of(&plot).unwrap();
+        let [across, up] = [scale.px(2.0) - scale.px(0.0), scale.py(0.0) - scale.py(2.0)];
+        assert!((across / up - 1.0).abs() < 0.01, "{across} {up}");
     }
 }

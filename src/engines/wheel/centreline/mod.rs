@@ -144,7 +144,7 @@ impl Centreline {
     /// # Errors
     /// [`CentrelineError`].
     pub fn of_channel(channel: &Channel, cancel: &Cancel) -> Result<Self, CentrelineError> {
-        let [low, high] = walls_of(channel)?;
+        let [low, high] = NurbsWall::of_channel(channel)?;
         let order = if channel.flow == Flow::Axial { Order::X } else { Order::Along(channel) };
         let passage = Passage::new(channel).ok_or(NurbsError::Counts)?;
         match Self::ordered(&low, &high, order, cancel) {
@@ -531,9 +531,4 @@ fn parameter_at(line: &NurbsCurve, along: f64, order: Order) -> f64 {
         }
     }
     0.5 * (low + high)
-}
-
-/// The low and the high wall of a channel.
-fn walls_of(channel: &Channel) -> Result<[NurbsWall; 2], NurbsError> {
-    Ok([NurbsWall::of_grid(&channel.low)?, NurbsWall::of_grid(&channel.high)?])
 }

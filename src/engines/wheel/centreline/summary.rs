@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Centreline, CentrelineError, walls_of};
+use super::{Centreline, CentrelineError};
 use crate::channel::{BladeSide, Channel};
 use crate::nurbs_wall::NurbsWall;
 use geometry::exact::ExactMesh;
@@ -42,7 +42,7 @@ impl CentrelineSummary {
     /// [`CentrelineError`].
     pub fn new(channel: &Channel, mesh: &ExactMesh, cancel: &Cancel) -> Result<Self, CentrelineError> {
         let line = Centreline::of_channel(channel, cancel)?;
-        Self::of_line(line, &walls_of(channel)?, [channel.low.side, channel.high.side], mesh, cancel)
+        Self::of_line(line, &NurbsWall::of_channel(channel)?, [channel.low.side, channel.high.side], mesh, cancel)
     }
 
     /// The figures of a low and a high wall along X, which are these sides of their blades; the blisk `mesh` is in the

@@ -1,4 +1,4 @@
-//! Axial blisks whose walls are known exactly, as parts for tests.
+//! Axial blisks whose walls are known exactly.
 //!
 //! The axis is X and the blades stand between `x = 0` (leading edge at mid-span) and `x = chord`. Channel 0, between
 //! blade 0 and blade 1, has its middle at mid-chord on +Z, so that for it the workpiece frame W is the mesh's own.
@@ -6,10 +6,12 @@
 
 use std::f64::consts::TAU;
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::channel::BladeSide;
 use crate::profile::{BladeProfile, ProfileParams};
+use geometry::frame::Cylindrical;
 use geometry::mesh::Mesh;
 use mesher::Mesher;
 
@@ -228,6 +230,24 @@ impl ParametricBlisk {
             ChannelSide::Low => (profile.upper_y(along) + lean) / r - 0.5 * self.pitch(),
             ChannelSide::High => (profile.lower_y(along) + lean) / r + 0.5 * self.pitch(),
         }
+    }
+
+    /// Point of a wall of channel 0 (mm) at a share of the chord, from the leading edge, and a share of the height, from
+    /// the hub; and the unit normal there, into the channel.
+    pub fn wall_at(&self, side: ChannelSide, along: f64, height: f64) -> [DVec3; 2] {
+        const STEP: f64 = 1e-4;
+        let at = |along: f64, height: f64| {
+            let (mut x, mut r) = (0.5 * self.chord_mm, 0.0);
+            for _ in 0..40 {
+                let (hub, tip) = self.radii(x);
+                r = hub + height * (tip - hub);
+                x = self.x_le(r) + along * (self.x_te(r) - self.x_le(r));
+            }
+            Cylindrical { x, r, theta: self.wall_theta(side, x, r) }.point()
+        };
+        let chordwise = at((along + STEP).min(1.0), height) - at((along - STEP).max(0.0), height);
+        let normal = chordwise.cross(at(along, height + STEP) - at(along, height - STEP)).normalize_or(DVec3::Z);
+        [at(along, height), if side == ChannelSide::Low { normal } else { -normal }]
     }
 
     /// Face of its blade that a wall of the channels is, by the sense of the turning.

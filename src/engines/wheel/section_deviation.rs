@@ -1,0 +1,252 @@
+//! Deviation of measured sections of a blade from the walls that were planned for: the judgement of P1's accuracy.
+//!
+//! A deviation is the distance of a measured point from the wall along the wall's normal, positive into the channel,
+//! where metal is left, and negative where too much is gone. Points beside a wall, such as those beyond its first and last
+//! section, are not judged; ahead of a round edge, which faces upstream, they are.
+
+use std::fmt;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::nurbs_wall::NurbsWall;
+use super::sections::MeasuredSection;
+use task::{Cancel, Cancelled};
+
+/// Greatest deviation with which P1 accepts a blade (mm).
+pub const P1_LIMIT_MM: f64 = 0.03;
+
+/// Deviations of the points of one section on one wall.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SideDeviation {
+    /// Deviation of each point (mm), in the order of the section; none where a point is not judged.
+    #[serde(skip)]
+    pub of_points: Vec<Option<f64>>,
+    /// The deviation greatest in size, with its sign (mm); none where no point is judged.
+    pub greatest_mm: Option<f64>,
+    /// Point of the greatest deviation, in W (mm).
+    pub greatest_at: Option<DVec3>,
+    /// Mean of the deviations (mm): by how much the section as a whole is off.
+    pub mean_mm: f64,
+    /// Standard deviation about the mean (mm): noise and form.
+    pub spread_mm: f64,
+    /// Points that are judged.
+    pub judged: usize,
+    /// Points that are not, because they lie beyond the wall.
+    pub beyond: usize,
+}
+
+/// Deviations of one section.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SectionDeviation {
+    /// Name of the section.
+    pub name: String,
+    /// The low and the high wall.
+    pub sides: [SideDeviation; 2],
+}
+
+/// Deviations of all sections, judged against a limit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SectionsDeviation {
+    /// Greatest deviation allowed, either way (mm).
+    pub limit_mm: f64,
+    /// The sections from the hub outwards.
+    pub sections: Vec<SectionDeviation>,
+}
+
+impl SideDeviation {
+    /// Distance beside the wall's border up to which a point is still judged (mm): a probe does not stop exactly there.
+    const BESIDE: f64 = 0.05;
+
+    /// `sign` is that of the wall's normal into the channel.
+    fn new(points: &[DVec3], wall: &NurbsWall, sign: f64, cancel: &Cancel) -> Result<Self, Cancelled> {
+        let feet = wall.feet();
+        let deviation = |p: &DVec3| {
+            cancel.check()?;
+            let foot = feet.foot(*p);
+            Ok((foot.aside <= Self::BESIDE).then_some(sign * foot.height))
+        };
+        let of_points = points.par_iter().map(deviation).collect::<Result<Vec<Option<f64>>, Cancelled>>()?;
+        let judged = || of_points.iter().zip(points).filter_map(|(d, p)| Some(((*d)?, *p)));
+        let count = judged().count();
+        let mean = |of: &dyn Fn(f64) -> f64| judged().map(|(d, _)| of(d)).sum::<f64>() / count.max(1) as f64;
+        let mean_mm = mean(&|d| d);
+        let spread_mm = mean(&|d| (d - mean_mm).powi(2)).sqrt();
+        let greatest = judged().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+        Ok(Self {
+            greatest_mm: greatest.map(|g| g.0),
+            greatest_at: greatest.map(|g| g.1),
+            mean_mm,
+            spread_mm,
+            judged: count,
+            beyond: points.len() - count,
+            of_points,
+        })
+    }
+}
+
+impl SectionsDeviation {
+    /// Deviations of `sections` from the low and the high wall, in the same frame, judged against `limit_mm`.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn new(
+        sections: &[MeasuredSection],
+        [low, high]: &[NurbsWall; 2],
+        limit_mm: f64,
+        cancel: &Cancel,
+    ) -> Result<Self, Cancelled> {
+        let section = |s: &MeasuredSection| {
+            let sides =
+                [SideDeviation::new(&s.low, low, 1.0, cancel)?, SideDeviation::new(&s.high, high, -1.0, cancel)?];
+            Ok(SectionDeviation { name: s.name.clone(), sides })
+        };
+        Ok(Self { limit_mm, sections: sections.iter().map(section).collect::<Result<_, _>>()? })
+    }
+
+    /// The section and the wall (0 low, 1 high) with the deviation greatest in size, and that deviation (mm).
+    pub fn greatest(&self) -> Option<(&str, usize, f64)> {
+        let sides =
+            self.sections.iter().flat_map(|s| (0..2).filter_map(|i| Some((&*s.name, i, s.sides[i].greatest_mm?))));
+        sides.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))
+    }
+
+    /// Whether every wall of every section has points that are judged, and all of these are within the limit.
+    pub fn holds(&self) -> bool {
+        let within = |side: &SideDeviation| side.greatest_mm.is_some_and(|d| d.abs() <= self.limit_mm);
+        !self.sections.is_empty() && self.sections.iter().flat_map(|s| &s.sides).all(within)
+    }
+
+    /// The verdict in a sentence.
+    pub fn verdict(&self) -> String {
+        let limit = self.limit_mm;
+        match self.greatest() {
+            None => "not judged: no measured point lies on the walls; check the frame of the table".to_owned(),
+            Some((name, wall, most)) => {
+                let place = format!("{most:+.4} mm on the {} wall of section {name}", ["low", "high"][wall]);
+                match (self.holds(), most.abs() > limit) {
+                    (true, _) => format!("within {limit} mm: greatest deviation {place}"),
+                    (false, true) => format!("not within {limit} mm: greatest deviation {place}"),
+                    (false, false) => {
+                        format!("not judged as a whole: a section has no point on a wall; greatest {place}")
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl fmt::Display for SectionsDeviation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{:<18}{}", "Measured", self.verdict())?;
+        let head = ["greatest", "mean", "spread", "judged", "beyond"].map(|title| format!("{title:>10}")).concat();
+        writeln!(f, "{:<18}{:<16}{:<5}{head}   mm", "Deviation", "section", "wall")?;
+        for section in &self.sections {
+            for (wall, side) in ["low", "high"].iter().zip(&section.sides) {
+                let greatest = side.greatest_mm.map_or("-".to_owned(), |d| format!("{d:+.4}"));
+                writeln!(
+                    f,
+                    "{:<18}{:<16}{wall:<5}{greatest:>10}{:>+10.4}{:>10.4}{:>10}{:>10}",
+                    "", section.name, side.mean_mm, side.spread_mm, side.judged, side.beyond
+                )?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+    use crate::parametric::{ChannelSide, ParametricBlisk};
+
+    const SIDES: [ChannelSide; 2] = [ChannelSide::Low, ChannelSide::High];
+
+    /// Sections at `heights` with `points` on each wall, each point moved along the exact normal into the channel by
+    /// `error`, a function of section, wall and point.
+    fn sections(heights: &[f64], points: usize, error: impl Fn(usize, usize, usize) -> f64) -> Vec<MeasuredSection> {
+        let blisk = ParametricBlisk::default();
+        let wall = |k: usize, side: usize| {
+            let along = |i: usize| 0.5 - 0.5 * (i as f64 / (points - 1) as f64 * PI).cos();
+            let point = |i: usize| {
+                let [p, normal] = blisk.wall_at(SIDES[side], along(i), heights[k]);
+                p + error(k, side, i) * normal
+            };
+            (0..points).map(point).collect()
+        };
+        let section = |k: usize| MeasuredSection { name: format!("{k}"), low: wall(k, 0), high: wall(k, 1) };
+        (0..heights.len()).map(section).collect()
+    }
+
+    fn judged(error: impl Fn(usize, usize, usize) -> f64) -> SectionsDeviation {
+        let never = Cancel::default();
+        let heights: Vec<f64> = (0..9).map(|k| f64::from(k) / 8.0).collect();
+        let walls = NurbsWall::of_measured(&sections(&heights, 121, |_, _, _| 0.0), &never).unwrap();
+        // Measured between the sections and the points that the walls were made from.
+        let measured = sections(&[0.07, 0.31, 0.55, 0.9], 44, error);
+        SectionsDeviation::new(&measured, &walls, P1_LIMIT_MM, &never).unwrap()
+    }
+
+    #[test]
+    fn a_section_without_error_is_within_and_a_shifted_one_is_off_by_its_shift() {
+        for (shift, holds) in [(0.0, true), (0.027, true), (-0.027, true), (0.033, false), (-0.2, false)] {
+            let found = judged(|_, _, _| shift);
+            assert_eq!(found.holds(), holds, "{shift}: {found}");
+            for side in found.sections.iter().flat_map(|s| &s.sides) {
+                assert!((side.mean_mm - shift).abs() < 1e-3, "{shift}: {found}");
+                assert!((side.greatest_mm.unwrap() - shift).abs() < 2e-3, "{shift}: {found}");
+                assert!(side.judged >= 42, "{found}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_wall_of_one_section_that_is_off_is_found_and_named() {
+        let found = judged(|section, side, _| if (section, side) == (2, 1) { -0.045 } else { 0.004 });
+        let (name, wall, most) = found.greatest().unwrap();
+        assert_eq!((name, wall, found.holds()), ("2", 1, false));
+        assert!((most + 0.045).abs() < 2e-3);
+        assert!(found.verdict().contains("high wall of section 2"), "{}", found.verdict());
+        let others = found.sections.iter().flat_map(|s| &s.sides).filter(|s| s.greatest_mm.unwrap().abs() < 7e-3);
+        assert_eq!(others.count(), 7);
+    }
+
+    #[test]
+    fn noise_of_known_size_is_spread_and_not_mean() {
+        // Even over -a to a: its standard deviation is a / sqrt(3).
+        let noise = |a: f64| {
+            move |k: usize, side: usize, i: usize| {
+                let n = (k * 88 + side * 44 + i) as f64;
+                a * (2.0 * (n * 0.618_033_988_749_894_9).fract() - 1.0)
+            }
+        };
+        for (a, holds) in [(0.02, true), (0.06, false)] {
+            let found = judged(noise(a));
+            assert_eq!(found.holds(), holds, "{found}");
+            for side in found.sections.iter().flat_map(|s| &s.sides) {
+                assert!(side.mean_mm.abs() < 0.1 * a, "{found}");
+                assert!((side.spread_mm / (a / 3f64.sqrt()) - 1.0).abs() < 0.1, "{found}");
+                assert!(side.greatest_mm.unwrap().abs() < a + 2e-3, "{found}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_section_beyond_the_walls_is_not_judged_and_a_point_ahead_of_the_edge_is() {
+        let never = Cancel::default();
+        let walls = NurbsWall::of_measured(&sections(&[0.0, 0.5, 1.0], 61, |_, _, _| 0.0), &never).unwrap();
+        let mut measured = sections(&[0.5, 1.2], 20, |_, _, _| 0.0);
+        let found = SectionsDeviation::new(&measured, &walls, P1_LIMIT_MM, &never).unwrap();
+        assert_eq!(found.sections[1].sides[1].judged, 0);
+        assert!(!found.holds(), "what is not judged is not good");
+        assert!(found.verdict().starts_with("not judged"), "{}", found.verdict());
+        // The wall turns round to face upstream at its edge: what stands there is an edge that is too long.
+        measured[0].low[0].x -= 0.5;
+        let found = SectionsDeviation::new(&measured, &walls, P1_LIMIT_MM, &never).unwrap();
+        assert!((found.sections[0].sides[0].greatest_mm.unwrap() - 0.5).abs() < 0.01, "{found}");
+        assert!(found.verdict().starts_with("not within"), "{}", found.verdict());
+    }
+}
