@@ -15,10 +15,10 @@ use mold::random_mold::random_mold;
 use task::Task;
 
 const NAME: &str = "Section 6";
-/// Cases of the paper, and molds that are run here: as many as take half a minute.
+/// Cases of the paper, and molds that are run here: a share of them, for time.
 const PAPER: usize = 200;
-const MOLDS: usize = 40;
-/// Every such mold also gets electrodes, which takes much longer.
+const MOLDS: usize = 20;
+/// One mold in so many also gets electrodes, which takes much longer.
 const ELECTRODES_OF_EVERY: usize = 5;
 
 /// Electrodes of a mold: number, those that pass every check, regions without any.
