@@ -29,6 +29,7 @@ mod simulate;
 mod size;
 mod terminal;
 mod uncut;
+mod uncut_folder;
 mod verify;
 
 use std::path::{Path, PathBuf};
@@ -119,7 +120,7 @@ enum Command {
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
-    /// What milling cutters that come from above leave of a mold.
+    /// What milling cutters that come from above leave of a mold, or of every mold in a folder.
     Uncut(uncut::UncutArguments),
     /// Electrodes for what milling cutters leave of a mold: files, burn table, burn sheet, report.
     Electrodes(electrodes::ElectrodesArguments),
@@ -252,8 +253,13 @@ enum Answer {
     Yes,
     /// The question has the answer no.
     No,
-    /// A stage was stopped; what was certified before is written.
-    Stopped(&'static str),
+    /// Cancelled in a stage; what was done before is written or printed.
+    Stopped {
+        /// The stage.
+        stage: &'static str,
+        /// What there is of it, in words.
+        written: &'static str,
+    },
 }
 
 /// What a command works with.
@@ -346,20 +352,20 @@ pub fn run() -> ExitCode {
     match outcome {
         Ok(Ok(Answer::Yes)) => ExitCode::SUCCESS,
         Ok(Ok(Answer::No)) => ExitCode::from(3),
-        Ok(Ok(Answer::Stopped(stage))) => {
-            let line =
-                format!("cancelled: the {stage} was stopped; the certified plan was written, without an NC program");
-            fail(&line, 130, arguments.json)
+        Ok(Ok(Answer::Stopped { stage, written })) => {
+            fail(&format!("cancelled: the {stage} was stopped; {written}"), 130, arguments.json)
         }
         // What a computation answers once it has been told to stop is that it stopped.
         Ok(Err(_)) if cancelled.is_cancelled() => fail("cancelled; nothing was written", 130, arguments.json),
         Ok(Err(error)) => report(&error, arguments.json),
-        Err(panic) => {
-            let text = panic.downcast_ref::<String>().cloned();
-            let text = text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned())).unwrap_or_default();
-            report(&anyhow::Error::new(Internal(text)), arguments.json)
-        }
+        Err(panic) => report(&anyhow::Error::new(Internal(panic_text(&*panic))), arguments.json),
     }
+}
+
+/// Text of a panic.
+fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().cloned();
+    text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned())).unwrap_or_default()
 }
 
 fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> {

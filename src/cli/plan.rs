@@ -99,7 +99,7 @@ fn finish(inputs: PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sessi
         print_summary(&report, &outcome, &written, out);
     }
     Ok(match stopped {
-        Some(stage) => Answer::Stopped(stage),
+        Some(stage) => Answer::Stopped { stage, written: "the certified plan was written, without an NC program" },
         None if outcome.may_be_approved() => Answer::Yes,
         None => Answer::No,
     })

@@ -1,11 +1,11 @@
 //! `sparkpath uncut`: what milling cutters leave of a mold.
 
-use std::path::PathBuf;
-use std::sync::Arc;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::project::{Settings, of_kind};
+use super::uncut_folder::uncut_folder;
 use super::{Answer, POSITIVE, Session, mm, unit};
 use crate::workspaces::context::is_project;
 use crate::workspaces::mold::document::cutter_file::CUTTERS;
@@ -18,8 +18,7 @@ use crate::workspaces::mold::job::compare::compare;
 use crate::workspaces::mold::job::uncut::{Uncut, UncutParams, uncut as find_uncut};
 use crate::workspaces::mold::report::steps::steps;
 use crate::workspaces::mold::report::uncut::{ComparisonReport, UncutPage, UncutReport};
-use crate::workspaces::mold::scene::pictures::{UncutShapes, draw, uncut_pictures};
-use crate::workspaces::mold::scene::{faces_shape, region_shapes};
+use crate::workspaces::mold::scene::pictures::{draw, pictures_of};
 use files::paths::user_folder;
 use files::report::Picture;
 use files::{Document, ExportFolder, Params, Validate};
@@ -28,13 +27,13 @@ use glam::DVec3;
 use import::{Imported, Units};
 use mold::cutter::{Cutter, CutterLibrary};
 use mold::opening::Opening;
-use render::mesh::RenderMesh;
 use task::{StageClock, Task};
 
 /// A mold and the cutters that mill it. What is not given is as in the project, or as usual.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub(super) struct MoldArguments {
-    /// A project (.sparkpath) of a mold, or a mold: STL, OBJ, glTF or GLB.
+    /// A project (.sparkpath) of a mold, or a mold: STL, OBJ, glTF or GLB. With uncut also a folder of molds, of which
+    /// each is one row of a table.
     #[arg(value_name = "PROJECT|MESH")]
     file: PathBuf,
     /// The mold, in the place of the project's.
@@ -110,7 +109,8 @@ pub(super) struct UncutArguments {
     /// No pictures on the page.
     #[arg(long)]
     no_pictures: bool,
-    /// Folder for uncut.json, uncut.txt, uncut.ply, uncut_segments.csv and uncut.html, made if it is not there.
+    /// Folder for uncut.json, uncut.txt, uncut.ply, uncut_segments.csv and uncut.html, or corpus.csv and corpus.html of a
+    /// folder of molds, made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -133,27 +133,12 @@ impl MoldArguments {
         more: impl Fn(&mut MoldParams) -> anyhow::Result<()>,
         session: &Session,
     ) -> anyhow::Result<AskedMold> {
-        let settings = user_folder();
-        let mut before = if is_project(&self.file) {
-            open_mold(&self.file, settings.as_deref()).map_err(|e| of_kind(&self.file, MoldParams::KIND, e))?
-        } else {
-            MoldParams { mesh: Some(self.file.clone()), ..standard_mold(settings.as_deref())? }
-        };
-        before.mesh = self.mesh.clone().or(before.mesh);
-        before.units = self.units.unwrap_or(before.units);
-        self.settings.apply(&FIELDS, &mut before)?;
+        let before = self.before()?;
         let demonstrated = before.demonstrated(&session.task).map_err(anyhow::Error::msg)?;
         let path = before.mesh.clone().or(demonstrated.as_ref().map(|_| PathBuf::from(DEMONSTRATION)));
         let Some(path) = path else { anyhow::bail!("{}: mesh is missing; give one with --mesh", self.file.display()) };
         // What is quick to find wrong comes first.
-        let with_values = |mut params: MoldParams| {
-            // Options of their own count more.
-            self.settings.apply(&FIELDS, &mut params)?;
-            self.apply(&mut params)?;
-            more(&mut params)?;
-            params.validate()?;
-            anyhow::Ok(params)
-        };
+        let with_values = |params: MoldParams| self.with_values(params, &more);
         with_values(before.clone())?;
         let imported = demonstrated.map_or_else(|| session.import(&path, before.units), Ok)?;
         let mut params = with_values(before.of_part(&part_of(&imported)))?;
@@ -165,6 +150,57 @@ impl MoldArguments {
             Document::new(params.clone()).export(file)?;
         }
         Ok(AskedMold { params, imported, path })
+    }
+
+    /// The folder of molds that is given in the place of one.
+    fn folder(&self) -> Option<&Path> {
+        Some(&*self.file).filter(|file| file.is_dir())
+    }
+
+    /// These arguments for the mesh `file` of the folder that they are given for.
+    ///
+    /// # Errors
+    /// Arguments that are for one mold only.
+    pub(super) fn of_file(&self, file: &Path) -> anyhow::Result<Self> {
+        let is_of_one = self.mesh.is_some() || self.save.is_some();
+        anyhow::ensure!(!is_of_one, "{}: --mesh and --save are for one mold, not for a folder", self.file.display());
+        Ok(Self { file: file.to_owned(), ..self.clone() })
+    }
+
+    /// Finds what is wrong with the values, without the mold.
+    ///
+    /// # Errors
+    /// The first value that is.
+    pub(super) fn check(&self) -> anyhow::Result<()> {
+        self.with_values(self.before()?, &|_| Ok(())).map(drop)
+    }
+
+    /// What the project or the user's standard says.
+    fn before(&self) -> anyhow::Result<MoldParams> {
+        let settings = user_folder();
+        let mut before = if is_project(&self.file) {
+            open_mold(&self.file, settings.as_deref()).map_err(|e| of_kind(&self.file, MoldParams::KIND, e))?
+        } else {
+            MoldParams { mesh: Some(self.file.clone()), ..standard_mold(settings.as_deref())? }
+        };
+        before.mesh = self.mesh.clone().or(before.mesh);
+        before.units = self.units.unwrap_or(before.units);
+        self.settings.apply(&FIELDS, &mut before)?;
+        Ok(before)
+    }
+
+    /// The parameters with the values that are given.
+    fn with_values(
+        &self,
+        mut params: MoldParams,
+        more: &impl Fn(&mut MoldParams) -> anyhow::Result<()>,
+    ) -> anyhow::Result<MoldParams> {
+        // Options of their own count more.
+        self.settings.apply(&FIELDS, &mut params)?;
+        self.apply(&mut params)?;
+        more(&mut params)?;
+        params.validate()?;
+        Ok(params)
     }
 
     fn apply(&self, params: &mut MoldParams) -> anyhow::Result<()> {
@@ -192,6 +228,11 @@ impl MoldArguments {
 /// Finds what the cutters leave, compares it with what others leave if these are given, prints it and writes it into the
 /// folder if there is one. The answer is no where it is not known for all of the mold.
 pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Result<Answer> {
+    if let Some(folder) = arguments.mold.folder() {
+        let is_compared = !arguments.compare.is_empty() || arguments.compare_library.is_some();
+        anyhow::ensure!(!is_compared, "{}: other cutters are compared on one mold, not a folder", folder.display());
+        return uncut_folder(folder, &arguments.mold, arguments.out.as_deref(), session);
+    }
     let other = match &arguments.compare_library {
         Some(file) => Some(CUTTERS.read(file)?),
         None => Some(CutterLibrary { cutter: arguments.compare.clone() }).filter(|other| !other.cutter.is_empty()),
@@ -212,22 +253,23 @@ pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Re
     let comparison = other.map(compared).transpose().map_err(wrong)?;
     let notes: Vec<String> = imported.report.unit_doubt().into_iter().collect();
     let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-    let drawn = if arguments.out.is_some() && !arguments.no_pictures {
-        pictures(&imported.mesh, &found, &task).unwrap_or_else(|error| {
+    let pictures = if arguments.out.is_some() && !arguments.no_pictures {
+        drawn(&imported.mesh, &found, &task).unwrap_or_else(|error| {
             session.note(&format!("no pictures on the page: {error}"));
             Vec::new()
         })
     } else {
         Vec::new()
     };
-    session.task.check()?;
+    let runs = found.classed_runs(&imported.mesh, &session.task.cancel)?;
     let (comparison, times) = (comparison.as_ref(), steps(&clock.times()));
     let files = UncutFiles {
         uncut: &found,
+        runs: &runs,
         report: &report,
         sha256: &imported.sha256,
         import: &imported.report,
-        page: UncutPage { mold: &name, notes: &notes, comparison, times: &times, pictures: &drawn },
+        page: UncutPage { mold: &name, notes: &notes, comparison, times: &times, pictures: &pictures },
     };
     arguments.out.as_deref().map(|folder| files.write(folder)).transpose()?;
     super::terminal::finish();
@@ -236,10 +278,6 @@ pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Re
 }
 
 /// Pictures of what is left of a mold.
-fn pictures(mesh: &Mesh, found: &Uncut, task: &Task) -> anyhow::Result<Vec<Picture>> {
-    let mold = Arc::new(RenderMesh::new(mesh));
-    let regions = region_shapes(mesh, &found.surface, found.regions.len(), found.params.opening);
-    let invert = faces_shape(mesh, &found.stack.invert.triangles);
-    let shapes = UncutShapes { mold: &mold, regions: &regions, invert: invert.as_ref() };
-    Ok(draw(uncut_pictures(mesh, found, &shapes, &task.cancel)?, task)?)
+fn drawn(mesh: &Mesh, found: &Uncut, task: &Task) -> anyhow::Result<Vec<Picture>> {
+    Ok(draw(pictures_of(mesh, found, &task.cancel)?, task)?)
 }

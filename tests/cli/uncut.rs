@@ -62,7 +62,8 @@ fn segments_page_and_other_cutters_are_written_and_no_time_is_in_files_for_progr
     };
     let (plain, [figures, words, segments, page]) = run("plain", &[]);
     let runs: Vec<&str> = segments.lines().filter(|line| !line.starts_with('#')).collect();
-    assert_eq!(runs[0], "layer,height_mm,region,length_mm,points_mm");
+    assert_eq!(runs[0], "layer,height_mm,region,length_mm,points_mm,interference");
+    assert!(runs[1..].iter().all(|run| run.ends_with(",local")), "corners of one pocket: {segments}");
     let lowest = runs[1].split(',').next().unwrap();
     let of_layer = runs.iter().filter(|run| run.split(',').next() == Some(lowest)).count();
     assert_eq!(of_layer, 4, "a run in each corner: {segments}");
@@ -82,6 +83,40 @@ fn segments_page_and_other_cutters_are_written_and_no_time_is_in_files_for_progr
     assert_eq!([&again[0], &again[1], &again[2]], [&figures, &words, &segments]);
     let wrong = sparkpath(&["uncut", file.to_str().unwrap(), "--compare", "flat:0"]);
     assert!(wrong.status.code() == Some(2) && text(&wrong.stderr).contains("radius is 0: must"));
+}
+
+#[test]
+fn a_folder_of_molds_is_one_table_and_one_that_fails_keeps_no_other_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let (molds, out) = (folder.path().join("molds"), folder.path().join("out"));
+    std::fs::create_dir(&molds).unwrap();
+    assert_eq!(answer(&molds, &[]).0, Some(2), "no mesh in it");
+    write_stl(&molds.join("b.stl"), &pocket()).unwrap();
+    write_stl(&molds.join("a.STL"), &pocket()).unwrap();
+    std::fs::write(molds.join("notes.txt"), "no mesh").unwrap();
+    let flat = ["--cutters", "flat:1", "--out", out.to_str().unwrap()];
+    let (code, json) = answer(&molds, &flat);
+    assert_eq!(code, Some(0), "{json}");
+    std::fs::write(molds.join("c.obj"), "no mesh").unwrap();
+    let (code, json) = answer(&molds, &flat);
+    assert_eq!(code, Some(3), "{json}");
+    let rows = json["rows"].as_array().unwrap();
+    let names: Vec<&str> = rows.iter().map(|row| row["file"].as_str().unwrap()).collect();
+    assert_eq!(names, ["a.STL", "b.stl", "c.obj"]);
+    let exact = 4.0 * (1.0 - PI / 4.0) * 4.0;
+    for row in &rows[..2] {
+        let figures = &row["figures"];
+        assert_eq!((figures["triangles"].as_u64(), figures["regions"].as_u64()), (Some(28), Some(4)), "{row}");
+        assert!((figures["volume_mm3"].as_f64().unwrap() / exact - 1.0).abs() < 1e-3, "{row}");
+        assert_eq!(figures["hidden_area_mm2"].as_f64(), Some(0.0));
+    }
+    assert!(rows[2]["figures"].is_null() && rows[2]["reason"].as_str().unwrap().contains("c.obj"), "{}", rows[2]);
+    let csv = std::fs::read_to_string(out.join("corpus.csv")).unwrap();
+    assert!(csv.lines().count() == 4 && csv.contains("a.STL,28,4,3.43"), "{csv}");
+    assert!(std::fs::read_to_string(out.join("corpus.html")).unwrap().contains("c.obj"));
+    for wrong in [["--cutters", "flat:0"], ["--compare", "flat:0.5"], ["--mesh", "b.stl"]] {
+        assert_eq!(answer(&molds, &wrong).0, Some(2), "{wrong:?}");
+    }
 }
 
 #[test]

@@ -1,137 +1,7 @@
-//! Molds that nobody drew: blocks with cavities of all kinds, each from its number.
+//! Electrodes of molds that nobody drew.
 
-use glam::{DMat3, DVec2, DVec3};
-use rand::{RngExt, SeedableRng};
-use rand_chacha::ChaCha8Rng;
-
-use geometry::mesh::Mesh;
-use geometry::solid::{difference, prism, union, union_of_hulls};
-use mold::fixtures::{polygon, rectangle, with};
-use mold::opening::Opening;
+use mold::random_mold::random_mold;
 use task::Cancel;
-
-/// How far cavities reach above the block (mm), so that no face of theirs lies in its top.
-const ABOVE: f64 = 1.0;
-
-/// A block whose opening looks along the direction that comes with it.
-pub fn random_mold(number: u64) -> (Mesh, Opening) {
-    let mut rng = ChaCha8Rng::seed_from_u64(number);
-    let cells = [rng.random_range(1..=2usize), rng.random_range(1..=2usize)];
-    let top = rng.random_range(9.0..15.0f64);
-    let block = DVec3::new(14.0 * cells[0] as f64, 14.0 * cells[1] as f64, top);
-    let mut mold = Mesh::cuboid(block);
-    for cell in 0..cells[0] * cells[1] {
-        let middle = DVec2::new((cell % cells[0]) as f64 + 0.5, (cell / cells[0]) as f64 + 0.5) * 14.0;
-        let turn = DMat3::from_rotation_z(if rng.random_bool(0.5) { 0.0 } else { rng.random_range(-0.8..0.8) });
-        let place = |p: DVec3| turn * p + middle.extend(top);
-        let depth = rng.random_range(1.5..0.7 * top);
-        mold = difference(&mold, &cavity(&mut rng, depth).mapped(place)).unwrap();
-        if rng.random_bool(0.2) {
-            // A solid of its own that stands on the floor of the cavity, or within the block below it.
-            let (side, high) = (rng.random_range(0.4..1.5), rng.random_range(0.2..0.9) * depth);
-            let boss = Mesh::cuboid(DVec3::new(side, side, high));
-            mold = with(&mold, &boss.mapped(|p| place(p - DVec3::new(0.5 * side, 0.5 * side, depth))));
-        }
-    }
-    if rng.random_bool(0.25) {
-        // A slot, a window or a round opening through all of the block.
-        let [x, y] = [rng.random_range(0.8..6.0), rng.random_range(0.8..6.0)];
-        let outline = if rng.random_bool(0.7) { rectangle(x, y) } else { polygon(24, 0.5 * x) };
-        let turn = DMat3::from_rotation_z(rng.random_range(-0.8..0.8));
-        let through = prism(&[&outline], -ABOVE, top + ABOVE).unwrap();
-        mold = difference(&mold, &through.mapped(|p| turn * p + DVec3::new(7.0, 7.0, 0.0))).unwrap();
-    }
-    let opening = Opening::AXES[rng.random_range(0..Opening::AXES.len())];
-    (mold.mapped(|p| opening.in_mesh(p)), opening)
-}
-
-/// A cavity of this depth (mm) below the height 0, about the origin.
-fn cavity(rng: &mut ChaCha8Rng, depth: f64) -> Mesh {
-    let draft = rng.random_range(0.0..0.25f64);
-    let [x, y] = [rng.random_range(2.0..7.0), rng.random_range(2.0..7.0)];
-    match rng.random_range(0..7) {
-        // A pocket on a draft, perhaps with a rib or a post on a draft in it.
-        0 => {
-            let pocket = tapered(&rectangle(x, y), depth, draft);
-            if rng.random_bool(0.5) {
-                return pocket;
-            }
-            let foot = [rectangle(0.3 * x, 1.2 * y), rectangle(0.3 * x, 0.3 * y)];
-            let rib = tapered(&foot[rng.random_range(0..2)], depth, -draft.min(0.05));
-            let lowered = rng.random_range(0.0..0.6) * depth;
-            difference(&pocket, &rib.mapped(|p| p - DVec3::Z * (lowered + ABOVE + 0.01))).unwrap()
-        }
-        // A groove with a sharp ground, or two that leave a knife edge between them.
-        1 | 2 => {
-            let half = depth * rng.random_range(0.2..0.6);
-            let groove = |at: f64| {
-                let wide = half * (depth + ABOVE) / depth;
-                let end =
-                    |y: f64| [(at - wide, ABOVE), (at + wide, ABOVE), (at, -depth)].map(|(x, z)| DVec3::new(x, y, z));
-                [end(-0.5 * y), end(0.5 * y)].concat()
-            };
-            let apart = half * rng.random_range(0.7..1.1);
-            let grooves = if rng.random_bool(0.5) { vec![groove(0.0)] } else { vec![groove(-apart), groove(apart)] };
-            union_of_hulls(&grooves, &Cancel::default()).unwrap()
-        }
-        // A freeform floor between upright walls.
-        3 => freeform([x, y], depth, [rng.random_range(0.3..2.0), rng.random_range(0.3..2.0)]),
-        // A round pocket on a draft.
-        4 => tapered(&polygon(rng.random_range(5..30), 0.5 * x), depth, draft),
-        // A slot that is wider below.
-        5 => {
-            let neck = tapered(&rectangle(0.5 * x, y), depth, 0.0);
-            let low = rng.random_range(0.3..0.6) * depth;
-            let ring = rectangle(x, y + 1.0);
-            union(&neck, &prism(&[&ring], -depth, -depth + low).unwrap()).unwrap()
-        }
-        // A slot whose walls lean to one side.
-        _ => {
-            let lean = DMat3::from_rotation_y(rng.random_range(-0.35..0.35));
-            let slot = Mesh::cuboid(DVec3::new(0.4 * x, y, depth + 3.0));
-            slot.mapped(|p| lean * (p - DVec3::new(0.2 * x, 0.5 * y, depth)))
-        }
-    }
-}
-
-/// The hull of an outline at the bottom and of what it widens to at a draft (rad) at the top.
-fn tapered(floor: &[DVec2], depth: f64, draft: f64) -> Mesh {
-    let wider = (depth + ABOVE) * draft.tan();
-    let least = floor.iter().map(|p| p.abs().min_element().max(0.3 * p.length())).fold(f64::INFINITY, f64::min);
-    let scale = (1.0 + wider / least).max(0.1);
-    let points = floor.iter().flat_map(|p| [p.extend(-depth), (*p * scale).extend(ABOVE)]).collect();
-    union_of_hulls(&[points], &Cancel::default()).unwrap()
-}
-
-/// What lies above a wavy floor.
-fn freeform([x, y]: [f64; 2], depth: f64, waves: [f64; 2]) -> Mesh {
-    const STEPS: usize = 14;
-    let at = |i: usize, j: usize| {
-        let [u, v] = [i, j].map(|k| k as f64 / STEPS as f64 - 0.5);
-        let wave = (u * waves[0] * 6.0).cos() * (v * waves[1] * 6.0).cos();
-        DVec3::new(u * x, v * y, -depth * (0.7 + 0.3 * wave))
-    };
-    let number = |i: usize, j: usize| (i * (STEPS + 1) + j) as u32;
-    let count = ((STEPS + 1) * (STEPS + 1)) as u32;
-    let low = (0..=STEPS).flat_map(|i| (0..=STEPS).map(move |j| at(i, j)));
-    let mut vertices: Vec<DVec3> = low.collect();
-    vertices.extend(vertices.clone().iter().map(|p| p.with_z(ABOVE)));
-    let mut triangles = Vec::new();
-    for (i, j) in (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| (i, j))) {
-        let [a, b, c, d] = [number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
-        triangles.extend([[a, c, b], [a, d, c], [a + count, b + count, c + count], [a + count, c + count, d + count]]);
-    }
-    for k in 0..STEPS {
-        let sides = [
-            [number(k, 0), number(k + 1, 0)],
-            [number(STEPS, k), number(STEPS, k + 1)],
-            [number(k + 1, STEPS), number(k, STEPS)],
-            [number(0, k + 1), number(0, k)],
-        ];
-        triangles.extend(sides.iter().flat_map(|[a, b]| [[*a, *b, *b + count], [*a, *b + count, *a + count]]));
-    }
-    Mesh { vertices, triangles }
-}
 
 /// Electrodes of a mold: how many there are, how many are not exported, and of how many regions a part has none.
 #[derive(Debug, Clone, Copy)]
@@ -145,7 +15,7 @@ struct Came {
 fn planned(number: u64) -> Came {
     use mold::electrode::finding::CheckKind;
     use sparkpath::workspaces::mold::job::{electrodes::electrodes, uncut::UncutParams, uncut::uncut};
-    let (mesh, opening) = random_mold(number);
+    let (mesh, opening) = random_mold(number, &Cancel::default()).unwrap_or_else(|e| panic!("mold {number}: {e}"));
     assert!(mesh.is_watertight(), "mold {number}");
     let params = UncutParams { opening, ..UncutParams::of(super::library("flat:1,flat:2,flat:5,ball:1,ball:3")) };
     let task = task::Task::default();

@@ -1,19 +1,11 @@
 //! Small molds for tests.
 
+pub use crate::random_mold::{polygon, rectangle, with};
+
 use glam::{DVec2, DVec3};
 
 use geometry::mesh::Mesh;
 use geometry::weld::Weld;
-
-/// A rectangle about the origin, counter-clockwise (mm).
-pub fn rectangle(x: f64, y: f64) -> Vec<DVec2> {
-    [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(u, v)| DVec2::new(u * x, v * y)).to_vec()
-}
-
-/// A regular polygon about the origin with so many corners this far off (mm).
-pub fn polygon(corners: usize, off: f64) -> Vec<DVec2> {
-    (0..corners).map(|k| DVec2::from_angle(k as f64 / corners as f64 * std::f64::consts::TAU) * off).collect()
-}
 
 /// A block of `[height, depth]` with a pocket: all outlines have as many corners, in the same directions.
 pub fn pocket(block: &[DVec2], mouth: &[DVec2], floor: &[DVec2], [height, depth]: [f64; 2]) -> Mesh {
@@ -44,15 +36,6 @@ pub fn dish(block: &[DVec2], levels: &[(Vec<DVec2>, f64)], floor: f64) -> Mesh {
 pub fn frame(block: &[DVec2], hole: &[DVec2], height: f64) -> Mesh {
     let at = |outline: &[DVec2], z: f64| outline.iter().map(|p| p.extend(z)).collect::<Vec<_>>();
     welded(&strips(&[at(block, 0.0), at(block, height), at(hole, height), at(hole, 0.0), at(block, 0.0)]))
-}
-
-/// Both meshes as one.
-pub fn with(mesh: &Mesh, other: &Mesh) -> Mesh {
-    let n = mesh.vertices.len() as u32;
-    let mut both = mesh.clone();
-    both.vertices.extend(&other.vertices);
-    both.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + n)));
-    both
 }
 
 /// Strips of triangles from each ring to the next.

@@ -1,6 +1,7 @@
 //! The burn table as CSV.
 
 use super::burn_table::{BurnEntry, BurnTable, ElectrodeEntry, method_name, shape_name};
+use files::report::quoted;
 use mold::electrode::finding::CheckKind;
 
 impl BurnTable {
@@ -132,11 +133,6 @@ fn csv_row(table: &BurnTable, e: &ElectrodeEntry, burn: &BurnEntry) -> Vec<Strin
     row.extend(table.datum.origin_mm.map(|v| number(v, 4)));
     row.push(number(table.datum.angle_deg, 4));
     row
-}
-
-/// A field of a CSV file (RFC 4180).
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
 /// A number of a CSV file; nothing where there is none.

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::workspaces::mold::job::uncut::Uncut;
-use crate::workspaces::mold::report::segments::segments_as_csv;
+use crate::workspaces::mold::job::uncut::{ClassedRun, Uncut};
+use crate::workspaces::mold::report::segments::{ClassTotal, segments_as_csv};
 use crate::workspaces::mold::report::uncut::{UncutPage, UncutReport, surface_as_ply};
 use crate::workspaces::mold::report::{ElectrodesPage, ElectrodesReport};
 use files::report::PageError;
@@ -25,6 +25,8 @@ pub const UNCUT_EXPORT: &str = "uncut";
 pub struct UncutFiles<'a> {
     /// The regions.
     pub uncut: &'a Uncut,
+    /// Uncut segments of all layers.
+    pub runs: &'a [ClassedRun],
     /// Report on them.
     pub report: &'a UncutReport,
     /// Digest of the mold's file (SHA-256).
@@ -56,6 +58,7 @@ impl UncutFiles<'_> {
     /// The writer's own; none is known.
     pub fn json(&self) -> Result<String, serde_json::Error> {
         let mut all = serde_json::json!({ "sha256": self.sha256, "import": self.import, "uncut": self.report });
+        all["interference"] = serde_json::to_value(ClassTotal::of(self.runs))?;
         if let Some(comparison) = self.page.comparison {
             all["comparison"] = serde_json::to_value(comparison)?;
         }
@@ -73,9 +76,9 @@ impl UncutFiles<'_> {
     /// # Errors
     /// [`UncutExportError`]; then nothing was written.
     pub fn write(&self, folder: &Path) -> Result<Published, UncutExportError> {
-        let (json, text, page) = (self.json()?, self.text(), self.report.html(&self.page)?);
+        let (json, text, page) = (self.json()?, self.text(), self.report.html(&ClassTotal::of(self.runs), &self.page)?);
         let surface = surface_as_ply(&self.uncut.surface, self.uncut.params.opening);
-        let segments = segments_as_csv(self.uncut, self.page.mold);
+        let segments = segments_as_csv(self.uncut, self.runs, self.page.mold);
         let files: [(&str, &[u8]); 5] = [
             ("uncut.json", json.as_bytes()),
             ("uncut.txt", text.as_bytes()),

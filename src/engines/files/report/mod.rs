@@ -180,6 +180,11 @@ pub fn small(value: f64) -> String {
     }
 }
 
+/// A field of a CSV file (RFC 4180).
+pub fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}
+
 /// The last part of a path in either system's notation.
 pub fn file_name(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)

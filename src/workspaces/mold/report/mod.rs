@@ -1,5 +1,6 @@
 //! The report on a mold's electrodes, as `electrodes.json` for programs and `report.html` for people.
 
+pub mod corpus;
 mod page;
 pub mod segments;
 pub mod steps;

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
+use super::segments::ClassTotal;
 use super::steps::StepTime;
 use crate::workspaces::mold::job::compare::{Comparison, Difference};
 use crate::workspaces::mold::job::uncut::{Coarser, Found, LayerFound, Uncut};
@@ -210,20 +211,21 @@ pub struct UncutPage<'a> {
 }
 
 impl UncutReport {
-    /// The report as one self-contained page.
+    /// The report as one self-contained page, with the uncut segments of each class of interference.
     ///
     /// # Errors
     /// [`PageError`], which a test of the template keeps from happening.
-    pub fn html(&self, shown: &UncutPage) -> Result<String, PageError> {
+    pub fn html(&self, interference: &[ClassTotal], shown: &UncutPage) -> Result<String, PageError> {
         const TEMPLATE: Template = Template { name: "uncut.html.jinja", text: include_str!("uncut.html.jinja") };
         #[derive(Serialize)]
         struct Page<'a> {
             report: &'a UncutReport,
+            interference: &'a [ClassTotal],
             version: &'static str,
             #[serde(flatten)]
             shown: &'a UncutPage<'a>,
         }
-        files::report::page(&TEMPLATE, &Page { report: self, version: env!("CARGO_PKG_VERSION"), shown })
+        files::report::page(&TEMPLATE, &Page { report: self, interference, version: env!("CARGO_PKG_VERSION"), shown })
     }
 
     /// The report of `uncut`.

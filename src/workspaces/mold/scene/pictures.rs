@@ -12,7 +12,8 @@ use crate::widgets::camera::standard;
 use crate::widgets::theme::BAD;
 use crate::workspaces::mold::job::uncut::Uncut;
 use crate::workspaces::mold::scene::{
-    INVERT, MoldLook, MoldScene, RegionColours, RegionShape, build_mold, depth_legend, region_colour,
+    INVERT, MoldLook, MoldScene, RegionColours, RegionShape, build_mold, depth_legend, faces_shape, region_colour,
+    region_shapes,
 };
 use files::report::{Picture, counted};
 use geometry::mesh::{Bounds, Mesh};
@@ -89,6 +90,17 @@ pub struct UncutShapes<'a> {
     pub regions: &'a [RegionShape],
     /// Undercut faces, if there are any.
     pub invert: Option<&'a Arc<RenderMesh>>,
+}
+
+/// [`uncut_pictures`] with shapes that are made for them.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn pictures_of(mesh: &Mesh, uncut: &Uncut, cancel: &Cancel) -> Result<Vec<MoldPicture>, Cancelled> {
+    let mold = Arc::new(RenderMesh::new(mesh));
+    let regions = region_shapes(mesh, &uncut.surface, uncut.regions.len(), uncut.params.opening);
+    let invert = faces_shape(mesh, &uncut.stack.invert.triangles);
+    uncut_pictures(mesh, uncut, &UncutShapes { mold: &mold, regions: &regions, invert: invert.as_ref() }, cancel)
 }
 
 /// The pictures of `uncut` regions of a `mesh` in the order in which they explain them.

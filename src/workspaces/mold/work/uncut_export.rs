@@ -27,10 +27,12 @@ pub(super) fn export(
     let pictures = uncut_pictures(&mold.mesh, &found.uncut, &shapes, &task.cancel).map_err(|e| e.to_string())?;
     let (pictures, no_pictures) = drawn(pictures, task)?;
     task.check().map_err(|e| e.to_string())?;
+    let runs = found.uncut.classed_runs(&mold.mesh, &task.cancel).map_err(|e| e.to_string())?;
     let notes: Vec<String> = mold.report.unit_doubt().into_iter().collect();
     let times = steps(&found.times);
     let files = UncutFiles {
         uncut: &found.uncut,
+        runs: &runs,
         report: &found.report,
         sha256: &mold.file.sha256,
         import: &mold.report,

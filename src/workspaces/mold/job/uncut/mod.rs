@@ -32,7 +32,7 @@ use mold::surface::{SurfacePiece, segments_at, uncut_surface};
 use mold::uncut_region::{Regions, UncutRegion};
 use mold::unseen::{Unseen, undercuts};
 use mold::warning::MoldWarning;
-pub use segments::SegmentRun;
+pub use segments::{ClassedRun, SegmentRun};
 use step::usual_step;
 use task::{Cancel, Cancelled, Task};
 

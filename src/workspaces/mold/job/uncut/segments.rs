@@ -6,7 +6,13 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Uncut;
+use geometry::mesh::Mesh;
+use mold::cutter::{Cutter, CutterKind};
+use mold::interference::{Interference, LayerInterference};
+use mold::invert::Shadows;
+use mold::section::sections;
 use mold::surface::segments_at;
+use task::{Cancel, Cancelled};
 
 /// Distance within which ends of segments are one point (mm): rounding.
 const SAME: f64 = 1e-5;
@@ -31,7 +37,52 @@ impl SegmentRun {
     }
 }
 
+/// A run with the interference that leaves it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClassedRun {
+    /// The run.
+    pub run: SegmentRun,
+    /// Length of each class of interference along the run (mm), in the order of [`Interference::ALL`].
+    pub lengths: [f64; 4],
+}
+
+impl ClassedRun {
+    /// The class of most of its length.
+    pub fn class(&self) -> Interference {
+        Interference::of_most(&self.lengths)
+    }
+}
+
 impl Uncut {
+    /// The runs of [`Self::segment_runs`] with the interference of the smallest flat cutter that leaves them, as in P3; of
+    /// the smallest cutter where none is flat. `mesh` is the mold.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn classed_runs(&self, mesh: &Mesh, cancel: &Cancel) -> Result<Vec<ClassedRun>, Cancelled> {
+        let upright = self.params.opening.upright_mesh(mesh);
+        let heights: Vec<f64> = self.layers.iter().map(|layer| layer.z).collect();
+        let mut sections = sections(&upright, &heights, cancel)?;
+        Shadows::new(&upright).cast(&mut sections, cancel)?;
+        let needed = self.params.library.needed();
+        let least = |of: &mut dyn Iterator<Item = &&Cutter>| of.map(|c| c.radius()).fold(f64::INFINITY, f64::min);
+        let flat = least(&mut needed.iter().filter(|c| c.kind() == CutterKind::Flat));
+        let radius = if flat.is_finite() { flat } else { least(&mut needed.iter()) };
+        let runs = self.segment_runs();
+        let of_layer = |own: &[SegmentRun]| {
+            cancel.check()?;
+            let of = LayerInterference::new(&sections[own[0].layer].outlines, radius);
+            let classed = |run: &SegmentRun| {
+                let points: Vec<_> = run.points.iter().map(|p| p.truncate()).collect();
+                ClassedRun { lengths: of.lengths(&points), run: run.clone() }
+            };
+            Ok(own.iter().map(classed).collect())
+        };
+        let layers: Vec<&[SegmentRun]> = runs.chunk_by(|a, b| a.layer == b.layer).collect();
+        let classed: Vec<Vec<ClassedRun>> = layers.into_par_iter().map(of_layer).collect::<Result<_, _>>()?;
+        Ok(classed.into_iter().flatten().collect())
+    }
+
     /// Uncut segments of all layers, by layer and then by region: exact where only flat cutters count, else as fine as
     /// the surface is split.
     pub fn segment_runs(&self) -> Vec<SegmentRun> {

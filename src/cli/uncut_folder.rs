@@ -1,0 +1,73 @@
+//! `sparkpath uncut FOLDER`: what milling cutters leave of every mold in a folder.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use super::uncut::{AskedMold, MoldArguments};
+use super::{Answer, Session, panic_text};
+use crate::workspaces::mold::job::uncut::uncut as find_uncut;
+use crate::workspaces::mold::report::corpus::{Corpus, CorpusFigures, CorpusRow};
+use files::{ExportFolder, paths};
+use import::MESH_ENDINGS;
+use task::Task;
+
+/// Meshes directly in `folder`, by name.
+fn meshes(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let wrong = |error| anyhow::anyhow!("{}: {error}", folder.display());
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(wrong)? {
+        let path = entry.map_err(wrong)?.path();
+        if path.is_file() && MESH_ENDINGS.iter().any(|ending| paths::has_ending(&path, &format!(".{ending}"))) {
+            files.push(path);
+        }
+    }
+    anyhow::ensure!(!files.is_empty(), "{}: there is no mesh in this folder: STL, OBJ, glTF or GLB", folder.display());
+    files.sort();
+    Ok(files)
+}
+
+/// Finds what the cutters leave of every mesh in `folder` with what `mold` asks for, prints one table and writes it into
+/// `out` if there is one. A mold that fails does not end the work. The answer is no if one failed.
+pub(super) fn uncut_folder(
+    folder: &Path,
+    mold: &MoldArguments,
+    out: Option<&Path>,
+    session: &Session,
+) -> anyhow::Result<Answer> {
+    let files = meshes(folder)?;
+    out.map_or(Ok(()), ExportFolder::check)?;
+    mold.of_file(&files[0])?.check()?;
+    let mut corpus = Corpus { folder: folder.display().to_string(), molds: files.len(), rows: Vec::new() };
+    let silent = Task::silent(&session.task.cancel);
+    for (i, file) in files.iter().enumerate() {
+        let start = Instant::now();
+        let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        session.task.report("molds", i as f64 / files.len() as f64, &name);
+        let figures = || -> anyhow::Result<CorpusFigures> {
+            let AskedMold { params, imported, .. } = mold.of_file(file)?.read(|_| Ok(()), session)?;
+            let found = find_uncut(&imported.mesh, &params.uncut(), &silent)?;
+            Ok(CorpusFigures::of(&imported.mesh, &found))
+        };
+        let figures = std::panic::catch_unwind(std::panic::AssertUnwindSafe(figures));
+        if session.task.cancel.is_cancelled() {
+            break;
+        }
+        let figures = match figures {
+            Ok(figures) => figures.map_err(|error| error.to_string()),
+            Err(panic) => Err(format!("internal error: {}", panic_text(&*panic))),
+        };
+        corpus.rows.push(CorpusRow::of(name, figures, start.elapsed().as_secs_f64()));
+    }
+    out.map(|out| corpus.write(out)).transpose()?;
+    super::terminal::finish();
+    if session.json {
+        say!("{}", serde_json::to_string_pretty(&corpus)?);
+    } else {
+        say!("{}", corpus.text().trim_end());
+    }
+    Ok(match corpus.rows.len() < files.len() {
+        true => Answer::Stopped { stage: "folder", written: "the molds done before that are in the table" },
+        false if corpus.is_whole() => Answer::Yes,
+        false => Answer::No,
+    })
+}
