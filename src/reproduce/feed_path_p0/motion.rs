@@ -294,7 +294,8 @@ fn whole_table(cases: &[Case], ways: &[Vec<[f64; 4]>]) -> Table {
 
 /// The ways of the centroid beside the electrode in its final pose.
 fn centroid_view(subject: &Subject, ways: &[Vec<[f64; 4]>]) -> View {
-    let stage = Stage::new(subject, subject.genetic());
+    let mut stage = Stage::new(subject, subject.genetic());
+    stage.layers.get_mut(Layer::Electrode).opacity = 0.3;
     let mut scene = stage.scene(0.0);
     let (channel, side) = (&subject.channel.channel, subject.genetic().found.electrode.enters_from);
     let to_mesh = from_w(&channel.frame);
