@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::pictures::{Studio, View, picture};
-use super::{BY_GENETIC, Case, SHEET, SHEET_ASPECT, Subject, around, failed, key, table};
+use super::{BY_GENETIC, Case, SHEET, SHEET_ASPECT, Subject, around, failed, table};
 use crate::reproduce::{Outcome, ReproduceError, Verdict};
 use crate::widgets::theme::COPPER;
 use feed::angle_test::{AngleParams, AngleTest};
@@ -233,7 +233,7 @@ pub(super) fn distribution(
             let points = case.plan().nodes.iter().zip(nodes).filter_map(|(n, w)| of(w).map(|v| [n.s, v]));
             Series { points: points.collect(), class: case.class, dots: false }
         });
-        let (title, x_label) = ((*title).to_owned(), "s, mm retracted".to_owned());
+        let (title, x_label) = ((*title).to_owned(), "s, mm retracted; colours as in figure 7".to_owned());
         Plot { title, x_label, size: [360.0, 220.0], series: series.collect(), ..Plot::default() }.svg()
     }));
     let shown = [&positions[0], &positions[2]];
@@ -258,7 +258,6 @@ pub(super) fn distribution(
         shown[0].name, shown[1].name
     );
     let head = ["position", "#D_L mm", "#D_R mm", "#|D_L − D_R| mm", "#S_L mm", "#S_R mm", "#Obj2 (5), equal weights"];
-    let colours = key(&subject.cases).into_iter().map(|(_, name)| name).collect::<Vec<_>>().join(", ");
     Ok(Outcome {
         tables: vec![table("Distances of the electrode's walls", &head, positions.iter().map(row).collect())],
         plots,
@@ -266,9 +265,7 @@ pub(super) fn distribution(
         files: vec![("p0_nodes.csv".to_owned(), nodes_csv(&subject.cases, &along).into_bytes())],
         ..subject.outcome(
             NAME,
-            &format!(
-                "Distribution of wall distances; histograms of low and high wall, then along the paths of {colours}"
-            ),
+            "Distribution of wall distances over the electrode",
             verdict,
             why,
             &format!(
@@ -302,7 +299,7 @@ fn histogram(position: &Position) -> Plot {
     let [low, high] = position.distances.each_ref().map(steps);
     Plot {
         title: format!("% of samples, {}", position.name),
-        x_label: "distance, mm".to_owned(),
+        x_label: "distance, mm; blue low wall, brown high wall".to_owned(),
         size: [360.0, 220.0],
         series: [(low, "c0"), (high, "c1")].map(|(points, class)| Series { points, class, dots: false }).to_vec(),
         ..Plot::default()
