@@ -43,6 +43,17 @@ impl AngleParams {
     }
 }
 
+/// Angles of P0's figure 3 at the point M1 of a wall that is nearest to a point E.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Angles {
+    /// Angle between M1E and the normal (rad).
+    pub alpha: f64,
+    /// Angle between M1M5 and the normal (rad).
+    pub theta: f64,
+    /// Distance from M1 to E (mm).
+    pub distance: f64,
+}
+
 /// The constraint, made ready for one channel.
 pub struct AngleTest<'a> {
     channel: &'a Channel,
@@ -89,6 +100,12 @@ impl<'a> AngleTest<'a> {
         })
     }
 
+    /// The angles at the low and at the high wall for the point `p`, in W; none where the test says nothing of a wall.
+    /// `nearest` holds the wall points where the search begins, and those where it ended.
+    pub fn angles(&self, p: DVec3, nearest: &mut [usize; 2]) -> [Option<Angles>; 2] {
+        [0, 1].map(|w| self.walls[w].angles(p, &mut nearest[w]))
+    }
+
     /// Position of `p` along the passage and its heights above the hub and below the shroud (mm); none beyond the
     /// passage's ends.
     fn in_passage(&self, p: DVec3) -> Option<(f64, [f64; 2])> {
@@ -117,22 +134,24 @@ impl OrderedWall {
 
     fn passes(&self, e: DVec3, delta2: f64, start: &mut usize) -> bool {
         const TOUCHING: f64 = 1e-4;
+        self.angles(e, start).is_none_or(|Angles { alpha, theta, distance }| {
+            distance < TOUCHING || theta - alpha - delta2 > -TOUCHING / distance
+        })
+    }
+
+    /// The angles at the nearest point; none beyond the wall's first or last row, where the blade ends, and with it what
+    /// the test can tell.
+    fn angles(&self, e: DVec3, start: &mut usize) -> Option<Angles> {
         *start = self.nearest(e, *start);
-        // Beyond the wall's first or last row the blade ends, and with it what the test can tell.
         let row = *start / self.nv;
         if row == 0 || row + 1 == self.nu {
-            return true;
+            return None;
         }
-        let m1 = self.points[*start];
+        let (m1, normal) = (self.points[*start], self.normals[*start]);
         let to_e = e - m1;
-        if to_e.length() < TOUCHING {
-            return true;
-        }
-        let normal = self.normals[*start];
-        let Some(m5) = self.neighbour_towards(*start, to_e) else { return true };
-        let theta = normal.angle_between(self.points[m5] - m1);
-        let alpha = normal.angle_between(to_e);
-        theta - alpha - delta2 > -TOUCHING / to_e.length()
+        let m5 = self.neighbour_towards(*start, to_e)?;
+        let [theta, alpha] = [self.points[m5] - m1, to_e].map(|towards| normal.angle_between(towards));
+        Some(Angles { alpha, theta, distance: to_e.length() })
     }
 
     /// Walks from `start` to the point that no neighbour is nearer than. On a wall that is a graph over its grid

@@ -5,11 +5,11 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::pose::{Axis, Pose};
-use super::samples::Sample;
+use super::samples::{Sample, SampleSpacing, sample_electrode};
 use geometry::mesh::Bounds;
 use task::{Cancel, Cancelled};
 use wheel::channel::{BladeSpan, Channel};
-use wheel::electrode::ElectrodeFace;
+use wheel::electrode::{Electrode, ElectrodeFace};
 use wheel::surface_finder::SurfaceFinder;
 
 /// Weights of the objective; within each group only the ratios count, and each is used scaled to sum 1.
@@ -115,11 +115,8 @@ pub struct Objective<'a> {
     weights: Weights,
     /// Full ranges of the axes' motion (7), in the order of [`Axis`].
     ranges: [f64; 6],
-    reference_point: DVec3,
-    low: Vec<DVec3>,
-    high: Vec<DVec3>,
+    samples: WallSamples,
     walls: &'a WallDistances,
-    blades: BladeSpan,
 }
 
 /// A motion of the axes within one search step.
@@ -139,10 +136,92 @@ impl StepMotion {
     }
 }
 
-impl<'a> Objective<'a> {
-    /// Most samples of each wall that are used, spread evenly.
-    const WALL_SAMPLES: usize = 120;
+/// Distances of the walls of an electrode from those of the channel in one pose, as (5) takes them: of the low (P0: left)
+/// wall first, of those samples that are between the blades.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct WallSpread {
+    /// D_L and D_R: least distances (mm); none where no sample is between the blades.
+    pub least: [Option<f64>; 2],
+    /// S_L and S_R: standard deviations of the distances (mm).
+    pub deviation: [f64; 2],
+}
 
+/// Samples of the two walls of an electrode, each tested against the wall of the channel beside it.
+#[derive(Debug, Clone)]
+pub struct WallSamples {
+    reference_point: DVec3,
+    walls: [Vec<DVec3>; 2],
+    blades: BladeSpan,
+}
+
+impl WallSamples {
+    /// Most samples of each wall that are used, spread evenly.
+    const MOST: usize = 120;
+
+    /// The samples of an electrode with reference point O (in W) that are on its walls.
+    fn new(samples: &[Sample], reference_point: DVec3, channel: &Channel) -> Self {
+        let on = |face: ElectrodeFace| {
+            let all: Vec<DVec3> = samples.iter().filter(|s| s.face == face).map(|s| s.point).collect();
+            let stride = all.len().div_ceil(Self::MOST).max(1);
+            all.into_iter().step_by(stride).collect()
+        };
+        let walls = [ElectrodeFace::LowWall, ElectrodeFace::HighWall].map(on);
+        Self { reference_point, walls, blades: channel.blade_span() }
+    }
+
+    /// The samples that the objective uses of `electrode`.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn of(electrode: &Electrode, channel: &Channel, cancel: &Cancel) -> Result<Self, Cancelled> {
+        let samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), cancel)?;
+        Ok(Self::new(&samples, electrode.reference_point, channel))
+    }
+
+    /// The samples of each wall that are between the blades at `pose`, with the walls drawn in by `h` (rad), in W.
+    pub fn placed(&self, pose: &Pose, h: f64) -> [Vec<DVec3>; 2] {
+        let place = pose.placement(self.reference_point);
+        [(0, h), (1, -h)].map(|(wall, angle)| {
+            let turn = glam::DMat3::from_rotation_x(angle);
+            let placed = self.walls[wall].iter().map(|p| place.transform_point3(turn * *p));
+            placed.filter(|p| self.blades.contains(*p)).collect()
+        })
+    }
+
+    /// Distances (mm) of the [`placed`](Self::placed) samples from the wall beside them; `to_walls` answers the distances
+    /// of a place from the low and the high wall of the channel.
+    pub fn distances(&self, pose: &Pose, h: f64, to_walls: &dyn Fn(DVec3) -> [f64; 2]) -> [Vec<f64>; 2] {
+        let [low, high] = self.placed(pose, h);
+        [(0, low), (1, high)].map(|(wall, places)| places.into_iter().map(|p| to_walls(p)[wall]).collect())
+    }
+
+    /// D_L, D_R, S_L and S_R of (5); the arguments are those of [`distances`](Self::distances).
+    pub fn spread(&self, pose: &Pose, h: f64, to_walls: &dyn Fn(DVec3) -> [f64; 2]) -> WallSpread {
+        WallSpread::of(&self.distances(pose, h, to_walls))
+    }
+}
+
+impl WallSpread {
+    /// The figures of the distances from both walls (mm).
+    pub fn of(distances: &[Vec<f64>; 2]) -> Self {
+        let least = |all: &Vec<f64>| all.iter().copied().min_by(f64::total_cmp);
+        let deviation = |all: &Vec<f64>| {
+            let n = all.len().max(1) as f64;
+            let [sum, squares] = all.iter().fold([0.0; 2], |[sum, squares], d| [sum + d, squares + d * d]);
+            (squares / n - (sum / n).powi(2)).max(0.0).sqrt()
+        };
+        Self { least: distances.each_ref().map(least), deviation: distances.each_ref().map(deviation) }
+    }
+
+    /// Obj2 of (5) with these `weights`; without a sample beside one of the walls there is no difference.
+    pub fn centring(&self, weights: &Weights) -> f64 {
+        let difference = if let [Some(low), Some(high)] = self.least { low - high } else { 0.0 };
+        let [low, high] = self.deviation;
+        weights.a2 * difference * difference + weights.b2 * low + weights.c2 * high
+    }
+}
+
+impl<'a> Objective<'a> {
     /// Prepares the objective for an electrode with `samples` and reference point O (in W) in `channel`;
     /// `ranges` are the full ranges of motion of the axes by (7).
     pub fn new(
@@ -153,20 +232,7 @@ impl<'a> Objective<'a> {
         channel: &Channel,
         walls: &'a WallDistances,
     ) -> Self {
-        let on = |face: ElectrodeFace| {
-            let all: Vec<DVec3> = samples.iter().filter(|s| s.face == face).map(|s| s.point).collect();
-            let stride = all.len().div_ceil(Self::WALL_SAMPLES).max(1);
-            all.into_iter().step_by(stride).collect()
-        };
-        Self {
-            weights,
-            ranges,
-            reference_point,
-            low: on(ElectrodeFace::LowWall),
-            high: on(ElectrodeFace::HighWall),
-            walls,
-            blades: channel.blade_span(),
-        }
+        Self { weights, ranges, samples: WallSamples::new(samples, reference_point, channel), walls }
     }
 
     /// The objective at `pose`, reached by `motion` after the step `before`, with walls drawn in by `h` (rad).
@@ -178,9 +244,9 @@ impl<'a> Objective<'a> {
 
     /// Whether any wall sample is still between the blades at `pose`.
     pub fn is_between_blades(&self, pose: &Pose) -> bool {
-        let place = pose.placement(self.reference_point);
-        let between = |p: &DVec3| self.blades.contains(place.transform_point3(*p));
-        self.low.iter().chain(&self.high).any(between)
+        let place = pose.placement(self.samples.reference_point);
+        let between = |p: &DVec3| self.samples.blades.contains(place.transform_point3(*p));
+        self.samples.walls.iter().flatten().any(between)
     }
 
     /// (4): for each axis the change of its rate between two steps over the time between them, as a share of
@@ -199,27 +265,7 @@ impl<'a> Objective<'a> {
 
     /// (5), over those samples that are between the blades; 0 when none is. Distances in mm.
     fn centring(&self, pose: &Pose, h: f64) -> f64 {
-        let place = pose.placement(self.reference_point);
-        let spread = |points: &[DVec3], wall: usize, angle: f64| {
-            let turn = glam::DMat3::from_rotation_x(angle);
-            let (mut n, mut sum, mut squares, mut least) = (0.0, 0.0, 0.0, f64::INFINITY);
-            for &p in points {
-                let q = place.transform_point3(turn * p);
-                if !self.blades.contains(q) {
-                    continue;
-                }
-                let d = self.walls.at(q)[wall];
-                n += 1.0;
-                sum += d;
-                squares += d * d;
-                least = least.min(d);
-            }
-            let deviation = if n > 0.0 { (squares / n - (sum / n).powi(2)).max(0.0).sqrt() } else { 0.0 };
-            (least, deviation)
-        };
-        let (low, high) = (spread(&self.low, 0, h), spread(&self.high, 1, -h));
-        let difference = if low.0.is_finite() && high.0.is_finite() { low.0 - high.0 } else { 0.0 };
-        self.weights.a2 * difference * difference + self.weights.b2 * low.1 + self.weights.c2 * high.1
+        self.samples.spread(pose, h, &|p| self.walls.at(p)).centring(&self.weights)
     }
 }
 
@@ -280,6 +326,44 @@ mod tests {
         let w = w.normalised(&[Axis::X, Axis::Y, Axis::Z, Axis::C]);
         assert_eq!((w.a1, w.b1, w.c1, w.d1, w.e1), (0.5, 0.25, 0.25, 0.0, 0.0));
         assert!((w.a2 + w.b2 + w.c2 - 1.0).abs() < 1e-15 && (w.a3 + w.b3 - 1.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_distribution_has_its_least_value_and_its_deviation() {
+        let spread = WallSpread::of(&[vec![1.0, 3.0], Vec::new()]);
+        assert_eq!((spread.least, spread.deviation), ([Some(1.0), None], [1.0, 0.0]));
+        let weights = Weights { a2: 0.5, b2: 0.25, c2: 0.25, ..Weights::default() };
+        assert_eq!(spread.centring(&weights), 0.25, "no difference of least distances beside one wall alone");
+        let both = WallSpread::of(&[vec![1.0, 3.0], vec![4.0, 4.0]]);
+        assert_eq!(both.centring(&weights), 0.5 * 9.0 + 0.25);
+    }
+
+    /// P0's figure 4: a net-shape electrode in its final pose is equally far from both walls all over, and one moved
+    /// across the channel by d is nearer to one wall and farther from the other, by d along their normals.
+    #[test]
+    fn a_net_shape_electrode_stands_evenly_between_the_walls_in_its_final_pose() {
+        use geometry::exact::ExactMesh;
+        use task::Task;
+        use wheel::electrode::{ElectrodeParams, EntrySide, make_electrodes};
+        use wheel::fixtures::exact_channel;
+        use wheel::parametric::{MeshResolution, ParametricBlisk};
+
+        let blisk = ParametricBlisk::turbine();
+        let channel = exact_channel(&blisk);
+        let mesh = blisk.mesh(&MeshResolution::default()).unwrap().in_frame(&channel.frame);
+        let params = ElectrodeParams { circumferential_reduction_deg: [0.0; 2], ..Default::default() };
+        let (task, exact) = (Task::default(), ExactMesh::new(&mesh).unwrap());
+        let made = make_electrodes(&channel, &exact, &params, EntrySide::PlusX, &task).unwrap();
+        let finder = SurfaceFinder::new(channel.clone().into()).unwrap();
+        let samples = WallSamples::of(&made[0], &channel, &task.cancel).unwrap();
+        let spread = |pose: &Pose| samples.spread(pose, 0.0, &|p| finder.wall_distances(p));
+        let [good, bad] = [Pose::FINAL, Pose { y: 0.05, ..Pose::FINAL }].map(|pose| spread(&pose));
+        for wall in 0..2 {
+            assert!((good.least[wall].unwrap() - params.spark_gap_mm).abs() < 0.02, "{good:?}");
+            assert!(good.deviation[wall] < 0.02 && bad.deviation[wall] > good.deviation[wall], "{good:?} {bad:?}");
+        }
+        let moved = |wall: usize| bad.least[wall].unwrap() - good.least[wall].unwrap();
+        assert!(moved(0) * moved(1) < 0.0 && moved(0).abs() < 0.06 && moved(1).abs() < 0.06, "{good:?} {bad:?}");
     }
 
     #[test]

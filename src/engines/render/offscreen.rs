@@ -218,6 +218,34 @@ fn adapter(backends: wgpu::Backends) -> Option<wgpu::Adapter> {
     pollster::block_on(instance.request_adapter(&options)).ok()
 }
 
+/// `images`, all of one size, as an animated PNG file that repeats for ever; each is shown for `milliseconds`.
+///
+/// # Errors
+/// [`RenderError::Png`] if there is none or their sizes differ; when cancelled.
+pub fn animated_png(images: &[RgbaImage], milliseconds: u16, cancel: &Cancel) -> Result<Vec<u8>, RenderError> {
+    let failed = |e: png::EncodingError| RenderError::Png(e.to_string());
+    let size = images.first().map_or((0, 0), RgbaImage::dimensions);
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, size.0, size.1);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Balanced);
+    encoder.set_filter(png::Filter::Adaptive);
+    encoder.set_animated(images.len() as u32, 0).map_err(failed)?;
+    encoder.set_frame_delay(milliseconds, 1000).map_err(failed)?;
+    let mut writer = encoder.write_header().map_err(failed)?;
+    for image in images {
+        cancel.check()?;
+        if image.dimensions() != size {
+            return Err(RenderError::Png("the pictures of an animation differ in size".to_owned()));
+        }
+        let opaque: Vec<u8> = image.as_raw().chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
+        writer.write_image_data(&opaque).map_err(failed)?;
+    }
+    writer.finish().map_err(failed)?;
+    Ok(bytes)
+}
+
 /// `image` as a PNG file.
 pub fn png_bytes(image: &RgbaImage, cancel: &Cancel) -> Result<Vec<u8>, RenderError> {
     let failed = |e: png::EncodingError| RenderError::Png(e.to_string());
@@ -238,4 +266,27 @@ pub fn png_bytes(image: &RgbaImage, cancel: &Cancel) -> Result<Vec<u8>, RenderEr
     stream.finish().map_err(failed)?;
     writer.finish().map_err(failed)?;
     Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_animation_has_every_picture_in_order_and_repeats() {
+        let images: Vec<RgbaImage> =
+            [10, 120, 240].iter().map(|grey| RgbaImage::from_pixel(7, 5, image::Rgba([*grey; 4]))).collect();
+        let bytes = animated_png(&images, 80, &Cancel::default()).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
+        let control = *reader.info().animation_control().unwrap();
+        assert_eq!((control.num_frames, control.num_plays), (3, 0));
+        for grey in [10, 120, 240] {
+            let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+            reader.next_frame(&mut pixels).unwrap();
+            assert!(pixels.len() == 7 * 5 * 3 && pixels.iter().all(|value| *value == grey));
+        }
+        assert!(animated_png(&[], 80, &Cancel::default()).is_err());
+        let unlike = [images[0].clone(), RgbaImage::new(4, 4)];
+        assert!(animated_png(&unlike, 80, &Cancel::default()).is_err());
+    }
 }

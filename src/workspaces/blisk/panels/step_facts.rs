@@ -14,9 +14,11 @@ use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::outcome::PlanOutcome;
 use crate::workspaces::blisk::job::simulate;
+use feed::plan_params::Strategy;
 use feed::residual_stock::ResidualStock;
 use task::State;
 use wheel::channel::Channel;
+use wheel::electrode::EntrySide;
 
 /// Draws them.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) {
@@ -144,6 +146,7 @@ fn plan(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         return;
     }
     super::sizes::live(ui, desk);
+    weights(ui, desk);
     let Some(plan) = desk.work.plan().cloned() else { return };
     for (i, outcome) in plan.electrodes.iter().enumerate() {
         let colour = match Standing::of(desk, Stage::Plan) {
@@ -178,6 +181,28 @@ fn plan(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         ui.add_space(4.0);
         cx.button(ui, desk, BliskCommand::Keep, "Keep for comparison", false);
         next(ui, desk, cx, Stage::Verify);
+    }
+}
+
+/// The weights as the genetic search uses them: scaled to sum 1 in each group, over the axes that move.
+fn weights(ui: &mut Ui, desk: &BliskDesk) {
+    let job = desk.document.params();
+    if job.plan.strategy != Strategy::Genetic {
+        return;
+    }
+    let side = desk.shown_electrode().map_or(EntrySide::PlusX, |(electrode, _)| electrode.enters_from);
+    let w = job.plan.weights.normalised(job.machine.axes.free_axes(side));
+    let groups: [&[(&str, f64)]; 3] = [
+        &[("a1", w.a1), ("b1", w.b1), ("c1", w.c1), ("d1", w.d1), ("e1", w.e1)],
+        &[("a2", w.a2), ("b2", w.b2), ("c2", w.c2)],
+        &[("a3", w.a3), ("b3", w.b3)],
+    ];
+    let shown = |group: &[(&str, f64)]| {
+        let used = group.iter().filter(|(_, weight)| *weight > 0.0);
+        used.map(|(name, weight)| format!("{name} {weight:.3}")).collect::<Vec<_>>().join("  ")
+    };
+    for (name, group) in ["Axes, normalised", "Walls, normalised", "Objectives, normalised"].iter().zip(groups) {
+        fact(ui, name, shown(group));
     }
 }
 

@@ -8,16 +8,19 @@ use crate::workspaces::blisk::report::residual_stock::ResidualStockReport;
 use crate::workspaces::blisk::report::simulation::SimulationReport;
 use crate::workspaces::blisk::report::{
     BliskSummary, ClearancePlace, Convergence, DistancesReport, ElectrodeReport, Failure, InputFile, Motion,
-    NodeReport, ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests, Written,
+    NodeReport, ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests, WallsReport,
+    Written,
 };
 use feed::certificate::TravelVerdict;
 use feed::jam::JamCause;
+use feed::objective::WallSamples;
 use feed::plan::{FeedPlan, PlannedPath};
 use feed::plan_params::{Constraint, Strategy};
 use feed::pose::{Axis, Pose};
 use feed::strategy::SearchStrategy;
 use feed::wall_clearances::{ClearanceGauge, WallClearances};
 use files::ParameterList;
+use rayon::prelude::*;
 use task::Cancel;
 use wheel::channel::Channel;
 use wheel::electrode::EntrySide;
@@ -90,7 +93,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         certified_clearance_mm: certificate.map(|c| c.certified()),
         least_clearance_mm: certificate.map(|c| c.least().distance),
         least_clearance_at: certificate.map(place),
-        nodes: nodes(plan, &distances(outcome, whole, job)),
+        nodes: nodes(plan, &walls(outcome, whole), &distances(outcome, whole, job)),
         smoothness: plan.path.as_ref().map_or(Vec::new(), |p| Smoothness::of(&p.smoothness)),
         volume_mm3: electrode.volume_mm3,
         least_thickness_mm: Some(electrode.least_thickness_mm),
@@ -107,6 +110,16 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
             .as_ref()
             .map(|p| Motion { rows: p.path.rows.clone(), clearance: p.certificate.row_clearance().to_vec() }),
     }
+}
+
+/// P0's D_L, D_R, S_L and S_R at every node.
+fn walls(outcome: &ElectrodeOutcome, whole: &PlanOutcome) -> Vec<WallsReport> {
+    // A report is not stopped half way; its electrode was sampled before and its walls searched.
+    let (never, electrode) = (Cancel::default(), &outcome.electrode);
+    let Ok(finder) = SurfaceFinder::new(whole.channel.clone()) else { return Vec::new() };
+    let Ok(samples) = WallSamples::of(electrode, &whole.channel, &never) else { return Vec::new() };
+    let spread = |node: &feed::problem::Node| samples.spread(&node.pose, 0.0, &|p| finder.wall_distances(p)).into();
+    outcome.plan.nodes.par_iter().map(spread).collect()
 }
 
 /// P1's four distances at every node, where its strategy was followed; empty otherwise.
@@ -128,7 +141,7 @@ fn distances(outcome: &ElectrodeOutcome, whole: &PlanOutcome, job: &PlanJob) -> 
     measured.unwrap_or_default().into_iter().map(report).collect()
 }
 
-fn nodes(plan: &FeedPlan, distances: &[DistancesReport]) -> Vec<NodeReport> {
+fn nodes(plan: &FeedPlan, walls: &[WallsReport], distances: &[DistancesReport]) -> Vec<NodeReport> {
     let objective = |n: &feed::problem::Node| ObjectiveReport {
         smoothness: n.objective.smoothness,
         centring: n.objective.centring,
@@ -143,6 +156,7 @@ fn nodes(plan: &FeedPlan, distances: &[DistancesReport]) -> Vec<NodeReport> {
             pose: PoseReport::from(&n.pose),
             clearance_mm: n.clearance,
             objective: Some(objective(n)),
+            walls_mm: walls.get(node).copied(),
             distances_mm: distances.get(node).copied(),
         })
         .collect()

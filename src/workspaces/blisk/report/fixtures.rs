@@ -90,6 +90,7 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
         s_mm: r.s,
         pose: PoseReport::from(&r.pose),
         clearance_mm: certificate.row_clearance()[i],
+        walls_mm: None,
         distances_mm: None,
         objective: Some(ObjectiveReport {
             smoothness: 0.02 + 0.001 * r.s,

@@ -18,6 +18,7 @@ use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::report::residual_stock::{CopyingReport, ResidualStockReport};
 use crate::workspaces::blisk::report::simulation::SimulationReport;
 use feed::certificate::{Certificate, Contact};
+use feed::objective::WallSpread;
 use feed::path::PathRow;
 use feed::pose::{Axis, Pose};
 use feed::smoothness::AxisSmoothness;
@@ -235,9 +236,33 @@ pub struct NodeReport {
     pub pose: PoseReport,
     pub clearance_mm: f64,
     pub objective: Option<ObjectiveReport>,
+    /// P0's D_L, D_R, S_L and S_R.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub walls_mm: Option<WallsReport>,
     /// Least distances to the surfaces of the channel, each by itself, where the strategy is P1's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distances_mm: Option<DistancesReport>,
+}
+
+/// Distances of the electrode's walls from those of the channel at a node, as P0's (5) takes them (mm): of samples
+/// between the blades.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct WallsReport {
+    /// D_L: least distance of the low (P0: left) wall; none outside the blades.
+    pub least_low: Option<f64>,
+    /// D_R: least distance of the high (P0: right) wall; none outside the blades.
+    pub least_high: Option<f64>,
+    /// S_L: standard deviation of the distances of the low wall.
+    pub deviation_low: f64,
+    /// S_R: standard deviation of the distances of the high wall.
+    pub deviation_high: f64,
+}
+
+impl From<WallSpread> for WallsReport {
+    fn from(spread: WallSpread) -> Self {
+        let ([least_low, least_high], [deviation_low, deviation_high]) = (spread.least, spread.deviation);
+        Self { least_low, least_high, deviation_low, deviation_high }
+    }
 }
 
 /// P1's four distances at a node (mm); what is missing is out of reach.

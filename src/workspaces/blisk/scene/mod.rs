@@ -293,7 +293,7 @@ pub fn build(inputs: &SceneInputs) -> Scene {
 }
 
 /// Map from W to the coordinates of the loaded mesh.
-pub(super) fn from_w(frame: &Frame) -> DAffine3 {
+pub(crate) fn from_w(frame: &Frame) -> DAffine3 {
     DAffine3 { matrix3: DMat3::from_cols(frame.x, frame.y, frame.z), translation: frame.origin }
 }
 

@@ -256,6 +256,14 @@ const GROUPS: &[Group] = &[
                 "What a pose must meet during the search: the distance to the surface, or the paper's \
                  comparison of angles. The verifier has the last word either way.",
             ),
+            Field::number("plan.angle.delta1_mm", "Distance of the angle test", "mm", 0.0, ANY)
+                .symbol("Delta1")
+                .when(When::Is("plan.constraint", &["angle"]))
+                .help("Distance that the angle test keeps from hub and shroud."),
+            Field::number("plan.angle.delta2_deg", "Angle of the angle test", "deg", 0.0, 90.0)
+                .symbol("Delta2")
+                .when(When::Is("plan.constraint", &["angle"]))
+                .help("Angle that the angle test keeps."),
         ],
     },
     Group {
@@ -302,6 +310,8 @@ const GROUPS: &[Group] = &[
                     "Probability that a gene of an individual worse than average mutates; it falls to 0 for the \
                      best.",
                 ),
+            Field::integer("genetic.elite", "Elite", 1.0, 5000.0)
+                .help("Best individuals that pass unchanged, at most half the population."),
             Field::number("genetic.precision_mm", "Precision X, Y, Z", "mm", 1e-5, 0.1)
                 .decimals(5)
                 .help("Step of X, Y and Z in the coding of an individual (8)."),
@@ -404,6 +414,9 @@ const GROUPS: &[Group] = &[
                 "What joins the nodes of each axis: cubic splines whose knots are the nodes, or NURBS with \
                  averaged knots.",
             ),
+            Field::choice("plan.interpolation.ends", "Ends of splines", ENDS)
+                .when(When::Is("plan.interpolation.kind", &["spline"]))
+                .help("What holds at both ends of a cubic spline."),
             Field::integer("plan.interpolation.degree", "Degree of NURBS", 3.0, 5.0)
                 .symbol("p")
                 .help("The degree of the NURBS through the nodes; splines are cubic."),
@@ -534,16 +547,6 @@ const GROUPS: &[Group] = &[
                 .help("Greatest speed of the linear axes."),
             Field::number("machine.speed_deg_min", "Speed of A, B, C", "deg/min", 0.0, ANY)
                 .help("Greatest speed of the rotary axes."),
-            Field::number("plan.angle.delta1_mm", "Distance of the angle test", "mm", 0.0, ANY)
-                .symbol("Delta1")
-                .help("Distance that the angle test keeps from hub and shroud."),
-            Field::number("plan.angle.delta2_deg", "Angle of the angle test", "deg", 0.0, 90.0)
-                .symbol("Delta2")
-                .help("Angle that the angle test keeps."),
-            Field::choice("plan.interpolation.ends", "Ends of splines", ENDS)
-                .help("What holds at both ends of a cubic spline."),
-            Field::integer("genetic.elite", "Elite", 1.0, 5000.0)
-                .help("Best individuals that pass unchanged, at most half the population."),
         ],
     },
 ];

@@ -1,9 +1,0 @@
-//! The results of P0.
-
-use super::{Outcome, ReproduceError};
-use task::Task;
-
-/// The tables and figures of the paper.
-pub(super) fn results(_task: &Task) -> Result<Vec<Outcome>, ReproduceError> {
-    Ok(Vec::new())
-}
