@@ -360,8 +360,11 @@ mod tests {
         let [good, bad] = [Pose::FINAL, Pose { y: 0.05, ..Pose::FINAL }].map(|pose| spread(&pose));
         for wall in 0..2 {
             assert!((good.least[wall].unwrap() - params.spark_gap_mm).abs() < 0.02, "{good:?}");
-            assert!(good.deviation[wall] < 0.02 && bad.deviation[wall] > good.deviation[wall], "{good:?} {bad:?}");
+            assert!(good.deviation[wall] < 0.02, "{good:?}");
         }
+        // Beside one of two curved walls the distances may become evener: not beside both.
+        let sum = |spread: &WallSpread| spread.deviation.iter().sum::<f64>();
+        assert!(sum(&bad) > 1.2 * sum(&good), "{good:?} {bad:?}");
         let moved = |wall: usize| bad.least[wall].unwrap() - good.least[wall].unwrap();
         assert!(moved(0) * moved(1) < 0.0 && moved(0).abs() < 0.06 && moved(1).abs() < 0.06, "{good:?} {bad:?}");
     }
