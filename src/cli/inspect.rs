@@ -57,7 +57,7 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
 struct Measured {
     /// The surfaces through them, against the mesh.
     surfaces: CentrelineSummary,
-    /// Their points, against the walls of the channel.
+    /// Deviations of the measured points from the walls of the channel.
     deviation: SectionsDeviation,
 }
 

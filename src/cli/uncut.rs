@@ -157,7 +157,7 @@ impl MoldArguments {
         Some(&*self.file).filter(|file| file.is_dir())
     }
 
-    /// These arguments for the mesh `file` of the folder that they are given for.
+    /// Arguments for the mesh `file` of a folder that was given.
     ///
     /// # Errors
     /// Arguments that are for one mold only.

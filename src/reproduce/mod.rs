@@ -70,7 +70,7 @@ impl Paper {
 }
 
 /// Our result beside the paper's.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// The same within what the parts differ by.
@@ -79,7 +79,8 @@ pub enum Verdict {
     Better,
     /// The paper's is better.
     Worse,
-    /// They cannot be compared.
+    /// No comparison is possible.
+    #[default]
     NotComparable,
 }
 
@@ -106,8 +107,15 @@ pub struct Table {
     pub rows: Vec<Vec<String>>,
 }
 
+impl Table {
+    /// A table of these columns.
+    fn new(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> Self {
+        Self { caption: caption.to_owned(), head: head.iter().map(|title| (*title).to_owned()).collect(), rows }
+    }
+}
+
 /// A numbered table or figure of a paper, with ours.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Outcome {
     /// Number in the paper, as in `Figure 5` or `Table 1`.
     pub name: String,
@@ -137,7 +145,7 @@ pub struct Outcome {
 pub struct Reproduced {
     /// The paper.
     pub paper: Paper,
-    /// Its tables and figures, in order.
+    /// Tables and figures, in order.
     pub outcomes: Vec<Outcome>,
     /// Duration of the computation (s).
     pub seconds: f64,

@@ -83,7 +83,7 @@ pub struct LayerInterference {
 }
 
 impl LayerInterference {
-    /// That of a flat cutter of `radius` (mm) with `outlines`, whose material lies on the left.
+    /// Interference of a flat cutter of `radius` (mm) with `outlines`, whose material lies on the left.
     pub fn new(outlines: &[Outline], radius: f64) -> Self {
         let (mut sides, mut outline, mut along, mut whole) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for one in outlines {

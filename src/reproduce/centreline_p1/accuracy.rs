@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{DMat3, DVec3};
 
 use super::blade::{blade_camera, grid_mesh, to_next_blade};
-use super::{Part, Place, cells, drawn, outcome, places, sections, table};
+use super::{Part, Place, cells, drawn, outcome, places, sections};
 use crate::reproduce::{Outcome, ReproduceError, Table, Verdict};
 use crate::widgets::theme::STEEL;
 use crate::workspaces::mold::scene::pictures::MoldPicture;
@@ -83,7 +83,7 @@ pub(super) fn outcomes(part: &Part, frame: &Frame, task: &Task) -> Result<Vec<Ou
     let hours = hours.map(|(name, h)| vec![name.to_owned(), number(h, 3)]).to_vec();
     let mut tables = vec![summary(&judged)];
     tables.extend(last.map(|j| list(&j.found)));
-    tables.push(table("The paper's times; erosion is not simulated here", &["", "#hours"], hours));
+    tables.push(Table::new("The paper's times; erosion is not simulated here", &["", "#hours"], hours));
     let map = last.map(|j| map(part, j));
     Ok(vec![
         outcome(
@@ -161,7 +161,7 @@ fn summary(judged: &[Judged]) -> Table {
         "right",
     ];
     let caption = format!("Measured sections with a known error, judged against {P1_LIMIT_MM} mm");
-    table(&caption, &head, rows.collect())
+    Table::new(&caption, &head, rows.collect())
 }
 
 fn list(found: &SectionsDeviation) -> Table {
@@ -174,7 +174,7 @@ fn list(found: &SectionsDeviation) -> Table {
     });
     let head =
         ["section", "wall", "#greatest (mm)", "#mean (mm)", "#spread (mm)", "#points judged", "#beyond the wall"];
-    table(&format!("List of the last set: {}", found.verdict()), &head, rows.collect())
+    Table::new(&format!("List of the last set: {}", found.verdict()), &head, rows.collect())
 }
 
 /// The last set on the blade, each point in the colour of its deviation.

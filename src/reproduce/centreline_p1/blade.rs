@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::{NO_CELLS, POINTS, Part, SECTIONS, cells, drawn, outcome, sections, table};
+use super::{NO_CELLS, POINTS, Part, SECTIONS, cells, drawn, outcome, sections};
 use crate::reproduce::{Outcome, ReproduceError, Table, Verdict};
 use crate::widgets::camera::PICTURE_SIZE;
 use crate::widgets::theme::STEEL;
@@ -73,7 +73,7 @@ fn parameters() -> Table {
         row(["edge circles", "leading_radius_mm, trailing_radius_mm", "radii; their centres lie on the camber line"]),
         row(["thickness", "max_thickness_mm", "at mid-chord; gives the second derivatives at the tangent points"]),
     ];
-    table("Parameters of a section", &["parameter", "name here", "meaning"], rows)
+    Table::new("Parameters of a section", &["parameter", "name here", "meaning"], rows)
 }
 
 /// The two sides with their names: the pressure side (P1's y_s, coefficients a) is the lower one of a blade that turns the
@@ -101,7 +101,7 @@ fn conditions(profile: &BladeProfile) -> Table {
     });
     let head =
         ["tangent point", "#x (mm)", "#y (mm)", "#y'", "#y'' (1/mm)", "#off the circle (mm)", "#off its tangent (mm)"];
-    table("Position, slope and second derivative of the solved polynomials", &head, rows.collect())
+    Table::new("Position, slope and second derivative of the solved polynomials", &head, rows.collect())
 }
 
 fn values(part: &Part, profile: &BladeProfile) -> Vec<Table> {
@@ -124,8 +124,8 @@ fn values(part: &Part, profile: &BladeProfile) -> Vec<Table> {
         [vec![format!("{name}, {letter}0 to {letter}5")], numbers].concat()
     });
     vec![
-        table("Initial values", &["name here", "#value", "unit"], initial),
-        table(
+        Table::new("Initial values", &["name here", "#value", "unit"], initial),
+        Table::new(
             "Coefficients of the powers of x (mm) at mid-height, equations 3 to 5",
             &["side", "#0", "#1", "#2", "#3", "#4", "#5"],
             coefficients.collect(),
@@ -209,7 +209,7 @@ fn figure_4(part: &Part, task: &Task) -> Result<Outcome, ReproduceError> {
         rows.push([vec![(*name).to_owned(), format!("{SECTIONS} x {POINTS}")], figures.to_vec()].concat());
     }
     let head = ["side", "#points", "#greatest at them (mm)", "#greatest between (mm)", "#RMS between (mm)"];
-    let tables = vec![table("The surface against the exact blade", &head, rows)];
+    let tables = vec![Table::new("The surface against the exact blade", &head, rows)];
     let line = |wall: usize, v: f64| {
         let point = |i: usize| part.walls[wall].surface.point(i as f64 / 200.0, v);
         (0..=200).map(point).map(|p| if wall == 0 { to_next_blade(part) * p } else { p }).collect::<Vec<DVec3>>()

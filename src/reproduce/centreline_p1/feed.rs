@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{CHANNELS, Part, cells, drawn, failed, outcome, table};
+use super::{CHANNELS, Part, cells, drawn, failed, outcome};
 use crate::reproduce::{Outcome, ReproduceError, Table, Verdict};
 use crate::workspaces::blisk::document::choice::DrawnPictures;
 use crate::workspaces::blisk::document::job_file::PlanJob;
@@ -133,7 +133,7 @@ impl Planned {
             "#reversals",
             "#search (s)",
         ];
-        let mut tables = vec![table("Paths on machines of 4, 5 and 6 axes", &head, rows.collect())];
+        let mut tables = vec![Table::new("Paths on machines of 4, 5 and 6 axes", &head, rows.collect())];
         let (mut plots, mut files) = (Vec::new(), Vec::new());
         let Some((_, inputs, outcome)) = self.plans.first() else { return figure_5() };
         let gap = inputs.job.electrode.spark_gap_mm;
@@ -181,7 +181,7 @@ impl Planned {
         let why = "The paper plays the motion in its simulation and sees no collision. Ours is a certificate: a lower bound of the \
                    distance over the whole continuous motion. Bodies of the machine are not part of it here.";
         Outcome {
-            tables: vec![table("Certificates of all four electrodes together", &head, rows.collect())],
+            tables: vec![Table::new("Certificates of all four electrodes together", &head, rows.collect())],
             ..super::outcome(
                 "Figure 8",
                 "Simulation of the motion for 4, 5 and 6 axes",
@@ -214,7 +214,7 @@ fn figure_2(outcome: &PlanOutcome) -> Outcome {
         outcome.electrodes.len()
     );
     Outcome {
-        tables: vec![table("Electrodes of one channel", &head, rows.collect())],
+        tables: vec![Table::new("Electrodes of one channel", &head, rows.collect())],
         ..outcome_named(
             "Figure 2",
             "Division of the electrode",
@@ -236,7 +236,7 @@ fn figure_5() -> Outcome {
         row(["not in the paper: proof over the whole motion", "feed: verify"]),
     ];
     Outcome {
-        tables: vec![table("Steps of the flowchart and where they are", &["step", "crate: module"], rows)],
+        tables: vec![Table::new("Steps of the flowchart and where they are", &["step", "crate: module"], rows)],
         ..outcome_named(
             "Figure 5",
             "Flow of the search",
@@ -263,7 +263,7 @@ fn table_4(inputs: &PlanInputs) -> Outcome {
     let why =
         format!("{} Of the parameters only the step is in its text: {STEP_MM} mm, which is ours too.", super::NO_CELLS);
     Outcome {
-        tables: vec![table("Parameters of our search", &["key", "#value", "unit"], rows)],
+        tables: vec![Table::new("Parameters of our search", &["key", "#value", "unit"], rows)],
         ..outcome_named("Table 4", "Parameters of the search", Verdict::NotComparable, why)
     }
 }
@@ -333,7 +333,7 @@ fn nodes(e: &ElectrodeOutcome, facts: &[NodeFacts]) -> Table {
     ];
     let caption = "Nodes of electrode 1 (mm): retract distance, axes, core point v and its arc length, distances to pressure \
                    wall, suction wall, hub, shroud; every node is in p1_nodes_1.csv";
-    table(caption, &head, rows.collect())
+    Table::new(caption, &head, rows.collect())
 }
 
 fn csv(e: &ElectrodeOutcome, facts: &[NodeFacts]) -> String {

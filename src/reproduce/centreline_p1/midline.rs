@@ -5,7 +5,7 @@ use std::fmt::Write;
 use glam::{DVec2, DVec3};
 
 use super::blade::{circle_line, outline};
-use super::{Part, cells, failed, outcome, table};
+use super::{Part, Table, cells, failed, outcome};
 use crate::reproduce::{Outcome, ReproduceError, Verdict};
 use files::report::number;
 use files::report::plot::{Plot, Series};
@@ -86,7 +86,7 @@ pub(super) fn figure_6(part: &Part, task: &Task) -> Result<Outcome, ReproduceErr
     let verdict = if off[1] < off[0] { Verdict::Better } else { Verdict::Worse };
     let csv = csv(&circles, &joined, &middles);
     Ok(Outcome {
-        tables: vec![table(&caption, &head, rows.to_vec())],
+        tables: vec![Table::new(&caption, &head, rows.to_vec())],
         plots: vec![plot(part, &circles, &joined, &lines)],
         files: vec![("p1_centreline.csv".to_owned(), csv.into_bytes())],
         ..outcome(

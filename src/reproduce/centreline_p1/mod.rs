@@ -145,15 +145,8 @@ fn outcome(name: &str, title: &str, verdict: Verdict, why: impl Into<String>, by
         verdict,
         why: why.into(),
         by_hand: by_hand.to_owned(),
-        tables: Vec::new(),
-        plots: Vec::new(),
-        pictures: Vec::new(),
-        files: Vec::new(),
+        ..Outcome::default()
     }
-}
-
-fn table(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> Table {
-    Table { caption: caption.to_owned(), head: head.iter().map(|title| (*title).to_owned()).collect(), rows }
 }
 
 /// Numbers as cells.

@@ -3,7 +3,7 @@
 
 use std::time::Instant;
 
-use super::{Outcome, blank, part_file, table, wrong};
+use super::{Outcome, Table, blank, part_file, wrong};
 use crate::reproduce::{ReproduceError, Verdict};
 use crate::workspaces::mold::job::electrodes::electrodes;
 use crate::workspaces::mold::job::uncut::{UncutParams, uncut};
@@ -92,8 +92,8 @@ pub(super) fn outcome(task: &Task) -> Result<Outcome, ReproduceError> {
                   this page with the molds p3_mold_00.stl and on"
                 .to_owned(),
         tables: vec![
-            table("Success", &["", "#"], summary),
-            table(
+            Table::new("Success", &["", "#"], summary),
+            Table::new(
                 "Molds",
                 &[
                     "mold",

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::parts::{WAY_HEAD, minutes, way_row};
-use super::{Outcome, Verdict, blank, part_file, same_if, table, wrong};
+use super::{Outcome, Table, Verdict, blank, part_file, same_if, wrong};
 use crate::reproduce::ReproduceError;
 use crate::workspaces::mold::document::demonstration::demonstration;
 use crate::workspaces::mold::document::standard::standard_mold;
@@ -102,7 +102,7 @@ fn segments(shown: &Shown) -> Outcome {
               between as the residue asks for; the paper's are evenly spaced, nearer than the cutter's radius."
             .to_owned(),
         by_hand: "sparkpath uncut p3_demonstration.stl --units mm --opening +z --out DIR; window: slider of layers".to_owned(),
-        tables: vec![table(
+        tables: vec![Table::new(
             &format!("Uncut segments of {} layers by class of interference", shown.found.layers.len()),
             &["interference", "#segments", "#length mm"],
             rows,
@@ -128,7 +128,7 @@ fn divided(shown: &Shown) -> Outcome {
             undivided.not_millable,
             minutes(&shown.ways)
         ),
-        tables: vec![table("Ways of dividing", &WAY_HEAD, shown.ways.iter().map(way_row).collect())],
+        tables: vec![Table::new("Ways of dividing", &WAY_HEAD, shown.ways.iter().map(way_row).collect())],
         ..of("Figure 18", "H-edges, and a region split along them")
     }
 }
@@ -144,7 +144,7 @@ fn combined(shown: &Shown) -> Outcome {
               electrode is made for places that are the same but for a turn about the burn direction, and burns them one \
               after another; tips within a distance share a base (figure 27)."
                 .to_owned(),
-        tables: vec![table(
+        tables: vec![Table::new(
             "Electrodes",
             &["#electrodes", "#of them for several places", "#burns"],
             vec![vec![electrodes.len().to_string(), many.to_string(), burns.to_string()]],
@@ -161,7 +161,7 @@ fn shared(shown: &Shown) -> Outcome {
         why: "The paper shows five tips on one holder; its distances and its mold are not given, so that the numbers say \
               nothing about which is better. The rule is the same: tips within a distance that is set share a base."
             .to_owned(),
-        tables: vec![table(
+        tables: vec![Table::new(
             "Tips on one base",
             &["", "#most tips on a base", "#bases with several tips"],
             vec![
@@ -190,7 +190,7 @@ fn case_study(shown: &Shown) -> Outcome {
         why: "The paper's mold is not public, and it gives no figures for it. Its electrodes are not checked; here each is, \
               and what a check finds is told."
             .to_owned(),
-        tables: vec![table(
+        tables: vec![Table::new(
             "The demonstration mold",
             &["", "#"],
             rows.iter().map(|(what, count)| vec![(*what).to_owned(), count.to_string()]).collect(),
@@ -215,7 +215,7 @@ fn times(shown: &Shown) -> Outcome {
               without reading the results. The step that its system leaves to the engineer, the refinement, is computed \
               here."
             .to_owned(),
-        tables: vec![table(
+        tables: vec![Table::new(
             &format!("Time of each step; ours with {} electrodes", shown.set.electrodes.len()),
             &["step", "#engineer with NX 10, min", "#paper's system, min", "#ours, min", "#ours, s"],
             rows,

@@ -40,15 +40,8 @@ fn blank(name: &str, title: &str, part: &str) -> Outcome {
         verdict: Verdict::NotComparable,
         why: String::new(),
         by_hand: String::new(),
-        tables: Vec::new(),
-        plots: Vec::new(),
-        pictures: Vec::new(),
-        files: Vec::new(),
+        ..Outcome::default()
     }
-}
-
-fn table(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> Table {
-    Table { caption: caption.to_owned(), head: head.iter().map(|title| (*title).to_owned()).collect(), rows }
 }
 
 /// Same where it is so, else worse.

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
-use super::{Outcome, Verdict, blank, electrode_params, params_of, part_file, same_if, table, wrong};
+use super::{Outcome, Table, Verdict, blank, electrode_params, params_of, part_file, same_if, wrong};
 use crate::reproduce::ReproduceError;
 use crate::workspaces::mold::job::divisions::{Way, WayResult, compare_divisions};
 use crate::workspaces::mold::job::electrodes::electrodes;
@@ -117,7 +117,7 @@ fn undercut(task: &Task) -> Result<Outcome, ReproduceError> {
               out."
             .to_owned(),
         by_hand: "sparkpath uncut p3_figure_3.stl --units mm --cutters flat:1".to_owned(),
-        tables: vec![table(
+        tables: vec![Table::new(
             "Area of the faces that look down",
             &["#exact mm²", "#ours mm²"],
             vec![vec![number(exact, 3), number(ours, 3)]],
@@ -165,7 +165,7 @@ fn flat_and_ball(task: &Task) -> Result<[Outcome; 2], ReproduceError> {
                 "The paper's mold is not public: {words}. Ours has as many regions, and their volume is known exactly."
             ),
             by_hand: format!("sparkpath uncut p3_figure_16.stl --units mm --cutters {cutters}"),
-            tables: vec![table(
+            tables: vec![Table::new(
                 "Uncut regions",
                 &["", "#regions", "#volume mm³"],
                 vec![
@@ -215,7 +215,7 @@ fn whole_faces(task: &Task) -> Result<Outcome, ReproduceError> {
             minutes(&ways)
         ),
         by_hand: by_hand("figure_19"),
-        tables: vec![table("Ways of dividing", &WAY_HEAD, ways.iter().map(way_row).collect())],
+        tables: vec![Table::new("Ways of dividing", &WAY_HEAD, ways.iter().map(way_row).collect())],
         files: part_file("figure_19", &mesh),
         ..blank(
             NAME,
@@ -255,7 +255,7 @@ fn straight_edges(task: &Task) -> Result<Outcome, ReproduceError> {
             PAPER[0], PAPER[1], ours[0], ours[1]
         ),
         by_hand: by_hand("figure_20"),
-        tables: vec![table("Ways of dividing", &WAY_HEAD, ways.iter().map(way_row).collect())],
+        tables: vec![Table::new("Ways of dividing", &WAY_HEAD, ways.iter().map(way_row).collect())],
         files: part_file("figure_20", &mesh),
         ..blank(NAME, "Reduction of H-edges", "a slot of 1.6 mm in the shape of a T whose floor has four steps")
     })
@@ -287,7 +287,7 @@ fn oversize(task: &Task) -> Result<Outcome, ReproduceError> {
             minutes(&of_large)
         ),
         by_hand: by_hand("figure_21"),
-        tables: vec![table("Ways of dividing", &[&["pocket"], &WAY_HEAD[..]].concat(), rows)],
+        tables: vec![Table::new("Ways of dividing", &[&["pocket"], &WAY_HEAD[..]].concat(), rows)],
         files: [part_file("figure_21", &normal), part_file("figure_21_enlarged", &large)].concat(),
         ..blank(
             NAME,
@@ -320,7 +320,7 @@ fn leftovers(task: &Task) -> Result<Outcome, ReproduceError> {
         by_hand: "sparkpath electrodes p3_figure_21.stl --units mm --cutters flat:1 --set electrodes.margin_mm=0.01; \
                   window: electrode form, side extension"
             .to_owned(),
-        tables: vec![table(
+        tables: vec![Table::new(
             "Residual stock after burning",
             &["#side extension mm", "#volume mm³", "#thickest mm"],
             vec![row(without), row(with)],

@@ -3,7 +3,7 @@
 
 use glam::DVec2;
 
-use super::{Outcome, Verdict, blank, same_if, table};
+use super::{Outcome, Table, Verdict, blank, same_if};
 use files::report::number;
 use mold::interference::{Interference, LayerInterference};
 use mold::outline::Outline;
@@ -86,7 +86,7 @@ pub(super) fn outcomes() -> Vec<Outcome> {
         by_hand: "sparkpath uncut MESH --out DIR: column interference of uncut_segments.csv, table in uncut.html; \
                   src/engines/mold/interference.rs"
             .to_owned(),
-        tables: vec![table(
+        tables: vec![Table::new(
             "Uncut length",
             &["curve", "class in the paper", "#exact mm", "#ours mm"],
             rows.iter()
@@ -125,7 +125,7 @@ fn minimum_distance() -> Outcome {
               curves interferes up to a distance of 2 R; R is right only for one curve and the offset of the other."
             .to_owned(),
         by_hand: "src/engines/mold/centre_path.rs".to_owned(),
-        tables: vec![table(
+        tables: vec![Table::new(
             "Two round islands of radius 3 mm, cutter of radius 2 mm",
             &["#distance mm", "interference by the listing", "#exact uncut mm", "#ours mm"],
             rows.iter()
@@ -150,7 +150,7 @@ fn around() -> Outcome {
               dimensions are not given. Ours has four as well; their length is known from the critical points."
             .to_owned(),
         by_hand: "sparkpath uncut MESH --out DIR: uncut_segments.csv".to_owned(),
-        tables: vec![table(
+        tables: vec![Table::new(
             "Uncut segments of the curve in the middle",
             &["", "#segments", "#length of each mm"],
             vec![

@@ -180,17 +180,9 @@ impl Subject {
             verdict,
             why,
             by_hand: by_hand.to_owned(),
-            tables: Vec::new(),
-            plots: Vec::new(),
-            pictures: Vec::new(),
-            files: Vec::new(),
+            ..Outcome::default()
         }
     }
-}
-
-/// A table.
-fn table(caption: &str, head: &[&str], rows: Vec<Vec<String>>) -> Table {
-    Table { caption: caption.to_owned(), head: head.iter().map(|&title| title.to_owned()).collect(), rows }
 }
 
 /// What each colour of the plots stands for.
@@ -249,7 +241,7 @@ fn design(
         electrode.radial_reduction_mm=0.5 --set electrode.parts=2; in the window the step Electrode";
     let head = ["step", "#electrodes", "#least thickness mm", "#burn area mm²", "#volume mm³"];
     Ok(Outcome {
-        tables: vec![table("Electrodes", &head, stages.iter().map(row).collect())],
+        tables: vec![Table::new("Electrodes", &head, stages.iter().map(row).collect())],
         pictures: vec![picture("Reduction and division", caption, &[], png)],
         ..subject.outcome("Figure 1", "Electrode: reduction and division", Verdict::NotComparable, why, by_hand)
     })
@@ -277,7 +269,7 @@ fn machine(subject: &Subject) -> Outcome {
     let caption = format!("Axes of the feed; nodes are {} mm apart", job.plan.step_mm);
     let rows = Axis::ALL.into_iter().map(row).collect();
     Outcome {
-        tables: vec![table(&caption, &["axis", "the paper", "ours during the feed"], rows)],
+        tables: vec![Table::new(&caption, &["axis", "the paper", "ours during the feed"], rows)],
         ..subject.outcome("Figure 2", "Machine tool and its axes", Verdict::NotComparable, why, by_hand)
     }
 }
@@ -341,8 +333,8 @@ fn convergence(subject: &Subject) -> Outcome {
     );
     Outcome {
         tables: vec![
-            table("Steps of the flow chart", &["the paper", "ours"], steps),
-            table(
+            Table::new("Steps of the flow chart", &["the paper", "ours"], steps),
+            Table::new(
                 "Convergence of the sum over nodes",
                 &["weights", "share of the improvement", "#generation", "#objective"],
                 rows,
@@ -403,8 +395,8 @@ fn weights(subject: &Subject) -> Outcome {
         Weights, with the normalised ones below; both are listed among the symbols of report.html";
     Outcome {
         tables: vec![
-            table("Weights", &["weight", "of", "the paper", "#given", "#normalised"], rows.to_vec()),
-            table(
+            Table::new("Weights", &["weight", "of", "the paper", "#given", "#normalised"], rows.to_vec()),
+            Table::new(
                 "Ranges of motion in one step (7) and bits of the code (8)",
                 &["axis", "#half range", "unit", "#bits"],
                 ranges.collect(),
@@ -439,7 +431,7 @@ fn predecessors(subject: &Subject) -> Outcome {
     ];
     let why = "The text gives the idea of each method in a sentence and no result of it.".to_owned();
     Outcome {
-        tables: vec![table(
+        tables: vec![Table::new(
             "Earlier methods",
             &["method", "what the text gives", "nearest of ours"],
             rows.map(|row| row.map(str::to_owned).to_vec()).to_vec(),

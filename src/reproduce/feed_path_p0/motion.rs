@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::pictures::{Studio, View, picture};
-use super::{BY_GENETIC, Case, SHEET, SHEET_ASPECT, Subject, around, failed, key, table};
+use super::{BY_GENETIC, Case, SHEET, SHEET_ASPECT, Subject, around, failed, key};
 use crate::reproduce::{Outcome, ReproduceError, Table, Verdict};
 use crate::widgets::camera::{bodies, electrode_in_channel};
 use crate::workspaces::blisk::report::Smoothness;
@@ -116,7 +116,7 @@ pub(super) fn exit(subject: &Subject, studio: &mut Studio, task: &Task) -> Resul
     let moving =
         format!("The same as an animation, {PICTURES} pictures; {FILE} beside this page is an animated PNG file.");
     Ok(Outcome {
-        tables: vec![table("Poses of the stills", &head, rows)],
+        tables: vec![Table::new("Poses of the stills", &head, rows)],
         pictures: vec![
             picture("Exit of the electrode", caption.to_owned(), &[], sheet),
             picture("Exit of the electrode, animated", moving, &[], animation.clone()),
@@ -255,7 +255,7 @@ fn axes_table(cases: &[Case]) -> Table {
     });
     let head = ["method", "axis", "#total variation", "#RMS 2nd difference", "#greatest 2nd difference", "#reversals"];
     let caption = "Smoothness over equal steps of 0.5 mm; the paper prints no figures";
-    table(caption, &head, rows.collect())
+    Table::new(caption, &head, rows.collect())
 }
 
 /// What every case comes to as a whole.
@@ -289,7 +289,7 @@ fn whole_table(cases: &[Case], ways: &[Vec<[f64; 4]>]) -> Table {
         "#turning of the centroid °",
         "#search s",
     ];
-    table("Paths", &head, cases.iter().zip(ways).map(row).collect())
+    Table::new("Paths", &head, cases.iter().zip(ways).map(row).collect())
 }
 
 /// The ways of the centroid beside the electrode in its final pose.

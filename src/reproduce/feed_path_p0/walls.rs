@@ -7,7 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::pictures::{Studio, View, picture};
-use super::{BY_GENETIC, Case, SHEET, SHEET_ASPECT, Subject, around, failed, table};
+use super::{BY_GENETIC, Case, SHEET, SHEET_ASPECT, Subject, Table, around, failed};
 use crate::reproduce::{Outcome, ReproduceError, Verdict};
 use crate::widgets::theme::COPPER;
 use feed::angle_test::{AngleParams, AngleTest};
@@ -140,7 +140,7 @@ pub(super) fn constraint(subject: &Subject, primitive: &[Electrode], task: &Task
         "#missed, alpha and theta",
     ];
     Ok(Outcome {
-        tables: vec![table(&caption, &head, judged.iter().map(row).collect())],
+        tables: vec![Table::new(&caption, &head, judged.iter().map(row).collect())],
         ..subject.outcome(
             NAME,
             "Constraint: alpha and theta at the nearest wall point",
@@ -259,7 +259,7 @@ pub(super) fn distribution(
     );
     let head = ["position", "#D_L mm", "#D_R mm", "#|D_L − D_R| mm", "#S_L mm", "#S_R mm", "#Obj2 (5), equal weights"];
     Ok(Outcome {
-        tables: vec![table("Distances of the electrode's walls", &head, positions.iter().map(row).collect())],
+        tables: vec![Table::new("Distances of the electrode's walls", &head, positions.iter().map(row).collect())],
         plots,
         pictures: vec![picture("Distances of the walls as colours", caption, &legend, png)],
         files: vec![("p0_nodes.csv".to_owned(), nodes_csv(&subject.cases, &along).into_bytes())],

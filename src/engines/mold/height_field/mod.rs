@@ -125,7 +125,7 @@ impl HeightField {
         self.height(cell).map(|z| self.center(cell).extend(z))
     }
 
-    /// This field with openings through the material `beyond` the underside (mm).
+    /// Field whose openings through the material end `beyond` the underside (mm).
     fn opened_below(&self, beyond: f32) -> Self {
         let mut lowered = self.clone();
         self.through.iter().for_each(|cell| lowered.heights[*cell as usize] -= beyond);

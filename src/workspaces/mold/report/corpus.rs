@@ -20,7 +20,7 @@ pub struct CorpusFigures {
     pub triangles: usize,
     /// Number of uncut regions.
     pub regions: usize,
-    /// Their volume (mm^3).
+    /// Volume of all regions (mm^3).
     pub volume_mm3: f64,
     /// Area of the faces that look away from the cutters (mm^2).
     pub hidden_area_mm2: f64,
@@ -47,7 +47,7 @@ impl CorpusFigures {
 pub struct CorpusRow {
     /// Name of its file.
     pub file: String,
-    /// Its figures; none where it failed.
+    /// Figures of the mold; none where it failed.
     pub figures: Option<CorpusFigures>,
     /// Reason why it failed.
     pub reason: Option<String>,
