@@ -20,7 +20,8 @@ use mold::opening::Opening::{MinusX, PlusZ};
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::mold::MoldWorkspace;
 use sparkpath::workspaces::mold::document::MoldParams;
-use sparkpath::workspaces::mold::panels::desk::{DatumPick, MoldDesk};
+use sparkpath::workspaces::mold::panels::datum_pick::DatumPick;
+use sparkpath::workspaces::mold::panels::desk::MoldDesk;
 
 use crate::desk::{Desk, Home};
 

@@ -190,11 +190,11 @@ fn close(mesh: &Mesh, length: f64) -> HashMap<u32, Vec<u32>> {
 /// much further than that.
 fn across(normals: &[DVec3], growth: &Growth) -> Option<DVec3> {
     /// Part of a normal across Z up to which a face is level: rounding of files.
-    const LEVEL: f64 = 1e-4;
+    const ROUNDING: f64 = 1e-4;
     if growth.radius == 0.0 {
         return Some(DVec3::ZERO);
     }
-    let across = normals.iter().map(|n| n.with_z(0.0)).filter(|n| n.length() > LEVEL);
+    let across = normals.iter().map(|n| n.with_z(0.0)).filter(|n| n.length() > ROUNDING);
     let planes: Vec<(DVec3, f64)> = across.map(|n| (n.normalize(), growth.radius)).collect();
     least_shift(&planes).filter(|shift| shift.length() <= FURTHEST * growth.radius)
 }

@@ -218,12 +218,19 @@ pub fn is_file_of(file: &str, electrode: &str, stage: &str) -> bool {
     of_form.is_some_and(|rest| rest.starts_with('_') && rest.contains(&format!("_{}_g", plain(stage))))
 }
 
-/// Whether a file is called as electrodes are, as in `E01_finish_g0.05_copper_x1.stl`.
+/// Whether a file is called as electrodes are, as in `E01_finish_g0.05_copper_x1.stl`: name, stage, gap, material and
+/// quantity.
 pub fn is_electrode_file(file: &str) -> bool {
-    let is_mesh = ElectrodeFormat::ALL.iter().any(|f| file.ends_with(&format!(".{}", f.extension())));
-    let number = file.strip_prefix('E').and_then(|rest| rest.split_once('_')).map_or("", |(number, _)| number);
-    let is_number = number.len() >= 2 && number.bytes().all(|b| b.is_ascii_digit());
-    is_mesh && is_number && file.contains("_g")
+    let stem = ElectrodeFormat::ALL.iter().find_map(|f| file.strip_suffix(f.extension())?.strip_suffix('.'));
+    let parts: Vec<&str> = stem.unwrap_or_default().split('_').collect();
+    let is_whole = |digits: &str| !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit());
+    let is_gap = |part: &&str| part.strip_prefix('g').is_some_and(|gap| gap.parse::<f64>().is_ok());
+    let is_quantity = |part: &&str| part.strip_prefix('x').is_some_and(is_whole);
+    // At least two parts before the gap and one behind it; a number after the quantity tells equal names apart.
+    let gap = parts.iter().skip(2).position(is_gap).map(|gap| gap + 2);
+    let quantity = parts.iter().rposition(is_quantity);
+    let is_last = |quantity: usize| parts.iter().skip(quantity + 1).all(|rest| is_whole(rest));
+    gap.zip(quantity).is_some_and(|(gap, quantity)| gap + 1 < quantity && is_last(quantity))
 }
 
 /// Text as a part of a file's name on every system.
@@ -296,9 +303,16 @@ mod tests {
 
     #[test]
     fn electrode_files_are_known_by_their_names() {
-        let ours = ["E04_finish_g0.05_Cu-soft_x1.stl", "E02_finish_g0.3_Cu-soft_x1.obj", "E102_a_g1_x1.glb"];
-        assert!(ours.into_iter().all(is_electrode_file));
-        let others = ["Eiffel_g1.stl", "E04_finish_g0.05_Cu-soft_x1.txt", "mold.stl", "E4_g1.stl"];
+        let mut set = set();
+        set.electrodes[0].name = "left rib".to_owned();
+        set.electrodes[1].name = set.electrodes[2].name.to_lowercase();
+        set.params.shape = Shape::Net;
+        let ours = file_stems(&set).into_iter().map(|stem| format!("{stem}.stl"));
+        let ours: Vec<String> =
+            ours.chain(["E102_a_g1_b_x1.glb".to_owned(), "E4_a_g0.3_Cu_x1_2.obj".to_owned()]).collect();
+        assert!(ours.iter().all(|file| is_electrode_file(file)), "{ours:?}");
+        let others =
+            ["Eiffel_g1.stl", "E04_finish_g0.05_Cu-soft_x1.txt", "mold.stl", "part_g1_x2.stl", "a_b_gap_c_x1.stl"];
         assert!(!others.into_iter().any(is_electrode_file));
     }
 

@@ -3,7 +3,8 @@
 use glam::{DVec2, DVec3};
 
 use super::design::ElectrodeSet;
-use super::params::{Edit, ElectrodeParams, Given, GivenName, Holder, Repeat};
+use super::given::{Given, GivenName};
+use super::params::{Edit, ElectrodeParams, Holder, Repeat};
 use super::setting::RegionToBurn;
 use super::tests::{GAP, mold, params, planned, region};
 use crate::fixtures::rectangle;
@@ -86,6 +87,43 @@ fn places_of_one_shape_are_burned_by_one_head_or_by_several_and_the_other_way_is
     assert!((way.minutes - several.minutes).abs() < 1e-9 && way.blank == several.blank, "{way:?} {}", several.minutes);
     assert!((back.minutes - one.minutes).abs() < 1e-9 && back.blank == one.blank, "{back:?} {}", one.minutes);
     assert!(back.is_of_burns() && !way.is_of_burns() && several.minutes < one.minutes);
+}
+
+#[test]
+fn several_heads_that_stand_alike_in_two_cavities_are_one_electrode() {
+    let pair = |x: f64| [([x, 0.0], [8.0, 0.8]), ([x, 6.0], [8.0, 0.8])];
+    let (mold, regions) = slots(&[pair(-15.0), pair(15.0)].concat());
+    let heads = ElectrodeParams { repeat: Repeat::Heads, ..params(GAP) };
+    let set = planned(&mold, &regions, &heads);
+    assert!(set.holds(), "{:?}", set.checks);
+    assert_eq!(burned(&set), [vec![2, 2]]);
+    let [one, two] = &set.electrodes[0].burns[..] else { panic!() };
+    let way = two.position - one.position;
+    // Each slot is its own copy turned by half a turn, so that either pair may stand either way round.
+    assert!((way.x.abs() - 30.0).abs() < 1e-3 && way.z.abs() < 1e-3, "{way}");
+    let way = set.electrodes[0].other_way.as_ref().unwrap();
+    assert_eq!((way.at_once.len(), way.is_of_burns()), (4, true));
+    // A third slot beside one of the pairs makes it another set.
+    let (mold, regions) = slots(&[&pair(-15.0)[..], &pair(15.0), &[([15.0, 12.0], [8.0, 0.8])]].concat());
+    assert_eq!(burned(&planned(&mold, &regions, &ElectrodeParams { together_mm: 20.0, ..heads })), [vec![2], vec![3]]);
+}
+
+#[test]
+fn overrides_follow_a_new_name_of_their_electrode_in_every_stage() {
+    let mut own = params(GAP);
+    own.names = vec![GivenName { number: 1, ..GivenName::default() }, GivenName { number: 10, ..GivenName::default() }];
+    let stage = own.stages[0].name.clone();
+    let texts =
+        ["E01:gouge".to_owned(), format!("E01-{stage}:leftover"), "E010:gouge".to_owned(), "E10:gouge".to_owned()];
+    own.overrides = texts.iter().map(|text| text.parse().unwrap()).collect();
+    let of = |own: &ElectrodeParams| -> Vec<String> { own.overrides.iter().map(|one| one.of.clone()).collect() };
+    let named = |name: &str| Given { name: Some(name.to_owned()), ..Given::default() };
+    own.give(0, named("rib"));
+    assert_eq!(of(&own), ["rib".to_owned(), format!("rib-{stage}"), "E010".to_owned(), "E10".to_owned()]);
+    own.give(0, Given { number: Some(7), ..Given::default() });
+    assert_eq!(of(&own)[..2], ["E07".to_owned(), format!("E07-{stage}")]);
+    own.give(0, Given::default());
+    assert_eq!(of(&own)[..2], ["E01".to_owned(), format!("E01-{stage}")]);
 }
 
 #[test]

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::clearance::Obstacle;
 use super::residual_stock::Sample;
+use super::samples::Thinning;
 use task::{Cancel, Cancelled};
 
 /// Step of tilts that are tried, up to 90 degrees (degrees).
@@ -34,6 +35,9 @@ const OFF: f64 = 1e-3;
 const ACROSS: f64 = 1e-3;
 /// Shares of an area that differ by less are one.
 const EQUAL: f64 = 1e-9;
+/// Share of a region's area, seen more than from the present direction, from which on turning the electrode is worth
+/// it where still not all of it is seen.
+const WORTH: f64 = 0.02;
 
 /// A burn direction from which more of a region is seen than from the present one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -90,7 +94,7 @@ pub fn along(tilt: f64, towards: f64) -> DVec3 {
 
 /// Proposal for the region with these samples, each with whether the mold hangs over it; none if no direction sees
 /// more of it than the present one. Mold and samples are in the burn frame of the present direction, to which `turned`
-/// takes the upright mold.
+/// takes the upright mold. Little more is not proposed unless it is all.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -115,22 +119,15 @@ pub(super) fn proposed(
             best = Some(BurnProposal { direction, seen: share, seen_now });
         }
     }
-    Ok(best)
+    Ok(best.filter(|best| best.sees_all() || best.seen > seen_now + WORTH))
 }
 
 /// Few of the samples that the mold hangs over, or of the others; each stands for the area of those before it.
 fn thinned(samples: &[(Sample, bool)], is_shaded: bool) -> Vec<Sample> {
     let own = || samples.iter().filter(|(sample, shaded)| *shaded == is_shaded && sample.area > 0.0).map(|(s, _)| s);
     let share = own().map(|sample| sample.area).sum::<f64>() / POINTS;
-    let (mut points, mut waiting) = (Vec::new(), 0.0);
-    for sample in own() {
-        waiting += sample.area;
-        if waiting >= share {
-            points.push(Sample { area: waiting, ..*sample });
-            waiting = 0.0;
-        }
-    }
-    points
+    let mut thinning = Thinning::new(share);
+    own().filter_map(|sample| Some(Sample { area: thinning.next(sample.area)?, ..*sample })).collect()
 }
 
 /// Share of the area of points that is seen against a burn direction, all in one frame.

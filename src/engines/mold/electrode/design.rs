@@ -13,8 +13,9 @@ use super::burn_direction::BurnProposal;
 use super::check::watertight;
 use super::division::Cut;
 use super::finding::{CheckKind, Finding};
+use super::given::{Given, GivenName};
 use super::h_edge::EdgeChain;
-use super::params::{ElectrodeParams, Given, GivenName, Method};
+use super::params::{ElectrodeParams, Method};
 use super::residual_stock::LeftOfRegion;
 use geometry::mesh::{Bounds, Mesh};
 use geometry::solid::SolidError;
@@ -154,7 +155,7 @@ pub struct OtherWay {
 }
 
 impl OtherWay {
-    /// Number of electrodes.
+    /// Greatest number of electrodes: heads that stand alike in several places can share one.
     pub fn electrodes(&self) -> usize {
         // Places by themselves share one.
         let several = self.at_once.iter().filter(|places| places.len() > 1).count();
@@ -168,7 +169,9 @@ impl OtherWay {
             format!("one head that burns {} places one after another", self.at_once.len())
         } else {
             let most = self.at_once.iter().map(Vec::len).max().unwrap_or(0);
-            format!("{} with up to {most} heads at once", counted(self.electrodes(), "electrode"))
+            let electrodes = self.electrodes();
+            let most_of_them = if electrodes > 1 { "at most " } else { "" };
+            format!("{most_of_them}{} with up to {most} heads at once", counted(electrodes, "electrode"))
         };
         format!("Other way: {way}, {:.1} min (now {now:.1}), blank {x} x {y} x {z} mm", self.minutes)
     }

@@ -15,6 +15,7 @@ pub mod division;
 pub mod family;
 pub mod finding;
 pub mod footprint;
+pub mod given;
 pub mod h_edge;
 pub mod names;
 pub mod params;

@@ -11,7 +11,8 @@ use super::design::{Electrode, Family, PartId, RegionPlan};
 use super::edits::TOUCHES;
 use super::edits::off_in_plan;
 use super::family::parts;
-use super::params::{ElectrodeParams, Given, GivenName};
+use super::given::{Given, GivenName, numbered};
+use super::params::ElectrodeParams;
 use super::part_numbers::{Numbered, Parts};
 use super::setting::{RegionToBurn, to_burn_frame};
 use crate::outline::Outline;
@@ -73,7 +74,6 @@ pub(super) fn named(
 /// the same, also where case does not count.
 fn short_names(numbers: &[usize], given: &[GivenName], params: &ElectrodeParams) -> Vec<(String, Option<String>)> {
     let own = |number: usize| given.iter().find(|name| name.number == number).map(|name| &name.given);
-    let plain = |number: usize| format!("E{number:02}");
     // File names tell neither case nor hyphens from underscores.
     let in_files = |name: &str| name.to_ascii_lowercase().replace('_', "-");
     let is_free = |given: &Given| given.number.is_none() && given.name.is_none();
@@ -84,7 +84,7 @@ fn short_names(numbers: &[usize], given: &[GivenName], params: &ElectrodeParams)
     order.sort_by_key(|i| !own(numbers[*i]).is_none_or(is_free));
     for i in order {
         let number = numbers[i];
-        let asked = own(number).and_then(|own| own.name.clone().or(own.number.map(plain)));
+        let asked = own(number).and_then(|own| own.name.clone().or(own.number.map(numbered)));
         let ends_with_stage =
             |name: &str| params.stages.iter().any(|stage| name.ends_with(&format!("-{}", stage.name)));
         let is_taken = |name: &str| taken.contains(&in_files(name)) || ends_with_stage(name);
@@ -93,14 +93,14 @@ fn short_names(numbers: &[usize], given: &[GivenName], params: &ElectrodeParams)
                 let unmet =
                     format!("the name {name} is that of another electrode, or ends with a stage: choose another one");
                 // A number of its own is free but where it was given to another.
-                let mut own = plain(number);
+                let mut own = numbered(number);
                 while taken.contains(&in_files(&own)) {
                     own.push('b');
                 }
                 (own, Some(unmet))
             }
             Some(name) => (name, None),
-            None => (plain(number), None),
+            None => (numbered(number), None),
         });
         taken.extend(names[i].iter().map(|(name, _)| in_files(name)));
     }

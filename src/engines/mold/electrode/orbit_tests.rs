@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use super::burning::Burning;
 use super::design::{Electrode, ElectrodeSet};
 use super::finding::CheckKind;
-use super::params::{ElectrodeParams, Orbit, Stage};
+use super::params::{ElectrodeParams, Orbit, Removal, Stage};
 use super::setting::GOUGE;
 use super::tests::{GAP, mold, params, planned, region};
 use crate::fixtures::{dish, polygon, rectangle};
@@ -230,5 +230,52 @@ fn the_wall_of_a_step_is_burned_by_the_orbit_though_the_tip_over_the_step_is_nea
         // Within the wall what is beyond is as far as it is deep.
         let beyond = burning.beyond(DVec3::new(0.03, 0.3, -2.0));
         assert!((beyond - 0.03).abs() <= GOUGE, "{orbit:?}: {beyond}");
+    }
+}
+
+#[test]
+fn orbits_gaps_finishes_and_times_are_those_of_their_definitions() {
+    let slanted = DVec3::new(0.6, 0.0, 0.8);
+    let circle = Stage { orbit: Orbit::Circular { radius_mm: 0.2 }, ..Stage::finish(0.1) };
+    assert!((circle.undersize(DVec3::X) - 0.3).abs() < 1e-12 && (circle.undersize(DVec3::Z) - 0.1).abs() < 1e-12);
+    assert!((circle.undersize(slanted) - (0.1 + 0.12)).abs() < 1e-12);
+    let square = Stage { orbit: Orbit::Square { radius_mm: 0.2 }, ..Stage::finish(0.1) };
+    let diagonal = DVec3::new(1.0, 1.0, 0.0).normalize();
+    assert!((square.undersize(diagonal) - (0.1 + 0.2 * 2f64.sqrt())).abs() < 1e-12);
+    // The machine does not turn a square with its electrode.
+    let turns = [0.0, 0.3, std::f64::consts::FRAC_PI_2, -std::f64::consts::PI];
+    assert_eq!(turns.map(|turn| square.orbit.fits_turned(turn)), [true, false, true, true]);
+    assert!(turns.iter().all(|turn| circle.orbit.fits_turned(*turn)));
+    // VDI 3400: class 0 is 0.1 um, class 20 is 1 um, class 40 is 10 um.
+    for (class, roughness) in [(0.0, 0.1), (20.0, 1.0), (40.0, 10.0)] {
+        let stage = Stage { finish_vdi: class, ..Stage::finish(0.1) };
+        assert!((stage.roughness_um() - roughness).abs() < 1e-12);
+    }
+    let removal =
+        Removal { per_area_mm_min: 0.2, most_mm3_min: 30.0, at_vdi: 30.0, tenfold_vdi: 12.0, setting_min: 3.0 };
+    assert!((removal.minutes(20.0, 10.0, 30.0) - 13.0).abs() < 1e-9, "2 mm3 a minute");
+    assert!((removal.minutes(20.0, 10.0, 18.0) - 103.0).abs() < 1e-9, "ten times as slow");
+    assert!((removal.minutes(300.0, 1e6, 30.0) - 13.0).abs() < 1e-9, "no faster than the generator");
+    // A small tip is not helped by the area of a large one beside it.
+    let tips = [(20.0, 10.0), (1.0, 90.0)];
+    assert!((removal.minutes_of_tips(&tips, 30.0) - 13.0).abs() < 1e-9);
+    // Nor are two that each could take all that the generator gives.
+    assert!((removal.minutes_of_tips(&[(300.0, 1e6); 2], 30.0) - 23.0).abs() < 1e-9);
+    for (volume, area) in tips {
+        assert!(removal.minutes_of_tips(&tips, 30.0) >= removal.minutes(volume, area, 30.0));
+    }
+}
+
+#[test]
+fn an_orbit_makes_the_tip_smaller_in_plan_only_and_every_check_holds() {
+    let mold = mold([30.0, 20.0, 10.0], &[(&rectangle(8.0, 2.0), 5.0)]);
+    let slot = region(&mold, DVec2::new(-4.1, -1.1), DVec2::new(4.1, 1.1));
+    for orbit in [Orbit::Circular { radius_mm: 0.3 }, Orbit::Square { radius_mm: 0.3 }] {
+        let stage = Stage { orbit, ..Stage::finish(GAP) };
+        let set = planned(&mold, std::slice::from_ref(&slot), &ElectrodeParams { stages: vec![stage], ..params(GAP) });
+        assert!(set.holds(), "{orbit:?} {:?}", set.checks);
+        let size = set.electrodes[0].tips.bounds().size();
+        assert!((size.x - (8.0 - 0.7)).abs() < 1e-6 && (size.y - (2.0 - 0.7)).abs() < 1e-6, "{orbit:?} {size}");
+        assert!((set.electrodes[0].burns[0].depth - (5.0 - GAP)).abs() < 1e-6);
     }
 }

@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 use super::finding::CheckKind;
+use super::given::GivenName;
 use crate::cutter::CutterLibrary;
 
 /// A motion of the machine that widens the burn, in a plane across the burn direction.
@@ -345,70 +346,8 @@ impl std::fmt::Display for Edit {
     }
 }
 
-/// A number given to an electrode, with the places it burned then and what the user gave it.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct GivenName {
-    /// The number: 4 of `E04`.
-    pub number: usize,
-    /// A place of each burned part of a region, in the upright mold (mm).
-    pub places: Vec<DVec3>,
-    /// Properties that the user gave the electrode.
-    #[serde(default, skip_serializing_if = "Given::is_nothing")]
-    pub given: Given,
-}
-
-/// Properties that the user gives one electrode; a property that is none is as for all electrodes.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Given {
-    /// Number in its name, instead of the one that it got.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub number: Option<usize>,
-    /// Name, instead of `E` and the number.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub name: Option<String>,
-    /// Name of the holder.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub holder: Option<String>,
-    /// Sides of the rectangular blank along X and Y (mm).
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub blank_mm: Option<[f64; 2]>,
-    /// Material.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub material: Option<String>,
-}
-
-impl Given {
-    /// Whether it gives nothing.
-    pub fn is_nothing(&self) -> bool {
-        *self == Self::default()
-    }
-
-    fn validate(&self) -> Result<(), Invalid> {
-        if self.name.as_ref().is_some_and(|name| !is_plain(name)) {
-            return Err(Invalid::of("name", "must consist of letters, digits, - and _: file names carry it"));
-        }
-        if self.name.as_ref().is_some_and(|name| is_numbered(name)) {
-            return Err(Invalid::of("name", "E and a number is the name of electrodes without another: give a number"));
-        }
-        match self.blank_mm {
-            Some(sides) => {
-                sides.into_iter().try_for_each(|side| Invalid::unless_within("blank_mm", side, [1.0, 1000.0], "mm"))
-            }
-            None => Ok(()),
-        }
-    }
-}
-
-/// Whether a name is `E` and a number.
-fn is_numbered(name: &str) -> bool {
-    let digits = name.strip_prefix(['E', 'e']).unwrap_or_default();
-    !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit())
-}
-
 /// Whether a name is one of letters, digits, `-` and `_`.
-fn is_plain(name: &str) -> bool {
+pub(super) fn is_plain(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_')
 }
 

@@ -90,6 +90,25 @@ impl Evenly {
     }
 }
 
+/// Small areas one after another, of which one in a share stands for itself and those before it.
+pub(super) struct Thinning {
+    share: f64,
+    waiting: f64,
+}
+
+impl Thinning {
+    /// One for each `share` (mm^2).
+    pub(super) fn new(share: f64) -> Self {
+        Self { share, waiting: 0.0 }
+    }
+
+    /// The area that the next one (mm^2) stands for, if it stands for any.
+    pub(super) fn next(&mut self, area: f64) -> Option<f64> {
+        self.waiting += area;
+        (self.waiting >= self.share).then(|| std::mem::take(&mut self.waiting))
+    }
+}
+
 /// A region's surface in the burn frame.
 struct Surface<'a> {
     corners: &'a [[DVec3; 3]],
@@ -112,7 +131,7 @@ impl Surface<'_> {
         let all: f64 = self.corners.iter().map(area).sum();
         let share = (all / SAMPLES).max(1e-9);
         let longest = FINE.max((4.0 * share).sqrt());
-        let (mut samples, mut waiting) = (Vec::new(), 0.0);
+        let (mut samples, mut thinning) = (Vec::new(), Thinning::new(share));
         for (i, corners) in self.corners.iter().enumerate() {
             let mut parts = vec![*corners];
             while let Some(part) = parts.pop() {
@@ -128,11 +147,8 @@ impl Surface<'_> {
                     parts.extend([[a, a.midpoint(b), c], [a.midpoint(b), b, c]]);
                     continue;
                 }
-                waiting += area(&part);
-                if waiting >= share {
-                    samples.push(self.sample(i, (a + b + c) / 3.0, waiting));
-                    waiting = 0.0;
-                }
+                let stands_for = thinning.next(area(&part));
+                samples.extend(stands_for.map(|area| self.sample(i, (a + b + c) / 3.0, area)));
             }
         }
         (samples, longest)

@@ -115,6 +115,26 @@ impl Comparison<'_> {
             heads.iter().filter_map(|head| if *head == a { Some(b) } else { burned(*head) }).collect();
         Some((turn, shift, found))
     }
+
+    /// Sets of heads, of which those that are laid onto one another are burned by one electrode.
+    fn of_one_shape(&self, sets: Vec<Shared>) -> Vec<Shared> {
+        let mut groups: Vec<Shared> = Vec::new();
+        for set in sets {
+            let burn = |group: &Shared| {
+                let is_alike = set.is_repeated && group.is_repeated && set.leaves.len() == group.leaves.len();
+                let mut onto = set.leaves.iter().filter(|_| is_alike);
+                onto.find_map(|leaf| {
+                    let burn = self.copied(&group.leaves, [group.leaves[0], *leaf])?;
+                    (sorted(burn.2.clone()) == sorted(set.leaves.clone())).then_some(burn)
+                })
+            };
+            match groups.iter().enumerate().find_map(|(g, group)| Some((g, burn(group)?))) {
+                Some((g, burn)) => groups[g].burns.push(burn),
+                None => groups.push(set),
+            }
+        }
+        groups
+    }
 }
 
 /// How near the middle of a head comes to that of a place that it burns (mm).
@@ -155,7 +175,8 @@ pub(super) fn shared(
         near.into_iter().map(|members| members.into_iter().map(|m| all[m]).collect()).collect()
     };
     if params.repeat == Repeat::Heads {
-        several = several.into_iter().flat_map(|group| heads_of(group, &together)).collect();
+        let sets = several.into_iter().flat_map(|group| heads_of(group, &together));
+        several = comparison.of_one_shape(sets.collect());
     }
     let single: Vec<usize> = single.iter().map(|group| group.leaves[0]).collect();
     several.extend(together(&single).into_iter().map(Shared::of));
@@ -241,7 +262,8 @@ fn other_way(
     let head = raised.first()?.bounds();
     if group.is_repeated {
         let (base, length) = Base::under(&head, params);
-        let at_once = (0..group.leaves.len()).map(|head| vec![head]).collect();
+        let places = group.burns.iter().map(|(.., own)| own.len()).sum();
+        let at_once = (0..places).map(|place| vec![place]).collect();
         return Some(OtherWay { at_once, blank: base.sides.extend(length), minutes: 0.0 });
     }
     let is_one_head = group.burns.len() > 1 && group.burns.iter().all(|(.., own)| own.len() == 1);

@@ -3,6 +3,7 @@
 
 mod compare;
 mod cutters;
+pub mod datum_pick;
 pub mod desk;
 mod electrode;
 mod list;

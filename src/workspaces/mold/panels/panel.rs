@@ -7,7 +7,7 @@ use crate::workspaces::mold::panels::desk::MoldDesk;
 use egui::{ProgressBar, RichText, TextEdit, Ui, vec2};
 use files::Validate as _;
 
-use super::desk::DatumPick;
+use super::datum_pick::DatumPick;
 use super::{compare, cutters, electrode, list};
 use crate::widgets::form::Form;
 use crate::widgets::panel_parts::grouped;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use egui::{Rect, Stroke, Ui};
 
-use super::desk::DatumPick;
+use super::datum_pick::DatumPick;
 use super::electrode;
 use super::electrode::desk::{Fly, Look};
 use super::strip;

@@ -9,7 +9,8 @@ use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::panels::desk::MoldDesk;
 use crate::workspaces::mold::work::Designed;
 use mold::electrode::design::{Electrode, PartId};
-use mold::electrode::params::{Edit, Given};
+use mold::electrode::given::{Given, numbered};
+use mold::electrode::params::Edit;
 
 /// Draws the arrangement of an electrode.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, electrode: usize) {
@@ -141,7 +142,7 @@ fn given(ui: &mut Ui, desk: &mut MoldDesk, own: &Electrode) {
     named(ui, "Material", |ui, label| text(ui, label.with(own.number), label, &mut given.material, &common));
     given.number = (number != own.number).then_some(number);
     if given != before {
-        change(desk, |params| params.electrodes.names[at].given = given);
+        change(desk, |params| params.electrodes.give(at, given));
     }
 }
 
@@ -160,7 +161,7 @@ fn blank(ui: &mut Ui, given: &mut Given, own: &Electrode) {
 
 /// The name: characters that no file name may carry become hyphens.
 fn name(ui: &mut Ui, label: egui::Id, given: &mut Given, own: &Electrode) {
-    let common = format!("E{:02}", given.number.unwrap_or(own.number));
+    let common = numbered(given.number.unwrap_or(own.number));
     text(ui, label.with(own.number), label, &mut given.name, &common);
     let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
     // The usual name is none of its own.
