@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::clearance_cache::ClearanceCache;
 use super::outside::Outside;
 use super::pose::Pose;
-use super::probes::{Demand, Instant, Probes, Turns, group};
+use super::probes::{Beyond, Demand, Instant, Probes, Turns, group};
 use super::samples::{Sample, thinned};
 use geometry::distance_field::DistanceField;
 use geometry::mesh::Bounds;
@@ -43,6 +43,8 @@ pub struct Bodies<'a> {
     pub side: EntrySide,
     /// Electrode that the samples lie on.
     pub samples: SamplesOf,
+    /// Clearances wanted of single sides of the electrode beyond those of all points.
+    pub beyond: Beyond,
 }
 
 /// Electrode that samples lie on, where walls are drawn in.
@@ -218,8 +220,8 @@ impl<'a> ClearanceModel<'a> {
         Self {
             levers: [greatest(&|p| p.y.hypot(p.z)), greatest(&|p| p.distance(bodies.reference_point))],
             bodies,
-            electrode: Probes::new(electrode_samples, |p| bodies.clearance_at(p)),
-            blisk: Probes::new(blisk_points, |p| bodies.distance_to_electrode(p, f64::INFINITY)),
+            electrode: Probes::new(electrode_samples, bodies.beyond, |p| bodies.clearance_at(p)),
+            blisk: Probes::new(blisk_points, Beyond::default(), |p| bodies.distance_to_electrode(p, f64::INFINITY)),
         }
     }
 

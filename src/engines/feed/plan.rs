@@ -9,6 +9,7 @@ use super::jam::Jam;
 use super::machine::MachineParams;
 use super::path::FeedPath;
 use super::plan_params::{PlanError, PlanParams};
+use super::probes::Beyond;
 use super::problem::{Convergence, Node, Observe};
 use super::smoothness::AxisSmoothness;
 use super::strategy::SearchStrategy;
@@ -117,6 +118,11 @@ impl PlanSettings<'_> {
     /// The strategy with its parameters.
     pub fn strategy(&self) -> &dyn SearchStrategy {
         self.plan.strategy.search(self.plan, self.genetic)
+    }
+
+    /// Clearances that are wanted of single sides of the electrode beyond those of all points.
+    pub fn beyond(&self) -> Beyond {
+        Beyond { thresholds: self.plan.thresholds, asked: self.spark_gap + self.plan.margin_mm }
     }
 
     /// Whether every parameter is within its range.

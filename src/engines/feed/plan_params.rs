@@ -16,7 +16,7 @@ use geometry::distance_field::FieldError;
 use geometry::exact::ExactMeshError;
 use task::Cancelled;
 use wheel::centreline::CentrelineError;
-use wheel::electrode::ElectrodeError;
+use wheel::electrode::{ElectrodeError, ElectrodeFace};
 
 /// Lists the strategies: a variant of [`Strategy`], its name in project files and for a reader, and the parameters that
 /// implement it, which are those of the plan or the genetic ones.
@@ -80,6 +80,34 @@ pub enum Constraint {
     Angle,
 }
 
+/// Least distances wanted of the sides of an electrode as soon as it has left its final pose, P1's thresholds of its four
+/// distances (mm). Where spark gap and margin ask for more, these hold.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Thresholds {
+    /// Side that burns the low wall.
+    pub low_wall_mm: f64,
+    /// Side that burns the high wall.
+    pub high_wall_mm: f64,
+    /// Side that burns the hub.
+    pub hub_mm: f64,
+    /// Side that burns the shroud.
+    pub shroud_mm: f64,
+}
+
+impl Thresholds {
+    /// The threshold of a face of the electrode (mm); zero where it has none.
+    pub fn of(&self, face: ElectrodeFace) -> f64 {
+        match face {
+            ElectrodeFace::LowWall => self.low_wall_mm,
+            ElectrodeFace::HighWall => self.high_wall_mm,
+            ElectrodeFace::HubSide => self.hub_mm,
+            ElectrodeFace::ShroudSide => self.shroud_mm,
+            _ => 0.0,
+        }
+    }
+}
+
 /// Parameters of a plan beyond those of its strategy.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -94,6 +122,8 @@ pub struct PlanParams {
     pub exit_clearance_mm: f64,
     /// Clearance wanted beyond the spark gap as soon as the electrode has left its final pose (mm).
     pub margin_mm: f64,
+    /// Clearances wanted of single sides of the electrode.
+    pub thresholds: Thresholds,
     /// Size of a cell of the distance field (mm).
     pub field_cell_mm: f64,
     /// Weights of the objective.
@@ -116,6 +146,7 @@ impl Default for PlanParams {
             step_mm: 0.5,
             exit_clearance_mm: 5.0,
             margin_mm: 0.0,
+            thresholds: Thresholds::default(),
             field_cell_mm: 0.25,
             weights: Weights::default(),
             angle: AngleParams::default(),
@@ -201,6 +232,10 @@ impl PlanParams {
             ("plan.step_mm", self.step_mm, [0.01, 10.0]),
             ("plan.exit_clearance_mm", self.exit_clearance_mm, [0.1, 200.0]),
             ("plan.margin_mm", self.margin_mm, [0.0, 5.0]),
+            ("plan.thresholds.low_wall_mm", self.thresholds.low_wall_mm, [0.0, 5.0]),
+            ("plan.thresholds.high_wall_mm", self.thresholds.high_wall_mm, [0.0, 5.0]),
+            ("plan.thresholds.hub_mm", self.thresholds.hub_mm, [0.0, 5.0]),
+            ("plan.thresholds.shroud_mm", self.thresholds.shroud_mm, [0.0, 5.0]),
             ("plan.field_cell_mm", self.field_cell_mm, [0.05, 2.0]),
             ("plan.centreline.safety_increase_mm", self.centreline.safety_increase_mm, [0.0, 5.0]),
         ] {

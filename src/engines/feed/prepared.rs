@@ -10,6 +10,7 @@ use super::objective::WallDistances;
 use super::outside::Outside;
 use super::plan_params::PlanError;
 use super::pose::Axis;
+use super::probes::Beyond;
 use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_convex_edges, sample_electrode};
 use geometry::distance_field::DistanceField;
 use geometry::exact::ExactMesh;
@@ -109,10 +110,10 @@ impl PreparedElectrode {
         &self.electrode
     }
 
-    /// The model of its clearance in `space`, for which it was prepared. With walls drawn in it is as true as the
+    /// The model of its clearance in `space`, for which it was prepared, with what is wanted of single sides. With walls drawn in it is as true as the
     /// turned walls are those of an electrode made with such reductions: to some thousandths of a mm at corners.
-    pub fn model<'a>(&'a self, space: &'a PlanningSpace) -> ClearanceModel<'a> {
-        ClearanceModel::new(self.bodies(space), self.samples.clone(), space.edges.clone())
+    pub fn model<'a>(&'a self, space: &'a PlanningSpace, beyond: Beyond) -> ClearanceModel<'a> {
+        ClearanceModel::new(self.bodies(space, beyond), self.samples.clone(), space.edges.clone())
     }
 
     /// Clearance model of `drawn_in`, an electrode made with its walls drawn in: its own points are tested, and only
@@ -124,14 +125,15 @@ impl PreparedElectrode {
         &'a self,
         drawn_in: &Electrode,
         space: &'a PlanningSpace,
+        beyond: Beyond,
         cancel: &Cancel,
     ) -> Result<ClearanceModel<'a>, Cancelled> {
         let samples = sample_electrode(&drawn_in.mesh, &drawn_in.faces, SampleSpacing::default(), cancel)?;
-        let bodies = Bodies { samples: SamplesOf::DrawnIn, ..self.bodies(space) };
+        let bodies = Bodies { samples: SamplesOf::DrawnIn, ..self.bodies(space, beyond) };
         Ok(ClearanceModel::new(bodies, samples, space.edges.clone()))
     }
 
-    fn bodies<'a>(&'a self, space: &'a PlanningSpace) -> Bodies<'a> {
+    fn bodies<'a>(&'a self, space: &'a PlanningSpace, beyond: Beyond) -> Bodies<'a> {
         Bodies {
             samples: SamplesOf::Prepared,
             blisk: &space.field,
@@ -142,6 +144,7 @@ impl PreparedElectrode {
             outside: &self.outside,
             reference_point: self.electrode.reference_point,
             side: self.electrode.enters_from,
+            beyond,
         }
     }
 }

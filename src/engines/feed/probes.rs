@@ -4,6 +4,7 @@
 use glam::DVec3;
 
 use super::clearance_cache::{ClearanceCache, MotionBound};
+use super::plan_params::Thresholds;
 use super::samples::{Cluster, Sample, cluster};
 use geometry::distance_field::DistanceField;
 use geometry::mesh::Bounds;
@@ -31,6 +32,24 @@ impl Demand {
     /// Clearance demanded without the clearance margin (mm).
     fn needed(&self) -> f64 {
         self.spark_gap + self.margin + self.guard
+    }
+}
+
+/// Clearances wanted of points on single sides of the electrode beyond those of all points, as far as the feed has opened
+/// up.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Beyond {
+    /// Clearances wanted of the sides.
+    pub thresholds: Thresholds,
+    /// Clearance asked of all points (mm).
+    pub asked: f64,
+}
+
+impl Beyond {
+    /// What is wanted of a point on `face` beyond that of all points (mm).
+    #[inline]
+    fn of(&self, face: ElectrodeFace) -> f64 {
+        (self.thresholds.of(face) - self.asked).max(0.0)
     }
 }
 
@@ -90,14 +109,15 @@ fn doubt(distance: f64) -> f64 {
 #[derive(Debug, Clone)]
 pub struct Probes {
     samples: Vec<Sample>,
+    beyond: Beyond,
     /// Clearance of each in the final pose (mm).
     at_final: Vec<f64>,
     clusters: Vec<Cluster>,
-    /// Greatest `extra` in each cluster (mm).
+    /// Greatest demand of a point in each cluster beyond that of all points (mm).
     cluster_extra: Vec<f64>,
     /// Neighbouring clusters, as balls around all their points; `start` and `end` count clusters.
     blocks: Vec<Cluster>,
-    /// Greatest `extra` of all (mm).
+    /// The greatest of these (mm).
     greatest_extra: f64,
 }
 
@@ -110,15 +130,17 @@ impl Probes {
     /// Points in a cluster: a balance between tests saved and balls too wide to decide.
     const CLUSTER: usize = 12;
 
-    /// Probes at `samples`; `clearance` returns the clearance of each in the final pose.
-    pub fn new(mut samples: Vec<Sample>, clearance: impl Fn(DVec3) -> f64) -> Self {
+    /// Probes at `samples`, of which those on some sides of the electrode are wanted to keep more; `clearance` returns the
+    /// clearance of each in the final pose.
+    pub fn new(mut samples: Vec<Sample>, beyond: Beyond, clearance: impl Fn(DVec3) -> f64) -> Self {
         let clusters = cluster(&mut samples, Self::CLUSTER, |face| group(face) as u8);
         let at_final = samples.iter().map(|s| clearance(s.point)).collect();
-        let extra = |c: &Cluster| samples[c.start..c.end].iter().map(|s| s.extra).fold(0.0, f64::max);
+        let extra =
+            |c: &Cluster| samples[c.start..c.end].iter().map(|s| s.extra + beyond.of(s.face)).fold(0.0, f64::max);
         let cluster_extra: Vec<f64> = clusters.iter().map(extra).collect();
         let greatest_extra = cluster_extra.iter().copied().fold(0.0, f64::max);
         let blocks = blocks(&samples, &clusters);
-        Self { samples, at_final, clusters, cluster_extra, blocks, greatest_extra }
+        Self { samples, beyond, at_final, clusters, cluster_extra, blocks, greatest_extra }
     }
 
     /// The points, in the order of their numbers.
@@ -283,9 +305,9 @@ impl Probes {
     /// Clearance demanded of point `k` when withdrawn by `s`.
     #[inline]
     fn demanded(&self, k: usize, s: f64, demand: &Demand) -> f64 {
-        let extra = self.samples[k].extra;
+        let Sample { extra, face, .. } = self.samples[k];
         let opened = self.at_final[k] + Self::OPENING * s + extra * (s / Self::LEARNED).min(1.0);
-        (demand.needed() + extra).min(opened) + demand.room
+        (demand.needed() + extra + self.beyond.of(face)).min(opened) + demand.room
     }
 }
 

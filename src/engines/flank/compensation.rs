@@ -13,9 +13,11 @@ use super::FlankError;
 use super::advance::Advance;
 use super::axis_surface::AxisSurface;
 use super::cutter::FlankCutter;
-use super::deviation::{DesignGrid, Deviation, Feet, GridPlace, ROUNDING_MM};
+use super::deviation::{DesignGrid, Deviation, Feet, GridPlace, ROUNDING_MM, on_axis_grid};
 use super::envelope::envelope_over;
 use super::heights::Heights;
+use super::params::SumOver;
+use super::ruled_surface::RuledSurface;
 use task::Cancel;
 
 /// True sums of deviations over the number of singular values kept.
@@ -271,18 +273,23 @@ impl Measured {
     }
 }
 
-/// Tries every rank in one step from `start` and answers the best path; `start` itself if none is better by more than
-/// rounding, or if there is nothing to gain. A cylinder that leaves its heights is put back along its axis.
+/// Tries every rank in one step from `start` and answers the path of the least sum; `start` itself if none is better by
+/// more than rounding, or if there is nothing to gain. A cylinder that leaves its heights is put back along its axis.
+/// `grid` is of `surface`.
 ///
 /// # Errors
-/// [`FlankError::Singular`], cancelled.
+/// [`FlankError::Singular`], [`FlankError::Unmeasured`] for a sum over the axis surface, cancelled.
 pub fn best_rank(
-    grid: &DesignGrid,
+    (surface, grid): (&RuledSurface, &DesignGrid),
     start: &Measured,
     cutter: &FlankCutter,
-    model: Model,
+    (model, sum_over): (Model, SumOver),
     cancel: &Cancel,
 ) -> Result<(Measured, RankCurve), FlankError> {
+    let sum_of = |path: &Measured| match sum_over {
+        SumOver::Surface => Ok(path.deviation.sum),
+        SumOver::Axis => on_axis_grid(surface, &path.axis, cutter, grid.size()).map(|deviation| deviation.sum),
+    };
     let system = Compensation::new(grid, &start.axis, cutter, (&start.deviation, &start.feet), (model, cancel))?;
     let (heights, advance) = (Heights::of(start, cutter), Advance::of(&start.axis, 0.0));
     let must_cover = start.stands_over_all();
@@ -294,13 +301,15 @@ pub fn best_rank(
     let candidate = |rank: usize| -> Result<Option<(f64, Option<f64>)>, FlankError> {
         cancel.check()?;
         let path = path_of(grid, start, cutter, &system, rank);
-        Ok(path.map(|path| (path.deviation.sum, allowed(path).map(|path| path.deviation.sum))))
+        // A path that the sum cannot be taken of is none.
+        let sums = |path: Measured| Some((sum_of(&path).ok()?, allowed(path).and_then(|path| sum_of(&path).ok())));
+        Ok(path.and_then(sums))
     };
     let ranks = system.singular_values().len();
     let found: Result<Vec<_>, _> = (1..=ranks).into_par_iter().map(candidate).collect();
     let found = found?;
     let rounding = ROUNDING_MM * start.deviation.counted().len() as f64;
-    let mut best = (0, start.deviation.sum - rounding);
+    let mut best = (0, sum_of(start)? - rounding);
     for (i, candidate) in found.iter().enumerate().filter(|_| !start.deviation.is_settled()) {
         if let Some((_, Some(sum))) = *candidate
             && sum < best.1
@@ -309,11 +318,11 @@ pub fn best_rank(
         }
     }
     let chosen = if best.0 > 0 { path_of(grid, start, cutter, &system, best.0).and_then(allowed) } else { None };
-    let sum_of = |i: usize| match &chosen {
-        Some(path) if i + 1 == best.0 => Some(path.deviation.sum),
+    let of_rank = |i: usize| match &chosen {
+        Some(path) if i + 1 == best.0 => sum_of(path).ok(),
         _ => found[i].map(|(sum, _)| sum),
     };
-    let sums = (0..ranks).map(sum_of).collect();
+    let sums = (0..ranks).map(of_rank).collect();
     let curve = RankCurve { singular_values: system.singular_values().to_vec(), sums, best: best.0, grid: grid.size() };
     Ok((chosen.unwrap_or_else(|| start.clone()), curve))
 }

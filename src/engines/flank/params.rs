@@ -36,6 +36,17 @@ pub enum Objective {
     },
 }
 
+/// Grid over which the deviations of each rank are summed to choose one.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SumOver {
+    /// The grid of the design surface.
+    #[default]
+    Surface,
+    /// An even grid over t and a of the axis surface, P4 (12). Its sum becomes less too where a path leaves the part.
+    Axis,
+}
+
 /// Parameters of a flank path.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -59,6 +70,8 @@ pub struct FlankParams {
     pub slide_u: f64,
     /// Row of the matrix of the compensation, P4 (10) and (11).
     pub row: Model,
+    /// Sum by which a rank is chosen, P4 (12).
+    pub sum: SumOver,
     /// Objective that the refined path minimises.
     pub objective: Objective,
     /// Most rounds of refinement; 0 for none.
@@ -79,6 +92,7 @@ impl Default for FlankParams {
             below_mm: 0.1,
             slide_u: 0.25,
             row: Model::default(),
+            sum: SumOver::default(),
             objective: Objective::Sum,
             rounds: 60,
             gouge_tolerance_mm: 0.01,

@@ -9,7 +9,7 @@ use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, ROUNDING_MM};
 use super::heights::Heights;
 use super::offset::{CutterLocation, three_point, two_point};
-use super::params::{FlankParams, OffsetMethod};
+use super::params::{FlankParams, OffsetMethod, SumOver};
 use super::path::FlankPath;
 use super::refine::{is_better, is_settled, refine};
 use super::ruled_surface::RuledSurface;
@@ -101,7 +101,7 @@ pub fn plan_flank(
     task.report("placing the cutter", 0.0, "");
     let Start { locations, fit_mm, path: start } = covering_start(surface, cutter, params, &grid, &task.cancel)?;
     task.report("evaluating every rank", 0.0, "");
-    let (chosen, ranks) = ranked(surface, &grid, &start, cutter, (params.row, &task.cancel))?;
+    let (chosen, ranks) = ranked(surface, &grid, &start, cutter, ((params.row, params.sum), &task.cancel))?;
     let heights = Heights::of(&start, cutter);
     let refined = refined(surface, &grid, &chosen, (cutter, &heights), params, task)?;
     task.report("computing the swept envelope", 0.0, "");
@@ -132,14 +132,14 @@ fn ranked(
     grid: &DesignGrid,
     start: &Measured,
     cutter: &FlankCutter,
-    (row, cancel): (Model, &Cancel),
+    (by, cancel): ((Model, SumOver), &Cancel),
 ) -> Result<(Measured, RankCurve), FlankError> {
     if !is_fine(grid.size()) {
-        return best_rank(grid, start, cutter, row, cancel);
+        return best_rank((surface, grid), start, cutter, by, cancel);
     }
     let coarse = DesignGrid::new(surface, COARSE);
     let near = Measured::new(&coarse, start.axis.clone(), cutter, None)?;
-    let (chosen, mut ranks) = best_rank(&coarse, &near, cutter, row, cancel)?;
+    let (chosen, mut ranks) = best_rank((surface, &coarse), &near, cutter, by, cancel)?;
     let chosen = Measured::new(grid, chosen.axis, cutter, Some(&start.feet)).ok();
     let is_of_use = |path: &Measured| {
         // Not by the rounding of either.

@@ -1,5 +1,6 @@
 //! Warnings to the user: where the mold is not what the computation presumes.
 
+use files::report::counted;
 use serde::{Deserialize, Serialize};
 
 /// Warning on a mold.
@@ -88,10 +89,24 @@ pub enum MoldWarning {
         /// The smallest radius (mm).
         radius: f64,
     },
-    /// Regions that flat cutters leave and the field of heights does not show.
+    /// Regions that every cutter leaves, too thin for the field of heights.
     #[error(
-        "{regions} regions that flat cutters leave, up to {thickness:.4} mm thick, are too thin for the field of \
-         heights: whether the rounded cutters take them is not known"
+        "every cutter leaves slivers in {}, the thickest of {thickness:.4} mm at x = {:.3}, y = {:.3}, z = \
+         {:.3}: they are too thin for regions, and no electrode burns them; give a cutter of a smaller radius, or a \
+         depth tolerance above that", counted(*regions, "place"), place[0], place[1], place[2]
+    )]
+    SliversLeft {
+        /// Number of slivers.
+        regions: usize,
+        /// Thickness of the thickest across the surface (mm).
+        thickness: f64,
+        /// Middle of that one, in the axes of the mesh (mm).
+        place: [f64; 3],
+    },
+    /// Regions that flat cutters leave, of which no grid is fine enough to tell more.
+    #[error(
+        "{regions} regions that flat cutters leave, up to {thickness:.4} mm thick, are too thin for any \
+         height map: whether the rounded cutters take them is not known"
     )]
     ThinRegions {
         /// Number of regions.

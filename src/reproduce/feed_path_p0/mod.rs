@@ -49,7 +49,7 @@ const SMOOTH: f64 = 0.9;
 /// The results of the paper.
 pub(super) fn results(task: &Task) -> Result<Vec<Outcome>, ReproduceError> {
     let subject = Subject::new(task)?;
-    let mut studio = Studio::new().map_err(|e| failed(task, "Figure 1", &e))?;
+    let mut studio = Studio::new();
     let net_shape = |params: &mut ElectrodeParams| {
         params.circumferential_reduction_deg = [0.0; 2];
         params.radial_reduction_mm = 0.0;
@@ -242,8 +242,14 @@ fn design(
     let head = ["step", "#electrodes", "#least thickness mm", "#burn area mm²", "#volume mm³"];
     Ok(Outcome {
         tables: vec![Table::new("Electrodes", &head, stages.iter().map(row).collect())],
-        pictures: vec![picture("Reduction and division", caption, &[], png)],
-        ..subject.outcome("Figure 1", "Electrode: reduction and division", Verdict::NotComparable, why, by_hand)
+        pictures: picture("Reduction and division", caption, &[], png).into_iter().collect(),
+        ..subject.outcome(
+            "Figure 1",
+            "Electrode: reduction and division",
+            Verdict::NotComparable,
+            why + &studio.note(),
+            by_hand,
+        )
     })
 }
 

@@ -117,16 +117,19 @@ pub(super) fn exit(subject: &Subject, studio: &mut Studio, task: &Task) -> Resul
         format!("The same as an animation, {PICTURES} pictures; {FILE} beside this page is an animated PNG file.");
     Ok(Outcome {
         tables: vec![Table::new("Poses of the stills", &head, rows)],
-        pictures: vec![
+        pictures: [
             picture("Exit of the electrode", caption.to_owned(), &[], sheet),
             picture("Exit of the electrode, animated", moving, &[], animation.clone()),
-        ],
-        files: vec![(FILE.to_owned(), animation)],
+        ]
+        .into_iter()
+        .flatten()
+        .collect(),
+        files: animation.map(|animation| (FILE.to_owned(), animation)).into_iter().collect(),
         ..subject.outcome(
             NAME,
             "Exit of the electrode from the channel",
             verdict,
-            why,
+            why + &studio.note(),
             &format!("{BY_GENETIC}; the time line below the picture plays the motion"),
         )
     })
@@ -191,13 +194,13 @@ pub(super) fn smoothness(subject: &Subject, studio: &mut Studio, task: &Task) ->
     Ok(Outcome {
         tables: vec![axes_table(&subject.cases), whole_table(&subject.cases, &ways)],
         plots,
-        pictures: vec![picture("Way of the electrode's centroid", caption.to_owned(), &legend, png)],
+        pictures: picture("Way of the electrode's centroid", caption.to_owned(), &legend, png).into_iter().collect(),
         files,
         ..subject.outcome(
             NAME,
             "Smoothness of the axes and way of the centroid",
             verdict,
-            why(subject.genetic(), subject.free_travel()),
+            why(subject.genetic(), subject.free_travel()) + &studio.note(),
             "sparkpath compare PROJECT --strategies genetic,free-travel,max-min-distance,global --out DIR writes the curves; \
              in the window keep runs and set them side by side in the plots",
         )

@@ -261,13 +261,13 @@ pub(super) fn distribution(
     Ok(Outcome {
         tables: vec![Table::new("Distances of the electrode's walls", &head, positions.iter().map(row).collect())],
         plots,
-        pictures: vec![picture("Distances of the walls as colours", caption, &legend, png)],
+        pictures: picture("Distances of the walls as colours", caption, &legend, png).into_iter().collect(),
         files: vec![("p0_nodes.csv".to_owned(), nodes_csv(&subject.cases, &along).into_bytes())],
         ..subject.outcome(
             NAME,
             "Distribution of wall distances over the electrode",
             verdict,
-            why,
+            why + &studio.note(),
             &format!(
                 "{BY_GENETIC}; columns D_L, D_R, S_L, S_R of the node table in report.html, walls_mm in report.json"
             ),

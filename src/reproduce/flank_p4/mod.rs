@@ -20,7 +20,7 @@ use flank::compensation::{Measured, Model, best_rank};
 use flank::cutter::FlankCutter;
 use flank::deviation::DesignGrid;
 use flank::offset::{Touch, two_point};
-use flank::params::{FlankParams, OffsetMethod};
+use flank::params::{FlankParams, OffsetMethod, SumOver};
 use flank::plan::{FlankPlan, plan_flank};
 use flank::ruled_surface::{RuledSurface, Side};
 use glam::DVec3;
@@ -278,7 +278,8 @@ fn figure_3(cases: &[Case], task: &Task) -> Result<Outcome, ReproduceError> {
             ("and height along a cone (the program's)", Model::Height),
             ("and another place of the axis (exact derivative)", Model::Moving),
         ] {
-            let best = best_rank(&grid, &start, &case.plan.cutter, model, &task.cancel);
+            let best =
+                best_rank((&case.surface, &grid), &start, &case.plan.cutter, (model, SumOver::Surface), &task.cancel);
             let (path, ranks) = best.map_err(flank_error("Figure 3"))?;
             let [sum, ratio] = [path.deviation.sum, path.deviation.sum / start.deviation.sum].map(|x| number(x, 3));
             rows.push(vec![case.which.name().to_owned(), words.to_owned(), ranks.best.to_string(), sum, ratio]);

@@ -70,11 +70,21 @@ impl<'a> GeneticStep<'a> {
             cancel.check()?;
             population = self.next_generation(population, generation as u64);
             convergence.record(population.iter().map(|i| i.objective.total));
+            if self.has_stalled(&convergence.best) {
+                break;
+            }
         }
         population.dedup_by(|a, b| a.genes == b.genes);
         let candidates =
             population.into_iter().map(|i| Candidate { pose: i.pose, h: i.h, objective: i.objective }).collect();
         Ok((candidates, convergence))
+    }
+
+    /// Whether the objective, the least of each generation, has not become better for as long as the search allows.
+    fn has_stalled(&self, best: &[f64]) -> bool {
+        let (stall, generation) = (self.params.stall_generations, best.len() - 1);
+        let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
+        stall > 0 && generation >= stall && least(best) >= least(&best[..=generation - stall])
     }
 
     fn random(&self, generation: u64, individual: u64) -> ChaCha8Rng {

@@ -32,8 +32,10 @@ pub enum ReductionMode {
 pub struct GeneticParams {
     /// Individuals.
     pub population: usize,
-    /// Generations for each node.
+    /// Generations for each node, at most.
     pub generations: usize,
+    /// Generations without a better objective after which the search of a node ends; 0 for none.
+    pub stall_generations: usize,
     /// k1 = k3: probability of crossover of worse than average parents, falling to 0 for the best
     /// (Srinivas and Patnaik 1994).
     pub crossover: f64,
@@ -59,6 +61,7 @@ impl Default for GeneticParams {
         Self {
             population: 60,
             generations: 40,
+            stall_generations: 0,
             crossover: 0.9,
             mutation: 0.3,
             elite: 2,
@@ -100,6 +103,7 @@ impl GeneticParams {
         [
             ("population", self.population as f64, [4.0, 1e4], ""),
             ("generations", self.generations as f64, [1.0, 1e4], ""),
+            ("stall_generations", self.stall_generations as f64, [0.0, 1e4], ""),
             ("crossover", self.crossover, [0.0, 1.0], ""),
             ("mutation", self.mutation, [0.0, 1.0], ""),
             ("elite", self.elite as f64, [1.0, (self.population / 2) as f64], ""),

@@ -7,6 +7,7 @@ use crate::verify::{Verifier, VerifyOptions};
 use geometry::exact::ExactMesh;
 use wheel::electrode::{ElectrodeParams, EntrySide, make_electrodes};
 use wheel::fixtures::{exact_channel, together, turned_part};
+use wheel::options::Auto;
 use wheel::parametric::{MeshResolution, ParametricBlisk};
 
 const GAP: f64 = 0.1;
@@ -104,7 +105,12 @@ fn burns_that_only_meet_leave_a_ridge_and_none_where_they_overlap() {
     let overlapping = ridge(&divided(&parts(ElectrodeParams::default().overlap_mm)), walls, on_wall, 0.8);
     assert!(overlapping < ERROR, "{overlapping}");
 
-    let columns = |column_overlap_mm| ElectrodeParams { columns: 2, column_overlap_mm, ..unreduced() };
+    let columns = |column_overlap_mm| ElectrodeParams {
+        columns: 2,
+        column_overlap_mm,
+        column_split: Auto::Given(0.5),
+        ..unreduced()
+    };
     let passage = Passage::new(&PART.channel).unwrap();
     let off = |p: DVec3| passage.beyond_split(p, 0.5);
     let ends = [Surface::Hub, Surface::Shroud];
@@ -272,7 +278,12 @@ fn a_motion_that_would_cut_too_deep_is_shortened_or_refused() {
 
 #[test]
 fn columns_that_overlap_leave_no_more_than_one_electrode_and_a_web_where_they_do_not() {
-    let columns = |column_overlap_mm| ElectrodeParams { columns: 2, column_overlap_mm, ..unreduced() };
+    let columns = |column_overlap_mm| ElectrodeParams {
+        columns: 2,
+        column_overlap_mm,
+        column_split: Auto::Given(0.5),
+        ..unreduced()
+    };
     let whole = standing(&make(&unreduced()));
     let overlapping = make(&columns(0.5));
     assert!(overlapping.iter().all(|e| e.mesh.is_watertight()) && overlapping.len() == 2);

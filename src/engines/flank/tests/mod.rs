@@ -9,7 +9,7 @@ use super::cutter::FlankCutter;
 use super::deviation::{DesignGrid, on_axis_grid};
 use super::guide::GuideCurve;
 use super::offset::{CutterLocation, Touch, three_point, two_point};
-use super::params::{FlankParams, Objective, OffsetMethod};
+use super::params::{FlankParams, Objective, OffsetMethod, SumOver};
 use super::plan::{FlankPlan, plan_flank};
 use super::ruled_surface::{RuledSurface, Side};
 use super::{FlankError, envelope};
@@ -183,7 +183,9 @@ fn every_rank_has_the_sum_of_the_reference_and_the_same_one_wins() {
         let (surface, cutter, figures) = case(&reference, name);
         let (grid, start) = covered_start(&surface, &cutter, &figures, [100, 50]);
         let tsvd = &figures["covered"]["tsvd"];
-        let (best, ranks) = best_rank(&grid, &start, &cutter, Model::Height, &Cancel::default()).unwrap();
+        let (best, ranks) =
+            best_rank((&surface, &grid), &start, &cutter, (Model::Height, SumOver::Surface), &Cancel::default())
+                .unwrap();
         // Far ranks leave the part altogether; what they come to is noise.
         for (k, wanted) in
             numbers(&tsvd["sum_per_k"]).into_iter().enumerate().filter(|(_, sum)| *sum < 1.1 * start.deviation.sum)
@@ -194,6 +196,23 @@ fn every_rank_has_the_sum_of_the_reference_and_the_same_one_wins() {
         assert_eq!(ranks.best as u64, tsvd["best_k"].as_u64().unwrap(), "{name}");
         assert!(best.deviation.sum <= tsvd["best"].as_f64().unwrap() * 1.000_001);
         assert!(ranks.singular_values.windows(2).all(|s| s[0] >= s[1]));
+    }
+}
+
+#[test]
+fn the_sum_of_the_paper_chooses_the_rank_that_is_least_in_it() {
+    let reference = reference();
+    for name in CASES {
+        let (surface, cutter, figures) = case(&reference, name);
+        let (grid, start) = covered_start(&surface, &cutter, &figures, [40, 20]);
+        let of = |sum| best_rank((&surface, &grid), &start, &cutter, (Model::Shift, sum), &Cancel::default()).unwrap();
+        let (path, ranks) = of(SumOver::Axis);
+        let own = on_axis_grid(&surface, &path.axis, &cutter, grid.size()).unwrap().sum;
+        let first = on_axis_grid(&surface, &start.axis, &cutter, grid.size()).unwrap().sum;
+        assert!((ranks.sums[ranks.best - 1].unwrap() - own).abs() < 1e-12 && own < first, "{name}: {own} {first}");
+        let (other, _) = of(SumOver::Surface);
+        let others = on_axis_grid(&surface, &other.axis, &cutter, grid.size()).unwrap().sum;
+        assert!(own <= others + 1e-12 && other.deviation.sum <= path.deviation.sum + 1e-12, "{name}: {own} {others}");
     }
 }
 

@@ -1,6 +1,7 @@
 //! The least surface that a library of cutters leaves.
 
 use files::Validate;
+use glam::DVec2;
 use rayon::prelude::*;
 
 use super::blocks::{Source, greater};
@@ -58,12 +59,41 @@ impl Closing {
 /// [`HeightFieldError::Cutter`], [`HeightFieldError::TooManyCells`] with the room that a cutter needs beside the mold,
 /// [`HeightFieldError::Cancelled`].
 pub fn closing(field: &HeightField, library: &CutterLibrary, cancel: &Cancel) -> Result<Closing, HeightFieldError> {
+    closing_of(field, library, |_| true, cancel)
+}
+
+/// Residual stock of the cutters of `library` on the cells of `field` within a rectangle in plan (mm); elsewhere
+/// nothing is left.
+///
+/// # Errors
+/// Those of [`closing`].
+pub fn closing_within(
+    field: &HeightField,
+    library: &CutterLibrary,
+    [low, high]: [DVec2; 2],
+    cancel: &Cancel,
+) -> Result<Closing, HeightFieldError> {
+    let is_within = |cell: usize| {
+        let place = field.center(cell);
+        place.cmpge(low).all() && place.cmple(high).all()
+    };
+    closing_of(field, library, is_within, cancel)
+}
+
+fn closing_of(
+    field: &HeightField,
+    library: &CutterLibrary,
+    is_asked: impl Fn(usize) -> bool + Sync,
+    cancel: &Cancel,
+) -> Result<Closing, HeightFieldError> {
     library.validate()?;
     let needed = library.needed();
     let cutters = (0..library.cutter.len()).filter(|&i| needed.iter().any(|c| std::ptr::eq(*c, &library.cutter[i])));
-    let above = |&height: &f32| if height.is_finite() { f32::INFINITY } else { height };
+    let above = |(cell, &height): (usize, &f32)| {
+        if height.is_finite() && is_asked(cell) { f32::INFINITY } else { height }
+    };
     let mut closing = Closing {
-        heights: field.heights.par_iter().map(above).collect(),
+        heights: field.heights.par_iter().enumerate().map(above).collect(),
         nearest: vec![0; field.heights.len()],
         cutters: cutters.collect(),
     };

@@ -20,7 +20,7 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 
-pub use closing::{Closing, closing};
+pub use closing::{Closing, closing, closing_within};
 pub use covered::{Cover, Covered, Left};
 pub use regions::{FieldRegion, difference, regions};
 

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::{HeightField, HeightFieldError, UPNESS_ONE, check_size};
-use geometry::mesh::{Mesh, normal_times_two_areas};
+use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
 use task::{Cancel, Cancelled};
 
 /// Rows of cells that are filled together.
@@ -21,10 +21,44 @@ impl HeightField {
     /// [`HeightFieldError::BadStep`], [`HeightFieldError::NoMaterial`], [`HeightFieldError::TooManyCells`],
     /// [`HeightFieldError::Cancelled`].
     pub fn raster(mesh: &Mesh, step: f64, cancel: &Cancel) -> Result<Self, HeightFieldError> {
+        let bounds = mesh.bounds();
+        let mut field = Self::over(&bounds, step)?;
+        field.fill(mesh, cancel)?;
+        if field.heights.par_iter().all(|h| !h.is_finite()) {
+            return Err(HeightFieldError::NoMaterial);
+        }
+        field.open_through((bounds.min.z - field.base) as f32, cancel)?;
+        Ok(field)
+    }
+
+    /// The heights of `mesh`, of which this is the field, on a finer grid of side `step` (mm) over a part of it, `plan`
+    /// (mm). Openings through the material are where this field has them.
+    ///
+    /// # Errors
+    /// Those of [`raster`](Self::raster).
+    pub fn closer(&self, mesh: &Mesh, plan: [DVec2; 2], step: f64, cancel: &Cancel) -> Result<Self, HeightFieldError> {
+        let bounds = mesh.bounds();
+        let [low, high] = [plan[0].max(bounds.min.truncate()), plan[1].min(bounds.max.truncate())];
+        let part = Bounds { min: low.extend(bounds.min.z), max: high.extend(bounds.max.z) };
+        let mut field = Self::over(&part, step)?;
+        field.fill(mesh, cancel)?;
+        let underside = (bounds.min.z - field.base) as f32;
+        let is_through = |cell: &usize| {
+            let place = ((field.center(*cell) - self.corner) / self.step).floor().max(DVec2::ZERO);
+            let [column, row] = [place.x as usize, place.y as usize];
+            let own = row.min(self.rows - 1) * self.columns + column.min(self.columns - 1);
+            !field.heights[*cell].is_finite() && self.through.binary_search(&(own as u32)).is_ok()
+        };
+        field.through = (0..field.heights.len()).filter(is_through).map(|cell| cell as u32).collect();
+        field.open_below(underside);
+        Ok(field)
+    }
+
+    /// A field without material over the plan of a box.
+    fn over(bounds: &Bounds, step: f64) -> Result<Self, HeightFieldError> {
         if !(step.is_finite() && step > 0.0) {
             return Err(HeightFieldError::BadStep(step));
         }
-        let bounds = mesh.bounds();
         let size = bounds.size();
         if !(size.is_finite() && bounds.min.is_finite() && size.x > 0.0 && size.y > 0.0) {
             return Err(HeightFieldError::NoMaterial);
@@ -32,7 +66,7 @@ impl HeightField {
         let [columns, rows] = [size.x, size.y].map(|length| (length / step - EDGE_SLACK).ceil().max(1.0));
         check_size(step, columns, rows)?;
         let (columns, rows) = (columns as usize, rows as usize);
-        let mut field = Self {
+        Ok(Self {
             corner: bounds.min.truncate(),
             step,
             columns,
@@ -41,13 +75,7 @@ impl HeightField {
             heights: vec![f32::NEG_INFINITY; columns * rows],
             upness: vec![0; columns * rows],
             through: Vec::new(),
-        };
-        field.fill(mesh, cancel)?;
-        if field.heights.par_iter().all(|h| !h.is_finite()) {
-            return Err(HeightFieldError::NoMaterial);
-        }
-        field.open_through((bounds.min.z - field.base) as f32, cancel)?;
-        Ok(field)
+        })
     }
 
     /// Gives the cells without material that others enclose the height of the underside: the block was whole there.
@@ -71,10 +99,15 @@ impl HeightField {
         cancel.check()?;
         let is_through = |cell: &usize| !is_outside[*cell] && !self.heights[*cell].is_finite();
         self.through = (0..self.heights.len()).filter(is_through).map(|cell| cell as u32).collect();
+        self.open_below(underside);
+        Ok(())
+    }
+
+    /// Gives the cells of openings through the material the height of the underside.
+    fn open_below(&mut self, underside: f32) {
         for cell in self.through.iter().map(|cell| *cell as usize) {
             (self.heights[cell], self.upness[cell]) = (underside, u16::MAX);
         }
-        Ok(())
     }
 
     fn fill(&mut self, mesh: &Mesh, cancel: &Cancel) -> Result<(), HeightFieldError> {

@@ -1,11 +1,15 @@
 //! Making the electrodes of a channel: its division into parts and columns (P1), and the junctions between them.
 
+use glam::DVec3;
+
 use super::body::{self, Plan};
 use super::boundary::{BladeEnd, Boundary, Section, Spot, blade_ends};
+use super::params::COLUMN_SPLIT;
 use super::ring::Finisher;
 use super::{Column, Electrode, ElectrodeError, ElectrodeParams, EntrySide};
 use crate::channel::Channel;
 use geometry::exact::ExactMesh;
+use geometry::frame::Cylindrical;
 use task::Task;
 
 /// What is built may miss the gap between its points by this much (mm); else it is built again, by that and [`SPARE`]
@@ -102,7 +106,10 @@ fn with_room(
     planes.extend(runout(channel, extent, which.at_last));
     let mut sections = boundary.sections(extent, &planes, &task.cancel)?;
     let finisher = Finisher::new(&boundary, &sections);
-    sections.iter_mut().for_each(|section| *section = column_of(section, which.column, params));
+    if let Some(column) = which.column {
+        let split = column_split(channel, params);
+        sections.iter_mut().for_each(|section| *section = column_of(section, (column, split), params));
+    }
     task.report("electrode", 0.5, "surfaces");
     let plan = Plan { channel, params, which, range, sections: &sections };
     let mut electrode = body::build(&plan, &finisher, &task.cancel)?;
@@ -178,7 +185,7 @@ impl Junctions {
         let meet = |part: usize| 0.5 * (ranges[part][1] + ranges[part + 1][0]);
         Ok(Self {
             planes: (1..params.parts).filter(|&k| params.overlap_after(k - 1) < gap).map(|k| meet(k - 1)).collect(),
-            split: (params.columns > 1 && params.column_overlap_mm < gap).then_some(params.column_split),
+            split: (params.columns > 1 && params.column_overlap_mm < gap).then(|| column_split(channel, params)),
         })
     }
 }
@@ -201,11 +208,47 @@ fn runout(channel: &Channel, extent: [f64; 2], at_last: bool) -> Vec<f64> {
     (1..=steps).map(|i| from + (to - from) * i as f64 / steps as f64).collect()
 }
 
+/// The share of the channel's width that belongs to the low column.
+fn column_split(channel: &Channel, params: &ElectrodeParams) -> f64 {
+    params.column_split.given().unwrap_or_else(|| balanced_split(channel, params.turns()))
+}
+
+/// The share at which the columns are as thick as each other where each is thinnest, between walls that are turned away
+/// from their blades by `turns` (rad).
+fn balanced_split(channel: &Channel, [low_turn, high_turn]: [f64; 2]) -> f64 {
+    /// Points of a wall along the chord and across it, at most.
+    const MOST: [usize; 2] = [61, 9];
+    const HALVINGS: usize = 12;
+    let (low, high) = (&channel.low, &channel.high);
+    let every = |count: usize, most: usize| (0..count).step_by((count - 1).div_ceil(most - 1).max(1));
+    let grid = every(low.nu, MOST[0]).flat_map(|u| every(low.nv, MOST[1]).map(move |v| (u, v)));
+    let turned = |at: Cylindrical, turn: f64| Cylindrical { theta: at.theta + turn, ..at };
+    let pairs: Vec<[Cylindrical; 2]> = grid
+        .map(|(u, v)| [turned(low.cylindrical(u, v), low_turn), turned(high.cylindrical(u, v), -high_turn)])
+        .collect();
+    let walls = [0, 1].map(|wall| pairs.iter().map(|pair| pair[wall].point()).collect::<Vec<_>>());
+    let thickness = |wall: &[DVec3], middle: &[DVec3]| {
+        let nearest = |p: &DVec3| middle.iter().map(|q| p.distance_squared(*q)).fold(f64::INFINITY, f64::min);
+        wall.iter().map(nearest).fold(f64::INFINITY, f64::min)
+    };
+    let mut range = COLUMN_SPLIT;
+    for _ in 0..HALVINGS {
+        let split = 0.5 * (range[0] + range[1]);
+        let between = |[a, b]: &[Cylindrical; 2]| {
+            let mixed = |a: f64, b: f64| a + split * (b - a);
+            Cylindrical { x: mixed(a.x, b.x), r: mixed(a.r, b.r), theta: mixed(a.theta, b.theta) }.point()
+        };
+        let middle: Vec<DVec3> = pairs.iter().map(between).collect();
+        let is_low_thicker = thickness(&walls[0], &middle) > thickness(&walls[1], &middle);
+        range[usize::from(is_low_thicker)] = split;
+    }
+    0.5 * (range[0] + range[1])
+}
+
 /// Section that `column` burns: the wall on the other side gives way to the surface between the columns, moved by half
-/// of what the columns share. The whole section where there are no columns.
-fn column_of(section: &Section, column: Option<Column>, params: &ElectrodeParams) -> Section {
+/// of what the columns share.
+fn column_of(section: &Section, (column, split): (Column, f64), params: &ElectrodeParams) -> Section {
     let mut divided = section.clone();
-    let Some(column) = column else { return divided };
     let shared = params.column_overlap_mm - 2.0 * params.spark_gap_mm;
     let [low, high] = &section.walls;
     let (other, sense) = match column {
@@ -213,8 +256,8 @@ fn column_of(section: &Section, column: Option<Column>, params: &ElectrodeParams
         Column::High => (0, -1.0),
     };
     let between = |(a, b): (&Spot, &Spot)| {
-        let height = a.height + params.column_split * (b.height - a.height);
-        let middle = a.theta + params.column_split * (b.theta - a.theta);
+        let height = a.height + split * (b.height - a.height);
+        let middle = a.theta + split * (b.theta - a.theta);
         // However much they overlap, no column is wider than the channel.
         let theta = middle + sense * 0.5 * shared / section.line.radius(height);
         Spot { height, theta: theta.clamp(a.theta, b.theta) }

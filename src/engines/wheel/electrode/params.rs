@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Column, ElectrodeError, EntrySide};
 use crate::channel::Channel;
+use crate::options::Auto;
 
 /// Parameters by which an electrode is derived from its channel (`[electrode]`).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,8 +34,9 @@ pub struct ElectrodeParams {
     /// Overlap along the circumference of the burns of the two columns (mm), counted in the same way; negative leaves a
     /// web between them.
     pub column_overlap_mm: f64,
-    /// Share of the channel's width that belongs to the low column.
-    pub column_split: f64,
+    /// Share of the channel's width that belongs to the low column; found so that both columns are equally thick unless
+    /// it is given.
+    pub column_split: Auto<f64>,
     /// The side of the blisk, in W, that the electrodes enter from and are withdrawn to.
     pub enter: EnterSide,
     /// Whether the reductions are as given or the least for which a path exists.
@@ -66,7 +68,7 @@ impl Default for ElectrodeParams {
             overlap_mm: 1.0,
             columns: 1,
             column_overlap_mm: 0.5,
-            column_split: 0.5,
+            column_split: Auto::Auto,
             enter: EnterSide::Auto,
             size: Sizing::Given,
             mesh: None,
@@ -114,6 +116,8 @@ impl PartParams {
     }
 }
 
+/// Range of the share of the low column.
+pub(super) const COLUMN_SPLIT: [f64; 2] = [0.1, 0.9];
 /// Ranges that hold for all parts and for single ones.
 const OVERLAP: [f64; 2] = [0.0, 100.0];
 const TURN: [f64; 2] = [0.0, 45.0];
@@ -218,7 +222,7 @@ impl ElectrodeParams {
             ("overlap_mm", self.overlap_mm, OVERLAP, "mm"),
             ("columns", self.columns as f64, [1.0, 2.0], ""),
             ("column_overlap_mm", self.column_overlap_mm, [-20.0, 20.0], "mm"),
-            ("column_split", self.column_split, [0.1, 0.9], ""),
+            ("column_split", self.column_split.given().unwrap_or(0.5), COLUMN_SPLIT, ""),
             ("overrun_mm", self.overrun_mm, [0.0, 100.0], "mm"),
             ("shank_inset_mm", self.shank_inset_mm, [0.02, 20.0], "mm"),
             ("channel_shank_inset_mm", self.channel_shank_inset_mm, [0.02, 20.0], "mm"),

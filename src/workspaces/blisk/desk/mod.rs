@@ -221,6 +221,11 @@ impl BliskDesk {
         self.work.plan().and_then(|p| p.electrodes.get(self.cursor.electrode))
     }
 
+    /// The result whose nodes the track has, if it has those of a whole plan.
+    pub fn outcome_of_track(&self) -> Option<&ElectrodeOutcome> {
+        self.outcome().filter(|_| matches!(self.track_of, TrackSource::Plan(..)))
+    }
+
     /// Number of electrodes that can be shown.
     pub fn electrode_count(&self) -> usize {
         let planned = self.work.plan().map(|p| p.electrodes.len());

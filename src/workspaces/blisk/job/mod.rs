@@ -2,6 +2,7 @@
 
 pub mod compare;
 pub mod finish;
+pub mod node_distances;
 pub mod outcome;
 pub mod plan;
 pub mod plan_pictures;

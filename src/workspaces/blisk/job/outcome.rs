@@ -3,6 +3,7 @@
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
+use super::node_distances::NodeDistances;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::kept_plan::KeptPlanError;
 use crate::workspaces::blisk::document::machine_file::MachineFileError;
@@ -15,10 +16,11 @@ use feed::simulation::Simulation;
 use feed::verify::VerifyError;
 use geometry::exact::ExactMeshError;
 use geometry::mesh::Mesh;
-use task::Cancelled;
+use task::{Cancelled, Task};
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, ElectrodeError, EntrySide};
 use wheel::error::BliskError;
+use wheel::surface_finder::SurfaceFinder;
 
 /// What a plan is made from.
 #[derive(Debug, Clone)]
@@ -45,8 +47,23 @@ pub struct ElectrodeOutcome {
     pub electrode: Electrode,
     /// Plan of the electrode.
     pub plan: FeedPlan,
+    /// Distances at the nodes of the plan.
+    pub distances: Vec<NodeDistances>,
     /// Sides that were tried before, and why they were left.
     pub tried: Vec<(EntrySide, String)>,
+}
+
+impl ElectrodeOutcome {
+    /// An electrode with its plan on the first side that is tried; its distances are not measured.
+    pub(super) fn of(electrode: Electrode, plan: FeedPlan) -> Self {
+        Self { electrode, plan, distances: Vec::new(), tried: Vec::new() }
+    }
+
+    /// Measures the distances at the nodes.
+    pub(super) fn measure(&mut self, around: (&Channel, &SurfaceFinder), task: &Task) -> Result<(), Cancelled> {
+        self.distances = NodeDistances::at(&self.plan.nodes, &self.electrode, around, &task.cancel)?;
+        Ok(())
+    }
 }
 
 /// The answer of a plan.

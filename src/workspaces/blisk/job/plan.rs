@@ -128,9 +128,11 @@ impl JobPlanner<'_> {
             let todo = "electrode.size is \"auto\": find the sizes first and take one, or give the reductions";
             return Err(PlanJobError::Job(todo.to_owned()));
         }
-        let electrodes = self.electrodes()?;
-        let channel = self.prepared.space.channel.clone();
-        Ok(PlanOutcome::new(channel, electrodes, self.clock.0))
+        let mut electrodes = self.electrodes()?;
+        let space = &self.prepared.space;
+        let around = (&*space.channel, &space.finder);
+        self.clock.time("distances", || electrodes.iter_mut().try_for_each(|e| e.measure(around, self.task)))?;
+        Ok(PlanOutcome::new(space.channel.clone(), electrodes, self.clock.0))
     }
 
     fn electrodes(&mut self) -> Result<Vec<ElectrodeOutcome>, PlanJobError> {
@@ -222,7 +224,7 @@ impl JobPlanner<'_> {
         self.clock.add("search", plan.search_seconds);
         self.clock.add("certificate", plan.verify_seconds);
         let electrode = plan.remade.take().map_or_else(|| Arc::unwrap_or_clone(electrode), Arc::unwrap_or_clone);
-        Ok(ElectrodeOutcome { electrode, plan, tried: Vec::new() })
+        Ok(ElectrodeOutcome::of(electrode, plan))
     }
 
     /// The plan of `electrode` on the fullest one of its kind, which later plans with other reductions share.
@@ -294,7 +296,9 @@ pub fn replay(
         let settings = PlanSettings { machine, ..settings };
         let plan = replay_feed(&around, &electrode, nodes, *h, &settings, task)?;
         clock.add("certificate", plan.verify_seconds);
-        electrodes.push(ElectrodeOutcome { electrode, plan, tried: Vec::new() });
+        let mut outcome = ElectrodeOutcome::of(electrode, plan);
+        outcome.measure((channel, &finder), task)?;
+        electrodes.push(outcome);
     }
     Ok(PlanOutcome::new(channel.clone(), electrodes, clock.0))
 }

@@ -1,12 +1,14 @@
-//! The nodes of the track as a table; a click moves the cursor.
+//! The nodes of the track as a table, those of a plan with their distances and objectives; a click moves the cursor.
 
 use crate::workspaces::blisk::desk::BliskDesk;
 use egui::{Align, Color32, Layout, RichText, Role, Ui, WidgetInfo};
 use egui_extras::{Column, TableBuilder, TableRow};
 
 use crate::widgets::theme::palette;
+use crate::workspaces::blisk::job::node_distances::NodeDistances;
 use crate::workspaces::blisk::scene::track::Station;
 use feed::pose::Axis;
+use feed::problem::Node;
 
 /// Draws the table.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
@@ -14,20 +16,56 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     let nodes: Vec<_> = track.nodes().copied().collect();
     let current = desk.feed_cursor().and_then(|s| track.nearest_node(s));
     let gap = desk.least_wanted();
-    let colours = palette(ui);
     let axes = desk.document.params().machine.axes.axes();
     let head = |axis: &Axis| format!("{} {}", axis.letter(), if axis.is_rotary() { "deg" } else { "mm" });
     let mut heads = vec!["node".to_owned(), "s mm".to_owned()];
     heads.extend(axes.iter().map(head));
     heads.push("clearance mm".to_owned());
+    let figures = figures(desk);
+    heads.extend(FIGURES.iter().filter(|_| !figures.is_empty()).map(|head| (*head).to_owned()));
+    let scrolled =
+        egui::ScrollArea::horizontal().show(ui, |ui| table(ui, (&heads, &nodes, &figures), axes, (current, gap)));
+    if let Some(s) = scrolled.inner {
+        desk.go_to(s);
+    }
+}
+
+/// Heads of the columns that the nodes of a plan have beside those of every track: P0's distances and objectives, and P1's
+/// distances from hub and shroud.
+const FIGURES: [&str; 9] = ["D_L mm", "D_R mm", "S_L mm", "S_R mm", "hub mm", "shroud mm", "Obj1", "Obj2", "objective"];
+
+/// Values of these columns at a node.
+type Figures = [Option<f64>; FIGURES.len()];
+
+/// Those columns of every node of the plan; nothing where the nodes are those of a search or of a preview.
+fn figures(desk: &BliskDesk) -> Vec<Figures> {
+    let Some(outcome) = desk.outcome_of_track() else { return Vec::new() };
+    let of = |(node, at): (&Node, &NodeDistances)| {
+        let ([d_l, d_r], [s_l, s_r]) = (at.spread.least, at.spread.deviation.map(Some));
+        let (hub, shroud, objective) = (at.clearances.hub, at.clearances.shroud, node.objective);
+        let [obj1, obj2, total] = [objective.smoothness, objective.centring, objective.total].map(Some);
+        [d_l, d_r, s_l, s_r, hub, shroud, obj1, obj2, total]
+    };
+    outcome.plan.nodes.iter().zip(&outcome.distances).map(of).collect()
+}
+
+/// Draws the table; the withdrawn distance of the node that is clicked on.
+fn table(
+    ui: &mut Ui,
+    (heads, nodes, figures): (&[String], &[Station], &[Figures]),
+    axes: &[Axis],
+    (current, gap): (Option<usize>, f64),
+) -> Option<f64> {
+    let colours = palette(ui);
     let mut table = TableBuilder::new(ui)
         .id_salt("nodes")
         .striped(true)
         .sense(egui::Sense::click())
         .cell_layout(Layout::right_to_left(Align::Center))
         .column(Column::exact(44.0))
-        .columns(Column::remainder().at_least(62.0), heads.len() - 2)
+        .columns(Column::remainder().at_least(62.0), axes.len() + 1)
         .column(Column::remainder().at_least(84.0))
+        .columns(Column::remainder().at_least(68.0), heads.len() - axes.len() - 3)
         .min_scrolled_height(0.0)
         .auto_shrink([false, false]);
     if let Some(row) = current {
@@ -47,6 +85,13 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
             let node = &nodes[i];
             row.set_selected(current == Some(i));
             cells(&mut row, node, i, axes, (node.clearance < gap).then_some(colours.bad));
+            let own = node.node.and_then(|node| figures.get(node));
+            for value in own.copied().unwrap_or_default().iter().filter(|_| !figures.is_empty()) {
+                row.col(|ui| {
+                    let text = value.map_or_else(String::new, |value| format!("{value:.4}"));
+                    ui.label(RichText::new(text).monospace());
+                });
+            }
             let response = row.response();
             response.widget_info(|| {
                 WidgetInfo::selected(Role::Row, true, current == Some(i), format!("Node {}", number_of(node, i)))
@@ -56,9 +101,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
             }
         });
     });
-    if let Some(s) = chosen {
-        desk.go_to(s);
-    }
+    chosen
 }
 
 /// The cells of the node in this place; its clearance in `alarm` if there is one.

@@ -1,5 +1,5 @@
-//! Plots over the withdrawn distance, all with the cursor of the 3-D view: axes, their derivatives, clearance, and how
-//! the search converged.
+//! Plots over the withdrawn distance, all with the cursor of the 3-D view: axes, their derivatives, clearance, distances
+//! from the single surfaces, and how the search converged.
 
 use crate::widgets::plot_parts::{legend, says, still};
 use crate::workspaces::blisk::desk::BliskDesk;
@@ -10,6 +10,7 @@ use egui_plot::{HLine, Line, LineStyle, PlotPoint, PlotPoints, VLine};
 
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::desk::kept_runs::KeptRun;
+use crate::workspaces::blisk::job::node_distances::NodeDistances;
 use crate::workspaces::blisk::scene::track::Track;
 use feed::pose::Axis;
 use feed::problem::Convergence;
@@ -25,6 +26,8 @@ pub enum Tab {
     Accelerations,
     /// Exact clearance at every row.
     Clearance,
+    /// Distances from the single surfaces of the channel at every node, P1's four.
+    Distances,
     /// Objective over the generations.
     Convergence,
     /// The nodes as a table.
@@ -35,11 +38,12 @@ pub enum Tab {
 
 impl Tab {
     /// Every tab in order.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Positions,
         Self::Velocities,
         Self::Accelerations,
         Self::Clearance,
+        Self::Distances,
         Self::Convergence,
         Self::Table,
         Self::Comparison,
@@ -47,7 +51,8 @@ impl Tab {
 
     /// Name of the plot.
     pub fn name(self) -> &'static str {
-        ["Axes", "Speed", "Second derivative", "Clearance", "Convergence", "Nodes", "Comparison"][self as usize]
+        ["Axes", "Speed", "Second derivative", "Clearance", "Distances", "Convergence", "Nodes", "Comparison"]
+            [self as usize]
     }
 }
 
@@ -138,6 +143,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, tab: &mut Tab, curves: &mut Curve
         Tab::Comparison => super::kept_runs::show(ui, desk),
         Tab::Convergence => convergence(ui, desk),
         Tab::Clearance => clearance(ui, desk, curves),
+        Tab::Distances => distances(ui, desk),
         Tab::Positions => axes(ui, desk, curves, 0),
         Tab::Velocities => axes(ui, desk, curves, 1),
         Tab::Accelerations => axes(ui, desk, curves, 2),
@@ -146,7 +152,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, tab: &mut Tab, curves: &mut Curve
 
 fn unit_note(tab: Tab) -> &'static str {
     match tab {
-        Tab::Positions | Tab::Velocities | Tab::Accelerations | Tab::Clearance => "over mm retracted",
+        Tab::Positions | Tab::Velocities | Tab::Accelerations | Tab::Clearance | Tab::Distances => "over mm retracted",
         Tab::Convergence => "objective over generations",
         Tab::Table | Tab::Comparison => "",
     }
@@ -236,6 +242,41 @@ fn clearance(ui: &mut Ui, desk: &mut BliskDesk, curves: &Curves) {
         plot.hline(HLine::new("required", gap).color(required).width(1.0));
         plot.hline(HLine::new("with tolerance", least).color(required).style(LineStyle::dashed_loose()).width(1.0));
         plot.set_plot_bounds_y(0.0..=top);
+    });
+}
+
+/// Names of the surfaces whose distances are plotted.
+const SURFACES: [&str; 4] = ["low wall", "high wall", "hub", "shroud"];
+
+fn distances(ui: &mut Ui, desk: &mut BliskDesk) {
+    let Some(outcome) = desk.outcome_of_track() else {
+        says(ui, "Plan a feed path to see the distances of its nodes.");
+        return;
+    };
+    let nodes = outcome.plan.nodes.iter().zip(&outcome.distances);
+    let of = |i: usize| -> Vec<[f64; 2]> {
+        let value = |d: &NodeDistances| match i {
+            0 | 1 => Some(d.clearances.walls[i]).filter(|d| d.is_finite()),
+            2 => d.clearances.hub,
+            _ => d.clearances.shroud,
+        };
+        nodes.clone().filter_map(|(node, d)| Some([node.s, value(d)?])).collect()
+    };
+    let curves: [Vec<[f64; 2]>; 4] = std::array::from_fn(of);
+    let ([gap, _], asked) = (desk.required(), desk.document.params().plan.thresholds);
+    let thresholds = [asked.low_wall_mm, asked.high_wall_mm, asked.hub_mm, asked.shroud_mm];
+    let colours: [Color32; 4] = std::array::from_fn(|i| palette(ui).axes[i]);
+    let names: Vec<String> = SURFACES.iter().map(|name| format!("{name} mm")).collect();
+    let dashed = [(palette(ui).faint, "dashed: threshold")];
+    legend(ui, colours.into_iter().zip(names.iter().map(String::as_str)).chain(dashed));
+    let most = thresholds.into_iter().fold(gap, f64::max);
+    over_distance(ui, desk, "distances", move |plot| {
+        for (i, curve) in curves.into_iter().enumerate() {
+            plot.line(Line::new(SURFACES[i], PlotPoints::from(curve)).color(colours[i]).width(1.6));
+            let threshold = HLine::new(format!("threshold {}", SURFACES[i]), thresholds[i].max(gap));
+            plot.hline(threshold.color(colours[i]).style(LineStyle::dashed_loose()).width(1.0));
+        }
+        plot.set_plot_bounds_y(0.0..=6.0 * most);
     });
 }
 

@@ -2,29 +2,24 @@
 
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
+use crate::workspaces::blisk::job::node_distances::NodeDistances;
 use crate::workspaces::blisk::job::outcome::{ElectrodeOutcome, PlanOutcome};
 use crate::workspaces::blisk::report::StageTime;
 use crate::workspaces::blisk::report::residual_stock::ResidualStockReport;
 use crate::workspaces::blisk::report::simulation::SimulationReport;
 use crate::workspaces::blisk::report::{
-    BliskSummary, ClearancePlace, Convergence, DistancesReport, ElectrodeReport, Failure, InputFile, Motion,
-    NodeReport, ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests, WallsReport,
-    Written,
+    BliskSummary, ClearancePlace, Convergence, ElectrodeReport, Failure, InputFile, Motion, NodeReport,
+    ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests, Written,
 };
 use feed::certificate::TravelVerdict;
 use feed::jam::JamCause;
-use feed::objective::WallSamples;
 use feed::plan::{FeedPlan, PlannedPath};
 use feed::plan_params::{Constraint, Strategy};
-use feed::pose::{Axis, Pose};
+use feed::pose::Axis;
 use feed::strategy::SearchStrategy;
-use feed::wall_clearances::{ClearanceGauge, WallClearances};
 use files::ParameterList;
-use rayon::prelude::*;
-use task::Cancel;
 use wheel::channel::Channel;
 use wheel::electrode::EntrySide;
-use wheel::surface_finder::SurfaceFinder;
 
 /// The report on `outcome`, without pictures. `inputs` tells which files it was made from.
 pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> Report {
@@ -93,7 +88,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         certified_clearance_mm: certificate.map(|c| c.certified()),
         least_clearance_mm: certificate.map(|c| c.least().distance),
         least_clearance_at: certificate.map(place),
-        nodes: nodes(plan, &walls(outcome, whole), &distances(outcome, whole, job)),
+        nodes: nodes(plan, &outcome.distances),
         smoothness: plan.path.as_ref().map_or(Vec::new(), |p| Smoothness::of(&p.smoothness)),
         volume_mm3: electrode.volume_mm3,
         least_thickness_mm: Some(electrode.least_thickness_mm),
@@ -112,36 +107,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
     }
 }
 
-/// P0's D_L, D_R, S_L and S_R at every node.
-fn walls(outcome: &ElectrodeOutcome, whole: &PlanOutcome) -> Vec<WallsReport> {
-    // A report is not stopped half way; its electrode was sampled before and its walls searched.
-    let (never, electrode) = (Cancel::default(), &outcome.electrode);
-    let Ok(finder) = SurfaceFinder::new(whole.channel.clone()) else { return Vec::new() };
-    let Ok(samples) = WallSamples::of(electrode, &whole.channel, &never) else { return Vec::new() };
-    let spread = |node: &feed::problem::Node| samples.spread(&node.pose, 0.0, &|p| finder.wall_distances(p)).into();
-    outcome.plan.nodes.par_iter().map(spread).collect()
-}
-
-/// P1's four distances at every node, where its strategy was followed; empty otherwise.
-fn distances(outcome: &ElectrodeOutcome, whole: &PlanOutcome, job: &PlanJob) -> Vec<DistancesReport> {
-    if !strategy_of(job).follows_centreline() {
-        return Vec::new();
-    }
-    // A report is not stopped half way; its electrode was sampled before and its walls searched.
-    let never = Cancel::default();
-    let poses: Vec<Pose> = outcome.plan.nodes.iter().map(|n| n.pose).collect();
-    let measured = SurfaceFinder::new(whole.channel.clone()).ok().and_then(|finder| {
-        let gauge = ClearanceGauge::new(&outcome.electrode, &whole.channel, &finder, &never).ok()?;
-        gauge.at_all(&poses, &never).ok()
-    });
-    let report = |d: WallClearances| {
-        let [low_wall, high_wall] = d.walls;
-        DistancesReport { low_wall, high_wall, hub: d.hub, shroud: d.shroud }
-    };
-    measured.unwrap_or_default().into_iter().map(report).collect()
-}
-
-fn nodes(plan: &FeedPlan, walls: &[WallsReport], distances: &[DistancesReport]) -> Vec<NodeReport> {
+fn nodes(plan: &FeedPlan, distances: &[NodeDistances]) -> Vec<NodeReport> {
     let objective = |n: &feed::problem::Node| ObjectiveReport {
         smoothness: n.objective.smoothness,
         centring: n.objective.centring,
@@ -156,8 +122,8 @@ fn nodes(plan: &FeedPlan, walls: &[WallsReport], distances: &[DistancesReport]) 
             pose: PoseReport::from(&n.pose),
             clearance_mm: n.clearance,
             objective: Some(objective(n)),
-            walls_mm: walls.get(node).copied(),
-            distances_mm: distances.get(node).copied(),
+            walls_mm: distances.get(node).map(|d| d.spread.into()),
+            distances_mm: distances.get(node).map(|d| d.clearances.into()),
         })
         .collect()
 }

@@ -22,6 +22,7 @@ use feed::objective::WallSpread;
 use feed::path::PathRow;
 use feed::pose::{Axis, Pose};
 use feed::smoothness::AxisSmoothness;
+use feed::wall_clearances::WallClearances;
 use files::ParameterList;
 use files::report::Picture;
 use geometry::frame::Frame;
@@ -239,7 +240,7 @@ pub struct NodeReport {
     /// P0's D_L, D_R, S_L and S_R.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub walls_mm: Option<WallsReport>,
-    /// Least distances to the surfaces of the channel, each by itself, where the strategy is P1's.
+    /// P1's four distances.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distances_mm: Option<DistancesReport>,
 }
@@ -276,6 +277,12 @@ pub struct DistancesReport {
     pub hub: Option<f64>,
     /// Distance to the shroud.
     pub shroud: Option<f64>,
+}
+
+impl From<WallClearances> for DistancesReport {
+    fn from(WallClearances { walls: [low_wall, high_wall], hub, shroud }: WallClearances) -> Self {
+        Self { low_wall, high_wall, hub, shroud }
+    }
 }
 
 /// How even the motion of an axis is, over equal steps of withdrawn distance; mm or degrees.

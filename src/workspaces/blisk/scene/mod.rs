@@ -303,7 +303,7 @@ fn spaced(track: &Track, count: usize) -> Vec<Station> {
     (0..=steps).filter_map(|i| track.at(track.length() * i as f64 / steps as f64)).collect()
 }
 
-/// The ways of the reference point and of the two ends of the burning part.
+/// The ways of the middle of the burning part, P0's centroid, and of its far end.
 fn lines(scene: &mut Scene, inputs: &SceneInputs, electrode: &Electrode, track: &Track, to_mesh: DAffine3) {
     if !inputs.layers.get(Layer::Paths).visible {
         return;
@@ -312,7 +312,7 @@ fn lines(scene: &mut Scene, inputs: &SceneInputs, electrode: &Electrode, track: 
     let bounds = electrode.mesh.bounds();
     let direction = electrode.enters_from.direction();
     let far = o + direction * (bounds.min.dot(direction).min(bounds.max.dot(direction)) - o.dot(direction));
-    let points = [o, far];
+    let points = [electrode.middle(), far];
     let colour = inputs.layers.get(Layer::Paths).colour;
     let polylines = points
         .iter()

@@ -49,6 +49,10 @@ const ROWS: &[Word] = &[
     word("height", "and height", "And the height along a cone, which changes its radius"),
     word("moving", "exact", "And another place of the axis over the sample: the exact derivative"),
 ];
+const SUMS: &[Word] = &[
+    word("surface", "surface", "The grid of the design surface"),
+    word("axis", "axis surface", "An even grid over t and a, as in the paper: also less where a path leaves the part"),
+];
 const PATHS: &[Word] = &[
     word("initial", "initial", "Mill the initial path (offset)"),
     word("chosen", "chosen", "Mill the chosen path (best rank)"),
@@ -198,6 +202,8 @@ pub static FIELDS: FieldTable<FlankDocument> = FieldTable::new(&[
                 .help("How far the upper contact may slide away from the lower one, as a share of the guides."),
             Field::choice("plan.row", "Matrix row", ROWS)
                 .help("How a change of the control points is taken to change the deviation, for the chosen path."),
+            Field::choice("plan.sum", "Sum over", SUMS)
+                .help("The grid over which the deviations of each rank are summed to choose the path."),
             Field::integer("source.fit.most_control_points", "Points of a guide", 7.0, 259.0)
                 .when(MESH)
                 .help("Control points that each fitted guide may have at most."),

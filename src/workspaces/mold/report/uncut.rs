@@ -347,7 +347,11 @@ fn sentence(uncut: &Uncut) -> String {
         0 => String::new(),
         count => format!("; whether they take {} more is not known", counted(count, "thin region")),
     };
-    format!("{found}{unreached}{unknown}{doubt}.")
+    let slivers = match uncut.slivers() {
+        0 => String::new(),
+        count => format!("; slivers too thin for regions are left in {}", counted(count, "place")),
+    };
+    format!("{found}{unreached}{slivers}{unknown}{doubt}.")
 }
 
 fn regions(uncut: &Uncut) -> Vec<RegionReport> {

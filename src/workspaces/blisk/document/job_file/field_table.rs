@@ -32,6 +32,10 @@ const PART: &[Field] = &[
         .help("The part's own radial reduction."),
 ];
 
+/// What the thresholds of single sides mean.
+const SIDE: &str = "Least distance wanted of this side of the electrode as soon as the electrode has \
+    left its final pose; 0: spark gap and margin alone.";
+
 /// The parameters in the order of the forms, under the steps that they belong to.
 pub static FIELDS: FieldTable<PlanJob> = FieldTable::new(GROUPS).with_defaults(defaults);
 
@@ -180,9 +184,10 @@ const GROUPS: &[Group] = &[
                  negative value leaves a web.",
             ),
             Field::number("electrode.column_split", "Column split", "", 0.1, 0.9)
+                .or_word("auto", 0.5)
                 .slider(0.1, 0.9)
                 .decimals(2)
-                .help("Share of the channel's width that belongs to the low column."),
+                .help("Share of the channel's width that belongs to the low column; auto: both are equally thick."),
         ],
     },
     Group {
@@ -292,11 +297,28 @@ const GROUPS: &[Group] = &[
     },
     Group {
         section: "Plan",
+        name: "Distances of single sides",
+        is_folded: true,
+        fields: &[
+            Field::number("plan.thresholds.low_wall_mm", "From low wall", "mm", 0.0, 5.0)
+                .slider(0.0, 0.5)
+                .help(SIDE),
+            Field::number("plan.thresholds.high_wall_mm", "From high wall", "mm", 0.0, 5.0)
+                .slider(0.0, 0.5)
+                .help(SIDE),
+            Field::number("plan.thresholds.hub_mm", "From hub", "mm", 0.0, 5.0).slider(0.0, 0.5).help(SIDE),
+            Field::number("plan.thresholds.shroud_mm", "From shroud", "mm", 0.0, 5.0).slider(0.0, 0.5).help(SIDE),
+        ],
+    },
+    Group {
+        section: "Plan",
         name: "Genetic search",
         is_folded: true,
         fields: &[
             Field::integer("genetic.population", "Population", 4.0, 10000.0).help("Individuals in a generation."),
-            Field::integer("genetic.generations", "Generations", 1.0, 10000.0).help("Generations for each node."),
+            Field::integer("genetic.generations", "Generations", 1.0, 10000.0).help("Generations for each node, at most."),
+            Field::integer("genetic.stall_generations", "Stop after", 0.0, 10000.0)
+                .help("Generations without a better objective after which the search of a node ends; 0: never."),
             Field::number("genetic.crossover", "Crossover", "", 0.0, 1.0)
                 .slider(0.0, 1.0)
                 .decimals(2)

@@ -4,6 +4,7 @@
 //! is told by the field of heights. What flat cutters leave is always found both ways, and how far the two agree is
 //! told.
 
+mod closer_look;
 mod layer_figures;
 mod segments;
 mod step;
@@ -15,6 +16,7 @@ use files::{Invalid, Validate};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use closer_look::thin_regions;
 use geometry::mesh::Mesh;
 pub use layer_figures::LayerFound;
 use layer_figures::{of_layers, of_surface};
@@ -26,7 +28,7 @@ use mold::invert::{InvertFaces, LEAST_INVERT};
 use mold::layers::LayerSettings;
 use mold::opening::Opening;
 use mold::piece::UncutPiece;
-use mold::region::{LayerRegion, regions};
+use mold::region::regions;
 use mold::stack::{UncutStack, uncut_stack};
 use mold::surface::{SurfacePiece, segments_at, uncut_surface};
 use mold::uncut_region::{Regions, UncutRegion};
@@ -38,8 +40,6 @@ use task::{Cancel, Cancelled, Task};
 
 /// Step of the field of heights beyond which it is too coarse, as a share of a smallest radius.
 const COARSEST: f64 = 0.1;
-/// Cells that a region is thick from which on the field of heights cannot miss it.
-const THIN: f64 = 3.0;
 
 /// What is asked.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -223,9 +223,16 @@ impl Uncut {
         self.stack.warnings.iter().map(unknown).sum()
     }
 
-    /// Whether the answer is known for all of the mold: it is sound, no region is unknown, and no face looks away.
+    /// Number of slivers that every cutter leaves and that are too thin to be regions.
+    pub fn slivers(&self) -> usize {
+        let left = |w: &MoldWarning| if let MoldWarning::SliversLeft { regions, .. } = w { *regions } else { 0 };
+        self.stack.warnings.iter().map(left).sum()
+    }
+
+    /// Whether the regions are all that is left of the mold: it is sound, nothing thin is left beside them or unknown,
+    /// and no face looks away.
     pub fn is_whole(&self) -> bool {
-        self.is_sound() && self.unknown_regions() == 0 && self.undercut().is_none()
+        self.is_sound() && self.unknown_regions() + self.slivers() == 0 && self.undercut().is_none()
     }
 }
 
@@ -286,7 +293,8 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
     let all = if is_of_flats {
         Regions::of_layers(&stack.layers, &flat_regions, (&field, &closing), &of_field)
     } else {
-        stack.warnings.extend(too_thin(&flat_regions, &of_field, grid_step));
+        let thin = thin_regions((&upright, &field), (&flat_regions, &of_field), params, &task.cancel)?;
+        stack.warnings.extend(thin);
         Regions::of_field(&of_field)
     };
     let (regions, surface) = all.with_surface(surface.pieces);
@@ -335,14 +343,6 @@ fn coarser(mesh: &Mesh, params: &UncutParams, step: f64, cancel: &Cancel) -> Res
     let field = HeightField::raster(mesh, 2.0 * step, cancel)?;
     let (_, regions) = on_field(&field, &params.library, params.tolerance_mm, cancel)?;
     Ok(Some(Coarser { step: 2.0 * step, found: found(regions.iter().map(|r| r.volume)) }))
-}
-
-/// Thin regions that flat cutters leave where the grid finds nothing: it cannot tell whether rounded cutters take them.
-fn too_thin(flat: &[LayerRegion], of_field: &[FieldRegion], step: f64) -> Option<MoldWarning> {
-    let is_found = |r: &LayerRegion| of_field.iter().any(|f| f.bounds.grown(step).intersects(&r.bounds));
-    let thin = flat.iter().filter(|r| r.residue() < THIN * step && !is_found(r));
-    let (regions, thickness) = thin.fold((0, 0.0f64), |(count, most), r| (count + 1, most.max(r.residue())));
-    (regions > 0).then_some(MoldWarning::ThinRegions { regions, thickness })
 }
 
 /// Edges that have no face on one side, or more on one than on the other.

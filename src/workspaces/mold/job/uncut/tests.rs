@@ -6,6 +6,7 @@ use super::*;
 use crate::workspaces::mold::report::uncut::UncutReport;
 use crate::workspaces::mold::report::uncut::surface_as_ply;
 use geometry::mesh::unit_normal;
+use geometry::solid::prism;
 use mold::fixtures::{dish, pocket, polygon, rectangle};
 
 fn answer(mesh: &Mesh, cutters: Vec<Cutter>) -> Result<Uncut, UncutError> {
@@ -72,9 +73,18 @@ fn corners_too_thin_for_the_grid_are_left_all_the_same() {
         let is_coarse = left.stack.warnings.iter().any(|w| matches!(w, MoldWarning::CoarseGrid { .. }));
         assert_eq!(is_coarse, step.is_some());
     }
+    // A larger ball reaches them no better: they are slivers that every cutter leaves.
     let both = answer(&mesh, vec![Cutter::flat(1.0), Cutter::ball(2.0)]).unwrap();
-    let thin = both.stack.warnings.iter().any(|w| matches!(w, MoldWarning::ThinRegions { regions: 12, .. }));
-    assert!(thin || both.regions.len() == 12, "{:?}", both.stack.warnings);
+    let left = both.stack.warnings.iter().find_map(|w| match w {
+        MoldWarning::SliversLeft { regions, thickness, place } => Some((*regions, *thickness, DVec3::from(*place))),
+        _ => None,
+    });
+    let (regions, thickness, place) = left.unwrap();
+    assert!((regions, both.unknown_regions(), both.is_whole()) == (12, 0, false), "{:?}", both.stack.warnings);
+    assert!((thickness - 0.0353).abs() < 0.008, "{thickness}");
+    assert!((place.truncate().length() - 8.0 / 15f64.to_radians().cos()).abs() < 0.3, "{place}");
+    let sentence = UncutReport::of(&both).sentence;
+    assert!(sentence.ends_with("slivers too thin for regions are left in 12 places."), "{sentence}");
     // What is not known is no answer.
     let thin = MoldWarning::ThinRegions { regions: 12, thickness: 0.03 };
     let mut unsure = both.clone();
@@ -82,6 +92,20 @@ fn corners_too_thin_for_the_grid_are_left_all_the_same() {
     let sentence = UncutReport::of(&unsure).sentence;
     assert!(!unsure.is_whole() && unsure.is_sound(), "{sentence}");
     assert!(sentence.ends_with("whether they take 12 thin regions more is not known."), "{sentence}");
+}
+
+#[test]
+fn a_shallow_valley_that_only_a_flat_cutter_leaves_is_no_sliver() {
+    // A flat cutter of 1 mm radius stands 0.035 mm above the bottom of a valley that rises by 2 degrees on both sides; a
+    // ball goes down to 0.0006 mm.
+    let rise = 10.0 * 2f64.to_radians().tan();
+    let across = [(-10.0, 0.0), (10.0, 0.0), (10.0, 5.0 + rise), (0.0, 5.0), (-10.0, 5.0 + rise)];
+    let across: Vec<DVec2> = across.into_iter().map(DVec2::from).collect();
+    let mesh = prism(&[&across], 0.0, 12.0).unwrap().mapped(|p| DVec3::new(p.z, p.x, p.y));
+    let flat = answer(&mesh, vec![Cutter::flat(1.0)]).unwrap();
+    assert!((flat.regions.len() == 1) && (0.02..0.04).contains(&flat.regions[0].thickness), "{:?}", flat.regions);
+    let both = answer(&mesh, vec![Cutter::flat(1.0), Cutter::ball(1.0)]).unwrap();
+    assert!(both.is_whole() && both.regions.is_empty(), "{:?} {:?}", both.stack.warnings, both.regions);
 }
 
 #[test]
