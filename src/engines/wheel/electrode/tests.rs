@@ -8,7 +8,7 @@ use super::*;
 use crate::channel::{Channel, ChannelWall};
 use crate::find_channel::find_channel;
 use crate::fixtures::exact_channel;
-use crate::options::{BliskOptions, ZAt};
+use crate::options::{Auto, BliskOptions, ZAt};
 use crate::parametric::random::{random_wheel, shares};
 use crate::parametric::wheel::ParametricWheel;
 use crate::parametric::{MeshResolution, ParametricBlisk};
