@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use super::{Answer, InspectArguments, Session};
-use crate::workspaces::blisk::document::job_file::BliskSection;
+use crate::workspaces::blisk::job::stages::made;
+use files::Params as _;
 use files::report::counted;
 use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
-use import::Imported;
+use import::{ImportReport, Imported};
 use wheel::centreline::CentrelineSummary;
 use wheel::inspect::{ChannelSummary, inspect as inspect_blisk};
 use wheel::nurbs_wall::NurbsWall;
@@ -16,12 +17,17 @@ use wheel::sections::read_sections_file;
 
 /// Prints what was found in the mesh of `arguments`.
 pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow::Result<Answer> {
-    let BliskSection { mesh, units, options } = super::plan::read(&arguments.project, session)?.blisk;
-    let Some(file) = mesh else {
-        anyhow::bail!("{}: blisk.mesh is missing; give a mesh", arguments.project.file.display())
+    let job = super::plan::read(&arguments.project, session)?;
+    let (file, options) = (job.part(), &job.blisk.options);
+    let imported = match (&job.blisk.mesh, made(&job, &session.task).map_err(anyhow::Error::msg)?) {
+        (_, Some((mesh, file))) => Inspected { mesh, sha256: file.sha256, report: None },
+        (Some(mesh), None) => {
+            let Imported { mesh, sha256, report, .. } = session.import_silently(mesh, job.blisk.units)?;
+            Inspected { mesh, sha256, report: Some(report) }
+        }
+        (None, None) => anyhow::bail!("{}: blisk.mesh is missing; give a mesh", arguments.project.file.display()),
     };
-    let imported = session.import_silently(&file, units)?;
-    let inspection = inspect_blisk(&imported.mesh, &options, &session.task)?;
+    let inspection = inspect_blisk(&imported.mesh, options, &session.task)?;
     let measured = match (&arguments.sections, &inspection.channel, inspection.walls.as_deref()) {
         (Some(file), Some(channel), Some(walls)) => {
             let wheel = inspection.whole.as_deref().unwrap_or(&imported.mesh).in_frame(&channel.frame);
@@ -39,7 +45,7 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
         }
         say!("{}", serde_json::to_string_pretty(&all)?);
     } else {
-        print_import(&imported);
+        imported.report.iter().for_each(print_import);
         say!("{inspection}");
         if let Some(Measured { surfaces, deviation }) = &measured {
             say!("From the measured sections:\n{deviation}{surfaces}");
@@ -48,9 +54,17 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
     match inspection.not_found.first() {
         None if measured.is_some_and(|m| !m.deviation.holds()) => Ok(Answer::No),
         None => Ok(Answer::Yes),
-        Some(problem) if session.json => anyhow::bail!("{}: {problem}", file.display()),
-        Some(_) => anyhow::bail!("{}: refused, for the reason in its verdict", file.display()),
+        Some(problem) if session.json => anyhow::bail!("{file}: {problem}"),
+        Some(_) => anyhow::bail!("{file}: refused, for the reason in its verdict"),
     }
+}
+
+/// A mesh that is inspected.
+struct Inspected {
+    mesh: Mesh,
+    sha256: String,
+    /// What the import found; none for a blisk that is made from blades.
+    report: Option<ImportReport>,
 }
 
 /// What measured sections tell.
@@ -79,8 +93,7 @@ impl Measured {
     }
 }
 
-fn print_import(imported: &Imported) {
-    let r = &imported.report;
+fn print_import(r: &ImportReport) {
     say!(
         "file         {}, {} triangles read, {} kept, {} vertices",
         r.format.name(),

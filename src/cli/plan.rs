@@ -12,7 +12,7 @@ use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanOutcome};
 use crate::workspaces::blisk::job::plan::{prepare, run_prepared};
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::sizing::auto_sized;
-use crate::workspaces::blisk::job::stages::input_file;
+use crate::workspaces::blisk::job::stages::{input_file, made};
 use crate::workspaces::blisk::report::{InputFile, Report};
 use files::{ExportFolder, Validate as _};
 use import::Units;
@@ -37,16 +37,21 @@ pub(super) fn read(project: &ProjectArguments, session: &Session) -> anyhow::Res
 /// Reads a project and its meshes, and what a report says of these.
 pub(super) fn load(project: &ProjectArguments, session: &Session) -> anyhow::Result<(PlanInputs, Vec<InputFile>)> {
     let job = read(project, session)?;
-    let Some(mesh) = job.blisk.mesh.clone() else {
-        anyhow::bail!(
+    let (blisk, file) = match (job.blisk.mesh.clone(), made(&job, &session.task).map_err(anyhow::Error::msg)?) {
+        (_, Some(made)) => made,
+        (Some(mesh), None) => {
+            let blisk = session.import(&mesh, job.blisk.units)?;
+            super::require_closed(&mesh, &blisk)?;
+            let file = input_file("blisk", &mesh, &blisk);
+            (blisk.mesh, file)
+        }
+        (None, None) => anyhow::bail!(
             "{}: blisk.mesh is missing; give the mesh file there or with --set blisk.mesh=FILE. The built-in blisk is \
              planned by sparkpath demo",
             project.file.display()
-        )
+        ),
     };
-    let blisk = session.import(&mesh, job.blisk.units)?;
-    super::require_closed(&mesh, &blisk)?;
-    let mut files = vec![input_file("blisk", &mesh, &blisk)];
+    let mut files = vec![file];
     let own = match &job.electrode.mesh {
         Some(path) => {
             // The user's electrode stands in the blisk's coordinates after conversion, as our own files do.
@@ -56,7 +61,7 @@ pub(super) fn load(project: &ProjectArguments, session: &Session) -> anyhow::Res
         }
         None => None,
     };
-    Ok((PlanInputs { blisk: blisk.mesh.into(), own_electrode: own, job }, files))
+    Ok((PlanInputs { blisk: blisk.into(), own_electrode: own, job }, files))
 }
 
 /// The whole journey on the built-in blisk.

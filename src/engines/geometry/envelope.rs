@@ -9,16 +9,16 @@
 //! carried on until they meet, as long as that is no more than [`LONGEST`] gaps away; beyond, a polyhedron around the
 //! ball takes its place, which reaches no more than 20 % of the gap beyond it.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::mesh::{Bounds, Mesh, unit_normal};
+use super::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
 use super::offset::{least_shift, vertex_normals};
-use super::solid::{self, SolidError, hull};
+use super::solid::{self, GRID, SolidError, hull, on_grid};
 use task::Cancel;
 
 /// Gaps within which the planes of faces that meet are carried on.
@@ -27,8 +27,6 @@ const LONGEST: f64 = 1.8;
 const SHORT: f64 = 0.25;
 /// Radii within which the planes of walls that a disc is swept along are carried on.
 const FURTHEST: f64 = 3.0;
-/// Step to which moved corners are rounded (mm): exact in binary, so that it can be told exactly which faces look up.
-const GRID: f64 = 1.0 / (1u64 << 30) as f64;
 /// Directions in which a ball is bounded that lie nearer to a face's normal than this are left out (rad).
 const APART: f64 = 0.25;
 /// Part of a unit normal downwards from which on others lie over a face.
@@ -137,6 +135,11 @@ enum Corner {
 }
 
 impl Corner {
+    /// The corner at `p` of faces with these normals, moved to those of a body around it.
+    fn around(p: DVec3, normals: &[DVec3], growth: &Growth) -> Self {
+        Self::Around(around(normals, growth).into_iter().map(|d| on_grid(p + d)).collect())
+    }
+
     fn points(&self) -> &[DVec3] {
         match self {
             Self::Meeting(point) => std::slice::from_ref(point),
@@ -159,13 +162,28 @@ fn corners(mesh: &Mesh, growth: &Growth) -> Vec<Corner> {
         let all: Vec<DVec3> = planes.iter().map(|(n, _)| *n).collect();
         let even = least_shift(&planes);
         let even = even.filter(|shift| whole[v] && !own.is_empty() && shift.length() <= LONGEST * growth.gap);
-        let at = |d: DVec3| ((*p + d) / GRID).round() * GRID;
         match even.zip(across(&all, growth)) {
-            Some((even, across)) => Corner::Meeting(at(even + across)),
-            None => Corner::Around(around(own, growth).into_iter().map(at).collect()),
+            Some((even, across)) => Corner::Meeting(on_grid(*p + even + across)),
+            None => Corner::around(*p, own, growth),
         }
     };
-    mesh.vertices.par_iter().enumerate().map(of).collect()
+    let mut corners: Vec<Corner> = mesh.vertices.par_iter().enumerate().map(of).collect();
+    // A triangle that is turned over when it is moved covers nothing of what was to be covered there.
+    let folded: BTreeSet<u32> =
+        mesh.triangles.iter().filter(|t| is_folded(mesh, &corners, **t)).flatten().copied().collect();
+    for v in folded.into_iter().map(|v| v as usize) {
+        corners[v] = Corner::around(mesh.vertices[v], &normals[v], growth);
+    }
+    corners
+}
+
+/// Whether a triangle, whose corners are all moved to one place, looks the other way then.
+fn is_folded(mesh: &Mesh, corners: &[Corner], triangle: [u32; 3]) -> bool {
+    let [Corner::Meeting(a), Corner::Meeting(b), Corner::Meeting(c)] = triangle.map(|v| &corners[v as usize]) else {
+        return false;
+    };
+    let before = normal_times_two_areas(triangle.map(|v| mesh.vertices[v as usize]));
+    before.dot(normal_times_two_areas([*a, *b, *c])) < 0.0
 }
 
 /// For vertices with edges shorter than `length` (mm) where those lead.

@@ -11,6 +11,9 @@ use super::mesh::{Bounds, Mesh};
 use super::weld::Weld;
 use task::{Cancel, Cancelled};
 
+/// Step to which corners of solids are rounded (mm): exact in binary.
+pub(super) const GRID: f64 = 1.0 / (1u64 << 30) as f64;
+
 /// Reason why solids cannot be combined.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SolidError {
@@ -33,7 +36,7 @@ pub enum SolidError {
 /// # Errors
 /// [`SolidError::NotClosed`], [`SolidError::Failed`].
 pub fn difference(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
-    Ok(mesh(&combine(a, b, OpType::Subtract, BooleanEngine::Exact)?))
+    Ok(mesh(&combine(a, b, OpType::Subtract)?))
 }
 
 /// The part of `a` inside `b`; a mesh without triangles where there is none.
@@ -41,7 +44,7 @@ pub fn difference(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
 /// # Errors
 /// [`SolidError::NotClosed`], [`SolidError::Failed`].
 pub fn intersection(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
-    Ok(mesh(&combine(a, b, OpType::Intersect, BooleanEngine::Exact)?))
+    Ok(mesh(&combine(a, b, OpType::Intersect)?))
 }
 
 /// Everything inside `a` or `b`.
@@ -52,7 +55,7 @@ pub fn union(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
     match (a.triangles.is_empty(), b.triangles.is_empty()) {
         (true, _) => Ok(b.clone()),
         (_, true) => Ok(a.clone()),
-        _ => Ok(mesh(&combine(a, b, OpType::Add, BooleanEngine::Auto)?.simplify(SMALLEST))),
+        _ => Ok(mesh(&combine(a, b, OpType::Add)?.simplify(SMALLEST))),
     }
 }
 
@@ -77,15 +80,15 @@ pub fn wound(surface: &Mesh) -> Result<Mesh, SolidError> {
     }
 }
 
-fn combine(a: &Mesh, b: &Mesh, operation: OpType, engine: BooleanEngine) -> Result<Manifold, SolidError> {
+fn combine(a: &Mesh, b: &Mesh, operation: OpType) -> Result<Manifold, SolidError> {
     if a.triangles.is_empty() {
         return Ok(Manifold::empty());
     }
-    combined(&manifold(a)?, &manifold(b)?, operation, engine)
+    combined(&manifold(a)?, &manifold(b)?, operation)
 }
 
-fn combined(a: &Manifold, b: &Manifold, operation: OpType, engine: BooleanEngine) -> Result<Manifold, SolidError> {
-    let found = a.boolean_with_engine(b, operation, engine);
+fn combined(a: &Manifold, b: &Manifold, operation: OpType) -> Result<Manifold, SolidError> {
+    let found = a.boolean_with_engine(b, operation, BooleanEngine::Auto);
     match found.status() {
         Error::NoError => Ok(found),
         error => Err(SolidError::Failed(error.to_str().to_owned())),
@@ -112,7 +115,7 @@ impl Trimmer {
         if a.triangles.is_empty() {
             return Ok(Mesh::default());
         }
-        let found = combined(&manifold(a)?, &self.0, OpType::Subtract, BooleanEngine::Auto)?;
+        let found = combined(&manifold(a)?, &self.0, OpType::Subtract)?;
         Ok(without_slivers(mesh(&found.simplify(SLIVER))))
     }
 }
@@ -284,12 +287,25 @@ fn given(mesh: &Mesh) -> MeshGL64 {
     }
 }
 
+/// A mesh as a solid. What is read is tidied, and where edges lie nearer to one another than rounding, tidying may take a
+/// corner of their neighbours away: corners are rounded first, so that such edges are one. What loses volume all the same
+/// is read as it is, which takes longer.
 fn manifold(mesh: &Mesh) -> Result<Manifold, SolidError> {
-    let solid = Manifold::from_mesh_gl64(&given(mesh));
+    /// Thickness by which tidying may change a solid all over its surface (mm).
+    const TIDIED: f64 = 1e-6;
+    let vertices = mesh.vertices.iter().map(|p| on_grid(*p)).collect();
+    let rounded = Mesh { vertices, triangles: mesh.triangles.clone() };
+    let solid = Manifold::from_mesh_gl64(&given(&rounded));
     match solid.status() {
-        Error::NoError => Ok(solid),
+        Error::NoError if (solid.volume() - rounded.volume()).abs() <= TIDIED * rounded.area() => Ok(solid),
+        Error::NoError => soup(&rounded),
         error => Err(SolidError::NotClosed(error.to_str().to_owned())),
     }
+}
+
+/// The nearest place on the grid of corners.
+pub(super) fn on_grid(p: DVec3) -> DVec3 {
+    (p / GRID).round() * GRID
 }
 
 /// Vertices on the seam of the two solids come once for each and are one again here.

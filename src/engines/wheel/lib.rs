@@ -1,6 +1,7 @@
 //! What a blisk is. Finds its axis, period and channels in a bare mesh, makes electrodes for a
 //! channel, and makes parametric blisks.
 
+pub mod blade_sections;
 mod by_hand;
 pub mod centreline;
 pub mod channel;

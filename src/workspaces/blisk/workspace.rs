@@ -102,7 +102,7 @@ impl BliskWorkspace {
         self.view = BliskView::default();
         cx.request(Request::Show);
         let document = &self.desk.document;
-        if let Some(path) = document.file().or(document.params().blisk.mesh.as_deref()) {
+        if let Some(path) = document.file().or(document.params().blisk.file()) {
             cx.opened(path);
         }
         // What was said last is of another part.
@@ -380,7 +380,7 @@ impl Workspace for BliskWorkspace {
     }
 
     fn near(&self) -> Option<&Path> {
-        self.desk.document.file().or(self.desk.document.params().blisk.mesh.as_deref())
+        self.desk.document.file().or(self.desk.document.params().blisk.file())
     }
 
     fn open(&mut self, path: &Path, cx: &mut Context) {

@@ -222,11 +222,12 @@ fn balanced_split(channel: &Channel, [low_turn, high_turn]: [f64; 2]) -> f64 {
     let (low, high) = (&channel.low, &channel.high);
     let every = |count: usize, most: usize| (0..count).step_by((count - 1).div_ceil(most - 1).max(1));
     let grid = every(low.nu, MOST[0]).flat_map(|u| every(low.nv, MOST[1]).map(move |v| (u, v)));
-    let turned = |at: Cylindrical, turn: f64| Cylindrical { theta: at.theta + turn, ..at };
-    let pairs: Vec<[Cylindrical; 2]> = grid
-        .map(|(u, v)| [turned(low.cylindrical(u, v), low_turn), turned(high.cylindrical(u, v), -high_turn)])
-        .collect();
-    let walls = [0, 1].map(|wall| pairs.iter().map(|pair| pair[wall].point()).collect::<Vec<_>>());
+    let pairs: Vec<[Cylindrical; 2]> = grid.map(|(u, v)| [low.cylindrical(u, v), high.cylindrical(u, v)]).collect();
+    // The surface between the columns does not turn.
+    let walls = [(0, low_turn), (1, -high_turn)].map(|(wall, turn)| {
+        let turned = |at: Cylindrical| Cylindrical { theta: at.theta + turn, ..at }.point();
+        pairs.iter().map(|pair| turned(pair[wall])).collect::<Vec<_>>()
+    });
     let thickness = |wall: &[DVec3], middle: &[DVec3]| {
         let nearest = |p: &DVec3| middle.iter().map(|q| p.distance_squared(*q)).fold(f64::INFINITY, f64::min);
         wall.iter().map(nearest).fold(f64::INFINITY, f64::min)

@@ -229,13 +229,7 @@ impl ParametricWheel {
         let standing = (0..self.blades).filter(|k| Some(*k) != self.flaws.missing_blade);
         shells.extend(standing.map(|k| self.blade(k)));
         shells.extend((self.holes > 0).then(|| self.flange()));
-        let mut all = Mesh::default();
-        for shell in shells {
-            let first = all.vertices.len() as u32;
-            all.vertices.extend(shell.vertices);
-            all.triangles.extend(shell.triangles.iter().map(|t| t.map(|v| v + first)));
-        }
-        all
+        together(shells)
     }
 
     /// All shells together, moved.
@@ -344,9 +338,20 @@ enum Height {
     BelowShroud(f64),
 }
 
+/// All shells as one mesh.
+pub(crate) fn together(shells: impl IntoIterator<Item = Mesh>) -> Mesh {
+    let mut all = Mesh::default();
+    for shell in shells {
+        let first = all.vertices.len() as u32;
+        all.vertices.extend(shell.vertices);
+        all.triangles.extend(shell.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    all
+}
+
 /// The outline of (x, r), of which the first `along + 1` points are the front and the others the back, turned about X by
 /// so many of `around` steps.
-fn turned(outline: &[DVec2], around: usize, steps: usize, along: usize) -> Mesh {
+pub(crate) fn turned(outline: &[DVec2], around: usize, steps: usize, along: usize) -> Mesh {
     let n = outline.len();
     let point = |(j, i): (usize, usize)| {
         let DVec2 { x, y: r } = outline[i % n];
@@ -395,7 +400,7 @@ pub fn flange(inner: f64, outer: f64, holes: usize, hole_radius: f64) -> Mesh {
 }
 
 /// A closed shell, oriented outwards.
-fn outwards(mut mesh: Mesh) -> Mesh {
+pub(crate) fn outwards(mut mesh: Mesh) -> Mesh {
     if mesh.volume() < 0.0 {
         mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     }

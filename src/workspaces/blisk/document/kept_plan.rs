@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::Document;
-use super::job_file::PlanJob;
+use super::job_file::{BladesFrom, PlanJob};
 use feed::genetic::ReductionMode;
 use feed::objective::ObjectiveValue;
 use feed::pose::{Axis, Pose};
@@ -206,6 +206,9 @@ impl KeptPlan {
         let PlanJob { mut blisk, mut electrode, machine, plan, genetic, verify, export: _ } = job.clone();
         for mesh in [&mut blisk.mesh, &mut electrode.mesh] {
             *mesh = mesh.take().map(|_| "mesh".into());
+        }
+        if let BladesFrom::Measured(blades) = &mut blisk.sections {
+            blades.file = "sections".into();
         }
         // Bodies have no part in the search; what is taken up is simulated anew.
         let machine = machine.searched();

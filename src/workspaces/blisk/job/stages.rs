@@ -8,10 +8,11 @@ use glam::DVec3;
 use super::plan::sides;
 use super::planned::inputs_of;
 use super::prepared_blisk::electrode_of;
-use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
+use crate::workspaces::blisk::document::job_file::{BladesFrom, MeasuredBlades, PlanJob};
 use crate::workspaces::blisk::report::InputFile;
 use crate::workspaces::blisk::scene::shapes::{ChannelShapes, channel_shapes};
+use files::Params as _;
 use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
 use import::{ImportOptions, ImportReport, Imported, Units, import_file};
@@ -21,7 +22,9 @@ use wheel::centreline::{Centreline, CentrelineError};
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, ElectrodeError};
 use wheel::find_channel::find_or_refuse;
+use wheel::parametric::MeshResolution;
 use wheel::parametric::wheel::ParametricWheel;
+use wheel::sections::read_sections_file;
 
 /// The meshes of a job as loaded.
 #[derive(Debug, Clone)]
@@ -99,9 +102,15 @@ impl Electrodes {
 /// # Errors
 /// One line naming file, place and remedy.
 pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
-    let Some(path) = &job.blisk.mesh else { return Ok(demonstration()) };
-    let blisk = import(path, job.blisk.units, task)?;
-    let mut files = vec![input_file("blisk", path, &blisk)];
+    let (mesh, report, mut files) = match (&job.blisk.mesh, made(job, task)?) {
+        (_, Some((mesh, file))) => (mesh, None, vec![file]),
+        (Some(path), None) => {
+            let blisk = import(path, job.blisk.units, task)?;
+            let file = input_file("blisk", path, &blisk);
+            (blisk.mesh, Some(blisk.report), vec![file])
+        }
+        (None, None) => return Ok(demonstration()),
+    };
     let own_electrode = match &job.electrode.mesh {
         None => None,
         Some(path) => {
@@ -110,11 +119,45 @@ pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
             Some(Arc::new(own.mesh))
         }
     };
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let shape = Arc::new(RenderMesh::new(&blisk.mesh));
+    let shape = Arc::new(RenderMesh::new(&mesh));
     task.check().map_err(|e| e.to_string())?;
-    Ok(Part { name, mesh: Arc::new(blisk.mesh), shape, report: Some(blisk.report), own_electrode, files })
+    Ok(Part { name: job.part(), mesh: Arc::new(mesh), shape, report, own_electrode, files })
 }
+
+/// The blisk that a job makes from blades, and what a report says of it; none where the job has a mesh. Reads the table of
+/// the sections.
+///
+/// # Errors
+/// One line naming file, place and remedy.
+pub fn made(job: &PlanJob, task: &Task) -> Result<Option<(Mesh, InputFile)>, String> {
+    let (mesh, path, from) = match &job.blisk.sections {
+        BladesFrom::None => return Ok(None),
+        BladesFrom::Measured(MeasuredBlades { file, ring }) => {
+            let wrong = |problem: &dyn std::fmt::Display| format!("{}: {problem}", file.display());
+            let sections = read_sections_file(file).map_err(|e| wrong(&e))?;
+            let mesh = ring.mesh(&sections, &task.cancel).map_err(|e| wrong(&e))?;
+            (mesh, file.display().to_string(), "through measured sections")
+        }
+        BladesFrom::Profile(blisk) => {
+            let mesh = blisk.mesh(&FINE).map_err(|e| e.to_string())?;
+            (mesh, job.part(), "of its profile")
+        }
+    };
+    let file = InputFile {
+        role: "blisk".to_owned(),
+        path,
+        // The mesh tells one blisk from another as a file would.
+        sha256: mesh.digest(),
+        triangles: mesh.triangles.len(),
+        unit: "mm".to_owned(),
+        unit_reason: format!("made by this program {from}"),
+        ..Default::default()
+    };
+    Ok(Some((mesh, file)))
+}
+
+/// Resolution of blisks that are made of a profile.
+const FINE: MeshResolution = MeshResolution { edge: 8, chord: 36, span: 6, pitch: 8, ring: 2 };
 
 fn demonstration() -> Part {
     let mesh = ParametricWheel::demonstration().mesh();

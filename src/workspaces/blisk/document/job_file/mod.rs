@@ -19,8 +19,10 @@ use field_table::FIELDS;
 use files::{Invalid, Params, Validate};
 use import::Units;
 use nc::program::NcSettings;
+use wheel::blade_sections::BladeRing;
 use wheel::electrode::{ElectrodeParams, EnterSide, Sizing};
 use wheel::options::{Auto, AxisChoice, BliskOptions, ZAt};
+use wheel::parametric::ParametricBlisk;
 
 /// Parameters of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -57,9 +59,34 @@ pub struct BliskSection {
     pub mesh: Option<PathBuf>,
     /// Unit of the mesh file.
     pub units: Units,
+    /// Blades that the blisk is made from, instead of a mesh.
+    pub sections: BladesFrom,
     /// The other keys.
     #[serde(flatten)]
     pub options: BliskOptions,
+}
+
+/// Blades that a blisk is made from (`[blisk.sections]`).
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+pub enum BladesFrom {
+    /// The blisk has a mesh.
+    #[default]
+    None,
+    /// Measured sections.
+    Measured(MeasuredBlades),
+    /// Parameters of their profile, P1 (3) to (5).
+    Profile(ParametricBlisk),
+}
+
+/// Measured sections of blades, and what they do not tell of the wheel.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct MeasuredBlades {
+    /// Table of the sections.
+    pub file: PathBuf,
+    /// Blades and rings.
+    pub ring: BladeRing,
 }
 
 /// The keys of `[blisk]` in one struct: serde finds unknown keys only there.
@@ -68,6 +95,7 @@ pub struct BliskSection {
 struct BliskKeys {
     mesh: Option<PathBuf>,
     units: Units,
+    sections: BladesFrom,
     axis: AxisChoice,
     blades: Auto<usize>,
     channel: usize,
@@ -87,6 +115,7 @@ impl Default for BliskKeys {
         Self {
             mesh: None,
             units: Units::default(),
+            sections: BladesFrom::default(),
             axis: options.axis,
             blades: options.blades,
             channel: options.channel,
@@ -117,7 +146,8 @@ impl From<BliskKeys> for BliskSection {
             wall_points_chord: keys.wall_points_chord,
             wall_points_span: keys.wall_points_span,
         };
-        Self { mesh: keys.mesh.filter(|mesh| !mesh.as_os_str().is_empty()), units: keys.units, options }
+        let mesh = keys.mesh.filter(|mesh| !mesh.as_os_str().is_empty());
+        Self { mesh, units: keys.units, sections: keys.sections, options }
     }
 }
 
@@ -165,6 +195,35 @@ impl Default for PlanJob {
     }
 }
 
+impl BliskSection {
+    /// The file of the part: its mesh, or the table of its sections.
+    pub fn file(&self) -> Option<&Path> {
+        match &self.sections {
+            BladesFrom::Measured(blades) => Some(&blades.file),
+            _ => self.mesh.as_deref(),
+        }
+    }
+
+    fn validate_sections(&self) -> Result<(), Invalid> {
+        if self.sections != BladesFrom::None && self.mesh.is_some() {
+            let remedy = "there is a mesh too: take blisk.mesh away, or set blisk.sections to \"none\"";
+            return Err(Invalid::of("blisk.sections", remedy));
+        }
+        match &self.sections {
+            BladesFrom::None => Ok(()),
+            BladesFrom::Measured(blades) if blades.file.as_os_str().is_empty() => {
+                Err(Invalid::of("blisk.sections.file", "must be the table of the measured sections"))
+            }
+            BladesFrom::Measured(blades) => {
+                blades.ring.validate().map_err(|problem| problem.within("blisk.sections.ring"))
+            }
+            BladesFrom::Profile(blisk) => {
+                blisk.validate().map_err(|problem| Invalid::of("blisk.sections", problem.to_string()))
+            }
+        }
+    }
+}
+
 impl PlanJob {
     /// A job on the built-in demonstration blisk, whose passage widens towards +X; all else by default.
     pub fn demonstration() -> Self {
@@ -185,7 +244,15 @@ impl PlanJob {
 
     /// A job on the blisk in the mesh file `mesh`, all else by default.
     pub fn for_mesh(mesh: &Path) -> Self {
-        let blisk = BliskSection { mesh: Some(mesh.to_owned()), ..Default::default() };
+        Self::of(BliskSection { mesh: Some(mesh.to_owned()), ..Default::default() })
+    }
+
+    /// A job on a blisk that is made from blades, all else by default.
+    pub fn of_blades(sections: BladesFrom) -> Self {
+        Self::of(BliskSection { sections, ..Default::default() })
+    }
+
+    fn of(blisk: BliskSection) -> Self {
         Self { blisk, electrode: ElectrodeParams::default(), ..Self::demonstration() }
     }
 
@@ -209,6 +276,7 @@ impl Validate for PlanJob {
         FIELDS.check(self)?;
         let other = |problem: &dyn std::fmt::Display| Invalid::of("", problem.to_string());
         self.blisk.options.validate().map_err(|e| other(&e))?;
+        self.blisk.validate_sections()?;
         self.electrode.validate().map_err(|e| other(&e))?;
         self.machine.validate().map_err(|e| other(&e))?;
         self.plan.validate().map_err(|e| other(&e))?;
@@ -246,8 +314,12 @@ impl Params for PlanJob {
     const KIND: &'static str = "blisk";
 
     fn part(&self) -> String {
-        let name = self.blisk.mesh.as_deref().and_then(Path::file_name);
-        name.map_or_else(|| "Demonstration blisk".to_owned(), |name| name.to_string_lossy().into_owned())
+        let name = self.blisk.file().and_then(Path::file_name);
+        let without = match self.blisk.sections {
+            BladesFrom::Profile(_) => "Blisk of a profile",
+            _ => "Demonstration blisk",
+        };
+        name.map_or_else(|| without.to_owned(), |name| name.to_string_lossy().into_owned())
     }
 
     fn name(&self) -> String {
@@ -258,6 +330,9 @@ impl Params for PlanJob {
         for mesh in [&mut self.blisk.mesh, &mut self.electrode.mesh].into_iter().flatten() {
             *mesh = change(mesh);
         }
+        if let BladesFrom::Measured(blades) = &mut self.blisk.sections {
+            blades.file = change(&blades.file);
+        }
         let named = [(is_file as fn(&str) -> bool, &mut self.machine.name), (is_post, &mut self.export.post)];
         for (is_path, name) in named {
             if is_path(name) {
@@ -266,9 +341,9 @@ impl Params for PlanJob {
         }
     }
 
-    /// Meshes are needed; a machine or a post can be chosen later.
+    /// Meshes and sections are needed; a machine or a post can be chosen later.
     fn needs(&self, path: &Path) -> bool {
-        [&self.blisk.mesh, &self.electrode.mesh].into_iter().flatten().any(|mesh| mesh == path)
+        self.blisk.file().into_iter().chain(self.electrode.mesh.as_deref()).any(|file| file == path)
     }
 
     /// Axes, travels and speeds of the machine that is named, but for those that are given. What its file does not say

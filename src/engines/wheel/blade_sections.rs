@@ -1,0 +1,286 @@
+//! A wheel made from measured sections of its blades, for parts of which there is no mesh: blades skinned over the
+//! sections as P1 does it, between two rings.
+
+use files::Invalid;
+use glam::{DMat3, DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+use crate::nurbs_wall::{MeasuredError, NurbsWall};
+use crate::parametric::welder::Welder;
+use crate::parametric::wheel::{outwards, together, turned};
+use crate::sections::MeasuredSection;
+use geometry::frame::Cylindrical;
+use geometry::mesh::Mesh;
+use task::Cancel;
+
+/// What measured sections do not tell of a wheel: blades and rings.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct BladeRing {
+    /// Number of blades.
+    pub blades: usize,
+    /// X of the two faces, that at -X first (mm).
+    pub faces_x_mm: [f64; 2],
+    /// Radius of the hub at each face (mm).
+    pub hub_radius_mm: [f64; 2],
+    /// Radius of the shroud at each face (mm).
+    pub shroud_radius_mm: [f64; 2],
+    /// Radius of the bore (mm).
+    pub bore_radius_mm: f64,
+    /// Radius of the outside of the shroud's ring (mm).
+    pub outer_radius_mm: f64,
+}
+
+impl Default for BladeRing {
+    fn default() -> Self {
+        Self {
+            blades: 60,
+            faces_x_mm: [-3.0, 23.0],
+            hub_radius_mm: [110.0; 2],
+            shroud_radius_mm: [125.0; 2],
+            bore_radius_mm: 60.0,
+            outer_radius_mm: 130.0,
+        }
+    }
+}
+
+/// Reason why there is no wheel.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BladeRingError {
+    /// A value is out of its range, or does not go with another.
+    #[error(transparent)]
+    Params(#[from] Invalid),
+    /// There are no walls through the sections.
+    #[error(transparent)]
+    Sections(#[from] MeasuredError),
+    /// The sections do not reach a ring.
+    #[error(
+        "the sections end {missing:.2} mm from the {ring} at x = {x:.2} mm, which is more than {most:.2} mm, a fifth of the \
+         passage: measure a section nearer to it, or correct its radius"
+    )]
+    Short {
+        /// Name of the ring.
+        ring: &'static str,
+        /// How far the sections end from it (mm).
+        missing: f64,
+        /// Place along the axis (mm).
+        x: f64,
+        /// How far they may end from it (mm).
+        most: f64,
+    },
+    /// Blades at the walls' distance have no thickness.
+    #[error(
+        "with {blades} blades the low wall of a channel meets the high wall of the channel before at x = {:.2}, r = {:.2} mm, \
+         so that the blade between them has no thickness: correct the number of blades, or exchange low and high in the table",
+        place.x, place.y
+    )]
+    NoThickness {
+        /// Number of blades given.
+        blades: usize,
+        /// Place (x, r) (mm).
+        place: DVec2,
+    },
+}
+
+/// How deep blades reach into the rings (mm).
+const INTO: f64 = 0.5;
+/// Points of a blade's side along the chord, and rows from hub to shroud.
+const GRID: [usize; 2] = [121, 17];
+/// Facets of a ring around the axis, at least.
+const FACETS: usize = 720;
+/// Share of the passage's height by which sections may end short of a ring: the blade goes straight on there.
+const STRAIGHT_ON: f64 = 0.2;
+
+impl BladeRing {
+    /// Whether every value is within its range.
+    ///
+    /// # Errors
+    /// [`Invalid`] with the key.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        let [front, back] = self.faces_x_mm;
+        let least = |of: [f64; 2]| of[0].min(of[1]);
+        let most = |of: [f64; 2]| of[0].max(of[1]);
+        [
+            ("blades", self.blades as f64, [3.0, 1000.0]),
+            ("faces_x_mm[0]", front, [-1e4, 1e4]),
+            ("faces_x_mm[1]", back, [front + 1.0, 1e4]),
+            ("bore_radius_mm", self.bore_radius_mm, [0.5, least(self.hub_radius_mm) - 2.0 * INTO]),
+            ("hub_radius_mm", most(self.hub_radius_mm), [1.0, least(self.shroud_radius_mm) - 0.5]),
+            ("outer_radius_mm", self.outer_radius_mm, [most(self.shroud_radius_mm) + 2.0 * INTO, 1e4]),
+        ]
+        .into_iter()
+        .try_for_each(|(key, value, range)| Invalid::unless_within(key, value, range, ""))
+    }
+
+    /// Radii of hub and shroud at `x` (mm).
+    fn radii(&self, x: f64) -> [f64; 2] {
+        let [front, back] = self.faces_x_mm;
+        let share = ((x - front) / (back - front)).clamp(0.0, 1.0);
+        [self.hub_radius_mm, self.shroud_radius_mm].map(|[a, b]| a + share * (b - a))
+    }
+
+    /// The wheel about X, in W of the sections: one closed shell for each blade and each ring, which reach into each other.
+    ///
+    /// # Errors
+    /// [`BladeRingError`].
+    pub fn mesh(&self, sections: &[MeasuredSection], cancel: &Cancel) -> Result<Mesh, BladeRingError> {
+        self.validate()?;
+        let walls = NurbsWall::of_measured(sections, cancel)?;
+        let pitch = std::f64::consts::TAU / self.blades as f64;
+        let back = DMat3::from_rotation_x(-pitch);
+        // The upper side of blade 0 is the low wall of channel 0, its lower side the high wall turned back.
+        let [upper, lower] = [self.rows(&walls[0], &|p| p)?, self.rows(&walls[1], &|p| back * p)?];
+        for (a, b) in upper.iter().flatten().zip(lower.iter().flatten()) {
+            let [a, b] = [*a, *b].map(Cylindrical::from_point);
+            // At its edges a blade may be sharp.
+            if a.theta < b.theta - 1e-6 {
+                return Err(BladeRingError::NoThickness { blades: self.blades, place: DVec2::new(a.x, a.r) });
+            }
+        }
+        let blade = blade(&upper, &lower);
+        let turn = |k: usize| DMat3::from_rotation_x(pitch * k as f64);
+        let blades = (0..self.blades).map(|k| blade.mapped(|p| turn(k) * p));
+        let around = self.blades * FACETS.div_ceil(self.blades);
+        let [front_x, back_x] = self.faces_x_mm;
+        let ring = |of: [f64; 2], other: f64| {
+            let outline = [(front_x, of[0]), (back_x, of[1]), (back_x, other), (front_x, other)].map(DVec2::from);
+            turned(&outline, around, around, 1)
+        };
+        let rings = [ring(self.hub_radius_mm, self.bore_radius_mm), ring(self.shroud_radius_mm, self.outer_radius_mm)];
+        Ok(together(rings.into_iter().chain(blades)))
+    }
+
+    /// Rows of a side of a blade from within the hub's ring to within the shroud's, each from edge to edge.
+    fn rows(&self, wall: &NurbsWall, place: &dyn Fn(DVec3) -> DVec3) -> Result<Vec<Vec<DVec3>>, BladeRingError> {
+        let share = |i: usize, n: usize| i as f64 / (n - 1) as f64;
+        // Close together where edges are round.
+        let along = |i: usize| 0.5 - 0.5 * (std::f64::consts::PI * share(i, GRID[0])).cos();
+        let row = |v: f64| (0..GRID[0]).map(|i| place(wall.surface.point(along(i), v))).collect::<Vec<_>>();
+        let mut rows: Vec<Vec<DVec3>> = (0..GRID[1]).map(|j| row(share(j, GRID[1]))).collect();
+        let on = |ring: usize, rows: &[Vec<DVec3>]| {
+            let (end, before) =
+                if ring == 0 { (&rows[0], &rows[1]) } else { (&rows[rows.len() - 1], &rows[rows.len() - 2]) };
+            end.iter().zip(before).map(|(p, q)| self.led_on([*q, *p], ring)).collect::<Result<Vec<_>, _>>()
+        };
+        let [first, last] = [on(0, &rows)?, on(1, &rows)?];
+        rows.insert(0, first);
+        rows.push(last);
+        Ok(rows)
+    }
+
+    /// The end of a line through two points, straight on into a ring: 0 the hub's, 1 the shroud's.
+    fn led_on(&self, [from, end]: [DVec3; 2], ring: usize) -> Result<DVec3, BladeRingError> {
+        let radius = |p: DVec3| p.y.hypot(p.z);
+        let radii = self.radii(end.x);
+        let out = if ring == 0 { -1.0 } else { 1.0 };
+        let missing = out * (radii[ring] - radius(end));
+        let most = STRAIGHT_ON * (radii[1] - radii[0]);
+        if missing > most {
+            let ring = ["hub", "shroud"][ring];
+            return Err(BladeRingError::Short { ring, missing, x: end.x, most });
+        }
+        let rise = out * (radius(end) - radius(from));
+        // A line that hardly climbs goes on along the radius.
+        let way = if rise > 0.1 * end.distance(from) {
+            (end - from) / rise
+        } else {
+            out * end.with_x(0.0).normalize_or_zero()
+        };
+        Ok(end + way * (missing + INTO).max(0.0))
+    }
+}
+
+/// The closed shell between the two sides of a blade.
+fn blade(upper: &[Vec<DVec3>], lower: &[Vec<DVec3>]) -> Mesh {
+    let (rows, along) = (upper.len(), upper[0].len());
+    let mut welder = Welder::default();
+    for (j, i) in (0..rows - 1).flat_map(|j| (0..along - 1).map(move |i| (j, i))) {
+        welder.quad([upper[j][i], upper[j][i + 1], upper[j + 1][i + 1], upper[j + 1][i]]);
+        welder.quad([lower[j][i], lower[j + 1][i], lower[j + 1][i + 1], lower[j][i + 1]]);
+    }
+    for j in 0..rows - 1 {
+        welder.quad([lower[j][0], upper[j][0], upper[j + 1][0], lower[j + 1][0]]);
+        let i = along - 1;
+        welder.quad([upper[j][i], lower[j][i], lower[j + 1][i], upper[j + 1][i]]);
+    }
+    for i in 0..along - 1 {
+        welder.quad([lower[0][i], lower[0][i + 1], upper[0][i + 1], upper[0][i]]);
+        let j = rows - 1;
+        welder.quad([upper[j][i], upper[j][i + 1], lower[j][i + 1], lower[j][i]]);
+    }
+    outwards(welder.mesh)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::find_channel::find_channel;
+    use crate::options::BliskOptions;
+    use crate::parametric::{ChannelSide, ParametricBlisk};
+    use task::Task;
+
+    /// Sections of the exact blades at shares of the height.
+    fn sections(blisk: &ParametricBlisk, heights: &[f64]) -> Vec<MeasuredSection> {
+        let along = |i: usize| 0.5 - 0.5 * (i as f64 / 120.0 * std::f64::consts::PI).cos();
+        let wall = |side, height| (0..=120).map(|i| blisk.wall_at(side, along(i), height)[0]).collect();
+        let of = |height: &f64| MeasuredSection {
+            name: format!("{height}"),
+            low: wall(ChannelSide::Low, *height),
+            high: wall(ChannelSide::High, *height),
+        };
+        heights.iter().map(of).collect()
+    }
+
+    fn ring(blisk: &ParametricBlisk) -> BladeRing {
+        let faces = blisk.faces_x();
+        BladeRing {
+            blades: blisk.blades,
+            faces_x_mm: faces,
+            hub_radius_mm: faces.map(|x| blisk.radii(x).0),
+            shroud_radius_mm: faces.map(|x| blisk.radii(x).1),
+            bore_radius_mm: blisk.bore_radius_mm,
+            outer_radius_mm: blisk.outer_radius(),
+        }
+    }
+
+    const HEIGHTS: [f64; 7] = [0.05, 0.2, 0.35, 0.5, 0.65, 0.8, 0.95];
+
+    #[test]
+    fn the_channel_of_a_wheel_from_sections_is_that_of_the_wheel_they_were_taken_from() {
+        let blisk = ParametricBlisk { blades: 24, ..ParametricBlisk::turbine() };
+        let mesh = ring(&blisk).mesh(&sections(&blisk, &HEIGHTS), &Cancel::default()).unwrap();
+        assert!(mesh.is_watertight());
+        let options = BliskOptions::default();
+        let found = find_channel(&mesh, &options, &Task::default()).unwrap();
+        assert_eq!((found.blades, found.shrouded), (24, true));
+        // Both frames have X along the axis; channel 0 lies on +Z in W.
+        for (side, wall) in [(ChannelSide::Low, &found.low), (ChannelSide::High, &found.high)] {
+            for p in &wall.points {
+                let p = found.frame.to_parent(*p);
+                let at = Cylindrical::from_point(p);
+                if at.x < blisk.x_le(at.r) + 0.3 || at.x > blisk.x_te(at.r) - 0.3 {
+                    continue;
+                }
+                let pitch = blisk.pitch();
+                let off = (at.theta - blisk.wall_theta(side, at.x, at.r)) / pitch;
+                let off = (off - off.round()) * pitch * at.r;
+                assert!(off.abs() < 0.01, "{side:?} {p}: {off}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_go_together_is_said() {
+        let blisk = ParametricBlisk { blades: 24, ..ParametricBlisk::turbine() };
+        let own = ring(&blisk);
+        let said = |ring: BladeRing, heights: &[f64]| {
+            ring.mesh(&sections(&blisk, heights), &Cancel::default()).unwrap_err().to_string()
+        };
+        let short = said(own, &[0.4, 0.6, 0.95]);
+        assert!(short.contains("from the hub") && short.contains("measure a section nearer"), "{short}");
+        let thick = said(BladeRing { blades: 60, ..own }, &HEIGHTS);
+        assert!(thick.contains("no thickness") && thick.contains("number of blades"), "{thick}");
+        let bore = said(BladeRing { bore_radius_mm: 500.0, ..own }, &HEIGHTS);
+        assert!(bore.starts_with("bore_radius_mm"), "{bore}");
+    }
+}
