@@ -61,3 +61,34 @@ fn measured_walls_are_compared_with_the_mesh() {
         assert!(text(&output.stderr).contains(named), "{}", text(&output.stderr));
     }
 }
+
+#[test]
+fn a_project_of_measured_sections_or_of_a_profile_has_the_blades_of_a_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let blisk = easy_blisk();
+    std::fs::write(folder.path().join("sections.csv"), table(0.0)).unwrap();
+    let faces = blisk.faces_x();
+    let [hub, shroud] = [faces.map(|x| blisk.radii(x).0), faces.map(|x| blisk.radii(x).1)];
+    let ring = format!(
+        "[blisk.sections.ring]\nblades = {}\nfaces_x_mm = {faces:?}\nhub_radius_mm = {hub:?}\nshroud_radius_mm = {shroud:?}\n\
+         bore_radius_mm = {:?}\nouter_radius_mm = {:?}\n",
+        blisk.blades,
+        blisk.bore_radius_mm,
+        blisk.outer_radius()
+    );
+    let measured = format!("[blisk.sections]\nkind = \"measured\"\nfile = \"sections.csv\"\n{ring}");
+    let profile = format!("[blisk.sections]\nkind = \"profile\"\n{}", toml::to_string(&blisk).unwrap());
+    let inspected = |sections: &str| -> serde_json::Value {
+        let project = folder.path().join("blades.sparkpath");
+        std::fs::write(&project, format!("kind = \"blisk\"\nversion = 1\n{sections}")).unwrap();
+        let output = sparkpath(&["inspect", project.to_str().unwrap(), "--json"]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let throat = |answer: &serde_json::Value| answer["blisk"]["channel"]["throat"]["width_mm"].as_f64().unwrap();
+    let [of_sections, of_profile] = [inspected(&measured), inspected(&profile)];
+    for answer in [&of_sections, &of_profile] {
+        assert_eq!(answer["blisk"]["channel"]["blades"], blisk.blades, "{answer}");
+    }
+    assert!((throat(&of_sections) - throat(&of_profile)).abs() < 0.02);
+}

@@ -22,8 +22,9 @@ use render::view::looking;
 use task::Task;
 use wheel::profile::{BladeProfile, Quintic, SectionCircle};
 
-const BY_HAND: &str = "A section is a row set of measured sections: sparkpath inspect p1_blisk.stl --sections \
-                       p1_sections.csv rebuilds its walls.";
+const BY_HAND: &str = "A project with [blisk.sections] is planned for blades of a profile (kind = \"profile\") or through \
+                       measured sections (kind = \"measured\", file = \"p1_sections.csv\"); in the window: step Part, \
+                       Blades, Blisk from. sparkpath inspect p1_blisk.stl --sections p1_sections.csv compares a mesh.";
 
 pub(super) fn outcomes(part: &Part, task: &Task) -> Result<Vec<Outcome>, ReproduceError> {
     let profile = part.blisk.profile(part.mean_radius());

@@ -212,3 +212,29 @@ fn a_machine_file_is_found_from_the_project_and_a_saved_one_can_do_without() {
     std::fs::remove_file(&machine).unwrap();
     assert_eq!(Document::open(&file).unwrap().params().machine, job.machine);
 }
+
+#[test]
+fn blades_are_given_by_sections_or_by_a_profile_instead_of_a_mesh() {
+    let read = |text: &str| parse(&format!("[blisk]\nchannel = 0\n[blisk.sections]\n{text}"));
+    let measured = read("kind = \"measured\"\nfile = \"blade.csv\"\nring = { blades = 24 }").unwrap();
+    let BladesFrom::Measured(blades) = &measured.blisk.sections else { panic!("{:?}", measured.blisk) };
+    assert_eq!((blades.ring.blades, measured.part().as_str()), (24, "blade.csv"));
+    assert_eq!(measured.blisk.file(), Some(blades.file.as_path()));
+    let profile = read("kind = \"profile\"\nblades = 12\nchord_mm = 14.0").unwrap();
+    let BladesFrom::Profile(blisk) = &profile.blisk.sections else { panic!("{:?}", profile.blisk) };
+    assert_eq!((blisk.blades, blisk.chord_mm), (12, 14.0));
+    for (text, said) in [
+        ("kind = \"measured\"", "blisk.sections.file"),
+        (
+            "kind = \"measured\"\nfile = \"a.csv\"\nring = { bore_radius_mm = 200.0 }",
+            "blisk.sections.ring.bore_radius_mm",
+        ),
+        ("kind = \"profile\"\nchord = 3", "chord"),
+        ("kind = \"profile\"\nblades = 500", "neighbouring blades"),
+    ] {
+        let error = read(text).unwrap_err();
+        assert!(error.contains(said), "{text}: {error}");
+    }
+    let both = parse("[blisk]\nmesh = \"a.stl\"\n[blisk.sections]\nkind = \"profile\"").unwrap_err();
+    assert!(both.contains("there is a mesh too"), "{both}");
+}

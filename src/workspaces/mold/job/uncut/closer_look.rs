@@ -42,7 +42,9 @@ pub(super) fn thin_regions(
 ) -> Result<Vec<MoldWarning>, UncutError> {
     let is_found = |r: &LayerRegion| found.iter().any(|f| f.bounds.grown(field.step()).intersects(&r.bounds));
     let thin: Vec<&LayerRegion> = flat.iter().filter(|r| r.residue() < THIN * field.step() && !is_found(r)).collect();
+    // What the flat ones leave is known.
     let mut cutters = params.library.needed();
+    cutters.retain(|cutter| cutter.kind() != CutterKind::Flat);
     cutters.sort_by(|a, b| a.radius().total_cmp(&b.radius()).then(a.corner_mm.total_cmp(&b.corner_mm)));
     let tolerance = params.tolerance_mm;
     let look = CloserLook { mesh, field, cutters, tolerance, most: MOST_CELLS / thin.len().max(1) as f64 };
@@ -69,7 +71,7 @@ pub(super) fn thin_regions(
 struct CloserLook<'a> {
     mesh: &'a Mesh,
     field: &'a HeightField,
-    /// The smallest first.
+    /// The rounded cutters, the smallest first.
     cutters: Vec<&'a Cutter>,
     tolerance: f64,
     /// Cells of each finer grid, at most.
@@ -77,19 +79,14 @@ struct CloserLook<'a> {
 }
 
 impl CloserLook<'_> {
-    /// What a few cutters leave of a region, until they take it: the smallest rounded one alone, which mostly does, then
-    /// ever more of all, the smallest first.
+    /// What the rounded cutters leave of a region, ever more of them, the smallest first, until they take it.
     fn at(&self, region: &LayerRegion, cancel: &Cancel) -> Result<Answer, UncutError> {
         let mut thickness = None;
-        // The flat ones alone leave it.
-        let rounded = self.cutters.iter().position(|cutter| cutter.kind() != CutterKind::Flat);
-        let alone = rounded.filter(|first| *first > 0).map(|first| first..first + 1);
-        let ever_more = (rounded.unwrap_or(0)..self.cutters.len()).map(|last| 0..last + 1);
-        for those in alone.into_iter().chain(ever_more) {
-            let library = CutterLibrary { cutter: self.cutters[those].iter().map(|c| (*c).clone()).collect() };
+        for count in 1..=self.cutters.len() {
+            let library = CutterLibrary { cutter: self.cutters[..count].iter().map(|c| (*c).clone()).collect() };
             match self.left_by(&library, region, cancel)? {
                 Some(0.0) => return Ok(Answer::Taken),
-                Some(left) => thickness = Some(left),
+                Some(left) => thickness = Some(left.min(region.residue())),
                 // A larger cutter needs a larger grid: what the smaller ones leave is as much as is known.
                 None if thickness.is_none() => return Ok(Answer::Unknown),
                 None => break,
