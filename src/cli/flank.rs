@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use super::flank_arguments::{Asked, FlankArguments};
 use super::{Answer, Session};
+use crate::workspaces::flank::comparison::{best, compare};
 use crate::workspaces::flank::document::FlankDocument;
 use crate::workspaces::flank::export::{ExportChoice, export};
 use crate::workspaces::flank::inputs::{input, load_machine, load_surface, load_walls, walls_unit};
@@ -22,12 +23,10 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
     if let Some(folder) = &arguments.out {
         ExportFolder::check(folder)?;
     }
-    let Asked { document, notes } = arguments.asked(session)?;
+    let Asked { mut document, notes } = arguments.asked(session)?;
+    let cutters = arguments.cutters()?;
     let task = &session.task;
     let machine = load_machine(&document, user_folder().as_deref())?;
-    if let Some(file) = &arguments.save {
-        Document::new(document.clone()).export(file)?;
-    }
     let in_unit = walls_unit(&document);
     let walls = document.walls.as_ref().map(|walls| load_walls(walls, in_unit, task)).transpose()?;
     let surface = load_surface(&document.source, task)?;
@@ -38,6 +37,14 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
     let mut input = input(&document, surface, walls, machine);
     input.doubts.extend(notes);
     let start = Instant::now();
+    let rows = cutters.map(|list| compare(&input, &list.cutter, task)).transpose()?.unwrap_or_default();
+    if let Some(best) = best(&rows) {
+        document.cutter = rows[best].cutter.clone();
+        input.cutter = document.cutter.clone();
+    }
+    if let Some(file) = &arguments.save {
+        Document::new(document.clone()).export(file)?;
+    }
     let result = plan(&input, task).map_err(|e| {
         let remedy = if matches!(e, FlankJobError::Flank(FlankError::SideOpen { .. })) {
             "; give --side positive or --side negative"
@@ -54,6 +61,7 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
         Document::new(remembered).export(file)?;
     }
     let mut lines = lines(&result);
+    lines.extend(rows.iter().map(|row| format!("cutter {}", row.sentence())));
     lines.push(format!("planned and checked in {seconds:.2} s"));
     if let Some(folder) = &arguments.out {
         let written = export(folder, (&result, &document), ExportChoice::ALL, task).map_err(anyhow::Error::msg)?;
@@ -61,7 +69,13 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
     }
     super::terminal::finish();
     let report: FlankReport = report(&result, &document);
-    say!("{}", if session.json { report.json()? } else { lines.join("\n") });
+    if session.json && !rows.is_empty() {
+        let mut all: serde_json::Value = serde_json::from_str(&report.json()?)?;
+        all["cutters"] = serde_json::to_value(&rows)?;
+        say!("{}", serde_json::to_string_pretty(&all)?);
+    } else {
+        say!("{}", if session.json { report.json()? } else { lines.join("\n") });
+    }
     Ok(if result.holds() { Answer::Yes } else { Answer::No })
 }
 

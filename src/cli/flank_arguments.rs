@@ -7,6 +7,7 @@ use clap::Args;
 use super::project::{Settings, open};
 use super::{Session, flank_electrode, unit};
 use crate::workspaces::context::is_project;
+use crate::workspaces::flank::document::cutter_list::{CUTTERS, CutterList, user_cutters};
 use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank, WallsFile};
 use crate::workspaces::flank::electrode_part::{keep_off_base, turn_over};
@@ -112,6 +113,22 @@ struct CutterArguments {
     /// (mm), as in 30:3,20:10:15.
     #[arg(long, value_name = "PARTS", value_delimiter = ',', value_parser = holder_part)]
     holder: Vec<HolderPart>,
+    /// Plans with each cutter of this list, a TOML file of [[cutter]] tables, or of the user's own list where no file is
+    /// given, tells the figures, and takes the best one: of those with which fewest checks fail the one with the least mean
+    /// deviation.
+    #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with_all = ["radius", "taper_deg", "length", "holder"])]
+    cutters: Option<Option<PathBuf>>,
+}
+
+impl FlankArguments {
+    /// The list of cutters to choose the best of, if that was asked for.
+    pub(super) fn cutters(&self) -> anyhow::Result<Option<CutterList>> {
+        let read = |file: &Option<PathBuf>| match file {
+            Some(file) => CUTTERS.read(file),
+            None => user_cutters(user_folder().as_deref()),
+        };
+        Ok(self.cutter.cutters.as_ref().map(read).transpose()?)
+    }
 }
 
 /// How the path is planned.

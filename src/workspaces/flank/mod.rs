@@ -1,6 +1,7 @@
 //! Ruled flanks milled with the side of a cutter.
 
 pub mod commands;
+pub mod comparison;
 pub mod document;
 pub mod electrode_part;
 pub mod export;

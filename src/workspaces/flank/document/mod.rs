@@ -1,5 +1,6 @@
 //! The parameters of a flank to be milled.
 
+pub mod cutter_list;
 pub mod fields;
 pub mod kept_mesh;
 pub mod milling_machine_file;

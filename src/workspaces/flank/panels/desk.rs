@@ -7,6 +7,8 @@ use std::time::Duration;
 use glam::DVec3;
 
 use crate::workspaces::context::rest_left;
+use crate::workspaces::flank::comparison::Row;
+use crate::workspaces::flank::document::cutter_list::{standard_cutters, user_cutters};
 use crate::workspaces::flank::document::milling_machine_file::{load_milling_machines, milling_machine};
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice, fields};
 use crate::workspaces::flank::work::{ExportChoice, FlankWork, Planned, Sketch};
@@ -14,6 +16,7 @@ use crate::workspaces::hands::{Gesture, Hands};
 use crate::workspaces::news::{EventKind, WorkEvent};
 use files::paths::user_folder;
 use files::{AnyDocument, Document};
+use flank::cutter::FlankCutter;
 use flank::machine::milling_machine::Workpiece;
 use flank::path::FlankPath;
 use flank::ruled_surface::Side;
@@ -109,6 +112,10 @@ pub struct FlankDesk {
     pub choice: ExportChoice,
     /// Names and titles of the available machines.
     pub machines: Vec<[String; 2]>,
+    /// The cutters to choose from.
+    pub cutters: Vec<FlankCutter>,
+    /// Plans side by side: those of a list of cutters, and those that the user keeps.
+    pub rows: Vec<Row>,
     /// Files that had changed since they were read, when an export was last asked for.
     pub changed_files: Vec<PathBuf>,
     /// The lower guide, until the upper one is named.
@@ -160,6 +167,8 @@ impl FlankDesk {
                 .into_iter()
                 .map(|m| [m.name, m.title])
                 .collect(),
+            cutters: user_cutters(user_folder().as_deref()).or_else(|_| standard_cutters()).unwrap_or_default().cutter,
+            rows: Vec::new(),
             changed_files: Vec::new(),
             first_guide: None,
             revision: 0,
@@ -190,6 +199,7 @@ impl FlankDesk {
         (self.path, self.rank, self.place, self.edited) = (self.followed.path, None, None, None);
         self.revision += 1;
         self.work.forget_sketch();
+        self.rows.clear();
     }
 
     /// Project file of the document, or a file of its surface.
@@ -269,6 +279,27 @@ impl FlankDesk {
         self.work.plan(self.document.params())
     }
 
+    /// Starts plans with each cutter of the list.
+    ///
+    /// # Errors
+    /// One line why the flank cannot be planned.
+    pub fn compare_cutters(&mut self) -> Result<(), String> {
+        self.work.compare(self.document.params(), &self.cutters)
+    }
+
+    /// Keeps the plan that is shown beside others. Check [`is_planned`](Self::is_planned) first.
+    pub fn keep(&mut self) {
+        self.rows.extend(self.shown.as_ref().map(|planned| Row::of(&planned.result)));
+    }
+
+    /// Takes a cutter.
+    pub fn take_cutter(&mut self, cutter: FlankCutter) {
+        let params = FlankDocument { cutter, ..self.document.params().clone() };
+        let label = fields::change(self.document.params(), &params);
+        self.document.edit(&label, params, false);
+        self.follow_params();
+    }
+
     /// Takes in finished work, once a frame. Nothing is computed for a flank that nobody has seen (`is_seen`). Returns
     /// the reports, and the time until the next action.
     pub fn follow(&mut self, hands: Hands, is_seen: bool, now: f64) -> (Vec<WorkEvent>, Option<Duration>) {
@@ -285,6 +316,9 @@ impl FlankDesk {
         }
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
         let mut events = self.work.follow(self.document.params(), priority);
+        if let Some(rows) = self.work.take_compared() {
+            self.rows = rows.to_vec();
+        }
         self.work.files(self.document.params()).iter().for_each(|file| self.document.note_file(file));
         let state = self.state();
         let is_valid = self.document.problem().is_none();

@@ -4,7 +4,7 @@ use crate::workspaces::commands::{CommandSet, FrameCommand};
 use crate::workspaces::context::Context;
 use crate::workspaces::flank::commands::FlankCommand;
 use crate::workspaces::flank::panels::desk::FlankDesk;
-use egui::{ProgressBar, RichText, Ui, vec2};
+use egui::{ComboBox, ProgressBar, RichText, Ui, vec2};
 use glam::DVec3;
 
 use super::desk::Standing;
@@ -18,6 +18,7 @@ use crate::workspaces::flank::document::FlankDocument;
 use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::paths::FlankPath;
 use files::direction_words;
+use flank::cutter::FlankCutter;
 use task::State;
 
 /// Height of the line that says how the plan stands (points).
@@ -38,15 +39,28 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, with_results: b
         results::show(ui, desk);
         return None;
     }
+    let mut chosen = None;
     egui::ScrollArea::vertical().id_salt("flank form").auto_shrink([false, false]).show(ui, |ui| {
         let mut form = Form::new(&FIELDS, desk.document.params(), desk.document.problem());
         section(ui, "Surface", true, |ui| asked = source::show(ui, desk, &mut form));
-        section(ui, "Cutter", true, |ui| form.section(ui, "Cutter"));
+        section(ui, "Cutter", true, |ui| {
+            chosen = cutters(ui, desk, &form);
+            form.section(ui, "Cutter");
+        });
         section(ui, "Path", true, |ui| form.section(ui, "Path"));
         section(ui, "Walls", false, |ui| walls(ui, desk, &mut form));
         section(ui, "Checks", false, |ui| form.section(ui, "Checks"));
         section(ui, "Machine", false, |ui| machine(ui, desk, &mut form, cx));
         let answer = form.answer();
+        match chosen {
+            Some(Chosen::One(cutter)) => desk.take_cutter(cutter),
+            Some(Chosen::Best) => {
+                if let Err(why) = desk.compare_cutters() {
+                    cx.error("The cutters are not compared", why);
+                }
+            }
+            None => {}
+        }
         if let Some(edit) = answer.edit {
             desk.edit(edit.params);
         }
@@ -54,6 +68,36 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, with_results: b
         asked = asked.or(answer.wanted.and_then(|key| path_of(&key)));
     });
     asked
+}
+
+/// Choice among the cutters of the list.
+enum Chosen {
+    /// This one.
+    One(FlankCutter),
+    /// The best for the flank.
+    Best,
+}
+
+/// The list of cutters.
+fn cutters(ui: &mut Ui, desk: &FlankDesk, form: &Form<FlankDocument>) -> Option<Chosen> {
+    let mut chosen = None;
+    let now = &form.params().cutter;
+    let text = if desk.cutters.contains(now) { now.words() } else { "other".to_owned() };
+    ui.horizontal(|ui| {
+        let combo = ComboBox::from_id_salt("flank cutters").selected_text(text).width(170.0).truncate();
+        combo.show_ui(ui, |ui| {
+            for cutter in &desk.cutters {
+                if ui.selectable_label(cutter == now, cutter.words()).clicked() {
+                    chosen = Some(Chosen::One(cutter.clone()));
+                }
+            }
+        });
+        let hint = "Plans with each cutter of the list, and shows the figures side by side";
+        if ui.small_button("Best of the list").on_hover_text(hint).clicked() {
+            chosen = Some(Chosen::Best);
+        }
+    });
+    chosen
 }
 
 /// The button that plans, and what is being done.

@@ -6,6 +6,7 @@ use egui::{Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 use super::desk::Standing;
 use crate::widgets::panel_parts::{fact, notice, sentence};
 use crate::widgets::theme::{palette, tick};
+use crate::workspaces::flank::comparison::best;
 use crate::workspaces::flank::document::PathChoice;
 use crate::workspaces::flank::work::Planned;
 use flank::deviation::Deviation;
@@ -34,6 +35,7 @@ pub fn body(ui: &mut Ui, desk: &mut FlankDesk) {
             ui.multiply_opacity(0.55);
         }
         figures(ui, desk, &planned);
+        comparison(ui, desk);
         ui.add_space(6.0);
         if desk.standing() == Standing::Sketch {
             let text = "Checks follow with the plan.";
@@ -113,6 +115,55 @@ fn figures(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
     fact(ui, "Best rank", format!("{} of {}", plan.ranks.best, plan.ranks.sums.len()));
     if let Some(machine) = &planned.machine {
         fact(ui, "Time on the machine", format!("{:.2} min", machine.minutes));
+    }
+}
+
+/// Plans side by side, each with its cutter, which a click takes.
+fn comparison(ui: &mut Ui, desk: &mut FlankDesk) {
+    ui.add_space(6.0);
+    ui.horizontal(|ui| {
+        ui.strong("Side by side");
+        let keep = ui.add_enabled(desk.is_planned(), egui::Button::new("Keep").small());
+        if keep.on_hover_text("Keeps the figures of this plan beside those of others").clicked() {
+            desk.keep();
+        }
+        if !desk.rows.is_empty() && ui.small_button("Clear").clicked() {
+            desk.rows.clear();
+        }
+    });
+    if desk.rows.is_empty() {
+        return;
+    }
+    let best = best(&desk.rows);
+    let mut taken = None;
+    Grid::new("flank comparison").num_columns(4).striped(true).spacing([8.0, 2.0]).show(ui, |ui| {
+        for head in ["cutter", "mean um", "over um", "under um"] {
+            ui.label(RichText::new(head).small().color(palette(ui).faint));
+        }
+        ui.end_row();
+        for (i, row) in desk.rows.iter().enumerate() {
+            let sentence = row.sentence();
+            let name = if row.cutter.name.is_empty() { row.cutter.words() } else { row.cutter.name.clone() };
+            let text = RichText::new(name).small();
+            let text = if best == Some(i) { text.strong().color(palette(ui).good) } else { text };
+            if ui.add(egui::Button::new(text).small().frame(false).truncate()).on_hover_text(&sentence).clicked() {
+                taken = Some(row.cutter.clone());
+            }
+            match &row.figures {
+                Ok(found) => {
+                    let colour = if found.fails.is_empty() { ui.visuals().text_color() } else { palette(ui).bad };
+                    for mm in [found.mean_mm, found.overcut_mm, found.undercut_mm] {
+                        ui.label(RichText::new(format!("{:.2}", 1e3 * mm)).monospace().color(colour))
+                            .on_hover_text(&sentence);
+                    }
+                }
+                Err(why) => drop(ui.label(RichText::new("no path").small().color(palette(ui).bad)).on_hover_text(why)),
+            }
+            ui.end_row();
+        }
+    });
+    if let Some(cutter) = taken {
+        desk.take_cutter(cutter);
     }
 }
 

@@ -14,6 +14,7 @@ use task::{Doing, Lane, Memo, Priority, Scheduler, State, Task};
 
 use stamps::Stamp;
 
+use crate::workspaces::flank::comparison::{Row, best};
 use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank, WallsFile};
 use crate::workspaces::flank::export;
@@ -21,6 +22,8 @@ pub use crate::workspaces::flank::export::{ExportChoice, WrittenFlank};
 use crate::workspaces::flank::inputs::{FromFile, walls_unit};
 use crate::workspaces::news::{EventKind, WorkEvent};
 pub use curves::{AxisCurve, MachineCurves, Profile};
+use flank::cutter::FlankCutter;
+use geometry::mesh::Mesh;
 use import::Unit;
 use nc::flank_job::{FlankResult, LoadedSurface};
 pub use steps::{LoadedFlank, LoadedWalls, Planned, Sketch};
@@ -49,6 +52,9 @@ pub struct FlankWork {
     sketches: Memo<Question, Sketch>,
     /// Plans with their shapes are large: a few are remembered, so that undo is instant.
     planned: Memo<Question, Planned>,
+    /// Plans with each cutter of a list.
+    compared: Memo<(Question, Vec<FlankCutter>), Vec<Row>>,
+    new_rows: Option<Arc<Vec<Row>>>,
     /// Whether a plan is wanted as soon as the files are there.
     is_waiting: bool,
     exported: Memo<u64, WrittenFlank>,
@@ -65,6 +71,8 @@ impl FlankWork {
             walls: Memo::new(scheduler, Lane::Quick, "Walls").remembering(1),
             sketches: Memo::new(scheduler, Lane::Quick, "Quick look").letting_finish().remembering(2),
             planned: Memo::new(scheduler, Lane::Long, "Flank").remembering(4),
+            compared: Memo::new(scheduler, Lane::Long, "Cutters").remembering(1),
+            new_rows: None,
             is_waiting: false,
             exported: Memo::new(scheduler, Lane::Long, "Export").remembering(1),
             exports: 0,
@@ -89,6 +97,10 @@ impl FlankWork {
         }
         while let Some(ended) = self.planned.take() {
             events.push(WorkEvent::of("Flank", ended, |planned| (EventKind::Done, planned.sentence())));
+        }
+        while let Some(ended) = self.compared.take() {
+            events.push(WorkEvent::of("Cutters", ended, |rows| (EventKind::Done, best_words(rows))));
+            self.new_rows = self.compared.last().map(|(_, rows)| rows.clone());
         }
         while let Some(ended) = self.exported.take() {
             let kind =
@@ -237,6 +249,17 @@ impl FlankWork {
             self.is_waiting = true;
             return Ok(());
         }
+        let (surface, walls) = self.read_for(document)?;
+        let (question, asked) = (self.question(document), document.clone());
+        self.planned.restart(&question, self.priority, move |work| steps::plan(&asked, surface, walls, &work.task));
+        Ok(())
+    }
+
+    /// Surface and walls of `document` as they were read.
+    fn read_for(
+        &self,
+        document: &FlankDocument,
+    ) -> Result<(FromFile<LoadedSurface>, Option<FromFile<Arc<Mesh>>>), String> {
         for state in [self.source_state(document), self.walls_state(document)] {
             if let Some(why) = state.why_not() {
                 return Err(why.to_owned());
@@ -245,10 +268,26 @@ impl FlankWork {
         let surface = self.surface(document).zip(self.loaded(document)).ok_or("there is no surface yet")?;
         let surface = FromFile { value: surface.0, doubts: surface.1.doubts.clone() };
         let walls = self.walls(document);
-        let walls = walls.map(|walls| FromFile { value: walls.mesh.clone(), doubts: walls.doubts.clone() });
-        let (question, asked) = (self.question(document), document.clone());
-        self.planned.restart(&question, self.priority, move |work| steps::plan(&asked, surface, walls, &work.task));
+        Ok((surface, walls.map(|walls| FromFile { value: walls.mesh.clone(), doubts: walls.doubts.clone() })))
+    }
+
+    /// Begins to plan with each of `cutters`.
+    ///
+    /// # Errors
+    /// One line why it cannot be planned.
+    pub fn compare(&mut self, document: &FlankDocument, cutters: &[FlankCutter]) -> Result<(), String> {
+        document.validate().map_err(|e| FIELDS.in_window(&e))?;
+        let (surface, walls) = self.read_for(document)?;
+        let key = (self.question(document), cutters.to_vec());
+        let (asked, cutters) = (document.clone(), cutters.to_vec());
+        self.compared
+            .restart(&key, self.priority, move |work| steps::compare(&asked, surface, walls, (&cutters, &work.task)));
         Ok(())
+    }
+
+    /// The rows of a comparison that has just ended, once.
+    pub fn take_compared(&mut self) -> Option<Arc<Vec<Row>>> {
+        self.new_rows.take()
     }
 
     /// Looks quickly at what `document` leads to, unless that is known or being looked at.
@@ -272,8 +311,9 @@ impl FlankWork {
 
     /// What is being worked on.
     pub fn doing(&self) -> Option<&Doing> {
-        let all = [self.source.doing(), self.walls.doing(), self.planned.doing(), self.exported.doing()];
-        all.into_iter().flatten().next()
+        let reading = [self.source.doing(), self.walls.doing()];
+        let all = reading.into_iter().chain([self.planned.doing(), self.compared.doing(), self.exported.doing()]);
+        all.flatten().next()
     }
 
     /// Whether anything waits or runs, quick looks apart.
@@ -292,6 +332,7 @@ impl FlankWork {
         self.source.cancel();
         self.walls.cancel();
         self.planned.cancel();
+        self.compared.cancel();
         self.exported.cancel();
     }
 
@@ -334,4 +375,12 @@ fn source_to_read(source: &FlankSource) -> FlankSource {
         FlankSource::Mesh(mesh) => FlankSource::Mesh(MeshFlank { candidate: 1, is_own_wall: true, ..mesh.clone() }),
         other => other.clone(),
     }
+}
+
+/// The best of some cutters in words.
+fn best_words(rows: &[Row]) -> String {
+    best(rows).map_or_else(
+        || "none of the cutters has a path".to_owned(),
+        |i| format!("best of {}: {}", rows.len(), rows[i].sentence()),
+    )
 }
