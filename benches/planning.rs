@@ -4,7 +4,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use feed::clearance::{Bodies, ClearanceModel, SamplesOf};
 use feed::outside::Outside;
 use feed::pose::Pose;
-use feed::probes::{Beyond, Turns};
+use feed::probes::{SideDemand, Turns};
 use feed::samples::{SampleSpacing, sample_electrode};
 use feed::verify::Verifier;
 use geometry::distance_field::DistanceField;
@@ -56,7 +56,7 @@ fn planning(criterion: &mut Criterion) {
         reference_point: electrode.reference_point,
         side: electrode.enters_from,
         samples: SamplesOf::Prepared,
-        beyond: Beyond::default(),
+        sides: SideDemand::default(),
     };
     let model = ClearanceModel::new(bodies, samples, Vec::new());
     let pose = Pose { x: 0.2, z: 0.1, ..Pose::FINAL };

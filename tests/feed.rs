@@ -516,3 +516,26 @@ fn a_cancelled_plan_answers_nothing() {
     let inputs = PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job: easy_job() };
     assert!(matches!(run(&inputs, &Task::silent(&cancel)), Err(PlanJobError::Cancelled(_))));
 }
+
+#[test]
+fn a_threshold_keeps_its_side_farther_off_once_the_feed_has_opened_up() {
+    const THRESHOLD: f64 = 0.45;
+    let mut job = easy_job();
+    job.plan.thresholds.low_wall_mm = THRESHOLD;
+    let [plain, kept] = [whole_easy_plan(), &whole_plan(mesh(&easy_blisk()), job)];
+    // Of nodes so far out that the threshold is asked for in full, and not so far that the walls are left behind.
+    let least = |outcome: &PlanOutcome| {
+        let electrode = &outcome.electrodes[0];
+        let nodes =
+            electrode.plan.nodes.iter().zip(&electrode.distances).filter(|(node, _)| (9.0..16.0).contains(&node.s));
+        nodes.map(|(_, at)| at.clearances.walls[0]).fold(f64::INFINITY, f64::min)
+    };
+    assert!(kept.is_verified());
+    let [without, with] = [least(plain), least(kept)];
+    assert!(with > THRESHOLD - 0.03 && with.is_finite() && without < with, "{without} {with}");
+    // D_L of P0 and the distance of P1 are of the same wall; the one is of samples between the blades alone.
+    for at in plain.electrodes[0].distances.iter().filter(|at| at.spread.least[0].is_some()) {
+        let [d_l, d_1] = [at.spread.least[0].unwrap_or_default(), at.clearances.walls[0]];
+        assert!(d_1 <= d_l + 0.05, "{d_1} {d_l}");
+    }
+}

@@ -146,7 +146,7 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     lines.extend(uncut.doubts().iter().map(|doubt| format!("warning: {doubt}")));
     let is_whole = uncut.is_whole();
     if !is_whole {
-        lines.push("the electrodes do not burn all that the cutters leave: see the warnings".to_owned());
+        lines.push("beside the electrodes' regions more is left, or not known: see the warnings".to_owned());
     }
     super::terminal::finish();
     say!("{}", if session.json { report.json()? } else { lines.join("\n") });

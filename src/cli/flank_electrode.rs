@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::Session;
 use super::project::open;
 use crate::workspaces::blisk::document::choice::MeshFrame;
-use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::job_file::{BladesFrom, PlanJob};
 use crate::workspaces::blisk::job::stages;
 use crate::workspaces::context::is_project;
 use crate::workspaces::flank::document::kept_mesh::KeptMesh;
@@ -105,7 +105,7 @@ fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<Electro
 fn of_blisk(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
     let document = open::<PlanJob>(file)?;
     let job = document.params();
-    if job.blisk.mesh.is_none() {
+    if job.blisk.mesh.is_none() && job.blisk.sections == BladesFrom::None {
         anyhow::bail!("{}: blisk.mesh is missing", file.display());
     }
     let task = &session.task;

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use super::{Answer, InspectArguments, Session};
-use crate::workspaces::blisk::job::stages::made;
-use files::Params as _;
+use crate::workspaces::blisk::job::stages::{BliskMesh, read_blisk};
+use crate::workspaces::blisk::report::InputFile;
 use files::report::counted;
 use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
-use import::{ImportReport, Imported};
+use import::ImportReport;
 use wheel::centreline::CentrelineSummary;
 use wheel::inspect::{ChannelSummary, inspect as inspect_blisk};
 use wheel::nurbs_wall::NurbsWall;
@@ -18,26 +18,24 @@ use wheel::sections::read_sections_file;
 /// Prints what was found in the mesh of `arguments`.
 pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow::Result<Answer> {
     let job = super::plan::read(&arguments.project, session)?;
-    let (file, options) = (job.part(), &job.blisk.options);
-    let imported = match (&job.blisk.mesh, made(&job, &session.task).map_err(anyhow::Error::msg)?) {
-        (_, Some((mesh, file))) => Inspected { mesh, sha256: file.sha256, report: None },
-        (Some(mesh), None) => {
-            let Imported { mesh, sha256, report, .. } = session.import_silently(mesh, job.blisk.units)?;
-            Inspected { mesh, sha256, report: Some(report) }
-        }
-        (None, None) => anyhow::bail!("{}: blisk.mesh is missing; give a mesh", arguments.project.file.display()),
+    let read = read_blisk(&job, &session.task).map_err(anyhow::Error::msg)?;
+    let Some(BliskMesh { mesh, file: InputFile { path: file, sha256, .. }, report }) = read else {
+        anyhow::bail!(
+            "{}: blisk.mesh is missing; give a mesh, or blades in blisk.sections",
+            arguments.project.file.display()
+        )
     };
-    let inspection = inspect_blisk(&imported.mesh, options, &session.task)?;
+    let inspection = inspect_blisk(&mesh, &job.blisk.options, &session.task)?;
     let measured = match (&arguments.sections, &inspection.channel, inspection.walls.as_deref()) {
         (Some(file), Some(channel), Some(walls)) => {
-            let wheel = inspection.whole.as_deref().unwrap_or(&imported.mesh).in_frame(&channel.frame);
+            let wheel = inspection.whole.as_deref().unwrap_or(&mesh).in_frame(&channel.frame);
             Some(Measured::new(file, (channel, walls, &wheel), arguments.limit, session)?)
         }
         _ => None,
     };
     super::terminal::finish();
     if session.json {
-        let mut all = serde_json::json!({ "sha256": imported.sha256, "import": imported.report, "blisk": inspection });
+        let mut all = serde_json::json!({ "sha256": sha256, "import": report, "blisk": inspection });
         if let Some(Measured { surfaces, deviation }) = &measured {
             all["measured"] = serde_json::to_value(surfaces)?;
             all["measured"]["deviation"] = serde_json::to_value(deviation)?;
@@ -45,7 +43,7 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
         }
         say!("{}", serde_json::to_string_pretty(&all)?);
     } else {
-        imported.report.iter().for_each(print_import);
+        report.iter().for_each(print_import);
         say!("{inspection}");
         if let Some(Measured { surfaces, deviation }) = &measured {
             say!("From the measured sections:\n{deviation}{surfaces}");
@@ -57,14 +55,6 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
         Some(problem) if session.json => anyhow::bail!("{file}: {problem}"),
         Some(_) => anyhow::bail!("{file}: refused, for the reason in its verdict"),
     }
-}
-
-/// A mesh that is inspected.
-struct Inspected {
-    mesh: Mesh,
-    sha256: String,
-    /// What the import found; none for a blisk that is made from blades.
-    report: Option<ImportReport>,
 }
 
 /// What measured sections tell.

@@ -45,7 +45,7 @@ use crate::workspaces::mold::document::MoldParams;
 use ::render::colour::Theme;
 use feed::plan_params::Strategy;
 use feed::pose::Axis;
-use import::{ImportOptions, Imported, Units, import_file};
+use import::{ImportOptions, ImportReport, Imported, Units, import_file};
 use project::{ProjectArguments, Settings};
 use task::{Cancel, Task};
 use wheel::section_deviation::P1_LIMIT_MM;
@@ -273,10 +273,15 @@ impl Session {
     /// Imports a mesh file. Notes that its unit is a guess.
     fn import(&self, path: &Path, units: Units) -> anyhow::Result<Imported> {
         let imported = self.import_silently(path, units)?;
-        if let Some(doubt) = imported.report.unit_doubt() {
+        self.note_unit(path, &imported.report);
+        Ok(imported)
+    }
+
+    /// Notes on standard error a unit that was guessed.
+    fn note_unit(&self, path: &Path, report: &ImportReport) {
+        if let Some(doubt) = report.unit_doubt() {
             self.note(&format!("{}: {doubt}", path.display()));
         }
-        Ok(imported)
     }
 
     /// Imports a mesh file whose report is printed.
@@ -304,8 +309,7 @@ impl Session {
 }
 
 /// Refuses a mesh with holes: it has no inside, so nothing about its clearance can be proven.
-fn require_closed(path: &Path, imported: &Imported) -> anyhow::Result<()> {
-    let report = &imported.report;
+fn require_closed(path: &Path, report: &ImportReport) -> anyhow::Result<()> {
     anyhow::ensure!(
         report.watertight,
         "{}: the surface is not closed ({} holes, {} edges of more than two triangles), so it has no inside and \

@@ -12,7 +12,7 @@ use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanOutcome};
 use crate::workspaces::blisk::job::plan::{prepare, run_prepared};
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::sizing::auto_sized;
-use crate::workspaces::blisk::job::stages::{input_file, made};
+use crate::workspaces::blisk::job::stages::{BliskMesh, input_file, read_blisk};
 use crate::workspaces::blisk::report::{InputFile, Report};
 use files::{ExportFolder, Validate as _};
 use import::Units;
@@ -37,20 +37,18 @@ pub(super) fn read(project: &ProjectArguments, session: &Session) -> anyhow::Res
 /// Reads a project and its meshes, and what a report says of these.
 pub(super) fn load(project: &ProjectArguments, session: &Session) -> anyhow::Result<(PlanInputs, Vec<InputFile>)> {
     let job = read(project, session)?;
-    let (blisk, file) = match (job.blisk.mesh.clone(), made(&job, &session.task).map_err(anyhow::Error::msg)?) {
-        (_, Some(made)) => made,
-        (Some(mesh), None) => {
-            let blisk = session.import(&mesh, job.blisk.units)?;
-            super::require_closed(&mesh, &blisk)?;
-            let file = input_file("blisk", &mesh, &blisk);
-            (blisk.mesh, file)
-        }
-        (None, None) => anyhow::bail!(
-            "{}: blisk.mesh is missing; give the mesh file there or with --set blisk.mesh=FILE. The built-in blisk is \
-             planned by sparkpath demo",
+    let read = read_blisk(&job, &session.task).map_err(anyhow::Error::msg)?;
+    let Some(BliskMesh { mesh: blisk, file, report }) = read else {
+        anyhow::bail!(
+            "{}: blisk.mesh is missing; give the mesh file there or with --set blisk.mesh=FILE, or blades in blisk.sections. \
+             The built-in blisk is planned by sparkpath demo",
             project.file.display()
-        ),
+        )
     };
+    if let (Some(report), Some(mesh)) = (&report, &job.blisk.mesh) {
+        session.note_unit(mesh, report);
+        super::require_closed(mesh, report)?;
+    }
     let mut files = vec![file];
     let own = match &job.electrode.mesh {
         Some(path) => {

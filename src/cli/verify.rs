@@ -92,8 +92,8 @@ fn read(arguments: &VerifyArguments, session: &Session) -> anyhow::Result<Inputs
     let path = read_path_csv(&text).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
     let blisk = session.import(&arguments.blisk, arguments.units)?;
     let electrode = session.import(&arguments.electrode, Units::Mm)?;
-    super::require_closed(&arguments.blisk, &blisk)?;
-    super::require_closed(&arguments.electrode, &electrode)?;
+    super::require_closed(&arguments.blisk, &blisk.report)?;
+    super::require_closed(&arguments.electrode, &electrode.report)?;
     let path_sha256 = Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
     let file = |role, path: &Path, sha256: String| VerifiedFile { role, path: path.display().to_string(), sha256 };
     Ok(Inputs {

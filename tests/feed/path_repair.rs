@@ -8,7 +8,7 @@ use feed::objective::Objective;
 use feed::outside::Outside;
 use feed::pose::{Axis, Pose};
 use feed::prepared::PlanningSpace;
-use feed::probes::{Beyond, Demand, Turns};
+use feed::probes::{Demand, SideDemand, Turns};
 use feed::problem::{Node, SearchProblem};
 use feed::samples::{SampleSpacing, sample_electrode};
 use feed::verify::Verifier;
@@ -48,7 +48,7 @@ pub fn a_spoiled_path_is_repaired_without_another_search() {
         reference_point: o,
         side: electrode.enters_from,
         samples: SamplesOf::Prepared,
-        beyond: Beyond::default(),
+        sides: SideDemand::default(),
     };
     let samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), &task.cancel).unwrap();
     let model = ClearanceModel::new(bodies, samples, space.edges.clone());

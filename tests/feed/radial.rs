@@ -4,7 +4,7 @@ use feed::angle_test::{AngleParams, AngleTest};
 use feed::centreline::Guide;
 use feed::machine::MachineParams;
 use feed::prepared::PreparedElectrode;
-use feed::probes::{Beyond, Turns};
+use feed::probes::{SideDemand, Turns};
 use geometry::exact::ExactMesh;
 use glam::DVec2;
 use sparkpath::workspaces::blisk::document::choice::Channels;
@@ -146,7 +146,7 @@ fn the_angle_test_frees_the_final_pose_and_refuses_metal_in_a_radial_passage() {
     let space = PlanningSpace::new(blisk, &exact, channel.clone(), job.plan.field_cell_mm, &task).unwrap();
     let mut made = make_electrodes(&channel, &exact, &job.electrode, EntrySide::Outward, &task).unwrap();
     let electrode = PreparedElectrode::new(&space, made.swap_remove(0).into(), 0.1, 0.0, &task).unwrap();
-    let model = electrode.model(&space, Beyond::default());
+    let model = electrode.model(&space, SideDemand::default());
     let test = AngleTest::new(&channel, 0.1, &AngleParams::default());
     let is_free = |pose: Pose| test.is_free(&model, &pose, Turns::NONE);
     assert!(is_free(Pose::FINAL));

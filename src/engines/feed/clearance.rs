@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use super::clearance_cache::ClearanceCache;
 use super::outside::Outside;
 use super::pose::Pose;
-use super::probes::{Beyond, Demand, Instant, Probes, Turns, group};
+use super::probes::{Demand, Instant, Probes, SideDemand, Turns, group};
 use super::samples::{Sample, thinned};
 use geometry::distance_field::DistanceField;
 use geometry::mesh::Bounds;
@@ -44,7 +44,7 @@ pub struct Bodies<'a> {
     /// Electrode that the samples lie on.
     pub samples: SamplesOf,
     /// Clearances wanted of single sides of the electrode beyond those of all points.
-    pub beyond: Beyond,
+    pub sides: SideDemand,
 }
 
 /// Electrode that samples lie on, where walls are drawn in.
@@ -220,8 +220,8 @@ impl<'a> ClearanceModel<'a> {
         Self {
             levers: [greatest(&|p| p.y.hypot(p.z)), greatest(&|p| p.distance(bodies.reference_point))],
             bodies,
-            electrode: Probes::new(electrode_samples, bodies.beyond, |p| bodies.clearance_at(p)),
-            blisk: Probes::new(blisk_points, Beyond::default(), |p| bodies.distance_to_electrode(p, f64::INFINITY)),
+            electrode: Probes::new(electrode_samples, bodies.sides, |p| bodies.clearance_at(p)),
+            blisk: Probes::new(blisk_points, SideDemand::default(), |p| bodies.distance_to_electrode(p, f64::INFINITY)),
         }
     }
 

@@ -9,7 +9,7 @@ use super::jam::Jam;
 use super::machine::MachineParams;
 use super::path::FeedPath;
 use super::plan_params::{PlanError, PlanParams};
-use super::probes::Beyond;
+use super::probes::SideDemand;
 use super::problem::{Convergence, Node, Observe};
 use super::smoothness::AxisSmoothness;
 use super::strategy::SearchStrategy;
@@ -121,8 +121,8 @@ impl PlanSettings<'_> {
     }
 
     /// Clearances that are wanted of single sides of the electrode beyond those of all points.
-    pub fn beyond(&self) -> Beyond {
-        Beyond { thresholds: self.plan.thresholds, asked: self.spark_gap + self.plan.margin_mm }
+    pub fn side_demand(&self) -> SideDemand {
+        SideDemand { thresholds: self.plan.thresholds, common_mm: self.spark_gap + self.plan.margin_mm }
     }
 
     /// Whether every parameter is within its range.

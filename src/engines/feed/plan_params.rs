@@ -80,8 +80,9 @@ pub enum Constraint {
     Angle,
 }
 
-/// Least distances wanted of the sides of an electrode as soon as it has left its final pose, P1's thresholds of its four
-/// distances (mm). Where spark gap and margin ask for more, these hold.
+/// Least distances wanted of the sides of an electrode, P1's thresholds of its four distances (mm). In the final pose only the
+/// spark gap is open: a threshold is asked for as far as 0.05 mm more for each mm withdrawn. Where spark gap and margin ask
+/// for more, these hold. Edges of the blisk are tested with spark gap and margin alone.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Thresholds {
@@ -240,6 +241,10 @@ impl PlanParams {
             ("plan.centreline.safety_increase_mm", self.centreline.safety_increase_mm, [0.0, 5.0]),
         ] {
             Invalid::unless_within(key, value, range, "mm")?;
+        }
+        if self.constraint == Constraint::Angle && self.thresholds != Thresholds::default() {
+            let why = "the constraint \"angle\" knows no distances: use \"distance\", or leave the thresholds at 0";
+            return Err(Invalid::of("plan.thresholds", why));
         }
         self.weights.validate().map_err(|problem| problem.within("plan.weights"))?;
         self.angle.validate().map_err(|problem| problem.within("plan.angle"))?;

@@ -80,7 +80,7 @@ pub fn preview_path(
     settings.validate()?;
     let &DrawnIn { prepared, turns, electrode } = drawn_in;
     Planning { setup: SearchSetup { space, settings, turns, guide: None }, task }
-        .preview_path(electrode, &prepared.model(space, settings.beyond()))
+        .preview_path(electrode, &prepared.model(space, settings.side_demand()))
 }
 
 /// What a search works with: the clearances, the genetic parameters and what the verifier taught.
@@ -103,8 +103,8 @@ impl Planning<'_> {
     fn plan(&self, electrode: &Arc<Electrode>, remake: &Remake) -> Result<FeedPlan, PlanError> {
         let started = Instant::now();
         let prepared = self.prepared(electrode.clone())?;
-        let beyond = self.setup.settings.beyond();
-        let model = prepared.model(self.setup.space, beyond);
+        let sides = self.setup.settings.side_demand();
+        let model = prepared.model(self.setup.space, sides);
         let mut plan = self.nothing_yet(electrode, &model);
         plan.field_seconds = started.elapsed().as_secs_f64();
         let mut genetic = *self.setup.settings.genetic;
@@ -126,7 +126,7 @@ impl Planning<'_> {
             };
             let prepared = self.prepared(remade.clone())?;
             plan.nodes.iter_mut().for_each(|node| node.h = 0.0);
-            self.verify_and_repair(&mut plan, &remade, &prepared.model(self.setup.space, beyond), &genetic)?;
+            self.verify_and_repair(&mut plan, &remade, &prepared.model(self.setup.space, sides), &genetic)?;
             plan.remade = Some(remade);
         } else {
             self.verify_and_repair(&mut plan, electrode, &model, &genetic)?;
@@ -136,15 +136,15 @@ impl Planning<'_> {
 
     /// Plans `electrode`, which is the prepared one with its walls drawn in by the turns of the setup.
     fn plan_drawn_in(&self, electrode: &Electrode, prepared: &PreparedElectrode) -> Result<FeedPlan, PlanError> {
-        let beyond = self.setup.settings.beyond();
-        let model = &prepared.model_of(electrode, self.setup.space, beyond, &self.task.cancel)?;
+        let sides = self.setup.settings.side_demand();
+        let model = &prepared.model_of(electrode, self.setup.space, sides, &self.task.cancel)?;
         let mut plan = self.nothing_yet(electrode, model);
         let genetic = GeneticParams { h: ReductionMode::Given, ..*self.setup.settings.genetic };
         self.search(&mut plan, (model, &genetic, &Refinements::default()), 0)?;
         match &mut plan.jam {
             None => self.verify_and_repair(&mut plan, electrode, model, &genetic)?,
             Some(jam) if self.setup.settings.explain && jam.contact().is_some() => {
-                jam.opening = Some(self.opening(electrode, &prepared.model(self.setup.space, beyond))?);
+                jam.opening = Some(self.opening(electrode, &prepared.model(self.setup.space, sides))?);
             }
             Some(_) => {}
         }

@@ -10,7 +10,7 @@ use super::objective::WallDistances;
 use super::outside::Outside;
 use super::plan_params::PlanError;
 use super::pose::Axis;
-use super::probes::Beyond;
+use super::probes::SideDemand;
 use super::samples::{Sample, SampleSpacing, limit_to_reduced, sample_convex_edges, sample_electrode};
 use geometry::distance_field::DistanceField;
 use geometry::exact::ExactMesh;
@@ -112,8 +112,8 @@ impl PreparedElectrode {
 
     /// The model of its clearance in `space`, for which it was prepared, with what is wanted of single sides. With walls drawn in it is as true as the
     /// turned walls are those of an electrode made with such reductions: to some thousandths of a mm at corners.
-    pub fn model<'a>(&'a self, space: &'a PlanningSpace, beyond: Beyond) -> ClearanceModel<'a> {
-        ClearanceModel::new(self.bodies(space, beyond), self.samples.clone(), space.edges.clone())
+    pub fn model<'a>(&'a self, space: &'a PlanningSpace, sides: SideDemand) -> ClearanceModel<'a> {
+        ClearanceModel::new(self.bodies(space, sides), self.samples.clone(), space.edges.clone())
     }
 
     /// Clearance model of `drawn_in`, an electrode made with its walls drawn in: its own points are tested, and only
@@ -125,15 +125,15 @@ impl PreparedElectrode {
         &'a self,
         drawn_in: &Electrode,
         space: &'a PlanningSpace,
-        beyond: Beyond,
+        sides: SideDemand,
         cancel: &Cancel,
     ) -> Result<ClearanceModel<'a>, Cancelled> {
         let samples = sample_electrode(&drawn_in.mesh, &drawn_in.faces, SampleSpacing::default(), cancel)?;
-        let bodies = Bodies { samples: SamplesOf::DrawnIn, ..self.bodies(space, beyond) };
+        let bodies = Bodies { samples: SamplesOf::DrawnIn, ..self.bodies(space, sides) };
         Ok(ClearanceModel::new(bodies, samples, space.edges.clone()))
     }
 
-    fn bodies<'a>(&'a self, space: &'a PlanningSpace, beyond: Beyond) -> Bodies<'a> {
+    fn bodies<'a>(&'a self, space: &'a PlanningSpace, sides: SideDemand) -> Bodies<'a> {
         Bodies {
             samples: SamplesOf::Prepared,
             blisk: &space.field,
@@ -144,7 +144,7 @@ impl PreparedElectrode {
             outside: &self.outside,
             reference_point: self.electrode.reference_point,
             side: self.electrode.enters_from,
-            beyond,
+            sides,
         }
     }
 }

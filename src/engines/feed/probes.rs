@@ -38,18 +38,18 @@ impl Demand {
 /// Clearances wanted of points on single sides of the electrode beyond those of all points, as far as the feed has opened
 /// up.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Beyond {
+pub struct SideDemand {
     /// Clearances wanted of the sides.
     pub thresholds: Thresholds,
     /// Clearance asked of all points (mm).
-    pub asked: f64,
+    pub common_mm: f64,
 }
 
-impl Beyond {
+impl SideDemand {
     /// What is wanted of a point on `face` beyond that of all points (mm).
     #[inline]
     fn of(&self, face: ElectrodeFace) -> f64 {
-        (self.thresholds.of(face) - self.asked).max(0.0)
+        (self.thresholds.of(face) - self.common_mm).max(0.0)
     }
 }
 
@@ -109,7 +109,7 @@ fn doubt(distance: f64) -> f64 {
 #[derive(Debug, Clone)]
 pub struct Probes {
     samples: Vec<Sample>,
-    beyond: Beyond,
+    sides: SideDemand,
     /// Clearance of each in the final pose (mm).
     at_final: Vec<f64>,
     clusters: Vec<Cluster>,
@@ -117,8 +117,10 @@ pub struct Probes {
     cluster_extra: Vec<f64>,
     /// Neighbouring clusters, as balls around all their points; `start` and `end` count clusters.
     blocks: Vec<Cluster>,
-    /// The greatest of these (mm).
+    /// The greatest of the values of [`cluster_extra`](Self::cluster_extra) (mm).
     greatest_extra: f64,
+    /// Greatest `extra` of a point (mm).
+    greatest_learned: f64,
 }
 
 impl Probes {
@@ -132,15 +134,16 @@ impl Probes {
 
     /// Probes at `samples`, of which those on some sides of the electrode are wanted to keep more; `clearance` returns the
     /// clearance of each in the final pose.
-    pub fn new(mut samples: Vec<Sample>, beyond: Beyond, clearance: impl Fn(DVec3) -> f64) -> Self {
+    pub fn new(mut samples: Vec<Sample>, sides: SideDemand, clearance: impl Fn(DVec3) -> f64) -> Self {
         let clusters = cluster(&mut samples, Self::CLUSTER, |face| group(face) as u8);
         let at_final = samples.iter().map(|s| clearance(s.point)).collect();
         let extra =
-            |c: &Cluster| samples[c.start..c.end].iter().map(|s| s.extra + beyond.of(s.face)).fold(0.0, f64::max);
+            |c: &Cluster| samples[c.start..c.end].iter().map(|s| s.extra + sides.of(s.face)).fold(0.0, f64::max);
         let cluster_extra: Vec<f64> = clusters.iter().map(extra).collect();
         let greatest_extra = cluster_extra.iter().copied().fold(0.0, f64::max);
+        let greatest_learned = samples.iter().map(|s| s.extra).fold(0.0, f64::max);
         let blocks = blocks(&samples, &clusters);
-        Self { samples, beyond, at_final, clusters, cluster_extra, blocks, greatest_extra }
+        Self { samples, sides, at_final, clusters, cluster_extra, blocks, greatest_extra, greatest_learned }
     }
 
     /// The points, in the order of their numbers.
@@ -194,7 +197,7 @@ impl Probes {
     /// Bound on the growth of a point's demand over a further withdrawal by `further` (mm).
     pub fn rise(&self, further: f64) -> f64 {
         let further = further.max(0.0);
-        Self::OPENING * further + self.greatest_extra * (further / Self::LEARNED).min(1.0)
+        Self::OPENING * further + self.greatest_learned * (further / Self::LEARNED).min(1.0)
     }
 
     /// Calls `found` with every point that lacks clearance and the clearance it lacks (mm), in order, until `found`
@@ -307,7 +310,7 @@ impl Probes {
     fn demanded(&self, k: usize, s: f64, demand: &Demand) -> f64 {
         let Sample { extra, face, .. } = self.samples[k];
         let opened = self.at_final[k] + Self::OPENING * s + extra * (s / Self::LEARNED).min(1.0);
-        (demand.needed() + extra + self.beyond.of(face)).min(opened) + demand.room
+        (demand.needed() + extra + self.sides.of(face)).min(opened) + demand.room
     }
 }
 

@@ -28,6 +28,8 @@ pub struct RankCurve {
     /// For each rank k from 1: the sum of absolute deviations (mm) of the path it leads to; none where that path is so
     /// far off that it cannot be measured. That of the best rank is the chosen path's, put back along its axis or not.
     pub sums: Vec<Option<f64>>,
+    /// The same sum of the path that they start from (mm).
+    pub start_sum: f64,
     /// The rank with the least sum, among those of paths that do not turn back and, if there are any, that cover the
     /// surface, along it and in height. 0 if no rank is better than the path before, or if that is good enough.
     pub best: usize,
@@ -273,12 +275,35 @@ impl Measured {
     }
 }
 
+impl Measured {
+    /// Sum of the absolute deviations (mm) over the grid of the surface, or over as many places of the axis surface; none
+    /// where one of these has no foot.
+    ///
+    /// # Errors
+    /// Cancelled, and whatever else keeps it from being measured.
+    pub fn sum(
+        &self,
+        over: SumOver,
+        (surface, grid): (&RuledSurface, &DesignGrid),
+        cutter: &FlankCutter,
+    ) -> Result<Option<f64>, FlankError> {
+        match over {
+            SumOver::Surface => Ok(Some(self.deviation.sum)),
+            SumOver::Axis => match on_axis_grid(surface, &self.axis, cutter, grid.size()) {
+                Ok(deviation) => Ok(Some(deviation.sum)),
+                Err(FlankError::Unmeasured { .. }) => Ok(None),
+                Err(other) => Err(other),
+            },
+        }
+    }
+}
+
 /// Tries every rank in one step from `start` and answers the path of the least sum; `start` itself if none is better by
 /// more than rounding, or if there is nothing to gain. A cylinder that leaves its heights is put back along its axis.
 /// `grid` is of `surface`.
 ///
 /// # Errors
-/// [`FlankError::Singular`], [`FlankError::Unmeasured`] for a sum over the axis surface, cancelled.
+/// [`FlankError::Singular`], cancelled.
 pub fn best_rank(
     (surface, grid): (&RuledSurface, &DesignGrid),
     start: &Measured,
@@ -286,10 +311,7 @@ pub fn best_rank(
     (model, sum_over): (Model, SumOver),
     cancel: &Cancel,
 ) -> Result<(Measured, RankCurve), FlankError> {
-    let sum_of = |path: &Measured| match sum_over {
-        SumOver::Surface => Ok(path.deviation.sum),
-        SumOver::Axis => on_axis_grid(surface, &path.axis, cutter, grid.size()).map(|deviation| deviation.sum),
-    };
+    let sum_of = |path: &Measured| path.sum(sum_over, (surface, grid), cutter);
     let system = Compensation::new(grid, &start.axis, cutter, (&start.deviation, &start.feet), (model, cancel))?;
     let (heights, advance) = (Heights::of(start, cutter), Advance::of(&start.axis, 0.0));
     let must_cover = start.stands_over_all();
@@ -301,15 +323,16 @@ pub fn best_rank(
     let candidate = |rank: usize| -> Result<Option<(f64, Option<f64>)>, FlankError> {
         cancel.check()?;
         let path = path_of(grid, start, cutter, &system, rank);
-        // A path that the sum cannot be taken of is none.
-        let sums = |path: Measured| Some((sum_of(&path).ok()?, allowed(path).and_then(|path| sum_of(&path).ok())));
-        Ok(path.and_then(sums))
+        let Some(path) = path else { return Ok(None) };
+        let Some(sum) = sum_of(&path)? else { return Ok(None) };
+        Ok(Some((sum, allowed(path).map(|path| sum_of(&path)).transpose()?.flatten())))
     };
     let ranks = system.singular_values().len();
     let found: Result<Vec<_>, _> = (1..=ranks).into_par_iter().map(candidate).collect();
     let found = found?;
     let rounding = ROUNDING_MM * start.deviation.counted().len() as f64;
-    let mut best = (0, sum_of(start)? - rounding);
+    let start_sum = sum_of(start)?.unwrap_or(f64::INFINITY);
+    let mut best = (0, start_sum - rounding);
     for (i, candidate) in found.iter().enumerate().filter(|_| !start.deviation.is_settled()) {
         if let Some((_, Some(sum))) = *candidate
             && sum < best.1
@@ -319,11 +342,12 @@ pub fn best_rank(
     }
     let chosen = if best.0 > 0 { path_of(grid, start, cutter, &system, best.0).and_then(allowed) } else { None };
     let of_rank = |i: usize| match &chosen {
-        Some(path) if i + 1 == best.0 => sum_of(path).ok(),
+        Some(_) if i + 1 == best.0 => Some(best.1),
         _ => found[i].map(|(sum, _)| sum),
     };
     let sums = (0..ranks).map(of_rank).collect();
-    let curve = RankCurve { singular_values: system.singular_values().to_vec(), sums, best: best.0, grid: grid.size() };
+    let singular_values = system.singular_values().to_vec();
+    let curve = RankCurve { singular_values, sums, start_sum, best: best.0, grid: grid.size() };
     Ok((chosen.unwrap_or_else(|| start.clone()), curve))
 }
 

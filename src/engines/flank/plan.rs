@@ -141,12 +141,12 @@ fn ranked(
     let near = Measured::new(&coarse, start.axis.clone(), cutter, None)?;
     let (chosen, mut ranks) = best_rank((surface, &coarse), &near, cutter, by, cancel)?;
     let chosen = Measured::new(grid, chosen.axis, cutter, Some(&start.feet)).ok();
-    let is_of_use = |path: &Measured| {
-        // Not by the rounding of either.
-        let gained = start.deviation.mean - path.deviation.mean;
-        gained > ROUNDING_MM && (path.stands_over_all() || !start.stands_over_all())
-    };
-    let chosen = chosen.filter(is_of_use);
+    let sum = |path: &Measured| path.sum(by.1, (surface, grid), cutter);
+    let before = sum(start)?.unwrap_or(f64::INFINITY);
+    let after = chosen.as_ref().map(sum).transpose()?.flatten();
+    // Not by the rounding of either.
+    let is_better = after.is_some_and(|after| before - after > ROUNDING_MM * start.deviation.counted().len() as f64);
+    let chosen = chosen.filter(|path| is_better && (path.stands_over_all() || !start.stands_over_all()));
     if chosen.is_none() {
         ranks.best = 0;
     }

@@ -1,13 +1,13 @@
 //! Closed solids: prisms and their differences and intersections (manifold-rust).
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use glam::{DVec2, DVec3};
 use manifold_rust::linalg::Vec3;
 use manifold_rust::manifold::Manifold;
 use manifold_rust::types::{BooleanEngine, Error, MeshGL64, OpType, WindingRule};
 
-use super::mesh::{Bounds, Mesh};
+use super::mesh::{Bounds, Mesh, normal_times_two_areas};
 use super::weld::Weld;
 use task::{Cancel, Cancelled};
 
@@ -55,7 +55,7 @@ pub fn union(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
     match (a.triangles.is_empty(), b.triangles.is_empty()) {
         (true, _) => Ok(b.clone()),
         (_, true) => Ok(a.clone()),
-        _ => Ok(mesh(&combine(a, b, OpType::Add)?.simplify(SMALLEST))),
+        _ => Ok(mesh(&simplified(combine(a, b, OpType::Add)?, SMALLEST))),
     }
 }
 
@@ -116,7 +116,7 @@ impl Trimmer {
             return Ok(Mesh::default());
         }
         let found = combined(&manifold(a)?, &self.0, OpType::Subtract)?;
-        Ok(without_slivers(mesh(&found.simplify(SLIVER))))
+        Ok(without_slivers(mesh(&simplified(found, SLIVER))))
     }
 }
 
@@ -180,7 +180,7 @@ pub fn union_of_hulls(sets: &[Vec<DVec3>], cancel: &Cancel) -> Result<Mesh, Soli
     let middle = |points: &[DVec3]| points.iter().sum::<DVec3>() / points.len().max(1) as f64;
     let mut placed: Vec<(DVec3, &[DVec3])> = sets.iter().map(|set| (middle(set), &set[..])).collect();
     let all = united(&mut placed, cancel)?;
-    Ok(mesh(&all.simplify(SMALLEST)))
+    Ok(mesh(&simplified(all, SMALLEST)))
 }
 
 /// The union of hulls, each with its middle: halves of them that lie apart first.
@@ -288,19 +288,32 @@ fn given(mesh: &Mesh) -> MeshGL64 {
 }
 
 /// A mesh as a solid. What is read is tidied, and where edges lie nearer to one another than rounding, tidying may take a
-/// corner of their neighbours away: corners are rounded first, so that such edges are one. What loses volume all the same
-/// is read as it is, which takes longer.
+/// corner of their neighbours away: corners are rounded first, which keeps such edges in one line. Where volume is lost with
+/// a corner all the same, the mesh is read as it is; operations on it take longer.
 fn manifold(mesh: &Mesh) -> Result<Manifold, SolidError> {
-    /// Thickness by which tidying may change a solid all over its surface (mm).
+    /// Thickness by which tidying may change a solid beside a corner that it takes away (mm).
     const TIDIED: f64 = 1e-6;
     let vertices = mesh.vertices.iter().map(|p| on_grid(*p)).collect();
     let rounded = Mesh { vertices, triangles: mesh.triangles.clone() };
     let solid = Manifold::from_mesh_gl64(&given(&rounded));
-    match solid.status() {
-        Error::NoError if (solid.volume() - rounded.volume()).abs() <= TIDIED * rounded.area() => Ok(solid),
-        Error::NoError => soup(&rounded),
-        error => Err(SolidError::NotClosed(error.to_str().to_owned())),
+    if solid.status() != Error::NoError {
+        return Err(SolidError::NotClosed(solid.status().to_str().to_owned()));
     }
+    let key = |p: &[f64]| [p[0].to_bits(), p[1].to_bits(), p[2].to_bits()];
+    let read = solid.get_mesh_gl64(-1).vert_properties;
+    let kept: HashSet<[u64; 3]> = read.chunks_exact(3).map(key).collect();
+    let is_lost = |v: &u32| !kept.contains(&key(&rounded.vertices[*v as usize].to_array()));
+    let beside = rounded.triangles.iter().filter(|t| t.iter().any(is_lost));
+    let beside: f64 =
+        beside.map(|t| normal_times_two_areas(t.map(|v| rounded.vertices[v as usize])).length() / 2.0).sum();
+    let is_same = beside == 0.0 || (solid.volume() - rounded.volume().abs()).abs() <= TIDIED * beside;
+    if is_same { Ok(solid) } else { soup(&rounded) }
+}
+
+/// A solid with what is smaller than `length` (mm) tidied away, as far as that can be done.
+fn simplified(solid: Manifold, length: f64) -> Manifold {
+    let found = solid.simplify(length);
+    if found.status() == Error::NoError { found } else { solid }
 }
 
 /// The nearest place on the grid of corners.

@@ -91,7 +91,7 @@ pub enum MoldWarning {
     },
     /// Regions that every cutter leaves, too thin for the field of heights.
     #[error(
-        "every cutter leaves slivers in {}, the thickest of {thickness:.4} mm at x = {:.3}, y = {:.3}, z = \
+        "every cutter leaves slivers in {}, up to {thickness:.4} mm thick, as at x = {:.3}, y = {:.3}, z = \
          {:.3}: they are too thin for regions, and no electrode burns them; give a cutter of a smaller radius, or a \
          depth tolerance above that", counted(*regions, "place"), place[0], place[1], place[2]
     )]

@@ -9,7 +9,7 @@ use crate::nurbs_wall::{MeasuredError, NurbsWall};
 use crate::parametric::welder::Welder;
 use crate::parametric::wheel::{outwards, together, turned};
 use crate::sections::MeasuredSection;
-use geometry::frame::Cylindrical;
+use geometry::frame::{Cylindrical, angle_near};
 use geometry::mesh::Mesh;
 use task::Cancel;
 
@@ -68,6 +68,21 @@ pub enum BladeRingError {
         /// How far they may end from it (mm).
         most: f64,
     },
+    /// The blades reach past a face.
+    #[error("the blades reach to x = {x:.2} mm, beyond the faces of the wheel: correct faces_x_mm")]
+    BeyondFace {
+        /// Place along the axis (mm).
+        x: f64,
+    },
+    /// The blades reach through a ring.
+    #[error(
+        "the blades reach to r = {:.2} mm at x = {:.2} mm, through the ring: correct bore_radius_mm and outer_radius_mm",
+        place.y, place.x
+    )]
+    BeyondRing {
+        /// Place (x, r) (mm).
+        place: DVec2,
+    },
     /// Blades at the walls' distance have no thickness.
     #[error(
         "with {blades} blades the low wall of a channel meets the high wall of the channel before at x = {:.2}, r = {:.2} mm, \
@@ -88,6 +103,8 @@ const INTO: f64 = 0.5;
 const GRID: [usize; 2] = [121, 17];
 /// Facets of a ring around the axis, at least.
 const FACETS: usize = 720;
+/// Rounds in which a blade is led on into a ring that widens.
+const ROUNDS: usize = 4;
 /// Share of the passage's height by which sections may end short of a ring: the blade goes straight on there.
 const STRAIGHT_ON: f64 = 0.2;
 
@@ -132,8 +149,14 @@ impl BladeRing {
         let [upper, lower] = [self.rows(&walls[0], &|p| p)?, self.rows(&walls[1], &|p| back * p)?];
         for (a, b) in upper.iter().flatten().zip(lower.iter().flatten()) {
             let [a, b] = [*a, *b].map(Cylindrical::from_point);
+            if !(self.faces_x_mm[0]..=self.faces_x_mm[1]).contains(&a.x) {
+                return Err(BladeRingError::BeyondFace { x: a.x });
+            }
+            if !(self.bore_radius_mm..=self.outer_radius_mm).contains(&a.r) {
+                return Err(BladeRingError::BeyondRing { place: DVec2::new(a.x, a.r) });
+            }
             // At its edges a blade may be sharp.
-            if a.theta < b.theta - 1e-6 {
+            if a.theta < angle_near(b.theta, a.theta) - 1e-6 {
                 return Err(BladeRingError::NoThickness { blades: self.blades, place: DVec2::new(a.x, a.r) });
             }
         }
@@ -186,7 +209,13 @@ impl BladeRing {
         } else {
             out * end.with_x(0.0).normalize_or_zero()
         };
-        Ok(end + way * (missing + INTO).max(0.0))
+        // A ring may be wider where a slanted blade meets it.
+        let mut by = missing + INTO;
+        for _ in 0..ROUNDS {
+            let at = end + way * by.max(0.0);
+            by += out * (self.radii(at.x)[ring] - radius(at)) + INTO;
+        }
+        Ok(end + way * by.max(0.0))
     }
 }
 
@@ -248,6 +277,15 @@ mod tests {
     #[test]
     fn the_channel_of_a_wheel_from_sections_is_that_of_the_wheel_they_were_taken_from() {
         let blisk = ParametricBlisk { blades: 24, ..ParametricBlisk::turbine() };
+        // Turned by half a turn the walls stand where angles jump.
+        let turned: Vec<MeasuredSection> = sections(&blisk, &HEIGHTS)
+            .into_iter()
+            .map(|section| {
+                let about = |points: Vec<DVec3>| points.iter().map(|p| DVec3::new(p.x, -p.y, -p.z)).collect();
+                MeasuredSection { low: about(section.low), high: about(section.high), ..section }
+            })
+            .collect();
+        assert!(ring(&blisk).mesh(&turned, &Cancel::default()).is_ok());
         let mesh = ring(&blisk).mesh(&sections(&blisk, &HEIGHTS), &Cancel::default()).unwrap();
         assert!(mesh.is_watertight());
         let options = BliskOptions::default();
@@ -280,6 +318,8 @@ mod tests {
         assert!(short.contains("from the hub") && short.contains("measure a section nearer"), "{short}");
         let thick = said(BladeRing { blades: 60, ..own }, &HEIGHTS);
         assert!(thick.contains("no thickness") && thick.contains("number of blades"), "{thick}");
+        let faces = said(BladeRing { faces_x_mm: [own.faces_x_mm[0], 5.0], ..own }, &HEIGHTS);
+        assert!(faces.contains("beyond the faces"), "{faces}");
         let bore = said(BladeRing { bore_radius_mm: 500.0, ..own }, &HEIGHTS);
         assert!(bore.starts_with("bore_radius_mm"), "{bore}");
     }

@@ -70,7 +70,7 @@ impl<'a> GeneticStep<'a> {
             cancel.check()?;
             population = self.next_generation(population, generation as u64);
             convergence.record(population.iter().map(|i| i.objective.total));
-            if self.has_stalled(&convergence.best) {
+            if has_stalled(&convergence.best, self.params.stall_generations) {
                 break;
             }
         }
@@ -78,13 +78,6 @@ impl<'a> GeneticStep<'a> {
         let candidates =
             population.into_iter().map(|i| Candidate { pose: i.pose, h: i.h, objective: i.objective }).collect();
         Ok((candidates, convergence))
-    }
-
-    /// Whether the objective, the least of each generation, has not become better for as long as the search allows.
-    fn has_stalled(&self, best: &[f64]) -> bool {
-        let (stall, generation) = (self.params.stall_generations, best.len() - 1);
-        let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
-        stall > 0 && generation >= stall && least(best) >= least(&best[..=generation - stall])
     }
 
     fn random(&self, generation: u64, individual: u64) -> ChaCha8Rng {
@@ -294,6 +287,12 @@ impl Roulette {
     }
 }
 
+/// Whether the objective, the least of each generation, has not become better in the last `stall` generations; never for 0.
+fn has_stalled(best: &[f64], stall: usize) -> bool {
+    let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
+    stall > 0 && best.len() > stall && least(best) >= least(&best[..best.len() - stall])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -315,5 +314,12 @@ mod tests {
         let first = (0..21_000).filter(|_| roulette.spin(&mut random) == 0).count() as f64;
         // Fitnesses 1 and 0.05: expected 20000 with a standard deviation of 31.
         assert!((first - 20_000.0).abs() < 160.0, "{first}");
+    }
+
+    #[test]
+    fn a_search_stalls_when_its_best_is_no_better_than_so_many_generations_before() {
+        let best = [5.0, 4.0, 4.0, 3.0, 3.0, 3.0];
+        let ends = |stall: usize| (1..=best.len()).find(|n| has_stalled(&best[..*n], stall));
+        assert_eq!([0, 1, 2, 3].map(ends), [None, Some(3), Some(6), None]);
     }
 }

@@ -122,6 +122,10 @@ fn overrides_follow_a_new_name_of_their_electrode_in_every_stage() {
     assert_eq!(of(&own), ["rib".to_owned(), format!("rib-{stage}"), "E010".to_owned(), "E10".to_owned()]);
     own.give(0, Given { number: Some(7), ..Given::default() });
     assert_eq!(of(&own)[..2], ["E07".to_owned(), format!("E07-{stage}")]);
+    // The name of another electrode is not taken, nor its overrides mixed with these.
+    own.give(0, named("e10"));
+    assert_eq!(of(&own)[..2], ["E07".to_owned(), format!("E07-{stage}")]);
+    own.give(0, Given { number: Some(7), ..Given::default() });
     own.give(0, Given::default());
     assert_eq!(of(&own)[..2], ["E01".to_owned(), format!("E01-{stage}")]);
 }

@@ -80,11 +80,19 @@ fn is_numbered(name: &str) -> bool {
 
 impl ElectrodeParams {
     /// Gives properties to the electrode of the name at this place of the list. Overrides that name it, of any stage,
-    /// follow a new name.
+    /// follow a new name, unless another electrode has that: then it keeps its number.
     pub fn give(&mut self, at: usize, given: Given) {
         let Some(named) = self.names.get_mut(at) else { return };
         let [before, after] = [&named.given, &given].map(|given| given.short_name(named.number));
         named.given = given;
+        // File names tell neither case nor hyphens from underscores.
+        let plain = |name: &str| name.to_ascii_lowercase().replace('_', "-");
+        let others = self.names.iter().enumerate().filter(|(other, _)| *other != at);
+        let is_taken =
+            others.map(|(_, other)| other.given.short_name(other.number)).any(|name| plain(&name) == plain(&after));
+        if is_taken {
+            return;
+        }
         for one in &mut self.overrides {
             let stage = one.of.strip_prefix(&before);
             let of_stage = |rest: &str| self.stages.iter().any(|s| rest.strip_prefix('-') == Some(s.name.as_str()));

@@ -177,6 +177,7 @@ pub(super) fn shared(
     if params.repeat == Repeat::Heads {
         let sets = several.into_iter().flat_map(|group| heads_of(group, &together));
         several = comparison.of_one_shape(sets.collect());
+        cancel.check()?;
     }
     let single: Vec<usize> = single.iter().map(|group| group.leaves[0]).collect();
     several.extend(together(&single).into_iter().map(Shared::of));

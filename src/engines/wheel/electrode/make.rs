@@ -210,12 +210,12 @@ fn runout(channel: &Channel, extent: [f64; 2], at_last: bool) -> Vec<f64> {
 
 /// The share of the channel's width that belongs to the low column.
 fn column_split(channel: &Channel, params: &ElectrodeParams) -> f64 {
-    params.column_split.given().unwrap_or_else(|| balanced_split(channel, params.turns()))
+    params.column_split.given().unwrap_or_else(|| balanced_split(channel))
 }
 
-/// The share at which the columns are as thick as each other where each is thinnest, between walls that are turned away
-/// from their blades by `turns` (rad).
-fn balanced_split(channel: &Channel, [low_turn, high_turn]: [f64; 2]) -> f64 {
+/// The share at which the columns are as thick as each other where each is thinnest, before any reduction: electrodes of
+/// other reductions have the same surface between them.
+fn balanced_split(channel: &Channel) -> f64 {
     /// Points of a wall along the chord and across it, at most.
     const MOST: [usize; 2] = [61, 9];
     const HALVINGS: usize = 12;
@@ -223,11 +223,7 @@ fn balanced_split(channel: &Channel, [low_turn, high_turn]: [f64; 2]) -> f64 {
     let every = |count: usize, most: usize| (0..count).step_by((count - 1).div_ceil(most - 1).max(1));
     let grid = every(low.nu, MOST[0]).flat_map(|u| every(low.nv, MOST[1]).map(move |v| (u, v)));
     let pairs: Vec<[Cylindrical; 2]> = grid.map(|(u, v)| [low.cylindrical(u, v), high.cylindrical(u, v)]).collect();
-    // The surface between the columns does not turn.
-    let walls = [(0, low_turn), (1, -high_turn)].map(|(wall, turn)| {
-        let turned = |at: Cylindrical| Cylindrical { theta: at.theta + turn, ..at }.point();
-        pairs.iter().map(|pair| turned(pair[wall])).collect::<Vec<_>>()
-    });
+    let walls = [0, 1].map(|wall| pairs.iter().map(|pair| pair[wall].point()).collect::<Vec<_>>());
     let thickness = |wall: &[DVec3], middle: &[DVec3]| {
         let nearest = |p: &DVec3| middle.iter().map(|q| p.distance_squared(*q)).fold(f64::INFINITY, f64::min);
         wall.iter().map(nearest).fold(f64::INFINITY, f64::min)

@@ -14,9 +14,9 @@ use wheel::surface_finder::SurfaceFinder;
 /// Distances at a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NodeDistances {
-    /// D_L, D_R, S_L and S_R of P0's (5), of samples between the blades.
+    /// D_L, D_R, S_L and S_R of P0's (5) (mm), of samples between the blades; positive outside the blisk.
     pub spread: WallSpread,
-    /// The four distances of P1.
+    /// The four distances of P1 (mm), positive outside the blisk.
     pub clearances: WallClearances,
 }
 

@@ -47,7 +47,7 @@ pub struct ElectrodeOutcome {
     pub electrode: Electrode,
     /// Plan of the electrode.
     pub plan: FeedPlan,
-    /// Distances at the nodes of the plan.
+    /// Distances at the nodes of the plan; none where they were not measured.
     pub distances: Vec<NodeDistances>,
     /// Sides that were tried before, and why they were left.
     pub tried: Vec<(EntrySide, String)>,
@@ -59,10 +59,10 @@ impl ElectrodeOutcome {
         Self { electrode, plan, distances: Vec::new(), tried: Vec::new() }
     }
 
-    /// Measures the distances at the nodes.
-    pub(super) fn measure(&mut self, around: (&Channel, &SurfaceFinder), task: &Task) -> Result<(), Cancelled> {
-        self.distances = NodeDistances::at(&self.plan.nodes, &self.electrode, around, &task.cancel)?;
-        Ok(())
+    /// Measures the distances at the nodes; a plan that is cancelled only then stays as it is, without them.
+    pub(super) fn measure(&mut self, around: (&Channel, &SurfaceFinder), task: &Task) {
+        let found = NodeDistances::at(&self.plan.nodes, &self.electrode, around, &task.cancel);
+        self.distances = found.unwrap_or_default();
     }
 }
 

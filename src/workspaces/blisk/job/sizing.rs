@@ -301,7 +301,7 @@ impl Sizing<'_> {
         Ok(work(&Sizer {
             space,
             electrode: full.electrode(),
-            model: &full.model(space, settings.beyond()),
+            model: &full.model(space, settings.side_demand()),
             settings: &settings,
             tolerance: TOLERANCE_DEG.to_radians(),
             most: MOST_DEG.to_radians(),

@@ -102,15 +102,8 @@ impl Electrodes {
 /// # Errors
 /// One line naming file, place and remedy.
 pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
-    let (mesh, report, mut files) = match (&job.blisk.mesh, made(job, task)?) {
-        (_, Some((mesh, file))) => (mesh, None, vec![file]),
-        (Some(path), None) => {
-            let blisk = import(path, job.blisk.units, task)?;
-            let file = input_file("blisk", path, &blisk);
-            (blisk.mesh, Some(blisk.report), vec![file])
-        }
-        (None, None) => return Ok(demonstration()),
-    };
+    let Some(BliskMesh { mesh, file, report }) = read_blisk(job, task)? else { return Ok(demonstration()) };
+    let mut files = vec![file];
     let own_electrode = match &job.electrode.mesh {
         None => None,
         Some(path) => {
@@ -124,23 +117,36 @@ pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
     Ok(Part { name: job.part(), mesh: Arc::new(mesh), shape, report, own_electrode, files })
 }
 
-/// The blisk that a job makes from blades, and what a report says of it; none where the job has a mesh. Reads the table of
-/// the sections.
+/// The blisk of a job.
+pub struct BliskMesh {
+    /// The mesh (mm, in the axes of its file).
+    pub mesh: Mesh,
+    /// What a report says of it.
+    pub file: InputFile,
+    /// What the import found; none where the blisk was made from blades.
+    pub report: Option<ImportReport>,
+}
+
+/// Reads the mesh of a job's blisk, or makes it from the blades that the job has instead; none where it has neither.
 ///
 /// # Errors
 /// One line naming file, place and remedy.
-pub fn made(job: &PlanJob, task: &Task) -> Result<Option<(Mesh, InputFile)>, String> {
-    let (mesh, path, from) = match &job.blisk.sections {
-        BladesFrom::None => return Ok(None),
-        BladesFrom::Measured(MeasuredBlades { file, ring }) => {
+pub fn read_blisk(job: &PlanJob, task: &Task) -> Result<Option<BliskMesh>, String> {
+    let (mesh, path, from) = match (&job.blisk.sections, &job.blisk.mesh) {
+        (BladesFrom::None, None) => return Ok(None),
+        (BladesFrom::None, Some(path)) => {
+            let blisk = import(path, job.blisk.units, task)?;
+            let file = input_file("blisk", path, &blisk);
+            return Ok(Some(BliskMesh { mesh: blisk.mesh, file, report: Some(blisk.report) }));
+        }
+        (BladesFrom::Measured(MeasuredBlades { file, ring }), _) => {
             let wrong = |problem: &dyn std::fmt::Display| format!("{}: {problem}", file.display());
             let sections = read_sections_file(file).map_err(|e| wrong(&e))?;
             let mesh = ring.mesh(&sections, &task.cancel).map_err(|e| wrong(&e))?;
             (mesh, file.display().to_string(), "through measured sections")
         }
-        BladesFrom::Profile(blisk) => {
-            let mesh = blisk.mesh(&FINE).map_err(|e| e.to_string())?;
-            (mesh, job.part(), "of its profile")
+        (BladesFrom::Profile(blisk), _) => {
+            (blisk.mesh(&FINE).map_err(|e| format!("blisk.sections: {e}"))?, job.part(), "of its profile")
         }
     };
     let file = InputFile {
@@ -153,7 +159,7 @@ pub fn made(job: &PlanJob, task: &Task) -> Result<Option<(Mesh, InputFile)>, Str
         unit_reason: format!("made by this program {from}"),
         ..Default::default()
     };
-    Ok(Some((mesh, file)))
+    Ok(Some(BliskMesh { mesh, file, report: None }))
 }
 
 /// Resolution of blisks that are made of a profile.

@@ -11,6 +11,7 @@ use crate::widgets::theme::{palette, tick};
 use crate::workspaces::flank::document::PathChoice;
 use crate::workspaces::flank::scene::contact_line;
 use crate::workspaces::flank::work::{AxisCurve, MachineCurves, Planned};
+use flank::params::SumOver;
 use flank::plan::FlankPlan;
 use nc::flank_job::path_of;
 
@@ -122,8 +123,11 @@ fn ranks(ui: &mut Ui, desk: &mut FlankDesk, plan: &FlankPlan) {
         let level = |name: &str, sum: f64, colour: Color32| {
             HLine::new(name.to_owned(), sum.max(1e-9).log10()).color(colour).width(1.0).style(LineStyle::dashed_loose())
         };
-        plot.hline(level("initial", sums[0], initial));
-        plot.hline(level("refined", sums[2], refined));
+        plot.hline(level("initial", ranks.start_sum, initial));
+        // Over the axis surface only the ranks are summed.
+        if plan.params.sum == SumOver::Surface {
+            plot.hline(level("refined", sums[2], refined));
+        }
         plot.line(Line::new("sum", PlotPoints::Owned(line.clone())).color(text.gamma_multiply(0.6)).width(1.2));
         plot.points(Points::new("rank", PlotPoints::Owned(line)).color(text).radius(2.0));
         let mark = |name: &str, at: [f64; 2], colour: Color32, radius: f32| {
@@ -146,7 +150,7 @@ fn rank_words(plan: &FlankPlan, rank: usize) -> Option<String> {
     let index = rank.checked_sub(1)?;
     let value = plan.ranks.singular_values.get(index)?;
     let text = match plan.ranks.sums.get(index)? {
-        Some(sum) => format!("sum {sum:.3} mm, ratio {:.3}", sum / plan.initial.deviation.sum.max(f64::MIN_POSITIVE)),
+        Some(sum) => format!("sum {sum:.3} mm, ratio {:.3}", sum / plan.ranks.start_sum.max(f64::MIN_POSITIVE)),
         None => "too far from the surface to be measured".to_owned(),
     };
     Some(format!("rank {rank}: {text}, singular value {value:.3e}"))

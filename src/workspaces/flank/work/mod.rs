@@ -44,6 +44,9 @@ struct Question {
     reloads: u64,
 }
 
+/// Surface and walls as they were read.
+type ReadFlank = (FromFile<LoadedSurface>, Option<FromFile<Arc<Mesh>>>);
+
 /// Everything that is computed for a flank.
 pub struct FlankWork {
     /// One surface is remembered, and one set of walls: who comes back to a file reads it as it is then.
@@ -256,10 +259,7 @@ impl FlankWork {
     }
 
     /// Surface and walls of `document` as they were read.
-    fn read_for(
-        &self,
-        document: &FlankDocument,
-    ) -> Result<(FromFile<LoadedSurface>, Option<FromFile<Arc<Mesh>>>), String> {
+    fn read_for(&self, document: &FlankDocument) -> Result<ReadFlank, String> {
         for state in [self.source_state(document), self.walls_state(document)] {
             if let Some(why) = state.why_not() {
                 return Err(why.to_owned());

@@ -1,6 +1,7 @@
 //! The parameters of a plan, in a project file as TOML. Every key but the mesh has a default. An unknown key is an
 //! error, because a misspelt key would otherwise be ignored.
 
+mod blade_fields;
 mod choice_words;
 pub mod field_table;
 
@@ -77,6 +78,19 @@ pub enum BladesFrom {
     Measured(MeasuredBlades),
     /// Parameters of their profile, P1 (3) to (5).
     Profile(ParametricBlisk),
+}
+
+impl BladesFrom {
+    /// Blades of the same kind, from the same file, with defaults for all else.
+    fn with_defaults(&self) -> Self {
+        match self {
+            Self::None => Self::None,
+            Self::Measured(blades) => {
+                Self::Measured(MeasuredBlades { file: blades.file.clone(), ..Default::default() })
+            }
+            Self::Profile(_) => Self::Profile(ParametricBlisk::default()),
+        }
+    }
 }
 
 /// Measured sections of blades, and what they do not tell of the wheel.

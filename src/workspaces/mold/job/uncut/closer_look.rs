@@ -1,7 +1,7 @@
 //! Thin regions that flat cutters leave and the field of heights is too coarse for: whether rounded cutters take them is
 //! found on a finer grid over each of them.
 
-use glam::DVec2;
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{UncutError, UncutParams};
@@ -14,8 +14,10 @@ use task::Cancel;
 
 /// Cells that a region is thick from which on a field of heights cannot miss it.
 const THIN: f64 = 3.0;
-/// Cells of the finer grid that a region is thick.
+/// Cells of the finer grid that a region is thick, and that the tolerance is: what is left is seen from three cells on, so
+/// that slivers up to a fifth above the tolerance may be missed.
 const CELLS: f64 = 3.0;
+const CELLS_OF_TOLERANCE: f64 = 2.5;
 /// Cells of all finer grids together, at most.
 const MOST_CELLS: f64 = 64e6;
 
@@ -23,8 +25,8 @@ const MOST_CELLS: f64 = 64e6;
 enum Answer {
     /// A cutter takes it.
     Taken,
-    /// All cutters leave it, as thick as this across the surface (mm).
-    Left(f64),
+    /// All cutters leave it, at most as thick as this across the surface (mm), also at this place.
+    Left(f64, DVec3),
     /// It is too thin for any grid that there is room for.
     Unknown,
 }
@@ -42,19 +44,17 @@ pub(super) fn thin_regions(
 ) -> Result<Vec<MoldWarning>, UncutError> {
     let is_found = |r: &LayerRegion| found.iter().any(|f| f.bounds.grown(field.step()).intersects(&r.bounds));
     let thin: Vec<&LayerRegion> = flat.iter().filter(|r| r.residue() < THIN * field.step() && !is_found(r)).collect();
-    // What the flat ones leave is known.
     let mut cutters = params.library.needed();
-    cutters.retain(|cutter| cutter.kind() != CutterKind::Flat);
     cutters.sort_by(|a, b| a.radius().total_cmp(&b.radius()).then(a.corner_mm.total_cmp(&b.corner_mm)));
     let tolerance = params.tolerance_mm;
     let look = CloserLook { mesh, field, cutters, tolerance, most: MOST_CELLS / thin.len().max(1) as f64 };
     let answers: Vec<Answer> = thin.par_iter().map(|region| look.at(region, cancel)).collect::<Result<_, _>>()?;
     let mut warnings = Vec::new();
-    let left = thin.iter().zip(&answers).filter_map(|(region, answer)| {
-        let Answer::Left(thickness) = answer else { return None };
-        Some((*thickness, region.bounds.center()))
+    let left = answers.iter().filter_map(|answer| match answer {
+        Answer::Left(thickness, place) => Some((*thickness, *place)),
+        _ => None,
     });
-    let left: Vec<_> = left.collect();
+    let left: Vec<(f64, DVec3)> = left.collect();
     if let Some((thickness, place)) = left.iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
         let place = params.opening.in_mesh(*place).to_array();
         warnings.push(MoldWarning::SliversLeft { regions: left.len(), thickness: *thickness, place });
@@ -71,7 +71,7 @@ pub(super) fn thin_regions(
 struct CloserLook<'a> {
     mesh: &'a Mesh,
     field: &'a HeightField,
-    /// The rounded cutters, the smallest first.
+    /// The smallest first.
     cutters: Vec<&'a Cutter>,
     tolerance: f64,
     /// Cells of each finer grid, at most.
@@ -79,52 +79,48 @@ struct CloserLook<'a> {
 }
 
 impl CloserLook<'_> {
-    /// What the rounded cutters leave of a region, ever more of them, the smallest first, until they take it.
+    /// Whether the smallest rounded cutter takes a region, as it mostly does, or else all cutters together.
     fn at(&self, region: &LayerRegion, cancel: &Cancel) -> Result<Answer, UncutError> {
-        let mut thickness = None;
-        for count in 1..=self.cutters.len() {
-            let library = CutterLibrary { cutter: self.cutters[..count].iter().map(|c| (*c).clone()).collect() };
-            match self.left_by(&library, region, cancel)? {
-                Some(0.0) => return Ok(Answer::Taken),
-                Some(left) => thickness = Some(left.min(region.residue())),
-                // A larger cutter needs a larger grid: what the smaller ones leave is as much as is known.
-                None if thickness.is_none() => return Ok(Answer::Unknown),
-                None => break,
-            }
+        let rounded = self.cutters.iter().find(|cutter| cutter.kind() != CutterKind::Flat);
+        match self.left_by(rounded.as_slice(), region, cancel)? {
+            Answer::Left(..) => self.left_by(&self.cutters.iter().collect::<Vec<_>>(), region, cancel),
+            known => Ok(known),
         }
-        Ok(thickness.map_or(Answer::Unknown, Answer::Left))
     }
 
-    /// How thick a library leaves a region (mm): zero where it takes it; none where a grid that is fine enough has too
-    /// many cells.
-    fn left_by(
-        &self,
-        library: &CutterLibrary,
-        region: &LayerRegion,
-        cancel: &Cancel,
-    ) -> Result<Option<f64>, UncutError> {
+    /// What some cutters leave of a region.
+    fn left_by(&self, cutters: &[&&Cutter], region: &LayerRegion, cancel: &Cancel) -> Result<Answer, UncutError> {
+        let library = CutterLibrary { cutter: cutters.iter().map(|cutter| (**cutter).clone()).collect() };
         let widest = |cutter: &Cutter| cutter.radius() + cutter.holder().map_or(cutter.radius(), |(radius, _)| radius);
         let reach = library.cutter.iter().map(widest).fold(0.0, f64::max);
-        let own = region.bounds;
-        let plan = [own.min.truncate() - reach, own.max.truncate() + reach];
-        let step = region.residue() / CELLS;
-        let cells = |size: DVec2| (size.x / step) * (size.y / step);
-        if cells(plan[1] - plan[0]) > self.most {
-            return Ok(None);
-        }
-        let field = match self.field.closer(self.mesh, plan, step, cancel) {
-            Err(HeightFieldError::TooManyCells { .. }) => return Ok(None),
-            other => other?,
-        };
+        let least = library.cutter.iter().map(|cutter| cutter.diameter_mm).fold(f64::INFINITY, f64::min);
+        let finest = (region.residue() / CELLS).min(self.tolerance / CELLS_OF_TOLERANCE);
+        // The smallest cutter is a whole number of cells wide.
+        let step = least / (least / finest).ceil();
         // Some cells more than the region has, in which its own are inner ones.
-        let around = own.grown(4.0 * step);
+        let around = region.bounds.grown(4.0 * step);
         let asked = [around.min.truncate(), around.max.truncate()];
-        let closing = match closing_within(&field, library, asked, cancel) {
-            Err(HeightFieldError::TooManyCells { .. }) => return Ok(None),
-            other => other?,
+        let plan = [asked[0] - reach, asked[1] + reach];
+        let size = (plan[1] - plan[0]) / step;
+        if size.x * size.y > self.most {
+            return Ok(Answer::Unknown);
+        }
+        let left = || -> Result<_, HeightFieldError> {
+            let field = self.field.closer(self.mesh, plan, step, cancel)?;
+            let closing = closing_within(&field, &library, asked, cancel)?;
+            let left = regions(&field, &closing, self.tolerance, cancel)?;
+            let here = left.into_iter().filter(|left| left.bounds.intersects(&around));
+            let deepest = here.max_by(|a, b| a.normal_depth.total_cmp(&b.normal_depth));
+            Ok(deepest.map(|left| (left.normal_depth, field.surface_point(left.cells[left.cells.len() / 2] as usize))))
         };
-        let left = regions(&field, &closing, self.tolerance, cancel)?;
-        let here = left.iter().filter(|left| left.bounds.intersects(&around));
-        Ok(Some(here.map(|left| left.normal_depth).fold(0.0, f64::max)))
+        match left() {
+            Err(HeightFieldError::TooManyCells { .. }) => Ok(Answer::Unknown),
+            Err(other) => Err(other.into()),
+            Ok(None) => Ok(Answer::Taken),
+            // Flat cutters leave no more than the region.
+            Ok(Some((depth, place))) => {
+                Ok(Answer::Left(depth.min(region.residue()), place.unwrap_or(region.bounds.center())))
+            }
+        }
     }
 }
