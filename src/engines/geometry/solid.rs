@@ -124,15 +124,32 @@ impl Trimmer {
 const SLIVER: f64 = 1e-5;
 
 /// A closed surface whose edges as short as slivers have become points, so that it stays closed in files which cannot
-/// tell their ends apart. What would touch itself then is left as it is.
+/// tell their ends apart. So have short edges along which the surface touches itself. What would touch itself then is left
+/// as it is.
 pub fn without_slivers(mut mesh: Mesh) -> Mesh {
     /// Each takes away one edge of every place.
     const PASSES: usize = 16;
+    /// Length up to which an edge becomes a point along which the surface touches itself (mm), and how near two edges are
+    /// that do (mm).
+    const TOUCHING: f64 = 5e-4;
+    const SAME: f64 = 1e-6;
+    let near = |p: DVec3| (p / SAME).round().to_array().map(|v| v as i64);
     let side = |mesh: &Mesh, a: u32, b: u32| mesh.vertices[a as usize].distance(mesh.vertices[b as usize]);
     for _ in 0..PASSES {
         let sides = mesh.triangles.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]);
-        let short = sides.filter(|[a, b]| a < b && side(&mesh, *a, *b) < SLIVER);
-        let mut short: Vec<(f64, [u32; 2])> = short.map(|[a, b]| (side(&mesh, a, b), [a, b])).collect();
+        let sides: Vec<(f64, [u32; 2])> = sides
+            .filter(|[a, b]| a < b)
+            .map(|[a, b]| (side(&mesh, a, b), [a, b]))
+            .filter(|(length, _)| *length < TOUCHING)
+            .collect();
+        let place = |ends: [u32; 2]| {
+            let [p, q] = ends.map(|v| near(mesh.vertices[v as usize]));
+            [p.min(q), p.max(q)]
+        };
+        let mut count: HashMap<[[i64; 3]; 2], usize> = HashMap::new();
+        sides.iter().for_each(|(_, ends)| *count.entry(place(*ends)).or_default() += 1);
+        let is_short = |(length, ends): &(f64, [u32; 2])| *length < SLIVER || count[&place(*ends)] > 1;
+        let mut short: Vec<(f64, [u32; 2])> = sides.into_iter().filter(is_short).collect();
         if short.is_empty() {
             break;
         }
@@ -219,7 +236,11 @@ fn hull_of(points: &[DVec3]) -> Manifold {
 /// it: each triangle gets corners of its own, so that it is read as a heap of triangles. Those without any area would
 /// be left out of the heap, which would then not be closed: they are taken in by their neighbours.
 fn soup(surface: &Mesh) -> Result<Manifold, SolidError> {
-    let corners: Vec<DVec3> = without_collinear(surface).into_iter().flatten().collect();
+    let mut weld = Weld::default();
+    let triangles = surface.iter_corners().map(|c| c.map(|p| weld.add(p))).collect();
+    let points = weld.points();
+    let corners = without_collinear(points, triangles).into_iter().flatten().map(|v| points[v as usize]);
+    let corners: Vec<DVec3> = corners.collect();
     let numbers = 0..corners.len() as u32;
     let triangles = numbers.step_by(3).map(|i| [i, i + 1, i + 2]).collect();
     let soup = Manifold::from_mesh_gl64_robust(&given(&Mesh { vertices: corners, triangles }));
@@ -231,26 +252,24 @@ fn soup(surface: &Mesh) -> Result<Manifold, SolidError> {
 
 /// The triangles of a surface less those whose corners lie on a line: each of these and its neighbour across its
 /// longest side are two triangles that meet in its third corner instead, so that the surface is the same.
-fn without_collinear(surface: &Mesh) -> Vec<[DVec3; 3]> {
+fn without_collinear(points: &[DVec3], mut triangles: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
     /// Height of a triangle up to which its corners lie on a line (mm): what rounding makes of none.
     const HAIR: f64 = 1e-12;
     /// Rounds at most: a neighbour may become such a triangle in its turn.
     const ROUNDS: usize = 32;
-    let mut weld = Weld::default();
-    let mut triangles: Vec<[usize; 3]> = surface.iter_corners().map(|c| c.map(|p| weld.add(p) as usize)).collect();
-    let points = weld.points();
     for _ in 0..ROUNDS {
         triangles.retain(|[a, b, c]| a != b && b != c && c != a);
         // The third corner last.
-        let longest_first = |[a, b, c]: [usize; 3]| {
-            let length = |u: usize, v: usize| points[u].distance_squared(points[v]);
+        let longest_first = |[a, b, c]: [u32; 3]| {
+            let length = |u: u32, v: u32| points[u as usize].distance_squared(points[v as usize]);
             let all = [[a, b, c], [b, c, a], [c, a, b]];
             all.into_iter()
                 .reduce(|x, y| if length(y[0], y[1]) > length(x[0], x[1]) { y } else { x })
                 .unwrap_or([a, b, c])
         };
-        let is_flat = |[u, v, m]: [usize; 3]| {
-            let (along, off) = (points[v] - points[u], points[m] - points[u]);
+        let is_flat = |triangle: [u32; 3]| {
+            let [u, v, m] = triangle.map(|v| points[v as usize]);
+            let (along, off) = (v - u, m - u);
             along.cross(off).length() <= HAIR * along.length()
         };
         let flat: Vec<usize> = (0..triangles.len()).filter(|t| is_flat(longest_first(triangles[*t]))).collect();
@@ -275,7 +294,7 @@ fn without_collinear(surface: &Mesh) -> Vec<[DVec3; 3]> {
             (triangles[t], triangles[neighbour]) = if w == m { ([u; 3], [u; 3]) } else { ([v, m, w], [m, u, w]) };
         }
     }
-    triangles.into_iter().map(|t| t.map(|v| points[v])).collect()
+    triangles
 }
 
 fn given(mesh: &Mesh) -> MeshGL64 {
@@ -288,26 +307,36 @@ fn given(mesh: &Mesh) -> MeshGL64 {
 }
 
 /// A mesh as a solid. What is read is tidied, and where edges lie nearer to one another than rounding, tidying may take a
-/// corner of their neighbours away: corners are rounded first, which keeps such edges in one line. Where volume is lost with
-/// a corner all the same, the mesh is read as it is; operations on it take longer.
+/// corner of their neighbours away: corners are rounded first, which keeps such edges in one line. Where a corner is lost
+/// all the same, triangles whose corners lie on a line are taken in by their neighbours, and where that does not help the
+/// mesh is read as it is; operations on it take longer.
 fn manifold(mesh: &Mesh) -> Result<Manifold, SolidError> {
-    /// Thickness by which tidying may change a solid beside a corner that it takes away (mm).
-    const TIDIED: f64 = 1e-6;
     let vertices = mesh.vertices.iter().map(|p| on_grid(*p)).collect();
     let rounded = Mesh { vertices, triangles: mesh.triangles.clone() };
     let solid = Manifold::from_mesh_gl64(&given(&rounded));
     if solid.status() != Error::NoError {
         return Err(SolidError::NotClosed(solid.status().to_str().to_owned()));
     }
+    if is_same(&solid, &rounded) {
+        return Ok(solid);
+    }
+    let triangles = without_collinear(&rounded.vertices, rounded.triangles.clone());
+    let rounded = Mesh { triangles, ..rounded };
+    let solid = Manifold::from_mesh_gl64(&given(&rounded));
+    if solid.status() == Error::NoError && is_same(&solid, &rounded) { Ok(solid) } else { soup(&rounded) }
+}
+
+/// Whether a solid that was read has the volume of its mesh beside every corner that was tidied away.
+fn is_same(solid: &Manifold, mesh: &Mesh) -> bool {
+    /// Thickness by which tidying may change a solid beside a corner that it takes away (mm).
+    const TIDIED: f64 = 1e-6;
     let key = |p: &[f64]| [p[0].to_bits(), p[1].to_bits(), p[2].to_bits()];
     let read = solid.get_mesh_gl64(-1).vert_properties;
     let kept: HashSet<[u64; 3]> = read.chunks_exact(3).map(key).collect();
-    let is_lost = |v: &u32| !kept.contains(&key(&rounded.vertices[*v as usize].to_array()));
-    let beside = rounded.triangles.iter().filter(|t| t.iter().any(is_lost));
-    let beside: f64 =
-        beside.map(|t| normal_times_two_areas(t.map(|v| rounded.vertices[v as usize])).length() / 2.0).sum();
-    let is_same = beside == 0.0 || (solid.volume() - rounded.volume().abs()).abs() <= TIDIED * beside;
-    if is_same { Ok(solid) } else { soup(&rounded) }
+    let is_lost = |v: &u32| !kept.contains(&key(&mesh.vertices[*v as usize].to_array()));
+    let area = |t: &[u32; 3]| normal_times_two_areas(t.map(|v| mesh.vertices[v as usize])).length() / 2.0;
+    let beside: f64 = mesh.triangles.iter().filter(|t| t.iter().any(is_lost)).map(area).sum();
+    beside == 0.0 || (solid.volume() - mesh.volume().abs()).abs() <= TIDIED * beside
 }
 
 /// A solid with what is smaller than `length` (mm) tidied away, as far as that can be done.
@@ -497,9 +526,10 @@ mod tests {
         mesh.triangles[0] = [a, middle, c];
         mesh.triangles.extend([[middle, b, c], [a, b, middle]]);
         assert!(mesh.is_watertight());
-        let triangles = without_collinear(&mesh);
+        let triangles = without_collinear(&mesh.vertices, mesh.triangles.clone());
         assert_eq!(triangles.len(), mesh.triangles.len());
-        assert!(triangles.iter().all(|t| (t[1] - t[0]).cross(t[2] - t[0]).length() > 0.5));
+        let area = |t: &[u32; 3]| normal_times_two_areas(t.map(|v| mesh.vertices[v as usize])).length();
+        assert!(triangles.iter().all(|t| area(t) > 0.5));
         let solid = wound(&mesh).unwrap();
         assert!(solid.is_watertight() && (solid.volume() - 8.0).abs() < 1e-12, "{}", solid.volume());
     }
