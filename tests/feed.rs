@@ -519,7 +519,7 @@ fn a_cancelled_plan_answers_nothing() {
 
 #[test]
 fn a_threshold_keeps_its_side_farther_off_once_the_feed_has_opened_up() {
-    const THRESHOLD: f64 = 0.45;
+    const THRESHOLD: f64 = 0.3;
     let mut job = easy_job();
     job.plan.thresholds.low_wall_mm = THRESHOLD;
     let [plain, kept] = [whole_easy_plan(), &whole_plan(mesh(&easy_blisk()), job)];

@@ -88,7 +88,7 @@ fn a_project_of_measured_sections_or_of_a_profile_has_the_blades_of_a_mesh() {
     let throat = |answer: &serde_json::Value| answer["blisk"]["channel"]["throat"]["width_mm"].as_f64().unwrap();
     let [of_sections, of_profile] = [inspected(&measured), inspected(&profile)];
     for answer in [&of_sections, &of_profile] {
-        assert_eq!(answer["blisk"]["channel"]["blades"], blisk.blades, "{answer}");
+        assert_eq!(answer["blisk"]["repetition"]["blades"], blisk.blades, "{answer}");
     }
     assert!((throat(&of_sections) - throat(&of_profile)).abs() < 0.02);
 }

@@ -9,10 +9,12 @@ use feed::pose::Pose;
 use geometry::exact::ExactMesh;
 use sparkpath::workspaces::blisk::document::job_file::PlanJob;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
+use sparkpath::workspaces::blisk::job::node_distances::NodeDistances;
 use sparkpath::workspaces::blisk::job::outcome::{PlanInputs, PlanOutcome};
 use sparkpath::workspaces::blisk::job::plan::{kept, replay};
 use sparkpath::workspaces::blisk::report::build::report;
-use task::Task;
+use task::{Cancel, Task};
+use wheel::surface_finder::SurfaceFinder;
 
 use super::{curved_blisk, easy_blisk, easy_job, mesh, plan, plan_easy, threads};
 
@@ -77,7 +79,13 @@ fn the_same_job_gives_the_same_path_on_one_thread() {
 }
 
 fn a_report_gives_the_wall_clearances_at_every_node() {
-    let told = report(centreline_plan(), &job(), Vec::new());
+    let mut plan = centreline_plan().clone();
+    let finder = SurfaceFinder::new(plan.channel.clone()).unwrap();
+    let electrode = &mut plan.electrodes[0];
+    let around = (&*plan.channel, &finder);
+    electrode.distances =
+        NodeDistances::at(&electrode.plan.nodes, &electrode.electrode, around, &Cancel::default()).unwrap();
+    let told = report(&plan, &job(), Vec::new());
     let nodes = &told.electrodes[0].nodes;
     let four = |i: usize| nodes[i].distances_mm.unwrap();
     for node in nodes {
@@ -92,7 +100,7 @@ fn a_report_gives_the_wall_clearances_at_every_node() {
     assert!((first.hub.unwrap() - 0.1).abs() < 0.08, "{first:?}");
     assert!((first.shroud.unwrap() - to_shroud).abs() < 0.08, "{first:?}");
     assert!(first.low_wall > 0.1 && first.high_wall > 0.1 && four(nodes.len() - 1).hub.is_none());
-    // Of a search that follows no line nothing is told of it.
+    // Of nodes that were not measured nothing is told.
     assert!(report(centreline_plan(), &easy_job(), Vec::new()).electrodes[0].nodes[0].distances_mm.is_none());
 }
 

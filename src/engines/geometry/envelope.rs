@@ -9,13 +9,15 @@
 //! carried on until they meet, as long as that is no more than [`LONGEST`] gaps away; beyond, a polyhedron around the
 //! ball takes its place, which reaches no more than 20 % of the gap beyond it.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
 use glam::{DMat3, DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::exact::ExactMesh;
+use super::inside::is_inside;
 use super::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
 use super::offset::{least_shift, vertex_normals};
 use super::solid::{self, GRID, SolidError, hull, on_grid};
@@ -83,12 +85,52 @@ pub fn envelope(
         is_apart || (is_beside && !looks_up(&corners, triangle) && !looks_down())
     };
     let own = near.iter().filter(|t| needs_own(t));
-    let hulls: Vec<Vec<DVec3>> = own.map(|t| column_around(mesh, &corners, *t, floor)).collect();
+    let moved_to = |t: usize| mesh.triangles[t].map(|v| &corners[v as usize]);
+    let hulls: Vec<Vec<DVec3>> = own.map(|t| column(mesh, moved_to(*t), *t, floor)).collect();
     let moved: Vec<[u32; 3]> =
         near.iter().copied().map(|t| mesh.triangles[t]).filter(|t| looks_up(&corners, *t)).collect();
     cancel.check()?;
     let columns = solid::unfolded(below(&corners, &moved, floor))?;
-    solid::union(&columns, &solid::union_of_hulls(&hulls, cancel)?)
+    let found = solid::union(&columns, &solid::union_of_hulls(&hulls, cancel)?)?;
+    cancel.check()?;
+    let open = uncovered(mesh, &corners, &near, growth, floor, &found);
+    if open.is_empty() {
+        return Ok(found);
+    }
+    let normals = vertex_normals(mesh);
+    let grown = |v: u32| Corner::around(mesh.vertices[v as usize], &normals[v as usize], growth);
+    let hulls: Vec<Vec<DVec3>> =
+        open.iter().map(|t| column(mesh, mesh.triangles[*t].map(grown).each_ref(), *t, floor)).collect();
+    solid::union(&found, &solid::union_of_hulls(&hulls, cancel)?)
+}
+
+/// Of the triangles `near`, those at corners of such as are turned over when they are moved which have places within the
+/// gap of them outside of `solid`: looked for over some places of each, in all directions.
+fn uncovered(mesh: &Mesh, corners: &[Corner], near: &[usize], growth: &Growth, floor: f64, solid: &Mesh) -> Vec<usize> {
+    /// Part of the growth that may be missing: rounding of corners.
+    const MISSING: f64 = 1e-3;
+    /// Parts into which sides are divided by the places.
+    const SHARES: u32 = 3;
+    let mut is_at_fold = vec![false; mesh.vertices.len()];
+    for triangle in near.iter().map(|t| mesh.triangles[*t]).filter(|t| is_folded(mesh, corners, *t)) {
+        triangle.into_iter().for_each(|v| is_at_fold[v as usize] = true);
+    }
+    let asked: Vec<usize> =
+        near.iter().copied().filter(|t| mesh.triangles[*t].iter().any(|v| is_at_fold[*v as usize])).collect();
+    // Nothing covers them, where the solid has no faces.
+    let Some(solid) = (!asked.is_empty()).then(|| ExactMesh::new(solid).ok()).flatten() else { return asked };
+    let is_open = |t: &usize| {
+        let [a, b, c] = mesh.corners(*t);
+        let normal = unit_normal([a, b, c]);
+        let directions = DIRECTIONS.iter().copied().filter(|d| d.dot(normal) > 0.0).chain([normal]);
+        let over = |d: DVec3| (d * growth.gap + d.with_z(0.0).normalize_or_zero() * growth.radius) * (1.0 - MISSING);
+        let over: Vec<DVec3> = directions.map(over).collect();
+        let shares =
+            (0..=SHARES).flat_map(|i| (0..=SHARES - i).map(move |j| [i, j].map(|k| f64::from(k) / f64::from(SHARES))));
+        let places = shares.map(|[i, j]| a + (b - a) * i + (c - a) * j);
+        places.flat_map(|p| over.iter().map(move |d| p + *d)).any(|p| p.z > floor && !is_inside(&solid, p))
+    };
+    asked.into_par_iter().filter(is_open).collect()
 }
 
 /// Whether a triangle whose corners are all moved to one place looks up then: decided exactly.
@@ -167,14 +209,7 @@ fn corners(mesh: &Mesh, growth: &Growth) -> Vec<Corner> {
             None => Corner::around(*p, own, growth),
         }
     };
-    let mut corners: Vec<Corner> = mesh.vertices.par_iter().enumerate().map(of).collect();
-    // A triangle that is turned over when it is moved covers nothing of what was to be covered there.
-    let folded: BTreeSet<u32> =
-        mesh.triangles.iter().filter(|t| is_folded(mesh, &corners, **t)).flatten().copied().collect();
-    for v in folded.into_iter().map(|v| v as usize) {
-        corners[v] = Corner::around(mesh.vertices[v], &normals[v], growth);
-    }
-    corners
+    mesh.vertices.par_iter().enumerate().map(of).collect()
 }
 
 /// Whether a triangle, whose corners are all moved to one place, looks the other way then.
@@ -268,9 +303,9 @@ static DIRECTIONS: LazyLock<Vec<DVec3>> = LazyLock::new(|| {
     up.map(|direction| of(direction).normalize()).collect()
 });
 
-/// Points whose hull is the column under a grown triangle.
-fn column_around(mesh: &Mesh, corners: &[Corner], triangle: usize, floor: f64) -> Vec<DVec3> {
-    let moved = mesh.triangles[triangle].iter().flat_map(|v| corners[*v as usize].points()).copied();
+/// Points whose hull is the column under a triangle whose corners are moved to `moved`.
+fn column(mesh: &Mesh, moved: [&Corner; 3], triangle: usize, floor: f64) -> Vec<DVec3> {
+    let moved = moved.into_iter().flat_map(Corner::points).copied();
     let high: Vec<DVec3> = moved.chain(mesh.corners(triangle)).collect();
     let low = high.iter().map(|p| p.with_z(floor));
     let points: Vec<DVec3> = high.iter().copied().chain(low).collect();

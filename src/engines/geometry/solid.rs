@@ -36,7 +36,7 @@ pub enum SolidError {
 /// # Errors
 /// [`SolidError::NotClosed`], [`SolidError::Failed`].
 pub fn difference(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
-    Ok(mesh(&combine(a, b, OpType::Subtract)?))
+    Ok(mesh(&combine(a, b, OpType::Subtract, BooleanEngine::Exact)?))
 }
 
 /// The part of `a` inside `b`; a mesh without triangles where there is none.
@@ -44,7 +44,7 @@ pub fn difference(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
 /// # Errors
 /// [`SolidError::NotClosed`], [`SolidError::Failed`].
 pub fn intersection(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
-    Ok(mesh(&combine(a, b, OpType::Intersect)?))
+    Ok(mesh(&combine(a, b, OpType::Intersect, BooleanEngine::Exact)?))
 }
 
 /// Everything inside `a` or `b`.
@@ -55,7 +55,7 @@ pub fn union(a: &Mesh, b: &Mesh) -> Result<Mesh, SolidError> {
     match (a.triangles.is_empty(), b.triangles.is_empty()) {
         (true, _) => Ok(b.clone()),
         (_, true) => Ok(a.clone()),
-        _ => Ok(mesh(&simplified(combine(a, b, OpType::Add)?, SMALLEST))),
+        _ => Ok(mesh(&simplified(combine(a, b, OpType::Add, BooleanEngine::Auto)?, SMALLEST))),
     }
 }
 
@@ -80,17 +80,19 @@ pub fn wound(surface: &Mesh) -> Result<Mesh, SolidError> {
     }
 }
 
-fn combine(a: &Mesh, b: &Mesh, operation: OpType) -> Result<Manifold, SolidError> {
+fn combine(a: &Mesh, b: &Mesh, operation: OpType, engine: BooleanEngine) -> Result<Manifold, SolidError> {
     if a.triangles.is_empty() {
         return Ok(Manifold::empty());
     }
-    combined(&manifold(a)?, &manifold(b)?, operation)
+    combined(&manifold(a)?, &manifold(b)?, operation, engine)
 }
 
-fn combined(a: &Manifold, b: &Manifold, operation: OpType) -> Result<Manifold, SolidError> {
-    let found = a.boolean_with_engine(b, operation, BooleanEngine::Auto);
+/// Shells that overlap stay as they are with the exact engine, which takes no heaps of triangles.
+fn combined(a: &Manifold, b: &Manifold, operation: OpType, engine: BooleanEngine) -> Result<Manifold, SolidError> {
+    let found = a.boolean_with_engine(b, operation, engine);
     match found.status() {
         Error::NoError => Ok(found),
+        Error::NotManifold if engine == BooleanEngine::Exact => combined(a, b, operation, BooleanEngine::Auto),
         error => Err(SolidError::Failed(error.to_str().to_owned())),
     }
 }
@@ -115,7 +117,7 @@ impl Trimmer {
         if a.triangles.is_empty() {
             return Ok(Mesh::default());
         }
-        let found = combined(&manifold(a)?, &self.0, OpType::Subtract)?;
+        let found = combined(&manifold(a)?, &self.0, OpType::Subtract, BooleanEngine::Auto)?;
         Ok(without_slivers(mesh(&simplified(found, SLIVER))))
     }
 }

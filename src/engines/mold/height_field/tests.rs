@@ -259,6 +259,27 @@ fn corners_of_an_opening_through_the_block_are_left_down_to_its_underside() {
 }
 
 #[test]
+fn a_closer_look_finds_what_the_whole_finds_there() {
+    let mesh = frame(&rectangle(14.0, 14.0), &rectangle(8.0, 6.0), 5.0);
+    let library = CutterLibrary { cutter: vec![Cutter::flat(1.0)] };
+    // All that a cutter touches which reaches the corner of the opening at (4, 3).
+    let plan = [DVec2::new(0.5, -0.5), DVec2::new(6.5, 5.5)];
+    let corner = [DVec2::new(2.8, 1.8), DVec2::new(4.2, 3.2)];
+    let field = raster(&mesh, 4.0 * STEP).closer(&mesh, plan, STEP, &Cancel::default()).unwrap();
+    let left = closing_within(&field, &library, corner, &Cancel::default()).unwrap();
+    let found = regions(&field, &left, 0.02, &Cancel::default()).unwrap();
+    assert_eq!(found.len(), 1);
+    assert!((found[0].volume / (CORNER * 5.0) - 1.0).abs() < 0.05, "{}", found[0].volume);
+    let whole = closing(&field, &library, &Cancel::default()).unwrap();
+    for cell in 0..field.heights.len() {
+        let place = field.center(cell);
+        let is_asked = place.cmpge(corner[0]).all() && place.cmple(corner[1]).all();
+        let there = if is_asked { whole.residue(&field, cell) } else { 0.0 };
+        assert_eq!(left.residue(&field, cell), there, "{place}");
+    }
+}
+
+#[test]
 fn beside_the_block_there_is_air_down_to_the_underside() {
     // Two blocks beside each other: what is between them is not enclosed.
     let block = Mesh::cuboid(DVec3::new(2.0, 6.0, 3.0));

@@ -85,13 +85,14 @@ fn cutters(ui: &mut Ui, desk: &FlankDesk, form: &Form<FlankDocument>) -> Option<
     let text = if desk.cutters.contains(now) { now.words() } else { "other".to_owned() };
     ui.horizontal(|ui| {
         let combo = ComboBox::from_id_salt("flank cutters").selected_text(text).width(170.0).truncate();
-        combo.show_ui(ui, |ui| {
+        let shown = combo.show_ui(ui, |ui| {
             for cutter in &desk.cutters {
                 if ui.selectable_label(cutter == now, cutter.words()).clicked() {
                     chosen = Some(Chosen::One(cutter.clone()));
                 }
             }
         });
+        shown.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "List of cutters"));
         let hint = "Plans with each cutter of the list, and shows the figures side by side";
         if ui.small_button("Best of the list").on_hover_text(hint).clicked() {
             chosen = Some(Chosen::Best);

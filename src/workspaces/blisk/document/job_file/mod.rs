@@ -344,7 +344,9 @@ impl Params for PlanJob {
         for mesh in [&mut self.blisk.mesh, &mut self.electrode.mesh].into_iter().flatten() {
             *mesh = change(mesh);
         }
-        if let BladesFrom::Measured(blades) = &mut self.blisk.sections {
+        if let BladesFrom::Measured(blades) = &mut self.blisk.sections
+            && !blades.file.as_os_str().is_empty()
+        {
             blades.file = change(&blades.file);
         }
         let named = [(is_file as fn(&str) -> bool, &mut self.machine.name), (is_post, &mut self.export.post)];
