@@ -104,8 +104,8 @@ pub fn envelope(
     solid::union(&found, &solid::union_of_hulls(&hulls, cancel)?)
 }
 
-/// Of the triangles `near`, those at corners of such as are turned over when they are moved which have places within the
-/// gap of them outside of `solid`: looked for over some places of each, in all directions.
+/// Triangles of `near` that share a corner with a folded one and have a place within the gap of them outside of `solid`:
+/// looked for over some places of each, in all directions.
 fn uncovered(mesh: &Mesh, corners: &[Corner], near: &[usize], growth: &Growth, floor: f64, solid: &Mesh) -> Vec<usize> {
     /// Part of the growth that may be missing: rounding of corners.
     const MISSING: f64 = 1e-3;
@@ -117,7 +117,7 @@ fn uncovered(mesh: &Mesh, corners: &[Corner], near: &[usize], growth: &Growth, f
     }
     let asked: Vec<usize> =
         near.iter().copied().filter(|t| mesh.triangles[*t].iter().any(|v| is_at_fold[*v as usize])).collect();
-    // Nothing covers them, where the solid has no faces.
+    // A solid without faces covers nothing.
     let Some(solid) = (!asked.is_empty()).then(|| ExactMesh::new(solid).ok()).flatten() else { return asked };
     let is_open = |t: &usize| {
         let [a, b, c] = mesh.corners(*t);

@@ -66,7 +66,7 @@ pub fn closing(field: &HeightField, library: &CutterLibrary, cancel: &Cancel) ->
 /// nothing is left.
 ///
 /// # Errors
-/// Those of [`closing`].
+/// [`HeightFieldError`], as of [`closing`].
 pub fn closing_within(
     field: &HeightField,
     library: &CutterLibrary,

@@ -35,7 +35,7 @@ impl HeightField {
     /// (mm). Openings through the material are where this field has them.
     ///
     /// # Errors
-    /// Those of [`raster`](Self::raster).
+    /// [`HeightFieldError`], as of [`raster`](Self::raster).
     pub fn closer(&self, mesh: &Mesh, plan: [DVec2; 2], step: f64, cancel: &Cancel) -> Result<Self, HeightFieldError> {
         let bounds = mesh.bounds();
         let [low, high] = [plan[0].max(bounds.min.truncate()), plan[1].min(bounds.max.truncate())];

@@ -37,7 +37,7 @@ const FIGURES: [&str; 9] = ["D_L mm", "D_R mm", "S_L mm", "S_R mm", "hub mm", "s
 /// Values of these columns at a node.
 type Figures = [Option<f64>; FIGURES.len()];
 
-/// Those columns of every node of the plan; nothing where the nodes are those of a search or of a preview.
+/// The distances and objectives of every node of the plan; nothing where the nodes are those of a search or of a preview.
 fn figures(desk: &BliskDesk) -> Vec<Figures> {
     let Some(outcome) = desk.outcome_of_track() else { return Vec::new() };
     let of = |(node, at): (&Node, &NodeDistances)| {

@@ -72,7 +72,7 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk, cx: &mut Context, with_results: b
 
 /// Choice among the cutters of the list.
 enum Chosen {
-    /// This one.
+    /// A cutter of the list.
     One(FlankCutter),
     /// The best for the flank.
     Best,

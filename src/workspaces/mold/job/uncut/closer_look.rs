@@ -27,7 +27,7 @@ enum Answer {
     Taken,
     /// All cutters leave it, at most as thick as this across the surface (mm), also at this place.
     Left(f64, DVec3),
-    /// It is too thin for any grid that there is room for.
+    /// The region is too thin for any grid that there is room for.
     Unknown,
 }
 
