@@ -18,7 +18,7 @@ pub enum MoldWarning {
     },
     /// The mesh has gaps: what they open is missing.
     #[error(
-        "the surface is open in {layers} layers from z = {from:.3} to {to:.3} mm, first at x = {:.3}, y = {:.3}: what \
+        "the surface is open between z = {from:.3} and {to:.3} mm, first at x = {:.3}, y = {:.3}: what \
          is left uncut there is not known; repair the mesh",
         place[0], place[1]
     )]
@@ -34,7 +34,7 @@ pub enum MoldWarning {
     },
     /// Outlines cross or lie in each other the wrong way; all that any of them encloses counts as material.
     #[error(
-        "the surface crosses itself or is inside out in {layers} layers from z = {from:.3} to {to:.3} mm: all that it \
+        "the surface crosses itself or is inside out between z = {from:.3} and {to:.3} mm: all that it \
          encloses counts as material there; repair the mesh"
     )]
     Crossing {

@@ -6,7 +6,7 @@ use super::channel::Agreement;
 use super::frame::axis::Axis;
 use super::frame::frame_along;
 use super::frame::sector::SectorError;
-use super::options::BliskOptions;
+use super::options::{BliskOptions, EndWalls};
 use geometry::frame::{Cylindrical, Frame};
 use task::Cancelled;
 
@@ -156,7 +156,8 @@ pub enum BliskError {
     #[error(
         "the channel's walls were lost at x {x:.3}, r {r:.3} mm about the axis, where the blades do not bound it on \
          both sides, or metal stands between them; pick a passage that they bound with blisk.blade_points_mm or blisk.channel, or give points of hub \
-         and shroud with blisk.hub_points_mm and blisk.shroud_points_mm"
+         and shroud with blisk.hub_points_mm and blisk.shroud_points_mm, and where blades grow together at the hub, draw a \
+         curve above that place with blisk.hub_points_mm and blisk.end_walls = \"drawn\""
     )]
     LostWall {
         /// Where (mm along the axis).
@@ -224,6 +225,19 @@ pub enum BliskError {
         /// How far off (mm).
         off_mm: f64,
     },
+    /// A drawn hub or shroud is not between the blades.
+    #[error(
+        "the curve that is drawn with blisk.{key} reaches into the part, or beyond the blades, at x {x:.3}, r {r:.3} mm about \
+         the axis: move its points into the passage there"
+    )]
+    DrawnOutside {
+        /// The key of its points.
+        key: &'static str,
+        /// Where (mm along the axis).
+        x: f64,
+        /// Where (mm from the axis).
+        r: f64,
+    },
     /// Points that are given make no curve along the passage.
     #[error(
         "the points of blisk.{key} make no curve beside the passage at x {x:.3}, r {r:.3} mm about the axis, along which its \
@@ -282,6 +296,7 @@ impl Misleading {
                 options.hub_points_mm.clear();
                 options.shroud_points_mm.clear();
                 options.blade_points_mm.clear();
+                options.end_walls = EndWalls::Measured;
             }
             Self::Blades => options.blades = BliskOptions::default().blades,
             Self::Axis => options.axis = BliskOptions::default().axis,
@@ -316,9 +331,11 @@ impl Refused {
     /// The refusal for `error`, which speaks of places in `frame` or of points of `options`.
     pub(super) fn new(error: BliskError, frame: &Frame, options: &BliskOptions) -> Self {
         let radius = options.radii().into_iter().find(|(_, radius)| radius.given().is_some());
-        let error = match (error, radius) {
-            (BliskError::LostWall { x, r }, Some((key, _))) => BliskError::GivenRadius { key, x, r },
-            (error, _) => error,
+        let drawn = options.drawn().next();
+        let error = match (error, radius, drawn) {
+            (BliskError::LostWall { x, r }, Some((key, _)), _) => BliskError::GivenRadius { key, x, r },
+            (BliskError::LostWall { x, r }, None, Some(key)) => BliskError::DrawnOutside { key, x, r },
+            (error, ..) => error,
         };
         Self { at: error.given_point(options).or_else(|| Some(frame.to_parent(error.place()?))), error }
     }
@@ -372,6 +389,7 @@ impl BliskError {
             | Self::Unbounded { x, r }
             | Self::LostWall { x, r }
             | Self::GivenRadius { x, r, .. }
+            | Self::DrawnOutside { x, r, .. }
             | Self::HandCurve { x, r, .. }
             | Self::NoThroat { x, r } => Some(Cylindrical { x, r, theta: 0.0 }.point()),
             Self::Disagrees(Agreement { at, .. }) | Self::Obstructed { at, .. } => Some(at),

@@ -100,6 +100,18 @@ pub enum ZAt {
     Middle,
 }
 
+/// What bounds a passage towards hub and shroud.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum EndWalls {
+    /// The surfaces of the mesh; points that are given lie on them.
+    #[default]
+    Measured,
+    /// The curves through the points that are given: where blades grow together at the hub, or where metal is to be left
+    /// there.
+    Drawn,
+}
+
 /// Options for finding the channel of a blisk.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -123,6 +135,9 @@ pub struct BliskOptions {
     pub hub_points_mm: Vec<[f64; 3]>,
     /// Points on the shroud, or on the blade tips without one, given in the same way (mm).
     pub shroud_points_mm: Vec<[f64; 3]>,
+    /// What the points on hub and shroud stand for. A drawn curve may leave metal to others, but may not reach into the
+    /// part.
+    pub end_walls: EndWalls,
     /// Points on walls of blades, in the coordinates of the mesh (mm). They tell which circles about the axis blades
     /// bound; the wall of the first one bounds channel 0.
     pub blade_points_mm: Vec<[f64; 3]>,
@@ -143,6 +158,7 @@ impl Default for BliskOptions {
             shroud_radius_mm: Auto::Auto,
             hub_points_mm: Vec::new(),
             shroud_points_mm: Vec::new(),
+            end_walls: EndWalls::Measured,
             blade_points_mm: Vec::new(),
             wall_points_chord: 81,
             wall_points_span: 25,
@@ -170,6 +186,13 @@ impl BliskOptions {
             ("shroud_points_mm", &self.shroud_points_mm, 2),
             ("blade_points_mm", &self.blade_points_mm, 1),
         ]
+    }
+
+    /// The keys of the curves that are drawn.
+    pub(super) fn drawn(&self) -> impl Iterator<Item = &'static str> {
+        let is_drawn = self.end_walls == EndWalls::Drawn;
+        let curves = self.points().into_iter().take(2);
+        curves.filter(move |(_, points, _)| is_drawn && !points.is_empty()).map(|(key, ..)| key)
     }
 
     /// Whether the options make sense before any mesh is seen; if not, which key is wrong and what it may be.
@@ -206,6 +229,13 @@ impl BliskOptions {
             if points.iter().flatten().any(|c| !(c.is_finite() && c.abs() <= FURTHEST)) {
                 return Err(format!("blisk.{key}: coordinates must lie between -{FURTHEST} and {FURTHEST} mm"));
             }
+        }
+        if self.end_walls == EndWalls::Drawn && self.drawn().next().is_none() {
+            return Err(
+                "blisk.end_walls: \"drawn\" needs points of the curves in blisk.hub_points_mm, blisk.shroud_points_mm \
+                        or both"
+                    .into(),
+            );
         }
         let given = self.radii().map(|(key, radius)| radius.given().is_some().then_some(key));
         for (radius, (key, points, _)) in given.into_iter().zip(self.points()) {
@@ -267,6 +297,7 @@ mod tests {
             (BliskOptions { blades: Auto::Given(1), ..default() }, "blades"),
             (BliskOptions { hub_radius_mm: Auto::Given(f64::NAN), ..default() }, "hub_radius_mm"),
             (radii, "shroud_radius_mm"),
+            (BliskOptions { end_walls: EndWalls::Drawn, ..default() }, "end_walls"),
             (BliskOptions { wall_points_span: 1, ..default() }, "wall_points_span"),
         ] {
             assert!(options.validate().unwrap_err().contains(key), "{key}");

@@ -81,14 +81,18 @@ impl Measured<'_> {
     /// Measures walls and end walls against the mesh, and takes the throat into account.
     ///
     /// # Errors
-    /// [`BliskError::Disagrees`] where more than a few places of a surface are not where the channel has them, and
+    /// [`BliskError::Disagrees`] where more than a few places of a surface are not where the channel has them,
+    /// [`BliskError::DrawnOutside`] where a drawn one reaches into the part, and
     /// [`BliskError::NoThroat`] where its walls touch: what was found is no channel of this part then.
     pub fn agreement(&self, throat: &Throat) -> Result<Vec<Agreement>, BliskError> {
         let within = self.tolerance();
         let all = self.samples(DENSE, 0.0)?.map(|(surface, samples)| summary(surface, samples, within));
         let all: Vec<Agreement> = all.collect();
         if let Some(a) = all.iter().find(|a| a.share < ENOUGH) {
-            return Err(BliskError::Disagrees(*a));
+            let key = if a.surface == Surface::Hub { "hub_points_mm" } else { "shroud_points_mm" };
+            let Cylindrical { x, r, .. } = Cylindrical::from_point(a.at);
+            let is_drawn = self.tracer.is_drawn(a.surface);
+            return Err(if is_drawn { BliskError::DrawnOutside { key, x, r } } else { BliskError::Disagrees(*a) });
         }
         if throat.width_mm < LEAST_THROAT {
             let Cylindrical { x, r, .. } = Cylindrical::from_point(throat.on_low_wall);
@@ -234,11 +238,12 @@ impl Measured<'_> {
     /// Rays along the stations from within the channel to its hub or shroud, over the middle of its width there.
     fn end_wall_samples(&self, surface: Surface, density: Density, turn: f64) -> Vec<Sample> {
         let (tracer, walls, meridian) = (self.tracer, self.walls, &self.meridian.stations[..]);
-        let (row, share, given) = if surface == Surface::Hub {
-            (0, 0.0, tracer.options.hub_radius_mm.given().is_some())
+        let (row, share, radius) = if surface == Surface::Hub {
+            (0, 0.0, tracer.options.hub_radius_mm)
         } else {
-            (walls[0].nv - 1, 1.0, tracer.options.shroud_radius_mm.given().is_some())
+            (walls[0].nv - 1, 1.0, tracer.options.shroud_radius_mm)
         };
+        let given = radius.given().is_some() || tracer.is_drawn(surface);
         let start = START + (1.0 - 2.0 * START) * share;
         let Density { stations, across, .. } = density;
         let columns: Vec<usize> = (0..stations).map(|i| (i + 1) * (walls[0].nu - 1) / (stations + 1)).collect();
@@ -261,16 +266,20 @@ impl Measured<'_> {
                 met.map_or(0.0, |(_, facet)| chord_error(tracer.slices, meridian, share, facet, end(met).y))
             };
             let chord = met.iter().map(|(_, met)| chord(met)).fold(0.0, f64::max).min(MOST_CHORD * station.height());
-            let sample =
-                |(theta, met): &(f64, Option<(f64, u32)>)| {
-                    // A radius given by hand may leave metal to others, but may not reach into the part.
-                    let off = met.map_or(f64::INFINITY, |(distance, _)| {
+            let sample = |(theta, met): &(f64, Option<(f64, u32)>)| {
+                // A radius or a curve given by hand may leave metal to others, but may not reach into the part.
+                // Beyond a drawn one the rays may graze the walls, where these come together.
+                let missed = if tracer.is_drawn(surface) { 0.0 } else { f64::INFINITY };
+                let off = met.map_or(
+                    missed,
+                    |(distance, _)| {
                         if given { (expected - distance).max(0.0) } else { expected - distance }
-                    });
-                    let end = end(met);
-                    let at = Cylindrical { x: end.x, r: end.y, theta: *theta }.point();
-                    Sample { off, chord, at }
-                };
+                    },
+                );
+                let end = end(met);
+                let at = Cylindrical { x: end.x, r: end.y, theta: *theta }.point();
+                Sample { off, chord, at }
+            };
             met.iter().map(sample).collect::<Vec<_>>()
         };
         columns.par_iter().map(of_column).collect::<Vec<_>>().concat()

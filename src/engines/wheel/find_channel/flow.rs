@@ -9,6 +9,7 @@ use std::collections::HashMap;
 use glam::DVec2;
 use nalgebra::DMatrix;
 
+use super::super::channel::Surface;
 use super::super::error::BliskError;
 use super::super::frame::slices::Gap;
 use super::meridian::{Place, Tracer};
@@ -56,8 +57,9 @@ struct Piece {
 /// The lines across the passage through `start` between blades of so many kinds; none where it runs along the axis,
 /// within 45 degrees, or where the blades do not reach a hub from end to end, so that nothing is known of its direction.
 pub(super) fn lines(tracer: &Tracer, start: Place, kinds: usize) -> Result<Option<Lines>, BliskError> {
-    // Where both are given there is nothing to be found.
-    let is_known = tracer.by_hand.ends.iter().all(|points| !points.is_empty());
+    // Where both are given or one is drawn there is nothing to be found.
+    let is_drawn = [Surface::Hub, Surface::Shroud].into_iter().any(|surface| tracer.is_drawn(surface));
+    let is_known = is_drawn || tracer.by_hand.ends.iter().all(|points| !points.is_empty());
     let found = if is_known { None } else { lines_found(tracer, start, kinds)? };
     tracer.lines_by_hand(start, found)
 }

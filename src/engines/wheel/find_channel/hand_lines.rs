@@ -6,6 +6,7 @@ use super::super::by_hand::{self, nearest};
 use super::super::channel::{Station, Surface};
 use super::super::error::BliskError;
 use super::super::frame::slices::Gap;
+use super::super::options::EndWalls;
 use super::flow::{Lines, MOST_STEEP, rising, steep_share};
 use super::meridian::{Meridian, Place, Tracer};
 use geometry::frame::wrap_angle;
@@ -35,7 +36,7 @@ impl Tracer<'_> {
             [None, None] => return Ok(found),
             [hub, shroud] => {
                 let (end, given) = if let Some(hub) = hub { (0, hub) } else { (1, shroud.unwrap_or_default()) };
-                if let Some(found) = found {
+                if let Some(found) = found.filter(|_| self.options.end_walls == EndWalls::Measured) {
                     return Ok(Some(turned_to(found, end, &given)));
                 }
                 if steep_share(&given) <= MOST_STEEP {
@@ -152,6 +153,21 @@ impl Tracer<'_> {
         let middle = places.iter().sum::<DVec2>() / places.len() as f64;
         let moved = self.followed(&first.gap, DVec2::new(first.x, first.r), middle);
         Ok(Some(moved.map_or(first, |gap| Place { along: middle.x, x: middle.x, r: middle.y, gap })))
+    }
+
+    /// Whether the hub or the shroud is the curve through the points that are given for it.
+    pub(super) fn is_drawn(&self, surface: Surface) -> bool {
+        let end = if surface == Surface::Hub { 0 } else { 1 };
+        self.options.end_walls == EndWalls::Drawn && self.by_hand.curves[end].is_some()
+    }
+
+    /// Radii of hub and shroud at `x`, in a passage along the axis, where they are given or drawn.
+    pub(super) fn given_radii(&self, x: f64) -> [Option<f64>; 2] {
+        let [hub, shroud] = self.radii_by_hand(x);
+        [
+            self.options.hub_radius_mm.given().or(hub.filter(|_| self.is_drawn(Surface::Hub))),
+            self.options.shroud_radius_mm.given().or(shroud.filter(|_| self.is_drawn(Surface::Shroud))),
+        ]
     }
 
     /// Radii of hub and shroud at `x` after the curves through the points on them, in a passage along the axis.

@@ -8,7 +8,7 @@ use super::super::by_hand::nearest;
 use super::tests::{find, found};
 use super::*;
 use crate::fixtures::TestBlisk;
-use crate::options::{Auto, AxisChoice, AxisLine};
+use crate::options::{Auto, AxisChoice, AxisLine, EndWalls};
 use crate::parametric::wheel::{Flaws, MeridianCurve, ParametricWheel};
 use geometry::frame::{Cylindrical, wrap_angle};
 
@@ -244,4 +244,67 @@ fn points_of_a_cone_stand_for_its_hub() {
     let (channel, base) = (find(&mesh, &options).unwrap(), found(&mesh));
     let off = channel.low.points.iter().zip(&base.low.points).map(|(p, q): (&DVec3, &DVec3)| p.distance(*q));
     assert!(off.fold(0.0, f64::max) < 1e-6);
+}
+/// An impeller whose blades are as thick as this (mm) beside a hub that is small at the inlet.
+fn narrow(thickness_mm: f64, shrouded: bool) -> ParametricWheel {
+    let arc = |radius: f64| {
+        MeridianCurve::quarter(DVec2::new(-30.0, 60.0 - radius), DVec2::X, DVec2::new(radius - 30.0, 60.0))
+    };
+    let (hub, shroud) = (arc(48.0), arc(24.0));
+    ParametricWheel {
+        blades: 16,
+        thickness_mm,
+        edge_thickness: 0.6,
+        hub,
+        shroud,
+        shrouded,
+        wrap: [1.0; 2],
+        ..impeller()
+    }
+}
+
+/// The flat edges of such blades lie along the circles there, which run into them up to the next blade.
+#[test]
+fn a_passage_much_narrower_than_its_blades_is_found() {
+    for (thickness_mm, shrouded) in [(5.0, false), (6.0, true)] {
+        let part = narrow(thickness_mm, shrouded);
+        let channel = found(&geometry::solid::wound(&part.mesh()).unwrap());
+        assert_eq!((channel.blades, channel.flow, channel.shrouded), (16, Flow::Mixed, shrouded));
+        assert!(off_curves(&part, &channel) < MOST_OFF);
+    }
+}
+
+#[test]
+fn above_where_blades_grow_together_a_drawn_curve_bounds_the_passage() {
+    const HEIGHT: f64 = 0.4;
+    for shrouded in [false, true] {
+        let part = narrow(8.0, shrouded);
+        let width = |height: f64| part.walls(0, 0.2, height).map(|[low, high]| high - low).unwrap();
+        assert!(width(0.0) < 0.0 && width(HEIGHT) > 0.0);
+        let mesh = geometry::solid::wound(&part.mesh()).unwrap();
+        let refusal = find(&mesh, &BliskOptions::default()).unwrap_err().to_string();
+        assert!(refusal.contains("draw a curve above that place"), "{refusal}");
+        // On walls of blades, as one picks them.
+        let shares = [0.5, 0.12, 0.93, 0.25, 0.75];
+        let hub_points_mm = shares.map(|along| on_blade(&part, 3, along, HEIGHT)).to_vec();
+        let measured = BliskOptions { hub_points_mm, ..BliskOptions::default() };
+        assert!(find(&mesh, &measured).is_err(), "no hub lies there");
+        let channel = find(&mesh, &BliskOptions { end_walls: EndWalls::Drawn, ..measured }).unwrap();
+        assert_eq!((channel.blades, channel.flow, channel.shrouded), (16, Flow::Mixed, shrouded));
+        let [first, last] = channel.span_along();
+        let drawn: Vec<DVec2> = (0..=800).map(|i| part.place(f64::from(i) / 800.0, HEIGHT)).collect();
+        for station in channel.meridian.iter().filter(|s| (first + 1.0..last - 1.0).contains(&s.along)) {
+            // A cubic curve through five points of a quarter of an ellipse.
+            let off = nearest(&drawn, station.hub).1;
+            assert!(off < 0.2, "{off} mm off at {}", station.along);
+        }
+        assert!(channel.assumed.iter().any(|a| a.contains("Drawn curves")), "{:?}", channel.assumed);
+    }
+    // Into the part none may be drawn.
+    let part = axial();
+    let lower = MeridianCurve(part.hub.0.map(|p| p - DVec2::new(0.0, 0.2)));
+    let hub_points_mm = on_curve(&lower, &[0.12, 0.5, 0.88]);
+    let drawn = BliskOptions { hub_points_mm, end_walls: EndWalls::Drawn, ..BliskOptions::default() };
+    let error = find(&part.mesh(), &drawn).unwrap_err();
+    assert!(matches!(error, BliskError::DrawnOutside { key: "hub_points_mm", .. }), "{error}");
 }

@@ -87,9 +87,10 @@ impl Tracer<'_> {
         let missing = |wall, key| BliskError::NoEndWall { wall, key, x: start.x, r: start.r };
         let (hub, shroud) = self.end_walls(&start);
         let shrouded = shroud.is_some();
-        let hub = self.options.hub_radius_mm.given().or(hub).ok_or(missing("hub", "hub_radius_mm"))?;
+        let given = self.given_radii(start.x);
+        let hub = given[0].or(hub).ok_or(missing("hub", "hub_radius_mm"))?;
         let tip = || self.tip_radius(&start, start.r);
-        let shroud = self.options.shroud_radius_mm.given().or(shroud).unwrap_or_else(tip);
+        let shroud = given[1].or(shroud).unwrap_or_else(tip);
         if hub >= shroud {
             return Err(BliskError::NoHeight { hub, shroud });
         }
@@ -178,8 +179,8 @@ impl Tracer<'_> {
         let (hub, shroud) = self.end_walls(&place);
         let tip = || bladed.map_or(near.station.shroud.y, |_| self.tip_radius(&place, near.station.shroud.y));
         let shroud = if shrouded { shroud? } else { tip() };
-        let hub = self.options.hub_radius_mm.given().or(hub)?;
-        let shroud = self.options.shroud_radius_mm.given().unwrap_or(shroud);
+        let given = self.given_radii(x);
+        let (hub, shroud) = (given[0].or(hub)?, given[1].unwrap_or(shroud));
         (hub < shroud).then_some(Traced { station: Station::across_axis(x, hub, shroud), gap: place.gap })
     }
 

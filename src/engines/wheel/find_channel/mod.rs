@@ -32,7 +32,7 @@ use super::channel::{Channel, ChannelWall, Flow, OPENS, Unlike, ways_out};
 use super::error::{BliskError, Misleading, Refused};
 use super::frame::slices::{Gap, Slices};
 use super::frame::{BliskFrame, Wheel, find_sector, find_wheel, is_inside_out};
-use super::options::{AxisChoice, AxisName, BliskOptions, ZAt};
+use super::options::{AxisChoice, AxisName, BliskOptions, EndWalls, ZAt};
 use geometry::frame::{Cylindrical, Frame};
 use geometry::mesh::Mesh;
 use task::{Cancel, Task};
@@ -372,7 +372,9 @@ fn given_by_hand(options: &BliskOptions) -> impl Iterator<Item = String> {
     let given: Vec<String> = given.map(|(name, (_, points, _))| format!("{} on the {name}", points.len())).collect();
     let sentence = (!given.is_empty()).then(|| format!("Points were given: {}.", given.join(", ")));
     let picked = "Channel 0 is the one whose wall the first of the points on blades lies on.".to_owned();
-    sentence.into_iter().chain((!options.blade_points_mm.is_empty()).then_some(picked))
+    let drawn = "Drawn curves bound the passage: what lies beyond them is not burned.".to_owned();
+    let drawn = (options.end_walls == EndWalls::Drawn).then_some(drawn);
+    sentence.into_iter().chain(drawn).chain((!options.blade_points_mm.is_empty()).then_some(picked))
 }
 
 /// Says which of the channels of its kind, of which there are `alike`, are not like the one that was found, or that it is

@@ -9,10 +9,10 @@ use super::tests::{find, found, refused};
 use crate::error::{BliskError, Misleading};
 use crate::fixtures::{TestBlisk, flange, turned_part};
 use crate::options::{Auto, AxisChoice, AxisLine, BliskOptions};
-use crate::parametric::wheel::{ParametricWheel, Splitters};
+use crate::parametric::wheel::{MeridianCurve, ParametricWheel, Splitters};
 use geometry::frame::Cylindrical;
 use geometry::mesh::Mesh;
-use geometry::solid::{intersection, prism, union};
+use geometry::solid::{intersection, prism, union, wound};
 use import::ImportOptions;
 use task::Task;
 
@@ -48,14 +48,20 @@ fn a_sector_is_the_wheel_that_it_was_cut_from() {
     }
 }
 
-/// Half a wheel is bounded by one plane, and one blade of a radial wheel turns about itself as well.
+/// Half a wheel is bounded by one plane, and one blade of a radial wheel turns about itself as well: a tall one between
+/// thin rings more than about the axis, and the rings' facets are planes like the cuts.
 #[test]
 fn half_a_wheel_and_one_pitch_of_it_are_the_wheel() {
     let ring = ParametricWheel { pieces: [160, 48, 8], ..ParametricWheel::nozzle_ring() };
-    let (wheel, pitch) = (ring.mesh(), ring.pitch());
+    let shroud = MeridianCurve::line(DVec2::new(20.0, 68.0), DVec2::new(20.0, 104.0));
+    let tall = ParametricWheel { shroud, wall_mm: 2.0, span: [0.02, 0.98], ..ring.clone() };
+    // Blades of one shell with the rings, as solid modellers write them.
+    let [ring_mesh, tall_mesh] = [&ring, &tall].map(|ring| wound(&ring.mesh()).unwrap());
+    let pitch = ring.pitch();
     let turn = DQuat::from_euler(EulerRot::XYZ, 0.3, -0.8, 1.1);
-    for (from, angle) in [(0.3, 0.5 * TAU), (0.0, 0.5 * TAU), (0.4, pitch)] {
-        let cut = sector(&wheel, from * pitch, angle).mapped(|p| turn * p + DVec3::new(5.0, -80.0, 33.0));
+    let cuts = [(&ring_mesh, 0.3, 0.5 * TAU), (&ring_mesh, 0.0, 0.5 * TAU), (&ring_mesh, 0.4, pitch)];
+    for (wheel, from, angle) in cuts.into_iter().chain([(&tall_mesh, 0.3, pitch)]) {
+        let cut = sector(wheel, from * pitch, angle).mapped(|p| turn * p + DVec3::new(5.0, -80.0, 33.0));
         let channel = find(&cut, &BliskOptions::default()).unwrap_or_else(|e| panic!("{from} {angle}: {e}"));
         assert_eq!((channel.blades, channel.kinds, channel.unlike.len()), (ring.blades, 1, 0));
         let again = channel.wheel_in_w(&cut).volume();

@@ -162,19 +162,22 @@ impl Tracer<'_> {
         let hub = self.end_wall(&guess, &gaps.hub, Surface::Hub)?;
         let shroud = match (known.shrouded, bladed.filter(|_| !is_beside)) {
             (true, _) => self.end_wall(&guess, &gaps.shroud, Surface::Shroud)?,
-            (false, Some(gap)) => {
+            (false, Some(gap)) if !self.is_drawn(Surface::Shroud) => {
                 let tip = self.tip(&guess, gap)?;
                 // Where the line leaves the blades by an edge it does not meet their tips.
                 (tip.distance(guess.shroud) < (MOST_OFF * known.step).max(MOST_OFF_SHARE * guess.height()))
                     .then_some(tip)?
             }
-            (false, None) => guess.shroud,
+            (false, _) => guess.shroud,
         };
         Some((station([hub, shroud]), gaps))
     }
 
-    /// The hub or the shroud on the line of `guess`, met by rays that begin beside it.
+    /// The hub or the shroud on the line of `guess`, met by rays that begin beside it, or drawn.
     fn end_wall(&self, guess: &Station, gap: &Gap, surface: Surface) -> Option<DVec2> {
+        if self.is_drawn(surface) {
+            return Some(if surface == Surface::Hub { guess.hub } else { guess.shroud });
+        }
         let share = if surface == Surface::Hub { BESIDE } else { 1.0 - BESIDE };
         let height = guess.height();
         let [from, toward] = self.start_of(guess, share, surface);

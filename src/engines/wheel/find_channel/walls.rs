@@ -26,6 +26,9 @@ const EDGE_JUMP: f64 = 0.005;
 /// Share of the columns of a wall's grid that may jump between hub and shroud.
 const MOST_JUMPS: f64 = 0.05;
 
+/// Before a flat edge a gap has widened by less than this share of the pitch from one step to the next.
+const MOST_WIDENED: f64 = 0.4;
+
 /// A passage that widens at once by more than this share of its width does so suddenly.
 const SUDDEN: f64 = 0.05;
 /// From step to step a wall moves by less than this share of the passage's width.
@@ -118,13 +121,13 @@ impl WallFinder<'_> {
         if step.is_nan() || step <= 0.0 {
             return Err(self.lost(from.along, share));
         }
-        let mut good = *from;
+        let (mut before, mut good) = (*from, *from);
         let mut bad = loop {
             self.tracer.cancel.check()?;
             match self.bladed(good.along + toward * step, share, &good) {
                 Some(place) => {
                     self.check_widening(&good, &place, share)?;
-                    good = place;
+                    (before, good) = (good, place);
                 }
                 None => break good.along + toward * step,
             }
@@ -134,6 +137,18 @@ impl WallFinder<'_> {
             match self.bladed(along, share, &good) {
                 Some(place) => good = place,
                 None => bad = along,
+            }
+        }
+        // Where a flat edge lies along the circles they run into its face, up to the next blade: the passage ends before.
+        if self.follow(share, from, good.along).is_err() {
+            let is_within = |place: &Place| place.gap.width() - before.gap.width() < MOST_WIDENED * self.tracer.pitch;
+            (good, bad) = (before, good.along);
+            while (bad - good.along).abs() > 1e-9 * step {
+                let along = 0.5 * (good.along + bad);
+                match self.bladed(along, share, &before).filter(is_within) {
+                    Some(place) => good = place,
+                    None => bad = along,
+                }
             }
         }
         // Beside a face that is flush with the edge a circle may meet the face itself.

@@ -12,7 +12,7 @@ use std::collections::HashSet;
 use std::f64::consts::{PI, TAU};
 use std::ops::RangeInclusive;
 
-use glam::{DMat3, DVec3, Vec3Swizzles as _};
+use glam::{DMat3, DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
 
 use self::cuts::{Cut, clipped, cuts};
@@ -84,7 +84,8 @@ pub(super) fn whole_wheel(mesh: &Mesh, options: &BliskOptions, cancel: &Cancel) 
     for sector in sectors(mesh, options, cancel)? {
         match sector.whole(options.blades.given(), cancel) {
             Err(SectorError::Cancelled(cancelled)) => return Err(cancelled.into()),
-            Err(error) => first_error = first_error.or(Some(error)),
+            Err(error) if sector.is_likely => first_error = first_error.or(Some(error)),
+            Err(_) => {}
             found => return found.map(Some),
         }
     }
@@ -111,6 +112,9 @@ struct Sector {
     on_cut: f64,
     /// Distance within which its ends are joined (mm).
     joint: f64,
+    /// Whether about as much of the surface turns about its axis as about any other line: if not, it is a sector only
+    /// where a wheel can be made of it.
+    is_likely: bool,
 }
 
 /// The sectors that `mesh` may be, the likeliest first: about the line of two cuts, or in the one cut of half a wheel,
@@ -122,10 +126,10 @@ fn sectors<'a>(
 ) -> Result<impl Iterator<Item = Sector> + use<'a>, Cancelled> {
     /// Cuts at a smaller angle meet nowhere that can be told.
     const LEAST_ANGLE: f64 = 0.01;
-    /// Hub, shroud and rims turn about the axis: at least this share of the surface, and this part of what turns about
-    /// any other line.
+    /// Hub, shroud and rims turn about the axis: at least this share of the surface. An axis is likely where it is this
+    /// part of what turns about any other line, as about one along a thick blade.
     const LEAST_TURNING: f64 = 0.02;
-    const LEAST_PART: f64 = 0.5;
+    const LIKELY_PART: f64 = 0.5;
     /// Lines that are tried, and cuts that half a wheel may be cut at.
     const MOST: usize = 4;
     const MOST_HALVES: usize = 8;
@@ -134,24 +138,26 @@ fn sectors<'a>(
     let size = mesh.bounds().size().length();
     let on_cut = ON_CUT * size;
     let (cuts, turning) = (cuts(mesh, on_cut, cancel)?, Turning::new(mesh));
-    let mut axes: Vec<(f64, Axis, [DVec3; 2])> = Vec::new();
-    let mut add = |axis: Axis, normals| {
+    let sections: Vec<Vec<DVec3>> = cuts.par_iter().map(|cut| section(mesh, cut, on_cut)).collect();
+    let all = thinned(mesh.vertices.iter().copied());
+    let mut axes: Vec<(f64, Axis, [usize; 2])> = Vec::new();
+    let mut add = |axis: Axis, of: [usize; 2]| {
         let share = turning.share(&axis);
         let allowed = allowed(axis, options, on_cut, size).filter(|_| share > LEAST_TURNING);
-        axes.extend(allowed.map(|axis| (share, axis, normals)));
+        axes.extend(allowed.map(|axis| (share, axis, of)));
     };
     for (i, a) in cuts.iter().enumerate() {
-        for b in &cuts[..i] {
+        for (j, b) in cuts[..i].iter().enumerate() {
             let along = a.normal.cross(b.normal);
             if along.length() < LEAST_ANGLE {
                 continue;
             }
             let point = (b.normal.cross(along) * a.at + along.cross(a.normal) * b.at) / along.length_squared();
-            add(Axis::new(point, along).snapped(size), [a.normal, b.normal]);
+            add(Axis::new(point, along).snapped(size), [i, j]);
         }
     }
     // The cut that leaves half a wheel is one of the largest.
-    for a in cuts.iter().take(MOST_HALVES) {
+    for (i, a) in cuts.iter().enumerate().take(MOST_HALVES) {
         cancel.check()?;
         let facets = facets_of(mesh, a, on_cut);
         let about = |axis: &Axis| {
@@ -164,18 +170,25 @@ fn sectors<'a>(
             let off = a.normal.dot(axis.point) - a.at;
             if axis.direction.dot(a.normal).abs() < SAME && off.abs() < SAME * size && about(&axis) {
                 let direction = axis.direction.reject_from_normalized(a.normal);
-                add(Axis::new(axis.point - off * a.normal, direction).snapped(size), [a.normal; 2]);
+                add(Axis::new(axis.point - off * a.normal, direction).snapped(size), [i; 2]);
             }
         }
     }
+    // Facets of a rim lie in planes like cuts, but hold little of what turns about the line where two of them meet.
+    let likelihood = |found: (f64, Axis, [usize; 2])| {
+        let (share, axis, of) = &found;
+        let whole = extent(axis, &all);
+        let held = of.map(|cut| (extent(axis, &sections[cut]) / whole).min(DVec2::ONE).element_product());
+        (share * held[0].min(held[1]), found)
+    };
+    let mut axes: Vec<_> = axes.into_iter().map(likelihood).collect();
     axes.sort_by(|a, b| b.0.total_cmp(&a.0));
-    // Flats of a whole wheel meet in lines that little turns about.
-    let best = axis::candidates(mesh, None).iter().map(|axis| turning.share(axis)).fold(0.0, f64::max);
-    axes.retain(|(share, ..)| *share >= LEAST_PART * best);
     axes.truncate(MOST);
-    let sector = move |(_, axis, normals): (f64, Axis, [DVec3; 2])| {
+    let best = axis::candidates(mesh, None).iter().map(|axis| turning.share(axis)).fold(0.0, f64::max);
+    let sector = move |(_, (share, axis, of)): (f64, (f64, Axis, [usize; 2]))| {
+        let is_likely = share >= LIKELY_PART * best;
         let frame = frame_along(&axis);
-        let [a, b] = normals.map(|n| frame.direction_from_parent(n));
+        let [a, b] = of.map(|cut| frame.direction_from_parent(cuts[cut].normal));
         // Out of the upper cut in the sense of theta, out of the lower one against it.
         let (upper, lower) = (|n: DVec3| (-n.z).atan2(-n.y), |n: DVec3| n.z.atan2(n.y));
         let between = |low: DVec3, high: DVec3| (upper(high) - lower(low)).rem_euclid(TAU);
@@ -183,9 +196,33 @@ fn sectors<'a>(
         let (from, angle) = (lower(low), between(low, high));
         let mesh = mesh.in_frame(&frame);
         let joint = (JOINT * size).max(chord_error(&mesh).min(MOST_JOINT * size));
-        Sector { mesh, frame, axis, from, angle, on_cut, joint }
+        Sector { mesh, frame, axis, from, angle, on_cut, joint, is_likely }
     };
     Ok(axes.into_iter().map(sector).filter(|sector| sector.angle < PI + SAME))
+}
+
+/// Some corners of the facets in a cut.
+fn section(mesh: &Mesh, cut: &Cut, on_cut: f64) -> Vec<DVec3> {
+    let lies = |corners: &[DVec3; 3]| corners.iter().all(|p| cut.at - cut.normal.dot(*p) <= on_cut);
+    thinned(mesh.iter_corners().filter(lies).flatten())
+}
+
+/// Some of the points, enough to tell how far they reach.
+fn thinned(points: impl Iterator<Item = DVec3>) -> Vec<DVec3> {
+    const ENOUGH: usize = 1000;
+    let points: Vec<DVec3> = points.collect();
+    let step = (points.len() / ENOUGH) | 1;
+    points.into_iter().step_by(step).collect()
+}
+
+/// How far points reach along an axis and away from it (mm).
+fn extent(axis: &Axis, points: &[DVec3]) -> DVec2 {
+    let place = |p: &DVec3| DVec2::new(axis.direction.dot(*p), axis.direction.cross(*p - axis.point).length());
+    let [mut least, mut most] = [DVec2::INFINITY, DVec2::NEG_INFINITY];
+    for place in points.iter().map(place) {
+        [least, most] = [least.min(place), most.max(place)];
+    }
+    most - least
 }
 
 /// Middles and areas of the facets in a cut.

@@ -23,6 +23,7 @@ pub(super) const SIDES: &[Word] = &[
 ];
 pub(super) const Z_AT: &[Word] =
     &[word("rim", "its rim", ""), word("bore", "its bore", ""), word("middle", "its middle", "")];
+pub(super) const END_WALLS: &[Word] = &[word("measured", "surfaces", ""), word("drawn", "drawn curves", "")];
 pub(super) const MACHINES: &[Word] =
     &[word("XYZC", "XYZ C", ""), word("XYZAC", "XYZ A C", ""), word("XYZABC", "XYZ A B C", "")];
 pub(super) const BODIES: &[Word] = &[

@@ -4,8 +4,8 @@ use files::{Field, FieldTable, Group, When};
 
 use super::blade_fields::BLADES;
 use super::choice_words::{
-    AXES, AXIS_WORDS, BODIES, CHANNELS, CONSTRAINTS, CURVES, ENDS, FACES, FRAMES, H_MODES, HEADS, MACHINES, POSTS,
-    SIDES, SIZES, STRATEGIES, TURNED, UNITS, Z_AT,
+    AXES, AXIS_WORDS, BODIES, CHANNELS, CONSTRAINTS, CURVES, END_WALLS, ENDS, FACES, FRAMES, H_MODES, HEADS, MACHINES,
+    POSTS, SIDES, SIZES, STRATEGIES, TURNED, UNITS, Z_AT,
 };
 use super::{BladesFrom, PlanJob};
 
@@ -120,6 +120,11 @@ const GROUPS: &[Group] = &[
             Field::points("blisk.shroud_points_mm", "Points on shroud", "mm", -1e6, 1e6).help(
                 "At least two points on the shroud, or on the blade tips of a wheel without one, in the coordinates of \
                  the mesh.",
+            ),
+            Field::choice("blisk.end_walls", "Points stand for", END_WALLS).help(
+                "What the points on hub and shroud stand for: the surfaces that they lie on, or curves that bound the \
+                 passage themselves, above where blades grow together at the hub, say. What lies beyond a drawn curve is \
+                 not burned.",
             ),
             Field::points("blisk.blade_points_mm", "Points on blades", "mm", -1e6, 1e6).help(
                 "Points on walls of blades, in the coordinates of the mesh. They tell where the blades are; the wall \

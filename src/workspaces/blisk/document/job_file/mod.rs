@@ -22,7 +22,7 @@ use import::Units;
 use nc::program::NcSettings;
 use wheel::blade_sections::BladeRing;
 use wheel::electrode::{ElectrodeParams, EnterSide, Sizing};
-use wheel::options::{Auto, AxisChoice, BliskOptions, ZAt};
+use wheel::options::{Auto, AxisChoice, BliskOptions, EndWalls, ZAt};
 use wheel::parametric::ParametricBlisk;
 
 /// Parameters of a plan.
@@ -118,6 +118,7 @@ struct BliskKeys {
     shroud_radius_mm: Auto<f64>,
     hub_points_mm: Vec<[f64; 3]>,
     shroud_points_mm: Vec<[f64; 3]>,
+    end_walls: EndWalls,
     blade_points_mm: Vec<[f64; 3]>,
     wall_points_chord: usize,
     wall_points_span: usize,
@@ -138,6 +139,7 @@ impl Default for BliskKeys {
             shroud_radius_mm: options.shroud_radius_mm,
             hub_points_mm: options.hub_points_mm,
             shroud_points_mm: options.shroud_points_mm,
+            end_walls: options.end_walls,
             blade_points_mm: options.blade_points_mm,
             wall_points_chord: options.wall_points_chord,
             wall_points_span: options.wall_points_span,
@@ -156,6 +158,7 @@ impl From<BliskKeys> for BliskSection {
             shroud_radius_mm: keys.shroud_radius_mm,
             hub_points_mm: keys.hub_points_mm,
             shroud_points_mm: keys.shroud_points_mm,
+            end_walls: keys.end_walls,
             blade_points_mm: keys.blade_points_mm,
             wall_points_chord: keys.wall_points_chord,
             wall_points_span: keys.wall_points_span,
