@@ -65,7 +65,7 @@ fn planned() -> &'static [(FlankDocument, FlankResult); 2] {
 fn exported(document: &FlankDocument, result: &FlankResult) -> (TempDir, WrittenFlank) {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let written = export(&out, (result, document), ExportChoice::ALL, &Task::default());
+    let written = export(&out, (result, document), &[], ExportChoice::ALL, &Task::default());
     let written = written.unwrap();
     (folder, written)
 }
@@ -285,7 +285,7 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     assert!(read(&folder, "report.html").contains("Check cutter fails."));
     let only_nc = ExportChoice { cl: false, nc: true, csv: false, report: false };
     let other = folder.path().join("other");
-    let written = export(&other, (&result, &document), only_nc, &Task::default()).unwrap();
+    let written = export(&other, (&result, &document), &[], only_nc, &Task::default()).unwrap();
     assert_eq!(written.files, ["flank.json", "report.html"], "the report says why there is no program");
 
     document.overrides = ["cutter", "coverage", "ruled"].map(Override::whatever).to_vec();
@@ -304,7 +304,7 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     std::fs::write(out.join("flank.tap"), before.replace("G93", "G94")).unwrap();
     std::fs::write(out.join("flank.nc"), "(of another program)").unwrap();
     let write = |result: &FlankResult, document: &FlankDocument| {
-        export(&out, (result, document), ExportChoice::ALL, &Task::default()).unwrap()
+        export(&out, (result, document), &[], ExportChoice::ALL, &Task::default()).unwrap()
     };
     let written = write(&blocked, &document);
     let told = [CSV_FILE, CL_FILE, "flank.ngc"].map(|name| format!("{name} of an earlier export was removed"));
@@ -334,7 +334,7 @@ fn what_fails_a_check_is_not_written_unless_it_is_overridden_by_name() {
     }
     std::fs::write(out.join(MANIFEST), "[[").unwrap();
     let (choice, cancel) = (ExportChoice::ALL, Cancel::default());
-    let refused = export(&out, (&blocked, &document), choice, &Task::silent(&cancel)).unwrap_err();
+    let refused = export(&out, (&blocked, &document), &[], choice, &Task::silent(&cancel)).unwrap_err();
     assert!(refused.contains("the manifest of the former export is damaged"), "{refused}");
 }
 

@@ -4,8 +4,9 @@ use std::time::Instant;
 
 use super::flank_arguments::{Asked, FlankArguments};
 use super::{Answer, Session};
-use crate::workspaces::flank::comparison::{best, compare};
+use crate::workspaces::flank::comparison::{Variant, best, compare};
 use crate::workspaces::flank::document::FlankDocument;
+use crate::workspaces::flank::document::cutter_list::CutterList;
 use crate::workspaces::flank::export::{ExportChoice, export};
 use crate::workspaces::flank::inputs::{input, load_machine, load_surface, load_walls, walls_unit};
 use crate::workspaces::flank::report::FlankReport;
@@ -37,11 +38,18 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
     let mut input = input(&document, surface, walls, machine);
     input.doubts.extend(notes);
     let start = Instant::now();
-    let rows = cutters.map(|list| compare(&input, &list.cutter, task)).transpose()?.unwrap_or_default();
+    let control_points = input.params.control_points;
+    let listed = |list: CutterList| -> Vec<Variant> {
+        list.cutter.into_iter().map(|cutter| Variant { cutter, control_points }).collect()
+    };
+    let mut rows = cutters.map(|list| compare(&input, &listed(list), task)).transpose()?.unwrap_or_default();
     if let Some(best) = best(&rows) {
-        document.cutter = rows[best].cutter.clone();
+        document.cutter = rows[best].variant.cutter.clone();
         input.cutter = document.cutter.clone();
     }
+    let base = Variant { cutter: input.cutter.clone(), control_points };
+    let swept = arguments.sweep().map(|sweep| compare(&input, &sweep.variants(&base), task)).transpose()?;
+    rows.extend(swept.unwrap_or_default());
     if let Some(file) = &arguments.save {
         Document::new(document.clone()).export(file)?;
     }
@@ -61,21 +69,16 @@ pub(super) fn flank(arguments: &FlankArguments, session: &Session) -> anyhow::Re
         Document::new(remembered).export(file)?;
     }
     let mut lines = lines(&result);
-    lines.extend(rows.iter().map(|row| format!("cutter {}", row.sentence())));
+    lines.extend(rows.iter().map(|row| format!("with {}", row.sentence())));
     lines.push(format!("planned and checked in {seconds:.2} s"));
     if let Some(folder) = &arguments.out {
-        let written = export(folder, (&result, &document), ExportChoice::ALL, task).map_err(anyhow::Error::msg)?;
+        let written =
+            export(folder, (&result, &document), &rows, ExportChoice::ALL, task).map_err(anyhow::Error::msg)?;
         lines.push(written.sentence());
     }
     super::terminal::finish();
-    let report: FlankReport = report(&result, &document);
-    if session.json && !rows.is_empty() {
-        let mut all: serde_json::Value = serde_json::from_str(&report.json()?)?;
-        all["cutters"] = serde_json::to_value(&rows)?;
-        say!("{}", serde_json::to_string_pretty(&all)?);
-    } else {
-        say!("{}", if session.json { report.json()? } else { lines.join("\n") });
-    }
+    let report = FlankReport { compared: rows, ..report(&result, &document) };
+    say!("{}", if session.json { report.json()? } else { lines.join("\n") });
     Ok(if result.holds() { Answer::Yes } else { Answer::No })
 }
 

@@ -1,12 +1,14 @@
 //! What `sparkpath flank` is asked.
 
 use std::path::PathBuf;
+use std::str::FromStr as _;
 
 use clap::Args;
 
 use super::project::{Settings, open};
 use super::{Session, flank_electrode, unit};
 use crate::workspaces::context::is_project;
+use crate::workspaces::flank::comparison::Sweep;
 use crate::workspaces::flank::document::cutter_list::{CUTTERS, CutterList, user_cutters};
 use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank, WallsFile};
@@ -118,9 +120,19 @@ struct CutterArguments {
     /// deviation.
     #[arg(long, value_name = "FILE", num_args = 0..=1, conflicts_with_all = ["radius", "taper_deg", "length", "holder"])]
     cutters: Option<Option<PathBuf>>,
+    /// Plans at equal steps of one quantity of cutter or path beside the plan itself: radius, taper or points, first and
+    /// last value, and number of values, as in radius:0.5:5:10. They stand in the report with plots, and as a table in
+    /// compared.csv.
+    #[arg(long, value_name = "QUANTITY:FIRST:LAST:COUNT", value_parser = Sweep::from_str)]
+    sweep: Option<Sweep>,
 }
 
 impl FlankArguments {
+    /// The sweep that was asked for.
+    pub(super) fn sweep(&self) -> Option<Sweep> {
+        self.cutter.sweep
+    }
+
     /// The list of cutters to choose the best of, if that was asked for.
     pub(super) fn cutters(&self) -> anyhow::Result<Option<CutterList>> {
         let read = |file: &Option<PathBuf>| match file {

@@ -65,6 +65,29 @@ fn a_demonstration_is_planned_written_and_the_same_again_from_its_file() {
 }
 
 #[test]
+fn a_sweep_is_told_beside_the_plan_in_words_table_and_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let (code, said, _) = run(&["--demo", "a", "--sweep", "taper:2:8:3", "--out", out.to_str().unwrap()]);
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(said.lines().filter(|line| line.starts_with("with ")).count(), 3, "{said}");
+    let json: serde_json::Value = serde_json::from_slice(&std::fs::read(out.join("flank.json")).unwrap()).unwrap();
+    let rows = json["compared"].as_array().unwrap();
+    let of = |key: &str| rows.iter().map(|row| row["cutter"][key].as_f64().unwrap()).collect::<Vec<_>>();
+    assert_eq!((of("taper_deg"), of("radius_mm")), (vec![2.0, 5.0, 8.0], vec![1.0; 3]));
+    // The second has the plan's own taper.
+    let mean = |row: usize| rows[row]["figures"]["Ok"]["mean_mm"].as_f64().unwrap();
+    assert_eq!(mean(1), json["paths"][1]["standing"]["mean_absolute_mm"].as_f64().unwrap());
+    assert!(mean(0) != mean(1) && mean(1) != mean(2));
+    let table = std::fs::read_to_string(out.join("compared.csv")).unwrap();
+    assert_eq!(table.lines().count(), 4);
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("Side by side") && page.contains("taper (deg)") && !page.contains("radius (mm)"));
+    let (code, _, last) = run(&["--demo", "a", "--sweep", "width:1:2:3"]);
+    assert!(code == Some(2) && !last.is_empty(), "{last}");
+}
+
+#[test]
 fn guide_curves_come_from_tables_and_a_cutter_that_is_too_short_blocks_what_would_be_milled() {
     let folder = tempfile::tempdir().unwrap();
     let lower = file(folder.path(), "lower.csv", "x,y,z\n0,0,0\n10,2,0\n20,2,0\n30,0,0\n");

@@ -15,8 +15,10 @@ use nc::flank_program::{FlankNc, TipControl};
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::flank::FlankWorkspace;
+use sparkpath::workspaces::flank::comparison::{Quantity, Sweep};
 use sparkpath::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice};
-use sparkpath::workspaces::flank::panels::desk::FlankDesk;
+use sparkpath::workspaces::flank::panels::desk::{FlankDesk, Tab};
+use sparkpath::workspaces::flank::work::ExportChoice;
 
 use crate::common::easy_blisk;
 use crate::desk::{Desk, Home};
@@ -121,6 +123,38 @@ fn a_flank_is_planned_looked_at_and_exported() {
         assert!(folder.join(file).exists(), "{file}; {:?}", desk.log());
     }
     assert!(desk.flank().is_planned(), "what is let pass changes no path");
+}
+
+#[test]
+fn a_sweep_is_plotted_and_a_row_of_it_is_taken() {
+    let home = Home::new();
+    let mut desk = home.start(home.flank_with(|document| document.plan.grid = [30, 12]));
+    desk.press("Plan");
+    desk.until_planned();
+    desk.press("Keep");
+    assert_eq!(desk.flank().rows.len(), 1);
+    desk.flank_mut().sweep = Sweep { of: Quantity::Taper, ends: [2.0, 8.0], count: 4 };
+    desk.settle();
+    desk.press("Sweep");
+    desk.until("it is swept", |desk| desk.flank().rows.len() == 4);
+    desk.settle();
+    let tapers: Vec<f64> = desk.flank().rows.iter().map(|row| row.variant.cutter.taper_deg).collect();
+    assert_eq!(tapers, [2.0, 4.0, 6.0, 8.0]);
+    assert_eq!(desk.flank().tab, Tab::Sweep);
+    desk.pictures("flank_sweep");
+    // A row is a button with the words of its cutter.
+    let words = desk.flank().rows[3].variant.cutter.words();
+    desk.press(&words);
+    assert_eq!(desk.flank().params().cutter.taper_deg, 8.0);
+    // Plans beside it go into the report.
+    desk.until_planned();
+    let folder = home.path("out");
+    let (document, rows) = (desk.flank().params().clone(), desk.flank().rows.clone());
+    desk.flank_mut().work.export(&document, &rows, &folder, ExportChoice::ALL).unwrap();
+    desk.until("it is written", |_| folder.join("flank.json").exists());
+    desk.until_idle();
+    let table = std::fs::read_to_string(folder.join("compared.csv")).unwrap();
+    assert_eq!(table.lines().count(), 5);
 }
 
 #[test]

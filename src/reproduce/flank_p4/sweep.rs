@@ -103,9 +103,10 @@ pub(super) fn sweep(task: &Task) -> Result<Outcome, ReproduceError> {
         why: "the paper has no such sweep; ours tells how far its single cutters may be taken as typical. The taper \
               decides most, the radius little, and more than ten control points gain little"
             .to_owned(),
-        by_hand: "one value at a time: sparkpath flank --demo a --below 0 --grid 50x25 --locations 60 --radius 2 (or \
-                  --taper-deg 8, --points 20). Window: workspace Flank, Path {Extend below 0, Grid 50 x \
-                  25, Locations 60}, drag Radius or Taper, or set Points."
+        by_hand: "sparkpath flank --demo a --below 0 --grid 50x25 --locations 60 --sweep taper:0:16:9 (or \
+                  radius:0.5:5:10, points:4:30:14). Window: workspace Flank, Path {Extend below 0, Grid 50 x \
+                  25, Locations 60}; in the results, under Side by side, the quantity, its first and last value, and \
+                  Sweep; the plot is in the tab Sweep."
             .to_owned(),
         tables,
         plots,

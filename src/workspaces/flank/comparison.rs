@@ -1,18 +1,175 @@
-//! Plans of one flank side by side: with each cutter of a list, or as the user keeps them.
+//! Plans of one flank side by side: with each cutter of a list, at equal steps of a quantity, or as the user keeps them.
+
+use std::str::FromStr;
 
 use flank::FlankError;
 use flank::cutter::FlankCutter;
+use flank::params::FlankParams;
 use nc::flank_job::{FlankInput, FlankJobError, FlankResult, flank};
 use serde::Serialize;
 use task::{Cancelled, Task};
 
+/// What differs between plans that are compared.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Variant {
+    /// The cutter.
+    pub cutter: FlankCutter,
+    /// Control points of each curve of the axis surface.
+    pub control_points: usize,
+}
+
 /// A plan beside others.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Row {
-    /// The cutter.
-    pub cutter: FlankCutter,
+    /// What it was planned with.
+    #[serde(flatten)]
+    pub variant: Variant,
     /// Figures of the path that is milled, or the reason why there is none.
     pub figures: Result<Figures, String>,
+}
+
+/// A quantity that plans are compared over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Quantity {
+    /// Radius of the cutter's bottom (mm).
+    Radius,
+    /// Angle between the cutter's axis and its flute (deg).
+    Taper,
+    /// Control points of each curve of the axis surface.
+    Points,
+}
+
+impl Quantity {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Radius, Self::Taper, Self::Points];
+
+    /// Name, as on the command line.
+    pub fn name(self) -> &'static str {
+        ["radius", "taper", "points"][self as usize]
+    }
+
+    /// Name with its unit, for an axis of a plot.
+    pub fn label(self) -> &'static str {
+        ["radius (mm)", "taper (deg)", "control points of each curve"][self as usize]
+    }
+
+    /// The least and the greatest value.
+    pub fn range(self) -> [f64; 2] {
+        [[0.05, 50.0], [0.0, 60.0], [4.0, 100.0]][self as usize]
+    }
+
+    /// A sweep over usual values.
+    pub fn usual(self) -> Sweep {
+        Sweep { of: self, ends: [[0.5, 5.0], [0.0, 16.0], [4.0, 20.0]][self as usize], count: 9 }
+    }
+
+    /// The value in a plan.
+    pub fn of(self, variant: &Variant) -> f64 {
+        match self {
+            Self::Radius => variant.cutter.radius_mm,
+            Self::Taper => variant.cutter.taper_deg,
+            Self::Points => variant.control_points as f64,
+        }
+    }
+
+    fn set(self, variant: &mut Variant, value: f64) {
+        let before = variant.cutter.clone();
+        match self {
+            Self::Radius => variant.cutter.radius_mm = value,
+            Self::Taper => variant.cutter.taper_deg = value,
+            Self::Points => variant.control_points = value.round() as usize,
+        }
+        variant.cutter.forget_stale_name(&before);
+    }
+}
+
+/// Plans at equal steps of one quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sweep {
+    /// The quantity.
+    pub of: Quantity,
+    /// Its first and its last value.
+    pub ends: [f64; 2],
+    /// Number of values, both ends included.
+    pub count: usize,
+}
+
+impl Sweep {
+    /// Most values.
+    pub const MOST: usize = 50;
+
+    /// The plans, which differ from `base` in the quantity.
+    pub fn variants(&self, base: &Variant) -> Vec<Variant> {
+        let [from, to] = self.ends;
+        let value = |i: usize| from + (to - from) * i as f64 / (self.count.max(2) - 1) as f64;
+        let variant = |i: usize| {
+            let mut variant = base.clone();
+            self.of.set(&mut variant, value(i));
+            variant
+        };
+        let mut all: Vec<Variant> = (0..self.count).map(variant).collect();
+        // Steps of less than a control point are none.
+        all.dedup();
+        all
+    }
+}
+
+impl FromStr for Sweep {
+    type Err = String;
+
+    /// A sweep as `radius:0.5:5:10`: quantity, first and last value, and number of values.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let names = Quantity::ALL.map(Quantity::name).join(", ");
+        let wrong = || {
+            format!(
+                "expected quantity:first:last:count, as in radius:0.5:5:10, the quantity one of {names}, and 2 to {} values",
+                Self::MOST
+            )
+        };
+        let parts: Vec<&str> = text.split(':').map(str::trim).collect();
+        let [name, first, last, count] = parts[..] else { return Err(wrong()) };
+        let of = Quantity::ALL.into_iter().find(|of| of.name() == name).ok_or_else(wrong)?;
+        let [Ok(first), Ok(last)] = [first, last].map(str::parse::<f64>) else { return Err(wrong()) };
+        let count = count.parse().ok().filter(|count| (2..=Self::MOST).contains(count)).ok_or_else(wrong)?;
+        let [least, most] = of.range();
+        if ![first, last].iter().all(|value| (least..=most).contains(value)) {
+            return Err(format!("{} must lie between {least} and {most}", of.label()));
+        }
+        Ok(Self { of, ends: [first, last], count })
+    }
+}
+
+/// A figure over a quantity: its name, the class of its line in pictures, and its value (mm).
+type Line = (&'static str, &'static str, fn(&Figures) -> f64);
+
+/// The figures that are plotted over a quantity.
+pub const SERIES: [Line; 3] =
+    [("mean", "c0", |f| f.mean_mm), ("undercut", "c1", |f| f.undercut_mm), ("overcut", "faint", |f| f.overcut_mm)];
+
+/// A figure (um) of each plan that has a path over a quantity, in order.
+pub fn points(of: Quantity, rows: &[Row], figure: fn(&Figures) -> f64) -> Vec<[f64; 2]> {
+    let known = rows.iter().filter_map(|row| Some([of.of(&row.variant), 1e3 * figure(row.figures.as_ref().ok()?)]));
+    let mut points: Vec<[f64; 2]> = known.collect();
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    points
+}
+
+/// The rows as a table (CSV).
+pub fn csv(rows: &[Row]) -> String {
+    let mut text = "radius_mm,taper_deg,control_points,mean_mm,ratio,overcut_mm,undercut_mm,fails\n".to_owned();
+    for Row { variant, figures } in rows {
+        let cells = match figures {
+            Ok(Figures { mean_mm, ratio, overcut_mm, undercut_mm, fails }) => {
+                let ratio = ratio.map(|ratio| ratio.to_string()).unwrap_or_default();
+                format!("{mean_mm},{ratio},{overcut_mm},{undercut_mm},{}", fails.join(" "))
+            }
+            Err(why) => format!(",,,,\"no path: {}\"", why.replace('"', "'")),
+        };
+        text +=
+            &format!("{},{},{},{cells}\n", variant.cutter.radius_mm, variant.cutter.taper_deg, variant.control_points);
+    }
+    text
 }
 
 /// Figures of the path that is milled, of the standing cutter.
@@ -47,12 +204,14 @@ impl Figures {
 impl Row {
     /// The row of a plan.
     pub fn of(result: &FlankResult) -> Self {
-        Self { cutter: result.plan.cutter.clone(), figures: Ok(Figures::of(result)) }
+        let control_points = result.plan.params.control_points;
+        let variant = Variant { cutter: result.plan.cutter.clone(), control_points };
+        Self { variant, figures: Ok(Figures::of(result)) }
     }
 
     /// The row in a sentence.
     pub fn sentence(&self) -> String {
-        let words = self.cutter.words();
+        let words = format!("{}, {} points", self.variant.cutter.words(), self.variant.control_points);
         match &self.figures {
             Err(why) => format!("{words}: no path: {why}"),
             Ok(Figures { mean_mm, ratio, overcut_mm, undercut_mm, fails }) => {
@@ -71,23 +230,24 @@ impl Row {
     }
 }
 
-/// Plans with each of `cutters` in turn.
+/// Plans with each of `variants` in turn.
 ///
 /// # Errors
 /// [`Cancelled`].
-pub fn compare(input: &FlankInput, cutters: &[FlankCutter], task: &Task) -> Result<Vec<Row>, Cancelled> {
-    let row = |(i, cutter): (usize, &FlankCutter)| {
+pub fn compare(input: &FlankInput, variants: &[Variant], task: &Task) -> Result<Vec<Row>, Cancelled> {
+    let row = |(i, variant): (usize, &Variant)| {
         task.check()?;
-        task.report("cutters", i as f64 / cutters.len() as f64, &cutter.name);
-        let input = FlankInput { cutter: cutter.clone(), ..input.clone() };
+        task.report("comparison", i as f64 / variants.len() as f64, &variant.cutter.name);
+        let params = FlankParams { control_points: variant.control_points, ..input.params.clone() };
+        let input = FlankInput { cutter: variant.cutter.clone(), params, ..input.clone() };
         let figures = match flank(&input, &Task::silent(&task.cancel)) {
             Ok(result) => Ok(Figures::of(&result)),
             Err(FlankJobError::Flank(FlankError::Cancelled(cancelled))) => return Err(cancelled),
             Err(error) => Err(error.to_string()),
         };
-        Ok(Row { cutter: cutter.clone(), figures })
+        Ok(Row { variant: variant.clone(), figures })
     };
-    cutters.iter().enumerate().map(row).collect()
+    variants.iter().enumerate().map(row).collect()
 }
 
 /// The row of the best cutter: of those with which fewest checks fail the one with the least mean deviation.
@@ -103,10 +263,50 @@ pub fn best(rows: &[Row]) -> Option<usize> {
 mod tests {
     use super::*;
 
+    fn cylinder() -> Variant {
+        Variant { cutter: FlankCutter::cylinder(1.0, 20.0), control_points: 10 }
+    }
+
+    #[test]
+    fn a_sweep_varies_one_quantity_in_equal_steps() {
+        let base = cylinder();
+        let taper: Sweep = "taper:0:8:5".parse().unwrap();
+        let all = taper.variants(&base);
+        assert_eq!(all.iter().map(|v| Quantity::Taper.of(v)).collect::<Vec<_>>(), [0.0, 2.0, 4.0, 6.0, 8.0]);
+        assert!(all.iter().all(|v| v.cutter.radius_mm == 1.0 && v.control_points == 10));
+        let points: Sweep = "points:4:6:9".parse().unwrap();
+        let counts: Vec<usize> = points.variants(&base).iter().map(|v| v.control_points).collect();
+        assert_eq!(counts, [4, 5, 6], "each number once");
+        for text in
+            ["", "radius", "radius:1:2", "radius:1:2:1", "radius:0:2:3", "width:1:2:3", "points:4:200:3", "taper:a:1:2"]
+        {
+            assert!(text.parse::<Sweep>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_has_no_path_is_left_out_of_a_plot_and_told_in_the_table() {
+        let figures =
+            Figures { mean_mm: 0.002, ratio: Some(0.5), overcut_mm: 0.01, undercut_mm: 0.02, fails: Vec::new() };
+        let of = |radius_mm: f64, figures: Result<Figures, String>| {
+            let mut variant = cylinder();
+            Quantity::Radius.set(&mut variant, radius_mm);
+            Row { variant, figures }
+        };
+        let rows = [of(3.0, Ok(figures.clone())), of(2.0, Err("too \"wide\"".to_owned())), of(1.0, Ok(figures))];
+        assert_eq!(points(Quantity::Radius, &rows, |f| f.undercut_mm), [[1.0, 20.0], [3.0, 20.0]]);
+        let table = csv(&rows);
+        let lines: Vec<&str> = table.lines().collect();
+        assert_eq!(lines[1], "3,0,10,0.002,0.5,0.01,0.02,");
+        assert_eq!(lines[2], "2,0,10,,,,,\"no path: too 'wide'\"");
+        let columns = |line: &str| line.matches(',').count();
+        assert!(lines.iter().all(|line| columns(line) == 7), "{table}");
+    }
+
     #[test]
     fn the_best_cutter_is_the_most_exact_of_those_with_which_most_checks_hold() {
         let row = |mean_mm: f64, fails: &[&str]| Row {
-            cutter: FlankCutter::cylinder(1.0, 20.0),
+            variant: cylinder(),
             figures: Ok(Figures {
                 mean_mm,
                 ratio: None,

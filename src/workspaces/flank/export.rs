@@ -4,8 +4,10 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use crate::workspaces::flank::comparison::{self, Row};
 use crate::workspaces::flank::document::FlankDocument;
 use crate::workspaces::flank::document::fields::FIELDS;
+use crate::workspaces::flank::report::FlankReport;
 use crate::workspaces::flank::report::build::report;
 use crate::workspaces::flank::report::maps::deviation_maps;
 use files::ExportFolder;
@@ -21,6 +23,8 @@ use task::Task;
 pub const CL_FILE: &str = "flank.cl";
 /// The file of the path as a table.
 pub const CSV_FILE: &str = "path.csv";
+/// The table of plans side by side.
+pub const COMPARED_FILE: &str = "compared.csv";
 /// Name of the NC program, without its ending.
 pub const PROGRAM: &str = "flank";
 
@@ -87,7 +91,7 @@ impl WrittenFlank {
 }
 
 /// Writes the chosen files into `folder`, which is made if missing: the report, and the files to mill by unless a check
-/// fails. Either all files are written or none. Files of an earlier path that are not written anew do not keep their
+/// fails; with the plans beside this one. Either all files are written or none. Files of an earlier path that are not written anew do not keep their
 /// names, so that they cannot be taken for files of this path.
 ///
 /// # Errors
@@ -95,6 +99,7 @@ impl WrittenFlank {
 pub fn export(
     folder: &Path,
     (result, document): (&FlankResult, &FlankDocument),
+    compared: &[Row],
     choice: ExportChoice,
     task: &Task,
 ) -> Result<WrittenFlank, String> {
@@ -103,6 +108,9 @@ pub fn export(
     let blocked = approved.as_ref().err().map(ToString::to_string);
     // All texts are made before any is written.
     let mut texts = Vec::new();
+    if choice.csv && !compared.is_empty() {
+        texts.push((COMPARED_FILE.to_owned(), comparison::csv(compared)));
+    }
     if choice.csv && blocked.is_none() {
         texts.push((CSV_FILE.to_owned(), path_csv(result.path())));
     }
@@ -111,7 +119,7 @@ pub fn export(
     }
     // Of a path that is blocked the report says why, whatever else was asked for.
     if choice.report || blocked.is_some() {
-        let report = report(result, document);
+        let report = FlankReport { compared: compared.to_vec(), ..report(result, document) };
         let maps = deviation_maps(&result.plan, &task.cancel).map_err(|e| e.to_string())?;
         let json = report.json().map_err(|e| format!("the report on a flank as JSON: {e}"))?;
         texts.push((JSON_FILE.to_owned(), json));

@@ -7,7 +7,7 @@ use std::time::Duration;
 use glam::DVec3;
 
 use crate::workspaces::context::rest_left;
-use crate::workspaces::flank::comparison::Row;
+use crate::workspaces::flank::comparison::{Quantity, Row, Sweep, Variant};
 use crate::workspaces::flank::document::cutter_list::{standard_cutters, user_cutters};
 use crate::workspaces::flank::document::milling_machine_file::{load_milling_machines, milling_machine};
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, PathChoice, fields};
@@ -61,6 +61,8 @@ pub enum Tab {
     Deviation,
     /// The machine's axes.
     Machine,
+    /// Figures of the plans side by side over a quantity.
+    Sweep,
 }
 
 /// The flank, the results made from it, and how they are shown.
@@ -116,6 +118,10 @@ pub struct FlankDesk {
     pub cutters: Vec<FlankCutter>,
     /// Plans side by side: those of a list of cutters, and those that the user keeps.
     pub rows: Vec<Row>,
+    /// The sweep that is asked for next, whose quantity plans side by side are plotted over.
+    pub sweep: Sweep,
+    /// Whether it is to be started.
+    pub wants_sweep: bool,
     /// Files that had changed since they were read, when an export was last asked for.
     pub changed_files: Vec<PathBuf>,
     /// The lower guide, until the upper one is named.
@@ -169,6 +175,8 @@ impl FlankDesk {
                 .collect(),
             cutters: user_cutters(user_folder().as_deref()).or_else(|_| standard_cutters()).unwrap_or_default().cutter,
             rows: Vec::new(),
+            sweep: Quantity::Radius.usual(),
+            wants_sweep: false,
             changed_files: Vec::new(),
             first_guide: None,
             revision: 0,
@@ -279,12 +287,30 @@ impl FlankDesk {
         self.work.plan(self.document.params())
     }
 
+    /// What plans that are compared may differ in, as it is now.
+    pub fn variant(&self) -> Variant {
+        let params = self.document.params();
+        Variant { cutter: params.cutter.clone(), control_points: params.plan.control_points }
+    }
+
     /// Starts plans with each cutter of the list.
     ///
     /// # Errors
     /// One line why the flank cannot be planned.
     pub fn compare_cutters(&mut self) -> Result<(), String> {
-        self.work.compare(self.document.params(), &self.cutters)
+        let of = |cutter: &FlankCutter| Variant { cutter: cutter.clone(), ..self.variant() };
+        let variants: Vec<Variant> = self.cutters.iter().map(of).collect();
+        self.work.compare(self.document.params(), &variants)
+    }
+
+    /// Starts plans at the steps of the sweep, and shows their plot.
+    ///
+    /// # Errors
+    /// One line why the flank cannot be planned.
+    fn start_sweep(&mut self) -> Result<(), String> {
+        self.work.compare(self.document.params(), &self.sweep.variants(&self.variant()))?;
+        self.tab = Tab::Sweep;
+        Ok(())
     }
 
     /// Keeps the plan that is shown beside others. Check [`is_planned`](Self::is_planned) first.
@@ -294,7 +320,13 @@ impl FlankDesk {
 
     /// Takes a cutter.
     pub fn take_cutter(&mut self, cutter: FlankCutter) {
-        let params = FlankDocument { cutter, ..self.document.params().clone() };
+        self.take(Variant { cutter, ..self.variant() });
+    }
+
+    /// Takes what a plan beside others was made with.
+    pub fn take(&mut self, Variant { cutter, control_points }: Variant) {
+        let mut params = FlankDocument { cutter, ..self.document.params().clone() };
+        params.plan.control_points = control_points;
         let label = fields::change(self.document.params(), &params);
         self.document.edit(&label, params, false);
         self.follow_params();
@@ -316,6 +348,11 @@ impl FlankDesk {
         }
         let priority = if is_seen { Priority::Shown } else { Priority::Normal };
         let mut events = self.work.follow(self.document.params(), priority);
+        if std::mem::take(&mut self.wants_sweep)
+            && let Err(text) = self.start_sweep()
+        {
+            events.push(WorkEvent { kind: EventKind::Failed, text: format!("Sweep: {text}"), took: None });
+        }
         if let Some(rows) = self.work.take_compared() {
             self.rows = rows.to_vec();
         }

@@ -8,6 +8,7 @@ use egui_plot::{GridInput, GridMark, HLine, Line, LineStyle, MarkerShape, PlotPo
 use crate::widgets::panel_parts::file_name;
 use crate::widgets::plot_parts::{legend, round_steps, says, still};
 use crate::widgets::theme::{palette, tick};
+use crate::workspaces::flank::comparison::{Quantity, SERIES, points};
 use crate::workspaces::flank::document::PathChoice;
 use crate::workspaces::flank::scene::contact_line;
 use crate::workspaces::flank::work::{AxisCurve, MachineCurves, Planned};
@@ -16,10 +17,10 @@ use flank::plan::FlankPlan;
 use nc::flank_job::path_of;
 
 impl Tab {
-    const ALL: [Self; 3] = [Self::Ranks, Self::Deviation, Self::Machine];
+    const ALL: [Self; 4] = [Self::Ranks, Self::Deviation, Self::Machine, Self::Sweep];
 
     fn name(self) -> &'static str {
-        ["Ranks", "Deviation", "Machine"][self as usize]
+        ["Ranks", "Deviation", "Machine", "Sweep"][self as usize]
     }
 
     fn note(self) -> &'static str {
@@ -27,6 +28,7 @@ impl Tab {
             "total absolute deviation (mm) over the rank",
             "left: least, greatest and mean (mm) along the guides; right: along the line of contact, up the ruling",
             "over the cut; spindle nose in machine coordinates",
+            "plans side by side: mean and greatest deviations (um)",
         ][self as usize]
     }
 }
@@ -52,6 +54,7 @@ pub fn show(ui: &mut Ui, desk: &mut FlankDesk) {
         Tab::Ranks => ranks(ui, desk, &planned.result.plan),
         Tab::Deviation => deviation(ui, desk, &planned),
         Tab::Machine => machine(ui, desk, &planned),
+        Tab::Sweep => sweep(ui, desk),
     }
 }
 
@@ -211,6 +214,31 @@ fn deviation(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
         let t = (u - from) / (to - from);
         desk.go_to(t);
     }
+}
+
+/// Figures of the plans side by side over the quantity of the sweep, and where the present plan stands.
+fn sweep(ui: &mut Ui, desk: &FlankDesk) {
+    let of = desk.sweep.of;
+    let [faint, second, accent] = colours(ui);
+    let lines = SERIES.map(|(name, _, figure)| (name, points(of, &desk.rows, figure)));
+    if lines[0].1.len() < 2 {
+        return says(ui, "Start a sweep in the results, under Side by side, to see its curves.");
+    }
+    let colours = [accent, second, faint];
+    ui.horizontal(|ui| {
+        legend(ui, lines.iter().zip(colours).map(|((name, _), colour)| (colour, *name)));
+        ui.label(RichText::new(format!("over the {}", of.label())).small().color(palette(ui).faint));
+    });
+    let here = Quantity::of(of, &desk.variant());
+    let response = still(ui, "sweep", MARGIN).include_y(0.0).show(ui, |plot| {
+        plot.vline(VLine::new("now", here).color(accent.gamma_multiply(0.6)).width(1.0));
+        for ((name, points), colour) in lines.into_iter().zip(colours) {
+            let dots: PlotPoints = points.clone().into();
+            plot.line(Line::new(name, PlotPoints::from(points)).color(colour).width(1.4));
+            plot.points(Points::new(name, dots).color(colour).radius(2.5));
+        }
+    });
+    response.response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Plot of the sweep"));
 }
 
 /// The machine's axes below each other, each on a scale of its own, over the cut.

@@ -1,12 +1,12 @@
 //! The right panel: the figures of the three paths, what was checked, and what the reader must know.
 
 use crate::workspaces::flank::panels::desk::FlankDesk;
-use egui::{Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+use egui::{ComboBox, DragValue, Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
 use super::desk::Standing;
 use crate::widgets::panel_parts::{fact, notice, sentence};
 use crate::widgets::theme::{palette, tick};
-use crate::workspaces::flank::comparison::best;
+use crate::workspaces::flank::comparison::{Quantity, Sweep, Variant, best};
 use crate::workspaces::flank::document::PathChoice;
 use crate::workspaces::flank::work::Planned;
 use flank::deviation::Deviation;
@@ -131,9 +131,11 @@ fn comparison(ui: &mut Ui, desk: &mut FlankDesk) {
             desk.rows.clear();
         }
     });
+    sweep(ui, desk);
     if desk.rows.is_empty() {
         return;
     }
+    let has_points = desk.rows.windows(2).any(|w| w[0].variant.control_points != w[1].variant.control_points);
     let best = best(&desk.rows);
     let mut taken = None;
     Grid::new("flank comparison").num_columns(4).striped(true).spacing([8.0, 2.0]).show(ui, |ui| {
@@ -143,11 +145,13 @@ fn comparison(ui: &mut Ui, desk: &mut FlankDesk) {
         ui.end_row();
         for (i, row) in desk.rows.iter().enumerate() {
             let sentence = row.sentence();
-            let name = if row.cutter.name.is_empty() { row.cutter.words() } else { row.cutter.name.clone() };
+            let Variant { cutter, control_points } = &row.variant;
+            let name = if cutter.name.is_empty() { cutter.words() } else { cutter.name.clone() };
+            let name = if has_points { format!("{control_points} points, {name}") } else { name };
             let text = RichText::new(name).small();
             let text = if best == Some(i) { text.strong().color(palette(ui).good) } else { text };
             if ui.add(egui::Button::new(text).small().frame(false).truncate()).on_hover_text(&sentence).clicked() {
-                taken = Some(row.cutter.clone());
+                taken = Some(row.variant.clone());
             }
             match &row.figures {
                 Ok(found) => {
@@ -162,9 +166,37 @@ fn comparison(ui: &mut Ui, desk: &mut FlankDesk) {
             ui.end_row();
         }
     });
-    if let Some(cutter) = taken {
-        desk.take_cutter(cutter);
+    if let Some(variant) = taken {
+        desk.take(variant);
     }
+}
+
+/// The sweep of a quantity: which, from where to where, in how many steps.
+fn sweep(ui: &mut Ui, desk: &mut FlankDesk) {
+    let before = desk.sweep.of;
+    ui.horizontal(|ui| {
+        let combo = ComboBox::from_id_salt("flank sweep").selected_text(desk.sweep.of.name()).width(70.0);
+        let shown = combo.show_ui(ui, |ui| {
+            for of in Quantity::ALL {
+                ui.selectable_value(&mut desk.sweep.of, of, of.name());
+            }
+        });
+        shown.response.widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Quantity of the sweep"));
+        if desk.sweep.of != before {
+            desk.sweep = desk.sweep.of.usual();
+        }
+        let [least, most] = desk.sweep.of.range();
+        for (name, end) in ["First value", "Last value"].into_iter().zip(&mut desk.sweep.ends) {
+            let value = ui.add(DragValue::new(end).range(least..=most).speed(0.05).max_decimals(2));
+            value.on_hover_text(format!("{name}: {}", before.label()));
+        }
+        ui.add(DragValue::new(&mut desk.sweep.count).range(2..=Sweep::MOST)).on_hover_text("Number of values");
+        let is_possible = desk.document.problem().is_none() && !desk.work.is_busy();
+        let start = ui.add_enabled(is_possible, egui::Button::new("Sweep").small());
+        if start.on_hover_text("Plans at equal steps of the quantity, and plots the deviations").clicked() {
+            desk.wants_sweep = true;
+        }
+    });
 }
 
 /// A number with as many decimals as it is worth.

@@ -24,7 +24,7 @@ const NEAR_MM: f64 = 0.02;
 /// The most points of the curve of an axis.
 const MOST_POINTS: usize = 4000;
 
-/// The report on `result`, which was made from `document`.
+/// The report on `result`, which was made from `document`, without plans beside it.
 pub fn report(result: &FlankResult, document: &FlankDocument) -> FlankReport {
     let plan = &result.plan;
     let nearest = plan.locations.iter().filter(|l| l.touch == Touch::NearestToThree).count();
@@ -58,6 +58,7 @@ pub fn report(result: &FlankResult, document: &FlankDocument) -> FlankReport {
         },
         checks: checks(result, &document.overrides),
         clearances: clearances(result),
+        compared: Vec::new(),
         machine: result.milled.as_ref().map(|milled| machine(milled, document)),
         warnings: result.all_warnings(),
         parameters: parameters(document),

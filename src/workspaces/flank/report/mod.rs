@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use crate::workspaces::flank::comparison::Row;
 use files::ParameterList;
 use files::report::{PageError, Picture, png_url};
 use flank::cutter::FlankCutter;
@@ -53,6 +54,9 @@ pub struct FlankReport {
     pub checks: Vec<CheckEntry>,
     /// Clearances of the path that is milled.
     pub clearances: Vec<ClearanceEntry>,
+    /// Plans beside this one: with other cutters, or at steps of a quantity.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub compared: Vec<Row>,
     /// Positions of the path on the machine; none without a machine.
     pub machine: Option<MachineEntry>,
     /// Warnings.

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::workspaces::flank::comparison::{Quantity, Row, SERIES, points};
 use crate::workspaces::flank::report::{AxisEntry, DeviationMaps, FlankReport, PathEntry};
 use files::Entry;
 use files::report::plot::{Plot, Series};
@@ -27,6 +28,7 @@ pub(super) fn page(report: &FlankReport, maps: &DeviationMaps) -> Result<String,
         map_decimals: usize,
         rank_plots: Vec<String>,
         axis_plots: Vec<String>,
+        compared_plots: Vec<String>,
     }
     let axes = report.machine.iter().flat_map(|machine| machine.axes.iter().enumerate());
     let page = Page {
@@ -37,6 +39,7 @@ pub(super) fn page(report: &FlankReport, maps: &DeviationMaps) -> Result<String,
         maps,
         map_decimals: (2.0 - (1e3 * maps.end_mm).max(1e-6).log10().ceil()).clamp(1.0, 6.0) as usize,
         rank_plots: rank_plots(report),
+        compared_plots: Quantity::ALL.into_iter().filter_map(|of| compared_plot(of, &report.compared)).collect(),
         axis_plots: axes.map(|(i, axis)| axis_plot(axis, i).svg()).collect(),
     };
     files::report::page(&TEMPLATE, &page)
@@ -65,6 +68,16 @@ fn rank_plots(report: &FlankReport) -> Vec<String> {
     let circle = best.map(|p| (p, String::new()));
     let all = plot("Sum of deviations, mm, every rank", true, [620.0, 260.0], points, mark);
     [all, plot("Near the best", false, [360.0, 260.0], close, circle)].map(|plot| plot.svg()).to_vec()
+}
+
+/// The deviations of plans side by side over a quantity, where they differ in it.
+fn compared_plot(of: Quantity, rows: &[Row]) -> Option<String> {
+    let series = SERIES.map(|(_, class, figure)| Series { points: points(of, rows, figure), class, dots: false });
+    let [[first, _], .., [last, _]] = series[0].points[..] else { return None };
+    let title = "Deviation, µm: mean blue, greatest undercut brown, greatest overcut grey".to_owned();
+    let x_label = of.label().to_owned();
+    (last > first)
+        .then(|| Plot { title, x_label, size: [620.0, 260.0], series: series.to_vec(), ..Plot::default() }.svg())
 }
 
 fn axis_plot(axis: &AxisEntry, i: usize) -> Plot {

@@ -14,7 +14,7 @@ use task::{Doing, Lane, Memo, Priority, Scheduler, State, Task};
 
 use stamps::Stamp;
 
-use crate::workspaces::flank::comparison::{Row, best};
+use crate::workspaces::flank::comparison::{Row, Variant, best};
 use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, MeshFlank, WallsFile};
 use crate::workspaces::flank::export;
@@ -22,7 +22,6 @@ pub use crate::workspaces::flank::export::{ExportChoice, WrittenFlank};
 use crate::workspaces::flank::inputs::{FromFile, walls_unit};
 use crate::workspaces::news::{EventKind, WorkEvent};
 pub use curves::{AxisCurve, MachineCurves, Profile};
-use flank::cutter::FlankCutter;
 use geometry::mesh::Mesh;
 use import::Unit;
 use nc::flank_job::{FlankResult, LoadedSurface};
@@ -55,8 +54,8 @@ pub struct FlankWork {
     sketches: Memo<Question, Sketch>,
     /// Plans with their shapes are large: a few are remembered, so that undo is instant.
     planned: Memo<Question, Planned>,
-    /// Plans with each cutter of a list.
-    compared: Memo<(Question, Vec<FlankCutter>), Vec<Row>>,
+    /// Plans side by side.
+    compared: Memo<(Question, Vec<Variant>), Vec<Row>>,
     new_rows: Option<Arc<Vec<Row>>>,
     /// Whether a plan is wanted as soon as the files are there.
     is_waiting: bool,
@@ -74,7 +73,7 @@ impl FlankWork {
             walls: Memo::new(scheduler, Lane::Quick, "Walls").remembering(1),
             sketches: Memo::new(scheduler, Lane::Quick, "Quick look").letting_finish().remembering(2),
             planned: Memo::new(scheduler, Lane::Long, "Flank").remembering(4),
-            compared: Memo::new(scheduler, Lane::Long, "Cutters").remembering(1),
+            compared: Memo::new(scheduler, Lane::Long, "Comparison").remembering(1),
             new_rows: None,
             is_waiting: false,
             exported: Memo::new(scheduler, Lane::Long, "Export").remembering(1),
@@ -102,7 +101,7 @@ impl FlankWork {
             events.push(WorkEvent::of("Flank", ended, |planned| (EventKind::Done, planned.sentence())));
         }
         while let Some(ended) = self.compared.take() {
-            events.push(WorkEvent::of("Cutters", ended, |rows| (EventKind::Done, best_words(rows))));
+            events.push(WorkEvent::of("Comparison", ended, |rows| (EventKind::Done, best_words(rows))));
             self.new_rows = self.compared.last().map(|(_, rows)| rows.clone());
         }
         while let Some(ended) = self.exported.take() {
@@ -271,17 +270,17 @@ impl FlankWork {
         Ok((surface, walls.map(|walls| FromFile { value: walls.mesh.clone(), doubts: walls.doubts.clone() })))
     }
 
-    /// Begins to plan with each of `cutters`.
+    /// Begins to plan with each of `variants`.
     ///
     /// # Errors
     /// One line why it cannot be planned.
-    pub fn compare(&mut self, document: &FlankDocument, cutters: &[FlankCutter]) -> Result<(), String> {
+    pub fn compare(&mut self, document: &FlankDocument, variants: &[Variant]) -> Result<(), String> {
         document.validate().map_err(|e| FIELDS.in_window(&e))?;
         let (surface, walls) = self.read_for(document)?;
-        let key = (self.question(document), cutters.to_vec());
-        let (asked, cutters) = (document.clone(), cutters.to_vec());
+        let key = (self.question(document), variants.to_vec());
+        let (asked, variants) = (document.clone(), variants.to_vec());
         self.compared
-            .restart(&key, self.priority, move |work| steps::compare(&asked, surface, walls, (&cutters, &work.task)));
+            .restart(&key, self.priority, move |work| steps::compare(&asked, surface, walls, (&variants, &work.task)));
         Ok(())
     }
 
@@ -354,16 +353,22 @@ impl FlankWork {
     }
 
     /// Writes the files of the plan into `folder`: of one of which a check fails that is not overridden only the
-    /// report.
+    /// report. The plans beside it are told as well.
     ///
     /// # Errors
     /// One line if there is no plan of `document`.
-    pub fn export(&mut self, document: &FlankDocument, folder: &Path, choice: ExportChoice) -> Result<(), String> {
+    pub fn export(
+        &mut self,
+        document: &FlankDocument,
+        compared: &[Row],
+        folder: &Path,
+        choice: ExportChoice,
+    ) -> Result<(), String> {
         let result = self.to_export(document)?;
-        let (folder, document) = (folder.to_owned(), document.clone());
+        let (folder, document, compared) = (folder.to_owned(), document.clone(), compared.to_vec());
         self.exports += 1;
         self.exported.restart(&self.exports, Priority::Shown, move |work| {
-            export::export(&folder, (&result, &document), choice, &work.task)
+            export::export(&folder, (&result, &document), &compared, choice, &work.task)
         });
         Ok(())
     }
@@ -377,10 +382,10 @@ fn source_to_read(source: &FlankSource) -> FlankSource {
     }
 }
 
-/// The best of some cutters in words.
+/// The best of some plans in words.
 fn best_words(rows: &[Row]) -> String {
     best(rows).map_or_else(
-        || "none of the cutters has a path".to_owned(),
+        || "none of the plans has a path".to_owned(),
         |i| format!("best of {}: {}", rows.len(), rows[i].sentence()),
     )
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::curves::{MachineCurves, Profile};
 use super::stamps::Stamp;
-use crate::workspaces::flank::comparison::{self, Row};
+use crate::workspaces::flank::comparison::{self, Row, Variant};
 use crate::workspaces::flank::document::fields::FIELDS;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, PathChoice, WallsFile};
 use crate::workspaces::flank::inputs;
@@ -15,7 +15,6 @@ use crate::workspaces::flank::scene::{FlankShapes, FlankSurface};
 use files::PartFile;
 use files::paths::user_folder;
 use flank::FlankError;
-use flank::cutter::FlankCutter;
 use flank::params::FlankParams;
 use flank::ruled_surface::Side;
 use geometry::mesh::Mesh;
@@ -180,7 +179,7 @@ pub(super) fn plan(
     Ok(Planned::of(result))
 }
 
-/// Plans with each of `cutters`.
+/// Plans with each of `variants`.
 ///
 /// # Errors
 /// One line for the user.
@@ -188,10 +187,10 @@ pub(super) fn compare(
     document: &FlankDocument,
     surface: FromFile<LoadedSurface>,
     walls: Option<FromFile<Arc<Mesh>>>,
-    (cutters, task): (&[FlankCutter], &Task),
+    (variants, task): (&[Variant], &Task),
 ) -> Result<Vec<Row>, String> {
     let machine = load_machine(document, user_folder().as_deref()).map_err(|e| e.to_string())?;
-    comparison::compare(&input(document, surface, walls, machine), cutters, task).map_err(|e| e.to_string())
+    comparison::compare(&input(document, surface, walls, machine), variants, task).map_err(|e| e.to_string())
 }
 
 /// Computes a preview: on a coarse grid, with few iterations, without walls and machine.
