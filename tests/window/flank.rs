@@ -142,9 +142,7 @@ fn a_sweep_is_plotted_and_a_row_of_it_is_taken() {
     assert_eq!(tapers, [2.0, 4.0, 6.0, 8.0]);
     assert_eq!(desk.flank().tab, Tab::Sweep);
     desk.pictures("flank_sweep");
-    // A row is a button with the words of its cutter.
-    let words = desk.flank().rows[3].variant.cutter.words();
-    desk.press(&words);
+    desk.press("R1 8\u{b0}");
     assert_eq!(desk.flank().params().cutter.taper_deg, 8.0);
     // Plans beside it go into the report.
     desk.until_planned();

@@ -391,13 +391,10 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
     let app = desk.window.state_mut();
     app.open(&home.path("mine.sparkpath"));
     // Opened behind the window: the mold of before is ready until then.
-    desk.until("the project is opened", |d| d.app().shown() == "mold" && !d.mold().document.is_unsaved());
+    let is_opened = |d: &Desk| d.app().shown() == "mold" && *d.mold().document.params() == saved;
+    desk.until("the project is opened", is_opened);
     desk.until_loaded();
-    assert!(
-        desk.app().shown() == "mold"
-            && *desk.mold().document.params() == saved
-            && desk.mold().document.name() == "mine"
-    );
+    assert!(is_opened(&desk) && desk.mold().document.name() == "mine" && !desk.mold().document.is_unsaved());
     assert!(!desk.mold().document.is_unsaved());
     // While molds are shown a mesh is one, whatever blisk there is.
     let other = home.path("other.stl");

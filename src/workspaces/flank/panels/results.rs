@@ -4,7 +4,7 @@ use crate::workspaces::flank::panels::desk::FlankDesk;
 use egui::{ComboBox, DragValue, Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
 use super::desk::Standing;
-use crate::widgets::panel_parts::{fact, notice, sentence};
+use crate::widgets::panel_parts::{fact, notice, sentence, short};
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::flank::comparison::{Quantity, Sweep, Variant, best};
 use crate::workspaces::flank::document::PathChoice;
@@ -146,8 +146,12 @@ fn comparison(ui: &mut Ui, desk: &mut FlankDesk) {
         for (i, row) in desk.rows.iter().enumerate() {
             let sentence = row.sentence();
             let Variant { cutter, control_points } = &row.variant;
-            let name = if cutter.name.is_empty() { cutter.words() } else { cutter.name.clone() };
-            let name = if has_points { format!("{control_points} points, {name}") } else { name };
+            // Short, since the column is narrow; the hint has it in words.
+            let name = match (&*cutter.name, has_points) {
+                (_, true) => format!("{control_points} points"),
+                ("", _) => format!("R{} {}\u{b0}", short(cutter.radius_mm, 0..=2), short(cutter.taper_deg, 0..=2)),
+                (name, _) => name.to_owned(),
+            };
             let text = RichText::new(name).small();
             let text = if best == Some(i) { text.strong().color(palette(ui).good) } else { text };
             if ui.add(egui::Button::new(text).small().frame(false).truncate()).on_hover_text(&sentence).clicked() {
