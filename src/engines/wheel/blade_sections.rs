@@ -246,6 +246,7 @@ mod tests {
     use crate::find_channel::find_channel;
     use crate::options::BliskOptions;
     use crate::parametric::{ChannelSide, ParametricBlisk};
+    use geometry::nurbs::LineShape;
     use task::Task;
 
     /// Sections of the exact blades at shares of the height.
@@ -256,6 +257,7 @@ mod tests {
             name: format!("{height}"),
             low: wall(ChannelSide::Low, *height),
             high: wall(ChannelSide::High, *height),
+            ..MeasuredSection::default()
         };
         heights.iter().map(of).collect()
     }
@@ -305,6 +307,43 @@ mod tests {
                 assert!(off.abs() < 0.01, "{side:?} {p}: {off}");
             }
         }
+    }
+
+    /// Of few points a parabola through the last three tells little of how a wall ends.
+    #[test]
+    fn given_end_tangents_bring_the_walls_of_few_points_nearer_to_the_blade() {
+        let blisk = ParametricBlisk { blades: 24, ..ParametricBlisk::turbine() };
+        let place = |side, share: f64, height| blisk.wall_at(side, share, height)[0];
+        // From 0.05 to 0.95 of the chord, off the round edges.
+        let share = |i: usize| 0.05 + 0.9 * i as f64 / 5.0;
+        let of = |height: &f64, is_given: bool| {
+            let points = |side| (0..6).map(|i| place(side, share(i), *height)).collect();
+            let tangent = |side, at: f64| place(side, at + 1e-6, *height) - place(side, at - 1e-6, *height);
+            let ends = |side| [0, 5].map(|i| is_given.then(|| tangent(side, share(i))));
+            let sides = [ChannelSide::Low, ChannelSide::High];
+            MeasuredSection {
+                name: format!("{height}"),
+                low: points(sides[0]),
+                high: points(sides[1]),
+                shapes: sides.map(|side| LineShape { weights: Vec::new(), ends: ends(side) }),
+            }
+        };
+        let worst = |is_given: bool| {
+            let sections: Vec<MeasuredSection> = HEIGHTS.iter().map(|height| of(height, is_given)).collect();
+            let walls = NurbsWall::of_measured(&sections, &Cancel::default()).unwrap();
+            let sides = [ChannelSide::Low, ChannelSide::High].into_iter().zip(&walls);
+            let off = sides.flat_map(|(side, wall)| {
+                let blisk = &blisk;
+                let v = wall.v[3];
+                (0..=50).map(move |i| {
+                    let p = Cylindrical::from_point(wall.surface.point(f64::from(i) / 50.0, v));
+                    (angle_near(p.theta, 0.0) - blisk.wall_theta(side, p.x, p.r)).abs() * p.r
+                })
+            });
+            off.fold(0.0, f64::max)
+        };
+        let (found, given) = (worst(false), worst(true));
+        assert!(given < 0.5 * found, "{given} mm with, {found} mm without");
     }
 
     #[test]

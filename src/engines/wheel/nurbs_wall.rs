@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::channel::{Channel, ChannelWall};
 use super::sections::MeasuredSection;
 use geometry::exact::ExactMesh;
-use geometry::nurbs::{FitError, NurbsCurve, NurbsError, NurbsSurface};
+use geometry::nurbs::{FitError, LineShape, NurbsCurve, NurbsError, NurbsSurface};
 use task::{Cancel, Cancelled};
 
 /// A wall as a surface: `u` runs along the chord from the -X edge, `v` from the hub outwards.
@@ -78,10 +78,10 @@ impl NurbsWall {
     /// [`NurbsError`] if points of the grid coincide.
     pub fn of_grid(wall: &ChannelWall) -> Result<Self, NurbsError> {
         let section = |v| (0..wall.nu).map(|u| wall.point(u, v)).collect();
-        Self::skinned((0..wall.nv).map(section).collect())
+        Self::skinned((0..wall.nv).map(section).collect(), &vec![LineShape::default(); wall.nv])
     }
 
-    /// The low and the high wall through measured sections, from the hub outwards. Where sections have different
+    /// The low and the high wall through measured sections of given weights and end tangents, from the hub outwards. Where sections have different
     /// numbers of points, cubics through each of them take their place.
     ///
     /// # Errors
@@ -89,19 +89,23 @@ impl NurbsWall {
     pub fn of_measured(sections: &[MeasuredSection], cancel: &Cancel) -> Result<[Self; 2], MeasuredError> {
         let low: Vec<&[DVec3]> = sections.iter().map(|s| s.low.as_slice()).collect();
         let high: Vec<&[DVec3]> = sections.iter().map(|s| s.high.as_slice()).collect();
-        Ok([Self::of_sections(&low, cancel)?, Self::of_sections(&high, cancel)?])
+        let [low_shapes, high_shapes] = [0, 1].map(|side| sections.iter().map(|s| s.shapes[side].clone()).collect());
+        Ok([Self::of_sections(&low, low_shapes, cancel)?, Self::of_sections(&high, high_shapes, cancel)?])
     }
 
-    fn of_sections(sections: &[&[DVec3]], cancel: &Cancel) -> Result<Self, MeasuredError> {
+    fn of_sections(sections: &[&[DVec3]], mut shapes: Vec<LineShape>, cancel: &Cancel) -> Result<Self, MeasuredError> {
         let n = sections.iter().map(|s| s.len()).max().unwrap_or(0).min(Self::MOST_POINTS);
         if sections.iter().all(|s| s.len() == n) {
-            return Ok(Self::skinned(sections.iter().map(|s| s.to_vec()).collect())?);
+            return Ok(Self::skinned(sections.iter().map(|s| s.to_vec()).collect(), &shapes)?);
         }
-        let resampled = sections.iter().map(|points| {
-            let curve = NurbsCurve::cubic(points, None)?;
+        let resampled = sections.iter().zip(&shapes).map(|(points, shape)| {
+            let curve = NurbsCurve::rational(points, shape)?;
             Ok((0..n).map(|i| curve.point(i as f64 / (n - 1) as f64)).collect())
         });
-        let mut wall = Self::skinned(resampled.collect::<Result<_, NurbsError>>()?)?;
+        let resampled = resampled.collect::<Result<_, NurbsError>>()?;
+        // What the weights do is in the points now.
+        shapes.iter_mut().for_each(|shape| shape.weights.clear());
+        let mut wall = Self::skinned(resampled, &shapes)?;
         let mut off = Vec::new();
         for (points, &v) in sections.iter().zip(&wall.v) {
             let places = wall.places_along(v);
@@ -115,8 +119,8 @@ impl NurbsWall {
         Ok(wall)
     }
 
-    fn skinned(sections: Vec<Vec<DVec3>>) -> Result<Self, NurbsError> {
-        let (surface, [u, v]) = NurbsSurface::skinned(&sections)?;
+    fn skinned(sections: Vec<Vec<DVec3>>, shapes: &[LineShape]) -> Result<Self, NurbsError> {
+        let (surface, [u, v]) = NurbsSurface::skinned_as(&sections, shapes)?;
         let off = sections.iter().zip(&v).flat_map(|(section, &v)| {
             let surface = &surface;
             section.iter().zip(&u).map(move |(p, &u)| surface.point(u, v).distance(*p))

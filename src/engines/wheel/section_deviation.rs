@@ -177,7 +177,12 @@ mod tests {
             };
             (0..points).map(point).collect()
         };
-        let section = |k: usize| MeasuredSection { name: format!("{k}"), low: wall(k, 0), high: wall(k, 1) };
+        let section = |k: usize| MeasuredSection {
+            name: format!("{k}"),
+            low: wall(k, 0),
+            high: wall(k, 1),
+            ..Default::default()
+        };
         (0..heights.len()).map(section).collect()
     }
 

@@ -9,6 +9,8 @@
 //! | `x` | mm along the blisk axis |
 //! | `y`, `z` | mm, in the workpiece frame W |
 //! | `r`, `theta_deg` | instead of `y` and `z`: mm from the axis, degrees about it from +Z |
+//! | `weight` | may be left out: weight of the point in the rational curve through its side, greater than 0 |
+//! | `tx`, `ty`, `tz` | may be left out: direction of the curve in W at the first and at the last point of a side, in the order of the points; empty at the others |
 //!
 //! The points of a side stand in order from edge to edge, in either direction. Empty lines and lines that begin with
 //! `#` are passed over.
@@ -19,9 +21,10 @@ use std::path::Path;
 use glam::DVec3;
 
 use geometry::frame::Cylindrical;
+use geometry::nurbs::LineShape;
 
 /// One measured section.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct MeasuredSection {
     /// Name of the section in the file.
     pub name: String,
@@ -29,6 +32,8 @@ pub struct MeasuredSection {
     pub low: Vec<DVec3>,
     /// Points of the high wall.
     pub high: Vec<DVec3>,
+    /// Weights and end tangents of the low and the high wall.
+    pub shapes: [LineShape; 2],
 }
 
 /// Reason why a table of sections cannot be used.
@@ -44,7 +49,7 @@ pub enum SectionsError {
     #[error("the table is empty; it needs a heading line such as section,side,x,y,z")]
     Empty,
     /// A heading names a column that is not known.
-    #[error("line {line}: unknown column {name:?}; known are section, side, x, y, z, r, theta_deg")]
+    #[error("line {line}: unknown column {name:?}; known are section, side, x, y, z, r, theta_deg, weight, tx, ty, tz")]
     UnknownColumn {
         /// Counted from 1.
         line: usize,
@@ -94,6 +99,14 @@ pub enum SectionsError {
     /// Two neighbouring points at the same place.
     #[error("line {line}: the point coincides with the one before it on its side")]
     Repeated {
+        /// Counted from 1.
+        line: usize,
+    },
+    /// A tangent between the ends.
+    #[error(
+        "line {line}: the point before it on its side has a tangent; only the first and the last of a side may have one"
+    )]
+    InnerTangent {
         /// Counted from 1.
         line: usize,
     },
@@ -154,13 +167,15 @@ fn finished(mut sections: Vec<MeasuredSection>) -> Result<Vec<MeasuredSection>, 
     if sections.len() < 2 {
         return Err(SectionsError::TooFewSections(sections.len()));
     }
-    for MeasuredSection { name, low, high } in &mut sections {
-        for (side, points) in [("low", low), ("high", high)] {
+    for MeasuredSection { name, low, high, shapes } in &mut sections {
+        for ((side, points), shape) in [("low", low), ("high", high)].into_iter().zip(shapes) {
             if points.len() < LEAST_POINTS {
                 return Err(SectionsError::TooFew { name: name.clone(), side, found: points.len() });
             }
             if points[points.len() - 1].x < points[0].x {
                 points.reverse();
+                shape.weights.reverse();
+                shape.ends = [shape.ends[1], shape.ends[0]].map(|end| end.map(|direction| -direction));
             }
         }
     }
@@ -179,6 +194,8 @@ struct Columns {
     side: usize,
     x: usize,
     across: Across,
+    weight: Option<usize>,
+    tangent: Option<[usize; 3]>,
 }
 
 enum Across {
@@ -188,9 +205,10 @@ enum Across {
 
 impl Columns {
     fn named(line: usize, heading: &str) -> Result<Self, SectionsError> {
+        const SHAPE: [&str; 4] = ["weight", "tx", "ty", "tz"];
         const NAMES: [&str; 7] = ["section", "side", "x", "y", "z", "r", "theta_deg"];
         let names: Vec<String> = heading.split(',').map(|n| n.trim().to_ascii_lowercase()).collect();
-        if let Some(name) = names.iter().find(|n| !NAMES.contains(&n.as_str())) {
+        if let Some(name) = names.iter().find(|n| !NAMES.iter().chain(&SHAPE).any(|known| known == n)) {
             return Err(SectionsError::UnknownColumn { line, name: shortened(name) });
         }
         let at = |wanted: &'static str| {
@@ -207,10 +225,15 @@ impl Columns {
             Across::Cartesian { y: at("y")?, z: at("z")? }
         };
         // With both kinds of coordinates it would not be known which to believe.
-        if names.len() > 5 {
+        let has = |name: &&str| names.iter().any(|n| n == name);
+        if names.iter().filter(|n| NAMES.contains(&n.as_str())).count() > 5 {
             return Err(SectionsError::Columns { line, wanted: "either y and z or r and theta_deg" });
         }
-        Ok(Self { count: names.len(), section: at("section")?, side: at("side")?, x: at("x")?, across })
+        let weight = if has(&"weight") { Some(at("weight")?) } else { None };
+        let has_tangent = SHAPE[1..].iter().any(has);
+        let tangent = if has_tangent { Some([at("tx")?, at("ty")?, at("tz")?]) } else { None };
+        let [section, side, x] = [at("section")?, at("side")?, at("x")?];
+        Ok(Self { count: names.len(), section, side, x, across, weight, tangent })
     }
 
     /// Adds the point in `row` to its section.
@@ -236,10 +259,21 @@ impl Columns {
                 Cylindrical { x, r, theta: number("theta_deg", theta)?.to_radians() }.point()
             }
         };
+        let wrong = |column, at: usize, expected| {
+            Err(SectionsError::Cell { line, column, text: shortened(cells[at]), expected })
+        };
+        let weight = match self.weight.map(|at| Ok((at, number("weight", at)?))).transpose()? {
+            Some((at, weight)) if weight <= 0.0 => return wrong("weight", at, "a weight greater than 0"),
+            found => found.map(|(_, weight)| weight),
+        };
+        let tangent = match self.tangent.filter(|at| at.iter().any(|at| !cells[*at].is_empty())) {
+            Some([x, y, z]) => Some((x, DVec3::new(number("tx", x)?, number("ty", y)?, number("tz", z)?))),
+            None => None,
+        };
         let section = section_named(cells[self.section], sections)?;
-        let points = match cells[self.side].to_ascii_lowercase().as_str() {
-            "low" => &mut section.low,
-            "high" => &mut section.high,
+        let (points, shape) = match cells[self.side].to_ascii_lowercase().as_str() {
+            "low" => (&mut section.low, &mut section.shapes[0]),
+            "high" => (&mut section.high, &mut section.shapes[1]),
             _ => {
                 let text = shortened(cells[self.side]);
                 return Err(SectionsError::Cell { line, column: "side", text, expected: "low or high" });
@@ -248,6 +282,16 @@ impl Columns {
         if points.last() == Some(&point) {
             return Err(SectionsError::Repeated { line });
         }
+        if shape.ends[1].is_some() {
+            return Err(SectionsError::InnerTangent { line });
+        }
+        if let Some((at, direction)) = tangent {
+            if direction.length() < 1e-9 {
+                return wrong("tx", at, "a direction that is not zero");
+            }
+            shape.ends[usize::from(!points.is_empty())] = Some(direction);
+        }
+        shape.weights.extend(weight);
         points.push(point);
         Ok(())
     }
@@ -265,7 +309,7 @@ fn section_named<'a>(
         if sections.len() == MOST_SECTIONS {
             return Err(SectionsError::TooLarge(format!("{MOST_SECTIONS} sections")));
         }
-        sections.push(MeasuredSection { name: name.to_owned(), low: Vec::new(), high: Vec::new() });
+        sections.push(MeasuredSection { name: name.to_owned(), ..MeasuredSection::default() });
     }
     Ok(&mut sections[at])
 }
@@ -317,6 +361,27 @@ mod tests {
     }
 
     #[test]
+    fn weights_and_end_tangents_belong_to_their_side_and_turn_with_it() {
+        let side = |side: &str, reversed: bool| -> String {
+            let row = |i: usize| {
+                let x = if reversed { 6 - 2 * i } else { 2 * i };
+                let tangent = [",1,0.5,0", ",,,", ",,,", ",2,0,0"][i];
+                format!("a,{side},{x},1,100,{}{tangent}\n", i + 1)
+            };
+            (0..4).map(row).collect()
+        };
+        let head = "section,side,x,y,z,weight,tx,ty,tz\n";
+        let text = format!("{head}{}{}", side("low", false), side("high", true));
+        let two =
+            format!("{text}{}", text.lines().skip(1).map(|l| l.replacen("a,", "b,", 1) + "\n").collect::<String>());
+        let [low, high] = &read_sections(&two).unwrap()[0].shapes;
+        assert_eq!(low.weights, [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(low.ends, [Some(DVec3::new(1.0, 0.5, 0.0)), Some(DVec3::new(2.0, 0.0, 0.0))]);
+        assert_eq!(high.weights, [4.0, 3.0, 2.0, 1.0]);
+        assert_eq!(high.ends, [Some(DVec3::new(-2.0, 0.0, 0.0)), Some(DVec3::new(-1.0, -0.5, 0.0))]);
+    }
+
+    #[test]
     fn mistakes_are_named_with_their_line() {
         let head = "section,side,x,y,z\n";
         let cases = [
@@ -330,6 +395,14 @@ mod tests {
             (format!("{head}a,low,1,2,NaN\n"), "line 2: z is \"NaN\""),
             (format!("{head}a,low,1,2,1e300\n"), "line 2: z is"),
             (format!("{head}a,left,1,2,3\n"), "line 2: side is \"left\""),
+            ("section,side,x,y,z,tx,ty\n".into(), "line 1: the heading must name tz once"),
+            ("section,side,x,y,z,weight\na,low,1,2,3,0\n".into(), "line 2: weight is \"0\""),
+            ("section,side,x,y,z,tx,ty,tz\na,low,1,2,3,0,0,0\n".into(), "a direction that is not zero"),
+            ("section,side,x,y,z,tx,ty,tz\na,low,1,2,3,1,,\n".into(), "line 2: ty is \"\""),
+            (
+                "section,side,x,y,z,tx,ty,tz\na,low,1,2,3,,,\na,low,2,2,3,1,0,0\na,low,3,2,3,,,\n".into(),
+                "line 4: the point before it",
+            ),
             (format!("{head}a,low,1,2,3\na,low,1,2,3\n"), "line 3: the point coincides"),
             (format!("{head}a,low,1,2,3\nb,low,1,2,3\n"), "section \"a\" has 1 points on its low side"),
         ];

@@ -113,7 +113,7 @@ fn sections(
     points: usize,
     error: &dyn Fn(&Place) -> DVec3,
 ) -> Vec<MeasuredSection> {
-    let section = |name: String| MeasuredSection { name, low: Vec::new(), high: Vec::new() };
+    let section = |name: String| MeasuredSection { name, ..MeasuredSection::default() };
     let mut sections: Vec<MeasuredSection> = (1..=heights.len()).map(|k| section(k.to_string())).collect();
     for place in places(blisk, heights, points) {
         let MeasuredSection { low, high, .. } = &mut sections[place.section];

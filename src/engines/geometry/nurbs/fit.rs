@@ -1,6 +1,6 @@
 //! Curves and surfaces through given points, and how far they are off.
 
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 use serde::Serialize;
 
 use super::NurbsError;
@@ -102,38 +102,64 @@ impl Interpolation {
         Ok(Self { knots, matrix, tangents })
     }
 
-    /// The control points of many curves at once: `points[i]` holds the points of all curves at parameter `i`.
+    /// The control points of many curves at once, in homogeneous coordinates: `points[i]` holds the points of all curves at
+    /// parameter `i`.
     fn control_points(
         &self,
-        points: &[Vec<DVec3>],
-        ends: Option<[Vec<DVec3>; 2]>,
-    ) -> Result<Vec<Vec<DVec3>>, NurbsError> {
-        let mut rows: Vec<Vec<DVec3>> = points.to_vec();
+        points: &[Vec<DVec4>],
+        ends: Option<[Vec<DVec4>; 2]>,
+    ) -> Result<Vec<Vec<DVec4>>, NurbsError> {
+        let mut rows: Vec<Vec<DVec4>> = points.to_vec();
         if let (true, Some([first, last])) = (self.tangents, ends) {
             rows.insert(1, first);
             rows.insert(rows.len() - 1, last);
         }
         let flat = rows.iter().map(|row| row.iter().flat_map(|p| p.to_array()).collect()).collect();
         let solved = self.matrix.clone().solve(flat)?;
-        let point = |c: &[f64]| DVec3::new(c[0], c[1], c[2]);
-        Ok(solved.iter().map(|row| row.chunks_exact(3).map(point).collect()).collect())
+        Ok(solved.iter().map(|row| row.chunks_exact(4).map(DVec4::from_slice).collect()).collect())
     }
 }
 
 /// The derivative by the parameter at the first of `points`, of the parabola through the first three.
-fn end_tangent(u: [f64; 3], [p, q, r]: [DVec3; 3]) -> DVec3 {
+fn end_tangent(u: [f64; 3], [p, q, r]: [DVec4; 3]) -> DVec4 {
     let (first, second) = ((q - p) / (u[1] - u[0]), (r - q) / (u[2] - u[1]));
     first + (first - second) * ((u[1] - u[0]) / (u[2] - u[0]))
 }
 
 /// The derivatives at both ends, of parabolas through three points; of the chord where there are but two.
-fn end_tangents(u: &[f64], points: &[DVec3]) -> [DVec3; 2] {
+fn end_tangents(u: &[f64], points: &[DVec4]) -> [DVec4; 2] {
     let n = points.len();
     if n < 3 {
         return [(points[n - 1] - points[0]) / (u[n - 1] - u[0]); 2];
     }
     let last = end_tangent([u[n - 1], u[n - 2], u[n - 3]], [points[n - 1], points[n - 2], points[n - 3]]);
     [end_tangent([u[0], u[1], u[2]], [points[0], points[1], points[2]]), last]
+}
+
+/// What is given of a cubic through points beside these (P1, equations 6 to 18).
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LineShape {
+    /// Weights of the points, greater than 0; all are 1 if there are none.
+    pub weights: Vec<f64>,
+    /// Directions at the first and the last point, onwards along the line; where none is given, that of the parabola through
+    /// the three points there.
+    pub ends: [Option<DVec3>; 2],
+}
+
+impl LineShape {
+    /// Whether it is of a line of so many points.
+    fn suits(&self, points: usize) -> bool {
+        [0, points].contains(&self.weights.len())
+    }
+
+    /// The derivative at an end, in homogeneous coordinates: that of the parabola, `found`, turned to the direction that is
+    /// given.
+    fn end(&self, end: usize, point: DVec4, found: DVec4) -> DVec4 {
+        let Some(direction) = self.ends[end].and_then(DVec3::try_normalize) else { return found };
+        let (place, weight) = (point.truncate() / point.w, point.w);
+        let speed = ((found.truncate() - place * found.w) / weight).length();
+        (place * found.w + direction * speed * weight).extend(found.w)
+    }
 }
 
 impl NurbsCurve {
@@ -153,8 +179,32 @@ impl NurbsCurve {
     /// Every error of [`through`](Self::through).
     pub fn cubic(points: &[DVec3], ends: Option<[DVec3; 2]>) -> Result<Self, NurbsError> {
         let parameters = chord_parameters(points)?;
-        let ends = ends.unwrap_or_else(|| end_tangents(&parameters, points));
+        let parabolas = || end_tangents(&parameters, &homogeneous(points, &[])).map(DVec4::truncate);
+        let ends = ends.unwrap_or_else(parabolas);
         Self::through_at(&parameters, points, 3, Some(ends))
+    }
+
+    /// The rational cubic through `points` of the given shape, with parameters by chord length (P1, equations 6 to 18).
+    ///
+    /// # Errors
+    /// Every error of [`through`](Self::through), and [`NurbsError::Value`] where weights differ so much from point to
+    /// point that one between would not be positive.
+    pub fn rational(points: &[DVec3], shape: &LineShape) -> Result<Self, NurbsError> {
+        Self::rational_at(&chord_parameters(points)?, points, shape)
+    }
+
+    /// The same with `points[i]` at `parameters[i]`.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn rational_at(parameters: &[f64], points: &[DVec3], shape: &LineShape) -> Result<Self, NurbsError> {
+        if parameters.len() != points.len() || !shape.suits(points.len()) {
+            return Err(NurbsError::Counts);
+        }
+        let rows = homogeneous(points, &shape.weights).into_iter().map(|p| vec![p]).collect::<Vec<_>>();
+        let (knots, control) = cubics(parameters, &rows, std::slice::from_ref(shape))?;
+        let (points, weights) = parted(&control.concat(), shape.weights.is_empty());
+        Self::new(knots, &points, &weights)
     }
 
     /// The curve of `degree` with `points[i]` at `parameters[i]`, and the derivatives at its ends if they are given.
@@ -171,9 +221,10 @@ impl NurbsCurve {
             return Err(NurbsError::Counts);
         }
         let interpolation = Interpolation::new(parameters, degree, ends.is_some())?;
-        let rows: Vec<Vec<DVec3>> = points.iter().map(|p| vec![*p]).collect();
-        let control = interpolation.control_points(&rows, ends.map(|e| e.map(|t| vec![t])))?.concat();
-        Self::new(interpolation.knots, &control, &vec![1.0; control.len()])
+        let rows: Vec<Vec<DVec4>> = homogeneous(points, &[]).into_iter().map(|p| vec![p]).collect();
+        let control = interpolation.control_points(&rows, ends.map(|e| e.map(|t| vec![t.extend(0.0)])))?.concat();
+        let (control, weights) = parted(&control, true);
+        Self::new(interpolation.knots, &control, &weights)
     }
 }
 
@@ -186,18 +237,31 @@ impl NurbsSurface {
     /// # Errors
     /// [`NurbsError`] if there are fewer than two sections or points, or neighbouring ones coincide.
     pub fn skinned(sections: &[Vec<DVec3>]) -> Result<(Self, [Vec<f64>; 2]), NurbsError> {
+        Self::skinned_as(sections, &vec![LineShape::default(); sections.len()])
+    }
+
+    /// The same with the shape of each section.
+    ///
+    /// # Errors
+    /// As there, and [`NurbsError::Value`] where weights differ so much from point to point that one between would not be
+    /// positive.
+    pub fn skinned_as(sections: &[Vec<DVec3>], shapes: &[LineShape]) -> Result<(Self, [Vec<f64>; 2]), NurbsError> {
         let n = sections.first().map_or(0, Vec::len);
-        if sections.len() < 2 || n < 2 || sections.iter().any(|s| s.len() != n) {
+        let suit = shapes.len() == sections.len() && shapes.iter().all(|shape| shape.suits(n));
+        if sections.len() < 2 || n < 2 || sections.iter().any(|s| s.len() != n) || !suit {
             return Err(NurbsError::Counts);
         }
         let along: Vec<Vec<DVec3>> = (0..n).map(|i| sections.iter().map(|s| s[i]).collect()).collect();
         let (u, v) = (mean_parameters(sections)?, mean_parameters(&along)?);
-        let (in_u, control) = cubics(&u, &along)?;
-        let across: Vec<Vec<DVec3>> = (0..v.len()).map(|j| control.iter().map(|row| row[j]).collect()).collect();
-        let (in_v, control) = cubics(&v, &across)?;
-        let (nu, nv) = (in_u.count(), in_v.count());
-        let points: Vec<DVec3> = (0..nu).flat_map(|i| control.iter().map(move |row| row[i])).collect();
-        Ok((Self::new(in_u, in_v, &points, &vec![1.0; nu * nv])?, [u, v]))
+        let weighted: Vec<Vec<DVec4>> =
+            sections.iter().zip(shapes).map(|(section, shape)| homogeneous(section, &shape.weights)).collect();
+        let along: Vec<Vec<DVec4>> = (0..n).map(|i| weighted.iter().map(|s| s[i]).collect()).collect();
+        let (in_u, control) = cubics(&u, &along, shapes)?;
+        let across: Vec<Vec<DVec4>> = (0..v.len()).map(|j| control.iter().map(|row| row[j]).collect()).collect();
+        let (in_v, control) = cubics(&v, &across, &vec![LineShape::default(); in_u.count()])?;
+        let points: Vec<DVec4> = (0..in_u.count()).flat_map(|i| control.iter().map(move |row| row[i])).collect();
+        let (points, weights) = parted(&points, shapes.iter().all(|shape| shape.weights.is_empty()));
+        Ok((Self::new(in_u, in_v, &points, &weights)?, [u, v]))
     }
 }
 
@@ -210,13 +274,33 @@ fn mean_parameters(lines: &[Vec<DVec3>]) -> Result<Vec<f64>, NurbsError> {
     Ok(sums.iter().map(|sum| sum / lines.len() as f64).collect())
 }
 
-/// Cubics through many lines of points at once: `rows[i]` holds the points of all of them at parameter `i`.
-fn cubics(parameters: &[f64], rows: &[Vec<DVec3>]) -> Result<(KnotVector, Vec<Vec<DVec3>>), NurbsError> {
+/// Cubics through many lines of points at once, in homogeneous coordinates: `rows[i]` holds the points of all of them at
+/// parameter `i`, `shapes` what is given of each line.
+fn cubics(
+    parameters: &[f64],
+    rows: &[Vec<DVec4>],
+    shapes: &[LineShape],
+) -> Result<(KnotVector, Vec<Vec<DVec4>>), NurbsError> {
     let interpolation = Interpolation::new(parameters, 3, true)?;
-    let lines = 0..rows[0].len();
-    let ends: Vec<[DVec3; 2]> =
-        lines.map(|j| end_tangents(parameters, &rows.iter().map(|row| row[j]).collect::<Vec<_>>())).collect();
+    let ends = |(j, shape): (usize, &LineShape)| {
+        let line: Vec<DVec4> = rows.iter().map(|row| row[j]).collect();
+        let found = end_tangents(parameters, &line);
+        [0, 1].map(|end| shape.end(end, [line[0], line[line.len() - 1]][end], found[end]))
+    };
+    let ends: Vec<[DVec4; 2]> = shapes.iter().enumerate().map(ends).collect();
     let ends = [0, 1].map(|end| ends.iter().map(|e| e[end]).collect());
     let control = interpolation.control_points(rows, Some(ends))?;
     Ok((interpolation.knots, control))
+}
+
+/// Points times their weights, and the weights; without weights these are 1.
+fn homogeneous(points: &[DVec3], weights: &[f64]) -> Vec<DVec4> {
+    let weight = |i: usize| weights.get(i).copied().unwrap_or(1.0);
+    points.iter().enumerate().map(|(i, p)| (*p * weight(i)).extend(weight(i))).collect()
+}
+
+/// Points and weights of homogeneous ones; the weights are 1 but for rounding if they `are_one`.
+fn parted(points: &[DVec4], are_one: bool) -> (Vec<DVec3>, Vec<f64>) {
+    let weight = |p: &DVec4| if are_one { 1.0 } else { p.w };
+    points.iter().map(|p| (p.truncate() / weight(p), weight(p))).unzip()
 }

@@ -29,7 +29,7 @@ mod surface;
 mod tests;
 
 pub use curve::{NearestOnCurve, NurbsCurve};
-pub use fit::{FitError, chord_parameters};
+pub use fit::{FitError, LineShape, chord_parameters};
 pub use function::BSpline;
 pub use knots::{KnotVector, MAX_DEGREE};
 pub use surface::NurbsSurface;

@@ -84,6 +84,52 @@ fn a_cubic_through_points_keeps_its_end_tangents_and_bends_continuously() {
     }
 }
 
+/// A quarter of a circle is the quotient of two polynomials: (1 - t^2, 2 t) / (1 + t^2).
+#[test]
+fn with_the_weights_of_a_circle_its_points_give_the_circle() {
+    let t = [0.0, 0.2, 0.45, 0.7, 1.0];
+    let points = t.map(|t: f64| DVec3::new((1.0 - t * t) / (1.0 + t * t), 2.0 * t / (1.0 + t * t), 0.0));
+    let shape = LineShape { weights: t.map(|t| 1.0 + t * t).to_vec(), ends: [None; 2] };
+    let circle = NurbsCurve::rational_at(&t, &points, &shape).unwrap();
+    let off = |curve: &NurbsCurve| {
+        (0..=100).map(|i| (curve.point(f64::from(i) / 100.0).length() - 1.0).abs()).fold(0.0, f64::max)
+    };
+    assert!(off(&circle) < 1e-12);
+    let equal = NurbsCurve::rational_at(&t, &points, &LineShape::default()).unwrap();
+    assert!(off(&equal) > 1e-4);
+    // Weights of one are none.
+    let ones = LineShape { weights: vec![1.0; 5], ends: [None; 2] };
+    let ones = NurbsCurve::rational_at(&t, &points, &ones).unwrap();
+    assert!((0..=50).all(|i| ones.point(f64::from(i) / 50.0).distance(equal.point(f64::from(i) / 50.0)) < 1e-14));
+    for weights in [vec![1.0; 4], vec![1.0, 1.0, 1e6, 1.0, 1.0]] {
+        assert!(NurbsCurve::rational(&points, &LineShape { weights, ends: [None; 2] }).is_err());
+    }
+}
+
+#[test]
+fn sections_are_skinned_with_their_weights_and_end_directions() {
+    let section = |z: f64| (0..7).map(|i| spiral(0.2 * f64::from(i)) + DVec3::Z * z).collect::<Vec<_>>();
+    let sections = [0.0, 4.0, 9.0, 15.0].map(section).to_vec();
+    let way = DVec3::new(0.3, 1.0, 0.1);
+    let shape = |k: usize| LineShape {
+        weights: (0..7).map(|i| 1.0 + 0.1 * ((i + k) % 3) as f64).collect(),
+        ends: [Some(way), (k > 1).then_some(-way)],
+    };
+    let shapes: Vec<LineShape> = (0..4).map(shape).collect();
+    let (surface, [u, v]) = NurbsSurface::skinned_as(&sections, &shapes).unwrap();
+    let (plain, _) = NurbsSurface::skinned(&sections).unwrap();
+    for (section, v) in sections.iter().zip(&v) {
+        for (p, u) in section.iter().zip(&u) {
+            assert!((surface.point(*u, *v) - *p).length() < 1e-10);
+        }
+        let [_, along, _] = surface.at(0.0, *v);
+        assert!(along.angle_between(way) < 1e-6);
+        assert!(plain.at(0.0, *v)[1].angle_between(way) > 0.01);
+        assert!(surface.point(0.5 * (u[2] + u[3]), *v).distance(plain.point(0.5 * (u[2] + u[3]), *v)) > 1e-6);
+    }
+    assert!(surface.at(1.0, v[3])[1].angle_between(-way) < 1e-6 && surface.at(1.0, v[0])[1].angle_between(-way) > 0.01);
+}
+
 #[test]
 fn a_cubic_polynomial_is_reproduced() {
     let cubic = |t: f64| DVec3::new(1.0 + t * t * t, 2.0 * t - 3.0 * t * t, 4.0 - t + 0.5 * t * t * t);

@@ -27,7 +27,10 @@ pub(super) const BLADES: Group = Group {
             .help("The mesh of the finished blisk, or sections of its blades that a blisk is made from."),
         Field::file("blisk.sections.file", "Sections")
             .when(MEASURED)
-            .help("Table of the measured sections in W: columns section, side, x, y, z or x, r, theta_deg."),
+            .help(
+                "Table of the measured sections in W: columns section, side, x, y, z or x, r, theta_deg; and, if wished, weight, \
+                 and tx, ty, tz, the direction at the first and the last point of a side.",
+            ),
         Field::integer("blisk.sections.ring.blades", "Blades", 3.0, 1000.0).when(MEASURED).help("Number of blades."),
         Field::numbers("blisk.sections.ring.faces_x_mm", "Faces", "mm", -1e4, 1e4)
             .count(2)
