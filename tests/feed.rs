@@ -43,7 +43,7 @@ use sparkpath::workspaces::blisk::job::plan::{prepare, run, run_feeds};
 use sparkpath::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use task::{Cancel, Task};
 use wheel::channel::Surface;
-use wheel::electrode::{ElectrodeError, ElectrodeParams, EnterSide, EntrySide, make_electrodes};
+use wheel::electrode::{ElectrodeError, ElectrodeParams, EnterSide, EntrySide, OwnMesh, make_electrodes};
 use wheel::find_channel::find_channel;
 use wheel::options::BliskOptions;
 use wheel::parametric::{ChannelSide, MeshResolution, ParametricBlisk};
@@ -62,7 +62,7 @@ fn easy_job() -> PlanJob {
 }
 
 fn easy_inputs(job: PlanJob) -> PlanInputs {
-    PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job }
+    PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrodes: Vec::new(), job }
 }
 
 /// The easy blisk, made ready once.
@@ -79,14 +79,14 @@ fn plan_easy(job: PlanJob) -> PlanOutcome {
 
 /// The feeds alone, where copying motions and residual stock do not matter.
 fn plan(blisk: Mesh, job: PlanJob) -> PlanOutcome {
-    let inputs = PlanInputs { blisk: blisk.into(), own_electrode: None, job };
+    let inputs = PlanInputs { blisk: blisk.into(), own_electrodes: Vec::new(), job };
     let task = Task::default();
     run_feeds(&prepare(&inputs, &task).unwrap(), &inputs, &task).unwrap()
 }
 
 /// The whole plan.
 fn whole_plan(blisk: Mesh, job: PlanJob) -> PlanOutcome {
-    let inputs = PlanInputs { blisk: blisk.into(), own_electrode: None, job };
+    let inputs = PlanInputs { blisk: blisk.into(), own_electrodes: Vec::new(), job };
     run(&inputs, &Task::default()).unwrap()
 }
 
@@ -415,7 +415,7 @@ fn a_side_for_which_no_electrode_can_be_made_is_noted_and_the_other_tried() {
     assert!(why.contains("no height is left"), "{why}");
     // Asked for that side alone, it is an error that says why.
     job.electrode.enter = EnterSide::MinusX;
-    let inputs = PlanInputs { blisk: mesh(&blisk).into(), own_electrode: None, job };
+    let inputs = PlanInputs { blisk: mesh(&blisk).into(), own_electrodes: Vec::new(), job };
     let error = run(&inputs, &Task::default()).unwrap_err();
     assert!(matches!(&error, PlanJobError::Electrode(_)) && why.contains(&error.to_string()), "{error}");
 }
@@ -483,6 +483,29 @@ fn two_parts_are_two_electrodes_that_share_their_overlap() {
     let [first, second] = [0, 1].map(|i| burning(&outcome.electrodes[i].electrode));
     // The burns share overlap_mm, each with its gap of 0.1 mm.
     assert!((first[1] - second[0] - 0.8).abs() < 1e-4, "{first:?} {second:?}");
+    own_electrodes_of_one_channel_are_planned_one_after_the_other(&outcome);
+}
+
+/// What was made is taken as meshes of one's own: the same two electrodes, each from its side.
+fn own_electrodes_of_one_channel_are_planned_one_after_the_other(made: &PlanOutcome) {
+    let mut job = easy_job();
+    let sides = [0, 1].map(|i| made.electrodes[i].electrode.enters_from);
+    job.electrode.mesh = Some("first.stl".into());
+    job.electrode.more = vec![OwnMesh { mesh: "second.stl".into(), enter: sides[1].into() }];
+    job.electrode.enter = sides[0].into();
+    let mut inputs = easy_inputs(job);
+    let in_mesh = |i: usize| made.electrodes[i].electrode.mesh.in_parent_of(&made.channel.frame).into();
+    inputs.own_electrodes = vec![in_mesh(0), in_mesh(1)];
+    let task = Task::default();
+    let outcome = run_feeds(ready(), &inputs, &task).unwrap();
+    assert_eq!((inputs.electrodes(), outcome.electrodes.len()), (2, 2));
+    assert!(outcome.is_verified());
+    for (i, (own, made)) in outcome.electrodes.iter().zip(&made.electrodes).enumerate() {
+        let (own, made) = (&own.electrode, &made.electrode);
+        assert_eq!((own.enters_from, own.part, own.parts), (sides[i], i, 2));
+        assert!((own.volume_mm3 / made.volume_mm3 - 1.0).abs() < 1e-6);
+        assert!((own.clearance_mm - made.clearance_mm).abs() < 1e-4);
+    }
 }
 
 #[test]
@@ -513,7 +536,7 @@ fn channel_walls_lie_on_the_generators_own_surfaces() {
 fn a_cancelled_plan_answers_nothing() {
     let cancel = Cancel::default();
     cancel.cancel();
-    let inputs = PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrode: None, job: easy_job() };
+    let inputs = PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrodes: Vec::new(), job: easy_job() };
     assert!(matches!(run(&inputs, &Task::silent(&cancel)), Err(PlanJobError::Cancelled(_))));
 }
 

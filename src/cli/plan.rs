@@ -50,16 +50,14 @@ pub(super) fn load(project: &ProjectArguments, session: &Session) -> anyhow::Res
         super::require_closed(mesh, report)?;
     }
     let mut files = vec![file];
-    let own = match &job.electrode.mesh {
-        Some(path) => {
-            // The user's electrode stands in the blisk's coordinates after conversion, as our own files do.
-            let own = session.import(path, Units::Mm)?;
-            files.push(input_file("electrode", path, &own));
-            Some(own.mesh.into())
-        }
-        None => None,
-    };
-    Ok((PlanInputs { blisk: blisk.into(), own_electrode: own, job }, files))
+    let mut own_electrodes = Vec::new();
+    for path in job.electrode.own_meshes() {
+        // The user's electrodes stand in the blisk's coordinates after conversion, as our own files do.
+        let own = session.import(path, Units::Mm)?;
+        files.push(input_file("electrode", path, &own));
+        own_electrodes.push(own.mesh.into());
+    }
+    Ok((PlanInputs { blisk: blisk.into(), own_electrodes, job }, files))
 }
 
 /// The whole journey on the built-in blisk.
@@ -77,7 +75,7 @@ pub(super) fn demo(settings: &Settings, out: &Path, session: &Session) -> anyhow
         unit_reason: "made by this program".to_owned(),
         ..Default::default()
     };
-    finish(PlanInputs { blisk: blisk.into(), own_electrode: None, job }, vec![file], out, session)
+    finish(PlanInputs { blisk: blisk.into(), own_electrodes: Vec::new(), job }, vec![file], out, session)
 }
 
 fn finish(inputs: PlanInputs, files: Vec<InputFile>, out: &Path, session: &Session) -> anyhow::Result<Answer> {

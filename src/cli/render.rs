@@ -212,7 +212,7 @@ fn project_picture(part: &Part, found: &FoundChannel, shown: &Shown, arguments: 
 /// Plans, and answers the electrode, where it stands at the node asked for, and the room it passes through if that is
 /// asked for.
 fn planned(arguments: &RenderArguments, part: &Part, job: PlanJob, session: &Session) -> anyhow::Result<Shown> {
-    let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job };
+    let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrodes: part.own_electrodes.clone(), job };
     let (prepared, inputs) = super::plan::ready(inputs, session)?;
     let outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), &session.task)?;
     let count = outcome.electrodes.len();

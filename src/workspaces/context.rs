@@ -101,6 +101,8 @@ pub type Endings = &'static [&'static [&'static str]];
 
 /// Ending of posts, machines and libraries.
 pub const TOML: &[&str] = &["toml"];
+/// Endings of tables.
+pub const CSV: &[&str] = &["csv"];
 /// Ending of projects.
 pub const PROJECT: &[&str] = &["sparkpath"];
 

@@ -172,8 +172,8 @@ fn an_electrode_in_w_is_that_of_the_mesh_seen_from_w() {
     job.electrode.mesh = Some(in_mesh.join("electrode_1.stl"));
     core.edit("Own electrode", job, false);
     desk.until_idle();
-    let own = desk.blisk().work.part().unwrap().own_electrode.clone().unwrap();
-    assert_eq!((own.triangles.len(), desk.state(Stage::Electrode)), (of_mesh.len(), State::Ready));
+    let own = &desk.blisk().work.part().unwrap().own_electrodes;
+    assert_eq!((own.len(), own[0].triangles.len(), desk.state(Stage::Electrode)), (1, of_mesh.len(), State::Ready));
 }
 
 #[test]

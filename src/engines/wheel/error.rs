@@ -2,6 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
+use super::by_hand::{ByHand, nearest};
 use super::channel::Agreement;
 use super::frame::axis::Axis;
 use super::frame::frame_along;
@@ -331,11 +332,20 @@ impl Refused {
     /// The refusal for `error`, which speaks of places in `frame` or of points of `options`.
     pub(super) fn new(error: BliskError, frame: &Frame, options: &BliskOptions) -> Self {
         let radius = options.radii().into_iter().find(|(_, radius)| radius.given().is_some());
-        let drawn = options.drawn().next();
-        let error = match (error, radius, drawn) {
-            (BliskError::LostWall { x, r }, Some((key, _)), _) => BliskError::GivenRadius { key, x, r },
-            (BliskError::LostWall { x, r }, None, Some(key)) => BliskError::DrawnOutside { key, x, r },
-            (error, ..) => error,
+        // Of two drawn curves the one that is nearer is to blame.
+        let drawn = |at: DVec2| {
+            let [hub, shroud] = ByHand::new(options, frame).curves;
+            let off = |curve: Option<Vec<DVec2>>| curve.map_or(f64::INFINITY, |curve| nearest(&curve, at).1);
+            let nearer = if off(shroud) < off(hub) { "shroud_points_mm" } else { "hub_points_mm" };
+            options.drawn().next().map(|first| options.drawn().find(|key| *key == nearer).unwrap_or(first))
+        };
+        let error = match (error, radius) {
+            (BliskError::LostWall { x, r }, Some((key, _))) => BliskError::GivenRadius { key, x, r },
+            (BliskError::LostWall { x, r }, None) => match drawn(DVec2::new(x, r)) {
+                Some(key) => BliskError::DrawnOutside { key, x, r },
+                None => BliskError::LostWall { x, r },
+            },
+            (error, _) => error,
         };
         Self { at: error.given_point(options).or_else(|| Some(frame.to_parent(error.place()?))), error }
     }

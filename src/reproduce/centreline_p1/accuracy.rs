@@ -29,8 +29,8 @@ const HEIGHTS: [f64; 7] = [0.06, 0.2, 0.32, 0.44, 0.57, 0.7, 0.94];
 const MEASURED: usize = 58;
 /// Deviation at the ends of the map's colours (mm).
 const MAP_END_MM: f64 = 0.06;
-const BY_HAND: &str =
-    "sparkpath inspect p1_blisk.stl --sections p1_sections.csv, with the table and the mesh of this folder.";
+const BY_HAND: &str = "sparkpath inspect p1_blisk.stl --sections p1_sections.csv, with the table and the mesh of this folder; \
+     one of its sections has an error put in on purpose, so that the answer is no.";
 
 /// An error put into measured sections.
 struct Case {

@@ -68,7 +68,7 @@ struct NodeFacts {
 
 impl Planned {
     pub(super) fn new(part: &Part, task: &Task) -> Result<Self, ReproduceError> {
-        let inputs = |axes| PlanInputs { blisk: part.mesh.clone(), own_electrode: None, job: job(axes) };
+        let inputs = |axes| PlanInputs { blisk: part.mesh.clone(), own_electrodes: Vec::new(), job: job(axes) };
         let prepared = prepare(&inputs(AxisSet::XYZAC), task).map_err(failed("Figure 7", task))?;
         let plan = |axes| {
             let inputs = inputs(axes);

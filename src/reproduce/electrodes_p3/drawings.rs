@@ -24,7 +24,7 @@ const DRAWINGS: [(&str, &str, &str, &str); 12] = [
         "Proof of theorem 1: molds without and with undercut faces",
         "A drawing. The theorem looks at one layer at a time, which is exact without undercut faces only; here each layer \
          is united with the shadow of what lies above it, so that undercut faces need not be left out.",
-        "sparkpath uncut MESH; src/engines/mold/invert.rs",
+        "sparkpath uncut MESH, with any mesh of this folder; src/engines/mold/invert.rs",
     ),
     (
         "Figure 9",

@@ -83,7 +83,7 @@ pub(super) fn outcomes() -> Vec<Outcome> {
         why: "The paper's curves have no dimensions; on ours the exact lengths are known, and what is found of each class \
               is compared with them."
             .to_owned(),
-        by_hand: "sparkpath uncut MESH --out DIR: column interference of uncut_segments.csv, table in uncut.html; \
+        by_hand: "sparkpath uncut MESH --out DIR, with any mesh of this folder: column interference of uncut_segments.csv, table in uncut.html; \
                   src/engines/mold/interference.rs"
             .to_owned(),
         tables: vec![Table::new(
@@ -149,7 +149,7 @@ fn around() -> Outcome {
         why: "The paper's curve has four interferential curves and five critical points, which leave four uncut segments; \
               dimensions are not given. Ours has four as well; their length is known from the critical points."
             .to_owned(),
-        by_hand: "sparkpath uncut MESH --out DIR: uncut_segments.csv".to_owned(),
+        by_hand: "sparkpath uncut MESH --out DIR, with any mesh of this folder: uncut_segments.csv".to_owned(),
         tables: vec![Table::new(
             "Uncut segments of the curve in the middle",
             &["", "#segments", "#length of each mm"],

@@ -447,7 +447,8 @@ fn predecessors(subject: &Subject) -> Outcome {
             "Thickness reduction and tangent centre lines",
             Verdict::NotComparable,
             why,
-            "sparkpath size DIR; sparkpath compare PROJECT --strategies centreline --out DIR",
+            "sparkpath size PROJECT --out DIR; sparkpath compare PROJECT --strategies centreline --out DIR, where PROJECT is the \
+             demonstration as the window saves it (File, Save as)",
         )
     }
 }

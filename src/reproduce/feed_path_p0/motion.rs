@@ -201,8 +201,8 @@ pub(super) fn smoothness(subject: &Subject, studio: &mut Studio, task: &Task) ->
             "Smoothness of the axes and way of the centroid",
             verdict,
             why(subject.genetic(), subject.free_travel()) + &studio.note(),
-            "sparkpath compare PROJECT --strategies genetic,free-travel,max-min-distance,global --out DIR writes the curves; \
-             in the window keep runs and set them side by side in the plots",
+            "sparkpath compare PROJECT --strategies genetic,free-travel,max-min-distance,global --out DIR writes the \
+             curves, where PROJECT is the demonstration as the window saves it (File, Save as); in the window keep runs and set them side by side in the plots",
         )
     })
 }

@@ -1,6 +1,6 @@
 //! The paths that the workspace asks for.
 
-use crate::workspaces::context::{PROJECT, PathInfo, PathKind, PathSet, TOML};
+use crate::workspaces::context::{CSV, PROJECT, PathInfo, PathKind, PathSet, TOML};
 use crate::workspaces::moved_files::FIND;
 use import::MESH_ENDINGS;
 
@@ -13,6 +13,8 @@ pub enum BliskPath {
     ExportFolder,
     /// An electrode mesh of one's own.
     ElectrodeMesh,
+    /// A table of measured sections.
+    Sections,
     /// An NC post of one's own.
     Post,
     /// A machine file of one's own.
@@ -24,7 +26,7 @@ pub enum BliskPath {
 impl PathSet for BliskPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use BliskPath as P;
-        static TABLE: [(P, PathInfo); 6] = [
+        static TABLE: [(P, PathInfo); 7] = [
             (
                 P::Open,
                 PathInfo::open(
@@ -34,6 +36,7 @@ impl PathSet for BliskPath {
             ),
             (P::ExportFolder, PathInfo::new("Folder for the exported files", PathKind::Folder)),
             (P::ElectrodeMesh, PathInfo::new("Your own electrode", PathKind::Read("Meshes", &[MESH_ENDINGS], false))),
+            (P::Sections, PathInfo::new("Measured sections", PathKind::Read("Tables", &[CSV], false))),
             (P::Post, PathInfo::new("Your own NC post", PathKind::Read("Post", &[TOML], false))),
             (P::Machine, PathInfo::new("Your own machine", PathKind::Read("Machine", &[TOML], false))),
             (P::MovedFile, FIND),

@@ -10,6 +10,7 @@ use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::desk::BliskDesk;
 use crate::workspaces::blisk::desk::picks::Picked;
 use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::machine_file::read_machine;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::document::{Document, demonstration, kept_plan};
@@ -55,6 +56,8 @@ pub struct BliskWorkspace {
     curves: Curves,
     tab: Tab,
     opening: Opening<Pending, PlanJob, Arc<Part>>,
+    /// The parameter that the mesh of an electrode of one's own is asked for.
+    own_mesh_key: String,
 }
 
 impl BliskWorkspace {
@@ -66,6 +69,7 @@ impl BliskWorkspace {
             curves: Curves::default(),
             tab: Tab::Positions,
             opening: Opening::new(scheduler),
+            own_mesh_key: String::new(),
         }
     }
 
@@ -209,6 +213,14 @@ impl BliskWorkspace {
         }
     }
 
+    /// Sets the file of the parameter under `key`, or shows why it cannot be set.
+    fn take_file(&mut self, label: &str, key: &str, path: &Path, cx: &mut Context) {
+        match FIELDS.set(self.desk.document.params(), key, &path.to_string_lossy()) {
+            Ok(job) => self.desk.edit(label, job, false),
+            Err(error) => cx.error("The file cannot be set", error.to_string()),
+        }
+    }
+
     /// Sets the machine of the file `path`, or shows why the file is no machine.
     pub fn take_machine(&mut self, path: &Path, cx: &mut Context) {
         let name = path.to_string_lossy().into_owned();
@@ -310,7 +322,11 @@ impl Workspace for BliskWorkspace {
             .show(ui, |ui| stepper::show(ui, desk, cx))
             .inner;
         match request {
-            Some(FormRequest::ElectrodeMesh) => cx.ask(BliskPath::ElectrodeMesh, ""),
+            Some(FormRequest::Sections) => cx.ask(BliskPath::Sections, ""),
+            Some(FormRequest::ElectrodeMesh(key)) => {
+                self.own_mesh_key = key;
+                cx.ask(BliskPath::ElectrodeMesh, "");
+            }
             Some(FormRequest::Post) => cx.ask(BliskPath::Post, ""),
             Some(FormRequest::Machine) => cx.ask(BliskPath::Machine, ""),
             None => {}
@@ -415,10 +431,10 @@ impl Workspace for BliskWorkspace {
             Some(BliskPath::Open) => self.opening.go_on(Pending::Open(path), cx),
             Some(BliskPath::ExportFolder) => self.export(&path, cx),
             Some(BliskPath::ElectrodeMesh) => {
-                let mut job = self.desk.document.params().clone();
-                job.electrode.mesh = Some(path);
-                self.desk.edit("Own electrode", job, false);
+                let key = std::mem::take(&mut self.own_mesh_key);
+                self.take_file("Own electrode", &key, &path, cx);
             }
+            Some(BliskPath::Sections) => self.take_file("Sections", "blisk.sections.file", &path, cx),
             Some(BliskPath::Post) => self.take_post(&path, cx),
             Some(BliskPath::Machine) => self.take_machine(&path, cx),
             Some(BliskPath::MovedFile) => {

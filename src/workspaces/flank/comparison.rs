@@ -147,9 +147,16 @@ type Line = (&'static str, &'static str, fn(&Figures) -> f64);
 pub const SERIES: [Line; 3] =
     [("mean", "c0", |f| f.mean_mm), ("undercut", "c1", |f| f.undercut_mm), ("overcut", "faint", |f| f.overcut_mm)];
 
-/// A figure (um) of each plan that has a path over a quantity, in order.
+/// A figure (um) of each plan that has a path over a quantity, in order: of those that differ from the last in nothing else.
 pub fn points(of: Quantity, rows: &[Row], figure: fn(&Figures) -> f64) -> Vec<[f64; 2]> {
-    let known = rows.iter().filter_map(|row| Some([of.of(&row.variant), 1e3 * figure(row.figures.as_ref().ok()?)]));
+    let rest = |row: &Row| {
+        let mut rest = row.variant.clone();
+        of.set(&mut rest, of.range()[0]);
+        rest.cutter.name.clear();
+        rest
+    };
+    let alike = rows.iter().filter(|row| rows.last().is_some_and(|last| rest(last) == rest(row)));
+    let known = alike.filter_map(|row| Some([of.of(&row.variant), 1e3 * figure(row.figures.as_ref().ok()?)]));
     let mut points: Vec<[f64; 2]> = known.collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
     points
@@ -295,6 +302,9 @@ mod tests {
         };
         let rows = [of(3.0, Ok(figures.clone())), of(2.0, Err("too \"wide\"".to_owned())), of(1.0, Ok(figures))];
         assert_eq!(points(Quantity::Radius, &rows, |f| f.undercut_mm), [[1.0, 20.0], [3.0, 20.0]]);
+        let mut mixed = rows.to_vec();
+        Quantity::Taper.set(&mut mixed[0].variant, 4.0);
+        assert_eq!(points(Quantity::Radius, &mixed, |f| f.undercut_mm), [[1.0, 20.0]], "another cone is another curve");
         let table = csv(&rows);
         let lines: Vec<&str> = table.lines().collect();
         assert_eq!(lines[1], "3,0,10,0.002,0.5,0.01,0.02,");

@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 
 pub use make::{Junctions, make_electrode, make_electrodes};
 pub use own::from_user_mesh;
-pub use params::{ElectrodeParams, EnterSide, PartParams, Sizing};
+pub use params::{ElectrodeParams, EnterSide, OwnMesh, PartParams, Sizing};
 
 use crate::channel::{Channel, Flow, OPENS, ways_out};
 use geometry::exact::ExactMeshError;

@@ -1,6 +1,6 @@
 //! Parameters of an electrode.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use files::Invalid;
 use serde::{Deserialize, Serialize};
@@ -43,6 +43,8 @@ pub struct ElectrodeParams {
     pub size: Sizing,
     /// An electrode of one's own, in its final pose in the frame of the blisk's mesh, instead of a derived one.
     pub mesh: Option<PathBuf>,
+    /// More electrodes of one's own for the same channel, in the order in which they burn (`[[electrode.more]]`).
+    pub more: Vec<OwnMesh>,
     /// Distance by which the burning part reaches past the tips of the blades' edges, at most to where the passage
     /// ends (mm).
     pub overrun_mm: f64,
@@ -72,6 +74,7 @@ impl Default for ElectrodeParams {
             enter: EnterSide::Auto,
             size: Sizing::Given,
             mesh: None,
+            more: Vec::new(),
             overrun_mm: 0.5,
             shank_inset_mm: 0.3,
             channel_shank_inset_mm: 0.5,
@@ -79,6 +82,16 @@ impl Default for ElectrodeParams {
             holder_mm: [16.0, 20.0, 24.0],
         }
     }
+}
+
+/// A further electrode of one's own.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct OwnMesh {
+    /// Its mesh, in its final pose in the frame of the blisk's mesh.
+    pub mesh: PathBuf,
+    /// Its side of entry.
+    pub enter: EnterSide,
 }
 
 /// What one part of a channel has of its own; what is left out is as for all parts.
@@ -233,8 +246,32 @@ impl ElectrodeParams {
         ]
         .into_iter()
         .try_for_each(|(key, value, range, unit)| Invalid::unless_within(key, value, range, unit))
+        .and_then(|()| self.validate_own())
         .and_then(|()| self.validate_parts())
         .map_err(|problem| problem.within("electrode"))
+    }
+
+    fn validate_own(&self) -> Result<(), Invalid> {
+        const MOST: usize = 19;
+        let rows = || format!("a list of {} rows", self.more.len());
+        if let Some(i) = self.more.iter().position(|own| own.mesh.as_os_str().is_empty()) {
+            return Err(Invalid::new(
+                format!("more[{i}].mesh"),
+                "empty",
+                "name the mesh of the electrode, or remove the row",
+            ));
+        }
+        if self.mesh.is_none() && !self.more.is_empty() {
+            return Err(Invalid::new(
+                "more",
+                rows(),
+                "electrode.mesh names the first one: give it, or remove the rows",
+            ));
+        }
+        if self.more.len() > MOST {
+            return Err(Invalid::new("more", rows(), format!("at most {MOST} rows")));
+        }
+        Ok(())
     }
 
     fn validate_parts(&self) -> Result<(), Invalid> {
@@ -257,14 +294,24 @@ impl ElectrodeParams {
         }
     }
 
+    /// The meshes of electrodes of one's own, in the order in which they burn.
+    pub fn own_meshes(&self) -> impl Iterator<Item = &Path> {
+        let more = self.more.iter().map(|own| own.mesh.as_path()).filter(|_| self.mesh.is_some());
+        self.mesh.as_deref().into_iter().chain(more)
+    }
+
     /// Number of electrodes that the channel is divided between.
     pub fn count(&self) -> usize {
-        self.parts * self.columns
+        if self.mesh.is_some() { 1 + self.more.len() } else { self.parts * self.columns }
     }
 
     /// The parameters that hold for part `part` along the passage: of its own row only the division is left.
     #[must_use]
     pub fn of_part(&self, part: usize) -> Self {
+        if self.mesh.is_some() {
+            let own = part.checked_sub(1).and_then(|i| self.more.get(i)).map_or(EnterSide::Auto, |own| own.enter);
+            return Self { enter: if own == EnterSide::Auto { self.enter } else { own }, ..self.clone() };
+        }
         let own = self.part.get(part).copied().unwrap_or_default();
         let [low, high] = self.circumferential_reduction_deg;
         let divided =
@@ -281,8 +328,12 @@ impl ElectrodeParams {
         }
     }
 
-    /// Part and column of electrode number `number`, counted along the passage, the columns of one part low to high.
+    /// Part and column of electrode number `number`, counted along the passage, the columns of one part low to high;
+    /// electrodes of one's own are parts.
     pub fn place_of(&self, number: usize) -> (usize, Option<Column>) {
+        if self.mesh.is_some() {
+            return (number, None);
+        }
         let column = if number.is_multiple_of(self.columns) { Column::Low } else { Column::High };
         (number / self.columns, (self.columns > 1).then_some(column))
     }
@@ -310,7 +361,9 @@ impl ElectrodeParams {
 
     /// Sets the side of entry of part `part` along the passage: where there are several, of this one alone.
     pub fn enter_from(&mut self, part: usize, side: EnterSide) {
-        if self.parts == 1 {
+        if let Some(own) = part.checked_sub(1).and_then(|i| self.more.get_mut(i)).filter(|_| self.mesh.is_some()) {
+            own.enter = side;
+        } else if self.parts == 1 || self.mesh.is_some() {
             self.enter = side;
             self.part.iter_mut().for_each(|row| row.enter = EnterSide::Auto);
         } else {

@@ -416,6 +416,33 @@ fn electrodes_of_passages_in_any_direction_keep_the_gap_and_fill_them() {
 }
 
 #[test]
+fn electrodes_of_ones_own_are_as_many_as_their_meshes_each_from_its_side() {
+    let more = [("b.stl", EnterSide::PlusX), ("c.stl", EnterSide::Auto)];
+    let more = more.map(|(mesh, enter)| OwnMesh { mesh: mesh.into(), enter }).to_vec();
+    let mut own = ElectrodeParams {
+        mesh: Some("a.stl".into()),
+        more,
+        enter: EnterSide::MinusX,
+        parts: 1,
+        columns: 2,
+        ..ElectrodeParams::default()
+    };
+    own.validate().unwrap();
+    assert_eq!((own.count(), own.own_meshes().count()), (3, 3));
+    assert_eq!([0, 1, 2].map(|number| own.place_of(number)), [(0, None), (1, None), (2, None)]);
+    let sides = |own: &ElectrodeParams| [0, 1, 2].map(|part| own.of_part(part).enter);
+    assert_eq!(sides(&own), [EnterSide::MinusX, EnterSide::PlusX, EnterSide::MinusX]);
+    own.enter_from(2, EnterSide::Outward);
+    assert_eq!(sides(&own), [EnterSide::MinusX, EnterSide::PlusX, EnterSide::Outward]);
+    own.more[0].mesh = "".into();
+    assert!(own.validate().unwrap_err().to_string().contains("more[0].mesh"));
+    own.more[0].mesh = "b.stl".into();
+    own.mesh = None;
+    assert!(own.validate().unwrap_err().to_string().contains("electrode.mesh names the first one"));
+    assert_eq!((own.count(), own.own_meshes().count()), (2, 0), "without the first they are none");
+}
+
+#[test]
 fn faces_of_an_own_mesh_are_told_as_they_were_made_in_any_direction_of_the_passage() {
     use ElectrodeFace::{HighWall, HubSide, LowWall, ShroudSide};
     let radial = (ParametricWheel::nozzle_ring(), EntrySide::Outward);

@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use super::super::by_hand::nearest;
 use super::tests::{find, found};
 use super::*;
+use crate::channel::Station;
 use crate::fixtures::TestBlisk;
 use crate::options::{Auto, AxisChoice, AxisLine, EndWalls};
 use crate::parametric::wheel::{Flaws, MeridianCurve, ParametricWheel};
@@ -289,7 +290,7 @@ fn above_where_blades_grow_together_a_drawn_curve_bounds_the_passage() {
         let hub_points_mm = shares.map(|along| on_blade(&part, 3, along, HEIGHT)).to_vec();
         let measured = BliskOptions { hub_points_mm, ..BliskOptions::default() };
         assert!(find(&mesh, &measured).is_err(), "no hub lies there");
-        let channel = find(&mesh, &BliskOptions { end_walls: EndWalls::Drawn, ..measured }).unwrap();
+        let channel = find(&mesh, &BliskOptions { end_walls: EndWalls::Drawn, ..measured.clone() }).unwrap();
         assert_eq!((channel.blades, channel.flow, channel.shrouded), (16, Flow::Mixed, shrouded));
         let [first, last] = channel.span_along();
         let drawn: Vec<DVec2> = (0..=800).map(|i| part.place(f64::from(i) / 800.0, HEIGHT)).collect();
@@ -299,6 +300,15 @@ fn above_where_blades_grow_together_a_drawn_curve_bounds_the_passage() {
             assert!(off < 0.2, "{off} mm off at {}", station.along);
         }
         assert!(channel.assumed.iter().any(|a| a.contains("Drawn curves")), "{:?}", channel.assumed);
+        // Between two drawn curves nothing ends the passage but its own height.
+        let BliskOptions { hub_points_mm, .. } = measured;
+        let shroud_points_mm = shares.map(|along| on_blade(&part, 3, along, 0.9)).to_vec();
+        let both = BliskOptions { hub_points_mm, shroud_points_mm, end_walls: EndWalls::Drawn, ..Default::default() };
+        let channel = find(&mesh, &both).unwrap();
+        let [first, last] = channel.span_along();
+        let height = channel.meridian.iter().map(Station::height).fold(0.0, f64::max);
+        let ends = [channel.meridian[0].along, channel.meridian[channel.meridian.len() - 1].along];
+        assert!(ends[0] > first - 2.0 * height && ends[1] < last + 2.0 * height, "{ends:?} of {first} to {last}");
     }
     // Into the part none may be drawn.
     let part = axial();

@@ -106,8 +106,9 @@ impl Tracer<'_> {
             [.., before, last] => onwards(before, last, known),
             _ => return Ok(stations),
         };
-        // Beside the tips nothing bounds the passage, which is as long as it is high there.
-        let most = if known.shrouded {
+        // Beside the tips, and between two drawn curves, nothing ends the passage, which is as long as it is high there.
+        let [hub, shroud] = [Surface::Hub, Surface::Shroud].map(|surface| self.is_drawn(surface));
+        let most = if known.shrouded && !(hub && shroud) {
             MOST_BESIDE
         } else {
             (here.height() / step[0].length().max(1e-3 * here.height())) as usize

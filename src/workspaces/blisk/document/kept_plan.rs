@@ -180,8 +180,10 @@ impl KeptPlan {
     pub fn check(&self, job: &PlanJob) -> Result<(), KeptPlanError> {
         let require = |holds: bool, what| if holds { Ok(()) } else { Err(KeptPlanError { what }) };
         let own = job.electrode.mesh.is_some();
-        let parts = if own { 1 } else { job.electrode.count() };
-        require(self.electrodes.len() == parts, "it has another number of electrodes than the project")?;
+        require(
+            self.electrodes.len() == job.electrode.count(),
+            "it has another number of electrodes than the project",
+        )?;
         let h_max = match job.genetic.h {
             ReductionMode::Variable if !own => job.genetic.h_max_deg.to_radians() + ROUNDING,
             _ => 0.0,
@@ -207,6 +209,7 @@ impl KeptPlan {
         for mesh in [&mut blisk.mesh, &mut electrode.mesh] {
             *mesh = mesh.take().map(|_| "mesh".into());
         }
+        electrode.more.iter_mut().for_each(|own| own.mesh = "mesh".into());
         if let BladesFrom::Measured(blades) = &mut blisk.sections {
             blades.file = "sections".into();
         }

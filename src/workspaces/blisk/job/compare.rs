@@ -96,8 +96,8 @@ pub fn kept_run(
     if kept.plan.inputs != KeptPlan::inputs_of(&kept.job, &part.content()) || blisk(&kept.job) != blisk(now) {
         return Err(PlanJobError::Job("it is of another part or channel than the present one".to_owned()));
     }
-    let (blisk, own_electrode) = (part.mesh.clone(), part.own_electrode.clone());
-    let inputs = PlanInputs { blisk, own_electrode, job: kept.job.clone() };
+    let (blisk, own_electrodes) = (part.mesh.clone(), part.own_electrodes.clone());
+    let inputs = PlanInputs { blisk, own_electrodes, job: kept.job.clone() };
     super::plan::replay(&inputs, &found.channel, &found.blisk, &found.exact, &kept.plan, task)
 }
 

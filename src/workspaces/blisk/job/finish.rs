@@ -81,10 +81,8 @@ impl<'a> Around<'a> {
     fn of(outcome: &'a PlanOutcome, inputs: &'a PlanInputs, blisk: &'a Mesh) -> Result<Self, PlanJobError> {
         let channel = &outcome.channel;
         let finder = SurfaceFinder::new(channel.clone())?;
-        let junctions = match inputs.own_electrode {
-            Some(_) => Junctions::default(),
-            None => Junctions::of(channel, &inputs.job.electrode)?,
-        };
+        let is_own = !inputs.own_electrodes.is_empty();
+        let junctions = if is_own { Junctions::default() } else { Junctions::of(channel, &inputs.job.electrode)? };
         Ok(Self { job: &inputs.job, blisk, channel, finder, junctions })
     }
 

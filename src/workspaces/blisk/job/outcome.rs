@@ -27,8 +27,8 @@ use wheel::surface_finder::SurfaceFinder;
 pub struct PlanInputs {
     /// The blisk as loaded (mm).
     pub blisk: Arc<Mesh>,
-    /// The user's own electrode in its final pose, in the blisk's coordinates (mm), if there is one.
-    pub own_electrode: Option<Arc<Mesh>>,
+    /// The user's own electrodes in their final poses, in the blisk's coordinates (mm), in the order of `job`.
+    pub own_electrodes: Vec<Arc<Mesh>>,
     /// All parameters.
     pub job: PlanJob,
 }
@@ -36,7 +36,7 @@ pub struct PlanInputs {
 impl PlanInputs {
     /// Number of electrodes that are planned.
     pub fn electrodes(&self) -> usize {
-        if self.own_electrode.is_some() { 1 } else { self.job.electrode.count() }
+        if self.own_electrodes.is_empty() { self.job.electrode.count() } else { self.own_electrodes.len() }
     }
 }
 

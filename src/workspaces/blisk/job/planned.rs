@@ -50,7 +50,7 @@ pub struct Planned {
 
 /// The inputs of a plan of `job` on `part`.
 pub fn inputs_of(part: &Part, job: &PlanJob) -> PlanInputs {
-    PlanInputs { blisk: part.mesh.clone(), own_electrode: part.own_electrode.clone(), job: job.clone() }
+    PlanInputs { blisk: part.mesh.clone(), own_electrodes: part.own_electrodes.clone(), job: job.clone() }
 }
 
 impl Planned {

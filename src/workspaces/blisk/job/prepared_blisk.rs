@@ -87,7 +87,7 @@ impl PreparedBlisk {
         let mut drawn_in = [0.0; 2];
         let (along, _) = inputs.job.electrode.place_of(part);
         full.job.electrode = inputs.job.electrode.of_part(along);
-        if inputs.own_electrode.is_none() {
+        if inputs.own_electrodes.is_empty() {
             std::mem::swap(&mut full.job.electrode.circumferential_reduction_deg, &mut drawn_in);
         }
         let turns = |of: &PreparedElectrode| Turns(own_turns(of.electrode().column, drawn_in.map(f64::to_radians)));
@@ -127,9 +127,11 @@ pub(super) fn electrode_of(
     task: &Task,
 ) -> Result<Electrode, ElectrodeError> {
     let params = &inputs.job.electrode;
-    let mut electrode = match &inputs.own_electrode {
+    let mut electrode = match inputs.own_electrodes.get(part) {
         Some(own) => {
-            from_user_mesh(own.in_frame(&channel.frame), channel, exact, params.spark_gap_mm, side, &task.cancel)?
+            let own = own.in_frame(&channel.frame);
+            let made = from_user_mesh(own, channel, exact, params.spark_gap_mm, side, &task.cancel)?;
+            Electrode { part, parts: inputs.electrodes(), ..made }
         }
         None => {
             let mut params = params.of_part(params.place_of(part).0);

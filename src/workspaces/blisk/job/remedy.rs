@@ -34,7 +34,7 @@ pub(super) fn look_for_changes(
     let mut by_walls = false;
     for more in [opening.both.map(|h| [h, h]), opening.low.map(|h| [h, 0.0]), opening.high.map(|h| [0.0, h])] {
         // Where both walls help by the same angle, that is enough to know.
-        let Some(more) = more.filter(|_| !by_walls && inputs.own_electrode.is_none()) else { continue };
+        let Some(more) = more.filter(|_| !by_walls && inputs.own_electrodes.is_empty()) else { continue };
         let (change, opens) = remedies.walls(inputs, number, more)?;
         by_walls |= opens;
         if opens { &mut opening.changes } else { &mut opening.in_vain }.push(change);
@@ -119,7 +119,7 @@ impl Remedies<'_> {
                 changes.push((Change::Side(side), vec![(with(&|row| row.enter = side.into()), number)]));
             }
         }
-        if is_by_walls || inputs.own_electrode.is_some() {
+        if is_by_walls || !inputs.own_electrodes.is_empty() {
             return changes;
         }
         let has_now = inputs.job.electrode.of_part(part).radial_reduction_mm;

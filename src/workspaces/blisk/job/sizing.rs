@@ -123,7 +123,7 @@ pub fn size(
     found: &(dyn Fn(&SizeRow) + Sync),
     task: &Task,
 ) -> Result<Vec<SizeRow>, PlanJobError> {
-    if inputs.own_electrode.is_some() {
+    if !inputs.own_electrodes.is_empty() {
         return Err(PlanJobError::Job(
             "an electrode mesh of your own has the size it has; remove it to size".to_owned(),
         ));

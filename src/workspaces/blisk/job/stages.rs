@@ -37,8 +37,8 @@ pub struct Part {
     pub shape: Arc<RenderMesh>,
     /// What the import found; none for the built-in blisk.
     pub report: Option<ImportReport>,
-    /// The user's own electrode in the blisk's coordinates (mm), if there is one.
-    pub own_electrode: Option<Arc<Mesh>>,
+    /// The user's own electrodes in the blisk's coordinates (mm), if there are any.
+    pub own_electrodes: Vec<Arc<Mesh>>,
     /// The files for the report, the blisk's first.
     pub files: Vec<InputFile>,
 }
@@ -97,24 +97,22 @@ impl Electrodes {
     }
 }
 
-/// Loads the blisk and, if the job has one, the user's own electrode. Reads files.
+/// Loads the blisk and, if the job has any, the user's own electrodes. Reads files.
 ///
 /// # Errors
 /// One line naming file, place and remedy.
 pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
     let Some(BliskMesh { mesh, file, report }) = read_blisk(job, task)? else { return Ok(demonstration()) };
     let mut files = vec![file];
-    let own_electrode = match &job.electrode.mesh {
-        None => None,
-        Some(path) => {
-            let own = import(path, Units::Mm, task)?;
-            files.push(input_file("electrode", path, &own));
-            Some(Arc::new(own.mesh))
-        }
-    };
+    let mut own_electrodes = Vec::new();
+    for path in job.electrode.own_meshes() {
+        let own = import(path, Units::Mm, task)?;
+        files.push(input_file("electrode", path, &own));
+        own_electrodes.push(Arc::new(own.mesh));
+    }
     let shape = Arc::new(RenderMesh::new(&mesh));
     task.check().map_err(|e| e.to_string())?;
-    Ok(Part { name: job.part(), mesh: Arc::new(mesh), shape, report, own_electrode, files })
+    Ok(Part { name: job.part(), mesh: Arc::new(mesh), shape, report, own_electrodes, files })
 }
 
 /// The blisk of a job.
@@ -177,7 +175,7 @@ fn demonstration() -> Part {
     };
     let name = "Demonstration blisk".to_owned();
     let shape = Arc::new(RenderMesh::new(&mesh));
-    Part { name, mesh: Arc::new(mesh), shape, report: None, own_electrode: None, files: vec![file] }
+    Part { name, mesh: Arc::new(mesh), shape, report: None, own_electrodes: Vec::new(), files: vec![file] }
 }
 
 fn import(path: &Path, units: Units, task: &Task) -> Result<Imported, String> {

@@ -11,10 +11,12 @@ use crate::workspaces::context::Context;
 use files::{Params as _, Word, get};
 
 /// Request of a form to the workspace.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Request {
-    /// An electrode mesh of one's own.
-    ElectrodeMesh,
+    /// A table of measured sections.
+    Sections,
+    /// An electrode mesh of one's own, for the parameter under this key.
+    ElectrodeMesh(String),
     /// An NC post of one's own.
     Post,
     /// A machine file of one's own.
@@ -40,7 +42,8 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) -
     answer.wanted.map(|key| match key.as_str() {
         "machine.name" => Request::Machine,
         "export.post" => Request::Post,
-        _ => Request::ElectrodeMesh,
+        "blisk.sections.file" => Request::Sections,
+        _ => Request::ElectrodeMesh(key),
     })
 }
 

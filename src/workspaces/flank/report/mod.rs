@@ -55,7 +55,6 @@ pub struct FlankReport {
     /// Clearances of the path that is milled.
     pub clearances: Vec<ClearanceEntry>,
     /// Plans beside this one: with other cutters, or at steps of a quantity.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub compared: Vec<Row>,
     /// Positions of the path on the machine; none without a machine.
     pub machine: Option<MachineEntry>,

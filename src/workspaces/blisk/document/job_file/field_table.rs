@@ -33,6 +33,12 @@ const PART: &[Field] = &[
         .help("The part's own radial reduction."),
 ];
 
+/// Columns of the table of further electrodes of one's own.
+const OWN: &[Field] = &[
+    Field::file("mesh", "Mesh").help("Its mesh, in its final pose in the coordinates of the blisk's mesh (mm)."),
+    Field::choice("enter", "Enter from", SIDES).help("Its own side of entry; automatic: that of all."),
+];
+
 /// What the thresholds of single sides mean.
 const SIDE: &str = "Least distance wanted of this side of the electrode, as far as 0.05 mm for each mm withdrawn from the \
     final pose; 0: spark gap and margin alone.";
@@ -240,10 +246,16 @@ const GROUPS: &[Group] = &[
         section: "Electrode",
         name: "Own electrode",
         is_folded: true,
-        fields: &[Field::file("electrode.mesh", "Mesh").help(
-            "An electrode of your own instead of a derived one, in its final pose in the coordinates of \
-             the blisk's mesh (mm).",
-        )],
+        fields: &[
+            Field::file("electrode.mesh", "Mesh").help(
+                "An electrode of your own instead of a derived one, in its final pose in the coordinates of \
+                 the blisk's mesh (mm).",
+            ),
+            Field::rows("electrode.more", "Further", OWN, "{ mesh = \"\" }").help(
+                "More electrodes of your own for the same channel, in the order in which they burn, as those of the \
+                 front and the back, or of the left and the right of it.",
+            ),
+        ],
     },
     Group {
         section: "Plan",

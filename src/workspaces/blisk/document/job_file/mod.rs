@@ -344,7 +344,8 @@ impl Params for PlanJob {
     }
 
     fn change_paths(&mut self, change: &mut dyn FnMut(&Path) -> PathBuf) {
-        for mesh in [&mut self.blisk.mesh, &mut self.electrode.mesh].into_iter().flatten() {
+        let more = self.electrode.more.iter_mut().map(|own| &mut own.mesh).filter(|mesh| !mesh.as_os_str().is_empty());
+        for mesh in [&mut self.blisk.mesh, &mut self.electrode.mesh].into_iter().flatten().chain(more) {
             *mesh = change(mesh);
         }
         if let BladesFrom::Measured(blades) = &mut self.blisk.sections
@@ -362,7 +363,7 @@ impl Params for PlanJob {
 
     /// Meshes and sections are needed; a machine or a post can be chosen later.
     fn needs(&self, path: &Path) -> bool {
-        self.blisk.file().into_iter().chain(self.electrode.mesh.as_deref()).any(|file| file == path)
+        self.blisk.file().into_iter().chain(self.electrode.own_meshes()).any(|file| file == path)
     }
 
     /// Axes, travels and speeds of the machine that is named, but for those that are given. What its file does not say
