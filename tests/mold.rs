@@ -6,6 +6,7 @@
 mod random;
 
 use geometry::mesh::Mesh;
+use geometry::solid::difference;
 use glam::{DMat3, DVec2, DVec3};
 use import::{ImportOptions, import_file};
 use mold::cutter::{Cutter, CutterLibrary};
@@ -184,6 +185,33 @@ fn has_electrodes(name: &str, step: Option<f64>, [regions, most]: [usize; 2], ga
         assert!(thickest <= (3f64.sqrt() - 1.0) * gap + 0.02, "{name}, gap {gap}: {thickest}");
         assert!(gap > 0.0 || volume < 1e-3 * residue, "{name}: {volume} of {residue}");
     }
+}
+
+/// Three blocks that stand on a pocketed base, and share faces and edges with it and with each other: the corner between two
+/// of them has an electrode as if they were one solid.
+#[test]
+fn corners_between_touching_solids_are_burned() {
+    let block = |low: [f64; 3], high: [f64; 3]| {
+        let (low, high) = (DVec3::from(low), DVec3::from(high));
+        Mesh::cuboid(high - low).mapped(|p| p + low)
+    };
+    let pocket = block([5.0, 5.0, 6.0], [20.0, 20.0, 11.0]);
+    let base = difference(&block([0.0; 3], [50.0, 40.0, 10.0]), &pocket).unwrap();
+    let blocks = [
+        block([22.0, 2.0, 10.0], [24.0, 38.0, 16.0]),
+        block([24.0, 10.0, 10.0], [40.0, 12.0, 16.0]),
+        block([24.0, 12.0, 10.0], [26.0, 30.0, 18.0]),
+    ];
+    let mesh = blocks.into_iter().fold(base, |mut all, block| {
+        let first = all.vertices.len() as u32;
+        all.vertices.extend(block.vertices);
+        all.triangles.extend(block.triangles.iter().map(|t| t.map(|v| v + first)));
+        all
+    });
+    let left = left(&mesh, "flat:1,flat:2,flat:5,ball:1,ball:3", None);
+    let set = designed(&mesh, &left, 0.05);
+    assert_eq!(left.regions.len(), 7);
+    assert!(set.holds() && set.without_electrode().is_empty(), "{:?}", set.checks);
 }
 
 #[test]

@@ -32,6 +32,8 @@ const CELLS: f64 = 6.0;
 const FINE_CELLS: f64 = 24.0;
 /// How far a point of the cap may be off (mm).
 const ON_CAP: f64 = 1e-7;
+/// Smaller holes of a footprint are none (mm^2).
+const LEAST_HOLE: f64 = 5e-3;
 /// Upwards part of a normal below which a face is a wall.
 const WALL: f64 = 0.2;
 
@@ -49,7 +51,7 @@ pub enum TipError {
     NoSurface,
     /// A body that encloses nothing.
     #[error(
-        "the head does not close where the mold bounds it: {0}; change the margin of the heads, or divide the region"
+        "the head does not close where the mold bounds it; change the margin of the heads or the gap, or divide the region"
     )]
     Solid(SolidError),
     /// Told to stop.
@@ -296,7 +298,10 @@ pub fn footprint(
 pub fn tip(burned: &Burned, footprint: &Footprint) -> Result<Mesh, TipError> {
     let mut tip = Mesh::default();
     for shape in plane::union(&footprint.outlines, &[]) {
-        let rings: Vec<&[DVec2]> = shape.iter().map(Outline::points).collect();
+        // Where faces of touching solids cross, slivers of holes touch the outline beside them; they are trimmed anyway.
+        let (outer, holes) = shape.split_at(1);
+        let holes = holes.iter().filter(|hole| hole.area().abs() > LEAST_HOLE);
+        let rings: Vec<&[DVec2]> = outer.iter().chain(holes).map(Outline::points).collect();
         let prism = solid::prism(&rings, footprint.low, footprint.cap)?;
         tip = joined(tip, burned.trimmer.trim(&prism)?);
     }
