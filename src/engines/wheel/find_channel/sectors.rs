@@ -67,6 +67,8 @@ fn half_a_wheel_and_one_pitch_of_it_are_the_wheel() {
         let again = channel.wheel_in_w(&cut).volume();
         assert!((again / wheel.volume() - 1.0).abs() < 1e-3, "{again} of {}", wheel.volume());
         assert!(channel.assumed[0].contains("wheel of 20 blades"), "{:?}", channel.assumed);
+        // One blade alone tells no pitch.
+        assert_eq!(channel.assumed[0].contains("holds no two blades"), angle == pitch, "{:?}", channel.assumed);
         if angle > pitch {
             continue;
         }

@@ -52,6 +52,8 @@ pub(super) struct Whole {
     pub middle: DVec3,
     /// Whole pitches that the sector holds.
     pub pitches_held: usize,
+    /// Whether it holds no two blades, so that its angle was taken for their pitch.
+    is_one_pitch: bool,
     /// Angle between the cuts (rad).
     angle: f64,
     /// How far points were moved to join the copies (mm).
@@ -61,10 +63,13 @@ pub(super) struct Whole {
 impl Whole {
     /// The assumption made, in sentences for the user, of a wheel that turned out to have so many blades.
     pub fn assumed(&self, blades: usize) -> String {
+        let cuts = if (self.angle - PI).abs() < SAME { "Its cut holds" } else { "Its cuts meet in" };
+        let unsure = " It holds no two blades: its angle was taken for one pitch, which blisk.blades corrects.";
+        let unsure = if self.is_one_pitch { unsure } else { "" };
         format!(
-            "The mesh is a sector of {:.3} deg. Its cuts meet in the axis {}; {} of its pitches were turned about it \
+            "The mesh is a sector of {:.3} deg. {cuts} the axis {}; {} of its pitches were turned about it \
              into the {} sectors of the whole wheel of {blades} blades, whose ends were moved by up to {:.4} mm to \
-             meet. What does not repeat with the blades, as bolt holes, is not where it is on the part.",
+             meet. What does not repeat with the blades, as bolt holes, is not where it is on the part.{unsure}",
             self.angle.to_degrees(),
             self.axis,
             blades / self.copies,
@@ -97,6 +102,8 @@ struct Blades {
     count: usize,
     /// Cells of the slices in which they follow each other.
     cells: HashSet<[usize; 2]>,
+    /// Whether there are no two to tell their pitch by, so that it is the angle of the sector.
+    is_by_angle: bool,
 }
 
 /// A sector between two cuts, in the frame of its axis.
@@ -311,7 +318,7 @@ impl Sector {
         /// Numbers of pitches that are tried, the greatest first, and places of each.
         const TRIED: usize = 4;
         const PLACES: [f64; 7] = [0.5, 0.25, 0.75, 0.1, 0.9, 0.4, 0.6];
-        let (axis, angle_deg, Blades { count, cells }) = (self.axis, self.angle.to_degrees(), blades);
+        let (axis, angle_deg, Blades { count, cells, .. }) = (self.axis, self.angle.to_degrees(), blades);
         let pitch = TAU / *count as f64;
         let fits = |k: &usize| *k as f64 * pitch < self.angle + SAME * pitch && *k as f64 * pitch < PI;
         let all = (1..=*count).rev().filter(|k| count.is_multiple_of(*k)).filter(fits);
@@ -335,8 +342,20 @@ impl Sector {
                         let mesh = mesh.in_parent_of(&self.frame);
                         let theta = self.from + 0.5 * self.angle;
                         let middle = self.frame.direction_to_parent(Cylindrical { x: 0.0, r: 1.0, theta }.point());
-                        let (blades, copies, angle) = (*count, count / kept, self.angle);
-                        return Ok(Whole { mesh, axis, blades, copies, middle, pitches_held, angle, shift });
+                        let (blades, copies, angle, is_by_angle) =
+                            (*count, count / kept, self.angle, blades.is_by_angle);
+                        let is_one_pitch = is_by_angle;
+                        return Ok(Whole {
+                            mesh,
+                            axis,
+                            blades,
+                            copies,
+                            middle,
+                            pitches_held,
+                            is_one_pitch,
+                            angle,
+                            shift,
+                        });
                     }
                     Err(error) => first_error = first_error.or(Some(error)),
                 }
@@ -407,7 +426,7 @@ impl Sector {
         let bladed = |count: usize| {
             // Those off the middle by up to a third of the pitch.
             let near = steps.iter().filter(|(_, step, _)| is_pitch(*step, count, 0.34));
-            Blades { count, cells: near.map(|(cell, ..)| *cell).collect() }
+            Blades { count, cells: near.map(|(cell, ..)| *cell).collect(), is_by_angle: false }
         };
         if let Some(count) = wanted {
             return Ok(vec![bladed(count)]);
@@ -423,10 +442,12 @@ impl Sector {
         counts.sort_by_key(|n| (std::cmp::Reverse(votes[*n]), *n));
         counts.truncate(TRIED);
         let by_cuts = TAU / self.angle;
-        if counts.is_empty() && (by_cuts - by_cuts.round()).abs() < 0.01 {
+        let is_by_angle = counts.is_empty() && (by_cuts - by_cuts.round()).abs() < 0.01;
+        if is_by_angle {
             counts.push(by_cuts.round() as usize);
         }
-        Ok(counts.into_iter().filter(|n| *n >= 3).map(bladed).collect())
+        let all = counts.into_iter().filter(|n| *n >= 3).map(bladed);
+        Ok(all.map(|blades| Blades { is_by_angle, ..blades }).collect())
     }
 
     /// `copies` of what lies between two angles (rad), turned about X and joined, and how far points were moved for that
