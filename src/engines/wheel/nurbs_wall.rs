@@ -81,7 +81,8 @@ impl NurbsWall {
         Self::skinned((0..wall.nv).map(section).collect(), &vec![LineShape::default(); wall.nv])
     }
 
-    /// The low and the high wall through measured sections of given weights and end tangents, from the hub outwards. Where sections have different
+    /// The low and the high wall through measured sections of given weights and end tangents, from the hub outwards. Where
+    /// sections have different
     /// numbers of points, cubics through each of them take their place.
     ///
     /// # Errors

@@ -2,6 +2,8 @@
 
 use std::str::FromStr;
 
+use crate::workspaces::flank::document::fields::FIELDS;
+use files::{Kind, Range};
 use flank::FlankError;
 use flank::cutter::FlankCutter;
 use flank::params::FlankParams;
@@ -54,9 +56,13 @@ impl Quantity {
         ["radius (mm)", "taper (deg)", "control points of each curve"][self as usize]
     }
 
-    /// The least and the greatest value.
+    /// The least and the greatest value, those of the parameter's field.
     pub fn range(self) -> [f64; 2] {
-        [[0.05, 50.0], [0.0, 60.0], [4.0, 100.0]][self as usize]
+        let key = ["cutter.radius_mm", "cutter.taper_deg", "plan.control_points"][self as usize];
+        match FIELDS.find(key).map(|place| place.field.kind) {
+            Ok(Kind::Number { range: Range(least, greatest), .. }) => [least, greatest],
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        }
     }
 
     /// A sweep over usual values.
@@ -89,7 +95,7 @@ impl Quantity {
 pub struct Sweep {
     /// The quantity.
     pub of: Quantity,
-    /// Its first and its last value.
+    /// First and last value of the quantity.
     pub ends: [f64; 2],
     /// Number of values, both ends included.
     pub count: usize,
@@ -284,6 +290,8 @@ mod tests {
         let points: Sweep = "points:4:6:9".parse().unwrap();
         let counts: Vec<usize> = points.variants(&base).iter().map(|v| v.control_points).collect();
         assert_eq!(counts, [4, 5, 6], "each number once");
+        // What a row holds may be taken: no value is beyond what its field takes.
+        assert_eq!(Quantity::ALL.map(Quantity::range), [[1e-3, 1e4], [0.0, 45.0], [4.0, 100.0]]);
         for text in
             ["", "radius", "radius:1:2", "radius:1:2:1", "radius:0:2:3", "width:1:2:3", "points:4:200:3", "taper:a:1:2"]
         {

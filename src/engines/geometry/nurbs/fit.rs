@@ -136,7 +136,7 @@ fn end_tangents(u: &[f64], points: &[DVec4]) -> [DVec4; 2] {
     [end_tangent([u[0], u[1], u[2]], [points[0], points[1], points[2]]), last]
 }
 
-/// What is given of a cubic through points beside these (P1, equations 6 to 18).
+/// Weights and end directions of a cubic through points (P1, equations 6 to 18).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LineShape {
     /// Weights of the points, greater than 0; all are 1 if there are none.
@@ -147,7 +147,7 @@ pub struct LineShape {
 }
 
 impl LineShape {
-    /// Whether it is of a line of so many points.
+    /// Whether the weights are those of a line of so many points, or left out.
     fn suits(&self, points: usize) -> bool {
         [0, points].contains(&self.weights.len())
     }
@@ -193,10 +193,10 @@ impl NurbsCurve {
         Self::rational_at(&chord_parameters(points)?, points, shape)
     }
 
-    /// The same with `points[i]` at `parameters[i]`.
+    /// The rational cubic of the given shape with `points[i]` at `parameters[i]`.
     ///
     /// # Errors
-    /// As there.
+    /// Every error of [`rational`](Self::rational).
     pub fn rational_at(parameters: &[f64], points: &[DVec3], shape: &LineShape) -> Result<Self, NurbsError> {
         if parameters.len() != points.len() || !shape.suits(points.len()) {
             return Err(NurbsError::Counts);
@@ -240,10 +240,11 @@ impl NurbsSurface {
         Self::skinned_as(sections, &vec![LineShape::default(); sections.len()])
     }
 
-    /// The same with the shape of each section.
+    /// The bicubic surface skinned over `sections`, each of the shape in `shapes`, as [`skinned`](Self::skinned) does it
+    /// without weights and given ends.
     ///
     /// # Errors
-    /// As there, and [`NurbsError::Value`] where weights differ so much from point to point that one between would not be
+    /// Every error of [`skinned`](Self::skinned), and [`NurbsError::Value`] where weights differ so much from point to point that one between would not be
     /// positive.
     pub fn skinned_as(sections: &[Vec<DVec3>], shapes: &[LineShape]) -> Result<(Self, [Vec<f64>; 2]), NurbsError> {
         let n = sections.first().map_or(0, Vec::len);

@@ -88,9 +88,9 @@ impl Default for ElectrodeParams {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct OwnMesh {
-    /// Its mesh, in its final pose in the frame of the blisk's mesh.
+    /// Mesh of the electrode in its final pose, in the frame of the blisk's mesh.
     pub mesh: PathBuf,
-    /// Its side of entry.
+    /// Side of entry of the electrode; automatic: that of all.
     pub enter: EnterSide,
 }
 

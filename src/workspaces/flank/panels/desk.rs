@@ -120,7 +120,7 @@ pub struct FlankDesk {
     pub rows: Vec<Row>,
     /// The sweep that is asked for next, whose quantity plans side by side are plotted over.
     pub sweep: Sweep,
-    /// Whether it is to be started.
+    /// Whether the sweep is to be started.
     pub wants_sweep: bool,
     /// Files that had changed since they were read, when an export was last asked for.
     pub changed_files: Vec<PathBuf>,

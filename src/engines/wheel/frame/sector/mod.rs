@@ -52,8 +52,8 @@ pub(super) struct Whole {
     pub middle: DVec3,
     /// Whole pitches that the sector holds.
     pub pitches_held: usize,
-    /// Whether it holds no two blades, so that its angle was taken for their pitch.
-    is_one_pitch: bool,
+    /// Whether the sector holds no two blades, so that its angle was taken for their pitch.
+    is_by_angle: bool,
     /// Angle between the cuts (rad).
     angle: f64,
     /// How far points were moved to join the copies (mm).
@@ -65,7 +65,7 @@ impl Whole {
     pub fn assumed(&self, blades: usize) -> String {
         let cuts = if (self.angle - PI).abs() < SAME { "Its cut holds" } else { "Its cuts meet in" };
         let unsure = " It holds no two blades: its angle was taken for one pitch, which blisk.blades corrects.";
-        let unsure = if self.is_one_pitch { unsure } else { "" };
+        let unsure = if self.is_by_angle { unsure } else { "" };
         format!(
             "The mesh is a sector of {:.3} deg. {cuts} the axis {}; {} of its pitches were turned about it \
              into the {} sectors of the whole wheel of {blades} blades, whose ends were moved by up to {:.4} mm to \
@@ -102,7 +102,7 @@ struct Blades {
     count: usize,
     /// Cells of the slices in which they follow each other.
     cells: HashSet<[usize; 2]>,
-    /// Whether there are no two to tell their pitch by, so that it is the angle of the sector.
+    /// Whether the sector holds no two blades, so that its angle was taken for their pitch.
     is_by_angle: bool,
 }
 
@@ -344,7 +344,6 @@ impl Sector {
                         let middle = self.frame.direction_to_parent(Cylindrical { x: 0.0, r: 1.0, theta }.point());
                         let (blades, copies, angle, is_by_angle) =
                             (*count, count / kept, self.angle, blades.is_by_angle);
-                        let is_one_pitch = is_by_angle;
                         return Ok(Whole {
                             mesh,
                             axis,
@@ -352,7 +351,7 @@ impl Sector {
                             copies,
                             middle,
                             pitches_held,
-                            is_one_pitch,
+                            is_by_angle,
                             angle,
                             shift,
                         });

@@ -7,38 +7,11 @@ use super::choice_words::{
     AXES, AXIS_WORDS, BODIES, CHANNELS, CONSTRAINTS, CURVES, END_WALLS, ENDS, FACES, FRAMES, H_MODES, HEADS, MACHINES,
     POSTS, SIDES, SIZES, STRATEGIES, TURNED, UNITS, Z_AT,
 };
+use super::electrode_fields::{OWN_ELECTRODE, SINGLE_PARTS};
 use super::{BladesFrom, PlanJob};
 
 /// A greatest value that is none.
 const ANY: f64 = f64::INFINITY;
-/// Columns of the table of single parts.
-const PART: &[Field] = &[
-    Field::choice("enter", "Enter from", SIDES).help("The part's own side of entry; automatic: that of all parts."),
-    Field::number("until", "Division", "", 0.01, 0.99).decimals(2).or_nothing(0.5).help(
-        "Where the part ends and the next one begins, as a share of the burned length from the first station of the \
-         passage.",
-    ),
-    Field::number("overlap_mm", "Overlap", "mm", 0.0, 100.0)
-        .decimals(2)
-        .or_nothing(1.0)
-        .help("Overlap of the burns of this part and the next."),
-    Field::number("low_reduction_deg", "Low wall", "deg", 0.0, 45.0)
-        .or_nothing(1.0)
-        .help("The part's own reduction at the low wall."),
-    Field::number("high_reduction_deg", "High wall", "deg", 0.0, 45.0)
-        .or_nothing(1.0)
-        .help("The part's own reduction at the high wall."),
-    Field::number("radial_reduction_mm", "Radial", "mm", 0.0, 100.0)
-        .or_nothing(1.0)
-        .help("The part's own radial reduction."),
-];
-
-/// Columns of the table of further electrodes of one's own.
-const OWN: &[Field] = &[
-    Field::file("mesh", "Mesh").help("Its mesh, in its final pose in the coordinates of the blisk's mesh (mm)."),
-    Field::choice("enter", "Enter from", SIDES).help("Its own side of entry; automatic: that of all."),
-];
-
 /// What the thresholds of single sides mean.
 const SIDE: &str = "Least distance wanted of this side of the electrode, as far as 0.05 mm for each mm withdrawn from the \
     final pose; 0: spark gap and margin alone.";
@@ -204,15 +177,7 @@ const GROUPS: &[Group] = &[
                 .help("Share of the channel's width that belongs to the low column; auto: both are equally thick."),
         ],
     },
-    Group {
-        section: "Electrode",
-        name: "Single parts",
-        is_folded: true,
-        fields: &[Field::rows("electrode.part", "Part", PART, "{ enter = \"auto\" }").help(
-            "What single parts have of their own, in order along the passage, that at its first station first. What a \
-             row leaves out, and parts without a row, are as set above.",
-        )],
-    },
+    SINGLE_PARTS,
     Group {
         section: "Electrode",
         name: "Body",
@@ -242,21 +207,7 @@ const GROUPS: &[Group] = &[
                 .help("Height of the holder block, from hub to shroud; it grows where the shank is larger."),
         ],
     },
-    Group {
-        section: "Electrode",
-        name: "Own electrode",
-        is_folded: true,
-        fields: &[
-            Field::file("electrode.mesh", "Mesh").help(
-                "An electrode of your own instead of a derived one, in its final pose in the coordinates of \
-                 the blisk's mesh (mm).",
-            ),
-            Field::rows("electrode.more", "Further", OWN, "{ mesh = \"\" }").help(
-                "More electrodes of your own for the same channel, in the order in which they burn, as those of the \
-                 front and the back, or of the left and the right of it.",
-            ),
-        ],
-    },
+    OWN_ELECTRODE,
     Group {
         section: "Plan",
         name: "Path",

@@ -3,6 +3,7 @@
 
 mod blade_fields;
 mod choice_words;
+mod electrode_fields;
 pub mod field_table;
 
 use std::path::{Path, PathBuf};
