@@ -250,6 +250,7 @@ impl Desk {
 fn every_parameter_of_electrodes_has_a_field() {
     let home = Home::new();
     let mut desk = home.start(Opening::In("mold", None));
+    desk.until_loaded();
     desk.press_role(Role::DisclosureTriangle, "Electrodes");
     let before = desk.mold().document.params().electrodes.clone();
     for (name, text, step) in [

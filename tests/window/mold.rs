@@ -356,6 +356,8 @@ fn other_cutters_are_compared_region_by_region() {
 fn cutters_are_added_saved_and_loaded() {
     let home = Home::new();
     let mut desk = home.start(Opening::In("mold", None));
+    // The panel moves under the pointer when the demonstration comes.
+    desk.until_loaded();
     let standard = desk.mold().document.params().library.clone();
     desk.press("Add to Cutters");
     desk.press("Cutters 9");
