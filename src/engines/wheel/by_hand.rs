@@ -33,14 +33,16 @@ impl ByHand {
         Self { curves: ends.each_ref().map(|points| curve(points)), ends, blades: about(&options.blade_points_mm) }
     }
 
-    /// Places (x, r) in the passage or at its border; none if nothing is given.
+    /// Places (x, r) in the passage or at its border; none if nothing is given. Hub and shroud may be given beyond the
+    /// blades: of their curves these are the middles.
     pub fn places(&self) -> Vec<DVec2> {
         if !self.blades.is_empty() {
             return self.blades.iter().map(|c| DVec2::new(c.x, c.r)).collect();
         }
         match &self.curves {
             [Some(hub), Some(shroud)] => vec![0.5 * (hub[PIECES / 2] + shroud[PIECES / 2])],
-            _ => self.ends.concat(),
+            [Some(curve), None] | [None, Some(curve)] => vec![curve[PIECES / 2]],
+            [None, None] => self.ends.concat(),
         }
     }
 }

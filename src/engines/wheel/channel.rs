@@ -183,10 +183,11 @@ impl Line {
     }
 }
 
-/// The narrowest place between the two walls.
+/// The narrowest place between the two blades, as if they had no fillets: in place of those they go on straight to hub and
+/// shroud.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Throat {
-    /// Least distance between the two walls (mm).
+    /// Least distance between the two blades (mm).
     pub width_mm: f64,
     /// End on the low wall, in W (mm).
     pub on_low_wall: DVec3,
@@ -274,7 +275,7 @@ pub struct Channel {
     pub low: ChannelWall,
     /// The wall on the side of greater theta.
     pub high: ChannelWall,
-    /// Narrowest place between the walls.
+    /// Narrowest place between the blades.
     pub throat: Throat,
     /// Turn of the middle line between its two ends, seen along the radius or, outside axial flow, square to the
     /// meridional direction (rad).

@@ -210,7 +210,7 @@ pub enum BliskError {
     /// Points that are given do not lie on the hub or the shroud that was measured beside them.
     #[error(
         "point {number} of blisk.{key}, at x {x:.3}, r {r:.3} mm about the axis, is {off_mm:.3} mm off the {surface} that was \
-         measured beside these points; correct it, or give more points between its neighbours"
+         measured; correct it, or give more points between its neighbours"
     )]
     PointOff {
         /// Name of the surface.

@@ -11,7 +11,7 @@ use super::super::channel::{
 use super::super::error::BliskError;
 use super::super::frame::slices::{Crossing, Gap, Slices};
 use super::meridian::{FACE_ROUNDING, Meridian, Tracer};
-use super::walls::INSET;
+use super::walls::Rows;
 use geometry::frame::{Cylindrical, angle_near};
 
 /// Least share of the samples of a surface that must agree.
@@ -75,6 +75,8 @@ pub(super) struct Measured<'a> {
     pub meridian: &'a Meridian,
     /// The low and the high wall.
     pub walls: [&'a ChannelWall; 2],
+    /// Where their rows lie.
+    pub rows: Rows,
 }
 
 impl Measured<'_> {
@@ -159,7 +161,7 @@ impl Measured<'_> {
         let (first, last) = (first.along + face, (last.along - face).max(first.along + face));
         for share in [0.1, 0.5, 0.9] {
             let v = (share * (wall.nv - 1) as f64).round() as usize;
-            let share = INSET + (1.0 - 2.0 * INSET) * v as f64 / (wall.nv - 1) as f64;
+            let share = self.rows.share(v);
             let along = |end: Cylindrical| along_at(stations, DVec2::new(end.x, end.r), share);
             let edges = [0, wall.nu - 1].map(|u| self.walls.map(|wall| wall.cylindrical(u, v)));
             let length = along(edges[1][0]) - along(edges[0][0]);
@@ -250,7 +252,7 @@ impl Measured<'_> {
         let of_column = |&u: &usize| {
             let ends = walls.map(|wall| wall.cylindrical(u, row));
             let middle = 0.5 * (DVec2::new(ends[0].x, ends[0].r) + DVec2::new(ends[1].x, ends[1].r));
-            let station = station_at(meridian, along_at(meridian, middle, INSET + (1.0 - 2.0 * INSET) * share));
+            let station = station_at(meridian, along_at(meridian, middle, self.rows.share(row)));
             let [from, toward] = tracer.start_of(&station, start, surface);
             let expected = START * station.height();
             let [first, last] = [ends[0].theta, angle_near(ends[1].theta, ends[0].theta)];

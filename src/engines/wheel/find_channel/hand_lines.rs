@@ -1,15 +1,17 @@
 //! The lines across a passage whose hub or shroud is given by points on it, and the passage that points on blades bound.
 
-use glam::DVec2;
+use std::f64::consts::TAU;
 
-use super::super::by_hand::{self, nearest};
-use super::super::channel::{Station, Surface};
+use glam::{DVec2, DVec3};
+
+use super::super::by_hand::{self, ByHand, nearest};
+use super::super::channel::{Channel, Station, Surface};
 use super::super::error::BliskError;
 use super::super::frame::slices::Gap;
-use super::super::options::EndWalls;
+use super::super::options::{BliskOptions, EndWalls};
 use super::flow::{Lines, MOST_STEEP, rising, steep_share};
-use super::meridian::{Meridian, Place, Tracer};
-use geometry::frame::wrap_angle;
+use super::meridian::{Place, Tracer};
+use geometry::frame::{Cylindrical, wrap_angle};
 
 /// Points may lie so far off the surface that is measured beside them, as a share of the height.
 const MOST_OFF: f64 = 0.05;
@@ -18,6 +20,8 @@ const ABOUT_TIPS: f64 = 0.2;
 /// Points on blades lie no further off them than this share of the pitch, or this (mm).
 const OFF_BLADE: f64 = 0.02;
 const OFF_BLADE_MM: f64 = 0.05;
+/// Those that are refused for another reason, than this share.
+const OFF_BLADE_FOUND: f64 = 0.2;
 /// A ray looks so many times as far as the passage is high beside it.
 const REACH: f64 = 2.0;
 
@@ -80,10 +84,14 @@ impl Tracer<'_> {
                 let across = along.perp().normalize_or(DVec2::Y);
                 let up = across * across.dot(near - from).signum();
                 let middle = from + half * up;
-                if let Ok(here) = self.followed(&gap, near, middle)
-                    && let Some(other) = self.other_end(&here, middle, up, half, end)
-                {
-                    (gap, near, half) = (here, middle, 0.5 * from.distance(other));
+                let here = self.followed(&gap, near, middle);
+                let other = match &here {
+                    Ok(here) => self.other_end(here, middle, up, half, end),
+                    // Beside the blades there are no tips, but walls go on.
+                    Err(_) => self.wall_at(&gap, middle, up, half),
+                };
+                if let Some(other) = other {
+                    (gap, near, half) = (here.unwrap_or(gap), middle, 0.5 * from.distance(other));
                     lines.push((k, if end == 0 { [from, other] } else { [other, from] }));
                 }
                 i += way;
@@ -96,7 +104,7 @@ impl Tracer<'_> {
 
     /// Where the passage ends from its `middle` along `up`: at a wall, or at the tips where no hub is sought.
     fn other_end(&self, gap: &Gap, middle: DVec2, up: DVec2, half: f64, end: usize) -> Option<DVec2> {
-        let wall = self.met(gap.middle(), middle, up, REACH * 2.0 * half).map(|(distance, _)| middle + distance * up);
+        let wall = self.wall_at(gap, middle, up, half);
         let tip = || {
             let (step, mut good, mut gap) = (0.05 * half, 0.0, *gap);
             while good < 2.0 * REACH * half {
@@ -109,24 +117,9 @@ impl Tracer<'_> {
         if end == 0 { wall.or_else(tip) } else { wall }
     }
 
-    /// Refuses points that do not lie on the hub or the shroud that was measured beside them.
-    pub(super) fn check_points(&self, meridian: &Meridian) -> Result<(), BliskError> {
-        let [hub, shroud] = [|s: &Station| s.hub, |s: &Station| s.shroud];
-        let outer = if meridian.shrouded { "shroud" } else { "blade tips" };
-        let ends = [("hub", "hub_points_mm", hub), (outer, "shroud_points_mm", shroud)];
-        for ((surface, key, place), points) in ends.into_iter().zip(&self.by_hand.ends) {
-            let polygon: Vec<DVec2> = meridian.stations.iter().map(place).collect();
-            for (i, at) in points.iter().enumerate() {
-                let (foot, off_mm) = nearest(&polygon, *at);
-                let near = |s: &&Station| place(s).distance_squared(foot);
-                let station = meridian.stations.iter().min_by(|a, b| near(a).total_cmp(&near(b)));
-                let height = station.map_or(0.0, Station::height);
-                if off_mm.is_nan() || off_mm > MOST_OFF * height {
-                    return Err(BliskError::PointOff { surface, key, number: i + 1, x: at.x, r: at.y, off_mm });
-                }
-            }
-        }
-        Ok(())
+    /// Where a wall is met from the `middle` of a passage along `up`, in the middle of its gap.
+    fn wall_at(&self, gap: &Gap, middle: DVec2, up: DVec2, half: f64) -> Option<DVec2> {
+        self.met(gap.middle(), middle, up, REACH * 2.0 * half).map(|(distance, _)| middle + distance * up)
     }
 
     /// The passage that the wall of the first of the points on blades bounds, in the middle of all of them; none without
@@ -174,6 +167,56 @@ impl Tracer<'_> {
     pub(super) fn radii_by_hand(&self, x: f64) -> [Option<f64>; 2] {
         self.by_hand.curves.each_ref().map(|curve| by_hand::radius_at(curve.as_ref()?, x))
     }
+}
+
+/// Refuses points that do not lie on the hub or the shroud that was measured beside them, of which there are none where
+/// the passage is not `shrouded`, but tips.
+///
+/// # Errors
+/// [`BliskError::PointOff`].
+pub(super) fn check_points(by_hand: &ByHand, stations: &[Station], shrouded: bool) -> Result<(), BliskError> {
+    let [hub, shroud] = [|s: &Station| s.hub, |s: &Station| s.shroud];
+    let outer = if shrouded { "shroud" } else { "blade tips" };
+    let ends = [("hub", "hub_points_mm", hub), (outer, "shroud_points_mm", shroud)];
+    for ((surface, key, place), points) in ends.into_iter().zip(&by_hand.ends) {
+        let polygon: Vec<DVec2> = stations.iter().map(place).collect();
+        for (i, at) in points.iter().enumerate() {
+            let (foot, off_mm) = nearest(&polygon, *at);
+            let near = |s: &&Station| place(s).distance_squared(foot);
+            let station = stations.iter().min_by(|a, b| near(a).total_cmp(&near(b)));
+            let height = station.map_or(0.0, Station::height);
+            if off_mm.is_nan() || off_mm > MOST_OFF * height {
+                return Err(BliskError::PointOff { surface, key, number: i + 1, x: at.x, r: at.y, off_mm });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The refusal of the points of `options` where `channel` is found without them: of the first that lies off its hub or
+/// its shroud, or of that on blades which is furthest off its walls; none where all lie on them.
+pub(super) fn point_off(options: &BliskOptions, channel: &Channel) -> Option<BliskError> {
+    let by_hand = ByHand::new(options, &channel.frame);
+    if options.end_walls == EndWalls::Measured
+        && let Err(off) = check_points(&by_hand, &channel.meridian, channel.shrouded)
+    {
+        return Some(off);
+    }
+    let pitch = TAU / channel.blades as f64;
+    let walls = || channel.low.points.iter().chain(&channel.high.points).map(|p| Cylindrical::from_point(*p));
+    let off = |point: &Cylindrical| {
+        let around = |wall: Cylindrical| {
+            let turns = (point.theta - wall.theta) / pitch;
+            point.r * pitch * (turns - turns.round())
+        };
+        let all = walls().map(|wall| DVec3::new(wall.x - point.x, wall.r - point.r, around(wall)).length());
+        all.fold(f64::INFINITY, f64::min)
+    };
+    let all = by_hand.blades.iter().enumerate().map(|(i, point)| (i + 1, point, off(point)));
+    let (number, point, off_mm) = all.max_by(|a, b| a.2.total_cmp(&b.2))?;
+    // To the distance of the points of the walls.
+    let is_off = off_mm > OFF_BLADE_FOUND * pitch * point.r;
+    is_off.then_some(BliskError::BladePoint { number, x: point.x, r: point.r, off_mm: Some(off_mm) })
 }
 
 /// Lines from places of the hub to the nearest ones of the shroud, as far as both reach.

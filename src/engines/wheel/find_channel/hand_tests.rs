@@ -318,3 +318,41 @@ fn above_where_blades_grow_together_a_drawn_curve_bounds_the_passage() {
     let error = find(&part.mesh(), &drawn).unwrap_err();
     assert!(matches!(error, BliskError::DrawnOutside { key: "hub_points_mm", .. }), "{error}");
 }
+
+/// A hub that is drawn from end to end, beyond the blades as well, reaches as far as it is drawn.
+#[test]
+fn a_drawn_hub_alone_bounds_the_passage_beyond_the_blades() {
+    const HEIGHT: f64 = 0.1;
+    let part = ParametricWheel { span: [0.25, 0.9], ..impeller() };
+    let shares: Vec<f64> = (0..=12).map(|i| 0.03 + 0.94 * f64::from(i) / 12.0).collect();
+    let hub_points_mm = shares
+        .iter()
+        .map(|along| {
+            let at = part.place(*along, HEIGHT);
+            Cylindrical { x: at.x, r: at.y, theta: 0.0 }.point().into()
+        })
+        .collect();
+    let drawn = BliskOptions { hub_points_mm, end_walls: EndWalls::Drawn, ..BliskOptions::default() };
+    let channel = find(&part.mesh(), &drawn).unwrap();
+    assert_eq!((channel.blades, channel.shrouded), (part.blades, true));
+    let hub: Vec<DVec2> = channel.meridian.iter().map(|station| station.hub).collect();
+    for share in [shares[0], shares[12]] {
+        let off = nearest(&hub, part.place(share, HEIGHT)).1;
+        assert!(off < 0.2, "ends {off} mm before where it is drawn to");
+    }
+}
+
+/// A refusal for points names the one that is off, not all of them.
+#[test]
+fn a_point_that_is_off_is_named() {
+    let part = impeller();
+    let mesh = part.mesh();
+    let far = |r: f64| Cylindrical { x: part.place(0.5, 1.0).x, r, theta: 0.3 }.point().into();
+    let mut shroud_points_mm = on_curve(&part.shroud, &[0.1, 0.9]);
+    shroud_points_mm.push(far(300.0));
+    let error = find(&mesh, &BliskOptions { shroud_points_mm, ..BliskOptions::default() }).unwrap_err();
+    assert!(matches!(error, BliskError::PointOff { key: "shroud_points_mm", number: 3, .. }), "{error}");
+    let blade_points_mm = vec![on_blade(&part, 3, 0.5, 0.5), far(300.0)];
+    let error = find(&mesh, &BliskOptions { blade_points_mm, ..BliskOptions::default() }).unwrap_err();
+    assert!(matches!(error, BliskError::BladePoint { number: 2, .. }), "{error}");
+}

@@ -12,9 +12,10 @@ use geometry::mesh::Mesh;
 /// A middle line that turns by less than this (rad) is straight.
 const STRAIGHT: f64 = 0.0175;
 
-/// The narrowest place between two walls of equal grids, to the accuracy with which the grids' triangles
-/// follow the walls.
+/// The narrowest place between the blades of two walls of equal grids, without their fillets, to the accuracy with which
+/// the grids' triangles follow the walls.
 pub(super) fn throat(low: &ChannelWall, high: &ChannelWall) -> Throat {
+    let [low, high] = &[low, high].map(without_fillets);
     let nearest_point = |u: usize, v: usize| {
         let p = low.point(u, v);
         let far = |&i: &usize| (high.points[i] - p).length_squared();
@@ -30,6 +31,39 @@ pub(super) fn throat(low: &ChannelWall, high: &ChannelWall) -> Throat {
     let rows: Vec<Throat> = (0..low.nv).into_par_iter().map(of_row).collect();
     let none = Throat { width_mm: f64::INFINITY, on_low_wall: DVec3::ZERO, on_high_wall: DVec3::ZERO };
     rows.into_iter().fold(none, |best, t| if t.width_mm < best.width_mm { t } else { best })
+}
+
+/// A wall whose fillets are taken off: in their place its blade goes on straight to the end wall. In a fillet the wall
+/// turns towards the height of the passage, or away from it.
+fn without_fillets(wall: &ChannelWall) -> ChannelWall {
+    /// Shares of the height within which fillets end, and over which they turn.
+    const REACH: f64 = 0.3;
+    const OVER: f64 = 0.1;
+    /// Sine of the angle by which they turn over it, at least: about 15 deg.
+    const TURN: f64 = 0.26;
+    /// Rows beside a fillet that its last facets may still reach into, and rows from there on that its blade goes on from.
+    const BESIDE: usize = 2;
+    const FROM: usize = 6;
+    let last = wall.nv - 1;
+    let over = ((OVER * last as f64).ceil() as usize).max(1);
+    let reach = ((REACH * last as f64) as usize).min(last.saturating_sub(BESIDE.max(over)));
+    let mut points = wall.points.clone();
+    for u in 0..wall.nu {
+        let height = (wall.point(u, last) - wall.point(u, 0)).normalize_or_zero();
+        for is_hub in [true, false] {
+            let at = |v: usize| if is_hub { v } else { last - v };
+            let lean = |v: usize| wall.normal(u, at(v)).dot(height);
+            let Some(in_fillet) = (0..reach).rev().find(|v| (lean(*v) - lean(v + over)).abs() > TURN) else { continue };
+            let beside = in_fillet + BESIDE;
+            let inner = (beside + FROM).min(last);
+            let [p, q] = [beside, inner].map(|v| wall.point(u, at(v)));
+            for v in 0..beside {
+                let share = (beside - v) as f64 / (inner - beside).max(1) as f64;
+                points[u * wall.nv + at(v)] = p + share * (p - q);
+            }
+        }
+    }
+    ChannelWall { points, ..wall.clone() }
 }
 
 /// Projects back and forth between the walls, starting at grid points `i` and `j`.

@@ -26,7 +26,7 @@ use glam::DVec2;
 use self::agreement::Measured;
 use self::flow::Lines;
 use self::meridian::{Meridian, Place, Tracer};
-use self::walls::{INSET, WallFinder};
+use self::walls::{WallFinder, Walls};
 use super::by_hand::ByHand;
 use super::channel::{Channel, ChannelWall, Flow, OPENS, Unlike, ways_out};
 use super::error::{BliskError, Misleading, Refused};
@@ -109,7 +109,10 @@ fn misleading(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Option
     let mut fewer = options.clone();
     let Some(given) = Misleading::ALL.into_iter().find(|given| given.take_away(&mut fewer)) else { return Ok(None) };
     match wheel_and_channel(mesh, &fewer, &[], task, &mut |_| ()) {
-        Ok((Wheel { blisk: BliskFrame { axis, repetition, middle, .. }, .. }, _)) => {
+        Ok((Wheel { blisk: BliskFrame { axis, repetition, middle, .. }, .. }, channel)) => {
+            if let (Misleading::Points, Some(off)) = (given, hand_lines::point_off(options, &channel)) {
+                return Ok(Some(off));
+            }
             Ok(Some(BliskError::Misleading { given, axis, blades: repetition.blades, at: middle }))
         }
         Err(Refused { error: error @ BliskError::Cancelled(_), .. }) => Err(error),
@@ -166,28 +169,31 @@ fn measured_channel(
     let gap = tracer.bladed_gap(start.x, start.r, &start.gap).ok_or(lost)?;
     let start = Place { gap, ..start };
     let (meridian, start) = meridian_of(&tracer, start, lines.as_ref())?;
-    tracer.check_points(&meridian)?;
+    if options.end_walls == EndWalls::Measured {
+        hand_lines::check_points(&by_hand, &meridian.stations, meridian.shrouded)?;
+    }
 
     task.report("channel", 0.6, "walls");
     let finder = WallFinder { tracer: &tracer, meridian: &meridian, start };
-    let [mut low, mut high] = finder.walls(options.wall_points_chord, options.wall_points_span)?;
+    let walls = finder.walls(options.wall_points_chord, options.wall_points_span)?;
     if meridian.flow == Flow::Axial {
-        check_axial(&meridian, [&low, &high])?;
+        check_axial(&meridian, [&walls.low, &walls.high])?;
     }
     let throat = match blisk.repetition.kinds {
-        1 => measure::throat(&low, &high),
+        1 => measure::throat(&walls.low, &walls.high),
         // Beside splitters the narrowest place may be where a main blade stands ahead of one, or goes on behind it.
         _ => {
-            let [low, high] = finder.beyond_edges([&low, &high])?;
+            let [low, high] = finder.beyond_edges(&walls)?;
             measure::throat(&low, &high)
         }
     };
+    let Walls { mut low, mut high, rows } = walls;
     let (turning, sides) = measure::turning(&low, &high, meridian.flow);
     [low.side, high.side] = sides;
     let faces_x = measure::faces_x(slices.mesh(), &meridian.stations);
-    assumed.extend(end_wall_assumptions(options, &meridian));
+    assumed.extend(end_wall_assumptions(options, &meridian, rows.inset));
     assumed.extend(given_by_hand(options));
-    let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&low, &high] };
+    let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&low, &high], rows };
     let agreement = measured.agreement(&throat)?;
     if !meridian.shrouded {
         walls::check_rows(&low, &high)?;
@@ -339,7 +345,7 @@ fn turned(mut gap: Gap, angle: f64) -> Gap {
     gap
 }
 
-fn end_wall_assumptions(options: &BliskOptions, meridian: &Meridian) -> Vec<String> {
+fn end_wall_assumptions(options: &BliskOptions, meridian: &Meridian, inset: f64) -> Vec<String> {
     let mut assumed = Vec::new();
     let shrouded = meridian.shrouded;
     if meridian.flow != Flow::Axial {
@@ -349,7 +355,7 @@ fn end_wall_assumptions(options: &BliskOptions, meridian: &Meridian) -> Vec<Stri
             meridian.flow.name(),
             if shrouded { ", the hub the one nearer to the axis or, of two as near, at smaller x" } else { "" }
         ));
-        assumed.push(inset(shrouded));
+        assumed.push(measured_up_to(shrouded, inset));
         return assumed;
     }
     match options.hub_radius_mm.given() {
@@ -361,7 +367,7 @@ fn end_wall_assumptions(options: &BliskOptions, meridian: &Meridian) -> Vec<Stri
         (None, true) => "The shroud radius is the least met over the middle 60 % of the channel's width.".into(),
         (None, false) => "No shroud was met along the radius; the blade tips bound the channel instead.".into(),
     });
-    assumed.push(inset(shrouded));
+    assumed.push(measured_up_to(shrouded, inset));
     assumed
 }
 
@@ -405,7 +411,7 @@ fn unlike_sentence(unlike: &[Unlike], alike: usize) -> Option<String> {
     })
 }
 
-fn inset(shrouded: bool) -> String {
+fn measured_up_to(shrouded: bool, inset: f64) -> String {
     let outer = if shrouded { "shroud" } else { "tips" };
-    format!("The walls were measured up to {} % of the height away from hub and {outer}.", 100.0 * INSET)
+    format!("The walls were measured up to {} % of the height away from hub and {outer}.", 100.0 * inset)
 }

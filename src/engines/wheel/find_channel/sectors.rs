@@ -48,6 +48,21 @@ fn a_sector_is_the_wheel_that_it_was_cut_from() {
     }
 }
 
+/// A passage is as wide as its blades stand apart, with fillets and without.
+#[test]
+fn fillets_do_not_make_the_throat_narrower() {
+    for wheel in [ParametricWheel::demonstration(), ParametricWheel::impeller(), ParametricWheel::nozzle_ring()] {
+        let plain = ParametricWheel { fillet_mm: 0.0, ..wheel };
+        let height = plain.hub.0[1].distance(plain.shroud.0[1]);
+        let width = |wheel: &ParametricWheel| found(&wheel.mesh()).throat.width_mm;
+        let expected = width(&plain);
+        for share in [0.05, 0.15] {
+            let filleted = width(&ParametricWheel { fillet_mm: share * height, fillet_pieces: 8, ..plain.clone() });
+            assert!((filleted / expected - 1.0).abs() < 0.03, "R {share} of the height: {filleted} for {expected}");
+        }
+    }
+}
+
 /// Half a wheel is bounded by one plane, and one blade of a radial wheel turns about itself as well: a tall one between
 /// thin rings more than about the axis, and the rings' facets are planes like the cuts.
 #[test]
@@ -67,13 +82,13 @@ fn half_a_wheel_and_one_pitch_of_it_are_the_wheel() {
         let again = channel.wheel_in_w(&cut).volume();
         assert!((again / wheel.volume() - 1.0).abs() < 1e-3, "{again} of {}", wheel.volume());
         assert!(channel.assumed[0].contains("wheel of 20 blades"), "{:?}", channel.assumed);
+        // The arcs of the mesh tell the axis of half a wheel as two cuts do.
+        let (axis, moved) = (turn * DVec3::X, turn * DVec3::ZERO + DVec3::new(5.0, -80.0, 33.0));
+        let off = (channel.frame.origin - moved).reject_from_normalized(axis).length();
+        assert!(channel.frame.x.cross(axis).length() < 1e-8 && off < 1e-6, "{} {off}", channel.frame.x);
         // One blade alone tells no pitch.
         assert_eq!(channel.assumed[0].contains("holds no two blades"), angle == pitch, "{:?}", channel.assumed);
-        if angle > pitch {
-            continue;
-        }
         // What is given and right is right of a sector, too, where a blade alone looks like a wheel of a few.
-        let (axis, moved) = (turn * DVec3::X, turn * DVec3::ZERO + DVec3::new(5.0, -80.0, 33.0));
         let axis = AxisChoice::Line(AxisLine { direction: axis.into(), point: moved.into() });
         let right = [
             BliskOptions { axis, ..Default::default() },
@@ -141,6 +156,15 @@ fn what_no_wheel_can_be_made_of_is_refused() {
     assert!(narrow.contains("is a sector"), "{narrow}");
     let holes = refused(&sector(&flange(20.0, 60.0, 8, 6.0), 0.3, TAU / 8.0));
     assert!(!holes.contains("is a sector"), "a piece of a flange has no blades: {holes}");
+    // The blades repeat, but what they stand on does not: the place is named.
+    let half = 20.0;
+    let square = [[-half, -half], [-half, half], [half, half], [half, -half]].map(DVec2::from);
+    let disk: Vec<DVec2> = (0..90).map(|i| DVec2::from_angle(TAU * f64::from(i) / 90.0) * 45.0).collect();
+    let disk = prism(&[&disk, &square], 1.0, 9.0).unwrap().mapped(|p| DVec3::new(p.z, p.x, p.y));
+    let bore = refused(&sector(&union(&wheel, &disk).unwrap(), 0.0, 2.3 * pitch));
+    assert!(bore.contains("not congruent"), "{bore}");
+    let r: f64 = bore.split(", r ").nth(1).and_then(|r| r.split(' ').next()).unwrap().parse().unwrap();
+    assert!((half - 0.1..1.5 * half).contains(&r), "{bore}");
     let ring = [[0.0, 40.0], [10.0, 40.0], [10.0, 60.0], [0.0, 60.0]];
     let message = refused(&sector(&turned_part(&ring, 90), 0.1, TAU / 9.0));
     assert!(!message.contains("is a sector"), "a piece of a ring has no blades: {message}");

@@ -10,8 +10,9 @@ use super::meridian::{DIP, MIDDLE_SHARE, Meridian, Place, RAYS, Tracer};
 
 /// Share of the height away from an end wall where its rays begin, and how far beyond it they look for it.
 const BESIDE: f64 = 0.2;
-/// An end wall that goes on bends away by less than this share of the height from one station to the next.
-const GOES_ON: f64 = 0.01;
+/// An end wall that goes on bends away by less than this share of the height from one station to the next: by no more than
+/// about 20 deg, as the facets of coarse meshes do.
+const GOES_ON: f64 = 0.02;
 /// A last station nearer to the one before than this share of their steps takes its place.
 const LEAST_STEP: f64 = 0.1;
 /// Lines at either end that may lie beyond the end walls.

@@ -13,9 +13,9 @@ use super::meridian::{FACE_ROUNDING, Meridian, Place, Tracer};
 use super::turned;
 use geometry::frame::{Cylindrical, angle_near};
 
-/// The first and last row of points stay away from hub and shroud by this share of the height, so that the
-/// facets of the end walls do not cut their circles.
-pub(super) const INSET: f64 = 0.005;
+/// The first and last row of points stay away from hub and shroud by the first of these shares of the height at which the
+/// facets of the end walls, which are large on coarse meshes, do not cut their circles.
+const INSETS: [f64; 4] = [0.005, 0.01, 0.02, 0.04];
 
 /// From step to step an end of a gap moves into it by less than this share of its width.
 const JUMP: f64 = 0.3;
@@ -52,6 +52,29 @@ pub(super) struct Row {
     pub back: Place,
     /// A place between them.
     inside: Place,
+}
+
+/// Both walls of a channel, and where their rows lie.
+pub(super) struct Walls {
+    pub low: ChannelWall,
+    pub high: ChannelWall,
+    pub rows: Rows,
+}
+
+/// The rows of the points of a wall.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Rows {
+    /// Share of the height by which the first and the last stay away from hub and shroud.
+    pub inset: f64,
+    /// How many there are, two at least.
+    count: usize,
+}
+
+impl Rows {
+    /// Share of the height at which row `v` lies.
+    pub fn share(self, v: usize) -> f64 {
+        self.inset + (1.0 - 2.0 * self.inset) * v as f64 / (self.count - 1) as f64
+    }
 }
 
 /// Finds rows and walls of a channel with known end walls.
@@ -283,14 +306,21 @@ impl WallFinder<'_> {
     }
 
     /// Both walls, low and high, with `nu` by `nv` points. Their sides are not set yet.
-    pub fn walls(&self, nu: usize, nv: usize) -> Result<[ChannelWall; 2], BliskError> {
-        let rows: Vec<Vec<Place>> = (0..nv)
-            .into_par_iter()
-            .map(|v| {
-                let share = INSET + (1.0 - 2.0 * INSET) * v as f64 / (nv - 1) as f64;
-                self.gaps(&self.row(share)?, nu)
-            })
-            .collect::<Result<_, BliskError>>()?;
+    pub fn walls(&self, nu: usize, nv: usize) -> Result<Walls, BliskError> {
+        let mut first_error = None;
+        for rows in INSETS.map(|inset| Rows { inset, count: nv }) {
+            match self.walls_of(nu, rows) {
+                Err(BliskError::LostWall { x, r }) => first_error = first_error.or(Some(BliskError::LostWall { x, r })),
+                walls => return walls.map(|[low, high]| Walls { low, high, rows }),
+            }
+        }
+        Err(first_error.unwrap_or_else(|| self.lost(self.start.along, 0.5)))
+    }
+
+    fn walls_of(&self, nu: usize, rows: Rows) -> Result<[ChannelWall; 2], BliskError> {
+        let nv = rows.count;
+        let of_row = |v| self.gaps(&self.row(rows.share(v))?, nu);
+        let rows: Vec<Vec<Place>> = (0..nv).into_par_iter().map(of_row).collect::<Result<_, BliskError>>()?;
         Ok([|g: &Gap| g.low, |g: &Gap| g.high].map(|end| {
             let order = || (0..nu).flat_map(|u| rows.iter().map(move |row| &row[u]));
             ChannelWall {
@@ -304,31 +334,40 @@ impl WallFinder<'_> {
     }
 
     /// The grids of both walls with what their blades go on by beyond the ends of the passage between them, as far as it is
-    /// wide there; where a blade ends, points repeat. Their normals are left out.
-    pub fn beyond_edges(&self, walls: [&ChannelWall; 2]) -> Result<[ChannelWall; 2], BliskError> {
-        let (nu, nv) = (walls[0].nu, walls[0].nv);
+    /// wide there; where a blade ends, points repeat. Normals are those of its ends there.
+    pub fn beyond_edges(&self, Walls { low, high, rows }: &Walls) -> Result<[ChannelWall; 2], BliskError> {
+        let (walls, nu, nv) = ([low, high], low.nu, low.nv);
         let rows: Vec<[Vec<DVec3>; 2]> = (0..nv)
             .into_par_iter()
             .map(|v| {
                 self.tracer.cancel.check()?;
-                let ends = [self.beyond_edge(walls, (0, v), -1.0), self.beyond_edge(walls, (nu - 1, v), 1.0)];
+                let share = rows.share(v);
+                let end = |u, toward| self.beyond_edge(walls, (u, v), share, toward);
+                let ends = [end(0, -1.0), end(nu - 1, 1.0)];
                 Ok([0, 1].map(|w| {
                     let ahead = ends[0][w].iter().rev().copied();
                     ahead.chain((0..nu).map(|u| walls[w].point(u, v))).chain(ends[1][w].iter().copied()).collect()
                 }))
             })
             .collect::<Result<_, BliskError>>()?;
-        let nu = nu + 2 * BEYOND_EDGE;
+        let all = nu + 2 * BEYOND_EDGE;
         Ok([0, 1].map(|w| {
-            let points = (0..nu).flat_map(|u| rows.iter().map(move |row| row[w][u])).collect();
-            ChannelWall { nu, nv, points, normals: Vec::new(), side: BladeSide::Flat }
+            let points = (0..all).flat_map(|u| rows.iter().map(move |row| row[w][u])).collect();
+            let nearest = |u: usize| u.saturating_sub(BEYOND_EDGE).min(nu - 1);
+            let normals = (0..all).flat_map(|u| (0..nv).map(move |v| walls[w].normal(nearest(u), v))).collect();
+            ChannelWall { nu: all, nv, points, normals, side: BladeSide::Flat }
         }))
     }
 
-    /// Of each wall the points beyond its end at grid position (`u`, `v`).
-    fn beyond_edge(&self, walls: [&ChannelWall; 2], (u, v): (usize, usize), toward: f64) -> [Vec<DVec3>; 2] {
+    /// Of each wall the points beyond its end at grid position (`u`, `v`), which lies at `share` of the height.
+    fn beyond_edge(
+        &self,
+        walls: [&ChannelWall; 2],
+        (u, v): (usize, usize),
+        share: f64,
+        toward: f64,
+    ) -> [Vec<DVec3>; 2] {
         let stations = &self.meridian.stations;
-        let share = INSET + (1.0 - 2.0 * INSET) * v as f64 / (walls[0].nv - 1) as f64;
         let (ends, at) = (walls.map(|wall| wall.cylindrical(u, v)), walls.map(|wall| wall.point(u, v)));
         let along = along_at(stations, DVec2::new(ends[0].x, ends[0].r), share);
         let step = toward * at[0].distance(at[1]) / BEYOND_EDGE as f64;

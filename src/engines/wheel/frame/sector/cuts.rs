@@ -18,6 +18,13 @@ pub(super) struct Cut {
     pub area: f64,
 }
 
+impl Cut {
+    /// Corners of the facets of the mesh in it.
+    pub fn facets(&self, mesh: &Mesh, on_cut: f64) -> impl Iterator<Item = [DVec3; 3]> {
+        mesh.iter_corners().filter(move |t| t.iter().all(|p| self.at - self.normal.dot(*p) <= on_cut))
+    }
+}
+
 /// Planes that the mesh lies on one side of, and with a part of its surface in, the largest part first.
 ///
 /// # Errors

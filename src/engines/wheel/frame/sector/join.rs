@@ -75,7 +75,7 @@ pub(super) fn join(
         };
         let anchors: Vec<(usize, usize, usize)> = outline.places.iter().enumerate().filter_map(mutual).collect();
         let apart = || {
-            let off = outline.places.iter().filter_map(|p| Some((nearest(&of_upper, *p)?.0, *p)));
+            let off = outline.places.iter().map(|p| (distance(&upper, *p), *p));
             off.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((f64::INFINITY, DVec2::ZERO))
         };
         let Some(&(first, other, start)) = anchors.first() else { return Err(apart()) };
@@ -125,10 +125,22 @@ pub(super) fn join(
     }
     if let Some((k, _)) = upper.iter().enumerate().find(|(k, _)| !joined.contains(k)) {
         let p = upper[k].places[0];
-        return Err((nearest(&of_lower, p).map_or(f64::INFINITY, |(off, ..)| off), p));
+        return Err((distance(&lower, p), p));
     }
     split_edges(slab, put);
     Ok((partners, shift))
+}
+
+/// Distance of a place from the nearest outline (mm).
+fn distance(outlines: &[Outline], p: DVec2) -> f64 {
+    let to_edge = |a: DVec2, b: DVec2| {
+        let along = b - a;
+        let share = ((p - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        p.distance(a + share * along)
+    };
+    let edges =
+        outlines.iter().flat_map(|o| (0..o.places.len()).map(|i| (o.places[i], o.places[(i + 1) % o.places.len()])));
+    edges.map(|(a, b)| to_edge(a, b)).fold(f64::INFINITY, f64::min)
 }
 
 /// The greatest part of `pairs`, which rise in the first number, that rises in the second as well; it holds the first.

@@ -6,11 +6,11 @@
 
 mod cuts;
 mod error;
+mod half;
 mod join;
 
 use std::collections::HashSet;
 use std::f64::consts::{PI, TAU};
-use std::ops::RangeInclusive;
 
 use glam::{DMat3, DVec2, DVec3, Vec3Swizzles as _};
 use rayon::prelude::*;
@@ -137,21 +137,30 @@ fn sectors<'a>(
     /// part of what turns about any other line, as about one along a thick blade.
     const LEAST_TURNING: f64 = 0.02;
     const LIKELY_PART: f64 = 0.5;
+    /// Or where both cuts hold this share of the extents of the part, and their areas differ by less than this.
+    const HELD: f64 = 0.5;
+    const ALIKE: f64 = 0.9;
     /// Lines that are tried, and cuts that half a wheel may be cut at.
     const MOST: usize = 4;
     const MOST_HALVES: usize = 8;
-    /// Share of the area of such a cut that lies on one side of the axis.
-    const HALVES: RangeInclusive<f64> = 0.3..=0.7;
     let size = mesh.bounds().size().length();
     let on_cut = ON_CUT * size;
     let (cuts, turning) = (cuts(mesh, on_cut, cancel)?, Turning::new(mesh));
-    let sections: Vec<Vec<DVec3>> = cuts.par_iter().map(|cut| section(mesh, cut, on_cut)).collect();
+    let sections: Vec<Vec<DVec3>> = cuts.par_iter().map(|cut| thinned(cut.facets(mesh, on_cut).flatten())).collect();
     let all = thinned(mesh.vertices.iter().copied());
     let mut axes: Vec<(f64, Axis, [usize; 2])> = Vec::new();
     let mut add = |axis: Axis, of: [usize; 2]| {
-        let share = turning.share(&axis);
-        let allowed = allowed(axis, options, on_cut, size).filter(|_| share > LEAST_TURNING);
-        axes.extend(allowed.map(|axis| (share, axis, of)));
+        let allowed = Some((turning.share(&axis), axis)).filter(|(share, _)| *share > LEAST_TURNING);
+        axes.extend(allowed.filter(|_| is_allowed(&axis, options)).map(|(share, axis)| (share, axis, of)));
+    };
+    // The line that is given lies in the cuts, to the rounding of what is typed.
+    let given = match options.axis {
+        AxisChoice::Line(AxisLine { direction, point }) => Some(Axis::new(point.into(), direction.into())),
+        AxisChoice::Named(_) => None,
+    };
+    let holds = |cut: &Cut, axis: &Axis| {
+        let within = 4.0 * on_cut;
+        cut.normal.dot(axis.direction).abs() * size < within && (cut.normal.dot(axis.point) - cut.at).abs() < within
     };
     for (i, a) in cuts.iter().enumerate() {
         for (j, b) in cuts[..i].iter().enumerate() {
@@ -160,24 +169,23 @@ fn sectors<'a>(
                 continue;
             }
             let point = (b.normal.cross(along) * a.at + along.cross(a.normal) * b.at) / along.length_squared();
-            add(Axis::new(point, along).snapped(size), [i, j]);
+            match given {
+                Some(axis) if holds(a, &axis) && holds(b, &axis) => add(axis, [i, j]),
+                Some(_) => {}
+                None => add(Axis::new(point, along).snapped(size), [i, j]),
+            }
         }
     }
     // The cut that leaves half a wheel is one of the largest.
-    for (i, a) in cuts.iter().enumerate().take(MOST_HALVES) {
+    for (i, cut) in cuts.iter().enumerate().take(MOST_HALVES) {
         cancel.check()?;
-        let facets = facets_of(mesh, a, on_cut);
-        let about = |axis: &Axis| {
-            let across = a.normal.cross(axis.direction);
-            let beyond = facets.iter().filter(|(p, _)| across.dot(*p - axis.point) > 0.0).map(|(_, area)| area);
-            turning.share(axis) > 0.5 * LEAST_TURNING && HALVES.contains(&(beyond.sum::<f64>() / a.area))
-        };
-        for axis in lines_of_symmetry(&facets).into_iter().filter(about) {
-            let axis = axis::of_turned_surfaces(mesh, axis).unwrap_or(axis);
-            let off = a.normal.dot(axis.point) - a.at;
-            if axis.direction.dot(a.normal).abs() < SAME && off.abs() < SAME * size && about(&axis) {
-                let direction = axis.direction.reject_from_normalized(a.normal);
-                add(Axis::new(axis.point - off * a.normal, direction).snapped(size), [i; 2]);
+        let is_turned = |axis: &Axis| turning.share(axis) > 0.5 * LEAST_TURNING;
+        match given {
+            Some(axis) if holds(cut, &axis) && half::divides(mesh, cut, on_cut, &axis) => add(axis, [i; 2]),
+            Some(_) => {}
+            None => {
+                let axes = half::axes(mesh, cut, on_cut, is_turned);
+                axes.into_iter().for_each(|axis| add(axis.snapped(size), [i; 2]));
             }
         }
     }
@@ -192,10 +200,13 @@ fn sectors<'a>(
     axes.sort_by(|a, b| b.0.total_cmp(&a.0));
     axes.truncate(MOST);
     let best = axis::candidates(mesh, None).iter().map(|axis| turning.share(axis)).fold(0.0, f64::max);
-    let sector = move |(_, (share, axis, of)): (f64, (f64, Axis, [usize; 2]))| {
-        let is_likely = share >= LIKELY_PART * best;
+    let sector = move |(likelihood, (share, axis, of_cuts)): (f64, (f64, Axis, [usize; 2]))| {
+        // Whole pitches apart the cuts are alike.
+        let [least, most] = [f64::min, f64::max].map(|of| of(cuts[of_cuts[0]].area, cuts[of_cuts[1]].area));
+        let is_alike = likelihood > HELD * share && least > ALIKE * most;
+        let is_likely = is_alike || share >= LIKELY_PART * best;
         let frame = frame_along(&axis);
-        let [a, b] = of.map(|cut| frame.direction_from_parent(cuts[cut].normal));
+        let [a, b] = of_cuts.map(|cut| frame.direction_from_parent(cuts[cut].normal));
         // Out of the upper cut in the sense of theta, out of the lower one against it.
         let (upper, lower) = (|n: DVec3| (-n.z).atan2(-n.y), |n: DVec3| n.z.atan2(n.y));
         let between = |low: DVec3, high: DVec3| (upper(high) - lower(low)).rem_euclid(TAU);
@@ -206,12 +217,6 @@ fn sectors<'a>(
         Sector { mesh, frame, axis, from, angle, on_cut, joint, is_likely }
     };
     Ok(axes.into_iter().map(sector).filter(|sector| sector.angle < PI + SAME))
-}
-
-/// Some corners of the facets in a cut.
-fn section(mesh: &Mesh, cut: &Cut, on_cut: f64) -> Vec<DVec3> {
-    let lies = |corners: &[DVec3; 3]| corners.iter().all(|p| cut.at - cut.normal.dot(*p) <= on_cut);
-    thinned(mesh.iter_corners().filter(lies).flatten())
 }
 
 /// Some of the points, enough to tell how far they reach.
@@ -230,23 +235,6 @@ fn extent(axis: &Axis, points: &[DVec3]) -> DVec2 {
         [least, most] = [least.min(place), most.max(place)];
     }
     most - least
-}
-
-/// Middles and areas of the facets in a cut.
-fn facets_of(mesh: &Mesh, cut: &Cut, on_cut: f64) -> Vec<(DVec3, f64)> {
-    let lies = |corners: &[DVec3; 3]| corners.iter().all(|p| cut.at - cut.normal.dot(*p) <= on_cut);
-    let facet = |t: [DVec3; 3]| ((t[0] + t[1] + t[2]) / 3.0, 0.5 * normal_times_two_areas(t).dot(cut.normal));
-    mesh.iter_corners().filter(lies).map(facet).collect()
-}
-
-/// The lines in a cut of these facets that its area may be symmetric about, as it is about the axis where it leaves half
-/// a wheel.
-fn lines_of_symmetry(facets: &[(DVec3, f64)]) -> [Axis; 2] {
-    let center = facets.iter().map(|(p, area)| *area * *p).sum::<DVec3>() / facets.iter().map(|f| f.1).sum::<f64>();
-    let moments = facets.iter().fold(DMat3::ZERO, |sum, (p, area)| sum + axis::outer(*p - center) * *area);
-    // Square to the cut there is none.
-    let [_, (_, narrow), (_, wide)] = axis::eigen(moments);
-    [narrow, wide].map(|direction| Axis::new(center, direction))
 }
 
 /// Greatest height of an arc about X over the edge that stands for it, on surfaces of revolution (mm).
@@ -274,20 +262,14 @@ fn chord_error(mesh: &Mesh) -> f64 {
     mesh.iter_corners().map(rise).fold(0.0, f64::max)
 }
 
-/// The axis in which two cuts meet, if `options` allow it; a line that is given instead, if the cuts meet in it.
-fn allowed(axis: Axis, options: &BliskOptions, on_cut: f64, size: f64) -> Option<Axis> {
-    let along = |direction: DVec3, within: f64| axis.direction.cross(direction.normalize_or_zero()).length() < within;
-    let is_along = |direction: DVec3| along(direction, SAME).then_some(axis);
+/// Whether `options` allow an axis that was found, or given, along this direction.
+fn is_allowed(axis: &Axis, options: &BliskOptions) -> bool {
+    let is_along = |direction: DVec3| axis.direction.cross(direction).length() < SAME;
     match options.axis {
-        AxisChoice::Named(AxisName::Auto) => Some(axis),
+        AxisChoice::Named(AxisName::Auto) | AxisChoice::Line(_) => true,
         AxisChoice::Named(AxisName::X) => is_along(DVec3::X),
         AxisChoice::Named(AxisName::Y) => is_along(DVec3::Y),
         AxisChoice::Named(AxisName::Z) => is_along(DVec3::Z),
-        AxisChoice::Line(AxisLine { direction, point }) => {
-            let (direction, point) = (DVec3::from(direction), DVec3::from(point));
-            let off = axis.direction.cross(point - axis.point).length();
-            (along(direction, 4.0 * on_cut / size) && off < 4.0 * on_cut).then(|| Axis::new(point, direction))
-        }
     }
 }
 
@@ -387,7 +369,8 @@ impl Sector {
         };
         let seen: Vec<(f64, f64, DVec3)> = seen.map(off).collect();
         let all: f64 = seen.iter().map(|(_, area, _)| area).sum();
-        let odd: f64 = seen.iter().filter(|(off, ..)| *off > self.joint).map(|(_, area, _)| area).sum();
+        // Of two facets that differ each may be off by as much.
+        let odd: f64 = seen.iter().filter(|(off, ..)| *off > 2.0 * self.joint).map(|(_, area, _)| area).sum();
         let (off_mm, _, at) = seen.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).filter(|_| odd > LEAST * all)?;
         let Cylindrical { x, r, .. } = Cylindrical::from_point(at);
         Some(SectorError::Unlike { angle_deg: angle.to_degrees(), off_mm, x, r, axis: self.axis })
