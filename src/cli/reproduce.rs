@@ -6,7 +6,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::{Answer, Session};
-use crate::reproduce::{Paper, reproduce as compute, write};
+use crate::reproduce::{PAGE_FILE, Paper, reproduce as compute, write};
 use files::ExportFolder;
 
 /// What is to be reproduced.
@@ -42,6 +42,6 @@ pub(super) fn reproduce(arguments: &ReproduceArguments, session: &Session) -> an
     for (of, outcome) in results.iter().flat_map(|of| of.outcomes.iter().map(move |outcome| (of, outcome))) {
         say!("{:<6} {:<16} {:<19} {}", of.paper.name(), outcome.name, outcome.verdict.words(), outcome.title);
     }
-    say!("files  {} in {}", written.join(", "), arguments.out.display());
+    say!("files  {} and {} others in {}", PAGE_FILE, written.len().saturating_sub(1), arguments.out.display());
     Ok(Answer::Yes)
 }

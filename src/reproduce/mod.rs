@@ -190,13 +190,16 @@ pub fn reproduce(papers: &[Paper], task: &Task) -> Result<Vec<Reproduced>, Repro
     papers.iter().map(one).collect()
 }
 
+/// Name of the page.
+pub const PAGE_FILE: &str = "reproduction.html";
+
 /// Writes `reproduction.html`, `reproduction.json` and the files of the results into `folder`. Returns their names.
 ///
 /// # Errors
 /// [`ReproduceError::Page`], [`ReproduceError::Write`].
 pub fn write(folder: &Path, results: &[Reproduced]) -> Result<Vec<String>, ReproduceError> {
     let mut files = vec![
-        ("reproduction.html".to_owned(), page::html(results)?.into_bytes()),
+        (PAGE_FILE.to_owned(), page::html(results)?.into_bytes()),
         ("reproduction.json".to_owned(), page::json(results).into_bytes()),
     ];
     files.extend(results.iter().flat_map(|of| &of.outcomes).flat_map(|outcome| outcome.files.iter().cloned()));

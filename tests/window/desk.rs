@@ -303,7 +303,7 @@ pub fn quick(mut job: PlanJob) -> PlanJob {
     job.genetic.population = 16;
     job.genetic.generations = 6;
     job.plan.step_mm = 1.6;
-    job.plan.field_cell_mm = 0.8;
+    job.plan.field_cell_mm = 1.2;
     // Few rows, each of which is verified and simulated.
     job.plan.interpolation.chord_error_mm = 0.05;
     job

@@ -371,9 +371,10 @@ impl<'a> Coloured<'a> {
 
 /// Every node of every path, with both objectives and what the second is made of.
 fn nodes_csv(cases: &[Case], along: &[Vec<WallSpread>]) -> String {
-    let mut out = "strategy,node,s_mm,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,clearance_mm,objective_1,objective_2,objective,\
+    let mut out =
+        "strategy,node,s_mm,x_mm,y_mm,z_mm,a_deg,b_deg,c_deg,field_clearance_mm,objective_1,objective_2,objective,\
         D_L_mm,D_R_mm,S_L_mm,S_R_mm\n"
-        .to_owned();
+            .to_owned();
     for (case, spreads) in cases.iter().zip(along) {
         for (i, (node, w)) in case.plan().nodes.iter().zip(spreads).enumerate() {
             let [x, y, z, a, b, c] = node.pose.to_array();

@@ -21,6 +21,7 @@ use flank::cutter::FlankCutter;
 use flank::deviation::DesignGrid;
 use flank::offset::{Touch, two_point};
 use flank::params::{FlankParams, OffsetMethod, SumOver};
+use flank::path::FlankPath;
 use flank::plan::{FlankPlan, plan_flank};
 use flank::ruled_surface::{RuledSurface, Side};
 use glam::DVec3;
@@ -71,6 +72,11 @@ struct Case {
     plan: FlankPlan,
     /// Duration of the plan (s), and of one that ends with the chosen path.
     seconds: [f64; 2],
+}
+
+/// How far above the lower guide the flutes end on a path, where they do not reach it (mm).
+fn above_guide(path: &FlankPath) -> f64 {
+    (-path.coverage.height_range_mm[0]).max(0.0)
 }
 
 /// The parameters of the paper: 50 locations, 10 control points, the bottom of the cutter at the lower guide.

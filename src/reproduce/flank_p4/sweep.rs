@@ -1,6 +1,6 @@
 //! What radius, taper and number of control points do: the paper has one cone, one cylinder and ten control points.
 
-use super::{CONE, PLOT, SURFACES, cutter, line, params, strings, surface};
+use super::{CONE, PLOT, SURFACES, above_guide, cutter, line, params, strings, surface};
 use crate::reproduce::{Outcome, ReproduceError, Table, Verdict};
 use files::report::number;
 use files::report::plot::Plot;
@@ -56,11 +56,12 @@ pub(super) fn sweep(task: &Task) -> Result<Outcome, ReproduceError> {
                         row.extend([mean, chosen, least].map(|mean| number(mean, 3)));
                         row.push(number(plan.ratio(&plan.refined), 3));
                         row.push(number(1e3 * plan.refined.deviation.most_undercut, 1));
+                        row.push(number(1e3 * above_guide(&plan.refined), 1));
                         row.push(String::new());
                     }
                     Err(FlankError::Cancelled(cancelled)) => return Err(cancelled.into()),
                     Err(error) => {
-                        row.extend((0..5).map(|_| String::new()));
+                        row.extend((0..6).map(|_| String::new()));
                         row.push(error.to_string());
                     }
                 }
@@ -76,6 +77,7 @@ pub(super) fn sweep(task: &Task) -> Result<Outcome, ReproduceError> {
             "#refined µm",
             "#ratio refined to initial",
             "#greatest undercut, refined, µm",
+            "#flutes end above the lower guide, µm",
             "no path because",
         ];
         let caption = format!("Mean absolute deviation over the {}", swept.name);

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::swarm::{EVALUATIONS, Swarm, search};
-use super::{CYLINDER, Case, PLOT, by_hand, cutter, flank_error, line, params, part, strings};
+use super::{CYLINDER, Case, PLOT, above_guide, by_hand, cutter, flank_error, line, params, part, strings};
 use crate::reproduce::{Outcome, ReproduceError, Table, Verdict};
 use files::report::number;
 use files::report::plot::Plot;
@@ -36,18 +36,20 @@ pub(super) fn table_2(cases: &[Case], task: &Task) -> Result<Outcome, ReproduceE
         let (plan, [whole, short]) = (&case.plan, case.seconds);
         beats &= plan.chosen.deviation.sum < least && short < quickest;
         below.push(number(100.0 * (1.0 - plan.chosen.deviation.sum / least), 0));
-        let row = |path: &str, sum: f64, paper: String, seconds: Option<f64>| {
+        let row = |path: &str, sum: f64, above: Option<f64>, paper: String, seconds: Option<f64>| {
             let gained = if sum < least { number(100.0 * (1.0 - sum / least), 1) } else { String::new() };
             let [sum, ratio] = [sum, sum / plan.initial.deviation.sum].map(|x| number(x, 3));
             let seconds = seconds.map_or_else(String::new, |s| number(s, 2));
-            vec![case.which.name().to_owned(), path.to_owned(), sum, ratio, gained, paper, seconds]
+            let above = above.map_or_else(String::new, |above| number(1e3 * above, 1));
+            vec![case.which.name().to_owned(), path.to_owned(), sum, ratio, gained, above, paper, seconds]
         };
         let [initial, chosen, refined] = plan.paths().map(|(_, path)| path.deviation.sum);
-        rows.push(row("initial: three-point offset", initial, String::new(), None));
+        let above = plan.paths().map(|(_, path)| Some(above_guide(path)));
+        rows.push(row("initial: three-point offset", initial, above[0], String::new(), None));
         let method = "chosen: compensation, best rank (the paper's method)";
-        rows.push(row(method, chosen, number(paper, 0), Some(short)));
-        rows.push(row("refined (ours, beyond the paper)", refined, String::new(), Some(whole)));
-        rows.extend(searched.iter().map(|s| row(s.swarm.name(), s.sum, String::new(), Some(s.seconds))));
+        rows.push(row(method, chosen, above[1], number(paper, 0), Some(short)));
+        rows.push(row("refined (ours, beyond the paper)", refined, above[2], String::new(), Some(whole)));
+        rows.extend(searched.iter().map(|s| row(s.swarm.name(), s.sum, None, String::new(), Some(s.seconds))));
         let series = searched.into_iter().zip(["c0", "c1"]).map(|(found, class)| line(found.course, class)).collect();
         let levels = [("chosen", chosen), ("refined", refined)].map(|(name, sum)| (sum / initial, name.to_owned()));
         let title = format!("Cylinder R2, {}: least ratio to the initial sum; blue PSO, brown EM", case.which.name());
@@ -82,6 +84,7 @@ pub(super) fn table_2(cases: &[Case], task: &Task) -> Result<Outcome, ReproduceE
                 "#sum mm",
                 "#ratio to initial",
                 "#% below the better swarm",
+                "#flutes end above the lower guide, µm",
                 "#paper: % below its reference 12",
                 "#s",
             ]),

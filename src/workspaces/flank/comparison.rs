@@ -170,7 +170,7 @@ pub fn points(of: Quantity, rows: &[Row], figure: fn(&Figures) -> f64) -> Vec<[f
 
 /// The rows as a table (CSV).
 pub fn csv(rows: &[Row]) -> String {
-    let mut text = "radius_mm,taper_deg,control_points,mean_mm,ratio,overcut_mm,undercut_mm,fails\n".to_owned();
+    let mut text = "cutter,radius_mm,taper_deg,control_points,mean_mm,ratio,overcut_mm,undercut_mm,fails\n".to_owned();
     for Row { variant, figures } in rows {
         let cells = match figures {
             Ok(Figures { mean_mm, ratio, overcut_mm, undercut_mm, fails }) => {
@@ -179,8 +179,9 @@ pub fn csv(rows: &[Row]) -> String {
             }
             Err(why) => format!(",,,,\"no path: {}\"", why.replace('"', "'")),
         };
-        text +=
-            &format!("{},{},{},{cells}\n", variant.cutter.radius_mm, variant.cutter.taper_deg, variant.control_points);
+        let Variant { cutter, control_points } = variant;
+        let name = cutter.name.replace('"', "'");
+        text += &format!("\"{name}\",{},{},{control_points},{cells}\n", cutter.radius_mm, cutter.taper_deg);
     }
     text
 }
@@ -315,10 +316,11 @@ mod tests {
         assert_eq!(points(Quantity::Radius, &mixed, |f| f.undercut_mm), [[1.0, 20.0]], "another cone is another curve");
         let table = csv(&rows);
         let lines: Vec<&str> = table.lines().collect();
-        assert_eq!(lines[1], "3,0,10,0.002,0.5,0.01,0.02,");
-        assert_eq!(lines[2], "2,0,10,,,,,\"no path: too 'wide'\"");
+        let name = |i: usize| &rows[i].variant.cutter.name;
+        assert_eq!(lines[1], format!("\"{}\",3,0,10,0.002,0.5,0.01,0.02,", name(0)));
+        assert_eq!(lines[2], format!("\"{}\",2,0,10,,,,,\"no path: too 'wide'\"", name(1)));
         let columns = |line: &str| line.matches(',').count();
-        assert!(lines.iter().all(|line| columns(line) == 7), "{table}");
+        assert!(lines.iter().all(|line| columns(line) == 8), "{table}");
     }
 
     #[test]

@@ -144,7 +144,9 @@ pub fn uncut_pictures(
     let scene = build_mold(&MoldScene { colours: RegionColours::ByDepth, ..look });
     add("Height of the rest material", "Seen along the opening direction.".to_owned(), depths, scene, DVec3::Z);
     let (scene, layers) = segments(mesh, uncut, shapes, cancel)?;
-    let caption = format!("Section curves of {} and what no cutter touches of them.", counted(layers, "layer"));
+    let all = counted(uncut.layers.len(), "layer");
+    let shown = if layers < uncut.layers.len() { format!("{layers} of {all}") } else { all };
+    let caption = format!("Section curves of {shown} and what no cutter touches of them.");
     let legend = vec![(SECTION, "section curves".to_owned()), (BAD, "uncut segments".to_owned())];
     add("Uncut segments", caption, legend, scene, ASLANT);
     let shown = |i: usize| (0..shapes.regions.len()).map(|other| other == i).collect::<Vec<_>>();
