@@ -13,7 +13,7 @@ use super::outline::Outline;
 use super::piece::{UncutPiece, clipped, intersected};
 use super::plane;
 use super::region::have_partners;
-use super::section::{Section, sections};
+use super::section::{Section, outline_error, sections};
 use super::uncut_layer::uncut_with_holder;
 use super::warning::MoldWarning;
 use geometry::mesh::Mesh;
@@ -48,6 +48,8 @@ pub type Others<'a> = &'a (dyn Fn(&Section) -> Vec<UncutPiece> + Sync);
 /// Residual stock of `mesh`, whose opening looks along +Z, after every one of the flat cutters among `cutters`, and of
 /// `others` where there are any. Without any cutter nothing is found. The settings must have been validated.
 ///
+/// Cutters are taken for smaller by [`outline_error`] on the radius, so that one that is as wide as a slot fits into it.
+///
 /// # Errors
 /// [`Cancelled`].
 pub fn uncut_stack(
@@ -61,7 +63,8 @@ pub fn uncut_stack(
     let reaches: Vec<f64> = flats.iter().filter_map(|c| wide_holder(c)).map(|(_, reach)| reach).collect();
     let mut shadows = Shadows::new(mesh);
     let silhouette = silhouette(mesh, &mut shadows, &task.cancel)?;
-    let mut work = Work { mesh, flats, others, settings, shadows, silhouette, seen: Seen::default() };
+    let fit = outline_error(mesh);
+    let mut work = Work { mesh, flats, fit, others, settings, shadows, silhouette, seen: Seen::default() };
     let FirstLayers { heights, floors } = first_layers(mesh, &reaches, settings);
     let mut layers: Vec<UncutLayer> = Vec::new();
     let mut wanted = heights;
@@ -138,6 +141,8 @@ impl UncutLayer {
 struct Work<'a> {
     mesh: &'a Mesh,
     flats: Vec<&'a Cutter>,
+    /// How much smaller than it is a radius is taken (mm).
+    fit: f64,
     others: Option<Others<'a>>,
     settings: &'a LayerSettings,
     shadows: Shadows<'a>,
@@ -171,10 +176,12 @@ impl Work<'_> {
     /// Residual stock of a layer after all cutters.
     fn left<'s>(&self, own: &Section, section: &(impl Fn(f64) -> Option<&'s Section> + Sync)) -> Vec<UncutPiece> {
         let tolerance = self.settings.depth_tolerance_mm;
+        // Never to nothing, however far from its origin a mold lies.
+        let fitting = |radius: f64| (radius - self.fit).max(0.5 * radius);
         let by_flat = |cutter: &&Cutter| {
-            let high = wide_holder(cutter).and_then(|(radius, reach)| Some((radius, section(own.z + reach)?)));
+            let high = wide_holder(cutter).and_then(|(radius, reach)| Some((fitting(radius), section(own.z + reach)?)));
             let holder = high.map(|(distance, high)| Obstacle { outlines: &high.outlines, distance });
-            uncut_with_holder(&own.outlines, cutter.radius(), holder, tolerance)
+            uncut_with_holder(&own.outlines, fitting(cutter.radius()), holder, tolerance)
         };
         let others = self.others.map(|others| others(own));
         let left = intersected(self.flats.iter().map(by_flat).chain(others));
@@ -313,6 +320,29 @@ mod tests {
             // Above that, the corners at both ends.
             let exact = long * radius * radius * cot + (4.0 - PI) * radius * radius * (deep - radius * cot);
             assert!(regions.len() == 1 && is_near(volume, exact), "{degrees}: {} {volume} {exact}", regions.len());
+        }
+    }
+
+    /// A blind slot and a square hole as wide as the cutter keep their corners only, however they lie, as files in
+    /// single precision have them.
+    #[test]
+    fn a_cutter_fits_into_what_is_as_wide_as_itself() {
+        for (radius, long, far) in [(1.0, 20.0, 0.0), (1.0, 2.0, 0.0), (0.5, 7.0, 900.0), (6.0, 12.0, 40.0)] {
+            let hole = rectangle(long, 2.0 * radius);
+            let mesh = pocket(&rectangle(40.0, 40.0), &hole, &hole, [15.0, 6.0]);
+            let exact = (4.0 - PI) * radius * radius * 6.0;
+            for degrees in (0..180).step_by(7).map(f64::from) {
+                let turn = DVec2::from_angle(degrees.to_radians());
+                let turned = mesh.mapped(|p| {
+                    let p = turn.rotate(p.truncate()).extend(p.z) + DVec3::new(far, -far, 0.3 * far);
+                    DVec3::from(p.to_array().map(|v| f64::from(v as f32)))
+                });
+                let (regions, volume) = found(&turned, &[Cutter::flat(radius)]);
+                assert!(is_near(volume, exact), "{radius} {degrees}: {volume} {exact}, {} regions", regions.len());
+                // What is narrower by more than the file's rounding is left whole.
+                let (_, whole) = found(&turned, &[Cutter::flat(radius + 2.0 * outline_error(&turned))]);
+                assert!(is_near(whole, 2.0 * radius * long * 6.0), "{radius} {degrees}: {whole}");
+            }
         }
     }
 
