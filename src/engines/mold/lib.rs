@@ -30,6 +30,7 @@ pub mod warning;
 
 mod capsule;
 mod centre_path;
+mod contact;
 mod edge_grid;
 
 #[cfg(any(test, feature = "fixtures"))]
