@@ -82,16 +82,18 @@ impl Cutter {
         self.reach_mm.map(|reach| (0.5 * self.holder_diameter_mm.unwrap_or(self.diameter_mm), reach))
     }
 
-    /// Name, or the name of the shape.
+    /// Name, or the name of the shape with its diameter, as libraries have it, and its radius, as the command line does:
+    /// `flat D2 (R1)`.
     pub fn label(&self) -> String {
         if !self.name.is_empty() {
             return self.name.clone();
         }
+        let size = format!("D{} (R{})", self.diameter_mm, self.radius());
         match self.kind() {
-            CutterKind::Flat => format!("flat {}", self.diameter_mm),
+            CutterKind::Flat => format!("flat {size}"),
             // One with too large an edge is no ball.
-            CutterKind::Ball if self.corner_mm <= self.radius() => format!("ball {}", self.diameter_mm),
-            _ => format!("bull-nose {} r {}", self.diameter_mm, self.corner_mm),
+            CutterKind::Ball if self.corner_mm <= self.radius() => format!("ball {size}"),
+            _ => format!("bull-nose {size} corner R{}", self.corner_mm),
         }
     }
 
