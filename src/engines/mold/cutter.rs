@@ -250,6 +250,15 @@ mod tests {
         assert!(CutterLibrary::default().validate().unwrap_err().remedy.contains("there is no cutter"));
     }
 
+    /// The command line takes radii, libraries have diameters: a name says both.
+    #[test]
+    fn names_tell_radius_and_diameter_apart() {
+        let label = |text: &str| text.parse::<Cutter>().unwrap().label();
+        assert_eq!(["flat:1", "ball:0.35"].map(label), ["flat D2 (R1)", "ball D0.7 (R0.35)"]);
+        assert_eq!(label("bull:3:0.5"), "bull-nose D6 (R3) corner R0.5");
+        assert_eq!(Cutter { name: "T4".to_owned(), ..Cutter::flat(1.0) }.label(), "T4");
+    }
+
     #[test]
     fn of_each_kind_the_smallest_does_unless_reach_is_limited() {
         let short = Cutter { reach_mm: Some(10.0), ..Cutter::flat(0.5) };
