@@ -122,7 +122,7 @@ fn what_is_left_is_found_listed_selected_and_cut_into_layers() {
     let name = desk.window.get(By::new().role(Role::TextInput).label("Cutters 1, Name"));
     assert_eq!(
         name.accesskit_node().placeholder(),
-        Some("flat D6 (R3)"),
+        Some("flat D6"),
         "a cutter without a name is called after its shape"
     );
     let exact = 4.0 * corner(3.0, 5.0) + 4.0 * corner(3.0, 4.0);
