@@ -67,7 +67,7 @@ fn segments_page_and_other_cutters_are_written_and_no_time_is_in_files_for_progr
     let lowest = runs[1].split(',').next().unwrap();
     let of_layer = runs.iter().filter(|run| run.split(',').next() == Some(lowest)).count();
     assert_eq!(of_layer, 4, "a run in each corner: {segments}");
-    for text in ["Uncut detection", "height map, layers, surface", "mold.stl", "flat 2"] {
+    for text in ["Uncut detection", "height map, layers, surface", "mold.stl", "flat D2 (R1)"] {
         assert!(page.contains(text), "{text}");
     }
     assert!(plain.get("comparison").is_none() && !page.contains("Other cutters"));

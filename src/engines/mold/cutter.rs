@@ -82,16 +82,18 @@ impl Cutter {
         self.reach_mm.map(|reach| (0.5 * self.holder_diameter_mm.unwrap_or(self.diameter_mm), reach))
     }
 
-    /// Name, or the name of the shape.
+    /// Name, or the name of the shape with its diameter, as libraries have it, and its radius, as the command line does:
+    /// `flat D2 (R1)`.
     pub fn label(&self) -> String {
         if !self.name.is_empty() {
             return self.name.clone();
         }
+        let size = format!("D{} (R{})", self.diameter_mm, self.radius());
         match self.kind() {
-            CutterKind::Flat => format!("flat {}", self.diameter_mm),
+            CutterKind::Flat => format!("flat {size}"),
             // One with too large an edge is no ball.
-            CutterKind::Ball if self.corner_mm <= self.radius() => format!("ball {}", self.diameter_mm),
-            _ => format!("bull-nose {} r {}", self.diameter_mm, self.corner_mm),
+            CutterKind::Ball if self.corner_mm <= self.radius() => format!("ball {size}"),
+            _ => format!("bull-nose {size} corner R{}", self.corner_mm),
         }
     }
 
@@ -246,6 +248,15 @@ mod tests {
         assert!(said.starts_with("corner_mm is 2: ") && said.contains("at most the cutter's radius of 1 mm"), "{said}");
         assert_eq!(read("bull:1:1").unwrap().kind(), CutterKind::Ball);
         assert!(CutterLibrary::default().validate().unwrap_err().remedy.contains("there is no cutter"));
+    }
+
+    /// The command line takes radii, libraries have diameters: a name says both.
+    #[test]
+    fn names_tell_radius_and_diameter_apart() {
+        let label = |text: &str| text.parse::<Cutter>().unwrap().label();
+        assert_eq!(["flat:1", "ball:0.35"].map(label), ["flat D2 (R1)", "ball D0.7 (R0.35)"]);
+        assert_eq!(label("bull:3:0.5"), "bull-nose D6 (R3) corner R0.5");
+        assert_eq!(Cutter { name: "T4".to_owned(), ..Cutter::flat(1.0) }.label(), "T4");
     }
 
     #[test]

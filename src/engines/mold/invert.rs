@@ -12,18 +12,33 @@ use glam::{DVec2, DVec3};
 
 use super::outline::Outline;
 use super::plane::{self, Shape};
-use super::section::Section;
+use super::section::{Section, vertex_error};
 use geometry::mesh::{Mesh, normal_times_two_areas, unit_normal};
 use task::{Cancel, Cancelled};
 
-/// Faces whose unit normal's z is less than this look downwards; vertical walls of files in single precision do not.
-pub(super) const DOWNWARDS: f64 = -1e-3;
+/// Faces whose unit normal along the opening is less than this look away; vertical walls do not.
+pub(crate) const DOWNWARDS: f64 = -1e-3;
 /// How far above the mesh's bottom a face must reach not to belong to its base (mm).
 const BASE: f64 = 1e-6;
 /// Area of faces that look downwards up to which it is rounding (mm^2).
 pub const LEAST_INVERT: f64 = 1e-2;
 /// Gaps up to this width between a section and a shadow are rounding, and are closed (mm).
 const GAP: f64 = 2e-5;
+
+/// How far the normal of a triangle may be off (radians), whose vertices are off by `error` (mm): narrow ones tilt far.
+pub(super) fn tilt(corners: [DVec3; 3], error: f64) -> f64 {
+    let [a, b, c] = corners;
+    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+    let height = normal_times_two_areas(corners).length() / longest;
+    if height > 0.0 { 2.0 * error / height } else { f64::INFINITY }
+}
+
+/// Whether a face looks away from a direction, a unit vector, by more than vertices that are off by `error` (mm) make of
+/// a wall along it.
+pub(super) fn looks_away(corners: [DVec3; 3], direction: DVec3, error: f64) -> bool {
+    let up = unit_normal(corners).dot(direction);
+    up < DOWNWARDS && -up > tilt(corners, error)
+}
 
 /// The faces of a mold that no cutter from above reaches.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -37,8 +52,9 @@ pub struct InvertFaces {
 impl InvertFaces {
     /// The invert faces of `mesh`.
     pub fn of(mesh: &Mesh) -> Self {
-        let base = mesh.bounds().min.z + BASE;
-        let is_invert = |[a, b, c]: [DVec3; 3]| a.z.max(b.z).max(c.z) > base && unit_normal([a, b, c]).z < DOWNWARDS;
+        let error = vertex_error(mesh);
+        let base = mesh.bounds().min.z + BASE.max(2.0 * error);
+        let is_invert = |[a, b, c]: [DVec3; 3]| a.z.max(b.z).max(c.z) > base && looks_away([a, b, c], DVec3::Z, error);
         let triangles: Vec<u32> =
             mesh.iter_corners().enumerate().filter(|(_, corners)| is_invert(*corners)).map(|(i, _)| i as u32).collect();
         let area = |i: &u32| 0.5 * normal_times_two_areas(mesh.corners(*i as usize)).length();
@@ -170,7 +186,7 @@ fn clip(points: &[DVec3], side: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
 }
 
 /// Outlines with gaps narrower than [`GAP`] closed: grown by half of it and shrunk again, corners kept.
-fn without_gaps(outlines: &[Outline]) -> Vec<Outline> {
+pub(super) fn without_gaps(outlines: &[Outline]) -> Vec<Outline> {
     let points = |o: &Outline| super::outline::without_straight_points(o.points(), 0.5 * GAP);
     let grown = plane::grown(outlines, 0.5 * GAP);
     let closed = plane::grown(&flat(grown), -0.5 * GAP);

@@ -8,6 +8,7 @@ pub mod cutter;
 pub mod datum;
 pub mod demonstration;
 pub mod electrode;
+pub mod exact_fit;
 pub mod height_field;
 pub mod interference;
 pub mod invert;
@@ -29,6 +30,7 @@ pub mod warning;
 
 mod capsule;
 mod centre_path;
+mod contact;
 mod edge_grid;
 
 #[cfg(any(test, feature = "fixtures"))]

@@ -49,6 +49,22 @@ impl LayerRegion {
     }
 }
 
+impl LayerRegion {
+    /// Both as one.
+    pub fn and(mut self, other: Self) -> Self {
+        self.pieces.extend(other.pieces);
+        self.pieces.sort_unstable();
+        self.bounds = Bounds { min: self.bounds.min.min(other.bounds.min), max: self.bounds.max.max(other.bounds.max) };
+        Self {
+            volume: self.volume + other.volume,
+            plan_area: self.plan_area + other.plan_area,
+            height: self.bounds.size().z,
+            corner_depth: self.corner_depth.max(other.corner_depth),
+            ..self
+        }
+    }
+}
+
 /// The regions of layers in rising order, by height and then by place of their first pieces; those whose residue is no
 /// thicker than `tolerance` (mm) left out.
 pub fn regions(layers: &[UncutLayer], tolerance: f64) -> Vec<LayerRegion> {

@@ -16,6 +16,25 @@ use task::{Cancel, Cancelled};
 /// Deviation up to which a point counts as on a straight line (mm): what single precision makes of coordinates.
 const STRAIGHT: f64 = 6e-6;
 
+/// Single-precision roundings that a coordinate may have gone through: one when the part was written, one when it was
+/// moved or turned.
+const ROUNDINGS: f64 = 2.0;
+
+/// How far the vertices of a mesh may be from where they were meant to be (mm): files hold coordinates in single
+/// precision, so each is off by up to 2^-24 of the greatest, and in space by the square root of 3 times as much.
+pub fn vertex_error(mesh: &Mesh) -> f64 {
+    let bounds = mesh.bounds();
+    let greatest = bounds.min.abs().max(bounds.max.abs()).max_element();
+    let rounding = if greatest.is_finite() { greatest * 2f64.powi(-24) } else { 0.0 };
+    ROUNDINGS * 3f64.sqrt() * rounding
+}
+
+/// How far the outlines of a mesh may lie off the walls that were meant (mm): as far as its vertices, and as points that
+/// are left out as on a straight line.
+pub fn outline_error(mesh: &Mesh) -> f64 {
+    STRAIGHT + vertex_error(mesh)
+}
+
 /// Section of a mold by a horizontal plane.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Section {

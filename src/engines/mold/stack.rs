@@ -6,14 +6,15 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::centre_path::Obstacle;
+use super::contact::have_contacts;
 use super::cutter::{Cutter, CutterKind};
-use super::invert::{InvertFaces, Shadows};
+use super::invert::{InvertFaces, Shadows, without_gaps};
 use super::layers::{FirstLayers, LayerFigures, LayerSettings, Tolerance, first_layers, is_bent};
 use super::outline::Outline;
 use super::piece::{UncutPiece, clipped, intersected};
 use super::plane;
 use super::region::have_partners;
-use super::section::{Section, sections};
+use super::section::{Section, outline_error, sections};
 use super::uncut_layer::uncut_with_holder;
 use super::warning::MoldWarning;
 use geometry::mesh::Mesh;
@@ -48,6 +49,8 @@ pub type Others<'a> = &'a (dyn Fn(&Section) -> Vec<UncutPiece> + Sync);
 /// Residual stock of `mesh`, whose opening looks along +Z, after every one of the flat cutters among `cutters`, and of
 /// `others` where there are any. Without any cutter nothing is found. The settings must have been validated.
 ///
+/// Cutters are taken for smaller by [`outline_error`] on the radius, so that one that is as wide as a slot fits into it.
+///
 /// # Errors
 /// [`Cancelled`].
 pub fn uncut_stack(
@@ -61,7 +64,10 @@ pub fn uncut_stack(
     let reaches: Vec<f64> = flats.iter().filter_map(|c| wide_holder(c)).map(|(_, reach)| reach).collect();
     let mut shadows = Shadows::new(mesh);
     let silhouette = silhouette(mesh, &mut shadows, &task.cancel)?;
-    let mut work = Work { mesh, flats, others, settings, shadows, silhouette, seen: Seen::default() };
+    let fit = outline_error(mesh);
+    let has_contacts = have_contacts(mesh);
+    let mut work =
+        Work { mesh, flats, fit, has_contacts, others, settings, shadows, silhouette, seen: Seen::default() };
     let FirstLayers { heights, floors } = first_layers(mesh, &reaches, settings);
     let mut layers: Vec<UncutLayer> = Vec::new();
     let mut wanted = heights;
@@ -138,6 +144,10 @@ impl UncutLayer {
 struct Work<'a> {
     mesh: &'a Mesh,
     flats: Vec<&'a Cutter>,
+    /// How much smaller than it is a radius is taken (mm).
+    fit: f64,
+    /// Whether solids of the mold may touch.
+    has_contacts: bool,
     others: Option<Others<'a>>,
     settings: &'a LayerSettings,
     shadows: Shadows<'a>,
@@ -153,7 +163,7 @@ impl Work<'_> {
         all.sort_by(f64::total_cmp);
         all.dedup();
         let mut sections = sections(self.mesh, &all, cancel)?;
-        let crossing: Vec<bool> = sections.par_iter_mut().map(uncross).collect();
+        let crossing: Vec<bool> = sections.par_iter_mut().map(|s| uncross(s, self.has_contacts)).collect();
         self.seen.note(&sections, &crossing, heights);
         self.shadows.cast(&mut sections, cancel)?;
         // Metal over an opening at the bottom is a floor: an opening is what is open all the way up.
@@ -171,10 +181,12 @@ impl Work<'_> {
     /// Residual stock of a layer after all cutters.
     fn left<'s>(&self, own: &Section, section: &(impl Fn(f64) -> Option<&'s Section> + Sync)) -> Vec<UncutPiece> {
         let tolerance = self.settings.depth_tolerance_mm;
+        // Never to nothing, however far from its origin a mold lies.
+        let fitting = |radius: f64| (radius - self.fit).max(0.5 * radius);
         let by_flat = |cutter: &&Cutter| {
-            let high = wide_holder(cutter).and_then(|(radius, reach)| Some((radius, section(own.z + reach)?)));
+            let high = wide_holder(cutter).and_then(|(radius, reach)| Some((fitting(radius), section(own.z + reach)?)));
             let holder = high.map(|(distance, high)| Obstacle { outlines: &high.outlines, distance });
-            uncut_with_holder(&own.outlines, cutter.radius(), holder, tolerance)
+            uncut_with_holder(&own.outlines, fitting(cutter.radius()), holder, tolerance)
         };
         let others = self.others.map(|others| others(own));
         let left = intersected(self.flats.iter().map(by_flat).chain(others));
@@ -182,8 +194,8 @@ impl Work<'_> {
     }
 }
 
-/// Makes outlines that cross each other the boundary of all that they enclose; whether they did.
-fn uncross(section: &mut Section) -> bool {
+/// Makes outlines that cross each other, or may touch, the boundary of all that they enclose; whether they cross.
+fn uncross(section: &mut Section, may_touch: bool) -> bool {
     // Where outlines are missing those that are there say no more than themselves.
     if section.outlines.is_empty() || !section.open.is_empty() {
         return false;
@@ -191,11 +203,15 @@ fn uncross(section: &mut Section) -> bool {
     let [low, high] = plane::extent(&section.outlines);
     let covered = plane::union(&section.outlines, &[]);
     let area: f64 = covered.iter().map(|shape| plane::area(shape)).sum();
-    if (area - plane::area(&section.outlines)).abs() <= SAME_AREA * (high - low).element_product() + 1e-6 {
-        return false;
+    let do_cross = (area - plane::area(&section.outlines)).abs() > SAME_AREA * (high - low).element_product() + 1e-6;
+    if do_cross || may_touch {
+        section.outlines = covered.into_iter().flatten().collect();
     }
-    section.outlines = covered.into_iter().flatten().collect();
-    true
+    // Solids that touch are a hair apart in single precision.
+    if may_touch {
+        section.outlines = without_gaps(&section.outlines);
+    }
+    do_cross
 }
 
 /// Observations of the mold on the way.
@@ -313,6 +329,48 @@ mod tests {
             // Above that, the corners at both ends.
             let exact = long * radius * radius * cot + (4.0 - PI) * radius * radius * (deep - radius * cot);
             assert!(regions.len() == 1 && is_near(volume, exact), "{degrees}: {} {volume} {exact}", regions.len());
+        }
+    }
+
+    /// A blind slot and a square hole as wide as the cutter keep their corners only, however they lie, as files in
+    /// single precision have them.
+    #[test]
+    fn a_cutter_fits_into_what_is_as_wide_as_itself() {
+        for (radius, long, far) in [(1.0, 20.0, 0.0), (1.0, 2.0, 0.0), (0.5, 7.0, 900.0), (6.0, 12.0, 40.0)] {
+            let hole = rectangle(long, 2.0 * radius);
+            let mesh = pocket(&rectangle(40.0, 40.0), &hole, &hole, [15.0, 6.0]);
+            let exact = (4.0 - PI) * radius * radius * 6.0;
+            for degrees in (0..180).step_by(7).map(f64::from) {
+                let turn = DVec2::from_angle(degrees.to_radians());
+                let turned = mesh.mapped(|p| {
+                    let p = turn.rotate(p.truncate()).extend(p.z) + DVec3::new(far, -far, 0.3 * far);
+                    DVec3::from(p.to_array().map(|v| f64::from(v as f32)))
+                });
+                let (regions, volume) = found(&turned, &[Cutter::flat(radius)]);
+                assert!(is_near(volume, exact), "{radius} {degrees}: {volume} {exact}, {} regions", regions.len());
+                // What is narrower by more than the file's rounding is left whole.
+                let (_, whole) = found(&turned, &[Cutter::flat(radius + 2.0 * outline_error(&turned))]);
+                assert!(is_near(whole, 2.0 * radius * long * 6.0), "{radius} {degrees}: {whole}");
+            }
+        }
+    }
+
+    /// Where solids touch there is no wall: a rib of three that stand side by side on a block is one.
+    #[test]
+    fn solids_that_touch_are_one() {
+        let block = Mesh::cuboid(DVec3::new(30.0, 20.0, 5.0));
+        let on = |size: [f64; 2], at: [f64; 2]| {
+            let part = Mesh::cuboid(DVec3::new(size[0], size[1], 4.0));
+            part.mapped(|p| p + DVec3::new(at[0], at[1], 5.0))
+        };
+        // An L: its inner corner is between two of the solids.
+        let ribs = [on([4.0, 3.0], [5.0, 5.0]), on([8.0, 3.0], [9.0, 5.0]), on([4.0, 9.0], [5.0, 8.0])];
+        let mesh = ribs.iter().fold(block, |all, rib| with(&all, rib));
+        for degrees in [0.0f64, 33.7, 61.0] {
+            let turn = DVec2::from_angle(degrees.to_radians());
+            let turned = mesh.mapped(|p| turn.rotate(p.truncate()).extend(p.z).as_vec3().as_dvec3());
+            let (regions, volume) = found(&turned, &[Cutter::flat(1.0)]);
+            assert!(regions.len() == 1 && is_near(volume, (1.0 - PI / 4.0) * 4.0), "{degrees}: {volume} {regions:?}");
         }
     }
 

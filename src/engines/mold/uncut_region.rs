@@ -98,15 +98,17 @@ impl Regions {
         }
     }
 
-    /// The regions of layers, with what the grid knows of them.
+    /// The regions of layers, with what the grid knows of them. Those of the layers that are one on the grid are one: they
+    /// meet where the cutter has no room, as at the end of a slot of its own width.
     pub fn of_layers(
         layers: &[UncutLayer],
         flat: &[LayerRegion],
         (field, closing): (&HeightField, &Closing),
         found: &[FieldRegion],
     ) -> Self {
-        let owner = |region: &FieldRegion| owner(layers, flat, (field, closing), region);
-        let owners: Vec<Option<usize>> = found.iter().map(owner).collect();
+        let counts = |region: &FieldRegion| counts(layers, flat, (field, closing), region);
+        let (flat, owners) = joined(flat, &found.iter().map(counts).collect::<Vec<_>>());
+        let flat = &flat;
         let parts = |l: usize| found.iter().zip(&owners).filter(move |(_, owner)| **owner == Some(l)).map(|(r, _)| r);
         let of_layers =
             (0..flat.len()).map(|l| UncutRegion::of_layers(layers, &flat[l], &parts(l).collect::<Vec<_>>()));
@@ -149,27 +151,48 @@ fn plan_area(layers: &[UncutLayer], region: &LayerRegion) -> Option<f64> {
     pieces.all(|piece| piece.boundary == first.boundary).then_some(first.area)
 }
 
-/// The region of layers that holds most of the looked at cells of a region of the grid.
-fn owner(
+/// The regions of layers that hold looked at cells of a region of the grid, each with their number.
+fn counts(
     layers: &[UncutLayer],
     flat: &[LayerRegion],
     (field, closing): (&HeightField, &Closing),
     region: &FieldRegion,
-) -> Option<usize> {
+) -> Vec<(usize, usize)> {
     let slack = 1.5 * field.step();
-    let near: Vec<usize> =
-        (0..flat.len()).filter(|l| flat[*l].bounds.grown(slack).intersects(&region.bounds)).collect();
-    let mut counts = vec![0usize; near.len()];
+    let near = (0..flat.len()).filter(|l| flat[*l].bounds.grown(slack).intersects(&region.bounds));
+    let mut counts: Vec<(usize, usize)> = near.map(|l| (l, 0)).collect();
     for cell in region.cells.iter().step_by(region.cells.len().div_ceil(LOOKS).max(1)).map(|c| *c as usize) {
         let Some(low) = field.height(cell) else { continue };
         let heights = [low, low + closing.residue(field, cell)];
         let at = field.center(cell);
-        for (count, l) in counts.iter_mut().zip(&near) {
+        for (l, count) in &mut counts {
             *count += usize::from(holds(layers, &flat[*l], at, heights, slack));
         }
     }
-    let most = (0..near.len()).rev().max_by_key(|i| counts[*i])?;
-    (counts[most] > 0).then_some(near[most])
+    counts.retain(|(_, count)| *count > 0);
+    counts
+}
+
+/// The regions of layers, those without a region of the grid of their own joined with the one whose it is; and for each
+/// region of the grid, by how many of its cells which of them hold, the one that holds most.
+fn joined(flat: &[LayerRegion], counts: &[Vec<(usize, usize)>]) -> (Vec<LayerRegion>, Vec<Option<usize>>) {
+    let most = |of: &Vec<(usize, usize)>| of.iter().rev().max_by_key(|(_, count)| *count).map(|(l, _)| *l);
+    let owners: Vec<Option<usize>> = counts.iter().map(most).collect();
+    // What each is part of: itself, or the owner of the region of the grid that most of it is in.
+    let part_of = |l: usize| {
+        let held = counts.iter().zip(&owners).flat_map(|(of, owner)| of.iter().zip(std::iter::repeat(*owner)));
+        let own = held.filter(|((other, _), _)| *other == l);
+        let of_most = own.max_by_key(|((_, count), _)| *count).and_then(|(_, owner)| owner);
+        if owners.contains(&Some(l)) { l } else { of_most.unwrap_or(l) }
+    };
+    let parts: Vec<usize> = (0..flat.len()).map(part_of).collect();
+    let kept: Vec<usize> = (0..flat.len()).filter(|l| parts[*l] == *l).collect();
+    let whole = |l: &usize| {
+        let others = (0..flat.len()).filter(|other| other != l && parts[*other] == *l);
+        others.fold(flat[*l].clone(), |whole, other| whole.and(flat[other].clone()))
+    };
+    let place = |owner: &Option<usize>| owner.and_then(|l| kept.binary_search(&l).ok());
+    (kept.iter().map(whole).collect(), owners.iter().map(place).collect())
 }
 
 /// Whether a piece of the region between the heights holds a place of the plan, or one within `slack` of it (mm).
@@ -186,6 +209,26 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+
+    #[test]
+    fn regions_of_layers_without_one_of_the_grid_are_joined_with_the_one_that_has_it() {
+        let flat = |x: f64| LayerRegion {
+            pieces: vec![[0, x as usize]],
+            volume: 1.0 + x,
+            plan_area: 2.0,
+            bounds: Bounds { min: DVec3::new(x, 0.0, 0.0), max: DVec3::new(x + 1.0, 1.0, 3.0) },
+            height: 3.0,
+            corner_depth: 1.0,
+        };
+        let all = [flat(0.0), flat(1.0), flat(2.0), flat(3.0)];
+        // The grid's first region is in 1 and 2, most in 2, its second in 3; of 0 it has nothing.
+        let (joined, owners) = joined(&all, &[vec![(1, 20), (2, 30)], vec![(3, 5)], Vec::new()]);
+        assert_eq!(owners, [Some(1), Some(2), None]);
+        assert_eq!(joined.len(), 3);
+        assert_eq!((&joined[0], &joined[2]), (&all[0], &all[3]));
+        assert_eq!((joined[1].volume, &joined[1].pieces[..]), (5.0, &[[0, 1], [0, 2]][..]));
+        assert_eq!((joined[1].bounds.min.x, joined[1].bounds.max.x), (1.0, 3.0));
+    }
 
     #[test]
     fn a_region_of_layers_is_as_high_as_the_grid_knows() {

@@ -2,14 +2,16 @@
 //!
 //! A face is not seen if it looks away from the opening, or lies under others. The first is exact; the second is told by
 //! a coarse height map at places just before the faces, about as well as grooves are wider than a few hundredths of
-//! the part. The part's bottom, on which it stands, is neither.
+//! the part. The part's bottom, on which it stands, is neither, and where solids touch there is no face.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use super::contact::{Contacts, place};
 use super::height_field::HeightField;
-use super::invert::{DOWNWARDS, InvertFaces};
+use super::invert::{InvertFaces, looks_away, tilt};
 use super::opening::Opening;
+use super::section::vertex_error;
 use super::warning::MoldWarning;
 use geometry::mesh::{Mesh, normal_times_two_areas, unit_normal};
 use task::Cancel;
@@ -19,6 +21,9 @@ const CELLS: f64 = 400.0;
 /// How far before a face it is asked what lies above, in cells: more than half a cell's diagonal, so that the face's own
 /// cells are never in the way.
 const BEFORE: f64 = 0.75;
+/// By how many cells what lies over a place is higher, at least: in a groove the ground's cells are higher than it by
+/// half a cell times the slope of its walls.
+const ABOVE: f64 = 2.0;
 /// Cells that a place of a face stands for, and most places of a triangle.
 const CELLS_PER_PLACE: f64 = 16.0;
 const MOST_PLACES: f64 = 1024.0;
@@ -50,10 +55,11 @@ impl Unseen {
         self.away_mm2 + self.hidden_mm2
     }
 
-    /// What is not seen of those faces of a mesh whose opening looks along +Z that count.
-    fn of(upright: &Mesh, counts: impl Fn(usize) -> bool + Sync) -> Self {
-        let is_base_or_away = |corners: [DVec3; 3]| unit_normal(corners).z < DOWNWARDS;
-        let away_mm2 = away_mm2(upright, DVec3::Z, &counts);
+    /// What is not seen of those faces of a mesh whose opening looks along +Z that count. The contacts are those of the
+    /// mesh before its `opening` was turned there.
+    fn of(upright: &Mesh, (contacts, opening): (&Contacts, Opening), counts: impl Fn(usize) -> bool + Sync) -> Self {
+        let error = vertex_error(upright);
+        let away_mm2 = away_mm2(upright, DVec3::Z, contacts, &counts);
         let area = |face: usize| 0.5 * normal_times_two_areas(upright.corners(face)).length();
         let size = upright.bounds().size();
         let step = size.x.max(size.y) / CELLS;
@@ -63,20 +69,31 @@ impl Unseen {
         };
         let corner = field.center(0) - 0.5 * step;
         let [columns, rows] = field.size();
+        let is_above = |at: DVec2, z: f64| {
+            let is_beside = at.x < 0.0 || at.y < 0.0 || at.x >= columns as f64 || at.y >= rows as f64;
+            !is_beside
+                && field.height(at.y as usize * columns + at.x as usize).is_some_and(|height| height > z + ABOVE * step)
+        };
+        // In a corner the cells on one side only are higher.
+        let around = [-1.0, 0.0, 1.0].map(|x| [-1.0, 0.0, 1.0].map(|y| DVec2::new(x, y)));
         let is_under = |p: DVec3| {
             let at = ((p.truncate() - corner) / step).floor();
-            let is_beside = at.x < 0.0 || at.y < 0.0 || at.x >= columns as f64 || at.y >= rows as f64;
-            !is_beside && field.height(at.y as usize * columns + at.x as usize).is_some_and(|height| height > p.z)
+            is_above(at, p.z) && around.as_flattened().iter().all(|off| is_above(at + off, p.z))
         };
         let hidden = |face: usize| {
             let corners = upright.corners(face);
-            if !counts(face) || is_base_or_away(corners) {
+            // What looks away is counted there, or is the base.
+            if !counts(face) || looks_away(corners, DVec3::Z, error) {
                 return 0.0;
             }
             let area = area(face);
             let places = (area / (CELLS_PER_PLACE * step * step)).clamp(1.0, MOST_PLACES).ceil() as usize;
-            let before = BEFORE * step * unit_normal(corners);
-            let under = (0..places).filter(|i| is_under(place(corners, *i, places) + before)).count();
+            let normal = unit_normal(corners);
+            let is_hidden = |p: DVec3| {
+                let is_covered = || contacts.cover(face, opening.in_mesh(p), opening.in_mesh(normal));
+                is_under(p + BEFORE * step * normal) && !(contacts.are_near(face) && is_covered())
+            };
+            let under = (0..places).filter(|i| is_hidden(place(corners, *i, places))).count();
             area * under as f64 / places as f64
         };
         // Collected first: the sum is the same however many threads there are.
@@ -87,50 +104,48 @@ impl Unseen {
     /// A warning if the opening of `upright`, which looks along +Z, hides a third of the inner faces or more. Inner faces
     /// are all but those on the outside of the part, which has no material before their planes.
     pub fn warning(upright: &Mesh) -> Option<MoldWarning> {
-        let is_inner = inner(upright);
-        let faces = upright.iter_corners().zip(&is_inner).filter(|(_, is_inner)| **is_inner);
-        let inner_mm2: f64 = faces.map(|(corners, _)| 0.5 * normal_times_two_areas(corners).length()).sum();
-        let hidden_mm2 = Self::of(upright, |face| is_inner[face]).area_mm2();
+        let (is_inner, contacts) = (inner(upright), Contacts::of(upright));
+        let faces = (0..upright.triangles.len()).filter(|face| is_inner[*face]);
+        let inner_mm2: f64 = faces.map(|face| free_area(upright, face, &contacts)).sum();
+        let hidden_mm2 = Self::of(upright, (&contacts, Opening::PlusZ), |face| is_inner[face]).area_mm2();
         let is_much = inner_mm2 > 0.0 && hidden_mm2 >= MOST_HIDDEN * inner_mm2;
         is_much.then_some(MoldWarning::HiddenCavity { hidden_mm2, inner_mm2 })
     }
 }
 
+/// Area of a face where there is no material before it (mm^2).
+fn free_area(mesh: &Mesh, face: usize, contacts: &Contacts) -> f64 {
+    0.5 * normal_times_two_areas(mesh.corners(face)).length() * contacts.free_share(face)
+}
+
 /// Area of the faces that look away from a direction, of those that count and do not lie on the bottom (mm^2).
-fn away_mm2(mesh: &Mesh, direction: DVec3, counts: impl Fn(usize) -> bool) -> f64 {
+fn away_mm2(mesh: &Mesh, direction: DVec3, contacts: &Contacts, counts: impl Fn(usize) -> bool) -> f64 {
     let lowest = mesh.vertices.iter().map(|p| p.dot(direction)).fold(f64::INFINITY, f64::min);
     let low = lowest + OUTER * mesh.bounds().size().length();
+    let error = vertex_error(mesh);
     let of = |(face, corners): (usize, [DVec3; 3])| {
-        let scaled = normal_times_two_areas(corners);
-        let up = scaled.dot(direction);
-        let is_away = up < 0.0 && up * up > DOWNWARDS * DOWNWARDS * scaled.length_squared();
+        let is_away = looks_away(corners, direction, error);
         let counts = is_away && corners.iter().any(|p| p.dot(direction) > low) && counts(face);
-        counts.then(|| 0.5 * scaled.length())
+        counts.then(|| free_area(mesh, face, contacts))
     };
     mesh.iter_corners().enumerate().filter_map(of).sum::<f64>() + 0.0
 }
 
-/// The undercut faces among the invert faces of `upright`, whose `opening` was turned to look along +Z: along a slanted
-/// direction the part's outside looks away too, where nothing is to be cut.
+/// The undercut faces among the invert faces of `upright`, whose `opening` was turned to look along +Z: where solids
+/// touch there is no face, and along a slanted direction the part's outside looks away too, where nothing is to be cut.
 pub fn undercuts(faces: InvertFaces, upright: &Mesh, opening: Opening) -> InvertFaces {
-    if !matches!(opening, Opening::Slant(_)) {
+    if faces.triangles.is_empty() {
         return faces;
     }
-    let is_inner = inner(upright);
-    let triangles: Vec<u32> = faces.triangles.into_iter().filter(|face| is_inner[*face as usize]).collect();
-    let area = |face: &u32| 0.5 * normal_times_two_areas(upright.corners(*face as usize)).length();
+    let contacts = Contacts::of(upright);
+    let is_inner = matches!(opening, Opening::Slant(_)).then(|| inner(upright));
+    let is_undercut = |face: &u32| {
+        let is_inner = is_inner.as_ref().is_none_or(|is_inner| is_inner[*face as usize]);
+        is_inner && contacts.free_share(*face as usize) > 0.0
+    };
+    let triangles: Vec<u32> = faces.triangles.into_iter().filter(is_undercut).collect();
+    let area = |face: &u32| free_area(upright, *face as usize, &contacts);
     InvertFaces { area: triangles.iter().map(area).sum::<f64>() + 0.0, triangles }
-}
-
-/// Place number `i` of so many in a triangle, evenly spread: by the fractions of multiples of two irrational numbers
-/// (Roberts 2018); one alone is the middle.
-fn place([a, b, c]: [DVec3; 3], i: usize, count: usize) -> DVec3 {
-    if count == 1 {
-        return (a + b + c) / 3.0;
-    }
-    let [u, v] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step| (0.5 + step * i as f64).fract());
-    let [u, v] = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
-    a + u * (b - a) + v * (c - a)
 }
 
 /// The unit normals of the largest faces of a mesh, at most so many, the largest first; opposite ones are one.
@@ -168,11 +183,13 @@ fn inner(mesh: &Mesh) -> Vec<bool> {
         mesh.vertices.iter().copied().max_by(|a, b| a.dot(*direction).total_cmp(&b.dot(*direction)))
     };
     let extremes: Vec<DVec3> = directions.par_iter().filter_map(furthest).collect();
-    let reach = OUTER * mesh.bounds().size().length();
+    let (reach, error) = (OUTER * mesh.bounds().size().length(), vertex_error(mesh));
     let is_inner = |face: usize| {
         let corners = mesh.corners(face);
-        let normal = unit_normal(corners);
-        extremes.iter().any(|p| (*p - corners[0]).dot(normal) > reach)
+        let (normal, tilt) = (unit_normal(corners), tilt(corners, error));
+        // The plane of a narrow triangle is not known far from it.
+        let is_before = |off: DVec3| off.dot(normal) > reach.max(tilt * off.length());
+        extremes.iter().any(|p| is_before(*p - corners[0]))
     };
     (0..mesh.triangles.len()).into_par_iter().map(is_inner).collect()
 }
@@ -191,7 +208,8 @@ pub struct OpeningProposal {
 impl OpeningProposal {
     /// The proposal for a part, in its own axes: of the six axes and the directions of its largest faces and their
     /// opposites the one from which the least area is not seen. Of directions that are as good as each other the one
-    /// comes first from which less looks away, then +Z, -Z, +Y, -Y, +X, -X, and then the larger face.
+    /// comes first from which less looks away, then the one that more of the inner faces look towards, as the top of a
+    /// groove and not its open ends, then +Z, -Z, +Y, -Y, +X, -X, and then the larger face.
     pub fn of(mesh: &Mesh) -> Self {
         use Opening::{MinusX, MinusY, MinusZ, PlusX, PlusY, PlusZ};
         let axes = [PlusZ, MinusZ, PlusY, MinusY, PlusX, MinusX];
@@ -200,20 +218,36 @@ impl OpeningProposal {
         // To decimals that are read and typed.
         let both = faces.take(FACE_DIRECTIONS).map(|d| (d * 1e6).round() / 1e6 + 0.0).flat_map(|d| [d, -d]);
         let directions: Vec<Opening> = axes.into_iter().chain(both.filter_map(Opening::along)).collect();
-        let away = |opening: &Opening| away_mm2(mesh, opening.direction(), |_| true);
+        let contacts = Contacts::of(mesh);
+        let away = |opening: &Opening| away_mm2(mesh, opening.direction(), &contacts, |_| true);
         let away: Vec<f64> = directions.par_iter().map(away).collect();
         let mut order: Vec<usize> = (0..directions.len()).collect();
         order.sort_by(|a, b| away[*a].total_cmp(&away[*b]));
         let whole = mesh.area();
         let steps = |area: f64, share: f64| (area / (share * whole)).round() as u64;
+        let key = |of: &Unseen| (steps(of.area_mm2(), AS_GOOD[0]), steps(of.away_mm2, AS_GOOD[1]));
         let mut found: Vec<(usize, Unseen)> = Vec::new();
         for i in order {
             // What looks away is not seen: no other can be among the best two.
             if found.get(1).is_some_and(|(_, second)| away[i] > second.area_mm2() + AS_GOOD[0] * whole) {
                 break;
             }
-            found.push((i, Unseen::of(&directions[i].upright_mesh(mesh), |_| true)));
-            found.sort_by_key(|(i, of)| (steps(of.area_mm2(), AS_GOOD[0]), steps(of.away_mm2, AS_GOOD[1]), *i));
+            let upright = directions[i].upright_mesh(mesh);
+            found.push((i, Unseen::of(&upright, (&contacts, directions[i]), |_| true)));
+            found.sort_by_key(|(i, of)| (key(of), *i));
+        }
+        // Inner faces are looked for only where they decide.
+        if found.get(1).is_some_and(|(_, second)| key(&found[0].1) == key(second)) {
+            let (is_inner, error) = (inner(mesh), vertex_error(mesh));
+            let towards = |direction: DVec3| {
+                let faces = (0..is_inner.len()).filter(|face| is_inner[*face]);
+                let faces = faces.filter(|face| looks_away(mesh.corners(*face), -direction, error));
+                faces
+                    .map(|face| unit_normal(mesh.corners(face)).dot(direction) * free_area(mesh, face, &contacts))
+                    .sum()
+            };
+            let most = |i: usize| std::cmp::Reverse(steps(towards(directions[i].direction()), AS_GOOD[0]));
+            found.sort_by_cached_key(|(i, of)| (key(of), most(*i), *i));
         }
         let [best, next] = [0, 1].map(|k| found.get(k).map_or_else(Default::default, |(i, of)| (directions[*i], *of)));
         Self { opening: best.0, unseen: best.1, next }
@@ -235,7 +269,8 @@ impl OpeningProposal {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixtures::{frame, pocket, rectangle};
+    use crate::fixtures::{frame, pocket, rectangle, with};
+    use geometry::solid::{difference, hull};
 
     /// Area that the height map hides although it is seen, in corners (mm^2).
     const NOISE: f64 = 0.5;
@@ -287,11 +322,82 @@ mod tests {
         assert_eq!(OpeningProposal::of(&Mesh::default()).opening, Opening::PlusZ, "nothing opens anywhere");
     }
 
+    /// A groove that is open at both ends is seen from there too, but faces look to its top.
+    #[test]
+    fn a_groove_opens_where_its_walls_look_to() {
+        let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        let groove = [-31.0, 31.0].map(|x| [at(x, -3.0, 0.01), at(x, 3.0, 0.01), at(x, 0.0, -6.0)]);
+        let block = Mesh::cuboid(DVec3::new(60.0, 60.0, 15.0));
+        let to_top = block.bounds().center().with_z(block.bounds().max.z);
+        let block = block.mapped(|p| p - to_top);
+        let mold = difference(&block, &hull(groove.as_flattened())).unwrap();
+        let single = |p: DVec3| p.as_vec3().as_dvec3();
+        for vector in [DVec3::Z, DVec3::new(0.57, -0.095, 0.82), DVec3::new(-0.3, 0.8, -0.1), DVec3::NEG_Y] {
+            let opening = Opening::along(vector).unwrap();
+            let proposal = OpeningProposal::of(&mold.mapped(|p| single(opening.in_mesh(p))));
+            let found = proposal.opening.direction();
+            assert!(found.dot(opening.direction()) > 1.0 - 1e-9, "{vector}: {}", proposal.sentence());
+        }
+    }
+
+    /// In single precision the normals of narrow triangles of the bottom are off, and walls lean.
+    #[test]
+    fn narrow_triangles_of_a_turned_mold_are_no_undercuts() {
+        let block = pocket(&rectangle(60.0, 40.0), &rectangle(8.0, 6.0), &rectangle(8.0, 6.0), [20.0, 4.0]);
+        // Points close to the bottom's corners divide its sides and the walls there into narrow triangles.
+        let opening = Opening::along(DVec3::new(0.566683, -0.094528, 0.818495)).unwrap();
+        let narrow = split_near_corners(&block, 0.02);
+        assert!(narrow.is_watertight() && (narrow.volume() - block.volume()).abs() < 1e-6);
+        let turned = narrow.mapped(|p| opening.in_mesh(p).as_vec3().as_dvec3());
+        let upright = opening.upright_mesh(&turned);
+        let found = undercuts(InvertFaces::of(&upright), &upright, opening);
+        assert_eq!(found, InvertFaces::default());
+        assert_eq!(OpeningProposal::of(&turned).unseen.away_mm2, 0.0);
+    }
+
+    /// The mesh with every edge divided at this distance from its first vertex (mm).
+    fn split_near_corners(mesh: &Mesh, off: f64) -> Mesh {
+        let mut split = Mesh { vertices: mesh.vertices.clone(), triangles: Vec::new() };
+        let mut middles = std::collections::HashMap::new();
+        for t in &mesh.triangles {
+            let mut ring = Vec::new();
+            for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+                let (from, to) = (a.min(b), a.max(b));
+                let middle = *middles.entry((from, to)).or_insert_with(|| {
+                    let [p, q] = [from, to].map(|v| mesh.vertices[v as usize]);
+                    split.vertices.push(p + (q - p).normalize() * off);
+                    split.vertices.len() as u32 - 1
+                });
+                ring.extend([a, middle]);
+            }
+            let [a, ab, b, bc, c, ca] = ring[..] else { unreachable!() };
+            split.triangles.extend([[a, ab, ca], [ab, b, bc], [bc, c, ca], [ab, bc, ca]]);
+        }
+        split
+    }
+
+    #[test]
+    fn where_solids_touch_nothing_is_undercut_or_hidden() {
+        let base = mold();
+        let corner = base.bounds().min.with_z(base.bounds().max.z);
+        let rib = Mesh::cuboid(DVec3::new(2.0, 16.0, 6.0));
+        let on = |z: f64| {
+            let shift = corner + DVec3::new(1.5, 2.0, z) - rib.bounds().min;
+            with(&base, &rib.mapped(|p| p + shift))
+        };
+        let undercut = |mesh: &Mesh| undercuts(InvertFaces::of(mesh), mesh, Opening::PlusZ).area;
+        assert_eq!([undercut(&base), undercut(&on(0.0)), undercut(&on(-1.0))], [0.0; 3]);
+        assert!((undercut(&on(1.0)) - 32.0).abs() < 1e-9, "with air below it is undercut");
+        let proposal = OpeningProposal::of(&on(0.0));
+        assert_eq!((proposal.opening, proposal.unseen.away_mm2), (Opening::PlusZ, 0.0), "{}", proposal.sentence());
+        assert!(proposal.unseen.hidden_mm2 < NOISE, "{}", proposal.sentence());
+    }
+
     #[test]
     fn what_lies_under_a_lid_is_not_seen() {
         // A pocket whose mouth is narrower than its floor: 4 x 4 mm over 10 x 10 mm, 3 mm deep, walls aslant.
         let under = pocket(&rectangle(20.0, 20.0), &rectangle(4.0, 4.0), &rectangle(10.0, 10.0), [8.0, 3.0]);
-        let Unseen { away_mm2, hidden_mm2 } = Unseen::of(&under, |_| true);
+        let Unseen { away_mm2, hidden_mm2 } = Unseen::of(&under, (&Contacts::default(), Opening::PlusZ), |_| true);
         // Four trapezia look down; of the floor what is under them cannot be seen.
         let wall = 0.5 * (4.0 + 10.0) * 3.0 * 2f64.sqrt();
         assert!((away_mm2 - 4.0 * wall).abs() < 1e-9, "{away_mm2}");

@@ -114,6 +114,19 @@ pub enum MoldWarning {
         /// The thickest (mm).
         thickness: f64,
     },
+    /// Volumes of what is left, found in two ways, that differ by much.
+    #[error(
+        "what the cutters leave is known to be between {:.3} and {:.3} mm^3 only, most uncertain about x = {:.3}, y = \
+         {:.3}, z = {:.3}: a place there may be just as wide as a cutter; look whether one enters it, or search again \
+         with a finer step",
+        volumes_mm3[0], volumes_mm3[1], place[0], place[1], place[2]
+    )]
+    Uncertain {
+        /// Both volumes, the smaller first (mm^3).
+        volumes_mm3: [f64; 2],
+        /// Middle of the place where they differ most, in the axes of the mesh (mm).
+        place: [f64; 3],
+    },
     /// A surface in coarser pieces than it should have.
     #[error(
         "the surface of what is left has more pieces than a computer holds with ease: its boundary is drawn as coarse \
@@ -130,4 +143,11 @@ pub enum MoldWarning {
         /// How many layers there are.
         layers: usize,
     },
+}
+
+impl MoldWarning {
+    /// Whether the mold's surface is no boundary of a solid, so that what is found there may be wrong.
+    pub fn is_of_surface(&self) -> bool {
+        matches!(self, Self::Empty | Self::NotClosed { .. } | Self::Open { .. } | Self::Crossing { .. })
+    }
 }

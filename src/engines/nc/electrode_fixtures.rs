@@ -83,7 +83,7 @@ fn region(tree: Option<PartNode>, reason: Option<&str>, thickness: f64) -> Regio
         reason: reason.map(str::to_owned),
         reason_place: None,
         left_out: Vec::new(),
-        left: LeftOfRegion { thickness, excess: 0.0, place: DVec3::new(5.0, 6.0, 7.0), volume: 0.125 },
+        left: LeftOfRegion { thickness, place: DVec3::new(5.0, 6.0, 7.0), volume: 0.125, ..LeftOfRegion::default() },
         proposal: None,
     }
 }

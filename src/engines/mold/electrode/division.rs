@@ -229,7 +229,7 @@ fn divided(
     let mut best: Option<([f64; 4], Cut, Halves)> = None;
     for cut in cuts(&part, &rest, settings) {
         cancel.check()?;
-        let Some(halves) = parts_of(burned, &part, &cut, settings, cancel)? else { continue };
+        let Some(halves) = parts_of((burned, [by_whole, &own]), &part, &cut, settings, cancel)? else { continue };
         let left: f64 = halves.parts.iter().map(|(_, rest)| rest.size).sum();
         let edges_left: f64 = halves.parts.iter().flat_map(|(p, _)| &p.h_edges).map(HEdge::length).sum();
         let is_less = left <= LESS * rest.size;
@@ -325,18 +325,19 @@ struct Halves {
     lacks_thin: bool,
 }
 
-/// The parts on both sides of a cut; none where one of them is too small, or its tip cannot be made.
+/// The parts on both sides of a cut that burn something; none where one of them is too small, or its tip cannot be made.
+/// `by` tells how far places are from what the heads of the whole region and of the part burn (mm).
 fn parts_of(
-    burned: &Burned,
+    (burned, by): (&Burned, [&[f64]; 2]),
     part: &Part,
     cut: &Cut,
     settings: &DivisionSettings,
     cancel: &Cancel,
 ) -> Result<Option<Halves>, TipError> {
-    let (mut parts, mouth) = cut_along(burned, part, cut, settings);
-    let all = parts.len();
-    parts.retain(|f| !is_too_small(&f.free, settings.least));
-    let lacks_thin = parts.len() < all;
+    let (parts, mouth) = cut_along(burned, part, cut, settings);
+    let (small, parts): (Vec<_>, Vec<_>) = parts.into_iter().partition(|f| is_too_small(&f.free, settings.least));
+    // What the others reach is none of theirs.
+    let lacks_thin = small.iter().any(|f| !is_reached(burned, f, &parts.iter().collect::<Vec<_>>()));
     if parts.is_empty() || (lacks_thin && !settings.leaves_out_thin) {
         return Ok(None);
     }
@@ -346,10 +347,38 @@ fn parts_of(
         Ok((part, rest))
     };
     match parts.into_iter().map(of).collect::<Result<Vec<_>, _>>() {
-        Ok(parts) => Ok(Some(Halves { parts, mouth, lacks_thin })),
+        Ok(parts) => {
+            let is_needed = are_needed(burned, by, &parts.iter().map(|(part, _)| part).collect::<Vec<_>>());
+            let parts = parts.into_iter().zip(is_needed).filter(|(_, is_needed)| *is_needed).map(|(part, _)| part);
+            Ok(Some(Halves { parts: parts.collect(), mouth, lacks_thin }))
+        }
         Err(TipError::NoRoom | TipError::NoSurface | TipError::Solid(_)) => Ok(None),
         Err(other) => Err(other),
     }
+}
+
+/// Whether others, in plan, come as near to a footprint's share of the region as what they burn reaches.
+fn is_reached(burned: &Burned, footprint: &Footprint, others: &[&Footprint]) -> bool {
+    let free: Vec<Outline> = others.iter().flat_map(|other| other.free.iter().cloned()).collect();
+    let reached = grown(&free, burned.gap_across + CELL);
+    shrunk(&flat(plane::difference(&footprint.region, &reached)), NOTHING).is_empty()
+}
+
+/// Whether each of several parts burns something that the others do not; a head that removes nothing is none, as one
+/// that a cut leaves in the air beside the mold. `by` tells how far places are from what the heads of the whole region
+/// and of what was divided burn (mm).
+pub(super) fn are_needed(burned: &Burned, by: [&[f64]; 2], parts: &[&Part]) -> Vec<bool> {
+    let mut is_needed = vec![true; parts.len()];
+    let size = |i: &usize| plane::area(&parts[*i].footprint.free);
+    let mut order: Vec<usize> = (0..parts.len()).collect();
+    order.sort_by(|a, b| size(a).total_cmp(&size(b)).then(a.cmp(b)));
+    for i in order {
+        let others: Vec<&Part> = (0..parts.len()).filter(|j| *j != i && is_needed[*j]).map(|j| parts[j]).collect();
+        let footprints: Vec<&Footprint> = others.iter().map(|other| &other.footprint).collect();
+        let is_reached = !others.is_empty() && is_reached(burned, &parts[i].footprint, &footprints);
+        is_needed[i] = !(is_reached && burned.is_by_all(by, others.iter().map(|other| &other.body)));
+    }
+    is_needed
 }
 
 /// The cuts that may take H-edges away where cutters leave something: along the steep faces beside them, those with the

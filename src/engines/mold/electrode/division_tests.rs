@@ -95,6 +95,26 @@ fn prongs_between_which_no_cutter_passes_are_heads_of_their_own() {
     assert_eq!(leaves(tree(&set)), 2, "{:?}", tree(&set));
 }
 
+/// Beyond the mold's ends the head of a groove that is open there goes on in the air, wider than in it. A part of it
+/// alone would burn nothing.
+#[test]
+fn a_groove_that_is_open_at_its_ends_has_no_head_in_the_air_beside_the_mold() {
+    let at = |x: f64| [(-3.0, 0.01), (3.0, 0.01), (0.0, -6.0)].map(|(y, z)| DVec3::new(x, y, z));
+    let block = mold([20.0, 20.0, 12.0], &[]);
+    let mold = difference(&block, &hull([at(-11.0), at(11.0)].as_flattened())).unwrap();
+    // Cutters leave its ground, up to where they fit in.
+    let mut ground = region(&mold, DVec2::new(-9.9999, -1.0), DVec2::new(9.9999, 1.0));
+    ground.rim = ground.corners.iter().flatten().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
+    for divided_at in [DividedAt::HEdges, DividedAt::EveryEdge] {
+        let set = planned(&mold, &[ground.clone()], &ElectrodeParams { divided_at, ..params(GAP) });
+        assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
+        for node in tree(&set).nodes().into_iter().filter(|node| node.part.is_some()) {
+            let [low, high] = plane::extent(&outlines(node));
+            assert!(low.x < 9.5 && high.x > -9.5, "{divided_at:?}: a head from x = {} to {}", low.x, high.x);
+        }
+    }
+}
+
 #[test]
 fn an_edge_that_a_ball_mills_within_the_tolerance_is_no_h_edge() {
     // A ball of radius r leaves r (1 / cos(a / 2) - 1) in an edge of turn a: 0.0121 mm of 0.5 in 25 degrees.

@@ -4,7 +4,7 @@ use files::Invalid;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::division::{Cut, DivisionSettings, Part, cut_along, whole};
+use super::division::{Cut, DivisionSettings, Part, are_needed, cut_along, whole};
 use super::params::Edit;
 use super::setting::{RegionToBurn, Setting};
 use super::tip::{Burned, Footprint, SKIN, TipError};
@@ -94,7 +94,12 @@ fn halve(burned: &Burned, part: &mut Part, cut: Cut, settings: &DivisionSettings
         return Ok(false);
     }
     match halves.into_iter().map(|f| whole(burned, f, settings)).collect::<Result<Vec<_>, _>>() {
-        Ok(halves) => part.divided = Some((cut, halves)),
+        Ok(mut halves) => {
+            let own = burned.by(&part.body);
+            let mut is_needed = are_needed(burned, [&own, &own], &halves.iter().collect::<Vec<_>>()).into_iter();
+            halves.retain(|_| is_needed.next().unwrap_or(true));
+            part.divided = Some((cut, halves));
+        }
         // A cut that leaves no head on one side divides nothing.
         Err(TipError::NoRoom | TipError::NoSurface | TipError::Solid(_)) => return Ok(false),
         Err(other) => return Err(other),

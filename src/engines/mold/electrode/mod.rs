@@ -30,6 +30,7 @@ mod cut_lines;
 mod earlier;
 mod edits;
 mod net_shape;
+mod overhang;
 mod part_numbers;
 mod samples;
 mod sharing;

@@ -14,6 +14,7 @@ use super::design::{Burn, Electrode, PartId, PartNode, RegionPlan};
 use super::division::{CELL, Cut};
 use super::earlier::is_nothing;
 use super::finding::{CheckKind, Finding};
+use super::overhang::Overhangs;
 use super::params::{ElectrodeParams, Stage};
 use super::residual_stock::{Burns, Looked, left_by};
 use super::residual_stock::{LeftOfRegion, Milled, Sample, residual_stock};
@@ -94,8 +95,11 @@ pub(super) fn checked(
         }
     }
     let of_direction = |direction: DVec3| settings.iter().find(|s| is_same(s, direction));
+    let overhangs = Overhangs::of(mold);
     let left_of = |r: usize| match of_direction(plans[r].direction) {
-        Some(setting) => left_of((setting, milled), (r, &plans[r], &regions[r]), &last, (stages, params), cancel),
+        Some(setting) => {
+            left_of((setting, &overhangs, milled), (r, &plans[r], &regions[r]), &last, (stages, params), cancel)
+        }
         None => Ok(Left::default()),
     };
     let left: Vec<Left> = (0..regions.len()).into_par_iter().map(left_of).collect::<Result<_, _>>()?;
@@ -230,7 +234,7 @@ struct Left {
 }
 
 fn left_of(
-    (setting, milled): (&Setting, &Milled),
+    (setting, overhangs, milled): (&Setting, &Overhangs, &Milled),
     (number, plan, region): (usize, &RegionPlan, &RegionToBurn),
     electrodes: &[&Electrode],
     (stages, params): (&[Stage], &ElectrodeParams),
@@ -250,6 +254,7 @@ fn left_of(
     let corners: Vec<[DVec3; 3]> = region.corners.iter().map(|c| c.map(|p| setting.turned * p)).collect();
     let radii = [last.gap_mm, last.gap_mm + last.orbit.radius_mm()];
     let (samples, looked) = samples(&corners, region, (&setting.edges, &cuts), radii);
+    let samples = overhangs.sorted(samples, (&setting.mold, &setting.turned), milled.within);
     let back = setting.turned.transpose();
     let leaves = |p: DVec3| (milled.leaves)(back * p);
     let milled = Milled { leaves: &leaves, within: milled.within };
@@ -262,7 +267,7 @@ fn left_of(
     for (sample, found) in samples.iter().zip(found) {
         let is_own = found.left.thickness > 0.0 && !found.is_in_slot && !found.is_shaded;
         let is_shaded = found.is_shaded;
-        let found = LeftOfRegion { place: back * found.left.place, ..found.left };
+        let found = found.left.moved(|p| back * p);
         left.all = left.all.and(found);
         if is_shaded {
             left.shaded = left.shaded.and(found);
@@ -310,7 +315,7 @@ fn cuts(node: &PartNode) -> Vec<Cut> {
 
 /// Report on residual stock that no head comes near, with its place.
 fn nobodys(left: &Left, (tolerance, accuracy): (f64, f64)) -> Option<(String, DVec3)> {
-    let text = |LeftOfRegion { excess, place, .. }: LeftOfRegion, why: &str, remedy: &str| {
+    let text = |LeftOfRegion { excess, excess_place: place, .. }: LeftOfRegion, why: &str, remedy: &str| {
         (excess > tolerance + accuracy)
             .then(|| (format!("residual stock {excess:.4} mm {why}, allowed rest {tolerance:.4} mm: {remedy}"), place))
     };

@@ -18,7 +18,7 @@ use task::{Cancel, Cancelled};
 /// How near to the burn surface a march along a normal ends (mm).
 const ARRIVED: f64 = 1e-6;
 /// Distance off the surface at which it is asked what hangs over a sample (mm).
-const BESIDE: f64 = 1e-4;
+pub(super) const BESIDE: f64 = 1e-4;
 /// Share of a distance by which a point above a face is nearer to another one if it is that one's.
 const OTHER: f64 = 1e-3;
 /// A step of such a march, at least (mm).
@@ -49,21 +49,28 @@ pub struct Sample {
 pub struct LeftOfRegion {
     /// Greatest distance from the mold's surface (mm).
     pub thickness: f64,
+    /// Where that is.
+    pub place: DVec3,
     /// Greatest excess of residual stock over what the gap's radius leaves in corners (mm).
     pub excess: f64,
-    /// Where that is greatest; where there is none, where the thickness is.
-    pub place: DVec3,
+    /// Where that is.
+    pub excess_place: DVec3,
     /// Volume (mm^3).
     pub volume: f64,
 }
 
 impl LeftOfRegion {
-    /// Residual stock of both together: the greater thickness, the place of the greater excess, the sum of the volumes.
+    /// Residual stock of both together: the greater thickness and the greater excess, each with its place, and the sum of
+    /// the volumes.
     pub(super) fn and(self, other: Self) -> Self {
-        let (volume, thickness) = (self.volume + other.volume, self.thickness.max(other.thickness));
-        // Where no excess is, the place is that of the greatest thickness.
-        let is_worse = (other.excess, other.thickness) > (self.excess, self.thickness);
-        Self { volume, thickness, ..if is_worse { other } else { self } }
+        let thicker = if other.thickness > self.thickness { other } else { self };
+        let worse = if other.excess > self.excess { other } else { self };
+        Self { volume: self.volume + other.volume, excess: worse.excess, excess_place: worse.excess_place, ..thicker }
+    }
+
+    /// The same with its places moved.
+    pub(super) fn moved(self, to: impl Fn(DVec3) -> DVec3) -> Self {
+        Self { place: to(self.place), excess_place: to(self.excess_place), ..self }
     }
 }
 
@@ -137,7 +144,8 @@ fn left_at(burns: &Burns, sample: &Sample, mold: &Obstacle, milled: &Milled) -> 
         }
     }
     let excess = (thickness - allowed).max(0.0);
-    let left = LeftOfRegion { thickness, excess, place: sample.point, volume: thickness * sample.area };
+    let (place, volume) = (sample.point, thickness * sample.area);
+    let left = LeftOfRegion { thickness, place, excess, excess_place: place, volume };
     LeftAt { left, is_in_slot, is_shaded }
 }
 
@@ -231,6 +239,6 @@ pub fn residual_stock(
             if matches!(stage.orbit, Orbit::Square { .. }) { SQUARE } else { "" }
         )
     };
-    let finding = Finding::new(CheckKind::ResidualStock, holds, text, (!holds).then_some(left.place));
+    let finding = Finding::new(CheckKind::ResidualStock, holds, text, (!holds).then_some(left.excess_place));
     finding.with(&[("excess_mm", left.excess)])
 }

@@ -11,7 +11,8 @@ use super::plan::plan;
 use super::setting::ElectrodeError;
 use super::tests::{GAP, cutters, mold, params, planned, region, ring};
 use crate::fixtures::rectangle;
-use geometry::mesh::Mesh;
+use geometry::mesh::{Mesh, unit_normal};
+use geometry::solid::{difference, prism};
 use task::{Cancel, Task};
 
 /// A pocket with a slot of this width and length that leads out of it along X, both this deep.
@@ -133,4 +134,26 @@ fn the_place_of_a_gouge_is_where_it_comes_nearest_and_stock_is_named() {
         assert!(!gouge.holds && place.x.abs() < 0.3 && (0.8..1.4).contains(&place.y), "{gouge:?}");
         assert!(gouge.text.contains("stock 0.1000 mm"), "{gouge:?}");
     }
+}
+
+/// Regions are known to cells, so that the surface of one beside an undercut goes on a little under what hangs over it.
+/// What is left there is none of the region's. At the overhang's edge the electrode ends a gap before it, and its spark
+/// leaves as much as the gap.
+#[test]
+fn what_lies_under_an_overhang_beside_a_region_is_not_left_of_it() {
+    let pocket = mold([20.0, 20.0, 12.0], &[(&rectangle(4.0, 3.0), 6.0)]);
+    let beside = [(1.9, -1.5), (4.0, -1.5), (4.0, 1.5), (1.9, 1.5)].map(DVec2::from);
+    let mold = difference(&pocket, &prism(&[&beside], -6.0, -4.0).unwrap()).unwrap();
+    let looks_up = |c: &[DVec3; 3]| unit_normal(*c).z > -1e-3;
+    let corner = |high: f64| {
+        let mut region = region(&mold, DVec2::new(0.9, -1.6), DVec2::new(high, -0.5));
+        region.corners.retain(looks_up);
+        region.depths = region.corners.iter().map(|c| -(c[0].z + c[1].z + c[2].z) / 3.0).collect();
+        region
+    };
+    for high in [2.0001, 2.1] {
+        let left = planned(&mold, &[corner(high)], &params(GAP)).regions[0].left;
+        assert!((left.thickness - GAP).abs() < 1e-3 && left.place.x <= 2.0, "{high}: {left:?}");
+    }
+    assert!(corner(2.1).corners.len() > corner(2.0001).corners.len());
 }

@@ -46,6 +46,13 @@ impl Closing {
         left.filter(|left| left.is_finite()).map_or(0.0, f64::from)
     }
 
+    /// Lowers what is left at a cell of `field` to a height (mm), but not below the material.
+    pub fn lower(&mut self, field: &HeightField, cell: usize, height: f64) {
+        if let Some((left, material)) = self.heights.get_mut(cell).zip(field.heights.get(cell)) {
+            *left = left.min(((height - field.base) as f32).max(*material));
+        }
+    }
+
     /// Best cutter of the library for a cell, the one that leaves least; the first among equals, none if there is no
     /// such cell.
     pub fn nearest(&self, cell: usize) -> Option<usize> {

@@ -43,9 +43,10 @@ fn same_kind(before: &Value, now: &Value) -> Option<f64> {
     }
 }
 
-/// What the cutter in `row` is called.
+/// What the cutter in `row` is called, as far as there is room: its other lengths stand beside it.
 fn label(row: &Value) -> Option<String> {
-    Cutter::deserialize(row).ok().map(|cutter| cutter.label())
+    let label = Cutter::deserialize(row).ok()?.label();
+    label.split(" (").next().map(str::to_owned)
 }
 
 /// The kind of the cutter in `row`, which is called `name`. Returns the row with another one.

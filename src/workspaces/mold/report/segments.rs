@@ -85,7 +85,7 @@ mod tests {
     fn every_run_lies_on_the_walls_of_its_corner_in_the_axes_of_the_mesh() {
         let sides = rectangle(8.0, 6.0);
         let mesh = pocket(&rectangle(20.0, 20.0), &sides, &sides, [10.0, 4.0]);
-        for (cutters, slack) in [(vec![Cutter::flat(1.0)], 1e-6), (vec![Cutter::flat(1.0), Cutter::ball(2.0)], 0.35)] {
+        for (cutters, slack) in [(vec![Cutter::flat(1.0)], 2e-5), (vec![Cutter::flat(1.0), Cutter::ball(2.0)], 0.35)] {
             let opening = Opening::MinusX;
             let params = UncutParams { opening, ..UncutParams::of(CutterLibrary { cutter: cutters }) };
             let found = uncut(&mesh.mapped(|p| opening.in_mesh(p)), &params, &Task::default()).unwrap();

@@ -22,13 +22,14 @@ pub use layer_figures::LayerFound;
 use layer_figures::{of_layers, of_surface};
 use mold::ball_agreement::{BallAgreement, ball_agreement};
 use mold::cutter::{Cutter, CutterKind, CutterLibrary};
+use mold::exact_fit::lower_to_layers;
 use mold::height_field;
 use mold::height_field::{Closing, Covered, FieldRegion, HeightField, HeightFieldError};
 use mold::invert::{InvertFaces, LEAST_INVERT};
 use mold::layers::LayerSettings;
 use mold::opening::Opening;
 use mold::piece::UncutPiece;
-use mold::region::regions;
+use mold::region::{LayerRegion, regions};
 use mold::stack::{UncutStack, uncut_stack};
 use mold::surface::{SurfacePiece, segments_at, uncut_surface};
 use mold::uncut_region::{Regions, UncutRegion};
@@ -40,6 +41,9 @@ use task::{Cancel, Cancelled, Task};
 
 /// Step of the field of heights beyond which it is too coarse, as a share of a smallest radius.
 const COARSEST: f64 = 0.1;
+
+/// Share of a volume from which on it is warned of that two ways of finding it differ by as much.
+const MUCH: f64 = 0.2;
 
 /// What is asked.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -195,10 +199,8 @@ impl Uncut {
     /// Whether mesh and grid are such that the answer holds for all that looks to the cutters.
     pub fn is_sound(&self) -> bool {
         let breaks = |w: &MoldWarning| {
-            use MoldWarning::{Crossing, Empty, NotClosed, Open};
             let is_answered_by_grid = || !self.is_of_flats();
-            matches!(w, Empty | NotClosed { .. } | Open { .. } | Crossing { .. })
-                || matches!(w, MoldWarning::CoarseGrid { .. }) && is_answered_by_grid()
+            w.is_of_surface() || matches!(w, MoldWarning::CoarseGrid { .. }) && is_answered_by_grid()
         };
         !self.stack.warnings.iter().any(breaks)
     }
@@ -260,9 +262,10 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
     stack.warnings.extend(Unseen::warning(&upright));
     let flat_regions = regions(&stack.layers, params.tolerance_mm);
     task.report("height map", 0.2, "");
-    let (closing, of_field) = on_field(&field, &params.library, params.tolerance_mm, &task.cancel)?;
+    let (closing, of_field) = on_field(&field, &params.library, (&stack, params.tolerance_mm), &task.cancel)?;
     task.report("height map", 0.5, "");
     let is_of_flats = flats.len() == needed.len();
+    let mut others_of_flats = None;
     let agreement = if flats.is_empty() {
         None
     } else {
@@ -270,14 +273,15 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
         let other = if is_of_flats {
             None
         } else {
-            Some(on_field(&field, &only_flats(), params.tolerance_mm, &task.cancel)?.1)
+            Some(on_field(&field, &only_flats(), (&stack, params.tolerance_mm), &task.cancel)?.1)
         };
         let with_flats = other.as_ref().unwrap_or(&of_field);
+        others_of_flats = most_different(&flat_regions, with_flats);
         let volumes = [flat_regions.iter().map(|r| r.volume).collect(), with_flats.iter().map(|r| r.volume).collect()];
         Some(volumes.map(|v: Vec<f64>| found(v.into_iter())))
     };
     task.report("height map", 0.9, "");
-    let coarser = if is_of_flats { None } else { coarser(&upright, params, grid_step, &task.cancel)? };
+    let coarser = if is_of_flats { None } else { coarser(&upright, params, (&stack, grid_step), &task.cancel)? };
     // The exact search would let a ball go sideways under what looks down, where its shaft cannot follow.
     let has_undercuts = !stack.invert.triangles.is_empty() && stack.invert.area > 0.0;
     let ball_agreement = if has_undercuts {
@@ -285,6 +289,12 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
     } else {
         ball_agreement(&upright, &params.library, (&field, &closing), &of_field, &task.cancel)?
     };
+    let volume = of_field.iter().map(|r| r.volume).sum::<f64>();
+    let of_steps = coarser.map(|coarser| [volume, coarser.found.volume_mm3]);
+    let place = others_of_flats.or_else(|| of_field.first().map(|r| r.bounds.center()));
+    let of_flats = agreement.map(|found| found.map(|found| found.volume_mm3));
+    let radius = needed.iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
+    stack.warnings.extend(uncertain([of_flats, of_steps], place.map(|p| params.opening.in_mesh(p)), radius));
     task.report("surface", 0.0, "");
     let surface = uncut_surface(&upright, &Covered::new(&field, &closing, &of_field), &task.cancel)?;
     if surface.is_coarse {
@@ -321,28 +331,60 @@ fn doubt(stack: &mut UncutStack, mesh: &Mesh, needed: &[&Cutter], grid_step: f64
     }
 }
 
-/// What a library leaves of the heights, and its regions.
+/// What a library leaves of the heights, and its regions. Where flat cutters of it fit just so, the layers of `stack` tell
+/// it.
 pub(super) fn on_field(
     field: &HeightField,
     library: &CutterLibrary,
-    tolerance: f64,
+    (stack, tolerance): (&UncutStack, f64),
     cancel: &Cancel,
 ) -> Result<(Closing, Vec<FieldRegion>), UncutError> {
-    let closing = height_field::closing(field, library, cancel)?;
-    let regions = height_field::regions(field, &closing, tolerance, cancel)?;
+    let mut closing = height_field::closing(field, library, cancel)?;
+    let mut regions = height_field::regions(field, &closing, tolerance, cancel)?;
+    let has_flats = library.needed().iter().any(|cutter| cutter.kind() == CutterKind::Flat);
+    let is_known = has_flats && !stack.warnings.iter().any(MoldWarning::is_of_surface);
+    if is_known && lower_to_layers((field, &mut closing), &regions, &stack.layers) {
+        regions = height_field::regions(field, &closing, tolerance, cancel)?;
+    }
     Ok((closing, regions))
 }
 
 /// What is found by heights twice as far apart as `step` (mm); none where that is too coarse for the smallest cutter.
 /// The error falls at least in proportion to the step, so that what this differs by is about as far as `step` is off.
-fn coarser(mesh: &Mesh, params: &UncutParams, step: f64, cancel: &Cancel) -> Result<Option<Coarser>, UncutError> {
+fn coarser(
+    mesh: &Mesh,
+    params: &UncutParams,
+    (stack, step): (&UncutStack, f64),
+    cancel: &Cancel,
+) -> Result<Option<Coarser>, UncutError> {
     let coarse = UncutParams { grid_step_mm: Some(2.0 * step), ..params.clone() };
     if coarse.validate().is_err() {
         return Ok(None);
     }
     let field = HeightField::raster(mesh, 2.0 * step, cancel)?;
-    let (_, regions) = on_field(&field, &params.library, params.tolerance_mm, cancel)?;
+    let (_, regions) = on_field(&field, &params.library, (stack, params.tolerance_mm), cancel)?;
     Ok(Some(Coarser { step: 2.0 * step, found: found(regions.iter().map(|r| r.volume)) }))
+}
+
+/// A warning if two volumes of one thing (mm^3), found in two ways, differ by much, of which the most is about a place.
+/// Less than what a cutter of the least `radius` (mm) fills is not much.
+fn uncertain(found: [Option<[f64; 2]>; 2], place: Option<DVec3>, radius: f64) -> Option<MoldWarning> {
+    let [a, b] = found.into_iter().flatten().max_by(|[a, b], [c, d]| (a - b).abs().total_cmp(&(c - d).abs()))?;
+    let (off_mm3, most) = ((a - b).abs(), a.max(b));
+    let is_much = off_mm3 > MUCH * most && off_mm3 > radius.powi(3);
+    place
+        .filter(|_| is_much)
+        .map(|place| MoldWarning::Uncertain { volumes_mm3: [a.min(b), most], place: place.to_array() })
+}
+
+/// Middle of the region by whose volume the layers and the grid differ most.
+fn most_different(flat: &[LayerRegion], of_field: &[FieldRegion]) -> Option<DVec3> {
+    let layers_in =
+        |r: &FieldRegion| flat.iter().filter(|l| l.bounds.intersects(&r.bounds)).map(|l| l.volume).sum::<f64>();
+    let of_field_in = |l: &LayerRegion| !of_field.iter().any(|r| r.bounds.intersects(&l.bounds));
+    let too_many = of_field.iter().map(|r| ((r.volume - layers_in(r)).abs(), r.bounds.center()));
+    let missed = flat.iter().filter(|l| of_field_in(l)).map(|l| (l.volume, l.bounds.center()));
+    too_many.chain(missed).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)
 }
 
 /// Edges that have no face on one side, or more on one than on the other.

@@ -1,0 +1,208 @@
+//! Faces with material on both sides, as where solids touch or reach into each other: they are no surface of the mold.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::section::vertex_error;
+use geometry::exact::ExactMesh;
+use geometry::groups::Groups;
+use geometry::inside::winding_number;
+use geometry::mesh::{Bounds, Mesh, normal_times_two_areas, unit_normal};
+
+/// How far before a face it is asked whether there is material (mm), at least, and in errors of a vertex.
+const BEFORE: (f64, f64) = (1e-3, 4.0);
+/// More solids are no assembly but triangles that share no vertices.
+const MOST_SOLIDS: usize = 2000;
+/// By how much places are moved from the edges of their face, as a share of the way to its middle.
+const INNER: f64 = 0.01;
+/// Places of a face for each share of its area in that of the part's longest side squared, and at most.
+const PLACES: (f64, f64) = (1e4, 256.0);
+
+/// Faces of a mesh with material on both sides.
+#[derive(Default)]
+pub(super) struct Contacts {
+    /// None where no two solids touch.
+    touching: Option<Touching>,
+}
+
+struct Touching {
+    exact: ExactMesh,
+    before: f64,
+    /// Whether another solid comes near each face.
+    is_near: Vec<bool>,
+    /// Share of each face that is covered by material.
+    covered: Vec<f64>,
+}
+
+impl Contacts {
+    /// Contacts between the solids of a mesh.
+    pub fn of(mesh: &Mesh) -> Self {
+        let before = BEFORE.0.max(BEFORE.1 * vertex_error(mesh));
+        // Rays ask for triangles alone: without common vertices, more than two may meet in an edge.
+        let soup = || Mesh {
+            vertices: mesh.iter_corners().flatten().collect(),
+            triangles: (0..mesh.triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+        };
+        let known = near_others(mesh, before).and_then(|is_near| Some((is_near, ExactMesh::new(&soup()).ok()?)));
+        let Some((is_near, exact)) = known else { return Self::default() };
+        let mut touching = Touching { exact, before, is_near, covered: Vec::new() };
+        let longest = mesh.bounds().size().max_element();
+        let share = |face: usize| {
+            let corners = mesh.corners(face);
+            let area = 0.5 * normal_times_two_areas(corners).length();
+            let count = (PLACES.0 * area / (longest * longest)).clamp(1.0, PLACES.1).ceil() as usize;
+            // Not on its edges, where other faces may begin.
+            let middle = corners.iter().sum::<DVec3>() / 3.0;
+            let inner = |i: usize| place(corners, i, count).lerp(middle, INNER);
+            let is_covered = |i: &usize| touching.covers(face, inner(*i), unit_normal(corners));
+            (0..count).filter(is_covered).count() as f64 / count as f64
+        };
+        touching.covered = (0..mesh.triangles.len()).into_par_iter().map(share).collect();
+        Self { touching: Some(touching) }
+    }
+
+    /// Share of a face's area that is surface of the mold.
+    pub fn free_share(&self, face: usize) -> f64 {
+        self.touching.as_ref().map_or(1.0, |touching| 1.0 - touching.covered[face])
+    }
+
+    /// Whether another solid may touch a face.
+    pub fn are_near(&self, face: usize) -> bool {
+        self.touching.as_ref().is_some_and(|touching| touching.is_near[face])
+    }
+
+    /// Whether there is material before a place on a face with this unit normal.
+    pub fn cover(&self, face: usize, place: DVec3, normal: DVec3) -> bool {
+        self.touching.as_ref().is_some_and(|touching| touching.covers(face, place, normal))
+    }
+}
+
+/// Whether solids of a mesh may touch or reach into each other.
+pub(super) fn have_contacts(mesh: &Mesh) -> bool {
+    near_others(mesh, BEFORE.0.max(BEFORE.1 * vertex_error(mesh))).is_some()
+}
+
+impl Touching {
+    fn covers(&self, face: usize, place: DVec3, normal: DVec3) -> bool {
+        self.is_near[face] && winding_number(&self.exact, place + normal * self.before) > 0
+    }
+}
+
+/// Of each face whether another solid may be within a distance (mm) of it; none where no two solids are.
+fn near_others(mesh: &Mesh, within: f64) -> Option<Vec<bool>> {
+    let mut groups = Groups::of(mesh.vertices.len());
+    for [a, b, c] in mesh.triangles.iter().map(|t| t.map(|v| v as usize)) {
+        groups.join(a, b);
+        groups.join(a, c);
+    }
+    let (numbers, count) = groups.numbers();
+    let solid_of = |face: usize| numbers[mesh.triangles[face][0] as usize] as usize;
+    // Solids that share an edge are one group.
+    let touches_itself = touching_along_edges(mesh, count, solid_of);
+    if count > MOST_SOLIDS || (count < 2 && !touches_itself.contains(&true)) {
+        return None;
+    }
+    let mut bounds = vec![Bounds::EMPTY; count];
+    for (point, number) in mesh.vertices.iter().zip(&numbers) {
+        let of = &mut bounds[*number as usize];
+        (of.min, of.max) = (of.min.min(*point), of.max.max(*point));
+    }
+    let others = |own: usize| -> Vec<Bounds> {
+        let near = bounds[own].grown(within);
+        (0..count).filter(|other| *other != own && bounds[*other].intersects(&near)).map(|i| bounds[i]).collect()
+    };
+    let others: Vec<Vec<Bounds>> = (0..count).into_par_iter().map(others).collect();
+    let is_near = |face: usize| {
+        let own = Bounds::of(mesh.corners(face)).grown(within);
+        touches_itself[solid_of(face)] || others[solid_of(face)].iter().any(|other| other.intersects(&own))
+    };
+    let is_near: Vec<bool> = (0..mesh.triangles.len()).into_par_iter().map(is_near).collect();
+    is_near.contains(&true).then_some(is_near)
+}
+
+/// Of each group of faces whether more than two of them meet in an edge.
+fn touching_along_edges(mesh: &Mesh, count: usize, group_of: impl Fn(usize) -> usize) -> Vec<bool> {
+    // The vertices that edges lead to from each vertex: two faces that meet have their edge in opposite directions.
+    let mut first = vec![0u32; mesh.vertices.len() + 1];
+    mesh.triangles.iter().flatten().for_each(|v| first[*v as usize + 1] += 1);
+    (1..first.len()).for_each(|v| first[v] += first[v - 1]);
+    let mut next = first.clone();
+    let mut to = vec![(0u32, 0u32); 3 * mesh.triangles.len()];
+    for (face, [a, b, c]) in mesh.triangles.iter().enumerate() {
+        for (from, end) in [(a, b), (b, c), (c, a)] {
+            let place = &mut next[*from as usize];
+            to[*place as usize] = (*end, face as u32);
+            *place += 1;
+        }
+    }
+    let mut touches = vec![false; count];
+    for ends in first.windows(2) {
+        let edges = &mut to[ends[0] as usize..ends[1] as usize];
+        edges.sort_unstable();
+        for pair in edges.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            touches[group_of(pair[0].1 as usize)] = true;
+        }
+    }
+    touches
+}
+
+/// Place number `i` of so many in a triangle, evenly spread: by the fractions of multiples of two irrational numbers
+/// (Roberts 2018); one alone is the middle.
+pub(super) fn place([a, b, c]: [DVec3; 3], i: usize, count: usize) -> DVec3 {
+    if count == 1 {
+        return (a + b + c) / 3.0;
+    }
+    let [u, v] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3].map(|step| (0.5 + step * i as f64).fract());
+    let [u, v] = if u + v > 1.0 { [1.0 - u, 1.0 - v] } else { [u, v] };
+    a + u * (b - a) + v * (c - a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixtures::with;
+
+    fn block(size: [f64; 3], at: [f64; 3]) -> Mesh {
+        Mesh::cuboid(size.into()).mapped(|p| p + DVec3::from(at))
+    }
+
+    /// Area of the faces with this normal that is surface (mm^2).
+    fn free_area(mesh: &Mesh, normal: DVec3) -> f64 {
+        let contacts = Contacts::of(mesh);
+        let faces = (0..mesh.triangles.len()).filter(|face| unit_normal(mesh.corners(*face)).dot(normal) > 0.999);
+        faces.map(|face| contacts.free_share(face) * 0.5 * normal_times_two_areas(mesh.corners(face)).length()).sum()
+    }
+
+    #[test]
+    fn a_solid_on_another_has_no_underside_and_one_that_overhangs_has_a_part_of_it() {
+        let base = block([20.0, 20.0, 4.0], [0.0; 3]);
+        let corner = base.bounds().min;
+        let on = |x: f64, z: f64| {
+            let post = block([4.0, 6.0, 5.0], [0.0; 3]);
+            let shift = corner + DVec3::new(x, 3.0, z) - post.bounds().min;
+            with(&base, &post.mapped(|p| p + shift))
+        };
+        let underside = |mesh: &Mesh| free_area(mesh, DVec3::NEG_Z);
+        assert!((underside(&base) - 400.0).abs() < 1e-9);
+        // On the base, sunk into it, above it, and half beside it.
+        for (x, z, own) in [(5.0, 4.0, 0.0), (5.0, 3.0, 0.0), (5.0, 4.5, 24.0), (18.0, 4.0, 12.0)] {
+            assert!((underside(&on(x, z)) - 400.0 - own).abs() < 0.5, "{x} {z}: {}", underside(&on(x, z)));
+        }
+        // Of the top what the post covers is none.
+        assert!((free_area(&on(5.0, 4.0), DVec3::Z) - 400.0).abs() < 2.0);
+    }
+
+    #[test]
+    fn solids_that_share_their_vertices_touch_too() {
+        let low = block([4.0, 4.0, 4.0], [0.0; 3]);
+        let mut both = with(&low, &low.mapped(|p| p + DVec3::Z * 4.0));
+        let mut weld = geometry::weld::Weld::default();
+        let number: Vec<u32> = both.vertices.iter().map(|p| weld.add(*p)).collect();
+        both.triangles.iter_mut().for_each(|t| *t = t.map(|v| number[v as usize]));
+        both.vertices = weld.into_points();
+        assert_eq!(both.vertices.len(), 12);
+        assert!(
+            (free_area(&both, DVec3::NEG_Z) - 16.0).abs() < 1e-9 && (free_area(&both, DVec3::Z) - 16.0).abs() < 1e-9
+        );
+    }
+}
