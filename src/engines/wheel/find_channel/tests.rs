@@ -304,7 +304,6 @@ fn what_is_given_is_used() {
 fn what_is_given_and_fits_nothing_is_named() {
     let wrong = [
         (Misleading::Blades, BliskOptions { blades: Auto::Given(23), ..Default::default() }),
-        (Misleading::Points, BliskOptions { blade_points_mm: vec![[5.0, 0.0, 300.0]], ..Default::default() }),
         (Misleading::Axis, BliskOptions { axis: AxisChoice::Named(AxisName::Y), ..Default::default() }),
     ];
     let part = TestBlisk::default();
