@@ -94,7 +94,7 @@ pub(super) fn wheel_and_channel<'a>(
         Err(refused) => refused.error.clone(),
     };
     if !wheel.is_of_sector && options.axis == AxisChoice::Named(AxisName::Auto) {
-        let sector = find_sector(mesh, error, options, task).map_err(BliskError::from)?;
+        let sector = find_sector(mesh, &wheel.blisk.axis, error, options, task)?;
         if let Some(Ok(found)) = sector.map(|wheel| channel(&wheel).map(|channel| (wheel, channel))) {
             return Ok(found);
         }

@@ -74,7 +74,8 @@ fn half_a_wheel_and_one_pitch_of_it_are_the_wheel() {
     let [ring_mesh, tall_mesh] = [&ring, &tall].map(|ring| wound(&ring.mesh()).unwrap());
     let pitch = ring.pitch();
     let turn = DQuat::from_euler(EulerRot::XYZ, 0.3, -0.8, 1.1);
-    let cuts = [(&ring_mesh, 0.3, 0.5 * TAU), (&ring_mesh, 0.0, 0.5 * TAU), (&ring_mesh, 0.4, pitch)];
+    let half = 0.5 * TAU;
+    let cuts = [(&ring_mesh, 0.3, half), (&ring_mesh, 0.0, half), (&ring_mesh, 0.81, half), (&ring_mesh, 0.4, pitch)];
     for (wheel, from, angle) in cuts.into_iter().chain([(&tall_mesh, 0.3, pitch)]) {
         let cut = sector(wheel, from * pitch, angle).mapped(|p| turn * p + DVec3::new(5.0, -80.0, 33.0));
         let channel = find(&cut, &BliskOptions::default()).unwrap_or_else(|e| panic!("{from} {angle}: {e}"));
@@ -146,6 +147,22 @@ fn axis_and_blades_of_a_sector_may_be_given() {
     let error = find(&cut, &given([1.0, 0.0, 0.0], part.blades + 1)).unwrap_err();
     assert!(matches!(error, BliskError::Misleading { given: Misleading::Blades, .. }), "{error}");
     assert_eq!(error.axis().unwrap().direction, DVec3::X);
+}
+
+/// What turns about the axis of a sector tells it from the blades alone, of which a few look like a wheel of their own.
+#[test]
+fn a_sector_with_too_few_blades_asks_for_their_number() {
+    let ring = ParametricWheel { blades: 5, pieces: [160, 48, 8], ..ParametricWheel::nozzle_ring() };
+    let (wheel, pitch) = (wound(&ring.mesh()).unwrap(), ring.pitch());
+    for from in [0.3, 0.37, 0.45, 0.66] {
+        let cut = sector(&wheel, from * pitch, 1.3 * pitch);
+        match find(&cut, &BliskOptions::default()) {
+            Ok(channel) => assert_eq!(channel.blades, ring.blades, "{from}"),
+            Err(error) => assert!(error.to_string().contains("blisk.blades"), "{from}: {error}"),
+        }
+        let given = BliskOptions { blades: Auto::Given(ring.blades), ..BliskOptions::default() };
+        assert_eq!(find(&cut, &given).unwrap_or_else(|e| panic!("{from}: {e}")).blades, ring.blades);
+    }
 }
 
 #[test]

@@ -25,7 +25,7 @@ use super::error::BliskError;
 use super::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
-use task::{Cancel, Cancelled, Task};
+use task::{Cancel, Task};
 
 /// A wall repeats where it misses the mean one by less than this share of the pitch.
 const TOLERANCE: f64 = 0.005;
@@ -100,23 +100,29 @@ pub(super) fn find_wheel<'a>(mesh: &'a Mesh, options: &BliskOptions, task: &Task
     wheel_of_sector(whole, error, options, task)
 }
 
-/// The whole wheel if `mesh` is a sector of one, although it was taken for a wheel about another axis, as a blade alone
-/// may be: what was found there was refused for `error`.
+/// The whole wheel if `mesh` is a sector of one, although it was taken for a wheel about `axis`, as a blade alone may be:
+/// what was found there was refused for `error`.
 ///
 /// # Errors
-/// [`Cancelled`].
+/// [`BliskError::Cancelled`], and [`SectorError`] where more of the surface turns about the axis of the sector.
 pub(super) fn find_sector(
     mesh: &Mesh,
+    axis: &Axis,
     error: BliskError,
     options: &BliskOptions,
     task: &Task,
-) -> Result<Option<Wheel<'static>>, Cancelled> {
+) -> Result<Option<Wheel<'static>>, BliskError> {
     let whole = match sector::whole_wheel(mesh, options, &task.cancel) {
-        Err(SectorError::Cancelled(cancelled)) => return Err(cancelled),
-        whole => whole.ok().flatten(),
+        Err(SectorError::Cancelled(cancelled)) => return Err(cancelled.into()),
+        Err(of_sector) => {
+            let turning = axis::Turning::new(mesh);
+            let is_likelier = of_sector.axis().is_some_and(|of| turning.share(&of) > turning.share(axis));
+            return if is_likelier { Err(of_sector.into()) } else { Ok(None) };
+        }
+        Ok(whole) => whole,
     };
     match whole.map(|whole| wheel_of_sector(whole, error, options, task)) {
-        Some(Err(BliskError::Cancelled(cancelled))) => Err(cancelled),
+        Some(Err(BliskError::Cancelled(cancelled))) => Err(cancelled.into()),
         found => Ok(found.and_then(Result::ok)),
     }
 }

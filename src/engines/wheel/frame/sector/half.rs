@@ -4,7 +4,6 @@ use std::ops::RangeInclusive;
 
 use glam::{DMat3, DVec2, DVec3};
 
-use super::SAME;
 use super::cuts::Cut;
 use crate::frame::axis::{self, Axis};
 use geometry::mesh::{Mesh, normal_times_two_areas};
@@ -12,13 +11,15 @@ use geometry::mesh::{Mesh, normal_times_two_areas};
 /// Lines in a cut, if it leaves half a wheel, that may be its axis. `is_turned` tells whether enough of the surface turns
 /// about a line.
 pub(super) fn axes(mesh: &Mesh, cut: &Cut, on_cut: f64, is_turned: impl Fn(&Axis) -> bool) -> Vec<Axis> {
+    /// What turns about a line near the cut may tell it no better, where it is thin.
+    const NEAR: f64 = 0.05;
     let size = mesh.bounds().size().length();
     let facets = facets_in(mesh, cut, on_cut);
     let may_be = |axis: &Axis| is_turned(axis) && is_divided(&facets, cut, axis);
     let in_cut = |axis: Axis| {
         let axis = axis::of_turned_surfaces(mesh, axis).unwrap_or(axis);
         let off = cut.normal.dot(axis.point) - cut.at;
-        let is_near = axis.direction.dot(cut.normal).abs() < SAME && off.abs() < SAME * size;
+        let is_near = axis.direction.dot(cut.normal).abs() < NEAR && off.abs() < NEAR * size;
         let direction = axis.direction.reject_from_normalized(cut.normal);
         is_near.then(|| Axis::new(axis.point - off * cut.normal, direction))
     };
@@ -59,29 +60,31 @@ fn lines_of_symmetry(facets: &[(DVec3, f64)]) -> [Axis; 2] {
 /// coarse the mesh is, so that each edge between two of them is square to the axis, and the plane through its middle that
 /// it is square to holds the axis: least squares, in which edges that are no arcs lose their say.
 fn of_arcs(mesh: &Mesh, cut: &Cut, on_cut: f64, mut axis: Axis) -> Axis {
-    const ROUNDS: usize = 6;
-    /// Parts of an edge along the axis and along the radius, at most, and its length as a share of the radius.
-    const MOST_OFF: f64 = 0.02;
+    /// Parts of an edge along the axis and along the radius, at most, from round to round.
+    const MOST_OFF: [f64; 9] = [0.1, 0.1, 0.1, 0.05, 0.05, 0.02, 0.02, 0.02, 0.02];
+    /// Its length as a share of the radius.
     const MOST_LENGTH: f64 = 1.0;
     let is_cut = |p: DVec3| cut.at - cut.normal.dot(p) <= on_cut;
     let edges = mesh.iter_corners().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);
     // The edges that the cut divides end beside their circles.
-    let edges: Vec<(DVec3, DVec3)> = edges
+    let all: Vec<(DVec3, DVec3, f64)> = edges
         .filter(|edge| !edge.iter().any(|p| is_cut(*p)))
         .map(|[a, b]| (0.5 * (a + b), (b - a).normalize_or_zero(), (b - a).length()))
-        .filter_map(|(middle, along, length)| {
-            let arm = (middle - axis.point).reject_from_normalized(axis.direction);
-            let off = along.dot(axis.direction).abs().max(along.dot(arm.normalize_or_zero()).abs());
-            (off < MOST_OFF && length > on_cut && length < MOST_LENGTH * arm.length()).then_some((middle, along))
-        })
+        .filter(|(.., length)| *length > on_cut)
         .collect();
-    let origin = edges.iter().map(|(middle, _)| *middle).sum::<DVec3>() / edges.len().max(1) as f64;
-    let reach = edges.iter().map(|(middle, _)| middle.distance(origin)).fold(f64::MIN_POSITIVE, f64::max);
-    for _ in 0..ROUNDS {
+    let origin = all.iter().map(|(middle, ..)| *middle).sum::<DVec3>() / all.len().max(1) as f64;
+    let reach = all.iter().map(|(middle, ..)| middle.distance(origin)).fold(f64::MIN_POSITIVE, f64::max);
+    for most_off in MOST_OFF {
+        let is_arc = |(middle, along, length): &&(DVec3, DVec3, f64)| {
+            let arm = (*middle - axis.point).reject_from_normalized(axis.direction);
+            let off = along.dot(axis.direction).abs().max(along.dot(arm.normalize_or_zero()).abs());
+            off < most_off && *length < MOST_LENGTH * arm.length()
+        };
+        let edges: Vec<&(DVec3, DVec3, f64)> = all.iter().filter(is_arc).collect();
         let point = axis.point + axis.direction * axis.direction.dot(origin - axis.point);
         let across = cut.normal.cross(axis.direction);
         // How far the two conditions of each edge are missed (mm), and how that changes as the axis moves and tilts.
-        let misses = edges.iter().flat_map(|(middle, along)| {
+        let misses = edges.iter().flat_map(|(middle, along, _)| {
             let (arm, sideways) = (*middle - point, along.dot(across));
             let height = axis.direction.dot(arm);
             let beside = along.dot(arm - height * axis.direction);

@@ -203,7 +203,7 @@ fn sectors<'a>(
     let sector = move |(likelihood, (share, axis, of_cuts)): (f64, (f64, Axis, [usize; 2]))| {
         // Whole pitches apart the cuts are alike.
         let [least, most] = [f64::min, f64::max].map(|of| of(cuts[of_cuts[0]].area, cuts[of_cuts[1]].area));
-        let is_alike = likelihood > HELD * share && least > ALIKE * most;
+        let is_alike = of_cuts[0] != of_cuts[1] && likelihood > HELD * share && least > ALIKE * most;
         let is_likely = is_alike || share >= LIKELY_PART * best;
         let frame = frame_along(&axis);
         let [a, b] = of_cuts.map(|cut| frame.direction_from_parent(cuts[cut].normal));
