@@ -38,7 +38,7 @@ impl Overhangs {
     /// Of samples of a region those that overhangs do not hide, and more at the borders of overhangs. `turned` is the
     /// rotation from the upright mold to the frame of the samples, in which the `mold` is; the region is known to a
     /// `cell` (mm).
-    pub fn sorted(&self, samples: Vec<Sample>, (mold, turned): (&Obstacle, &DMat3), cell: f64) -> Vec<Sample> {
+    pub fn without_hidden(&self, samples: Vec<Sample>, (mold, turned): (&Obstacle, &DMat3), cell: f64) -> Vec<Sample> {
         let (back, reach) = (turned.transpose(), AROUND.1 * cell);
         let all = Bounds::of(samples.iter().map(|sample| back * sample.point));
         let beside = |face: &Bounds, of: &Bounds| {

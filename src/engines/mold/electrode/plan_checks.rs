@@ -254,7 +254,7 @@ fn left_of(
     let corners: Vec<[DVec3; 3]> = region.corners.iter().map(|c| c.map(|p| setting.turned * p)).collect();
     let radii = [last.gap_mm, last.gap_mm + last.orbit.radius_mm()];
     let (samples, looked) = samples(&corners, region, (&setting.edges, &cuts), radii);
-    let samples = overhangs.sorted(samples, (&setting.mold, &setting.turned), milled.within);
+    let samples = overhangs.without_hidden(samples, (&setting.mold, &setting.turned), milled.within);
     let back = setting.turned.transpose();
     let leaves = |p: DVec3| (milled.leaves)(back * p);
     let milled = Milled { leaves: &leaves, within: milled.within };

@@ -20,7 +20,7 @@ const ABOUT_TIPS: f64 = 0.2;
 /// Points on blades lie no further off them than this share of the pitch, or this (mm).
 const OFF_BLADE: f64 = 0.02;
 const OFF_BLADE_MM: f64 = 0.05;
-/// Those that are refused for another reason, than this share.
+/// A point on blades is named as off where the wheel is found without it, further off than this share of the pitch.
 const OFF_BLADE_FOUND: f64 = 0.2;
 /// A ray looks so many times as far as the passage is high beside it.
 const REACH: f64 = 2.0;

@@ -11,7 +11,8 @@ use geometry::mesh::{Mesh, normal_times_two_areas};
 /// Lines in a cut, if it leaves half a wheel, that may be its axis. `is_turned` tells whether enough of the surface turns
 /// about a line.
 pub(super) fn axes(mesh: &Mesh, cut: &Cut, on_cut: f64, is_turned: impl Fn(&Axis) -> bool) -> Vec<Axis> {
-    /// What turns about a line near the cut may tell it no better, where it is thin.
+    /// How far a line may be off the cut before it is moved into it (rad, share of the size): the turned surfaces of a
+    /// thin wheel tell it no better.
     const NEAR: f64 = 0.05;
     let size = mesh.bounds().size().length();
     let facets = facets_in(mesh, cut, on_cut);
@@ -62,7 +63,7 @@ fn lines_of_symmetry(facets: &[(DVec3, f64)]) -> [Axis; 2] {
 fn of_arcs(mesh: &Mesh, cut: &Cut, on_cut: f64, mut axis: Axis) -> Axis {
     /// Parts of an edge along the axis and along the radius, at most, from round to round.
     const MOST_OFF: [f64; 9] = [0.1, 0.1, 0.1, 0.05, 0.05, 0.02, 0.02, 0.02, 0.02];
-    /// Its length as a share of the radius.
+    /// Greatest length of an edge as a share of the radius.
     const MOST_LENGTH: f64 = 1.0;
     let is_cut = |p: DVec3| cut.at - cut.normal.dot(p) <= on_cut;
     let edges = mesh.iter_corners().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]);

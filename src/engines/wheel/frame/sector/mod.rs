@@ -137,7 +137,8 @@ fn sectors<'a>(
     /// part of what turns about any other line, as about one along a thick blade.
     const LEAST_TURNING: f64 = 0.02;
     const LIKELY_PART: f64 = 0.5;
-    /// Or where both cuts hold this share of the extents of the part, and their areas differ by less than this.
+    /// An axis is likely as well where both cuts hold this share of the extents of the part, and the smaller of them has
+    /// this share of the other's area.
     const HELD: f64 = 0.5;
     const ALIKE: f64 = 0.9;
     /// Lines that are tried, and cuts that half a wheel may be cut at.
