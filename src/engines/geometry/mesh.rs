@@ -159,9 +159,7 @@ impl Mesh {
 
     /// The edges in which the faces turn towards each other by more than `turn` (rad), in the order of their triangles.
     pub fn concave_edges(&self, turn: f64) -> Vec<Edge> {
-        let sides = |[a, b, c]: [u32; 3]| [(a, b), (b, c), (c, a)];
-        let numbered = || self.triangles.iter().enumerate().flat_map(|(i, t)| sides(*t).map(|side| (side, i)));
-        let faces: HashMap<(u32, u32), usize> = numbered().collect();
+        let faces: HashMap<(u32, u32), usize> = self.sides().collect();
         let edge = |((from, to), i)| {
             let other = faces.get(&(to, from)).filter(|_| from < to)?;
             let normals = [i, *other].map(|face| unit_normal(self.corners(face)));
@@ -170,7 +168,13 @@ impl Mesh {
             let is_concave = n.dot(m) < turn.cos() && n.cross(m).dot(ends[1] - ends[0]) < 0.0;
             is_concave.then_some(Edge { ends, normals })
         };
-        numbered().filter_map(edge).collect()
+        self.sides().filter_map(edge).collect()
+    }
+
+    /// The directed edges of the triangles, each with the number of its triangle.
+    pub fn sides(&self) -> impl Iterator<Item = ((u32, u32), usize)> + '_ {
+        let sides = |[a, b, c]: [u32; 3]| [(a, b), (b, c), (c, a)];
+        self.triangles.iter().enumerate().flat_map(move |(i, t)| sides(*t).map(|side| (side, i)))
     }
 
     /// Whether every edge is shared by exactly two triangles of agreeing orientation.

@@ -36,8 +36,8 @@ pub struct Inspection {
     pub repetition: Option<Repetition>,
     /// The chosen channel.
     pub channel: Option<ChannelSummary>,
-    /// The whole wheel in the coordinates of the mesh, where that is only a sector of it.
-    #[serde(skip)]
+    /// The whole wheel in the coordinates of the mesh, where that is only a sector of it; written as its volume.
+    #[serde(rename = "whole_wheel_volume_mm3", serialize_with = "as_volume")]
     pub whole: Option<Arc<Mesh>>,
     /// Surfaces of the mesh told apart.
     pub surfaces: Option<SurfaceClasses>,
@@ -50,6 +50,11 @@ pub struct Inspection {
     pub assumed: Vec<String>,
     /// Missing features, with reason and remedy.
     pub not_found: Vec<String>,
+}
+
+/// Writes the volume of a mesh (mm^3), if there is one.
+fn as_volume<S: serde::Serializer>(mesh: &Option<Arc<Mesh>>, to: S) -> Result<S::Ok, S::Error> {
+    mesh.as_ref().map(|mesh| mesh.volume()).serialize(to)
 }
 
 /// The figures of a channel, without its walls' points.
@@ -203,6 +208,9 @@ impl fmt::Display for Inspection {
             "",
             format!("{}, volume {:.1} mm³", if self.watertight { "closed" } else { "not closed" }, self.volume_mm3),
         )?;
+        if let Some(whole) = &self.whole {
+            row("Whole wheel", format!("{} triangles, volume {:.1} mm³", whole.triangles.len(), whole.volume()))?;
+        }
         if let Some(axis) = &self.axis {
             row("Axis", axis.to_string())?;
         }

@@ -109,9 +109,9 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         })
     }
 
-    /// The parameters with the value `text` for `key`, as the command line gives it: one value, or a list in brackets for
-    /// all entries of a key such as `reduction_deg`. Conditions between parameters are
-    /// left to validation, because several may be set one after the other.
+    /// The parameters with the value `text` for `key`, as the command line gives it: one value, with quotation marks as in
+    /// files or without, or a list in brackets for all entries of a key such as `reduction_deg`. Conditions between
+    /// parameters are left to validation, because several may be set one after the other.
     ///
     /// # Errors
     /// If there is no such parameter, or it cannot have this value.
@@ -134,7 +134,8 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
                 .try_fold(first, |set, (key, text)| self.set(&set, key, text));
         }
         let place = self.find(key)?;
-        let value = place.field.parse(&place.key, text)?;
+        let quoted = text.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
+        let value = place.field.parse(&place.key, quoted.filter(|text| !text.contains('"')).unwrap_or(text))?;
         let params = self.put(&self.values(params), &place.key, value)?;
         place.field.check(&place.key, get(&self.values(&params), &place.key))?;
         Ok(params)

@@ -164,6 +164,7 @@ fn the_table_is_sound_and_an_unsound_one_is_found_out() {
 fn values_are_set_by_key_and_read_again() {
     assert_eq!(set("plan.step_mm", "0,5").unwrap().plan.step_mm, 0.5);
     assert_eq!(set("plan.strategy", "genetic").unwrap().plan.strategy, Strategy::Genetic);
+    assert_eq!(set("plan.strategy", "\"genetic\"").unwrap().plan.strategy, Strategy::Genetic);
     assert_eq!(set("seed", "18446744073709551615").unwrap().seed, u64::MAX);
     assert_eq!(set("grid", "60x40").unwrap().grid, [60, 40]);
     assert_eq!(set("sides_mm", "12,5; 8").unwrap().sides_mm, [12.5, 8.0]);

@@ -1,5 +1,6 @@
 //! How well a channel that was found agrees with its mesh, measured between the places that it was found from.
 
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
@@ -13,6 +14,7 @@ use super::super::frame::slices::{Crossing, Gap, Slices};
 use super::meridian::{FACE_ROUNDING, Meridian, Tracer};
 use super::walls::Rows;
 use geometry::frame::{Cylindrical, angle_near};
+use geometry::mesh::{Mesh, normal_times_two_areas};
 
 /// Least share of the samples of a surface that must agree.
 const ENOUGH: f64 = 0.95;
@@ -44,6 +46,8 @@ const MIDDLE_SHARE: f64 = 0.5;
 const MOST_CHORD: f64 = 0.02;
 /// Greatest share of the height that a cell of a wall may bend, as in a fillet.
 const MOST_SAG: f64 = 0.05;
+/// A shroud is thicker than this share of the height.
+const FILM: f64 = 1e-3;
 /// Share of the height that the rays to an end wall start from it.
 const START: f64 = 0.1;
 
@@ -61,12 +65,44 @@ struct Density {
 const DENSE: Density = Density { every: 2, stations: 40, across: 9 };
 const SPARSE: Density = Density { every: 4, stations: 16, across: 5 };
 
-/// One measured place: how far off the mesh it is, with the sense, the mesh's own chord error there, and where it is.
+/// One measured place: how far off the mesh it is, with the sense, the mesh's own chord error there, where it is, and the
+/// facet of a wall that is met.
 #[derive(Clone, Copy)]
 struct Sample {
     off: f64,
     chord: f64,
     at: DVec3,
+    triangle: Option<u32>,
+}
+
+/// The facets of a mesh beside each other.
+struct Facets<'a> {
+    mesh: &'a Mesh,
+    /// The triangle of each edge.
+    edges: HashMap<(u32, u32), usize>,
+}
+
+impl<'a> Facets<'a> {
+    fn new(mesh: &'a Mesh) -> Self {
+        Self { mesh, edges: mesh.sides().collect() }
+    }
+
+    /// How far a facet may lie off the bent surface that it stands for (mm): as far as an arc over it that turns from
+    /// each of its neighbours to the opposite one as they do, twice over, since facets differ in size. Creases are no
+    /// arcs.
+    fn chord(&self, triangle: u32) -> f64 {
+        const CREASE: f64 = 0.6;
+        let normal = |triangle: usize| normal_times_two_areas(self.mesh.corners(triangle));
+        let [a, b, c] = self.mesh.triangles[triangle as usize];
+        let own = normal(triangle as usize);
+        let sag = |(from, to): (u32, u32)| {
+            let beside = normal(*self.edges.get(&(to, from))?);
+            let turn = own.angle_between(beside);
+            let length = self.mesh.vertices[from as usize].distance(self.mesh.vertices[to as usize]);
+            (turn < CREASE).then(|| turn * own.length() / length / 4.0)
+        };
+        [(a, b), (b, c), (c, a)].into_iter().filter_map(sag).fold(0.0, f64::max)
+    }
 }
 
 /// A channel to be measured against its mesh.
@@ -107,14 +143,31 @@ impl Measured<'_> {
     /// of a surface are further than `tolerance` (mm) from those of this channel turned about the axis, with what differs
     /// most.
     pub fn unlike(&self, blades: usize, kinds: usize, tolerance: f64) -> Result<Vec<Unlike>, BliskError> {
+        let numbers: Vec<usize> = (1..blades / kinds).map(|i| i * kinds).collect();
+        let unlike = self.unlike_of(&numbers, tolerance, None)?;
+        if unlike.is_empty() {
+            return Ok(unlike);
+        }
+        // What the facets of either channel may be off the surfaces that they stand for is no difference.
+        let numbers: Vec<usize> = unlike.iter().map(|unlike| unlike.number).collect();
+        self.unlike_of(&numbers, tolerance, Some(&Facets::new(self.tracer.slices.mesh())))
+    }
+
+    /// The channels among `numbers` that differ by more than `tolerance`, the cells' own chord error, and that of `facets`.
+    fn unlike_of(&self, numbers: &[usize], tolerance: f64, facets: Option<&Facets>) -> Result<Vec<Unlike>, BliskError> {
         let within = (APART * self.tolerance()).max(tolerance.min(MOST_TOLERANCE));
         let covered = self.covered(0.0);
         let own: Vec<_> = self.samples(SPARSE, 0.0)?.collect();
+        let chord = |sample: &Sample| facets.zip(sample.triangle).map_or(0.0, |(all, triangle)| all.chord(triangle));
+        let most_chord = MOST_SAG * self.meridian.stations.iter().map(Station::height).fold(0.0, f64::max);
         let unlike = |number: usize| {
             let turn = number as f64 * self.tracer.pitch;
             let compared = self.samples(SPARSE, turn)?.zip(&own).map(|((surface, mut samples), (_, own))| {
                 // The two channels are compared, not both with the grid between its points.
-                samples.iter_mut().zip(own).for_each(|(sample, own)| sample.off -= own.off);
+                for (sample, own) in samples.iter_mut().zip(own) {
+                    sample.off -= own.off;
+                    sample.chord += (chord(sample) + chord(own)).min(most_chord);
+                }
                 let has_more = samples.iter().filter(|s| s.off.abs() > s.chord + MORE * within).count() >= LEAST_MORE;
                 (summary(surface, samples, within), has_more)
             });
@@ -126,8 +179,7 @@ impl Measured<'_> {
             let difference = off.or_else(tips).or_else(edges);
             Ok::<_, BliskError>(difference.map(|difference| Unlike { number, difference }))
         };
-        let all: Vec<Result<Option<Unlike>, BliskError>> =
-            (1..blades / kinds).into_par_iter().map(|i| unlike(i * kinds)).collect();
+        let all: Vec<Result<Option<Unlike>, BliskError>> = numbers.par_iter().map(|number| unlike(*number)).collect();
         let all = all.into_iter().collect::<Result<Vec<_>, _>>()?;
         Ok(all.into_iter().flatten().collect())
     }
@@ -145,7 +197,10 @@ impl Measured<'_> {
             let station = station_at(stations, along_at(stations, DVec2::new(ends[0].x, ends[0].r), 0.5));
             let theta = 0.5 * (ends[0].theta + angle_near(ends[1].theta, ends[0].theta)) + turn;
             let [from, toward] = self.tracer.start_of(&station, 1.0 - START, Surface::Shroud);
-            self.tracer.met(theta, from, toward, station.height()).is_some()
+            let met = self.tracer.met(theta, from, toward, station.height());
+            // A film without thickness is no shroud.
+            let beyond = met.map(|(distance, _)| from + (distance + FILM * station.height()) * toward);
+            beyond.is_some_and(|at| self.tracer.slices.is_solid(at.x, at.y, theta))
         };
         columns.filter(|&u| meets(u)).count() as f64 / SPARSE.stations as f64
     }
@@ -232,7 +287,7 @@ impl Measured<'_> {
                 let normal = tracer.slices.normal(crossing.triangle).try_normalize().unwrap_or(around);
                 r * (crossing.theta - theta) * normal.dot(around).abs()
             });
-            Sample { off, chord: sag.min(most_sag), at }
+            Sample { off, chord: sag.min(most_sag), at, triangle: found.map(|crossing| crossing.triangle) }
         };
         cells.par_iter().map(sample).collect()
     }
@@ -280,7 +335,7 @@ impl Measured<'_> {
                 );
                 let end = end(met);
                 let at = Cylindrical { x: end.x, r: end.y, theta: *theta }.point();
-                Sample { off, chord, at }
+                Sample { off, chord, at, triangle: None }
             };
             met.iter().map(sample).collect::<Vec<_>>()
         };
@@ -343,7 +398,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_measured_does_not_agree() {
-        let sample = |off: f64| Sample { off, chord: 0.001, at: DVec3::ZERO };
+        let sample = |off: f64| Sample { off, chord: 0.001, at: DVec3::ZERO, triangle: None };
         let share =
             |offs: &[f64]| summary(Surface::Hub, offs.iter().map(|off| sample(*off)).collect(), TOLERANCE).share;
         assert_eq!(share(&[]), 0.0);

@@ -35,12 +35,25 @@ impl Tracer<'_> {
         let curves = self.by_hand.curves.clone();
         let at = DVec2::new(start.x, start.r);
         let wrong = |key| BliskError::HandCurve { key, x: at.x, r: at.y };
+        let is_measured = self.options.end_walls == EndWalls::Measured;
         let pairs = match curves {
-            [Some(hub), Some(shroud)] => pairs(&hub, &shroud),
+            [Some(hub), Some(shroud)] => {
+                let found = found.filter(|_| is_measured).map(|found| turned_to(found, 0, &hub));
+                if let Some(found) = found.filter(|found| are_ends(&self.by_hand.ends, found)) {
+                    return Ok(Some(found));
+                }
+                let bounds = self.slices.bounds();
+                let rim = bounds.min.abs().max(bounds.max.abs());
+                let is_in_part = |line: &[DVec2; 2]| {
+                    let middle = 0.5 * (line[0] + line[1]);
+                    (bounds.min.x..=bounds.max.x).contains(&middle.x) && middle.y <= rim.y.max(rim.z)
+                };
+                pairs(&hub, &shroud).into_iter().filter(is_in_part).collect()
+            }
             [None, None] => return Ok(found),
             [hub, shroud] => {
                 let (end, given) = if let Some(hub) = hub { (0, hub) } else { (1, shroud.unwrap_or_default()) };
-                if let Some(found) = found.filter(|_| self.options.end_walls == EndWalls::Measured) {
+                if let Some(found) = found.filter(|_| is_measured) {
                     return Ok(Some(turned_to(found, end, &given)));
                 }
                 if steep_share(&given) <= MOST_STEEP {
@@ -179,7 +192,8 @@ pub(super) fn check_points(by_hand: &ByHand, stations: &[Station], shrouded: boo
     let outer = if shrouded { "shroud" } else { "blade tips" };
     let ends = [("hub", "hub_points_mm", hub), (outer, "shroud_points_mm", shroud)];
     for ((surface, key, place), points) in ends.into_iter().zip(&by_hand.ends) {
-        let polygon: Vec<DVec2> = stations.iter().map(place).collect();
+        let beyond = stations.iter().map(Station::height).fold(0.0, f64::max);
+        let polygon = extended(stations.iter().map(place).collect(), beyond);
         for (i, at) in points.iter().enumerate() {
             let (foot, off_mm) = nearest(&polygon, *at);
             let near = |s: &&Station| place(s).distance_squared(foot);
@@ -237,6 +251,28 @@ fn pairs(hub: &[DVec2], shroud: &[DVec2]) -> Vec<[DVec2; 2]> {
         shroud.reverse();
     }
     hub.iter().copied().zip(shroud).map(|(hub, shroud)| [hub, shroud]).collect()
+}
+
+/// Whether points on hub and shroud lie on the ends of lines that were found, as nearly as these are known.
+fn are_ends(points: &[Vec<DVec2>; 2], found: &Lines) -> bool {
+    let heights = found.lines.iter().map(|[hub, shroud]| hub.distance(*shroud));
+    let (least, most) = heights.fold((f64::INFINITY, 0.0f64), |(l, m), height| (l.min(height), m.max(height)));
+    let within = (MOST_OFF * least).max(found.step);
+    points.iter().enumerate().all(|(end, points)| {
+        let wall = extended(found.lines.iter().map(|line| line[end]).collect(), most);
+        points.iter().all(|at| nearest(&wall, *at).1 <= within)
+    })
+}
+
+/// A polygon that goes straight on by `length` at either end.
+fn extended(mut polygon: Vec<DVec2>, length: f64) -> Vec<DVec2> {
+    if let [first, second, ..] = polygon[..] {
+        polygon.insert(0, first + length * (first - second).normalize_or_zero());
+    }
+    if let [.., before, last] = polygon[..] {
+        polygon.push(last + length * (last - before).normalize_or_zero());
+    }
+    polygon
 }
 
 /// The lines that were found, with the wall that lies nearer to the given points as hub (`end` 0) or shroud (1).

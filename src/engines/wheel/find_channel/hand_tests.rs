@@ -194,16 +194,60 @@ fn under_half_a_shroud_a_passage_is_picked() {
 
 #[test]
 fn about_the_right_axis_given_by_hand_the_wheel_is_right() {
-    let part = impeller();
-    let mesh = part.mesh();
-    let about = |direction: [f64; 3]| {
-        let axis = AxisChoice::Line(AxisLine { direction, point: [0.0; 3] });
-        find(&mesh, &BliskOptions { axis, ..BliskOptions::default() })
+    for part in [ring(), impeller()] {
+        let mesh = part.mesh();
+        let about = |direction: [f64; 3]| {
+            let axis = AxisChoice::Line(AxisLine { direction, point: [0.0; 3] });
+            find(&mesh, &BliskOptions { axis, ..BliskOptions::default() })
+        };
+        let (sin, cos) = 2.0_f64.to_radians().sin_cos();
+        let wrong = about([cos, sin, 0.0]).unwrap_err().to_string();
+        let named = format!("has {} blades about the axis through (0, 0, 0) mm along (1, 0, 0)", part.blades);
+        assert!(wrong.contains(&named), "{wrong}");
+        assert!(off_curves(&part, &about([1.0, 0.0, 0.0]).unwrap()) < MOST_OFF);
+    }
+}
+
+/// A line that is off by so little is taken, but not unsaid.
+#[test]
+fn an_axis_given_a_little_beside_the_blades_is_told() {
+    let mesh = axial().mesh();
+    let told = |y: f64, tilt: f64| {
+        let axis = AxisChoice::Line(AxisLine { direction: [1.0, tilt, 0.0], point: [0.0, y, 0.0] });
+        let channel = find(&mesh, &BliskOptions { axis, ..BliskOptions::default() }).unwrap();
+        channel
+            .assumed
+            .iter()
+            .any(|a| a.contains("another axis than the one that is given: through (0, 0, 0) mm along (1, 0, 0)"))
     };
-    let (sin, cos) = 2.0_f64.to_radians().sin_cos();
-    let wrong = about([cos, sin, 0.0]).unwrap_err().to_string();
-    assert!(wrong.contains("blisk.axis"), "{wrong}");
-    assert!(off_curves(&part, &about([1.0, 0.0, 0.0]).unwrap()) < MOST_OFF);
+    assert!(told(0.01, 0.0) && told(0.03, 0.0) && told(0.0, 0.0005));
+    assert!(!told(0.0, 0.0));
+}
+
+/// Points as they were measured, and curves that go on beyond the rim, say what was found without them.
+#[test]
+fn points_on_both_walls_say_what_was_found() {
+    for part in [ring(), impeller(), axial()] {
+        let mesh = part.mesh();
+        let whole = found(&mesh);
+        let of = |place: fn(&Station) -> DVec2, beyond: f64| {
+            let mut places: Vec<DVec2> = whole.meridian.iter().step_by(6).map(place).collect();
+            let [.., before, last] = places[..] else { panic!() };
+            places.push(last + (1.0 + beyond) * (last - before));
+            let point = |(i, at): (usize, &DVec2)| -> [f64; 3] {
+                let at = Cylindrical { x: at.x, r: at.y, theta: i as f64 }.point();
+                whole.frame.to_parent(at).into()
+            };
+            places.iter().enumerate().map(point).collect()
+        };
+        for beyond in [0.0, 1.0] {
+            let (hub_points_mm, shroud_points_mm) = (of(|s| s.hub, beyond), of(|s| s.shroud, beyond));
+            let channel =
+                find(&mesh, &BliskOptions { hub_points_mm, shroud_points_mm, ..BliskOptions::default() }).unwrap();
+            let off = channel.throat.width_mm - whole.throat.width_mm;
+            assert!(off.abs() < 1e-3 && off_curves(&part, &channel) < MOST_OFF, "{beyond}: {off}");
+        }
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Figures of a channel: its narrowest place, how much it turns, and the faces of the blisk.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
 use parry3d_f64::query::PointQuery;
 use parry3d_f64::shape::Triangle;
@@ -12,10 +12,11 @@ use geometry::mesh::Mesh;
 /// A middle line that turns by less than this (rad) is straight.
 const STRAIGHT: f64 = 0.0175;
 
-/// The narrowest place between the blades of two walls of equal grids, without their fillets, to the accuracy with which
-/// the grids' triangles follow the walls.
-pub(super) fn throat(low: &ChannelWall, high: &ChannelWall) -> Throat {
-    let [low, high] = &[low, high].map(without_fillets);
+/// The narrowest place between the blades of two walls of equal grids, from end wall to end wall without their fillets, to
+/// the accuracy with which the grids' triangles follow the walls. The first and the last row lie `beyond` steps from row to
+/// row away from hub and shroud.
+pub(super) fn throat([low, high]: [&ChannelWall; 2], beyond: f64) -> Throat {
+    let [low, high] = &[low, high].map(|wall| bare(wall, beyond));
     let nearest_point = |u: usize, v: usize| {
         let p = low.point(u, v);
         let far = |&i: &usize| (high.points[i] - p).length_squared();
@@ -33,13 +34,14 @@ pub(super) fn throat(low: &ChannelWall, high: &ChannelWall) -> Throat {
     rows.into_iter().fold(none, |best, t| if t.width_mm < best.width_mm { t } else { best })
 }
 
-/// A wall whose fillets are taken off: in their place its blade goes on straight to the end wall. In a fillet the wall
-/// turns towards the height of the passage, or away from it.
-fn without_fillets(wall: &ChannelWall) -> ChannelWall {
+/// A wall from end wall to end wall, of which the first row lies `beyond` steps from row to row away, without its
+/// fillets: in their place the blade goes on straight to the end wall. In a fillet the wall turns from row to row, or a
+/// row begins further along the passage than those beside it.
+fn bare(wall: &ChannelWall, beyond: f64) -> ChannelWall {
     /// Shares of the height within which fillets end, and over which they turn.
     const REACH: f64 = 0.3;
     const OVER: f64 = 0.1;
-    /// Sine of the angle by which they turn over it, at least: about 15 deg.
+    /// Angle by which they turn over it, at least (rad).
     const TURN: f64 = 0.26;
     /// Rows beside a fillet that its last facets may still reach into, and rows from there on that its blade goes on from.
     const BESIDE: usize = 2;
@@ -47,23 +49,41 @@ fn without_fillets(wall: &ChannelWall) -> ChannelWall {
     let last = wall.nv - 1;
     let over = ((OVER * last as f64).ceil() as usize).max(1);
     let reach = ((REACH * last as f64) as usize).min(last.saturating_sub(BESIDE.max(over)));
-    let mut points = wall.points.clone();
+    let nv = wall.nv + 2;
+    let mut points = Vec::with_capacity(wall.nu * nv);
+    let mut normals = Vec::with_capacity(wall.nu * nv);
     for u in 0..wall.nu {
-        let height = (wall.point(u, last) - wall.point(u, 0)).normalize_or_zero();
+        let rows = || (0..nv).map(|v| v.saturating_sub(1).min(last));
+        let mut column: Vec<DVec3> = rows().map(|v| wall.point(u, v)).collect();
         for is_hub in [true, false] {
             let at = |v: usize| if is_hub { v } else { last - v };
-            let lean = |v: usize| wall.normal(u, at(v)).dot(height);
-            let Some(in_fillet) = (0..reach).rev().find(|v| (lean(*v) - lean(v + over)).abs() > TURN) else { continue };
-            let beside = in_fillet + BESIDE;
-            let inner = (beside + FROM).min(last);
+            let turn = |v: usize| wall.normal(u, at(v)).angle_between(wall.normal(u, at(v + over)));
+            let place = |v: usize| meridional(wall.point(u, at(v)));
+            let is_aside = |v: usize| {
+                let ([near, far], steps) =
+                    ([BESIDE, BESIDE + FROM].map(|rows| place((v + rows).min(last))), FROM as f64);
+                let step = (near - far) / steps;
+                (place(v) - (near + BESIDE as f64 * step)).length() > step.length()
+            };
+            let in_fillet = (0..reach).rev().find(|v| turn(*v) > TURN || is_aside(*v));
+            let (beside, from) = in_fillet.map_or((0, 1), |v| (v + BESIDE, FROM));
+            let inner = (beside + from).min(last);
             let [p, q] = [beside, inner].map(|v| wall.point(u, at(v)));
-            for v in 0..beside {
-                let share = (beside - v) as f64 / (inner - beside).max(1) as f64;
-                points[u * wall.nv + at(v)] = p + share * (p - q);
-            }
+            let mut set = |row: usize, steps: f64| {
+                column[if is_hub { row } else { nv - 1 - row }] = p + steps / (inner - beside).max(1) as f64 * (p - q);
+            };
+            set(0, beside as f64 + beyond);
+            (0..beside).for_each(|v| set(v + 1, (beside - v) as f64));
         }
+        points.append(&mut column);
+        normals.extend(rows().map(|v| wall.normal(u, v)));
     }
-    ChannelWall { points, ..wall.clone() }
+    ChannelWall { nv, points, normals, ..wall.clone() }
+}
+
+/// Position along the axis and distance from it.
+fn meridional(p: DVec3) -> DVec2 {
+    DVec2::new(p.x, p.y.hypot(p.z))
 }
 
 /// Projects back and forth between the walls, starting at grid points `i` and `j`.

@@ -18,6 +18,8 @@ pub(super) const MIDDLE_SHARE: f64 = 0.6;
 const ABOUT_POINTS: f64 = 0.4;
 /// Share of the height away from an end wall where the channel's middle beside it is looked for.
 const BESIDE: f64 = 0.1;
+/// How many times it is measured again nearer to it.
+const MOST_NEARER: usize = 3;
 /// Rays that differ from the middle one of them by more than this share of the height met something else.
 const SAME_WALL: f64 = 0.03;
 /// Share of the part's size by which the vertices of a plane face may lie off it.
@@ -52,7 +54,7 @@ pub(super) struct Meridian {
 struct EndWall {
     /// Radius (mm).
     radius: f64,
-    /// Whether the rays that may be of this wall differ by no more than its facets dip.
+    /// Whether most rays are of this wall, and differ by no more than its facets dip.
     is_even: bool,
 }
 
@@ -190,13 +192,20 @@ impl Tracer<'_> {
     fn end_walls(&self, place: &Place) -> (Option<f64>, Option<f64>) {
         let [hub, shroud] = self.end_walls_along(place);
         let (Some(h), Some(s)) = (hub, shroud) else { return (hub.map(|w| w.radius), shroud.map(|w| w.radius)) };
-        let beside = |wall: EndWall, r: f64, i: usize| {
-            let gap = (!wall.is_even).then(|| self.bladed_gap(place.x, r, &place.gap)).flatten()?;
-            self.end_walls_along(&Place { r, gap, ..*place })[i]
-        };
         let height = BESIDE * (s.radius - h.radius);
-        let measured = [beside(h, h.radius + height, 0).unwrap_or(h), beside(s, s.radius - height, 1).unwrap_or(s)];
-        (Some(measured[0].radius), Some(measured[1].radius))
+        let beside = |i: usize, mut wall: EndWall, inwards: f64| {
+            let mut gap = place.gap;
+            // What is met first may be a blade that leans over the wall.
+            for _ in 0..MOST_NEARER {
+                let r = wall.radius + inwards;
+                let next = (!wall.is_even).then(|| self.bladed_gap(place.x, r, &gap)).flatten();
+                let Some(next) = next else { break };
+                let Some(nearer) = self.end_walls_along(&Place { r, gap: next, ..*place })[i] else { break };
+                (wall, gap) = (nearer, next);
+            }
+            wall.radius
+        };
+        (Some(beside(0, h, height)), Some(beside(1, s, -height)))
     }
 
     /// The hub and the shroud along the radius through a place: the greatest and the least radius that its rays meet.
@@ -233,11 +242,12 @@ impl Tracer<'_> {
             met.filter(|r| *r <= c.r + same).fold(c.r, f64::max)
         };
         let least = |c: &RadialCrossing, same: f64| outer.iter().map(|c| c.r).find(|r| *r >= c.r - same).unwrap_or(c.r);
-        let wall = |c: RadialCrossing, of: &dyn Fn(&RadialCrossing, f64) -> f64| {
-            let radius = of(&c, dip(&c));
-            EndWall { radius, is_even: radius == of(&c, SAME_WALL * height) }
+        let wall = |c: RadialCrossing, rays: &[RadialCrossing], of: &dyn Fn(&RadialCrossing, f64) -> f64| {
+            let (radius, same) = (of(&c, dip(&c)), SAME_WALL * height);
+            let of_wall = rays.iter().filter(|ray| (ray.r - c.r).abs() <= same).count();
+            EndWall { radius, is_even: radius == of(&c, same) && 3 * of_wall >= 2 * RAYS }
         };
-        [hub.map(|c| wall(c, &greatest)), shroud.map(|c| wall(c, &least))]
+        [hub.map(|c| wall(c, &inner, &greatest)), shroud.map(|c| wall(c, &outer, &least))]
     }
 
     /// The greatest radius at which blades still bound the channel at a place; it is sought around `guess`.

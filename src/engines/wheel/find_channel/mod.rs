@@ -82,7 +82,7 @@ pub(super) fn wheel_and_channel<'a>(
     let wheel = match find_wheel(mesh, options, task) {
         Ok(wheel) => wheel,
         Err(BliskError::Cancelled(cancelled)) => return Err(BliskError::from(cancelled).into()),
-        Err(error) => return Err(misleading(mesh, options, task)?.unwrap_or(error).into()),
+        Err(error) => return Err(misleading(mesh, options, &Misleading::ALL, task)?.unwrap_or(error).into()),
     };
     let whole = channel(&wheel);
     // A blade alone may look like a wheel of a few: no two of its channels are alike.
@@ -100,14 +100,23 @@ pub(super) fn wheel_and_channel<'a>(
         }
         found(&wheel);
     }
+    if let (Err(_), AxisChoice::Line(_)) = (&whole, options.axis)
+        && let Some(error) = misleading(mesh, options, &[Misleading::Axis], task)?
+    {
+        return Err(error.into());
+    }
     whole.map(|channel| (wheel, channel))
 }
 
-/// The refusal of what is given by hand where a channel is found without it: points first, then the number of blades, then
-/// the axis.
-fn misleading(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Option<BliskError>, BliskError> {
+/// The refusal of the first of `suspects` that is given by hand, where a channel is found without it.
+fn misleading(
+    mesh: &Mesh,
+    options: &BliskOptions,
+    suspects: &[Misleading],
+    task: &Task,
+) -> Result<Option<BliskError>, BliskError> {
     let mut fewer = options.clone();
-    let Some(given) = Misleading::ALL.into_iter().find(|given| given.take_away(&mut fewer)) else { return Ok(None) };
+    let Some(given) = suspects.iter().copied().find(|given| given.take_away(&mut fewer)) else { return Ok(None) };
     match wheel_and_channel(mesh, &fewer, &[], task, &mut |_| ()) {
         Ok((Wheel { blisk: BliskFrame { axis, repetition, middle, .. }, .. }, channel)) => {
             if let (Misleading::Points, Some(off)) = (given, hand_lines::point_off(options, &channel)) {
@@ -180,11 +189,11 @@ fn measured_channel(
         check_axial(&meridian, [&walls.low, &walls.high])?;
     }
     let throat = match blisk.repetition.kinds {
-        1 => measure::throat(&walls.low, &walls.high),
+        1 => measure::throat([&walls.low, &walls.high], walls.rows.beyond()),
         // Beside splitters the narrowest place may be where a main blade stands ahead of one, or goes on behind it.
         _ => {
             let [low, high] = finder.beyond_edges(&walls)?;
-            measure::throat(&low, &high)
+            measure::throat([&low, &high], walls.rows.beyond())
         }
     };
     let Walls { mut low, mut high, rows } = walls;

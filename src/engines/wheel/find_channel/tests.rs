@@ -1,3 +1,4 @@
+use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
 use glam::{DQuat, DVec2, DVec3, EulerRot};
@@ -11,6 +12,7 @@ use crate::options::{Auto, AxisChoice, AxisLine, AxisName};
 use crate::parametric::wheel::{Flaws, ParametricWheel, Splitters};
 use geometry::exact::ExactMesh;
 use geometry::frame::Cylindrical;
+use geometry::mesh::normal_times_two_areas;
 
 pub(super) fn find(mesh: &Mesh, options: &BliskOptions) -> Result<Channel, BliskError> {
     find_channel(mesh, options, &Task::default())
@@ -92,6 +94,23 @@ fn root_fillets_do_not_lift_the_hub() {
     let channel = found(&part.mesh());
     for s in &channel.meridian {
         assert!((s.hub.y - 50.0).abs() < 0.02 && (s.shroud.y - 62.0).abs() < 0.02, "{s:?}");
+    }
+}
+
+/// Blades that lean by 35 and 40 deg: over the middle of the passage at half its height stands a blade.
+#[test]
+fn blades_that_lean_over_hub_and_shroud_are_not_taken_for_them() {
+    for lean in [0.7, 0.84] {
+        let part =
+            TestBlisk { blades: 48, twist: lean / 56.0, fillet: 0.6, grid: [24, 24, 8, 2], ..Default::default() };
+        let channel = found(&part.mesh());
+        assert_eq!(channel.blades, part.blades);
+        for station in &channel.meridian {
+            assert!(
+                (station.hub.y - 50.0).abs() < 0.05 && (station.shroud.y - 62.0).abs() < 0.1,
+                "{lean}: {station:?}"
+            );
+        }
     }
 }
 
@@ -522,6 +541,48 @@ fn channels_that_are_not_like_the_found_one_are_named() {
     for off in [low, high] {
         assert!((0.2..0.52).contains(&off), "{walls:?}");
     }
+}
+
+/// The mesh with the other diagonal in some pairs of its triangles, those that `is_other` of a corner and the normal.
+fn other_diagonals(mesh: &Mesh, is_other: impl Fn(DVec3, DVec3) -> bool) -> Mesh {
+    let sides: HashMap<(u32, u32), usize> = mesh.sides().collect();
+    let mut other = mesh.clone();
+    let mut is_turned = vec![false; mesh.triangles.len()];
+    let normal = |t: [u32; 3]| normal_times_two_areas(t.map(|v| mesh.vertices[v as usize]));
+    for (i, t) in mesh.triangles.iter().enumerate() {
+        for [a, b, c] in [[t[0], t[1], t[2]], [t[1], t[2], t[0]], [t[2], t[0], t[1]]] {
+            let Some(&k) = sides.get(&(b, a)) else { continue };
+            let Some(d) = mesh.triangles[k].into_iter().find(|v| *v != a && *v != b) else { continue };
+            let [old, beside] = [normal(*t), normal(mesh.triangles[k])];
+            let turned = [[a, d, c], [d, b, c]];
+            let is_bent = (0.01..0.4).contains(&old.angle_between(beside));
+            let is_sound = turned
+                .iter()
+                .all(|t| normal(*t).dot(old + beside) > 0.5 * normal(*t).length() * (old + beside).length());
+            let is_new = !sides.contains_key(&(c, d)) && !sides.contains_key(&(d, c));
+            if is_bent
+                && is_sound
+                && is_new
+                && !is_turned[i]
+                && !is_turned[k]
+                && is_other(mesh.vertices[a as usize], old)
+            {
+                (is_turned[i], is_turned[k]) = (true, true);
+                [other.triangles[i], other.triangles[k]] = turned;
+            }
+        }
+    }
+    other
+}
+
+/// Facets of other channels may stand for the same surface in another way.
+#[test]
+fn coarse_facets_make_no_channels_differ() {
+    let part = ParametricWheel { pieces: [160, 16, 3], ..ParametricWheel::impeller() };
+    let is_blade = |p: DVec3, normal: DVec3| normal.normalize().dot(DVec3::X.cross(p).normalize()).abs() > 0.5;
+    let mesh = other_diagonals(&part.mesh(), |p, normal| Cylindrical::from_point(p).theta > 0.7 && is_blade(p, normal));
+    let channel = found(&mesh);
+    assert!(channel.unlike.is_empty(), "{:?}", channel.unlike);
 }
 
 #[test]

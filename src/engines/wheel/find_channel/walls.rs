@@ -75,6 +75,11 @@ impl Rows {
     pub fn share(self, v: usize) -> f64 {
         self.inset + (1.0 - 2.0 * self.inset) * v as f64 / (self.count - 1) as f64
     }
+
+    /// How far hub and shroud lie beyond the first and the last row, in steps from row to row.
+    pub fn beyond(self) -> f64 {
+        self.inset / (1.0 - 2.0 * self.inset) * (self.count - 1) as f64
+    }
 }
 
 /// Finds rows and walls of a channel with known end walls.
@@ -424,11 +429,11 @@ fn point(place: &Place, crossing: Crossing) -> DVec3 {
 mod tests {
     use std::f64::consts::FRAC_PI_4;
 
-    use glam::DVec3;
+    use glam::{DVec2, DVec3};
 
     use super::super::tests::{find, found};
     use crate::options::BliskOptions;
-    use crate::parametric::wheel::{ParametricWheel, Splitters};
+    use crate::parametric::wheel::{MeridianCurve, ParametricWheel, Splitters};
     use geometry::frame::Cylindrical;
 
     /// Splitters are nearest to the main blades ahead of them, where their passages have not yet begun.
@@ -464,6 +469,34 @@ mod tests {
         drawn.sort_by(f64::total_cmp);
         found.sort_by(f64::total_cmp);
         assert!((0..2).all(|i| (found[i] / drawn[i] - 1.0).abs() < 0.005), "{found:?} of {drawn:?}");
+    }
+
+    /// Between blades along the radius that is at the hub.
+    #[test]
+    fn the_throat_is_measured_up_to_hub_and_shroud() {
+        let line = |r: f64| MeridianCurve::line(DVec2::new(0.0, r), DVec2::new(24.0, r));
+        let part = ParametricWheel {
+            blades: 24,
+            hub: line(50.0),
+            shroud: line(90.0),
+            thickness_mm: 11.0,
+            pieces: [480, 24, 24],
+            ..ParametricWheel::nozzle_ring()
+        };
+        let wall = |side: usize| -> Vec<DVec3> {
+            let places =
+                (0..=400).flat_map(|i| (0..=20).map(move |j| (0.1 + 0.002 * f64::from(i), 0.05 * f64::from(j))));
+            let point = |(along, height): (f64, f64)| {
+                let at = part.place(along, height);
+                Some(Cylindrical { x: at.x, r: at.y, theta: part.walls(0, along, height)?[side] }.point())
+            };
+            places.filter_map(point).collect()
+        };
+        let [low, high] = [0, 1].map(wall);
+        let pairs = low.iter().flat_map(|p| high.iter().map(move |q| p.distance_squared(*q)));
+        let drawn = pairs.fold(f64::INFINITY, f64::min).sqrt();
+        let throat = found(&part.mesh()).throat.width_mm;
+        assert!((throat / drawn - 1.0).abs() < 0.005, "{throat} of {drawn}");
     }
 
     /// Beside the hub the gap from main blade to main blade is narrower than one and a half pitches.

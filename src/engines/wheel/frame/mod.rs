@@ -31,6 +31,10 @@ use task::{Cancel, Task};
 const TOLERANCE: f64 = 0.005;
 /// Points that are given lie within so many cells of the bladed region.
 const NEAR_CELLS: f64 = 4.0;
+/// Walls that repeat as well as this about the line that is given need no better one (mm).
+const LEAST_RMS: f64 = 1e-3;
+/// Where they repeat clearly better: within this share of that.
+const CLEARLY_BETTER: f64 = 0.5;
 /// Share of the walls by which more kinds of blades must explain more than fewer.
 const CLEARLY: f64 = 0.2;
 
@@ -46,6 +50,8 @@ pub struct BliskFrame {
     pub repetition: Repetition,
     /// Position along X and radius of a circle through the middle of the bladed passage (mm).
     pub middle: DVec2,
+    /// The axis about which the walls repeat clearly better, where a line was given that they do not repeat so well about.
+    pub repeats_about: Option<Axis>,
     /// Assumptions made, in plain sentences.
     pub assumed: Vec<String>,
 }
@@ -86,9 +92,12 @@ pub(super) struct Wheel<'a> {
 pub(super) fn find_wheel<'a>(mesh: &'a Mesh, options: &BliskOptions, task: &Task) -> Result<Wheel<'a>, BliskError> {
     let error = match find_frame(mesh, options, task) {
         Ok(mut blisk) => {
-            if let (AxisChoice::Line(_), Some(turned)) = (options.axis, axis::of_turned_surfaces(mesh, blisk.axis)) {
+            let turned = || axis::of_turned_surfaces(mesh, blisk.axis).map(|turned| ("turned surfaces", turned));
+            let of_blades = blisk.repeats_about.map(|axis| ("blades", axis));
+            if let (AxisChoice::Line(_), Some((what, other))) = (options.axis, of_blades.or_else(turned)) {
                 blisk.assumed.push(format!(
-                    "The turned surfaces of the mesh have another axis than the one that is given: {turned}."
+                    "The {what} of the mesh have another axis than the one that is given: {other}. Figures and paths are \
+                     about the given one."
                 ));
             }
             return Ok(Wheel { mesh: Cow::Borrowed(mesh), is_of_sector: false, blisk });
@@ -236,6 +245,18 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
             best = Some((turned, repetition));
         }
     }
+    // What the given line costs: one that is off by little is accepted, but not unsaid.
+    let repeats_about = match (options.axis, best) {
+        (AxisChoice::Line(_), Some((axis, known))) if known.rms_mm > LEAST_RMS => {
+            let blades = Blades { count, kinds: known.kinds, may_lack: options.blades.given().is_some() };
+            let free = BliskOptions { axis: AxisChoice::Named(AxisName::Auto), ..options.clone() };
+            let free = placed(mesh, axis, &circles, blades, &free, cancel)?;
+            let slices = Slices::new(mesh.in_frame(&frame_along(&free)));
+            let repetition = period::repetition(&slices, &circles, blades, tolerance);
+            (repetition.rms_mm < CLEARLY_BETTER * known.rms_mm).then_some(free)
+        }
+        _ => None,
+    };
     let Some((axis, repetition)) = best.filter(|(_, repetition)| repetition.matched >= 0.5) else {
         return Err(BliskError::NoChannels {
             axis: best.map_or(axis, |(axis, _)| axis),
@@ -251,7 +272,7 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
              blisk.blade_points_mm to plan there."
         )
     }));
-    Ok(BliskFrame { axis, frame: frame_along(&axis), repetition, middle, assumed })
+    Ok(BliskFrame { axis, frame: frame_along(&axis), repetition, middle, repeats_about, assumed })
 }
 
 /// The region whose gaps are channels between blades and have the most wall, with splitters where there are some, how
