@@ -414,7 +414,8 @@ fn filled_turned(rings: &[&[DVec2]], turn: DVec2) -> Option<Vec<[u32; 3]>> {
     let expected = (all.len() + 2 * rings.len()).checked_sub(4);
     let ring_area =
         |ring: &&[DVec2]| (0..ring.len()).map(|i| ring[i].perp_dot(ring[(i + 1) % ring.len()])).sum::<f64>();
-    let area: f64 = rings.iter().map(ring_area).sum();
+    let mut areas = rings.iter().map(|ring| ring_area(ring).abs());
+    let area = areas.next()? - areas.sum::<f64>();
     let filled: f64 = triangles.iter().map(|t| twice(*t)).sum();
     let is_filled = expected == Some(triangles.len()) && (filled - area).abs() <= SAME_AREA * area;
     (is_filled && !triangles.is_empty()).then_some(triangles)
