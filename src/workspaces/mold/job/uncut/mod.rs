@@ -155,6 +155,9 @@ pub struct Uncut {
     /// where what flat cutters leave tells it.
     #[serde(default)]
     pub of_shaft: Vec<UncutLayer>,
+    /// Middle of the largest undercut face (mm) and its outward unit normal, in the axes of the mesh.
+    #[serde(default)]
+    pub undercut_at: Option<[DVec3; 2]>,
     /// Step of the field of heights (mm).
     pub grid_step: f64,
     /// What a field twice as coarse finds; none where layers are the answer, and where that is too coarse to find it.
@@ -223,7 +226,16 @@ impl Uncut {
     pub fn doubts(&self) -> Vec<String> {
         let undercut = self.undercut().map(|faces| {
             let (count, area) = (counted(faces.triangles.len(), "undercut face"), faces.area);
-            format!("{count} ({area:.2} mm2) cannot be reached along the opening: another set-up or a slide is needed")
+            let place = self.undercut_at.map_or_else(String::new, |[p, looks]| {
+                let [p, n] = [p, looks].map(|v| v + 0.0);
+                format!(
+                    ", the largest about x = {:.3}, y = {:.3}, z = {:.3}, where the mold looks to ({:.3}, {:.3}, {:.3})",
+                    p.x, p.y, p.z, n.x, n.y, n.z
+                )
+            });
+            format!(
+                "{count} ({area:.2} mm2) cannot be reached along the opening{place}: another set-up or a slide is needed"
+            )
         });
         self.stack.warnings.iter().map(ToString::to_string).chain(undercut).collect()
     }
@@ -240,10 +252,18 @@ impl Uncut {
         self.stack.warnings.iter().map(left).sum()
     }
 
-    /// Whether the regions are all that is left of the mold: it is sound, nothing thin is left beside them or unknown,
-    /// and no face looks away.
+    /// Whether the volume of what is left is known.
+    fn is_certain(&self) -> bool {
+        !self.stack.warnings.iter().any(|w| matches!(w, MoldWarning::Uncertain { .. }))
+    }
+
+    /// Whether the regions are all that is left of the mold: it is sound, what is left is known, nothing thin is left
+    /// beside them, and no face looks away.
     pub fn is_whole(&self) -> bool {
-        self.is_sound() && self.unknown_regions() + self.slivers() == 0 && self.undercut().is_none()
+        self.is_sound()
+            && self.is_certain()
+            && self.unknown_regions() + self.slivers() == 0
+            && self.undercut().is_none()
     }
 }
 
@@ -268,7 +288,7 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
     let field = HeightField::raster(&upright, grid_step, &task.cancel)?;
     let mut stack = uncut_stack(&upright, &flats, None, &params.layers, task)?;
     doubt(&mut stack, mesh, &needed, grid_step);
-    stack.warnings.extend(Unseen::warning(&upright));
+    stack.warnings.extend(Unseen::warning(&upright).map(|warning| warning.of_opening(mesh, params.opening)));
     let flat_regions = regions(&stack.layers, params.tolerance_mm);
     task.report("height map", 0.2, "");
     let of_shaft = layers_of_shaft(&upright, &needed, &task.cancel)?;
@@ -325,6 +345,7 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
         of_surface(&stack, (&field, &closing), &of_field, &surface)
     };
     stack.invert = undercuts(stack.invert, &upright, params.opening);
+    let undercut_at = stack.invert.largest(mesh);
     task.report("surface", 1.0, "");
     Ok(Uncut {
         params: params.clone(),
@@ -333,6 +354,7 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
         regions,
         surface,
         of_shaft,
+        undercut_at,
         grid_step,
         coarser,
         agreement,
