@@ -12,7 +12,7 @@ use super::setting::ElectrodeError;
 use super::tests::{GAP, cutters, mold, params, planned, region, ring};
 use crate::fixtures::rectangle;
 use geometry::mesh::{Mesh, unit_normal};
-use geometry::solid::{difference, prism};
+use geometry::solid::{difference, hull, prism};
 use task::{Cancel, Task};
 
 /// How far the spark of the gap stays from where two faces meet at right angles, and where three do (mm).
@@ -81,6 +81,23 @@ fn corners_are_forgiven_what_the_spark_cannot_burn_however_sharp_and_no_more() {
         assert!(residual_stock(&set.checks[0]).holds, "{sides} {gap}: {:?}", set.checks);
         let two = gap / (PI * (0.5 - 1.0 / f64::from(sides))).sin().min(FRAC_1_SQRT_2) - gap;
         assert!(left.excess < 2e-3 && left.thickness > 0.99 * two, "{sides} {gap}: {left:?} {two}");
+    }
+}
+
+/// A groove of 43.6 degrees, in which the spark keeps 1.7 times its radius off the root.
+#[test]
+fn the_root_of_a_sharp_groove_is_a_corner_however_it_lies() {
+    let keeps = GAP * (29f64.sqrt() / 2.0 - 1.0);
+    for turn in [0.0f64, 0.3] {
+        let turned = |p: DVec3| DVec2::from_angle(turn).rotate(p.truncate()).extend(p.z);
+        let at = |x: f64| [(-0.8, 0.0), (0.8, 0.0), (0.0, -2.0)].map(|(y, z)| DVec3::new(x, y, z));
+        let groove = hull([at(-2.0), at(2.0)].as_flattened()).mapped(turned);
+        let mold = difference(&mold([12.0, 12.0, 10.0], &[]), &groove).unwrap();
+        let all = region(&mold, DVec2::splat(-2.5), DVec2::splat(2.5));
+        let set = planned(&mold, &[all], &params(GAP));
+        let left = set.regions[0].left;
+        assert!(set.regions[0].reason.is_none(), "{turn}: {:?}", set.regions[0].reason);
+        assert!((0.99 * keeps..3.0 * keeps).contains(&left.thickness), "{turn}: {left:?} {keeps}");
     }
 }
 
