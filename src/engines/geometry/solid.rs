@@ -382,7 +382,17 @@ fn mesh(found: &Manifold) -> Mesh {
 /// # Errors
 /// [`SolidError::Outline`] where rings cross so that the triangles do not fill what they bound.
 pub fn filled(rings: &[&[DVec2]]) -> Result<Vec<[u32; 3]>, SolidError> {
-    let points = rings.iter().flat_map(|ring| ring.iter()).map(|p| p.to_array());
+    /// Turns in which rings are filled until one does (radians). Where corners of one ring lie in line with a side of
+    /// another, some are lost, as the ways between rings run along that line; turned, the ways are others.
+    const TURNS: [f64; 4] = [0.0, 0.7, 2.1, 4.3];
+    TURNS.into_iter().find_map(|turn| filled_turned(rings, DVec2::from_angle(turn))).ok_or(SolidError::Outline)
+}
+
+/// Triangles between rings turned by an angle, given as a unit vector; none where they do not fill what the rings bound.
+fn filled_turned(rings: &[&[DVec2]], turn: DVec2) -> Option<Vec<[u32; 3]>> {
+    /// Share of the area by which the triangles may miss it: rounding.
+    const SAME_AREA: f64 = 1e-6;
+    let points = rings.iter().flat_map(|ring| ring.iter()).map(|p| turn.rotate(*p).to_array());
     let starts = rings.iter().scan(0u32, |count, ring| {
         *count += ring.len() as u32;
         Some(*count)
@@ -391,15 +401,24 @@ pub fn filled(rings: &[&[DVec2]]) -> Result<Vec<[u32; 3]>, SolidError> {
     let mut corners: Vec<u32> = Vec::new();
     earcut::Earcut::new().earcut(points, &holes, &mut corners);
     let all: Vec<DVec2> = rings.concat();
+    let twice = |[a, b, c]: [u32; 3]| {
+        let [a, b, c] = [a, b, c].map(|v| all[v as usize]);
+        (b - a).perp_dot(c - a)
+    };
     let of = |t: &[u32]| {
         let [a, b, c] = [t[0], t[1], t[2]];
-        let turn = (all[b as usize] - all[a as usize]).perp_dot(all[c as usize] - all[a as usize]);
-        if turn < 0.0 { [a, c, b] } else { [a, b, c] }
+        if twice([a, b, c]) < 0.0 { [a, c, b] } else { [a, b, c] }
     };
     let triangles: Vec<[u32; 3]> = corners.chunks_exact(3).map(of).collect();
-    // A closed fill has as many triangles as its corners and holes demand (Euler).
+    // A closed fill has as many triangles as its corners and holes demand (Euler), and no two of them overlap.
     let expected = (all.len() + 2 * rings.len()).checked_sub(4);
-    if expected == Some(triangles.len()) && !triangles.is_empty() { Ok(triangles) } else { Err(SolidError::Outline) }
+    let ring_area =
+        |ring: &&[DVec2]| (0..ring.len()).map(|i| ring[i].perp_dot(ring[(i + 1) % ring.len()])).sum::<f64>();
+    let mut areas = rings.iter().map(|ring| ring_area(ring).abs());
+    let area = areas.next()? - areas.sum::<f64>();
+    let filled: f64 = triangles.iter().map(|t| twice(*t)).sum();
+    let is_filled = expected == Some(triangles.len()) && (filled - area).abs() <= SAME_AREA * area;
+    (is_filled && !triangles.is_empty()).then_some(triangles)
 }
 
 /// The prism over rings (as of [`filled`]) from the height `low` to the height `high` (mm).
@@ -500,6 +519,36 @@ mod tests {
         assert_eq!(prism(&[&square(4.0)[..2]], 0.0, 1.0), Err(SolidError::Outline));
         let line = [DVec2::ZERO, DVec2::X, DVec2::X * 2.0];
         assert_eq!(prism(&[&line], 0.0, 1.0), Err(SolidError::Outline));
+    }
+
+    /// A frame with an arm in line with a side of its hole, in all directions.
+    #[test]
+    fn rings_whose_corners_lie_in_line_are_filled() {
+        let outer = [(0.0, 1.1), (0.0, 0.0), (16.1, 0.0), (16.1, 11.1), (5.0, 11.1), (5.0, 1.1)];
+        let hole = [(6.1, 1.1), (6.1, 10.0), (15.0, 10.0), (15.0, 1.1)];
+        let area = 16.1 * 11.1 - 5.0 * 10.0 - 8.9 * 8.9;
+        for quarters in 0..4 {
+            for mirrored in [false, true] {
+                let turn = DVec2::from_angle(f64::from(quarters) * std::f64::consts::FRAC_PI_2);
+                let ring = |points: &[(f64, f64)]| {
+                    let mut ring: Vec<DVec2> = points
+                        .iter()
+                        .map(|(x, y)| turn.rotate(DVec2::new(if mirrored { -x } else { *x }, *y)))
+                        .collect();
+                    if mirrored {
+                        ring.reverse();
+                    }
+                    ring
+                };
+                let mesh = prism(&[&ring(&outer), &ring(&hole)], 0.0, 2.0).unwrap();
+                assert!(mesh.is_watertight() && (mesh.volume() - 2.0 * area).abs() < 1e-9, "{quarters} {mirrored}");
+            }
+        }
+        assert_eq!(prism(&[&ring_that_crosses()], 0.0, 1.0), Err(SolidError::Outline));
+    }
+
+    fn ring_that_crosses() -> Vec<DVec2> {
+        [(0.0, 0.0), (4.0, 4.0), (4.0, 0.0), (0.0, 3.0)].map(DVec2::from).to_vec()
     }
 
     #[test]

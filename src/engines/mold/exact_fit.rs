@@ -1,14 +1,20 @@
-//! Places that are just as wide as a flat cutter, which the height map may take for too narrow.
+//! Places that are about as wide as a cutter, which the height map may take for too narrow or for wide enough.
 //!
 //! On a grid the tip stands at centres of cells only. Where the cutter has no room to either side, as in a round or
-//! square hole of its own width, none of them may be where it fits, and all of the place seems to be left. In the layers
-//! the cutter's path is exact, and what flat cutters leave there is the most that a library leaves that has them.
+//! square hole of its own width, none of them may be where it fits, and all of the place seems to be left. A place
+//! narrower than the cutter by less than a cell may seem to let the cutter in.
+//!
+//! In the layers the cutter's path is exact. What flat cutters leave there is the most that a library leaves that has
+//! them. What a cutter's shaft has no room for the cutter leaves below: a flat one in the layer, a rounded one by its
+//! corner radius deeper.
 
 use glam::DVec2;
 use rayon::prelude::*;
 
+use super::cutter::Cutter;
 use super::height_field::{Closing, FieldRegion, HeightField};
 use super::outline::Outline;
+use super::piece::UncutPiece;
 use super::plane;
 use super::stack::UncutLayer;
 
@@ -17,6 +23,87 @@ const LOOKS: usize = 64;
 /// Share of these that the layers have to contradict for all cells to be compared: at the borders of what is left they
 /// know more than a grid does.
 const WRONG: f64 = 0.4;
+
+/// Cells to either side of one that the layers have to contradict as well for the cell to be raised: where a wall lies
+/// is as coarse as the grid.
+const AROUND: usize = 2;
+/// How far heights of the grid may be off (mm): single precision.
+const ROUNDING: f64 = 1e-3;
+
+/// Layers in which it is known what a shaft has no room for.
+#[derive(Debug, Clone, Copy)]
+pub struct Shafts<'a> {
+    /// What a flat cutter as wide as the shaft leaves, or less.
+    pub layers: &'a [UncutLayer],
+}
+
+impl Shafts<'_> {
+    /// Raises what `cutter`, whose shaft is no thinner than these, leaves of `field` to what the shaft has no room for. What was left
+    /// `before` the cutter is the most.
+    pub fn raise(&self, field: &HeightField, cutter: &Cutter, before: &Closing, closing: &mut Closing) {
+        let layers = self.layers;
+        let mut above: &[UncutPiece] = &[];
+        for layer in layers.iter().rev() {
+            // Between upright walls the upper one tells more.
+            let others = layer.pieces.iter().filter(|p| !above.iter().any(|a| a.boundary == p.boundary));
+            let height = layer.z - cutter.corner_mm;
+            let cells: Vec<Vec<usize>> =
+                others.collect::<Vec<_>>().par_iter().map(|p| contradicted(field, closing, p, height)).collect();
+            cells.iter().flatten().for_each(|cell| closing.raise(field, *cell, height, before));
+            above = &layer.pieces;
+        }
+    }
+}
+
+/// Cells within a piece of a layer, and around them so many that are as well, over which less is left than up to
+/// `height` (mm).
+fn contradicted(field: &HeightField, closing: &Closing, piece: &UncutPiece, height: f64) -> Vec<usize> {
+    let [low, high] = piece.extent();
+    let Some([columns, rows]) = field.cells_within(low, high) else { return Vec::new() };
+    let is_less = |cell: usize| {
+        field.height(cell).is_some_and(|z| z < height && z + closing.residue(field, cell) < height - ROUNDING)
+    };
+    let [width, count] = field.size();
+    debug_assert!(columns.end <= width && rows.end <= count);
+    // A square of so many cells has one of these.
+    let wide = 2 * AROUND + 1;
+    let crossings: Vec<Vec<f64>> =
+        rows.clone().map(|row| crossings(&piece.boundary, field.center(row * width).y)).collect();
+    let is_in = |row: usize, column: usize| {
+        let x = field.center(column).x;
+        crossings[row - rows.start].partition_point(|at| *at < x) % 2 == 1
+    };
+    let is_wrong = |row: usize, column: usize| is_less(row * width + column) && is_in(row, column);
+    let first = |range: &std::ops::Range<usize>| range.start + AROUND;
+    let mut looked = (first(&rows)..rows.end).step_by(wide);
+    if !looked.any(|row| (first(&columns)..columns.end).step_by(wide).any(|column| is_wrong(row, column))) {
+        return Vec::new();
+    }
+    let across = columns.len();
+    let wrong: Vec<bool> =
+        rows.clone().flat_map(|row| columns.clone().map(move |c| (row, c))).map(|(row, c)| is_wrong(row, c)).collect();
+    let mut chosen = vec![false; wrong.len()];
+    let square = |row: usize, column: usize| {
+        (row..row + wide).flat_map(move |row| (column..column + wide).map(move |column| row * across + column))
+    };
+    for row in 0..(rows.len() + 1).saturating_sub(wide) {
+        for column in 0..(across + 1).saturating_sub(wide) {
+            if square(row, column).all(|i| wrong[i]) {
+                square(row, column).for_each(|i| chosen[i] = true);
+            }
+        }
+    }
+    let cell = |i: usize| (rows.start + i / across) * width + columns.start + i % across;
+    (0..chosen.len()).filter(|i| chosen[*i]).map(cell).collect()
+}
+
+/// Where a line along X crosses the sides of outlines, in order.
+fn crossings(outlines: &[Outline], y: f64) -> Vec<f64> {
+    let crossing = |[a, b]: [DVec2; 2]| ((a.y <= y) != (b.y <= y)).then(|| a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x));
+    let mut found: Vec<f64> = outlines.iter().flat_map(Outline::sides).filter_map(crossing).collect();
+    found.sort_by(f64::total_cmp);
+    found
+}
 
 /// Lowers what the cutters leave of `field` to what flat cutters leave in layers, in those of the grid's regions where the
 /// two contradict each other; whether there were any. The cutters must include the flat ones of the layers.
@@ -103,7 +190,7 @@ mod tests {
     use super::*;
     use crate::cutter::{Cutter, CutterLibrary};
     use crate::fixtures::{pocket, rectangle};
-    use crate::height_field::{closing, regions};
+    use crate::height_field::{closing, closing_corrected, regions};
     use crate::layers::LayerSettings;
     use crate::stack::uncut_stack;
     use task::{Cancel, Task};
@@ -132,6 +219,33 @@ mod tests {
             };
             assert!((left(2.0) / corners - 1.0).abs() < 0.15, "{degrees}: {} {corners}", left(2.0));
             assert!((left(1.9) / 19.0 - 1.0).abs() < 0.03, "{degrees}: {}", left(1.9));
+        }
+    }
+
+    /// A slot narrower than the cutters by less than a cell is left by all of them: what a ball leaves is deeper by its
+    /// radius.
+    #[test]
+    fn a_cutter_a_hair_too_wide_is_known_not_to_fit() {
+        let (cancel, flat) = (Cancel::default(), Cutter::flat(1.0));
+        for (degrees, kind) in [(0.0f64, Cutter::ball(1.0)), (33.7, Cutter::ball(3.0)), (0.0, flat.clone())] {
+            let turn = DVec2::from_angle(degrees.to_radians());
+            let hole = rectangle(1.99, 8.0);
+            let mesh = pocket(&rectangle(12.0, 12.0), &hole, &hole, [9.0, 4.0])
+                .mapped(|p| turn.rotate(p.truncate()).extend(p.z).as_vec3().as_dvec3());
+            let field = HeightField::raster(&mesh, 0.025, &cancel).unwrap();
+            let stack = uncut_stack(&mesh, &[&flat], None, &LayerSettings::default(), &Task::default()).unwrap();
+            let shafts = Shafts { layers: &stack.layers };
+            let raise = |cutter: &Cutter, before: &Closing, closing: &mut Closing| {
+                shafts.raise(&field, cutter, before, closing);
+            };
+            let library = CutterLibrary { cutter: vec![kind.clone()] };
+            let closing = closing_corrected(&field, &library, &raise, &cancel).unwrap();
+            let found = regions(&field, &closing, 0.02, &cancel).unwrap();
+            let left: f64 = found.iter().map(|region| region.volume).sum();
+            // What a ball dips into the slot is its segment.
+            let dips = kind.corner_mm;
+            let least = 1.99 * 8.0 * (4.0 - dips);
+            assert!((0.98 * least..1.02 * 1.99 * 8.0 * 4.0).contains(&left), "{degrees}: {left} {least}");
         }
     }
 }

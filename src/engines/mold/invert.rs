@@ -50,6 +50,15 @@ pub struct InvertFaces {
 }
 
 impl InvertFaces {
+    /// Middle (mm) and outward unit normal of the largest of the faces, of a mesh with the same triangles; none where there
+    /// is no face.
+    pub fn largest(&self, mesh: &Mesh) -> Option<[DVec3; 2]> {
+        let corners = self.triangles.iter().map(|i| mesh.corners(*i as usize));
+        let area = |c: &[DVec3; 3]| normal_times_two_areas(*c).length_squared();
+        let largest = corners.max_by(|a, b| area(a).total_cmp(&area(b)))?;
+        Some([(largest[0] + largest[1] + largest[2]) / 3.0, unit_normal(largest)])
+    }
+
     /// The invert faces of `mesh`.
     pub fn of(mesh: &Mesh) -> Self {
         let error = vertex_error(mesh);

@@ -109,7 +109,7 @@ impl Unseen {
         let inner_mm2: f64 = faces.map(|face| free_area(upright, face, &contacts)).sum();
         let hidden_mm2 = Self::of(upright, (&contacts, Opening::PlusZ), |face| is_inner[face]).area_mm2();
         let is_much = inner_mm2 > 0.0 && hidden_mm2 >= MOST_HIDDEN * inner_mm2;
-        is_much.then_some(MoldWarning::HiddenCavity { hidden_mm2, inner_mm2 })
+        is_much.then_some(MoldWarning::HiddenCavity { hidden_mm2, inner_mm2, is_proposed: false })
     }
 }
 
@@ -424,7 +424,9 @@ mod tests {
         let of = |opening: Opening| Unseen::warning(&opening.upright_mesh(&mold()));
         assert_eq!(of(Opening::PlusZ), None);
         for opening in [Opening::MinusZ, Opening::PlusX, Opening::MinusY] {
-            let Some(MoldWarning::HiddenCavity { hidden_mm2, inner_mm2 }) = of(opening) else { panic!("{opening:?}") };
+            let Some(MoldWarning::HiddenCavity { hidden_mm2, inner_mm2, .. }) = of(opening) else {
+                panic!("{opening:?}")
+            };
             // The floor and four walls; the block's own sides are outer faces.
             assert!((inner_mm2 - (48.0 + 2.0 * 14.0 * 4.0)).abs() < 1e-9, "{inner_mm2}");
             assert!((hidden_mm2 / inner_mm2 - 1.0).abs() < 0.02, "{opening:?}: {hidden_mm2}");

@@ -1,7 +1,11 @@
 //! Warnings to the user: where the mold is not what the computation presumes.
 
 use files::report::counted;
+use geometry::mesh::Mesh;
 use serde::{Deserialize, Serialize};
+
+use super::opening::Opening;
+use super::unseen::OpeningProposal;
 
 /// Warning on a mold.
 #[derive(Debug, Clone, PartialEq, Serialize, thiserror::Error, Deserialize)]
@@ -57,14 +61,22 @@ pub enum MoldWarning {
     /// The opening direction hides a large part of the cavity.
     #[error(
         "the opening direction hides {hidden_mm2:.1} of {inner_mm2:.1} mm^2 of the part's inner faces ({:.0} %), which \
-         look away or lie under others: choose the proposed one, unless these faces are made otherwise",
-        100.0 * hidden_mm2 / inner_mm2
+         look away or lie under others: {}",
+        100.0 * hidden_mm2 / inner_mm2,
+        if *is_proposed {
+            "no other one shows more of the part, so that they need another set-up or a slide"
+        } else {
+            "choose the proposed one, unless these faces are made otherwise"
+        }
     )]
     HiddenCavity {
         /// Area of inner faces that are not seen from there, about (mm^2).
         hidden_mm2: f64,
         /// Area of all inner faces (mm^2).
         inner_mm2: f64,
+        /// Whether the direction is the proposed one.
+        #[serde(default)]
+        is_proposed: bool,
     },
     /// Pieces in single shallow corners, as between the facets of a round.
     #[error(
@@ -146,6 +158,18 @@ pub enum MoldWarning {
 }
 
 impl MoldWarning {
+    /// The same for a mesh whose opening direction is this one.
+    pub fn of_opening(self, mesh: &Mesh, opening: Opening) -> Self {
+        match self {
+            Self::HiddenCavity { hidden_mm2, inner_mm2, .. } => {
+                let proposed = OpeningProposal::of(mesh).opening.direction();
+                let is_proposed = proposed.distance(opening.direction()) < 1e-3;
+                Self::HiddenCavity { hidden_mm2, inner_mm2, is_proposed }
+            }
+            other => other,
+        }
+    }
+
     /// Whether the mold's surface is no boundary of a solid, so that what is found there may be wrong.
     pub fn is_of_surface(&self) -> bool {
         matches!(self, Self::Empty | Self::NotClosed { .. } | Self::Open { .. } | Self::Crossing { .. })

@@ -30,6 +30,8 @@ const ONE_FACE: f64 = 0.999_848;
 const POINTS: f64 = 150.0;
 /// Distance off the surface from which a ray starts (mm).
 const OFF: f64 = 1e-3;
+/// Share of the reach of what burns that has to be free around it.
+const NARROWER: f64 = 0.95;
 /// How far a normal may look along the burn direction, by its component, for a face to count as seen: a wall along
 /// the direction does so by rounding.
 const ACROSS: f64 = 1e-3;
@@ -94,25 +96,29 @@ pub fn along(tilt: f64, towards: f64) -> DVec3 {
 
 /// Proposal for the region with these samples, each with whether the mold hangs over it; none if no direction sees
 /// more of it than the present one. Mold and samples are in the burn frame of the present direction, to which `turned`
-/// takes the upright mold. Little more is not proposed unless it is all.
+/// takes the upright mold. What burns at the border of an overhang keeps off the mold by `reach` (mm) on its way.
+/// Little more is not proposed unless it is all.
 ///
 /// # Errors
 /// [`Cancelled`].
 pub(super) fn proposed(
     mold: &Obstacle,
     turned: &DMat3,
-    samples: &[(Sample, bool)],
+    (samples, reach): (&[(Sample, bool)], f64),
     cancel: &Cancel,
 ) -> Result<Option<BurnProposal>, Cancelled> {
     // What is hung over may be a small part of a large region: it has samples of its own.
-    let points = [true, false].map(|is_shaded| thinned(samples, is_shaded)).concat();
-    let directions = candidates(&points, &turned.transpose());
+    let of_kind = |kind: bool| thinned(samples.iter().filter(move |(_, shaded)| *shaded == kind).map(|(s, _)| s));
+    let on_faces = [true, false].map(of_kind).concat();
+    let at_borders = at_borders(mold, samples, reach);
+    let directions = candidates(&on_faces, &turned.transpose());
+    let points = Points { on_faces, at_borders, reach };
     let seen_from = |direction: &DVec3| -> Result<f64, Cancelled> {
         cancel.check()?;
-        Ok(seen(mold, &points, *turned * *direction))
+        Ok(points.seen(mold, *turned * *direction))
     };
     let shares: Vec<f64> = directions.par_iter().map(seen_from).collect::<Result<_, _>>()?;
-    let seen_now = seen(mold, &points, DVec3::NEG_Z);
+    let seen_now = points.seen(mold, DVec3::NEG_Z);
     let mut best: Option<BurnProposal> = None;
     for (direction, share) in directions.into_iter().zip(shares) {
         if share > best.map_or(seen_now, |best| best.seen) + EQUAL {
@@ -122,22 +128,51 @@ pub(super) fn proposed(
     Ok(best.filter(|best| best.sees_all() || best.seen > seen_now + WORTH))
 }
 
-/// Few of the samples that the mold hangs over, or of the others; each stands for the area of those before it.
-fn thinned(samples: &[(Sample, bool)], is_shaded: bool) -> Vec<Sample> {
-    let own = || samples.iter().filter(|(sample, shaded)| *shaded == is_shaded && sample.area > 0.0).map(|(s, _)| s);
+/// Few of samples; each stands for the area of those before it.
+fn thinned<'a>(samples: impl Iterator<Item = &'a Sample> + Clone) -> Vec<Sample> {
+    let own = || samples.clone().filter(|sample| sample.area > 0.0);
     let share = own().map(|sample| sample.area).sum::<f64>() / POINTS;
     let mut thinning = Thinning::new(share);
     own().filter_map(|sample| Some(Sample { area: thinning.next(sample.area)?, ..*sample })).collect()
 }
 
-/// Share of the area of points that is seen against a burn direction, all in one frame.
-fn seen(mold: &Obstacle, points: &[Sample], direction: DVec3) -> f64 {
-    let is_seen = |point: &&Sample| {
-        point.normal.dot(-direction) > -ACROSS && !mold.is_hidden(point.point + point.normal * OFF, -direction)
+/// Few of the samples at the borders of overhangs, which stand for no area: each counts as one on a face. Near other
+/// faces what burns has no room around it anyway.
+fn at_borders(mold: &Obstacle, samples: &[(Sample, bool)], reach: f64) -> Vec<Sample> {
+    let usual = samples.iter().map(|(sample, _)| sample.area).sum::<f64>() / samples.len().max(1) as f64;
+    let is_at_border = |(sample, is_shaded): &&(Sample, bool)| {
+        let is_alone = || mold.off(sample.point + sample.normal * reach).0 >= NARROWER * reach;
+        *is_shaded && sample.area <= 0.0 && is_alone()
     };
-    let all: f64 = points.iter().map(|point| point.area).sum();
-    let own: f64 = points.iter().filter(is_seen).map(|point| point.area).sum();
-    if all > 0.0 { own / all } else { 0.0 }
+    let own: Vec<Sample> = samples.iter().filter(is_at_border).map(|(s, _)| Sample { area: usual, ..*s }).collect();
+    thinned(own.iter())
+}
+
+/// Points of a region that are looked at.
+struct Points {
+    on_faces: Vec<Sample>,
+    /// Those at the borders of overhangs.
+    at_borders: Vec<Sample>,
+    /// How far what burns on these keeps off the mold on its way (mm).
+    reach: f64,
+}
+
+impl Points {
+    /// Share of their area that is seen against a burn direction, all in one frame.
+    fn seen(&self, mold: &Obstacle, direction: DVec3) -> f64 {
+        let is_seen = |point: &&Sample| {
+            point.normal.dot(-direction) > -ACROSS && !mold.is_hidden(point.point + point.normal * OFF, -direction)
+        };
+        // A hair narrower, so that it does not touch the walls that it comes down along.
+        let is_free = |point: &&Sample| {
+            is_seen(point)
+                && !mold.hangs_over(point.point + point.normal * self.reach, NARROWER * self.reach, -direction)
+        };
+        let area = |points: &mut dyn Iterator<Item = &Sample>| points.map(|point| point.area).sum::<f64>();
+        let all = area(&mut self.on_faces.iter().chain(&self.at_borders));
+        let own = area(&mut self.on_faces.iter().filter(is_seen)) + area(&mut self.at_borders.iter().filter(is_free));
+        if all > 0.0 { own / all } else { 0.0 }
+    }
 }
 
 /// Directions in the upright mold that are tried, the least tilted first; `back` turns the points to it.
@@ -200,7 +235,7 @@ mod tests {
         };
         let samples: Vec<(Sample, bool)> = region.corners.iter().map(sample).collect();
         let obstacle = Obstacle::new(&mold.mapped(|p| turned * p)).unwrap();
-        proposed(&obstacle, &turned, &samples, &Cancel::default()).unwrap()
+        proposed(&obstacle, &turned, (&samples, 0.05), &Cancel::default()).unwrap()
     }
 
     /// A block with a slot of 6 x 2 mm, 4 mm deep along its walls, that is burned with this tilt and heading (degrees).
@@ -227,6 +262,33 @@ mod tests {
             let again = proposed_for(&mold, &slot, along(10.0, towards + 180.0)).unwrap();
             assert!(again.sees_all() && again.direction.distance(found.direction) < 1e-4, "{again}");
         }
+    }
+
+    /// Where all that is left of a slot that leans is seen from above but for what a gap keeps off at its upper edge.
+    #[test]
+    fn what_only_the_gap_keeps_off_is_burned_from_the_side() {
+        let (mold, slot) = leaning(35.0, 90.0);
+        let obstacle = Obstacle::new(&mold).unwrap();
+        let sample = |corners: &[DVec3; 3]| {
+            let [a, b, c] = *corners;
+            let (normal, area) = (unit_normal([a, b, c]), 0.5 * (b - a).cross(c - a).length());
+            Sample { point: (a + b + c) / 3.0, normal, area, thickest: 1.0 }
+        };
+        let is_open = |s: &Sample| s.normal.z > -1e-3 && !obstacle.is_hidden(s.point + s.normal * OFF, DVec3::Z);
+        let open: Vec<Sample> = slot.corners.iter().map(sample).filter(is_open).collect();
+        let seen: Vec<(Sample, bool)> = open.iter().map(|s| (*s, false)).collect();
+        let found = |samples: &[(Sample, bool)]| {
+            proposed(&obstacle, &DMat3::IDENTITY, (samples, 0.02), &Cancel::default()).unwrap()
+        };
+        assert_eq!(found(&seen), None);
+        // On the lower wall below the upper edge of the wall that hangs over it.
+        let (sin, cos) = 35f64.to_radians().sin_cos();
+        let along_wall = -(1.0 / cos + cos) / sin;
+        let point = DVec3::new(0.0, 1.0 / cos, -sin + along_wall * cos);
+        let border = Sample { point, normal: DVec3::new(0.0, cos, sin), area: 0.0, thickest: 1.0 };
+        assert!(obstacle.distance(point) < 1e-9);
+        let proposal = found(&[&seen[..], &[(border, true)]].concat()).unwrap();
+        assert!(proposal.sees_all() && (proposal.direction.y > 0.05), "{proposal:?}");
     }
 
     #[test]

@@ -58,13 +58,18 @@ impl Obstacle {
         self.mesh.first_crossing(p, from, FAR).is_some()
     }
 
-    /// Whether the mold hangs over a place beside it, or within a distance of that in plan (mm).
-    pub(super) fn hangs_over(&self, p: DVec3, within: f64) -> bool {
+    /// Whether the mold hangs over a place beside it seen from afar in the direction of a unit vector, or over one within
+    /// a distance of that across the direction (mm).
+    pub(super) fn hangs_over(&self, p: DVec3, within: f64, from: DVec3) -> bool {
         /// Directions in which it is looked for.
         const AROUND: usize = 8;
         // From within the mold every way leads through it.
-        let is_over = |p: DVec3| self.mesh.nearest(p).signed_distance > 0.0 && self.is_hidden(p, DVec3::Z);
-        let around = |i: usize| (DVec2::from_angle(i as f64 * 2.0 * PI / AROUND as f64) * within).extend(0.0);
+        let is_over = |p: DVec3| self.mesh.nearest(p).signed_distance > 0.0 && self.is_hidden(p, from);
+        let (x, y) = from.any_orthonormal_pair();
+        let around = |i: usize| {
+            let at = DVec2::from_angle(i as f64 * 2.0 * PI / AROUND as f64) * within;
+            x * at.x + y * at.y
+        };
         is_over(p) || (within > 0.0 && (0..AROUND).map(around).any(|off| is_over(p + off)))
     }
 

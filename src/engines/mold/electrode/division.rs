@@ -31,11 +31,14 @@ const OFF_WALL: f64 = 1e-4;
 /// Further than any mold (mm).
 const FAR: f64 = 1e5;
 /// Divisions one after another, at most.
-const DEEPEST: usize = 8;
+const DEEPEST: usize = 16;
 /// Half the width up to which a part of a region is none (mm): regions are known to cells of this size.
 const NOTHING: f64 = 0.008;
-/// Share of the rest material that a division may leave at most.
+/// Share of the rest material that all divisions of a part together may leave at most.
 const LESS: f64 = 0.7;
+/// The share of H-edges that a division takes away, at least, for one of many to be worth it: grooves that cross have
+/// them at every crossing, and a cut takes away those along one of their walls.
+const LEAST_TAKEN: f64 = 0.04;
 /// The same of one that takes H-edges away alone.
 const AS_MUCH: f64 = 1.02;
 /// Divisions one after another that may take H-edges away alone.
@@ -226,13 +229,16 @@ fn divided(
     }
     let edges: f64 = part.h_edges.iter().map(HEdge::length).sum();
     let own = burned.by(&part.body);
-    let mut best: Option<([f64; 4], Cut, Halves)> = None;
+    let mut best: Option<([f64; 4], bool, Cut, Halves)> = None;
     for cut in cuts(&part, &rest, settings) {
         cancel.check()?;
         let Some(halves) = parts_of((burned, [by_whole, &own]), &part, &cut, settings, cancel)? else { continue };
         let left: f64 = halves.parts.iter().map(|(_, rest)| rest.size).sum();
         let edges_left: f64 = halves.parts.iter().flat_map(|(p, _)| &p.h_edges).map(HEdge::length).sum();
-        let is_less = left <= LESS * rest.size;
+        // Each cut of many takes its share: half as much of the rest material as of the H-edges.
+        let taken = if edges > 0.0 { 1.0 - edges_left / edges } else { 0.0 };
+        let is_share = taken >= LEAST_TAKEN && left <= (1.0 - 0.5 * taken) * rest.size;
+        let is_less = left <= LESS * rest.size || is_share;
         let is_on_the_way = ahead > 0 && left <= AS_MUCH * rest.size && edges_left <= LESS * edges;
         let open = halves.parts.iter().filter(|(_, rest)| rest.is_open).count();
         let figures = [open as f64, left, edges_left, halves.mouth];
@@ -241,14 +247,14 @@ fn divided(
             && (halves.lacks_thin
                 || burned.is_by_all([by_whole, &own], halves.parts.iter().map(|(part, _)| &part.body)))
         {
-            best = Some((figures, cut, halves));
+            best = Some((figures, is_less, cut, halves));
         }
         if best.as_ref().is_some_and(|([open, least, ..], ..)| *open == 0.0 && *least == 0.0) {
             break;
         }
     }
-    let Some(([_, left, ..], cut, halves)) = best else { return Ok((part, rest.size)) };
-    let ahead = if left <= LESS * rest.size { AHEAD } else { ahead - 1 };
+    let Some((_, is_less, cut, halves)) = best else { return Ok((part, rest.size)) };
+    let ahead = if is_less { AHEAD } else { ahead - 1 };
     let further = |half| divided((burned, by_whole), half, settings, (deeper - 1, ahead), cancel);
     let parts: Vec<(Part, f64)> = halves.parts.into_iter().map(further).collect::<Result<_, _>>()?;
     let left: f64 = parts.iter().map(|(_, left)| left).sum();

@@ -115,6 +115,37 @@ fn a_groove_that_is_open_at_its_ends_has_no_head_in_the_air_beside_the_mold() {
     }
 }
 
+/// A cut a hair before the end of a groove that is open there: the part beyond it burns what the other one does as well.
+#[test]
+fn a_part_that_burns_nothing_of_its_own_is_no_head() {
+    let slot = rectangle(8.0, 0.8);
+    let mold = mold([6.0, 6.0, 10.0], &[(&slot, 2.0)]);
+    let all = [region(&mold, DVec2::new(-2.9999, -0.5), DVec2::new(2.9999, 0.5))];
+    let cut_at = |x: f64| {
+        let line = [-1.0, 1.0].map(|y| DVec3::new(x, y, 0.0));
+        let set = planned(&mold, &all, &ElectrodeParams { edits: vec![Edit::Split { line }], ..params(GAP) });
+        assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
+        leaves(tree(&set))
+    };
+    assert_eq!(cut_at(2.96), 1);
+}
+
+/// Grooves that cross have four inner edges at each crossing, and a cut along a wall takes away a quarter of them.
+#[test]
+fn grooves_that_cross_again_and_again_are_divided_at_all_crossings() {
+    let groove = |off: f64, turn: f64| -> Vec<DVec2> {
+        let turn = DVec2::from_angle(turn.to_radians());
+        rectangle(5.0, 0.8).into_iter().map(|p| turn.rotate(p + DVec2::Y * off)).collect()
+    };
+    let grooves = [(-1.3, 20.0), (1.3, 20.0), (-1.3, 110.0), (1.3, 110.0)].map(|(off, turn)| groove(off, turn));
+    let hollows: Vec<(&[DVec2], f64)> = grooves.iter().map(|outline| (&outline[..], 2.0)).collect();
+    let mold = mold([12.0, 12.0, 10.0], &hollows);
+    let all = region(&mold, DVec2::splat(-4.0), DVec2::splat(4.0));
+    let set = planned(&mold, &[all], &params(GAP));
+    assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
+    assert!(leaves(tree(&set)) >= 4, "{:?}", tree(&set));
+}
+
 #[test]
 fn an_edge_that_a_ball_mills_within_the_tolerance_is_no_h_edge() {
     // A ball of radius r leaves r (1 / cos(a / 2) - 1) in an edge of turn a: 0.0121 mm of 0.5 in 25 degrees.

@@ -284,7 +284,7 @@ fn left_of(
     }
     if left.shaded.excess > params.tolerance_mm + milled.accuracy() {
         let samples: Vec<(Sample, bool)> = samples.into_iter().zip(are_shaded).collect();
-        left.proposal = proposed(&setting.mold, &setting.turned, &samples, cancel)?;
+        left.proposal = proposed(&setting.mold, &setting.turned, (&samples, radii[1]), cancel)?;
     }
     Ok(left)
 }

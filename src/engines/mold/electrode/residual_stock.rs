@@ -2,6 +2,7 @@
 //!
 //! The spark rounds what it burns: an electrode that has all the room that the gap and the orbit allow, the fullest
 //! one, still leaves something in corners. What an electrode leaves there besides it is held against the tolerance.
+//! What stays in a corner is told by how far the mold's surface is from what is burned there.
 //! Where the fullest one does not come at all, as in a slot that is narrower than twice the gap, it is no excuse: a
 //! corner is where faces meet at an angle, near what it burns, and not where they stand opposite to one another.
 
@@ -25,11 +26,12 @@ const OTHER: f64 = 1e-3;
 const LEAST_STEP: f64 = 1e-4;
 /// Steps of such a march, at most.
 const STEPS: usize = 200;
-/// Cosine of the angle of two normals below which faces stand opposite to one another.
-const OPPOSED: f64 = -0.7;
+/// Cosine of the angle of two normals below which faces stand opposite to one another: where they meet at 42.5 degrees,
+/// between the angles that grooves have, so that rounding does not decide.
+const OPPOSED: f64 = -0.7373;
 /// How far a corner's end may be from what the fullest electrode burns, of the radius of what burns: where two faces
-/// meet at 45 degrees, or two at 60 on a floor.
-const FARTHEST: f64 = 1.65;
+/// meet at that angle, or two at 60 on a floor.
+const FARTHEST: f64 = 1.76;
 
 /// A sample of the uncut surface, at which residual stock is measured.
 #[derive(Debug, Clone, Copy)]
@@ -47,7 +49,8 @@ pub struct Sample {
 /// Residual stock of a region after its burns.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct LeftOfRegion {
-    /// Greatest distance from the mold's surface (mm).
+    /// Greatest thickness (mm): in corners that the spark rounds how far the mold's surface is from what is burned, else
+    /// across the stock.
     pub thickness: f64,
     /// Where that is.
     pub place: DVec3,
@@ -130,22 +133,26 @@ fn left_at(burns: &Burns, sample: &Sample, mold: &Obstacle, milled: &Milled) -> 
     let beyond = |p: DVec3| burns.all.iter().map(|burn| burn.beyond(p)).fold(f64::INFINITY, f64::min);
     let thickness = march(sample, &beyond, mold, milled).thickness;
     let (mut allowed, mut is_in_slot, mut is_shaded) = (0.0, false, false);
-    if let Some(fullest) = burns.fullest.filter(|_| thickness > 0.0 && !burns.all.is_empty()) {
+    // On an edge a normal runs into, or along, the other face.
+    let rounded = if (milled.leaves)(sample.point) { beyond(sample.point).clamp(0.0, sample.thickest) } else { 0.0 };
+    let mut told = thickness;
+    if let Some(fullest) = burns.fullest.filter(|_| thickness.max(rounded) > ARRIVED && !burns.all.is_empty()) {
         let least = march(sample, &|p| fullest.beyond(p), mold, milled);
         let reach = burns.all.iter().map(Burning::reach).fold(0.0, f64::max);
         is_in_slot = least.is_opposed;
         let is_near = least.farthest <= FARTHEST * reach;
         // What burns there keeps the gap on its way up too.
-        let is_under = || mold.hangs_over(sample.point + sample.normal * reach, reach);
-        is_shaded =
-            !is_near && !is_in_slot && (mold.hangs_over(sample.point + sample.normal * BESIDE, 0.0) || is_under());
+        let is_under = || mold.hangs_over(sample.point + sample.normal * reach, reach, DVec3::Z);
+        is_shaded = !is_near
+            && !is_in_slot
+            && (mold.hangs_over(sample.point + sample.normal * BESIDE, 0.0, DVec3::Z) || is_under());
         if is_near && !is_in_slot {
-            allowed = least.thickness;
+            (allowed, told) = (least.thickness, rounded);
         }
     }
     let excess = (thickness - allowed).max(0.0);
     let (place, volume) = (sample.point, thickness * sample.area);
-    let left = LeftOfRegion { thickness, place, excess, excess_place: place, volume };
+    let left = LeftOfRegion { thickness: told, place, excess, excess_place: place, volume };
     LeftAt { left, is_in_slot, is_shaded }
 }
 

@@ -20,8 +20,8 @@ const SAMPLES: f64 = 6000.0;
 /// Turn of a concave edge from which on the spark leaves something in it that is worth looking at.
 const LEAST_TURN_DEG: f64 = 15.0;
 /// Distances from an edge at which it is looked at, and the widths that these stand for, of the radius that burns: such
-/// that the area that it leaves in a right angle comes out, and where that is thickest.
-const FROM_EDGE: [(f64, f64); 4] = [(0.11, 0.22), (0.29, 0.0), (0.344, 0.2), (0.661, 0.58)];
+/// that the area that it leaves in a right angle comes out, where that is thickest, and the edge itself.
+const FROM_EDGE: [(f64, f64); 5] = [(0.0, 0.0), (0.11, 0.22), (0.29, 0.0), (0.344, 0.2), (0.661, 0.58)];
 /// Upwards part of an edge's direction from which on the orbit rounds it.
 const UPRIGHT: f64 = 0.5;
 /// How far a place may lie off a region's surface to be on it (mm).

@@ -108,7 +108,8 @@ fn a_slot_gets_the_blade_that_fills_it_but_for_the_gap() {
     // The base clears the mold, and the blank holds all of it.
     let size = electrode.bounds().size();
     assert!(size.cmple(electrode.blank + 1e-9).all() && (size.z - electrode.blank.z).abs() < 1e-9, "{size}");
-    assert!(set.regions[0].left.thickness < (1.0 - 0.5f64.sqrt()) * GAP + 1e-3, "{:?}", set.regions[0].left);
+    // Where three faces meet.
+    assert!(set.regions[0].left.thickness < (3f64.sqrt() - 1.0) * GAP + 1e-3, "{:?}", set.regions[0].left);
 }
 
 #[test]

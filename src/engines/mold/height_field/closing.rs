@@ -53,6 +53,17 @@ impl Closing {
         }
     }
 
+    /// Raises what is left at a cell of `field` to a height (mm), but not above what was left `before`.
+    pub fn raise(&mut self, field: &HeightField, cell: usize, height: f64, before: &Closing) {
+        let Some((left, most)) = self.heights.get_mut(cell).zip(before.heights.get(cell)) else { return };
+        let height = (height - field.base) as f32;
+        *left = left.max(height.min(*most));
+        // What was left before is due to the cutter of then.
+        if *most <= height {
+            self.nearest[cell] = before.nearest[cell];
+        }
+    }
+
     /// Best cutter of the library for a cell, the one that leaves least; the first among equals, none if there is no
     /// such cell.
     pub fn nearest(&self, cell: usize) -> Option<usize> {
@@ -66,7 +77,23 @@ impl Closing {
 /// [`HeightFieldError::Cutter`], [`HeightFieldError::TooManyCells`] with the room that a cutter needs beside the mold,
 /// [`HeightFieldError::Cancelled`].
 pub fn closing(field: &HeightField, library: &CutterLibrary, cancel: &Cancel) -> Result<Closing, HeightFieldError> {
-    closing_of(field, library, |_| true, cancel)
+    closing_of(field, library, |_| true, None, cancel)
+}
+
+/// Correction of what the grid leaves of a field after one cutter of a library, from what was left before that cutter.
+pub type Correction<'a> = &'a dyn Fn(&Cutter, &Closing, &mut Closing);
+
+/// Residual stock of the cutters of `library` above `field`, with a correction after each cutter.
+///
+/// # Errors
+/// [`HeightFieldError`], as of [`closing`].
+pub fn closing_corrected(
+    field: &HeightField,
+    library: &CutterLibrary,
+    correction: Correction,
+    cancel: &Cancel,
+) -> Result<Closing, HeightFieldError> {
+    closing_of(field, library, |_| true, Some(correction), cancel)
 }
 
 /// Residual stock of the cutters of `library` on the cells of `field` within a rectangle in plan (mm); elsewhere
@@ -84,13 +111,14 @@ pub fn closing_within(
         let place = field.center(cell);
         place.cmpge(low).all() && place.cmple(high).all()
     };
-    closing_of(field, library, is_within, cancel)
+    closing_of(field, library, is_within, None, cancel)
 }
 
 fn closing_of(
     field: &HeightField,
     library: &CutterLibrary,
     is_asked: impl Fn(usize) -> bool + Sync,
+    correction: Option<Correction>,
     cancel: &Cancel,
 ) -> Result<Closing, HeightFieldError> {
     library.validate()?;
@@ -108,7 +136,11 @@ fn closing_of(
     let beyond = needed.iter().map(|cutter| cutter.corner_mm).fold(0.0, f64::max) as f32;
     let lowered = (!field.through.is_empty() && beyond > 0.0).then(|| field.opened_below(beyond));
     for (number, cutter) in needed.into_iter().enumerate() {
+        let before = correction.map(|correction| (correction, closing.clone()));
         Passes::new(lowered.as_ref().unwrap_or(field), cutter)?.lower(&mut closing, number as u8, cancel)?;
+        if let Some((correction, before)) = before {
+            correction(cutter, &before, &mut closing);
+        }
     }
     if lowered.is_some() {
         closing.heights.par_iter_mut().zip(&field.heights).for_each(|(left, height)| *left = greater(*left, *height));

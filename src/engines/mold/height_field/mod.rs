@@ -20,9 +20,11 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 
-pub use closing::{Closing, closing, closing_within};
+pub use closing::{Closing, Correction, closing, closing_corrected, closing_within};
 pub use covered::{Cover, Covered, Left};
 pub use regions::{FieldRegion, difference, regions};
+
+use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
@@ -112,6 +114,16 @@ impl HeightField {
     pub fn center(&self, cell: usize) -> DVec2 {
         let at = DVec2::new((cell % self.columns) as f64, (cell / self.columns) as f64);
         self.corner + (at + 0.5) * self.step
+    }
+
+    /// Columns and rows of the cells whose centres lie within a rectangle in plan (mm); none if there are none.
+    pub fn cells_within(&self, low: DVec2, high: DVec2) -> Option<[Range<usize>; 2]> {
+        let [from, to] = [low, high].map(|p| (p - self.corner) / self.step - 0.5);
+        let span = |from: f64, to: f64, count: usize| {
+            let (first, last) = (from.ceil().max(0.0), to.floor().min(count as f64 - 1.0));
+            (first <= last).then(|| first as usize..last as usize + 1)
+        };
+        Some([span(from.x, to.x, self.columns)?, span(from.y, to.y, self.rows)?])
     }
 
     /// Height of the topmost material at a cell's centre (mm); none where there is none, or no such cell. In

@@ -11,6 +11,8 @@ use task::{Cancel, Cancelled};
 const BAND: usize = 32;
 /// By how much of a cell a centre may lie outside a triangle and still be its own, so that none falls between two.
 const EDGE_SLACK: f64 = 1e-7;
+/// Steps by which what lies between two centres rises above both to be a wall: a ridge of gentle slopes is none.
+const RISE: f64 = 1.0;
 /// The z component of the unit normal below which a face is a vertical wall and has no height.
 const VERTICAL: f64 = 1e-9;
 
@@ -115,7 +117,7 @@ impl HeightField {
             (0..mesh.triangles.len()).into_par_iter().map(|i| Triangle::new(mesh.corners(i), self)).collect();
         let mut bands: Vec<Vec<u32>> = vec![Vec::new(); self.rows.div_ceil(BAND)];
         for (i, triangle) in triangles.iter().enumerate() {
-            let Some(Triangle { rows: [first, last], .. }) = triangle else { continue };
+            let Some(Triangle { rows: Some([first, last]), .. }) = triangle else { continue };
             bands[first / BAND..=last / BAND].iter_mut().for_each(|band| band.push(i as u32));
         }
         let columns = self.columns;
@@ -123,22 +125,80 @@ impl HeightField {
         filled.zip(&bands).enumerate().try_for_each(|(number, ((heights, upness), band))| {
             for triangle in band.iter().filter_map(|&i| triangles[i as usize].as_ref()) {
                 cancel.check()?;
-                let first = number * BAND;
-                for row in triangle.rows[0].max(first)..=triangle.rows[1].min(first + heights.len() / columns - 1) {
+                let (first, [from, to]) = (number * BAND, triangle.rows.unwrap_or_default());
+                for row in from.max(first)..=to.min(first + heights.len() / columns - 1) {
                     let cells = (row - first) * columns..(row - first + 1) * columns;
                     triangle.fill_row(row, &mut heights[cells.clone()], &mut upness[cells]);
                 }
             }
-            Ok(())
-        })
+            Ok::<(), HeightFieldError>(())
+        })?;
+        self.keep_thin_walls(&triangles, cancel)
+    }
+
+    /// Raises the cells over walls so thin that they lie between two centres, along X or along Y: cutters do not pass
+    /// through them.
+    fn keep_thin_walls(&mut self, triangles: &[Option<Triangle>], cancel: &Cancel) -> Result<(), HeightFieldError> {
+        let (columns, rows) = (self.columns, self.rows);
+        let cell = |along: Along, line: usize, at: usize| match along {
+            Along::X => line * columns + at,
+            Along::Y => at * columns + line,
+        };
+        let heights = &self.heights;
+        let walls = |triangle: &Triangle| {
+            let of = |along: Along| {
+                let counts = match along {
+                    Along::X => [rows, columns],
+                    Along::Y => [columns, rows],
+                };
+                let rise = (RISE * self.step) as f32;
+                triangle.between_centres(along, counts[0]).filter_map(move |(line, [from, to])| {
+                    let before = from.floor();
+                    let beside = [before, before + 1.0].map(|at| {
+                        let is_on = (0.0..counts[1] as f64).contains(&at);
+                        is_on.then(|| cell(along, line, at as usize))
+                    });
+                    let height = triangle.highest(along, line, [from, to]) as f32;
+                    let is_wall = beside.iter().flatten().all(|cell| height > heights[*cell] + rise);
+                    let nearer = usize::from(0.5 * (from + to) - before > 0.5);
+                    Some((beside[nearer]?, height, triangle.upness)).filter(|_| is_wall)
+                })
+            };
+            of(Along::X).chain(of(Along::Y)).collect::<Vec<_>>()
+        };
+        let found = triangles.par_iter().flatten().flat_map_iter(|triangle| walls(triangle)).collect::<Vec<_>>();
+        cancel.check()?;
+        for (cell, height, upness) in found {
+            if height > self.heights[cell] {
+                (self.heights[cell], self.upness[cell]) = (height, upness);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Direction of a line through centres of cells.
+#[derive(Debug, Clone, Copy)]
+enum Along {
+    X,
+    Y,
+}
+
+impl Along {
+    /// A point's place along the line, and which line it is on.
+    fn of(self, p: DVec2) -> [f64; 2] {
+        match self {
+            Self::X => [p.x, p.y],
+            Self::Y => [p.y, p.x],
+        }
     }
 }
 
 /// A triangle in units of cells, its first cell's centre at the origin; heights (mm) above the base.
 struct Triangle {
     corners: [DVec2; 3],
-    /// Rows of cells whose centres it may cover.
-    rows: [usize; 2],
+    /// Rows of cells whose centres it may cover; none if it lies between two.
+    rows: Option<[usize; 2]>,
     /// Height where x and y are those of the first corner.
     height: f64,
     /// Rise per cell along x and y.
@@ -149,7 +209,7 @@ struct Triangle {
 }
 
 impl Triangle {
-    /// Raster of a triangle; none for vertical ones and those that cover no row of centres.
+    /// Raster of a triangle; none for vertical ones.
     fn new(corners: [DVec3; 3], field: &HeightField) -> Option<Self> {
         let normal = normal_times_two_areas(corners).normalize_or_zero();
         if normal.z.abs() < VERTICAL {
@@ -160,9 +220,9 @@ impl Triangle {
         let [low, high] = extremes(plan.map(|p| p.y));
         let (first, last) =
             ((low - EDGE_SLACK).ceil().max(0.0), (high + EDGE_SLACK).floor().min(field.rows as f64 - 1.0));
-        (first <= last).then(|| Self {
+        Some(Self {
             corners: plan,
-            rows: [first as usize, last as usize],
+            rows: (first <= last).then(|| [first as usize, last as usize]),
             height: heights[0],
             slope: normal.truncate() * (-field.step / normal.z),
             span: extremes(heights),
@@ -172,7 +232,7 @@ impl Triangle {
 
     /// Raises the cells of a row to this triangle.
     fn fill_row(&self, row: usize, heights: &mut [f32], upness: &mut [u16]) {
-        let [from, to] = self.crossing(row as f64);
+        let [from, to] = self.crossing(Along::X, row as f64);
         let (first, last) = ((from - EDGE_SLACK).ceil().max(0.0), (to + EDGE_SLACK).floor());
         if first > last {
             return;
@@ -189,19 +249,38 @@ impl Triangle {
         }
     }
 
-    /// Where the line along x at `y`, or the nearest that meets the triangle, enters and leaves it.
-    fn crossing(&self, y: f64) -> [f64; 2] {
-        let [low, high] = extremes(self.corners.map(|p| p.y));
-        let y = y.clamp(low, high);
+    /// The lines of so many that cross the triangle between two centres, with where they do.
+    fn between_centres(&self, along: Along, lines: usize) -> impl Iterator<Item = (usize, [f64; 2])> + '_ {
+        let [low, high] = extremes(self.corners.map(|p| along.of(p)[1]));
+        let (first, last) = (low.ceil().max(0.0), high.floor().min(lines as f64 - 1.0));
+        let lines = if first <= last { first as usize..last as usize + 1 } else { 0..0 };
+        let crossings = lines.map(move |line| (line, self.crossing(along, line as f64)));
+        crossings.filter(|(_, [from, to])| from <= to && from.floor() < *from && to.floor() == from.floor())
+    }
+
+    /// Greatest height on a part of a line.
+    fn highest(&self, along: Along, line: usize, ends: [f64; 2]) -> f64 {
+        let height = |at: f64| {
+            let off = DVec2::from(along.of(DVec2::new(at, line as f64))) - self.corners[0];
+            (self.height + off.dot(self.slope)).clamp(self.span[0], self.span[1])
+        };
+        height(ends[0]).max(height(ends[1]))
+    }
+
+    /// Where a line, or the nearest to it that meets the triangle, enters and leaves it.
+    fn crossing(&self, along: Along, line: f64) -> [f64; 2] {
+        let corners = self.corners.map(|p| along.of(p));
+        let [low, high] = extremes(corners.map(|[_, line]| line));
+        let line = line.clamp(low, high);
         let mut found = [f64::INFINITY, f64::NEG_INFINITY];
         for i in 0..3 {
-            let (a, b) = (self.corners[i], self.corners[(i + 1) % 3]);
-            if !(a.y.min(b.y)..=a.y.max(b.y)).contains(&y) {
+            let ([a, on_a], [b, on_b]) = (corners[i], corners[(i + 1) % 3]);
+            if !(on_a.min(on_b)..=on_a.max(on_b)).contains(&line) {
                 continue;
             }
-            let rise = b.y - a.y;
-            let xs = if rise == 0.0 { [a.x, b.x] } else { [a.x + (y - a.y) / rise * (b.x - a.x); 2] };
-            found = [found[0].min(xs[0]).min(xs[1]), found[1].max(xs[0]).max(xs[1])];
+            let rise = on_b - on_a;
+            let ats = if rise == 0.0 { [a, b] } else { [a + (line - on_a) / rise * (b - a); 2] };
+            found = [found[0].min(ats[0]).min(ats[1]), found[1].max(ats[0]).max(ats[1])];
         }
         found
     }

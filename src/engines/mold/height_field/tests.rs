@@ -397,3 +397,25 @@ fn tiles_meet_without_a_seam() {
         assert!((0..columns * rows).all(same), "{cutter:?}");
     }
 }
+
+/// A wall thinner than a cell keeps what is beside it apart, however it lies; a ridge of gentle slopes is none.
+#[test]
+fn walls_thinner_than_a_cell_are_kept() {
+    let cancel = Cancel::default();
+    for degrees in [0.0f64, 90.0, 20.0, 45.0, 77.0] {
+        let turn = DVec2::from_angle(degrees.to_radians());
+        // Two slots of 1 mm in a block with 0.01 mm between them.
+        let slot = |y: f64| [[-4.0, y], [-4.0, y + 1.0], [4.0, y + 1.0], [4.0, y]].map(DVec2::from).to_vec();
+        let block = rectangle(12.0, 8.0);
+        let [a, b] = [slot(-1.006), slot(0.004)];
+        let rings: Vec<&[DVec2]> = vec![&block, &a, &b];
+        let mesh = geometry::solid::prism(&rings, 0.0, 3.0).unwrap();
+        let floor = Mesh::cuboid(DVec3::new(12.0, 8.0, 1.0)).mapped(|p| p - DVec3::new(6.0, 4.0, 0.5));
+        let mesh = with(&mesh, &floor).mapped(|p| turn.rotate(p.truncate()).extend(p.z));
+        let field = HeightField::raster(&mesh, 0.05, &cancel).unwrap();
+        let left = closing(&field, &CutterLibrary { cutter: vec![Cutter::flat(0.8)] }, &cancel).unwrap();
+        let found = regions(&field, &left, 0.02, &cancel).unwrap();
+        let volume: f64 = found.iter().map(|r| r.volume).sum();
+        assert!((volume / 40.0 - 1.0).abs() < 0.08, "{degrees}: {volume} in {}", found.len());
+    }
+}

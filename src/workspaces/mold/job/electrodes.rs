@@ -91,7 +91,7 @@ pub(super) fn on_milled<T>(
     task.report("rest material", 0.0, "");
     let field = HeightField::raster(&upright, uncut.grid_step, &task.cancel).map_err(UncutError::from)?;
     let (closing, found) =
-        on_field(&field, &uncut.params.library, (&uncut.stack, uncut.params.tolerance_mm), &task.cancel)?;
+        on_field(&field, &uncut.params.library, (uncut.exact(), uncut.params.tolerance_mm), &task.cancel)?;
     let covered = Covered::new(&field, &closing, &found);
     let step = covered.step();
     let leaves = |p: DVec3| {

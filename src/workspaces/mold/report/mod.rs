@@ -244,9 +244,23 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> St
         text += &format!(" Change {} has no effect: {}.", edit + 1, why_unmet(&set.params.edits[edit]));
     }
     if set.holds() && !set.electrodes.is_empty() {
-        text += " Every check holds.";
+        text += EVERY_CHECK;
     }
     text
+}
+
+/// End of the sentence where no check fails, and where the checks are not all that has to be known.
+const EVERY_CHECK: &str = " Every check holds.";
+const CHECKS_ALONE: &str = " Every check of these electrodes holds; what is left beside them: see the warnings.";
+
+impl ElectrodesReport {
+    /// The report, where the regions are all that is left of the mold, or else without the claim that nothing fails.
+    pub fn beside(mut self, is_whole: bool) -> Self {
+        if !is_whole && let Some(text) = self.sentence.strip_suffix(EVERY_CHECK) {
+            self.sentence = format!("{text}{CHECKS_ALONE}");
+        }
+        self
+    }
 }
 
 /// A change to the division that does nothing, its place, and the remedy, in words.

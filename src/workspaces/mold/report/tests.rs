@@ -30,6 +30,11 @@ fn the_sentence_names_what_is_blocked_overridden_and_not_burned() {
         "{}",
         good.sentence
     );
+    let [whole, part] = [true, false].map(|is_whole| good.clone().beside(is_whole).sentence);
+    assert!(
+        whole == good.sentence && !part.contains("Every check holds") && part.contains("see the warnings"),
+        "{part}"
+    );
     assert_eq!(idle(&good), ["E02-finish:leftover", "E99:leftover"], "an override of what holds does nothing");
     let mut none = set();
     (none.electrodes, none.checks, none.regions) = Default::default();

@@ -10,11 +10,11 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::uncut::{Found, Uncut, UncutError, UncutParams};
+use super::uncut::{Found, Uncut, UncutError, on_field};
 use files::report::counted;
 use geometry::exact::ExactMesh;
 use geometry::mesh::{Bounds, Mesh};
-use mold::height_field::{Closing, FieldRegion, HeightField, closing, difference, regions};
+use mold::height_field::{Closing, FieldRegion, HeightField, difference};
 use mold::surface::SurfacePiece;
 use mold::uncut_region::UncutRegion;
 use task::{Cancel, Cancelled, Task};
@@ -122,9 +122,9 @@ pub fn compare(mesh: &Mesh, now: &Uncut, other: &Uncut, task: &Task) -> Result<C
     let step = common_step(now, other);
     task.report("comparison", 0.0, "");
     let field = HeightField::raster(&params.opening.upright_mesh(mesh), step, &task.cancel)?;
-    let present = Side::of(&field, &now.params, &task.cancel)?;
+    let present = Side::of(&field, now, &task.cancel)?;
     task.report("comparison", 0.4, "");
-    let others = Side::of(&field, &other.params, &task.cancel)?;
+    let others = Side::of(&field, other, &task.cancel)?;
     task.report("comparison", 0.8, "");
     let places = Places::new(now);
     let between = |more: &Side, less: &Side| -> Result<Vec<Difference>, UncutError> {
@@ -172,9 +172,9 @@ struct Side {
 const NONE: u32 = u32::MAX;
 
 impl Side {
-    fn of(field: &HeightField, params: &UncutParams, cancel: &Cancel) -> Result<Self, UncutError> {
-        let closing = closing(field, &params.library, cancel)?;
-        let regions = regions(field, &closing, params.tolerance_mm, cancel)?;
+    fn of(field: &HeightField, uncut: &Uncut, cancel: &Cancel) -> Result<Self, UncutError> {
+        let params = &uncut.params;
+        let (closing, regions) = on_field(field, &params.library, (uncut.exact(), params.tolerance_mm), cancel)?;
         let mut numbers = vec![NONE; field.size()[0] * field.size()[1]];
         for (region, number) in regions.iter().zip(0..) {
             region.cells.iter().for_each(|cell| numbers[*cell as usize] = number);

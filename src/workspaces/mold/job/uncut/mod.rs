@@ -22,7 +22,7 @@ pub use layer_figures::LayerFound;
 use layer_figures::{of_layers, of_surface};
 use mold::ball_agreement::{BallAgreement, ball_agreement};
 use mold::cutter::{Cutter, CutterKind, CutterLibrary};
-use mold::exact_fit::lower_to_layers;
+use mold::exact_fit::{Shafts, lower_to_layers};
 use mold::height_field;
 use mold::height_field::{Closing, Covered, FieldRegion, HeightField, HeightFieldError};
 use mold::invert::{InvertFaces, LEAST_INVERT};
@@ -30,7 +30,7 @@ use mold::layers::LayerSettings;
 use mold::opening::Opening;
 use mold::piece::UncutPiece;
 use mold::region::{LayerRegion, regions};
-use mold::stack::{UncutStack, uncut_stack};
+use mold::stack::{UncutLayer, UncutStack, uncut_stack};
 use mold::surface::{SurfacePiece, segments_at, uncut_surface};
 use mold::uncut_region::{Regions, UncutRegion};
 use mold::unseen::{Unseen, undercuts};
@@ -151,6 +151,13 @@ pub struct Uncut {
     pub regions: Vec<UncutRegion>,
     /// The parts of the surface that bound them.
     pub surface: Vec<SurfacePiece>,
+    /// What a flat cutter as wide as the smallest rounded one leaves, in layers at floors and evenly between them; none
+    /// where what flat cutters leave tells it.
+    #[serde(default)]
+    pub of_shaft: Vec<UncutLayer>,
+    /// Middle of the largest undercut face (mm) and its outward unit normal, in the axes of the mesh.
+    #[serde(default)]
+    pub undercut_at: Option<[DVec3; 2]>,
     /// Step of the field of heights (mm).
     pub grid_step: f64,
     /// What a field twice as coarse finds; none where layers are the answer, and where that is too coarse to find it.
@@ -196,6 +203,11 @@ impl Uncut {
         own.map(move |[_, i]| &self.stack.layers[layer].pieces[*i])
     }
 
+    /// What is known exactly of the cutters in layers.
+    pub(super) fn exact(&self) -> Exact<'_> {
+        Exact { stack: &self.stack, of_shaft: &self.of_shaft }
+    }
+
     /// Whether mesh and grid are such that the answer holds for all that looks to the cutters.
     pub fn is_sound(&self) -> bool {
         let breaks = |w: &MoldWarning| {
@@ -214,7 +226,16 @@ impl Uncut {
     pub fn doubts(&self) -> Vec<String> {
         let undercut = self.undercut().map(|faces| {
             let (count, area) = (counted(faces.triangles.len(), "undercut face"), faces.area);
-            format!("{count} ({area:.2} mm2) cannot be reached along the opening: another set-up or a slide is needed")
+            let place = self.undercut_at.map_or_else(String::new, |[p, looks]| {
+                let [p, n] = [p, looks].map(|v| v + 0.0);
+                format!(
+                    ", the largest about x = {:.3}, y = {:.3}, z = {:.3}, where the mold looks to ({:.3}, {:.3}, {:.3})",
+                    p.x, p.y, p.z, n.x, n.y, n.z
+                )
+            });
+            format!(
+                "{count} ({area:.2} mm2) cannot be reached along the opening{place}: another set-up or a slide is needed"
+            )
         });
         self.stack.warnings.iter().map(ToString::to_string).chain(undercut).collect()
     }
@@ -231,10 +252,18 @@ impl Uncut {
         self.stack.warnings.iter().map(left).sum()
     }
 
-    /// Whether the regions are all that is left of the mold: it is sound, nothing thin is left beside them or unknown,
-    /// and no face looks away.
+    /// Whether the volume of what is left is known.
+    fn is_certain(&self) -> bool {
+        !self.stack.warnings.iter().any(|w| matches!(w, MoldWarning::Uncertain { .. }))
+    }
+
+    /// Whether the regions are all that is left of the mold: it is sound, what is left is known, nothing thin is left
+    /// beside them, and no face looks away.
     pub fn is_whole(&self) -> bool {
-        self.is_sound() && self.unknown_regions() + self.slivers() == 0 && self.undercut().is_none()
+        self.is_sound()
+            && self.is_certain()
+            && self.unknown_regions() + self.slivers() == 0
+            && self.undercut().is_none()
     }
 }
 
@@ -259,10 +288,12 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
     let field = HeightField::raster(&upright, grid_step, &task.cancel)?;
     let mut stack = uncut_stack(&upright, &flats, None, &params.layers, task)?;
     doubt(&mut stack, mesh, &needed, grid_step);
-    stack.warnings.extend(Unseen::warning(&upright));
+    stack.warnings.extend(Unseen::warning(&upright).map(|warning| warning.of_opening(mesh, params.opening)));
     let flat_regions = regions(&stack.layers, params.tolerance_mm);
     task.report("height map", 0.2, "");
-    let (closing, of_field) = on_field(&field, &params.library, (&stack, params.tolerance_mm), &task.cancel)?;
+    let of_shaft = layers_of_shaft(&upright, &needed, &task.cancel)?;
+    let exact = Exact { stack: &stack, of_shaft: &of_shaft };
+    let (closing, of_field) = on_field(&field, &params.library, (exact, params.tolerance_mm), &task.cancel)?;
     task.report("height map", 0.5, "");
     let is_of_flats = flats.len() == needed.len();
     let mut others_of_flats = None;
@@ -273,7 +304,7 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
         let other = if is_of_flats {
             None
         } else {
-            Some(on_field(&field, &only_flats(), (&stack, params.tolerance_mm), &task.cancel)?.1)
+            Some(on_field(&field, &only_flats(), (exact, params.tolerance_mm), &task.cancel)?.1)
         };
         let with_flats = other.as_ref().unwrap_or(&of_field);
         others_of_flats = most_different(&flat_regions, with_flats);
@@ -281,7 +312,7 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
         Some(volumes.map(|v: Vec<f64>| found(v.into_iter())))
     };
     task.report("height map", 0.9, "");
-    let coarser = if is_of_flats { None } else { coarser(&upright, params, (&stack, grid_step), &task.cancel)? };
+    let coarser = if is_of_flats { None } else { coarser(&upright, params, (exact, grid_step), &task.cancel)? };
     // The exact search would let a ball go sideways under what looks down, where its shaft cannot follow.
     let has_undercuts = !stack.invert.triangles.is_empty() && stack.invert.area > 0.0;
     let ball_agreement = if has_undercuts {
@@ -314,8 +345,21 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
         of_surface(&stack, (&field, &closing), &of_field, &surface)
     };
     stack.invert = undercuts(stack.invert, &upright, params.opening);
+    let undercut_at = stack.invert.largest(mesh);
     task.report("surface", 1.0, "");
-    Ok(Uncut { params: params.clone(), stack, layers, regions, surface, grid_step, coarser, agreement, ball_agreement })
+    Ok(Uncut {
+        params: params.clone(),
+        stack,
+        layers,
+        regions,
+        surface,
+        of_shaft,
+        undercut_at,
+        grid_step,
+        coarser,
+        agreement,
+        ball_agreement,
+    })
 }
 
 /// Says where mesh and grid are not such that the answer holds.
@@ -331,19 +375,57 @@ fn doubt(stack: &mut UncutStack, mesh: &Mesh, needed: &[&Cutter], grid_step: f64
     }
 }
 
-/// What a library leaves of the heights, and its regions. Where flat cutters of it fit just so, the layers of `stack` tell
-/// it.
+/// What is known exactly of cutters in layers.
+#[derive(Clone, Copy)]
+pub(super) struct Exact<'a> {
+    /// What the flat cutters leave.
+    stack: &'a UncutStack,
+    /// What a flat cutter as wide as the smallest rounded one leaves; none where what flat cutters leave tells it.
+    of_shaft: &'a [UncutLayer],
+}
+
+/// Radius of the thinnest of cutters that reach to any depth (mm).
+fn thinnest<'a>(cutters: impl Iterator<Item = &'a Cutter>) -> f64 {
+    cutters.filter(|c| c.holder().is_none()).map(|c| c.radius()).fold(f64::INFINITY, f64::min)
+}
+
+/// What a flat cutter as wide as the smallest rounded one of `needed` leaves of `mesh`, in layers at floors and evenly
+/// between them; none where a flat one without a holder is no wider.
+fn layers_of_shaft(mesh: &Mesh, needed: &[&Cutter], cancel: &Cancel) -> Result<Vec<UncutLayer>, Cancelled> {
+    let (flats, rounded): (Vec<&Cutter>, Vec<&Cutter>) =
+        needed.iter().copied().partition(|cutter| cutter.kind() == CutterKind::Flat);
+    let least = rounded.iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
+    if rounded.is_empty() || thinnest(flats.into_iter()) <= least {
+        return Ok(Vec::new());
+    }
+    let settings = LayerSettings { is_fixed: true, ..LayerSettings::default() };
+    Ok(uncut_stack(mesh, &[&Cutter::flat(least)], None, &settings, &Task::silent(cancel))?.layers)
+}
+
+/// What a library leaves of the heights, and its regions. Where cutters fit just so, or just do not, the layers tell it.
 pub(super) fn on_field(
     field: &HeightField,
     library: &CutterLibrary,
-    (stack, tolerance): (&UncutStack, f64),
+    (exact, tolerance): (Exact, f64),
     cancel: &Cancel,
 ) -> Result<(Closing, Vec<FieldRegion>), UncutError> {
-    let mut closing = height_field::closing(field, library, cancel)?;
+    let needed = library.needed();
+    let is_flat = |cutter: &Cutter| cutter.kind() == CutterKind::Flat;
+    if exact.stack.warnings.iter().any(MoldWarning::is_of_surface) {
+        let closing = height_field::closing(field, library, cancel)?;
+        let regions = height_field::regions(field, &closing, tolerance, cancel)?;
+        return Ok((closing, regions));
+    }
+    let of_flats = &exact.stack.layers;
+    let raise = |cutter: &Cutter, before: &Closing, closing: &mut Closing| {
+        // Each of the flat cutters leaves at least what all of them do.
+        let is_of_flats = is_flat(cutter) || exact.of_shaft.is_empty();
+        let layers = if is_of_flats { of_flats } else { exact.of_shaft };
+        Shafts { layers }.raise(field, cutter, before, closing);
+    };
+    let mut closing = height_field::closing_corrected(field, library, &raise, cancel)?;
     let mut regions = height_field::regions(field, &closing, tolerance, cancel)?;
-    let has_flats = library.needed().iter().any(|cutter| cutter.kind() == CutterKind::Flat);
-    let is_known = has_flats && !stack.warnings.iter().any(MoldWarning::is_of_surface);
-    if is_known && lower_to_layers((field, &mut closing), &regions, &stack.layers) {
+    if needed.iter().any(|c| is_flat(c)) && lower_to_layers((field, &mut closing), &regions, of_flats) {
         regions = height_field::regions(field, &closing, tolerance, cancel)?;
     }
     Ok((closing, regions))
@@ -354,7 +436,7 @@ pub(super) fn on_field(
 fn coarser(
     mesh: &Mesh,
     params: &UncutParams,
-    (stack, step): (&UncutStack, f64),
+    (exact, step): (Exact, f64),
     cancel: &Cancel,
 ) -> Result<Option<Coarser>, UncutError> {
     let coarse = UncutParams { grid_step_mm: Some(2.0 * step), ..params.clone() };
@@ -362,7 +444,7 @@ fn coarser(
         return Ok(None);
     }
     let field = HeightField::raster(mesh, 2.0 * step, cancel)?;
-    let (_, regions) = on_field(&field, &params.library, (stack, params.tolerance_mm), cancel)?;
+    let (_, regions) = on_field(&field, &params.library, (exact, params.tolerance_mm), cancel)?;
     Ok(Some(Coarser { step: 2.0 * step, found: found(regions.iter().map(|r| r.volume)) }))
 }
 
