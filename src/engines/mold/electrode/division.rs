@@ -500,7 +500,7 @@ pub(super) fn cut_along(burned: &Burned, part: &Part, cut: &Cut, settings: &Divi
 
 /// The space below the faces beyond a cut at the edges on it, enlarged back over the cut, down to a height: convex
 /// bodies, each given by its corners (mm).
-fn enlarged(edges: &[&HEdge], cut: &Cut, reach: f64, low: f64) -> Vec<Vec<DVec3>> {
+pub(super) fn enlarged(edges: &[&HEdge], cut: &Cut, reach: f64, low: f64) -> Vec<Vec<DVec3>> {
     let beyond = |edge: &HEdge| {
         let [n, m] = edge.normals;
         if n.dot(cut.normal) < m.dot(cut.normal) { n } else { m }
@@ -516,7 +516,10 @@ fn enlarged(edges: &[&HEdge], cut: &Cut, reach: f64, low: f64) -> Vec<Vec<DVec3>
     let below = |(edge, face): (&&HEdge, &DVec3)| {
         // Below an upright face there is nothing.
         let rise = (face.z < -ON_LEVEL).then(|| -face.truncate().dot(back) / face.z)?;
+        // A hair longer than the edge, so that nothing beside its ends touches what is left.
         let [a, b] = edge.ends;
+        let longer = (b - a).normalize_or_zero() * OFF_WALL;
+        let [a, b] = [a - longer, b + longer];
         let top = [a, b, a + back.extend(rise), b + back.extend(rise)];
         Some(top.into_iter().chain(top.map(|p| p.with_z(low))).collect())
     };

@@ -3,7 +3,8 @@
 use glam::{DVec2, DVec3};
 
 use super::design::{ElectrodeSet, PartNode};
-use super::h_edge::{Milling, h_edges, inner_edges};
+use super::division::{Cut, enlarged};
+use super::h_edge::{HEdge, Milling, h_edges, inner_edges};
 use super::params::{DividedAt, Edit, ElectrodeParams};
 use super::tests::{GAP, cutters, mold, params, planned, region};
 use crate::fixtures::rectangle;
@@ -144,6 +145,26 @@ fn grooves_that_cross_again_and_again_are_divided_at_all_crossings() {
     let set = planned(&mold, &[all], &params(GAP));
     assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
     assert!(leaves(tree(&set)) >= 4, "{:?}", tree(&set));
+}
+
+/// What a head loses below an enlarged face goes on beyond the ends of the edge, so that the head touches nothing there.
+#[test]
+fn what_is_taken_away_below_an_enlarged_face_is_longer_than_its_edge() {
+    let lean = DVec3::new(-0.05, 0.0, -0.05).normalize();
+    for turn in [0.0f64, 12.0, 61.0] {
+        let turned = |p: DVec3| DVec2::from_angle(turn.to_radians()).rotate(p.truncate()).extend(p.z);
+        let normals = [turned(DVec3::new(1.0, 0.0, -0.05).normalize()), turned(lean)];
+        let edge = HEdge { ends: [DVec3::new(1.0, -2.0, 0.0), DVec3::new(1.0, 2.0, -1.0)].map(turned), normals };
+        let cut = Cut { through: edge.ends[0], normal: normals[0], low: f64::NEG_INFINITY, overlaps: true };
+        let bodies = enlarged(&[&edge], &cut, 0.2, -5.0);
+        let along = (edge.ends[1] - edge.ends[0]).normalize();
+        let [from, to] = edge.ends.map(|p| p.dot(along));
+        let on: Vec<f64> = bodies[0].iter().take(2).map(|p| p.dot(along)).collect();
+        assert!(
+            on[0] < from - 5e-5 && on[1] > to + 5e-5 && on[1] - on[0] < to - from + 1e-3,
+            "{turn}: {on:?} {from} {to}"
+        );
+    }
 }
 
 #[test]

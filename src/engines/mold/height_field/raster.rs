@@ -166,7 +166,7 @@ impl HeightField {
             };
             of(Along::X).chain(of(Along::Y)).collect::<Vec<_>>()
         };
-        let found = triangles.par_iter().flatten().flat_map_iter(|triangle| walls(triangle)).collect::<Vec<_>>();
+        let found = triangles.par_iter().flatten().flat_map_iter(walls).collect::<Vec<_>>();
         cancel.check()?;
         for (cell, height, upness) in found {
             if height > self.heights[cell] {
@@ -222,7 +222,7 @@ impl Triangle {
             ((low - EDGE_SLACK).ceil().max(0.0), (high + EDGE_SLACK).floor().min(field.rows as f64 - 1.0));
         Some(Self {
             corners: plan,
-            rows: (first <= last).then(|| [first as usize, last as usize]),
+            rows: (first <= last).then_some([first as usize, last as usize]),
             height: heights[0],
             slope: normal.truncate() * (-field.step / normal.z),
             span: extremes(heights),

@@ -251,12 +251,13 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> St
 
 /// End of the sentence where no check fails, and where the checks are not all that has to be known.
 const EVERY_CHECK: &str = " Every check holds.";
-const CHECKS_ALONE: &str = " Every check of these electrodes holds; what is left beside them: see the warnings.";
+const CHECKS_ALONE: &str =
+    " Every check of these electrodes holds; what is left of the mold is not certain: see the warnings.";
 
 impl ElectrodesReport {
-    /// The report, where the regions are all that is left of the mold, or else without the claim that nothing fails.
-    pub fn beside(mut self, is_whole: bool) -> Self {
-        if !is_whole && let Some(text) = self.sentence.strip_suffix(EVERY_CHECK) {
+    /// The report, or where it is not certain what is left of the mold, the report without the claim that nothing fails.
+    pub fn with_certainty(mut self, is_certain: bool) -> Self {
+        if !is_certain && let Some(text) = self.sentence.strip_suffix(EVERY_CHECK) {
             self.sentence = format!("{text}{CHECKS_ALONE}");
         }
         self

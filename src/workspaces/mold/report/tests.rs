@@ -30,7 +30,7 @@ fn the_sentence_names_what_is_blocked_overridden_and_not_burned() {
         "{}",
         good.sentence
     );
-    let [whole, part] = [true, false].map(|is_whole| good.clone().beside(is_whole).sentence);
+    let [whole, part] = [true, false].map(|is_certain| good.clone().with_certainty(is_certain).sentence);
     assert!(
         whole == good.sentence && !part.contains("Every check holds") && part.contains("see the warnings"),
         "{part}"

@@ -252,18 +252,15 @@ impl Uncut {
         self.stack.warnings.iter().map(left).sum()
     }
 
-    /// Whether the volume of what is left is known.
-    fn is_certain(&self) -> bool {
-        !self.stack.warnings.iter().any(|w| matches!(w, MoldWarning::Uncertain { .. }))
+    /// Whether the answer holds, and the volume of what is left is known.
+    pub fn is_certain(&self) -> bool {
+        self.is_sound() && !self.stack.warnings.iter().any(|w| matches!(w, MoldWarning::Uncertain { .. }))
     }
 
     /// Whether the regions are all that is left of the mold: it is sound, what is left is known, nothing thin is left
     /// beside them, and no face looks away.
     pub fn is_whole(&self) -> bool {
-        self.is_sound()
-            && self.is_certain()
-            && self.unknown_regions() + self.slivers() == 0
-            && self.undercut().is_none()
+        self.is_certain() && self.unknown_regions() + self.slivers() == 0 && self.undercut().is_none()
     }
 }
 
