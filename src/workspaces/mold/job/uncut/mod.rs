@@ -44,6 +44,8 @@ const COARSEST: f64 = 0.1;
 
 /// Share of a volume from which on it is warned of that two ways of finding it differ by as much.
 const MUCH: f64 = 0.2;
+/// What is left no thicker than this many times the tolerance, one way may find and the other not.
+const THIN: f64 = 1.25;
 
 /// What is asked.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -293,7 +295,7 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
     let (closing, of_field) = on_field(&field, &params.library, (exact, params.tolerance_mm), &task.cancel)?;
     task.report("height map", 0.5, "");
     let is_of_flats = flats.len() == needed.len();
-    let mut others_of_flats = None;
+    let (mut others_of_flats, mut thick_of_flats) = (None, None);
     let agreement = if flats.is_empty() {
         None
     } else {
@@ -305,6 +307,10 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
         };
         let with_flats = other.as_ref().unwrap_or(&of_field);
         others_of_flats = most_different(&flat_regions, with_flats);
+        let is_thick = |residue: f64| residue > THIN * params.tolerance_mm;
+        let of_layers = flat_regions.iter().filter(|r| is_thick(r.residue())).map(|r| r.volume);
+        let of_grid = with_flats.iter().filter(|r| is_thick(r.normal_depth)).map(|r| r.volume);
+        thick_of_flats = Some([of_layers.sum(), of_grid.sum()]);
         let volumes = [flat_regions.iter().map(|r| r.volume).collect(), with_flats.iter().map(|r| r.volume).collect()];
         Some(volumes.map(|v: Vec<f64>| found(v.into_iter())))
     };
@@ -320,9 +326,8 @@ pub fn uncut(mesh: &Mesh, params: &UncutParams, task: &Task) -> Result<Uncut, Un
     let volume = of_field.iter().map(|r| r.volume).sum::<f64>();
     let of_steps = coarser.map(|coarser| [volume, coarser.found.volume_mm3]);
     let place = others_of_flats.or_else(|| of_field.first().map(|r| r.bounds.center()));
-    let of_flats = agreement.map(|found| found.map(|found| found.volume_mm3));
     let radius = needed.iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
-    stack.warnings.extend(uncertain([of_flats, of_steps], place.map(|p| params.opening.in_mesh(p)), radius));
+    stack.warnings.extend(uncertain([thick_of_flats, of_steps], place.map(|p| params.opening.in_mesh(p)), radius));
     task.report("surface", 0.0, "");
     let surface = uncut_surface(&upright, &Covered::new(&field, &closing, &of_field), &task.cancel)?;
     if surface.is_coarse {
