@@ -291,7 +291,7 @@ fn what_stands_in_every_passage_is_no_passage_without_it() {
         };
         let pins =
             [1.1, 0.4].map(|share| fault(with_pins(wheel, share), 0.5, format!("pins over {share} of the width")));
-        let at = [0.3, 0.6];
+        let at = [0.3, 0.5, 0.7];
         let struts = at.map(|at| fault(with_struts(wheel, at), at, format!("struts at {at} of the span")));
         pins.into_iter().chain(struts).flatten().collect()
     });

@@ -67,7 +67,7 @@ fn fillets_do_not_make_the_throat_narrower() {
 /// thin rings more than about the axis, and the rings' facets are planes like the cuts.
 #[test]
 fn half_a_wheel_and_one_pitch_of_it_are_the_wheel() {
-    let ring = ParametricWheel { pieces: [120, 32, 6], ..ParametricWheel::nozzle_ring() };
+    let ring = ParametricWheel { pieces: [160, 48, 8], ..ParametricWheel::nozzle_ring() };
     let shroud = MeridianCurve::line(DVec2::new(20.0, 68.0), DVec2::new(20.0, 104.0));
     let tall = ParametricWheel { shroud, wall_mm: 2.0, span: [0.02, 0.98], ..ring.clone() };
     // Blades of one shell with the rings, as solid modellers write them.
