@@ -382,6 +382,7 @@ fn a_mold_is_saved_and_dropped_on_either_workspace() {
     let home = Home::new();
     let mut desk = home.start(Opening::In("mold", Some(home.mold())));
     desk.take_cutters(&[Cutter::flat(1.5)]);
+    desk.until_idle();
     let saved = desk.mold().document.params().clone();
     desk.key_with(Modifiers::COMMAND, Key::S);
     desk.type_path(&home.path("mine"));
