@@ -151,9 +151,9 @@ fn at_borders(mold: &Obstacle, samples: &[(Sample, bool)], reach: f64) -> Vec<Sa
 /// Points of a region that are looked at.
 struct Points {
     on_faces: Vec<Sample>,
-    /// Those at the borders of overhangs.
+    /// Points at the borders of overhangs.
     at_borders: Vec<Sample>,
-    /// How far what burns on these keeps off the mold on its way (mm).
+    /// How far what burns at borders keeps off the mold on its way (mm).
     reach: f64,
 }
 

@@ -18,7 +18,7 @@ pub(super) const MIDDLE_SHARE: f64 = 0.6;
 const ABOUT_POINTS: f64 = 0.4;
 /// Share of the height away from an end wall where the channel's middle beside it is looked for.
 const BESIDE: f64 = 0.1;
-/// How many times it is measured again nearer to it.
+/// Most times that an end wall whose rays are not of one wall is measured again, from nearer to it.
 const MOST_NEARER: usize = 3;
 /// Rays that differ from the middle one of them by more than this share of the height met something else.
 const SAME_WALL: f64 = 0.03;

@@ -471,7 +471,7 @@ mod tests {
         assert!((0..2).all(|i| (found[i] / drawn[i] - 1.0).abs() < 0.005), "{found:?} of {drawn:?}");
     }
 
-    /// Between blades along the radius that is at the hub.
+    /// Between blades along the radius the throat lies in the corners at the hub.
     #[test]
     fn the_throat_is_measured_up_to_hub_and_shroud() {
         let line = |r: f64| MeridianCurve::line(DVec2::new(0.0, r), DVec2::new(24.0, r));

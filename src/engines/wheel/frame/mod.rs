@@ -31,9 +31,9 @@ use task::{Cancel, Task};
 const TOLERANCE: f64 = 0.005;
 /// Points that are given lie within so many cells of the bladed region.
 const NEAR_CELLS: f64 = 4.0;
-/// Walls that repeat as well as this about the line that is given need no better one (mm).
+/// RMS distance within which walls repeat well enough about a given line (mm).
 const LEAST_RMS: f64 = 1e-3;
-/// Where they repeat clearly better: within this share of that.
+/// Share of the RMS distance about a given line that walls repeat within where another axis is clearly better.
 const CLEARLY_BETTER: f64 = 0.5;
 /// Share of the walls by which more kinds of blades must explain more than fewer.
 const CLEARLY: f64 = 0.2;
