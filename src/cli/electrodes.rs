@@ -115,8 +115,7 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
         anyhow::bail!("--override {unknown}: there is no electrode {}; there {names}", unknown.of);
     }
     let file_name = mesh.file_name().map_or(name, |n| n.to_string_lossy().into_owned());
-    let mut report =
-        ElectrodesReport::of(&set, &file_name, asked.opening(), &asked.datum).with_certainty(uncut.is_certain());
+    let mut report = ElectrodesReport::of(&set, &file_name, asked.opening(), &asked.datum, uncut.is_certain());
     report.table.notes.extend(imported.report.unit_doubt().into_iter().chain(uncut.doubts()));
     let mut lines = lines(&set, &report, &asked.datum.of_upright(asked.opening()));
     if arguments.compare_divisions {

@@ -30,28 +30,23 @@ const AROUND: usize = 2;
 /// How far heights of the grid may be off (mm): single precision.
 const ROUNDING: f64 = 1e-3;
 
-/// Layers in which it is known what a shaft has no room for.
-#[derive(Debug, Clone, Copy)]
-pub struct Shafts<'a> {
-    /// What a flat cutter as wide as the shaft leaves, or less.
-    pub layers: &'a [UncutLayer],
-}
-
-impl Shafts<'_> {
-    /// Raises what `cutter`, whose shaft is no thinner than these, leaves of `field` to what the shaft has no room for. What was left
-    /// `before` the cutter is the most.
-    pub fn raise(&self, field: &HeightField, cutter: &Cutter, before: &Closing, closing: &mut Closing) {
-        let layers = self.layers;
-        let mut above: &[UncutPiece] = &[];
-        for layer in layers.iter().rev() {
-            // Between upright walls the upper one tells more.
-            let others = layer.pieces.iter().filter(|p| !above.iter().any(|a| a.boundary == p.boundary));
-            let height = layer.z - cutter.corner_mm;
-            let cells: Vec<Vec<usize>> =
-                others.collect::<Vec<_>>().par_iter().map(|p| contradicted(field, closing, p, height)).collect();
-            cells.iter().flatten().for_each(|cell| closing.raise(field, *cell, height, before));
-            above = &layer.pieces;
-        }
+/// Raises what `cutter` leaves of `field` to what its shaft has no room for in `layers`, which are of a flat cutter no wider
+/// than the shaft. What was left `before` the cutter is the most.
+pub fn raise_to_layers(
+    field: &HeightField,
+    (cutter, layers): (&Cutter, &[UncutLayer]),
+    before: &Closing,
+    closing: &mut Closing,
+) {
+    let mut above: &[UncutPiece] = &[];
+    for layer in layers.iter().rev() {
+        // Between upright walls the upper one tells more.
+        let others = layer.pieces.iter().filter(|p| !above.iter().any(|a| a.boundary == p.boundary));
+        let height = layer.z - cutter.corner_mm;
+        let cells: Vec<Vec<usize>> =
+            others.collect::<Vec<_>>().par_iter().map(|p| contradicted(field, closing, p, height)).collect();
+        cells.iter().flatten().for_each(|cell| closing.raise(field, *cell, height, before));
+        above = &layer.pieces;
     }
 }
 
@@ -63,15 +58,14 @@ fn contradicted(field: &HeightField, closing: &Closing, piece: &UncutPiece, heig
     let is_less = |cell: usize| {
         field.height(cell).is_some_and(|z| z < height && z + closing.residue(field, cell) < height - ROUNDING)
     };
-    let [width, count] = field.size();
-    debug_assert!(columns.end <= width && rows.end <= count);
+    let [width, _] = field.size();
     // A square of so many cells has one of these.
     let wide = 2 * AROUND + 1;
-    let crossings: Vec<Vec<f64>> =
-        rows.clone().map(|row| crossings(&piece.boundary, field.center(row * width).y)).collect();
+    let stretches: Vec<Vec<[f64; 2]>> =
+        rows.clone().map(|row| plane::stretches(&piece.boundary, field.center(row * width).y)).collect();
     let is_in = |row: usize, column: usize| {
         let x = field.center(column).x;
-        crossings[row - rows.start].partition_point(|at| *at < x) % 2 == 1
+        stretches[row - rows.start].iter().any(|[from, to]| (*from..*to).contains(&x))
     };
     let is_wrong = |row: usize, column: usize| is_less(row * width + column) && is_in(row, column);
     let first = |range: &std::ops::Range<usize>| range.start + AROUND;
@@ -95,14 +89,6 @@ fn contradicted(field: &HeightField, closing: &Closing, piece: &UncutPiece, heig
     }
     let cell = |i: usize| (rows.start + i / across) * width + columns.start + i % across;
     (0..chosen.len()).filter(|i| chosen[*i]).map(cell).collect()
-}
-
-/// Where a line along X crosses the sides of outlines, in order.
-fn crossings(outlines: &[Outline], y: f64) -> Vec<f64> {
-    let crossing = |[a, b]: [DVec2; 2]| ((a.y <= y) != (b.y <= y)).then(|| a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x));
-    let mut found: Vec<f64> = outlines.iter().flat_map(Outline::sides).filter_map(crossing).collect();
-    found.sort_by(f64::total_cmp);
-    found
 }
 
 /// Lowers what the cutters leave of `field` to what flat cutters leave in layers, in those of the grid's regions where the
@@ -234,9 +220,8 @@ mod tests {
                 .mapped(|p| turn.rotate(p.truncate()).extend(p.z).as_vec3().as_dvec3());
             let field = HeightField::raster(&mesh, 0.025, &cancel).unwrap();
             let stack = uncut_stack(&mesh, &[&flat], None, &LayerSettings::default(), &Task::default()).unwrap();
-            let shafts = Shafts { layers: &stack.layers };
             let raise = |cutter: &Cutter, before: &Closing, closing: &mut Closing| {
-                shafts.raise(&field, cutter, before, closing);
+                raise_to_layers(&field, (cutter, &stack.layers), before, closing);
             };
             let library = CutterLibrary { cutter: vec![kind.clone()] };
             let closing = closing_corrected(&field, &library, &raise, &cancel).unwrap();

@@ -90,7 +90,7 @@ pub fn inside(outlines: &[Outline]) -> Option<DVec2> {
 }
 
 /// Where the line at this height is within outlines: from and to along X.
-fn stretches(outlines: &[Outline], y: f64) -> Vec<[f64; 2]> {
+pub fn stretches(outlines: &[Outline], y: f64) -> Vec<[f64; 2]> {
     let crossing = |[a, b]: [DVec2; 2]| {
         let is_crossed = (a.y <= y) != (b.y <= y);
         // What runs down has the inside on the right.

@@ -158,7 +158,7 @@ pub enum MoldWarning {
 }
 
 impl MoldWarning {
-    /// The same for a mesh whose opening direction is this one.
+    /// The warning about a mesh that opens in this direction: a hidden cavity tells whether that is the proposed one.
     pub fn of_opening(self, mesh: &Mesh, opening: Opening) -> Self {
         match self {
             Self::HiddenCavity { hidden_mm2, inner_mm2, .. } => {

@@ -138,7 +138,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("a/b");
         let set = set();
-        let report = ElectrodesReport::of(&set, "shell", Opening::PlusZ, &Datum::default());
+        let report = ElectrodesReport::of(&set, "shell", Opening::PlusZ, &Datum::default(), true);
         std::fs::create_dir_all(&out).unwrap();
         std::fs::write(out.join("mine.txt"), "mine").unwrap();
         std::fs::write(out.join("E04_finish_g0.05_Cu-soft_x1.stl"), "of an earlier plan").unwrap();
@@ -178,7 +178,7 @@ mod tests {
         let out = folder.path().join("a/b");
         let mut broken = set();
         broken.electrodes[1].mesh = Mesh::default();
-        let report = ElectrodesReport::of(&broken, "shell", Opening::PlusZ, &Datum::default());
+        let report = ElectrodesReport::of(&broken, "shell", Opening::PlusZ, &Datum::default(), true);
         let tried = |set: &ElectrodeSet| {
             let opened = ExportFolder::open(&out, EXPORT).unwrap();
             export_electrodes(

@@ -7,6 +7,7 @@ use parry3d_f64::shape::Triangle;
 use rayon::prelude::*;
 
 use super::super::channel::{BladeSide, ChannelWall, Flow, Station, Throat};
+use geometry::frame::Cylindrical;
 use geometry::mesh::Mesh;
 
 /// A middle line that turns by less than this (rad) is straight.
@@ -58,7 +59,10 @@ fn bare(wall: &ChannelWall, beyond: f64) -> ChannelWall {
         for is_hub in [true, false] {
             let at = |v: usize| if is_hub { v } else { last - v };
             let turn = |v: usize| wall.normal(u, at(v)).angle_between(wall.normal(u, at(v + over)));
-            let place = |v: usize| meridional(wall.point(u, at(v)));
+            let place = |v: usize| {
+                let Cylindrical { x, r, .. } = wall.cylindrical(u, at(v));
+                DVec2::new(x, r)
+            };
             let is_aside = |v: usize| {
                 let ([near, far], steps) =
                     ([BESIDE, BESIDE + FROM].map(|rows| place((v + rows).min(last))), FROM as f64);
@@ -79,11 +83,6 @@ fn bare(wall: &ChannelWall, beyond: f64) -> ChannelWall {
         normals.extend(rows().map(|v| wall.normal(u, v)));
     }
     ChannelWall { nv, points, normals, ..wall.clone() }
-}
-
-/// Position along the axis and distance from it.
-fn meridional(p: DVec3) -> DVec2 {
-    DVec2::new(p.x, p.y.hypot(p.z))
 }
 
 /// Projects back and forth between the walls, starting at grid points `i` and `j`.

@@ -1,6 +1,8 @@
 //! Finds a channel of a blisk, with its walls, in a bare mesh.
 
 mod agreement;
+#[cfg(test)]
+mod agreement_tests;
 mod flow;
 mod hand_lines;
 #[cfg(test)]

@@ -37,6 +37,8 @@ pub struct ElectrodesReport {
     pub sentence: String,
     /// Whether every region has its electrodes and every check holds.
     pub holds: bool,
+    /// Whether it is known what is left of the mold.
+    pub is_certain: bool,
     /// The burn table.
     pub table: BurnTable,
     /// Electrodes that are not exported, and why.
@@ -140,8 +142,9 @@ pub struct Division {
 }
 
 impl ElectrodesReport {
-    /// The report on electrodes of a mold that is called `mold`, with positions from `datum`.
-    pub fn of(set: &ElectrodeSet, mold: &str, opening: Opening, datum: &Datum) -> Self {
+    /// The report on electrodes of a mold that is called `mold`, with positions from `datum`. `is_certain` tells whether it
+    /// is known what is left of the mold.
+    pub fn of(set: &ElectrodeSet, mold: &str, opening: Opening, datum: &Datum, is_certain: bool) -> Self {
         let table = BurnTable::of(set, mold, opening, datum);
         let axes = datum.of_upright(opening);
         let blocked =
@@ -155,7 +158,8 @@ impl ElectrodesReport {
         let other_way = |e: &Electrode| Some(format!("{}: {}.", e.name, e.other_way.as_ref()?.sentence(e.minutes)));
         Self {
             schema: SCHEMA,
-            sentence: sentence(set, &table, &set.params.overrides),
+            sentence: sentence(set, &table, &set.params.overrides, is_certain),
+            is_certain,
             holds: set.holds(),
             blocked: (0..set.electrodes.len()).filter_map(blocked).collect(),
             idle_overrides: set.idle_overrides(&set.params.overrides).into_iter().map(idle).collect(),
@@ -172,7 +176,7 @@ impl ElectrodesReport {
 
     /// The answer in a sentence if these are the user's overrides of the `set` that the report is on.
     pub fn sentence_with(&self, set: &ElectrodeSet, overrides: &[Override]) -> String {
-        sentence(set, &self.table, overrides)
+        sentence(set, &self.table, overrides, self.is_certain)
     }
 
     /// The report as JSON; a number that is not finite becomes null.
@@ -192,7 +196,7 @@ impl ElectrodesReport {
     }
 }
 
-fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> String {
+fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override], is_certain: bool) -> String {
     let regions = set.regions.len();
     if regions == 0 {
         return "No region was found that the cutters leave: no electrode is made.".to_owned();
@@ -244,24 +248,13 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override]) -> St
         text += &format!(" Change {} has no effect: {}.", edit + 1, why_unmet(&set.params.edits[edit]));
     }
     if set.holds() && !set.electrodes.is_empty() {
-        text += EVERY_CHECK;
+        text += if is_certain {
+            " Every check holds."
+        } else {
+            " Every check of these electrodes holds; what is left of the mold is not certain: see the warnings."
+        };
     }
     text
-}
-
-/// End of the sentence where no check fails, and where the checks are not all that has to be known.
-const EVERY_CHECK: &str = " Every check holds.";
-const CHECKS_ALONE: &str =
-    " Every check of these electrodes holds; what is left of the mold is not certain: see the warnings.";
-
-impl ElectrodesReport {
-    /// The report, or where it is not certain what is left of the mold, the report without the claim that nothing fails.
-    pub fn with_certainty(mut self, is_certain: bool) -> Self {
-        if !is_certain && let Some(text) = self.sentence.strip_suffix(EVERY_CHECK) {
-            self.sentence = format!("{text}{CHECKS_ALONE}");
-        }
-        self
-    }
 }
 
 /// A change to the division that does nothing, its place, and the remedy, in words.

@@ -3,7 +3,7 @@ use files::report::Picture;
 use nc::electrode_fixtures::set;
 
 fn report() -> ElectrodesReport {
-    ElectrodesReport::of(&set(), "<shell>", Opening::MinusX, &Datum::default())
+    ElectrodesReport::of(&set(), "<shell>", Opening::MinusX, &Datum::default(), true)
 }
 
 #[test]
@@ -24,25 +24,27 @@ fn the_sentence_names_what_is_blocked_overridden_and_not_burned() {
     let mut good = set();
     good.regions.pop();
     good.checks.iter_mut().flatten().for_each(|finding| finding.holds = true);
-    let good = ElectrodesReport::of(&good, "", Opening::PlusZ, &Datum::default());
+    let whole = good;
+    let good = ElectrodesReport::of(&whole, "", Opening::PlusZ, &Datum::default(), true);
     assert!(
         good.holds && good.blocked.is_empty() && good.sentence.ends_with("Every check holds."),
         "{}",
         good.sentence
     );
-    let [whole, part] = [true, false].map(|is_certain| good.clone().with_certainty(is_certain).sentence);
-    assert!(
-        whole == good.sentence && !part.contains("Every check holds") && part.contains("see the warnings"),
-        "{part}"
-    );
+    let uncertain = ElectrodesReport::of(&whole, "", Opening::PlusZ, &Datum::default(), false);
+    for said in [&uncertain.sentence, &uncertain.sentence_with(&whole, &[])] {
+        assert!(!said.contains("Every check holds") && said.contains("see the warnings"), "{said}");
+    }
     assert_eq!(idle(&good), ["E02-finish:leftover", "E99:leftover"], "an override of what holds does nothing");
     let mut none = set();
     (none.electrodes, none.checks, none.regions) = Default::default();
     assert!(
-        ElectrodesReport::of(&none, "", Opening::PlusZ, &Datum::default()).sentence.contains("no electrode is made")
+        ElectrodesReport::of(&none, "", Opening::PlusZ, &Datum::default(), true)
+            .sentence
+            .contains("no electrode is made")
     );
     none.regions = set().regions;
-    let sentence = ElectrodesReport::of(&none, "", Opening::PlusZ, &Datum::default()).sentence;
+    let sentence = ElectrodesReport::of(&none, "", Opening::PlusZ, &Datum::default(), true).sentence;
     assert!(sentence.starts_with("0 electrodes with 0 burns for 3 regions: 0 minutes."), "{sentence}");
 }
 
@@ -73,7 +75,7 @@ fn a_cut_that_leads_to_one_part_says_why() {
         let tree = set.regions[0].tree.as_mut().unwrap();
         tree.parts.truncate(1);
         tree.lacks_thin = lacks_thin;
-        ElectrodesReport::of(&set, "", Opening::PlusZ, &Datum::default()).regions[0]
+        ElectrodesReport::of(&set, "", Opening::PlusZ, &Datum::default(), true).regions[0]
             .division
             .as_ref()
             .unwrap()
@@ -94,7 +96,7 @@ fn parts_that_only_an_earlier_stage_has_are_told_with_its_division() {
     let last = set.regions[0].tree.clone().unwrap();
     set.regions[0].earlier = vec![(0, last.clone())];
     let divisions = |set: &ElectrodeSet| {
-        let report = ElectrodesReport::of(set, "", Opening::PlusZ, &Datum::default());
+        let report = ElectrodesReport::of(set, "", Opening::PlusZ, &Datum::default(), true);
         (report.regions[0].earlier_divisions.clone(), report.html(&ElectrodesPage::default()).unwrap())
     };
     assert!(divisions(&set).0.is_empty(), "the same parts are told once");

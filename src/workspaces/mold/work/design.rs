@@ -91,8 +91,7 @@ pub(super) fn shown(mold: &LoadedMold, found: &FoundUncut, set: ElectrodeSet, is
     }
     let opening = uncut.params.opening;
     let plain = ElectrodeSet { params: ElectrodeParams { overrides: Vec::new(), ..set.params }, ..set };
-    let report =
-        ElectrodesReport::of(&plain, &mold.name, opening, &Datum::default()).with_certainty(uncut.is_certain());
+    let report = ElectrodesReport::of(&plain, &mold.name, opening, &Datum::default(), uncut.is_certain());
     let (shapes, times) = (electrode_shapes(&plain), Vec::new());
     Designed { report, shapes, opening, doubts: uncut.doubts(), places, set: plain, is_proven, times }
 }

@@ -22,7 +22,7 @@ pub use layer_figures::LayerFound;
 use layer_figures::{of_layers, of_surface};
 use mold::ball_agreement::{BallAgreement, ball_agreement};
 use mold::cutter::{Cutter, CutterKind, CutterLibrary};
-use mold::exact_fit::{Shafts, lower_to_layers};
+use mold::exact_fit::{lower_to_layers, raise_to_layers};
 use mold::height_field;
 use mold::height_field::{Closing, Covered, FieldRegion, HeightField, HeightFieldError};
 use mold::invert::{InvertFaces, LEAST_INVERT};
@@ -423,7 +423,7 @@ pub(super) fn on_field(
         // Each of the flat cutters leaves at least what all of them do.
         let is_of_flats = is_flat(cutter) || exact.of_shaft.is_empty();
         let layers = if is_of_flats { of_flats } else { exact.of_shaft };
-        Shafts { layers }.raise(field, cutter, before, closing);
+        raise_to_layers(field, (cutter, layers), before, closing);
     };
     let mut closing = height_field::closing_corrected(field, library, &raise, cancel)?;
     let mut regions = height_field::regions(field, &closing, tolerance, cancel)?;

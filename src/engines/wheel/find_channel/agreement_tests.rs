@@ -1,0 +1,176 @@
+//! What was found is measured against the mesh, and channels are told from each other.
+
+use std::collections::HashMap;
+
+use glam::DVec3;
+
+use super::tests::{find, found, refused};
+use super::*;
+use crate::channel::{Difference, Surface};
+use crate::fixtures::{TestBlisk, together};
+use crate::options::{Auto, AxisChoice, AxisLine};
+use crate::parametric::wheel::{Flaws, ParametricWheel, Splitters};
+use geometry::frame::Cylindrical;
+use geometry::mesh::normal_times_two_areas;
+
+#[test]
+fn a_slightly_bent_blade_neither_moves_the_axis_nor_goes_unsaid() {
+    let part = TestBlisk::default();
+    let straight = part.mesh();
+    let bent = straight.mapped(|p| {
+        let c = geometry::frame::Cylindrical::from_point(p);
+        let on_blade_6 = c.r > 51.0 && c.r < 61.0 && (c.theta - 6.0 * part.pitch()).abs() < 0.55 * part.pitch();
+        geometry::frame::Cylindrical { theta: c.theta + if on_blade_6 { 0.01 } else { 0.0 }, ..c }.point()
+    });
+    let channel = found(&bent);
+    assert_eq!(channel.blades, 24);
+    assert!(channel.frame.origin.length() < 0.02, "{}", channel.frame.origin);
+    assert_eq!(channel.unlike.len(), 2, "the channels on both its sides: {:?}", channel.assumed);
+}
+
+#[test]
+fn what_was_found_is_measured_against_the_mesh_and_refused_where_that_is_otherwise() {
+    let mesh = TestBlisk { grid: [96, 8, 8, 2], ..Default::default() }.mesh();
+    for options in [BliskOptions::default(), BliskOptions { hub_radius_mm: Auto::Given(51.0), ..Default::default() }] {
+        let channel = find(&mesh, &options).unwrap();
+        assert_eq!(channel.agreement.len(), 4);
+        assert!(channel.agreement.iter().all(|a| a.samples > 100 && a.share >= 0.95), "{:?}", channel.agreement);
+    }
+    // End walls that wave around the axis are no hub and no shroud.
+    for (name, surface, [from, to]) in [("hub", Surface::Hub, [49.0, 50.5]), ("shroud", Surface::Shroud, [61.5, 62.5])]
+    {
+        let waved = mesh.mapped(|p| {
+            let Cylindrical { x, r, theta } = Cylindrical::from_point(p);
+            let wave = if (from..to).contains(&r) { 0.3 * (24.0 * theta).sin() } else { 0.0 };
+            Cylindrical { x, r: r + wave, theta }.point()
+        });
+        let Err(BliskError::Disagrees(found)) = find(&waved, &BliskOptions::default()) else {
+            panic!("a waved {name} is taken for one");
+        };
+        assert_eq!(found.surface, surface);
+        assert!(found.share < 0.95 && found.greatest_mm > 0.1 && found.greatest_mm < 0.7, "{found:?}");
+        assert!(refused(&waved).contains(&format!("the {name} that was found is up to")));
+    }
+}
+
+#[test]
+fn channels_that_are_not_like_the_found_one_are_named() {
+    let part = TestBlisk::default();
+    assert!(found(&part.mesh()).unlike.is_empty());
+    // A lump on the hub of channel 3 and, in the same way, on the shroud of channel 7.
+    let lumps = [(3.0, 50.0), (7.0, 62.0)].map(|(channel, radius)| {
+        let theta = part.pitch() * channel + 0.5 * part.wall(7.0, 56.0).iter().sum::<f64>();
+        let at = Cylindrical { x: 7.0, r: radius, theta }.point();
+        Mesh::cuboid(DVec3::splat(6.0)).mapped(|p| p - DVec3::splat(3.0) + at)
+    });
+    let mesh = lumps.iter().fold(part.mesh(), together);
+    let channel = found(&mesh);
+    assert_eq!(channel.unlike.len(), 2, "{:?}", channel.unlike);
+    assert!(channel.assumed.iter().any(|a| a.contains("Of the other 23 channels of its kind, 2 are not like")));
+    // One blade out of 24 turned by 0.4 mm spoils the channels on both its sides.
+    let turned = ParametricWheel {
+        flaws: Flaws { turned_blade: Some((5, 0.4 / 80.0)), ..Default::default() },
+        ..ParametricWheel::nozzle_ring()
+    }
+    .mesh();
+    let channel = found(&turned);
+    let mut walls: Vec<_> = channel.unlike.iter().map(|unlike| unlike.difference).collect();
+    walls.sort_by_key(|difference| matches!(difference, Difference::Surface { surface: Surface::HighWall, .. }));
+    let [Difference::Surface { surface: Surface::LowWall, greatest_mm: low }, other] = walls[..] else {
+        panic!("{walls:?}");
+    };
+    let Difference::Surface { surface: Surface::HighWall, greatest_mm: high } = other else { panic!("{other:?}") };
+    // The turn moves places by 0.005 rad of their radius, 68 to 104 mm, along the circle, and less along the normal.
+    for off in [low, high] {
+        assert!((0.2..0.52).contains(&off), "{walls:?}");
+    }
+}
+
+/// The mesh with the other diagonal in some pairs of its triangles, those that `is_other` of a corner and the normal.
+fn other_diagonals(mesh: &Mesh, is_other: impl Fn(DVec3, DVec3) -> bool) -> Mesh {
+    let sides: HashMap<(u32, u32), usize> = mesh.sides().collect();
+    let mut other = mesh.clone();
+    let mut is_turned = vec![false; mesh.triangles.len()];
+    let normal = |t: [u32; 3]| normal_times_two_areas(t.map(|v| mesh.vertices[v as usize]));
+    for (i, t) in mesh.triangles.iter().enumerate() {
+        for [a, b, c] in [[t[0], t[1], t[2]], [t[1], t[2], t[0]], [t[2], t[0], t[1]]] {
+            let Some(&k) = sides.get(&(b, a)) else { continue };
+            let Some(d) = mesh.triangles[k].into_iter().find(|v| *v != a && *v != b) else { continue };
+            let [old, beside] = [normal(*t), normal(mesh.triangles[k])];
+            let turned = [[a, d, c], [d, b, c]];
+            let is_bent = (0.01..0.4).contains(&old.angle_between(beside));
+            let is_sound = turned
+                .iter()
+                .all(|t| normal(*t).dot(old + beside) > 0.5 * normal(*t).length() * (old + beside).length());
+            let is_new = !sides.contains_key(&(c, d)) && !sides.contains_key(&(d, c));
+            if is_bent
+                && is_sound
+                && is_new
+                && !is_turned[i]
+                && !is_turned[k]
+                && is_other(mesh.vertices[a as usize], old)
+            {
+                (is_turned[i], is_turned[k]) = (true, true);
+                [other.triangles[i], other.triangles[k]] = turned;
+            }
+        }
+    }
+    other
+}
+
+/// Facets of other channels may stand for the same surface in another way.
+#[test]
+fn coarse_facets_make_no_channels_differ() {
+    let part = ParametricWheel { pieces: [160, 16, 3], ..ParametricWheel::impeller() };
+    let is_blade = |p: DVec3, normal: DVec3| normal.normalize().dot(DVec3::X.cross(p).normalize()).abs() > 0.5;
+    let mesh = other_diagonals(&part.mesh(), |p, normal| Cylindrical::from_point(p).theta > 0.7 && is_blade(p, normal));
+    let channel = found(&mesh);
+    assert!(channel.unlike.is_empty(), "{:?}", channel.unlike);
+}
+
+#[test]
+fn spoilt_wheels_are_refused_or_told() {
+    for part in [ParametricWheel::nozzle_ring(), ParametricWheel::impeller()] {
+        let bladeless =
+            ParametricWheel { flaws: Flaws { missing_blade: Some(4), ..Default::default() }, ..part.clone() }.mesh();
+        assert!(find(&bladeless, &BliskOptions::default()).is_err(), "its gaps are not even");
+
+        // Of 180 degrees without a shroud about half of the channels know nothing, and those at the ends less.
+        let halved =
+            ParametricWheel { flaws: Flaws { missing_shroud: 0.5, ..Default::default() }, ..part.clone() }.mesh();
+        let answer = find(&halved, &BliskOptions::default());
+        let told = answer.as_ref().map_or(0, |channel| channel.unlike.len());
+        assert!(answer.is_err() || 2 * told + 4 >= part.blades, "{told} channels differ");
+
+        let (sin, cos) = 2.0_f64.to_radians().sin_cos();
+        let tilted = AxisLine { direction: [cos, sin, 0.0], point: [0.0; 3] };
+        let options = BliskOptions { axis: AxisChoice::Line(tilted), ..Default::default() };
+        let answer = find(&part.mesh(), &options);
+        let told = answer.as_ref().map_or(0, |channel| channel.unlike.len());
+        assert!(answer.is_err() || 2 * told >= part.blades, "{told} channels differ about the wrong axis");
+    }
+}
+
+#[test]
+fn a_splitter_in_the_middle_of_the_pitch_makes_its_neighbours_unlike() {
+    let part = ParametricWheel {
+        blades: 18,
+        splitters: Some(Splitters { span: [0.5, 0.95], off_middle: 0.0 }),
+        thickness_mm: 2.0,
+        ..ParametricWheel::impeller()
+    };
+    let channel = found(&part.mesh());
+    let others: Vec<usize> = (0..18).filter(|number| !channel.is_like(*number)).collect();
+    assert_eq!(others, (0..9).map(|k| 2 * k + 1).collect::<Vec<_>>(), "{:?}", channel.assumed);
+}
+
+#[test]
+fn one_turned_blade_of_few_makes_no_splitters() {
+    let mesh = ParametricWheel {
+        flaws: Flaws { turned_blade: Some((2, 0.02)), ..Default::default() },
+        ..ParametricWheel::impeller()
+    }
+    .mesh();
+    let channel = found(&mesh);
+    assert_eq!((channel.kinds, channel.unlike.len()), (1, 2), "{:?}", channel.assumed);
+}
