@@ -248,7 +248,7 @@ fn with_struts(wheel: &ParametricWheel, share: f64) -> Mesh {
 /// Where only some passages hold something, they are refused, and the others are found.
 #[test]
 fn a_passage_beside_one_with_a_strut_is_found() {
-    let wheel = ParametricWheel::nozzle_ring();
+    let wheel = ParametricWheel { pieces: [160, 48, 8], ..ParametricWheel::nozzle_ring() };
     let place = wheel.place(0.5, 0.5);
     let mesh = (0..wheel.blades).step_by(4).fold(wheel.mesh(), |mesh, k| {
         let [low, high] = wheel.walls(k, 0.5, 0.5).unwrap();
@@ -259,10 +259,12 @@ fn a_passage_beside_one_with_a_strut_is_found() {
         together(mesh, &strut.mapped(|p| turn.transform_point3(p)))
     });
     let of = |channel: usize| find_channel(&mesh, &BliskOptions { channel, ..Default::default() }, &Task::default());
-    let refused: Vec<usize> = (0..8).filter(|&channel| of(channel).is_err()).collect();
-    assert_eq!(refused.len(), 2, "{refused:?}");
-    assert!(matches!(of(refused[0]), Err(BliskError::Obstructed { .. })), "{:?}", of(refused[0]));
-    assert_eq!(of(refused[0] + 1).unwrap().unlike.len(), 5);
+    let (found, refused): (Vec<_>, Vec<_>) = (0..8).map(of).partition(Result::is_ok);
+    assert!(
+        refused.len() == 2 && refused.iter().all(|r| matches!(r, Err(BliskError::Obstructed { .. }))),
+        "{refused:?}"
+    );
+    assert!(found.iter().flatten().all(|channel| channel.unlike.len() == 5));
 }
 
 /// Where every passage has a pin or a strut no two differ, and all four surfaces of a passage are where they were. Some are told
@@ -291,7 +293,7 @@ fn what_stands_in_every_passage_is_no_passage_without_it() {
         };
         let pins =
             [1.1, 0.4].map(|share| fault(with_pins(wheel, share), 0.5, format!("pins over {share} of the width")));
-        let at = [0.3, 0.5, 0.7];
+        let at = [0.3, 0.7];
         let struts = at.map(|at| fault(with_struts(wheel, at), at, format!("struts at {at} of the span")));
         pins.into_iter().chain(struts).flatten().collect()
     });

@@ -249,6 +249,8 @@ fn pseudo_inverse(m: DMat3) -> DMat3 {
 /// tells lines apart.
 pub(super) fn of_turned_surfaces(mesh: &Mesh, axis: Axis) -> Option<Axis> {
     const ROUNDS: usize = 8;
+    /// A step by less than this, as a share of the reach and as an angle, changes nothing any more.
+    const SETTLED: f64 = 1e-12;
     /// How far a normal may miss the axis, as a sine: the slant of a facet.
     const SLANT: f64 = 0.03;
     /// Nearer lines are the same, as a share of the part's radius.
@@ -290,6 +292,9 @@ pub(super) fn of_turned_surfaces(mesh: &Mesh, axis: Axis) -> Option<Axis> {
         line = Axis::new(point, line.direction + step[2] * ways[0] + step[3] * ways[1]);
         if !line.point.is_finite() || line.distance(center) > reach {
             return None;
+        }
+        if step.norm() < SETTLED {
+            break;
         }
     }
     let is_same = |other: &Axis| {

@@ -261,45 +261,57 @@ impl Slices {
         let along = DVec2::from_angle(theta);
         // Along the radius an infinite reach leaves x where it is.
         let far = if direction.x == 0.0 { from.x } else { from.x + reach * direction.x };
-        let ends = [from.x, far];
         let column = |x: f64| {
             let at = (x - self.origin.x) / self.size.x * self.grid[0] as f64;
             (at.max(0.0) as usize).min(self.grid[0] - 1)
         };
-        let columns = column(ends[0].min(ends[1]))..=column(ends[0].max(ends[1]));
-        let triangles = columns.flat_map(|ix| self.wedges.get(ix * SECTORS + sector(theta)));
-        let met = triangles.filter_map(|&triangle| {
-            let [p, q] = self.half_plane_segment(triangle, along)?;
-            let (p, q) = (p - from, q - from);
-            let (side_p, side_q) = (direction.perp_dot(p), direction.perp_dot(q));
-            if (side_p >= 0.0) == (side_q >= 0.0) {
-                return None;
+        let (first, last) = (column(from.x), column(far));
+        let met_in = |ix: usize| {
+            let triangles = self.wedges.get(ix * SECTORS + sector(theta)).iter();
+            let met = triangles.filter_map(|&triangle| {
+                let [p, q] = self.half_plane_segment(triangle, along)?;
+                let (p, q) = (p - from, q - from);
+                let (side_p, side_q) = (direction.perp_dot(p), direction.perp_dot(q));
+                if (side_p >= 0.0) == (side_q >= 0.0) {
+                    return None;
+                }
+                let distance = direction.dot(p.lerp(q, side_p / (side_p - side_q)));
+                // Beyond the axis the same line is in the half plane on its other side.
+                let is_here = from.y + distance * direction.y >= 0.0;
+                (distance > 0.0 && distance <= reach && is_here).then_some((distance, triangle))
+            });
+            met.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+        };
+        // Column by column: what is met in one that was passed is nearer than anything in those to come.
+        let mut nearest: Option<(f64, u32)> = None;
+        for step in 0..=first.abs_diff(last) {
+            let ix = if first <= last { first + step } else { first - step };
+            let met = met_in(ix).into_iter().chain(nearest);
+            nearest = met.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            if nearest.is_some_and(|(distance, _)| column(from.x + distance * direction.x).abs_diff(first) <= step) {
+                break;
             }
-            let distance = direction.dot(p.lerp(q, side_p / (side_p - side_q)));
-            // Beyond the axis the same line is in the half plane on its other side.
-            let is_here = from.y + distance * direction.y >= 0.0;
-            (distance > 0.0 && distance <= reach && is_here).then_some((distance, triangle))
-        });
-        met.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+        }
+        nearest
     }
 
     /// The segment (x, r) in which the half plane through the axis along `along` (z, -y) meets a triangle.
     fn half_plane_segment(&self, triangle: u32, along: DVec2) -> Option<[DVec2; 2]> {
         let ids = self.mesh.triangles[triangle as usize];
-        let side = |v: u32| {
-            let p = self.mesh.vertices[v as usize];
-            along.perp_dot(DVec2::new(p.z, -p.y))
+        let corners = ids.map(|v| self.mesh.vertices[v as usize]);
+        let sides = corners.map(|p| along.perp_dot(DVec2::new(p.z, -p.y)));
+        let crossed = match sides.map(|side| side >= 0.0) {
+            [a, b, c] if a == b && b == c => return None,
+            [a, b, c] if a == b && b != c => [(1, 2), (2, 0)],
+            [a, b, c] if b == c && a != b => [(0, 1), (2, 0)],
+            _ => [(0, 1), (1, 2)],
         };
-        let mut crossings = [(0, 1), (1, 2), (2, 0)].into_iter().filter_map(|(i, k)| {
-            let (a, b) = (ids[i].min(ids[k]), ids[i].max(ids[k]));
-            let (side_a, side_b) = (side(a), side(b));
-            ((side_a >= 0.0) != (side_b >= 0.0)).then(|| {
-                let [p, q] = [a, b].map(|v| self.mesh.vertices[v as usize]);
-                let at = p.lerp(q, side_a / (side_a - side_b));
-                DVec2::new(at.x, along.dot(DVec2::new(at.z, -at.y)))
-            })
+        // An edge is met at the same place, to the last bit, in both triangles that share it.
+        let segment = crossed.map(|(i, k)| {
+            let (i, k) = if ids[i] < ids[k] { (i, k) } else { (k, i) };
+            let at = corners[i].lerp(corners[k], sides[i] / (sides[i] - sides[k]));
+            DVec2::new(at.x, along.dot(DVec2::new(at.z, -at.y)))
         });
-        let segment = [crossings.next()?, crossings.next()?];
         // On the other side of the axis the same plane goes on.
         segment.iter().any(|p| p.y > 0.0).then_some(segment)
     }
