@@ -4,8 +4,8 @@
 //! it returns either a mesh and a report on it, or one clear line that names the file, the place and the remedy; it
 //! neither panics nor takes more memory than its [`ImportLimits`] allow.
 //!
-//! The mesh that comes out has one vertex for each point, no collapsed or doubled triangles, and its triangles are
-//! counter-clockwise seen from outside. What it does *not* promise is that the surface is closed: holes are reported,
+//! The mesh that comes out has one vertex for each point of a solid, no collapsed or doubled triangles, and its triangles
+//! are counter-clockwise seen from outside. Solids that touch close each on its own. What it does *not* promise is that the surface is closed: holes are reported,
 //! not filled, and an open surface may have no outside. [`ImportReport::watertight`] tells.
 //!
 //! ```
@@ -31,6 +31,7 @@ use geometry::mesh::Mesh;
 use task::{Cancel, Cancelled, Task};
 
 mod clean;
+mod contacts;
 mod edges;
 mod error;
 mod format;

@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::clean::{Slivers, drop_collapsed, drop_duplicates, exchange_slivers};
+use super::contacts::part_touching;
 use super::edges::{EdgeTable, NONE};
 use super::holes::{Hole, trace};
 use super::orient::{Orientation, orient};
@@ -31,6 +32,8 @@ pub(super) struct Repairs {
     pub welded_near: bool,
     pub collapsed: usize,
     pub duplicates: usize,
+    /// Edges along which solids touch, which were parted there.
+    pub touching_edges: usize,
     pub slivers: Slivers,
     pub orientation: Orientation,
     pub holes: Vec<Hole>,
@@ -46,7 +49,8 @@ pub(super) fn weld_tolerance(mesh: &Mesh) -> f64 {
     (WELD_RELATIVE_TO_SIZE * bounds.size().length()).max(WELD_RELATIVE_TO_COORDINATE * farthest)
 }
 
-/// Repairs `mesh` (mm, no two vertices equal): no cracks, no collapsed or doubled triangles, all turned outwards.
+/// Repairs `mesh` (mm, no two vertices equal): no cracks, no collapsed or doubled triangles, solids that touch parted, all
+/// turned outwards.
 ///
 /// Vertices come out numbered in the order in which the triangles first use them. No step opens a surface that was
 /// closed; holes are reported, not filled.
@@ -64,6 +68,10 @@ pub(super) fn repair(mesh: Mesh, tolerance: Option<f64>, task: &Task) -> Result<
     }
     repairs.duplicates = drop_duplicates(&mut mesh, &table, task)?;
     if repairs.duplicates > 0 {
+        table = EdgeTable::of(&mesh, task)?;
+    }
+    repairs.touching_edges = part_touching(&mut mesh, &table, task)?;
+    if repairs.touching_edges > 0 {
         table = EdgeTable::of(&mesh, task)?;
     }
     task.check()?;

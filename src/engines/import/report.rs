@@ -36,6 +36,8 @@ pub struct ImportReport {
     pub degenerate_removed: usize,
     /// Triangles removed because they lay on others.
     pub duplicates_removed: usize,
+    /// Edges along which solids touch: each solid closes on its own there.
+    pub touching_edges: usize,
     /// Triangles without height that were given one by exchanging an edge with a neighbour.
     pub slivers_exchanged: usize,
     /// Triangles without height that remain.
@@ -101,6 +103,7 @@ impl ImportReport {
             welded_within_tolerance: repairs.welded_near,
             degenerate_removed: repairs.collapsed,
             duplicates_removed: repairs.duplicates,
+            touching_edges: repairs.touching_edges,
             slivers_exchanged: repairs.slivers.exchanged,
             slivers_kept: repairs.slivers.kept,
             triangles_flipped: orientation.flipped,
@@ -149,6 +152,8 @@ impl ImportReport {
             let edges = count(self.non_manifold_edges, "edge");
             warn(true, format!("{edges} of three or more triangles, the first at ({x:.3}, {y:.3}, {z:.3})."));
         }
+        let touching = count(self.touching_edges, "edge");
+        warn(self.touching_edges > 0, format!("Solids touch along {touching}; each was closed on its own."));
         let doubts = [
             (self.duplicates_removed, "doubled triangle", "removed"),
             (self.degenerate_removed, "collapsed triangle", "removed"),

@@ -42,8 +42,8 @@ pub enum BliskError {
     /// Nothing repeats around the axis.
     #[error(
         "no blades found: no circle about the axis {axis} crosses walls that repeat evenly around it{}{}; \
-         if this is a blisk, give its axis with blisk.axis and its blade count, those that are missing included, with \
-         blisk.blades",
+         if this is a blisk, give its blade count, those that are missing included, with blisk.blades, and its axis with \
+         blisk.axis if it is another",
         .wanted.map(|n| format!(" exactly {n} times")).unwrap_or_default(),
         if *.closed { "" } else { " (the mesh is not closed, which may be why: repair it first)" }
     )]
@@ -58,8 +58,8 @@ pub enum BliskError {
     /// Something repeats, but it is no channel between blades.
     #[error(
         "no blades found: about the axis {axis} there are {count} evenly spaced gaps, but {reason}; \
-         if this is a blisk, give its axis with blisk.axis, its blade count with blisk.blades, and points on walls of its \
-         blades with blisk.blade_points_mm"
+         if this is a blisk, give its blade count, those that are missing included, with blisk.blades; if that is not \
+         enough, its axis with blisk.axis and points on walls of its blades with blisk.blade_points_mm"
     )]
     NoChannels {
         /// The axis that was tried.

@@ -118,12 +118,18 @@ pub(super) fn constraint(subject: &Subject, primitive: &[Electrode], task: &Task
     let wrong: Vec<[usize; 2]> = judged.iter().map(|(_, of)| of.wrong()).collect();
     let [tangent, angles] = [0, 1].map(|i| wrong.iter().map(|of| of[i]).sum::<usize>());
     let shown = |i: usize| wrong.iter().map(|of| of[i].to_string()).collect::<Vec<_>>().join(", ");
+    let answers = judged.iter().map(|(_, of)| of.places.iter().sum::<usize>());
+    let (answered, unanswered): (Vec<_>, Vec<_>) =
+        answers.map(|n| (n.to_string(), (places.len() - n).to_string())).unzip();
     let why = format!(
         "The paper says that the 90 degree test misjudges places beside a twisted wall and the comparison of alpha with theta \
-         does not. On walls of ever fewer points the former misjudges {}, the latter {} of {} places. The paper does not say \
-         how many points its walls have. Neither test proves a path; the certificate does.",
+         does not. On walls of ever fewer points the former misjudges {}, the latter {} of {} places. Neither test has an \
+         answer at the other {} of {} places, which lie beyond the ends of the walls. The paper does not say how many points \
+         its walls have. Neither test proves a path; the certificate does.",
         shown(0),
         shown(1),
+        answered.join(", "),
+        unanswered.join(", "),
         places.len()
     );
     let caption = format!(

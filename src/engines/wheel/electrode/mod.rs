@@ -360,7 +360,8 @@ pub enum ElectrodeError {
     /// The electrode came out nearer to the blisk than the gap.
     #[error(
         "the electrode {} at ({:.2}, {:.2}, {:.2}) mm in the workpiece frame, \
-         the gap is {gap:.4} mm: look at the blisk's mesh there, it may be coarse, open or crossing itself",
+         the gap is {gap:.4} mm: raise radial_reduction_mm or circumferential_reduction_deg to keep it clear of that place; a \
+         hub or shroud that is drawn by hand must stay within the passage there",
         near(*clearance), at.x, at.y, at.z
     )]
     TooClose {

@@ -50,6 +50,21 @@ const MOST_SAG: f64 = 0.05;
 const FILM: f64 = 1e-3;
 /// Share of the height that the rays to an end wall start from it.
 const START: f64 = 0.1;
+/// Shares of the height from which rays start that met nothing within this share of where the end wall should be.
+const NEARER: [f64; 3] = [0.05, 0.025, 0.0125];
+const SAME: f64 = 0.01;
+
+/// What a ray to an end wall met.
+struct Met {
+    /// Half plane of the ray (rad).
+    theta: f64,
+    /// How far it is above the end wall's station (mm).
+    above: f64,
+    /// None where nothing was met.
+    facet: Option<u32>,
+    /// Where (x, r), at the station if nothing was met.
+    end: DVec2,
+}
 
 /// How densely a channel is measured.
 #[derive(Clone, Copy)]
@@ -301,41 +316,45 @@ impl Measured<'_> {
             (walls[0].nv - 1, 1.0, tracer.options.shroud_radius_mm)
         };
         let given = radius.given().is_some() || tracer.is_drawn(surface);
-        let start = START + (1.0 - 2.0 * START) * share;
         let Density { stations, across, .. } = density;
         let columns: Vec<usize> = (0..stations).map(|i| (i + 1) * (walls[0].nu - 1) / (stations + 1)).collect();
         let of_column = |&u: &usize| {
             let ends = walls.map(|wall| wall.cylindrical(u, row));
             let middle = 0.5 * (DVec2::new(ends[0].x, ends[0].r) + DVec2::new(ends[1].x, ends[1].r));
             let station = station_at(meridian, along_at(meridian, middle, self.rows.share(row)));
-            let [from, toward] = tracer.start_of(&station, start, surface);
-            let expected = START * station.height();
             let [first, last] = [ends[0].theta, angle_near(ends[1].theta, ends[0].theta)];
             let (middle, half) = (0.5 * (first + last) + turn, 0.5 * MIDDLE_SHARE * (last - first));
+            let height = station.height();
+            let ray = |theta: f64, start: f64| {
+                let [from, toward] = tracer.start_of(&station, share + (1.0 - 2.0 * share) * start, surface);
+                let met = tracer.met(theta, from, toward, f64::INFINITY);
+                let distance = met.map_or(start * height, |(distance, _)| distance);
+                Met {
+                    theta,
+                    above: start * height - distance,
+                    facet: met.map(|met| met.1),
+                    end: from + distance * toward,
+                }
+            };
             let met = |k: usize| {
                 let theta = middle + half * (2.0 * k as f64 / (across - 1) as f64 - 1.0);
-                (theta, tracer.met(theta, from, toward, f64::INFINITY))
+                // Over a narrow passage a blade leans: then the end wall is met from nearer.
+                let is_same = |met: &Met| met.facet.is_some() && met.above.abs() < SAME * height;
+                let far = ray(theta, START);
+                let nearer = || NEARER.into_iter().map(|start| ray(theta, start)).find(is_same);
+                if is_same(&far) { far } else { nearer().unwrap_or(far) }
             };
-            let met: Vec<_> = (0..across).map(met).collect();
-            let end = |met: &Option<(f64, u32)>| from + met.map_or(expected, |(distance, _)| distance) * toward;
+            let met: Vec<Met> = (0..across).map(met).collect();
             // A station is that of the facet which stands out most there, beside which flatter ones lie.
-            let chord = |met: &Option<(f64, u32)>| {
-                met.map_or(0.0, |(_, facet)| chord_error(tracer.slices, meridian, share, facet, end(met).y))
-            };
-            let chord = met.iter().map(|(_, met)| chord(met)).fold(0.0, f64::max).min(MOST_CHORD * station.height());
-            let sample = |(theta, met): &(f64, Option<(f64, u32)>)| {
+            let chord = |met: &Met| Some(chord_error(tracer.slices, meridian, share, met.facet?, met.end.y));
+            let chord = met.iter().filter_map(chord).fold(0.0, f64::max).min(MOST_CHORD * height);
+            let sample = |met: &Met| {
                 // A radius or a curve given by hand may leave metal to others, but may not reach into the part.
                 // Beyond a drawn one the rays may graze the walls, where these come together.
                 let missed = if tracer.is_drawn(surface) { 0.0 } else { f64::INFINITY };
-                let off = met.map_or(
-                    missed,
-                    |(distance, _)| {
-                        if given { (expected - distance).max(0.0) } else { expected - distance }
-                    },
-                );
-                let end = end(met);
-                let at = Cylindrical { x: end.x, r: end.y, theta: *theta }.point();
-                Sample { off, chord, at, triangle: None }
+                let above = if given { met.above.max(0.0) } else { met.above };
+                let at = Cylindrical { x: met.end.x, r: met.end.y, theta: met.theta }.point();
+                Sample { off: met.facet.map_or(missed, |_| above), chord, at, triangle: None }
             };
             met.iter().map(sample).collect::<Vec<_>>()
         };

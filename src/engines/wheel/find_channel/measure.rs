@@ -1,6 +1,6 @@
 //! Figures of a channel: its narrowest place, how much it turns, and the faces of the blisk.
 
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
 use parry3d_f64::query::PointQuery;
 use parry3d_f64::shape::Triangle;
@@ -17,7 +17,7 @@ const STRAIGHT: f64 = 0.0175;
 /// the accuracy with which the grids' triangles follow the walls. The first and the last row lie `beyond` steps from row to
 /// row away from hub and shroud.
 pub(super) fn throat([low, high]: [&ChannelWall; 2], beyond: f64) -> Throat {
-    let [low, high] = &[low, high].map(|wall| bare(wall, beyond));
+    let [low, high] = &[low, high].map(|wall| bare(&sharp(wall.clone()), beyond));
     let nearest_point = |u: usize, v: usize| {
         let p = low.point(u, v);
         let far = |&i: &usize| (high.points[i] - p).length_squared();
@@ -37,7 +37,7 @@ pub(super) fn throat([low, high]: [&ChannelWall; 2], beyond: f64) -> Throat {
 
 /// A wall from end wall to end wall, of which the first row lies `beyond` steps from row to row away, without its
 /// fillets: in their place the blade goes on straight to the end wall. In a fillet the wall turns from row to row, or a
-/// row begins further along the passage than those beside it.
+/// row begins further along the passage than those beside it, and it stands into the passage.
 fn bare(wall: &ChannelWall, beyond: f64) -> ChannelWall {
     /// Shares of the height within which fillets end, and over which they turn.
     const REACH: f64 = 0.3;
@@ -69,12 +69,22 @@ fn bare(wall: &ChannelWall, beyond: f64) -> ChannelWall {
                 let step = (near - far) / steps;
                 (place(v) - (near + BESIDE as f64 * step)).length() > step.length()
             };
-            let in_fillet = (0..reach).rev().find(|v| turn(*v) > TURN || is_aside(*v));
-            let (beside, from) = in_fillet.map_or((0, 1), |v| (v + BESIDE, FROM));
-            let inner = (beside + from).min(last);
-            let [p, q] = [beside, inner].map(|v| wall.point(u, at(v)));
+            let ends = |beside: usize, from: usize| {
+                let inner = (beside + from).min(last);
+                let [p, q] = [beside, inner].map(|v| wall.point(u, at(v)));
+                (p, (p - q) / (inner - beside).max(1) as f64)
+            };
+            // A blade that grows thinner towards the end wall turns as well, but away from what goes on straight.
+            let stands_out = |beside: &usize| {
+                let (p, step) = ends(*beside, FROM);
+                let off = wall.point(u, at(0)) - (p + *beside as f64 * step);
+                off.dot(wall.normal(u, at(*beside))) >= 0.0
+            };
+            let in_fillet = (0..reach).rev().find(|v| turn(*v) > TURN || is_aside(*v)).map(|v| v + BESIDE);
+            let (beside, from) = in_fillet.filter(stands_out).map_or((0, 1), |beside| (beside, FROM));
+            let (p, step) = ends(beside, from);
             let mut set = |row: usize, steps: f64| {
-                column[if is_hub { row } else { nv - 1 - row }] = p + steps / (inner - beside).max(1) as f64 * (p - q);
+                column[if is_hub { row } else { nv - 1 - row }] = p + steps * step;
             };
             set(0, beside as f64 + beyond);
             (0..beside).for_each(|v| set(v + 1, (beside - v) as f64));
@@ -83,6 +93,38 @@ fn bare(wall: &ChannelWall, beyond: f64) -> ChannelWall {
         normals.extend(rows().map(|v| wall.normal(u, v)));
     }
     ChannelWall { nv, points, normals, ..wall.clone() }
+}
+
+/// The wall with points of its grid moved onto sharp edges along the blade, which the grid cuts off.
+fn sharp(mut wall: ChannelWall) -> ChannelWall {
+    for v in 0..wall.nv {
+        for u in (1..wall.nu).filter(|u| is_edge(&wall, *u, v)).collect::<Vec<_>>() {
+            let [a, b] = [u - 1, u].map(|u| wall.point(u, v));
+            let Some(edge) = edge_between((a, wall.normal(u - 1, v)), (b, wall.normal(u, v))) else { continue };
+            let nearer = if edge.distance(a) < edge.distance(b) { u - 1 } else { u };
+            wall.points[nearer * wall.nv + v] = edge;
+        }
+    }
+    wall
+}
+
+/// Whether the wall has a sharp edge along its blade between the columns `u - 1` and `u` of row `v`: it turns at once
+/// there, and beside it not.
+fn is_edge(wall: &ChannelWall, u: usize, v: usize) -> bool {
+    /// Angle by which it turns, at least, and as much as at most beside it (rad).
+    const SHARP: f64 = 0.7;
+    let turn = |u: usize| wall.normal(u - 1, v).angle_between(wall.normal(u, v));
+    let is_even = |u: usize| turn(u) < 0.5 * SHARP;
+    turn(u) > SHARP && (u < 2 || is_even(u - 1)) && (u + 1 >= wall.nu || is_even(u + 1))
+}
+
+/// Where the planes through two points square to their normals meet, half way between them along the edge; none if that
+/// is further away than they are from one another.
+fn edge_between((a, normal_a): (DVec3, DVec3), (b, normal_b): (DVec3, DVec3)) -> Option<DVec3> {
+    let along = normal_a.cross(normal_b).try_normalize()?;
+    let planes = DMat3::from_cols(normal_a, normal_b, along).transpose();
+    let edge = planes.inverse() * DVec3::new(normal_a.dot(a), normal_b.dot(b), along.dot(0.5 * (a + b)));
+    (edge.distance(a).max(edge.distance(b)) <= a.distance(b)).then_some(edge)
 }
 
 /// Projects back and forth between the walls, starting at grid points `i` and `j`.
@@ -161,11 +203,15 @@ fn end_angle(line: &[[f64; 2]], end: f64, length: f64) -> f64 {
     normal.try_inverse().map_or(0.0, |inverse| ((inverse * right)[1] / length).atan())
 }
 
-/// How much the channel's middle line turns (rad, positive) and which sides its low and high walls are.
+/// How much the channel's middle line turns between blunt ends of its blades (rad, positive) and which sides its low
+/// and high walls are.
 pub(super) fn turning(low: &ChannelWall, high: &ChannelWall, flow: Flow) -> (f64, [BladeSide; 2]) {
-    let line = middle_line(low, high, flow);
+    let is_blunt = |u: &usize| [low, high].iter().any(|wall| is_edge(wall, *u, wall.nv / 2));
+    let front = (1..low.nu / 3).rev().find(is_blunt).unwrap_or(0);
+    let back = (low.nu - low.nu / 3..low.nu).find(is_blunt).map_or(low.nu - 1, |u| u - 1);
+    let line = &middle_line(low, high, flow)[front..=back];
     let (x0, x1) = (line[0][0], line[line.len() - 1][0]);
-    let turn = end_angle(&line, x1, x1 - x0) - end_angle(&line, x0, x1 - x0);
+    let turn = end_angle(line, x1, x1 - x0) - end_angle(line, x0, x1 - x0);
     let sides = if turn.abs() < STRAIGHT {
         [BladeSide::Flat, BladeSide::Flat]
     } else if turn < 0.0 {
@@ -199,4 +245,68 @@ pub(super) fn faces_x(mesh: &Mesh, meridian: &[Station]) -> [f64; 2] {
         }
     }
     faces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A wall of 41 by 25 points, 0.25 by 0.5 apart, and normals into the channel.
+    fn wall(at: impl Fn(f64, f64) -> (DVec3, DVec3)) -> ChannelWall {
+        let (nu, nv) = (41, 25);
+        let all = (0..nu * nv).map(|i| at(0.25 * (i / nv) as f64, 0.5 * (i % nv) as f64));
+        let (points, normals) = all.map(|(point, normal)| (point, normal.normalize())).unzip();
+        ChannelWall { nu, nv, points, normals, side: BladeSide::Flat }
+    }
+
+    /// The wall y = 0.
+    fn plane() -> ChannelWall {
+        wall(|x, z| (DVec3::new(x, 0.0, z), DVec3::Y))
+    }
+
+    #[test]
+    fn the_throat_at_a_sharp_edge_between_columns_is_that_of_the_edge() {
+        const EDGE: f64 = 5.08;
+        let high = wall(|x, z| {
+            let off = x - EDGE;
+            (DVec3::new(x, 1.0 + off.abs(), z), DVec3::new(off.signum(), -1.0, 0.0))
+        });
+        let throat = throat([&plane(), &high], 0.0);
+        assert!((throat.width_mm - 1.0).abs() < 1e-9, "{throat:?}");
+        assert!((throat.on_high_wall.x - EDGE).abs() < 1e-9, "{throat:?}");
+    }
+
+    /// A blade over y = 0 that comes nearer by 0.1 per mm down to z = 1.5, and turns there.
+    fn turned_at_the_hub(slope_below: f64) -> ChannelWall {
+        wall(|x, z| {
+            let up = z - 1.5;
+            let slope = if up < 0.0 { slope_below } else { 0.1 };
+            (DVec3::new(x, 2.0 + slope * up, z), DVec3::new(0.0, -1.0, slope))
+        })
+    }
+
+    #[test]
+    fn a_fillet_is_left_out_of_the_throat_and_a_blade_that_grows_thinner_is_not() {
+        // A fillet stands out into the channel: in its place the blade goes on to 0.15 mm nearer at the hub.
+        let fillet = throat([&plane(), &turned_at_the_hub(0.8)], 0.0).width_mm;
+        assert!((fillet - 1.85).abs() < 1e-9, "{fillet}");
+        // A thinner blade stands back from what goes on: its edge at z = 1.5 is the nearest place.
+        let thinner = throat([&plane(), &turned_at_the_hub(-0.5)], 0.0).width_mm;
+        assert!((thinner - 2.0).abs() < 1e-9, "{thinner}");
+    }
+
+    #[test]
+    fn a_blunt_end_of_a_blade_turns_no_flow() {
+        const EDGE: f64 = 8.6;
+        let place = |x: f64, r: f64, theta: f64| Cylindrical { x, r, theta }.point();
+        let around = |theta: f64| DVec3::new(0.0, -theta.cos(), -theta.sin());
+        let low = wall(|x, z| {
+            // Beyond its edge the low wall is the end of the blade, which recedes by 10 mm per mm.
+            let (theta, face) = if x < EDGE { (0.0, 0.0) } else { (-0.2 * (x - EDGE), 10.0) };
+            (place(x, 50.0 + z, theta), around(theta) + face * DVec3::X)
+        });
+        let high = wall(|x, z| (place(x, 50.0 + z, 0.2), -around(0.2)));
+        let (turn, sides) = turning(&low, &high, Flow::Axial);
+        assert!(turn < 1e-9 && sides == [BladeSide::Flat; 2], "{turn}");
+    }
 }

@@ -18,8 +18,11 @@ pub(super) const MIDDLE_SHARE: f64 = 0.6;
 const ABOUT_POINTS: f64 = 0.4;
 /// Share of the height away from an end wall where the channel's middle beside it is looked for.
 const BESIDE: f64 = 0.1;
-/// Most times that an end wall whose rays are not of one wall is measured again, from nearer to it.
-const MOST_NEARER: usize = 3;
+/// Most times that an end wall whose rays are not of one wall is measured again, from nearer to it, and more of these
+/// where a blade is met.
+const MOST_NEARER: i32 = 3;
+/// A facet whose normal lies less than this in the half plane through the axis (cosine) is a blade's, not an end wall's.
+const OF_END_WALL: f64 = 0.9;
 /// Rays that differ from the middle one of them by more than this share of the height met something else.
 const SAME_WALL: f64 = 0.03;
 /// Share of the part's size by which the vertices of a plane face may lie off it.
@@ -56,6 +59,8 @@ struct EndWall {
     radius: f64,
     /// Whether most rays are of this wall, and differ by no more than its facets dip.
     is_even: bool,
+    /// Whether the middle one of the rays met a blade.
+    is_blade: bool,
 }
 
 /// A station and the channel's gap at its middle radius, or at the nearest x where the blades bound it.
@@ -196,10 +201,12 @@ impl Tracer<'_> {
         let beside = |i: usize, mut wall: EndWall, inwards: f64| {
             let mut gap = place.gap;
             // What is met first may be a blade that leans over the wall.
-            for _ in 0..MOST_NEARER {
-                let r = wall.radius + inwards;
-                let next = (!wall.is_even).then(|| self.bladed_gap(place.x, r, &gap)).flatten();
-                let Some(next) = next else { break };
+            for round in 0..2 * MOST_NEARER {
+                if wall.is_even || (round >= MOST_NEARER && !wall.is_blade) {
+                    break;
+                }
+                let r = wall.radius + if wall.is_blade { inwards * 0.5f64.powi(round) } else { inwards };
+                let Some(next) = self.bladed_gap(place.x, r, &gap) else { break };
                 let Some(nearer) = self.end_walls_along(&Place { r, gap: next, ..*place })[i] else { break };
                 (wall, gap) = (nearer, next);
             }
@@ -245,7 +252,8 @@ impl Tracer<'_> {
         let wall = |c: RadialCrossing, rays: &[RadialCrossing], of: &dyn Fn(&RadialCrossing, f64) -> f64| {
             let (radius, same) = (of(&c, dip(&c)), SAME_WALL * height);
             let of_wall = rays.iter().filter(|ray| (ray.r - c.r).abs() <= same).count();
-            EndWall { radius, is_even: radius == of(&c, same) && 3 * of_wall >= 2 * RAYS }
+            let is_blade = self.slices.meridional_normal(c.triangle, middle).length() < OF_END_WALL;
+            EndWall { radius, is_even: radius == of(&c, same) && 3 * of_wall >= 2 * RAYS, is_blade }
         };
         [hub.map(|c| wall(c, &inner, &greatest)), shroud.map(|c| wall(c, &outer, &least))]
     }

@@ -148,7 +148,7 @@ impl ParametricWheel {
             teeth: 0,
             holes: 0,
             flaws: Flaws::default(),
-            pieces: [240, 96, 12],
+            pieces: [200, 64, 8],
             fillet_pieces: 8,
         }
     }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::electrodes::{BurnCut, BurnOf, ElectrodeScene, ElectrodeShape};
+use super::electrodes::{BurnCut, BurnOf, ElectrodeScene, ElectrodeShape, electrode_colour};
 use crate::widgets::camera::PICTURE_SIZE;
 use crate::widgets::camera::standard;
 use crate::widgets::theme::BAD;
@@ -34,8 +34,8 @@ const MOST_CUTS: usize = 12;
 const EXPLODED: f64 = 0.8;
 /// Regions that have a picture of their own at most.
 const MOST_REGIONS: usize = 6;
-/// Regions in the legend at most.
-const MOST_IN_LEGEND: usize = 8;
+/// Regions or electrodes in the legend at most: as many as have a colour of their own.
+const MOST_IN_LEGEND: usize = 32;
 /// Layers whose section curves are drawn at most.
 const MOST_LAYERS: usize = 48;
 /// Margin around a region in its picture, as a share of its diagonal.
@@ -129,8 +129,8 @@ pub fn uncut_pictures(
         layer: None,
         theme: Theme::LIGHT,
     };
-    let mut legend: Vec<(Colour, String)> =
-        (0..uncut.regions.len().min(MOST_IN_LEGEND)).map(|i| (region_colour(i), format!("region {}", i + 1))).collect();
+    let mut legend =
+        legend_of((0..uncut.regions.len()).map(|i| (region_colour(i), format!("region {}", i + 1))).collect());
     legend.extend(shapes.invert.map(|_| (INVERT, "undercut, not reachable".to_owned())));
     let mut pictures = Vec::new();
     let mut add = |title: &str, caption: String, legend, scene: Scene, towards: DVec3| {
@@ -161,6 +161,15 @@ pub fn uncut_pictures(
         pictures.push(MoldPicture { caption, ..MoldPicture::new(title, scene, camera) });
     }
     Ok(pictures)
+}
+
+/// The colours of regions or electrodes with their names, cut off where colours repeat.
+fn legend_of(mut all: Vec<(Colour, String)>) -> Vec<(Colour, String)> {
+    if let Some(more) = all.len().checked_sub(MOST_IN_LEGEND).filter(|more| *more > 0) {
+        all.truncate(MOST_IN_LEGEND);
+        all.push((SECTION, format!("and {more} more, whose colours repeat")));
+    }
+    all
 }
 
 /// Direction to the viewer of a picture from above and beside, in the upright mold.
@@ -232,7 +241,10 @@ pub fn electrode_pictures(
     all.add_to(&mut scene);
     let aspect = f64::from(PICTURE_SIZE[0]) / f64::from(PICTURE_SIZE[1]);
     let camera = standard(StandardView::Isometric, &scene, Camera::default(), aspect);
-    let mut pictures = vec![MoldPicture::new("The electrodes, retracted".to_owned(), scene, camera)];
+    let shown = set.electrodes.iter().enumerate().filter(|(_, electrode)| electrode.stage == all.stage);
+    let legend = legend_of(shown.map(|(e, made)| (electrode_colour(set, e), made.name.clone())).collect());
+    let mut pictures =
+        vec![MoldPicture { legend, ..MoldPicture::new("The electrodes, retracted".to_owned(), scene, camera) }];
     for (electrode, made) in set.electrodes.iter().enumerate().take(MOST_CUTS) {
         let at = BurnOf { electrode, burn: 0 };
         let cut = BurnCut { along_y: false, beside: 0.0 };
