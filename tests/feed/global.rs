@@ -129,10 +129,18 @@ fn where_no_reduction_of_the_walls_is_enough_other_changes_are_tried() {
     let jam = only(&outcome).plan.jam.as_ref().expect("it jams");
     let opening = jam.opening.as_ref().expect("what would help was looked for");
     assert!(!opening.is_by_walls() && opening.changes.is_empty(), "{opening:?}");
-    let [Change::Side(EntrySide::PlusX), Change::Radial(radial), Change::Divided(0.5)] = opening.in_vain[..] else {
+    let [
+        Change::Side(EntrySide::PlusX),
+        Change::Radial(radial),
+        Change::Divided(0.5),
+        Change::Smaller { reductions, radial_mm },
+    ] = opening.in_vain[..]
+    else {
         panic!("{opening:?}")
     };
-    // The greatest that was tried: 0.35 of the height, to a tenth.
+    // The greatest that was tried: all of both, of the radial one 0.35 of the height, to a tenth.
+    let all = (0.05 + opening.most.to_degrees()).to_radians();
+    assert!(radial_mm == radial && reductions.iter().all(|angle| (angle - all).abs() < 0.0002), "{reductions:?}");
     let height = outcome.channel.middle().height();
     assert!((radial - inputs.job.electrode.radial_reduction_mm - 0.35 * height).abs() <= 0.1, "{radial}");
     let said = only(&outcome).plan.verdict(&outcome.channel);
@@ -141,6 +149,7 @@ fn where_no_reduction_of_the_walls_is_enough_other_changes_are_tried() {
         "nor towards +x",
         "nor with a radial reduction of",
         "nor divided in two",
+        "mm at once",
     ] {
         assert!(said.contains(word), "{said}");
     }

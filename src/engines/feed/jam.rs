@@ -96,6 +96,13 @@ pub enum Change {
     Radial(f64),
     /// Two electrodes in its place, divided at a share of the burned length of the passage.
     Divided(f64),
+    /// Other reductions of both walls and another radial reduction at once.
+    Smaller {
+        /// The reductions of the low and the high wall (rad).
+        reductions: [f64; 2],
+        /// The radial reduction (mm).
+        radial_mm: f64,
+    },
 }
 
 impl Change {
@@ -118,6 +125,13 @@ impl Change {
             Self::Side(side) => format!("towards {}", side.words()),
             Self::Radial(mm) => format!("with a radial reduction of {mm:.2} mm"),
             Self::Divided(share) => format!("divided in two at {share:.2} of the burned length"),
+            Self::Smaller { reductions: [low, high], radial_mm } => {
+                let radial = format!("a radial reduction of {radial_mm:.2} mm at once");
+                match low == high {
+                    true => format!("with both walls reduced by {} and {radial}", deg(*low)),
+                    false => format!("with the walls reduced by {} and {}, and {radial}", deg(*low), deg(*high)),
+                }
+            }
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Planning of one electrode: search, interpolation and verification, and another search where the verifier finds less
 //! clearance than the search did.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -163,12 +164,15 @@ impl Planning<'_> {
 
     /// Further reduction that would open a path; `model` is that of the prepared electrode.
     fn opening(&self, electrode: &Electrode, model: &ClearanceModel) -> Result<Opening, PlanError> {
-        /// Tolerance of that angle, and the greatest angle tried (rad).
+        /// Tolerance of that angle (rad).
         const TOLERANCE: f64 = 0.0005;
+        /// The greatest angle tried (rad), or this share of the angle from blade to blade where that is more.
         const MOST: f64 = 0.05;
+        const MOST_OF_PITCH: f64 = 0.15;
         let Self { setup: SearchSetup { space, settings, .. }, task } = *self;
         let task = &task.as_stage("what would make it feasible");
-        let sizer = Sizer { space, electrode, model, settings, tolerance: TOLERANCE, most: MOST, task };
+        let most = MOST.max(MOST_OF_PITCH * TAU / space.channel.blades as f64);
+        let sizer = Sizer { space, electrode, model, settings, tolerance: TOLERANCE, most, task };
         sizer.opening(self.setup.turns)
     }
 

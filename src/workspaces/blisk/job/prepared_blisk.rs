@@ -73,7 +73,8 @@ impl PreparedBlisk {
     }
 
     /// Electrode number `part` along the passage for a side without circumferential reductions, and the angles by which its walls
-    /// have to be drawn in for those of the job. An electrode of one's own is what it is.
+    /// have to be drawn in for those of the job; where none can be made so full, one with half of them or all. An electrode of
+    /// one's own is what it is.
     ///
     /// # Errors
     /// If it cannot be made, or when told to stop.
@@ -83,16 +84,41 @@ impl PreparedBlisk {
         (part, side): (usize, EntrySide),
         task: &Task,
     ) -> Result<(Arc<PreparedElectrode>, Turns), PlanJobError> {
-        let mut full = inputs.clone();
-        let mut drawn_in = [0.0; 2];
         let (along, _) = inputs.job.electrode.place_of(part);
-        full.job.electrode = inputs.job.electrode.of_part(along);
-        if inputs.own_electrodes.is_empty() {
-            std::mem::swap(&mut full.job.electrode.circumferential_reduction_deg, &mut drawn_in);
+        let reductions = inputs.job.electrode.of_part(along).circumferential_reduction_deg;
+        let is_own = !inputs.own_electrodes.is_empty();
+        let made_with = |share: f64| {
+            let mut full = inputs.clone();
+            full.job.electrode = inputs.job.electrode.of_part(along);
+            let mut drawn_in = [0.0; 2];
+            if !is_own {
+                full.job.electrode.circumferential_reduction_deg = reductions.map(|deg| share * deg);
+                drawn_in = reductions.map(|deg| (1.0 - share) * deg);
+            }
+            self.drawn_in_to(&full, (part, side), drawn_in, task)
+        };
+        match made_with(0.0) {
+            Err(PlanJobError::Electrode(_)) if !is_own && reductions != [0.0; 2] => {
+                made_with(0.5).or_else(|error| match error {
+                    PlanJobError::Electrode(_) => made_with(1.0),
+                    other => Err(other),
+                })
+            }
+            made => made,
         }
+    }
+
+    /// The electrode of `full`, and the angles by which its walls are drawn in further (deg).
+    fn drawn_in_to(
+        &self,
+        full: &PlanInputs,
+        (part, side): (usize, EntrySide),
+        drawn_in: [f64; 2],
+        task: &Task,
+    ) -> Result<(Arc<PreparedElectrode>, Turns), PlanJobError> {
         let turns = |of: &PreparedElectrode| Turns(own_turns(of.electrode().column, drawn_in.map(f64::to_radians)));
         let most = drawn_in.into_iter().fold(Self::DRAWN_IN_DEG, f64::max).to_radians();
-        let margin = inputs.job.plan.margin_mm;
+        let margin = full.job.plan.margin_mm;
         // Neither where it may enter from nor how its size was found changes it.
         let params = ElectrodeParams { enter: EnterSide::Auto, size: Sizing::Given, ..full.job.electrode.clone() };
         let wanted = Fullest { params, part, side, margin, most };
@@ -103,8 +129,8 @@ impl PreparedBlisk {
             let turns = turns(&prepared);
             return Ok((prepared, turns));
         }
-        let electrode = electrode_of(&full, &self.space.channel, &self.exact, (part, side, 0.0), task)?;
-        let clearance = inputs.job.electrode.spark_gap_mm + margin;
+        let electrode = electrode_of(full, &self.space.channel, &self.exact, (part, side, 0.0), task)?;
+        let clearance = full.job.electrode.spark_gap_mm + margin;
         let prepared = PreparedElectrode::new(&self.space, electrode.into(), clearance, most, task)?;
         let prepared = Arc::new(prepared);
         let mut kept = self.fullest.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,5 +1,5 @@
 //! Changes of an electrode that would let it out where it jams: more reduction of its walls, another side of entry, more
-//! radial reduction, two shorter electrodes in its place.
+//! radial reduction, two shorter electrodes in its place, more of all reductions at once.
 
 use super::outcome::{PlanInputs, PlanJobError};
 use super::plan::{comes_out, sides};
@@ -12,6 +12,9 @@ use wheel::electrode::{EntrySide, PartParams};
 /// Radial reductions that are tried, as shares of the height of the passage in the middle of the blades, on top of the
 /// one that jams.
 const MORE_RADIAL: [f64; 3] = [0.1, 0.2, 0.35];
+
+/// Shares of the greatest reduction of the walls and of the height of the passage that are tried at once.
+const BOTH: [[f64; 2]; 2] = [[0.5, 0.2], [1.0, 0.35]];
 
 /// Reductions are found to a hundredth of a degree, upwards; where no certificate holds with what a search found enough,
 /// so much more is tried (deg).
@@ -39,11 +42,14 @@ pub(super) fn look_for_changes(
         by_walls |= opens;
         if opens { &mut opening.changes } else { &mut opening.in_vain }.push(change);
     }
-    let changes = remedies.changes(inputs, number, tried, by_walls);
+    let most_walls = (!by_walls).then_some(opening.most);
+    let changes = remedies.changes(inputs, number, tried, most_walls);
     for (change, variants) in changes {
         // One of a kind is enough.
         let kind = std::mem::discriminant(&change);
-        if opening.changes.iter().any(|known| std::mem::discriminant(known) == kind) {
+        let is_last_resort = matches!(change, Change::Smaller { .. });
+        let is_known = |known: &Change| is_last_resort || std::mem::discriminant(known) == kind;
+        if opening.changes.iter().any(is_known) {
             continue;
         }
         let mut opens = true;
@@ -52,10 +58,16 @@ pub(super) fn look_for_changes(
         }
         if opens { &mut opening.changes } else { &mut opening.in_vain }.push(change);
     }
-    // Of changes by an amount that are not enough the greatest says it all.
-    let amount = |change: &Change| if let Change::Radial(mm) = change { Some(*mm) } else { None };
-    let most = opening.in_vain.iter().filter_map(amount).fold(0.0, f64::max);
-    opening.in_vain.retain(|change| amount(change).is_none_or(|mm| mm == most));
+    // Of changes by an amount that are not enough the greatest, which was tried last, says it all.
+    let amount = |change: &Change| match change {
+        Change::Radial(mm) => Some((false, *mm)),
+        Change::Smaller { radial_mm, .. } => Some((true, *radial_mm)),
+        _ => None,
+    };
+    let in_vain = std::mem::take(&mut opening.in_vain);
+    let is_greatest =
+        |(of, mm): (bool, f64)| in_vain.iter().filter_map(amount).all(|(other, m)| other != of || m <= mm);
+    opening.in_vain = in_vain.iter().filter(|change| amount(change).is_none_or(is_greatest)).copied().collect();
     Ok(())
 }
 
@@ -102,13 +114,14 @@ impl Remedies<'_> {
         changed
     }
 
-    /// Changes worth a look, each with the electrodes that it leads to: their inputs and numbers.
+    /// Changes worth a look, each with the electrodes that it leads to: their inputs and numbers; where no reduction of the
+    /// walls up to `most_walls` (rad) is enough, those of other sizes too.
     fn changes(
         &self,
         inputs: &PlanInputs,
         number: usize,
         tried: &[EntrySide],
-        is_by_walls: bool,
+        most_walls: Option<f64>,
     ) -> Vec<(Change, Vec<(PlanInputs, usize)>)> {
         let channel = &self.prepared.space.channel;
         let (part, _) = inputs.job.electrode.place_of(number);
@@ -119,14 +132,12 @@ impl Remedies<'_> {
                 changes.push((Change::Side(side), vec![(with(&|row| row.enter = side.into()), number)]));
             }
         }
-        if is_by_walls || !inputs.own_electrodes.is_empty() {
-            return changes;
-        }
-        let has_now = inputs.job.electrode.of_part(part).radial_reduction_mm;
+        let Some(most_walls) = most_walls.filter(|_| inputs.own_electrodes.is_empty()) else { return changes };
+        let now = inputs.job.electrode.of_part(part);
         let height = channel.middle().height();
-        for share in MORE_RADIAL {
-            // To a tenth: what is said is what was tried.
-            let radial = ((has_now + share * height) * 10.0).ceil() / 10.0;
+        // To a tenth: what is said is what was tried.
+        let radial = |share: f64| ((now.radial_reduction_mm + share * height) * 10.0).ceil() / 10.0;
+        for radial in MORE_RADIAL.map(radial) {
             changes.push((Change::Radial(radial), vec![(with(&|row| row.radial_reduction_mm = Some(radial)), number)]));
         }
         let mut divided = inputs.clone();
@@ -134,6 +145,17 @@ impl Remedies<'_> {
         let columns = inputs.job.electrode.columns;
         if divided.job.electrode.validate().is_ok() {
             changes.push((Change::Divided(share), vec![(divided.clone(), number), (divided, number + columns)]));
+        }
+        for [walls, height] in BOTH {
+            let more = walls * most_walls.to_degrees();
+            let degrees = now.circumferential_reduction_deg.map(|deg| ((deg + more) * 100.0).ceil() / 100.0);
+            let radial_mm = radial(height);
+            let smaller = with(&|row| {
+                (row.low_reduction_deg, row.high_reduction_deg) = (Some(degrees[0]), Some(degrees[1]));
+                row.radial_reduction_mm = Some(radial_mm);
+            });
+            let reductions = degrees.map(f64::to_radians);
+            changes.push((Change::Smaller { reductions, radial_mm }, vec![(smaller, number)]));
         }
         changes
     }
