@@ -52,7 +52,7 @@ pub(super) fn part_touching(mesh: &mut Mesh, table: &EdgeTable, task: &Task) -> 
 
 /// The half-edges on either side of each metal at an edge; none if metal and air do not take turns around it.
 fn sides_of_metal(mesh: &Mesh, edge: &Edge) -> Option<Vec<[u32; 2]>> {
-    if edge.halves().len() % 2 != 0 || edge.imbalance(mesh) != 0 {
+    if !edge.halves().len().is_multiple_of(2) || edge.imbalance(mesh) != 0 {
         return None;
     }
     let [low, high] = [edge.low, edge.high].map(|v| mesh.vertices[v as usize]);
