@@ -133,7 +133,7 @@ fn where_no_reduction_of_the_walls_is_enough_other_changes_are_tried() {
         Change::Side(EntrySide::PlusX),
         Change::Radial(radial),
         Change::Divided(0.5),
-        Change::Smaller { reductions, radial_mm },
+        Change::AllReductions { reductions, radial_mm },
     ] = opening.in_vain[..]
     else {
         panic!("{opening:?}")

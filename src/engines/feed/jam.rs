@@ -97,7 +97,7 @@ pub enum Change {
     /// Two electrodes in its place, divided at a share of the burned length of the passage.
     Divided(f64),
     /// Other reductions of both walls and another radial reduction at once.
-    Smaller {
+    AllReductions {
         /// The reductions of the low and the high wall (rad).
         reductions: [f64; 2],
         /// The radial reduction (mm).
@@ -125,7 +125,7 @@ impl Change {
             Self::Side(side) => format!("towards {}", side.words()),
             Self::Radial(mm) => format!("with a radial reduction of {mm:.2} mm"),
             Self::Divided(share) => format!("divided in two at {share:.2} of the burned length"),
-            Self::Smaller { reductions: [low, high], radial_mm } => {
+            Self::AllReductions { reductions: [low, high], radial_mm } => {
                 let radial = format!("a radial reduction of {radial_mm:.2} mm at once");
                 match low == high {
                     true => format!("with both walls reduced by {} and {radial}", deg(*low)),

@@ -166,12 +166,12 @@ impl Planning<'_> {
     fn opening(&self, electrode: &Electrode, model: &ClearanceModel) -> Result<Opening, PlanError> {
         /// Tolerance of that angle (rad).
         const TOLERANCE: f64 = 0.0005;
-        /// The greatest angle tried (rad), or this share of the angle from blade to blade where that is more.
-        const MOST: f64 = 0.05;
+        /// The greatest angle tried is this share of that from blade to blade, within these limits (rad).
         const MOST_OF_PITCH: f64 = 0.15;
+        const MOST: [f64; 2] = [0.05, 0.1];
         let Self { setup: SearchSetup { space, settings, .. }, task } = *self;
         let task = &task.as_stage("what would make it feasible");
-        let most = MOST.max(MOST_OF_PITCH * TAU / space.channel.blades as f64);
+        let most = (MOST_OF_PITCH * TAU / space.channel.blades as f64).clamp(MOST[0], MOST[1]);
         let sizer = Sizer { space, electrode, model, settings, tolerance: TOLERANCE, most, task };
         sizer.opening(self.setup.turns)
     }

@@ -1,125 +1,130 @@
 //! Edges along which solids touch.
 
-use std::cmp::Ordering;
 use std::f64::consts::TAU;
 
 use super::edges::{Edge, EdgeTable, half_ends};
+use super::source::tick;
+use geometry::groups::Groups;
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
 
-/// Faces at an edge between which the angle is less than this (rad) lie on each other.
+/// Faces at an edge between which the angle is less than this (rad), or their tips are nearer than the tolerance of
+/// welding, lie on each other.
 const ON_EACH_OTHER: f64 = 1e-4;
 
-/// Gives solids that touch along edges vertices of their own, so that each closes on its own; returns the number of these
-/// edges.
+/// Gives solids that touch along edges vertices of their own at these, so that each closes on its own; none if `table`,
+/// that of `mesh`, has no such edges.
 ///
 /// An edge of more than two triangles is one of several solids if metal and air take turns around it. The triangles on
-/// either side of the same metal stay joined. Other edges of more than two triangles stay as they are.
-pub(super) fn part_touching(mesh: &mut Mesh, table: &EdgeTable, task: &Task) -> Result<usize, Cancelled> {
-    if table.edges().all(|edge| edge.halves().len() <= 2) {
-        return Ok(0);
+/// either side of the same metal stay joined. Other edges of more than two triangles stay as they are. Faces that lie on
+/// each other are taken for two solids that touch; of a sheet without thickness, which looks alike at its edges, the two
+/// sides come out as parts without volume. `tolerance` is that of welding (mm).
+pub(super) fn part_touching(
+    mesh: &Mesh,
+    table: &EdgeTable,
+    tolerance: f64,
+    task: &Task,
+) -> Result<Option<Mesh>, Cancelled> {
+    const STAGE: &str = "solids that touch";
+    let is_branched = |edge: &Edge| edge.halves().len() > 2;
+    if !table.edges().any(|edge| is_branched(&edge)) {
+        return Ok(None);
     }
-    let (mut joined, mut parted) = (Corners::new(3 * mesh.triangles.len()), 0);
-    for edge in table.edges() {
-        match sides_of_metal(mesh, &edge).filter(|pairs| pairs.len() > 1) {
+    // Of a mesh that is inside out, metal is on the other side of each triangle.
+    let is_inside_out = mesh.volume() < 0.0;
+    let corner_count = 3 * mesh.triangles.len();
+    let mut joined = Groups::of(corner_count);
+    let mut is_end = vec![false; mesh.vertices.len()];
+    for (i, edge) in table.edges().enumerate() {
+        tick(task, STAGE, i, corner_count)?;
+        let sides = if is_branched(&edge) { sides_of_metal(mesh, &edge, is_inside_out, tolerance) } else { None };
+        match sides {
             Some(pairs) => {
-                parted += 1;
-                pairs.iter().for_each(|pair| joined.join_along(mesh, *pair));
+                pairs.iter().for_each(|pair| join_along(&mut joined, mesh, *pair));
+                for v in [edge.low, edge.high] {
+                    is_end[v as usize] = true;
+                }
             }
-            None => edge.halves().zip(edge.halves().skip(1)).for_each(|(a, b)| joined.join_along(mesh, [a, b])),
+            None => edge.halves().zip(edge.halves().skip(1)).for_each(|(a, b)| join_along(&mut joined, mesh, [a, b])),
         }
     }
-    task.check()?;
-    if parted == 0 {
-        return Ok(0);
-    }
-    // The first corner at a vertex keeps it; corners that are not joined to it get vertices of their own.
+    // The first corner at a vertex keeps it; corners at a parted edge that are not joined to it get vertices of their own.
+    let mut parted = mesh.clone();
     let mut is_taken = vec![false; mesh.vertices.len()];
-    let mut vertex_of: Vec<Option<u32>> = vec![None; 3 * mesh.triangles.len()];
-    for corner in 0..3 * mesh.triangles.len() as u32 {
-        let at = mesh.triangles[corner as usize / 3][corner as usize % 3];
-        let vertex = *vertex_of[joined.root(corner) as usize].get_or_insert_with(|| {
-            if !std::mem::replace(&mut is_taken[at as usize], true) {
-                return at;
+    let mut vertex_of: Vec<Option<u32>> = vec![None; corner_count];
+    for corner in 0..corner_count {
+        tick(task, STAGE, corner, corner_count)?;
+        let at = &mut parted.triangles[corner / 3][corner % 3];
+        if !is_end[*at as usize] {
+            continue;
+        }
+        *at = *vertex_of[joined.first(corner)].get_or_insert_with(|| {
+            if !std::mem::replace(&mut is_taken[*at as usize], true) {
+                return *at;
             }
-            mesh.vertices.push(mesh.vertices[at as usize]);
-            mesh.vertices.len() as u32 - 1
+            parted.vertices.push(mesh.vertices[*at as usize]);
+            parted.vertices.len() as u32 - 1
         });
-        mesh.triangles[corner as usize / 3][corner as usize % 3] = vertex;
     }
-    Ok(parted)
+    Ok(Some(parted).filter(|parted| parted.vertices.len() > mesh.vertices.len()))
+}
+
+/// A triangle at an edge.
+#[derive(Clone, Copy)]
+struct Face {
+    /// Its half-edge.
+    half: u32,
+    /// Angle about the edge (rad).
+    angle: f64,
+    /// Angle within which another lies on it (rad).
+    within: f64,
+    /// Whether metal ends at it, seen in the sense of rising angles; else metal begins there.
+    ends: bool,
 }
 
 /// The half-edges on either side of each metal at an edge; none if metal and air do not take turns around it.
-fn sides_of_metal(mesh: &Mesh, edge: &Edge) -> Option<Vec<[u32; 2]>> {
-    if !edge.halves().len().is_multiple_of(2) || edge.imbalance(mesh) != 0 {
-        return None;
-    }
+fn sides_of_metal(mesh: &Mesh, edge: &Edge, is_inside_out: bool, tolerance: f64) -> Option<Vec<[u32; 2]>> {
     let [low, high] = [edge.low, edge.high].map(|v| mesh.vertices[v as usize]);
     let along = (high - low).try_normalize()?;
     let across = along.any_orthonormal_vector();
     let up = along.cross(across);
-    let angle = |half: u32| {
-        let apex = mesh.vertices[mesh.triangles[half as usize / 3][(half as usize + 2) % 3] as usize] - low;
-        up.dot(apex).atan2(across.dot(apex)).rem_euclid(TAU)
-    };
     // Seen along the edge, a triangle whose half-edge runs along it has its metal on the side of smaller angles.
-    let mut faces: Vec<(f64, bool, u32)> =
-        edge.halves().map(|half| (angle(half), half_ends(mesh, half).0 == edge.low, half)).collect();
-    faces.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.2.cmp(&b.2)));
+    let face = |half: u32| {
+        let apex = mesh.vertices[mesh.triangles[half as usize / 3][(half as usize + 2) % 3] as usize] - low;
+        let within = ON_EACH_OTHER + tolerance / apex.reject_from_normalized(along).length();
+        let angle = up.dot(apex).atan2(across.dot(apex)).rem_euclid(TAU);
+        Face { half, angle, within, ends: (half_ends(mesh, half).0 == edge.low) != is_inside_out }
+    };
+    let mut faces: Vec<Face> = edge.halves().map(face).collect();
+    faces.sort_by(|a, b| a.angle.total_cmp(&b.angle).then(a.half.cmp(&b.half)));
     // Counted from the widest angle between them, so that no faces that lie on each other are far apart in the list.
-    let before = |i: usize| (faces[i].0 - faces[(i + faces.len() - 1) % faces.len()].0).rem_euclid(TAU);
+    let before = |i: usize| (faces[i].angle - faces[(i + faces.len() - 1) % faces.len()].angle).rem_euclid(TAU);
     let first = (0..faces.len()).max_by(|&a, &b| before(a).total_cmp(&before(b)))?;
-    let start = faces[first].0;
+    let start = faces[first].angle;
     faces.rotate_left(first);
-    faces.iter_mut().for_each(|face| face.0 = (face.0 - start).rem_euclid(TAU));
+    faces.iter_mut().for_each(|face| face.angle = (face.angle - start).rem_euclid(TAU));
     // Of faces that lie on each other, metal ends before the next begins.
-    let mut turns: Vec<(bool, u32)> = Vec::with_capacity(faces.len());
-    for group in faces.chunk_by(|a, b| b.0 - a.0 <= ON_EACH_OTHER) {
-        let (ends, begins): (Vec<_>, Vec<_>) = group.iter().copied().partition(|face| face.1);
-        turns.extend(ends.into_iter().chain(begins).map(|(_, ends, half)| (ends, half)));
+    let mut turns: Vec<Face> = Vec::with_capacity(faces.len());
+    for group in faces.chunk_by(|a, b| b.angle - a.angle <= a.within.max(b.within)) {
+        let (ends, begins): (Vec<Face>, Vec<Face>) = group.iter().partition(|face| face.ends);
+        turns.extend(ends.into_iter().chain(begins));
     }
-    let first = turns.iter().position(|(ends, _)| !ends)?;
-    turns.rotate_left(first);
-    let pair = |pair: &[(bool, u32)]| match pair {
-        [(false, begins), (true, ends)] => Some([*begins, *ends]),
+    let begins = turns.iter().position(|face| !face.ends)?;
+    turns.rotate_left(begins);
+    let pair = |pair: &[Face]| match pair {
+        [begins, ends] if !begins.ends && ends.ends => Some([begins.half, ends.half]),
         _ => None,
     };
     turns.chunks(2).map(pair).collect()
 }
 
-/// Corners of triangles, three for each, of which those that are the same vertex are joined.
-struct Corners(Vec<u32>);
-
-impl Corners {
-    fn new(count: usize) -> Self {
-        Self((0..count as u32).collect())
-    }
-
-    fn root(&mut self, mut corner: u32) -> u32 {
-        while self.0[corner as usize] != corner {
-            self.0[corner as usize] = self.0[self.0[corner as usize] as usize];
-            corner = self.0[corner as usize];
-        }
-        corner
-    }
-
-    fn join(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.root(a), self.root(b));
-        match a.cmp(&b) {
-            Ordering::Less => self.0[b as usize] = a,
-            _ => self.0[a as usize] = b,
-        }
-    }
-
-    /// Joins the corners of two triangles at both ends of the edge that they share.
-    fn join_along(&mut self, mesh: &Mesh, halves: [u32; 2]) {
-        let next = |half: u32| half / 3 * 3 + (half + 1) % 3;
-        let [a, b] = halves;
-        let (other, ahead) = if half_ends(mesh, a).0 == half_ends(mesh, b).0 { (b, next(b)) } else { (next(b), b) };
-        self.join(a, other);
-        self.join(next(a), ahead);
-    }
+/// Joins the corners of two triangles at both ends of the edge that they share.
+fn join_along(joined: &mut Groups, mesh: &Mesh, [a, b]: [u32; 2]) {
+    let next = |half: u32| half / 3 * 3 + (half + 1) % 3;
+    let is_along = half_ends(mesh, a).0 == half_ends(mesh, b).0;
+    let (other, ahead) = if is_along { (b, next(b)) } else { (next(b), b) };
+    joined.join(a as usize, other as usize);
+    joined.join(next(a) as usize, ahead as usize);
 }
 
 #[cfg(test)]
@@ -152,12 +157,19 @@ mod tests {
         all
     }
 
+    fn turned_inside_out(mesh: &Mesh) -> Mesh {
+        Mesh { triangles: mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..mesh.clone() }
+    }
+
     #[test]
     fn solids_that_touch_along_an_edge_or_with_a_face_close_each_on_its_own() {
         for at in [DVec3::new(1.0, 1.0, 0.0), DVec3::Z, DVec3::NEG_Z, DVec3::new(-1.0, 0.0, 1.0)] {
             for turned in [false, true] {
                 let mesh = welded(&[cube(DVec3::ZERO, false), cube(at, turned)]);
+                let inverted = turned_inside_out(&mesh);
                 let (mesh, repairs) = repair(mesh, None, &Task::default()).unwrap();
+                let (other, _) = repair(inverted, None, &Task::default()).unwrap();
+                assert!(other.is_watertight() && (other.volume() - 2.0).abs() < 1e-12, "{at} {turned}: inside out");
                 assert!(repairs.watertight && repairs.non_manifold_edges == 0, "{at} {turned}: {repairs:?}");
                 // Faces that are divided alike go, and what remains is one solid.
                 let parts = if repairs.duplicates > 0 { 1 } else { 2 };
@@ -165,6 +177,21 @@ mod tests {
                 assert!((mesh.volume() - 2.0).abs() < 1e-12, "{at} {turned}: {}", mesh.volume());
             }
         }
+    }
+
+    #[test]
+    fn where_metal_and_air_do_not_take_turns_nothing_is_parted() {
+        // One of two solids is inside out.
+        let one = welded(&[cube(DVec3::ZERO, false), turned_inside_out(&cube(DVec3::new(1.0, 1.0, 0.0), false))]);
+        let (_, repairs) = repair(one, None, &Task::default()).unwrap();
+        assert!(!repairs.watertight && repairs.non_manifold_edges == 1 && repairs.touching_edges == 0, "{repairs:?}");
+        // Both sides of a sheet without thickness, a fan about its middle: no solid at all.
+        let rim = (0..6).map(|i| f64::from(i) * TAU / 6.0).map(|angle| DVec3::new(angle.cos(), angle.sin(), 0.0));
+        let vertices = std::iter::once(DVec3::ZERO).chain(rim).collect();
+        let fan = (1..=6).map(|i| [0, i, i % 6 + 1]);
+        let triangles = fan.clone().chain(fan.map(|[a, b, c]| [a, c, b])).collect();
+        let (_, repairs) = repair(Mesh { vertices, triangles }, None, &Task::default()).unwrap();
+        assert!(!repairs.watertight && repairs.touching_edges == 0, "{repairs:?}");
     }
 
     #[test]

@@ -5,8 +5,9 @@
 //! neither panics nor takes more memory than its [`ImportLimits`] allow.
 //!
 //! The mesh that comes out has one vertex for each point of a solid, no collapsed or doubled triangles, and its triangles
-//! are counter-clockwise seen from outside. Solids that touch close each on its own. What it does *not* promise is that the surface is closed: holes are reported,
-//! not filled, and an open surface may have no outside. [`ImportReport::watertight`] tells.
+//! are counter-clockwise seen from outside. Solids that touch close each on its own. What it does *not* promise is that
+//! the surface is closed: holes are reported, not filled, and an open surface may have no outside.
+//! [`ImportReport::watertight`] tells.
 //!
 //! ```
 //! use import::{ImportOptions, Units, import_bytes};

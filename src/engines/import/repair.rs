@@ -70,13 +70,21 @@ pub(super) fn repair(mesh: Mesh, tolerance: Option<f64>, task: &Task) -> Result<
     if repairs.duplicates > 0 {
         table = EdgeTable::of(&mesh, task)?;
     }
-    repairs.touching_edges = part_touching(&mut mesh, &table, task)?;
-    if repairs.touching_edges > 0 {
-        table = EdgeTable::of(&mesh, task)?;
-    }
     task.check()?;
-    let boundary = trace(&mesh, &table);
+    let mut boundary = trace(&mesh, &table);
+    // Before parts are made to agree: which triangles belong to one shows only once they are parted.
+    let as_read = part_touching(&mesh, &table, weld_tolerance, task)?;
     repairs.orientation = orient(&mut mesh, &table, &boundary, task)?;
+    if let Some(mut parted) = as_read {
+        let parted_table = EdgeTable::of(&parted, task)?;
+        let parted_boundary = trace(&parted, &parted_table);
+        let orientation = orient(&mut parted, &parted_table, &parted_boundary, task)?;
+        // Only if every part is a solid then, and closed, were there solids that touch.
+        if orientation.unsure == 0 && parted_table.is_closed() {
+            repairs.touching_edges = table.edges().filter(|edge| edge.halves().len() > 2).count();
+            (mesh, table, boundary, repairs.orientation) = (parted, parted_table, parted_boundary, orientation);
+        }
+    }
     repairs.holes = boundary.holes;
     task.check()?;
     let height = HEIGHT_RELATIVE_TO_WELD * weld_tolerance;

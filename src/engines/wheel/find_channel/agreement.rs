@@ -50,8 +50,9 @@ const MOST_SAG: f64 = 0.05;
 const FILM: f64 = 1e-3;
 /// Share of the height that the rays to an end wall start from it.
 const START: f64 = 0.1;
-/// Shares of the height from which rays start that met nothing within this share of where the end wall should be.
+/// Shares of the height from which rays start whose way from there is barred by a blade that leans.
 const NEARER: [f64; 3] = [0.05, 0.025, 0.0125];
+/// Rays that meet something within this share of the height from the end wall's station met the end wall.
 const SAME: f64 = 0.01;
 
 /// What a ray to an end wall met.
@@ -325,8 +326,10 @@ impl Measured<'_> {
             let [first, last] = [ends[0].theta, angle_near(ends[1].theta, ends[0].theta)];
             let (middle, half) = (0.5 * (first + last) + turn, 0.5 * MIDDLE_SHARE * (last - first));
             let height = station.height();
+            let start_of = |start: f64| tracer.start_of(&station, share + (1.0 - 2.0 * share) * start, surface);
+            let from = |start: f64| start_of(start)[0];
             let ray = |theta: f64, start: f64| {
-                let [from, toward] = tracer.start_of(&station, share + (1.0 - 2.0 * share) * start, surface);
+                let [from, toward] = start_of(start);
                 let met = tracer.met(theta, from, toward, f64::INFINITY);
                 let distance = met.map_or(start * height, |(distance, _)| distance);
                 Met {
@@ -338,11 +341,16 @@ impl Measured<'_> {
             };
             let met = |k: usize| {
                 let theta = middle + half * (2.0 * k as f64 / (across - 1) as f64 - 1.0);
-                // Over a narrow passage a blade leans: then the end wall is met from nearer.
-                let is_same = |met: &Met| met.facet.is_some() && met.above.abs() < SAME * height;
                 let far = ray(theta, START);
-                let nearer = || NEARER.into_iter().map(|start| ray(theta, start)).find(is_same);
-                if is_same(&far) { far } else { nearer().unwrap_or(far) }
+                // Over a narrow passage a blade leans: then the end wall is met from nearer, through air. What else is met
+                // stands in the passage.
+                if far.facet.is_some_and(|facet| !tracer.is_of_blade(facet, theta)) {
+                    return far;
+                }
+                let is_same = |met: &Met| met.facet.is_some() && met.above.abs() < SAME * height;
+                let nearer =
+                    NEARER.into_iter().filter(|start| !tracer.slices.is_solid(from(*start).x, from(*start).y, theta));
+                nearer.map(|start| ray(theta, start)).find(is_same).unwrap_or(far)
             };
             let met: Vec<Met> = (0..across).map(met).collect();
             // A station is that of the facet which stands out most there, beside which flatter ones lie.

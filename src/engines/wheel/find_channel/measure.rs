@@ -80,8 +80,8 @@ fn bare(wall: &ChannelWall, beyond: f64) -> ChannelWall {
                 let off = wall.point(u, at(0)) - (p + *beside as f64 * step);
                 off.dot(wall.normal(u, at(*beside))) >= 0.0
             };
-            let in_fillet = (0..reach).rev().find(|v| turn(*v) > TURN || is_aside(*v)).map(|v| v + BESIDE);
-            let (beside, from) = in_fillet.filter(stands_out).map_or((0, 1), |beside| (beside, FROM));
+            let mut turned = (0..reach).rev().filter(|v| turn(*v) > TURN || is_aside(*v)).map(|v| v + BESIDE);
+            let (beside, from) = turned.find(stands_out).map_or((0, 1), |beside| (beside, FROM));
             let (p, step) = ends(beside, from);
             let mut set = |row: usize, steps: f64| {
                 column[if is_hub { row } else { nv - 1 - row }] = p + steps * step;
@@ -108,14 +108,15 @@ fn sharp(mut wall: ChannelWall) -> ChannelWall {
     wall
 }
 
-/// Whether the wall has a sharp edge along its blade between the columns `u - 1` and `u` of row `v`: it turns at once
-/// there, and beside it not.
+/// Whether the wall has a sharp edge along its blade, which stands out into the channel, between the columns `u - 1` and
+/// `u` of row `v`: it turns at once there, and beside it not.
 fn is_edge(wall: &ChannelWall, u: usize, v: usize) -> bool {
     /// Angle by which it turns, at least, and as much as at most beside it (rad).
     const SHARP: f64 = 0.7;
     let turn = |u: usize| wall.normal(u - 1, v).angle_between(wall.normal(u, v));
     let is_even = |u: usize| turn(u) < 0.5 * SHARP;
-    turn(u) > SHARP && (u < 2 || is_even(u - 1)) && (u + 1 >= wall.nu || is_even(u + 1))
+    let stands_out = (wall.point(u, v) - wall.point(u - 1, v)).dot(wall.normal(u - 1, v)) < 0.0;
+    stands_out && turn(u) > SHARP && (u < 2 || is_even(u - 1)) && (u + 1 >= wall.nu || is_even(u + 1))
 }
 
 /// Where the planes through two points square to their normals meet, half way between them along the edge; none if that
@@ -293,6 +294,21 @@ mod tests {
         // A thinner blade stands back from what goes on: its edge at z = 1.5 is the nearest place.
         let thinner = throat([&plane(), &turned_at_the_hub(-0.5)], 0.0).width_mm;
         assert!((thinner - 2.0).abs() < 1e-9, "{thinner}");
+    }
+
+    #[test]
+    fn a_fillet_below_a_blade_that_grows_thinner_is_left_out() {
+        // From z = 5 the blade recedes by 0.4 per mm towards the hub, and from z = 1 a fillet stands out, up to 1.9 mm.
+        let high = wall(|x, z| {
+            let (off, slope) = match z {
+                z if z < 1.0 => (1.6 - 1.7 * (1.0 - z), 1.7),
+                z if z < 5.0 => (0.4 * (5.0 - z), -0.4),
+                z => (0.2 * (z - 5.0), 0.2),
+            };
+            (DVec3::new(x, 2.0 + off, z), DVec3::new(0.0, -1.0, slope))
+        });
+        let width = throat([&plane(), &high], 0.0).width_mm;
+        assert!((width - 2.0).abs() < 1e-9, "{width}");
     }
 
     #[test]

@@ -18,8 +18,8 @@ pub(super) const MIDDLE_SHARE: f64 = 0.6;
 const ABOUT_POINTS: f64 = 0.4;
 /// Share of the height away from an end wall where the channel's middle beside it is looked for.
 const BESIDE: f64 = 0.1;
-/// Most times that an end wall whose rays are not of one wall is measured again, from nearer to it, and more of these
-/// where a blade is met.
+/// Most times that an end wall whose rays are not of one wall is measured again, from nearer to it; twice as many where a
+/// blade is met.
 const MOST_NEARER: i32 = 3;
 /// A facet whose normal lies less than this in the half plane through the axis (cosine) is a blade's, not an end wall's.
 const OF_END_WALL: f64 = 0.9;
@@ -202,7 +202,7 @@ impl Tracer<'_> {
             let mut gap = place.gap;
             // What is met first may be a blade that leans over the wall.
             for round in 0..2 * MOST_NEARER {
-                if wall.is_even || (round >= MOST_NEARER && !wall.is_blade) {
+                if !wall.is_blade && (wall.is_even || round >= MOST_NEARER) {
                     break;
                 }
                 let r = wall.radius + if wall.is_blade { inwards * 0.5f64.powi(round) } else { inwards };
@@ -213,6 +213,11 @@ impl Tracer<'_> {
             wall.radius
         };
         (Some(beside(0, h, height)), Some(beside(1, s, -height)))
+    }
+
+    /// Whether a facet that is met in the half plane at `theta` is a blade's rather than an end wall's.
+    pub(super) fn is_of_blade(&self, facet: u32, theta: f64) -> bool {
+        self.slices.meridional_normal(facet, theta).length() < OF_END_WALL
     }
 
     /// The hub and the shroud along the radius through a place: the greatest and the least radius that its rays meet.
@@ -252,7 +257,7 @@ impl Tracer<'_> {
         let wall = |c: RadialCrossing, rays: &[RadialCrossing], of: &dyn Fn(&RadialCrossing, f64) -> f64| {
             let (radius, same) = (of(&c, dip(&c)), SAME_WALL * height);
             let of_wall = rays.iter().filter(|ray| (ray.r - c.r).abs() <= same).count();
-            let is_blade = self.slices.meridional_normal(c.triangle, middle).length() < OF_END_WALL;
+            let is_blade = self.is_of_blade(c.triangle, middle);
             EndWall { radius, is_even: radius == of(&c, same) && 3 * of_wall >= 2 * RAYS, is_blade }
         };
         [hub.map(|c| wall(c, &inner, &greatest)), shroud.map(|c| wall(c, &outer, &least))]

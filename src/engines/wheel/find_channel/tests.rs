@@ -98,9 +98,10 @@ fn root_fillets_do_not_lift_the_hub() {
 /// height, and in narrow ones beside the hub, stands a blade.
 #[test]
 fn blades_that_lean_over_hub_and_shroud_are_not_taken_for_them() {
-    for (lean, blades, thickness) in [(0.7, 48, 3.0), (0.84, 48, 3.0), (0.5, 90, 2.7)] {
-        let twist = lean / 56.0;
-        let part = TestBlisk { blades, thickness, twist, fillet: 0.3, grid: [24, 24, 8, 2], ..Default::default() };
+    let wide = TestBlisk { blades: 48, fillet: 0.6, grid: [24, 24, 8, 2], ..Default::default() };
+    let narrow = TestBlisk { blades: 90, thickness: 2.7, fillet: 0.3, ..wide.clone() };
+    for (lean, part) in [(0.7, wide.clone()), (0.84, wide), (0.5, narrow)] {
+        let part = TestBlisk { twist: lean / 56.0, ..part };
         let channel = found(&part.mesh());
         assert_eq!(channel.blades, part.blades);
         for station in &channel.meridian {

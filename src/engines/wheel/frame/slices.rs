@@ -266,6 +266,7 @@ impl Slices {
             (at.max(0.0) as usize).min(self.grid[0] - 1)
         };
         let (first, last) = (column(from.x), column(far));
+        let nearer = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
         let met_in = |ix: usize| {
             let triangles = self.wedges.get(ix * SECTORS + sector(theta)).iter();
             let met = triangles.filter_map(|&triangle| {
@@ -280,14 +281,14 @@ impl Slices {
                 let is_here = from.y + distance * direction.y >= 0.0;
                 (distance > 0.0 && distance <= reach && is_here).then_some((distance, triangle))
             });
-            met.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+            met.min_by(nearer)
         };
         // Column by column: what is met in one that was passed is nearer than anything in those to come.
         let mut nearest: Option<(f64, u32)> = None;
         for step in 0..=first.abs_diff(last) {
             let ix = if first <= last { first + step } else { first - step };
             let met = met_in(ix).into_iter().chain(nearest);
-            nearest = met.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            nearest = met.min_by(nearer);
             if nearest.is_some_and(|(distance, _)| column(from.x + distance * direction.x).abs_diff(first) <= step) {
                 break;
             }

@@ -25,11 +25,13 @@ pub struct PreparedBlisk {
     cell: f64,
     /// Times of the stages.
     pub(super) clock: Clock,
-    /// Electrodes without circumferential reductions that were prepared, the latest last.
-    fullest: Mutex<Vec<(Fullest, Arc<PreparedElectrode>)>>,
+    /// Electrodes that were prepared to be drawn in, or why they cannot be made, the latest last.
+    fullest: Mutex<Vec<(Fullest, MadeFullest)>>,
 }
 
-/// What tells one electrode without circumferential reductions from another.
+type MadeFullest = Result<Arc<PreparedElectrode>, ElectrodeError>;
+
+/// What tells one electrode that is drawn in from another.
 #[derive(Debug, Clone, PartialEq)]
 struct Fullest {
     params: ElectrodeParams,
@@ -42,8 +44,10 @@ struct Fullest {
 impl PreparedBlisk {
     /// Prepared electrodes that are kept.
     const KEPT: usize = 8;
-    /// Least angle by which walls of a prepared electrode can be drawn in (deg).
+    /// Walls of a prepared electrode can be drawn in by a multiple of this angle (deg).
     const DRAWN_IN_DEG: f64 = 12.0;
+    /// By how much more than its job wants at least, for what a jam asks for (deg).
+    const MORE_DEG: f64 = 6.0;
 
     /// Builds the distance field about `channel`; `blisk` and `exact` are in W.
     ///
@@ -97,15 +101,11 @@ impl PreparedBlisk {
             }
             self.drawn_in_to(&full, (part, side), drawn_in, task)
         };
-        match made_with(0.0) {
-            Err(PlanJobError::Electrode(_)) if !is_own && reductions != [0.0; 2] => {
-                made_with(0.5).or_else(|error| match error {
-                    PlanJobError::Electrode(_) => made_with(1.0),
-                    other => Err(other),
-                })
-            }
-            made => made,
+        let made = made_with(0.0);
+        if is_own || reductions == [0.0; 2] || !made.as_ref().is_err_and(is_mended_by_less) {
+            return made;
         }
+        made_with(0.5).or_else(|error| if is_mended_by_less(&error) { made_with(1.0) } else { Err(error) })
     }
 
     /// The electrode of `full`, and the angles by which its walls are drawn in further (deg).
@@ -117,30 +117,42 @@ impl PreparedBlisk {
         task: &Task,
     ) -> Result<(Arc<PreparedElectrode>, Turns), PlanJobError> {
         let turns = |of: &PreparedElectrode| Turns(own_turns(of.electrode().column, drawn_in.map(f64::to_radians)));
-        let most = drawn_in.into_iter().fold(Self::DRAWN_IN_DEG, f64::max).to_radians();
+        let most = drawn_in.into_iter().fold(0.0, f64::max) + Self::MORE_DEG;
+        let most = (Self::DRAWN_IN_DEG * (most / Self::DRAWN_IN_DEG).ceil()).to_radians();
         let margin = full.job.plan.margin_mm;
         // Neither where it may enter from nor how its size was found changes it.
         let params = ElectrodeParams { enter: EnterSide::Auto, size: Sizing::Given, ..full.job.electrode.clone() };
         let wanted = Fullest { params, part, side, margin, most };
-        let known = |kept: &[(Fullest, Arc<PreparedElectrode>)]| {
+        let known = |kept: &[(Fullest, MadeFullest)]| {
             kept.iter().find(|(of, _)| *of == wanted).map(|(_, prepared)| prepared.clone())
         };
-        if let Some(prepared) = known(&self.fullest.lock().unwrap_or_else(PoisonError::into_inner)) {
-            let turns = turns(&prepared);
-            return Ok((prepared, turns));
-        }
-        let electrode = electrode_of(full, &self.space.channel, &self.exact, (part, side, 0.0), task)?;
-        let clearance = full.job.electrode.spark_gap_mm + margin;
-        let prepared = PreparedElectrode::new(&self.space, electrode.into(), clearance, most, task)?;
-        let prepared = Arc::new(prepared);
-        let mut kept = self.fullest.lock().unwrap_or_else(PoisonError::into_inner);
-        if kept.len() == Self::KEPT {
-            kept.remove(0);
-        }
-        kept.push((wanted, prepared.clone()));
+        let is_known = known(&self.fullest.lock().unwrap_or_else(PoisonError::into_inner));
+        let prepared = match is_known {
+            Some(made) => made?,
+            None => {
+                let made = electrode_of(full, &self.space.channel, &self.exact, (part, side, 0.0), task);
+                let clearance = full.job.electrode.spark_gap_mm + margin;
+                let prepared = match made {
+                    Ok(made) => Ok(PreparedElectrode::new(&self.space, made.into(), clearance, most, task)?.into()),
+                    Err(ElectrodeError::Cancelled(cancelled)) => return Err(cancelled.into()),
+                    Err(error) => Err(error),
+                };
+                let mut kept = self.fullest.lock().unwrap_or_else(PoisonError::into_inner);
+                if kept.len() == Self::KEPT {
+                    drop(kept.remove(0));
+                }
+                kept.push((wanted, prepared.clone()));
+                prepared?
+            }
+        };
         let turns = turns(&prepared);
         Ok((prepared, turns))
     }
+}
+
+/// Whether an electrode that is drawn in may be made where this one cannot.
+fn is_mended_by_less(error: &PlanJobError) -> bool {
+    matches!(error, PlanJobError::Electrode(ElectrodeError::TooClose { .. } | ElectrodeError::ShankMeets { .. }))
 }
 
 /// The electrode number `part` along the passage for a side, with its walls drawn in by a further `h` (rad), its vertices as a

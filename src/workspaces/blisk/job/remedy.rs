@@ -13,8 +13,8 @@ use wheel::electrode::{EntrySide, PartParams};
 /// one that jams.
 const MORE_RADIAL: [f64; 3] = [0.1, 0.2, 0.35];
 
-/// Shares of the greatest reduction of the walls and of the height of the passage that are tried at once.
-const BOTH: [[f64; 2]; 2] = [[0.5, 0.2], [1.0, 0.35]];
+/// Shares of the greatest further reduction of the walls and of the height of the passage that are tried at once.
+const ALL_REDUCTIONS: [[f64; 2]; 2] = [[0.5, 0.2], [1.0, 0.35]];
 
 /// Reductions are found to a hundredth of a degree, upwards; where no certificate holds with what a search found enough,
 /// so much more is tried (deg).
@@ -47,7 +47,7 @@ pub(super) fn look_for_changes(
     for (change, variants) in changes {
         // One of a kind is enough.
         let kind = std::mem::discriminant(&change);
-        let is_last_resort = matches!(change, Change::Smaller { .. });
+        let is_last_resort = matches!(change, Change::AllReductions { .. });
         let is_known = |known: &Change| is_last_resort || std::mem::discriminant(known) == kind;
         if opening.changes.iter().any(is_known) {
             continue;
@@ -61,7 +61,7 @@ pub(super) fn look_for_changes(
     // Of changes by an amount that are not enough the greatest, which was tried last, says it all.
     let amount = |change: &Change| match change {
         Change::Radial(mm) => Some((false, *mm)),
-        Change::Smaller { radial_mm, .. } => Some((true, *radial_mm)),
+        Change::AllReductions { radial_mm, .. } => Some((true, *radial_mm)),
         _ => None,
     };
     let in_vain = std::mem::take(&mut opening.in_vain);
@@ -146,16 +146,16 @@ impl Remedies<'_> {
         if divided.job.electrode.validate().is_ok() {
             changes.push((Change::Divided(share), vec![(divided.clone(), number), (divided, number + columns)]));
         }
-        for [walls, height] in BOTH {
-            let more = walls * most_walls.to_degrees();
+        for [of_walls, of_height] in ALL_REDUCTIONS {
+            let more = of_walls * most_walls.to_degrees();
             let degrees = now.circumferential_reduction_deg.map(|deg| ((deg + more) * 100.0).ceil() / 100.0);
-            let radial_mm = radial(height);
+            let radial_mm = radial(of_height);
             let smaller = with(&|row| {
                 (row.low_reduction_deg, row.high_reduction_deg) = (Some(degrees[0]), Some(degrees[1]));
                 row.radial_reduction_mm = Some(radial_mm);
             });
             let reductions = degrees.map(f64::to_radians);
-            changes.push((Change::Smaller { reductions, radial_mm }, vec![(smaller, number)]));
+            changes.push((Change::AllReductions { reductions, radial_mm }, vec![(smaller, number)]));
         }
         changes
     }

@@ -116,6 +116,9 @@ const fn hex(rgb: u32) -> Colour {
     Colour::rgb((rgb >> 16) as u8, (rgb >> 8) as u8, rgb as u8)
 }
 
+/// How many regions or electrodes have a colour of their own.
+pub const REGION_COLOURS: usize = COLOURS.len();
+
 /// Colours of regions: each the one furthest from those before it in OKLab, far from both themes' accents and failures.
 #[rustfmt::skip]
 const COLOURS: [Colour; 32] = [

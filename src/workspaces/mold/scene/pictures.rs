@@ -12,8 +12,8 @@ use crate::widgets::camera::standard;
 use crate::widgets::theme::BAD;
 use crate::workspaces::mold::job::uncut::Uncut;
 use crate::workspaces::mold::scene::{
-    INVERT, MoldLook, MoldScene, RegionColours, RegionShape, build_mold, depth_legend, faces_shape, region_colour,
-    region_shapes,
+    INVERT, MoldLook, MoldScene, REGION_COLOURS, RegionColours, RegionShape, build_mold, depth_legend, faces_shape,
+    region_colour, region_shapes,
 };
 use files::report::{Picture, counted};
 use geometry::mesh::{Bounds, Mesh};
@@ -34,8 +34,6 @@ const MOST_CUTS: usize = 12;
 const EXPLODED: f64 = 0.8;
 /// Regions that have a picture of their own at most.
 const MOST_REGIONS: usize = 6;
-/// Regions or electrodes in the legend at most: as many as have a colour of their own.
-const MOST_IN_LEGEND: usize = 32;
 /// Layers whose section curves are drawn at most.
 const MOST_LAYERS: usize = 48;
 /// Margin around a region in its picture, as a share of its diagonal.
@@ -165,8 +163,8 @@ pub fn uncut_pictures(
 
 /// The colours of regions or electrodes with their names, cut off where colours repeat.
 fn legend_of(mut all: Vec<(Colour, String)>) -> Vec<(Colour, String)> {
-    if let Some(more) = all.len().checked_sub(MOST_IN_LEGEND).filter(|more| *more > 0) {
-        all.truncate(MOST_IN_LEGEND);
+    if let Some(more) = all.len().checked_sub(REGION_COLOURS).filter(|more| *more > 0) {
+        all.truncate(REGION_COLOURS);
         all.push((SECTION, format!("and {more} more, whose colours repeat")));
     }
     all
