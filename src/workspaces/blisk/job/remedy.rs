@@ -43,32 +43,34 @@ pub(super) fn look_for_changes(
         if opens { &mut opening.changes } else { &mut opening.in_vain }.push(change);
     }
     let most_walls = (!by_walls).then_some(opening.most);
-    let changes = remedies.changes(inputs, number, tried, most_walls);
-    for (change, variants) in changes {
-        // One of a kind is enough.
-        let kind = std::mem::discriminant(&change);
-        let is_last_resort = matches!(change, Change::AllReductions { .. });
-        let is_known = |known: &Change| is_last_resort || std::mem::discriminant(known) == kind;
-        if opening.changes.iter().any(is_known) {
+    for amounts in remedies.changes(inputs, number, tried, most_walls) {
+        let Some((greatest, less)) = amounts.split_last() else { continue };
+        // One of a kind is enough, and all reductions at once are the last resort.
+        let kind = std::mem::discriminant(&greatest.change);
+        let is_last_resort = matches!(greatest.change, Change::AllReductions { .. });
+        if opening.changes.iter().any(|known| is_last_resort || std::mem::discriminant(known) == kind) {
             continue;
         }
-        let mut opens = true;
-        for (inputs, number) in &variants {
-            opens = opens && remedies.comes_out(inputs, *number)?;
+        if !remedies.opens(greatest)? {
+            opening.in_vain.push(greatest.change);
+            continue;
         }
-        if opens { &mut opening.changes } else { &mut opening.in_vain }.push(change);
+        let mut least = greatest;
+        for variant in less {
+            if remedies.opens(variant)? {
+                least = variant;
+                break;
+            }
+        }
+        opening.changes.push(least.change);
     }
-    // Of changes by an amount that are not enough the greatest, which was tried last, says it all.
-    let amount = |change: &Change| match change {
-        Change::Radial(mm) => Some((false, *mm)),
-        Change::AllReductions { radial_mm, .. } => Some((true, *radial_mm)),
-        _ => None,
-    };
-    let in_vain = std::mem::take(&mut opening.in_vain);
-    let is_greatest =
-        |(of, mm): (bool, f64)| in_vain.iter().filter_map(amount).all(|(other, m)| other != of || m <= mm);
-    opening.in_vain = in_vain.iter().filter(|change| amount(change).is_none_or(is_greatest)).copied().collect();
     Ok(())
+}
+
+/// A change, and the electrodes that it leads to: their inputs and numbers.
+struct Variant {
+    change: Change,
+    electrodes: Vec<(PlanInputs, usize)>,
 }
 
 struct Remedies<'a> {
@@ -114,22 +116,23 @@ impl Remedies<'_> {
         changed
     }
 
-    /// Changes worth a look, each with the electrodes that it leads to: their inputs and numbers; where no reduction of the
-    /// walls up to `most_walls` (rad) is enough, those of other sizes too.
+    /// Changes worth a look, each in rising amounts; where no reduction of the walls up to `most_walls` (rad) is enough,
+    /// those of other sizes too.
     fn changes(
         &self,
         inputs: &PlanInputs,
         number: usize,
         tried: &[EntrySide],
         most_walls: Option<f64>,
-    ) -> Vec<(Change, Vec<(PlanInputs, usize)>)> {
+    ) -> Vec<Vec<Variant>> {
         let channel = &self.prepared.space.channel;
         let (part, _) = inputs.job.electrode.place_of(number);
         let with = |edit: &dyn Fn(&mut PartParams)| self.with(inputs, part, edit);
+        let one = |change: Change, with: PlanInputs| Variant { change, electrodes: vec![(with, number)] };
         let mut changes = Vec::new();
         for side in EntrySide::open(channel).into_iter().filter(|side| !tried.contains(side)) {
             if inputs.job.machine.comes_from(side) {
-                changes.push((Change::Side(side), vec![(with(&|row| row.enter = side.into()), number)]));
+                changes.push(vec![one(Change::Side(side), with(&|row| row.enter = side.into()))]);
             }
         }
         let Some(most_walls) = most_walls.filter(|_| inputs.own_electrodes.is_empty()) else { return changes };
@@ -137,16 +140,16 @@ impl Remedies<'_> {
         let height = channel.middle().height();
         // To a tenth: what is said is what was tried.
         let radial = |share: f64| ((now.radial_reduction_mm + share * height) * 10.0).ceil() / 10.0;
-        for radial in MORE_RADIAL.map(radial) {
-            changes.push((Change::Radial(radial), vec![(with(&|row| row.radial_reduction_mm = Some(radial)), number)]));
-        }
+        let drawn_in = |mm: f64| one(Change::Radial(mm), with(&|row| row.radial_reduction_mm = Some(mm)));
+        changes.push(MORE_RADIAL.map(radial).map(drawn_in).into());
         let mut divided = inputs.clone();
         let share = divided.job.electrode.divide(part);
         let columns = inputs.job.electrode.columns;
         if divided.job.electrode.validate().is_ok() {
-            changes.push((Change::Divided(share), vec![(divided.clone(), number), (divided, number + columns)]));
+            let electrodes = vec![(divided.clone(), number), (divided, number + columns)];
+            changes.push(vec![Variant { change: Change::Divided(share), electrodes }]);
         }
-        for [of_walls, of_height] in ALL_REDUCTIONS {
+        let all = ALL_REDUCTIONS.map(|[of_walls, of_height]| {
             let more = of_walls * most_walls.to_degrees();
             let degrees = now.circumferential_reduction_deg.map(|deg| ((deg + more) * 100.0).ceil() / 100.0);
             let radial_mm = radial(of_height);
@@ -155,9 +158,20 @@ impl Remedies<'_> {
                 row.radial_reduction_mm = Some(radial_mm);
             });
             let reductions = degrees.map(f64::to_radians);
-            changes.push((Change::AllReductions { reductions, radial_mm }, vec![(smaller, number)]));
-        }
+            one(Change::AllReductions { reductions, radial_mm }, smaller)
+        });
+        changes.push(all.into());
         changes
+    }
+
+    /// Whether all electrodes of a change come out.
+    fn opens(&self, variant: &Variant) -> Result<bool, PlanJobError> {
+        for (inputs, number) in &variant.electrodes {
+            if !self.comes_out(inputs, *number)? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     /// Whether a preview finds a path of electrode number `number` to some side that `inputs` allow.
