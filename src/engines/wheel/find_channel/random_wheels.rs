@@ -271,7 +271,7 @@ fn a_passage_beside_one_with_a_strut_is_found() {
 /// as what stands in it, with their place; others keep the blades or their walls from being found.
 #[test]
 fn what_stands_in_every_passage_is_no_passage_without_it() {
-    let told = Cell::new(0);
+    let (told, is_second) = (Cell::new(0), Cell::new(false));
     let faulty = faulty(|case| {
         let wheel = &case.wheel;
         let span = wheel.splitters.map_or(wheel.span, |splitters| splitters.span);
@@ -291,12 +291,12 @@ fn what_stands_in_every_passage_is_no_passage_without_it() {
                 Err(_) => None,
             }
         };
-        let pins =
-            [1.1, 0.4].map(|share| fault(with_pins(wheel, share), 0.5, format!("pins over {share} of the width")));
-        let at = [0.3, 0.7];
-        let struts = at.map(|at| fault(with_struts(wheel, at), at, format!("struts at {at} of the span")));
-        pins.into_iter().chain(struts).flatten().collect()
+        // One of each in turn, wheel by wheel.
+        let (pins, at) = if is_second.replace(!is_second.get()) { (0.4, 0.7) } else { (1.1, 0.3) };
+        let pins = fault(with_pins(wheel, pins), 0.5, format!("pins over {pins} of the width"));
+        let struts = fault(with_struts(wheel, at), at, format!("struts at {at} of the span"));
+        pins.into_iter().chain(struts).collect()
     });
     assert!(faulty.is_empty(), "{faulty}");
-    assert!(told.get() > WHEELS, "{} are told", told.get());
+    assert!(2 * told.get() > WHEELS, "{} are told", told.get());
 }
