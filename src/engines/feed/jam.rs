@@ -127,9 +127,10 @@ impl Change {
             Self::Divided(share) => format!("divided in two at {share:.2} of the burned length"),
             Self::AllReductions { reductions: [low, high], radial_mm } => {
                 let radial = format!("a radial reduction of {radial_mm:.2} mm at once");
-                match low == high {
-                    true => format!("with both walls reduced by {} and {radial}", deg(*low)),
-                    false => format!("with the walls reduced by {} and {}, and {radial}", deg(*low), deg(*high)),
+                if low == high {
+                    format!("with both walls reduced by {} and {radial}", deg(*low))
+                } else {
+                    format!("with the walls reduced by {} and {}, and {radial}", deg(*low), deg(*high))
                 }
             }
         }

@@ -19,7 +19,7 @@ const ON_EACH_OTHER: f64 = 1e-4;
 /// either side of the same metal stay joined. Other edges of more than two triangles stay as they are. Faces that lie on
 /// each other are taken for two solids that touch; of a sheet without thickness, which looks alike at its edges, the two
 /// sides come out as parts without volume. `tolerance` is that of welding (mm).
-pub(super) fn part_touching(
+pub(super) fn split_touching(
     mesh: &Mesh,
     table: &EdgeTable,
     tolerance: f64,
@@ -48,13 +48,13 @@ pub(super) fn part_touching(
             None => edge.halves().zip(edge.halves().skip(1)).for_each(|(a, b)| join_along(&mut joined, mesh, [a, b])),
         }
     }
-    // The first corner at a vertex keeps it; corners at a parted edge that are not joined to it get vertices of their own.
-    let mut parted = mesh.clone();
+    // The first corner at a vertex keeps it; corners at a split edge that are not joined to it get vertices of their own.
+    let mut split = mesh.clone();
     let mut is_taken = vec![false; mesh.vertices.len()];
     let mut vertex_of: Vec<Option<u32>> = vec![None; corner_count];
     for corner in 0..corner_count {
         tick(task, STAGE, corner, corner_count)?;
-        let at = &mut parted.triangles[corner / 3][corner % 3];
+        let at = &mut split.triangles[corner / 3][corner % 3];
         if !is_end[*at as usize] {
             continue;
         }
@@ -62,17 +62,17 @@ pub(super) fn part_touching(
             if !std::mem::replace(&mut is_taken[*at as usize], true) {
                 return *at;
             }
-            parted.vertices.push(mesh.vertices[*at as usize]);
-            parted.vertices.len() as u32 - 1
+            split.vertices.push(mesh.vertices[*at as usize]);
+            split.vertices.len() as u32 - 1
         });
     }
-    Ok(Some(parted).filter(|parted| parted.vertices.len() > mesh.vertices.len()))
+    Ok(Some(split).filter(|split| split.vertices.len() > mesh.vertices.len()))
 }
 
 /// A triangle at an edge.
 #[derive(Clone, Copy)]
 struct Face {
-    /// Its half-edge.
+    /// Half-edge of the triangle on the edge.
     half: u32,
     /// Angle about the edge (rad).
     angle: f64,
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn where_metal_and_air_do_not_take_turns_nothing_is_parted() {
+    fn where_metal_and_air_do_not_take_turns_nothing_is_split() {
         // One of two solids is inside out.
         let one = welded(&[cube(DVec3::ZERO, false), turned_inside_out(&cube(DVec3::new(1.0, 1.0, 0.0), false))]);
         let (_, repairs) = repair(one, None, &Task::default()).unwrap();

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::clean::{Slivers, drop_collapsed, drop_duplicates, exchange_slivers};
-use super::contacts::part_touching;
+use super::contacts::split_touching;
 use super::edges::{EdgeTable, NONE};
 use super::holes::{Hole, trace};
 use super::orient::{Orientation, orient};
@@ -32,7 +32,7 @@ pub(super) struct Repairs {
     pub welded_near: bool,
     pub collapsed: usize,
     pub duplicates: usize,
-    /// Edges along which solids touch, which were parted there.
+    /// Edges along which solids touch, which were split.
     pub touching_edges: usize,
     pub slivers: Slivers,
     pub orientation: Orientation,
@@ -49,7 +49,7 @@ pub(super) fn weld_tolerance(mesh: &Mesh) -> f64 {
     (WELD_RELATIVE_TO_SIZE * bounds.size().length()).max(WELD_RELATIVE_TO_COORDINATE * farthest)
 }
 
-/// Repairs `mesh` (mm, no two vertices equal): no cracks, no collapsed or doubled triangles, solids that touch parted, all
+/// Repairs `mesh` (mm, no two vertices equal): no cracks, no collapsed or doubled triangles, solids that touch split, all
 /// turned outwards.
 ///
 /// Vertices come out numbered in the order in which the triangles first use them. No step opens a surface that was
@@ -72,18 +72,13 @@ pub(super) fn repair(mesh: Mesh, tolerance: Option<f64>, task: &Task) -> Result<
     }
     task.check()?;
     let mut boundary = trace(&mesh, &table);
-    // Before parts are made to agree: which triangles belong to one shows only once they are parted.
-    let as_read = part_touching(&mesh, &table, weld_tolerance, task)?;
-    repairs.orientation = orient(&mut mesh, &table, &boundary, task)?;
-    if let Some(mut parted) = as_read {
-        let parted_table = EdgeTable::of(&parted, task)?;
-        let parted_boundary = trace(&parted, &parted_table);
-        let orientation = orient(&mut parted, &parted_table, &parted_boundary, task)?;
-        // Only if every part is a solid then, and closed, were there solids that touch.
-        if orientation.unsure == 0 && parted_table.is_closed() {
+    match closed_apart(&mesh, &table, weld_tolerance, task)? {
+        Some((split, split_table, orientation)) => {
             repairs.touching_edges = table.edges().filter(|edge| edge.halves().len() > 2).count();
-            (mesh, table, boundary, repairs.orientation) = (parted, parted_table, parted_boundary, orientation);
+            boundary = trace(&split, &split_table);
+            (mesh, table, repairs.orientation) = (split, split_table, orientation);
         }
+        None => repairs.orientation = orient(&mut mesh, &table, &boundary, task)?,
     }
     repairs.holes = boundary.holes;
     task.check()?;
@@ -103,6 +98,20 @@ pub(super) fn repair(mesh: Mesh, tolerance: Option<f64>, task: &Task) -> Result<
         }
     }
     Ok((compact(mesh), repairs))
+}
+
+/// `mesh` with solids that touch split, turned outwards, and its edges; none unless every part is a closed solid then.
+fn closed_apart(
+    mesh: &Mesh,
+    table: &EdgeTable,
+    tolerance: f64,
+    task: &Task,
+) -> Result<Option<(Mesh, EdgeTable, Orientation)>, Cancelled> {
+    let Some(mut split) = split_touching(mesh, table, tolerance, task)? else { return Ok(None) };
+    let table = EdgeTable::of(&split, task)?;
+    let boundary = trace(&split, &table);
+    let orientation = orient(&mut split, &table, &boundary, task)?;
+    Ok((orientation.unsure == 0 && table.is_closed()).then_some((split, table, orientation)))
 }
 
 /// `mesh` with its vertices numbered in the order in which triangles first use them, and no others.

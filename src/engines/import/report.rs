@@ -36,7 +36,7 @@ pub struct ImportReport {
     pub degenerate_removed: usize,
     /// Triangles removed because they lay on others.
     pub duplicates_removed: usize,
-    /// Edges along which solids touch, or one touches itself: the surface was parted there, so that it closes.
+    /// Edges along which solids touch, or one touches itself: they were split, so that the surface closes.
     pub touching_edges: usize,
     /// Triangles without height that were given one by exchanging an edge with a neighbour.
     pub slivers_exchanged: usize,
@@ -153,7 +153,10 @@ impl ImportReport {
             warn(true, format!("{edges} of three or more triangles, the first at ({x:.3}, {y:.3}, {z:.3})."));
         }
         let touching = count(self.touching_edges, "edge");
-        warn(self.touching_edges > 0, format!("Solids touch along {touching}; they were parted there."));
+        warn(
+            self.touching_edges > 0,
+            format!("Solids touch along {touching}; the surface was split there, so that each solid is closed."),
+        );
         let doubts = [
             (self.duplicates_removed, "doubled triangle", "removed"),
             (self.degenerate_removed, "collapsed triangle", "removed"),

@@ -61,9 +61,9 @@ struct Met {
     theta: f64,
     /// How far it is above the end wall's station (mm).
     above: f64,
-    /// None where nothing was met.
+    /// Facet that was met; none where nothing was.
     facet: Option<u32>,
-    /// Where (x, r), at the station if nothing was met.
+    /// Place (x, r) that was met, that of the station where nothing was.
     end: DVec2,
 }
 

@@ -29,6 +29,7 @@ pub struct PreparedBlisk {
     fullest: Mutex<Vec<(Fullest, MadeFullest)>>,
 }
 
+/// An electrode that was prepared, or why it cannot be made.
 type MadeFullest = Result<Arc<PreparedElectrode>, ElectrodeError>;
 
 /// What tells one electrode that is drawn in from another.
