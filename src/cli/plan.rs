@@ -100,7 +100,10 @@ fn finish(inputs: PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sessi
         print_summary(&report, &outcome, &written, out);
     }
     Ok(match stopped {
-        Some(stage) => Answer::Stopped { stage, written: "the certified plan was written, without an NC program" },
+        Some(stage) if outcome.is_verified() => {
+            Answer::Stopped { stage, written: "the certified plan was written, without an NC program" }
+        }
+        Some(stage) => Answer::Stopped { stage, written: "where the electrode jams was written" },
         None if outcome.may_be_approved() => Answer::Yes,
         None => Answer::No,
     })

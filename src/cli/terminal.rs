@@ -10,6 +10,8 @@ use task::{Progress, Update};
 const PACE: Duration = Duration::from_millis(100);
 /// Characters of the bar.
 const WIDTH: usize = 28;
+/// Characters of a message that are shown, so that a report stays on one line.
+const MESSAGE: usize = 72;
 
 struct State {
     stage: String,
@@ -40,12 +42,8 @@ pub(super) fn progress(json: bool) -> Progress {
         } else if terminal {
             let full = (update.fraction * WIDTH as f64).round() as usize;
             let bar = format!("{}{}", "#".repeat(full), ".".repeat(WIDTH - full.min(WIDTH)));
-            write(&format!(
-                "\r\x1b[2K{:16} [{bar}] {:3.0} %  {}",
-                update.stage,
-                update.fraction * 100.0,
-                update.message
-            ));
+            let message: String = update.message.chars().take(MESSAGE).collect();
+            write(&format!("\r\x1b[2K{:16} [{bar}] {:3.0} %  {message}", update.stage, update.fraction * 100.0));
         } else if new_stage {
             write(&format!("{} ...\n", update.stage));
         }

@@ -1,15 +1,16 @@
 //! The global strategy, sizing, the quick look, and the strategies to compare with.
 
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::*;
-use feed::jam::Change;
-use feed::jam::JamCause;
+use feed::jam::{Change, JamCause, Opening};
 use feed::plan_params::Strategy;
 use sparkpath::workspaces::blisk::job::outcome::ElectrodeOutcome;
 use sparkpath::workspaces::blisk::job::plan::run_prepared;
 use sparkpath::workspaces::blisk::job::preview::live_way;
 use sparkpath::workspaces::blisk::job::sizing::{SizingRange, size};
+use task::Progress;
 use wheel::electrode::PartParams;
 
 fn job_with(strategy: Strategy, reduction_deg: f64) -> PlanJob {
@@ -104,7 +105,7 @@ fn it_is_the_same_on_any_number_of_threads() {
 fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
     const TOO_LITTLE: f64 = 0.05;
     let inputs = easy_inputs(coarse_job(TOO_LITTLE));
-    let outcome = run_prepared(ready(), &inputs, &|_, _, _| (), &Task::default()).unwrap();
+    let (outcome, reports) = planned_until(&inputs, usize::MAX);
     let jam = only(&outcome).plan.jam.as_ref().expect("it jams");
     assert!(matches!(jam.cause, JamCause::Contact(_)), "{jam:?}");
     let opening = jam.opening.as_ref().expect("what would help was looked for");
@@ -114,6 +115,29 @@ fn where_there_is_no_way_the_reduction_that_is_named_opens_one() {
     assert!(only(&outcome).plan.verdict(&outcome.channel).contains(&said));
     let more = plan_easy(coarse_job((low.to_degrees() * 100.0).round() / 100.0));
     assert!(more.is_verified(), "{}", only(&more).plan.verdict(&more.channel));
+    // Where it jams is known before what would help: who stops that search keeps it.
+    for stopped_at in [1, reports - reports / 4] {
+        let (outcome, _) = planned_until(&inputs, stopped_at);
+        let said = only(&outcome).plan.verdict(&outcome.channel);
+        assert!(said.contains("mm of clearance are missing there; the search for a change"), "{stopped_at}: {said}");
+        assert!(outcome.stopped().is_some() && !outcome.may_be_approved());
+    }
+}
+
+/// A plan that is stopped at a report of the search for what would make it feasible, and how many reports there were.
+fn planned_until(inputs: &PlanInputs, report: usize) -> (PlanOutcome, usize) {
+    let (cancel, reports) = (Cancel::default(), Arc::new(AtomicUsize::new(0)));
+    let (stopping, counted) = (cancel.clone(), reports.clone());
+    let progress = Progress::new(move |update| {
+        if update.stage == Opening::SEARCH {
+            assert!(update.message.starts_with("jams at node"), "{}", update.message);
+            if counted.fetch_add(1, Ordering::Relaxed) + 1 == report {
+                stopping.cancel();
+            }
+        }
+    });
+    let outcome = run_prepared(ready(), inputs, &|_, _, _| (), &Task { progress, cancel }).unwrap();
+    (outcome, reports.load(Ordering::Relaxed))
 }
 
 /// A passage that turns by more than its walls can give way for: what else was tried is told.

@@ -136,9 +136,9 @@ fn a_sweep_is_plotted_and_a_row_of_it_is_taken() {
     desk.flank_mut().sweep = Sweep { of: Quantity::Taper, ends: [2.0, 8.0], count: 4 };
     desk.settle();
     desk.press("Sweep");
-    desk.until("it is swept", |desk| desk.flank().rows.len() == 4);
+    desk.until("it is swept beside what was kept", |desk| desk.flank().rows.len() == 5);
     desk.settle();
-    let tapers: Vec<f64> = desk.flank().rows.iter().map(|row| row.variant.cutter.taper_deg).collect();
+    let tapers: Vec<f64> = desk.flank().rows[1..].iter().map(|row| row.variant.cutter.taper_deg).collect();
     assert_eq!(tapers, [2.0, 4.0, 6.0, 8.0]);
     assert_eq!(desk.flank().tab, Tab::Sweep);
     desk.pictures("flank_sweep");
@@ -152,7 +152,7 @@ fn a_sweep_is_plotted_and_a_row_of_it_is_taken() {
     desk.until("it is written", |_| folder.join("flank.json").exists());
     desk.until_idle();
     let table = std::fs::read_to_string(folder.join("compared.csv")).unwrap();
-    assert_eq!(table.lines().count(), 5);
+    assert_eq!(table.lines().count(), 6);
 }
 
 #[test]

@@ -62,7 +62,7 @@ pub struct JamContact {
 }
 
 /// Changes that would let an electrode come out where it jams, and those that would not.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Opening {
     /// Greatest further reduction of the walls that was tried (rad).
     pub most: f64,
@@ -77,6 +77,8 @@ pub struct Opening {
     pub changes: Vec<Change>,
     /// Changes that do not.
     pub in_vain: Vec<Change>,
+    /// Whether the search for changes was stopped before its end.
+    pub is_stopped: bool,
 }
 
 /// A change of an electrode.
@@ -138,6 +140,14 @@ impl Change {
 }
 
 impl Opening {
+    /// Name of the stage in which changes are searched for.
+    pub const SEARCH: &str = "what would make it feasible";
+
+    /// A search for changes that was stopped before it found any.
+    pub fn stopped() -> Self {
+        Self { is_stopped: true, ..Self::default() }
+    }
+
     /// Whether some further reduction of the walls opens a path.
     pub fn is_by_walls(&self) -> bool {
         self.both.or(self.low).or(self.high).is_some()
@@ -148,6 +158,9 @@ impl Opening {
         let words = |changes: &[Change]| changes.iter().map(|change| change.words(channel)).collect::<Vec<_>>();
         if !self.changes.is_empty() {
             return format!("; feasible {}", words(&self.changes).join(", or "));
+        }
+        if self.is_stopped {
+            return "; the search for a change that makes it feasible was stopped".to_owned();
         }
         let walls =
             (!self.is_by_walls()).then(|| format!("with both walls reduced by {:.2} deg more", self.most.to_degrees()));
@@ -174,10 +187,11 @@ impl Jam {
     /// Place and cause of the jam, and the remedy, in one sentence.
     pub fn sentence(&self, channel: &Channel) -> String {
         let help = self.opening.as_ref().map(|opening| opening.sentence(channel)).unwrap_or_default();
-        format!("{}{help}", self.where_and_why(channel))
+        format!("{}{help}", self.place_and_cause(channel))
     }
 
-    fn where_and_why(&self, channel: &Channel) -> String {
+    /// Place and cause of the jam.
+    pub fn place_and_cause(&self, channel: &Channel) -> String {
         let place = format!("jams at node {} (retract distance {:.2} mm)", self.node, self.s);
         match self.cause {
             JamCause::Contact(JamContact { on_blisk: at, surface, lack, .. }) => {

@@ -145,7 +145,14 @@ impl Planning<'_> {
         match &mut plan.jam {
             None => self.verify_and_repair(&mut plan, electrode, model, &genetic)?,
             Some(jam) if self.setup.settings.explain && jam.contact().is_some() => {
-                jam.opening = Some(self.opening(electrode, &prepared.model(self.setup.space, sides))?);
+                let known = jam.place_and_cause(&self.setup.space.channel);
+                let task = &self.task.as_stage_about(Opening::SEARCH, &known);
+                let model = &prepared.model(self.setup.space, sides);
+                jam.opening = Some(match self.opening(electrode, model, task) {
+                    // Where it jams is known all the same.
+                    Err(PlanError::Cancelled(_)) => Opening::stopped(),
+                    opening => opening?,
+                });
             }
             Some(_) => {}
         }
@@ -163,14 +170,13 @@ impl Planning<'_> {
     }
 
     /// Further reduction that would open a path; `model` is that of the prepared electrode.
-    fn opening(&self, electrode: &Electrode, model: &ClearanceModel) -> Result<Opening, PlanError> {
+    fn opening(&self, electrode: &Electrode, model: &ClearanceModel, task: &Task) -> Result<Opening, PlanError> {
         /// Tolerance of that angle (rad).
         const TOLERANCE: f64 = 0.0005;
         /// The greatest angle tried is this share of that from blade to blade, within these limits (rad).
         const MOST_OF_PITCH: f64 = 0.15;
         const MOST: [f64; 2] = [0.05, 0.1];
-        let Self { setup: SearchSetup { space, settings, .. }, task } = *self;
-        let task = &task.as_stage("what would make it feasible");
+        let SearchSetup { space, settings, .. } = self.setup;
         let most = (MOST_OF_PITCH * TAU / space.channel.blades as f64).clamp(MOST[0], MOST[1]);
         let sizer = Sizer { space, electrode, model, settings, tolerance: TOLERANCE, most, task };
         sizer.opening(self.setup.turns)

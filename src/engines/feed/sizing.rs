@@ -184,6 +184,6 @@ impl Sizer<'_> {
         // Where the same angle helps on both, that is enough to know.
         let single = |walls| if both.is_none() { least(walls) } else { Ok(None) };
         let [low, high] = [single([1.0, 0.0])?, single([0.0, 1.0])?];
-        Ok(Opening { most: self.most, both, low, high, changes: Vec::new(), in_vain: Vec::new() })
+        Ok(Opening { most: self.most, both, low, high, changes: Vec::new(), in_vain: Vec::new(), is_stopped: false })
     }
 }

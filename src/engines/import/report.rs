@@ -160,7 +160,7 @@ impl ImportReport {
         let doubts = [
             (self.duplicates_removed, "doubled triangle", "removed"),
             (self.degenerate_removed, "collapsed triangle", "removed"),
-            (self.slivers_kept, "triangle", "without height left in place, as taking it out would open the surface"),
+            (self.slivers_kept, "triangle", "without height left in place, as removal would open the surface"),
             (self.triangles_flipped, "triangle", "turned to agree with the rest"),
             (one_sided, "part", "of one side only: inside and outside cannot be told apart"),
             (unsure, "open or flat part", "left in the direction of the file, as the outside cannot be told"),

@@ -71,6 +71,12 @@ impl Progress {
         Self::new(move |update| sink(&Update { stage, ..update.clone() }))
     }
 
+    /// A progress sink for a part of the work, whose stages are all called `stage` and whose messages are all `message`.
+    fn as_stage_about(&self, stage: &'static str, message: &str) -> Self {
+        let (sink, message) = (self.0.clone(), message.to_owned());
+        Self::new(move |update| sink(&Update { stage, fraction: update.fraction, message: &message }))
+    }
+
     /// Reports that `fraction` of `stage` is done.
     pub fn report(&self, stage: &str, fraction: f64, message: &str) {
         (self.0)(&Update { stage, fraction: fraction.clamp(0.0, 1.0), message });
@@ -103,6 +109,11 @@ impl Task {
     /// A task for a part of the job, whose stages are all called `stage`.
     pub fn as_stage(&self, stage: &'static str) -> Self {
         Self { progress: self.progress.as_stage(stage), cancel: self.cancel.clone() }
+    }
+
+    /// A task for a part of the job that tells `message`, what is known by then, for as long as the part lasts.
+    pub fn as_stage_about(&self, stage: &'static str, message: &str) -> Self {
+        Self { progress: self.progress.as_stage_about(stage, message), cancel: self.cancel.clone() }
     }
 
     /// Reports that `fraction` of `stage` is done.

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use super::super::by_hand::nearest;
 use super::tests::{find, found};
 use super::*;
-use crate::channel::Station;
+use crate::channel::{Station, Surface};
 use crate::fixtures::TestBlisk;
 use crate::options::{Auto, AxisChoice, AxisLine, EndWalls};
 use crate::parametric::wheel::{Flaws, MeridianCurve, ParametricWheel};
@@ -361,6 +361,20 @@ fn above_where_blades_grow_together_a_drawn_curve_bounds_the_passage() {
     let drawn = BliskOptions { hub_points_mm, end_walls: EndWalls::Drawn, ..BliskOptions::default() };
     let error = find(&part.mesh(), &drawn).unwrap_err();
     assert!(matches!(error, BliskError::DrawnOutside { key: "hub_points_mm", .. }), "{error}");
+}
+
+/// Over the middle of the passage at half its height stands a blade that leans: the shroud is met beside its curve.
+#[test]
+fn curves_drawn_on_hub_and_shroud_between_leaning_blades_are_measured_there() {
+    let narrow = TestBlisk { blades: 90, thickness: 2.7, fillet: 0.3, grid: [24, 24, 8, 2], ..Default::default() };
+    let part = TestBlisk { twist: 0.5 / 56.0, ..narrow };
+    let points = |r: f64| vec![[1.0, r, 0.0], [7.0, r, 0.0], [13.0, r, 0.0]];
+    let (hub_points_mm, shroud_points_mm) = (points(50.0), points(62.0));
+    let drawn = BliskOptions { hub_points_mm, shroud_points_mm, end_walls: EndWalls::Drawn, ..Default::default() };
+    let channel = find(&part.mesh(), &drawn).unwrap();
+    assert!(channel.shrouded);
+    let shroud = channel.agreement.iter().find(|a| a.surface == Surface::Shroud).expect("it is measured");
+    assert!(shroud.share > 0.95 && shroud.greatest_mm < 0.05, "{shroud:?}");
 }
 
 /// A hub that is drawn from end to end, beyond the blades as well, reaches as far as it is drawn.

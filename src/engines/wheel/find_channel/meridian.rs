@@ -196,6 +196,9 @@ impl Tracer<'_> {
     /// height, and fillets lie beside them.
     fn end_walls(&self, place: &Place) -> (Option<f64>, Option<f64>) {
         let [hub, shroud] = self.end_walls_along(place);
+        let given = self.radii_by_hand(place.x);
+        let [hub, shroud] =
+            [(0, hub), (1, shroud)].map(|(end, met)| met.or_else(|| self.met_beside(place, end, given[end]?)));
         let (Some(h), Some(s)) = (hub, shroud) else { return (hub.map(|w| w.radius), shroud.map(|w| w.radius)) };
         let height = BESIDE * (s.radius - h.radius);
         let beside = |i: usize, mut wall: EndWall, inwards: f64| {
@@ -213,6 +216,17 @@ impl Tracer<'_> {
             wall.radius
         };
         (Some(beside(0, h, height)), Some(beside(1, s, -height)))
+    }
+
+    /// The hub (`end` 0) or the shroud (1) beside the radius `given` of points on it, where a blade that leans covers it
+    /// from the middle of the passage.
+    fn met_beside(&self, place: &Place, end: usize, given: f64) -> Option<EndWall> {
+        let mut gap = place.gap;
+        (0..MOST_NEARER).find_map(|round| {
+            let r = given + 2.0 * BESIDE * 0.5f64.powi(round) * (place.r - given);
+            gap = self.bladed_gap(place.x, r, &gap)?;
+            self.end_walls_along(&Place { r, gap, ..*place })[end]
+        })
     }
 
     /// Whether a facet that is met in the half plane at `theta` is a blade's rather than an end wall's.

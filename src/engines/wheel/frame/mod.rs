@@ -6,6 +6,7 @@
 
 pub(crate) mod axis;
 mod period;
+mod search_grid;
 pub(crate) mod sector;
 pub(crate) mod slices;
 

@@ -7,20 +7,14 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3, Vec3Swizzles as _};
-use rayon::prelude::*;
 
+use super::search_grid::SearchGrid;
 use geometry::frame::{Cylindrical, wrap_angle};
 use geometry::mesh::{Bounds, Mesh, unit_normal};
 
 /// Cells along the axis and along the radius of the grid that [`Slices::cell_middle`] counts in, and at most of
 /// the search grid.
 pub(crate) const CELLS: [usize; 2] = [64, 192];
-
-/// Sectors of the search grid for rays.
-const SECTORS: usize = 96;
-
-/// Most entries of the search grid; a mesh of many large triangles gets coarser cells instead.
-const MOST_ENTRIES: usize = 40_000_000;
 
 /// Solids and gaps narrower than this (rad) are rounding.
 const SLIVER: f64 = 1e-10;
@@ -29,16 +23,7 @@ const SLIVER: f64 = 1e-10;
 pub(crate) struct Slices {
     mesh: Mesh,
     bounds: Bounds,
-    /// Least x and radius 0.
-    origin: DVec2,
-    /// Extent in x and r.
-    size: DVec2,
-    /// Cells of the search grid along x and r.
-    grid: [usize; 2],
-    /// Triangles that may meet the circles of a cell.
-    cells: Buckets,
-    /// Triangles that may meet the radial rays of a column of cells and a sector.
-    wedges: Buckets,
+    grid: SearchGrid,
 }
 
 /// Intersection of a circle about the axis with the mesh.
@@ -100,31 +85,8 @@ impl Slices {
     /// Sorts `mesh`, which is given in W and has at least one triangle.
     pub fn new(mesh: Mesh) -> Self {
         let bounds = mesh.bounds();
-        let places: Vec<Cylindrical> = mesh.vertices.par_iter().map(|p| Cylindrical::from_point(*p)).collect();
-        let r_max = places.iter().map(|p| p.r).fold(0.0, f64::max);
-        // A little more than the part, so that the last cell also holds its far boundary.
-        let size = DVec2::new(bounds.size().x, r_max).max(DVec2::splat(1e-9)) * (1.0 + 1e-9);
-        let origin = DVec2::new(bounds.min.x, 0.0);
-        let mut grid = CELLS;
-        let mut spans = spans(&mesh, &places, origin, size, grid);
-        while spans.par_iter().map(Span::entries).sum::<usize>() > MOST_ENTRIES && grid != [1, 1] {
-            grid = grid.map(|n| n.div_ceil(2));
-            spans = self::spans(&mesh, &places, origin, size, grid);
-        }
-        drop(places);
-        let [nx, nr] = grid;
-        let in_cells = |span: &Span| {
-            let [columns, rows] = [span.x, span.r].map(|[first, last]| usize::from(first)..=usize::from(last));
-            columns.flat_map(move |ix| rows.clone().map(move |ir| ix * nr + ir))
-        };
-        let in_wedges = |span: &Span| {
-            let ([first, last], columns) = (span.theta, usize::from(span.x[0])..=usize::from(span.x[1]));
-            let sectors = (first..=last).map(|s| i64::from(s).rem_euclid(SECTORS as i64) as usize);
-            columns.flat_map(move |ix| sectors.clone().map(move |s| ix * SECTORS + s))
-        };
-        let (cells, wedges) =
-            rayon::join(|| Buckets::new(nx * nr, &spans, in_cells), || Buckets::new(nx * SECTORS, &spans, in_wedges));
-        Self { mesh, bounds, origin, size, grid, cells, wedges }
+        let grid = SearchGrid::new(&mesh, bounds, CELLS);
+        Self { mesh, bounds, grid }
     }
 
     /// The mesh in W.
@@ -139,12 +101,12 @@ impl Slices {
 
     /// Middle (x, r) of a cell of the grid of [`CELLS`].
     pub fn cell_middle(&self, ix: usize, ir: usize) -> DVec2 {
-        self.origin + self.cell_size() * (DVec2::new(ix as f64, ir as f64) + 0.5)
+        self.grid.origin + self.cell_size() * (DVec2::new(ix as f64, ir as f64) + 0.5)
     }
 
     /// The cell of the grid of [`CELLS`] that holds the circle through `p`.
     pub fn cell_at(&self, p: DVec3) -> Option<[usize; 2]> {
-        let at = (DVec2::new(p.x, p.yz().length()) - self.origin) / self.cell_size();
+        let at = (DVec2::new(p.x, p.yz().length()) - self.grid.origin) / self.cell_size();
         let [x, r] = [at.x.floor(), at.y.floor()];
         let inside = (0.0..CELLS[0] as f64).contains(&x) && (0.0..CELLS[1] as f64).contains(&r);
         inside.then_some([x as usize, r as usize])
@@ -152,7 +114,7 @@ impl Slices {
 
     /// Size of a cell of the grid of [`CELLS`] along x and r (mm).
     pub fn cell_size(&self) -> DVec2 {
-        self.size / DVec2::new(CELLS[0] as f64, CELLS[1] as f64)
+        self.grid.size / DVec2::new(CELLS[0] as f64, CELLS[1] as f64)
     }
 
     /// Unit outward normal of a triangle.
@@ -160,19 +122,10 @@ impl Slices {
         unit_normal(self.mesh.corners(triangle as usize))
     }
 
-    /// Column and row of the search cell that holds (`x`, `r`).
-    fn cell_of(&self, x: f64, r: f64) -> Option<[usize; 2]> {
-        let [nx, nr] = self.grid.map(|n| n as f64);
-        let at = (DVec2::new(x, r) - self.origin) / self.size * DVec2::new(nx, nr);
-        let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < nx && at.y < nr;
-        inside.then_some([at.x as usize, at.y as usize])
-    }
-
     /// Every crossing of the circle of radius `r` about the axis at `x`, in order of theta in (-pi, pi].
     pub fn circle(&self, x: f64, r: f64) -> Vec<Crossing> {
-        let Some([ix, ir]) = self.cell_of(x, r) else { return Vec::new() };
         let mut crossings = Vec::new();
-        for &triangle in self.cells.get(ix * self.grid[1] + ir) {
+        for &triangle in self.grid.about(x, r) {
             let Some([p, q]) = self.segment(triangle, x) else { continue };
             let mut push = |t: f64, enters| {
                 let at = p.lerp(q, t);
@@ -236,10 +189,9 @@ impl Slices {
 
     /// Every crossing of the ray from the axis at `x` towards `theta`, in order of radius.
     pub fn ray(&self, x: f64, theta: f64) -> Vec<RadialCrossing> {
-        let Some([ix, _]) = self.cell_of(x, 0.0) else { return Vec::new() };
         let along = DVec2::from_angle(theta);
         let mut crossings = Vec::new();
-        for &triangle in self.wedges.get(ix * SECTORS + sector(theta)) {
+        for &triangle in self.grid.towards(self.grid.column(x), theta) {
             let Some([p, q]) = self.segment(triangle, x) else { continue };
             let (side_p, side_q) = (along.perp_dot(p), along.perp_dot(q));
             if (side_p >= 0.0) == (side_q >= 0.0) {
@@ -261,14 +213,11 @@ impl Slices {
         let along = DVec2::from_angle(theta);
         // Along the radius an infinite reach leaves x where it is.
         let far = if direction.x == 0.0 { from.x } else { from.x + reach * direction.x };
-        let column = |x: f64| {
-            let at = (x - self.origin.x) / self.size.x * self.grid[0] as f64;
-            (at.max(0.0) as usize).min(self.grid[0] - 1)
-        };
+        let column = |x: f64| self.grid.column(x);
         let (first, last) = (column(from.x), column(far));
         let nearer = |a: &(f64, u32), b: &(f64, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
         let met_in = |ix: usize| {
-            let triangles = self.wedges.get(ix * SECTORS + sector(theta)).iter();
+            let triangles = self.grid.towards(ix, theta).iter();
             let met = triangles.filter_map(|&triangle| {
                 let [p, q] = self.half_plane_segment(triangle, along)?;
                 let (p, q) = (p - from, q - from);
@@ -340,11 +289,8 @@ impl Slices {
 
     /// Distances from the axis of the corners that the section at `x` has within `half` of the angle `theta`.
     pub fn corner_radii(&self, x: f64, theta: f64, half: f64) -> Vec<f64> {
-        let Some([ix, _]) = self.cell_of(x, 0.0) else { return Vec::new() };
         let along = DVec2::from_angle(theta);
-        let last = sector_count(theta + half).min(sector_count(theta - half) + SECTORS as i64 - 1);
-        let sectors = (sector_count(theta - half)..=last).map(|s| s.rem_euclid(SECTORS as i64) as usize);
-        let triangles = sectors.flat_map(|s| self.wedges.get(ix * SECTORS + s));
+        let triangles = self.grid.within(self.grid.column(x), [theta - half, theta + half]);
         let corners = triangles.filter_map(|&t| self.segment(t, x)).flatten();
         corners.filter(|c| along.angle_to(*c).abs() <= half).map(DVec2::length).collect()
     }
@@ -404,112 +350,6 @@ fn chord(p: DVec2, q: DVec2, r: f64, cross: bool) -> Option<(f64, f64)> {
     }
     let (t, u) = (-s / a, -c / s);
     Some((t.min(u), t.max(u)))
-}
-
-/// The sector that holds an angle, counted on beyond a turn.
-fn sector_count(theta: f64) -> i64 {
-    (theta / (TAU / SECTORS as f64)).floor() as i64
-}
-
-/// The sector that holds an angle.
-fn sector(theta: f64) -> usize {
-    sector_count(theta).rem_euclid(SECTORS as i64) as usize
-}
-
-/// The cells that a triangle may touch: first and last column, row and sector.
-struct Span {
-    x: [u16; 2],
-    r: [u16; 2],
-    theta: [i16; 2],
-}
-
-/// The spans of the triangles of `mesh`, whose vertices are at `places`.
-fn spans(mesh: &Mesh, places: &[Cylindrical], origin: DVec2, size: DVec2, grid: [usize; 2]) -> Vec<Span> {
-    let span = |t: &[u32; 3]| {
-        let flat = t.map(|v| mesh.vertices[v as usize]).map(|p| DVec2::new(p.z, -p.y));
-        Span::new(flat, t.map(|v| places[v as usize]), origin, size, grid)
-    };
-    mesh.triangles.par_iter().map(span).collect()
-}
-
-impl Span {
-    /// Of a triangle with these corners, also across the axis.
-    fn new(flat: [DVec2; 3], corners: [Cylindrical; 3], origin: DVec2, size: DVec2, grid: [usize; 2]) -> Self {
-        // Computed as for a point that is looked up, so that both round alike.
-        let [nx, nr] = grid.map(|n| n as f64);
-        let x = corners.map(|p| (p.x - origin.x) / size.x * nx);
-        let r = corners.map(|p| p.r);
-        let nearest = least_radius(flat);
-        let index = |value: f64, axis: usize| (value.max(0.0) as usize).min(grid[axis] - 1) as u16;
-        let theta = if nearest == 0.0 {
-            [0, SECTORS as i16 - 1]
-        } else {
-            let start = corners[0].theta;
-            let turns = corners.map(|p| wrap_angle(p.theta - start));
-            [least(turns) - 1e-9, most(turns) + 1e-9].map(|turn| sector_count(start + turn) as i16)
-        };
-        // A hair more than the triangle, so that rounding never loses it.
-        let rows = [nearest * (1.0 - 1e-12), most(r) * (1.0 + 1e-12)].map(|r| index(r / size.y * nr, 1));
-        Self { x: [index(least(x), 0), index(most(x), 0)], r: rows, theta }
-    }
-
-    fn entries(&self) -> usize {
-        let count = |[first, last]: [u16; 2]| usize::from(last - first) + 1;
-        count(self.x) * (count(self.r) + (self.theta[1] - self.theta[0] + 1) as usize)
-    }
-}
-
-fn least(v: [f64; 3]) -> f64 {
-    v[0].min(v[1]).min(v[2])
-}
-
-fn most(v: [f64; 3]) -> f64 {
-    v[0].max(v[1]).max(v[2])
-}
-
-/// Least distance of a triangle in the plane from the origin.
-fn least_radius(corners: [DVec2; 3]) -> f64 {
-    let edges = [0, 1, 2].map(|i| (corners[i], corners[(i + 1) % 3]));
-    let sides = edges.map(|(p, q)| p.perp_dot(q));
-    if sides.iter().all(|&s| s >= 0.0) || sides.iter().all(|&s| s <= 0.0) {
-        return 0.0;
-    }
-    let to_edge = edges.map(|(p, q)| {
-        let d = q - p;
-        let t = if d == DVec2::ZERO { 0.0 } else { (-p.dot(d) / d.length_squared()).clamp(0.0, 1.0) };
-        p.lerp(q, t).length()
-    });
-    least(to_edge)
-}
-
-/// Triangle numbers by bucket, in rising order within each.
-struct Buckets {
-    starts: Vec<usize>,
-    items: Vec<u32>,
-}
-
-impl Buckets {
-    /// Puts item `i` into every bucket of `of(&spans[i])`.
-    fn new<I: Iterator<Item = usize>>(count: usize, spans: &[Span], of: impl Fn(&Span) -> I) -> Self {
-        let mut starts = vec![0; count + 1];
-        spans.iter().flat_map(&of).for_each(|bucket| starts[bucket + 1] += 1);
-        for i in 0..count {
-            starts[i + 1] += starts[i];
-        }
-        let mut ends = starts.clone();
-        let mut items = vec![0; starts[count]];
-        for (i, span) in spans.iter().enumerate() {
-            for bucket in of(span) {
-                items[ends[bucket]] = i as u32;
-                ends[bucket] += 1;
-            }
-        }
-        Self { starts, items }
-    }
-
-    fn get(&self, bucket: usize) -> &[u32] {
-        &self.items[self.starts[bucket]..self.starts[bucket + 1]]
-    }
 }
 
 #[cfg(test)]
@@ -577,7 +417,7 @@ mod tests {
             Slices::new(mesh)
         };
         let (fine, coarse) = (fan(1), fan(2500));
-        assert!(coarse.grid[0] < fine.grid[0]);
+        assert!(coarse.grid.counts[0] < fine.grid.counts[0]);
         let gaps = |slices: &Slices| slices.gaps(1.0, 1.25).iter().map(Gap::width).collect::<Vec<_>>();
         assert_eq!(gaps(&fine).len(), 5, "four beside the bar, one of them parted by the fan");
         assert_eq!(gaps(&fine), gaps(&coarse));

@@ -94,8 +94,12 @@ impl PlanOutcome {
         self.is_verified() && self.stopped().is_none() && self.finishing().is_none_or(|f| f.collision().is_none())
     }
 
-    /// Stage after the feeds that was stopped, if one was.
+    /// Stage that was stopped, if one was: of what comes after the feeds, or the search for what would make one feasible.
     pub fn stopped(&self) -> Option<&'static str> {
+        let is_stopped = |e: &ElectrodeOutcome| e.plan.jam.as_ref()?.opening.as_ref().map(|opening| opening.is_stopped);
+        if self.electrodes.iter().any(|e| is_stopped(e) == Some(true)) {
+            return Some("search for a change that makes it feasible");
+        }
         let of_stock = || self.stock()?.is_stopped.then_some("map of the residual stock");
         self.finishing()?.stopped.or_else(of_stock)
     }

@@ -10,6 +10,7 @@ use super::remedy::look_for_changes;
 use super::simulate;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::kept_plan::{KeptElectrode, KeptPlan};
+use feed::jam::Opening;
 use feed::machine::HeadAxis;
 use feed::plan::{FeedPlan, PlanSettings};
 use feed::plan_params::Strategy;
@@ -175,6 +176,12 @@ impl JobPlanner<'_> {
                     impossible.push((side, error));
                     continue;
                 }
+                Err(PlanJobError::Cancelled(cancelled)) => {
+                    // Where it jams on the side before is known all the same.
+                    let opening = best.as_mut().and_then(opening_of).ok_or(cancelled)?;
+                    opening.is_stopped = true;
+                    break;
+                }
                 Err(other) => return Err(other),
             };
             let enough = outcome.plan.jam.as_ref().and_then(|jam| jam.opening.as_ref()?.both);
@@ -196,17 +203,34 @@ impl JobPlanner<'_> {
         }
         match (best, ElectrodeError::of_sides(impossible)) {
             (Some(mut best), _) => {
-                if let Some(opening) = best.plan.jam.as_mut().and_then(|jam| jam.opening.as_mut()) {
-                    let sides: Vec<EntrySide> = tried.iter().map(|(side, _)| *side).collect();
-                    let sides = [sides, vec![best.electrode.enters_from]].concat();
-                    opening.both = least_enough;
-                    look_for_changes(opening, (self.prepared, self.inputs), part, &sides, self.task)?;
-                }
+                self.explain_jam(&mut best, part, (&tried, least_enough))?;
                 Ok(ElectrodeOutcome { tried, ..best })
             }
             (None, Some(error)) => Err(error.into()),
             (None, None) => Err(Cancelled.into()),
         }
+    }
+
+    /// Adds to the jam of `best`, if it has one, the changes by which electrode number `part` comes out; `least_enough` is the
+    /// further reduction of both walls that is enough on some side (rad). A search that is stopped keeps what it has found.
+    fn explain_jam(
+        &self,
+        best: &mut ElectrodeOutcome,
+        part: usize,
+        (tried, least_enough): (&[(EntrySide, String)], Option<f64>),
+    ) -> Result<(), PlanJobError> {
+        let known = best.plan.jam.as_ref().map(|jam| jam.place_and_cause(&self.prepared.space.channel));
+        let sides: Vec<EntrySide> = tried.iter().map(|(side, _)| *side).chain([best.electrode.enters_from]).collect();
+        let (Some(opening), Some(known)) = (opening_of(best).filter(|opening| !opening.is_stopped), known) else {
+            return Ok(());
+        };
+        opening.both = least_enough;
+        let task = self.task.as_stage_about(Opening::SEARCH, &known);
+        match look_for_changes(opening, (self.prepared, self.inputs), part, &sides, &task) {
+            Err(PlanJobError::Cancelled(_)) => opening.is_stopped = true,
+            ended => ended?,
+        }
+        Ok(())
     }
 
     fn on_side(&mut self, part: usize, side: EntrySide) -> Result<ElectrodeOutcome, PlanJobError> {
@@ -314,6 +338,11 @@ pub fn kept(outcome: &PlanOutcome) -> Option<Vec<KeptElectrode>> {
         nodes: e.plan.nodes.clone(),
     };
     outcome.is_verified().then(|| outcome.electrodes.iter().map(keep).collect())
+}
+
+/// What would make an electrode feasible that jams.
+fn opening_of(outcome: &mut ElectrodeOutcome) -> Option<&mut Opening> {
+    outcome.plan.jam.as_mut()?.opening.as_mut()
 }
 
 /// How good an outcome is: verified, come out, or got so far (mm).

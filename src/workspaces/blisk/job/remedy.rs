@@ -25,7 +25,7 @@ const RAISES_DEG: [f64; 3] = [0.01, 0.1, 0.3];
 /// further reduction of the walls is enough.
 ///
 /// # Errors
-/// When told to stop.
+/// When told to stop; what was found by then is in `opening`.
 pub(super) fn look_for_changes(
     opening: &mut Opening,
     (prepared, inputs): (&PreparedBlisk, &PlanInputs),
@@ -33,7 +33,7 @@ pub(super) fn look_for_changes(
     tried: &[EntrySide],
     task: &Task,
 ) -> Result<(), PlanJobError> {
-    let remedies = Remedies { prepared, task: &task.as_stage("what would make it feasible") };
+    let remedies = Remedies { prepared, task };
     let mut by_walls = false;
     for more in [opening.both.map(|h| [h, h]), opening.low.map(|h| [h, 0.0]), opening.high.map(|h| [0.0, h])] {
         // Where both walls help by the same angle, that is enough to know.

@@ -61,7 +61,9 @@ fn verdict(outcome: &PlanOutcome) -> Verdict {
         .collect();
     let left = outcome.residual_stock().map(|l| l.sentence(&outcome.channel));
     let simulated = outcome.finishing().into_iter().flat_map(|f| &f.simulations).map(|s| s.sentence());
-    let stopped = outcome.stopped().map(|stage| format!("The {stage} was stopped, so that there is no NC program."));
+    // Where one jams, its own sentence says that the search for a remedy was stopped.
+    let stopped = outcome.stopped().filter(|_| outcome.is_verified());
+    let stopped = stopped.map(|stage| format!("The {stage} was stopped, so that there is no NC program."));
     let sentence = sentences.into_iter().chain(simulated).chain(stopped).chain(left).collect::<Vec<_>>().join(" ");
     let exit_code = match (outcome.stopped(), outcome.may_be_approved()) {
         (Some(_), _) => 130,

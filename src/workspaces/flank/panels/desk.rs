@@ -116,8 +116,10 @@ pub struct FlankDesk {
     pub machines: Vec<[String; 2]>,
     /// The cutters to choose from.
     pub cutters: Vec<FlankCutter>,
-    /// Plans side by side: those of a list of cutters, and those that the user keeps.
+    /// Plans side by side: first those that the user keeps, then those of a sweep or of a list of cutters.
     pub rows: Vec<Row>,
+    /// Number of plans that the user keeps.
+    pub kept_rows: usize,
     /// The sweep that is asked for next, whose quantity plans side by side are plotted over.
     pub sweep: Sweep,
     /// Whether the sweep is to be started.
@@ -175,6 +177,7 @@ impl FlankDesk {
                 .collect(),
             cutters: user_cutters(user_folder().as_deref()).or_else(|_| standard_cutters()).unwrap_or_default().cutter,
             rows: Vec::new(),
+            kept_rows: 0,
             sweep: Quantity::Radius.usual(),
             wants_sweep: false,
             changed_files: Vec::new(),
@@ -207,7 +210,7 @@ impl FlankDesk {
         (self.path, self.rank, self.place, self.edited) = (self.followed.path, None, None, None);
         self.revision += 1;
         self.work.forget_sketch();
-        self.rows.clear();
+        self.clear_rows();
     }
 
     /// Project file of the document, or a file of its surface.
@@ -315,7 +318,16 @@ impl FlankDesk {
 
     /// Keeps the plan that is shown beside others. Check [`is_planned`](Self::is_planned) first.
     pub fn keep(&mut self) {
-        self.rows.extend(self.shown.as_ref().map(|planned| Row::of(&planned.result)));
+        if let Some(planned) = &self.shown {
+            self.rows.insert(self.kept_rows, Row::of(&planned.result));
+            self.kept_rows += 1;
+        }
+    }
+
+    /// Forgets all plans side by side.
+    pub fn clear_rows(&mut self) {
+        self.rows.clear();
+        self.kept_rows = 0;
     }
 
     /// Takes a cutter.
@@ -354,7 +366,8 @@ impl FlankDesk {
             events.push(WorkEvent { kind: EventKind::Failed, text: format!("Sweep: {text}"), took: None });
         }
         if let Some(rows) = self.work.take_compared() {
-            self.rows = rows.to_vec();
+            self.rows.truncate(self.kept_rows);
+            self.rows.extend_from_slice(&rows);
         }
         self.work.files(self.document.params()).iter().for_each(|file| self.document.note_file(file));
         let state = self.state();

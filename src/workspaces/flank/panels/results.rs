@@ -128,7 +128,7 @@ fn comparison(ui: &mut Ui, desk: &mut FlankDesk) {
             desk.keep();
         }
         if !desk.rows.is_empty() && ui.small_button("Clear").clicked() {
-            desk.rows.clear();
+            desk.clear_rows();
         }
     });
     sweep(ui, desk);

@@ -91,10 +91,12 @@ fn left(ui: &mut Ui, desk: &mut MoldDesk, left: &LeftOfRegion, (electrode, r): (
 
 /// Residual stock at the place of the greatest.
 fn in_words(left: &LeftOfRegion) -> String {
+    /// Less than what four decimals show (mm).
+    const NOTHING: f64 = 5e-5;
     let LeftOfRegion { thickness, excess, .. } = *left;
     if excess >= thickness {
         format!("residual stock {thickness:.4} mm")
-    } else if excess > 0.0 {
+    } else if excess >= NOTHING {
         format!("residual stock {excess:.4} mm beyond the corner radius of the spark")
     } else {
         format!("residual stock {thickness:.4} mm in a corner rounded by the spark")
