@@ -194,6 +194,21 @@ pub enum BliskError {
         /// Where (mm from the axis).
         r: f64,
     },
+    /// A shroud over part of the blades.
+    #[error(
+        "metal stands beyond the blade tips over {:.0} % of the passage's length, among it at x {x:.2}, r {r:.2}, and beside it \
+         there is none: the passage has a shroud over a part of it only. Draw the curve that is to bound it with \
+         blisk.shroud_points_mm and blisk.end_walls \"drawn\", or take a mesh whose shroud is whole",
+        100.0 * share
+    )]
+    PartShroud {
+        /// Share of the passage's length that is covered.
+        share: f64,
+        /// Position along the axis of a place that is covered (mm, in W).
+        x: f64,
+        /// Its radius (mm).
+        r: f64,
+    },
     /// Something stands in the passage.
     #[error(
         "metal stands in the passage at x {:.3}, r {:.3} mm about the axis, {off_mm:.3} mm within it, so that no electrode \
@@ -401,7 +416,8 @@ impl BliskError {
             | Self::GivenRadius { x, r, .. }
             | Self::DrawnOutside { x, r, .. }
             | Self::HandCurve { x, r, .. }
-            | Self::NoThroat { x, r } => Some(Cylindrical { x, r, theta: 0.0 }.point()),
+            | Self::NoThroat { x, r }
+            | Self::PartShroud { x, r, .. } => Some(Cylindrical { x, r, theta: 0.0 }.point()),
             Self::Disagrees(Agreement { at, .. }) | Self::Obstructed { at, .. } => Some(at),
             _ => None,
         }

@@ -177,9 +177,10 @@ impl Planned {
         });
         let head = ["machine", "whole motion", "#least certified clearance (mm)", "#spark gap (mm)"];
         let all = self.plans.iter().all(|(_, _, outcome)| outcome.is_verified());
-        let verdict = if all { Verdict::Same } else { Verdict::Worse };
-        let why = "The paper plays the motion in its simulation and sees no collision. Ours is a certificate: a lower bound of the \
-                   distance over the whole continuous motion. Bodies of the machine are not part of it here.";
+        let verdict = if all { Verdict::NotComparable } else { Verdict::Worse };
+        let why = "The paper plays the motion of electrode and machine in its simulation and sees no collision. Of electrode \
+                   and blisk ours is a certificate: a lower bound of the distance over the whole continuous motion. The \
+                   bodies of the paper's machine are not known; those of ours are moved by sparkpath simulate, not here.";
         Outcome {
             tables: vec![Table::new("Certificates of all four electrodes together", &head, rows.collect())],
             ..super::outcome(
@@ -209,8 +210,9 @@ fn figure_2(outcome: &PlanOutcome) -> Outcome {
     let [least, most] = thickness.fold([f64::INFINITY, 0.0], |[a, b], t| [f64::min(a, t), f64::max(b, t)]);
     let why = format!(
         "{} electrodes, as the paper has: two along the passage, one from each side, each divided left and right, with an \
-         overlap. The paper balances their thickness and gives no figures; ours are {least:.2} to {most:.2} mm thick with the \
-         division in the middle of the channel's width.",
+         overlap. The paper balances their thickness and gives no figures. Ours divides each part where both halves are \
+         equally thick before any reduction; parts are not balanced with one another. The finished ones are {least:.2} to \
+         {most:.2} mm thick.",
         outcome.electrodes.len()
     );
     Outcome {
@@ -295,9 +297,7 @@ fn distance_plot(title: &str, e: &ElectrodeOutcome, facts: &[NodeFacts], gap: f6
         |k: usize| nodes.iter().zip(facts).map(move |(n, f)| [n.s, f.distances[k].unwrap_or(f64::NAN)]).collect();
     let series = (0..4).zip(["c0", "c1", "c2", "c3"]).map(|(k, class)| Series { points: curve(k), class, dots: false });
     Plot {
-        title: format!(
-            "{title}: distances to pressure wall (blue), suction wall (brown), hub (green), shroud (violet), mm"
-        ),
+        title: format!("{title}: mm to pressure wall (blue), suction wall (brown), hub (green), shroud (violet)"),
         x_label: "retracted (mm)".to_owned(),
         log_y: true,
         size: [760.0, 250.0],

@@ -78,12 +78,11 @@ pub(super) fn figure_6(part: &Part, task: &Task) -> Result<Outcome, ReproduceErr
         "The paper inscribes circles in the two blades, each circle touching its neighbours, and takes the middles of the \
          lines between them; that is built here as it stands (neighbours touch to {:.0e} mm). Our planner inscribes circles \
          in the channel itself. Over the middle three fifths of the channel the paper's line lies up to {:.3} mm beside the \
-         middle of the walls, ours {:.3} mm. The paper's own coordinates are not stated.",
+         middle of the walls, ours {:.3} mm. The paper states neither coordinates nor such a distance.",
         touching.fold(1e-16, f64::max),
         off[0],
         off[1]
     );
-    let verdict = if off[1] < off[0] { Verdict::Better } else { Verdict::Worse };
     let csv = csv(&circles, &joined, &middles);
     Ok(Outcome {
         tables: vec![Table::new(&caption, &head, rows.to_vec())],
@@ -92,7 +91,7 @@ pub(super) fn figure_6(part: &Part, task: &Task) -> Result<Outcome, ReproduceErr
         ..outcome(
             "Figure 6",
             "Centreline of the channel: inscribed circles, L_i, M_i",
-            verdict,
+            Verdict::NotComparable,
             why,
             "sparkpath inspect prints length and circles of the centreline; the window draws it in the Blisk workspace \
              (scene tree, Centreline). Coordinates of this figure: p1_centreline.csv.",

@@ -138,12 +138,11 @@ fn combined(shown: &Shown) -> Outcome {
     let many = electrodes.iter().filter(|e| e.burns.len() > 1).count();
     let burns: usize = electrodes.iter().map(|e| e.burns.len()).sum();
     Outcome {
-        verdict: same_if(many > 0),
-        why:
-            "The paper joins tips of the same shape and size on one electrode, of which it shows one example. Here one \
-              electrode is made for places that are the same but for a turn about the burn direction, and burns them one \
-              after another; tips within a distance share a base (figure 27)."
-                .to_owned(),
+        why: "The paper joins tips of the same shape and size on one electrode, of which it shows one example, and burns them \
+              at once. On the demonstration mold one electrode is made for places that are the same but for a turn about the \
+              burn direction, and burns them one after another; electrodes.repeat = heads puts such tips on one base. Which \
+              of the two is better is not in the paper."
+            .to_owned(),
         tables: vec![Table::new(
             "Electrodes",
             &["#electrodes", "#of them for several places", "#burns"],

@@ -209,7 +209,7 @@ pub(super) fn distribution(
     for (name, electrode, pose) in [
         ("(a) net-shape electrode, final pose".to_owned(), net_shape, Pose::FINAL),
         ("reduced electrode, final pose".to_owned(), reduced, Pose::FINAL),
-        (format!("(b) reduced electrode, most uneven node of free travel, {s:.1} mm out"), reduced, worst),
+        (format!("(b) most uneven node of free travel, {s:.1} mm out"), reduced, worst),
     ] {
         let distances = gauge(electrode)?.distances(&pose, 0.0, &to_walls);
         positions.push(Position { name, electrode, pose, distances });
@@ -304,7 +304,7 @@ fn histogram(position: &Position) -> Plot {
     };
     let [low, high] = position.distances.each_ref().map(steps);
     Plot {
-        title: format!("% of samples, {}", position.name),
+        title: format!("{}, % of samples", position.name),
         x_label: "distance, mm; blue low wall, brown high wall".to_owned(),
         size: [360.0, 220.0],
         series: [(low, "c0"), (high, "c1")].map(|(points, class)| Series { points, class, dots: false }).to_vec(),

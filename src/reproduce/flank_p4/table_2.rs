@@ -37,7 +37,7 @@ pub(super) fn table_2(cases: &[Case], task: &Task) -> Result<Outcome, ReproduceE
         beats &= plan.chosen.deviation.sum < least && short < quickest;
         below.push(number(100.0 * (1.0 - plan.chosen.deviation.sum / least), 0));
         let row = |path: &str, sum: f64, above: Option<f64>, paper: String, seconds: Option<f64>| {
-            let gained = if sum < least { number(100.0 * (1.0 - sum / least), 1) } else { String::new() };
+            let gained = if above.is_some() { number(100.0 * (1.0 - sum / least), 1) } else { String::new() };
             let [sum, ratio] = [sum, sum / plan.initial.deviation.sum].map(|x| number(x, 3));
             let seconds = seconds.map_or_else(String::new, |s| number(s, 2));
             let above = above.map_or_else(String::new, |above| number(1e3 * above, 1));
@@ -83,7 +83,7 @@ pub(super) fn table_2(cases: &[Case], task: &Task) -> Result<Outcome, ReproduceE
                 "path",
                 "#sum mm",
                 "#ratio to initial",
-                "#% below the better swarm",
+                "#% below the better swarm (above: negative)",
                 "#flutes end above the lower guide, µm",
                 "#paper: % below its reference 12",
                 "#s",

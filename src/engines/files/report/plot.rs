@@ -40,6 +40,9 @@ pub struct Plot {
 const LEFT: f64 = 54.0;
 const RIGHT: f64 = 12.0;
 const TOP: f64 = 24.0;
+/// Least distance of a title from either end, and the room that a letter of it takes.
+const LEAST_LEFT: f64 = 4.0;
+const LETTER: f64 = 6.7;
 const BOTTOM: f64 = 34.0;
 /// Values beyond this are no measurement of anything and interrupt a line, as what is not finite does.
 const BEYOND: f64 = 1e12;
@@ -155,9 +158,18 @@ impl Plot {
     /// The picture as an `<svg>` element.
     pub fn svg(&self) -> String {
         let ([w, h], title) = (self.size, escape(&self.title));
+        let needed = LETTER * self.title.chars().count() as f64;
+        let room = w - 2.0 * LEAST_LEFT;
+        let left = LEFT.min(w - RIGHT - needed).max(LEAST_LEFT);
+        // A longer one is set closer.
+        let fitted = if needed > room {
+            format!(" textLength=\"{room}\" lengthAdjust=\"spacingAndGlyphs\"")
+        } else {
+            String::new()
+        };
         let mut out = format!(
-            "<svg viewBox=\"0 0 {w} {h}\" role=\"img\" aria-label=\"{title}\">\
-             <text class=\"t\" x=\"{LEFT}\" y=\"14\">{title}</text>"
+            "<svg viewBox=\"0 0 {w} {h}\" style=\"--w:{w}px\" role=\"img\" aria-label=\"{title}\">\
+             <text class=\"t\" x=\"{left}\" y=\"14\"{fitted}>{title}</text>"
         );
         match Scale::of(self) {
             Some(scale) => self.draw(&mut out, &scale),
@@ -242,6 +254,15 @@ fn text(out: &mut String, class: &str, [x, y]: [f64; 2], anchor: &str, content: 
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn a_title_stays_within_its_plot() {
+        let titled =
+            |letters: usize| Plot { title: "m".repeat(letters), size: [360.0, 220.0], ..Plot::default() }.svg();
+        assert!(titled(20).contains("x=\"54\" y=\"14\">mm"), "above the axis");
+        assert!(titled(50).contains("x=\"13\" y=\"14\">mm"), "as far left as needed: 360 - 12 - 50 * 6.7");
+        assert!(titled(60).contains("x=\"4\" y=\"14\" textLength=\"352\""), "set closer");
+    }
 
     proptest! {
         #[test]

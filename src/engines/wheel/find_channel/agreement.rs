@@ -48,6 +48,8 @@ const MOST_CHORD: f64 = 0.02;
 const MOST_SAG: f64 = 0.05;
 /// A shroud is thicker than this share of the height.
 const FILM: f64 = 1e-3;
+/// Metal within this share of the height beyond the tips covers the passage.
+const NEAR_TIPS: f64 = 0.2;
 /// Share of the height that the rays to an end wall start from it.
 const START: f64 = 0.1;
 /// Shares of the height from which rays start whose way from there is barred by a blade that leans.
@@ -82,7 +84,7 @@ const DENSE: Density = Density { every: 2, stations: 40, across: 9 };
 const SPARSE: Density = Density { every: 4, stations: 16, across: 5 };
 
 /// One measured place: how far off the mesh it is, with the sense, the mesh's own chord error there, where it is, and the
-/// facet of a wall that is met.
+/// facet that is met.
 #[derive(Clone, Copy)]
 struct Sample {
     off: f64,
@@ -101,6 +103,11 @@ struct Facets<'a> {
 impl<'a> Facets<'a> {
     fn new(mesh: &'a Mesh) -> Self {
         Self { mesh, edges: mesh.sides().collect() }
+    }
+
+    /// How far the facet of a sample may lie off the bent surface that it stands for (mm).
+    fn of(&self, sample: &Sample) -> f64 {
+        sample.triangle.map_or(0.0, |triangle| self.chord(triangle))
     }
 
     /// How far a facet may lie off the bent surface that it stands for (mm): as far as an arc over it that turns from
@@ -140,8 +147,17 @@ impl Measured<'_> {
     /// [`BliskError::NoThroat`] where its walls touch: what was found is no channel of this part then.
     pub fn agreement(&self, throat: &Throat) -> Result<Vec<Agreement>, BliskError> {
         let within = self.tolerance();
-        let all = self.samples(DENSE, 0.0)?.map(|(surface, samples)| summary(surface, samples, within));
-        let all: Vec<Agreement> = all.collect();
+        let mut all = Vec::new();
+        for (surface, mut samples) in self.samples(DENSE, 0.0)? {
+            let mut agreement = summary(surface, samples.clone(), within);
+            if agreement.share < ENOUGH {
+                // Beside the facet that stands out most others lie deeper, by as much as they may be off their surface.
+                let (facets, most) = (Facets::new(self.tracer.slices.mesh()), MOST_CHORD * self.least_height());
+                samples.iter_mut().for_each(|sample| sample.chord = (sample.chord + facets.of(sample)).min(most));
+                agreement = summary(surface, samples, within);
+            }
+            all.push(agreement);
+        }
         if let Some(a) = all.iter().find(|a| a.share < ENOUGH) {
             let key = if a.surface == Surface::Hub { "hub_points_mm" } else { "shroud_points_mm" };
             let Cylindrical { x, r, .. } = Cylindrical::from_point(a.at);
@@ -174,8 +190,8 @@ impl Measured<'_> {
         let within = (APART * self.tolerance()).max(tolerance.min(MOST_TOLERANCE));
         let covered = self.covered(0.0);
         let own: Vec<_> = self.samples(SPARSE, 0.0)?.collect();
-        let chord = |sample: &Sample| facets.zip(sample.triangle).map_or(0.0, |(all, triangle)| all.chord(triangle));
-        let most_chord = MOST_SAG * self.meridian.stations.iter().map(Station::height).fold(0.0, f64::max);
+        let chord = |sample: &Sample| facets.map_or(0.0, |all| all.of(sample));
+        let most_chord = self.most_sag();
         let unlike = |number: usize| {
             let turn = number as f64 * self.tracer.pitch;
             let compared = self.samples(SPARSE, turn)?.zip(&own).map(|((surface, mut samples), (_, own))| {
@@ -206,6 +222,29 @@ impl Measured<'_> {
         if self.meridian.shrouded {
             return 0.0;
         }
+        self.metal_beyond_tips(turn, 1.0).len() as f64 / SPARSE.stations as f64
+    }
+
+    /// Refuses tips over which metal stands along part of the passage.
+    ///
+    /// # Errors
+    /// [`BliskError::PartShroud`].
+    pub fn check_tips(&self) -> Result<(), BliskError> {
+        if self.tracer.is_drawn(Surface::Shroud) {
+            return Ok(());
+        }
+        match self.metal_beyond_tips(0.0, NEAR_TIPS)[..] {
+            [] | [_] => Ok(()),
+            ref met => {
+                let DVec2 { x, y: r } = met[met.len() / 2];
+                Err(BliskError::PartShroud { share: met.len() as f64 / SPARSE.stations as f64, x, r })
+            }
+        }
+    }
+
+    /// Where rays outwards, past the tips of a channel that lies `turn` further about the axis (rad), meet metal within
+    /// a share `reach` of its height, at stations along the blades.
+    fn metal_beyond_tips(&self, turn: f64, reach: f64) -> Vec<DVec2> {
         let (middle, stations) = (self.walls[0].nv / 2, &self.meridian.stations);
         let columns = (1..=SPARSE.stations).map(|i| i * (self.walls[0].nu - 1) / (SPARSE.stations + 1));
         let meets = |u: usize| {
@@ -213,12 +252,12 @@ impl Measured<'_> {
             let station = station_at(stations, along_at(stations, DVec2::new(ends[0].x, ends[0].r), 0.5));
             let theta = 0.5 * (ends[0].theta + angle_near(ends[1].theta, ends[0].theta)) + turn;
             let [from, toward] = self.tracer.start_of(&station, 1.0 - START, Surface::Shroud);
-            let met = self.tracer.met(theta, from, toward, station.height());
+            let (distance, _) = self.tracer.met(theta, from, toward, (START + reach) * station.height())?;
             // A film without thickness is no shroud.
-            let beyond = met.map(|(distance, _)| from + (distance + FILM * station.height()) * toward);
-            beyond.is_some_and(|at| self.tracer.slices.is_solid(at.x, at.y, theta))
+            let beyond = from + (distance + FILM * station.height()) * toward;
+            self.tracer.slices.is_solid(beyond.x, beyond.y, theta).then(|| from + distance * toward)
         };
-        columns.filter(|&u| meets(u)).count() as f64 / SPARSE.stations as f64
+        columns.filter_map(meets).collect()
     }
 
     /// Share of the metal between hub and shroud beyond the edges, a pitch to either side, that only one of two channels
@@ -264,8 +303,16 @@ impl Measured<'_> {
 
     /// Distance up to which a place agrees, beside the mesh's own chord error (mm).
     fn tolerance(&self) -> f64 {
-        let heights = self.meridian.stations.iter().map(Station::height);
-        TOLERANCE.max(TOLERANCE_SHARE * heights.fold(f64::INFINITY, f64::min))
+        TOLERANCE.max(TOLERANCE_SHARE * self.least_height())
+    }
+
+    fn least_height(&self) -> f64 {
+        self.meridian.stations.iter().map(Station::height).fold(f64::INFINITY, f64::min)
+    }
+
+    /// How far a cell of a wall may bend at most (mm).
+    fn most_sag(&self) -> f64 {
+        MOST_SAG * self.meridian.stations.iter().map(Station::height).fold(0.0, f64::max)
     }
 
     /// The measured places of each surface of the channel that lies `turn` further about the axis (rad).
@@ -288,7 +335,7 @@ impl Measured<'_> {
         let columns = (edge + 1..wall.nu - edge).step_by(every);
         let cells = columns.flat_map(|u| (every.div_ceil(2)..wall.nv).step_by(every).map(move |v| (u, v)));
         let cells: Vec<_> = cells.collect();
-        let most_sag = MOST_SAG * self.meridian.stations.iter().map(Station::height).fold(0.0, f64::max);
+        let most_sag = self.most_sag();
         let sample = |&(u, v): &(usize, usize)| {
             let (at, sag) = cell(wall, u, v);
             let Cylindrical { x, r, theta } = Cylindrical::from_point(at);
@@ -362,7 +409,7 @@ impl Measured<'_> {
                 let missed = if tracer.is_drawn(surface) { 0.0 } else { f64::INFINITY };
                 let above = if given { met.above.max(0.0) } else { met.above };
                 let at = Cylindrical { x: met.end.x, r: met.end.y, theta: met.theta }.point();
-                Sample { off: met.facet.map_or(missed, |_| above), chord, at, triangle: None }
+                Sample { off: met.facet.map_or(missed, |_| above), chord, at, triangle: met.facet }
             };
             met.iter().map(sample).collect::<Vec<_>>()
         };

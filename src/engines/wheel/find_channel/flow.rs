@@ -21,7 +21,7 @@ pub(super) struct Lines {
     pub step: f64,
     /// Whether the outer ends are those of a wall; if not, of the blade tips.
     pub shrouded: bool,
-    /// Share of the whole passage that runs more along the radius than along the axis, also where splitters have ended.
+    /// Share of the whole passage that is steep, also where splitters have ended.
     pub steep: f64,
 }
 
@@ -47,6 +47,11 @@ const SAME_RADIUS: f64 = 0.2;
 /// is flatter.
 pub(super) const MOST_STEEP: f64 = 0.1;
 
+/// Slope (radius over x) of 45 degrees; and that of 25, from which on a passage is looked at across its direction where
+/// nothing is found along the axis.
+pub(super) const STEEP: f64 = 1.0;
+pub(super) const LEANING: f64 = 0.47;
+
 /// A piece of the outline of the bladed part, between two neighbouring points of the lattice.
 #[derive(Clone, Copy)]
 struct Piece {
@@ -54,34 +59,35 @@ struct Piece {
     is_solid: bool,
 }
 
-/// The lines across the passage through `start` between blades of so many kinds; none where it runs along the axis,
-/// within 45 degrees, or where the blades do not reach a hub from end to end, so that nothing is known of its direction.
-pub(super) fn lines(tracer: &Tracer, start: Place, kinds: usize) -> Result<Option<Lines>, BliskError> {
+/// The lines across the passage through `start` between blades of so many kinds; none where it runs along the axis, at
+/// most as steep as `slope` (radius over x), or where the blades do not reach a hub from end to end, so that nothing is known of its direction.
+pub(super) fn lines(tracer: &Tracer, start: Place, kinds: usize, slope: f64) -> Result<Option<Lines>, BliskError> {
     // Where both are given or one is drawn there is nothing to be found.
     let is_drawn = [Surface::Hub, Surface::Shroud].into_iter().any(|surface| tracer.is_drawn(surface));
     let is_known = is_drawn || tracer.by_hand.ends.iter().all(|points| !points.is_empty());
-    let found = if is_known { None } else { lines_found(tracer, start, kinds)? };
+    let found = if is_known { None } else { lines_found(tracer, start, kinds, slope)? };
     tracer.lines_by_hand(start, found)
 }
 
-fn lines_found(tracer: &Tracer, start: Place, kinds: usize) -> Result<Option<Lines>, BliskError> {
+fn lines_found(tracer: &Tracer, start: Place, kinds: usize, slope: f64) -> Result<Option<Lines>, BliskError> {
     let beside = |x: f64, r: f64, near: &Gap| tracer.bladed_gap(x, r, near);
-    let mut found = lines_where(tracer, start, &beside)?;
+    let mut found = lines_where(tracer, start, (&beside, slope))?;
     if kinds > 1
         && let Some(lines) = &mut found
     {
         // A splitter may end before the passage turns, which goes on between the main blades.
         let most = (kinds as f64 + 0.5) * tracer.pitch;
         let between = |x: f64, r: f64, near: &Gap| tracer.slices.gap_near(x, r, near).filter(|g| g.width() < most);
-        lines.steep = lines_where(tracer, start, &between)?.map_or(lines.steep, |whole| whole.steep);
+        lines.steep = lines_where(tracer, start, (&between, slope))?.map_or(lines.steep, |whole| whole.steep);
     }
     Ok(found.filter(|lines| lines.steep > MOST_STEEP))
 }
 
 impl Lines {
-    pub fn new(lines: Vec<[DVec2; 2]>, step: f64, shrouded: bool) -> Self {
+    /// Lines that were found to about `step` (mm), whose passage is steep where it is steeper than `slope`.
+    pub fn new(lines: Vec<[DVec2; 2]>, (step, slope): (f64, f64), shrouded: bool) -> Self {
         let middle: Vec<DVec2> = lines.iter().map(|[hub, shroud]| 0.5 * (*hub + *shroud)).collect();
-        Self { steep: steep_share(&middle), lines, step, shrouded }
+        Self { steep: steep_share(&middle, slope), lines, step, shrouded }
     }
 }
 
@@ -89,7 +95,7 @@ impl Lines {
 type GapAt<'a> = dyn Fn(f64, f64, &Gap) -> Option<Gap> + 'a;
 
 /// The lines across the part of the meridional plane in which there is a gap.
-fn lines_where(tracer: &Tracer, start: Place, gap_at: &GapAt) -> Result<Option<Lines>, BliskError> {
+fn lines_where(tracer: &Tracer, start: Place, (gap_at, slope): (&GapAt, f64)) -> Result<Option<Lines>, BliskError> {
     let mut lattice = Lattice { start: DVec2::new(start.x, start.r), step: tracer.slices.cell_size().y };
     let mut points = bladed(tracer, &start, &lattice, gap_at)?;
     for _ in 0..MOST_HALVINGS {
@@ -106,15 +112,15 @@ fn lines_where(tracer: &Tracer, start: Place, gap_at: &GapAt) -> Result<Option<L
     Ok(curves(&outline).and_then(|[hub, outer]| {
         let shrouded = outer.is_solid;
         let lines = ordered(smooth(&hub.points)?, smooth(&outer.points)?, shrouded);
-        Some(Lines::new(lines, lattice.step, shrouded))
+        Some(Lines::new(lines, (lattice.step, slope), shrouded))
     }))
 }
 
-/// Share of the length of a curve (x, r) that runs more along the radius than along the axis.
-pub(super) fn steep_share(curve: &[DVec2]) -> f64 {
+/// Share of the length of a curve (x, r) that is at least as steep as `slope` (radius over x).
+pub(super) fn steep_share(curve: &[DVec2], slope: f64) -> f64 {
     let steps = || curve.windows(2).map(|w| (w[1] - w[0]).abs());
     let length = steps().map(DVec2::length).sum::<f64>();
-    steps().filter(|step| step.y >= step.x).map(DVec2::length).sum::<f64>() / length.max(f64::MIN_POSITIVE)
+    steps().filter(|step| step.y >= slope * step.x).map(DVec2::length).sum::<f64>() / length.max(f64::MIN_POSITIVE)
 }
 
 /// A square lattice in the meridional plane.

@@ -19,6 +19,7 @@ mod tests;
 mod tube;
 mod walls;
 
+use flow::{LEANING, STEEP};
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -143,23 +144,31 @@ pub(super) fn prepared<'a>(mesh: &'a Mesh, options: &BliskOptions) -> Result<(Co
     Ok((Cow::Owned(turned), vec!["The mesh is inside out; its triangles were turned over.".into()]))
 }
 
-/// The chosen channel of a wheel whose axis and period are known. `assumed` is carried on.
-fn channel_of(
-    Wheel { mesh, is_of_sector, blisk }: Wheel,
-    options: &BliskOptions,
-    assumed: Vec<String>,
-    task: &Task,
-) -> Result<Channel, Refused> {
-    let blades = blisk.repetition.blades;
+/// The chosen channel of a wheel whose axis and period are known. `assumed` is carried on. Where none is found along the
+/// axis, and the passage leans from it, it is looked for across its own direction.
+fn channel_of(wheel: Wheel, options: &BliskOptions, assumed: Vec<String>, task: &Task) -> Result<Channel, Refused> {
+    let blades = wheel.blisk.repetition.blades;
     if options.channel >= blades {
         return Err(BliskError::NoSuchChannel { index: options.channel, blades }.into());
     }
-    task.report("channel", 0.0, "place");
-    let placed = place_channel(&mesh, &blisk, options, &task.cancel);
-    let placed = placed.map_err(|error| Refused::new(error, &blisk.frame, options))?;
-    let frame = placed.frame;
-    let wheel = Wheel { mesh, is_of_sector, blisk };
-    measured_channel(wheel, placed, options, assumed, task).map_err(|error| Refused::new(error, &frame, options))
+    let refused = |error, frame: &Frame| Refused::new(error, frame, options);
+    let placed = |slope: f64| {
+        task.report("channel", 0.0, "place");
+        place_channel(&wheel, options, slope, &task.cancel).map_err(|error| refused(error, &wheel.blisk.frame))
+    };
+    let measured = |placed: Placed| {
+        let frame = placed.frame;
+        measured_channel(wheel.clone(), placed, options, assumed.clone(), task).map_err(|error| refused(error, &frame))
+    };
+    let first = placed(STEEP);
+    let is_axial = first.as_ref().map_or(true, |placed| placed.lines.is_none());
+    match first.and_then(measured) {
+        Err(first) if is_axial && !matches!(first.error, BliskError::Cancelled(_)) => match placed(LEANING) {
+            Ok(across) if across.lines.is_some() => measured(across).map_err(|_| first),
+            _ => Err(first),
+        },
+        found => found,
+    }
 }
 
 /// The channel at a place that is known.
@@ -208,6 +217,7 @@ fn measured_channel(
     let agreement = measured.agreement(&throat)?;
     if !meridian.shrouded {
         walls::check_rows(&low, &high)?;
+        measured.check_tips()?;
     }
     let unlike = measured.unlike(blades, blisk.repetition.kinds, blisk.repetition.tolerance_mm)?;
     let unlike: Vec<Unlike> =
@@ -273,11 +283,11 @@ struct Placed {
     lines: Option<Lines>,
 }
 
-/// Finds W of the chosen channel, and the channel's middle in it.
+/// Finds W of the chosen channel, and the channel's middle in it. A passage steeper than `slope` is not axial.
 fn place_channel(
-    mesh: &Mesh,
-    blisk: &BliskFrame,
+    Wheel { mesh, blisk, .. }: &Wheel,
     options: &BliskOptions,
+    slope: f64,
     cancel: &Cancel,
 ) -> Result<Placed, BliskError> {
     let slices = Slices::new(mesh.in_frame(&blisk.frame));
@@ -288,7 +298,7 @@ fn place_channel(
     let picked = tracer.picked()?;
     let gaps = || slices.gaps(x, r).into_iter().filter(|g| g.width() < 1.5 * pitch);
     let starts = picked.map_or_else(|| gaps().map(|gap| Place { along: x, x, r, gap }).collect(), |place| vec![place]);
-    let (lines, mut place) = first_middle(&tracer, &starts, blisk)?;
+    let (lines, mut place) = first_middle(&tracer, &starts, blisk, slope)?;
 
     // The same again from the chosen channel, since facets differ a little from channel to channel.
     let (x, r) = (place.x, place.r);
@@ -308,13 +318,18 @@ fn place_channel(
 
 /// The lines across the channels and the middle of the first channel that has them: of those at `starts` some around the
 /// wheel are tried, since one may hold what keeps it from being found.
-fn first_middle(tracer: &Tracer, starts: &[Place], blisk: &BliskFrame) -> Result<(Option<Lines>, Place), BliskError> {
+fn first_middle(
+    tracer: &Tracer,
+    starts: &[Place],
+    blisk: &BliskFrame,
+    slope: f64,
+) -> Result<(Option<Lines>, Place), BliskError> {
     const TRIED: usize = 4;
     let kinds = blisk.repetition.kinds;
     let step = kinds * (starts.len() / kinds / TRIED).max(1);
     let mut first_error = BliskError::LostWall { x: blisk.middle.x, r: blisk.middle.y };
     for (i, start) in starts.iter().step_by(step).take(TRIED).enumerate() {
-        let lines = flow::lines(tracer, *start, kinds);
+        let lines = flow::lines(tracer, *start, kinds, slope);
         match lines.and_then(|lines| Ok((middle_of(tracer, *start, lines.as_ref())?.0, lines))) {
             Ok((place, lines)) => return Ok((lines, place)),
             Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),

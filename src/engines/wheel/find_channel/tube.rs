@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::super::channel::{Flow, Station, Surface};
 use super::super::error::BliskError;
 use super::super::frame::slices::Gap;
-use super::flow::{Lines, MOST_STEEP, steep_share};
+use super::flow::{Lines, MOST_STEEP, STEEP, steep_share};
 use super::meridian::{DIP, MIDDLE_SHARE, Meridian, Place, RAYS, Tracer};
 
 /// Share of the height away from an end wall where its rays begin, and how far beyond it they look for it.
@@ -71,7 +71,7 @@ impl Tracer<'_> {
             stations[i].along = along;
         }
         let middle: Vec<DVec2> = stations.iter().map(|s| s.place(0.5)).collect();
-        let is_radial = steep_share(&middle).min(known.steep) >= 1.0 - MOST_STEEP;
+        let is_radial = steep_share(&middle, STEEP).min(known.steep) >= 1.0 - MOST_STEEP;
         let flow = if is_radial { Flow::Radial } else { Flow::Mixed };
         let here = stations[index];
         let at = here.place(0.5);
