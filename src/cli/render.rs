@@ -215,6 +215,7 @@ fn planned(arguments: &RenderArguments, part: &Part, job: PlanJob, session: &Ses
     let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrodes: part.own_electrodes.clone(), job };
     let (prepared, inputs) = super::plan::ready(inputs, session)?;
     let outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), &session.task)?;
+    session.task.check()?;
     let count = outcome.electrodes.len();
     let chosen = outcome.electrodes.get(index(arguments)).ok_or_else(|| no_such(arguments, count))?;
     let (electrode, plan) = (chosen.electrode.clone(), &chosen.plan);

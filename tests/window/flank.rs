@@ -132,13 +132,13 @@ fn a_sweep_is_plotted_and_a_row_of_it_is_taken() {
     desk.press("Plan");
     desk.until_planned();
     desk.press("Keep");
-    assert_eq!(desk.flank().rows.len(), 1);
+    assert_eq!(desk.flank().rows().len(), 1);
     desk.flank_mut().sweep = Sweep { of: Quantity::Taper, ends: [2.0, 8.0], count: 4 };
     desk.settle();
     desk.press("Sweep");
-    desk.until("it is swept beside what was kept", |desk| desk.flank().rows.len() == 5);
+    desk.until("it is swept beside what was kept", |desk| desk.flank().rows().len() == 5);
     desk.settle();
-    let tapers: Vec<f64> = desk.flank().rows[1..].iter().map(|row| row.variant.cutter.taper_deg).collect();
+    let tapers: Vec<f64> = desk.flank().compared.iter().map(|row| row.variant.cutter.taper_deg).collect();
     assert_eq!(tapers, [2.0, 4.0, 6.0, 8.0]);
     assert_eq!(desk.flank().tab, Tab::Sweep);
     desk.pictures("flank_sweep");
@@ -147,7 +147,7 @@ fn a_sweep_is_plotted_and_a_row_of_it_is_taken() {
     // Plans beside it go into the report.
     desk.until_planned();
     let folder = home.path("out");
-    let (document, rows) = (desk.flank().params().clone(), desk.flank().rows.clone());
+    let (document, rows) = (desk.flank().params().clone(), desk.flank().rows());
     desk.flank_mut().work.export(&document, &rows, &folder, ExportChoice::ALL).unwrap();
     desk.until("it is written", |_| folder.join("flank.json").exists());
     desk.until_idle();

@@ -156,16 +156,18 @@ impl Opening {
     /// Sentence on the changes, to follow a verdict.
     fn sentence(&self, channel: &Channel) -> String {
         let words = |changes: &[Change]| changes.iter().map(|change| change.words(channel)).collect::<Vec<_>>();
+        let stopped = if self.is_stopped { "; the search for a change that makes it feasible was stopped" } else { "" };
         if !self.changes.is_empty() {
-            return format!("; feasible {}", words(&self.changes).join(", or "));
+            return format!("; feasible {}{stopped}", words(&self.changes).join(", or "));
         }
-        if self.is_stopped {
-            return "; the search for a change that makes it feasible was stopped".to_owned();
-        }
-        let walls =
-            (!self.is_by_walls()).then(|| format!("with both walls reduced by {:.2} deg more", self.most.to_degrees()));
+        let walls = (!self.is_by_walls() && self.most > 0.0)
+            .then(|| format!("with both walls reduced by {:.2} deg more", self.most.to_degrees()));
         let in_vain: Vec<String> = walls.into_iter().chain(words(&self.in_vain)).collect();
-        if in_vain.is_empty() { String::new() } else { format!("; not feasible {}", in_vain.join(", nor ")) }
+        if in_vain.is_empty() {
+            stopped.to_owned()
+        } else {
+            format!("; not feasible {}{stopped}", in_vain.join(", nor "))
+        }
     }
 }
 

@@ -196,8 +196,8 @@ pub enum BliskError {
     },
     /// A shroud over part of the blades.
     #[error(
-        "metal stands beyond the blade tips over {:.0} % of the passage's length, among it at x {x:.2}, r {r:.2}, and beside it \
-         there is none: the passage has a shroud over a part of it only. Draw the curve that is to bound it with \
+        "metal stands close beyond the blade tips over {:.0} % of the passage's length, among it at x {x:.2}, r {r:.2}, though no \
+         shroud was met in its middle: it seems to have a shroud over a part of its length only. Draw the curve that is to bound it with \
          blisk.shroud_points_mm and blisk.end_walls \"drawn\", or take a mesh whose shroud is whole",
         100.0 * share
     )]

@@ -99,8 +99,8 @@ pub(super) fn outcome(task: &Task) -> Result<Outcome, ReproduceError> {
              directions. Many cannot be burned whole from one side."
         ),
         by_hand:
-            "sparkpath uncut DIR --units mm --cutters flat:1,flat:2,flat:5,ball:1,ball:3, where DIR is the folder of \
-                  this page with the molds p3_mold_000.stl and on; for the electrodes of one: sparkpath electrodes with the same options"
+            "sparkpath uncut DIR --units mm --cutters flat:1,flat:2,flat:5,ball:1,ball:3, where DIR is a folder with \
+                  nothing but the molds p3_mold_000.stl and on of this page; for the electrodes of one: sparkpath electrodes with the same options"
                 .to_owned(),
         tables: vec![
             Table::new("Success", &["", "#"], summary),

@@ -447,8 +447,8 @@ fn predecessors(subject: &Subject) -> Outcome {
             "Thickness reduction and tangent centre lines",
             Verdict::NotComparable,
             why,
-            "sparkpath size PROJECT --out DIR; sparkpath compare PROJECT --strategies centreline --out DIR, where PROJECT is the \
-             demonstration as the window saves it (File, Save as)",
+            "sparkpath size p0_blisk.stl; sparkpath compare p0_blisk.stl --strategies centreline --out DIR, with the mesh of this \
+             folder",
         )
     }
 }

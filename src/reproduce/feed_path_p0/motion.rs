@@ -187,7 +187,9 @@ pub(super) fn smoothness(subject: &Subject, studio: &mut Studio, task: &Task) ->
     let legend = key(&subject.cases);
     let caption = "In space, with the electrode in its final pose. The curves of the plots have the same colours.";
     let png = studio.sheet(&[centroid_view(subject, &ways)], [1120, 735], task).map_err(|e| failed(task, NAME, &e))?;
+    let blisk = import::stl_bytes(&subject.part.mesh).map_err(|e| failed(task, NAME, &e))?;
     let files = vec![
+        ("p0_blisk.stl".to_owned(), blisk),
         ("p0_axes.csv".to_owned(), axes_csv(&subject.cases, &curves).into_bytes()),
         ("p0_centroid.csv".to_owned(), centroid_csv(&subject.cases, &ways).into_bytes()),
     ];
@@ -201,8 +203,10 @@ pub(super) fn smoothness(subject: &Subject, studio: &mut Studio, task: &Task) ->
             "Smoothness of the axes and way of the centroid",
             verdict,
             why(subject.genetic(), subject.free_travel()) + &studio.note(),
-            "sparkpath compare PROJECT --strategies genetic,free-travel,max-min-distance,global --out DIR writes the \
-             curves, where PROJECT is the demonstration as the window saves it (File, Save as); in the window keep runs and set them side by side in the plots",
+            "sparkpath compare p0_blisk.stl --set electrode.circumferential_reduction_deg=[2,2] --set electrode.enter=+x --set \
+             machine.axes=XYZC --set plan.weights.a3=0.9 --set plan.weights.b3=0.1 --strategies \
+             genetic,free-travel,max-min-distance,global --out DIR writes the curves; in the window keep runs and set them side \
+             by side in the plots. Figures of this page: p0_axes.csv, p0_centroid.csv",
         )
     })
 }

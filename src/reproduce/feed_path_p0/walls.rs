@@ -275,7 +275,7 @@ pub(super) fn distribution(
             verdict,
             why + &studio.note(),
             &format!(
-                "{BY_GENETIC}; columns D_L, D_R, S_L, S_R of the node table in report.html, walls_mm in report.json"
+                "{BY_GENETIC}; columns D_L, D_R, S_L, S_R of the node table in report.html, walls_mm in report.json. Figures of this page: p0_nodes.csv"
             ),
         )
     })

@@ -236,7 +236,7 @@ impl FlankWorkspace {
     /// Writes the files of the plan into `folder`, or shows why that is not possible.
     pub fn export(&mut self, folder: &Path, cx: &mut Context) {
         let desk = &mut self.desk;
-        if let Err(why) = desk.work.export(desk.document.params(), &desk.rows, folder, desk.choice) {
+        if let Err(why) = desk.work.export(desk.document.params(), &desk.rows(), folder, desk.choice) {
             cx.error("Nothing was exported", why);
         }
     }

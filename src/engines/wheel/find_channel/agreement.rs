@@ -147,14 +147,15 @@ impl Measured<'_> {
     /// [`BliskError::NoThroat`] where its walls touch: what was found is no channel of this part then.
     pub fn agreement(&self, throat: &Throat) -> Result<Vec<Agreement>, BliskError> {
         let within = self.tolerance();
-        let mut all = Vec::new();
+        let (mut all, mut facets) = (Vec::new(), None);
         for (surface, mut samples) in self.samples(DENSE, 0.0)? {
-            let mut agreement = summary(surface, samples.clone(), within);
+            let mut agreement = summary(surface, &samples, within);
             if agreement.share < ENOUGH {
                 // Beside the facet that stands out most others lie deeper, by as much as they may be off their surface.
-                let (facets, most) = (Facets::new(self.tracer.slices.mesh()), MOST_CHORD * self.least_height());
-                samples.iter_mut().for_each(|sample| sample.chord = (sample.chord + facets.of(sample)).min(most));
-                agreement = summary(surface, samples, within);
+                let facets = facets.get_or_insert_with(|| Facets::new(self.tracer.slices.mesh()));
+                let most = MOST_CHORD * self.least_height();
+                samples.iter_mut().for_each(|sample| sample.chord += facets.of(sample).min(most));
+                agreement = summary(surface, &samples, within);
             }
             all.push(agreement);
         }
@@ -190,18 +191,20 @@ impl Measured<'_> {
         let within = (APART * self.tolerance()).max(tolerance.min(MOST_TOLERANCE));
         let covered = self.covered(0.0);
         let own: Vec<_> = self.samples(SPARSE, 0.0)?.collect();
-        let chord = |sample: &Sample| facets.map_or(0.0, |all| all.of(sample));
+        // End walls are of the facets that stand out most, and bear their chord error already.
+        let facets_of = |surface| facets.filter(|_| matches!(surface, Surface::LowWall | Surface::HighWall));
         let most_chord = self.most_sag();
         let unlike = |number: usize| {
             let turn = number as f64 * self.tracer.pitch;
             let compared = self.samples(SPARSE, turn)?.zip(&own).map(|((surface, mut samples), (_, own))| {
+                let chord = |sample: &Sample| facets_of(surface).map_or(0.0, |all| all.of(sample));
                 // The two channels are compared, not both with the grid between its points.
                 for (sample, own) in samples.iter_mut().zip(own) {
                     sample.off -= own.off;
                     sample.chord += (chord(sample) + chord(own)).min(most_chord);
                 }
                 let has_more = samples.iter().filter(|s| s.off.abs() > s.chord + MORE * within).count() >= LEAST_MORE;
-                (summary(surface, samples, within), has_more)
+                (summary(surface, &samples, within), has_more)
             });
             let off = compared.filter(|(a, has_more)| a.share < ENOUGH || *has_more).map(|(a, _)| a);
             let off = off.max_by(|a, b| a.greatest_mm.total_cmp(&b.greatest_mm));
@@ -230,7 +233,7 @@ impl Measured<'_> {
     /// # Errors
     /// [`BliskError::PartShroud`].
     pub fn check_tips(&self) -> Result<(), BliskError> {
-        if self.tracer.is_drawn(Surface::Shroud) {
+        if self.tracer.is_drawn(Surface::Shroud) || self.tracer.options.shroud_radius_mm.given().is_some() {
             return Ok(());
         }
         match self.metal_beyond_tips(0.0, NEAR_TIPS)[..] {
@@ -245,14 +248,16 @@ impl Measured<'_> {
     /// Where rays outwards, past the tips of a channel that lies `turn` further about the axis (rad), meet metal within
     /// a share `reach` of its height, at stations along the blades.
     fn metal_beyond_tips(&self, turn: f64, reach: f64) -> Vec<DVec2> {
-        let (middle, stations) = (self.walls[0].nv / 2, &self.meridian.stations);
+        let (tip, stations) = (self.walls[0].nv - 1, &self.meridian.stations);
         let columns = (1..=SPARSE.stations).map(|i| i * (self.walls[0].nu - 1) / (SPARSE.stations + 1));
         let meets = |u: usize| {
-            let ends = self.walls.map(|wall| wall.cylindrical(u, middle));
-            let station = station_at(stations, along_at(stations, DVec2::new(ends[0].x, ends[0].r), 0.5));
+            let ends = self.walls.map(|wall| wall.cylindrical(u, tip));
+            let station = station_at(stations, along_at(stations, DVec2::new(ends[0].x, ends[0].r), 1.0));
             let theta = 0.5 * (ends[0].theta + angle_near(ends[1].theta, ends[0].theta)) + turn;
             let [from, toward] = self.tracer.start_of(&station, 1.0 - START, Surface::Shroud);
-            let (distance, _) = self.tracer.met(theta, from, toward, (START + reach) * station.height())?;
+            let met = self.tracer.met(theta, from, toward, (START + reach) * station.height());
+            // A blade that leans is no shroud.
+            let (distance, _) = met.filter(|(_, facet)| !self.tracer.is_of_blade(*facet, theta))?;
             // A film without thickness is no shroud.
             let beyond = from + (distance + FILM * station.height()) * toward;
             self.tracer.slices.is_solid(beyond.x, beyond.y, theta).then(|| from + distance * toward)
@@ -442,7 +447,7 @@ fn high(gap: &Gap) -> Crossing {
 }
 
 /// What cannot be measured does not agree: a distance that is no number, and a surface without any place.
-fn summary(surface: Surface, samples: Vec<Sample>, within_mm: f64) -> Agreement {
+fn summary(surface: Surface, samples: &[Sample], within_mm: f64) -> Agreement {
     let good = samples.iter().filter(|s| s.off.abs() <= s.chord + within_mm).count();
     let worst = samples.iter().max_by(|a, b| a.off.abs().total_cmp(&b.off.abs()));
     Agreement {
@@ -473,8 +478,9 @@ mod tests {
     #[test]
     fn what_cannot_be_measured_does_not_agree() {
         let sample = |off: f64| Sample { off, chord: 0.001, at: DVec3::ZERO, triangle: None };
-        let share =
-            |offs: &[f64]| summary(Surface::Hub, offs.iter().map(|off| sample(*off)).collect(), TOLERANCE).share;
+        let share = |offs: &[f64]| {
+            summary(Surface::Hub, &offs.iter().map(|off| sample(*off)).collect::<Vec<_>>(), TOLERANCE).share
+        };
         assert_eq!(share(&[]), 0.0);
         assert_eq!(share(&[0.0, 0.0059, f64::NAN, f64::INFINITY]), 0.5);
         assert_eq!(share(&[-0.0059, -0.0061]), 0.5);

@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::tests::{find, found, refused};
 use super::*;
 use crate::channel::{Difference, Surface};
-use crate::fixtures::{TestBlisk, together};
+use crate::fixtures::{TestBlisk, together, turned_part};
 use crate::options::{Auto, AxisChoice, AxisLine};
 use crate::parametric::wheel::{Flaws, ParametricWheel, Splitters};
 use geometry::frame::Cylindrical;
@@ -126,6 +126,28 @@ fn coarse_facets_make_no_channels_differ() {
     let mesh = other_diagonals(&part.mesh(), |p, normal| Cylindrical::from_point(p).theta > 0.7 && is_blade(p, normal));
     let channel = found(&mesh);
     assert!(channel.unlike.is_empty(), "{:?}", channel.unlike);
+}
+
+/// Facets of a large part may be further off the surfaces that they stand for than a small one's are large.
+#[test]
+fn a_part_is_found_at_any_size() {
+    let part = ParametricWheel { pieces: [120, 16, 3], ..ParametricWheel::impeller() };
+    let width = |scale: f64| found(&part.mesh().mapped(|p| scale * p)).throat.width_mm / scale;
+    let widths = [0.1, 1.0, 30.0].map(width);
+    assert!(widths.iter().all(|w| (w / widths[1] - 1.0).abs() < 1e-3), "{widths:?}");
+}
+
+/// A ring over the blade tips from x = 9 on; without it, and where blades only lean over the passage, nothing is said.
+#[test]
+fn a_shroud_over_a_part_of_the_tips_is_refused() {
+    let open = TestBlisk { blades: 48, shrouded: false, grid: [16, 16, 6, 2], ..Default::default() };
+    for twist in [0.0, 0.5 / 56.0] {
+        let channel = found(&TestBlisk { twist, ..open.clone() }.mesh());
+        assert!(!channel.shrouded);
+    }
+    let ring = turned_part(&[[9.0, 61.5], [18.0, 61.5], [18.0, 66.0], [9.0, 66.0]], 240);
+    let refusal = refused(&together(open.mesh(), &ring));
+    assert!(refusal.contains("a shroud over a part of its length only"), "{refusal}");
 }
 
 #[test]

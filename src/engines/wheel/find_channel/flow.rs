@@ -47,9 +47,9 @@ const SAME_RADIUS: f64 = 0.2;
 /// is flatter.
 pub(super) const MOST_STEEP: f64 = 0.1;
 
-/// Slope (radius over x) of 45 degrees; and that of 25, from which on a passage is looked at across its direction where
-/// nothing is found along the axis.
+/// Slope (radius over x) from which on a passage is not axial: 45 degrees.
 pub(super) const STEEP: f64 = 1.0;
+/// Slope from which on a passage is looked for across its direction where none is found along the axis: 25 degrees.
 pub(super) const LEANING: f64 = 0.47;
 
 /// A piece of the outline of the bladed part, between two neighbouring points of the lattice.
@@ -66,7 +66,7 @@ pub(super) fn lines(tracer: &Tracer, start: Place, kinds: usize, slope: f64) -> 
     let is_drawn = [Surface::Hub, Surface::Shroud].into_iter().any(|surface| tracer.is_drawn(surface));
     let is_known = is_drawn || tracer.by_hand.ends.iter().all(|points| !points.is_empty());
     let found = if is_known { None } else { lines_found(tracer, start, kinds, slope)? };
-    tracer.lines_by_hand(start, found)
+    tracer.lines_by_hand(start, found, slope)
 }
 
 fn lines_found(tracer: &Tracer, start: Place, kinds: usize, slope: f64) -> Result<Option<Lines>, BliskError> {

@@ -9,7 +9,7 @@ use super::super::channel::{Channel, Station, Surface};
 use super::super::error::BliskError;
 use super::super::frame::slices::Gap;
 use super::super::options::{BliskOptions, EndWalls};
-use super::flow::{Lines, MOST_STEEP, STEEP, rising, steep_share};
+use super::flow::{Lines, MOST_STEEP, rising, steep_share};
 use super::meridian::{Place, Tracer};
 use geometry::frame::{Cylindrical, wrap_angle};
 
@@ -27,11 +27,16 @@ const REACH: f64 = 2.0;
 
 impl Tracer<'_> {
     /// The lines across the passage that the points on hub and shroud give, or those that were found without them if
-    /// they say the same; none where the passage runs along the axis.
+    /// they say the same; none where the passage is at most as steep as `slope`.
     ///
     /// # Errors
     /// [`BliskError::HandCurve`] where the points make no curve along the passage.
-    pub(super) fn lines_by_hand(&self, start: Place, found: Option<Lines>) -> Result<Option<Lines>, BliskError> {
+    pub(super) fn lines_by_hand(
+        &self,
+        start: Place,
+        found: Option<Lines>,
+        slope: f64,
+    ) -> Result<Option<Lines>, BliskError> {
         let curves = self.by_hand.curves.clone();
         let at = DVec2::new(start.x, start.r);
         let wrong = |key| BliskError::HandCurve { key, x: at.x, r: at.y };
@@ -56,7 +61,7 @@ impl Tracer<'_> {
                 if let Some(found) = found.filter(|_| is_measured) {
                     return Ok(Some(turned_to(found, end, &given)));
                 }
-                if steep_share(&given, STEEP) <= MOST_STEEP {
+                if steep_share(&given, slope) <= MOST_STEEP {
                     return Ok(None);
                 }
                 self.across(start, &given, end)
@@ -66,7 +71,7 @@ impl Tracer<'_> {
             return Err(wrong(if self.by_hand.ends[0].is_empty() { "shroud_points_mm" } else { "hub_points_mm" }));
         }
         let middle: Vec<DVec2> = pairs.iter().map(|[hub, shroud]| 0.5 * (*hub + *shroud)).collect();
-        if steep_share(&middle, STEEP) <= MOST_STEEP {
+        if steep_share(&middle, slope) <= MOST_STEEP {
             return Ok(None);
         }
         let height = pairs.iter().map(|[hub, shroud]| hub.distance(*shroud)).fold(f64::INFINITY, f64::min);
@@ -77,7 +82,7 @@ impl Tracer<'_> {
             gap.and_then(|gap| self.met(gap.middle(), from, toward, 0.75 * station.height())).is_some()
         };
         let shrouded = 2 * pairs.iter().filter(meets).count() > pairs.len();
-        Ok(Some(Lines::new(rising(pairs), (ABOUT_TIPS * height / 3.0, STEEP), shrouded)))
+        Ok(Some(Lines::new(rising(pairs), (ABOUT_TIPS * height / 3.0, slope), shrouded)))
     }
 
     /// Lines square to a curve, the hub (`end` 0) or the shroud (1), to where the other end of the passage is met.

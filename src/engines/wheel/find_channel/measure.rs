@@ -15,9 +15,9 @@ const STRAIGHT: f64 = 0.0175;
 
 /// The narrowest place between the blades of two walls of equal grids, from end wall to end wall without their fillets, to
 /// the accuracy with which the grids' triangles follow the walls. The first and the last row lie `beyond` steps from row to
-/// row away from hub and shroud.
-pub(super) fn throat([low, high]: [&ChannelWall; 2], beyond: f64) -> Throat {
-    let [low, high] = &[low, high].map(|wall| bare(&sharp(wall.clone()), beyond));
+/// row away from hub and shroud; the first and the last `added` columns lie beyond the blades' edges.
+pub(super) fn throat([low, high]: [&ChannelWall; 2], beyond: f64, added: usize) -> Throat {
+    let [low, high] = &[low, high].map(|wall| bare(&sharp(wall.clone()), beyond, added));
     let nearest_point = |u: usize, v: usize| {
         let p = low.point(u, v);
         let far = |&i: &usize| (high.points[i] - p).length_squared();
@@ -38,18 +38,18 @@ pub(super) fn throat([low, high]: [&ChannelWall; 2], beyond: f64) -> Throat {
 /// A wall from end wall to end wall, of which the first row lies `beyond` steps from row to row away, without its
 /// fillets: in their place the blade goes on straight to the end wall. In a fillet the wall turns from row to row, or a
 /// row begins further along the passage than those beside it, and it stands into the passage.
-fn bare(wall: &ChannelWall, beyond: f64) -> ChannelWall {
+fn bare(wall: &ChannelWall, beyond: f64, added: usize) -> ChannelWall {
     let last = wall.nv - 1;
     let nv = wall.nv + 2;
-    let ends = [true, false].map(|is_hub| Beside::new(wall, is_hub));
-    let ends = ends.map(|end| (end.fillets(), end));
+    let ends = [true, false].map(|is_hub| WallEnd::new(wall, is_hub));
+    let ends = ends.map(|end| (end.fillet_rows(added), end));
     let mut points = Vec::with_capacity(wall.nu * nv);
     let mut normals = Vec::with_capacity(wall.nu * nv);
     for u in 0..wall.nu {
         let rows = || (0..nv).map(|v| v.saturating_sub(1).min(last));
         let mut column: Vec<DVec3> = rows().map(|v| wall.point(u, v)).collect();
-        for (fillets, end) in &ends {
-            let beside = fillets[u];
+        for (fillet_rows, end) in &ends {
+            let beside = fillet_rows[u];
             let (p, step) = end.goes_on(u, beside, if beside == 0 { 1 } else { FROM });
             let mut set = |row: usize, steps: f64| {
                 column[if end.is_hub { row } else { nv - 1 - row }] = p + steps * step;
@@ -65,19 +65,26 @@ fn bare(wall: &ChannelWall, beyond: f64) -> ChannelWall {
 
 /// Rows beside a fillet from which its blade goes on straight.
 const FROM: usize = 6;
+/// Shortest step to an end wall, as a share of that from row to row.
+const LEAST_STEP: f64 = 0.4;
 
 /// The part of a wall beside its hub or its shroud.
-struct Beside<'a> {
+struct WallEnd<'a> {
     wall: &'a ChannelWall,
     is_hub: bool,
-    /// Where its first row lies (x, r).
+    /// Where its first row lies (x, r), without places that all but repeat.
     end: Vec<DVec2>,
 }
 
-impl<'a> Beside<'a> {
+impl<'a> WallEnd<'a> {
     fn new(wall: &'a ChannelWall, is_hub: bool) -> Self {
+        /// Share of the mean distance from place to place up to which one is left out.
+        const REPEATED: f64 = 0.2;
         let row = if is_hub { 0 } else { wall.nv - 1 };
-        Self { wall, is_hub, end: (0..wall.nu).map(|u| place(wall, u, row)).collect() }
+        let mut end: Vec<DVec2> = (0..wall.nu).map(|u| place(wall, u, row)).collect();
+        let length: f64 = end.windows(2).map(|w| w[0].distance(w[1])).sum();
+        end.dedup_by(|next, last| next.distance(*last) < REPEATED * length / wall.nu as f64);
+        Self { wall, is_hub, end }
     }
 
     /// The row that is `v` rows away.
@@ -85,8 +92,8 @@ impl<'a> Beside<'a> {
         if self.is_hub { v } else { self.wall.nv - 1 - v }
     }
 
-    /// Point of a column `beside` rows away, and the step by which its blade goes on from there over the last `from` rows,
-    /// as many times to the first row as there are rows between.
+    /// Point of a column `beside` rows away, and the step that takes its blade straight on from there, as it runs over the
+    /// next `from` rows, to the first row in `beside` steps.
     fn goes_on(&self, u: usize, beside: usize, from: usize) -> (DVec3, DVec3) {
         let inner = (beside + from).min(self.wall.nv - 1);
         let rows = [beside, inner].map(|v| self.row(v));
@@ -94,13 +101,14 @@ impl<'a> Beside<'a> {
         let step = (p - q) / (inner - beside).max(1) as f64;
         let [at, before] = rows.map(|v| place(self.wall, u, v));
         // Beside a swept edge rows lie less far apart within a fillet, and begin further along.
-        let steps = self.reaches_end(at, (at - before) / (inner - beside).max(1) as f64);
-        (p, step * steps.filter(|_| beside > 0).map_or(1.0, |steps| steps / beside as f64))
+        let steps =
+            if beside == 0 { None } else { self.reaches_end(at, (at - before) / (inner - beside).max(1) as f64) };
+        (p, step * steps.map_or(1.0, |steps| (steps / beside as f64).clamp(LEAST_STEP, 1.0 / LEAST_STEP)))
     }
 
     /// How many steps from a place (x, r) on the first row is reached, which goes on straight beyond its ends.
     fn reaches_end(&self, at: DVec2, step: DVec2) -> Option<f64> {
-        let last = self.end.len() - 2;
+        let last = self.end.len().saturating_sub(2);
         let met = self.end.windows(2).enumerate().filter_map(|(i, w)| {
             let (along, to) = (w[1] - w[0], w[0] - at);
             let across = step.perp_dot(along);
@@ -111,8 +119,8 @@ impl<'a> Beside<'a> {
         met.min_by(f64::total_cmp)
     }
 
-    /// The number of rows that are within a fillet, for each column.
-    fn fillets(&self) -> Vec<usize> {
+    /// The number of rows that are within a fillet, for each column; the first and the last `added` lie beyond the edges.
+    fn fillet_rows(&self, added: usize) -> Vec<usize> {
         /// Shares of the height within which fillets end, and over which they turn.
         const REACH: f64 = 0.3;
         const OVER: f64 = 0.1;
@@ -146,7 +154,7 @@ impl<'a> Beside<'a> {
         };
         let mut all: Vec<usize> = (0..wall.nu).map(of_column).collect();
         // Rows within a fillet begin further along the passage: at an edge the columns go round it.
-        let edge = (EDGE * wall.nu as f64) as usize;
+        let edge = added + (EDGE * (wall.nu - 2 * added) as f64) as usize;
         for (columns, inner) in [(0..edge, edge), (wall.nu - edge..wall.nu, wall.nu - 1 - edge)] {
             let inner = all[inner];
             all[columns].iter_mut().for_each(|rows| *rows = inner.max(*rows));
@@ -326,7 +334,7 @@ mod tests {
         ChannelWall { nu, nv, points, normals, side: BladeSide::Flat }
     }
 
-    /// Such a wall far from the axis.
+    /// A wall like that of `wall`, far from the axis.
     fn raised(at: impl Fn(f64, f64) -> (DVec3, DVec3)) -> ChannelWall {
         wall(|x, z| {
             let (point, normal) = at(x, z);
@@ -346,7 +354,7 @@ mod tests {
             let off = x - EDGE;
             (DVec3::new(x, 1.0 + off.abs(), z), DVec3::new(off.signum(), -1.0, 0.0))
         });
-        let throat = throat([&plane(), &high], 0.0);
+        let throat = throat([&plane(), &high], 0.0, 0);
         assert!((throat.width_mm - 1.0).abs() < 1e-9, "{throat:?}");
         assert!((throat.on_high_wall.x - EDGE).abs() < 1e-9, "{throat:?}");
     }
@@ -363,10 +371,10 @@ mod tests {
     #[test]
     fn a_fillet_is_left_out_of_the_throat_and_a_blade_that_grows_thinner_is_not() {
         // A fillet stands out into the channel: in its place the blade goes on to 0.15 mm nearer at the hub.
-        let fillet = throat([&plane(), &turned_at_the_hub(0.8)], 0.0).width_mm;
+        let fillet = throat([&plane(), &turned_at_the_hub(0.8)], 0.0, 0).width_mm;
         assert!((fillet - 1.85).abs() < 1e-5, "{fillet}");
         // A thinner blade stands back from what goes on: its edge at z = 1.5 is the nearest place.
-        let thinner = throat([&plane(), &turned_at_the_hub(-0.5)], 0.0).width_mm;
+        let thinner = throat([&plane(), &turned_at_the_hub(-0.5)], 0.0, 0).width_mm;
         assert!((thinner - 2.0).abs() < 1e-5, "{thinner}");
     }
 
@@ -386,7 +394,7 @@ mod tests {
             let x = if off > 0.0 { (x - ROUND) * 10.0 / (10.0 - ROUND) } else { x };
             (DVec3::new(x, 2.0 + 0.1 * x - off, z), DVec3::new(0.1, -1.0, slope))
         });
-        let width = throat([&plane(), &high], 0.0).width_mm;
+        let width = throat([&plane(), &high], 0.0, 0).width_mm;
         assert!((width - 2.0).abs() < 1e-6, "{width}");
     }
 
@@ -401,7 +409,7 @@ mod tests {
             };
             (DVec3::new(x, 2.0 + off, z), DVec3::new(0.0, -1.0, slope))
         });
-        let width = throat([&plane(), &high], 0.0).width_mm;
+        let width = throat([&plane(), &high], 0.0, 0).width_mm;
         assert!((width - 2.0).abs() < 1e-9, "{width}");
     }
 

@@ -213,9 +213,11 @@ impl Tracer<'_> {
                 let Some(nearer) = self.end_walls_along(&Place { r, gap: next, ..*place })[i] else { break };
                 (wall, gap) = (nearer, next);
             }
-            wall.radius
+            wall
         };
-        (Some(beside(0, h, height)), Some(beside(1, s, -height)))
+        let (hub, shroud) = (beside(0, h, height), beside(1, s, -height));
+        // Where nothing but a blade that leans is met, and no points tell of one, there is no shroud.
+        (Some(hub.radius), (!shroud.is_blade || given[1].is_some()).then_some(shroud.radius))
     }
 
     /// The hub (`end` 0) or the shroud (1) beside the radius `given` of points on it, where a blade that leans covers it

@@ -19,7 +19,6 @@ mod tests;
 mod tube;
 mod walls;
 
-use flow::{LEANING, STEEP};
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -27,9 +26,9 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use self::agreement::Measured;
-use self::flow::Lines;
+use self::flow::{LEANING, Lines, STEEP};
 use self::meridian::{Meridian, Place, Tracer};
-use self::walls::{WallFinder, Walls};
+use self::walls::{BEYOND_EDGE, WallFinder, Walls};
 use super::by_hand::ByHand;
 use super::channel::{Channel, ChannelWall, Flow, OPENS, Unlike, ways_out};
 use super::error::{BliskError, Misleading, Refused};
@@ -162,13 +161,19 @@ fn channel_of(wheel: Wheel, options: &BliskOptions, assumed: Vec<String>, task: 
     };
     let first = placed(STEEP);
     let is_axial = first.as_ref().map_or(true, |placed| placed.lines.is_none());
-    match first.and_then(measured) {
-        Err(first) if is_axial && !matches!(first.error, BliskError::Cancelled(_)) => match placed(LEANING) {
-            Ok(across) if across.lines.is_some() => measured(across).map_err(|_| first),
-            _ => Err(first),
-        },
-        found => found,
-    }
+    let is_given = options.radii().iter().any(|(_, radius)| radius.given().is_some());
+    let refused = match first.and_then(measured) {
+        Err(refused) if is_axial && !is_given => refused,
+        found => return found,
+    };
+    let is_stopped = |refused: &Refused| matches!(refused.error, BliskError::Cancelled(_));
+    let across = match placed(LEANING) {
+        Ok(across) if across.lines.is_some() && !is_stopped(&refused) => measured(across),
+        Ok(_) => return Err(refused),
+        Err(other) => Err(other),
+    };
+    // What stands in the way along the axis is what is told.
+    across.map_err(|other| if is_stopped(&other) { other } else { refused })
 }
 
 /// The channel at a place that is known.
@@ -200,11 +205,11 @@ fn measured_channel(
         check_axial(&meridian, [&walls.low, &walls.high])?;
     }
     let throat = match blisk.repetition.kinds {
-        1 => measure::throat([&walls.low, &walls.high], walls.rows.beyond()),
+        1 => measure::throat([&walls.low, &walls.high], walls.rows.beyond(), 0),
         // Beside splitters the narrowest place may be where a main blade stands ahead of one, or goes on behind it.
         _ => {
             let [low, high] = finder.beyond_edges(&walls)?;
-            measure::throat([&low, &high], walls.rows.beyond())
+            measure::throat([&low, &high], walls.rows.beyond(), BEYOND_EDGE)
         }
     };
     let Walls { mut low, mut high, rows } = walls;

@@ -135,9 +135,9 @@ pub(super) fn wrong(case: &Case, channel: &Channel) -> Vec<String> {
     wrong
 }
 
-/// Number of wheels that are tried: 6, or as many as the environment's `WHEELS` says.
+/// Number of wheels that are tried: 6, or as many as the environment's `WHEEL_COUNT` says.
 fn wheels() -> usize {
-    std::env::var("WHEELS").ok().and_then(|count| count.parse().ok()).unwrap_or(6)
+    std::env::var("WHEEL_COUNT").ok().and_then(|count| count.parse().ok()).unwrap_or(6)
 }
 
 /// The first wheels of the sequence, those of which `what` finds fault with what it says.

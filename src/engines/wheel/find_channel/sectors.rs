@@ -83,6 +83,31 @@ fn fillets_do_not_make_the_throat_narrower() {
     }
 }
 
+/// A passage between cones, whose ends are square to it: steeper than the axis's and flatter than the radius's.
+#[test]
+fn passages_between_cones_of_any_angle_are_found() {
+    for degrees in [20.0_f64, 40.0, 44.0, 46.0, 55.0] {
+        let along = DVec2::from_angle(degrees.to_radians());
+        let (from, up) = (DVec2::new(0.0, 40.0), along.perp());
+        let line = |height: f64, narrower: f64| {
+            MeridianCurve::line(from + height * up, from + 30.0 * along + narrower * height * up)
+        };
+        let pieces = [160, 48, 8];
+        let wheel = ParametricWheel {
+            blades: 16,
+            hub: line(0.0, 1.0),
+            shroud: line(10.0, 0.8),
+            wrap: [0.4; 2],
+            pieces,
+            ..ParametricWheel::nozzle_ring()
+        };
+        let channel = find(&wheel.mesh(), &BliskOptions::default()).unwrap_or_else(|e| panic!("{degrees} deg: {e}"));
+        let (width, least) = (channel.throat.width_mm, least_width(&wheel));
+        assert!(channel.shrouded && channel.blades == 16, "{degrees} deg");
+        assert!((width / least - 1.0).abs() < 0.005, "{degrees} deg: {width} for {least}");
+    }
+}
+
 /// Half a wheel is bounded by one plane, and one blade of a radial wheel turns about itself as well: a tall one between
 /// thin rings more than about the axis, and the rings' facets are planes like the cuts.
 #[test]

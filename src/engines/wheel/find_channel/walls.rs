@@ -37,7 +37,7 @@ const SAME_WALL: f64 = 0.1;
 const NOT_AT_END_WALLS: RangeInclusive<f64> = 0.04..=0.96;
 
 /// Points beyond an edge on a wall that goes on there.
-const BEYOND_EDGE: usize = 24;
+pub(super) const BEYOND_EDGE: usize = 24;
 
 /// Blades that go on so far beyond the end of hub or shroud (share of the height) are not bounded there.
 const BEYOND_END: f64 = 0.05;

@@ -59,6 +59,11 @@ impl ElectrodeOutcome {
         Self { electrode, plan, distances: Vec::new(), tried: Vec::new() }
     }
 
+    /// Whether the search for a change that makes it feasible was stopped.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.plan.jam.as_ref().and_then(|jam| jam.opening.as_ref()).is_some_and(|opening| opening.is_stopped)
+    }
+
     /// Measures the distances at the nodes; a plan that is cancelled only then stays as it is, without them.
     pub(super) fn measure(&mut self, around: (&Channel, &SurfaceFinder), task: &Task) {
         let found = NodeDistances::at(&self.plan.nodes, &self.electrode, around, &task.cancel);
@@ -96,8 +101,7 @@ impl PlanOutcome {
 
     /// Stage that was stopped, if one was: of what comes after the feeds, or the search for what would make one feasible.
     pub fn stopped(&self) -> Option<&'static str> {
-        let is_stopped = |e: &ElectrodeOutcome| e.plan.jam.as_ref()?.opening.as_ref().map(|opening| opening.is_stopped);
-        if self.electrodes.iter().any(|e| is_stopped(e) == Some(true)) {
+        if self.electrodes.iter().any(ElectrodeOutcome::is_stopped) {
             return Some("search for a change that makes it feasible");
         }
         let of_stock = || self.stock()?.is_stopped.then_some("map of the residual stock");

@@ -41,6 +41,7 @@ pub fn run(inputs: &PlanInputs, task: &Task) -> Result<PlanOutcome, PlanJobError
 /// Every error of [`run`].
 pub fn run_finished(prepared: &PreparedBlisk, inputs: &PlanInputs, task: &Task) -> Result<PlanOutcome, PlanJobError> {
     let outcome = run_prepared(prepared, inputs, &|_, _, _| (), task)?;
+    task.check()?;
     finish(&outcome, inputs, &prepared.space.blisk, task)?;
     Ok(outcome)
 }
@@ -74,7 +75,8 @@ pub fn prepare(inputs: &PlanInputs, task: &Task) -> Result<PreparedBlisk, PlanJo
 pub type ObservePlan<'a> = dyn Fn(&Arc<Electrode>, &[Node], &[Convergence]) + Sync + 'a;
 
 /// Plans every electrode of the job on a blisk that was made ready before; `observe` is shown the nodes as they are
-/// found. The answer is that of [`run`] before it is finished.
+/// found. The answer is that of [`run`] before it is finished. Told to stop while a change is searched for that makes a jammed
+/// electrode feasible, it answers what is known by then: [`PlanOutcome::stopped`].
 ///
 /// # Errors
 /// [`PlanJobError`]; that there is no path is not one of them.
@@ -140,7 +142,15 @@ impl JobPlanner<'_> {
     }
 
     fn electrodes(&mut self) -> Result<Vec<ElectrodeOutcome>, PlanJobError> {
-        (0..self.inputs.electrodes()).map(|number| self.part(number)).collect()
+        let mut electrodes = Vec::new();
+        for number in 0..self.inputs.electrodes() {
+            electrodes.push(self.part(number)?);
+            // Nothing is known of those after the one whose jam was kept.
+            if electrodes.last().is_some_and(ElectrodeOutcome::is_stopped) {
+                break;
+            }
+        }
+        Ok(electrodes)
     }
 
     /// The electrode that is number `part` along the passage, columns of one part counted through. Tries the sides one after the
@@ -178,8 +188,8 @@ impl JobPlanner<'_> {
                 }
                 Err(PlanJobError::Cancelled(cancelled)) => {
                     // Where it jams on the side before is known all the same.
-                    let opening = best.as_mut().and_then(opening_of).ok_or(cancelled)?;
-                    opening.is_stopped = true;
+                    let jam = best.as_mut().and_then(|best| best.plan.jam.as_mut()).ok_or(cancelled)?;
+                    jam.opening.get_or_insert_default().is_stopped = true;
                     break;
                 }
                 Err(other) => return Err(other),

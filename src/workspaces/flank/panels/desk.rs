@@ -116,10 +116,10 @@ pub struct FlankDesk {
     pub machines: Vec<[String; 2]>,
     /// The cutters to choose from.
     pub cutters: Vec<FlankCutter>,
-    /// Plans side by side: first those that the user keeps, then those of a sweep or of a list of cutters.
-    pub rows: Vec<Row>,
-    /// Number of plans that the user keeps.
-    pub kept_rows: usize,
+    /// Plans side by side that the user keeps.
+    kept: Vec<Row>,
+    /// Plans side by side of the last sweep or list of cutters.
+    pub compared: Vec<Row>,
     /// The sweep that is asked for next, whose quantity plans side by side are plotted over.
     pub sweep: Sweep,
     /// Whether the sweep is to be started.
@@ -176,8 +176,8 @@ impl FlankDesk {
                 .map(|m| [m.name, m.title])
                 .collect(),
             cutters: user_cutters(user_folder().as_deref()).or_else(|_| standard_cutters()).unwrap_or_default().cutter,
-            rows: Vec::new(),
-            kept_rows: 0,
+            kept: Vec::new(),
+            compared: Vec::new(),
             sweep: Quantity::Radius.usual(),
             wants_sweep: false,
             changed_files: Vec::new(),
@@ -318,16 +318,18 @@ impl FlankDesk {
 
     /// Keeps the plan that is shown beside others. Check [`is_planned`](Self::is_planned) first.
     pub fn keep(&mut self) {
-        if let Some(planned) = &self.shown {
-            self.rows.insert(self.kept_rows, Row::of(&planned.result));
-            self.kept_rows += 1;
-        }
+        self.kept.extend(self.shown.as_ref().map(|planned| Row::of(&planned.result)));
+    }
+
+    /// All plans side by side, the kept ones first.
+    pub fn rows(&self) -> Vec<Row> {
+        [&self.kept[..], &self.compared].concat()
     }
 
     /// Forgets all plans side by side.
     pub fn clear_rows(&mut self) {
-        self.rows.clear();
-        self.kept_rows = 0;
+        self.kept.clear();
+        self.compared.clear();
     }
 
     /// Takes a cutter.
@@ -366,8 +368,7 @@ impl FlankDesk {
             events.push(WorkEvent { kind: EventKind::Failed, text: format!("Sweep: {text}"), took: None });
         }
         if let Some(rows) = self.work.take_compared() {
-            self.rows.truncate(self.kept_rows);
-            self.rows.extend_from_slice(&rows);
+            self.compared = rows.to_vec();
         }
         self.work.files(self.document.params()).iter().for_each(|file| self.document.note_file(file));
         let state = self.state();

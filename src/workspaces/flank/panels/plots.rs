@@ -221,8 +221,7 @@ fn sweep(ui: &mut Ui, desk: &FlankDesk) {
     let of = desk.sweep.of;
     let [faint, second, accent] = colours(ui);
     // What the user keeps may differ in more than the quantity.
-    let rows = &desk.rows[desk.kept_rows.min(desk.rows.len())..];
-    let lines = SERIES.map(|(name, _, figure)| (name, points(of, rows, figure)));
+    let lines = SERIES.map(|(name, _, figure)| (name, points(of, &desk.compared, figure)));
     if lines[0].1.len() < 2 {
         return says(ui, "Start a sweep in the results, under Side by side, to see its curves.");
     }

@@ -121,29 +121,30 @@ fn figures(ui: &mut Ui, desk: &mut FlankDesk, planned: &Planned) {
 /// Plans side by side, each with its cutter, which a click takes.
 fn comparison(ui: &mut Ui, desk: &mut FlankDesk) {
     ui.add_space(6.0);
+    let rows = desk.rows();
     ui.horizontal(|ui| {
         ui.strong("Side by side");
         let keep = ui.add_enabled(desk.is_planned(), egui::Button::new("Keep").small());
         if keep.on_hover_text("Keeps the figures of this plan beside those of others").clicked() {
             desk.keep();
         }
-        if !desk.rows.is_empty() && ui.small_button("Clear").clicked() {
+        if !rows.is_empty() && ui.small_button("Clear").clicked() {
             desk.clear_rows();
         }
     });
     sweep(ui, desk);
-    if desk.rows.is_empty() {
+    if rows.is_empty() {
         return;
     }
-    let has_points = desk.rows.windows(2).any(|w| w[0].variant.control_points != w[1].variant.control_points);
-    let best = best(&desk.rows);
+    let has_points = rows.windows(2).any(|w| w[0].variant.control_points != w[1].variant.control_points);
+    let best = best(&rows);
     let mut taken = None;
     Grid::new("flank comparison").num_columns(4).striped(true).spacing([8.0, 2.0]).show(ui, |ui| {
         for head in ["cutter", "mean um", "over um", "under um"] {
             ui.label(RichText::new(head).small().color(palette(ui).faint));
         }
         ui.end_row();
-        for (i, row) in desk.rows.iter().enumerate() {
+        for (i, row) in rows.iter().enumerate() {
             let sentence = row.sentence();
             let Variant { cutter, control_points } = &row.variant;
             // Short, since the column is narrow; the hint has it in words.
