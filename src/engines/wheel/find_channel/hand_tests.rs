@@ -366,7 +366,7 @@ fn above_where_blades_grow_together_a_drawn_curve_bounds_the_passage() {
 /// Over the middle of the passage at half its height stands a blade that leans: the shroud is met beside its curve.
 #[test]
 fn curves_drawn_on_hub_and_shroud_between_leaning_blades_are_measured_there() {
-    let narrow = TestBlisk { blades: 90, thickness: 2.7, fillet: 0.3, grid: [16, 16, 6, 2], ..Default::default() };
+    let narrow = TestBlisk { blades: 90, thickness: 2.7, fillet: 0.3, grid: [24, 24, 8, 2], ..Default::default() };
     let part = TestBlisk { twist: 0.5 / 56.0, ..narrow };
     let points = |r: f64| vec![[1.0, r, 0.0], [7.0, r, 0.0], [13.0, r, 0.0]];
     let (hub_points_mm, shroud_points_mm) = (points(50.0), points(62.0));
