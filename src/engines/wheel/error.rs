@@ -206,7 +206,7 @@ pub enum BliskError {
         share: f64,
         /// Position along the axis of a place that is covered (mm, in W).
         x: f64,
-        /// Its radius (mm).
+        /// Radius of that place (mm).
         r: f64,
     },
     /// Something stands in the passage.

@@ -60,7 +60,8 @@ struct Piece {
 }
 
 /// The lines across the passage through `start` between blades of so many kinds; none where it runs along the axis, at
-/// most as steep as `slope` (radius over x), or where the blades do not reach a hub from end to end, so that nothing is known of its direction.
+/// most as steep as `slope` (radius over x), or where the blades do not reach a hub from end to end, so that nothing is
+/// known of its direction.
 pub(super) fn lines(tracer: &Tracer, start: Place, kinds: usize, slope: f64) -> Result<Option<Lines>, BliskError> {
     // Where both are given or one is drawn there is nothing to be found.
     let is_drawn = [Surface::Hub, Surface::Shroud].into_iter().any(|surface| tracer.is_drawn(surface));
