@@ -85,15 +85,18 @@ pub enum BladeRingError {
     },
     /// Blades at the walls' distance have no thickness.
     #[error(
-        "with {blades} blades the low wall of a channel meets the high wall of the channel before at x = {:.2}, r = {:.2} mm, \
-         so that the blade between them has no thickness: correct the number of blades, or exchange low and high in the table",
-        place.x, place.y
+        "with {blades} blades the low wall of a channel is {overlap:.3} mm beyond the high wall of the channel before at \
+         x = {:.2}, r = {:.2} mm, so that the blade between them has no thickness there: correct the number of blades, or \
+         exchange low and high in the table; where the blade ends, up to {} mm are taken for errors of measurement",
+        place.x, place.y, EDGE_ERROR
     )]
     NoThickness {
         /// Number of blades given.
         blades: usize,
         /// Place (x, r) (mm).
         place: DVec2,
+        /// How far the sides overlap along the circumference (mm).
+        overlap: f64,
     },
 }
 
@@ -105,6 +108,13 @@ const GRID: [usize; 2] = [121, 17];
 const FACETS: usize = 720;
 /// Rounds in which a blade is led on into a ring that widens.
 const ROUNDS: usize = 4;
+/// Overlap of the sides of a blade at its edges (mm) that is taken for errors of measurement: both sides meet there, and
+/// of measured points each has its own error.
+const EDGE_ERROR: f64 = 0.1;
+/// Share of a side's points at each of its ends that counts as edge.
+const EDGE: f64 = 0.2;
+/// Least thickness of a blade where its sides overlap (mm): less would make the facets of both sides one.
+const LEAST: f64 = 1e-3;
 /// Share of the passage's height by which sections may end short of a ring: the blade goes straight on there.
 const STRAIGHT_ON: f64 = 0.2;
 
@@ -146,18 +156,19 @@ impl BladeRing {
         let pitch = std::f64::consts::TAU / self.blades as f64;
         let back = DMat3::from_rotation_x(-pitch);
         // The upper side of blade 0 is the low wall of channel 0, its lower side the high wall turned back.
-        let [upper, lower] = [self.rows(&walls[0], &|p| p)?, self.rows(&walls[1], &|p| back * p)?];
-        for (a, b) in upper.iter().flatten().zip(lower.iter().flatten()) {
-            let [a, b] = [*a, *b].map(Cylindrical::from_point);
-            if !(self.faces_x_mm[0]..=self.faces_x_mm[1]).contains(&a.x) {
-                return Err(BladeRingError::BeyondFace { x: a.x });
-            }
-            if !(self.bore_radius_mm..=self.outer_radius_mm).contains(&a.r) {
-                return Err(BladeRingError::BeyondRing { place: DVec2::new(a.x, a.r) });
-            }
-            // At its edges a blade may be sharp.
-            if a.theta < angle_near(b.theta, a.theta) - 1e-6 {
-                return Err(BladeRingError::NoThickness { blades: self.blades, place: DVec2::new(a.x, a.r) });
+        let [mut upper, mut lower] = [self.rows(&walls[0], &|p| p)?, self.rows(&walls[1], &|p| back * p)?];
+        for (upper, lower) in upper.iter_mut().zip(&mut lower) {
+            for (i, (a, b)) in upper.iter_mut().zip(lower).enumerate() {
+                let at = Cylindrical::from_point(*a);
+                if !(self.faces_x_mm[0]..=self.faces_x_mm[1]).contains(&at.x) {
+                    return Err(BladeRingError::BeyondFace { x: at.x });
+                }
+                if !(self.bore_radius_mm..=self.outer_radius_mm).contains(&at.r) {
+                    return Err(BladeRingError::BeyondRing { place: DVec2::new(at.x, at.r) });
+                }
+                let share = i as f64 / (GRID[0] - 1) as f64;
+                let most = if (EDGE..=1.0 - EDGE).contains(&share) { 0.0 } else { EDGE_ERROR };
+                self.part([a, b], most)?;
             }
         }
         let blade = blade(&upper, &lower);
@@ -171,6 +182,24 @@ impl BladeRing {
         };
         let rings = [ring(self.hub_radius_mm, self.bore_radius_mm), ring(self.shroud_radius_mm, self.outer_radius_mm)];
         Ok(together(rings.into_iter().chain(blades)))
+    }
+
+    /// Moves two points that face each other on the upper and on the lower side of a blade apart where the sides overlap by
+    /// no more than `most` (mm).
+    fn part(&self, [upper, lower]: [&mut DVec3; 2], most: f64) -> Result<(), BladeRingError> {
+        /// Overlap that is none (mm): the error of rounding where the sides meet.
+        const NOTHING: f64 = 1e-4;
+        let [a, b] = [*upper, *lower].map(Cylindrical::from_point);
+        let overlap = a.r * (angle_near(b.theta, a.theta) - a.theta);
+        if overlap > most.max(NOTHING) {
+            return Err(BladeRingError::NoThickness { blades: self.blades, place: DVec2::new(a.x, a.r), overlap });
+        }
+        if overlap > NOTHING {
+            let half = 0.5 * (overlap + LEAST) / a.r;
+            *upper = DMat3::from_rotation_x(half) * *upper;
+            *lower = DMat3::from_rotation_x(-half) * *lower;
+        }
+        Ok(())
     }
 
     /// Rows of a side of a blade from within the hub's ring to within the shroud's, each from edge to edge.
@@ -246,6 +275,7 @@ mod tests {
     use crate::find_channel::find_channel;
     use crate::options::BliskOptions;
     use crate::parametric::{ChannelSide, ParametricBlisk};
+    use crate::section_deviation::SectionsDeviation;
     use geometry::nurbs::LineShape;
     use task::Task;
 
@@ -344,6 +374,65 @@ mod tests {
         };
         let (found, given) = (worst(false), worst(true));
         assert!(given < 0.5 * found, "{given} mm with, {found} mm without");
+    }
+
+    /// A number from -1 to 1, another for each key.
+    fn noise(key: usize) -> f64 {
+        2.0 * (key as f64 * 0.618_033_988_749_894_9).fract() - 1.0
+    }
+
+    /// Sections as a coordinate measuring machine has them: each point off in every direction by up to `most` (mm).
+    fn measured(blisk: &ParametricBlisk, heights: &[f64], most: f64) -> Vec<MeasuredSection> {
+        let mut sections = sections(blisk, heights);
+        for (k, section) in sections.iter_mut().enumerate() {
+            for (side, points) in [&mut section.low, &mut section.high].into_iter().enumerate() {
+                // A probe does not go in steps of micrometres.
+                *points = points.iter().copied().step_by(2).collect();
+                for (i, p) in points.iter_mut().enumerate() {
+                    let key = 3 * (1000 * (2 * k + side) + i);
+                    *p += most * DVec3::new(noise(key), noise(key + 1), noise(key + 2));
+                }
+            }
+        }
+        sections
+    }
+
+    #[test]
+    fn sections_with_the_noise_of_a_measurement_make_the_wheel_and_their_known_error_is_found() {
+        let blisk = ParametricBlisk { blades: 24, ..ParametricBlisk::turbine() };
+        for most in [0.003, 0.01, 0.02] {
+            let mut table = measured(&blisk, &HEIGHTS, most);
+            // A section that is too thin at the high wall: its points are moved into the blade.
+            let along = |i: usize| 0.5 - 0.5 * (i as f64 / 60.0 * std::f64::consts::PI).cos();
+            for (i, p) in table[3].high.iter_mut().enumerate() {
+                *p -= 0.08 * blisk.wall_at(ChannelSide::High, along(i), HEIGHTS[3])[1];
+            }
+            let mesh = ring(&blisk).mesh(&table, &Cancel::default()).unwrap();
+            assert!(mesh.is_watertight(), "{most}");
+            let channel = find_channel(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
+            assert_eq!(channel.blades, 24);
+            let walls = NurbsWall::of_channel(&channel).unwrap();
+            let in_w = |points: &[DVec3]| points.iter().map(|p| channel.frame.from_parent(*p)).collect();
+            let in_w: Vec<MeasuredSection> =
+                table.iter().map(|s| MeasuredSection { low: in_w(&s.low), high: in_w(&s.high), ..s.clone() }).collect();
+            // The walls that are planned for go through the points, whatever these are.
+            let planned = SectionsDeviation::new(&in_w, &walls, 0.03, &Cancel::default()).unwrap();
+            assert!(planned.holds(), "{most}: {planned}");
+            let others = SectionsDeviation::of_each(&table, 0.03, &Cancel::default()).unwrap();
+            let side = &others.sections.iter().find(|s| s.name == table[3].name).unwrap().sides[1];
+            assert!((side.mean_mm + 0.08).abs() < 0.006, "{most}: {others}");
+            assert!(!others.holds() && others.greatest().unwrap().0 == table[3].name, "{most}: {others}");
+        }
+    }
+
+    #[test]
+    fn the_same_sections_without_an_error_are_within_the_limit() {
+        let blisk = ParametricBlisk { blades: 24, ..ParametricBlisk::turbine() };
+        for most in [0.0, 0.003] {
+            let others =
+                SectionsDeviation::of_each(&measured(&blisk, &HEIGHTS, most), 0.03, &Cancel::default()).unwrap();
+            assert!(others.holds() && others.sections.len() == HEIGHTS.len() - 2, "{most}: {others}");
+        }
     }
 
     #[test]

@@ -26,6 +26,8 @@ pub struct NurbsWall {
 /// The point of a wall nearest to another point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceFoot {
+    /// Parameters of the nearest point, along the chord and across the sections.
+    pub at: [f64; 2],
     /// The nearest point (mm).
     pub point: DVec3,
     /// Height of the other point over the tangent plane there, positive along u x v: to the side of greater theta (mm).
@@ -178,7 +180,7 @@ impl NurbsWall {
         let [point, along_u, along_v] = self.surface.at(at[0], at[1]);
         let normal = along_u.cross(along_v).normalize_or_zero();
         let height = normal.dot(p - point);
-        SurfaceFoot { point, height, aside: (p - point - height * normal).length() }
+        SurfaceFoot { at, point, height, aside: (p - point - height * normal).length() }
     }
 
     /// The step in the parameters from `at` to the foot of `p` in the tangent plane there, along the border where it

@@ -10,7 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::nurbs_wall::NurbsWall;
+use super::nurbs_wall::{MeasuredError, NurbsWall};
 use super::sections::MeasuredSection;
 use task::{Cancel, Cancelled};
 
@@ -23,6 +23,9 @@ pub struct SideDeviation {
     /// Deviation of each point (mm), in the order of the section; none where a point is not judged.
     #[serde(skip)]
     pub of_points: Vec<Option<f64>>,
+    /// Parameters on the wall and deviation (mm) of each point that is judged, from edge to edge.
+    #[serde(skip)]
+    places: Vec<([f64; 2], f64)>,
     /// The deviation greatest in size, with its sign (mm); none where no point is judged.
     pub greatest_mm: Option<f64>,
     /// Point of the greatest deviation, in W (mm).
@@ -65,9 +68,12 @@ impl SideDeviation {
         let deviation = |p: &DVec3| {
             cancel.check()?;
             let foot = feet.foot(*p);
-            Ok((foot.aside <= Self::BESIDE).then_some(sign * foot.height))
+            Ok((foot.aside <= Self::BESIDE).then_some((foot.at, sign * foot.height)))
         };
-        let of_points = points.par_iter().map(deviation).collect::<Result<Vec<Option<f64>>, Cancelled>>()?;
+        let found = points.par_iter().map(deviation).collect::<Result<Vec<Option<([f64; 2], f64)>>, Cancelled>>()?;
+        let of_points: Vec<Option<f64>> = found.iter().map(|judged| judged.map(|(_, deviation)| deviation)).collect();
+        let mut places: Vec<_> = found.into_iter().flatten().collect();
+        places.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
         let judged = || of_points.iter().zip(points).filter_map(|(d, p)| Some(((*d)?, *p)));
         let count = judged().count();
         let mean = |of: &dyn Fn(f64) -> f64| judged().map(|(d, _)| of(d)).sum::<f64>() / count.max(1) as f64;
@@ -82,7 +88,18 @@ impl SideDeviation {
             judged: count,
             beyond: points.len() - count,
             of_points,
+            places,
         })
+    }
+
+    /// Parameter across the sections, and deviation (mm), of the section where it passes `u`, on straight lines between its
+    /// points; none where no point is judged.
+    fn passing(&self, u: f64) -> Option<[f64; 2]> {
+        let after = self.places.partition_point(|(at, _)| at[0] < u).min(self.places.len().checked_sub(1)?);
+        let (b, a) = (&self.places[after], &self.places[after.saturating_sub(1)]);
+        let span = b.0[0] - a.0[0];
+        let t = if span > 0.0 { ((u - a.0[0]) / span).clamp(0.0, 1.0) } else { 1.0 };
+        Some([a.0[1] + t * (b.0[1] - a.0[1]), a.1 + t * (b.1 - a.1)])
     }
 }
 
@@ -103,6 +120,47 @@ impl SectionsDeviation {
             Ok(SectionDeviation { name: s.name.clone(), sides })
         };
         Ok(Self { limit_mm, sections: sections.iter().map(section).collect::<Result<_, _>>()? })
+    }
+
+    /// Each section but the first and the last judged against walls through the others: a section that is off shows by its
+    /// whole error, where walls through all of them would go along with it. What it lacks in accuracy is what a wall changes
+    /// between the sections beside it.
+    ///
+    /// # Errors
+    /// [`MeasuredError`] if the sections cannot be joined, or when cancelled.
+    pub fn of_each(sections: &[MeasuredSection], limit_mm: f64, cancel: &Cancel) -> Result<Self, MeasuredError> {
+        let of = |k: usize| {
+            let others: Vec<MeasuredSection> = [&sections[..k], &sections[k + 1..]].concat();
+            let walls = NurbsWall::of_measured(&others, cancel)?;
+            Ok(Self::new(&sections[k..=k], &walls, limit_mm, cancel)?.sections)
+        };
+        let inner = 1..sections.len().saturating_sub(1);
+        let sections: Vec<Vec<SectionDeviation>> = inner.map(of).collect::<Result<_, MeasuredError>>()?;
+        Ok(Self { limit_mm, sections: sections.concat() })
+    }
+
+    /// Deviation (mm) at every pair of the parameters `u` along the chord and `v` across the sections of wall `wall` (0 low,
+    /// 1 high), index `u * v.len() + v`: on straight lines between the measured points; not a number beyond the first and
+    /// the last section.
+    pub fn over_wall(&self, wall: usize, u: &[f64], v: &[f64]) -> Vec<f64> {
+        /// How far beyond the first and the last section the map goes on: sections are not quite at one parameter.
+        const BEYOND: f64 = 1e-3;
+        let at_u = |u: &f64| {
+            let mut rows: Vec<[f64; 2]> = self.sections.iter().filter_map(|s| s.sides[wall].passing(*u)).collect();
+            rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            rows
+        };
+        let between = |rows: &[[f64; 2]], v: f64| {
+            let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return f64::NAN };
+            if v < first[0] - BEYOND || v > last[0] + BEYOND {
+                return f64::NAN;
+            }
+            let after = rows.partition_point(|row| row[0] < v).min(rows.len() - 1);
+            let (a, b) = (rows[after.saturating_sub(1)], rows[after]);
+            let t = if b[0] > a[0] { ((v - a[0]) / (b[0] - a[0])).clamp(0.0, 1.0) } else { 1.0 };
+            a[1] + t * (b[1] - a[1])
+        };
+        u.iter().map(at_u).flat_map(|rows| v.iter().map(move |v| between(&rows, *v)).collect::<Vec<_>>()).collect()
     }
 
     /// The section and the wall (0 low, 1 high) with the deviation greatest in size, and that deviation (mm).
@@ -237,6 +295,41 @@ mod tests {
                 assert!(side.greatest_mm.unwrap().abs() < a + 2e-3, "{found}");
             }
         }
+    }
+
+    #[test]
+    fn the_map_has_the_error_of_each_section_where_it_lies_and_goes_evenly_from_one_to_the_next() {
+        let never = Cancel::default();
+        let heights: Vec<f64> = (0..9).map(|k| f64::from(k) / 8.0).collect();
+        let walls = NurbsWall::of_measured(&sections(&heights, 121, |_, _, _| 0.0), &never).unwrap();
+        let errors = [0.01, -0.03, 0.02];
+        let measured = sections(&[0.25, 0.5, 0.75], 44, |k, side, _| if side == 0 { errors[k] } else { 0.0 });
+        let found = SectionsDeviation::new(&measured, &walls, P1_LIMIT_MM, &never).unwrap();
+        let u = [0.2, 0.5, 0.8];
+        let v = [walls[0].v[1], walls[0].v[2], 0.5 * (walls[0].v[2] + walls[0].v[4]), walls[0].v[4], walls[0].v[6]];
+        let map = found.over_wall(0, &u, &v);
+        for row in map.chunks(v.len()) {
+            assert!(row[0].is_nan(), "nothing was measured below the first section");
+            for (value, wanted) in row[1..].iter().zip([0.01, -0.01, -0.03, 0.02]) {
+                assert!((value - wanted).abs() < 2e-3, "{row:?}");
+            }
+        }
+        assert!(found.over_wall(1, &u, &v).iter().skip(1).filter(|d| d.is_finite()).all(|d| d.abs() < 1e-3));
+    }
+
+    #[test]
+    fn a_section_that_is_off_shows_against_the_others_by_its_whole_error() {
+        let heights: Vec<f64> = (0..9).map(|k| f64::from(k) / 8.0).collect();
+        let measured = sections(&heights, 61, |k, side, _| if (k, side) == (4, 1) { -0.045 } else { 0.0 });
+        let found = SectionsDeviation::of_each(&measured, P1_LIMIT_MM, &Cancel::default()).unwrap();
+        assert_eq!(
+            found.sections.iter().map(|s| s.name.as_str()).collect::<Vec<_>>(),
+            ["1", "2", "3", "4", "5", "6", "7"]
+        );
+        let (name, wall, _) = found.greatest().unwrap();
+        assert_eq!((name, wall, found.holds()), ("4", 1, false));
+        let mean = found.sections[3].sides[1].mean_mm;
+        assert!((mean + 0.045).abs() < 4e-3, "{found}");
     }
 
     #[test]

@@ -10,6 +10,7 @@
 //! Between blades that hardly overlap, or that wind far around the axis, such circles do not lead through the passage: they
 //! leave it, or hardly any fits. The centreline is then half way between both walls at each position along the passage.
 
+mod blade_circles;
 mod summary;
 #[cfg(test)]
 mod tests;
@@ -18,6 +19,7 @@ use std::ops::RangeInclusive;
 
 use glam::{DVec2, DVec3};
 
+pub use self::blade_circles::{BladeCircle, blade_circles};
 pub use self::summary::{CentrelineSummary, WallFit};
 use crate::channel::{Channel, Flow};
 use crate::inscribed::{CurvePair, InscribedCircle};

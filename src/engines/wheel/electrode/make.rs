@@ -1,6 +1,8 @@
 //! Making the electrodes of a channel: its division into parts and columns (P1), and the junctions between them.
 
-use glam::DVec3;
+use std::cmp::Ordering;
+
+use glam::{DVec2, DVec3};
 
 use super::body::{self, Plan};
 use super::boundary::{BladeEnd, Boundary, Section, Spot, blade_ends};
@@ -98,7 +100,7 @@ fn with_room(
     task.report("electrode", 0.0, "boundary of the channel");
     let boundary = Boundary::new(channel, blisk, params, room)?;
     let whole = burning_extent(channel, params);
-    let range = part_ranges(whole, params)?[which.part];
+    let range = part_ranges(channel, whole, params)?[which.part];
     // The burning part, and the way of the shank through the passage.
     let extent = if which.at_last { [range[0], whole[1]] } else { [whole[0], range[1]] };
     let mut planes: Vec<f64> = range.to_vec();
@@ -144,9 +146,14 @@ fn burning_extent(channel: &Channel, params: &ElectrodeParams) -> [f64; 2] {
 
 /// The span along the passage of each part: from division to division, and at each by half of what its two parts share
 /// themselves, which is their overlap less the gap that each burns beyond itself.
-fn part_ranges([first, last]: [f64; 2], params: &ElectrodeParams) -> Result<Vec<[f64; 2]>, ElectrodeError> {
+fn part_ranges(
+    channel: &Channel,
+    [first, last]: [f64; 2],
+    params: &ElectrodeParams,
+) -> Result<Vec<[f64; 2]>, ElectrodeError> {
     let shared = |overlap: f64| overlap - 2.0 * params.spark_gap_mm;
-    let divisions = params.divisions(last - first, shared(params.overlap_mm));
+    let mut divisions = params.divisions(last - first, shared(params.overlap_mm));
+    balance_parts(&mut divisions, channel, [first, last], params);
     let end = |part: usize, sense: f64| first + divisions[part] + sense * 0.5 * shared(params.overlap_after(part));
     let ranges: Vec<[f64; 2]> = (0..params.parts)
         .map(|part| {
@@ -181,7 +188,7 @@ impl Junctions {
     /// If the parts are too short.
     pub fn of(channel: &Channel, params: &ElectrodeParams) -> Result<Self, ElectrodeError> {
         let gap = params.spark_gap_mm;
-        let ranges = part_ranges(burning_extent(channel, params), params)?;
+        let ranges = part_ranges(channel, burning_extent(channel, params), params)?;
         let meet = |part: usize| 0.5 * (ranges[part][1] + ranges[part + 1][0]);
         Ok(Self {
             planes: (1..params.parts).filter(|&k| params.overlap_after(k - 1) < gap).map(|k| meet(k - 1)).collect(),
@@ -213,33 +220,100 @@ fn column_split(channel: &Channel, params: &ElectrodeParams) -> f64 {
     params.column_split.given().unwrap_or_else(|| balanced_split(channel))
 }
 
-/// The share at which the columns are as thick as each other where each is thinnest, before any reduction: electrodes of
-/// other reductions have the same surface between them.
-fn balanced_split(channel: &Channel) -> f64 {
+/// The value within `range` up to which `is_too_great` denies, by halving. P1's first principle of division: two electrodes
+/// that a value divides are as thick as each other, where each is thinnest and before any reduction. One gets thinner there
+/// as the value rises, or the other as it falls.
+fn balanced(mut range: [f64; 2], is_too_great: impl Fn(f64) -> bool) -> f64 {
+    const HALVINGS: usize = 12;
+    for _ in 0..HALVINGS {
+        let value = 0.5 * (range[0] + range[1]);
+        range[usize::from(is_too_great(value))] = value;
+    }
+    0.5 * (range[0] + range[1])
+}
+
+/// Points of both walls, those that face each other side by side.
+struct Facing {
+    pairs: Vec<[Cylindrical; 2]>,
+    walls: [Vec<DVec3>; 2],
+}
+
+impl Facing {
     /// Points of a wall along the chord and across it, at most.
     const MOST: [usize; 2] = [61, 9];
-    const HALVINGS: usize = 12;
-    let (low, high) = (&channel.low, &channel.high);
-    let every = |count: usize, most: usize| (0..count).step_by((count - 1).div_ceil(most - 1).max(1));
-    let grid = every(low.nu, MOST[0]).flat_map(|u| every(low.nv, MOST[1]).map(move |v| (u, v)));
-    let pairs: Vec<[Cylindrical; 2]> = grid.map(|(u, v)| [low.cylindrical(u, v), high.cylindrical(u, v)]).collect();
-    let walls = [0, 1].map(|wall| pairs.iter().map(|pair| pair[wall].point()).collect::<Vec<_>>());
-    let thickness = |wall: &[DVec3], middle: &[DVec3]| {
-        let nearest = |p: &DVec3| middle.iter().map(|q| p.distance_squared(*q)).fold(f64::INFINITY, f64::min);
-        wall.iter().map(nearest).fold(f64::INFINITY, f64::min)
-    };
-    let mut range = COLUMN_SPLIT;
-    for _ in 0..HALVINGS {
-        let split = 0.5 * (range[0] + range[1]);
+
+    fn of(channel: &Channel) -> Self {
+        let (low, high) = (&channel.low, &channel.high);
+        let every = |count: usize, most: usize| (0..count).step_by((count - 1).div_ceil(most - 1).max(1));
+        let grid = every(low.nu, Self::MOST[0]).flat_map(|u| every(low.nv, Self::MOST[1]).map(move |v| (u, v)));
+        let pairs: Vec<[Cylindrical; 2]> = grid.map(|(u, v)| [low.cylindrical(u, v), high.cylindrical(u, v)]).collect();
+        let walls = [0, 1].map(|wall| pairs.iter().map(|pair| pair[wall].point()).collect::<Vec<_>>());
+        Self { pairs, walls }
+    }
+
+    /// The surface between the columns.
+    fn middle(&self, split: f64) -> Vec<DVec3> {
         let between = |[a, b]: &[Cylindrical; 2]| {
             let mixed = |a: f64, b: f64| a + split * (b - a);
             Cylindrical { x: mixed(a.x, b.x), r: mixed(a.r, b.r), theta: mixed(a.theta, b.theta) }.point()
         };
-        let middle: Vec<DVec3> = pairs.iter().map(between).collect();
-        let is_low_thicker = thickness(&walls[0], &middle) > thickness(&walls[1], &middle);
-        range[usize::from(is_low_thicker)] = split;
+        self.pairs.iter().map(between).collect()
     }
-    0.5 * (range[0] + range[1])
+}
+
+/// Distance of each point of `wall` from the points of another surface (mm).
+fn thicknesses(wall: &[DVec3], other: &[DVec3]) -> impl Iterator<Item = f64> {
+    let nearest = |p: &DVec3| other.iter().map(|q| p.distance_squared(*q)).fold(f64::INFINITY, f64::min).sqrt();
+    wall.iter().map(nearest)
+}
+
+/// The share at which the columns are as thick as each other: electrodes of other reductions have the same surface between
+/// them.
+fn balanced_split(channel: &Channel) -> f64 {
+    let facing = Facing::of(channel);
+    balanced(COLUMN_SPLIT, |split| {
+        let middle = facing.middle(split);
+        let [low, high] = facing.walls.each_ref().map(|wall| thicknesses(wall, &middle).fold(f64::INFINITY, f64::min));
+        low > high
+    })
+}
+
+/// Moves those of the `divisions` that are not given, in mm from the first end of the burned `extent`, to where the parts on
+/// both sides of them are as thick as each other, or as nearly as a place that leaves each of them a third of their length
+/// makes them: the thinner part gets shorter.
+fn balance_parts(divisions: &mut [f64], channel: &Channel, [first, last]: [f64; 2], params: &ElectrodeParams) {
+    const LEAST: f64 = 1.0 / 3.0;
+    let is_given = |i: usize| params.part.get(i).is_some_and(|part| part.until.is_some());
+    if (0..divisions.len()).all(is_given) {
+        return;
+    }
+    let facing = Facing::of(channel);
+    let other = match params.columns {
+        1 => [facing.walls[1].clone(), facing.walls[0].clone()],
+        _ => [0, 1].map(|_| facing.middle(column_split(channel, params))),
+    };
+    let place = |p: &DVec3| channel.along_and_height(DVec2::new(p.x, p.y.hypot(p.z)))[0] - first;
+    let of_wall = |i: usize| {
+        let places = facing.walls[i].iter().map(place);
+        places.zip(thicknesses(&facing.walls[i], &other[i])).collect::<Vec<_>>()
+    };
+    let all = [of_wall(0), of_wall(1)].concat();
+    let least = |from: f64, to: f64| {
+        let within = all.iter().filter(|(place, _)| (from..=to).contains(place));
+        within.map(|(_, thickness)| *thickness).fold(f64::INFINITY, f64::min)
+    };
+    for i in (0..divisions.len()).filter(|i| !is_given(*i)) {
+        let from = if i == 0 { 0.0 } else { divisions[i - 1] };
+        let to = divisions.get(i + 1).copied().unwrap_or(last - first);
+        let [least_place, most_place] = [LEAST, 1.0 - LEAST].map(|share| from + share * (to - from));
+        let place = divisions[i].clamp(least_place, most_place);
+        let [before, after] = [least(from, place), least(place, to)];
+        divisions[i] = match before.total_cmp(&after) {
+            Ordering::Equal => place,
+            Ordering::Greater => balanced([place, most_place], |at| least(from, at) <= least(at, to)),
+            Ordering::Less => balanced([least_place, place], |at| least(from, at) < least(at, to)),
+        };
+    }
 }
 
 /// Section that `column` burns: the wall on the other side gives way to the surface between the columns, moved by half

@@ -101,7 +101,8 @@ pub struct PartParams {
     /// Its side of entry.
     pub enter: EnterSide,
     /// Division between it and the next part, as a share of the burned length of the passage from its first station;
-    /// where none is given, parts are equally long.
+    /// where none is given, the parts on both sides are as thick as each other where each is thinnest, or as nearly as a
+    /// place that leaves each of them a third of their length makes them.
     pub until: Option<f64>,
     /// Overlap with the next part (mm).
     pub overlap_mm: Option<f64>,
@@ -339,7 +340,8 @@ impl ElectrodeParams {
     }
 
     /// Divisions between the parts over a burned length of `length` (mm), from the first station: those given, and
-    /// between them as many as are missing, so that these parts, of which neighbours have `shared` (mm), are equally long.
+    /// between them as many as are missing, so that these parts, of which neighbours have `shared` (mm), are equally long;
+    /// thickness is balanced from there.
     pub(super) fn divisions(&self, length: f64, shared: f64) -> Vec<f64> {
         let given =
             |i: usize| if i == self.parts { Some(1.0) } else { self.part.get(i - 1).and_then(|part| part.until) };

@@ -174,17 +174,16 @@ fn single_parts_have_divisions_overlaps_and_reductions_of_their_own() {
         parts: 3,
         part: vec![
             PartParams { until: Some(0.5), overlap_mm: Some(2.2), radial_reduction_mm: Some(1.5), ..row },
-            PartParams { low_reduction_deg: Some(1.4), ..row },
+            PartParams { until: Some(0.75), low_reduction_deg: Some(1.4), ..row },
         ],
         ..unreduced()
     };
     let [whole_from, whole_to] = burned(&make(&FINE, &unreduced(), EntrySide::MinusX).unwrap()[0]);
     let parts = make(&FINE, &params, EntrySide::MinusX).unwrap();
     let ranges: Vec<_> = parts.iter().map(burned).collect();
-    // The first division is given, by the second one parts that share 0.8 mm with their neighbours get equally long; the
-    // burns share 2.2 and 1 mm, gaps included.
+    // Divisions are given; the burns share 2.2 and 1 mm, gaps included.
     let length = whole_to - whole_from;
-    for (k, (division, shared)) in [(0.5 * length, 2.0), (0.75 * length - 0.2, 0.8)].into_iter().enumerate() {
+    for (k, (division, shared)) in [(0.5 * length, 2.0), (0.75 * length, 0.8)].into_iter().enumerate() {
         let middle = whole_from + division;
         assert!((ranges[k][1] - (middle + 0.5 * shared)).abs() < 1e-9, "{k}: {ranges:?}");
         assert!((ranges[k + 1][0] - (middle - 0.5 * shared)).abs() < 1e-9, "{k}: {ranges:?}");
@@ -541,6 +540,28 @@ fn electrodes_between_leaning_blades_that_end_flush_with_the_rim_fill_the_passag
             near += usize::from(distance < 0.15);
         }
         assert!(near as f64 > 0.95 * f64::from(count), "{near} of {count}");
+    }
+}
+
+/// The narrow places of this channel lie in its front half, so that halves of its length are not equally thick.
+#[test]
+fn parts_are_more_alike_in_thickness_than_halves_unless_their_division_is_given() {
+    let blisk = ParametricBlisk { beta_in_deg: 50.0, beta_out_deg: -36.0, ..ParametricBlisk::default() };
+    let part = part(&blisk, &MeshResolution::default());
+    let thicknesses = |columns, until| {
+        let row = PartParams { until, ..PartParams::default() };
+        let params = ElectrodeParams { parts: 2, part: vec![row], columns, overlap_mm: 0.2, ..unreduced() };
+        let made = make(&part, &params, EntrySide::PlusX).unwrap();
+        made.iter().map(|e| e.least_thickness_mm).collect::<Vec<_>>()
+    };
+    let unlike = |of: &[f64]| {
+        let [least, most] = of.iter().fold([f64::INFINITY, 0.0], |[a, b], t| [f64::min(a, *t), f64::max(b, *t)]);
+        most / least - 1.0
+    };
+    for columns in [1, 2] {
+        let (balanced, halves) = (thicknesses(columns, None), thicknesses(columns, Some(0.5)));
+        assert_eq!(balanced.len(), 2 * columns);
+        assert!(unlike(&balanced) < 0.7 * unlike(&halves), "{halves:?} {balanced:?}");
     }
 }
 
