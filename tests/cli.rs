@@ -131,13 +131,17 @@ fn a_project_says_which_files_are_written() {
         std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
     names.sort();
     let written = [
+        "centroid_1.csv",
         "copying_1.csv",
         "electrode_1.stl",
         "export_manifest.toml",
+        "inscribed_circles.csv",
         "leftover.ply",
+        "nodes_1.csv",
         "path_1.csv",
         "report.html",
         "report.json",
+        "wall_distances_1.csv",
     ];
     assert_eq!(names, written);
     let report: serde_json::Value =

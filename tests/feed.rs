@@ -62,7 +62,7 @@ fn easy_job() -> PlanJob {
 }
 
 fn easy_inputs(job: PlanJob) -> PlanInputs {
-    PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrodes: Vec::new(), job }
+    PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrodes: Vec::new(), sections: Default::default(), job }
 }
 
 /// The easy blisk, made ready once.
@@ -79,14 +79,14 @@ fn plan_easy(job: PlanJob) -> PlanOutcome {
 
 /// The feeds alone, where copying motions and residual stock do not matter.
 fn plan(blisk: Mesh, job: PlanJob) -> PlanOutcome {
-    let inputs = PlanInputs { blisk: blisk.into(), own_electrodes: Vec::new(), job };
+    let inputs = PlanInputs { blisk: blisk.into(), own_electrodes: Vec::new(), sections: Default::default(), job };
     let task = Task::default();
     run_feeds(&prepare(&inputs, &task).unwrap(), &inputs, &task).unwrap()
 }
 
 /// The whole plan.
 fn whole_plan(blisk: Mesh, job: PlanJob) -> PlanOutcome {
-    let inputs = PlanInputs { blisk: blisk.into(), own_electrodes: Vec::new(), job };
+    let inputs = PlanInputs { blisk: blisk.into(), own_electrodes: Vec::new(), sections: Default::default(), job };
     run(&inputs, &Task::default()).unwrap()
 }
 
@@ -415,7 +415,8 @@ fn a_side_for_which_no_electrode_can_be_made_is_noted_and_the_other_tried() {
     assert!(why.contains("no height is left"), "{why}");
     // Asked for that side alone, it is an error that says why.
     job.electrode.enter = EnterSide::MinusX;
-    let inputs = PlanInputs { blisk: mesh(&blisk).into(), own_electrodes: Vec::new(), job };
+    let inputs =
+        PlanInputs { blisk: mesh(&blisk).into(), own_electrodes: Vec::new(), sections: Default::default(), job };
     let error = run(&inputs, &Task::default()).unwrap_err();
     assert!(matches!(&error, PlanJobError::Electrode(_)) && why.contains(&error.to_string()), "{error}");
 }
@@ -536,7 +537,12 @@ fn channel_walls_lie_on_the_generators_own_surfaces() {
 fn a_cancelled_plan_answers_nothing() {
     let cancel = Cancel::default();
     cancel.cancel();
-    let inputs = PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrodes: Vec::new(), job: easy_job() };
+    let inputs = PlanInputs {
+        blisk: mesh(&easy_blisk()).into(),
+        own_electrodes: Vec::new(),
+        sections: Default::default(),
+        job: easy_job(),
+    };
     assert!(matches!(run(&inputs, &Task::silent(&cancel)), Err(PlanJobError::Cancelled(_))));
 }
 

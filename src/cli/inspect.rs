@@ -1,8 +1,7 @@
 //! `sparkpath inspect`: what the importer and the channel finder make of a mesh.
 
-use std::path::Path;
-
 use super::{Answer, InspectArguments, Session};
+use crate::workspaces::blisk::job::measured::at_channel;
 use crate::workspaces::blisk::job::stages::{BliskMesh, read_blisk};
 use crate::workspaces::blisk::report::InputFile;
 use files::report::counted;
@@ -13,23 +12,33 @@ use wheel::centreline::CentrelineSummary;
 use wheel::inspect::{ChannelSummary, inspect as inspect_blisk};
 use wheel::nurbs_wall::NurbsWall;
 use wheel::section_deviation::SectionsDeviation;
-use wheel::sections::read_sections_file;
+use wheel::sections::{MeasuredSection, read_sections_file};
 
 /// Prints what was found in the mesh of `arguments`.
 pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow::Result<Answer> {
     let job = super::plan::read(&arguments.project, session)?;
     let read = read_blisk(&job, &session.task).map_err(anyhow::Error::msg)?;
-    let Some(BliskMesh { mesh, file: InputFile { path: file, sha256, .. }, report }) = read else {
+    let Some(BliskMesh { mesh, file: InputFile { path: file, sha256, .. }, report, sections }) = read else {
         anyhow::bail!(
             "{}: blisk.mesh is missing; give a mesh, or blades in blisk.sections",
             arguments.project.file.display()
         )
     };
     let inspection = inspect_blisk(&mesh, &job.blisk.options, &session.task)?;
-    let measured = match (&arguments.sections, &inspection.channel, inspection.walls.as_deref()) {
-        (Some(file), Some(channel), Some(walls)) => {
+    let measured = match (&inspection.channel, inspection.walls.as_deref(), inspection.repetition) {
+        (Some(channel), Some(walls), Some(repetition)) => {
             let wheel = inspection.whole.as_deref().unwrap_or(&mesh).in_frame(&channel.frame);
-            Some(Measured::new(file, (channel, walls, &wheel), arguments.limit, session)?)
+            let (sections, limit) = match &arguments.sections {
+                Some(file) => (read_sections_file(file).map_err(|e| anyhow::anyhow!("{}: {e}", file.display()))?, None),
+                // Those that the wheel itself was made from.
+                None => {
+                    let own = at_channel(&sections, &channel.frame, repetition.blades);
+                    (own, Some(job.blisk.sections.limit_mm()))
+                }
+            };
+            let limit = limit.unwrap_or(arguments.limit);
+            let made = || Measured::new(&sections, (channel, walls, &wheel), limit, session);
+            if sections.is_empty() { None } else { Some(made()?) }
         }
         _ => None,
     };
@@ -66,20 +75,20 @@ struct Measured {
 }
 
 impl Measured {
-    /// The sections in `file`, judged against `limit` (mm); channel, walls and mesh are in W.
+    /// `sections` judged against `limit` (mm); they, channel, walls and mesh are in W.
     fn new(
-        file: &Path,
+        sections: &[MeasuredSection],
         (channel, walls, mesh): (&ChannelSummary, &[NurbsWall; 2], &Mesh),
         limit: f64,
         session: &Session,
     ) -> anyhow::Result<Self> {
-        let (name, cancel) = (file.display(), &session.task.cancel);
-        let sections = read_sections_file(file).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
-        let deviation = SectionsDeviation::new(&sections, walls, limit, cancel)?;
-        let through = NurbsWall::of_measured(&sections, cancel).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+        let cancel = &session.task.cancel;
+        let wrong = |problem: &dyn std::fmt::Display| anyhow::anyhow!("measured sections: {problem}");
+        let deviation = SectionsDeviation::new(sections, walls, limit, cancel)?;
+        let through = NurbsWall::of_measured(sections, cancel).map_err(|e| wrong(&e))?;
         let exact = ExactMesh::new(mesh)?;
         let surfaces = CentrelineSummary::of_walls(&through, channel.sides, &exact, cancel);
-        Ok(Self { surfaces: surfaces.map_err(|e| anyhow::anyhow!("{name}: {e}"))?, deviation })
+        Ok(Self { surfaces: surfaces.map_err(|e| wrong(&e))?, deviation })
     }
 }
 

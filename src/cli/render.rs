@@ -8,8 +8,8 @@ use super::{Answer, RenderArguments, Session, render_project};
 use crate::widgets::camera::{NamedView, into_channel, standard};
 use crate::widgets::theme::mesh_colour;
 use crate::workspaces::blisk::document::job_file::PlanJob;
-use crate::workspaces::blisk::job::outcome::PlanInputs;
 use crate::workspaces::blisk::job::plan::run_prepared;
+use crate::workspaces::blisk::job::planned::inputs_of;
 use crate::workspaces::blisk::job::stages;
 use crate::workspaces::blisk::job::stages::{FoundChannel, Part};
 use crate::workspaces::blisk::scene::sweep::{FINE, swept_shape};
@@ -212,7 +212,7 @@ fn project_picture(part: &Part, found: &FoundChannel, shown: &Shown, arguments: 
 /// Plans, and answers the electrode, where it stands at the node asked for, and the room it passes through if that is
 /// asked for.
 fn planned(arguments: &RenderArguments, part: &Part, job: PlanJob, session: &Session) -> anyhow::Result<Shown> {
-    let inputs = PlanInputs { blisk: part.mesh.clone(), own_electrodes: part.own_electrodes.clone(), job };
+    let inputs = inputs_of(part, &job);
     let (prepared, inputs) = super::plan::ready(inputs, session)?;
     let outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), &session.task)?;
     session.task.check()?;

@@ -9,6 +9,7 @@ mod electrodes_p3;
 mod feed_path_p0;
 mod flank_p4;
 mod page;
+mod words;
 
 use std::path::Path;
 use std::time::Instant;
@@ -56,6 +57,16 @@ impl Paper {
             Self::P1 => "Electrode feed path along the centreline of a blisk channel",
             Self::P3 => "Uncut detection and automatic design of EDM electrodes",
             Self::P4 => "Flank milling: three-point offset and deviation compensation",
+        }
+    }
+
+    /// Words of its results and what they mean, for readers who do not know this program.
+    fn words(self) -> &'static [(&'static str, &'static str)] {
+        match self {
+            Self::P0 => words::OF_BLISKS,
+            Self::P1 => words::OF_CENTRELINES,
+            Self::P3 => words::OF_MOLDS,
+            Self::P4 => words::OF_FLANKS,
         }
     }
 

@@ -18,6 +18,8 @@ struct Page<'a> {
 struct OfPaper<'a> {
     name: &'static str,
     title: &'static str,
+    /// Words and what they mean.
+    words: &'static [(&'static str, &'static str)],
     /// Verdicts in words, in the order of the outcomes.
     verdicts: Vec<&'static str>,
     #[serde(flatten)]
@@ -33,7 +35,7 @@ pub(super) fn html(results: &[Reproduced]) -> Result<String, PageError> {
 impl<'a> OfPaper<'a> {
     fn of(of: &'a Reproduced) -> Self {
         let verdicts = of.outcomes.iter().map(|outcome| outcome.verdict.words()).collect();
-        Self { name: of.paper.name(), title: of.paper.title(), verdicts, of }
+        Self { name: of.paper.name(), title: of.paper.title(), words: of.paper.words(), verdicts, of }
     }
 }
 

@@ -6,18 +6,23 @@ use task::Task;
 use wheel::find_channel::find_channel;
 use wheel::options::BliskOptions;
 
-use super::{easy_blisk, mesh, part, sparkpath, text};
+use super::{COMES_OUT, NO_PICTURES, easy_blisk, mesh, part, sparkpath, text};
 
 /// The walls of the easy blisk as a probe would have measured them, each point `off` mm from its wall into the channel.
 fn table(off: f64) -> String {
+    table_of(|_, _, _| off)
+}
+
+/// The same with an error into the channel for each section, side (0 low) and point.
+fn table_of(off: impl Fn(usize, usize, usize) -> f64) -> String {
     let mesh = mesh(&easy_blisk());
     let channel = find_channel(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
     let mut table = "section,side,x,y,z\n".to_owned();
     for v in (0..channel.low.nv).step_by(4) {
-        for (side, wall) in [("low", &channel.low), ("high", &channel.high)] {
+        for (i, (side, wall)) in [("low", &channel.low), ("high", &channel.high)].into_iter().enumerate() {
             for u in 0..wall.nu {
                 let p = wall.point(u, v);
-                let moved = p + off * wall.normal(u, v);
+                let moved = p + off(v, i, u) * wall.normal(u, v);
                 writeln!(table, "{v},{side},{},{},{}", moved.x, moved.y, moved.z).unwrap();
             }
         }
@@ -62,21 +67,75 @@ fn measured_walls_are_compared_with_the_mesh() {
     }
 }
 
-#[test]
-fn a_project_of_measured_sections_or_of_a_profile_has_the_blades_of_a_mesh() {
-    let folder = tempfile::tempdir().unwrap();
+/// The rings of the easy blisk, for a project of measured sections.
+fn ring() -> String {
     let blisk = easy_blisk();
-    std::fs::write(folder.path().join("sections.csv"), table(0.0)).unwrap();
     let faces = blisk.faces_x();
     let [hub, shroud] = [faces.map(|x| blisk.radii(x).0), faces.map(|x| blisk.radii(x).1)];
-    let ring = format!(
+    format!(
         "[blisk.sections.ring]\nblades = {}\nfaces_x_mm = {faces:?}\nhub_radius_mm = {hub:?}\nshroud_radius_mm = {shroud:?}\n\
          bore_radius_mm = {:?}\nouter_radius_mm = {:?}\n",
         blisk.blades,
         blisk.bore_radius_mm,
         blisk.outer_radius()
-    );
-    let measured = format!("[blisk.sections]\nkind = \"measured\"\nfile = \"sections.csv\"\n{ring}");
+    )
+}
+
+/// A table with noise of some micrometres, one section of which is too thin by 0.06 mm at its high wall.
+#[test]
+fn a_plan_of_measured_sections_tells_what_they_are_off() {
+    let folder = tempfile::tempdir().unwrap();
+    let noise = |v: usize, side: usize, u: usize| {
+        2.0 * ((200 * v + 100 * side + u) as f64 * 0.618_033_988_749_894_9).fract() - 1.0
+    };
+    let error =
+        |v: usize, side: usize, u: usize| 0.004 * noise(v, side, u) + if (v, side) == (12, 1) { -0.06 } else { 0.0 };
+    std::fs::write(folder.path().join("sections.csv"), table_of(error)).unwrap();
+    let project = folder.path().join("blades.sparkpath");
+    let text_of = |limit: f64| {
+        format!(
+            "kind = \"blisk\"\nversion = 1\n[blisk.sections]\nkind = \"measured\"\nfile = \"sections.csv\"\n\
+             limit_mm = {limit}\n{}[electrode]\nenter = \"-x\"\n{COMES_OUT}\n[plan]\nstep_mm = 1.6\nfield_cell_mm = 0.5\n\
+             [genetic]\npopulation = 16\ngenerations = 6\n{NO_PICTURES}",
+            ring()
+        )
+    };
+    let out = folder.path().join("out");
+    let planned = |limit: f64| -> serde_json::Value {
+        std::fs::write(&project, text_of(limit)).unwrap();
+        let output = sparkpath(&["plan", project.to_str().unwrap(), "--out", out.to_str().unwrap(), "--json"]);
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    let report = planned(0.03);
+    let measured = &report["measured"];
+    assert_eq!((&measured["holds"], &measured["others"]["limit_mm"]), (&false.into(), &0.03.into()));
+    let worst = measured["others"]["sections"].as_array().unwrap().iter().find(|s| s["name"] == "12").unwrap();
+    let mean = worst["sides"][1]["mean_mm"].as_f64().unwrap();
+    assert!((mean + 0.06).abs() < 6e-3, "{worst}");
+    assert!(report["verdict"]["sentence"].as_str().unwrap().contains("on the high wall of section 12"));
+    // The walls that are planned for go through the points.
+    for section in measured["planned"]["sections"].as_array().unwrap() {
+        for side in section["sides"].as_array().unwrap() {
+            assert!(side["spread_mm"].as_f64().unwrap() < 4e-3 && side["judged"].as_u64() > Some(60), "{section}");
+        }
+    }
+    let csv = std::fs::read_to_string(out.join("section_deviations.csv")).unwrap();
+    let of_worst: Vec<f64> = csv
+        .lines()
+        .filter(|line| line.starts_with("12,high,"))
+        .filter_map(|line| line.rsplit(',').next()?.parse().ok())
+        .collect();
+    assert!(of_worst.len() > 60 && of_worst.iter().all(|d| (d + 0.06).abs() < 0.012), "{of_worst:?}");
+    assert_eq!(planned(0.08)["measured"]["holds"], true);
+}
+
+#[test]
+fn a_project_of_measured_sections_or_of_a_profile_has_the_blades_of_a_mesh() {
+    let folder = tempfile::tempdir().unwrap();
+    let blisk = easy_blisk();
+    std::fs::write(folder.path().join("sections.csv"), table(0.0)).unwrap();
+    let measured = format!("[blisk.sections]\nkind = \"measured\"\nfile = \"sections.csv\"\n{}", ring());
     let profile = format!("[blisk.sections]\nkind = \"profile\"\n{}", toml::to_string(&blisk).unwrap());
     let inspected = |sections: &str| -> serde_json::Value {
         let project = folder.path().join("blades.sparkpath");

@@ -57,7 +57,12 @@ fn a_path_of_nurbs_is_taken_up_again_with_the_same_path() {
     let kept = KeptPlan { inputs: String::new(), electrodes: kept(centreline_plan()).unwrap() };
     let channel = &centreline_plan().channel;
     let again = |job| {
-        let inputs = PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrodes: Vec::new(), job };
+        let inputs = PlanInputs {
+            blisk: mesh(&easy_blisk()).into(),
+            own_electrodes: Vec::new(),
+            sections: Default::default(),
+            job,
+        };
         let blisk = inputs.blisk.in_frame(&channel.frame);
         let exact = ExactMesh::new(&blisk).unwrap();
         replay(&inputs, channel, &blisk, &exact, &kept, &Task::default()).unwrap()
@@ -82,7 +87,8 @@ fn a_report_gives_the_wall_clearances_at_every_node() {
     let mut plan = centreline_plan().clone();
     let finder = SurfaceFinder::new(plan.channel.clone()).unwrap();
     let electrode = &mut plan.electrodes[0];
-    let around = (&*plan.channel, &finder);
+    let line = plan.centreline.clone();
+    let around = (&*plan.channel, &finder, line.as_deref());
     electrode.distances =
         NodeDistances::at(&electrode.plan.nodes, &electrode.electrode, around, &Cancel::default()).unwrap();
     let told = report(&plan, &job(), Vec::new());

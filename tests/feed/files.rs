@@ -16,7 +16,12 @@ use super::{easy_blisk, easy_job, mesh, whole_easy_plan};
 fn write(folder: &Path, extension: &str, cancel: &Cancel) -> Result<Vec<String>, PlanFilesError> {
     let text = BUILT_IN[0].1.replace("extension = \"nc\"", &format!("extension = \"{extension}\""));
     let post = Post::from_toml(&text, extension).unwrap();
-    let inputs = PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrodes: Vec::new(), job: easy_job() };
+    let inputs = PlanInputs {
+        blisk: mesh(&easy_blisk()).into(),
+        own_electrodes: Vec::new(),
+        sections: Default::default(),
+        job: easy_job(),
+    };
     let mut report = build::report(whole_easy_plan(), &inputs.job, Vec::new());
     export::write(folder, whole_easy_plan(), &inputs, &post, &mut report, cancel)
 }

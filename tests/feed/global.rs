@@ -150,7 +150,8 @@ fn where_no_reduction_of_the_walls_is_enough_other_changes_are_tried() {
     let mut job = coarse_job(0.05);
     job.electrode.enter = EnterSide::MinusX;
     let blisk = ParametricBlisk { beta_in_deg: 58.0, beta_out_deg: -58.0, ..curved_blisk() };
-    let inputs = PlanInputs { blisk: mesh(&blisk).into(), own_electrodes: Vec::new(), job };
+    let inputs =
+        PlanInputs { blisk: mesh(&blisk).into(), own_electrodes: Vec::new(), sections: Default::default(), job };
     let task = Task::default();
     let ready = prepare(&inputs, &task).unwrap();
     let outcome = run_prepared(&ready, &inputs, &|_, _, _| (), &task).unwrap();

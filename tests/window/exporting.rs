@@ -107,6 +107,10 @@ fn what_is_written_is_what_was_ticked() {
         "path_1.nc",
         "report.html",
         "report.json",
+        "centroid_1.csv",
+        "inscribed_circles.csv",
+        "nodes_1.csv",
+        "wall_distances_1.csv",
         "view_1_whole.png",
         "electrode_1_final.png",
         "electrode_1_sweep.png",
@@ -128,7 +132,8 @@ fn what_is_written_is_what_was_ticked() {
     }
     desk.press_role(Role::Button, "Cancel");
     assert!(desk.blisk().work.released().is_some(), "what is written has nothing to do with what was released");
-    let left = names(&["electrode_1.stl", "report.html", "report.json"]);
+    let tables = ["centroid_1.csv", "inscribed_circles.csv", "nodes_1.csv", "wall_distances_1.csv"];
+    let left = names(&[&["electrode_1.stl", "report.html", "report.json"], &tables[..]].concat());
     assert_eq!(export(&mut desk, &folder), left, "what an earlier export wrote is not left beside");
     let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
     assert_eq!(html.matches("<img ").count(), 4, "the page holds the pictures that are drawn");

@@ -152,8 +152,8 @@ fn verify_and_release(desk: &mut Desk) {
     desk.until_idle();
     desk.press("Show the residual stock");
     let core = desk.blisk();
-    assert!(core.residual_stock_values().is_some() && !core.layers.get(Layer::Electrode).visible);
-    let (legend, left) = (core.residual_stock_legend().unwrap(), core.work.plan().unwrap().residual_stock().unwrap());
+    assert!(core.map_values().is_some() && !core.layers.get(Layer::Electrode).visible);
+    let (legend, left) = (core.map_legend().unwrap(), core.work.plan().unwrap().residual_stock().unwrap());
     let thickest = left.surfaces.iter().map(|s| s.left.depth_mm.max(s.overcut.depth_mm)).fold(0.0, f64::max);
     assert!(legend.max >= thickest - 1e-6 && legend.min == -legend.max, "{thickest} beyond {legend:?}");
     desk.settle();
@@ -161,7 +161,7 @@ fn verify_and_release(desk: &mut Desk) {
     let from = walls.center().distance(desk.app().camera().target);
     assert!(from < 0.5 * walls.size().length(), "the view went to the walls, {from} mm off");
     desk.press("Show the electrode");
-    assert!(desk.blisk().residual_stock_values().is_none());
+    assert!(desk.blisk().map_values().is_none());
     desk.open_step(Stage::Export);
     let folder = tempfile::tempdir().unwrap();
     let early = folder.path().join("early");

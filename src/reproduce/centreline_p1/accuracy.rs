@@ -30,7 +30,9 @@ const MEASURED: usize = 58;
 /// Deviation at the ends of the map's colours (mm).
 const MAP_END_MM: f64 = 0.06;
 const BY_HAND: &str = "sparkpath inspect p1_blisk.stl --sections p1_sections.csv, with the table and the mesh of this folder; \
-     one of its sections has an error put in on purpose, so that the answer is no.";
+     one of its sections has an error put in on purpose, so that the answer is no. A project with [blisk.sections], kind = \
+     \"measured\" and this table is planned for, and its report has list, verdict and map; in the window: step Channel, Show \
+     the deviations.";
 
 /// An error put into measured sections.
 struct Case {
@@ -197,8 +199,8 @@ fn map(part: &Part, judged: &Judged) -> MoldPicture {
     let shades = [-MAP_END_MM, 0.0, MAP_END_MM];
     MoldPicture {
         title: "Map of the deviations of the last set".to_owned(),
-        caption: "The pressure side of the blade, which is the channel's high wall; the section that is too thin is the dark \
-                  band."
+        caption: "The pressure side of the blade, which is the channel's high wall, hub below, X to the left as the axes in the \
+                  corner show; negative, blue, where the blade is too thin. The section that is too thin by 0.045 mm is the band."
             .to_owned(),
         legend: shades.map(|d| (ColourMap::Diverging.at(0.5 + 0.5 * d / MAP_END_MM), format!("{} mm", number(d, 2)))).to_vec(),
         camera: blade_camera(&scene, DVec3::new(-0.3, 0.9, 0.3)),

@@ -35,8 +35,8 @@ const STEP_MM: f64 = 0.1;
 /// Rows of the table of nodes on the page.
 const ROWS: usize = 16;
 const BY_HAND: &str = "sparkpath plan p1_blisk.stl --set plan.strategy=centreline --set plan.step_mm=0.1 --set \
-                       plan.interpolation.kind=nurbs --set electrode.parts=2 --set electrode.columns=2 --out DIR; in the \
-                       window: Blisk workspace, steps Electrode and Plan, strategy centreline.";
+                       plan.interpolation.kind=nurbs --set electrode.parts=2 --set electrode.columns=2 --out DIR, which \
+                       writes nodes, core points and distances into nodes_K.csv; in the window: Blisk workspace, steps Electrode and Plan, strategy centreline.";
 
 /// The job of the paper: four electrodes of one channel along its centreline.
 fn job(axes: AxisSet) -> PlanJob {
@@ -68,7 +68,12 @@ struct NodeFacts {
 
 impl Planned {
     pub(super) fn new(part: &Part, task: &Task) -> Result<Self, ReproduceError> {
-        let inputs = |axes| PlanInputs { blisk: part.mesh.clone(), own_electrodes: Vec::new(), job: job(axes) };
+        let inputs = |axes| PlanInputs {
+            blisk: part.mesh.clone(),
+            own_electrodes: Vec::new(),
+            sections: Arc::default(),
+            job: job(axes),
+        };
         let prepared = prepare(&inputs(AxisSet::XYZAC), task).map_err(failed("Figure 7", task))?;
         let plan = |axes| {
             let inputs = inputs(axes);
@@ -210,9 +215,9 @@ fn figure_2(outcome: &PlanOutcome) -> Outcome {
     let [least, most] = thickness.fold([f64::INFINITY, 0.0], |[a, b], t| [f64::min(a, t), f64::max(b, t)]);
     let why = format!(
         "{} electrodes, as the paper has: two along the passage, one from each side, each divided left and right, with an \
-         overlap. The paper balances their thickness and gives no figures. Ours divides each part where both halves are \
-         equally thick before any reduction; parts are not balanced with one another. The finished ones are {least:.2} to \
-         {most:.2} mm thick.",
+         overlap. The paper balances their thickness and gives no figures. Ours divides front from rear, and left from right, \
+         where both are as thick as each other at their thinnest places before any reduction, or as nearly as a division between \
+         one and two thirds of the length makes them. The finished ones are {least:.2} to {most:.2} mm thick.",
         outcome.electrodes.len()
     );
     Outcome {
@@ -361,6 +366,7 @@ fn pictures(
         channel: &outcome.channel,
         electrodes: outcome.electrodes.iter().map(|e| (&e.electrode, &e.plan)).collect(),
         residual_stock: None,
+        measured: None,
         spark_gap: inputs.job.electrode.spark_gap_mm,
     };
     let wanted = DrawnPictures { whole: true, final_pose: true, sweep: false, closest: false, residual_stock: false };

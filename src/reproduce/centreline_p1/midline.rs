@@ -93,8 +93,9 @@ pub(super) fn figure_6(part: &Part, task: &Task) -> Result<Outcome, ReproduceErr
             "Centreline of the channel: inscribed circles, L_i, M_i",
             Verdict::NotComparable,
             why,
-            "sparkpath inspect prints length and circles of the centreline; the window draws it in the Blisk workspace \
-             (scene tree, Centreline). Coordinates of this figure: p1_centreline.csv.",
+            "sparkpath plan writes C_i, L_i and M_i of any blisk, and the circles of its channel, into inscribed_circles.csv; \
+             inspect prints length and circles of the centreline; the window draws it in the Blisk workspace (scene tree, \
+             Centreline). Coordinates of this figure: p1_centreline.csv.",
         )
     })
 }

@@ -8,6 +8,7 @@ use super::pictures::{Studio, View, picture};
 use super::{BY_GENETIC, Case, SHEET, SHEET_ASPECT, Subject, around, failed, key};
 use crate::reproduce::{Outcome, ReproduceError, Table, Verdict};
 use crate::widgets::camera::{bodies, electrode_in_channel};
+use crate::workspaces::blisk::job::figures::centroid_way;
 use crate::workspaces::blisk::report::Smoothness;
 use crate::workspaces::blisk::report::comparison::{AxisCourse, courses};
 use crate::workspaces::blisk::scene::track::{Station, Track};
@@ -135,20 +136,6 @@ pub(super) fn exit(subject: &Subject, studio: &mut Studio, task: &Task) -> Resul
     })
 }
 
-/// The middle of the electrode's burning faces along its path, in W (mm), from the final pose outwards.
-fn centroids(case: &Case) -> Vec<[f64; 4]> {
-    const INTERVALS: usize = 240;
-    let Some(planned) = &case.plan().path else { return Vec::new() };
-    let (electrode, length) = (&case.found.electrode, case.plan().nodes.last().map_or(0.0, |n| n.s));
-    let middle = electrode.middle();
-    let at = |s: f64| {
-        let place = planned.curves.pose(s).placement(electrode.reference_point);
-        let p = place.transform_point3(middle);
-        [s, p.x, p.y, p.z]
-    };
-    spread(length, INTERVALS + 1).into_iter().map(at).collect()
-}
-
 /// Length of the polyline through `points` (mm), and the sum of the angles at its corners (rad).
 fn bends(points: impl Iterator<Item = DVec3>) -> [f64; 2] {
     let points: Vec<DVec3> = points.collect();
@@ -160,7 +147,7 @@ fn bends(points: impl Iterator<Item = DVec3>) -> [f64; 2] {
 pub(super) fn smoothness(subject: &Subject, studio: &mut Studio, task: &Task) -> Result<Outcome, ReproduceError> {
     const NAME: &str = "Figure 7";
     let curves: Vec<Vec<AxisCourse>> = subject.cases.iter().map(|case| courses(case.plan())).collect();
-    let ways: Vec<Vec<[f64; 4]>> = subject.cases.iter().map(centroids).collect();
+    let ways: Vec<Vec<[f64; 4]>> = subject.cases.iter().map(|case| centroid_way(&case.found)).collect();
     let axis_plot = |axis: Axis| {
         let of = |(case, courses): (&Case, &Vec<AxisCourse>)| {
             let course = courses.iter().find(|c| c.axis == axis.letter())?;
@@ -205,8 +192,8 @@ pub(super) fn smoothness(subject: &Subject, studio: &mut Studio, task: &Task) ->
             why(subject.genetic(), subject.free_travel()) + &studio.note(),
             "sparkpath compare p0_blisk.stl --set electrode.circumferential_reduction_deg=[2,2] --set electrode.enter=+x --set \
              machine.axes=XYZC --set plan.weights.a3=0.9 --set plan.weights.b3=0.1 --strategies \
-             genetic,free-travel,max-min-distance,global --out DIR writes the curves; in the window keep runs and set them side \
-             by side in the plots. Figures of this page: p0_axes.csv, p0_centroid.csv",
+             genetic,free-travel,max-min-distance,global --out DIR writes the curves; sparkpath plan writes centroid_1.csv; in the window keep runs and set them side \
+             by side in the plots, of which Centroid shows the way of the centroid. Figures of this page: p0_axes.csv, p0_centroid.csv",
         )
     })
 }

@@ -10,6 +10,7 @@ use super::pictures::{Studio, View, picture};
 use super::{BY_GENETIC, Case, SHEET, SHEET_ASPECT, Subject, Table, around, failed};
 use crate::reproduce::{Outcome, ReproduceError, Verdict};
 use crate::widgets::theme::COPPER;
+use crate::workspaces::blisk::job::figures::Histogram;
 use feed::angle_test::{AngleParams, AngleTest};
 use feed::objective::{WallSamples, WallSpread, Weights};
 use feed::pose::Pose;
@@ -275,7 +276,7 @@ pub(super) fn distribution(
             verdict,
             why + &studio.note(),
             &format!(
-                "{BY_GENETIC}; columns D_L, D_R, S_L, S_R of the node table in report.html, walls_mm in report.json. Figures of this page: p0_nodes.csv"
+                "{BY_GENETIC}; columns D_L, D_R, S_L, S_R of the node table in report.html, walls_mm in report.json, nodes_1.csv; the histogram of every node in wall_distances_1.csv, and in the window as the plot Histogram. Figures of this page: p0_nodes.csv"
             ),
         )
     })
@@ -294,34 +295,15 @@ fn agrees(good: &WallSpread, bad: &WallSpread) -> bool {
 
 /// Shares of the samples of both walls over the distance.
 fn histogram(position: &Position) -> Plot {
-    let most = position.distances.iter().flatten().copied().fold(1e-3, f64::max);
-    let steps = |distances: &Vec<f64>| {
-        let width = most / BINS as f64;
-        let counts = binned(distances, most);
-        let share = |n: usize| 100.0 * n as f64 / distances.len().max(1) as f64;
-        let corners = counts.iter().enumerate().flat_map(|(i, &n)| [0, 1].map(|k| [(i + k) as f64 * width, share(n)]));
-        corners.collect::<Vec<_>>()
-    };
-    let [low, high] = position.distances.each_ref().map(steps);
+    let found = Histogram::of(&position.distances);
+    let series = [(0, "c0"), (1, "c1")].map(|(wall, class)| Series { points: found.outline(wall), class, dots: false });
     Plot {
         title: format!("{}, % of samples", position.name),
         x_label: "distance, mm; blue low wall, brown high wall".to_owned(),
         size: [360.0, 220.0],
-        series: [(low, "c0"), (high, "c1")].map(|(points, class)| Series { points, class, dots: false }).to_vec(),
+        series: series.to_vec(),
         ..Plot::default()
     }
-}
-
-/// Bins of a histogram.
-const BINS: usize = 24;
-
-/// How many of `values` are in each of the bins from 0 to `most`.
-fn binned(values: &[f64], most: f64) -> [usize; BINS] {
-    let mut counts = [0; BINS];
-    for value in values {
-        counts[((value / most * BINS as f64) as usize).min(BINS - 1)] += 1;
-    }
-    counts
 }
 
 /// An electrode with the distances of its walls at its vertices.
@@ -406,13 +388,6 @@ mod tests {
         let one = Judged { places: [3, 1], alarms: [2, 1], missed: [0, 1] };
         assert_eq!(one.and(one), Judged { places: [6, 2], alarms: [4, 2], missed: [0, 2] });
         assert_eq!(one.wrong(), [2, 2]);
-    }
-
-    #[test]
-    fn every_value_is_in_a_bin_the_greatest_in_the_last() {
-        let counts = binned(&[0.0, 0.5, 1.0, 1.0], 1.0);
-        assert_eq!((counts[0], counts[BINS / 2], counts[BINS - 1]), (1, 1, 2));
-        assert_eq!(counts.iter().sum::<usize>(), 4);
     }
 
     #[test]

@@ -91,7 +91,12 @@ pub(super) fn figures_6_and_7(cases: &[Case], task: &Task) -> Result<[Outcome; 2
                 let css = format!("#{:02x}{:02x}{:02x}", colour.r, colour.g, colour.b);
                 (css, format!("{} µm", number(1e3 * share * made.end_mm, 1)))
             });
-            let picture = Picture { title, legend: legend.to_vec(), ..map };
+            let caption = format!(
+                "{}. u, along the guides, to the right; v, from the lower to the upper guide, upwards; positive (undercut) where \
+                 stock is left, negative (overcut) where too much is gone",
+                map.caption
+            );
+            let picture = Picture { title, caption, legend: legend.to_vec(), ..map };
             if i == 0 { initial.push(picture) } else { optimised.push(picture) }
         }
     }

@@ -24,6 +24,8 @@ pub enum BliskCommand {
     Colours,
     /// Shows the stock left in the channel as colours.
     ResidualStock,
+    /// Shows what measured sections are off on the walls as colours.
+    Deviations,
     /// Shows the surfaces of the wheel in the colours of their classes.
     Surfaces,
     /// Picks points in the view where recognition needs help.
@@ -42,7 +44,7 @@ impl CommandSet for BliskCommand {
         const fn info(name: &'static str) -> CommandInfo {
             CommandInfo::new(name)
         }
-        static TABLE: [(C, CommandInfo); 26] = [
+        static TABLE: [(C, CommandInfo); 27] = [
             (C::NewDemonstration, info("New from demonstration blisk")),
             (C::Plan, info("Plan feed path").key(Key::F5)),
             (C::Release, info("Release for export")),
@@ -59,6 +61,7 @@ impl CommandSet for BliskCommand {
             (C::Measure, info("Measure").key(Key::M)),
             (C::Colours, info("Clearance colours")),
             (C::ResidualStock, info("Residual stock colours")),
+            (C::Deviations, info("Deviation colours").needing("Needs a part that is made from measured sections")),
             (C::Surfaces, info("Surface colours")),
             (C::Pick(Picked::Hub), info("Pick points on the hub")),
             (C::Pick(Picked::Shroud), info("Pick points on the shroud")),

@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::job_file::{ExportSection, PlanJob};
 use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanJobError, PlanOutcome};
-use crate::workspaces::blisk::job::{plan_pictures, simulate};
+use crate::workspaces::blisk::job::{figures, plan_pictures, simulate};
 use crate::workspaces::blisk::report::build;
 use crate::workspaces::blisk::report::residual_stock::map_as_ply;
 use crate::workspaces::blisk::report::{FeedLowered, InputFile, Report, ReportError, Written};
@@ -118,6 +118,15 @@ pub fn write(
             report.file = Some(RESIDUAL_STOCK_FILE.to_owned());
         }
     }
+    if inputs.job.export.files.report {
+        files.extend(as_bytes(figures::tables(outcome, cancel)?));
+    }
+    if let (Some(walls), true) = (&outcome.measured, inputs.job.export.files.report) {
+        files.push((SECTIONS_FILE.to_owned(), walls.csv().into_bytes()));
+        if let Some(measured) = &mut report.measured {
+            measured.file = Some(SECTIONS_FILE.to_owned());
+        }
+    }
     if inputs.job.export.files.pictures {
         files.extend(report.pictures.iter().map(|p| (p.file.clone(), p.png.clone())));
     }
@@ -134,6 +143,10 @@ pub fn write(
 }
 
 type NamedFile = (String, Vec<u8>);
+
+fn as_bytes(texts: Vec<(String, String)>) -> impl Iterator<Item = NamedFile> {
+    texts.into_iter().map(|(name, text)| (name, text.into_bytes()))
+}
 
 /// Whether a file is the program of a feed path: whatever post it was made with, or whatever is in it where its name is
 /// that of one.
@@ -170,6 +183,9 @@ fn reports(
 
 /// The map of the stock that is left.
 const RESIDUAL_STOCK_FILE: &str = "leftover.ply";
+
+/// The measured points with their deviations.
+const SECTIONS_FILE: &str = "section_deviations.csv";
 
 /// What the files of all electrodes share.
 struct Context<'a> {
@@ -208,6 +224,9 @@ fn electrode_files(
             MeshFrame::W => electrode,
         };
         files.push((electrode_file(k), stl_bytes(mesh).map_err(PlanFilesError::Electrode)?));
+    }
+    if wanted.report {
+        files.extend(as_bytes(figures::electrode_tables(k, outcome)));
     }
     let Some(planned) = &outcome.plan.path else { return Ok((files, None)) };
     let holds = planned.certificate.holds();

@@ -191,6 +191,12 @@ impl BliskWorkspace {
                     view.look_into_channel(desk, now);
                 }
             }
+            BliskCommand::Deviations => {
+                desk.toggle_deviations();
+                if desk.deviations {
+                    view.look_into_channel(desk, now);
+                }
+            }
             BliskCommand::MillFlanks => {
                 if let Some(part) = desk.electrode_to_mill() {
                     cx.request(Request::Send(Message::MillFlanks(part.into())));

@@ -70,6 +70,8 @@ pub struct BliskDesk {
     pub colours: bool,
     /// Whether the stock left on the surfaces of the channel is shown as colours.
     pub residual_stock: bool,
+    /// Whether what the measured sections are off is shown on the walls.
+    pub deviations: bool,
     /// Whether the surfaces of the wheel are coloured by their classes.
     pub surfaces: bool,
     classed: Classed,
@@ -134,6 +136,7 @@ impl BliskDesk {
             section: None,
             colours: false,
             residual_stock: false,
+            deviations: false,
             surfaces: false,
             classed: classed(scheduler),
             picking: Picking::default(),
@@ -155,7 +158,7 @@ impl BliskDesk {
         self.follow_track();
         self.machine.follow(self.work.plan(), self.cursor.electrode);
         self.follow_moment();
-        self.follow_residual_stock();
+        self.follow_maps();
         self.follow_kept(cx);
         self.follow_bodies(cx);
         self.follow_colours();
@@ -363,6 +366,7 @@ impl Commanded for BliskDesk {
             BliskCommand::Keep => self.can_keep(),
             BliskCommand::Colours => self.work.state(Stage::Electrode) != State::Missing,
             BliskCommand::ResidualStock => self.residual_stock_shape().is_some(),
+            BliskCommand::Deviations => self.measured().is_some(),
             BliskCommand::Surfaces => self.work.state(Stage::Channel) == State::Ready,
             BliskCommand::Pick(_) => self.work.part().is_some(),
             BliskCommand::Unpick => self.picking().is_some_and(|of| !self.picked(of).is_empty()),

@@ -9,11 +9,12 @@ use super::{BliskDesk, TrackSource};
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::machine_file::read_machine;
 use crate::workspaces::blisk::document::stage::Stage;
+use crate::workspaces::blisk::job::measured::MeasuredWalls;
 use crate::workspaces::blisk::job::planned::PartialPlan;
 use crate::workspaces::blisk::job::stages::FoundChannel;
 use crate::workspaces::blisk::scene::Layer;
 use crate::workspaces::blisk::scene::machine::{BodyShape, MachineBody, Moment, body_shapes};
-use crate::workspaces::blisk::scene::residual_stock::{ResidualStockShape, colour_limit, residual_stock_legend};
+use crate::workspaces::blisk::scene::residual_stock::{DEVIATION, MapShape, colour_limit, map_legend};
 use crate::workspaces::commands::FrameCommand;
 use crate::workspaces::context::Context;
 use crate::workspaces::message::ElectrodePart;
@@ -143,37 +144,65 @@ impl BliskDesk {
     }
 
     /// The residual stock, if it is known and belongs to the electrodes that are shown.
-    pub fn residual_stock_shape(&self) -> Option<&ResidualStockShape> {
+    pub fn residual_stock_shape(&self) -> Option<&MapShape> {
         let is_current = self.work.state(Stage::Plan) == State::Ready && !self.is_tuning();
         self.work.residual_stock_shape().filter(|_| is_current)
     }
 
-    /// The residual stock on the surfaces of the channel as colours, if it is shown and known.
-    pub fn residual_stock_values(&self) -> Option<(&Arc<RenderMesh>, SurfaceValues)> {
-        let shape = self.residual_stock_shape().filter(|_| self.residual_stock)?;
-        Some((&shape.shape, shape.values(self.residual_stock_limit(shape))))
+    /// The measured sections that the part was made from, against the walls of the channel, if there are any.
+    pub fn measured(&self) -> Option<&(MeasuredWalls, MapShape)> {
+        let found = self.work.channel().filter(|_| self.work.state(Stage::Channel) == State::Ready)?;
+        found.measured.as_ref()
     }
 
-    /// Legend of the colours of the residual stock.
-    pub fn residual_stock_legend(&self) -> Option<Legend> {
-        Some(residual_stock_legend(self.residual_stock_limit(self.residual_stock_shape()?)))
+    /// The map on the surfaces of the channel that is shown, the residual stock or the deviation of measured sections, with
+    /// its title and where its colours end (mm).
+    fn shown_map(&self) -> Option<(&MapShape, &'static str, f64)> {
+        if let Some(shape) = self.residual_stock_shape().filter(|_| self.residual_stock) {
+            let limit = colour_limit(shape.greatest, self.document.params().electrode.spark_gap_mm);
+            return Some((shape, "Residual stock", limit));
+        }
+        let (walls, shape) = self.measured().filter(|_| self.deviations)?;
+        Some((shape, DEVIATION, colour_limit(shape.greatest, walls.planned.limit_mm)))
     }
 
-    fn residual_stock_limit(&self, shape: &ResidualStockShape) -> f64 {
-        colour_limit(shape.greatest, self.document.params().electrode.spark_gap_mm)
+    /// The colours of that map.
+    pub fn map_values(&self) -> Option<(&Arc<RenderMesh>, SurfaceValues)> {
+        let (shape, _, limit) = self.shown_map()?;
+        Some((&shape.shape, shape.values(limit)))
+    }
+
+    /// Legend of the colours of that map.
+    pub fn map_legend(&self) -> Option<Legend> {
+        let (_, title, limit) = self.shown_map()?;
+        Some(map_legend(title, limit))
+    }
+
+    /// Shows the deviation of measured sections on the walls, or the electrode again.
+    pub fn toggle_deviations(&mut self) {
+        self.deviations = !self.deviations;
+        if self.deviations {
+            self.residual_stock = false;
+            self.layers.into_channel();
+        }
+        self.layers.get_mut(Layer::Electrode).visible = !self.deviations;
     }
 
     /// Shows the residual stock in the channel, or the electrode again.
     pub fn toggle_residual_stock(&mut self) {
         self.residual_stock = !self.residual_stock;
         if self.residual_stock {
+            self.deviations = false;
             self.layers.into_channel();
         }
         self.layers.get_mut(Layer::Electrode).visible = !self.residual_stock;
     }
 
-    /// Shows the electrode again if there is no residual stock to show any more.
-    pub(super) fn follow_residual_stock(&mut self) {
+    /// Shows the electrode again if there is no map to show any more.
+    pub(super) fn follow_maps(&mut self) {
+        if self.deviations && self.measured().is_none() {
+            self.toggle_deviations();
+        }
         if self.residual_stock && self.residual_stock_shape().is_none() {
             self.toggle_residual_stock();
         }

@@ -97,7 +97,7 @@ pub fn kept_run(
         return Err(PlanJobError::Job("it is of another part or channel than the present one".to_owned()));
     }
     let (blisk, own_electrodes) = (part.mesh.clone(), part.own_electrodes.clone());
-    let inputs = PlanInputs { blisk, own_electrodes, job: kept.job.clone() };
+    let inputs = PlanInputs { blisk, own_electrodes, sections: part.sections.clone(), job: kept.job.clone() };
     super::plan::replay(&inputs, &found.channel, &found.blisk, &found.exact, &kept.plan, task)
 }
 

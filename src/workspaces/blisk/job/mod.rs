@@ -1,7 +1,9 @@
 //! Jobs of the workspace: pure functions of their inputs.
 
 pub mod compare;
+pub mod figures;
 pub mod finish;
+pub mod measured;
 pub mod node_distances;
 pub mod outcome;
 pub mod plan;

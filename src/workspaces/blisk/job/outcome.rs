@@ -3,6 +3,7 @@
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
+use super::measured::MeasuredWalls;
 use super::node_distances::NodeDistances;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::kept_plan::KeptPlanError;
@@ -17,9 +18,11 @@ use feed::verify::VerifyError;
 use geometry::exact::ExactMeshError;
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
+use wheel::centreline::Centreline;
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, ElectrodeError, EntrySide};
 use wheel::error::BliskError;
+use wheel::sections::MeasuredSection;
 use wheel::surface_finder::SurfaceFinder;
 
 /// What a plan is made from.
@@ -29,6 +32,8 @@ pub struct PlanInputs {
     pub blisk: Arc<Mesh>,
     /// The user's own electrodes in their final poses, in the blisk's coordinates (mm), in the order of `job`.
     pub own_electrodes: Vec<Arc<Mesh>>,
+    /// The measured sections that the blisk was made from, in its coordinates; none where it was not.
+    pub sections: Arc<[MeasuredSection]>,
     /// All parameters.
     pub job: PlanJob,
 }
@@ -65,7 +70,7 @@ impl ElectrodeOutcome {
     }
 
     /// Measures the distances at the nodes; a plan that is cancelled only then stays as it is, without them.
-    pub(super) fn measure(&mut self, around: (&Channel, &SurfaceFinder), task: &Task) {
+    pub(super) fn measure(&mut self, around: (&Channel, &SurfaceFinder, Option<&Centreline>), task: &Task) {
         let found = NodeDistances::at(&self.plan.nodes, &self.electrode, around, &task.cancel);
         self.distances = found.unwrap_or_default();
     }
@@ -78,6 +83,10 @@ pub struct PlanOutcome {
     pub channel: Arc<Channel>,
     /// The electrodes in the order of their parts.
     pub electrodes: Vec<ElectrodeOutcome>,
+    /// Centreline of the channel, where there is one and it was looked for.
+    pub centreline: Option<Arc<Centreline>>,
+    /// The measured sections that the blisk was made from against the walls of the channel, if it was made from any.
+    pub measured: Option<Arc<MeasuredWalls>>,
     /// Times of the stages in order.
     pub times: Vec<StageTime>,
     /// How they finish the channel. It is worked out after the feeds, which it does not change: see
@@ -90,7 +99,24 @@ pub struct PlanOutcome {
 impl PlanOutcome {
     /// What came out of the feeds; nothing is known yet of what comes after them.
     pub(super) fn new(channel: Arc<Channel>, electrodes: Vec<ElectrodeOutcome>, times: Vec<StageTime>) -> Self {
-        Self { channel, electrodes, times, finishing: OnceLock::new(), stock: OnceLock::new() }
+        Self {
+            channel,
+            electrodes,
+            centreline: None,
+            measured: None,
+            times,
+            finishing: OnceLock::new(),
+            stock: OnceLock::new(),
+        }
+    }
+
+    /// The plan with what the measured sections of `inputs` are off its channel's walls. One that is cancelled only then
+    /// stays as it is.
+    pub(super) fn with_sections(mut self, inputs: &PlanInputs, task: &Task) -> Self {
+        let limit = inputs.job.blisk.sections.limit_mm();
+        let found = MeasuredWalls::of(&inputs.sections, &self.channel, limit, &task.cancel);
+        self.measured = found.unwrap_or_default().map(Arc::new);
+        self
     }
 
     /// Whether every electrode has a verified path, nothing is known to collide on the machine, and nothing that comes

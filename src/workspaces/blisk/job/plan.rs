@@ -22,6 +22,7 @@ use files::Validate as _;
 use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
+use wheel::centreline::Centreline;
 use wheel::channel::Channel;
 use wheel::electrode::{Electrode, ElectrodeError, EntrySide, Sizing};
 use wheel::find_channel::find_channel;
@@ -133,12 +134,18 @@ impl JobPlanner<'_> {
         }
         let mut electrodes = self.electrodes()?;
         let space = &self.prepared.space;
-        let around = (&*space.channel, &space.finder);
+        let mut centreline = None;
         // Trials of sizes and comparisons do not show them.
         if self.explain {
-            self.clock.time("distances", || electrodes.iter_mut().for_each(|e| e.measure(around, self.task)));
+            self.clock.time("distances", || {
+                centreline = Centreline::of_channel(&space.channel, &self.task.cancel).ok().map(Arc::new);
+                let around = (&*space.channel, &space.finder, centreline.as_deref());
+                electrodes.iter_mut().for_each(|e| e.measure(around, self.task));
+            });
         }
-        Ok(PlanOutcome::new(space.channel.clone(), electrodes, self.clock.0))
+        let mut outcome = PlanOutcome::new(space.channel.clone(), electrodes, self.clock.0);
+        outcome.centreline = centreline;
+        Ok(if self.explain { outcome.with_sections(self.inputs, self.task) } else { outcome })
     }
 
     fn electrodes(&mut self) -> Result<Vec<ElectrodeOutcome>, PlanJobError> {
@@ -325,6 +332,7 @@ pub fn replay(
     let finder = SurfaceFinder::new(channel.clone())?;
     let settings = settings_of(job, &|_, _| ());
     let around = Surroundings { blisk, finder: &finder, frame: channel.frame };
+    let centreline = Centreline::of_channel(channel, &task.cancel).ok().map(Arc::new);
     let mut electrodes = Vec::new();
     for (part, KeptElectrode { side, h, nodes }) in kept.electrodes.iter().enumerate() {
         let make = || electrode_of(inputs, channel, exact, (part, *side, *h), task);
@@ -334,10 +342,12 @@ pub fn replay(
         let plan = replay_feed(&around, &electrode, nodes, *h, &settings, task)?;
         clock.add("certificate", plan.verify_seconds);
         let mut outcome = ElectrodeOutcome::of(electrode, plan);
-        outcome.measure((channel, &finder), task);
+        outcome.measure((channel, &finder, centreline.as_deref()), task);
         electrodes.push(outcome);
     }
-    Ok(PlanOutcome::new(channel.clone(), electrodes, clock.0))
+    let mut outcome = PlanOutcome::new(channel.clone(), electrodes, clock.0);
+    outcome.centreline = centreline;
+    Ok(outcome.with_sections(inputs, task))
 }
 
 /// What a project keeps of a plan: none unless every electrode has a certified path.

@@ -36,6 +36,7 @@ fn draw(outcome: &PlanOutcome, inputs: &PlanInputs, task: &Task) -> Result<Vec<P
         channel: &outcome.channel,
         electrodes: outcome.electrodes.iter().map(|e| (&e.electrode, &e.plan)).collect(),
         residual_stock: outcome.residual_stock().map(|left| &**left),
+        measured: outcome.measured.as_deref(),
         spark_gap: inputs.job.electrode.spark_gap_mm,
     };
     let (pictures, offscreen) = rayon::join(|| plan_pictures(&plan, &inputs.job.export.pictures, task), Offscreen::new);

@@ -14,7 +14,7 @@ use super::stages::{FoundChannel, Part};
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::kept_plan::KeptPlan;
-use crate::workspaces::blisk::scene::residual_stock::ResidualStockShape;
+use crate::workspaces::blisk::scene::residual_stock::MapShape;
 use crate::workspaces::news::EventKind;
 use feed::problem::{Convergence, Node};
 use feed::simulation::Simulation;
@@ -50,7 +50,12 @@ pub struct Planned {
 
 /// The inputs of a plan of `job` on `part`.
 pub fn inputs_of(part: &Part, job: &PlanJob) -> PlanInputs {
-    PlanInputs { blisk: part.mesh.clone(), own_electrodes: part.own_electrodes.clone(), job: job.clone() }
+    PlanInputs {
+        blisk: part.mesh.clone(),
+        own_electrodes: part.own_electrodes.clone(),
+        sections: part.sections.clone(),
+        job: job.clone(),
+    }
 }
 
 impl Planned {
@@ -128,7 +133,7 @@ pub struct Finished {
     /// What stock is left, or why that cannot be told; and what collides on the machine.
     said: Result<String, String>,
     /// The stock that is left, for the screen.
-    pub residual_stock: Option<ResidualStockShape>,
+    pub residual_stock: Option<MapShape>,
 }
 
 impl Finished {
@@ -143,7 +148,7 @@ impl Finished {
         let said = left.as_ref().map(|left| left.sentence(&outcome.channel)).map_err(Clone::clone);
         Ok(Self {
             said: collision.map_or(said, Err),
-            residual_stock: left.as_ref().ok().map(|left| ResidualStockShape::new(&left.map)),
+            residual_stock: left.as_ref().ok().map(|left| MapShape::new(&left.map)),
         })
     }
 

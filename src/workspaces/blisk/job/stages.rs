@@ -5,12 +5,14 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::measured::MeasuredWalls;
 use super::plan::sides;
 use super::planned::inputs_of;
 use super::prepared_blisk::electrode_of;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::job_file::{BladesFrom, MeasuredBlades, PlanJob};
 use crate::workspaces::blisk::report::InputFile;
+use crate::workspaces::blisk::scene::residual_stock::MapShape;
 use crate::workspaces::blisk::scene::shapes::{ChannelShapes, channel_shapes};
 use files::Params as _;
 use geometry::exact::ExactMesh;
@@ -24,7 +26,7 @@ use wheel::electrode::{Electrode, ElectrodeError};
 use wheel::find_channel::find_or_refuse;
 use wheel::parametric::MeshResolution;
 use wheel::parametric::wheel::ParametricWheel;
-use wheel::sections::read_sections_file;
+use wheel::sections::{MeasuredSection, read_sections_file};
 
 /// The meshes of a job as loaded.
 #[derive(Debug, Clone)]
@@ -39,6 +41,8 @@ pub struct Part {
     pub report: Option<ImportReport>,
     /// The user's own electrodes in the blisk's coordinates (mm), if there are any.
     pub own_electrodes: Vec<Arc<Mesh>>,
+    /// The measured sections that the blisk was made from, in its coordinates; none where it was not.
+    pub sections: Arc<[MeasuredSection]>,
     /// The files for the report, the blisk's first.
     pub files: Vec<InputFile>,
 }
@@ -67,6 +71,8 @@ pub struct FoundChannel {
     pub shapes: ChannelShapes,
     /// Centreline of the channel, where there is one.
     pub centreline: Option<Arc<Centreline>>,
+    /// The measured sections that the part was made from against the walls, and their map for the screen.
+    pub measured: Option<(MeasuredWalls, MapShape)>,
 }
 
 impl FoundChannel {
@@ -102,7 +108,7 @@ impl Electrodes {
 /// # Errors
 /// One line naming file, place and remedy.
 pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
-    let Some(BliskMesh { mesh, file, report }) = read_blisk(job, task)? else { return Ok(demonstration()) };
+    let Some(BliskMesh { mesh, sections, file, report }) = read_blisk(job, task)? else { return Ok(demonstration()) };
     let mut files = vec![file];
     let mut own_electrodes = Vec::new();
     for path in job.electrode.own_meshes() {
@@ -112,13 +118,15 @@ pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
     }
     let shape = Arc::new(RenderMesh::new(&mesh));
     task.check().map_err(|e| e.to_string())?;
-    Ok(Part { name: job.part(), mesh: Arc::new(mesh), shape, report, own_electrodes, files })
+    Ok(Part { name: job.part(), mesh: Arc::new(mesh), shape, report, own_electrodes, sections, files })
 }
 
 /// The blisk of a job.
 pub struct BliskMesh {
     /// The mesh (mm, in the axes of its file).
     pub mesh: Mesh,
+    /// The measured sections that it was made from, in its coordinates; none where it was not.
+    pub sections: Arc<[MeasuredSection]>,
     /// What a report says of it.
     pub file: InputFile,
     /// What the import found; none where the blisk was made from blades.
@@ -130,21 +138,23 @@ pub struct BliskMesh {
 /// # Errors
 /// One line naming file, place and remedy.
 pub fn read_blisk(job: &PlanJob, task: &Task) -> Result<Option<BliskMesh>, String> {
-    let (mesh, path, from) = match (&job.blisk.sections, &job.blisk.mesh) {
+    let (mesh, sections, path, from) = match (&job.blisk.sections, &job.blisk.mesh) {
         (BladesFrom::None, None) => return Ok(None),
         (BladesFrom::None, Some(path)) => {
             let blisk = import(path, job.blisk.units, task)?;
             let file = input_file("blisk", path, &blisk);
-            return Ok(Some(BliskMesh { mesh: blisk.mesh, file, report: Some(blisk.report) }));
+            let (sections, report) = (Arc::default(), Some(blisk.report));
+            return Ok(Some(BliskMesh { mesh: blisk.mesh, sections, file, report }));
         }
-        (BladesFrom::Measured(MeasuredBlades { file, ring }), _) => {
+        (BladesFrom::Measured(MeasuredBlades { file, ring, .. }), _) => {
             let wrong = |problem: &dyn std::fmt::Display| format!("{}: {problem}", file.display());
             let sections = read_sections_file(file).map_err(|e| wrong(&e))?;
             let mesh = ring.mesh(&sections, &task.cancel).map_err(|e| wrong(&e))?;
-            (mesh, file.display().to_string(), "through measured sections")
+            (mesh, sections.into(), file.display().to_string(), "through measured sections")
         }
         (BladesFrom::Profile(blisk), _) => {
-            (blisk.mesh(&FINE).map_err(|e| format!("blisk.sections: {e}"))?, job.part(), "of its profile")
+            let mesh = blisk.mesh(&FINE).map_err(|e| format!("blisk.sections: {e}"))?;
+            (mesh, Arc::default(), job.part(), "of its profile")
         }
     };
     let file = InputFile {
@@ -157,7 +167,7 @@ pub fn read_blisk(job: &PlanJob, task: &Task) -> Result<Option<BliskMesh>, Strin
         unit_reason: format!("made by this program {from}"),
         ..Default::default()
     };
-    Ok(Some(BliskMesh { mesh, file, report: None }))
+    Ok(Some(BliskMesh { mesh, sections, file, report: None }))
 }
 
 /// Resolution of blisks that are made of a profile.
@@ -175,7 +185,15 @@ fn demonstration() -> Part {
     };
     let name = "Demonstration blisk".to_owned();
     let shape = Arc::new(RenderMesh::new(&mesh));
-    Part { name, mesh: Arc::new(mesh), shape, report: None, own_electrodes: Vec::new(), files: vec![file] }
+    Part {
+        name,
+        mesh: Arc::new(mesh),
+        shape,
+        report: None,
+        own_electrodes: Vec::new(),
+        sections: Arc::default(),
+        files: vec![file],
+    }
 }
 
 fn import(path: &Path, units: Units, task: &Task) -> Result<Imported, String> {
@@ -228,7 +246,13 @@ pub fn channel(part: &Part, job: &PlanJob, refused_at: &dyn Fn(DVec3), task: &Ta
     };
     shapes.centreline = centreline.as_ref().map_or(Vec::new(), |line| line.polyline(LINE_POINTS));
     let centreline = centreline.map(Arc::new);
-    Ok(FoundChannel { channel: channel.into(), blisk, exact: exact.into(), shapes, centreline })
+    let limit = job.blisk.sections.limit_mm();
+    let measured = MeasuredWalls::of(&part.sections, &channel, limit, &task.cancel).map_err(|e| e.to_string())?;
+    let measured = measured.map(|walls| {
+        let shape = MapShape::new(&walls.map);
+        (walls, shape)
+    });
+    Ok(FoundChannel { channel: channel.into(), blisk, exact: exact.into(), shapes, centreline, measured })
 }
 
 /// Makes the electrodes in the order of their places along the passage, each for the first side on which it can be made

@@ -48,7 +48,7 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, cx: &mut Context, vie
         verdict(ui, rect, desk);
     }
     measured(ui, rect, view, cx);
-    if let Some(shown) = desk.residual_stock_legend().filter(|_| desk.residual_stock) {
+    if let Some(shown) = desk.map_legend() {
         legend(ui, rect, &shown);
     } else if desk.colour_values().is_some() {
         legend(ui, rect, &desk.colour_legend());

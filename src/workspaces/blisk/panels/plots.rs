@@ -10,6 +10,7 @@ use egui_plot::{HLine, Line, LineStyle, PlotPoint, PlotPoints, VLine};
 
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::desk::kept_runs::KeptRun;
+use crate::workspaces::blisk::job::figures::{Histogram, centroid_way};
 use crate::workspaces::blisk::job::node_distances::NodeDistances;
 use crate::workspaces::blisk::scene::track::Track;
 use feed::pose::Axis;
@@ -28,6 +29,10 @@ pub enum Tab {
     Clearance,
     /// Distances from the single surfaces of the channel at every node, P1's four.
     Distances,
+    /// Place of the electrode's centroid, P0's figure 7.
+    Centroid,
+    /// Histogram of the distances of the electrode's walls, P0's figure 4.
+    Histogram,
     /// Objective over the generations.
     Convergence,
     /// The nodes as a table.
@@ -38,12 +43,14 @@ pub enum Tab {
 
 impl Tab {
     /// Every tab in order.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Positions,
         Self::Velocities,
         Self::Accelerations,
         Self::Clearance,
         Self::Distances,
+        Self::Centroid,
+        Self::Histogram,
         Self::Convergence,
         Self::Table,
         Self::Comparison,
@@ -51,8 +58,8 @@ impl Tab {
 
     /// Name of the plot.
     pub fn name(self) -> &'static str {
-        ["Axes", "Speed", "Second derivative", "Clearance", "Distances", "Convergence", "Nodes", "Comparison"]
-            [self as usize]
+        let names = ["Axes", "Speed", "Second derivative", "Clearance", "Distances", "Centroid", "Histogram"];
+        names.into_iter().chain(["Convergence", "Nodes", "Comparison"]).nth(self as usize).unwrap_or_default()
     }
 }
 
@@ -63,6 +70,8 @@ pub struct Curves {
     /// For each derivative (none, first, second) and axis.
     axes: [[Vec<PlotPoint>; 6]; 3],
     clearance: Vec<PlotPoint>,
+    /// Retract distance and place of the centroid (mm).
+    centroid: Vec<[f64; 4]>,
 }
 
 impl Curves {
@@ -92,6 +101,7 @@ impl Curves {
                 }
             })
         });
+        self.centroid = desk.outcome_of_track().map_or(Vec::new(), centroid_way);
         self.of = Some(track);
     }
 }
@@ -144,6 +154,8 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, tab: &mut Tab, curves: &mut Curve
         Tab::Convergence => convergence(ui, desk),
         Tab::Clearance => clearance(ui, desk, curves),
         Tab::Distances => distances(ui, desk),
+        Tab::Centroid => centroid(ui, desk, curves),
+        Tab::Histogram => histogram(ui, desk),
         Tab::Positions => axes(ui, desk, curves, 0),
         Tab::Velocities => axes(ui, desk, curves, 1),
         Tab::Accelerations => axes(ui, desk, curves, 2),
@@ -153,6 +165,8 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, tab: &mut Tab, curves: &mut Curve
 fn unit_note(tab: Tab) -> &'static str {
     match tab {
         Tab::Positions | Tab::Velocities | Tab::Accelerations | Tab::Clearance | Tab::Distances => "over mm retracted",
+        Tab::Centroid => "place in W over mm retracted",
+        Tab::Histogram => "% of the wall's samples over mm",
         Tab::Convergence => "objective over generations",
         Tab::Table | Tab::Comparison => "",
     }
@@ -280,6 +294,51 @@ fn distances(ui: &mut Ui, desk: &mut BliskDesk) {
         }
         plot.set_plot_bounds_y(0.0..=6.0 * most);
     });
+}
+
+/// The place of the centroid across the withdrawal; along it the centroid only goes with the abscissa.
+fn centroid(ui: &mut Ui, desk: &mut BliskDesk, curves: &Curves) {
+    if curves.centroid.is_empty() {
+        says(ui, "Plan a feed path to see the way of the electrode's centroid.");
+        return;
+    }
+    let withdrawn = desk.shown_electrode().map_or(Axis::X, |(shown, _)| Axis::of_withdrawal(shown.enters_from));
+    let shown: Vec<Axis> = [Axis::X, Axis::Y, Axis::Z].into_iter().filter(|axis| *axis != withdrawn).collect();
+    let colours = palette(ui).axes;
+    let names: Vec<String> = shown.iter().map(|axis| format!("{} mm, centroid", axis.letter())).collect();
+    legend(ui, shown.iter().zip(&names).map(|(axis, name)| (colours[*axis as usize], name.as_str())));
+    let lines = shown.iter().zip(&names).map(|(axis, name)| {
+        let points = curves.centroid.iter().map(|p| [p[0], p[1 + *axis as usize]]).collect::<Vec<_>>();
+        Line::new(name.clone(), PlotPoints::from(points)).color(colours[*axis as usize]).width(1.6)
+    });
+    let lines: Vec<Line> = lines.collect();
+    over_distance(ui, desk, "centroid", |plot| lines.into_iter().for_each(|line| plot.line(line)));
+}
+
+/// The distances of the electrode's walls at the node nearest to the cursor.
+fn histogram(ui: &mut Ui, desk: &mut BliskDesk) {
+    let Some(outcome) = desk.outcome_of_track() else {
+        says(ui, "Plan a feed path to see the distances of the electrode's walls.");
+        return;
+    };
+    let nodes = outcome.plan.nodes.iter().zip(&outcome.distances);
+    let off = |s: f64| (s - desk.cursor.s).abs();
+    let Some((node, at)) = nodes.min_by(|a, b| off(a.0.s).total_cmp(&off(b.0.s))) else {
+        says(ui, "The distances were not measured: plan again (F5) to see them.");
+        return;
+    };
+    let found = Histogram::of(&at.walls);
+    let sides = [0, 1].map(|i| (palette(ui).axes[i], SURFACES[i], found.outline(i), at.walls[i].len()));
+    let names = sides
+        .each_ref()
+        .map(|(colour, name, _, samples)| (*colour, format!("{name}, {samples} samples, node at {:.2} mm", node.s)));
+    legend(ui, names.iter().map(|(colour, name)| (*colour, name.as_str())));
+    let response = still(ui, "histogram", egui::vec2(0.02, 0.06)).show(ui, |plot| {
+        for (colour, name, outline, _) in sides {
+            plot.line(Line::new(name, PlotPoints::from(outline)).color(colour).width(1.6));
+        }
+    });
+    response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Plot histogram"));
 }
 
 fn convergence(ui: &mut Ui, desk: &mut BliskDesk) {

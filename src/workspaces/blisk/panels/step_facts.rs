@@ -90,12 +90,22 @@ fn channel(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     let agreement = channel.agreement.iter().map(|a| a.share).fold(1.0, f64::min);
     fact(ui, "Agrees with the mesh", format!("{:.1} % at least", 100.0 * agreement));
     super::meridian::show(ui, channel);
+    measured(ui, desk, cx);
     for assumed in &channel.assumed {
         notice(ui, palette(ui).faint, assumed);
     }
     if desk.work.state(Stage::Channel) == State::Ready {
         next(ui, desk, cx, Stage::Electrode);
     }
+}
+
+/// What the measured sections that the part was made from are off the walls of the channel.
+fn measured(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
+    let Some((walls, _)) = desk.measured() else { return };
+    let colour = if walls.holds() { palette(ui).good } else { palette(ui).warning };
+    notice(ui, colour, &walls.sentence());
+    let text = if desk.deviations { "Show the electrode" } else { "Show the deviations" };
+    cx.button(ui, desk, BliskCommand::Deviations, text, false);
 }
 
 fn electrode(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {

@@ -182,7 +182,7 @@ impl BliskView {
             Arc::as_ptr(&desk.shared_track()) as usize,
             desk.colour_values().map_or(0, |v| Arc::as_ptr(&v.values) as usize),
             address(desk.swept()),
-            desk.residual_stock_values().map_or(0, |(_, v)| Arc::as_ptr(&v.values) as usize),
+            desk.map_values().map_or(0, |(_, v)| Arc::as_ptr(&v.values) as usize),
             Arc::as_ptr(desk.machine_bodies()) as usize,
         ];
         SceneKey {
@@ -250,7 +250,7 @@ pub fn scene(desk: &BliskDesk, theme: Theme) -> Scene {
     let p = &desk.work;
     let fresh = desk.is_tuning();
     let values = desk.colour_values();
-    let residual_stock = desk.residual_stock_values();
+    let map = desk.map_values();
     let track = desk.shared_track();
     let mut scene = build(&SceneInputs {
         blisk: p.part().map(|part| &part.shape),
@@ -265,7 +265,7 @@ pub fn scene(desk: &BliskDesk, theme: Theme) -> Scene {
         contact: desk.contact().filter(|_| !fresh),
         trouble: desk.trouble().filter(|_| !fresh).map(|trouble| trouble.points),
         values: values.as_ref(),
-        residual_stock: residual_stock.as_ref().map(|(shape, values)| (*shape, values)),
+        residual_stock: map.as_ref().map(|(shape, values)| (*shape, values)),
         layers: &desk.layers,
         selected: desk.selected,
         section: desk.section,

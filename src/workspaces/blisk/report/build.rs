@@ -2,6 +2,7 @@
 
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
+use crate::workspaces::blisk::job::figures::{Histogram, centroid_way};
 use crate::workspaces::blisk::job::node_distances::NodeDistances;
 use crate::workspaces::blisk::job::outcome::{ElectrodeOutcome, PlanOutcome};
 use crate::workspaces::blisk::report::StageTime;
@@ -35,6 +36,7 @@ pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> R
         electrodes,
         residual_stock: outcome.residual_stock().map(|l| ResidualStockReport::of(l, &outcome.channel)),
         no_residual_stock: outcome.stock().and_then(|stock| stock.left.as_ref().err()).cloned(),
+        measured: outcome.measured.as_deref().map(Into::into),
         written: Written::default(),
         times: times(outcome),
         pictures: Vec::new(),
@@ -64,7 +66,10 @@ fn verdict(outcome: &PlanOutcome) -> Verdict {
     // Where one jams, its own sentence says that the search for a remedy was stopped.
     let stopped = outcome.stopped().filter(|_| outcome.is_verified());
     let stopped = stopped.map(|stage| format!("The {stage} was stopped, so that there is no NC program."));
-    let sentence = sentences.into_iter().chain(simulated).chain(stopped).chain(left).collect::<Vec<_>>().join(" ");
+    // That the table of the sections is in order is no news.
+    let measured = outcome.measured.as_deref().filter(|walls| !walls.holds()).map(|walls| walls.sentence());
+    let all = sentences.into_iter().chain(simulated).chain(stopped).chain(left).chain(measured);
+    let sentence = all.collect::<Vec<_>>().join(" ");
     let exit_code = match (outcome.stopped(), outcome.may_be_approved()) {
         (Some(_), _) => 130,
         (None, true) => 0,
@@ -106,7 +111,23 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
             .path
             .as_ref()
             .map(|p| Motion { rows: p.path.rows.clone(), clearance: p.certificate.row_clearance().to_vec() }),
+        centroid: centroid_way(outcome),
+        wall_distances: wall_distances(outcome),
     }
+}
+
+/// The histograms in the final pose and at the node whose distances are most uneven, P0's figure 4, of those with at least
+/// half as many samples between the blades.
+fn wall_distances(outcome: &ElectrodeOutcome) -> Vec<(f64, Histogram)> {
+    let nodes = || outcome.plan.nodes.iter().zip(&outcome.distances);
+    let Some((_, last)) = nodes().next() else { return Vec::new() };
+    let samples = |at: &NodeDistances, wall: usize| at.walls[wall].len();
+    let is_within = |at: &NodeDistances| (0..2).all(|wall| 2 * samples(at, wall) >= samples(last, wall));
+    let unevenness = |at: &NodeDistances| at.spread.deviation.iter().sum::<f64>();
+    let within = nodes().skip(1).filter(|(_, at)| is_within(at));
+    let worst = within.max_by(|a, b| unevenness(a.1).total_cmp(&unevenness(b.1)));
+    let shown = nodes().take(1).chain(worst);
+    shown.map(|(node, at)| (node.s, Histogram::of(&at.walls))).collect()
 }
 
 fn nodes(plan: &FeedPlan, distances: &[NodeDistances]) -> Vec<NodeReport> {

@@ -36,6 +36,7 @@ pub(crate) fn report() -> Report {
         electrodes: vec![verified(&path), jammed()],
         residual_stock: None,
         no_residual_stock: None,
+        measured: None,
         written: Written {
             electrode_frame: MeshFrame::W,
             post: "beckhoff-edm".to_owned(),
@@ -132,6 +133,8 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
         sha256: Some(VerifiedDigests::of(&certificate)),
         files: ["electrode_1.stl", "path_1.csv", "path_1.nc"].map(str::to_owned).to_vec(),
         motion: Some(Motion { rows: path.rows.clone(), clearance: certificate.row_clearance().to_vec() }),
+        centroid: path.rows.iter().rev().map(|r| [r.s, r.pose.x, r.pose.y, 110.0 + r.pose.z]).collect(),
+        wall_distances: vec![(0.0, Histogram::of(&[vec![0.1, 0.1, 0.11], vec![0.1, 0.12]]))],
     }
 }
 

@@ -15,6 +15,8 @@ pub mod verify;
 use serde::Serialize;
 
 use crate::workspaces::blisk::document::choice::MeshFrame;
+use crate::workspaces::blisk::job::figures::Histogram;
+use crate::workspaces::blisk::job::measured::MeasuredWalls;
 use crate::workspaces::blisk::report::residual_stock::{CopyingReport, ResidualStockReport};
 use crate::workspaces::blisk::report::simulation::SimulationReport;
 use feed::certificate::{Certificate, Contact};
@@ -28,6 +30,7 @@ use files::report::Picture;
 use geometry::frame::Frame;
 use nc::block_feed::Slowed;
 use wheel::channel::Channel;
+use wheel::section_deviation::SectionsDeviation;
 
 /// Version of the keys of `report.json`.
 pub const SCHEMA: u32 = 1;
@@ -67,6 +70,9 @@ pub struct Report {
     /// Reason why the stock left cannot be told, if it cannot.
     #[serde(rename = "no_leftover")]
     pub no_residual_stock: Option<String>,
+    /// The measured sections that the blisk was made from, against its walls; none where it was not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub measured: Option<MeasuredReport>,
     /// What was written.
     pub written: Written,
     /// Time per stage.
@@ -156,6 +162,33 @@ impl BliskSummary {
             low_wall: channel.surface_name(LowWall).to_owned(),
             high_wall: channel.surface_name(HighWall).to_owned(),
             assumed: channel.assumed.clone(),
+        }
+    }
+}
+
+/// Measured sections against the walls of the channel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MeasuredReport {
+    /// The verdicts in sentences.
+    pub sentence: String,
+    /// Whether both verdicts are good.
+    pub holds: bool,
+    /// The sections against the walls that are planned for.
+    pub planned: SectionsDeviation,
+    /// Each inner section against walls through the others.
+    pub others: SectionsDeviation,
+    /// Every point as a table, if it was written.
+    pub file: Option<String>,
+}
+
+impl From<&MeasuredWalls> for MeasuredReport {
+    fn from(walls: &MeasuredWalls) -> Self {
+        Self {
+            sentence: walls.sentence(),
+            holds: walls.holds(),
+            planned: walls.planned.clone(),
+            others: walls.others.clone(),
+            file: None,
         }
     }
 }
@@ -393,6 +426,12 @@ pub struct ElectrodeReport {
     /// Rows and clearances for the plots.
     #[serde(skip)]
     pub motion: Option<Motion>,
+    /// Retract distance and place of the centroid in W (mm) for the plots, from the final pose outwards.
+    #[serde(skip)]
+    pub centroid: Vec<[f64; 4]>,
+    /// Retract distance (mm) and wall distances in the final pose and at the most uneven node, for the plots.
+    #[serde(skip)]
+    pub wall_distances: Vec<(f64, Histogram)>,
 }
 
 /// Blocks of the NC program that are slower than asked for, so that no axis exceeds its greatest speed.

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::workspaces::blisk::job::figures::Histogram;
 use crate::workspaces::blisk::report::{Convergence, ElectrodeReport, Motion, Report};
 use feed::pose::Axis;
 use feed::quantise::MM_DECIMALS;
@@ -41,6 +42,10 @@ struct Plots {
     clearance: Option<String>,
     /// Position and derivatives of each axis that moves.
     axes: Vec<[String; 3]>,
+    /// The way of the centroid, seen along each axis of W.
+    centroid: Vec<String>,
+    /// Histograms of the wall distances.
+    walls: Vec<String>,
     /// The genetic search: the nodes, the first node, some others.
     search: Vec<String>,
 }
@@ -50,12 +55,51 @@ impl Plots {
         let rows = e.motion.as_ref().map(|m| m.rows.len());
         let search = convergence(&e.ga_convergence);
         let Some(motion) = e.motion.as_ref().filter(|m| m.rows.len() > 1) else {
-            return Self { rows, search, ..Self::default() };
+            return Self { rows, search, walls: walls(e), ..Self::default() };
         };
         let nodes: Vec<f64> = e.nodes.iter().map(|n| n.s_mm).collect();
         let axes = moving_axes(motion).into_iter().map(|axis| axis_plots(motion, axis, &nodes).map(|p| p.svg()));
-        Self { rows, clearance: Some(clearance_plot(e, motion).svg()), axes: axes.collect(), search }
+        Self {
+            rows,
+            clearance: Some(clearance_plot(e, motion).svg()),
+            axes: axes.collect(),
+            centroid: centroid(&e.centroid),
+            walls: walls(e),
+            search,
+        }
     }
+}
+
+/// The way of the centroid in the planes XY, XZ and YZ of W.
+fn centroid(way: &[[f64; 4]]) -> Vec<String> {
+    let plot = |[across, up]: [usize; 2]| {
+        let letters = ['X', 'Y', 'Z'];
+        let points = way.iter().map(|p| [p[across + 1], p[up + 1]]).collect();
+        Plot {
+            title: format!("Centroid: {}, mm", letters[up]),
+            x_label: format!("{}, mm", letters[across]),
+            size: [360.0, 190.0],
+            series: vec![Series { points, class: "c0", dots: false }],
+            ..Plot::default()
+        }
+    };
+    [[0, 1], [0, 2], [1, 2]].map(|plane| plot(plane).svg()).to_vec()
+}
+
+/// Wall distances as shares of the samples.
+fn walls(e: &ElectrodeReport) -> Vec<String> {
+    let plot = |(s, found): &(f64, Histogram)| {
+        let place = if *s == 0.0 { "final pose".to_owned() } else { format!("{s:.2} mm retracted, most uneven node") };
+        let series = [(0, "c0"), (1, "c1")];
+        Plot {
+            title: format!("Wall distances, {place}, % of samples"),
+            x_label: "distance, mm; blue low wall, brown high wall".to_owned(),
+            size: [540.0, 190.0],
+            series: series.map(|(wall, class)| Series { points: found.outline(wall), class, dots: false }).to_vec(),
+            ..Plot::default()
+        }
+    };
+    e.wall_distances.iter().map(|at| plot(at).svg()).collect()
 }
 
 /// Nodes whose search is shown generation by generation, beside that of the first.

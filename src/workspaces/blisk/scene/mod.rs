@@ -195,7 +195,7 @@ pub struct SceneInputs<'a> {
     pub trouble: Option<[DVec3; 2]>,
     /// A quantity on the electrode.
     pub values: Option<&'a SurfaceValues>,
-    /// What stock is left on the surfaces of the channel.
+    /// What stock is left on the surfaces of the channel, or what measured sections are off.
     pub residual_stock: Option<(&'a Arc<RenderMesh>, &'a SurfaceValues)>,
     /// How things look.
     pub layers: &'a Layers,

@@ -12,9 +12,10 @@ use super::track::Track;
 use crate::widgets::camera::PICTURE_SIZE;
 use crate::widgets::camera::{bodies, electrode_in_channel, from_entry, onto_section};
 use crate::workspaces::blisk::document::choice::DrawnPictures;
+use crate::workspaces::blisk::job::measured::MeasuredWalls;
 use crate::workspaces::blisk::scene::{Layer, Layers, SceneInputs, build, layer_id};
 use feed::plan::FeedPlan;
-use feed::residual_stock::ResidualStock;
+use feed::residual_stock::{DeviationMap, ResidualStock};
 use geometry::mesh::Mesh;
 use geometry::swept::SweptError;
 use render::camera::Camera;
@@ -42,6 +43,8 @@ pub struct PlanToShow<'a> {
     pub electrodes: Vec<(&'a Electrode, &'a FeedPlan)>,
     /// Stock that the electrodes leave, if that is known.
     pub residual_stock: Option<&'a ResidualStock>,
+    /// The measured sections that the blisk was made from, if it was.
+    pub measured: Option<&'a MeasuredWalls>,
     /// Spark gap (mm).
     pub spark_gap: f64,
 }
@@ -70,6 +73,7 @@ pub fn plan_pictures(plan: &PlanToShow, wanted: &DrawnPictures, task: &Task) -> 
     let drawn = Drawn::new(plan, wanted, task)?;
     let mut pictures = Vec::from_iter(wanted.whole.then(|| drawn.whole()));
     pictures.extend(plan.residual_stock.filter(|_| wanted.residual_stock).map(|left| drawn.residual_stock(left)));
+    pictures.extend(plan.measured.filter(|_| wanted.whole).map(|walls| drawn.measured(walls)));
     for i in 0..plan.electrodes.len() {
         pictures.extend(wanted.final_pose.then(|| drawn.final_pose(i)));
         pictures.extend(wanted.sweep.then(|| drawn.sweep(i)));
@@ -170,25 +174,55 @@ impl<'a> Drawn<'a> {
 
     /// What is left on the surfaces of the channel.
     fn residual_stock(&self, left: &ResidualStock) -> PlanPicture {
+        PlanPicture {
+            file: "view_2_leftover.png".to_owned(),
+            title: "Residual stock on the surfaces of the channel".to_owned(),
+            ..self.unfolded_map(
+                &left.map,
+                self.plan.spark_gap,
+                ["overcut", "as it should be", "residual stock"],
+                &left.sentence(self.plan.channel),
+            )
+        }
+    }
+
+    /// What the measured sections are off, on the walls of the channel.
+    fn measured(&self, walls: &MeasuredWalls) -> PlanPicture {
+        PlanPicture {
+            file: "view_3_sections.png".to_owned(),
+            title: "Deviation of the measured sections from the walls".to_owned(),
+            ..self.unfolded_map(
+                &walls.map,
+                walls.planned.limit_mm,
+                ["blade too thin", "as planned", "blade too thick"],
+                &format!("Positive deviations point into the channel. {}", walls.sentence()),
+            )
+        }
+    }
+
+    /// The surfaces of `map` side by side, in colours that end no earlier than at `least` (mm); `names` say what their least,
+    /// middle and greatest stand for, `more` ends the caption.
+    fn unfolded_map(&self, map: &DeviationMap, least: f64, names: [&'static str; 3], more: &str) -> PlanPicture {
         let channel = self.plan.channel;
-        let limit = colour_limit(greatest(&left.map), self.plan.spark_gap);
-        let (objects, around) = unfolded(&left.map, channel, limit);
+        let limit = colour_limit(greatest(map), least);
+        let (objects, around) = unfolded(map, channel, limit);
         let frame = &channel.frame;
         let (at, size) = (frame.to_parent(around.center()), around.size());
         let plane = SectionPlane { point: at, normal: frame.z };
         let height = 1.08 * size.x.max(size.y / aspect());
-        let [low, high] = [Surface::LowWall, Surface::HighWall].map(|wall| channel.surface_name(wall));
-        let shroud = if channel.shrouded { ", shroud" } else { "" };
+        // From the right to the left of the picture.
+        let order = [Surface::HighWall, Surface::Hub, Surface::LowWall, Surface::Shroud];
+        let is_there = |surface: &Surface| map.surfaces.contains(surface);
+        let shown: Vec<&str> = order.into_iter().filter(is_there).map(|of| channel.surface_name(of)).collect();
         let upwards = if channel.flow == Flow::Axial { "X" } else { "the passage" };
-        let names = ["overcut", "as it should be", "residual stock"];
         let colours = [0.0, 0.5, 1.0].map(|t| residual_stock_legend(limit).map.at(t));
         PlanPicture {
-            file: "view_2_leftover.png".to_owned(),
-            title: "Residual stock on the surfaces of the channel".to_owned(),
+            file: String::new(),
+            title: String::new(),
             caption: format!(
-                "Unfolded and seen from within, {upwards} upwards; from the right {high}, hub, {low}{shroud}. The colours end \
-                 at {limit:.3} mm either way. {}",
-                left.sentence(channel)
+                "Unfolded and seen from within, {upwards} upwards; from the right {}. The colours end at {limit:.3} mm either \
+                 way. {more}",
+                shown.join(", ")
             ),
             legend: colours.into_iter().zip(names).collect(),
             scene: Scene { objects, triad: false, ..Scene::new(Theme::LIGHT) },

@@ -1,4 +1,5 @@
-//! The stock left on the surfaces of a channel as colours: in place, and unfolded into a plane.
+//! The stock left on the surfaces of a channel, or what measured sections are off, as colours: in place, and unfolded into a
+//! plane.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -21,16 +22,16 @@ const ROOM: f64 = 1.5;
 
 /// A map made for the screen.
 #[derive(Debug, Clone)]
-pub struct ResidualStockShape {
+pub struct MapShape {
     /// Hub and walls, in W.
     pub shape: Arc<RenderMesh>,
-    /// Thickness of the stock left at its vertices (mm).
+    /// Thickness of the stock left, or deviation, at its vertices (mm).
     pub values: Arc<Vec<f32>>,
-    /// The greatest that is left or cut too deep on any surface, the shroud as well (mm).
+    /// The greatest value either way on any surface, the shroud as well (mm).
     pub greatest: f64,
 }
 
-impl ResidualStockShape {
+impl MapShape {
     /// The surfaces of `map` that one sees who looks into the channel: all but the shroud.
     pub fn new(map: &DeviationMap) -> Self {
         let (mesh, values) = part_of(map, |surface| surface != Surface::Shroud);
@@ -68,10 +69,18 @@ pub fn colour_limit(greatest: f64, spark_gap: f64) -> f64 {
     round.into_iter().find(|limit| *limit >= most * (1.0 - 1e-6)).unwrap_or(10.0 * decade)
 }
 
+/// Title of the map of what measured sections are off.
+pub const DEVIATION: &str = "Measured, into the channel";
+
 /// What the colours mean, up to `limit` (mm) either way.
 pub fn residual_stock_legend(limit: f64) -> Legend {
+    map_legend("Residual stock", limit)
+}
+
+/// What the colours of a map of this `title` mean, up to `limit` (mm) either way.
+pub fn map_legend(title: &str, limit: f64) -> Legend {
     Legend {
-        title: "Residual stock".to_owned(),
+        title: title.to_owned(),
         unit: "mm".to_owned(),
         map: ColourMap::Diverging,
         min: -limit,
@@ -199,7 +208,7 @@ mod tests {
 
     #[test]
     fn the_shape_leaves_the_shroud_out_and_keeps_the_values() {
-        let shape = ResidualStockShape::new(&map());
+        let shape = MapShape::new(&map());
         assert_eq!(shape.greatest, 11.0, "that of the shroud");
         assert_eq!(*shape.values, (0..9).map(|i| i as f32).collect::<Vec<_>>());
         assert!((shape.shape.bounds().min.z - (100.0 + BEFORE)).abs() < 1e-5);

@@ -44,7 +44,7 @@ pub fn channel_shapes(blisk: &Mesh, channel: &Channel, prepare: fn(&Mesh) -> Ren
 }
 
 /// The grid of a wall as triangles, seen from within the channel.
-fn wall_mesh(wall: &ChannelWall, is_low: bool) -> Mesh {
+pub fn wall_mesh(wall: &ChannelWall, is_low: bool) -> Mesh {
     let index = |u: usize, v: usize| (u * wall.nv + v) as u32;
     let cells = (1..wall.nu).flat_map(|u| (1..wall.nv).map(move |v| (u, v)));
     let quads = cells.map(|(u, v)| [index(u - 1, v - 1), index(u, v - 1), index(u, v), index(u - 1, v)]);

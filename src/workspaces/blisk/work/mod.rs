@@ -24,7 +24,7 @@ use crate::workspaces::blisk::job::released::Released;
 use crate::workspaces::blisk::job::simulate;
 use crate::workspaces::blisk::job::stages::{self, Electrodes, FoundChannel, Part};
 use crate::workspaces::blisk::report::InputFile;
-use crate::workspaces::blisk::scene::residual_stock::ResidualStockShape;
+use crate::workspaces::blisk::scene::residual_stock::MapShape;
 use crate::workspaces::news::{EventKind, WorkEvent};
 use files::{PartFile, Validate as _};
 use looks::Looks;
@@ -484,7 +484,7 @@ impl BliskWork {
     }
 
     /// The stock that the electrodes of the plan leave, for the screen.
-    pub fn residual_stock_shape(&self) -> Option<&ResidualStockShape> {
+    pub fn residual_stock_shape(&self) -> Option<&MapShape> {
         self.finished.get(&Same(self.planned()?.clone()))?.residual_stock.as_ref()
     }
 

@@ -31,6 +31,12 @@ pub(super) const BLADES: Group = Group {
                 "Table of the measured sections in W: columns section, side, x, y, z or x, r, theta_deg; and, if wished, weight, \
                  and tx, ty, tz, the direction at the first and the last point of a side.",
             ),
+        Field::number("blisk.sections.limit_mm", "Limit of sections", "mm", 1e-4, 10.0)
+            .when(MEASURED)
+            .help(
+                "Greatest deviation of a measured point that is accepted, from the wall that is planned for and from the wall \
+                 through the other sections.",
+            ),
         Field::integer("blisk.sections.ring.blades", "Blades", 3.0, 1000.0).when(MEASURED).help("Number of blades."),
         Field::numbers("blisk.sections.ring.faces_x_mm", "Faces", "mm", -1e4, 1e4)
             .count(2)

@@ -469,7 +469,10 @@ const GROUPS: &[Group] = &[
             Field::flag("export.files.path", "Path").help("path_K.csv: the rows of the motion, in W."),
             Field::flag("export.files.nc", "NC program")
                 .help("path_K.nc through the post. Only a certified path has one."),
-            Field::flag("export.files.report", "Report").help("report.html for people and report.json for programs."),
+            Field::flag("export.files.report", "Report").help(
+                "report.html for people, report.json for programs, and the tables of its figures: nodes_K.csv, centroid_K.csv, \
+                 wall_distances_K.csv, inscribed_circles.csv, section_deviations.csv.",
+            ),
             Field::flag("export.files.leftover", "Residual stock").help(
                 "leftover.ply: the surface of the channel with the residual stock at every vertex. \
                  copying_K.csv: the copying motion of each certified path.",

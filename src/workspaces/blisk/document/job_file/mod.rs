@@ -25,6 +25,7 @@ use wheel::blade_sections::BladeRing;
 use wheel::electrode::{ElectrodeParams, EnterSide, Sizing};
 use wheel::options::{Auto, AxisChoice, BliskOptions, EndWalls, ZAt};
 use wheel::parametric::ParametricBlisk;
+use wheel::section_deviation::P1_LIMIT_MM;
 
 /// Parameters of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -92,16 +93,33 @@ impl BladesFrom {
             Self::Profile(_) => Self::Profile(ParametricBlisk::default()),
         }
     }
+
+    /// Greatest deviation of measured points that is accepted (mm).
+    pub fn limit_mm(&self) -> f64 {
+        match self {
+            Self::Measured(blades) => blades.limit_mm,
+            Self::None | Self::Profile(_) => P1_LIMIT_MM,
+        }
+    }
 }
 
 /// Measured sections of blades, and what they do not tell of the wheel.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MeasuredBlades {
     /// Table of the sections.
     pub file: PathBuf,
+    /// Greatest deviation of a measured point, from the wall that is planned for and from the wall through the other
+    /// sections, that is accepted (mm).
+    pub limit_mm: f64,
     /// Blades and rings.
     pub ring: BladeRing,
+}
+
+impl Default for MeasuredBlades {
+    fn default() -> Self {
+        Self { file: PathBuf::new(), limit_mm: P1_LIMIT_MM, ring: BladeRing::default() }
+    }
 }
 
 /// The keys of `[blisk]` in one struct: serde finds unknown keys only there.
