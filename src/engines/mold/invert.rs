@@ -40,6 +40,11 @@ pub(super) fn looks_away(corners: [DVec3; 3], direction: DVec3, error: f64) -> b
     up < DOWNWARDS && -up > tilt(corners, error)
 }
 
+/// Height up to which faces are of a mesh's base (mm): by rounding it is no plane, and lies a hair aslant.
+pub(super) fn base(mesh: &Mesh) -> f64 {
+    mesh.bounds().min.z + BASE.max(2.0 * vertex_error(mesh))
+}
+
 /// The faces of a mold that no cutter from above reaches.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct InvertFaces {
@@ -62,7 +67,7 @@ impl InvertFaces {
     /// The invert faces of `mesh`.
     pub fn of(mesh: &Mesh) -> Self {
         let error = vertex_error(mesh);
-        let base = mesh.bounds().min.z + BASE.max(2.0 * error);
+        let base = base(mesh);
         let is_invert = |[a, b, c]: [DVec3; 3]| a.z.max(b.z).max(c.z) > base && looks_away([a, b, c], DVec3::Z, error);
         let triangles: Vec<u32> =
             mesh.iter_corners().enumerate().filter(|(_, corners)| is_invert(*corners)).map(|(i, _)| i as u32).collect();

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::centre_path::Obstacle;
 use super::contact::have_contacts;
 use super::cutter::{Cutter, CutterKind};
-use super::invert::{InvertFaces, Shadows, without_gaps};
+use super::invert::{InvertFaces, Shadows, base, without_gaps};
 use super::layers::{FirstLayers, LayerFigures, LayerSettings, Tolerance, first_layers, is_bent};
 use super::outline::Outline;
 use super::piece::{UncutPiece, clipped, intersected};
@@ -90,7 +90,8 @@ pub fn uncut_stack(
 
 /// Silhouette of the mold seen from above, holes through it included; outside there is nothing to cut.
 fn silhouette(mesh: &Mesh, shadows: &mut Shadows, cancel: &Cancel) -> Result<Vec<Outline>, Cancelled> {
-    let mut lowest = sections(mesh, &[mesh.bounds().min.z], cancel)?;
+    // Below the top of the base there is only a part of it where it lies aslant.
+    let mut lowest = sections(mesh, &[base(mesh)], cancel)?;
     shadows.cast(&mut lowest, cancel)?;
     let outlines = lowest.into_iter().filter(|s| s.open.is_empty()).flat_map(|s| s.outlines);
     let outer: Vec<Outline> = outlines.filter(|o| o.area() > 0.0).collect();
@@ -163,7 +164,8 @@ impl Work<'_> {
         all.sort_by(f64::total_cmp);
         all.dedup();
         let mut sections = sections(self.mesh, &all, cancel)?;
-        let crossing: Vec<bool> = sections.par_iter_mut().map(|s| uncross(s, self.has_contacts)).collect();
+        let crossing: Vec<bool> =
+            sections.par_iter_mut().map(|s| uncross(s, self.has_contacts.then_some(self.fit))).collect();
         self.seen.note(&sections, &crossing, heights);
         self.shadows.cast(&mut sections, cancel)?;
         // Metal over an opening at the bottom is a floor: an opening is what is open all the way up.
@@ -194,8 +196,9 @@ impl Work<'_> {
     }
 }
 
-/// Makes outlines that cross each other, or may touch, the boundary of all that they enclose; whether they cross.
-fn uncross(section: &mut Section, may_touch: bool) -> bool {
+/// Makes outlines that cross each other, or may touch, the boundary of all that they enclose; whether they cross. Those
+/// that may touch are off by `touching` (mm).
+fn uncross(section: &mut Section, touching: Option<f64>) -> bool {
     // Where outlines are missing those that are there say no more than themselves.
     if section.outlines.is_empty() || !section.open.is_empty() {
         return false;
@@ -203,12 +206,15 @@ fn uncross(section: &mut Section, may_touch: bool) -> bool {
     let [low, high] = plane::extent(&section.outlines);
     let covered = plane::union(&section.outlines, &[]);
     let area: f64 = covered.iter().map(|shape| plane::area(shape)).sum();
-    let do_cross = (area - plane::area(&section.outlines)).abs() > SAME_AREA * (high - low).element_product() + 1e-6;
-    if do_cross || may_touch {
+    // Along a contact they cross by rounding.
+    let along = touching.map_or(0.0, |error| error * section.outlines.iter().map(Outline::length).sum::<f64>());
+    let rounding = SAME_AREA * (high - low).element_product() + 1e-6 + along;
+    let do_cross = (area - plane::area(&section.outlines)).abs() > rounding;
+    if do_cross || touching.is_some() {
         section.outlines = covered.into_iter().flatten().collect();
     }
     // Solids that touch are a hair apart in single precision.
-    if may_touch {
+    if touching.is_some() {
         section.outlines = without_gaps(&section.outlines);
     }
     do_cross
@@ -534,6 +540,34 @@ mod tests {
                 let both: Vec<(f64, f64)> = more.iter().filter_map(|(z, a)| Some((*a, *less.get(z)?))).collect();
                 prop_assert!(both.len() > 4);
                 prop_assert!(both.iter().all(|(more, less)| *more >= less - 1e-3 * less - 1e-6), "{:?}", both);
+            }
+        }
+    }
+
+    /// In single precision the base lies a hair aslant, and solids that touch are a hair apart or in each other.
+    #[test]
+    fn solids_in_a_turned_mold_touching_or_above_it_keep_what_the_pocket_does() {
+        let sides = rectangle(20.0, 14.0);
+        let base = pocket(&rectangle(40.0, 30.0), &sides, &sides, [15.0, 8.0]);
+        let beside = |size: DVec3, low: DVec3| {
+            let solid = Mesh::cuboid(size);
+            with(&base, &solid.mapped(|p| p - solid.bounds().min + low))
+        };
+        // One fills a side of the pocket, so that the corners there begin and end at its top; another is in the air.
+        let rib = beside(DVec3::new(3.0, 14.0, 5.0), DVec3::new(-10.0, -7.0, 7.0));
+        let hanging = beside(DVec3::new(2.0, 3.0, 1.0), DVec3::new(-1.0, -1.0, 11.0));
+        let exact = (4.0 - PI) * 8.0;
+        let vectors = [[0.053228, -0.471453, 0.880283], [0.5, 0.3, 0.8], [-0.7, 0.2, 0.4]];
+        for (mesh, count) in [(&rib, 6), (&hanging, 4)] {
+            for (k, vector) in vectors.into_iter().enumerate() {
+                let opening = crate::opening::Opening::along(vector.into()).unwrap();
+                let turn = glam::DMat3::from_rotation_z(0.4 * k as f64);
+                let filed = mesh.mapped(|p| (opening.in_mesh(turn * p) + DVec3::splat(7.3)).as_vec3().as_dvec3());
+                let upright = opening.upright_mesh(&filed);
+                let (regions, volume) = found(&upright, &[Cutter::flat(1.0)]);
+                assert!(regions.len() == count && is_near(volume, exact), "{vector:?}: {} {volume}", regions.len());
+                let warnings = stack(&upright, &[Cutter::flat(1.0)], &LayerSettings::default()).warnings;
+                assert!(!warnings.iter().any(MoldWarning::is_of_surface), "{vector:?}: {warnings:?}");
             }
         }
     }
