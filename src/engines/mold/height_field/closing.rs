@@ -132,9 +132,7 @@ fn closing_of(
         nearest: vec![0; field.heights.len()],
         cutters: cutters.collect(),
     };
-    // Below the underside nothing stops a cutter: a rounded one goes on until its full width is through.
-    let beyond = needed.iter().map(|cutter| cutter.corner_mm).fold(0.0, f64::max) as f32;
-    let lowered = (!field.through.is_empty() && beyond > 0.0).then(|| field.opened_below(beyond));
+    let lowered = lowered_for(field, &needed);
     for (number, cutter) in needed.into_iter().enumerate() {
         let before = correction.map(|correction| (correction, closing.clone()));
         Passes::new(lowered.as_ref().unwrap_or(field), cutter)?.lower(&mut closing, number as u8, cancel)?;
@@ -148,23 +146,30 @@ fn closing_of(
     Ok(closing)
 }
 
+/// The field as `cutters` meet it; none where that is the field itself. Below the underside nothing stops a cutter: a
+/// rounded one goes on until its full width is through.
+pub(super) fn lowered_for(field: &HeightField, cutters: &[&Cutter]) -> Option<HeightField> {
+    let beyond = cutters.iter().map(|cutter| cutter.corner_mm).fold(0.0, f64::max) as f32;
+    (!field.through.is_empty() && beyond > 0.0).then(|| field.opened_below(beyond))
+}
+
 /// One cutter over a field.
-struct Passes<'a> {
-    field: &'a HeightField,
-    cutter: &'a Cutter,
+pub(super) struct Passes<'a> {
+    pub field: &'a HeightField,
+    pub cutter: &'a Cutter,
     /// How far the places of the tip lie before the cells' centres, as a share of a cell.
-    offset: [f64; 2],
+    pub offset: [f64; 2],
     /// The cutter's surface around a place of the tip, over cells.
-    down: Element,
+    pub down: Element,
     /// The cutter's surface around a cell, over places of the tip.
-    up: Element,
+    pub up: Element,
     /// Columns and rows of places of the tip.
-    columns: usize,
-    rows: usize,
+    pub columns: usize,
+    pub rows: usize,
 }
 
 impl<'a> Passes<'a> {
-    fn new(field: &'a HeightField, cutter: &'a Cutter) -> Result<Self, HeightFieldError> {
+    pub fn new(field: &'a HeightField, cutter: &'a Cutter) -> Result<Self, HeightFieldError> {
         let radius = cutter.radius() / field.step;
         let room = 2.0 * radius + 2.0;
         check_size(field.step, field.columns as f64 + room, field.rows as f64 + room)?;

@@ -19,10 +19,12 @@ mod regions;
 mod sweep;
 #[cfg(test)]
 mod tests;
+mod touching;
 
 pub use closing::{Closing, Correction, closing, closing_corrected, closing_within};
 pub use covered::{Cover, Covered, Left};
 pub use regions::{FieldRegion, difference, regions};
+pub use touching::left_at_most;
 
 use std::ops::Range;
 

@@ -77,7 +77,9 @@ impl<'a> Pieces<'a> {
         for row in 0..field.rows {
             cancel.check()?;
             let cells = row * field.columns..(row + 1) * field.columns;
-            pieces.cells.extend(cells.filter(|&i| normal_residue(field, closing, i) > tolerance).map(|i| i as u32));
+            pieces
+                .cells
+                .extend(cells.filter(|&i| normal_residue(field, closing.heights[i], i) > tolerance).map(|i| i as u32));
             pieces.rows.push(pieces.cells.len());
         }
         pieces.groups = Groups::of(pieces.cells.len());
@@ -151,9 +153,9 @@ impl<'a> Pieces<'a> {
     }
 }
 
-/// Residual stock at a cell, along the surface's normal (mm).
-fn normal_residue(field: &HeightField, closing: &Closing, cell: usize) -> f64 {
-    let left = closing.heights[cell] - field.heights[cell];
+/// Residual stock at a cell up to a height above the base, along the surface's normal (mm).
+pub(super) fn normal_residue(field: &HeightField, height: f32, cell: usize) -> f64 {
+    let left = height - field.heights[cell];
     // Neither is finite where there is no material.
     if left > 0.0 { f64::from(left) * f64::from(field.upness[cell]) / UPNESS_ONE } else { 0.0 }
 }
@@ -176,7 +178,7 @@ fn measured(field: &HeightField, closing: &Closing, cells: Vec<u32>) -> FieldReg
         let left = f64::from(high - low);
         region.volume += left * cell_area;
         region.depth = region.depth.max(left);
-        region.normal_depth = region.normal_depth.max(normal_residue(field, closing, cell));
+        region.normal_depth = region.normal_depth.max(normal_residue(field, high, cell));
         region.bounds.min = region.bounds.min.min(field.point(cell, low) - half);
         region.bounds.max = region.bounds.max.max(field.point(cell, high) + half);
         nearest[usize::from(closing.nearest[cell])] += 1;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::{UncutError, UncutParams};
 use geometry::mesh::Mesh;
 use mold::cutter::{Cutter, CutterKind, CutterLibrary};
-use mold::height_field::{FieldRegion, HeightField, HeightFieldError, closing_within, regions};
+use mold::height_field::{FieldRegion, HeightField, HeightFieldError, closing_within, left_at_most, regions};
 use mold::region::LayerRegion;
 use mold::warning::MoldWarning;
 use task::Cancel;
@@ -79,17 +79,31 @@ struct CloserLook<'a> {
 }
 
 impl CloserLook<'_> {
-    /// Whether the smallest rounded cutter takes a region, as it mostly does, or else all cutters together.
+    /// Whether cutters take a region: mostly the smallest ones show it, by their tips that touch it alone.
     fn at(&self, region: &LayerRegion, cancel: &Cancel) -> Result<Answer, UncutError> {
-        let rounded = self.cutters.iter().find(|cutter| cutter.kind() != CutterKind::Flat);
-        match self.left_by(rounded.as_slice(), region, cancel)? {
-            Answer::Left(..) => self.left_by(&self.cutters.iter().collect::<Vec<_>>(), region, cancel),
+        let smallest = |is_flat: bool| self.cutters.iter().find(|c| (c.kind() == CutterKind::Flat) == is_flat);
+        let both: Vec<&&Cutter> = [true, false].into_iter().filter_map(smallest).collect();
+        if let Answer::Taken = self.left_by(&both, region, true, cancel)? {
+            return Ok(Answer::Taken);
+        }
+        match self.left_by(&self.cutters.iter().collect::<Vec<_>>(), region, false, cancel)? {
+            // The smallest rounded one asks for less room.
+            Answer::Unknown => match self.left_by(smallest(false).as_slice(), region, false, cancel)? {
+                Answer::Taken => Ok(Answer::Taken),
+                Answer::Left(..) | Answer::Unknown => Ok(Answer::Unknown),
+            },
             known => Ok(known),
         }
     }
 
-    /// What some cutters leave of a region.
-    fn left_by(&self, cutters: &[&&Cutter], region: &LayerRegion, cancel: &Cancel) -> Result<Answer, UncutError> {
+    /// What some cutters leave of a region; if `by_touching`, it is found only whether tips that touch it take it.
+    fn left_by(
+        &self,
+        cutters: &[&&Cutter],
+        region: &LayerRegion,
+        by_touching: bool,
+        cancel: &Cancel,
+    ) -> Result<Answer, UncutError> {
         let library = CutterLibrary { cutter: cutters.iter().map(|cutter| (**cutter).clone()).collect() };
         let widest = |cutter: &Cutter| cutter.radius() + cutter.holder().map_or(cutter.radius(), |(radius, _)| radius);
         let reach = library.cutter.iter().map(widest).fold(0.0, f64::max);
@@ -107,8 +121,12 @@ impl CloserLook<'_> {
         }
         let left = || -> Result<_, HeightFieldError> {
             let field = self.field.closer(self.mesh, plan, step, cancel)?;
-            let closing = closing_within(&field, &library, asked, cancel)?;
-            let left = regions(&field, &closing, self.tolerance, cancel)?;
+            let left = if by_touching {
+                left_at_most(&field, &library, asked, self.tolerance, cancel)?
+            } else {
+                let closing = closing_within(&field, &library, asked, cancel)?;
+                regions(&field, &closing, self.tolerance, cancel)?
+            };
             let here = left.into_iter().filter(|left| left.bounds.intersects(&around));
             let deepest = here.max_by(|a, b| a.normal_depth.total_cmp(&b.normal_depth));
             Ok(deepest.map(|left| (left.normal_depth, field.surface_point(left.cells[left.cells.len() / 2] as usize))))
@@ -117,6 +135,7 @@ impl CloserLook<'_> {
             Err(HeightFieldError::TooManyCells { .. }) => Ok(Answer::Unknown),
             Err(other) => Err(other.into()),
             Ok(None) => Ok(Answer::Taken),
+            Ok(Some(_)) if by_touching => Ok(Answer::Unknown),
             // Flat cutters leave no more than the region.
             Ok(Some((depth, place))) => {
                 Ok(Answer::Left(depth.min(region.residue()), place.unwrap_or(region.bounds.center())))
