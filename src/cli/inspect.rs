@@ -36,30 +36,40 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
                     (own, Some(job.blisk.sections.limit_mm()))
                 }
             };
-            let limit = limit.unwrap_or(arguments.limit);
-            let made = || Measured::new(&sections, (channel, walls, &wheel), limit, session);
-            if sections.is_empty() { None } else { Some(made()?) }
+            let made = |limit: f64| Measured::new(&sections, (channel, walls, &wheel), limit, session);
+            match limit {
+                _ if sections.is_empty() => None,
+                None => Some(made(arguments.limit)?),
+                Some(limit) => {
+                    let others = SectionsDeviation::of_each(&sections, limit, &session.task.cancel)?;
+                    Some(Measured { others: Some(others), ..made(limit)? })
+                }
+            }
         }
         _ => None,
     };
     super::terminal::finish();
     if session.json {
         let mut all = serde_json::json!({ "sha256": sha256, "import": report, "blisk": inspection });
-        if let Some(Measured { surfaces, deviation }) = &measured {
+        if let Some(Measured { surfaces, deviation, others }) = &measured {
             all["measured"] = serde_json::to_value(surfaces)?;
             all["measured"]["deviation"] = serde_json::to_value(deviation)?;
-            all["measured"]["within_limit"] = deviation.holds().into();
+            all["measured"]["from_others"] = serde_json::to_value(others)?;
+            all["measured"]["within_limit"] = measured.as_ref().is_some_and(Measured::holds).into();
         }
         say!("{}", serde_json::to_string_pretty(&all)?);
     } else {
         report.iter().for_each(print_import);
         say!("{inspection}");
-        if let Some(Measured { surfaces, deviation }) = &measured {
+        if let Some(Measured { surfaces, deviation, others }) = &measured {
             say!("From the measured sections:\n{deviation}{surfaces}");
+            if let Some(others) = others {
+                say!("Each section against the wall through the others:\n{others}");
+            }
         }
     }
     match inspection.not_found.first() {
-        None if measured.is_some_and(|m| !m.deviation.holds()) => Ok(Answer::No),
+        None if measured.is_some_and(|m| !m.holds()) => Ok(Answer::No),
         None => Ok(Answer::Yes),
         Some(problem) if session.json => anyhow::bail!("{file}: {problem}"),
         Some(_) => anyhow::bail!("{file}: refused, for the reason in its verdict"),
@@ -72,6 +82,8 @@ struct Measured {
     surfaces: CentrelineSummary,
     /// Deviations of the measured points from the walls of the channel.
     deviation: SectionsDeviation,
+    /// Each section against walls through the others, where the wheel was made from them.
+    others: Option<SectionsDeviation>,
 }
 
 impl Measured {
@@ -88,7 +100,12 @@ impl Measured {
         let through = NurbsWall::of_measured(sections, cancel).map_err(|e| wrong(&e))?;
         let exact = ExactMesh::new(mesh)?;
         let surfaces = CentrelineSummary::of_walls(&through, channel.sides, &exact, cancel);
-        Ok(Self { surfaces: surfaces.map_err(|e| wrong(&e))?, deviation })
+        Ok(Self { surfaces: surfaces.map_err(|e| wrong(&e))?, deviation, others: None })
+    }
+
+    /// Whether every verdict is good.
+    fn holds(&self) -> bool {
+        self.deviation.holds() && self.others.as_ref().is_none_or(|others| others.sections.is_empty() || others.holds())
     }
 }
 

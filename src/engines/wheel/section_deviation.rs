@@ -23,9 +23,9 @@ pub struct SideDeviation {
     /// Deviation of each point (mm), in the order of the section; none where a point is not judged.
     #[serde(skip)]
     pub of_points: Vec<Option<f64>>,
-    /// Parameters on the wall and deviation (mm) of each point that is judged, from edge to edge.
+    /// Parameters on the wall of each point, in the order of the section; none where a point is not judged.
     #[serde(skip)]
-    places: Vec<([f64; 2], f64)>,
+    places: Vec<Option<[f64; 2]>>,
     /// The deviation greatest in size, with its sign (mm); none where no point is judged.
     pub greatest_mm: Option<f64>,
     /// Point of the greatest deviation, in W (mm).
@@ -71,9 +71,7 @@ impl SideDeviation {
             Ok((foot.aside <= Self::BESIDE).then_some((foot.at, sign * foot.height)))
         };
         let found = points.par_iter().map(deviation).collect::<Result<Vec<Option<([f64; 2], f64)>>, Cancelled>>()?;
-        let of_points: Vec<Option<f64>> = found.iter().map(|judged| judged.map(|(_, deviation)| deviation)).collect();
-        let mut places: Vec<_> = found.into_iter().flatten().collect();
-        places.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]));
+        let (places, of_points): (Vec<_>, Vec<_>) = found.into_iter().map(Option::unzip).unzip();
         let judged = || of_points.iter().zip(points).filter_map(|(d, p)| Some(((*d)?, *p)));
         let count = judged().count();
         let mean = |of: &dyn Fn(f64) -> f64| judged().map(|(d, _)| of(d)).sum::<f64>() / count.max(1) as f64;
@@ -91,16 +89,16 @@ impl SideDeviation {
             places,
         })
     }
+}
 
-    /// Parameter across the sections, and deviation (mm), of the section where it passes `u`, on straight lines between its
-    /// points; none where no point is judged.
-    fn passing(&self, u: f64) -> Option<[f64; 2]> {
-        let after = self.places.partition_point(|(at, _)| at[0] < u).min(self.places.len().checked_sub(1)?);
-        let (b, a) = (&self.places[after], &self.places[after.saturating_sub(1)]);
-        let span = b.0[0] - a.0[0];
-        let t = if span > 0.0 { ((u - a.0[0]) / span).clamp(0.0, 1.0) } else { 1.0 };
-        Some([a.0[1] + t * (b.0[1] - a.0[1]), a.1 + t * (b.1 - a.1)])
-    }
+/// Parameter across the sections, and deviation (mm), of a section where it passes `u`, on straight lines between its `points`,
+/// which are their parameters and deviations in order along the chord; none where there is none.
+fn passing(points: &[([f64; 2], f64)], u: f64) -> Option<[f64; 2]> {
+    let after = points.partition_point(|(at, _)| at[0] < u).min(points.len().checked_sub(1)?);
+    let (b, a) = (&points[after], &points[after.saturating_sub(1)]);
+    let span = b.0[0] - a.0[0];
+    let t = if span > 0.0 { ((u - a.0[0]) / span).clamp(0.0, 1.0) } else { 1.0 };
+    Some([a.0[1] + t * (b.0[1] - a.0[1]), a.1 + t * (b.1 - a.1)])
 }
 
 impl SectionsDeviation {
@@ -123,30 +121,90 @@ impl SectionsDeviation {
     }
 
     /// Each section but the first and the last judged against walls through the others: a section that is off shows by its
-    /// whole error, where walls through all of them would go along with it. What it lacks in accuracy is what a wall changes
-    /// between the sections beside it.
+    /// whole error, where walls through all of them would go along with it. Where some are beyond the limit, the one without
+    /// which the others agree best is left out of the walls for all others, and so on, so that a good section is not blamed for
+    /// its neighbour. What the judgement lacks in accuracy is what a wall changes between the sections beside it.
     ///
     /// # Errors
     /// [`MeasuredError`] if the sections cannot be joined, or when cancelled.
     pub fn of_each(sections: &[MeasuredSection], limit_mm: f64, cancel: &Cancel) -> Result<Self, MeasuredError> {
-        let of = |k: usize| {
-            let others: Vec<MeasuredSection> = [&sections[..k], &sections[k + 1..]].concat();
-            let walls = NurbsWall::of_measured(&others, cancel)?;
-            Ok(Self::new(&sections[k..=k], &walls, limit_mm, cancel)?.sections)
+        /// Most sections that are tried for being the one that is off.
+        const TRIED: usize = 8;
+        let judged = |left_out: &[usize]| {
+            let one = |k: usize| Ok((k, Self::against_others(sections, (k, left_out), limit_mm, cancel)?));
+            (1..sections.len().saturating_sub(1)).map(one).collect::<Result<Vec<_>, MeasuredError>>()
         };
-        let inner = 1..sections.len().saturating_sub(1);
-        let sections: Vec<Vec<SectionDeviation>> = inner.map(of).collect::<Result<_, MeasuredError>>()?;
-        Ok(Self { limit_mm, sections: sections.concat() })
+        let size = |of: &Option<SectionDeviation>| {
+            let sides = of.iter().flat_map(|section| &section.sides);
+            sides.filter_map(|side| side.greatest_mm).map(f64::abs).fold(0.0, f64::max)
+        };
+        let mut left_out = Vec::new();
+        let mut found = judged(&left_out)?;
+        while 3 * (left_out.len() + 1) < sections.len() {
+            let mut off: Vec<(usize, f64)> = found.iter().map(|(k, of)| (*k, size(of))).collect();
+            off.retain(|(k, most)| *most > limit_mm && !left_out.contains(k));
+            off.sort_by(|a, b| b.1.total_cmp(&a.1));
+            let mut best: Option<(f64, usize)> = None;
+            for (k, _) in off.iter().take(TRIED) {
+                let without = [&left_out[..], &[*k]].concat();
+                let rest = judged(&without)?;
+                let rest =
+                    rest.iter().filter(|(k, _)| !without.contains(k)).map(|(_, of)| size(of)).fold(0.0, f64::max);
+                if best.is_none_or(|(least, _)| rest < least) {
+                    best = Some((rest, *k));
+                }
+            }
+            let (Some((rest, k)), Some((_, most))) = (best, off.first()) else { break };
+            if rest >= *most {
+                break;
+            }
+            left_out.push(k);
+            found = judged(&left_out)?;
+        }
+        Ok(Self { limit_mm, sections: found.into_iter().filter_map(|(_, of)| of).collect() })
+    }
+
+    /// Section `k` against walls through those beside it that are not left out; none where these are too few.
+    fn against_others(
+        sections: &[MeasuredSection],
+        (k, left_out): (usize, &[usize]),
+        limit_mm: f64,
+        cancel: &Cancel,
+    ) -> Result<Option<SectionDeviation>, MeasuredError> {
+        /// Sections on each side that the walls go through, and least number of all of them.
+        const BESIDE: usize = 3;
+        const LEAST: usize = 3;
+        let is_in = |i: &usize| !left_out.contains(i);
+        let mut before: Vec<usize> = (0..k).rev().filter(is_in).take(BESIDE).collect();
+        before.reverse();
+        let after: Vec<usize> = (k + 1..sections.len()).filter(is_in).take(BESIDE).collect();
+        if before.is_empty() || after.is_empty() || before.len() + after.len() < LEAST {
+            return Ok(None);
+        }
+        let others: Vec<MeasuredSection> = before.iter().chain(&after).map(|i| sections[*i].clone()).collect();
+        let walls = NurbsWall::of_measured(&others, cancel)?;
+        Ok(Self::new(&sections[k..=k], &walls, limit_mm, cancel)?.sections.pop())
     }
 
     /// Deviation (mm) at every pair of the parameters `u` along the chord and `v` across the sections of wall `wall` (0 low,
-    /// 1 high), index `u * v.len() + v`: on straight lines between the measured points; not a number beyond the first and
-    /// the last section.
-    pub fn over_wall(&self, wall: usize, u: &[f64], v: &[f64]) -> Vec<f64> {
+    /// 1 high), which these sections were judged against; index `u * v.len() + v`. On straight lines between the measured
+    /// points; not a number beyond the first and the last section. Of sections that are among `instead`, the deviations there
+    /// are taken.
+    pub fn over_wall(&self, instead: &Self, wall: usize, [u, v]: [&[f64]; 2]) -> Vec<f64> {
         /// How far beyond the first and the last section the map goes on: sections are not quite at one parameter.
         const BEYOND: f64 = 1e-3;
+        let points = |section: &SectionDeviation| {
+            let own = &section.sides[wall];
+            let other = instead.sections.iter().find(|other| other.name == section.name);
+            let values = other.map_or(&own.of_points, |other| &other.sides[wall].of_points);
+            let both = own.places.iter().zip(values).filter_map(|(place, value)| Some(((*place)?, (*value)?)));
+            let mut points: Vec<([f64; 2], f64)> = both.collect();
+            points.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+            points
+        };
+        let sections: Vec<_> = self.sections.iter().map(points).collect();
         let at_u = |u: &f64| {
-            let mut rows: Vec<[f64; 2]> = self.sections.iter().filter_map(|s| s.sides[wall].passing(*u)).collect();
+            let mut rows: Vec<[f64; 2]> = sections.iter().filter_map(|points| passing(points, *u)).collect();
             rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
             rows
         };
@@ -307,14 +365,14 @@ mod tests {
         let found = SectionsDeviation::new(&measured, &walls, P1_LIMIT_MM, &never).unwrap();
         let u = [0.2, 0.5, 0.8];
         let v = [walls[0].v[1], walls[0].v[2], 0.5 * (walls[0].v[2] + walls[0].v[4]), walls[0].v[4], walls[0].v[6]];
-        let map = found.over_wall(0, &u, &v);
+        let map = found.over_wall(&found, 0, [&u, &v]);
         for row in map.chunks(v.len()) {
             assert!(row[0].is_nan(), "nothing was measured below the first section");
             for (value, wanted) in row[1..].iter().zip([0.01, -0.01, -0.03, 0.02]) {
                 assert!((value - wanted).abs() < 2e-3, "{row:?}");
             }
         }
-        assert!(found.over_wall(1, &u, &v).iter().skip(1).filter(|d| d.is_finite()).all(|d| d.abs() < 1e-3));
+        assert!(found.over_wall(&found, 1, [&u, &v]).iter().skip(1).filter(|d| d.is_finite()).all(|d| d.abs() < 1e-3));
     }
 
     #[test]
@@ -330,6 +388,20 @@ mod tests {
         assert_eq!((name, wall, found.holds()), ("4", 1, false));
         let mean = found.sections[3].sides[1].mean_mm;
         assert!((mean + 0.045).abs() < 4e-3, "{found}");
+        // Far from its neighbours, as at these heights, a good section would be blamed for what is off beside it.
+        let heights = [0.06, 0.2, 0.32, 0.44, 0.57, 0.7, 0.94];
+        for (off, wall) in [(4, 1), (2, 0), (5, 0)] {
+            let measured = sections(&heights, 58, |k, side, i| {
+                let noise = 0.005 * (2.0 * ((k * 116 + side * 58 + i) as f64 * 0.618_033_988_749_894_9).fract() - 1.0);
+                noise + if (k, side) == (off, wall) { -0.045 } else { 0.0 }
+            });
+            let found = SectionsDeviation::of_each(&measured, P1_LIMIT_MM, &Cancel::default()).unwrap();
+            let beyond =
+                found.sections.iter().filter(|s| s.sides.iter().any(|d| d.greatest_mm.unwrap().abs() > P1_LIMIT_MM));
+            assert_eq!(beyond.map(|s| s.name.clone()).collect::<Vec<_>>(), [off.to_string()], "{found}");
+            let side = &found.sections.iter().find(|s| s.name == off.to_string()).unwrap().sides[wall];
+            assert!((side.mean_mm + 0.045).abs() < 5e-3, "{found}");
+        }
     }
 
     #[test]

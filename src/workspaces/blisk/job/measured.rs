@@ -25,7 +25,8 @@ pub struct MeasuredWalls {
     pub planned: SectionsDeviation,
     /// Each inner section against walls through the others; without one where there are fewer than four.
     pub others: SectionsDeviation,
-    /// Deviation from the walls that are planned for, at the points of their grids: positive into the channel.
+    /// Deviation at the points of the walls' grids, positive into the channel: of inner sections from walls through the others,
+    /// and else from the walls that are planned for.
     pub map: DeviationMap,
 }
 
@@ -56,7 +57,7 @@ impl MeasuredWalls {
             // What cannot be joined is no wall either, and was refused before.
             found => found.unwrap_or(SectionsDeviation { limit_mm: limit, sections: Vec::new() }),
         };
-        let map = map(channel, &walls, &planned);
+        let map = map(channel, &walls, [&planned, &others]);
         Ok(Some(Self { sections, planned, others, map }))
     }
 
@@ -129,8 +130,8 @@ pub fn at_channel(sections: &[MeasuredSection], frame: &Frame, blades: usize) ->
     sections.iter().map(section).collect()
 }
 
-/// The deviations over the grids of the walls of `channel`.
-fn map(channel: &Channel, walls: &[NurbsWall; 2], found: &SectionsDeviation) -> DeviationMap {
+/// The deviations over the grids of the walls of `channel`, those from the others where there are any.
+fn map(channel: &Channel, walls: &[NurbsWall; 2], [planned, others]: [&SectionsDeviation; 2]) -> DeviationMap {
     let (mut mesh, mut surfaces, mut deviation) = (Mesh::default(), Vec::new(), Vec::new());
     let both = [(&channel.low, Surface::LowWall), (&channel.high, Surface::HighWall)];
     for (wall, (grid, surface)) in both.into_iter().enumerate() {
@@ -139,7 +140,8 @@ fn map(channel: &Channel, walls: &[NurbsWall; 2], found: &SectionsDeviation) -> 
         surfaces.extend(own.triangles.iter().map(|_| surface));
         mesh.triangles.extend(own.triangles.iter().map(|t| t.map(|v| v + before)));
         mesh.vertices.extend(own.vertices);
-        deviation.extend(found.over_wall(wall, &walls[wall].u, &walls[wall].v).into_iter().map(|d| d as f32));
+        let values = planned.over_wall(others, wall, [&walls[wall].u, &walls[wall].v]);
+        deviation.extend(values.into_iter().map(|d| d as f32));
     }
     DeviationMap { mesh: Arc::new(mesh), surfaces, deviation: Arc::new(deviation) }
 }

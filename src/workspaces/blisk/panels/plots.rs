@@ -334,7 +334,8 @@ fn histogram(ui: &mut Ui, desk: &mut BliskDesk) {
         .map(|(colour, name, _, samples)| (*colour, format!("{name}, {samples} samples, node at {:.2} mm", node.s)));
     legend(ui, names.iter().map(|(colour, name)| (*colour, name.as_str())));
     let response = still(ui, "histogram", egui::vec2(0.02, 0.06)).show(ui, |plot| {
-        for (colour, name, outline, _) in sides {
+        // A column has one wall alone.
+        for (colour, name, outline, _) in sides.into_iter().filter(|side| side.3 > 0) {
             plot.line(Line::new(name, PlotPoints::from(outline)).color(colour).width(1.6));
         }
     });

@@ -89,13 +89,14 @@ fn centroid(way: &[[f64; 4]]) -> Vec<String> {
 /// Wall distances as shares of the samples.
 fn walls(e: &ElectrodeReport) -> Vec<String> {
     let plot = |(s, found): &(f64, Histogram)| {
-        let place = if *s == 0.0 { "final pose".to_owned() } else { format!("{s:.2} mm retracted, most uneven node") };
-        let series = [(0, "c0"), (1, "c1")];
+        let place = if *s == 0.0 { "final pose".to_owned() } else { format!("{s:.2} mm out, most uneven") };
+        // A column has one wall alone.
+        let walls = [(0, "c0"), (1, "c1")].into_iter().filter(|(wall, _)| found.counts[*wall].iter().any(|n| *n > 0));
         Plot {
-            title: format!("Wall distances, {place}, % of samples"),
+            title: format!("% of samples, {place}"),
             x_label: "distance, mm; blue low wall, brown high wall".to_owned(),
-            size: [540.0, 190.0],
-            series: series.map(|(wall, class)| Series { points: found.outline(wall), class, dots: false }).to_vec(),
+            size: [360.0, 190.0],
+            series: walls.map(|(wall, class)| Series { points: found.outline(wall), class, dots: false }).collect(),
             ..Plot::default()
         }
     };

@@ -195,7 +195,11 @@ impl<'a> Drawn<'a> {
                 &walls.map,
                 walls.planned.limit_mm,
                 ["blade too thin", "as planned", "blade too thick"],
-                &format!("Positive deviations point into the channel. {}", walls.sentence()),
+                &format!(
+                    "Of inner sections from the wall through the others, of the first and the last from the wall that is planned \
+                     for; between them evenly. Positive into the channel. {}",
+                    walls.sentence()
+                ),
             )
         }
     }
