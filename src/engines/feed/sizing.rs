@@ -48,7 +48,7 @@ impl Sizer<'_> {
     /// Least clearance margin that counts (mm): about the error of the distance fields.
     const SPARE: f64 = 0.003;
     /// Steps below the least known angle at which another path is searched for, one after the other (tolerances).
-    const STEPS: [f64; 2] = [8.0, 2.0];
+    const STEPS: [f64; 4] = [8.0, 4.0, 2.0, 1.0];
     /// Trials after which the search for the least ends in any case.
     const TRIALS: usize = 12;
 

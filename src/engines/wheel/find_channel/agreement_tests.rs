@@ -196,3 +196,14 @@ fn one_turned_blade_of_few_makes_no_splitters() {
     let channel = found(&mesh);
     assert_eq!((channel.kinds, channel.unlike.len()), (1, 2), "{:?}", channel.assumed);
 }
+
+#[test]
+fn how_few_channels_are_like_the_found_one_is_said() {
+    let said = |count: usize| {
+        let unlike: Vec<Unlike> = (1..=count).map(|number| Unlike { number, difference: Difference::Tips }).collect();
+        unlike_sentence(&unlike, 24).unwrap()
+    };
+    assert!(said(13).contains("Of the other 23 channels of its kind, 13 are not like this one: only 10 are."));
+    assert!(said(23).contains("23 are not like this one: it is the odd one, or no two are alike."));
+    assert!(said(2).contains("2 are not like this one (1, 2)"));
+}

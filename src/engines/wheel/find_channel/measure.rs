@@ -129,7 +129,7 @@ impl<'a> WallEnd<'a> {
         /// Rows beside a fillet that its last facets may still reach into.
         const BESIDE: usize = 2;
         /// Share of the columns at either edge, round which fillets go on from the wall beside it.
-        const EDGE: f64 = 0.125;
+        const NEAR: f64 = 0.2;
         let wall = self.wall;
         let last = wall.nv - 1;
         let over = ((OVER * last as f64).ceil() as usize).max(1);
@@ -153,11 +153,14 @@ impl<'a> WallEnd<'a> {
             turned.find(stands_out).unwrap_or(0)
         };
         let mut all: Vec<usize> = (0..wall.nu).map(of_column).collect();
-        // Rows within a fillet begin further along the passage: at an edge the columns go round it.
-        let edge = added + (EDGE * (wall.nu - 2 * added) as f64) as usize;
-        for (columns, inner) in [(0..edge, edge), (wall.nu - edge..wall.nu, wall.nu - 1 - edge)] {
-            let inner = all[inner];
-            all[columns].iter_mut().for_each(|rows| *rows = inner.max(*rows));
+        // Rows within a fillet begin further along the passage: towards an edge, round which the columns go, one that is
+        // there in the middle takes no fewer of them.
+        let near = added + (NEAR * (wall.nu - 2 * added) as f64) as usize;
+        let middle = all.len() / 4..all.len() - all.len() / 4;
+        let is_there = 2 * all[middle.clone()].iter().filter(|rows| **rows > 0).count() > middle.len();
+        for u in (0..near).rev().filter(|_| is_there) {
+            all[u] = all[u].max(all[u + 1]);
+            all[wall.nu - 1 - u] = all[wall.nu - 1 - u].max(all[wall.nu - 2 - u]);
         }
         all
     }

@@ -29,6 +29,10 @@ const SAME_WALL: f64 = 0.03;
 pub(super) const FACE_ROUNDING: f64 = 1e-6;
 /// Share of the distance of two stations within which a step of an end wall between them is found.
 const STEP_WIDTH: f64 = 1e-6;
+/// Share of the height by which blade tips may lie off a straight line between two stations, and how often these are
+/// halved until they do.
+const BEND: f64 = 0.005;
+const BEND_HALVINGS: usize = 6;
 /// Share of the height, beside the dip of facets, up to which rays meet an even wall.
 pub(super) const DIP: f64 = 0.0001;
 
@@ -135,6 +139,10 @@ impl Tracer<'_> {
                         most[1] = most[1].min(before.shroud.y);
                     }
                     stations.push(within(after, most));
+                } else if !shrouded {
+                    let mut bends = Vec::new();
+                    self.add_bends(&from, &next, BEND_HALVINGS, &mut bends);
+                    stations.extend(bends.into_iter().map(|bend| within(bend, most)));
                 }
                 stations.push(within(next.station, most));
                 from = next;
@@ -176,6 +184,20 @@ impl Tracer<'_> {
             *(if is_before { &mut before } else { &mut after }) = middle;
         }
         None
+    }
+
+    /// Adds the stations between two known ones of blade tips, in their order, at which these are bent: beside a swept edge
+    /// they run along the edge, and ahead of it along a fillet.
+    fn add_bends(&self, from: &Traced, to: &Traced, halvings: usize, stations: &mut Vec<Station>) {
+        let along = 0.5 * (from.station.along + to.station.along);
+        let Some(middle) = self.station(along, from, false).filter(|_| halvings > 0) else { return };
+        let straight = 0.5 * (from.station.shroud.y + to.station.shroud.y);
+        if (middle.station.shroud.y - straight).abs() <= BEND * middle.station.height() {
+            return;
+        }
+        self.add_bends(from, &middle, halvings - 1, stations);
+        stations.push(middle.station);
+        self.add_bends(&middle, to, halvings - 1, stations);
     }
 
     /// The end walls at `x`, beside a known station; none where one of them has ended.

@@ -414,17 +414,21 @@ fn given_by_hand(options: &BliskOptions) -> impl Iterator<Item = String> {
     sentence.into_iter().chain(drawn).chain((!options.blade_points_mm.is_empty()).then_some(picked))
 }
 
-/// Says which of the channels of its kind, of which there are `alike`, are not like the one that was found, or that it is
-/// the odd one.
+/// Says which of the channels of its kind, of which there are `alike`, are not like the one that was found, or how few
+/// are.
 fn unlike_sentence(unlike: &[Unlike], alike: usize) -> Option<String> {
     const MOST: usize = 8;
     let mut sorted: Vec<usize> = unlike.iter().map(|unlike| unlike.number).collect();
     sorted.sort_unstable();
     if sorted.len() > 1 && 2 * sorted.len() > alike {
+        let others = alike - 1;
+        let guess = match others - sorted.len() {
+            0 => "it is the odd one, or no two are alike".to_owned(),
+            like => format!("only {like} {}", if like == 1 { "is" } else { "are" }),
+        };
         return Some(format!(
-            "Of the other {} channels of its kind, {} are not like this one: it is the odd one, or no two are alike. Compare another with \
+            "Of the other {others} channels of its kind, {} are not like this one: {guess}. Compare another with \
              blisk.channel, {} say.",
-            alike - 1,
             sorted.len(),
             sorted[sorted.len() / 2]
         ));

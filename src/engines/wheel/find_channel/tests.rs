@@ -8,7 +8,7 @@ use crate::channel::{BladeSide, Flow};
 use crate::error::Misleading;
 use crate::fixtures::{TestBlisk, flange, together, turned_part};
 use crate::options::{Auto, AxisChoice, AxisLine, AxisName};
-use crate::parametric::wheel::{ParametricWheel, Splitters};
+use crate::parametric::wheel::{MeridianCurve, ParametricWheel, Splitters};
 use geometry::exact::ExactMesh;
 
 pub(super) fn find(mesh: &Mesh, options: &BliskOptions) -> Result<Channel, BliskError> {
@@ -494,4 +494,44 @@ fn splitters_make_two_kinds_of_channels() {
     };
     let difference = (width(&channels[0]) - width(&channels[1])).abs();
     assert!((difference - 0.04).abs() < 1e-3, "one is wider by as much as the other is narrower: {difference}");
+}
+
+/// Where a swept edge meets the hub, the fillet that goes round it stands ahead of the blade, and the tips run along the
+/// edge and then along the fillet.
+#[test]
+fn blades_with_swept_edges_and_fillets_round_them_are_recognised() {
+    for (blades, tip, sweep) in [(3, 34.0, 3.0), (3, 24.0, 3.0), (7, 34.0, 2.0)] {
+        let at = DVec2::new;
+        let part = ParametricWheel {
+            blades,
+            hub: MeridianCurve::line(at(-4.5, 11.7), at(34.5, 14.3)),
+            shroud: MeridianCurve::line(at(-4.5 + sweep, tip), at(34.5 - sweep, tip)),
+            shrouded: false,
+            span: [4.5 / 39.0, 34.5 / 39.0],
+            wrap: [1.3; 2],
+            edge_thickness: 0.5,
+            nose: 0.1,
+            fillet_mm: 1.5,
+            fillets_round_edges: true,
+            pieces: [240, 60, 12],
+            ..ParametricWheel::nozzle_ring()
+        };
+        let channel = found(&part.mesh());
+        assert_eq!((channel.blades, channel.flow, channel.shrouded), (blades, Flow::Axial, false));
+        let bare = ParametricWheel { fillet_mm: 0.0, ..part.clone() };
+        let share = |i: usize, n: usize| i as f64 / n as f64;
+        let wall = |side: usize| -> Vec<DVec3> {
+            let places = (0..=400).flat_map(|i| (0..=20).map(move |j| (share(i, 400), share(j, 20))));
+            let point = |(along, height): (f64, f64)| {
+                let p = bare.place(along, height);
+                Some(Cylindrical { x: p.x, r: p.y, theta: bare.walls(0, along, height)?[side] }.point())
+            };
+            places.filter_map(point).collect()
+        };
+        let [low, high] = [0, 1].map(wall);
+        let pairs = low.iter().flat_map(|p| high.iter().map(move |q| p.distance_squared(*q)));
+        let drawn = pairs.fold(f64::INFINITY, f64::min).sqrt();
+        let throat = channel.throat.width_mm;
+        assert!((throat / drawn - 1.0).abs() < 0.02, "{blades} blades: {throat} of {drawn}");
+    }
 }

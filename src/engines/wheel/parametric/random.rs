@@ -97,6 +97,7 @@ pub fn random_wheel(number: usize, share: &mut dyn FnMut() -> f64) -> (Parametri
         thickness_mm,
         nose: if edge < 0.3 { 0.0 } else { 0.06 * edge },
         fillet_mm,
+        fillets_round_edges: rounding > 0.7,
         wall_mm: 4.0,
         teeth: (8.0 * share()) as usize,
         holes: if share() < 0.33 { 6 } else { 0 },

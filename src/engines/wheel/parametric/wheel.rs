@@ -85,6 +85,8 @@ pub struct ParametricWheel {
     pub nose: f64,
     /// Radius of the fillets between blades and walls, along the circumference (mm); at most 0.3 of the height.
     pub fillet_mm: f64,
+    /// Whether fillets go round the edges of the blades as well.
+    pub fillets_round_edges: bool,
     /// Thickness of the walls (mm).
     pub wall_mm: f64,
     /// Seal teeth on the back of the shroud.
@@ -144,6 +146,7 @@ impl ParametricWheel {
             edge_thickness: 1.0,
             nose: 0.0,
             fillet_mm: 0.0,
+            fillets_round_edges: false,
             wall_mm: 5.0,
             teeth: 0,
             holes: 0,
@@ -186,8 +189,28 @@ impl ParametricWheel {
         from * along + 0.5 * (to - from) * along * along
     }
 
+    /// How far fillets stand off a blade at a share of the passage and of the height (mm).
+    fn fillet(&self, along: f64, height: f64) -> f64 {
+        let span_mm = self.hub.at(along).distance(self.shroud.at(along));
+        let fillet = |off: f64| {
+            let k = (1.0 - off.max(0.0) / self.fillet_mm.max(1e-300)).clamp(0.0, 1.0);
+            self.fillet_mm * (1.0 - (1.0 - k * k).sqrt())
+        };
+        fillet(height * span_mm) + if self.shrouded { fillet((1.0 - height) * span_mm) } else { 0.0 }
+    }
+
+    /// The shares of the passage between which a blade over `span` stands at a share of the height, fillets included.
+    fn span_at(&self, span: [f64; 2], height: f64) -> [f64; 2] {
+        if !self.fillets_round_edges {
+            return span;
+        }
+        let length = self.place(span[0], height).distance(self.place(span[1], height)) / (span[1] - span[0]);
+        [span[0] - self.fillet(span[0], height) / length, span[1] + self.fillet(span[1], height) / length]
+    }
+
     /// Half the thickness of a blade over `span` at a share of the passage and of the height, fillets included (mm).
     fn half_thickness(&self, span: [f64; 2], along: f64, height: f64) -> f64 {
+        let span = self.span_at(span, height);
         let from_end = (along - span[0]).min(span[1] - along).max(0.0);
         let nose = match self.nose {
             nose if from_end >= nose => 1.0,
@@ -195,13 +218,7 @@ impl ParametricWheel {
         };
         let off_middle = (2.0 * along - span[0] - span[1]) / (span[1] - span[0]);
         let thickness_mm = self.thickness_mm * (1.0 - (1.0 - self.edge_thickness) * off_middle * off_middle);
-        let span_mm = self.hub.at(along).distance(self.shroud.at(along));
-        let fillet = |off: f64| {
-            let k = (1.0 - off.max(0.0) / self.fillet_mm.max(1e-300)).clamp(0.0, 1.0);
-            self.fillet_mm * (1.0 - (1.0 - k * k).sqrt())
-        };
-        let above = if self.shrouded { fillet((1.0 - height) * span_mm) } else { 0.0 };
-        nose * (0.5 * thickness_mm + fillet(height * span_mm) + above)
+        nose * (0.5 * thickness_mm + self.fillet(along, height))
     }
 
     /// Angles of the low and the high wall of the passage above blade `k`, at a share of the passage and of the height
@@ -212,7 +229,8 @@ impl ParametricWheel {
             let (span, begin) = self.blade_at(blade % self.blades);
             let turns = if blade >= self.blades { TAU } else { 0.0 };
             let stands = self.flaws.missing_blade != Some(blade % self.blades);
-            (stands && (span[0]..=span[1]).contains(&along)).then(|| {
+            let at = self.span_at(span, height);
+            (stands && (at[0]..=at[1]).contains(&along)).then(|| {
                 let middle = begin + turns + self.wound(along) + self.lean * height;
                 middle + side * self.half_thickness(span, along, height) / r
             })
@@ -275,17 +293,19 @@ impl ParametricWheel {
         let shares: Vec<f64> = (0..=along)
             .map(|i| i as f64 / along as f64)
             .map(|s| if self.nose > 0.0 { 0.5 - 0.5 * (PI * s).cos() } else { s })
-            .map(|s| span[0] + (span[1] - span[0]) * s)
             .collect();
         let heights = self.heights(across);
         let n = heights.len() - 1;
         let point = |(i, v, side): (usize, usize, f64)| {
-            let (t, height_mm) = (shares[i], self.hub.at(shares[i]).distance(self.shroud.at(shares[i])));
+            let within = |[from, to]: [f64; 2]| from + (to - from) * shares[i];
+            let t = within(span);
+            let height_mm = self.hub.at(t).distance(self.shroud.at(t));
             let height = match heights[v] {
                 Height::Share(share) => share,
                 Height::AboveHub(mm) => mm / height_mm,
                 Height::BelowShroud(mm) => 1.0 - mm / height_mm,
             };
+            let t = within(self.span_at(span, height.clamp(0.0, 1.0)));
             let place = self.place(t, height);
             let half = self.half_thickness(span, t, height.clamp(0.0, 1.0));
             let theta = begin + self.wound(t) + self.lean * height + side * half / place.y;

@@ -152,7 +152,7 @@ impl PreparedBlisk {
 }
 
 /// Whether an electrode that is drawn in may be made where this one cannot.
-fn is_mended_by_less(error: &PlanJobError) -> bool {
+pub(super) fn is_mended_by_less(error: &PlanJobError) -> bool {
     matches!(error, PlanJobError::Electrode(ElectrodeError::TooClose { .. } | ElectrodeError::ShankMeets { .. }))
 }
 

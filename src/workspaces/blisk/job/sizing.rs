@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use super::plan::{run_feeds, settings_of, sides};
-use super::prepared_blisk::PreparedBlisk;
+use super::prepared_blisk::{PreparedBlisk, is_mended_by_less};
 use feed::genetic::ReductionMode;
 use feed::plan_params::PlanError;
 use feed::plan_params::Strategy;
@@ -179,6 +179,21 @@ struct Sizing<'a> {
     task: &'a Task,
 }
 
+/// The thickest electrode that can be made, from which reductions are tried.
+struct Full {
+    prepared: Arc<PreparedElectrode>,
+    /// Circumferential reduction that it was made with (rad).
+    reduction: f64,
+}
+
+impl Full {
+    /// The angles by which its walls are drawn in further for reductions (rad); by none for less than it has.
+    fn turns(&self, reductions: [f64; 2]) -> Turns {
+        let further = reductions.map(|reduction| (reduction - self.reduction).max(0.0));
+        Turns(own_turns(self.prepared.electrode().column, further))
+    }
+}
+
 impl Sizing<'_> {
     fn one_part(&self, rows: &mut Vec<SizeRow>) -> Result<(), PlanJobError> {
         let mut best: Option<(EntrySide, Least)> = None;
@@ -192,9 +207,10 @@ impl Sizing<'_> {
                 full => full?,
             };
             possible = true;
-            let equal = |sizer: &Sizer| sizer.least(FIRST_DEG.to_radians(), &|h| Turns([h, h]));
+            let equal = |sizer: &Sizer| sizer.least(FIRST_DEG.to_radians(), &|h| full.turns([h, h]));
             let Some(least) = self.sized(&full, equal)? else { continue };
-            let Some(row) = self.certified(1, only(side), [least.angle; 2], 0)? else { continue };
+            let angle = least.angle.max(full.reduction);
+            let Some(row) = self.certified(1, only(side), [angle; 2], 0)? else { continue };
             let least = Least { angle: row.reduction_deg[0].to_radians(), ..least };
             self.show(row, rows);
             if best.as_ref().is_none_or(|(_, known)| least.angle < known.angle) {
@@ -225,11 +241,13 @@ impl Sizing<'_> {
         let full = self.full(1, 0, side)?;
         let angle = equal.angle;
         let below = |turns: &dyn Fn(f64) -> [f64; 2]| {
-            let turns = |h: f64| Turns(turns(h));
-            self.sized(&full, |sizer| sizer.warm_started_down(equal.clone(), sizer.nothing_blocked(), &turns))
+            let turns = |h: f64| full.turns(turns(h));
+            let least =
+                self.sized(&full, |sizer| sizer.warm_started_down(equal.clone(), sizer.nothing_blocked(), &turns))?;
+            Ok::<_, PlanJobError>(least.angle.max(full.reduction))
         };
-        let low = below(&|h| [h, angle])?.angle;
-        let high = below(&|h| [angle, h])?.angle;
+        let low = below(&|h| [h, angle])?;
+        let high = below(&|h| [angle, h])?;
         let turns = if high < low { [angle, high] } else { [low, angle] };
         if turns == [angle; 2] {
             // Neither can be less: that row is there.
@@ -255,9 +273,10 @@ impl Sizing<'_> {
                 possible = true;
                 // What another one needs already costs nothing more.
                 let first = most.max(0.5 * FIRST_DEG.to_radians());
-                let turns = |h: f64| Turns(own_turns(full.electrode().column, [h.max(most); 2]));
+                let turns = |h: f64| full.turns([h.max(most); 2]);
                 least = self.sized(&full, |sizer| sizer.least(first, &turns))?;
-                if least.is_some() {
+                if let Some(least) = &mut least {
+                    least.angle = least.angle.max(full.reduction);
                     break;
                 }
             }
@@ -275,8 +294,17 @@ impl Sizing<'_> {
         Ok(())
     }
 
-    fn full(&self, parts: usize, number: usize, side: EntrySide) -> Result<Arc<PreparedElectrode>, PlanJobError> {
-        Ok(self.prepared.fullest(&self.of(parts), (number, side), self.task)?.0)
+    /// The electrode without circumferential reductions, or with the first that are tried where it cannot be made without.
+    fn full(&self, parts: usize, number: usize, side: EntrySide) -> Result<Full, PlanJobError> {
+        let mut inputs = self.of(parts);
+        match self.prepared.fullest(&inputs, (number, side), self.task) {
+            Err(error) if is_mended_by_less(&error) => {}
+            made => return Ok(Full { prepared: made?.0, reduction: 0.0 }),
+        }
+        inputs.job.electrode.circumferential_reduction_deg = [FIRST_DEG; 2];
+        let (prepared, Turns(drawn_in)) = self.prepared.fullest(&inputs, (number, side), self.task)?;
+        let further = drawn_in.into_iter().fold(0.0, f64::max);
+        Ok(Full { prepared, reduction: FIRST_DEG.to_radians() - further })
     }
 
     /// The inputs for a number of parts; with another number than that of the job its single parts have nothing of
@@ -291,17 +319,13 @@ impl Sizing<'_> {
     }
 
     /// What `work` finds with the sizer of `full`.
-    fn sized<T>(
-        &self,
-        full: &PreparedElectrode,
-        work: impl FnOnce(&Sizer) -> Result<T, PlanError>,
-    ) -> Result<T, PlanJobError> {
+    fn sized<T>(&self, full: &Full, work: impl FnOnce(&Sizer) -> Result<T, PlanError>) -> Result<T, PlanJobError> {
         let space = &self.prepared.space;
         let settings = settings_of(&self.base.job, &|_, _| ());
         Ok(work(&Sizer {
             space,
-            electrode: full.electrode(),
-            model: &full.model(space, settings.side_demand()),
+            electrode: full.prepared.electrode(),
+            model: &full.prepared.model(space, settings.side_demand()),
             settings: &settings,
             tolerance: TOLERANCE_DEG.to_radians(),
             most: MOST_DEG.to_radians(),
