@@ -47,8 +47,10 @@ impl Sizer<'_> {
     const WIDENS: f64 = 5.0;
     /// Least clearance margin that counts (mm): about the error of the distance fields.
     const SPARE: f64 = 0.003;
-    /// Steps below the least known angle at which another path is searched for, one after the other (tolerances).
-    const STEPS: [f64; 4] = [8.0, 4.0, 2.0, 1.0];
+    /// Steps below the least known angle at which another path is searched for, one after the other (tolerances): for the
+    /// least, and for what is to be known roughly.
+    const STEPS: [f64; 5] = [8.0, 4.0, 2.0, 1.0, 0.5];
+    const ROUGH_STEPS: [f64; 2] = [8.0, 2.0];
     /// Trials after which the search for the least ends in any case.
     const TRIALS: usize = 12;
 
@@ -58,11 +60,16 @@ impl Sizer<'_> {
     /// # Errors
     /// [`PlanError::Cancelled`].
     pub fn least(&self, first: f64, turns: &dyn Fn(f64) -> Turns) -> Result<Option<Least>, PlanError> {
+        self.least_in(&Self::STEPS, first, turns)
+    }
+
+    /// [`least`](Self::least) with these steps.
+    fn least_in(&self, steps: &[f64], first: f64, turns: &dyn Fn(f64) -> Turns) -> Result<Option<Least>, PlanError> {
         let mut blocked = self.nothing_blocked();
         let mut angle = first.clamp(0.0, self.most);
         loop {
             if let Some(open) = self.searched(angle, turns)? {
-                return self.least_below(open, blocked, turns).map(Some);
+                return self.least_below(steps, open, blocked, turns).map(Some);
             }
             if angle >= self.most {
                 return Ok(None);
@@ -80,16 +87,22 @@ impl Sizer<'_> {
     /// Least angle between `blocked` (rad), where there is no path, and that of `open`. The path of `open` is
     /// warm-started at smaller angles as far as it leads, which takes a fraction of the time of a search; then another
     /// one is searched for.
-    fn least_below(&self, open: Least, blocked: f64, turns: &dyn Fn(f64) -> Turns) -> Result<Least, PlanError> {
+    fn least_below(
+        &self,
+        steps: &[f64],
+        open: Least,
+        blocked: f64,
+        turns: &dyn Fn(f64) -> Turns,
+    ) -> Result<Least, PlanError> {
         let mut open = self.warm_started_down(open, blocked, turns)?;
-        let mut steps = Self::STEPS.iter();
-        while let Some(step) = steps.next() {
+        let mut left = steps.iter();
+        while let Some(step) = left.next() {
             let angle = open.angle - step * self.tolerance;
             if angle > blocked
                 && let Some(other) = self.searched(angle, turns)?
             {
                 open = self.warm_started_down(other, blocked, turns)?;
-                steps = Self::STEPS.iter();
+                left = steps.iter();
             }
         }
         Ok(open)
@@ -178,7 +191,7 @@ impl Sizer<'_> {
         let Turns([low, high]) = turns;
         let least = |walls: [f64; 2]| {
             let drawn_in = |more: f64| Turns([low + walls[0] * more, high + walls[1] * more]);
-            Ok::<_, PlanError>(self.least(FIRST, &drawn_in)?.map(|least| least.angle))
+            Ok::<_, PlanError>(self.least_in(&Self::ROUGH_STEPS, FIRST, &drawn_in)?.map(|least| least.angle))
         };
         let both = least([1.0, 1.0])?;
         // Where the same angle helps on both, that is enough to know.

@@ -121,7 +121,7 @@ pub fn table_beside(ui: &mut Ui, desk: &mut BliskDesk) -> bool {
 }
 
 /// Below this width (points) the tabs take two rows.
-const NARROW: f32 = 500.0;
+const NARROW: f32 = 860.0;
 
 /// Draws tabs and the chosen plot; `is_beside` tells that the table of nodes is shown already.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk, tab: &mut Tab, curves: &mut Curves, is_beside: bool) {
