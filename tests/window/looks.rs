@@ -139,6 +139,11 @@ fn a_window_of_1920_by_1080(desk: &mut Desk) {
     assert!(desk.shows("Axes") && desk.shows("clearance mm"), "plots and table at once");
     desk.picture("wide_dark");
     desk.blisk_mut().selected = None;
+    for (tab, picture) in [("Centroid", "centroid_dark"), ("Histogram", "histogram_dark")] {
+        desk.press(tab);
+        desk.picture(picture);
+    }
+    desk.press("Axes");
 }
 
 /// Room between small and large: nothing runs out of the window.
@@ -146,7 +151,8 @@ fn plots_and_their_tabs_keep_within_windows_between(desk: &mut Desk) {
     for pixels in [[1000_u16, 700], [800, 560]] {
         resize(desk, pixels);
         let right = |role: Role, name: &str| desk.window.get(By::new().role(role).label(name)).rect().right();
-        for tab in ["Axes", "Speed", "Second derivative", "Clearance", "Convergence", "Nodes"] {
+        for tab in ["Axes", "Speed", "Second derivative", "Clearance", "Centroid", "Histogram", "Convergence", "Nodes"]
+        {
             let names = desk.window.query_all(By::new().role(Role::Button).label(tab));
             let rightmost = names.map(|node| node.rect().right()).fold(0.0, f32::max);
             assert!(rightmost > 0.0 && rightmost <= f32::from(pixels[0]), "{pixels:?}: {tab} ends at {rightmost}");
