@@ -165,7 +165,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, tab: &mut Tab, curves: &mut Curve
 fn unit_note(tab: Tab) -> &'static str {
     match tab {
         Tab::Positions | Tab::Velocities | Tab::Accelerations | Tab::Clearance | Tab::Distances => "over mm retracted",
-        Tab::Centroid => "place in W over mm retracted",
+        Tab::Centroid => "from its final place, over mm retracted",
         Tab::Histogram => "% of the wall's samples over mm",
         Tab::Convergence => "objective over generations",
         Tab::Table | Tab::Comparison => "",
@@ -296,19 +296,20 @@ fn distances(ui: &mut Ui, desk: &mut BliskDesk) {
     });
 }
 
-/// The place of the centroid across the withdrawal; along it the centroid only goes with the abscissa.
+/// How far the centroid is off its final place across the withdrawal; along it the centroid only goes with the abscissa.
 fn centroid(ui: &mut Ui, desk: &mut BliskDesk, curves: &Curves) {
-    if curves.centroid.is_empty() {
+    let Some(last) = curves.centroid.first() else {
         says(ui, "Plan a feed path to see the way of the electrode's centroid.");
         return;
-    }
+    };
     let withdrawn = desk.shown_electrode().map_or(Axis::X, |(shown, _)| Axis::of_withdrawal(shown.enters_from));
     let shown: Vec<Axis> = [Axis::X, Axis::Y, Axis::Z].into_iter().filter(|axis| *axis != withdrawn).collect();
     let colours = palette(ui).axes;
     let names: Vec<String> = shown.iter().map(|axis| format!("{} mm, centroid", axis.letter())).collect();
     legend(ui, shown.iter().zip(&names).map(|(axis, name)| (colours[*axis as usize], name.as_str())));
     let lines = shown.iter().zip(&names).map(|(axis, name)| {
-        let points = curves.centroid.iter().map(|p| [p[0], p[1 + *axis as usize]]).collect::<Vec<_>>();
+        let i = 1 + *axis as usize;
+        let points = curves.centroid.iter().map(|p| [p[0], p[i] - last[i]]).collect::<Vec<_>>();
         Line::new(name.clone(), PlotPoints::from(points)).color(colours[*axis as usize]).width(1.6)
     });
     let lines: Vec<Line> = lines.collect();
@@ -327,6 +328,13 @@ fn histogram(ui: &mut Ui, desk: &mut BliskDesk) {
         says(ui, "The distances were not measured: plan again (F5) to see them.");
         return;
     };
+    if at.walls.iter().all(Vec::is_empty) {
+        says(
+            ui,
+            "At this node the electrode's walls are no longer between the blades: go back towards the final pose.",
+        );
+        return;
+    }
     let found = Histogram::of(&at.walls);
     let sides = [0, 1].map(|i| (palette(ui).axes[i], SURFACES[i], found.outline(i), at.walls[i].len()));
     let names = sides
