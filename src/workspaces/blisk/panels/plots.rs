@@ -6,7 +6,7 @@ use crate::workspaces::blisk::desk::BliskDesk;
 use std::sync::Arc;
 
 use egui::{Color32, RichText, Ui};
-use egui_plot::{HLine, Line, LineStyle, PlotPoint, PlotPoints, VLine};
+use egui_plot::{Bar, BarChart, HLine, Line, LineStyle, PlotPoint, PlotPoints, VLine};
 
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::desk::kept_runs::KeptRun;
@@ -343,8 +343,11 @@ fn histogram(ui: &mut Ui, desk: &mut BliskDesk) {
     legend(ui, names.iter().map(|(colour, name)| (*colour, name.as_str())));
     let response = still(ui, "histogram", egui::vec2(0.02, 0.06)).show(ui, |plot| {
         // A column has one wall alone.
-        for (colour, name, outline, _) in sides.into_iter().filter(|side| side.3 > 0) {
-            plot.line(Line::new(name, PlotPoints::from(outline)).color(colour).width(1.6));
+        for (wall, (colour, name, outline, _)) in sides.into_iter().enumerate().filter(|(_, side)| side.3 > 0) {
+            // The bars of both walls stand side by side in each bin.
+            let place = |from: f64| from + (0.25 + 0.5 * wall as f64) * found.width;
+            let bars = outline.chunks(2).map(|bin| Bar::new(place(bin[0][0]), bin[0][1]).width(0.5 * found.width));
+            plot.bar_chart(BarChart::new(name, bars.collect()).color(colour));
         }
     });
     response.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Plot histogram"));
