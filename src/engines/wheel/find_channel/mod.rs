@@ -422,12 +422,12 @@ fn unlike_sentence(unlike: &[Unlike], alike: usize) -> Option<String> {
     sorted.sort_unstable();
     if sorted.len() > 1 && 2 * sorted.len() > alike {
         let others = alike - 1;
-        let guess = match others - sorted.len() {
+        let how_few = match others - sorted.len() {
             0 => "it is the odd one, or no two are alike".to_owned(),
             like => format!("only {like} {}", if like == 1 { "is" } else { "are" }),
         };
         return Some(format!(
-            "Of the other {others} channels of its kind, {} are not like this one: {guess}. Compare another with \
+            "Of the other {others} channels of its kind, {} are not like this one: {how_few}. Compare another with \
              blisk.channel, {} say.",
             sorted.len(),
             sorted[sorted.len() / 2]

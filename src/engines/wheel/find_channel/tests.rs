@@ -496,6 +496,23 @@ fn splitters_make_two_kinds_of_channels() {
     assert!((difference - 0.04).abs() < 1e-3, "one is wider by as much as the other is narrower: {difference}");
 }
 
+/// Points of the low (0) or the high wall (1) of the passage above blade `k` as it is drawn.
+pub(super) fn drawn_wall(part: &ParametricWheel, k: usize, side: usize) -> Vec<DVec3> {
+    const PIECES: [usize; 2] = [400, 20];
+    let share = |i: usize, of: usize| i as f64 / PIECES[of] as f64;
+    let places = (0..=PIECES[0]).flat_map(|i| (0..=PIECES[1]).map(move |j| (share(i, 0), share(j, 1))));
+    let point = |(along, height): (f64, f64)| {
+        let at = part.place(along, height);
+        Some(Cylindrical { x: at.x, r: at.y, theta: part.walls(k, along, height)?[side] }.point())
+    };
+    places.filter_map(point).collect()
+}
+
+pub(super) fn least_distance(some: &[DVec3], others: &[DVec3]) -> f64 {
+    let pairs = some.iter().flat_map(|p| others.iter().map(move |q| p.distance_squared(*q)));
+    pairs.fold(f64::INFINITY, f64::min).sqrt()
+}
+
 /// Where a swept edge meets the hub, the fillet that goes round it stands ahead of the blade, and the tips run along the
 /// edge and then along the fillet.
 #[test]
@@ -519,18 +536,7 @@ fn blades_with_swept_edges_and_fillets_round_them_are_recognised() {
         let channel = found(&part.mesh());
         assert_eq!((channel.blades, channel.flow, channel.shrouded), (blades, Flow::Axial, false));
         let bare = ParametricWheel { fillet_mm: 0.0, ..part.clone() };
-        let share = |i: usize, n: usize| i as f64 / n as f64;
-        let wall = |side: usize| -> Vec<DVec3> {
-            let places = (0..=400).flat_map(|i| (0..=20).map(move |j| (share(i, 400), share(j, 20))));
-            let point = |(along, height): (f64, f64)| {
-                let p = bare.place(along, height);
-                Some(Cylindrical { x: p.x, r: p.y, theta: bare.walls(0, along, height)?[side] }.point())
-            };
-            places.filter_map(point).collect()
-        };
-        let [low, high] = [0, 1].map(wall);
-        let pairs = low.iter().flat_map(|p| high.iter().map(move |q| p.distance_squared(*q)));
-        let drawn = pairs.fold(f64::INFINITY, f64::min).sqrt();
+        let drawn = least_distance(&drawn_wall(&bare, 0, 0), &drawn_wall(&bare, 0, 1));
         let throat = channel.throat.width_mm;
         assert!((throat / drawn - 1.0).abs() < 0.02, "{blades} blades: {throat} of {drawn}");
     }

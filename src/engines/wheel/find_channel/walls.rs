@@ -429,12 +429,11 @@ fn point(place: &Place, crossing: Crossing) -> DVec3 {
 mod tests {
     use std::f64::consts::FRAC_PI_4;
 
-    use glam::{DVec2, DVec3};
+    use glam::DVec2;
 
-    use super::super::tests::{find, found};
+    use super::super::tests::{drawn_wall, find, found, least_distance};
     use crate::options::BliskOptions;
     use crate::parametric::wheel::{MeridianCurve, ParametricWheel, Splitters};
-    use geometry::frame::Cylindrical;
 
     /// Splitters are nearest to the main blades ahead of them, where their passages have not yet begun.
     #[test]
@@ -447,21 +446,10 @@ mod tests {
         let mesh = part.mesh();
         // Main blades alone, which go on ahead of the splitters.
         let main = ParametricWheel { blades: 7, splitters: None, ..part.clone() };
-        let wall = |part: &ParametricWheel, k: usize, side: usize| {
-            let share = |i: i32, n: i32| f64::from(i) / f64::from(n);
-            let places = (0..=400).flat_map(|i| (0..=20).map(move |j| (share(i, 400), 0.005 + 0.99 * share(j, 20))));
-            let point = |(along, height): (f64, f64)| {
-                let [low, high] = part.walls(k, along, height)?;
-                let at = part.place(along, height);
-                Some(Cylindrical { x: at.x, r: at.y, theta: [low, high][side] }.point())
-            };
-            places.filter_map(point).collect::<Vec<_>>()
-        };
-        let nearest = |low: Vec<DVec3>, high: Vec<DVec3>| {
-            let pairs = low.iter().flat_map(|p| high.iter().map(move |q| p.distance_squared(*q)));
-            pairs.fold(f64::INFINITY, f64::min).sqrt()
-        };
-        let mut drawn = [nearest(wall(&main, 0, 0), wall(&part, 0, 1)), nearest(wall(&part, 1, 0), wall(&main, 0, 1))];
+        let mut drawn = [
+            least_distance(&drawn_wall(&main, 0, 0), &drawn_wall(&part, 0, 1)),
+            least_distance(&drawn_wall(&part, 1, 0), &drawn_wall(&main, 0, 1)),
+        ];
         let mut found = [0, 1].map(|channel| {
             let options = BliskOptions { channel, ..Default::default() };
             find(&mesh, &options).unwrap().throat.width_mm
@@ -483,18 +471,7 @@ mod tests {
             pieces: [480, 24, 24],
             ..ParametricWheel::nozzle_ring()
         };
-        let wall = |side: usize| -> Vec<DVec3> {
-            let places =
-                (0..=400).flat_map(|i| (0..=20).map(move |j| (0.1 + 0.002 * f64::from(i), 0.05 * f64::from(j))));
-            let point = |(along, height): (f64, f64)| {
-                let at = part.place(along, height);
-                Some(Cylindrical { x: at.x, r: at.y, theta: part.walls(0, along, height)?[side] }.point())
-            };
-            places.filter_map(point).collect()
-        };
-        let [low, high] = [0, 1].map(wall);
-        let pairs = low.iter().flat_map(|p| high.iter().map(move |q| p.distance_squared(*q)));
-        let drawn = pairs.fold(f64::INFINITY, f64::min).sqrt();
+        let drawn = least_distance(&drawn_wall(&part, 0, 0), &drawn_wall(&part, 0, 1));
         let throat = found(&part.mesh()).throat.width_mm;
         assert!((throat / drawn - 1.0).abs() < 0.005, "{throat} of {drawn}");
     }
