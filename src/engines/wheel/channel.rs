@@ -211,6 +211,8 @@ pub struct Agreement {
     pub greatest_mm: f64,
     /// Where that is, in W (mm).
     pub at: DVec3,
+    /// Share of the places, beside these, at which holes leave a hub or a shroud open, 0 to 1.
+    pub open: f64,
 }
 
 /// A channel that is not like the chosen one turned about the axis, though it is of its kind.

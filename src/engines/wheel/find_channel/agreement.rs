@@ -56,6 +56,10 @@ const START: f64 = 0.1;
 const NEARER: [f64; 3] = [0.05, 0.025, 0.0125];
 /// Rays that meet something within this share of the height from the end wall's station met the end wall.
 const SAME: f64 = 0.01;
+/// Where rays go past an end wall by more than this share of the height it is open there, and the greatest share of its
+/// places at which holes leave it open.
+const HOLE_DEPTH: f64 = 0.05;
+const MOST_OPEN: f64 = 0.3;
 
 /// What a ray to an end wall met.
 struct Met {
@@ -149,6 +153,10 @@ impl Measured<'_> {
         let within = self.tolerance();
         let (mut all, mut facets) = (Vec::new(), None);
         for (surface, mut samples) in self.samples(DENSE, 0.0)? {
+            let open = match surface {
+                Surface::Hub | Surface::Shroud => self.take_holes(&mut samples, DENSE),
+                _ => 0.0,
+            };
             let mut agreement = summary(surface, &samples, within);
             if agreement.share < ENOUGH {
                 // Beside the facet that stands out most others lie deeper, by as much as they may be off their surface.
@@ -157,6 +165,7 @@ impl Measured<'_> {
                 samples.iter_mut().for_each(|sample| sample.chord += facets.of(sample).min(most));
                 agreement = summary(surface, &samples, within);
             }
+            agreement.open = open;
             all.push(agreement);
         }
         if let Some(a) = all.iter().find(|a| a.share < ENOUGH) {
@@ -170,6 +179,21 @@ impl Measured<'_> {
             return Err(BliskError::NoThroat { x, r });
         }
         Ok(all)
+    }
+
+    /// Takes the places at which an end wall is open out of its `samples`, and returns their share, where they are those of
+    /// holes: few, deep, and away from both ends of the passage, beyond which there may be no wall at all.
+    fn take_holes(&self, samples: &mut Vec<Sample>, density: Density) -> f64 {
+        let depth = HOLE_DEPTH * self.least_height();
+        let is_open = |sample: &Sample| sample.off == f64::INFINITY || sample.off < -depth;
+        let n = samples.len();
+        let open = samples.iter().filter(|sample| is_open(sample)).count() as f64 / n.max(1) as f64;
+        let ends = samples.iter().take(density.across).chain(samples.iter().rev().take(density.across));
+        if open > MOST_OPEN || ends.into_iter().any(is_open) {
+            return 0.0;
+        }
+        samples.retain(|sample| !is_open(sample));
+        open
     }
 
     /// The channels of this one's kind, every one of `kinds`, counted on from this one, of which more than a few places
@@ -200,7 +224,9 @@ impl Measured<'_> {
                 let chord = |sample: &Sample| facets_of(surface).map_or(0.0, |all| all.of(sample));
                 // The two channels are compared, not both with the grid between its points.
                 for (sample, own) in samples.iter_mut().zip(own) {
-                    sample.off -= own.off;
+                    // A hole that both have is no difference.
+                    let is_open = |sample: &Sample| sample.off == f64::INFINITY;
+                    sample.off = if is_open(sample) && is_open(own) { 0.0 } else { sample.off - own.off };
                     sample.chord += (chord(sample) + chord(own)).min(most_chord);
                 }
                 let has_more = samples.iter().filter(|s| s.off.abs() > s.chord + MORE * within).count() >= LEAST_MORE;
@@ -457,6 +483,7 @@ fn summary(surface: Surface, samples: &[Sample], within_mm: f64) -> Agreement {
         within_mm,
         greatest_mm: worst.map_or(0.0, |s| s.off.abs()),
         at: worst.map_or(DVec3::ZERO, |s| s.at),
+        open: 0.0,
     }
 }
 

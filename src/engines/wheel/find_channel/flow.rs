@@ -30,6 +30,8 @@ const MOST_POINTS: usize = 40_000;
 /// With fewer points the lattice is made finer, so many times at most.
 const ENOUGH_POINTS: usize = 1_000;
 const MOST_HALVINGS: usize = 4;
+/// From one point to the next the gap between two blades narrows on both sides by no more than this share of its width.
+const HOLE: f64 = 0.15;
 /// Shorter runs of the outline are rounding (points).
 const LEAST_RUN: usize = 4;
 /// The blades' edges meet their tips in corners sharper than this (rad).
@@ -156,7 +158,7 @@ fn bladed(
         for next in around(point) {
             let at = lattice.place(next.map(f64::from));
             if !found.contains_key(&next)
-                && let Some(gap) = gap_at(at.x, at.y, &near)
+                && let Some(gap) = gap_at(at.x, at.y, &near).filter(|gap| !is_in_hole(gap, &near))
             {
                 found.insert(next, gap);
                 queue.push(next);
@@ -164,6 +166,12 @@ fn bladed(
         }
     }
     Ok(found)
+}
+
+/// Whether a gap beside `near` is that of a hole in hub or shroud, which is narrower at once on both sides.
+fn is_in_hole(gap: &Gap, near: &Gap) -> bool {
+    let narrowed = [gap.low.theta - near.low.theta, near.high.theta - gap.high.theta];
+    narrowed.into_iter().all(|narrowed| narrowed > HOLE * near.width())
 }
 
 /// The four neighbours of a point of the lattice, anticlockwise from the one below.
@@ -215,7 +223,7 @@ struct Run {
 /// The two curves along a passage, in opposite directions: two solid ones, or a solid one and the tips; none where
 /// there are not two.
 fn curves(outline: &[Piece]) -> Option<[Run; 2]> {
-    let runs = runs(outline)?;
+    let runs = without_holes(runs(outline)?);
     let solid: Vec<&Run> = runs.iter().filter(|run| run.is_solid).collect();
     let walls = match (&solid[..], runs.len()) {
         (&[hub, shroud], 4) => [hub.clone(), shroud.clone()],
@@ -223,6 +231,32 @@ fn curves(outline: &[Piece]) -> Option<[Run; 2]> {
         _ => return None,
     };
     walls.iter().all(|wall| wall.points.len() > DEGREE).then_some(walls)
+}
+
+/// The runs of an outline without the holes in its walls, which are open over less than inlet and outlet.
+fn without_holes(mut runs: Vec<Run>) -> Vec<Run> {
+    let opening = |run: &Run| run.points.first().zip(run.points.last()).map_or(0.0, |(a, b)| a.distance(*b));
+    while runs.len() > 4
+        && let Some(hole) = (0..runs.len())
+            .filter(|&i| !runs[i].is_solid)
+            .min_by(|&a, &b| opening(&runs[a]).total_cmp(&opening(&runs[b])))
+    {
+        // Its outline may go into it.
+        runs[hole].points.clear();
+        join_over(&mut runs, hole);
+    }
+    runs
+}
+
+/// Joins the runs on either side of run `i`, which are of one kind, over it.
+fn join_over(runs: &mut Vec<Run>, i: usize) {
+    runs.rotate_left(i);
+    let over = runs.remove(0);
+    let after = runs.remove(0);
+    if let Some(before) = runs.last_mut() {
+        before.points.extend(over.points);
+        before.points.extend(after.points);
+    }
 }
 
 /// The runs of an outline, in order; those that are too short belong to their neighbours.
@@ -241,13 +275,7 @@ fn runs(outline: &[Piece]) -> Option<Vec<Run>> {
         && let Some(i) = (0..runs.len()).min_by_key(|&i| runs[i].points.len())
         && runs[i].points.len() < LEAST_RUN
     {
-        // Its neighbours are of one kind.
-        runs.rotate_left(i);
-        let short = runs.remove(0);
-        let after = runs.remove(0);
-        let before = &mut runs.last_mut()?.points;
-        before.extend(short.points);
-        before.extend(after.points);
+        join_over(&mut runs, i);
     }
     Some(runs)
 }

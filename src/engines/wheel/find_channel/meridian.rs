@@ -33,6 +33,9 @@ const STEP_WIDTH: f64 = 1e-6;
 /// halved until they do.
 const BEND: f64 = 0.005;
 const BEND_HALVINGS: usize = 6;
+/// Blade tips that fall steeper than 45 degrees to less than this share of the height are a swept edge; what falls less is a
+/// step of the tips.
+const EDGE_FALL: f64 = 0.5;
 /// Share of the height, beside the dip of facets, up to which rays meet an even wall.
 pub(super) const DIP: f64 = 0.0001;
 
@@ -109,9 +112,14 @@ impl Tracer<'_> {
         let bounds = self.slices.bounds();
         let step = bounds.size().x / STATIONS;
         let mut stations = self.march(first, -step, bounds.min.x, shrouded)?;
+        let mut after = self.march(first, step, bounds.max.x, shrouded)?;
+        if !shrouded && given[1].is_none() {
+            keep_tips(&mut stations);
+            keep_tips(&mut after);
+        }
         stations.reverse();
         stations.push(first.station);
-        stations.extend(self.march(first, step, bounds.max.x, shrouded)?);
+        stations.extend(after);
         Ok(Meridian { stations, flow: Flow::Axial, shrouded })
     }
 
@@ -326,6 +334,19 @@ impl Tracer<'_> {
         }
         good
     }
+}
+
+/// Keeps the passage as high as the tips of its blades beyond the corner where these end: there the greatest radius that
+/// blades bound falls along a swept edge to the hub. `stations` lie in order away from the passage's middle.
+fn keep_tips(stations: &mut [Station]) {
+    let falls = |pair: &[Station]| pair[0].height() - pair[1].height() > (pair[1].along - pair[0].along).abs();
+    let ends_low = |at: usize| stations[at..].iter().any(|s| s.height() < EDGE_FALL * stations[at].height());
+    let Some(corner) = (0..stations.len().saturating_sub(1)).find(|&i| falls(&stations[i..i + 2]) && ends_low(i))
+    else {
+        return;
+    };
+    let tips = stations[corner].shroud.y;
+    stations[corner..].iter_mut().for_each(|station| station.shroud.y = tips);
 }
 
 /// Greatest difference of the radii of two stations (mm).

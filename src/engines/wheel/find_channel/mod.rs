@@ -30,7 +30,7 @@ use self::flow::{LEANING, Lines, STEEP};
 use self::meridian::{Meridian, Place, Tracer};
 use self::walls::{BEYOND_EDGE, WallFinder, Walls};
 use super::by_hand::ByHand;
-use super::channel::{Channel, ChannelWall, Flow, OPENS, Unlike, ways_out};
+use super::channel::{Agreement, Channel, ChannelWall, Flow, OPENS, Unlike, ways_out};
 use super::error::{BliskError, Misleading, Refused};
 use super::frame::slices::{Gap, Slices};
 use super::frame::{BliskFrame, Wheel, find_sector, find_wheel, is_inside_out};
@@ -220,6 +220,7 @@ fn measured_channel(
     assumed.extend(given_by_hand(options));
     let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&low, &high], rows };
     let agreement = measured.agreement(&throat)?;
+    assumed.extend(agreement.iter().filter_map(holes));
     if !meridian.shrouded {
         walls::check_rows(&low, &high)?;
         measured.check_tips()?;
@@ -442,6 +443,17 @@ fn unlike_sentence(unlike: &[Unlike], alike: usize) -> Option<String> {
             sorted.len(),
             if sorted.len() == 1 { "is" } else { "are" },
             names.join(", ")
+        )
+    })
+}
+
+/// Says how much of an end wall is open.
+fn holes(agreement: &Agreement) -> Option<String> {
+    (agreement.open > 0.0).then(|| {
+        let share = 100.0 * agreement.open;
+        format!(
+            "The {} has holes, over {share:.0} % of the places measured: it is taken to go on there.",
+            agreement.surface.name()
         )
     })
 }

@@ -10,6 +10,8 @@ use super::meridian::{DIP, MIDDLE_SHARE, Meridian, Place, RAYS, Tracer};
 
 /// Share of the height away from an end wall where its rays begin, and how far beyond it they look for it.
 const BESIDE: f64 = 0.2;
+/// Share of the passage's width over which an end wall is met where a hole takes the middle.
+const BESIDE_HOLE: f64 = 0.9;
 /// An end wall that goes on bends away by less than this share of the height from one station to the next: by no more than
 /// about 20 deg, as the facets of coarse meshes do.
 const GOES_ON: f64 = 0.02;
@@ -183,14 +185,16 @@ impl Tracer<'_> {
         let share = if surface == Surface::Hub { BESIDE } else { 1.0 - BESIDE };
         let height = guess.height();
         let [from, toward] = self.start_of(guess, share, surface);
-        let half = 0.5 * MIDDLE_SHARE * gap.width().min(self.pitch);
-        let theta = |i: usize| gap.middle() + half * (2.0 * i as f64 / (RAYS - 1) as f64 - 1.0);
-        let met = (0..RAYS).filter_map(|i| self.met(theta(i), from, toward, 2.0 * BESIDE * height));
-        let mut met: Vec<(f64, u32)> = met.collect();
-        met.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if 3 * met.len() < RAYS {
-            return None;
-        }
+        let met_over = |share: f64| {
+            let half = 0.5 * share * gap.width().min(self.pitch);
+            let theta = |i: usize| gap.middle() + half * (2.0 * i as f64 / (RAYS - 1) as f64 - 1.0);
+            let met = (0..RAYS).filter_map(|i| self.met(theta(i), from, toward, 2.0 * BESIDE * height));
+            let mut met: Vec<(f64, u32)> = met.collect();
+            met.sort_by(|a, b| a.0.total_cmp(&b.0));
+            (3 * met.len() >= RAYS).then_some(met)
+        };
+        // Where a hole takes the middle the wall is met beside it.
+        let met = met_over(MIDDLE_SHARE).or_else(|| met_over(BESIDE_HOLE))?;
         // The same wall is met as far off as its facets dip; what differs more is a fillet or a blade.
         let (typical, triangle) = met[met.len() / 2];
         let dip = DIP * height + self.slices.radial_sag(triangle, (from + typical * toward).y);

@@ -258,7 +258,7 @@ impl ParametricWheel {
     }
 
     /// The wall of revolution at a height of 0 or 1, thick away from the passage.
-    fn wall(&self, height: f64) -> Mesh {
+    pub(crate) fn wall(&self, height: f64) -> Mesh {
         let [around, along, _] = self.pieces;
         let away = if height > 0.5 { 1.0 } else { -1.0 };
         let share = |i: usize| i as f64 / along as f64;
@@ -286,7 +286,7 @@ impl ParametricWheel {
     }
 
     /// Blade `k`.
-    fn blade(&self, k: usize) -> Mesh {
+    pub(crate) fn blade(&self, k: usize) -> Mesh {
         let [_, along, across] = self.pieces;
         let (span, begin) = self.blade_at(k);
         // Close together where edges are round.
