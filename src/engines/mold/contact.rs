@@ -1,4 +1,5 @@
-//! Faces with material on both sides, as where solids touch or reach into each other: they are no surface of the mold.
+//! Faces with material on both sides, as where solids touch or reach into each other, or where joining them has left a
+//! film of air: they are no surface of the mold.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -15,27 +16,29 @@ const BEFORE: (f64, f64) = (1e-3, 4.0);
 const MOST_SOLIDS: usize = 2000;
 /// By how much places are moved from the edges of their face, as a share of the way to its middle.
 const INNER: f64 = 0.01;
+/// How alike the directions of faces are that lie along each other (radians).
+const ALIKE: f64 = 1e-3;
 /// Places of a face for each share of its area in that of the part's longest side squared, and at most.
 const PLACES: (f64, f64) = (1e4, 256.0);
 
 /// Faces of a mesh with material on both sides.
 #[derive(Default)]
 pub(super) struct Contacts {
-    /// None where no two solids touch.
+    /// None where no two faces touch.
     touching: Option<Touching>,
 }
 
 struct Touching {
     exact: ExactMesh,
     before: f64,
-    /// Whether another solid comes near each face.
+    /// Whether another solid, or another face that looks towards it, comes near each face.
     is_near: Vec<bool>,
     /// Share of each face that is covered by material.
     covered: Vec<f64>,
 }
 
 impl Contacts {
-    /// Contacts between the solids of a mesh.
+    /// Contacts between the solids of a mesh, and within one where joining it has left films.
     pub fn of(mesh: &Mesh) -> Self {
         let before = BEFORE.0.max(BEFORE.1 * vertex_error(mesh));
         // Rays ask for triangles alone: without common vertices, more than two may meet in an edge.
@@ -43,7 +46,9 @@ impl Contacts {
             vertices: mesh.iter_corners().flatten().collect(),
             triangles: (0..mesh.triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         };
-        let known = near_others(mesh, before).and_then(|is_near| Some((is_near, ExactMesh::new(&soup()).ok()?)));
+        let near = [near_others(mesh, before), films(mesh, before)].into_iter().flatten();
+        let near = near.reduce(|a, b| a.into_iter().zip(b).map(|(a, b)| a || b).collect());
+        let known = near.and_then(|is_near| Some((is_near, ExactMesh::new(&soup()).ok()?)));
         let Some((is_near, exact)) = known else { return Self::default() };
         let mut touching = Touching { exact, before, is_near, covered: Vec::new() };
         let longest = mesh.bounds().size().max_element();
@@ -66,7 +71,7 @@ impl Contacts {
         self.touching.as_ref().map_or(1.0, |touching| 1.0 - touching.covered[face])
     }
 
-    /// Whether another solid may touch a face.
+    /// Whether something may touch a face.
     pub fn are_near(&self, face: usize) -> bool {
         self.touching.as_ref().is_some_and(|touching| touching.is_near[face])
     }
@@ -118,6 +123,56 @@ fn near_others(mesh: &Mesh, within: f64) -> Option<Vec<bool>> {
     };
     let is_near: Vec<bool> = (0..mesh.triangles.len()).into_par_iter().map(is_near).collect();
     is_near.contains(&true).then_some(is_near)
+}
+
+/// Of each face whether another one within a distance (mm) lies along it and looks towards it, as on both sides of a film
+/// of air that joining two solids has left between them; none where there is no film.
+fn films(mesh: &Mesh, within: f64) -> Option<Vec<bool>> {
+    struct Side {
+        /// The direction of the face's normal or its opposite, rounded.
+        key: [i64; 3],
+        /// How far the plane is from the origin along that (mm).
+        off: f64,
+        face: usize,
+        looks_along: bool,
+    }
+    // What is rounded apart by one raster is not by the other.
+    let marked_by = |shift: f64| -> Vec<usize> {
+        let side = |face: usize| {
+            let corners = mesh.corners(face);
+            let normal = unit_normal(corners);
+            let looks_along = normal.to_array().into_iter().find(|v| v.abs() > ALIKE).is_some_and(|v| v > 0.0);
+            let along = if looks_along { normal } else { -normal };
+            let key = (along / ALIKE + shift).floor().to_array().map(|v| v as i64);
+            Side { key, off: along.dot(corners[0]), face, looks_along }
+        };
+        let mut sides: Vec<Side> = (0..mesh.triangles.len()).into_par_iter().map(side).collect();
+        let by_place = |a: &Side, b: &Side| {
+            a.key.cmp(&b.key).then(a.looks_along.cmp(&b.looks_along)).then(a.off.total_cmp(&b.off))
+        };
+        sides.par_sort_unstable_by(|a, b| by_place(a, b).then(a.face.cmp(&b.face)));
+        let bounds = |side: &Side| Bounds::of(mesh.corners(side.face)).grown(within);
+        let facing = |alike: &[Side]| -> Vec<usize> {
+            let (some, others) = alike.split_at(alike.partition_point(|side| !side.looks_along));
+            let mut met = Vec::new();
+            for own in some {
+                let from = others.partition_point(|other| other.off < own.off - within);
+                let near = others[from..].iter().take_while(|other| other.off <= own.off + within);
+                let own_bounds = bounds(own);
+                let before = met.len();
+                met.extend(near.filter(|other| own_bounds.intersects(&bounds(other))).map(|other| other.face));
+                if met.len() > before {
+                    met.push(own.face);
+                }
+            }
+            met
+        };
+        let alike: Vec<&[Side]> = sides.chunk_by(|a, b| a.key == b.key).collect();
+        alike.into_par_iter().flat_map_iter(facing).collect()
+    };
+    let mut are_near = vec![false; mesh.triangles.len()];
+    [0.0, 0.5].into_iter().flat_map(marked_by).for_each(|face| are_near[face] = true);
+    are_near.contains(&true).then_some(are_near)
 }
 
 /// Of each group of faces whether more than two of them meet in an edge.
@@ -190,6 +245,42 @@ mod tests {
         }
         // Of the top what the post covers is none.
         assert!((free_area(&on(5.0, 4.0), DVec3::Z) - 400.0).abs() < 2.0);
+    }
+
+    /// A slot of a hair, as it stays between a rib and the wall that it was joined to, is no surface; one of a tenth is.
+    #[test]
+    fn a_film_of_air_within_a_solid_is_no_surface() {
+        for (wide, walls) in [(2e-7, 40.0), (0.1, 72.0)] {
+            let outline = [
+                (0.0, 0.0),
+                (10.0, 0.0),
+                (10.0, 5.0),
+                (5.0 + wide, 5.0),
+                (5.0 + wide, 1.0),
+                (5.0, 1.0),
+                (5.0, 5.0),
+                (0.0, 5.0),
+            ];
+            let vertices: Vec<DVec3> =
+                [0.0, 8.0].iter().flat_map(|z| outline.map(|(x, y)| DVec3::new(x, y, *z))).collect();
+            let side = |i: u32| {
+                let j = (i + 1) % 8;
+                [[i, j, j + 8], [i, j + 8, i + 8]]
+            };
+            let sides: Vec<[u32; 3]> = (0..8).flat_map(side).collect();
+            // Both ends, of which neither has the slot in it.
+            let end = [[0, 1, 4], [1, 2, 3], [1, 3, 4], [0, 4, 5], [0, 5, 7], [5, 6, 7]];
+            let ends = end.iter().flat_map(|[a, b, c]| [[*a, *c, *b], [a + 8, b + 8, c + 8]]);
+            let mesh = Mesh { vertices, triangles: sides.into_iter().chain(ends).collect() };
+            let lean = glam::DMat3::from_euler(glam::EulerRot::XYZ, 0.3, -0.2, 0.7);
+            let turned = mesh.mapped(|p| lean * p);
+            for (mesh, x) in [(&mesh, DVec3::X), (&turned, lean * DVec3::X)] {
+                for normal in [x, -x] {
+                    let area = free_area(mesh, normal);
+                    assert!((area - walls).abs() < 0.5, "{wide}: {area}");
+                }
+            }
+        }
     }
 
     #[test]

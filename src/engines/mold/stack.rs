@@ -12,7 +12,7 @@ use super::invert::{InvertFaces, Shadows, base, without_gaps};
 use super::layers::{FirstLayers, LayerFigures, LayerSettings, Tolerance, first_layers, is_bent};
 use super::outline::Outline;
 use super::piece::{UncutPiece, clipped, intersected};
-use super::plane;
+use super::plane::{self, Shape};
 use super::region::have_partners;
 use super::section::{Section, outline_error, sections};
 use super::uncut_layer::uncut_with_holder;
@@ -196,20 +196,26 @@ impl Work<'_> {
     }
 }
 
-/// Makes outlines that cross each other, or may touch, the boundary of all that they enclose; whether they cross. Those
-/// that may touch are off by `touching` (mm).
+/// Makes outlines that cross each other, or may touch, the boundary of all that they enclose; whether some of them
+/// enclose something from the wrong side, as a surface that is inside out does. Solids that reach into each other do
+/// not: what both enclose is material as well. Those that may touch are off by `touching` (mm).
 fn uncross(section: &mut Section, touching: Option<f64>) -> bool {
     // Where outlines are missing those that are there say no more than themselves.
     if section.outlines.is_empty() || !section.open.is_empty() {
         return false;
     }
     let [low, high] = plane::extent(&section.outlines);
+    let area = |shapes: &[Shape]| shapes.iter().map(|shape| plane::area(shape)).sum::<f64>();
     let covered = plane::union(&section.outlines, &[]);
-    let area: f64 = covered.iter().map(|shape| plane::area(shape)).sum();
     // Along a contact they cross by rounding.
     let along = touching.map_or(0.0, |error| error * section.outlines.iter().map(Outline::length).sum::<f64>());
     let rounding = SAME_AREA * (high - low).element_product() + 1e-6 + along;
-    let do_cross = (area - plane::area(&section.outlines)).abs() > rounding;
+    let do_cross = (area(&covered) - plane::area(&section.outlines)).abs() > rounding;
+    let is_inside_out = do_cross && {
+        let turned = |o: &Outline| Outline::new(o.points().iter().rev().copied().collect());
+        let turned: Vec<Outline> = section.outlines.iter().filter_map(turned).collect();
+        area(&plane::union(&turned, &[])) > rounding
+    };
     if do_cross || touching.is_some() {
         section.outlines = covered.into_iter().flatten().collect();
     }
@@ -217,7 +223,7 @@ fn uncross(section: &mut Section, touching: Option<f64>) -> bool {
     if touching.is_some() {
         section.outlines = without_gaps(&section.outlines);
     }
-    do_cross
+    is_inside_out
 }
 
 /// Observations of the mold on the way.
@@ -443,7 +449,9 @@ mod tests {
         let open = Mesh { triangles: whole.triangles[2..].to_vec(), ..whole.clone() };
         assert!(matches!(warnings(&open)[..], [MoldWarning::Open { .. }]), "{:?}", warnings(&open));
         let second = Mesh::cuboid(DVec3::splat(6.0)).mapped(|p| p + DVec3::new(-9.0, -9.0, 1.0));
-        assert!(matches!(warnings(&with(&whole, &second))[..], [MoldWarning::Crossing { .. }]));
+        assert_eq!(warnings(&with(&whole, &second)), [], "a solid that reaches into another");
+        let inside_out = Mesh { triangles: second.triangles.iter().map(|[a, b, c]| [*a, *c, *b]).collect(), ..second };
+        assert!(matches!(warnings(&with(&whole, &inside_out))[..], [MoldWarning::Crossing { .. }]));
         let through = frame(&rectangle(20.0, 20.0), &sides, 5.0);
         assert!(matches!(warnings(&through)[..], [MoldWarning::NoFloor { area }] if (area - 144.0).abs() < 1e-6));
         // A pocket that opens downwards has metal over it: nothing passes through.

@@ -36,10 +36,11 @@ pub enum MoldWarning {
         /// Where a piece of an outline ends in the lowest (mm).
         place: [f64; 2],
     },
-    /// Outlines cross or lie in each other the wrong way; all that any of them encloses counts as material.
+    /// Outlines enclose something from the wrong side, as where the surface is inside out or crosses itself; that counts as
+    /// air.
     #[error(
-        "the surface crosses itself or is inside out between z = {from:.3} and {to:.3} mm: all that it \
-         encloses counts as material there; repair the mesh"
+        "the surface is inside out, or crosses itself, between z = {from:.3} and {to:.3} mm: what lies on its wrong \
+         side counts as air there; repair the mesh"
     )]
     Crossing {
         /// In how many layers.

@@ -3,6 +3,7 @@
 
 use glam::DVec3;
 
+use super::cuts::Undivided;
 use super::finding::{CheckKind, Finding};
 use crate::cutter::{Cutter, CutterLibrary};
 use crate::height_field;
@@ -83,7 +84,8 @@ fn left_by(
     height_field::regions(field, &closing, tolerance, cancel)
 }
 
-/// Whether cutters mill an electrode, leaving nothing above `tolerance` (mm).
+/// Whether cutters mill an electrode, leaving nothing above `tolerance` (mm). Where they do not, `undivided` tells what
+/// became of the cuts that were tried on its heads.
 ///
 /// # Errors
 /// [`HeightFieldError`].
@@ -91,6 +93,7 @@ pub fn machinable(
     electrode: &Mesh,
     cutters: &CutterLibrary,
     tolerance: f64,
+    undivided: Option<Undivided>,
     cancel: &Cancel,
 ) -> Result<Finding, HeightFieldError> {
     let Milled { field, left, undercut } = milled(electrode, cutters, tolerance, cancel)?;
@@ -99,7 +102,9 @@ pub fn machinable(
         Some(worst) => {
             let volume = left.iter().map(|r| r.volume).sum::<f64>();
             let thickness = left.iter().map(|r| r.normal_depth).fold(0.0, f64::max);
-            let mut remedy = format!("no cutter down to a radius of {SMALLEST} mm mills it: divide it there");
+            let why =
+                undivided.map_or_else(|| ": divide it there".to_owned(), |undivided| format!(", and {undivided}"));
+            let mut remedy = format!("no cutter down to a radius of {SMALLEST} mm mills it{why}");
             for smaller in [0.5 * radius, 0.25 * radius, SMALLEST] {
                 let both = CutterLibrary { cutter: vec![Cutter::flat(smaller), Cutter::ball(smaller)] };
                 if (SMALLEST..radius).contains(&smaller) && left_by(&field, &both, tolerance, cancel)?.is_empty() {

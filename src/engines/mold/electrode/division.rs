@@ -4,19 +4,19 @@
 //! whose boundary it goes on straight (the face is enlarged, whatever its draft), and parts beyond it. These reach back
 //! over the cut by the overlap, between their own faces enlarged, so that nothing is left between them.
 
-use std::f64::consts::PI;
-
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::base::{INTO_BASE, on_plate};
 use super::check::{milled, turned_over, watertight};
+use super::cuts::{Undivided, across, cuts, shapes};
 use super::footprint::{grown, half_plane, is_thin, shrunk};
 use super::h_edge::{HEdge, Milling, h_edges, inner_edges, is_upright, place};
 use super::params::DividedAt;
 use super::tip::{Burned, Footprint, SKIN, TipError, led_up, tip};
 use crate::cutter::CutterLibrary;
-use crate::height_field::HeightFieldError;
+use crate::height_field::{FieldRegion, HeightFieldError};
 use crate::invert::LEAST_INVERT;
 use crate::outline::Outline;
 use crate::plane;
@@ -36,27 +36,25 @@ const DEEPEST: usize = 16;
 const NOTHING: f64 = 0.008;
 /// Share of the rest material that all divisions of a part together may leave at most.
 const LESS: f64 = 0.7;
+/// The same of one that others follow.
+const SOMEWHAT_LESS: f64 = 0.9;
 /// The share of H-edges that a division takes away, at least, for one of many to be worth it: grooves that cross have
 /// them at every crossing, and a cut takes away those along one of their walls.
 const LEAST_TAKEN: f64 = 0.04;
 /// The same of one that takes H-edges away alone.
 const AS_MUCH: f64 = 1.02;
-/// Divisions one after another that may take H-edges away alone.
+/// Divisions one after another that may take less than a share away, or H-edges alone.
 const AHEAD: usize = 3;
-/// Faces along which cuts are tried at most, those with the longest edges.
-const MOST_FACES: usize = 4;
-/// How alike normals of faces are that are cut along at once (radians).
-const ALIKE: f64 = 2e-3;
 /// How far a head is led up to try whether it can be milled (mm).
 const LED_UP: f64 = 1.0;
 /// How near a corner lies to a line to be on it (mm).
-const ON_LINE: f64 = 1e-6;
+pub(super) const ON_LINE: f64 = 1e-6;
 /// Downward part of a normal up to which a face is cut along.
 const STEEP: f64 = 0.5;
 /// Downward part of a normal up to which a face is upright.
-const UPRIGHT: f64 = 1e-6;
+pub(super) const UPRIGHT: f64 = 1e-6;
 /// How far the ends of an edge may be off a plane to lie in it (mm).
-const ON_PLANE: f64 = 0.015;
+pub(super) const ON_PLANE: f64 = 0.015;
 /// Downward part of a normal from which on a face that is enlarged has something below it.
 const ON_LEVEL: f64 = 1e-3;
 /// Least sine of the angle between faces that have a profile, and of its direction with the cut.
@@ -82,7 +80,7 @@ impl Cut {
     }
 
     /// The cut along a face of a tip through one of its points (mm); none where the face is not steep.
-    fn along(face: DVec3, through: DVec3) -> Option<Self> {
+    pub(super) fn along(face: DVec3, through: DVec3) -> Option<Self> {
         let normal = if face.z.abs() < UPRIGHT { face.with_z(0.0).normalize_or_zero() } else { face };
         let is_steep = (-STEEP..=0.0).contains(&normal.z) && normal != DVec3::ZERO;
         is_steep.then_some(Self { through, normal, low: f64::NEG_INFINITY, overlaps: true })
@@ -90,7 +88,7 @@ impl Cut {
 
     /// The same with the inner edges of a tip that lie in it: from the lowest of their ends up, and through the one
     /// furthest before it.
-    fn fitted(self, inner: &[HEdge]) -> Self {
+    pub(super) fn fitted(self, inner: &[HEdge]) -> Self {
         let on: Vec<DVec3> = inner.iter().filter(|edge| self.holds(edge)).flat_map(|edge| edge.ends).collect();
         let low = on.iter().map(|p| p.z).reduce(f64::min).unwrap_or(self.low);
         // The face is known to rounding: none of its edges stays before the cut.
@@ -99,7 +97,7 @@ impl Cut {
     }
 
     /// Whether an edge lies in it.
-    fn holds(&self, edge: &HEdge) -> bool {
+    pub(super) fn holds(&self, edge: &HEdge) -> bool {
         edge.ends.iter().all(|p| self.beyond(*p).abs() < ON_PLANE)
     }
 
@@ -144,13 +142,15 @@ pub struct Part {
     /// Tip, up to the cap.
     pub body: Mesh,
     /// Inner edges of the tip.
-    inner: Vec<HEdge>,
+    pub(super) inner: Vec<HEdge>,
     /// Inner edges that no cutter makes.
     pub h_edges: Vec<HEdge>,
     /// The cut, and what it leads to; none where it is not divided.
     pub divided: Option<(Cut, Vec<Part>)>,
     /// Whether there is something beyond the cut that was left out as too thin.
     pub lacks_thin: bool,
+    /// What became of the cuts that were tried, where cutters leave something of the head.
+    pub undivided: Option<Undivided>,
 }
 
 impl Part {
@@ -215,8 +215,8 @@ pub fn divide(
 }
 
 /// A part, divided as long as that leaves less, and the size of what the cutters leave of its heads. `by_whole` tells how
-/// far places are from what the head of the whole region burns (mm). `ahead` divisions one after another may take H-edges
-/// away alone.
+/// far places are from what the head of the whole region burns (mm). `ahead` divisions one after another may take less
+/// than a share away, or H-edges alone.
 fn divided(
     (burned, by_whole): (&Burned, &[f64]),
     (mut part, rest): (Part, RestMaterial),
@@ -230,33 +230,51 @@ fn divided(
     let edges: f64 = part.h_edges.iter().map(HEdge::length).sum();
     let own = burned.by(&part.body);
     let mut best: Option<([f64; 4], bool, Cut, Halves)> = None;
-    for cut in cuts(&part, &rest, settings) {
-        cancel.check()?;
-        let Some(halves) = parts_of((burned, [by_whole, &own]), &part, &cut, settings, cancel)? else { continue };
-        let left: f64 = halves.parts.iter().map(|(_, rest)| rest.size).sum();
-        let edges_left: f64 = halves.parts.iter().flat_map(|(p, _)| &p.h_edges).map(HEdge::length).sum();
-        // Each cut of many takes its share: half as much of the rest material as of the H-edges.
-        let taken = if edges > 0.0 { 1.0 - edges_left / edges } else { 0.0 };
-        let is_share = taken >= LEAST_TAKEN && left <= (1.0 - 0.5 * taken) * rest.size;
-        let is_less = left <= LESS * rest.size || is_share;
-        let is_on_the_way = ahead > 0 && left <= AS_MUCH * rest.size && edges_left <= LESS * edges;
-        let open = halves.parts.iter().filter(|(_, rest)| rest.is_open).count();
-        let figures = [open as f64, left, edges_left, halves.mouth];
-        let is_better = (is_less || is_on_the_way) && best.as_ref().is_none_or(|(least, ..)| figures < *least);
-        if is_better
-            && (halves.lacks_thin
-                || burned.is_by_all([by_whole, &own], halves.parts.iter().map(|(part, _)| &part.body)))
-        {
-            best = Some((figures, is_less, cut, halves));
+    let (mut tried, mut thin) = (0, 0);
+    for cuts in [cuts(&part, &rest, settings), across(&part, &rest, settings)] {
+        for cut in cuts {
+            cancel.check()?;
+            tried += 1;
+            // What leaves more than the best so far is no better, unless the best has open heads.
+            let least = best.as_ref().filter(|(figures, ..)| figures[0] == 0.0).map_or(f64::INFINITY, |b| b.0[1]);
+            let most = least.min(AS_MUCH * rest.size);
+            let halves = match parts_of((burned, [by_whole, &own]), &part, (&cut, most), settings, cancel)? {
+                Ok(halves) => halves,
+                Err(refused) => {
+                    thin += usize::from(matches!(refused, Refused::Thin));
+                    continue;
+                }
+            };
+            let left: f64 = halves.parts.iter().map(|(_, rest)| rest.size).sum();
+            let edges_left: f64 = halves.parts.iter().flat_map(|(p, _)| &p.h_edges).map(HEdge::length).sum();
+            // Each cut of many takes its share: half as much of the rest material as of the H-edges.
+            let taken = if edges > 0.0 { 1.0 - edges_left / edges } else { 0.0 };
+            let is_share = taken >= LEAST_TAKEN && left <= (1.0 - 0.5 * taken) * rest.size;
+            let is_less = left <= LESS * rest.size || is_share;
+            let takes_edges = left <= AS_MUCH * rest.size && edges_left <= LESS * edges;
+            let is_on_the_way = ahead > 0 && (takes_edges || left <= SOMEWHAT_LESS * rest.size);
+            let open = halves.parts.iter().filter(|(_, rest)| rest.is_open).count();
+            let figures = [open as f64, left, edges_left, halves.mouth];
+            let is_better = (is_less || is_on_the_way) && best.as_ref().is_none_or(|(least, ..)| figures < *least);
+            if is_better
+                && (halves.lacks_thin
+                    || burned.is_by_all([by_whole, &own], halves.parts.iter().map(|(part, _)| &part.body)))
+            {
+                best = Some((figures, is_less, cut, halves));
+            }
+            if best.as_ref().is_some_and(|([open, least, ..], ..)| *open == 0.0 && *least == 0.0) {
+                break;
+            }
         }
-        if best.as_ref().is_some_and(|([open, least, ..], ..)| *open == 0.0 && *least == 0.0) {
+        if best.as_ref().is_some_and(|(_, is_less, ..)| *is_less) {
             break;
         }
     }
+    part.undivided = Some(Undivided { tried, thin, least: settings.least });
     let Some((_, is_less, cut, halves)) = best else { return Ok((part, rest.size)) };
     let ahead = if is_less { AHEAD } else { ahead - 1 };
     let further = |half| divided((burned, by_whole), half, settings, (deeper - 1, ahead), cancel);
-    let parts: Vec<(Part, f64)> = halves.parts.into_iter().map(further).collect::<Result<_, _>>()?;
+    let parts: Vec<(Part, f64)> = halves.parts.into_par_iter().map(further).collect::<Result<_, _>>()?;
     let left: f64 = parts.iter().map(|(_, left)| left).sum();
     if left > LESS * rest.size {
         return Ok((part, rest.size));
@@ -266,29 +284,30 @@ fn divided(
     Ok((part, left))
 }
 
-/// Whether two cuts are one.
-fn is_same(a: &Cut, b: &Cut) -> bool {
-    a.overlaps == b.overlaps
-        && a.low == b.low
-        && a.normal.distance(b.normal) < ALIKE
-        && a.beyond(b.through).abs() < ON_PLANE
-}
-
 /// Rest material on a part's head.
 #[derive(Default)]
-struct RestMaterial {
+pub(super) struct RestMaterial {
     /// Volume (mm^3) and undercut area (mm^2), or the length of the edges that are to be divided at (mm).
     size: f64,
-    /// Where it is.
-    places: Vec<Bounds>,
+    /// Where it is, the largest first.
+    pub(super) places: Vec<RestPlace>,
     /// Whether the head's surface has open edges or touches itself.
     is_open: bool,
+}
+
+/// A connected place of rest material.
+pub(super) struct RestPlace {
+    /// The box around it (mm).
+    pub(super) bounds: Bounds,
+    /// Where it is thickest (mm).
+    pub(super) thickest: DVec3,
 }
 
 fn rest_material(part: &Part, settings: &DivisionSettings, cancel: &Cancel) -> Result<RestMaterial, TipError> {
     if settings.at == DividedAt::EveryEdge {
         let size = part.h_edges.iter().map(HEdge::length).sum();
-        let places = part.h_edges.iter().map(|edge| Bounds::of(edge.ends)).collect();
+        let place = |edge: &HEdge| RestPlace { bounds: Bounds::of(edge.ends), thickest: edge.ends[0] };
+        let places = part.h_edges.iter().map(place).collect();
         return Ok(RestMaterial { size, places, is_open: false });
     }
     let cap = part.footprint.cap;
@@ -303,8 +322,11 @@ fn rest_material(part: &Part, settings: &DivisionSettings, cancel: &Cancel) -> R
             let undercut = if milled.undercut > LEAST_INVERT { milled.undercut } else { 0.0 };
             let volume: f64 = milled.left.iter().map(|left| left.volume).sum();
             let back = |p: DVec3| turned_over(p) + origin;
-            let places = milled.left.iter().map(|left| Bounds::of([left.bounds.min, left.bounds.max].map(back)));
-            Ok(RestMaterial { size: volume + undercut, places: places.collect(), is_open })
+            let place = |left: &FieldRegion| RestPlace {
+                bounds: Bounds::of([left.bounds.min, left.bounds.max].map(back)),
+                thickest: back(left.deepest),
+            };
+            Ok(RestMaterial { size: volume + undercut, places: milled.left.iter().map(place).collect(), is_open })
         }
         Err(HeightFieldError::Cancelled(cancelled)) => Err(cancelled.into()),
         Err(_) => Ok(nothing_known()),
@@ -319,7 +341,7 @@ pub(super) fn whole(burned: &Burned, footprint: Footprint, settings: &DivisionSe
     let body = tip(burned, &footprint)?;
     let inner = inner_edges(&body);
     let h_edges = h_edges(&inner, settings.at, &settings.milling);
-    Ok(Part { footprint, body, inner, h_edges, divided: None, lacks_thin: false })
+    Ok(Part { footprint, body, inner, h_edges, divided: None, lacks_thin: false, undivided: None })
 }
 
 /// Both parts that a cut makes of a part.
@@ -331,36 +353,51 @@ struct Halves {
     lacks_thin: bool,
 }
 
-/// The parts on both sides of a cut that burn something; none where one of them is too small, or its tip cannot be made.
-/// `by` tells how far places are from what the heads of the whole region and of the part burn (mm).
+/// Reason why a cut is not taken.
+#[derive(Debug)]
+enum Refused {
+    /// A part would be narrower than the least size.
+    Thin,
+    /// There is no head on one of its sides.
+    NoHead,
+    /// The cutters leave no less of both parts than of the whole, or than of another cut's.
+    LeavesAsMuch,
+}
+
+/// The parts on both sides of a cut that burn something; the reason where one of them is too small, where its tip cannot
+/// be made, or where the cutters leave more than `most` of them. `by` tells how far places are from what the heads of
+/// the whole region and of the part burn (mm).
 fn parts_of(
     (burned, by): (&Burned, [&[f64]; 2]),
     part: &Part,
-    cut: &Cut,
+    (cut, most): (&Cut, f64),
     settings: &DivisionSettings,
     cancel: &Cancel,
-) -> Result<Option<Halves>, TipError> {
+) -> Result<Result<Halves, Refused>, TipError> {
     let (parts, mouth) = cut_along(burned, part, cut, settings);
     let (small, parts): (Vec<_>, Vec<_>) = parts.into_iter().partition(|f| is_too_small(&f.free, settings.least));
     // What the others reach is none of theirs.
     let lacks_thin = small.iter().any(|f| !is_reached(burned, f, &parts.iter().collect::<Vec<_>>()));
     if parts.is_empty() || (lacks_thin && !settings.leaves_out_thin) {
-        return Ok(None);
+        return Ok(Err(if small.is_empty() { Refused::NoHead } else { Refused::Thin }));
     }
-    let of = |footprint| {
-        let part = whole(burned, footprint, settings)?;
-        let rest = rest_material(&part, settings, cancel)?;
-        Ok((part, rest))
+    let parts: Result<Vec<Part>, TipError> = parts.into_iter().map(|f| whole(burned, f, settings)).collect();
+    let parts = match parts {
+        Ok(parts) => parts,
+        Err(TipError::NoRoom | TipError::NoSurface | TipError::Solid(_)) => return Ok(Err(Refused::NoHead)),
+        Err(other) => return Err(other),
     };
-    match parts.into_iter().map(of).collect::<Result<Vec<_>, _>>() {
-        Ok(parts) => {
-            let is_needed = are_needed(burned, by, &parts.iter().map(|(part, _)| part).collect::<Vec<_>>());
-            let parts = parts.into_iter().zip(is_needed).filter(|(_, is_needed)| *is_needed).map(|(part, _)| part);
-            Ok(Some(Halves { parts: parts.collect(), mouth, lacks_thin }))
+    let is_needed = are_needed(burned, by, &parts.iter().collect::<Vec<_>>());
+    let (mut needed, mut left) = (Vec::new(), 0.0);
+    for (part, _) in parts.into_iter().zip(is_needed).filter(|(_, is_needed)| *is_needed) {
+        let rest = rest_material(&part, settings, cancel)?;
+        left += rest.size;
+        needed.push((part, rest));
+        if left > most {
+            return Ok(Err(Refused::LeavesAsMuch));
         }
-        Err(TipError::NoRoom | TipError::NoSurface | TipError::Solid(_)) => Ok(None),
-        Err(other) => Err(other),
     }
+    Ok(Ok(Halves { parts: needed, mouth, lacks_thin }))
 }
 
 /// Whether others, in plan, come as near to a footprint's share of the region as what they burn reaches.
@@ -385,69 +422,6 @@ pub(super) fn are_needed(burned: &Burned, by: [&[f64]; 2], parts: &[&Part]) -> V
         is_needed[i] = !(is_reached && burned.is_by_all(by, others.iter().map(|other| &other.body)));
     }
     is_needed
-}
-
-/// The cuts that may take H-edges away where cutters leave something: along the steep faces beside them, those with the
-/// longest H-edges first, and along slanted edges themselves.
-fn cuts(part: &Part, rest: &RestMaterial, settings: &DivisionSettings) -> Vec<Cut> {
-    let reach = settings.milling.least;
-    let is_near = |edge: &&HEdge| rest.places.iter().any(|place| place.grown(reach).intersects(&Bounds::of(edge.ends)));
-    let near: Vec<&HEdge> = part.h_edges.iter().filter(is_near).collect();
-    let mut along_faces: Vec<Cut> = Vec::new();
-    for cut in near.iter().flat_map(|edge| edge.normals.map(|n| Cut::along(n, edge.ends[0]))).flatten() {
-        if !along_faces.iter().any(|other| is_same(other, &cut)) {
-            along_faces.push(cut);
-        }
-    }
-    let length = |cut: &Cut| near.iter().filter(|edge| cut.holds(edge)).map(|edge| edge.length()).sum::<f64>();
-    let mut along_faces: Vec<(f64, Cut)> = along_faces.into_iter().map(|cut| (length(&cut), cut)).collect();
-    along_faces.sort_by(|a, b| b.0.total_cmp(&a.0));
-    along_faces.truncate(MOST_FACES);
-    let both = |(_, cut): (f64, Cut)| {
-        let cut = cut.fitted(&part.inner);
-        [true, false].map(|overlaps| Cut { overlaps, ..cut })
-    };
-    let along_itself = |edge: &&HEdge| {
-        let outward = (edge.ends[1] - edge.ends[0]).truncate().normalize_or_zero().perp();
-        [outward, -outward].map(|outward| Cut::upright(place(edge), outward, false))
-    };
-    let slanted = near.iter().filter(|edge| !is_upright(edge)).take(MOST_FACES).flat_map(along_itself);
-    let apart = apart(&part.footprint, 2.0 * reach);
-    let cuts: Vec<Cut> = apart.into_iter().chain(along_faces.into_iter().flat_map(both)).chain(slanted).collect();
-    if !cuts.is_empty() {
-        return cuts;
-    }
-    // In a valley without edges across what is left.
-    let across = |place: &Bounds| {
-        let middle = place.center().truncate();
-        [0.0, 0.25, 0.5, 0.75].map(|turns| Cut::upright(middle, DVec2::from_angle(turns * PI), false))
-    };
-    rest.places.iter().take(MOST_FACES).flat_map(across).collect()
-}
-
-/// Connected pieces of a footprint.
-fn shapes(footprint: &Footprint) -> Vec<Shape> {
-    plane::union(&footprint.free, &[])
-}
-
-/// Cuts between connected pieces of a footprint that no cutter passes, so near do they stand (mm).
-fn apart(footprint: &Footprint, nearer: f64) -> Vec<Cut> {
-    let shapes = shapes(footprint);
-    let onto =
-        |p: DVec2, [a, b]: [DVec2; 2]| a + (b - a) * ((p - a).dot(b - a) / a.distance_squared(b)).clamp(0.0, 1.0);
-    let ways = |a: &Shape, b: &Shape| -> Vec<[DVec2; 2]> {
-        let sides: Vec<[DVec2; 2]> = b.iter().flat_map(Outline::sides).collect();
-        a.iter().flat_map(Outline::points).flat_map(|p| sides.iter().map(|side| [*p, onto(*p, *side)])).collect()
-    };
-    let between = |a: &Shape, b: &Shape| {
-        let back = ways(b, a).into_iter().map(|[p, q]| [q, p]);
-        let all = ways(a, b).into_iter().chain(back);
-        let [p, q] = all.min_by(|x, y| x[0].distance(x[1]).total_cmp(&y[0].distance(y[1])))?;
-        let is_near = (ON_LINE..nearer).contains(&p.distance(q));
-        is_near.then(|| Cut::upright(p.midpoint(q), (q - p).normalize(), false))
-    };
-    let pairs = (0..shapes.len()).flat_map(|i| (0..i).map(move |j| [i, j]));
-    pairs.filter_map(|[i, j]| between(&shapes[i], &shapes[j])).take(MOST_FACES).collect()
 }
 
 /// The parts of a part on both sides of a cut, and the length along which they meet (mm).
@@ -477,7 +451,8 @@ pub(super) fn cut_along(burned: &Burned, part: &Part, cut: &Cut, settings: &Divi
         Footprint { outlines, free, region, removed, ..*footprint }
     };
     let (bottom, top) = (footprint.low - 1.0, footprint.cap + 1.0);
-    let from = if low > footprint.low { low } else { bottom };
+    // From a hair above the head's lowest place on, a film would stay below it.
+    let from = if low > footprint.low + ON_PLANE { low } else { bottom };
     let beyond: Vec<Vec<DVec3>> = (cut.normal.z < 0.0).then(|| cut.all_beyond([from, top])).into_iter().collect();
     let mut parts: Vec<Footprint> =
         needed(&near, outer, outward).iter().map(|(free, own)| part(with_walls(free, &near), own, &beyond)).collect();

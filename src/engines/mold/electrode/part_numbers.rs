@@ -6,6 +6,7 @@
 
 use std::collections::BTreeMap;
 
+use super::cuts::Undivided;
 use super::design::{PartId, PartNode, RegionPlan};
 use super::division::Part;
 use super::params::ElectrodeParams;
@@ -25,6 +26,8 @@ pub(super) struct Numbered {
     pub(super) shape: Vec<Outline>,
     /// Area of its tip in plan (mm^2); none if the stage has no tip for it.
     pub(super) front: Option<f64>,
+    /// What became of the cuts that were tried, where cutters leave something of its tip.
+    pub(super) undivided: Option<Undivided>,
 }
 
 /// For each region the parts of all stages.

@@ -123,7 +123,8 @@ fn plan_stages(
     into_families(mold, &mut electrodes, like.map(|(real, _)| real), (cutters, params, stages), &task.cancel)?;
     let names = named(&mut electrodes, params, (regions, &plans, &parts))?;
     task.report("checks", 0.7, "");
-    let checks = checked((mold, milled), &electrodes, &mut plans, regions, (cutters, params, stages), &task.cancel)?;
+    let of_regions = (&mut plans[..], regions, &parts);
+    let checks = checked((mold, milled), &electrodes, of_regions, (cutters, params, stages), &task.cancel)?;
     task.report("checks", 1.0, "");
     Ok((ElectrodeSet { params: params.clone(), electrodes, checks, regions: plans, names }, parts))
 }
@@ -274,11 +275,13 @@ fn numbered(
     let front = |number: usize| {
         parts.iter().find(|(kept, _)| *kept == number).map(|(_, part)| plane::area(&part.footprint.free))
     };
+    let undivided = |number: usize| parts.iter().find(|(kept, _)| *kept == number).and_then(|(_, part)| part.undivided);
     known[region].extend(numbers.iter().zip(shapes).map(|(&number, shape)| Numbered {
         stage,
         number,
         shape,
         front: front(number),
+        undivided: undivided(number),
     }));
     let forms: Vec<Form> = parts.par_iter().map(|(_, p)| Form::of(&p.body, |p| clear.burns(p))).collect();
     let leaf = |((part, leaf), form): ((usize, Part), Form)| Leaf {

@@ -10,12 +10,14 @@ use super::burn_direction::{BurnProposal, proposed};
 use super::burning::Burning;
 use super::check::{machinable, watertight};
 use super::clearance::{Clearance, Obstacle};
+use super::cuts::Undivided;
 use super::design::{Burn, Electrode, PartId, PartNode, RegionPlan};
 use super::division::{CELL, Cut};
 use super::earlier::is_nothing;
 use super::finding::{CheckKind, Finding};
 use super::overhang::Overhangs;
 use super::params::{ElectrodeParams, Stage};
+use super::part_numbers::{Numbered, Parts};
 use super::residual_stock::{Burns, Looked, left_by};
 use super::residual_stock::{LeftOfRegion, Milled, Sample, residual_stock};
 use super::samples::{concave_edges, samples};
@@ -81,8 +83,7 @@ fn fullest(
 pub(super) fn checked(
     (mold, milled): (&Mesh, &Milled),
     electrodes: &[Electrode],
-    plans: &mut [RegionPlan],
-    regions: &[RegionToBurn],
+    (plans, regions, parts): (&mut [RegionPlan], &[RegionToBurn], &Parts),
     (cutters, params, stages): (&CutterLibrary, &ElectrodeParams, &[Stage]),
     cancel: &Cancel,
 ) -> Result<Vec<Vec<Finding>>, ElectrodeError> {
@@ -122,7 +123,7 @@ pub(super) fn checked(
         }
         findings.extend(residual_stock_of(electrode, &left, stages, (params.tolerance_mm, milled.accuracy())));
         if is_closed {
-            findings.push(milling(electrode, cutters, params, cancel)?);
+            findings.push(milling(electrode, undivided(electrode, parts), (cutters, params), cancel)?);
         }
         Ok(findings)
     };
@@ -177,17 +178,25 @@ fn residual_stock_of(electrode: &Electrode, left: &[Left], stages: &[Stage], tol
     Some(residual_stock(&all, tolerance, &stages[electrode.stage], looked))
 }
 
+/// What became of the cuts that were tried on the heads of an electrode of which cutters leave something.
+fn undivided(electrode: &Electrode, parts: &Parts) -> Option<Undivided> {
+    let heads = electrode.burns.first().into_iter().flat_map(|burn| &burn.parts);
+    let is_it = |id: &PartId, part: &&Numbered| (part.stage, part.number) == (electrode.stage, id.part);
+    let of = |id: &PartId| parts[id.region].iter().find(|part| is_it(id, part)).and_then(|part| part.undivided);
+    heads.filter_map(of).reduce(Undivided::and)
+}
+
 /// Whether it can be milled.
 fn milling(
     electrode: &Electrode,
-    cutters: &CutterLibrary,
-    params: &ElectrodeParams,
+    undivided: Option<Undivided>,
+    (cutters, params): (&CutterLibrary, &ElectrodeParams),
     cancel: &Cancel,
 ) -> Result<Finding, ElectrodeError> {
     // Tips that cannot be set on a plate are tried with their whole base.
     let plate = on_plate(&joined(electrode.tips.clone(), electrode.others.clone()));
     let milled = plate.as_ref().unwrap_or(&electrode.mesh);
-    let milling = match machinable(milled, cutters, params.tolerance_mm, cancel) {
+    let milling = match machinable(milled, cutters, params.tolerance_mm, undivided, cancel) {
         Err(HeightFieldError::Cancelled(cancelled)) => return Err(cancelled.into()),
         Err(error) => {
             Finding::failed(CheckKind::Machinable, format!("it could not be tried: {error}"), ("not_tried", 1.0))
@@ -226,6 +235,8 @@ struct Left {
     of_parts: BTreeMap<usize, LeftOfRegion>,
     /// Residual stock where no part stands.
     of_none: LeftOfRegion,
+    /// Residual stock in slots that no electrode of this spark enters.
+    in_slots: LeftOfRegion,
     /// Residual stock that the mold hangs over.
     shaded: LeftOfRegion,
     /// Another burn direction, where that is more than is allowed.
@@ -265,12 +276,16 @@ fn left_of(
     let mut left = Left { looked, ..Left::default() };
     let are_shaded: Vec<bool> = found.iter().map(|found| found.is_shaded).collect();
     for (sample, found) in samples.iter().zip(found) {
-        let is_own = found.left.thickness > 0.0 && !found.is_in_slot && !found.is_shaded;
-        let is_shaded = found.is_shaded;
+        let is_own = found.left.thickness > 0.0;
+        let (is_shaded, is_in_slot) = (found.is_shaded, found.is_in_slot);
         let found = found.left.moved(|p| back * p);
         left.all = left.all.and(found);
         if is_shaded {
             left.shaded = left.shaded.and(found);
+            continue;
+        }
+        if is_in_slot {
+            left.in_slots = left.in_slots.and(found);
             continue;
         }
         let own = if is_own { own_parts(sample, &parts, reach) } else { Vec::new() };
@@ -327,7 +342,11 @@ fn nobodys(left: &Left, (tolerance, accuracy): (f64, f64)) -> Option<(String, DV
             |proposal| format!("burn the region from another direction: {proposal}"),
         ),
     );
-    shaded.or_else(|| text(left.of_none, "where no head reaches", "reduce spark gap or orbit, or add a cutter"))
+    let remedy = "reduce spark gap or orbit, or add a cutter";
+    let nobodys = || text(left.of_none, "where no head reaches", remedy);
+    let narrow = "in a groove that is sharper than 42.5 deg or narrower than twice the spark gap, whose ground no spark \
+                  of this gap reaches";
+    shaded.or_else(nobodys).or_else(|| text(left.in_slots, narrow, remedy))
 }
 
 #[cfg(test)]

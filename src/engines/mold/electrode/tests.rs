@@ -294,7 +294,7 @@ fn an_inner_corner_that_no_cutter_reaches_is_an_h_edge_and_cannot_be_milled() {
     assert!(place(&edges[0]).distance(DVec2::splat(2.0)) < 1e-9 && (edges[0].length() - 3.0).abs() < 1e-9);
     let large = CutterLibrary { cutter: vec![Cutter::flat(0.5)] };
     let found =
-        machinable(&on_plate(&upright.mapped(|p| p - DVec3::Z * 2.9)).unwrap(), &large, 0.02, &Cancel::default())
+        machinable(&on_plate(&upright.mapped(|p| p - DVec3::Z * 2.9)).unwrap(), &large, 0.02, None, &Cancel::default())
             .unwrap();
     assert!(!found.holds && found.place.unwrap().truncate().distance(DVec2::splat(2.1)) < 0.2, "{found:?}");
     // Lying down, the step is horizontal: a flat end makes it.
@@ -302,7 +302,7 @@ fn an_inner_corner_that_no_cutter_reaches_is_an_h_edge_and_cannot_be_milled() {
     assert!(of(&lying, DividedAt::HEdges).is_empty());
     assert_eq!(of(&lying, DividedAt::EveryEdge).len(), 1);
     let lying = on_plate(&lying.mapped(|p| p - DVec3::Z * (lying.bounds().max.z - 0.1))).unwrap();
-    assert!(machinable(&lying, &large, 0.02, &Cancel::default()).unwrap().holds);
+    assert!(machinable(&lying, &large, 0.02, None, &Cancel::default()).unwrap().holds);
 }
 
 #[test]
@@ -539,7 +539,7 @@ fn check_own(
     let mold = Obstacle::new(mold)?.stopped_by(cancel);
     findings.extend(mold.clearance(electrode, stage, params.lift_mm)?.findings(stage));
     if is_closed {
-        findings.push(machinable(electrode, cutters, params.tolerance_mm, cancel)?);
+        findings.push(machinable(electrode, cutters, params.tolerance_mm, None, cancel)?);
     }
     Ok(findings)
 }
