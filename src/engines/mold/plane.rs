@@ -4,12 +4,17 @@ use glam::DVec2;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::Overlay;
 use i_overlay::core::overlay_rule::OverlayRule;
+use i_overlay::core::solver::{Precision, Solver};
 use i_overlay::i_float::int::point::IntPoint;
 
 use super::outline::{Outline, off_segment};
 
 /// Squares of the grid per mm: finer than any file's rounding.
 const SCALE: f64 = (1u64 << 30) as f64;
+/// Radius within which crossings are moved to ends of sides: one square of the grid, and eight times as much in each
+/// further round. Where sides of many outlines lie on nearly one line a radius that grows slowly takes round after round,
+/// each with more pieces than the one before.
+const SNAPPING: Precision = Precision { start: 0, progression: 6 };
 /// How far from the origin points may lie (mm), so that no product of two coordinates overflows.
 const FURTHEST: f64 = 1e8;
 
@@ -119,6 +124,7 @@ fn overlay(a: &[Outline], b: &[Outline], rule: OverlayRule) -> Vec<Shape> {
     // Points too far for the grid or not finite: there is no such mold, and nothing is found.
     let (Some(a), Some(b)) = (on_grid(a), on_grid(b)) else { return Vec::new() };
     let mut overlay = Overlay::<i64>::from_subj_and_clip(&a, &b);
+    overlay.solver = Solver::with_precision(SNAPPING);
     let shapes = overlay.overlay(rule, FillRule::Positive);
     let point = |p: IntPoint<i64>| DVec2::new(p.x as f64, p.y as f64) / SCALE;
     let outline = |ring: Ring| Outline::new(ring.into_iter().map(point).collect());

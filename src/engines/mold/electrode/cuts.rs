@@ -6,7 +6,6 @@ use std::fmt;
 use glam::DVec2;
 
 use super::division::{Cut, DivisionSettings, ON_LINE, ON_PLANE, Part, RestMaterial, RestPlace};
-use super::footprint::shrunk;
 use super::h_edge::{HEdge, is_upright, place};
 use super::params::DividedAt;
 use super::tip::Footprint;

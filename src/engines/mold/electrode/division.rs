@@ -12,7 +12,7 @@ use super::base::{INTO_BASE, on_plate};
 use super::check::{milled, turned_over, watertight};
 use super::cuts::{Undivided, across, cuts, shapes};
 use super::footprint::{grown, half_plane, is_thin, shrunk};
-use super::h_edge::{HEdge, Milling, h_edges, inner_edges, is_upright, place};
+use super::h_edge::{HEdge, Milling, h_edges, inner_edges};
 use super::params::DividedAt;
 use super::tip::{Burned, Footprint, SKIN, TipError, led_up, tip};
 use crate::cutter::CutterLibrary;
