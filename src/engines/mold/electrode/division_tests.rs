@@ -2,11 +2,14 @@
 
 use glam::{DVec2, DVec3};
 
+use super::cuts::Undivided;
 use super::design::{ElectrodeSet, PartNode};
 use super::division::{Cut, enlarged};
+use super::finding::{CheckKind, Finding};
 use super::h_edge::{HEdge, Milling, h_edges, inner_edges};
 use super::params::{DividedAt, Edit, ElectrodeParams};
 use super::tests::{GAP, cutters, mold, params, planned, region};
+use crate::cutter::{Cutter, CutterLibrary};
 use crate::fixtures::rectangle;
 use crate::outline::Outline;
 use crate::plane;
@@ -183,4 +186,52 @@ fn an_edge_that_a_ball_mills_within_the_tolerance_is_no_h_edge() {
         [(0.0, -1.0), (3.0, -1.0), (0.0, 1.0), (3.0, 1.0)].map(|(x, z)| [-3.0, 3.0].map(|y| DVec3::new(x, y, z)));
     let step = difference(&mold([4.0, 4.0, 4.0], &[]), &hull(step.as_flattened())).unwrap();
     assert_eq!(found(&step), 0);
+}
+
+/// A pocket of 2 x 2 mm whose floor rises to a bump in the middle, in facets of a fifth of a millimetre: its head has a pit
+/// with inner edges all around.
+fn pocket_with_bump() -> Mesh {
+    const STEPS: u32 = 10;
+    let at = |i: u32, j: u32| {
+        let [x, y] = [i, j].map(|k| 2.0 * f64::from(k) / f64::from(STEPS) - 1.0);
+        DVec3::new(x, y, -3.0 + 0.8 * (-4.0 * (x * x + y * y)).exp())
+    };
+    let number = |i: u32, j: u32| i * (STEPS + 1) + j;
+    let count = (STEPS + 1).pow(2);
+    let mut vertices: Vec<DVec3> = (0..=STEPS).flat_map(|i| (0..=STEPS).map(move |j| at(i, j))).collect();
+    vertices.extend(vertices.clone().iter().map(|p| p.with_z(1.0)));
+    let mut triangles = Vec::new();
+    for (i, j) in (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| (i, j))) {
+        let [a, b, c, d] = [number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
+        triangles.extend([[a, c, b], [a, d, c], [a + count, b + count, c + count], [a + count, c + count, d + count]]);
+    }
+    for k in 0..STEPS {
+        let ends =
+            [[(k, 0), (k + 1, 0)], [(STEPS, k), (STEPS, k + 1)], [(k + 1, STEPS), (k, STEPS)], [(0, k + 1), (0, k)]];
+        let sides = ends.map(|side| side.map(|(i, j)| number(i, j)));
+        triangles.extend(sides.iter().flat_map(|[a, b]| [[*a, *b, b + count], [*a, b + count, a + count]]));
+    }
+    difference(&mold([12.0, 12.0, 8.0], &[]), &Mesh { vertices, triangles }).unwrap()
+}
+
+/// In a quarter of the pit every cut along an edge would make a head that is too narrow, or leaves as much: a cut across
+/// what is left opens it.
+#[test]
+fn a_pit_whose_edges_do_not_help_is_cut_across() {
+    let mold = pocket_with_bump();
+    let all = region(&mold, DVec2::splat(-1.05), DVec2::splat(1.05));
+    let large = CutterLibrary { cutter: vec![Cutter::flat(1.0), Cutter::ball(1.0)] };
+    let set = planned(&mold, &[all], &ElectrodeParams { cutters: Some(large), ..params(GAP) });
+    let milled = |findings: &Vec<Finding>| findings.iter().all(|f| f.kind != CheckKind::Machinable || f.holds);
+    assert!(leaves(tree(&set)) > 4 && set.checks.iter().all(milled), "{:?}", set.checks);
+}
+
+#[test]
+fn a_head_that_stays_undivided_says_why_and_what_helps() {
+    let said = |tried, thin| Undivided { tried, thin, least: 0.3 }.to_string();
+    assert!(said(8, 8).contains("each of 8 cuts") && said(8, 8).contains("smaller least size"), "{}", said(8, 8));
+    assert!(said(8, 3).contains("the other 5 leave as much") && said(8, 3).contains("0.3 mm"), "{}", said(8, 3));
+    assert!(said(8, 0).contains("none of 8 cuts") && !said(8, 0).contains("least size"), "{}", said(8, 0));
+    let both = Undivided { tried: 8, thin: 3, least: 0.3 }.and(Undivided { tried: 4, thin: 4, least: 0.3 });
+    assert_eq!((both.tried, both.thin), (12, 7));
 }
