@@ -38,6 +38,8 @@ const NOTHING: f64 = 0.008;
 const LESS: f64 = 0.7;
 /// The same of one that others follow.
 const SOMEWHAT_LESS: f64 = 0.9;
+/// Share of the rest material that divisions across it may leave in the end.
+const MOST_ACROSS: f64 = 0.02;
 /// The share of H-edges that a division takes away, at least, for one of many to be worth it: grooves that cross have
 /// them at every crossing, and a cut takes away those along one of their walls.
 const LEAST_TAKEN: f64 = 0.04;
@@ -230,8 +232,8 @@ fn divided(
     let edges: f64 = part.h_edges.iter().map(HEdge::length).sum();
     let own = burned.by(&part.body);
     let mut best: Option<([f64; 4], bool, Cut, Halves)> = None;
-    let (mut tried, mut thin) = (0, 0);
-    for cuts in [cuts(&part, &rest, settings), across(&part, &rest, settings)] {
+    let (mut tried, mut thin, mut is_across) = (0, 0, false);
+    for (cuts, across) in [(cuts(&part, &rest, settings), false), (across(&part, &rest, settings), true)] {
         for cut in cuts {
             cancel.check()?;
             tried += 1;
@@ -261,6 +263,7 @@ fn divided(
                     || burned.is_by_all([by_whole, &own], halves.parts.iter().map(|(part, _)| &part.body)))
             {
                 best = Some((figures, is_less, cut, halves));
+                is_across = across;
             }
             if best.as_ref().is_some_and(|([open, least, ..], ..)| *open == 0.0 && *least == 0.0) {
                 break;
@@ -276,7 +279,9 @@ fn divided(
     let further = |half| divided((burned, by_whole), half, settings, (deeper - 1, ahead), cancel);
     let parts: Vec<(Part, f64)> = halves.parts.into_par_iter().map(further).collect::<Result<_, _>>()?;
     let left: f64 = parts.iter().map(|(_, left)| left).sum();
-    if left > LESS * rest.size {
+    // Many heads that no cutter mills either are worse than one.
+    let most = if is_across { MOST_ACROSS } else { LESS };
+    if left > most * rest.size {
         return Ok((part, rest.size));
     }
     part.lacks_thin = halves.lacks_thin;

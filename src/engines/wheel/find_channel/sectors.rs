@@ -48,6 +48,20 @@ fn a_sector_is_the_wheel_that_it_was_cut_from() {
     }
 }
 
+/// In a sector of one pitch no two blades stand a pitch apart: the angle between its cuts tells their number.
+#[test]
+fn a_sector_of_one_pitch_is_recognised() {
+    let without_holes = ParametricWheel { holes: 0, ..ParametricWheel::demonstration() };
+    for wheel in [without_holes, ParametricWheel::nozzle_ring()] {
+        let mesh = wheel.mesh();
+        for from in [0.1, 0.6] {
+            let cut = sector(&mesh, from * wheel.pitch(), wheel.pitch());
+            let channel = find(&cut, &BliskOptions::default()).unwrap_or_else(|e| panic!("from {from}: {e}"));
+            assert_eq!(channel.blades, wheel.blades, "from {from}");
+        }
+    }
+}
+
 /// Least distance between the two blades beside a passage of `wheel`, by brute force over places on them.
 fn least_width(wheel: &ParametricWheel) -> f64 {
     const PLACES: [usize; 2] = [160, 24];

@@ -424,13 +424,15 @@ impl Sector {
         let mut counts: Vec<usize> = (3..=MOST).filter(|n| votes[*n] >= ENOUGH).collect();
         counts.sort_by_key(|n| (std::cmp::Reverse(votes[*n]), *n));
         counts.truncate(TRIED);
+        let all = counts.into_iter().map(bladed);
+        // A sector of one pitch holds no two blades a pitch apart: what was counted in it may be anything.
         let by_cuts = TAU / self.angle;
-        let is_by_angle = counts.is_empty() && (by_cuts - by_cuts.round()).abs() < 0.01;
-        if is_by_angle {
-            counts.push(by_cuts.round() as usize);
-        }
-        let all = counts.into_iter().filter(|n| *n >= 3).map(bladed);
-        Ok(all.map(|blades| Blades { is_by_angle, ..blades }).collect())
+        let is_one_pitch = all.clone().all(|blades| blades.count as f64 * self.angle < 1.5 * TAU);
+        let by_angle = by_cuts.round() as usize;
+        let is_new = by_angle >= 3 && all.clone().all(|blades| blades.count != by_angle);
+        let added = is_new && is_one_pitch && (by_cuts - by_cuts.round()).abs() < 0.01;
+        let added = added.then(|| Blades { is_by_angle: true, ..bladed(by_angle) });
+        Ok(all.chain(added).collect())
     }
 
     /// `copies` of what lies between two angles (rad), turned about X and joined, and how far points were moved for that
