@@ -46,10 +46,10 @@ impl Contacts {
             vertices: mesh.iter_corners().flatten().collect(),
             triangles: (0..mesh.triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         };
-        let near = [near_others(mesh, before), films(mesh, before)].into_iter().flatten();
+        let Ok(exact) = ExactMesh::new(&soup()) else { return Self::default() };
+        let near = [near_others(mesh, before), films(mesh, &exact, before)].into_iter().flatten();
         let near = near.reduce(|a, b| a.into_iter().zip(b).map(|(a, b)| a || b).collect());
-        let known = near.and_then(|is_near| Some((is_near, ExactMesh::new(&soup()).ok()?)));
-        let Some((is_near, exact)) = known else { return Self::default() };
+        let Some(is_near) = near else { return Self::default() };
         let mut touching = Touching { exact, before, is_near, covered: Vec::new() };
         let longest = mesh.bounds().size().max_element();
         let share = |face: usize| {
@@ -126,52 +126,24 @@ fn near_others(mesh: &Mesh, within: f64) -> Option<Vec<bool>> {
 }
 
 /// Of each face whether another one within a distance (mm) lies along it and looks towards it, as on both sides of a film
-/// of air that joining two solids has left between them; none where there is no film.
-fn films(mesh: &Mesh, within: f64) -> Option<Vec<bool>> {
-    struct Side {
-        /// The direction of the face's normal or its opposite, rounded.
-        key: [i64; 3],
-        /// How far the plane is from the origin along that (mm).
-        off: f64,
-        face: usize,
-        looks_along: bool,
-    }
-    // What is rounded apart by one raster is not by the other.
-    let marked_by = |shift: f64| -> Vec<usize> {
-        let side = |face: usize| {
-            let corners = mesh.corners(face);
-            let normal = unit_normal(corners);
-            let looks_along = normal.to_array().into_iter().find(|v| v.abs() > ALIKE).is_some_and(|v| v > 0.0);
-            let along = if looks_along { normal } else { -normal };
-            let key = (along / ALIKE + shift).floor().to_array().map(|v| v as i64);
-            Side { key, off: along.dot(corners[0]), face, looks_along }
+/// of air that joining two solids has left between them; none where there is no film. What is taken for near too often
+/// costs time alone: rays decide.
+fn films(mesh: &Mesh, exact: &ExactMesh, within: f64) -> Option<Vec<bool>> {
+    let is_near = |face: usize| {
+        let corners = mesh.corners(face);
+        let own = unit_normal(corners);
+        let faces = |other: u32| {
+            let others = mesh.corners(other as usize);
+            let normal = unit_normal(others);
+            let is_along = |p: &DVec3| {
+                let way = *p - corners[0];
+                way.dot(own).abs() <= within + ALIKE * way.length()
+            };
+            own.dot(normal) < 0.0 && own.cross(normal).length() < ALIKE && others.iter().any(is_along)
         };
-        let mut sides: Vec<Side> = (0..mesh.triangles.len()).into_par_iter().map(side).collect();
-        let by_place = |a: &Side, b: &Side| {
-            a.key.cmp(&b.key).then(a.looks_along.cmp(&b.looks_along)).then(a.off.total_cmp(&b.off))
-        };
-        sides.par_sort_unstable_by(|a, b| by_place(a, b).then(a.face.cmp(&b.face)));
-        let bounds = |side: &Side| Bounds::of(mesh.corners(side.face)).grown(within);
-        let facing = |alike: &[Side]| -> Vec<usize> {
-            let (some, others) = alike.split_at(alike.partition_point(|side| !side.looks_along));
-            let mut met = Vec::new();
-            for own in some {
-                let from = others.partition_point(|other| other.off < own.off - within);
-                let near = others[from..].iter().take_while(|other| other.off <= own.off + within);
-                let own_bounds = bounds(own);
-                let before = met.len();
-                met.extend(near.filter(|other| own_bounds.intersects(&bounds(other))).map(|other| other.face));
-                if met.len() > before {
-                    met.push(own.face);
-                }
-            }
-            met
-        };
-        let alike: Vec<&[Side]> = sides.chunk_by(|a, b| a.key == b.key).collect();
-        alike.into_par_iter().flat_map_iter(facing).collect()
+        exact.any_meeting(Bounds::of(corners).grown(within), faces)
     };
-    let mut are_near = vec![false; mesh.triangles.len()];
-    [0.0, 0.5].into_iter().flat_map(marked_by).for_each(|face| are_near[face] = true);
+    let are_near: Vec<bool> = (0..mesh.triangles.len()).into_par_iter().map(is_near).collect();
     are_near.contains(&true).then_some(are_near)
 }
 
@@ -274,7 +246,9 @@ mod tests {
             let mesh = Mesh { vertices, triangles: sides.into_iter().chain(ends).collect() };
             let lean = glam::DMat3::from_euler(glam::EulerRot::XYZ, 0.3, -0.2, 0.7);
             let turned = mesh.mapped(|p| lean * p);
-            for (mesh, x) in [(&mesh, DVec3::X), (&turned, lean * DVec3::X)] {
+            // As in a file of single precision, far from its origin.
+            let far = mesh.mapped(|p| (lean * p + DVec3::new(310.0, -280.0, 150.0)).as_vec3().as_dvec3());
+            for (mesh, x) in [(&mesh, DVec3::X), (&turned, lean * DVec3::X), (&far, lean * DVec3::X)] {
                 for normal in [x, -x] {
                     let area = free_area(mesh, normal);
                     assert!((area - walls).abs() < 0.5, "{wide}: {area}");

@@ -22,45 +22,44 @@ const BESIDE: f64 = 0.1;
 const ALIKE: f64 = 2e-3;
 
 /// Cuts that were tried on a head of which cutters leave something.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Undivided {
     /// Number of cuts.
     pub tried: usize,
     /// Number of those that would make a head narrower than the least size.
     pub thin: usize,
+    /// Number of those that leave less, but whose heads the cutters do not mill either.
+    pub less: usize,
     /// The least size (mm).
     pub least: f64,
 }
 
 impl Undivided {
-    /// Those on two heads.
+    /// Sum of the cuts that were tried on two heads.
     pub(super) fn and(self, other: Self) -> Self {
-        Self { tried: self.tried + other.tried, thin: self.thin + other.thin, ..self }
+        let Self { tried, thin, less, least } = self;
+        Self { tried: tried + other.tried, thin: thin + other.thin, less: less + other.less, least }
     }
 }
 
 impl fmt::Display for Undivided {
     /// The outcome with the remedy.
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Self { tried, thin, least } = self;
-        match tried - thin {
-            0 if *tried == 0 => write!(f, "it was not divided further: divide it there"),
-            0 => write!(
-                f,
-                "each of {tried} cuts through it would make a head narrower than the least size of {least} mm: give a \
-                 smaller least size, or burn it from another direction"
-            ),
-            others if *thin > 0 => write!(
-                f,
-                "of {tried} cuts through it {thin} would make a head narrower than the least size of {least} mm, and \
-                 the other {others} leave as much: give a smaller least size, divide it by hand, or burn it from another \
-                 direction"
-            ),
-            _ => write!(
-                f,
-                "none of {tried} cuts through it leaves less: divide it by hand, or burn it from another direction"
-            ),
+        let Self { tried, thin, less, least } = self;
+        if *tried == 0 {
+            return write!(f, "it was not divided further: divide it there");
         }
+        let cuts = |n: usize| if n == 1 { "1 cut".to_owned() } else { format!("{n} cuts") };
+        write!(f, "of {} that were tried through it ", cuts(*tried))?;
+        let outcomes = [
+            (*thin, format!("would make a head narrower than the least size of {least} mm")),
+            (*less, "would lead to heads that the cutters do not mill either".to_owned()),
+            (tried - thin - less, "would leave as much".to_owned()),
+        ];
+        let outcomes = outcomes.into_iter().filter(|(count, _)| *count > 0);
+        let outcomes: Vec<String> = outcomes.map(|(count, what)| format!("{count} {what}")).collect();
+        let smaller = if *thin > 0 { "give a smaller least size, " } else { "" };
+        write!(f, "{}: {smaller}divide it by hand, or burn it from another direction", outcomes.join(", "))
     }
 }
 

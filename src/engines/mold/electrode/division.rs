@@ -36,7 +36,7 @@ const DEEPEST: usize = 16;
 const NOTHING: f64 = 0.008;
 /// Share of the rest material that all divisions of a part together may leave at most.
 const LESS: f64 = 0.7;
-/// The same of one that others follow.
+/// Share of the rest material that a division may leave where further ones follow.
 const SOMEWHAT_LESS: f64 = 0.9;
 /// Share of the rest material that divisions across it may leave in the end.
 const MOST_ACROSS: f64 = 0.02;
@@ -231,19 +231,23 @@ fn divided(
     }
     let edges: f64 = part.h_edges.iter().map(HEdge::length).sum();
     let own = burned.by(&part.body);
-    let mut best: Option<([f64; 4], bool, Cut, Halves)> = None;
-    let (mut tried, mut thin, mut is_across) = (0, 0, false);
-    for (cuts, across) in [(cuts(&part, &rest, settings), false), (across(&part, &rest, settings), true)] {
-        for cut in cuts {
+    let mut tried = Undivided { least: settings.least, ..Undivided::default() };
+    // Many heads that no cutter mills either are worse than one: cuts across must leave next to nothing.
+    let kinds = [(cuts(&part, &rest, settings), LESS), (across(&part, &rest, settings), MOST_ACROSS)];
+    for (cuts_of_kind, most_left) in kinds {
+        let mut best: Option<([f64; 4], bool, Cut, Halves)> = None;
+        for cut in cuts_of_kind {
             cancel.check()?;
-            tried += 1;
+            tried.tried += 1;
             // What leaves more than the best so far is no better, unless the best has open heads.
             let least = best.as_ref().filter(|(figures, ..)| figures[0] == 0.0).map_or(f64::INFINITY, |b| b.0[1]);
             let most = least.min(AS_MUCH * rest.size);
             let halves = match parts_of((burned, [by_whole, &own]), &part, (&cut, most), settings, cancel)? {
                 Ok(halves) => halves,
                 Err(refused) => {
-                    thin += usize::from(matches!(refused, Refused::Thin));
+                    // Without a head on one of its sides it was no cut.
+                    tried.tried -= usize::from(matches!(refused, Refused::NoHead));
+                    tried.thin += usize::from(matches!(refused, Refused::Thin));
                     continue;
                 }
             };
@@ -255,6 +259,7 @@ fn divided(
             let is_less = left <= LESS * rest.size || is_share;
             let takes_edges = left <= AS_MUCH * rest.size && edges_left <= LESS * edges;
             let is_on_the_way = ahead > 0 && (takes_edges || left <= SOMEWHAT_LESS * rest.size);
+            tried.less += usize::from(is_less || is_on_the_way);
             let open = halves.parts.iter().filter(|(_, rest)| rest.is_open).count();
             let figures = [open as f64, left, edges_left, halves.mouth];
             let is_better = (is_less || is_on_the_way) && best.as_ref().is_none_or(|(least, ..)| figures < *least);
@@ -263,30 +268,25 @@ fn divided(
                     || burned.is_by_all([by_whole, &own], halves.parts.iter().map(|(part, _)| &part.body)))
             {
                 best = Some((figures, is_less, cut, halves));
-                is_across = across;
             }
             if best.as_ref().is_some_and(|([open, least, ..], ..)| *open == 0.0 && *least == 0.0) {
                 break;
             }
         }
-        if best.as_ref().is_some_and(|(_, is_less, ..)| *is_less) {
-            break;
+        let Some((_, is_less, cut, halves)) = best else { continue };
+        let ahead = if is_less { AHEAD } else { ahead - 1 };
+        let further = |half| divided((burned, by_whole), half, settings, (deeper - 1, ahead), cancel);
+        let parts: Vec<Result<(Part, f64), TipError>> = halves.parts.into_par_iter().map(further).collect();
+        let parts = parts.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let left: f64 = parts.iter().map(|(_, left)| left).sum();
+        if left <= most_left * rest.size {
+            part.lacks_thin = halves.lacks_thin;
+            part.divided = Some((cut, parts.into_iter().map(|(part, _)| part).collect()));
+            return Ok((part, left));
         }
     }
-    part.undivided = Some(Undivided { tried, thin, least: settings.least });
-    let Some((_, is_less, cut, halves)) = best else { return Ok((part, rest.size)) };
-    let ahead = if is_less { AHEAD } else { ahead - 1 };
-    let further = |half| divided((burned, by_whole), half, settings, (deeper - 1, ahead), cancel);
-    let parts: Vec<(Part, f64)> = halves.parts.into_par_iter().map(further).collect::<Result<_, _>>()?;
-    let left: f64 = parts.iter().map(|(_, left)| left).sum();
-    // Many heads that no cutter mills either are worse than one.
-    let most = if is_across { MOST_ACROSS } else { LESS };
-    if left > most * rest.size {
-        return Ok((part, rest.size));
-    }
-    part.lacks_thin = halves.lacks_thin;
-    part.divided = Some((cut, parts.into_iter().map(|(part, _)| part).collect()));
-    Ok((part, left))
+    part.undivided = Some(tried);
+    Ok((part, rest.size))
 }
 
 /// Rest material on a part's head.

@@ -222,16 +222,24 @@ fn a_pit_whose_edges_do_not_help_is_cut_across() {
     let all = region(&mold, DVec2::splat(-1.05), DVec2::splat(1.05));
     let large = CutterLibrary { cutter: vec![Cutter::flat(1.0), Cutter::ball(1.0)] };
     let set = planned(&mold, &[all], &ElectrodeParams { cutters: Some(large), ..params(GAP) });
-    let milled = |findings: &Vec<Finding>| findings.iter().all(|f| f.kind != CheckKind::Machinable || f.holds);
+    let milled = |findings: &Vec<Finding>| {
+        let mut milling = findings.iter().filter(|f| f.kind == CheckKind::Machinable).peekable();
+        milling.peek().is_some() && milling.all(|f| f.holds)
+    };
     assert!(leaves(tree(&set)) > 4 && set.checks.iter().all(milled), "{:?}", set.checks);
 }
 
 #[test]
 fn a_head_that_stays_undivided_says_why_and_what_helps() {
-    let said = |tried, thin| Undivided { tried, thin, least: 0.3 }.to_string();
-    assert!(said(8, 8).contains("each of 8 cuts") && said(8, 8).contains("smaller least size"), "{}", said(8, 8));
-    assert!(said(8, 3).contains("the other 5 leave as much") && said(8, 3).contains("0.3 mm"), "{}", said(8, 3));
-    assert!(said(8, 0).contains("none of 8 cuts") && !said(8, 0).contains("least size"), "{}", said(8, 0));
-    let both = Undivided { tried: 8, thin: 3, least: 0.3 }.and(Undivided { tried: 4, thin: 4, least: 0.3 });
-    assert_eq!((both.tried, both.thin), (12, 7));
+    let said = |tried, thin, less| Undivided { tried, thin, less, least: 0.3 }.to_string();
+    assert_eq!(said(0, 0, 0), "it was not divided further: divide it there");
+    let all_thin = said(8, 8, 0);
+    assert!(all_thin.contains("of 8 cuts") && all_thin.contains("8 would make a head narrower than"), "{all_thin}");
+    assert!(all_thin.contains("smaller least size"), "{all_thin}");
+    let mixed = said(8, 3, 1);
+    assert!(mixed.contains("1 would lead to heads") && mixed.contains("4 would leave as much"), "{mixed}");
+    assert!(!said(1, 0, 0).contains("least size") && said(1, 0, 0).contains("of 1 cut that"), "{}", said(1, 0, 0));
+    let both = Undivided { tried: 8, thin: 3, less: 1, least: 0.3 };
+    let both = both.and(Undivided { tried: 4, thin: 4, less: 0, least: 0.3 });
+    assert_eq!((both.tried, both.thin, both.less), (12, 7, 1));
 }

@@ -42,6 +42,8 @@ const ROUNDING: f64 = 0.001;
 const LEAST_THROAT: f64 = 0.01;
 /// Share of the channel's width that the end walls are measured over: fillets round the rest.
 const MIDDLE_SHARE: f64 = 0.5;
+/// Share of the width over which there is wall beside a hole.
+const BESIDE_HOLE: f64 = 0.9;
 /// Greatest share of the height that is taken for the mesh's own chord error.
 const MOST_CHORD: f64 = 0.02;
 /// Greatest share of the height that a cell of a wall may bend, as in a fillet.
@@ -154,7 +156,7 @@ impl Measured<'_> {
         let (mut all, mut facets) = (Vec::new(), None);
         for (surface, mut samples) in self.samples(DENSE, 0.0)? {
             let open = match surface {
-                Surface::Hub | Surface::Shroud => self.take_holes(&mut samples, DENSE),
+                Surface::Hub | Surface::Shroud => self.take_holes(surface, &mut samples),
                 _ => 0.0,
             };
             let mut agreement = summary(surface, &samples, within);
@@ -182,15 +184,24 @@ impl Measured<'_> {
     }
 
     /// Takes the places at which an end wall is open out of its `samples`, and returns their share, where they are those of
-    /// holes: few, deep, and away from both ends of the passage, beyond which there may be no wall at all.
-    fn take_holes(&self, samples: &mut Vec<Sample>, density: Density) -> f64 {
+    /// holes: few, deep, with wall beside them, and away from both ends of the passage, beyond which there may be no wall at
+    /// all.
+    fn take_holes(&self, surface: Surface, samples: &mut Vec<Sample>) -> f64 {
         let depth = HOLE_DEPTH * self.least_height();
         let is_open = |sample: &Sample| sample.off == f64::INFINITY || sample.off < -depth;
-        let n = samples.len();
-        let open = samples.iter().filter(|sample| is_open(sample)).count() as f64 / n.max(1) as f64;
-        let ends = samples.iter().take(density.across).chain(samples.iter().rev().take(density.across));
-        if open > MOST_OPEN || ends.into_iter().any(is_open) {
+        let open = samples.iter().filter(|sample| is_open(sample)).count() as f64 / samples.len().max(1) as f64;
+        let is_all_open = |station: &[Sample]| station.iter().all(is_open);
+        let stations: Vec<&[Sample]> = samples.chunks(DENSE.across).collect();
+        let ends = [stations.first(), stations.last()].into_iter().flatten();
+        if open > MOST_OPEN || ends.into_iter().any(|station| station.iter().any(is_open)) {
             return 0.0;
+        }
+        if stations.iter().any(|station| is_all_open(station)) {
+            let wider = self.end_wall_samples(surface, (DENSE, BESIDE_HOLE), 0.0);
+            let is_lost = |(station, wider): (&&[Sample], &[Sample])| is_all_open(station) && is_all_open(wider);
+            if stations.iter().zip(wider.chunks(DENSE.across)).any(is_lost) {
+                return 0.0;
+            }
         }
         samples.retain(|sample| !is_open(sample));
         open
@@ -222,11 +233,12 @@ impl Measured<'_> {
             let turn = number as f64 * self.tracer.pitch;
             let compared = self.samples(SPARSE, turn)?.zip(&own).map(|((surface, mut samples), (_, own))| {
                 let chord = |sample: &Sample| facets_of(surface).map_or(0.0, |all| all.of(sample));
+                let is_end_wall = matches!(surface, Surface::Hub | Surface::Shroud);
                 // The two channels are compared, not both with the grid between its points.
                 for (sample, own) in samples.iter_mut().zip(own) {
                     // A hole that both have is no difference.
-                    let is_open = |sample: &Sample| sample.off == f64::INFINITY;
-                    sample.off = if is_open(sample) && is_open(own) { 0.0 } else { sample.off - own.off };
+                    let is_hole = is_end_wall && [&*sample, own].iter().all(|s| s.off == f64::INFINITY);
+                    sample.off = if is_hole { 0.0 } else { sample.off - own.off };
                     sample.chord += (chord(sample) + chord(own)).min(most_chord);
                 }
                 let has_more = samples.iter().filter(|s| s.off.abs() > s.chord + MORE * within).count() >= LEAST_MORE;
@@ -353,7 +365,8 @@ impl Measured<'_> {
         let walls = [(Surface::LowWall, low as fn(&Gap) -> Crossing), (Surface::HighWall, high)];
         let walls = walls.into_iter().zip(self.walls);
         let walls = walls.map(move |((surface, end), wall)| (surface, self.wall_samples(wall, end, density, turn)));
-        let ends = ends.iter().map(move |&surface| (surface, self.end_wall_samples(surface, density, turn)));
+        let ends =
+            ends.iter().map(move |&surface| (surface, self.end_wall_samples(surface, (density, MIDDLE_SHARE), turn)));
         Ok(walls.chain(ends))
     }
 
@@ -386,8 +399,9 @@ impl Measured<'_> {
         cells.par_iter().map(sample).collect()
     }
 
-    /// Rays along the stations from within the channel to its hub or shroud, over the middle of its width there.
-    fn end_wall_samples(&self, surface: Surface, density: Density, turn: f64) -> Vec<Sample> {
+    /// Rays along the stations from within the channel to its hub or shroud, over the middle share `middle_share` of its
+    /// width there.
+    fn end_wall_samples(&self, surface: Surface, (density, middle_share): (Density, f64), turn: f64) -> Vec<Sample> {
         let (tracer, walls, meridian) = (self.tracer, self.walls, &self.meridian.stations[..]);
         let (row, share, radius) = if surface == Surface::Hub {
             (0, 0.0, tracer.options.hub_radius_mm)
@@ -402,7 +416,7 @@ impl Measured<'_> {
             let middle = 0.5 * (DVec2::new(ends[0].x, ends[0].r) + DVec2::new(ends[1].x, ends[1].r));
             let station = station_at(meridian, along_at(meridian, middle, self.rows.share(row)));
             let [first, last] = [ends[0].theta, angle_near(ends[1].theta, ends[0].theta)];
-            let (middle, half) = (0.5 * (first + last) + turn, 0.5 * MIDDLE_SHARE * (last - first));
+            let (middle, half) = (0.5 * (first + last) + turn, 0.5 * middle_share * (last - first));
             let height = station.height();
             let start_of = |start: f64| tracer.start_of(&station, share + (1.0 - 2.0 * share) * start, surface);
             let from = |start: f64| start_of(start)[0];

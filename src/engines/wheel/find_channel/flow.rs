@@ -30,10 +30,12 @@ const MOST_POINTS: usize = 40_000;
 /// With fewer points the lattice is made finer, so many times at most.
 const ENOUGH_POINTS: usize = 1_000;
 const MOST_HALVINGS: usize = 4;
-/// From one point to the next the gap between two blades narrows on both sides by no more than this share of its width.
+/// From one point to the next the gap of a hole is narrower on both sides by more than this share of its width.
 const HOLE: f64 = 0.15;
 /// Shorter runs of the outline are rounding (points).
 const LEAST_RUN: usize = 4;
+/// Points of a run that tell its direction.
+const DIRECTION: usize = 8;
 /// The blades' edges meet their tips in corners sharper than this (rad).
 const LEAST_CORNER: f64 = 0.2;
 /// Shares of the outline, as divisors, over which corners are seen from afar and from near.
@@ -97,26 +99,33 @@ impl Lines {
 /// The gap at (x, r) that continues another, where it is one of the channel.
 type GapAt<'a> = dyn Fn(f64, f64, &Gap) -> Option<Gap> + 'a;
 
-/// The lines across the part of the meridional plane in which there is a gap.
+/// The lines across the part of the meridional plane in which there is a gap; past holes in hub and shroud where these hide
+/// them.
 fn lines_where(tracer: &Tracer, start: Place, (gap_at, slope): (&GapAt, f64)) -> Result<Option<Lines>, BliskError> {
-    let mut lattice = Lattice { start: DVec2::new(start.x, start.r), step: tracer.slices.cell_size().y };
-    let mut points = bladed(tracer, &start, &lattice, gap_at)?;
-    for _ in 0..MOST_HALVINGS {
-        if points.len() >= ENOUGH_POINTS {
-            break;
+    for past_holes in [false, true] {
+        let mut lattice = Lattice { start: DVec2::new(start.x, start.r), step: tracer.slices.cell_size().y };
+        let mut points = bladed(tracer, &start, &lattice, (gap_at, past_holes))?;
+        for _ in 0..MOST_HALVINGS {
+            if points.len() >= ENOUGH_POINTS {
+                break;
+            }
+            lattice.step *= 0.5;
+            points = bladed(tracer, &start, &lattice, (gap_at, past_holes))?;
         }
-        lattice.step *= 0.5;
-        points = bladed(tracer, &start, &lattice, gap_at)?;
+        if points.len() >= MOST_POINTS {
+            continue;
+        }
+        let outline = outline(&points, tracer, &lattice);
+        let lines = curves(&outline, past_holes).and_then(|[hub, outer]| {
+            let shrouded = outer.is_solid;
+            let lines = ordered(smooth(&hub.points)?, smooth(&outer.points)?, shrouded);
+            Some(Lines::new(lines, (lattice.step, slope), shrouded))
+        });
+        if lines.is_some() {
+            return Ok(lines);
+        }
     }
-    if points.len() >= MOST_POINTS {
-        return Ok(None);
-    }
-    let outline = outline(&points, tracer, &lattice);
-    Ok(curves(&outline).and_then(|[hub, outer]| {
-        let shrouded = outer.is_solid;
-        let lines = ordered(smooth(&hub.points)?, smooth(&outer.points)?, shrouded);
-        Some(Lines::new(lines, (lattice.step, slope), shrouded))
-    }))
+    Ok(None)
 }
 
 /// Share of the length of a curve (x, r) that is at least as steep as `slope` (radius over x).
@@ -141,12 +150,12 @@ impl Lattice {
 }
 
 /// Points of a lattice that begins at `start` whose circles have the channel's gap between two blades; at most
-/// [`MOST_POINTS`].
+/// [`MOST_POINTS`]. `past_holes` leaves those of holes out.
 fn bladed(
     tracer: &Tracer,
     start: &Place,
     lattice: &Lattice,
-    gap_at: &GapAt,
+    (gap_at, past_holes): (&GapAt, bool),
 ) -> Result<HashMap<[i32; 2], Gap>, BliskError> {
     let mut found = HashMap::from([([0, 0], start.gap)]);
     let mut queue = vec![[0, 0]];
@@ -158,7 +167,8 @@ fn bladed(
         for next in around(point) {
             let at = lattice.place(next.map(f64::from));
             if !found.contains_key(&next)
-                && let Some(gap) = gap_at(at.x, at.y, &near).filter(|gap| !is_in_hole(gap, &near))
+                && let Some(gap) = gap_at(at.x, at.y, &near)
+                && !(past_holes && is_in_hole(&gap, &near))
             {
                 found.insert(next, gap);
                 queue.push(next);
@@ -168,7 +178,8 @@ fn bladed(
     Ok(found)
 }
 
-/// Whether a gap beside `near` is that of a hole in hub or shroud, which is narrower at once on both sides.
+/// Whether a gap beside `near` is that of a hole in hub or shroud, which is narrower at once on both sides. So may one be
+/// between fillets that meet.
 fn is_in_hole(gap: &Gap, near: &Gap) -> bool {
     let narrowed = [gap.low.theta - near.low.theta, near.high.theta - gap.high.theta];
     narrowed.into_iter().all(|narrowed| narrowed > HOLE * near.width())
@@ -221,9 +232,13 @@ struct Run {
 }
 
 /// The two curves along a passage, in opposite directions: two solid ones, or a solid one and the tips; none where
-/// there are not two.
-fn curves(outline: &[Piece]) -> Option<[Run; 2]> {
-    let runs = without_holes(runs(outline)?);
+/// there are not two, or where a hole in one of them was to be left out and is not.
+fn curves(outline: &[Piece], past_holes: bool) -> Option<[Run; 2]> {
+    let with_holes = runs(outline)?;
+    let runs = without_holes(with_holes.clone());
+    if !past_holes && runs.len() < with_holes.len() {
+        return None;
+    }
     let solid: Vec<&Run> = runs.iter().filter(|run| run.is_solid).collect();
     let walls = match (&solid[..], runs.len()) {
         (&[hub, shroud], 4) => [hub.clone(), shroud.clone()],
@@ -233,13 +248,18 @@ fn curves(outline: &[Piece]) -> Option<[Run; 2]> {
     walls.iter().all(|wall| wall.points.len() > DEGREE).then_some(walls)
 }
 
-/// The runs of an outline without the holes in its walls, which are open over less than inlet and outlet.
+/// The runs of an outline without the holes in its walls: open ones beyond which the wall goes on in its direction. Round
+/// inlet, outlet and tips the outline turns back.
 fn without_holes(mut runs: Vec<Run>) -> Vec<Run> {
-    let opening = |run: &Run| run.points.first().zip(run.points.last()).map_or(0.0, |(a, b)| a.distance(*b));
-    while runs.len() > 4
-        && let Some(hole) = (0..runs.len())
-            .filter(|&i| !runs[i].is_solid)
-            .min_by(|&a, &b| opening(&runs[a]).total_cmp(&opening(&runs[b])))
+    let is_hole = |runs: &[Run], i: usize| {
+        let n = runs.len();
+        let (before, after) = (&runs[(i + n - 1) % n].points, &runs[(i + 1) % n].points);
+        let [last, first] = [before.len(), after.len()].map(|len| len.min(DIRECTION));
+        let ways = [before[before.len() - 1] - before[before.len() - last], after[first - 1] - after[0]];
+        !runs[i].is_solid && ways[0].dot(ways[1]) > 0.0
+    };
+    while runs.len() > 2
+        && let Some(hole) = (0..runs.len()).find(|&i| is_hole(&runs, i))
     {
         // Its outline may go into it.
         runs[hole].points.clear();

@@ -114,8 +114,8 @@ impl Tracer<'_> {
         let mut stations = self.march(first, -step, bounds.min.x, shrouded)?;
         let mut after = self.march(first, step, bounds.max.x, shrouded)?;
         if !shrouded && given[1].is_none() {
-            keep_tips(&mut stations);
-            keep_tips(&mut after);
+            keep_tips(first.station, &mut stations);
+            keep_tips(first.station, &mut after);
         }
         stations.reverse();
         stations.push(first.station);
@@ -337,15 +337,14 @@ impl Tracer<'_> {
 }
 
 /// Keeps the passage as high as the tips of its blades beyond the corner where these end: there the greatest radius that
-/// blades bound falls along a swept edge to the hub. `stations` lie in order away from the passage's middle.
-fn keep_tips(stations: &mut [Station]) {
-    let falls = |pair: &[Station]| pair[0].height() - pair[1].height() > (pair[1].along - pair[0].along).abs();
-    let ends_low = |at: usize| stations[at..].iter().any(|s| s.height() < EDGE_FALL * stations[at].height());
-    let Some(corner) = (0..stations.len().saturating_sub(1)).find(|&i| falls(&stations[i..i + 2]) && ends_low(i))
-    else {
-        return;
-    };
-    let tips = stations[corner].shroud.y;
+/// blades bound falls along a swept edge to the hub. `stations` lie in order away from `first`, between the blades.
+fn keep_tips(first: Station, stations: &mut [Station]) {
+    let at = |i: usize| if i == 0 { first } else { stations[i - 1] };
+    let falls = |i: usize| at(i).shroud.y - at(i + 1).shroud.y > (at(i + 1).along - at(i).along).abs();
+    let is_low = |s: &Station, from: &Station| s.shroud.y - from.hub.y < EDGE_FALL * from.height();
+    let ends_low = |i: usize| stations[i..].iter().any(|s| is_low(s, &at(i)));
+    let Some(corner) = (0..stations.len()).find(|&i| falls(i) && ends_low(i)) else { return };
+    let tips = at(corner).shroud.y;
     stations[corner..].iter_mut().for_each(|station| station.shroud.y = tips);
 }
 

@@ -220,7 +220,7 @@ fn measured_channel(
     assumed.extend(given_by_hand(options));
     let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&low, &high], rows };
     let agreement = measured.agreement(&throat)?;
-    assumed.extend(agreement.iter().filter_map(holes));
+    assumed.extend(agreement.iter().filter_map(holes_sentence));
     if !meridian.shrouded {
         walls::check_rows(&low, &high)?;
         measured.check_tips()?;
@@ -448,11 +448,11 @@ fn unlike_sentence(unlike: &[Unlike], alike: usize) -> Option<String> {
 }
 
 /// Says how much of an end wall is open.
-fn holes(agreement: &Agreement) -> Option<String> {
+fn holes_sentence(agreement: &Agreement) -> Option<String> {
     (agreement.open > 0.0).then(|| {
         let share = 100.0 * agreement.open;
         format!(
-            "The {} has holes, over {share:.0} % of the places measured: it is taken to go on there.",
+            "The {} has holes, over {share:.1} % of the places measured: it is taken to go on there.",
             agreement.surface.name()
         )
     })

@@ -565,13 +565,17 @@ fn drilled(part: &ParametricWheel, height: f64, radius: f64) -> Mesh {
 
 #[test]
 fn holes_in_hub_and_shroud_are_told_and_change_nothing() {
-    let drilled_parts =
-        [(ParametricWheel::nozzle_ring(), 1.0, Surface::Shroud), (ParametricWheel::impeller(), 0.0, Surface::Hub)];
+    let open = ParametricWheel { shrouded: false, ..ParametricWheel::impeller() };
+    let drilled_parts = [
+        (ParametricWheel::nozzle_ring(), 1.0, Surface::Shroud),
+        (ParametricWheel::impeller(), 0.0, Surface::Hub),
+        (open, 0.0, Surface::Hub),
+    ];
     for (part, height, surface) in drilled_parts {
         let whole = found(&part.mesh());
-        let other = part.wall(1.0 - height);
+        let other = part.shrouded.then(|| part.wall(1.0 - height));
         let blades = (0..part.blades).map(|k| part.blade(k));
-        let mesh = blades.fold(together(drilled(&part, height, 3.0), &other), |all, blade| together(all, &blade));
+        let mesh = other.into_iter().chain(blades).fold(drilled(&part, height, 3.0), |all, one| together(all, &one));
         let channel = found(&mesh);
         assert!((channel.throat.width_mm - whole.throat.width_mm).abs() < 2e-3, "{:?}", channel.throat);
         let open = |a: &&Agreement| a.open > 0.0;

@@ -10,8 +10,8 @@ use super::meridian::{DIP, MIDDLE_SHARE, Meridian, Place, RAYS, Tracer};
 
 /// Share of the height away from an end wall where its rays begin, and how far beyond it they look for it.
 const BESIDE: f64 = 0.2;
-/// Share of the passage's width over which an end wall is met where a hole takes the middle.
-const BESIDE_HOLE: f64 = 0.9;
+/// Shares of the passage's width over which an end wall is met: the middle, and more where a hole takes that.
+const OVER: [f64; 4] = [MIDDLE_SHARE, 0.7, 0.8, 0.9];
 /// An end wall that goes on bends away by less than this share of the height from one station to the next: by no more than
 /// about 20 deg, as the facets of coarse meshes do.
 const GOES_ON: f64 = 0.02;
@@ -194,7 +194,7 @@ impl Tracer<'_> {
             (3 * met.len() >= RAYS).then_some(met)
         };
         // Where a hole takes the middle the wall is met beside it.
-        let met = met_over(MIDDLE_SHARE).or_else(|| met_over(BESIDE_HOLE))?;
+        let met = OVER.into_iter().find_map(met_over)?;
         // The same wall is met as far off as its facets dip; what differs more is a fillet or a blade.
         let (typical, triangle) = met[met.len() / 2];
         let dip = DIP * height + self.slices.radial_sag(triangle, (from + typical * toward).y);

@@ -378,7 +378,7 @@ impl Sector {
     }
 
     /// The numbers of blades that the whole wheel may have, the likeliest first: those at whose pitch the most circles
-    /// pass from solid to solid again. That of its angle, if it holds no two blades.
+    /// pass from solid to solid again; last that of its angle, if it holds no two blades.
     fn counts(&self, slices: &Slices, wanted: Option<usize>, cancel: &Cancel) -> Result<Vec<Blades>, Cancelled> {
         /// Circles that are enough to tell.
         const ENOUGH: usize = 20;
@@ -424,15 +424,14 @@ impl Sector {
         let mut counts: Vec<usize> = (3..=MOST).filter(|n| votes[*n] >= ENOUGH).collect();
         counts.sort_by_key(|n| (std::cmp::Reverse(votes[*n]), *n));
         counts.truncate(TRIED);
-        let all = counts.into_iter().map(bladed);
         // A sector of one pitch holds no two blades a pitch apart: what was counted in it may be anything.
         let by_cuts = TAU / self.angle;
-        let is_one_pitch = all.clone().all(|blades| blades.count as f64 * self.angle < 1.5 * TAU);
         let by_angle = by_cuts.round() as usize;
-        let is_new = by_angle >= 3 && all.clone().all(|blades| blades.count != by_angle);
+        let is_one_pitch = counts.iter().all(|n| *n as f64 * self.angle < 1.5 * TAU);
+        let is_new = by_angle >= 3 && !counts.contains(&by_angle);
         let added = is_new && is_one_pitch && (by_cuts - by_cuts.round()).abs() < 0.01;
         let added = added.then(|| Blades { is_by_angle: true, ..bladed(by_angle) });
-        Ok(all.chain(added).collect())
+        Ok(counts.into_iter().map(bladed).chain(added).collect())
     }
 
     /// `copies` of what lies between two angles (rad), turned about X and joined, and how far points were moved for that
