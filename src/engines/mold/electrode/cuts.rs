@@ -50,7 +50,7 @@ impl fmt::Display for Undivided {
             return write!(f, "it was not divided further: divide it there");
         }
         let cuts = |n: usize| if n == 1 { "1 cut".to_owned() } else { format!("{n} cuts") };
-        write!(f, "of {} that were tried through it ", cuts(*tried))?;
+        write!(f, "of {} tried through it ", cuts(*tried))?;
         let outcomes = [
             (*thin, format!("would make a head narrower than the least size of {least} mm")),
             (*less, "would lead to heads that the cutters do not mill either".to_owned()),

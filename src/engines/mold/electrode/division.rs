@@ -43,7 +43,7 @@ const MOST_ACROSS: f64 = 0.02;
 /// The share of H-edges that a division takes away, at least, for one of many to be worth it: grooves that cross have
 /// them at every crossing, and a cut takes away those along one of their walls.
 const LEAST_TAKEN: f64 = 0.04;
-/// The same of one that takes H-edges away alone.
+/// Share of the rest material that a division may leave where it takes H-edges away alone; more is no division.
 const AS_MUCH: f64 = 1.02;
 /// Divisions one after another that may take less than a share away, or H-edges alone.
 const AHEAD: usize = 3;

@@ -344,7 +344,7 @@ fn nobodys(left: &Left, (tolerance, accuracy): (f64, f64)) -> Option<(String, DV
     );
     let remedy = "reduce spark gap or orbit, or add a cutter";
     let nobodys = || text(left.of_none, "where no head reaches", remedy);
-    let narrow = "in a groove that is sharper than 42.5 deg or narrower than twice the spark gap, whose ground no spark \
+    let narrow = "in a groove that is sharper than 42.5 deg or narrower than twice the spark gap, whose floor no spark \
                   of this gap reaches";
     shaded.or_else(nobodys).or_else(|| text(left.in_slots, narrow, remedy))
 }

@@ -178,8 +178,8 @@ fn bladed(
     Ok(found)
 }
 
-/// Whether a gap beside `near` is that of a hole in hub or shroud, which is narrower at once on both sides. So may one be
-/// between fillets that meet.
+/// Whether a gap beside `near` is that of a hole in hub or shroud, which is narrower at once on both sides. Between fillets
+/// that meet a gap is too: this is asked only where no curves are found otherwise.
 fn is_in_hole(gap: &Gap, near: &Gap) -> bool {
     let narrowed = [gap.low.theta - near.low.theta, near.high.theta - gap.high.theta];
     narrowed.into_iter().all(|narrowed| narrowed > HOLE * near.width())
