@@ -18,7 +18,6 @@ use geometry::mesh::Mesh;
 use task::{Cancel, Cancelled, Task};
 use wheel::channel::Channel;
 use wheel::electrode::Electrode;
-use wheel::passage::Passage;
 use wheel::surface_finder::SurfaceFinder;
 
 /// Data that all electrodes of one channel share: the blisk's surface in W, its distance field, and the walls.
@@ -40,8 +39,6 @@ pub struct PlanningSpace {
 impl PlanningSpace {
     /// Distance beyond the field up to which the blisk's edges are sampled (mm): shank and holder pass there.
     const RIMS: f64 = 25.0;
-    /// How deep into the walls, and beyond them, distances are wanted as they are (mm).
-    const BESIDE: f64 = 2.0;
     /// Cells of the field at most.
     const MOST_CELLS: f64 = 2.5e6;
     /// Distance between points along the blisk's edges (mm).
@@ -58,10 +55,8 @@ impl PlanningSpace {
     ) -> Result<Self, PlanError> {
         let finder = SurfaceFinder::new(channel.clone())?;
         let region = channel.surroundings(&blisk);
-        let passage = Passage::new(&channel);
-        let wanted = |p, reach| passage.as_ref().is_none_or(|passage| passage.may_reach(p, reach + Self::BESIDE));
         let cell = DistanceField::cell_for(&region, cell, Self::MOST_CELLS);
-        let field = DistanceField::build_where(&blisk, exact, (region, cell), &wanted, task)?;
+        let field = DistanceField::build(&blisk, exact, region, cell, task)?;
         let edges = sample_convex_edges(&blisk, field.bounds().grown(Self::RIMS), Self::EDGE_SPACING, &task.cancel)?;
         let walls = WallDistances::new(&finder, field.bounds(), &task.cancel)?;
         Ok(Self { blisk, channel, finder, field, walls, edges })

@@ -51,26 +51,6 @@ impl<'a> Passage<'a> {
         (from..=to).contains(&along) && self.is_between(p, [along, height], slack)
     }
 
-    /// Whether some point within `reach` (mm) of `p` may be in the room, or beside the blades, where nothing divides one
-    /// passage from the next.
-    pub fn may_reach(&self, p: DVec3, reach: f64) -> bool {
-        let [along, height] = self.along_and_height(p);
-        let [from, to] = self.span;
-        if along.is_nan() || along < from + reach || along > to - reach {
-            return true;
-        }
-        let [hub, shroud] = self.channel.line_at(along).ends;
-        if !(hub - reach..=shroud + reach).contains(&height) {
-            return false;
-        }
-        // A wall that runs around the axis comes nearer beside `p` than at its own place.
-        let height = height.clamp(hub, shroud);
-        let beside = [-reach, 0.0, reach].map(|step| self.between(along + step, height));
-        let low = beside.iter().fold(f64::INFINITY, |least, [low, _]| least.min(*low));
-        let high = beside.iter().fold(f64::NEG_INFINITY, |most, [_, high]| most.max(*high));
-        is_within(p, [low, high], reach)
-    }
-
     fn is_between(&self, p: DVec3, [along, height]: [f64; 2], slack: f64) -> bool {
         is_within(p, self.between(along, height), slack)
     }

@@ -48,18 +48,6 @@ impl DistanceField {
     /// The field of `mesh` (prepared as `exact`) over `region`, grown to whole leaves, with cells of about
     /// `cell` mm (0.2 suits parts of some 100 mm).
     pub fn build(mesh: &Mesh, exact: &ExactMesh, region: Bounds, cell: f64, task: &Task) -> Result<Self, FieldError> {
-        Self::build_where(mesh, exact, (region, cell), &|_, _| true, task)
-    }
-
-    /// [`build`](Self::build) with the promised accuracy only where a ball of a centre and a radius (mm) is `wanted`:
-    /// the largest leaves elsewhere are interpolated between their corners whatever is within.
-    pub fn build_where(
-        mesh: &Mesh,
-        exact: &ExactMesh,
-        (region, cell): (Bounds, f64),
-        wanted: &(dyn Fn(DVec3, f64) -> bool + Sync),
-        task: &Task,
-    ) -> Result<Self, FieldError> {
         const STAGE: &str = "distance field";
         let root_size = cell * f64::from(1 << LEVELS);
         let roots_wanted = (region.size() / root_size).ceil().max(DVec3::ONE);
@@ -81,7 +69,7 @@ impl DistanceField {
             .collect::<Result<_, Cancelled>>()?;
         let triangles = LocalTriangles::new(mesh, bounds.grown(reaches.into_iter().fold(0.0, f64::max)));
         let probes = [0, 1].map(|level| probes(level).collect());
-        let builder = Builder { triangles: &triangles, exact, min: bounds.min, cell, probes, wanted };
+        let builder = Builder { triangles: &triangles, exact, min: bounds.min, cell, probes };
         let slabs = roots[1] * roots[2];
         let done = std::sync::atomic::AtomicUsize::new(0);
         let rows: Vec<Vec<Block>> = (0..slabs)
@@ -206,7 +194,6 @@ struct Builder<'a> {
     cell: f64,
     /// Of single cells, and of larger leaves.
     probes: [Vec<DVec3>; 2],
-    wanted: &'a (dyn Fn(DVec3, f64) -> bool + Sync),
 }
 
 impl Builder<'_> {
@@ -215,13 +202,6 @@ impl Builder<'_> {
         let mut block = Block { handles: vec![Handle::new(0, 0); side.pow(3)], ..Default::default() };
         let first = root.map(|i| i << LEVELS);
         let center = self.center(first, LEVELS);
-        if !(self.wanted)(center, self.half_diagonal(LEVELS)) {
-            let corner = |i| self.exact.signed_distance(self.point(first, LEVELS, corner_of(i))) as f32;
-            block.leaves.push(std::array::from_fn(corner));
-            block.leaf_kinds.push(Passage::Coarse);
-            self.fill(&mut block, [0; 3], LEVELS, Handle::new(LEVELS, 0));
-            return block;
-        }
         let reach = self.exact.nearest(center).signed_distance.abs() + 2.0 * self.half_diagonal(LEVELS);
         let near = |triangle| Near { from_center: 0.0, triangle, half_space: HalfSpace::ALL };
         let within = self.exact.triangles_within(center, reach);

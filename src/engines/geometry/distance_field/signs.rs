@@ -27,8 +27,6 @@ pub(super) enum Passage {
     Crossed(u8),
     /// The surface is folded, so that its normals are not reliable.
     Folded,
-    /// In some way that does not matter.
-    Coarse,
 }
 
 /// Gives the leaves of `field` their signs. `leaves` and `lists` tell how the surface passes each smooth leaf and
@@ -148,7 +146,7 @@ impl Survey<'_> {
         let folded = |&(node, cell): &(usize, [usize; 3])| {
             let size = if node < self.smooth { 1 << self.field.handle(cell).kind() } else { 1 };
             match self.passages[node] {
-                Passage::Clear | Passage::Coarse => None,
+                Passage::Clear => None,
                 Passage::Folded => Some((cell, size)),
                 Passage::Crossed(inside) => (!self.agrees(cell, size, inside)).then_some((cell, size)),
             }

@@ -53,33 +53,6 @@ fn near_the_surface_the_error_keeps_the_stated_accuracy() {
     assert!(worst <= DistanceField::ACCURACY, "worst error {worst} mm");
 }
 
-#[test]
-fn where_it_is_wanted_a_field_is_the_same_as_the_whole_and_elsewhere_it_has_the_sign() {
-    let mesh = notched_block();
-    let region = mesh.bounds().grown(1.0);
-    let (whole, exact) = field(&mesh, region);
-    let (center, reach) = (DVec3::new(1.0, 1.0, 2.0), 1.2);
-    let wanted = |p: DVec3, radius: f64| p.distance(center) <= reach + radius;
-    let part = DistanceField::build_where(&mesh, &exact, (region, 0.2), &wanted, &Task::default()).unwrap();
-    assert!(part.size().leaves < whole.size().leaves, "{:?} {:?}", part.size(), whole.size());
-    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
-    let (min, size) = (part.bounds().min, part.bounds().size());
-    let mut is_inside = [0; 2];
-    for _ in 0..20_000 {
-        let p = min + size * DVec3::new(random.random(), random.random(), random.random());
-        if p.distance(center) <= reach {
-            assert_eq!(part.value(p), whole.value(p), "{p}");
-        }
-        // The diagonal of the largest leaf, 8 cells, is as much as interpolation between its corners can be wrong by.
-        let expected = exact.signed_distance(p);
-        if expected.abs() > 3f64.sqrt() * 1.6 || (p.distance(center) <= reach && expected.abs() > 0.01) {
-            assert_eq!(part.value(p).unwrap() < 0.0, expected < 0.0, "{p}");
-            is_inside[usize::from(expected < 0.0)] += 1;
-        }
-    }
-    assert!(is_inside.iter().all(|&n| n > 100), "{is_inside:?}");
-}
-
 /// Winding number of a closed surface around `p` as the sum of the triangles' solid angles.
 fn solid_angles(mesh: &Mesh, p: DVec3) -> f64 {
     let half_angle = |corners: [DVec3; 3]| {

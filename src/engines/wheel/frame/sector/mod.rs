@@ -424,10 +424,11 @@ impl Sector {
         let mut counts: Vec<usize> = (3..=MOST).filter(|n| votes[*n] >= ENOUGH).collect();
         counts.sort_by_key(|n| (std::cmp::Reverse(votes[*n]), *n));
         counts.truncate(TRIED);
-        // A sector of one pitch holds no two blades a pitch apart: what was counted in it may be anything.
+        // A sector of one pitch holds no two blades a pitch apart: what was counted in it may be anything but a pitch
+        // that it holds twice.
         let by_cuts = TAU / self.angle;
         let by_angle = by_cuts.round() as usize;
-        let is_one_pitch = counts.iter().all(|n| *n as f64 * self.angle < 1.5 * TAU);
+        let is_one_pitch = counts.first().is_none_or(|n| *n as f64 * self.angle < 1.5 * TAU);
         let is_new = by_angle >= 3 && !counts.contains(&by_angle);
         let added = is_new && is_one_pitch && (by_cuts - by_cuts.round()).abs() < 0.01;
         let added = added.then(|| Blades { is_by_angle: true, ..bladed(by_angle) });
