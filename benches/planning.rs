@@ -52,7 +52,7 @@ fn planning(criterion: &mut Criterion) {
         electrode: &own_field,
         faces_x: channel.faces_x,
         free_radii: None,
-        outside: &outside,
+        outside: outside.into(),
         reference_point: electrode.reference_point,
         side: electrode.enters_from,
         samples: SamplesOf::Prepared,

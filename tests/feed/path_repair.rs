@@ -44,7 +44,7 @@ pub fn a_spoiled_path_is_repaired_without_another_search() {
         electrode: &own,
         faces_x: space.channel.faces_x,
         free_radii: None,
-        outside: &outside,
+        outside: outside.into(),
         reference_point: o,
         side: electrode.enters_from,
         samples: SamplesOf::Prepared,

@@ -166,6 +166,36 @@ fn the_angle_test_frees_the_final_pose_and_refuses_metal_in_a_radial_passage() {
     }
 }
 
+/// Where walls are drawn in by unequal angles the holder stands elsewhere, and with it the reference point that poses are
+/// about.
+#[test]
+fn an_electrode_with_its_walls_drawn_in_has_the_clearances_of_one_prepared_by_itself() {
+    let (job, task) = (radial_job(), Task::default());
+    let channel: Arc<_> = find_channel(&ring(), &BliskOptions::default(), &task).unwrap().into();
+    let blisk: Arc<_> = ring().in_frame(&channel.frame).into();
+    let exact = ExactMesh::new(&blisk).unwrap();
+    let space = PlanningSpace::new(blisk, &exact, channel.clone(), job.plan.field_cell_mm, &task).unwrap();
+    let reductions: [f64; 2] = [1.0, 4.0];
+    let [full, drawn_in] = [[0.0; 2], reductions].map(|circumferential_reduction_deg| {
+        let params = ElectrodeParams { circumferential_reduction_deg, ..job.electrode.clone() };
+        Arc::new(make_electrodes(&channel, &exact, &params, EntrySide::Outward, &task).unwrap().swap_remove(0))
+    });
+    assert!(full.reference_point.distance(drawn_in.reference_point) > 0.1);
+    let prepared = PreparedElectrode::new(&space, full, 0.1, 0.2, &task).unwrap();
+    let own = PreparedElectrode::new(&space, drawn_in.clone(), 0.1, 0.0, &task).unwrap();
+    let model = prepared.model_of(&drawn_in, &space, SideDemand::default(), &task.cancel).unwrap();
+    let truth = own.model(&space, SideDemand::default());
+    let turns = Turns(reductions.map(f64::to_radians));
+    for (z, y, c) in [(0.5, 0.0, 0.0), (2.0, 0.3, 0.05), (6.0, -0.5, 0.3), (12.0, 1.0, -0.4), (20.0, -2.0, 0.8)] {
+        let pose = Pose { z, y, c, ..Pose::FINAL };
+        let off = model.least_clearance(&pose, turns) - truth.least_clearance(&pose, Turns::NONE);
+        // The blisk's edges see the prepared electrode as what its turned walls leave of it.
+        assert!(off.abs() < 0.02, "{pose:?}: {off}");
+        let [seen, true_one] = [&model, &truth].map(|of| of.outside().distance_outside(&pose, EntrySide::Outward));
+        assert_eq!(seen, true_one, "{pose:?}");
+    }
+}
+
 fn built_in(name: &str) -> MachineParams {
     let params: MachineParams = toml::Value::Table(machine_table(name).unwrap()).try_into().unwrap();
     MachineParams { name: name.to_owned(), ..params }

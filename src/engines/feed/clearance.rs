@@ -2,6 +2,8 @@
 //! of the electrode, and that of the electrode for the edges of the blisk, which would otherwise slip in between
 //! the samples of a face.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DMat3, DVec3};
 
 use super::clearance_cache::ClearanceCache;
@@ -24,7 +26,7 @@ pub struct ClearanceModel<'a> {
 }
 
 /// The distance fields and measures that a clearance model is made of.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct Bodies<'a> {
     /// Distance field of the finished blisk, in W.
     pub blisk: &'a DistanceField,
@@ -36,7 +38,7 @@ pub struct Bodies<'a> {
     /// of the bore and of the rim.
     pub free_radii: Option<[f64; 2]>,
     /// Extent of the blisk beyond which the electrode is outside.
-    pub outside: &'a Outside,
+    pub outside: Arc<Outside>,
     /// Electrode reference point O in W (mm).
     pub reference_point: DVec3,
     /// The side that the electrode is withdrawn to.
@@ -219,9 +221,9 @@ impl<'a> ClearanceModel<'a> {
             |length: &dyn Fn(DVec3) -> f64| electrode_samples.iter().map(|s| length(s.point)).fold(0.0, f64::max);
         Self {
             levers: [greatest(&|p| p.y.hypot(p.z)), greatest(&|p| p.distance(bodies.reference_point))],
-            bodies,
             electrode: Probes::new(electrode_samples, bodies.sides, |p| bodies.clearance_at(p)),
             blisk: Probes::new(blisk_points, SideDemand::default(), |p| bodies.distance_to_electrode(p, f64::INFINITY)),
+            bodies,
         }
     }
 
@@ -237,7 +239,7 @@ impl<'a> ClearanceModel<'a> {
 
     /// The region in which the electrode is out of the blisk.
     pub fn outside(&self) -> &Outside {
-        self.bodies.outside
+        &self.bodies.outside
     }
 
     /// Electrode reference point O in W (mm).
@@ -270,12 +272,12 @@ impl<'a> ClearanceModel<'a> {
     /// Model with probes no nearer to each other than `spacing` (mm), and with all probes that have an extra demand.
     pub fn thinned(&self, spacing: f64) -> Self {
         let [electrode, blisk] = [&self.electrode, &self.blisk].map(|probes| thinned(probes.samples(), spacing));
-        Self::new(self.bodies, electrode, blisk)
+        Self::new(self.bodies.clone(), electrode, blisk)
     }
 
     /// Model with further probes; a probe that exists already takes the greater demand.
     pub fn with_probes(&self, electrode_samples: &[Sample], blisk_points: &[Sample]) -> Self {
-        Self::new(self.bodies, self.electrode.joined(electrode_samples), self.blisk.joined(blisk_points))
+        Self::new(self.bodies.clone(), self.electrode.joined(electrode_samples), self.blisk.joined(blisk_points))
     }
 
     /// Whether every probe has the clearance demanded of it at `pose`, withdrawn by `s`, with the walls drawn in by

@@ -103,6 +103,14 @@ impl Pose {
         let slide = DVec3::new(self.x, self.y, self.z);
         DAffine3 { matrix3: table * tool, translation: table * (reference_point + slide - tool * reference_point) }
     }
+
+    /// The pose that places an electrode about the reference point `to` as this one does about `from`.
+    pub fn about(&self, from: DVec3, to: DVec3) -> Self {
+        let apart = from - to;
+        let tool = DMat3::from_rotation_z(self.c) * DMat3::from_rotation_y(self.b);
+        let slide = DVec3::new(self.x, self.y, self.z) + apart - tool * apart;
+        Self { x: slide.x, y: slide.y, z: slide.z, ..*self }
+    }
 }
 
 #[cfg(test)]
@@ -123,6 +131,9 @@ mod tests {
         let slid = o + DVec3::new(pose.x, pose.y, pose.z) + turned;
         let expected = DVec3::new(slid.x, ca * slid.y - sa * slid.z, sa * slid.y + ca * slid.z);
         assert!((pose.placement(o).transform_point3(p) - expected).length() < 1e-12);
+        let other = DVec3::new(-4.0, 2.5, 90.0);
+        let about_other = pose.about(o, other).placement(other).transform_point3(p);
+        assert!((about_other - expected).length() < 1e-12, "{about_other}");
         assert!((Pose::FINAL.placement(o).transform_point3(p) - p).length() < 1e-12);
     }
 }

@@ -67,7 +67,7 @@ impl PlanningSpace {
 pub struct PreparedElectrode {
     electrode: Arc<Electrode>,
     distance: DistanceField,
-    outside: Outside,
+    outside: Arc<Outside>,
     samples: Vec<Sample>,
 }
 
@@ -92,7 +92,7 @@ impl PreparedElectrode {
         let task = task.as_stage("electrode's distance field");
         let cell = DistanceField::cell_for(&region, Self::CELL, Self::MOST_CELLS);
         let distance = DistanceField::build(&electrode.mesh, &exact, region, cell, &task)?;
-        let outside = Outside::new(&space.blisk, &electrode.mesh, electrode.reference_point);
+        let outside = Outside::new(&space.blisk, &electrode.mesh, electrode.reference_point).into();
         let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), &task.cancel)?;
         if most > 0.0 {
             limit_to_reduced(&mut samples, &distance, most);
@@ -124,7 +124,9 @@ impl PreparedElectrode {
         cancel: &Cancel,
     ) -> Result<ClearanceModel<'a>, Cancelled> {
         let samples = sample_electrode(&drawn_in.mesh, &drawn_in.faces, SampleSpacing::default(), cancel)?;
-        let bodies = Bodies { samples: SamplesOf::DrawnIn, ..self.bodies(space, sides) };
+        let reference_point = drawn_in.reference_point;
+        let outside = Outside::new(&space.blisk, &drawn_in.mesh, reference_point).into();
+        let bodies = Bodies { samples: SamplesOf::DrawnIn, reference_point, outside, ..self.bodies(space, sides) };
         Ok(ClearanceModel::new(bodies, samples, space.edges.clone()))
     }
 
@@ -136,7 +138,7 @@ impl PreparedElectrode {
             faces_x: space.channel.faces_x,
             free_radii: (Axis::of_withdrawal(self.electrode.enters_from) == Axis::Z)
                 .then(|| [self.outside.bore(), self.outside.rim()]),
-            outside: &self.outside,
+            outside: self.outside.clone(),
             reference_point: self.electrode.reference_point,
             side: self.electrode.enters_from,
             sides,

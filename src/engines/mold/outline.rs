@@ -19,6 +19,11 @@ impl Outline {
         (points.len() > 2).then_some(Self { points })
     }
 
+    /// The same polygon run through backwards, so that it bounds what it did not.
+    pub fn reversed(&self) -> Self {
+        Self { points: self.points.iter().rev().copied().collect() }
+    }
+
     /// Corners in order.
     pub fn points(&self) -> &[DVec2] {
         &self.points
@@ -110,7 +115,7 @@ mod tests {
     #[test]
     fn areas_and_windings_have_their_sign() {
         let outline = Outline::new(square(2.0)).unwrap();
-        let turned = Outline::new(square(2.0).into_iter().rev().collect()).unwrap();
+        let turned = outline.reversed();
         assert_eq!((outline.area(), turned.area(), outline.length()), (4.0, -4.0, 8.0));
         assert_eq!([outline.is_convex(), turned.is_convex()], [true, false]);
         assert_eq!([outline.winding(DVec2::ONE), turned.winding(DVec2::ONE)], [1, -1]);

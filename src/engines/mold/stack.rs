@@ -164,9 +164,9 @@ impl Work<'_> {
         all.sort_by(f64::total_cmp);
         all.dedup();
         let mut sections = sections(self.mesh, &all, cancel)?;
-        let crossing: Vec<bool> =
+        let inside_out: Vec<bool> =
             sections.par_iter_mut().map(|s| uncross(s, self.has_contacts.then_some(self.fit))).collect();
-        self.seen.note(&sections, &crossing, heights);
+        self.seen.note(&sections, &inside_out, heights);
         self.shadows.cast(&mut sections, cancel)?;
         // Metal over an opening at the bottom is a floor: an opening is what is open all the way up.
         self.seen.note_openings(&sections, heights);
@@ -212,8 +212,7 @@ fn uncross(section: &mut Section, touching: Option<f64>) -> bool {
     let rounding = SAME_AREA * (high - low).element_product() + 1e-6 + along;
     let do_cross = (area(&covered) - plane::area(&section.outlines)).abs() > rounding;
     let is_inside_out = do_cross && {
-        let turned = |o: &Outline| Outline::new(o.points().iter().rev().copied().collect());
-        let turned: Vec<Outline> = section.outlines.iter().filter_map(turned).collect();
+        let turned: Vec<Outline> = section.outlines.iter().map(Outline::reversed).collect();
         area(&plane::union(&turned, &[])) > rounding
     };
     if do_cross || touching.is_some() {
@@ -234,16 +233,16 @@ struct Seen {
     /// The openings of the lowest section: its height and their area.
     openings: Option<(f64, f64)>,
     open: Vec<(f64, [f64; 2])>,
-    crossing: Vec<f64>,
+    inside_out: Vec<f64>,
 }
 
 impl Seen {
-    fn note(&mut self, sections: &[Section], crossing: &[bool], heights: &[f64]) {
-        for (section, crosses) in sections.iter().zip(crossing).filter(|(s, _)| heights.contains(&s.z)) {
+    fn note(&mut self, sections: &[Section], inside_out: &[bool], heights: &[f64]) {
+        for (section, is_turned) in sections.iter().zip(inside_out).filter(|(s, _)| heights.contains(&s.z)) {
             let z = section.z;
             self.has_material |= !(section.outlines.is_empty() && section.open.is_empty());
             self.open.extend(section.open.first().map(|[end, _]| (z, end.to_array())));
-            self.crossing.extend(crosses.then_some(z));
+            self.inside_out.extend(is_turned.then_some(z));
         }
     }
 
@@ -258,7 +257,7 @@ impl Seen {
     }
 
     fn warnings(self, layers: &[UncutLayer]) -> Vec<MoldWarning> {
-        let Self { mut warnings, has_material, openings, mut open, mut crossing } = self;
+        let Self { mut warnings, has_material, openings, mut open, mut inside_out } = self;
         if !has_material {
             warnings.push(MoldWarning::Empty);
         }
@@ -266,9 +265,9 @@ impl Seen {
         if let (Some((from, place)), Some((to, _))) = (open.first(), open.last()) {
             warnings.push(MoldWarning::Open { layers: open.len(), from: *from, to: *to, place: *place });
         }
-        crossing.sort_by(f64::total_cmp);
-        if let (Some(&from), Some(&to)) = (crossing.first(), crossing.last()) {
-            warnings.push(MoldWarning::Crossing { layers: crossing.len(), from, to });
+        inside_out.sort_by(f64::total_cmp);
+        if let (Some(&from), Some(&to)) = (inside_out.first(), inside_out.last()) {
+            warnings.push(MoldWarning::InsideOut { layers: inside_out.len(), from, to });
         }
         warnings.extend(openings.filter(|(_, area)| *area > 0.0).map(|(_, area)| MoldWarning::NoFloor { area }));
         let shallow = || layers.iter().flat_map(|l| &l.pieces).filter(|p| p.is_shallow());
@@ -451,7 +450,7 @@ mod tests {
         let second = Mesh::cuboid(DVec3::splat(6.0)).mapped(|p| p + DVec3::new(-9.0, -9.0, 1.0));
         assert_eq!(warnings(&with(&whole, &second)), [], "a solid that reaches into another");
         let inside_out = Mesh { triangles: second.triangles.iter().map(|[a, b, c]| [*a, *c, *b]).collect(), ..second };
-        assert!(matches!(warnings(&with(&whole, &inside_out))[..], [MoldWarning::Crossing { .. }]));
+        assert!(matches!(warnings(&with(&whole, &inside_out))[..], [MoldWarning::InsideOut { .. }]));
         let through = frame(&rectangle(20.0, 20.0), &sides, 5.0);
         assert!(matches!(warnings(&through)[..], [MoldWarning::NoFloor { area }] if (area - 144.0).abs() < 1e-6));
         // A pocket that opens downwards has metal over it: nothing passes through.

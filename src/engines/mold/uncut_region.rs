@@ -247,7 +247,7 @@ mod tests {
             volume: 3.5,
             depth: 0.2,
             normal_depth: 0.1,
-            deepest: DVec3::ZERO,
+            thickest: DVec3::ZERO,
             bounds: bounds(-6.98, -6.79).grown(0.5),
             nearest_cutter: 0,
         };

@@ -42,7 +42,7 @@ pub enum MoldWarning {
         "the surface is inside out, or crosses itself, between z = {from:.3} and {to:.3} mm: what lies on its wrong \
          side counts as air there; repair the mesh"
     )]
-    Crossing {
+    InsideOut {
         /// In how many layers.
         layers: usize,
         /// The lowest of them (mm).
@@ -173,6 +173,6 @@ impl MoldWarning {
 
     /// Whether the mold's surface is no boundary of a solid, so that what is found there may be wrong.
     pub fn is_of_surface(&self) -> bool {
-        matches!(self, Self::Empty | Self::NotClosed { .. } | Self::Open { .. } | Self::Crossing { .. })
+        matches!(self, Self::Empty | Self::NotClosed { .. } | Self::Open { .. } | Self::InsideOut { .. })
     }
 }

@@ -329,7 +329,7 @@ fn rest_material(part: &Part, settings: &DivisionSettings, cancel: &Cancel) -> R
             let back = |p: DVec3| turned_over(p) + origin;
             let place = |left: &FieldRegion| RestPlace {
                 bounds: Bounds::of([left.bounds.min, left.bounds.max].map(back)),
-                thickest: back(left.deepest),
+                thickest: back(left.thickest),
             };
             Ok(RestMaterial { size: volume + undercut, places: milled.left.iter().map(place).collect(), is_open })
         }
@@ -436,6 +436,8 @@ pub(super) fn cut_along(burned: &Burned, part: &Part, cut: &Cut, settings: &Divi
     // The near part is widest at the cap, what lies beyond it where the cut begins.
     let low = cut.low.clamp(footprint.low, footprint.cap);
     let [inner, outer] = [low, footprint.cap].map(|height| cut.line(height));
+    // Cuts that lean by no more than faces are known to are upright: else a ledge of that width is left below them.
+    let outer = if inner.distance(outer) < ON_PLANE { inner } else { outer };
     // Both sides keep off the wall itself, so that neither gets a hair of what lies behind it.
     let through = outer + outward * OFF_WALL;
     let near = half_plane(outer - outward * OFF_WALL, outward, FAR);
@@ -556,9 +558,8 @@ fn back_over(shape: &Shape, through: DVec2, outward: DVec2, by: f64) -> (f64, Ve
             strips.extend(Outline::new(vec![a + over, back(before, a), back(after, b), b + over]));
         }
     }
-    let turned =
-        |o: Outline| if o.area() > 0.0 { Some(o) } else { Outline::new(o.points().iter().rev().copied().collect()) };
-    (length, strips.into_iter().filter_map(turned).collect())
+    let turned = |o: Outline| if o.area() > 0.0 { o } else { o.reversed() };
+    (length, strips.into_iter().map(turned).collect())
 }
 
 /// Whether a head over a set would be smaller than the least size (mm), or nowhere as thick as that.

@@ -19,7 +19,7 @@ use super::overhang::Overhangs;
 use super::params::{ElectrodeParams, Stage};
 use super::part_numbers::{Numbered, Parts};
 use super::residual_stock::{Burns, Looked, left_by};
-use super::residual_stock::{LeftOfRegion, Milled, Sample, residual_stock};
+use super::residual_stock::{LeftOfRegion, Milled, OPPOSED, Sample, residual_stock};
 use super::samples::{concave_edges, samples};
 use super::setting::{ElectrodeError, KeptClear, RegionToBurn, to_burn_frame};
 use super::tip::joined;
@@ -344,9 +344,12 @@ fn nobodys(left: &Left, (tolerance, accuracy): (f64, f64)) -> Option<(String, DV
     );
     let remedy = "reduce spark gap or orbit, or add a cutter";
     let nobodys = || text(left.of_none, "where no head reaches", remedy);
-    let narrow = "in a groove that is sharper than 42.5 deg or narrower than twice the spark gap, whose floor no spark \
-                  of this gap reaches";
-    shaded.or_else(nobodys).or_else(|| text(left.in_slots, narrow, remedy))
+    let sharpest = (-OPPOSED).acos().to_degrees();
+    let narrow = format!(
+        "in a groove that is sharper than {sharpest:.1} deg or narrower than spark gap and orbit on both sides, whose \
+         floor no spark of this gap reaches"
+    );
+    shaded.or_else(nobodys).or_else(|| text(left.in_slots, &narrow, remedy))
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ const LEAST_STEP: f64 = 1e-4;
 const STEPS: usize = 200;
 /// Cosine of the angle of two normals below which faces stand opposite to one another: where they meet at 42.5 degrees,
 /// between the angles that grooves have, so that rounding does not decide.
-const OPPOSED: f64 = -0.7373;
+pub(super) const OPPOSED: f64 = -0.7373;
 /// How far a corner's end may be from what the fullest electrode burns, of the radius of what burns: where two faces
 /// meet at that angle, or two at 60 on a floor.
 const FARTHEST: f64 = 1.76;

@@ -21,7 +21,7 @@ pub struct FieldRegion {
     /// Greatest depth along the surface's normal (mm).
     pub normal_depth: f64,
     /// Where that is, on the material.
-    pub deepest: DVec3,
+    pub thickest: DVec3,
     /// Box around it.
     pub bounds: Bounds,
     /// The cutter of the library that comes nearest in most of its cells.
@@ -170,7 +170,7 @@ fn measured(field: &HeightField, closing: &Closing, cells: Vec<u32>) -> FieldReg
         volume: 0.0,
         depth: 0.0,
         normal_depth: 0.0,
-        deepest: DVec3::ZERO,
+        thickest: DVec3::ZERO,
         bounds: Bounds::EMPTY,
         nearest_cutter: 0,
         cells,
@@ -183,7 +183,7 @@ fn measured(field: &HeightField, closing: &Closing, cells: Vec<u32>) -> FieldReg
         region.depth = region.depth.max(left);
         let normal_depth = normal_residue(field, high, cell);
         if normal_depth > region.normal_depth {
-            (region.normal_depth, region.deepest) = (normal_depth, field.point(cell, low));
+            (region.normal_depth, region.thickest) = (normal_depth, field.point(cell, low));
         }
         region.bounds.min = region.bounds.min.min(field.point(cell, low) - half);
         region.bounds.max = region.bounds.max.max(field.point(cell, high) + half);

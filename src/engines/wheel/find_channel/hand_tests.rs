@@ -328,7 +328,7 @@ fn above_where_blades_grow_together_a_drawn_curve_bounds_the_passage() {
         assert!(width(0.0) < 0.0 && width(HEIGHT) > 0.0);
         let mesh = geometry::solid::wound(&part.mesh()).unwrap();
         let refusal = find(&mesh, &BliskOptions::default()).unwrap_err().to_string();
-        assert!(refusal.contains("draw a curve above that place"), "{refusal}");
+        assert!(refusal.contains("draw a curve above the hub"), "{refusal}");
         // On walls of blades, as one picks them.
         let shares = [0.5, 0.12, 0.93, 0.25, 0.75];
         let hub_points_mm = shares.map(|along| on_blade(&part, 3, along, HEIGHT)).to_vec();

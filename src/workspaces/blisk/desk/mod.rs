@@ -16,7 +16,7 @@ use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::outcome::ElectrodeOutcome;
 use crate::workspaces::blisk::job::planned::{PartialPlan, Planned};
-use crate::workspaces::blisk::job::preview::Looked;
+use crate::workspaces::blisk::job::preview::{LiveWay, Looked};
 use crate::workspaces::blisk::scene::machine::BodyShape;
 use crate::workspaces::blisk::scene::shapes::clearance_at_vertices;
 use crate::workspaces::blisk::scene::sweep::{FINE, swept_shape};
@@ -27,7 +27,9 @@ use crate::workspaces::commands::{Command, CommandSet, Commanded, FrameCommand};
 use crate::workspaces::context::{Context, LogLine};
 use crate::workspaces::news::{EventKind, WorkEvent};
 use feed::pose::Pose;
+use feed::problem::Node;
 use files::AnyDocument as _;
+use glam::DVec3;
 use kept_runs::KeptRuns;
 use machine_motion::MachineMotion;
 use picks::Picking;
@@ -114,7 +116,8 @@ enum TrackSource {
     Nothing,
     Plan(Same<Planned>, usize),
     Partial(Same<PartialPlan>),
-    Live(Same<Looked>),
+    /// With the reference point of the electrode that is shown.
+    Live(Same<Looked>, Option<DVec3>),
 }
 
 impl BliskDesk {
@@ -250,7 +253,10 @@ impl BliskDesk {
         let partial = self.work.partial_plan().filter(|partial| !partial.nodes.is_empty());
         let source = match (partial, self.work.looked(), self.work.planned()) {
             (Some(partial), ..) => TrackSource::Partial(Same(partial.clone())),
-            (None, Some(looked), _) => TrackSource::Live(Same(looked.clone())),
+            (None, Some(looked), _) => {
+                let shown = self.shown_electrode().map(|(electrode, _)| electrode.reference_point);
+                TrackSource::Live(Same(looked.clone()), shown)
+            }
             (None, None, Some(plan)) => TrackSource::Plan(Same(plan.clone()), self.cursor.electrode),
             (None, None, None) => TrackSource::Nothing,
         };
@@ -260,7 +266,11 @@ impl BliskDesk {
         let track = match &source {
             TrackSource::Partial(partial) => Track::of_nodes(&partial.0.nodes),
             TrackSource::Plan(..) => self.outcome().map(|outcome| Track::of_plan(&outcome.plan)).unwrap_or_default(),
-            TrackSource::Live(looked) => Track::of_nodes(&looked.0.found.way.nodes),
+            TrackSource::Live(looked, shown) => {
+                let LiveWay { way, reference_point, .. } = &looked.0.found;
+                let about = |n: &Node| n.pose.about(*reference_point, shown.unwrap_or(*reference_point));
+                Track::of_nodes(&way.nodes.iter().map(|n| Node { pose: about(n), ..*n }).collect::<Vec<_>>())
+            }
             TrackSource::Nothing => Track::default(),
         };
         // While nodes are found the electrode goes along with the last of them.

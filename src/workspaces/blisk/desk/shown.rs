@@ -231,7 +231,7 @@ impl BliskDesk {
 
     /// Whether the poses are those of a preview.
     pub fn is_live(&self) -> bool {
-        matches!(self.track_of, TrackSource::Live(_))
+        matches!(self.track_of, TrackSource::Live(..))
     }
 
     /// The electrode that is shown, with its shape. While parameters are tuned, it is the electrode of the present
