@@ -23,6 +23,8 @@ pub struct ClearanceModel<'a> {
     blisk: Probes,
     /// Greatest distance of an electrode sample from the blisk's axis, and from the reference point (mm).
     levers: [f64; 2],
+    /// The box around the electrode's samples and its distance field, in its final pose (mm).
+    around: Bounds,
 }
 
 /// The distance fields and measures that a clearance model is made of.
@@ -111,7 +113,7 @@ impl NearbyPoses {
 
     fn advance(&mut self, model: &ClearanceModel, placed: &Placed, s: f64) {
         if let Some((last, last_s)) = &self.last {
-            let motion = placed.motion_from(last, model.bodies.electrode.bounds());
+            let motion = placed.motion_from(last, model.around);
             // Whatever more is demanded counts as if the electrode had come nearer by as much.
             self.electrode.advance(motion + model.electrode.rise(s - last_s));
             self.blisk.advance(motion + model.blisk.rise(s - last_s));
@@ -219,7 +221,10 @@ impl<'a> ClearanceModel<'a> {
     pub fn new(bodies: Bodies<'a>, electrode_samples: Vec<Sample>, blisk_points: Vec<Sample>) -> Self {
         let greatest =
             |length: &dyn Fn(DVec3) -> f64| electrode_samples.iter().map(|s| length(s.point)).fold(0.0, f64::max);
+        let field = bodies.electrode.bounds();
+        let around = Bounds::of(electrode_samples.iter().map(|s| s.point).chain([field.min, field.max]));
         Self {
+            around,
             levers: [greatest(&|p| p.y.hypot(p.z)), greatest(&|p| p.distance(bodies.reference_point))],
             electrode: Probes::new(electrode_samples, bodies.sides, |p| bodies.clearance_at(p)),
             blisk: Probes::new(blisk_points, SideDemand::default(), |p| bodies.distance_to_electrode(p, f64::INFINITY)),
@@ -413,6 +418,10 @@ impl<'a> ClearanceModel<'a> {
         let back = placed.to_electrode[group].inverse();
         let at = back.transform_point3(on_electrode);
         let away = -back.transform_vector3(outward);
+        let on_electrode = match self.bodies.samples {
+            SamplesOf::Prepared => on_electrode,
+            SamplesOf::DrawnIn => placed.to_electrode[0].transform_point3(at),
+        };
         Shortfall { probe: self.electrode.samples().len() + k, lack, at, away, on_electrode, on_blisk }
     }
 

@@ -269,8 +269,8 @@ impl<'a> Objective<'a> {
     }
 }
 
-/// Distances to the two walls on a regular grid, interpolated; good to about 0.02 mm before the walls and 0.1 mm beside
-/// their edges, which centring does not feel, and to a twentieth of the distance away from both.
+/// Distances to the two walls on a regular grid, interpolated. Within a cell of a wall they are too large, by up to half a
+/// cell; further off they are good to 0.1 mm, and away from both walls to a twentieth of the distance.
 pub struct WallDistances {
     min: DVec3,
     cell: f64,
@@ -405,7 +405,7 @@ mod tests {
         for _ in 0..20_000 {
             let p = region.min + region.size() * DVec3::new(random.random(), random.random(), random.random());
             let exact = finder.wall_distances(p);
-            // Within a cell of a wall its two sides are mixed.
+            // In cells that a wall passes through its two sides are mixed.
             if exact[0].min(exact[1]) < 3f64.sqrt() * WallDistances::CELL {
                 continue;
             }

@@ -148,7 +148,7 @@ impl Planning<'_> {
                 let known = jam.place_and_cause(&self.setup.space.channel);
                 let task = &self.task.as_stage_about(Opening::SEARCH, &known);
                 let model = &prepared.model(self.setup.space, sides);
-                jam.opening = Some(match self.opening(electrode, model, task) {
+                jam.opening = Some(match self.opening(prepared.electrode(), model, task) {
                     // Where it jams is known all the same.
                     Err(PlanError::Cancelled(_)) => Opening::stopped(),
                     opening => opening?,
@@ -169,7 +169,7 @@ impl Planning<'_> {
         Ok(way?)
     }
 
-    /// Further reduction that would open a path; `model` is that of the prepared electrode.
+    /// Further reduction that would open a path of a prepared electrode with its `model`.
     fn opening(&self, electrode: &Electrode, model: &ClearanceModel, task: &Task) -> Result<Opening, PlanError> {
         /// Tolerance of that angle (rad).
         const TOLERANCE: f64 = 0.0005;

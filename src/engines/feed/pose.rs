@@ -98,18 +98,24 @@ impl Pose {
     /// The rigid motion of the electrode from its final pose, given the reference point O in W:
     /// `p' = Rx(a) * (O + (x, y, z) + Rz(c) * Ry(b) * (p - O))`.
     pub fn placement(&self, reference_point: DVec3) -> DAffine3 {
-        let table = DMat3::from_rotation_x(self.a);
-        let tool = DMat3::from_rotation_z(self.c) * DMat3::from_rotation_y(self.b);
-        let slide = DVec3::new(self.x, self.y, self.z);
-        DAffine3 { matrix3: table * tool, translation: table * (reference_point + slide - tool * reference_point) }
+        let (table, tool) = (DMat3::from_rotation_x(self.a), self.tool());
+        let slid = reference_point + self.slide();
+        DAffine3 { matrix3: table * tool, translation: table * (slid - tool * reference_point) }
     }
 
     /// The pose that places an electrode about the reference point `to` as this one does about `from`.
     pub fn about(&self, from: DVec3, to: DVec3) -> Self {
         let apart = from - to;
-        let tool = DMat3::from_rotation_z(self.c) * DMat3::from_rotation_y(self.b);
-        let slide = DVec3::new(self.x, self.y, self.z) + apart - tool * apart;
+        let slide = self.slide() + apart - self.tool() * apart;
         Self { x: slide.x, y: slide.y, z: slide.z, ..*self }
+    }
+
+    fn slide(&self) -> DVec3 {
+        DVec3::new(self.x, self.y, self.z)
+    }
+
+    fn tool(&self) -> DMat3 {
+        DMat3::from_rotation_z(self.c) * DMat3::from_rotation_y(self.b)
     }
 }
 

@@ -105,14 +105,15 @@ impl PreparedElectrode {
         &self.electrode
     }
 
-    /// The model of its clearance in `space`, for which it was prepared, with what is wanted of single sides. With walls drawn in it is as true as the
-    /// turned walls are those of an electrode made with such reductions: to some thousandths of a mm at corners.
+    /// The model of its clearance in `space`, for which it was prepared, with what is wanted of single sides. With walls
+    /// drawn in, the turned walls are those of an electrode made with such reductions, to some thousandths of a mm at
+    /// corners; the holder stays where it is.
     pub fn model<'a>(&'a self, space: &'a PlanningSpace, sides: SideDemand) -> ClearanceModel<'a> {
         ClearanceModel::new(self.bodies(space, sides), self.samples.clone(), space.edges.clone())
     }
 
-    /// Clearance model of `drawn_in`, an electrode made with its walls drawn in: its own points are tested, and only
-    /// for the blisk's edges its walls are taken from the prepared one.
+    /// Clearance model of `drawn_in`, an electrode made with its walls drawn in: of its own points, reference point and
+    /// extent. The blisk's edges see the prepared electrode as what its turned walls leave of it, holder included.
     ///
     /// # Errors
     /// [`Cancelled`].

@@ -48,16 +48,9 @@ impl<'a> Passage<'a> {
     pub fn holds(&self, p: DVec3, slack: f64) -> bool {
         let [along, height] = self.along_and_height(p);
         let [from, to] = self.span;
-        (from..=to).contains(&along) && self.is_between(p, [along, height], slack)
+        let Cylindrical { r, theta, .. } = Cylindrical::from_point(p);
+        let [low, high] = self.between(along, height);
+        let is_between = (low - slack / r..=high + slack / r).contains(&angle_near(theta, 0.5 * (low + high)));
+        (from..=to).contains(&along) && is_between
     }
-
-    fn is_between(&self, p: DVec3, [along, height]: [f64; 2], slack: f64) -> bool {
-        is_within(p, self.between(along, height), slack)
-    }
-}
-
-/// Whether the angle of `p` lies between two angles, to within `slack` (mm) along the circumference.
-fn is_within(p: DVec3, [low, high]: [f64; 2], slack: f64) -> bool {
-    let Cylindrical { r, theta, .. } = Cylindrical::from_point(p);
-    (low - slack / r..=high + slack / r).contains(&angle_near(theta, 0.5 * (low + high)))
 }

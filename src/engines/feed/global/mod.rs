@@ -54,6 +54,8 @@ pub struct PreviewPath {
     pub margin: Option<f64>,
     /// Place where the search jammed, if no path leads out.
     pub jam: Option<Jam>,
+    /// Reference point O that the poses are about, that of the prepared electrode, in W (mm).
+    pub reference_point: DVec3,
 }
 
 impl GlobalParams {
@@ -154,13 +156,16 @@ impl SearchProblem<'_> {
         const EFFORT: Effort = Effort { poses: 6, seeds: 12, step: 1.5 };
         let space = FreeSpace::quick(self, params.room_mm);
         let found = Corridor::new(&space, EFFORT).explore(task)?;
+        let reference_point = self.model.reference_point();
         let nodes = |path: &ExtractionPath| path.par_iter().map(|w| self.plain_node(w)).collect::<Vec<_>>();
         Ok(match found {
-            Ok(path) => PreviewPath { margin: path.last().map(|w| w.margin), nodes: nodes(&path), jam: None },
+            Ok(path) => {
+                PreviewPath { margin: path.last().map(|w| w.margin), nodes: nodes(&path), jam: None, reference_point }
+            }
             Err(end) => {
                 let nodes = nodes(&end.path);
                 let jam = self.dead_end(&end, nodes.len(), surface_of);
-                PreviewPath { margin: None, nodes, jam: Some(jam) }
+                PreviewPath { margin: None, nodes, jam: Some(jam), reference_point }
             }
         })
     }

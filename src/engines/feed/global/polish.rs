@@ -144,7 +144,7 @@ impl SearchProblem<'_> {
         (0..nodes.len()).into_par_iter().map(one).collect()
     }
 
-    /// The smooth places where they are free, else the nearer of those that were kept free and that began.
+    /// The smooth poses where they are free; elsewhere that which was kept free or that which began, the nearer first.
     fn settled(&self, nodes: Vec<Node>, smooth: &[Pose], path: &[Polished]) -> Vec<Node> {
         let narrow = self.narrow();
         let settled = |k: usize| {
@@ -155,8 +155,9 @@ impl SearchProblem<'_> {
             let is_free = |pose: &Pose| self.keeps(pose, node.s, 0.0, &narrow, &mut 0);
             // Where nothing smooth is free, what was kept free may have been led far away.
             let off = |pose: &Pose| self.model.motion_between(&smooth[k], pose);
-            let kept = if off(&path[k].pose) < off(&node.pose) { path[k].pose } else { node.pose };
-            let pose = [smooth[k], kept].into_iter().find(is_free).unwrap_or(node.pose);
+            let mut poses = [smooth[k], path[k].pose, node.pose];
+            poses[1..].sort_by(|a, b| off(a).total_cmp(&off(b)));
+            let pose = poses.into_iter().find(is_free).unwrap_or(node.pose);
             Node { pose, clearance: self.model.least_clearance(&pose, self.turns), ..node }
         };
         self.valued((0..nodes.len()).into_par_iter().map(settled).collect())

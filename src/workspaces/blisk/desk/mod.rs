@@ -16,7 +16,7 @@ use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::outcome::ElectrodeOutcome;
 use crate::workspaces::blisk::job::planned::{PartialPlan, Planned};
-use crate::workspaces::blisk::job::preview::{LiveWay, Looked};
+use crate::workspaces::blisk::job::preview::Looked;
 use crate::workspaces::blisk::scene::machine::BodyShape;
 use crate::workspaces::blisk::scene::shapes::clearance_at_vertices;
 use crate::workspaces::blisk::scene::sweep::{FINE, swept_shape};
@@ -26,6 +26,7 @@ use crate::workspaces::blisk::work::BliskWork;
 use crate::workspaces::commands::{Command, CommandSet, Commanded, FrameCommand};
 use crate::workspaces::context::{Context, LogLine};
 use crate::workspaces::news::{EventKind, WorkEvent};
+use feed::global::PreviewPath;
 use feed::pose::Pose;
 use feed::problem::Node;
 use files::AnyDocument as _;
@@ -254,7 +255,7 @@ impl BliskDesk {
         let source = match (partial, self.work.looked(), self.work.planned()) {
             (Some(partial), ..) => TrackSource::Partial(Same(partial.clone())),
             (None, Some(looked), _) => {
-                let shown = self.shown_electrode().map(|(electrode, _)| electrode.reference_point);
+                let shown = self.looked_at(looked).map(|(electrode, _)| electrode.reference_point);
                 TrackSource::Live(Same(looked.clone()), shown)
             }
             (None, None, Some(plan)) => TrackSource::Plan(Same(plan.clone()), self.cursor.electrode),
@@ -267,9 +268,9 @@ impl BliskDesk {
             TrackSource::Partial(partial) => Track::of_nodes(&partial.0.nodes),
             TrackSource::Plan(..) => self.outcome().map(|outcome| Track::of_plan(&outcome.plan)).unwrap_or_default(),
             TrackSource::Live(looked, shown) => {
-                let LiveWay { way, reference_point, .. } = &looked.0.found;
+                let PreviewPath { nodes, reference_point, .. } = &looked.0.found.way;
                 let about = |n: &Node| n.pose.about(*reference_point, shown.unwrap_or(*reference_point));
-                Track::of_nodes(&way.nodes.iter().map(|n| Node { pose: about(n), ..*n }).collect::<Vec<_>>())
+                Track::of_nodes(&nodes.iter().map(|n| Node { pose: about(n), ..*n }).collect::<Vec<_>>())
             }
             TrackSource::Nothing => Track::default(),
         };

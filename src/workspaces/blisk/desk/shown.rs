@@ -11,6 +11,7 @@ use crate::workspaces::blisk::document::machine_file::read_machine;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::measured::MeasuredWalls;
 use crate::workspaces::blisk::job::planned::PartialPlan;
+use crate::workspaces::blisk::job::preview::Looked;
 use crate::workspaces::blisk::job::stages::FoundChannel;
 use crate::workspaces::blisk::scene::Layer;
 use crate::workspaces::blisk::scene::machine::{BodyShape, MachineBody, Moment, body_shapes};
@@ -237,17 +238,31 @@ impl BliskDesk {
     /// The electrode that is shown, with its shape. While parameters are tuned, it is the electrode of the present
     /// parameters, not the planned one.
     pub fn shown_electrode(&self) -> Option<(&Electrode, &Arc<RenderMesh>)> {
-        let (p, i) = (&self.work, self.cursor.electrode);
         if let Some(partial) = self.searched() {
             return Some((&partial.electrode, &partial.shape));
         }
-        let looked = self.work.looked().filter(|_| self.is_live());
-        if let Some((electrode, shape)) = looked.and_then(|l| l.found.other.as_ref().zip(l.shape.as_ref())) {
-            return Some((electrode, shape));
+        if let Some(looked) = self.work.looked().filter(|_| self.is_live()) {
+            return self.looked_at(looked);
         }
-        let planned = p.planned().and_then(|p| p.outcome.electrodes.get(i).map(|o| &o.electrode).zip(p.shapes.get(i)));
-        let tuned = p.electrodes().and_then(|e| e.electrodes.get(i).zip(e.shapes.get(i)));
-        if self.is_tuning() { tuned.or(planned) } else { planned.or(tuned) }
+        if self.is_tuning() { self.tuned().or(self.planned()) } else { self.planned().or(self.tuned()) }
+    }
+
+    /// The electrode of the present parameters, with its shape.
+    fn tuned(&self) -> Option<(&Electrode, &Arc<RenderMesh>)> {
+        let i = self.cursor.electrode;
+        self.work.electrodes().and_then(|e| e.electrodes.get(i).zip(e.shapes.get(i)))
+    }
+
+    /// The electrode of the plan, with its shape.
+    fn planned(&self) -> Option<(&Electrode, &Arc<RenderMesh>)> {
+        let (planned, i) = (self.work.planned()?, self.cursor.electrode);
+        planned.outcome.electrodes.get(i).map(|o| &o.electrode).zip(planned.shapes.get(i))
+    }
+
+    /// The electrode that a quick look is shown with, and its shape.
+    pub(super) fn looked_at<'a>(&'a self, looked: &'a Looked) -> Option<(&'a Electrode, &'a Arc<RenderMesh>)> {
+        let other = looked.found.other.as_deref().zip(looked.shape.as_ref());
+        other.or_else(|| self.tuned()).or_else(|| self.planned())
     }
 
     /// The electrode that is shown as a part for milling its flanks, in the axes of its export.

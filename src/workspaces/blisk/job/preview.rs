@@ -12,7 +12,6 @@ use feed::global::PreviewPath;
 use feed::plan::PlanSettings;
 use feed::planner::{DrawnIn, preview_path};
 use files::Validate as _;
-use glam::DVec3;
 use render::mesh::RenderMesh;
 use task::Task;
 use wheel::channel::Channel;
@@ -25,8 +24,6 @@ pub struct LiveWay {
     pub side: EntrySide,
     /// The way.
     pub way: PreviewPath,
-    /// Reference point O that the poses of the way are about, that of the electrode without reductions (mm, in W).
-    pub reference_point: DVec3,
     /// The electrode with the reductions of the job, if it is not made for the side that is tried first.
     pub other: Option<Arc<Electrode>>,
 }
@@ -59,14 +56,14 @@ pub fn live_way(
     let mut best: Option<LiveWay> = None;
     let sides = sides(job, &prepared.space.channel, part)?;
     for (i, &side) in sides.iter().enumerate() {
-        let (way, reference_point) = match preview_on(prepared, inputs, (part, side), task) {
+        let way = match preview_on(prepared, inputs, (part, side), task) {
             // A side for which no electrode can be made is left, unless it is the last hope.
             Err(PlanJobError::Electrode(_)) if i + 1 < sides.len() || best.is_some() => continue,
             way => way?,
         };
         let reach = |w: &PreviewPath| (w.margin.is_some(), w.nodes.last().map_or(0.0, |n| n.s));
         if best.as_ref().is_none_or(|b| reach(&b.way) < reach(&way)) {
-            best = Some(LiveWay { side, way, reference_point, other: None });
+            best = Some(LiveWay { side, way, other: None });
         }
         if best.as_ref().is_some_and(|b| b.way.margin.is_some()) {
             break;
@@ -80,8 +77,7 @@ pub fn live_way(
     Ok(best)
 }
 
-/// Preview of the extraction path of electrode number `number` along the passage to `side`, and the reference point that
-/// its poses are about.
+/// Preview of the extraction path of electrode number `number` along the passage to `side`.
 ///
 /// # Errors
 /// If the electrode cannot be made, or when told to stop.
@@ -90,12 +86,12 @@ pub(super) fn preview_on(
     inputs: &PlanInputs,
     (number, side): (usize, EntrySide),
     task: &Task,
-) -> Result<(PreviewPath, DVec3), PlanJobError> {
+) -> Result<PreviewPath, PlanJobError> {
     let (full, turns) = prepared.fullest(inputs, (number, side), task)?;
     let drawn_in = DrawnIn { prepared: &full, turns, electrode: full.electrode() };
     let machine = &inputs.job.machine.seen_from_w(side);
     let settings = PlanSettings { machine, ..settings_of(&inputs.job, &|_, _| ()) };
-    Ok((preview_path(&prepared.space, &drawn_in, &settings, task)?, full.electrode().reference_point))
+    Ok(preview_path(&prepared.space, &drawn_in, &settings, task)?)
 }
 
 /// A quick look as it is shown.

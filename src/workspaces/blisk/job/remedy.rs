@@ -181,7 +181,7 @@ impl Remedies<'_> {
                 Err(PlanJobError::Cancelled(cancelled)) => return Err(cancelled.into()),
                 // One that cannot be made or judged does not come out.
                 Err(_) => {}
-                Ok((way, _)) if way.margin.is_some() => return Ok(true),
+                Ok(way) if way.margin.is_some() => return Ok(true),
                 Ok(_) => {}
             }
         }

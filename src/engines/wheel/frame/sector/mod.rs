@@ -424,8 +424,7 @@ impl Sector {
         let mut counts: Vec<usize> = (3..=MOST).filter(|n| votes[*n] >= ENOUGH).collect();
         counts.sort_by_key(|n| (std::cmp::Reverse(votes[*n]), *n));
         counts.truncate(TRIED);
-        // A sector of one pitch holds no two blades a pitch apart: what was counted in it may be anything but a pitch
-        // that it holds twice.
+        // The commonest count decides: a sector that holds its pitch less than one and a half times may be one pitch.
         let by_cuts = TAU / self.angle;
         let by_angle = by_cuts.round() as usize;
         let is_one_pitch = counts.first().is_none_or(|n| *n as f64 * self.angle < 1.5 * TAU);
