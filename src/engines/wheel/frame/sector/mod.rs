@@ -52,7 +52,7 @@ pub(super) struct Whole {
     pub middle: DVec3,
     /// Whole pitches that the sector holds.
     pub pitches_held: usize,
-    /// Whether the sector holds no two blades, so that its angle was taken for their pitch.
+    /// Whether the sector holds no two blades that are alike, so that its angle was taken for their pitch.
     is_by_angle: bool,
     /// Angle between the cuts (rad).
     angle: f64,
@@ -64,7 +64,7 @@ impl Whole {
     /// The assumption made, in sentences for the user, of a wheel that turned out to have so many blades.
     pub fn assumed(&self, blades: usize) -> String {
         let cuts = if (self.angle - PI).abs() < SAME { "Its cut holds" } else { "Its cuts meet in" };
-        let unsure = " It holds no two blades: its angle was taken for one pitch, which blisk.blades corrects.";
+        let unsure = " No two blades in it are alike: its angle was taken for one pitch, which blisk.blades corrects.";
         let unsure = if self.is_by_angle { unsure } else { "" };
         format!(
             "The mesh is a sector of {:.3} deg. {cuts} the axis {}; {} of its pitches were turned about it \
@@ -102,7 +102,7 @@ struct Blades {
     count: usize,
     /// Cells of the slices in which they follow each other.
     cells: HashSet<[usize; 2]>,
-    /// Whether the sector holds no two blades, so that its angle was taken for their pitch.
+    /// Whether the sector holds no two blades that are alike, so that its angle was taken for their pitch.
     is_by_angle: bool,
 }
 
@@ -378,7 +378,7 @@ impl Sector {
     }
 
     /// The numbers of blades that the whole wheel may have, the likeliest first: those at whose pitch the most circles
-    /// pass from solid to solid again; last that of its angle, if it holds no two blades.
+    /// pass from solid to solid again; last that of its angle.
     fn counts(&self, slices: &Slices, wanted: Option<usize>, cancel: &Cancel) -> Result<Vec<Blades>, Cancelled> {
         /// Circles that are enough to tell.
         const ENOUGH: usize = 20;
@@ -424,12 +424,11 @@ impl Sector {
         let mut counts: Vec<usize> = (3..=MOST).filter(|n| votes[*n] >= ENOUGH).collect();
         counts.sort_by_key(|n| (std::cmp::Reverse(votes[*n]), *n));
         counts.truncate(TRIED);
-        // The commonest count decides: a sector that holds its pitch less than one and a half times may be one pitch.
+        // Where no pitch that is counted repeats, the sector may be one itself: it holds no two blades that are alike.
         let by_cuts = TAU / self.angle;
         let by_angle = by_cuts.round() as usize;
-        let is_one_pitch = counts.first().is_none_or(|n| *n as f64 * self.angle < 1.5 * TAU);
         let is_new = by_angle >= 3 && !counts.contains(&by_angle);
-        let added = is_new && is_one_pitch && (by_cuts - by_cuts.round()).abs() < 0.01;
+        let added = is_new && (by_cuts - by_cuts.round()).abs() < 0.01;
         let added = added.then(|| Blades { is_by_angle: true, ..bladed(by_angle) });
         Ok(counts.into_iter().map(bladed).chain(added).collect())
     }
