@@ -435,10 +435,6 @@ pub(super) fn cut_along(burned: &Burned, part: &Part, cut: &Cut, settings: &Divi
     let crossed: Vec<&HEdge> = part.inner.iter().filter(|edge| cut.holds(edge)).collect();
     // The near part is widest at the cap, what lies beyond it where the cut begins.
     let low = cut.low.clamp(footprint.low, footprint.cap);
-    // A cut that leans by no more than faces are known to is upright: else a ledge of that width is left below it.
-    let leans = cut.line(low).distance(cut.line(footprint.cap)) >= ON_PLANE;
-    let upright = Cut { low: cut.low, ..Cut::upright(cut.line(low), outward, cut.overlaps) };
-    let cut = if leans { cut } else { &upright };
     let [inner, outer] = [low, footprint.cap].map(|height| cut.line(height));
     // Both sides keep off the wall itself, so that neither gets a hair of what lies behind it.
     let through = outer + outward * OFF_WALL;
