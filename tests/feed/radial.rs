@@ -42,6 +42,16 @@ fn radial_job() -> PlanJob {
     job
 }
 
+/// The ring in W, and what its electrodes are planned in.
+fn ring_space(job: &PlanJob) -> (ExactMesh, PlanningSpace) {
+    let task = Task::default();
+    let channel: Arc<_> = find_channel(&ring(), &BliskOptions::default(), &task).unwrap().into();
+    let blisk: Arc<_> = ring().in_frame(&channel.frame).into();
+    let exact = ExactMesh::new(&blisk).unwrap();
+    let space = PlanningSpace::new(blisk, &exact, channel, job.plan.field_cell_mm, &task).unwrap();
+    (exact, space)
+}
+
 #[test]
 fn an_electrode_of_a_nozzle_ring_is_withdrawn_along_the_radius_and_copies_to_both_walls() {
     let mesh = ring();
@@ -145,10 +155,8 @@ fn nodes_of_the_centreline_strategy_are_steps_along_the_line_to_the_rim() {
 #[test]
 fn the_angle_test_frees_the_final_pose_and_refuses_metal_in_a_radial_passage() {
     let (job, task) = (radial_job(), Task::default());
-    let channel: Arc<_> = find_channel(&ring(), &BliskOptions::default(), &task).unwrap().into();
-    let blisk: Arc<_> = ring().in_frame(&channel.frame).into();
-    let exact = ExactMesh::new(&blisk).unwrap();
-    let space = PlanningSpace::new(blisk, &exact, channel.clone(), job.plan.field_cell_mm, &task).unwrap();
+    let (exact, space) = ring_space(&job);
+    let channel = space.channel.clone();
     let mut made = make_electrodes(&channel, &exact, &job.electrode, EntrySide::Outward, &task).unwrap();
     let electrode = PreparedElectrode::new(&space, made.swap_remove(0).into(), 0.1, 0.0, &task).unwrap();
     let model = electrode.model(&space, SideDemand::default());
@@ -171,10 +179,8 @@ fn the_angle_test_frees_the_final_pose_and_refuses_metal_in_a_radial_passage() {
 #[test]
 fn an_electrode_with_its_walls_drawn_in_has_the_clearances_of_one_prepared_by_itself() {
     let (job, task) = (radial_job(), Task::default());
-    let channel: Arc<_> = find_channel(&ring(), &BliskOptions::default(), &task).unwrap().into();
-    let blisk: Arc<_> = ring().in_frame(&channel.frame).into();
-    let exact = ExactMesh::new(&blisk).unwrap();
-    let space = PlanningSpace::new(blisk, &exact, channel.clone(), job.plan.field_cell_mm, &task).unwrap();
+    let (exact, space) = ring_space(&job);
+    let channel = space.channel.clone();
     let reductions: [f64; 2] = [1.0, 4.0];
     let [full, drawn_in] = [[0.0; 2], reductions].map(|circumferential_reduction_deg| {
         let params = ElectrodeParams { circumferential_reduction_deg, ..job.electrode.clone() };

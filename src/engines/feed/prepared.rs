@@ -105,8 +105,8 @@ impl PreparedElectrode {
         &self.electrode
     }
 
-    /// The model of its clearance in `space`, for which it was prepared, with what is wanted of single sides. With walls
-    /// drawn in, the turned walls are those of an electrode made with such reductions, to some thousandths of a mm at
+    /// Clearance model of the electrode in `space`, for which it was prepared, with what is wanted of single sides. With
+    /// walls drawn in, the turned walls are those of an electrode made with such reductions, to some thousandths of a mm at
     /// corners; the holder stays where it is.
     pub fn model<'a>(&'a self, space: &'a PlanningSpace, sides: SideDemand) -> ClearanceModel<'a> {
         ClearanceModel::new(self.bodies(space, sides), self.samples.clone(), space.edges.clone())

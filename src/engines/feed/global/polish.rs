@@ -144,7 +144,8 @@ impl SearchProblem<'_> {
         (0..nodes.len()).into_par_iter().map(one).collect()
     }
 
-    /// The smooth poses where they are free; elsewhere that which was kept free or that which began, the nearer first.
+    /// The smooth poses where they are free. Elsewhere the pose that was kept free or the first one, whichever is free and
+    /// nearer to the smooth one.
     fn settled(&self, nodes: Vec<Node>, smooth: &[Pose], path: &[Polished]) -> Vec<Node> {
         let narrow = self.narrow();
         let settled = |k: usize| {

@@ -147,7 +147,7 @@ fn half_a_wheel_and_one_pitch_of_it_are_the_wheel() {
         let off = (channel.frame.origin - moved).reject_from_normalized(axis).length();
         assert!(channel.frame.x.cross(axis).length() < 1e-8 && off < 1e-6, "{} {off}", channel.frame.x);
         // One blade alone tells no pitch.
-        let is_by_angle = channel.assumed[0].contains("No two blades in it are alike");
+        let is_by_angle = channel.assumed[0].contains("holds no two blades that are alike");
         assert_eq!(is_by_angle, angle == pitch, "{:?}", channel.assumed);
         // One cut of each kind is enough for what is given by hand.
         if from > 0.5 || from == 0.0 {

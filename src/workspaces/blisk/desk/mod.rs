@@ -117,7 +117,7 @@ enum TrackSource {
     Nothing,
     Plan(Same<Planned>, usize),
     Partial(Same<PartialPlan>),
-    /// With the reference point of the electrode that is shown.
+    /// The quick look, and the reference point of the electrode that is shown with it.
     Live(Same<Looked>, Option<DVec3>),
 }
 

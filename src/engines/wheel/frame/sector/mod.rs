@@ -64,7 +64,8 @@ impl Whole {
     /// The assumption made, in sentences for the user, of a wheel that turned out to have so many blades.
     pub fn assumed(&self, blades: usize) -> String {
         let cuts = if (self.angle - PI).abs() < SAME { "Its cut holds" } else { "Its cuts meet in" };
-        let unsure = " No two blades in it are alike: its angle was taken for one pitch, which blisk.blades corrects.";
+        let unsure =
+            " It holds no two blades that are alike: its angle was taken for one pitch, which blisk.blades corrects.";
         let unsure = if self.is_by_angle { unsure } else { "" };
         format!(
             "The mesh is a sector of {:.3} deg. {cuts} the axis {}; {} of its pitches were turned about it \
