@@ -5,7 +5,7 @@ use std::fmt;
 
 use glam::DVec2;
 
-use super::division::{Cut, DivisionSettings, ON_LINE, ON_PLANE, Part, RestMaterial, RestPlace};
+use super::division::{ALIKE, Cut, DivisionSettings, ON_LINE, ON_PLANE, Part, RestMaterial, RestPlace};
 use super::h_edge::{HEdge, is_upright, place};
 use super::params::DividedAt;
 use super::tip::Footprint;
@@ -18,8 +18,6 @@ use geometry::mesh::Bounds;
 const MOST_FACES: usize = 4;
 /// How near to the middle of rest material its thickest place lies to be cut through at once (mm).
 const BESIDE: f64 = 0.1;
-/// How alike normals of faces are that are cut along at once (radians).
-const ALIKE: f64 = 2e-3;
 
 /// Cuts that were tried on a head of which cutters leave something.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -57,6 +57,8 @@ const STEEP: f64 = 0.5;
 pub(super) const UPRIGHT: f64 = 1e-6;
 /// How far the ends of an edge may be off a plane to lie in it (mm).
 pub(super) const ON_PLANE: f64 = 0.015;
+/// How alike normals of faces are that are cut along at once (radians).
+pub(super) const ALIKE: f64 = 2e-3;
 /// Downward part of a normal from which on a face that is enlarged has something below it.
 const ON_LEVEL: f64 = 1e-3;
 /// Least sine of the angle between faces that have a profile, and of its direction with the cut.
@@ -88,10 +90,15 @@ impl Cut {
         is_steep.then_some(Self { through, normal, low: f64::NEG_INFINITY, overlaps: true })
     }
 
-    /// The same with the inner edges of a tip that lie in it: from the lowest of their ends up, and through the one
+    /// The same with the inner edges of a tip that bound its face: from the lowest of their ends up, and through the one
     /// furthest before it.
     pub(super) fn fitted(self, inner: &[HEdge]) -> Self {
-        let on: Vec<DVec3> = inner.iter().filter(|edge| self.holds(edge)).flat_map(|edge| edge.ends).collect();
+        // Short edges of other faces may lie as near to it: through their ends the cut would go into its face.
+        let is_its = |edge: &&HEdge| {
+            let cuts = edge.normals.map(|n| Self::along(n, edge.ends[0]));
+            self.holds(edge) && cuts.iter().flatten().any(|cut| cut.normal.distance(self.normal) < ALIKE)
+        };
+        let on: Vec<DVec3> = inner.iter().filter(is_its).flat_map(|edge| edge.ends).collect();
         let low = on.iter().map(|p| p.z).reduce(f64::min).unwrap_or(self.low);
         // The face is known to rounding: none of its edges stays before the cut.
         let first = on.iter().copied().min_by(|p, q| self.beyond(*p).total_cmp(&self.beyond(*q)));
@@ -456,9 +463,8 @@ pub(super) fn cut_along(burned: &Burned, part: &Part, cut: &Cut, settings: &Divi
         Footprint { outlines, free, region, removed, ..*footprint }
     };
     let (bottom, top) = (footprint.low - 1.0, footprint.cap + 1.0);
-    // From a hair above the head's lowest place on, a film would stay below it.
-    let from = if low > footprint.low + ON_PLANE { low } else { bottom };
-    let beyond: Vec<Vec<DVec3>> = (cut.normal.z < 0.0).then(|| cut.all_beyond([from, top])).into_iter().collect();
+    // Down to the tip: what stayed beyond the cut below its lowest edge would be a ledge that no cutter reaches.
+    let beyond: Vec<Vec<DVec3>> = (cut.normal.z < 0.0).then(|| cut.all_beyond([bottom, top])).into_iter().collect();
     let mut parts: Vec<Footprint> =
         needed(&near, outer, outward).iter().map(|(free, own)| part(with_walls(free, &near), own, &beyond)).collect();
     // Below the cap a slanted cut lies within the near part's outline.

@@ -57,6 +57,32 @@ fn a_head_is_divided_along_a_wall_on_a_draft_and_both_parts_are_milled() {
     assert!((cut.slope().to_degrees() - DRAFT_DEG).abs() < 0.01 && cut.outward().distance(DVec2::Y) < 1e-6, "{cut:?}");
 }
 
+/// A deep round hole of 24 sides, and a rectangular pocket on a draft that is not as deep, whose corners reach out of it.
+fn hole_with_corners() -> Mesh {
+    const LOW: f64 = -5.17;
+    let sides = |z: f64| DVec2::new(2.368, 2.79) + 2.0 * (z - LOW) * 1.4_f64.to_radians().tan();
+    let turn = DVec2::from_angle(41.7_f64.to_radians());
+    let level = |z: f64| rectangle(sides(z).x, sides(z).y).into_iter().map(move |p| turn.rotate(p).extend(z));
+    let pocket: Vec<DVec3> = level(LOW).chain(level(1.0)).collect();
+    let round = (0..24).map(|i| DVec2::from_angle((11.1 + 15.0 * f64::from(i)).to_radians()) * 1.671);
+    let hole: Vec<DVec3> = round.flat_map(|p| [p.extend(LOW - 0.5), p.extend(1.0)]).collect();
+    let block = mold([14.0, 14.0, 9.0], &[]);
+    [hull(&pocket), hull(&hole)].iter().fold(block, |block, cavity| difference(&block, cavity).unwrap())
+}
+
+/// The walls on a draft end above the tips of the corners' heads. What is cut off along a wall is cut off down to the tip,
+/// and nothing of the wall's own face with it.
+#[test]
+fn a_cut_along_a_wall_that_ends_halfway_down_leaves_no_ledge_and_the_whole_wall() {
+    let mold = hole_with_corners();
+    let corners = [1.0, -1.0].map(|side| DVec2::new(-1.81, 0.25) * side);
+    let regions = corners.map(|at| region(&mold, at - 0.55, at + 0.55));
+    let set = planned(&mold, &regions, &params(GAP));
+    let is_slanted = |node: &PartNode| node.cut.is_some_and(|cut| cut.slope() > 0.0);
+    assert!(is_slanted(tree(&set)), "{:?}", tree(&set));
+    assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
+}
+
 #[test]
 fn a_division_by_hand_along_the_wall_is_the_one_that_is_found_there() {
     let mold = pocket_with_groove();
