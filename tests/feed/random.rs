@@ -133,6 +133,8 @@ fn wheels_planned(numbers: Range<usize>) -> Vec<Came> {
         job.electrode.radial_reduction_mm = 0.5 + 2.0 * share();
         job.electrode.enter = EnterSide::Auto;
         (job.plan.step_mm, job.plan.field_cell_mm) = (1.5, 0.6);
+        // Where no pose of a node is free, all generations come to nothing.
+        job.genetic.stall_generations = 10;
         let name = format!("wheel {number}, {}, {reduction:.2} deg", flow.name());
         planned(&name, wheel.mesh(), job)
     };

@@ -154,15 +154,23 @@ impl SearchProblem<'_> {
                 return node;
             }
             let is_free = |pose: &Pose| self.keeps(pose, node.s, 0.0, &narrow, &mut 0);
-            // Where nothing smooth is free, what was kept free may have been led far away.
             let off = |pose: &Pose| self.model.motion_between(&smooth[k], pose);
-            let mut poses = [smooth[k], path[k].pose, node.pose];
-            poses[1..].sort_by(|a, b| off(a).total_cmp(&off(b)));
-            let pose = poses.into_iter().find(is_free).unwrap_or(node.pose);
+            let pose = nearest_free(smooth[k], [path[k].pose, node.pose], is_free, off).unwrap_or(node.pose);
             Node { pose, clearance: self.model.least_clearance(&pose, self.turns), ..node }
         };
         self.valued((0..nodes.len()).into_par_iter().map(settled).collect())
     }
+}
+
+/// The smooth pose where it is free, else the nearer free one of `others`: what was kept free may have been led far away.
+fn nearest_free(
+    smooth: Pose,
+    mut others: [Pose; 2],
+    is_free: impl Fn(&Pose) -> bool,
+    off: impl Fn(&Pose) -> f64,
+) -> Option<Pose> {
+    others.sort_by(|a, b| off(a).total_cmp(&off(b)));
+    [smooth].into_iter().chain(others).find(is_free)
 }
 
 fn stepped(pose: &Pose, step: &Step) -> Pose {
@@ -200,4 +208,21 @@ fn least_bent(smoother: &Smoother, path: &[Polished], spaces: &[HalfSpaces], axe
     }
     let smooth = (0..n).map(|k| stepped(&path[k].pose, &bent[k])).collect();
     (kept, smooth)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_node_settles_at_the_nearest_of_the_free_poses() {
+        let [smooth, near, far] = [1.0, 1.5, 4.0].map(|x| Pose { x, ..Pose::FINAL });
+        let settled = |blocked: &[Pose]| {
+            nearest_free(smooth, [far, near], |pose| !blocked.contains(pose), |pose| (pose.x - smooth.x).abs())
+        };
+        assert_eq!(settled(&[]), Some(smooth));
+        assert_eq!(settled(&[smooth]), Some(near));
+        assert_eq!(settled(&[smooth, near]), Some(far));
+        assert_eq!(settled(&[smooth, near, far]), None);
+    }
 }
