@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::finish::finish;
 use super::outcome::{Clock, ElectrodeOutcome, PlanInputs, PlanJobError, PlanOutcome};
 use super::prepared_blisk::{PreparedBlisk, electrode_of};
-use super::remedy::look_for_changes;
+use super::remedy::RemedySearch;
 use super::simulate;
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::kept_plan::{KeptElectrode, KeptPlan};
@@ -161,17 +161,16 @@ impl JobPlanner<'_> {
     }
 
     /// The electrode that is number `part` along the passage, columns of one part counted through. Tries the sides one after the
-    /// other until one is verified; if none is, the one that came out, or else the one that got furthest, is the
-    /// answer. A side for which no electrode can be made is noted and left.
+    /// other until one is verified; if none is, the one that came out, or else the one that a change makes feasible, or
+    /// else the one that got furthest, is the answer. A side for which no electrode can be made is noted and left.
     ///
     /// # Errors
     /// The reasons of all sides if no electrode can be made for any.
     fn part(&mut self, part: usize) -> Result<ElectrodeOutcome, PlanJobError> {
-        let mut best: Option<ElectrodeOutcome> = None;
+        // The best first.
+        let mut outcomes: Vec<ElectrodeOutcome> = Vec::new();
         let mut impossible = Vec::new();
         let mut tried = Vec::new();
-        // Further reduction of both walls that is enough on some side (rad).
-        let mut least_enough: Option<f64> = None;
         let (job, channel) = (&self.inputs.job, &self.prepared.space.channel);
         let (along_passage, _) = job.electrode.place_of(part);
         let left_out = job
@@ -195,57 +194,64 @@ impl JobPlanner<'_> {
                 }
                 Err(PlanJobError::Cancelled(cancelled)) => {
                     // Where it jams on the side before is known all the same.
-                    let jam = best.as_mut().and_then(|best| best.plan.jam.as_mut()).ok_or(cancelled)?;
+                    let jam = outcomes.first_mut().and_then(|best| best.plan.jam.as_mut()).ok_or(cancelled)?;
                     jam.opening.get_or_insert_default().is_stopped = true;
                     break;
                 }
                 Err(other) => return Err(other),
             };
-            let enough = outcome.plan.jam.as_ref().and_then(|jam| jam.opening.as_ref()?.both);
-            least_enough = [least_enough, enough].into_iter().flatten().min_by(f64::total_cmp);
-            let worse = match best.take() {
-                Some(before) if rank(&before) >= rank(&outcome) => {
-                    best = Some(before);
-                    Some(outcome)
-                }
-                before => {
-                    best = Some(outcome);
-                    before
-                }
-            };
-            tried.extend(worse.map(|o| (o.electrode.enters_from, o.plan.verdict(&self.prepared.space.channel))));
-            if best.as_ref().is_some_and(|b| b.plan.is_verified()) {
+            let is_best = outcomes.first().is_none_or(|best| rank(best) < rank(&outcome));
+            outcomes.insert(if is_best { 0 } else { outcomes.len() }, outcome);
+            if outcomes[0].plan.is_verified() {
                 break;
             }
         }
-        match (best, ElectrodeError::of_sides(impossible)) {
-            (Some(mut best), _) => {
-                self.explain_jam(&mut best, part, (&tried, least_enough))?;
-                Ok(ElectrodeOutcome { tried, ..best })
-            }
-            (None, Some(error)) => Err(error.into()),
-            (None, None) => Err(Cancelled.into()),
+        let no_side = ElectrodeError::of_sides(impossible).map_or_else(|| Cancelled.into(), PlanJobError::from);
+        let sides: Vec<EntrySide> =
+            tried.iter().map(|(side, _)| *side).chain(outcomes.iter().map(|o| o.electrode.enters_from)).collect();
+        self.explain_jams(&mut outcomes, part, &sides)?;
+        // A remedy is worth more than a longer way to the jam.
+        if outcomes.first().is_some_and(|best| best.plan.path.is_none() && !is_opened(best))
+            && let Some(opened) = outcomes.iter().position(is_opened)
+        {
+            outcomes[..=opened].rotate_right(1);
         }
+        let mut outcomes = outcomes.into_iter();
+        let best = outcomes.next().ok_or(no_side)?;
+        tried.extend(outcomes.map(|o| (o.electrode.enters_from, o.plan.verdict(channel))));
+        Ok(ElectrodeOutcome { tried, ..best })
     }
 
-    /// Adds to the jam of `best`, if it has one, the changes by which electrode number `part` comes out; `least_enough` is the
-    /// further reduction of both walls that is enough on some side (rad). A search that is stopped keeps what it has found.
-    fn explain_jam(
+    /// Adds to the jams of electrode number `part`, the best first, the changes by which it comes out: to each jam those
+    /// that hold for its side of entry. Nothing is looked for where the best comes out. `tried` are the sides that need
+    /// not be proposed. A search that is stopped keeps what it has found.
+    fn explain_jams(
         &self,
-        best: &mut ElectrodeOutcome,
+        outcomes: &mut [ElectrodeOutcome],
         part: usize,
-        (tried, least_enough): (&[(EntrySide, String)], Option<f64>),
+        tried: &[EntrySide],
     ) -> Result<(), PlanJobError> {
-        let known = best.plan.jam.as_ref().map(|jam| jam.place_and_cause(&self.prepared.space.channel));
-        let sides: Vec<EntrySide> = tried.iter().map(|(side, _)| *side).chain([best.electrode.enters_from]).collect();
-        let (Some(opening), Some(known)) = (opening_of(best).filter(|opening| !opening.is_stopped), known) else {
+        let channel = &self.prepared.space.channel;
+        let comes_out = outcomes.first().is_none_or(|best| best.plan.path.is_some());
+        if comes_out || outcomes.iter().any(ElectrodeOutcome::is_stopped) {
             return Ok(());
-        };
-        opening.both = least_enough;
-        let task = self.task.as_stage_about(Opening::SEARCH, &known);
-        match look_for_changes(opening, (self.prepared, self.inputs), part, &sides, &task) {
-            Err(PlanJobError::Cancelled(_)) => opening.is_stopped = true,
-            ended => ended?,
+        }
+        let mut search = RemedySearch::new(self.prepared, self.inputs, part, tried);
+        // More reduction of the walls is the least change: it is looked for on every side before any other.
+        for looks in [RemedySearch::walls, RemedySearch::others] {
+            for outcome in outcomes.iter_mut() {
+                let known = outcome.plan.jam.as_ref().map(|jam| jam.place_and_cause(channel));
+                let side = outcome.electrode.enters_from;
+                let (Some(opening), Some(known)) = (opening_of(outcome), known) else { continue };
+                let task = self.task.as_stage_about(Opening::SEARCH, &known);
+                match looks(&mut search, opening, side, &task) {
+                    Err(PlanJobError::Cancelled(_)) => {
+                        outcomes.iter_mut().filter_map(opening_of).for_each(|opening| opening.is_stopped = true);
+                        return Ok(());
+                    }
+                    ended => ended?,
+                }
+            }
         }
         Ok(())
     }
@@ -363,6 +369,12 @@ pub fn kept(outcome: &PlanOutcome) -> Option<Vec<KeptElectrode>> {
 /// What would make an electrode feasible that jams.
 fn opening_of(outcome: &mut ElectrodeOutcome) -> Option<&mut Opening> {
     outcome.plan.jam.as_mut()?.opening.as_mut()
+}
+
+/// Whether a change is known that would make an electrode feasible that jams.
+fn is_opened(outcome: &ElectrodeOutcome) -> bool {
+    let opening = outcome.plan.jam.as_ref().and_then(|jam| jam.opening.as_ref());
+    opening.is_some_and(|opening| !opening.changes.is_empty())
 }
 
 /// How good an outcome is: verified, come out, or got so far (mm).

@@ -20,83 +20,107 @@ const ALL_REDUCTIONS: [[f64; 2]; 2] = [[0.5, 0.2], [1.0, 0.35]];
 /// so much more is tried (deg).
 const RAISES_DEG: [f64; 3] = [0.01, 0.1, 0.3];
 
-/// Adds to `opening` the changes by which electrode number `number` along the passage comes out, as far as a preview
-/// tells, and those by which it does not. It jams on `tried`. Radial reductions and divisions are looked at where no
-/// further reduction of the walls is enough.
-///
-/// # Errors
-/// When told to stop; what was found by then is in `opening`.
-pub(super) fn look_for_changes(
-    opening: &mut Opening,
-    (prepared, inputs): (&PreparedBlisk, &PlanInputs),
-    number: usize,
-    tried: &[EntrySide],
-    task: &Task,
-) -> Result<(), PlanJobError> {
-    let remedies = Remedies { prepared, task };
-    let mut by_walls = false;
-    for more in [opening.both.map(|h| [h, h]), opening.low.map(|h| [h, 0.0]), opening.high.map(|h| [0.0, h])] {
-        // Where both walls help by the same angle, that is enough to know.
-        let Some(more) = more.filter(|_| !by_walls && inputs.own_electrodes.is_empty()) else { continue };
-        let (change, opens) = remedies.walls(inputs, number, more)?;
-        by_walls |= opens;
-        if opens { &mut opening.changes } else { &mut opening.in_vain }.push(change);
-    }
-    let most_walls = (!by_walls).then_some(opening.most);
-    for amounts in remedies.changes(inputs, number, tried, most_walls) {
-        let Some((greatest, less)) = amounts.split_last() else { continue };
-        // One of a kind is enough, and all reductions at once are the last resort.
-        let kind = std::mem::discriminant(&greatest.change);
-        let is_last_resort = matches!(greatest.change, Change::AllReductions { .. });
-        if opening.changes.iter().any(|known| is_last_resort || std::mem::discriminant(known) == kind) {
-            continue;
-        }
-        if !remedies.opens(greatest)? {
-            opening.in_vain.push(greatest.change);
-            continue;
-        }
-        let mut least = greatest;
-        for variant in less {
-            if remedies.opens(variant)? {
-                least = variant;
-                break;
-            }
-        }
-        opening.changes.push(least.change);
-    }
-    Ok(())
-}
-
 /// A change, and the electrodes that it leads to: their inputs and numbers.
 struct Variant {
     change: Change,
     electrodes: Vec<(PlanInputs, usize)>,
 }
 
-struct Remedies<'a> {
+/// A search for changes by which an electrode comes out that jams on every side.
+pub(super) struct RemedySearch<'a> {
     prepared: &'a PreparedBlisk,
-    task: &'a Task,
+    inputs: &'a PlanInputs,
+    /// Number of the electrode along the passage.
+    number: usize,
+    /// Sides that need not be proposed.
+    tried: &'a [EntrySide],
+    /// Whether more reduction of the walls is enough on some side.
+    by_walls: bool,
+    /// Whether what is no matter of a side was looked for: other sides, and a division.
+    of_all_sides: bool,
 }
 
-impl Remedies<'_> {
-    /// More reduction of the walls (rad), a little more where no certificate holds, and whether the electrode comes out.
-    fn walls(&self, inputs: &PlanInputs, number: usize, more: [f64; 2]) -> Result<(Change, bool), PlanJobError> {
-        let (part, _) = inputs.job.electrode.place_of(number);
-        let now = inputs.job.electrode.of_part(part).circumferential_reduction_deg;
+impl<'a> RemedySearch<'a> {
+    /// A search for electrode number `number` along the passage, which was tried on the sides `tried`.
+    pub(super) fn new(
+        prepared: &'a PreparedBlisk,
+        inputs: &'a PlanInputs,
+        number: usize,
+        tried: &'a [EntrySide],
+    ) -> Self {
+        Self { prepared, inputs, number, tried, by_walls: false, of_all_sides: false }
+    }
+
+    /// Adds to `opening`, that of a jam towards `side`, the further reduction of the walls by which the electrode has a
+    /// certified path towards that side, or those that are not enough.
+    ///
+    /// # Errors
+    /// When told to stop; what was found by then is in `opening`.
+    pub(super) fn walls(&mut self, opening: &mut Opening, side: EntrySide, task: &Task) -> Result<(), PlanJobError> {
+        let mut is_enough = false;
+        for more in [opening.both.map(|h| [h, h]), opening.low.map(|h| [h, 0.0]), opening.high.map(|h| [0.0, h])] {
+            // Where both walls help by the same angle, that is enough to know.
+            let Some(more) = more.filter(|_| !is_enough && self.inputs.own_electrodes.is_empty()) else { continue };
+            let (change, opens) = self.with_walls(more, side, task)?;
+            is_enough |= opens;
+            if opens { &mut opening.changes } else { &mut opening.in_vain }.push(change);
+        }
+        self.by_walls |= is_enough;
+        Ok(())
+    }
+
+    /// Adds to `opening`, that of a jam towards `side`, the other changes by which the electrode comes out as far as a
+    /// preview tells, and those by which it does not. Reductions are looked at where none of the walls alone is enough on
+    /// any side, and hold for `side`. Another side, and a division, after which each half may take a side of its own, are
+    /// looked at once, for the first jam.
+    ///
+    /// # Errors
+    /// When told to stop; what was found by then is in `opening`.
+    pub(super) fn others(&mut self, opening: &mut Opening, side: EntrySide, task: &Task) -> Result<(), PlanJobError> {
+        for amounts in self.changes(side, opening.most) {
+            let Some((greatest, less)) = amounts.split_last() else { continue };
+            // One of a kind is enough, and all reductions at once are the last resort.
+            let kind = std::mem::discriminant(&greatest.change);
+            let is_last_resort = matches!(greatest.change, Change::AllReductions { .. });
+            if opening.changes.iter().any(|known| is_last_resort || std::mem::discriminant(known) == kind) {
+                continue;
+            }
+            if !self.opens(greatest, task)? {
+                opening.in_vain.push(greatest.change);
+                continue;
+            }
+            let mut least = greatest;
+            for variant in less {
+                if self.opens(variant, task)? {
+                    least = variant;
+                    break;
+                }
+            }
+            opening.changes.push(least.change);
+        }
+        self.of_all_sides = true;
+        Ok(())
+    }
+
+    /// More reduction of the walls (rad), a little more where no certificate holds, and whether the electrode comes out
+    /// towards `side`.
+    fn with_walls(&self, more: [f64; 2], side: EntrySide, task: &Task) -> Result<(Change, bool), PlanJobError> {
+        let electrode = &self.inputs.job.electrode;
+        let now = electrode.of_part(electrode.place_of(self.number).0).circumferential_reduction_deg;
         let tries = RAISES_DEG.map(|raise| {
             let reduction = |wall: usize| match more[wall] {
                 0.0 => now[wall],
                 more => ((now[wall] + more.max(0.0).to_degrees() + raise) * 100.0).ceil() / 100.0,
             };
             let reductions = [reduction(0), reduction(1)];
-            let with = self.with(inputs, part, &|row| {
+            let with = self.with(side, &|row| {
                 (row.low_reduction_deg, row.high_reduction_deg) = (Some(reductions[0]), Some(reductions[1]));
             });
             let more = [0, 1].map(|wall| (reductions[wall] - now[wall]).to_radians());
             (with, Change::Walls { reductions: reductions.map(f64::to_radians), more })
         });
         for (with, walls) in &tries {
-            match comes_out(self.prepared, with, number, self.task) {
+            match comes_out(self.prepared, with, self.number, task) {
                 Err(PlanJobError::Cancelled(cancelled)) => return Err(cancelled.into()),
                 // One that cannot be made or judged does not come out.
                 Err(_) => break,
@@ -107,35 +131,33 @@ impl Remedies<'_> {
         Ok((tries[0].1, false))
     }
 
-    /// The inputs with another row of single part `part`.
-    fn with(&self, inputs: &PlanInputs, part: usize, edit: &dyn Fn(&mut PartParams)) -> PlanInputs {
-        let mut changed = inputs.clone();
+    /// The inputs with another row of the part that the electrode burns, which enters from `side`.
+    fn with(&self, side: EntrySide, edit: &dyn Fn(&mut PartParams)) -> PlanInputs {
+        let mut changed = self.inputs.clone();
+        let (part, _) = changed.job.electrode.place_of(self.number);
         let rows = &mut changed.job.electrode.part;
         rows.resize(rows.len().max(part + 1), PartParams::default());
+        rows[part].enter = side.into();
         edit(&mut rows[part]);
         changed
     }
 
-    /// Changes worth a look, each in rising amounts; where no reduction of the walls up to `most_walls` (rad) is enough,
-    /// those of other sizes too.
-    fn changes(
-        &self,
-        inputs: &PlanInputs,
-        number: usize,
-        tried: &[EntrySide],
-        most_walls: Option<f64>,
-    ) -> Vec<Vec<Variant>> {
-        let channel = &self.prepared.space.channel;
+    /// Changes worth a look for a jam towards `side`, each in rising amounts; where no reduction of the walls is enough on
+    /// any side, up to `most_walls` (rad) on this one, those of other sizes too.
+    fn changes(&self, side: EntrySide, most_walls: f64) -> Vec<Vec<Variant>> {
+        let (inputs, number, channel) = (self.inputs, self.number, &self.prepared.space.channel);
         let (part, _) = inputs.job.electrode.place_of(number);
-        let with = |edit: &dyn Fn(&mut PartParams)| self.with(inputs, part, edit);
         let one = |change: Change, with: PlanInputs| Variant { change, electrodes: vec![(with, number)] };
         let mut changes = Vec::new();
-        for side in EntrySide::open(channel).into_iter().filter(|side| !tried.contains(side)) {
-            if inputs.job.machine.comes_from(side) {
-                changes.push(vec![one(Change::Side(side), with(&|row| row.enter = side.into()))]);
+        for other in EntrySide::open(channel).into_iter().filter(|other| !self.tried.contains(other)) {
+            if !self.of_all_sides && inputs.job.machine.comes_from(other) {
+                changes.push(vec![one(Change::Side(other), self.with(other, &|_| ()))]);
             }
         }
-        let Some(most_walls) = most_walls.filter(|_| inputs.own_electrodes.is_empty()) else { return changes };
+        if self.by_walls || !inputs.own_electrodes.is_empty() {
+            return changes;
+        }
+        let with = |edit: &dyn Fn(&mut PartParams)| self.with(side, edit);
         let now = inputs.job.electrode.of_part(part);
         let height = channel.middle().height();
         // To a tenth: what is said is what was tried.
@@ -145,7 +167,7 @@ impl Remedies<'_> {
         let mut divided = inputs.clone();
         let share = divided.job.electrode.divide(part);
         let columns = inputs.job.electrode.columns;
-        if divided.job.electrode.validate().is_ok() {
+        if !self.of_all_sides && divided.job.electrode.validate().is_ok() {
             let electrodes = vec![(divided.clone(), number), (divided, number + columns)];
             changes.push(vec![Variant { change: Change::Divided(share), electrodes }]);
         }
@@ -165,9 +187,9 @@ impl Remedies<'_> {
     }
 
     /// Whether all electrodes of a change come out.
-    fn opens(&self, variant: &Variant) -> Result<bool, PlanJobError> {
+    fn opens(&self, variant: &Variant, task: &Task) -> Result<bool, PlanJobError> {
         for (inputs, number) in &variant.electrodes {
-            if !self.comes_out(inputs, *number)? {
+            if !self.comes_out(inputs, *number, task)? {
                 return Ok(false);
             }
         }
@@ -175,9 +197,9 @@ impl Remedies<'_> {
     }
 
     /// Whether a preview finds a path of electrode number `number` to some side that `inputs` allow.
-    fn comes_out(&self, inputs: &PlanInputs, number: usize) -> Result<bool, PlanJobError> {
+    fn comes_out(&self, inputs: &PlanInputs, number: usize, task: &Task) -> Result<bool, PlanJobError> {
         for side in sides(&inputs.job, &self.prepared.space.channel, number).unwrap_or_default() {
-            match preview_on(self.prepared, inputs, (number, side), self.task) {
+            match preview_on(self.prepared, inputs, (number, side), task) {
                 Err(PlanJobError::Cancelled(cancelled)) => return Err(cancelled.into()),
                 // One that cannot be made or judged does not come out.
                 Err(_) => {}
