@@ -15,16 +15,14 @@ pub fn legend(ui: &Ui, rect: Rect, legend: &Legend) -> Rect {
     let bar = Rect::from_min_size(pos2(rect.left() + 18.0, rect.top() + 78.0), size);
     let colours = palette(ui);
     let painter = ui.painter();
-    let back = Rect::from_min_max(bar.min - vec2(8.0, 28.0), bar.max + vec2(74.0, 12.0));
+    let title =
+        if legend.unit.is_empty() { legend.title.clone() } else { format!("{} ({})", legend.title, legend.unit) };
+    let title = painter.layout_no_wrap(title, FontId::proportional(12.0), colours.faint);
+    // As wide as its title, or its numbers.
+    let beside = (title.size().x + 8.0 - size.x).max(74.0);
+    let back = Rect::from_min_max(bar.min - vec2(8.0, 28.0), bar.max + vec2(beside, 12.0));
     painter.rect_filled(back, 6.0, ui.visuals().window_fill.gamma_multiply(0.88));
-    let title = format!("{} {}", legend.title, legend.unit);
-    painter.text(
-        bar.left_top() - vec2(0.0, 16.0),
-        Align2::LEFT_CENTER,
-        title,
-        FontId::proportional(12.0),
-        colours.faint,
-    );
+    painter.galley(bar.left_top() - vec2(0.0, 16.0 + 0.5 * title.size().y), title, colours.faint);
     let steps = 60;
     for i in 0..steps {
         let t = f64::from(i) / f64::from(steps - 1);

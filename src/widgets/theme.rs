@@ -114,6 +114,8 @@ fn style(dark: bool) -> Style {
     spacing.slider_width = 90.0;
     spacing.combo_width = 96.0;
     spacing.tooltip_width = 320.0;
+    // A bar that is there stands beside what it scrolls, and covers no values.
+    spacing.scroll.floating_allocated_width = 8.0;
     style.interaction.tooltip_delay = 0.35;
     style
 }

@@ -1,7 +1,7 @@
 //! What a workspace sees of the window: preferences, the log, and what it asks the window to do.
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use egui::{Color32, RichText, Ui, vec2};
 
@@ -48,6 +48,16 @@ impl LogLine {
     pub fn is_of_other(&self, revision: u64) -> bool {
         self.revision.is_some_and(|of| of != revision)
     }
+}
+
+/// A sentence of the status bar in a place `width` points wide: what does not fit is shown where the pointer is on it.
+pub fn said(ui: &mut Ui, width: f32, text: &str) {
+    let layout = egui::Layout::left_to_right(egui::Align::Center);
+    let place = ui.allocate_ui_with_layout(vec2(width, 18.0), layout, |ui| {
+        ui.set_min_width(width);
+        ui.add(egui::Label::new(text).truncate())
+    });
+    place.inner.on_hover_text(text);
 }
 
 /// A path that the user is asked for.
@@ -213,23 +223,27 @@ impl Context {
         }
     }
 
-    /// Shows the work under way with its progress, the time left, and a button that cancels it.
+    /// Shows the work under way: a button that cancels it, its progress, and a sentence on it with the time left. Each
+    /// keeps its place; a long sentence ends in dots, and is shown whole where the pointer is on it.
     pub fn doing(&mut self, ui: &mut Ui, doing: &Doing) {
         let stage = if doing.stage.is_empty() { doing.what } else { &doing.stage };
-        let (percent, faint) = (100.0 * doing.fraction, palette(ui).faint);
-        ui.label(format!("{}: {stage}", doing.what));
-        let bar = egui::ProgressBar::new(doing.fraction as f32).desired_width(140.0).desired_height(8.0);
-        let name = format!("{stage} {percent:.0} %");
-        ui.add(bar).widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &name));
-        ui.label(RichText::new(format!("{percent:3.0} %")).monospace());
-        if !doing.message.is_empty() {
-            ui.label(RichText::new(&doing.message).color(faint));
-        }
-        let left = doing.time_left().map(|t| format!(", about {} s left", t.as_secs() + 1)).unwrap_or_default();
-        ui.label(RichText::new(format!("{} s{left}", doing.since.elapsed().as_secs())).color(faint));
+        let percent = 100.0 * doing.fraction;
+        let room = ui.available_width();
         if ui.small_button("Cancel").on_hover_text(FrameCommand::Cancel.hint(ui.ctx())).clicked() {
             self.push(FrameCommand::Cancel);
         }
+        let bar = egui::ProgressBar::new(doing.fraction as f32).desired_width(if room > 900.0 { 140.0 } else { 80.0 });
+        let bar = bar.desired_height(8.0);
+        let name = format!("{stage} {percent:.0} %");
+        ui.add(bar).widget_info(|| egui::WidgetInfo::labeled(egui::Role::ProgressIndicator, true, &name));
+        ui.label(RichText::new(format!("{percent:3.0} %")).monospace());
+        let left = doing.time_left(Instant::now());
+        let left = left.map(|t| format!(", about {} s left", t.as_secs() + 1)).unwrap_or_default();
+        let mut text = format!("{}: {stage}, {} s{left}", doing.what, doing.since.elapsed().as_secs());
+        if !doing.message.is_empty() {
+            text = format!("{text}: {}", doing.message);
+        }
+        said(ui, (0.3 * room).clamp(120.0, 460.0), &text);
         ui.separator();
     }
 

@@ -87,19 +87,27 @@ pub struct Doing {
     pub since: Instant,
     /// Time when the stage began.
     pub stage_since: Instant,
+    /// Time when the share that is done last moved.
+    pub moved: Instant,
 }
+
+/// How long the share that is done may stand still before the time left counts as unknown.
+const STANDSTILL: Duration = Duration::from_secs(4);
 
 impl Doing {
     fn new(what: &'static str, is_waiting: bool, now: Instant) -> Self {
         let stage = if is_waiting { "waiting".to_owned() } else { String::new() };
-        Self { what, stage, fraction: 0.0, message: String::new(), is_waiting, since: now, stage_since: now }
+        let message = String::new();
+        Self { what, stage, fraction: 0.0, message, is_waiting, since: now, stage_since: now, moved: now }
     }
 
-    /// Time that the stage will still take at its present pace; none while that is unknown.
-    pub fn time_left(&self) -> Option<Duration> {
-        let spent = self.stage_since.elapsed();
+    /// Time that the stage will still take at `now`, at its pace up to when its share last moved; none while that is
+    /// unknown, and where the share has stood still too long to go by that pace.
+    pub fn time_left(&self, now: Instant) -> Option<Duration> {
+        let (spent, stood) = (self.moved - self.stage_since, now.saturating_duration_since(self.moved));
         let is_known = self.fraction > 0.03 && self.fraction < 1.0 && spent > Duration::from_millis(500);
-        is_known.then(|| spent.mul_f64((1.0 - self.fraction) / self.fraction))
+        let left = spent.mul_f64((1.0 - self.fraction) / self.fraction.max(0.03));
+        left.checked_sub(stood).filter(|_| is_known && stood < STANDSTILL)
     }
 }
 
@@ -433,10 +441,13 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
                     self.partial = None;
                 }
                 Said::Progress { stage, fraction, message } => {
-                    if run.doing.stage != stage {
-                        run.doing.stage_since = Instant::now();
+                    let (doing, now) = (&mut run.doing, Instant::now());
+                    if doing.stage != stage {
+                        (doing.stage_since, doing.moved) = (now, now);
+                    } else if doing.fraction != fraction {
+                        doing.moved = now;
                     }
-                    (run.doing.stage, run.doing.fraction) = (stage, fraction);
+                    (doing.stage, doing.fraction) = (stage, fraction);
                     if !run.is_cancelled {
                         run.doing.message = message;
                     }

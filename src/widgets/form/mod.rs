@@ -179,6 +179,7 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
         let default = get(&self.defaults, key).clone();
         let problem = self.problem_of(&place, &value);
         let mut change = None;
+        let is_long = widgets::is_long(ui, &place, &value);
         ui.horizontal(|ui| {
             let widths = Widths::of(ui, field);
             let label = cell(ui, widths.label, |ui| label(ui, field, value != default));
@@ -191,16 +192,28 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
             if problem.is_some() {
                 mark(ui);
             }
-            change = widgets::widget(ui, &place, &value, widths, also).or(change.take());
+            let made = match is_long {
+                true => widgets::head(ui, &place, &value, widths),
+                false => widgets::widget(ui, &place, &value, widths, also),
+            };
+            change = made.or(change.take());
             // Some files must be there.
             let can_go = || value.is_string() && value != "" && self.table.put(&self.values, key, Value::Null).is_ok();
             if field.kind == Kind::File && can_go() && ui.button("None").on_hover_text(field.help).clicked() {
                 change = Some(Change::To(Value::Null));
             }
-            if !field.unit.is_empty() && (value.is_number() || value.is_array()) {
+            if !is_long && !field.unit.is_empty() && (value.is_number() || value.is_array()) {
                 ui.label(RichText::new(field.unit).color(palette(ui).faint));
             }
         });
+        if is_long {
+            ui.horizontal(|ui| {
+                if problem.is_some() {
+                    mark(ui);
+                }
+                change = widgets::components(ui, &place, &value).or(change.take());
+            });
+        }
         if let Some(problem) = problem {
             complain(ui, &problem);
         }

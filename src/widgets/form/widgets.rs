@@ -1,19 +1,25 @@
 //! The widgets of forms: one for each kind of parameter.
 
 use std::cell::RefCell;
+use std::ops::RangeInclusive;
 
-use egui::{DragValue, Response, Slider, SliderClamping, TextEdit, Ui, vec2};
+use egui::{DragValue, Response, RichText, Slider, SliderClamping, TextEdit, Ui, vec2};
 use serde_json::Value;
 
 use super::{Change, GAP, HEIGHT, VALUE, Widths, cell, mark};
 use crate::widgets::panel_parts::{file_name, parsed_or, short};
-use crate::widgets::theme::tick;
+use crate::widgets::theme::{palette, tick};
 use files::{AXIS_NAMES, Instead, Kind, Place, Range, Word, direction_words, get, inline_toml};
 
 /// Greatest length of labels that are shown side by side.
 const SHORT: usize = 4;
 /// What stands for an empty text.
 pub(super) const NOTHING: &str = "\u{2013}";
+/// Width of a unit after numbers (points).
+const UNIT: f32 = 32.0;
+/// Widths of a digit, and of the edges about a number (points).
+const DIGIT: f32 = 7.8;
+const EDGES: f32 = 12.0;
 /// Greatest length of a text.
 const LETTERS: usize = 4000;
 
@@ -43,6 +49,31 @@ pub(super) fn widget(
         Kind::Numbers { .. } | Kind::Points { .. } | Kind::Text => text(ui, place, value, widths.wide, NOTHING),
         Kind::Rows { .. } => None,
     }
+}
+
+/// Whether the numbers of a value stand on a line of their own, as they would not fit beside their label: the components
+/// of a point, and of a direction that is along no axis.
+pub(super) fn is_long(ui: &Ui, place: &Place, value: &Value) -> bool {
+    match place.field.kind {
+        Kind::Numbers { count: Some(count), .. } => count > 2,
+        Kind::Direction => is_other_direction(ui, place, value),
+        _ => false,
+    }
+}
+
+/// Draws what stands beside the label where the numbers are on the line below.
+pub(super) fn head(ui: &mut Ui, place: &Place, value: &Value, widths: Widths) -> Option<Change> {
+    if place.field.kind == Kind::Direction { axes(ui, place, value, widths.wide) } else { None }
+}
+
+/// Draws the numbers that have a line of their own, over the width of the form, with their unit.
+pub(super) fn components(ui: &mut Ui, place: &Place, value: &Value) -> Option<Change> {
+    let unit = place.field.unit;
+    let change = numbers(ui, place, value, ui.available_width() - if unit.is_empty() { 0.0 } else { UNIT });
+    if !unit.is_empty() {
+        ui.label(RichText::new(unit).color(palette(ui).faint));
+    }
+    change
 }
 
 /// Draws the widget of a cell of a table, an empty text with this `hint`.
@@ -124,12 +155,20 @@ fn drag(ui: &mut Ui, place: &Place, mut at: f64, width: f32, (least, most): (usi
         .speed(place.field.drag_step())
         .max_decimals(if is_whole { 0 } else { most.max(6) })
         .min_decimals(least.min(3))
-        .custom_formatter(short)
+        .custom_formatter(|number, decimals| fitting(number, decimals, width))
         .custom_parser(|text| parsed_or(text, &wrong))
         .update_while_editing(false);
     let response = named(ui, place, |ui| ui.add_sized(vec2(width, HEIGHT), field));
     let value = if is_whole { whole(at) } else { at.into() };
     wrong.into_inner().map(Change::NoNumber).or(along(&response, value))
+}
+
+/// A number with no more decimals than fit into a field of this width (points): a field that grows would widen its panel.
+fn fitting(number: f64, decimals: RangeInclusive<usize>, width: f32) -> String {
+    let (least, most) = (*decimals.start(), *decimals.end());
+    let shown = (least..=most).rev().map(|most| short(number, least..=most));
+    let fits = |text: &String| DIGIT * text.chars().count() as f32 <= width - EDGES;
+    shown.clone().find(fits).or_else(|| shown.last()).unwrap_or_default()
 }
 
 fn whole(number: f64) -> Value {
@@ -281,13 +320,29 @@ fn file(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change>
 
 /// A direction: along an axis, or three components.
 fn direction(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
-    let id = ui.make_persistent_id((&place.key, "other"));
-    let words = direction_words(value);
-    let mut is_other = !AXIS_NAMES.contains(&&*words) || ui.data_mut(|d| d.get_temp(id)).unwrap_or(false);
-    let mut change = None;
     let others = 3.0 * 40.0;
-    let own = if is_other { (width - others).max(56.0) } else { width };
-    combo(ui, place, if is_other { "other" } else { &words }, own, |ui| {
+    let is_other = is_other_direction(ui, place, value);
+    let change = axes(ui, place, value, if is_other { (width - others).max(56.0) } else { width });
+    if is_other { numbers(ui, place, value, others).or(change) } else { change }
+}
+
+/// Name under which the window remembers that components are asked for of a direction along an axis.
+fn other_id(place: &Place) -> egui::Id {
+    egui::Id::unique((&place.key, "other direction"))
+}
+
+/// Whether a direction is along no axis, or its components are asked for.
+fn is_other_direction(ui: &Ui, place: &Place, value: &Value) -> bool {
+    let is_asked_for = || ui.data_mut(|d| d.get_temp(other_id(place))).unwrap_or(false);
+    !AXIS_NAMES.contains(&&*direction_words(value)) || is_asked_for()
+}
+
+/// The axes to choose from, and "other".
+fn axes(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
+    let (words, id) = (direction_words(value), other_id(place));
+    let mut is_other = is_other_direction(ui, place, value);
+    let mut change = None;
+    combo(ui, place, if is_other { "other" } else { &words }, width, |ui| {
         for axis in AXIS_NAMES {
             if ui.selectable_label(!is_other && words == axis, axis).clicked() {
                 is_other = false;
@@ -297,7 +352,7 @@ fn direction(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Ch
         is_other |= ui.selectable_label(is_other, "other").clicked();
     });
     ui.data_mut(|d| d.insert_temp(id, is_other));
-    if is_other { numbers(ui, place, value, others).or(change) } else { change }
+    change
 }
 
 /// A text, or numbers as text, taken when the field is left: a half-typed text changes nothing.

@@ -3,9 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use egui::{Panel, RichText, Ui};
+use egui::{Panel, Ui};
 
-use crate::widgets::theme::palette;
 use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::desk::BliskDesk;
 use crate::workspaces::blisk::desk::picks::Picked;
@@ -24,7 +23,7 @@ use crate::workspaces::blisk::panels::{dialogs, inspector, stepper, timeline};
 use crate::workspaces::blisk::paths::BliskPath;
 use crate::workspaces::blisk::work::release::ExportWork;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
-use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project};
+use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project, said};
 use crate::workspaces::hands::Hands;
 use crate::workspaces::message::Message;
 use crate::workspaces::moved_files;
@@ -370,11 +369,10 @@ impl Workspace for BliskWorkspace {
         // Sizing goes on beside everything else, whichever step is open.
         let Some(doing) = self.desk.work.sizing() else { return };
         let found = self.desk.work.sizes().0.len();
-        ui.label(format!("Sizes: {doing}")).on_hover_text("The table grows in the step Electrode");
-        ui.label(RichText::new(format!("{found} found")).color(palette(ui).faint));
         if ui.small_button("Stop").on_hover_text("Stop sizing; what was found stays").clicked() {
             self.desk.work.stop_sizing();
         }
+        said(ui, 200.0, &format!("Sizes, {found} found: {doing}"));
         ui.separator();
     }
 

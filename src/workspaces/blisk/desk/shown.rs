@@ -215,8 +215,8 @@ impl BliskDesk {
         // While the electrode moves its colours come after it.
         let is_current = self.coloured.last().is_some_and(|(key, _)| key.pose == self.shown_pose());
         Legend {
-            title: if is_current { "Clearance" } else { "Clearance, out of date" }.to_owned(),
-            unit: "mm".to_owned(),
+            title: if is_current { "Clearance (mm)" } else { "Clearance (mm), out of date" }.to_owned(),
+            unit: String::new(),
             map: ColourMap::Threshold,
             min: 0.0,
             max: 2.0 * gap,
@@ -245,6 +245,17 @@ impl BliskDesk {
             return self.looked_at(looked);
         }
         if self.is_tuning() { self.tuned().or(self.planned()) } else { self.planned().or(self.tuned()) }
+    }
+
+    /// The electrodes that panels and arrows tell of, in the order of their parts. That at the cursor is the one in the
+    /// view, be it made for the side that is tried first or for that on which a preview or a plan found a path; the others
+    /// are those of the plan, while that is of the present parameters, or else as they are made.
+    pub fn told_electrodes(&self) -> Vec<&Electrode> {
+        let planned = self.work.plan().filter(|_| self.work.state(Stage::Plan) == State::Ready);
+        let planned = |i: usize| planned.and_then(|plan| plan.electrodes.get(i)).map(|outcome| &outcome.electrode);
+        let made = self.work.electrodes().map(|made| &made.electrodes[..]).unwrap_or_default();
+        let shown = |i| self.shown_electrode().filter(|_| i == self.cursor.electrode).map(|(electrode, _)| electrode);
+        made.iter().enumerate().map(|(i, made)| shown(i).or_else(|| planned(i)).unwrap_or(made)).collect()
     }
 
     /// The electrode of the present parameters, with its shape.

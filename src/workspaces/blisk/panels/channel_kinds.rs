@@ -46,7 +46,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
 }
 
 fn entry(ui: &mut Ui, text: &str, colour: Color32, is_chosen: bool, hint: &str) -> bool {
-    let button = Button::selectable(is_chosen, RichText::new(text).color(colour)).truncate();
+    let button = Button::selectable(is_chosen, RichText::new(text).color(colour)).wrap();
     ui.add(button).on_hover_text(hint).clicked()
 }
 

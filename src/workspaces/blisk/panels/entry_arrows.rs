@@ -1,7 +1,7 @@
 //! The sides that the passage opens to as arrows at its mouths, in the step Electrode: a click on one chooses it, for the
 //! part that is shown where there are several.
 
-use egui::{Align2, FontId, Rect, Role, Sense, Stroke, Ui, WidgetInfo};
+use egui::{FontId, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
 use crate::widgets::theme::palette;
 use crate::widgets::viewport::Viewport;
@@ -25,10 +25,9 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, viewport: &Viewport) 
         let Ok(is_last) = side.mouth(channel) else { continue };
         let Some(mouth) = found.shapes.passage.mouth(is_last) else { continue };
         let direction = side.direction();
-        let made = desk.work.electrodes().into_iter().flat_map(|made| &made.electrodes);
-        let made = made.filter(|electrode| electrode.enters_from == side);
+        let told = desk.told_electrodes().into_iter().filter(|electrode| electrode.enters_from == side);
         // Beyond the holder, where there is one.
-        let ends = made.map(|electrode| {
+        let ends = told.map(|electrode| {
             let bounds = electrode.mesh.bounds();
             bounds.min.dot(direction).max(bounds.max.dot(direction)) - mouth.dot(direction)
         });
@@ -47,15 +46,12 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, viewport: &Viewport) 
     }
 }
 
-/// Whether the electrode that is shown enters from `side`: the one that is chosen, or the one that was found
-/// automatically.
+/// Whether the electrode that is shown enters from `side`: the one that is chosen, or the one that the electrode in the
+/// view is made for.
 fn is_used(desk: &BliskDesk, side: EntrySide) -> bool {
     let (params, number) = (&desk.document.params().electrode, desk.cursor.electrode);
     match params.of_part(params.place_of(number).0).enter {
-        EnterSide::Auto => {
-            let made = desk.work.electrodes().and_then(|made| made.electrodes.get(number));
-            made.is_some_and(|electrode| electrode.enters_from == side)
-        }
+        EnterSide::Auto => desk.shown_electrode().is_some_and(|(electrode, _)| electrode.enters_from == side),
         chosen => chosen.allows(side),
     }
 }
@@ -72,11 +68,16 @@ fn arrow(ui: &mut Ui, rect: Rect, [from, to]: [egui::Pos2; 2], (side, is_used): 
     let colour = match (is_used, response.hovered()) {
         (_, true) => ui.visuals().strong_text_color(),
         (true, false) => palette(ui).accent,
-        (false, false) => palette(ui).faint.gamma_multiply(0.75),
+        (false, false) => ui.visuals().text_color(),
     };
     let painter = ui.painter().with_clip_rect(rect);
-    painter.arrow(from, to - from, Stroke::new(if is_used { 3.0 } else { 1.5 }, colour));
-    let beyond = to + 12.0 * (to - from).normalized();
-    painter.text(beyond, Align2::CENTER_CENTER, side.label(), FontId::proportional(12.0), colour);
+    // On an edge and a label of their own, they are seen before the part as well.
+    let (width, ground) = (if is_used { 3.0 } else { 1.5 }, ui.visuals().window_fill);
+    painter.arrow(from, to - from, Stroke::new(width + 3.0, ground));
+    painter.arrow(from, to - from, Stroke::new(width, colour));
+    let galley = painter.layout_no_wrap(side.label().to_owned(), FontId::proportional(12.0), colour);
+    let label = Rect::from_center_size(to + 14.0 * (to - from).normalized(), galley.size());
+    painter.rect_filled(label.expand2(vec2(4.0, 1.0)), 3.0, ground.gamma_multiply(0.88));
+    painter.galley(label.min, galley, colour);
     response.on_hover_text(name).clicked()
 }

@@ -157,9 +157,20 @@ fn answer(ui: &Ui, desk: &BliskDesk) -> Option<(Color32, String)> {
     })
 }
 
-/// The answer in one line at the bottom of the view.
+/// What in the view belongs to earlier parameters, if anything does.
+fn earlier(desk: &BliskDesk) -> Option<&'static str> {
+    match desk.work.is_earlier() {
+        [true, true] => Some("channel and electrode"),
+        [true, false] => Some("channel"),
+        [false, true] => Some("electrode"),
+        [false, false] => None,
+    }
+}
+
+/// The answer, or what is out of date, in one line at the bottom of the view.
 fn verdict(ui: &mut Ui, rect: Rect, desk: &BliskDesk) {
-    let Some((colour, text)) = answer(ui, desk) else { return };
+    let earlier = || Some((palette(ui).warning, format!("out of date: {} of earlier parameters", earlier(desk)?)));
+    let Some((colour, text)) = answer(ui, desk).or_else(earlier) else { return };
     let above = if desk.section.is_some() { 50.0 } else { 10.0 };
     caption(ui, rect, above, colour, &sentence(&text));
 }

@@ -180,10 +180,14 @@ fn over_distance<'a>(
     build: impl FnOnce(&mut egui_plot::PlotUi<'a>) + 'a,
 ) {
     let colour = palette(ui).accent;
-    let cursor = desk.feed_cursor();
+    let (cursor, length) = (desk.feed_cursor(), desk.track().length());
     let plot = still(ui, name, egui::vec2(0.012, 0.06)).invert_x(true);
     let response = plot.show(ui, move |plot| {
         build(plot);
+        if length <= 0.0 {
+            // A single pose has no range of its own, and the marks of none would stand one on another.
+            plot.set_plot_bounds_x(0.0..=1.0);
+        }
         if let Some(cursor) = cursor {
             plot.vline(VLine::new("", cursor).color(colour).width(1.5).allow_hover(false));
         }

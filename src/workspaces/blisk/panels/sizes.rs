@@ -15,7 +15,7 @@ use task::State;
 const ROOMY: f32 = 300.0;
 
 /// Result of the preview of the electrode being tuned.
-pub fn live(ui: &mut Ui, desk: &BliskDesk) {
+pub fn live(ui: &mut Ui, desk: &mut BliskDesk) {
     match (desk.work.look_state(), desk.work.looked()) {
         (State::Failed(why), _) => {
             notice(ui, palette(ui).warning, &format!("No preview of the extraction path: {why}"));
@@ -27,6 +27,12 @@ pub fn live(ui: &mut Ui, desk: &BliskDesk) {
             notice(ui, colour, &format!("Preview: {sentence} ({took:.2} s; not verified)"));
         }
         (State::Running, None) => notice(ui, palette(ui).faint, "Searching the extraction path…"),
+        (State::Cancelled, None) => {
+            notice(ui, palette(ui).faint, "The preview of the extraction path was cancelled.");
+            if ui.button("Search again").clicked() {
+                desk.work.resume_look();
+            }
+        }
         _ => {}
     }
 }

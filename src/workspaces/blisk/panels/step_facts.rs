@@ -110,14 +110,14 @@ fn measured(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
 
 fn electrode(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     super::sizes::live(ui, desk);
-    let Some(made) = desk.work.electrodes().cloned() else { return };
     // Figures of what was made before would pass for those of what could not be made.
     if matches!(desk.work.state(Stage::Electrode), State::Failed(_)) {
         return;
     }
     let length = cx.preferences.length;
-    for (i, electrode) in made.electrodes.iter().enumerate() {
-        if made.electrodes.len() > 1 {
+    let told = desk.told_electrodes();
+    for (i, electrode) in told.iter().enumerate() {
+        if told.len() > 1 {
             ui.strong(format!("Electrode {}", i + 1));
         }
         fact(ui, "Enters from", electrode.enters_from.label());

@@ -46,6 +46,9 @@ pub enum Probe {
 /// Half of the edge of the box around a place that is flown to, as a share of the part's diagonal.
 const NEARBY: f64 = 0.05;
 
+/// Share of its opacity that is left of what belongs to earlier parameters.
+const PALE: f32 = 0.35;
+
 /// State of the view.
 #[derive(Default)]
 pub struct BliskView {
@@ -76,6 +79,7 @@ struct SceneKey {
     first_point: Option<DVec3>,
     passage: bool,
     surfaces: usize,
+    is_earlier: [bool; 2],
     picking: Option<Picked>,
     picked: [Vec<DVec3>; 4],
     refused_at: Option<DVec3>,
@@ -201,6 +205,7 @@ impl BliskView {
             first_point: self.first_point,
             passage: desk.shown_passage().is_some(),
             surfaces: address(desk.surface_map()),
+            is_earlier: desk.work.is_earlier(),
             picking: desk.picking(),
             picked: if desk.step == Stage::Channel {
                 Picked::ALL.map(|of| desk.picked(of))
@@ -272,6 +277,15 @@ pub fn scene(desk: &BliskDesk, theme: Theme) -> Scene {
         theme,
         triad: false,
     });
+    let [channel, electrode] = desk.work.is_earlier();
+    for object in &mut scene.objects {
+        let is_earlier = match layer_of(object.id) {
+            Some(Layer::Electrode) => electrode,
+            Some(Layer::Unshrouded | Layer::LowWall | Layer::HighWall) => channel,
+            _ => false,
+        };
+        object.opacity *= if is_earlier { PALE } else { 1.0 };
+    }
     if let Some(found) = desk.shown_passage() {
         let place = |p| found.channel.frame.to_parent(p);
         scene.lines.extend(found.shapes.passage.drawn(place));

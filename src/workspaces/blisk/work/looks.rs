@@ -4,15 +4,16 @@
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use super::{BliskWork, Wish};
+use super::{BliskWork, MOMENT, Wish};
 use crate::workspaces::blisk::document::stage::{Fingerprint, Stage};
 use crate::workspaces::blisk::job::outcome::PlanInputs;
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::preview::Looked;
 use crate::workspaces::blisk::job::sizing::{SizeRow, SizingRange, size};
 use crate::workspaces::context::rest_left;
+use crate::workspaces::news::EventKind;
 use feed::plan_params::Strategy;
-use task::{Lane, Memo, Priority, Same, Scheduler, State};
+use task::{Doing, Lane, Memo, Priority, Same, Scheduler, State};
 use wheel::electrode::{EnterSide, Sizing};
 
 /// Parts up to which electrodes are sized.
@@ -28,6 +29,8 @@ pub(super) struct Looks {
     looks: Memo<Place, Looked>,
     /// What is looked at.
     at: Option<Place>,
+    /// What the user has given up looking at.
+    cancelled: Option<Place>,
     /// The look that is shown, and since when (s).
     seen: Option<(Same<Looked>, f64)>,
     sizes: Memo<Fingerprint, Vec<SizeRow>, Vec<SizeRow>>,
@@ -38,8 +41,9 @@ pub(super) struct Looks {
 impl Looks {
     pub(super) fn new(scheduler: &Scheduler) -> Self {
         Self {
-            looks: Memo::new(scheduler, Lane::Quick, "Quick look").remembering(4),
+            looks: Memo::new(scheduler, Lane::Quick, "Preview").remembering(4),
             at: None,
+            cancelled: None,
             seen: None,
             sizes: Memo::new(scheduler, Lane::Long, "Sizes"),
             sized: None,
@@ -49,7 +53,7 @@ impl Looks {
     pub(super) fn clear(&mut self) {
         self.looks.clear();
         self.sizes.clear();
-        (self.at, self.seen, self.sized) = (None, None, None);
+        (self.at, self.cancelled, self.seen, self.sized) = (None, None, None, None);
     }
 }
 
@@ -74,6 +78,10 @@ impl BliskWork {
         };
         let place = (now.plan, part);
         self.looks.at = Some(place);
+        self.looks.cancelled = self.looks.cancelled.filter(|cancelled| *cancelled == place);
+        if self.looks.cancelled.is_some() {
+            return self.looks.looks.stop();
+        }
         let ready = if self.looks.looks.wants(&place) { self.ready() } else { Ok(None) };
         match ready {
             Ok(None) => self.looks.looks.turn_to(&place),
@@ -95,11 +103,38 @@ impl BliskWork {
 
     /// How the look at them stands; missing if nothing is looked at.
     pub fn look_state(&self) -> State {
+        if self.looks.at.is_some() && self.looks.at == self.looks.cancelled {
+            return State::Cancelled;
+        }
         match self.looks.at.as_ref().map(|at| self.looks.looks.state(at)) {
             // It waits for the blisk to be made ready.
             Some(State::Stale | State::Missing) => State::Running,
             state => state.unwrap_or(State::Missing),
         }
+    }
+
+    /// Gives up the look under way, which does not begin again by itself before a parameter changes.
+    pub(super) fn cancel_look(&mut self) {
+        if self.look_state() != State::Running {
+            return;
+        }
+        self.looks.cancelled = self.looks.at;
+        self.looks.looks.stop();
+        if self.wishes.is_empty() {
+            self.prepared.stop();
+        }
+        self.say(Stage::Plan, EventKind::Cancelled, "the preview of the extraction path was cancelled");
+    }
+
+    /// Looks after all at what the user had given up looking at.
+    pub fn resume_look(&mut self) {
+        self.looks.cancelled = None;
+    }
+
+    /// The look under way, or the preparation that it waits for, once that takes more than a moment.
+    pub(super) fn look_doing(&self) -> Option<&Doing> {
+        let ready = self.prepared.doing().filter(|_| self.look_state() == State::Running);
+        self.looks.looks.doing().or(ready).filter(|doing| doing.since.elapsed() > MOMENT)
     }
 
     /// Whether a look or sizes are under way, or what they need.

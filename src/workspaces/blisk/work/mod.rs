@@ -8,6 +8,7 @@ pub mod release;
 mod tests;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use glam::DVec3;
 
@@ -29,6 +30,9 @@ use crate::workspaces::news::{EventKind, WorkEvent};
 use files::{PartFile, Validate as _};
 use looks::Looks;
 use task::{Doing, Lane, Memo, Priority, Same, Scheduler, State};
+
+/// How long work may take before more is said of it than its result: what takes less would only flicker.
+const MOMENT: Duration = Duration::from_millis(500);
 
 /// What has happened, and at which step.
 pub type StageEvent = (Stage, WorkEvent);
@@ -106,7 +110,7 @@ impl BliskWork {
             part: Memo::new(scheduler, Lane::Quick, Stage::Part.name()).remembering(2),
             channel: Memo::new(scheduler, Lane::Quick, Stage::Channel.name()).remembering(3),
             electrodes: Memo::new(scheduler, Lane::Quick, Stage::Electrode.name()).remembering(4),
-            prepared: Memo::new(scheduler, Lane::Quick, Stage::Plan.name()).remembering(1),
+            prepared: Memo::new(scheduler, Lane::Quick, "Preparation").remembering(1),
             planned: Memo::new(scheduler, Lane::Long, Stage::Plan.name()).remembering(4),
             finished: Memo::new(scheduler, Lane::Long, Stage::Verify.name()).remembering(4),
             exported: Memo::new(scheduler, Lane::Long, Stage::Export.name()).remembering(1),
@@ -368,8 +372,9 @@ impl BliskWork {
         Ok(())
     }
 
-    /// Cancels the plan, and whatever else runs but for looks and sizes.
+    /// Cancels the plan, and whatever else runs but for sizes.
     pub fn cancel(&mut self) {
+        self.cancel_look();
         if self.wishes.contains(&Wish::Plan) {
             self.wishes.retain(|wish| *wish != Wish::Plan);
             self.say(Stage::Plan, EventKind::Cancelled, "cancelled");
@@ -499,10 +504,25 @@ impl BliskWork {
         let ready = self.prepared.doing().filter(|_| self.wishes.contains(&Wish::Plan));
         let early = [self.part.doing(), self.channel.doing(), self.electrodes.doing(), ready];
         let late = [self.planned.doing(), self.finished.doing(), self.exported.doing()];
-        early.into_iter().chain(late).flatten().min_by_key(|doing| doing.is_waiting)
+        let all = early.into_iter().chain(late).chain([self.look_doing()]);
+        all.flatten().min_by_key(|doing| doing.is_waiting)
     }
 
-    /// Whether anything waits or runs, looks and sizes apart.
+    /// Whether channel and electrode, as far as they are known, are of earlier parameters, in this order: the present ones
+    /// could not be made, or have been worked on for more than a moment.
+    pub fn is_earlier(&self) -> [bool; 2] {
+        let is_slow = |doing: Option<&Doing>| doing.is_some_and(|doing| doing.since.elapsed() > MOMENT);
+        let is_off = |stage, doing| match self.state(stage) {
+            State::Failed(_) => true,
+            State::Running => is_slow(doing),
+            _ => false,
+        };
+        let channel = is_off(Stage::Channel, self.channel.doing());
+        let electrode = channel || is_off(Stage::Electrode, self.electrodes.doing());
+        [channel && self.channel().is_some(), electrode && self.electrodes().is_some()]
+    }
+
+    /// Whether anything waits or runs, sizes and looks of a moment apart.
     pub fn is_busy(&self) -> bool {
         self.wishes.contains(&Wish::Plan) || self.doing().is_some()
     }
