@@ -213,6 +213,8 @@ pub struct Agreement {
     pub at: DVec3,
     /// Share of the places, beside these, at which holes leave a hub or a shroud open, 0 to 1.
     pub open: f64,
+    /// How far the mesh's hub or shroud lies beyond one that was given by hand, at most (mm).
+    pub left_mm: f64,
 }
 
 /// A channel that is not like the chosen one turned about the axis, though it is of its kind.
@@ -238,6 +240,11 @@ pub enum Difference {
     Tips,
     /// The blades end elsewhere, or others stand beside their edges.
     BesideEdges,
+    /// Metal stands in the passage, off its walls.
+    Obstructed {
+        /// How far within it (mm).
+        off_mm: f64,
+    },
 }
 
 /// Where the blades of a channel stand, about the axis.
@@ -449,6 +456,7 @@ impl Channel {
             Difference::Surface { surface, .. } => format!("no {}", self.surface_name(surface)),
             Difference::Tips => "other cover of its tips".to_owned(),
             Difference::BesideEdges => "other blades beside it".to_owned(),
+            Difference::Obstructed { off_mm } => format!("metal {off_mm:.3} mm within it"),
         }
     }
 

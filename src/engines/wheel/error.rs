@@ -23,8 +23,8 @@ pub enum BliskError {
     /// Only a part of a blisk.
     #[error(
         "the surface of the mesh covers only about {covered_deg:.0} of 360 degrees around the axis {axis}{}, and no two \
-         planes through it cut it out of a wheel: {}load the whole blisk, or a sector of one pitch or more that ends on two \
-         planes through its axis",
+         planes through it cut it out of a wheel: {}load the whole blisk, or a sector of one pitch up to half a turn that \
+         ends on two planes through its axis",
         if *.given { " that blisk.axis gives" } else { "" },
         if *.given { "set blisk.axis to auto or correct it, or " } else { "give the axis with blisk.axis if it is another, or " }
     )]
@@ -207,6 +207,19 @@ pub enum BliskError {
         /// Share of the passage's length that is covered.
         share: f64,
         /// Position along the axis of a place that is covered (mm, in W).
+        x: f64,
+        /// Radius of that place (mm).
+        r: f64,
+    },
+    /// Blades of different height.
+    #[error(
+        "a blade of the channel goes on beyond the tips of its neighbour, at x {x:.3}, r {r:.3} mm about the axis, so that \
+         nothing bounds the passage there on one side; pick a channel between two high blades with blisk.channel, or draw \
+         the bound with points beside the lower tips as blisk.shroud_points_mm and blisk.end_walls = \"drawn\": what lies \
+         beyond it is not burned then"
+    )]
+    HigherBlade {
+        /// Position along the axis of a place beyond the lower tips (mm, in W).
         x: f64,
         /// Radius of that place (mm).
         r: f64,
@@ -419,6 +432,7 @@ impl BliskError {
             | Self::DrawnOutside { x, r, .. }
             | Self::HandCurve { x, r, .. }
             | Self::NoThroat { x, r }
+            | Self::HigherBlade { x, r }
             | Self::PartShroud { x, r, .. } => Some(Cylindrical { x, r, theta: 0.0 }.point()),
             Self::Disagrees(Agreement { at, .. }) | Self::Obstructed { at, .. } => Some(at),
             _ => None,

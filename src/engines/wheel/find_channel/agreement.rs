@@ -48,12 +48,8 @@ const BESIDE_HOLE: f64 = 0.9;
 const MOST_CHORD: f64 = 0.02;
 /// Greatest share of the height that a cell of a wall may bend, as in a fillet.
 const MOST_SAG: f64 = 0.05;
-/// A shroud is thicker than this share of the height.
-const FILM: f64 = 1e-3;
-/// Metal within this share of the height beyond the tips covers the passage.
-const NEAR_TIPS: f64 = 0.2;
 /// Share of the height that the rays to an end wall start from it.
-const START: f64 = 0.1;
+pub(super) const START: f64 = 0.1;
 /// Shares of the height from which rays start whose way from there is barred by a blade that leans.
 const NEARER: [f64; 3] = [0.05, 0.025, 0.0125];
 /// Rays that meet something within this share of the height from the end wall's station met the end wall.
@@ -77,17 +73,17 @@ struct Met {
 
 /// How densely a channel is measured.
 #[derive(Clone, Copy)]
-struct Density {
+pub(super) struct Density {
     /// Every so many cells of a wall's grid one is measured.
     every: usize,
     /// Stations at which hub and shroud are measured, and places across the channel at each.
-    stations: usize,
+    pub stations: usize,
     across: usize,
 }
 
 /// For the channel itself, and for whether the others are like it.
 const DENSE: Density = Density { every: 2, stations: 40, across: 9 };
-const SPARSE: Density = Density { every: 4, stations: 16, across: 5 };
+pub(super) const SPARSE: Density = Density { every: 4, stations: 16, across: 5 };
 
 /// One measured place: how far off the mesh it is, with the sense, the mesh's own chord error there, where it is, and the
 /// facet that is met.
@@ -97,6 +93,8 @@ struct Sample {
     chord: f64,
     at: DVec3,
     triangle: Option<u32>,
+    /// How far the mesh lies beyond a surface that is given by hand (mm).
+    left: f64,
 }
 
 /// The facets of a mesh beside each other.
@@ -257,52 +255,6 @@ impl Measured<'_> {
         Ok(all.into_iter().flatten().collect())
     }
 
-    /// Share of the rays outwards, past the tips of a channel that lies `turn` further about the axis (rad), that meet
-    /// metal within its height; 0 where there is a shroud, which is measured.
-    fn covered(&self, turn: f64) -> f64 {
-        if self.meridian.shrouded {
-            return 0.0;
-        }
-        self.metal_beyond_tips(turn, 1.0).len() as f64 / SPARSE.stations as f64
-    }
-
-    /// Refuses tips over which metal stands along part of the passage.
-    ///
-    /// # Errors
-    /// [`BliskError::PartShroud`].
-    pub fn check_tips(&self) -> Result<(), BliskError> {
-        if self.tracer.is_drawn(Surface::Shroud) || self.tracer.options.shroud_radius_mm.given().is_some() {
-            return Ok(());
-        }
-        match self.metal_beyond_tips(0.0, NEAR_TIPS)[..] {
-            [] | [_] => Ok(()),
-            ref met => {
-                let DVec2 { x, y: r } = met[met.len() / 2];
-                Err(BliskError::PartShroud { share: met.len() as f64 / SPARSE.stations as f64, x, r })
-            }
-        }
-    }
-
-    /// Where rays outwards, past the tips of a channel that lies `turn` further about the axis (rad), meet metal within
-    /// a share `reach` of its height, at stations along the blades.
-    fn metal_beyond_tips(&self, turn: f64, reach: f64) -> Vec<DVec2> {
-        let (tip, stations) = (self.walls[0].nv - 1, &self.meridian.stations);
-        let columns = (1..=SPARSE.stations).map(|i| i * (self.walls[0].nu - 1) / (SPARSE.stations + 1));
-        let meets = |u: usize| {
-            let ends = self.walls.map(|wall| wall.cylindrical(u, tip));
-            let station = station_at(stations, along_at(stations, DVec2::new(ends[0].x, ends[0].r), 1.0));
-            let theta = 0.5 * (ends[0].theta + angle_near(ends[1].theta, ends[0].theta)) + turn;
-            let [from, toward] = self.tracer.start_of(&station, 1.0 - START, Surface::Shroud);
-            let met = self.tracer.met(theta, from, toward, (START + reach) * station.height());
-            // A blade that leans is no shroud.
-            let (distance, _) = met.filter(|(_, facet)| !self.tracer.is_of_blade(*facet, theta))?;
-            // A film without thickness is no shroud.
-            let beyond = from + (distance + FILM * station.height()) * toward;
-            self.tracer.slices.is_solid(beyond.x, beyond.y, theta).then(|| from + distance * toward)
-        };
-        columns.filter_map(meets).collect()
-    }
-
     /// Share of the metal between hub and shroud beyond the edges, a pitch to either side, that only one of two channels
     /// has, of which the other lies `turn` further about the axis (rad): a splitter ends where its neighbours go on.
     fn differing_beside_edges(&self, turn: f64) -> f64 {
@@ -394,7 +346,7 @@ impl Measured<'_> {
                 let normal = tracer.slices.normal(crossing.triangle).try_normalize().unwrap_or(around);
                 r * (crossing.theta - theta) * normal.dot(around).abs()
             });
-            Sample { off, chord: sag.min(most_sag), at, triangle: found.map(|crossing| crossing.triangle) }
+            Sample { off, chord: sag.min(most_sag), at, triangle: found.map(|crossing| crossing.triangle), left: 0.0 }
         };
         cells.par_iter().map(sample).collect()
     }
@@ -453,8 +405,9 @@ impl Measured<'_> {
                 // Beyond a drawn one the rays may graze the walls, where these come together.
                 let missed = if tracer.is_drawn(surface) { 0.0 } else { f64::INFINITY };
                 let above = if given { met.above.max(0.0) } else { met.above };
+                let left = if given && met.facet.is_some() { (-met.above).max(0.0) } else { 0.0 };
                 let at = Cylindrical { x: met.end.x, r: met.end.y, theta: met.theta }.point();
-                Sample { off: met.facet.map_or(missed, |_| above), chord, at, triangle: met.facet }
+                Sample { off: met.facet.map_or(missed, |_| above), chord, at, triangle: met.facet, left }
             };
             met.iter().map(sample).collect::<Vec<_>>()
         };
@@ -498,6 +451,7 @@ fn summary(surface: Surface, samples: &[Sample], within_mm: f64) -> Agreement {
         greatest_mm: worst.map_or(0.0, |s| s.off.abs()),
         at: worst.map_or(DVec3::ZERO, |s| s.at),
         open: 0.0,
+        left_mm: samples.iter().map(|s| s.left).fold(0.0, f64::max),
     }
 }
 
@@ -518,7 +472,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_measured_does_not_agree() {
-        let sample = |off: f64| Sample { off, chord: 0.001, at: DVec3::ZERO, triangle: None };
+        let sample = |off: f64| Sample { off, chord: 0.001, at: DVec3::ZERO, triangle: None, left: 0.0 };
         let share = |offs: &[f64]| {
             summary(Surface::Hub, &offs.iter().map(|off| sample(*off)).collect::<Vec<_>>(), TOLERANCE).share
         };

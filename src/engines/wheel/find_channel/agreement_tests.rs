@@ -11,7 +11,7 @@ use crate::fixtures::{TestBlisk, together, turned_part};
 use crate::options::{Auto, AxisChoice, AxisLine};
 use crate::parametric::wheel::{Flaws, ParametricWheel, Splitters};
 use geometry::frame::Cylindrical;
-use geometry::mesh::normal_times_two_areas;
+use geometry::mesh::{Mesh, normal_times_two_areas};
 
 #[test]
 fn a_slightly_bent_blade_neither_moves_the_axis_nor_goes_unsaid() {
@@ -206,4 +206,104 @@ fn how_few_channels_are_like_the_found_one_is_said() {
     assert!(said(13).contains("Of the other 23 channels of its kind, 13 are not like this one: only 10 are."));
     assert!(said(23).contains("23 are not like this one: it is the odd one, or no two are alike."));
     assert!(said(2).contains("2 are not like this one (1, 2)"));
+}
+
+/// Of every other blade only the lower half stands: beyond its tips nothing bounds the passage on one side.
+#[test]
+fn passages_between_a_high_and_a_low_blade_are_refused() {
+    let part = ParametricWheel::nozzle_ring();
+    let low = |k: usize| k % 2 == 1;
+    // Between flat rings the height is along the axis.
+    let [hub, shroud] = [0.0, 1.0].map(|height| part.place(0.5, height).x);
+    let lowered = |p: DVec3| DVec3 { x: hub + 0.5 * (p.x - hub), ..p };
+    let blade = |k: usize| if low(k) { part.blade(k).mapped(lowered) } else { part.blade(k) };
+    let walls = together(part.wall(0.0), &part.wall(1.0));
+    let mesh = (0..part.blades).map(blade).fold(walls, |all, one| together(all, &one));
+    match find(&mesh, &BliskOptions::default()) {
+        Err(BliskError::HigherBlade { x, .. }) => assert!(x > 0.5 * (hub + shroud) && x < shroud, "{x}"),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn metal_in_any_passage_is_told() {
+    let part = TestBlisk::default();
+    let lump = Mesh::cuboid(DVec3::splat(0.8)).mapped(|p| p - DVec3::splat(0.4));
+    // In the middle between the two walls of a channel, as those are known from the generator.
+    let in_channel = |k: usize| {
+        let [low, high] = part.wall(7.0, 56.0);
+        let theta = 0.5 * (low + high) + k as f64 * part.pitch();
+        lump.mapped(|p| p + Cylindrical { x: 7.0, r: 56.0, theta }.point())
+    };
+    let told: Vec<usize> = (0..part.blades)
+        .step_by(7)
+        .filter(|k| match find(&together(part.mesh(), &in_channel(*k)), &BliskOptions::default()) {
+            Err(BliskError::Obstructed { .. }) => true,
+            Ok(channel) => matches!(
+                channel.unlike[..],
+                [Unlike { difference: Difference::Obstructed { off_mm }, .. }] if off_mm > 1.0
+            ),
+            Err(_) => false,
+        })
+        .collect();
+    assert_eq!(told, [0, 7, 14, 21]);
+}
+
+#[test]
+fn another_row_of_as_many_blades_is_told() {
+    let part = TestBlisk::default();
+    let behind = part.mesh().mapped(|p| p + DVec3::X * (part.chord + 2.0 * part.beside));
+    let channel = found(&together(part.mesh(), &behind));
+    let told = |channel: &Channel| channel.assumed.iter().any(|s| s.starts_with("Another row of 24 blades"));
+    assert!(told(&channel), "{:?}", channel.assumed);
+    // Main blades ahead of their splitters are no other row.
+    let splitters = Some(Splitters { span: [0.5, 0.95], off_middle: 0.0 });
+    let one = found(&ParametricWheel { splitters, ..ParametricWheel::impeller() }.mesh());
+    assert!(!one.assumed.iter().any(|s| s.starts_with("Another row")), "{:?}", one.assumed);
+}
+
+#[test]
+fn tips_that_end_before_a_shroud_are_told() {
+    let open = TestBlisk { blades: 48, shrouded: false, grid: [16, 16, 6, 2], ..Default::default() };
+    let ring = |inner: f64| turned_part(&[[-3.0, inner], [17.0, inner], [17.0, 66.0], [-3.0, 66.0]], 240);
+    let gap = |inner: f64| {
+        let channel = found(&together(open.mesh(), &ring(inner)));
+        assert!(channel.shrouded);
+        let said = channel.assumed.iter().find_map(|s| s.strip_prefix("The blades end up to ")).map(str::to_owned);
+        said.map(|s| s.split(' ').next().and_then(|mm| mm.parse::<f64>().ok()).unwrap())
+    };
+    // Less the sag of the ring's facets, more by that of the tips.
+    let wide = gap(62.3).unwrap();
+    assert!((0.28..0.33).contains(&wide), "{wide}");
+    assert_eq!(gap(61.9), None, "they reach into it");
+}
+
+#[test]
+fn what_a_given_hub_leaves_is_told() {
+    let mesh = TestBlisk { grid: [96, 8, 8, 2], ..Default::default() }.mesh();
+    let channel = find(&mesh, &BliskOptions { hub_radius_mm: Auto::Given(53.0), ..Default::default() }).unwrap();
+    let hub = channel.agreement.iter().find(|a| a.surface == Surface::Hub).unwrap();
+    assert!((hub.left_mm - 3.0).abs() < 0.02, "{hub:?}");
+    assert!(
+        channel.assumed.iter().any(|s| s.starts_with("The hub of the mesh lies up to 3.0")),
+        "{:?}",
+        channel.assumed
+    );
+    assert!(found(&mesh).agreement.iter().all(|a| a.left_mm == 0.0));
+}
+
+/// The hub of a fan is small beside its reach, and its blades cover less than the whole turn.
+#[test]
+fn an_open_wheel_with_a_small_hub_goes_all_the_way_round() {
+    let fan = TestBlisk {
+        blades: 7,
+        hub: [30.0, 0.0],
+        shroud: [100.0, 0.0],
+        bore: 10.0,
+        shrouded: false,
+        grid: [24, 16, 8, 2],
+        ..Default::default()
+    };
+    let channel = found(&fan.mesh());
+    assert_eq!((channel.blades, channel.shrouded), (7, false));
 }

@@ -16,6 +16,7 @@ mod random_wheels;
 mod sectors;
 #[cfg(test)]
 mod tests;
+mod tips;
 mod tube;
 mod walls;
 
@@ -221,15 +222,14 @@ fn measured_channel(
     let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&low, &high], rows };
     let agreement = measured.agreement(&throat)?;
     assumed.extend(agreement.iter().filter_map(holes_sentence));
+    assumed.extend(agreement.iter().filter_map(left_sentence));
+    assumed.extend(measured.tip_gap().map(tip_gap_sentence));
     if !meridian.shrouded {
         walls::check_rows(&low, &high)?;
         measured.check_tips()?;
     }
     let unlike = measured.unlike(blades, blisk.repetition.kinds, blisk.repetition.tolerance_mm)?;
-    let unlike: Vec<Unlike> =
-        unlike.into_iter().map(|u| Unlike { number: (options.channel + u.number) % blades, ..u }).collect();
-    assumed.extend(unlike_sentence(&unlike, blades / blisk.repetition.kinds));
-    let channel = Channel {
+    let mut channel = Channel {
         frame,
         blades,
         index: options.channel,
@@ -247,7 +247,12 @@ fn measured_channel(
         whole: is_of_sector.then(|| Arc::new(mesh.into_owned())),
         assumed,
     };
-    obstruction::check_unobstructed(&channel, slices.mesh(), &task.cancel)?;
+    let obstructed = obstruction::obstructed(&channel, slices.mesh(), &task.cancel)?;
+    channel.unlike.extend(obstructed);
+    channel.unlike.sort_by_key(|unlike| unlike.number);
+    channel.unlike.dedup_by_key(|unlike| unlike.number);
+    channel.unlike.iter_mut().for_each(|unlike| unlike.number = (options.channel + unlike.number) % blades);
+    channel.assumed.extend(unlike_sentence(&channel.unlike, blades / channel.kinds));
     task.report("channel", 1.0, "");
     Ok(channel)
 }
@@ -456,6 +461,24 @@ fn holes_sentence(agreement: &Agreement) -> Option<String> {
             agreement.surface.name()
         )
     })
+}
+
+/// Says how much of the passage is left between a hub or a shroud that was given by hand and that of the mesh.
+fn left_sentence(agreement: &Agreement) -> Option<String> {
+    (agreement.left_mm > agreement.within_mm).then(|| {
+        format!(
+            "The {0} of the mesh lies up to {1:.3} mm beyond the one that was given: what is between them is not burned.",
+            agreement.surface.name(),
+            agreement.left_mm
+        )
+    })
+}
+
+/// Says how far blades end before the shroud.
+fn tip_gap_sentence(gap_mm: f64) -> String {
+    format!(
+        "The blades end up to {gap_mm:.3} mm before the shroud, which is another solid: their walls are taken to go on to it."
+    )
 }
 
 fn measured_up_to(shrouded: bool, inset: f64) -> String {

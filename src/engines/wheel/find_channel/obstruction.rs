@@ -1,9 +1,12 @@
 //! Metal within a passage that is none of its walls: a pin, a strut, a lump, a part left in place.
 
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::super::channel::Channel;
+use super::super::channel::{Channel, Difference, Unlike};
 use super::super::error::BliskError;
 use super::super::passage::Passage;
 use super::super::surface_finder::SurfaceFinder;
@@ -22,58 +25,94 @@ const STEP: f64 = 0.2;
 /// Triangles between two looks at the cancel flag.
 const BATCH: usize = 1024;
 
-/// Refuses `channel` where `mesh`, in W, has metal in its passage that is too far off walls, hub and shroud to belong to
-/// one of them.
+/// A place within a passage.
+#[derive(Clone, Copy)]
+struct Within {
+    /// Number of the passage, counted on from the chosen one in channels of its kind.
+    number: i64,
+    /// The place, turned back to the chosen passage (mm, in W).
+    at: DVec3,
+    /// How far it is off the nearest surface (mm).
+    off: f64,
+}
+
+/// The channels of the kind of `channel` in whose passages `mesh`, in W, has metal that is too far off walls, hub and shroud
+/// to belong to one of them; their numbers are counted on from this one.
 ///
 /// # Errors
-/// [`BliskError::Obstructed`] with the place that is deepest in the passage.
-pub(super) fn check_unobstructed(channel: &Channel, mesh: &Mesh, cancel: &Cancel) -> Result<(), BliskError> {
-    let Some(passage) = Passage::new(channel) else { return Ok(()) };
+/// [`BliskError::Obstructed`] with the place that is deepest in the passage, where it is this one's.
+pub(super) fn obstructed(channel: &Channel, mesh: &Mesh, cancel: &Cancel) -> Result<Vec<Unlike>, BliskError> {
+    let Some(passage) = Passage::new(channel) else { return Ok(Vec::new()) };
     let wall_points = || channel.low.points.iter().chain(&channel.high.points).copied();
-    let around = Bounds::of(wall_points());
+    let walls = Bounds::of(wall_points());
+    let reach = wall_points().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max);
+    let around = Bounds { min: DVec3::new(walls.min.x, -reach, -reach), max: DVec3::new(walls.max.x, reach, reach) };
     // The walls wind about +Z; the passage lies between the least and the greatest angle of both.
     let middle = Cylindrical::from_point(channel.low.point(channel.low.nu / 2, channel.low.nv / 2)).theta;
     let thetas = wall_points().map(|p| angle_near(Cylindrical::from_point(p).theta, middle));
     let [least, most] = thetas.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], t| [a.min(t), b.max(t)]);
+    let count = (channel.blades / channel.kinds) as i64;
+    let period = TAU / count as f64;
     let [from, to] = passage.span;
     let (from, to) = (from + EDGE * (to - from), to - EDGE * (to - from));
     let enough = |line: [f64; 2]| LEAST_OFF.max(OFF_SHARE * (line[1] - line[0]));
-    // How far a place is off the nearest surface, to the walls around the axis; none outside the passage, or where it may
-    // belong to a surface.
-    let depth = |p: DVec3| {
-        let Cylindrical { r, theta, .. } = Cylindrical::from_point(p);
-        if !(least..=most).contains(&angle_near(theta, 0.5 * (least + most))) {
-            return None;
-        }
+    // How far a place is off the nearest surface, to the walls around the axis, turned back to this channel; none outside
+    // the passages, or where it may belong to a surface.
+    let depths = |p: DVec3| -> Vec<Within> {
+        let Cylindrical { x, r, theta } = Cylindrical::from_point(p);
         let [along, height] = passage.along_and_height(p);
         if !(from..=to).contains(&along) {
-            return None;
+            return Vec::new();
         }
         let [hub, shroud] = channel.line_at(along).ends;
+        let off_ends = (height - hub).min(shroud - height);
+        if off_ends <= enough([hub, shroud]) {
+            return Vec::new();
+        }
         let [low, high] = passage.between(along, height.clamp(hub, shroud));
-        let theta = angle_near(theta, 0.5 * (low + high));
-        let off = ((theta - low) * r).min((high - theta) * r).min(height - hub).min(shroud - height);
-        (off > enough([hub, shroud])).then_some(off)
+        // Passages that wind by more than a pitch lie beside each other at one angle.
+        let (first, last) = (((theta - most) / period).ceil() as i64, ((theta - least) / period).floor() as i64);
+        let of = |number: i64| {
+            let theta = theta - number as f64 * period;
+            let off = ((theta - low) * r).min((high - theta) * r).min(off_ends);
+            let at = Cylindrical { x, r, theta }.point();
+            (off > enough([hub, shroud])).then_some(Within { number: number.rem_euclid(count), at, off })
+        };
+        (first..=last).filter_map(of).collect()
     };
     let step = STEP * channel.middle().height();
     let of_batch = |batch: usize| {
         cancel.check()?;
         let triangles = batch * BATCH..((batch + 1) * BATCH).min(mesh.triangles.len());
         let pieces = triangles.flat_map(|i| halved(mesh.corners(i), &around, &|_, _| step)).flatten();
-        Ok(pieces.filter_map(|p| Some((p, depth(p)?))).collect())
+        Ok(pieces.flat_map(depths).collect())
     };
     let batches = (0..mesh.triangles.len().div_ceil(BATCH)).into_par_iter().map(of_batch);
-    let found: Vec<Vec<(DVec3, f64)>> = batches.collect::<Result<_, Cancelled>>()?;
+    let found: Vec<Vec<Within>> = batches.collect::<Result<_, Cancelled>>()?;
     if found.iter().all(Vec::is_empty) {
-        return Ok(());
+        return Ok(Vec::new());
     }
-    let Ok(finder) = SurfaceFinder::new(channel.clone().into()) else { return Ok(()) };
+    let Ok(finder) = SurfaceFinder::new(channel.clone().into()) else { return Ok(Vec::new()) };
     // A wall that stands aslant comes nearer beside the circle than on it.
-    let off = |(p, around): (DVec3, f64)| {
-        let off_mm = finder.wall_distances(p).into_iter().fold(around, f64::min);
-        (off_mm > enough(channel.line_at(passage.along_and_height(p)[0]).ends)).then_some((p, off_mm))
+    let off = |within: Within| {
+        let off = finder.wall_distances(within.at).into_iter().fold(within.off, f64::min);
+        (off > enough(channel.line_at(passage.along_and_height(within.at)[0]).ends)).then_some(Within { off, ..within })
     };
-    // Of places as deep the first, on any number of threads.
-    let deepest = found.into_par_iter().flatten().filter_map(off).reduce_with(|a, b| if b.1 > a.1 { b } else { a });
-    deepest.map_or(Ok(()), |(at, off_mm)| Err(BliskError::Obstructed { at, off_mm }))
+    let found: Vec<Within> = found.into_par_iter().flatten().filter_map(off).collect();
+    let mut deepest: BTreeMap<i64, Within> = BTreeMap::new();
+    for within in found {
+        // Of places as deep the first, on any number of threads.
+        let known = deepest.entry(within.number).or_insert(within);
+        if within.off > known.off {
+            *known = within;
+        }
+    }
+    if let Some(&Within { at, off, .. }) = deepest.get(&0) {
+        return Err(BliskError::Obstructed { at, off_mm: off });
+    }
+    let unlike = |within: Within| Unlike {
+        number: within.number as usize * channel.kinds,
+        difference: Difference::Obstructed { off_mm: within.off },
+    };
+    Ok(deepest.into_values().map(unlike).collect())
 }

@@ -172,12 +172,30 @@ impl Region {
         others.iter().filter(goes_on).filter_map(of).max().unwrap_or(1)
     }
 
-    /// Whether this may be another row of blades than those of `chosen`: a good part as large, and not beside them, as
-    /// where splitters begin.
-    pub fn is_row_beside(&self, chosen: &Self) -> bool {
+    /// Whether this may be another row of blades than those of `chosen`: a good part as large, with a circle between them
+    /// that meets no blade.
+    pub fn is_row_beside(&self, chosen: &Self, slices: &Slices) -> bool {
         const LEAST: f64 = 0.25;
         let walls = |region: &Self| (region.count * region.cells.len()) as f64;
-        walls(self) > LEAST * walls(chosen) && !self.touches(chosen)
+        walls(self) > LEAST * walls(chosen) && self.is_apart(chosen, slices)
+    }
+
+    /// Whether a circle between the nearest cells of two regions meets no blade: it is free all around, or solid.
+    fn is_apart(&self, other: &Self, slices: &Slices) -> bool {
+        let at = |&[x, r]: &[usize; 2]| DVec2::new(x as f64, r as f64);
+        let nearest = |p: DVec2| {
+            let to = other.cells.iter().map(at);
+            to.min_by(|a, b| a.distance_squared(p).total_cmp(&b.distance_squared(p))).map(|q| (p, q))
+        };
+        let pairs = self.cells.iter().map(at).filter_map(nearest);
+        let apart = |(p, q): &(DVec2, DVec2)| p.distance_squared(*q);
+        let Some((p, q)) = pairs.min_by(|a, b| apart(a).total_cmp(&apart(b))) else { return false };
+        let steps = (2.0 * (q - p).abs().max_element()).ceil().max(1.0) as usize;
+        (1..steps).any(|i| {
+            let cell = p.lerp(q, i as f64 / steps as f64);
+            let at = slices.cell_middle(0, 0) + cell * slices.cell_size();
+            slices.gaps(at.x, at.y).is_empty()
+        })
     }
 
     /// Cells whose neighbours all belong to the region, or all of them if there are none.
