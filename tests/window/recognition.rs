@@ -11,7 +11,7 @@ use sparkpath::workspaces::blisk::document::stage::Stage;
 use sparkpath::workspaces::blisk::scene::Layer;
 use task::State;
 use wheel::electrode::{EnterSide, EntrySide};
-use wheel::options::{Auto, AxisChoice};
+use wheel::options::{Auto, AxisChoice, AxisLine};
 use wheel::parametric::wheel::{ParametricWheel, Splitters};
 
 use crate::common::{easy_blisk, mesh};
@@ -229,4 +229,31 @@ fn three_places_around_an_edge_give_the_axis() {
     desk.settle();
     desk.assert_shows("No edge of the wheel");
     assert_eq!(desk.blisk().document.params().blisk.options.axis, AxisChoice::Line(line));
+}
+
+/// Components with all their decimals are seen, and take no room from the view.
+#[test]
+fn the_panel_keeps_its_width_whatever_axis_is_given() {
+    let home = Home::new();
+    let mut desk = home.start(Opening::File(home.part(&easy_blisk())));
+    desk.until_done(Stage::Part);
+    desk.open_step(Stage::Channel);
+    let view = |desk: &Desk| desk.window.get(By::new().role(Role::Image).label("3D viewport")).rect();
+    let before = view(&desk);
+    let mut job = desk.blisk().document.params().clone();
+    let line =
+        AxisLine { direction: [0.919335298, 0.080664764, -0.385117911], point: [-169.857612, 31.742468, 52.336468] };
+    job.blisk.options.axis = AxisChoice::Line(line);
+    desk.blisk_mut().edit("Axis", job, false);
+    desk.settle();
+    assert_eq!(view(&desk), before);
+    for name in ["Direction of axis", "Point on axis"] {
+        for letter in ["X", "Y", "Z"] {
+            let field = desk.find(Role::SpinButton, &format!("{name} {letter}")).rect();
+            assert!(field.left() > 0.0 && field.right() < before.left(), "{name} {letter}: {field}");
+        }
+    }
+    desk.enter("Direction of axis Y", "0.25");
+    let AxisChoice::Line(line) = desk.blisk().document.params().blisk.options.axis else { panic!("no axis") };
+    assert_eq!(line.direction[1], 0.25);
 }

@@ -87,3 +87,43 @@ fn what_is_cancelled_rests_until_the_files_are_read_again() {
     bench.settle();
     assert_eq!((bench.work.state(Stage::Plan), bench.work.is_busy()), (State::Missing, false));
 }
+
+#[test]
+fn a_preview_that_is_cancelled_rests_until_it_is_wanted_or_something_changes() {
+    let mut bench = Bench::new();
+    bench.settle();
+    let look = |bench: &mut Bench| {
+        bench.work.look(0, true, 0.0);
+        (bench.work.look_state(), bench.work.is_looking())
+    };
+    assert_eq!(look(&mut bench), (State::Running, true));
+    bench.work.cancel();
+    assert_eq!(look(&mut bench), (State::Cancelled, false));
+    let said = bench.follow();
+    assert!(said.len() == 1 && said[0].contains("preview of the extraction path was cancelled"), "{said:?}");
+    bench.work.resume_look();
+    assert_eq!(look(&mut bench), (State::Running, true), "wanted after all");
+    bench.work.cancel();
+    bench.edit(|job| job.electrode.radial_reduction_mm += 0.1);
+    bench.settle();
+    assert_eq!(look(&mut bench), (State::Running, true), "another electrode");
+}
+
+#[test]
+fn what_could_not_be_made_anew_is_of_earlier_parameters() {
+    let mut bench = Bench::new();
+    assert_eq!(bench.work.is_earlier(), [false, false], "nothing is known");
+    bench.settle();
+    assert_eq!(bench.work.is_earlier(), [false, false]);
+    bench.edit(|job| job.electrode.radial_reduction_mm = 100.0);
+    bench.settle();
+    assert!(matches!(bench.work.state(Stage::Electrode), State::Failed(_)));
+    assert_eq!(bench.work.is_earlier(), [false, true]);
+    bench.edit(|job| job.blisk.options.hub_radius_mm = wheel::options::Auto::Given(1.0));
+    bench.settle();
+    assert!(matches!(bench.work.state(Stage::Channel), State::Failed(_)));
+    assert_eq!(bench.work.is_earlier(), [true, true]);
+    assert!(bench.document.undo(false) && bench.document.undo(false));
+    bench.settle();
+    assert_eq!(bench.work.is_earlier(), [false, false]);
+}
