@@ -53,11 +53,10 @@ impl LogLine {
 /// A sentence of the status bar in a place `width` points wide: what does not fit is shown where the pointer is on it.
 pub fn said(ui: &mut Ui, width: f32, text: &str) {
     let layout = egui::Layout::left_to_right(egui::Align::Center);
-    let place = ui.allocate_ui_with_layout(vec2(width, 18.0), layout, |ui| {
+    ui.allocate_ui_with_layout(vec2(width, 18.0), layout, |ui| {
         ui.set_min_width(width);
-        ui.add(egui::Label::new(text).truncate())
+        ui.add(egui::Label::new(text).truncate());
     });
-    place.inner.on_hover_text(text);
 }
 
 /// A path that the user is asked for.

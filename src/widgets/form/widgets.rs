@@ -166,9 +166,9 @@ fn drag(ui: &mut Ui, place: &Place, mut at: f64, width: f32, (least, most): (usi
 /// A number with no more decimals than fit into a field of this width (points): a field that grows would widen its panel.
 fn fitting(number: f64, decimals: RangeInclusive<usize>, width: f32) -> String {
     let (least, most) = (*decimals.start(), *decimals.end());
-    let shown = (least..=most).rev().map(|most| short(number, least..=most));
     let fits = |text: &String| DIGIT * text.chars().count() as f32 <= width - EDGES;
-    shown.clone().find(fits).or_else(|| shown.last()).unwrap_or_default()
+    let mut shown = (least..=most).rev().map(|most| short(number, least..=most));
+    shown.find(fits).unwrap_or_else(|| short(number, least..=least))
 }
 
 fn whole(number: f64) -> Value {
