@@ -307,3 +307,14 @@ fn an_open_wheel_with_a_small_hub_goes_all_the_way_round() {
     let channel = found(&fan.mesh());
     assert_eq!((channel.blades, channel.shrouded), (7, false));
 }
+
+#[test]
+fn uneven_pitches_are_named_as_the_reason() {
+    let part = TestBlisk { blades: 9, grid: [24, 8, 24, 2], ..Default::default() };
+    let uneven = part.mesh().mapped(|p| {
+        let Cylindrical { x, r, theta } = Cylindrical::from_point(p);
+        Cylindrical { x, r, theta: theta + 0.06 * (2.0 * theta).sin() }.point()
+    });
+    let said = refused(&uneven);
+    assert!(said.contains("not evenly spaced"), "{said}");
+}

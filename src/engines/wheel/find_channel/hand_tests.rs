@@ -280,6 +280,21 @@ fn points_that_do_not_lie_where_they_should_are_refused_by_key_and_number() {
     assert!(refused(both).contains("blisk.hub_radius_mm, not both"));
 }
 
+/// However far off they are, and whatever they lead to.
+#[test]
+fn points_off_the_hub_of_an_axial_passage_are_named() {
+    let part = axial();
+    let mesh = part.mesh();
+    let height = part.place(0.5, 0.0).distance(part.place(0.5, 1.0));
+    for off in [-0.3, 0.2, 0.6, 0.9] {
+        let mut hub_points_mm = on_curve(&part.hub, &SHARES);
+        let r = hub_points_mm[1][1].hypot(hub_points_mm[1][2]);
+        (1..3).for_each(|i| hub_points_mm[1][i] *= (r + off * height) / r);
+        let error = find(&mesh, &BliskOptions { hub_points_mm, ..BliskOptions::default() }).unwrap_err();
+        assert!(matches!(error, BliskError::PointOff { number: 2, .. }), "{off}: {error}");
+    }
+}
+
 #[test]
 fn points_of_a_cone_stand_for_its_hub() {
     let part = TestBlisk { blades: 17, hub: [50.0, 0.15], shroud: [62.0, 0.25], ..Default::default() };

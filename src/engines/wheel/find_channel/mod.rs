@@ -44,6 +44,9 @@ use task::{Cancel, Task};
 /// their edges.
 const MOST_STEEP_HUB: f64 = 0.15;
 
+/// Share of the walls that repeat where blades are mostly alike and evenly spaced.
+const MOSTLY_ALIKE: f64 = 0.75;
+
 /// Share of the passage's length over which its direction at the rim is measured.
 const NEAR_MOUTH: f64 = 0.05;
 
@@ -87,7 +90,16 @@ pub(super) fn wheel_and_channel<'a>(
         Err(BliskError::Cancelled(cancelled)) => return Err(BliskError::from(cancelled).into()),
         Err(error) => return Err(misleading(mesh, options, &Misleading::ALL, task)?.unwrap_or(error).into()),
     };
-    let whole = channel(&wheel);
+    let unlike_walls = wheel.blisk.repetition.matched < MOSTLY_ALIKE;
+    let whole = channel(&wheel).map_err(|refused| match refused.error {
+        // Unequal walls are the cause, what they lead to is not.
+        BliskError::Disagrees(_) if unlike_walls => {
+            let (axis, count) = (wheel.blisk.axis, wheel.blisk.repetition.blades);
+            let reason = "many of their walls do not repeat, as where blades are not evenly spaced or not alike";
+            Refused { error: BliskError::NoChannels { axis, count, reason }, ..refused }
+        }
+        _ => refused,
+    });
     // A blade alone may look like a wheel of a few: no two of its channels are alike.
     let error = match &whole {
         Ok(of) if !of.unlike.is_empty() && of.unlike.len() + 1 == of.blades / of.kinds => {
@@ -105,6 +117,12 @@ pub(super) fn wheel_and_channel<'a>(
     }
     if let (Err(_), AxisChoice::Line(_)) = (&whole, options.axis)
         && let Some(error) = misleading(mesh, options, &[Misleading::Axis], task)?
+    {
+        return Err(error.into());
+    }
+    if whole.is_err()
+        && let Some(error @ (BliskError::PointOff { .. } | BliskError::BladePoint { .. })) =
+            misleading(mesh, options, &[Misleading::Points], task)?
     {
         return Err(error.into());
     }
