@@ -134,9 +134,9 @@ fn everything_follows_the_cursor(desk: &mut Desk) {
     desk.key(Key::ArrowLeft);
     assert_eq!(s(desk), nodes[2]);
     assert_together(desk);
-    let row = format!("Node {}", nodes.len() - 6);
+    let row = format!("Node {}", nodes.len() - 5);
     desk.press_role(Role::Row, &row);
-    assert_eq!(s(desk), nodes[5], "nodes count from the final pose");
+    assert_eq!(s(desk), nodes[4], "nodes count from the final pose");
     assert_together(desk);
     desk.key(Key::End);
     assert_eq!(s(desk), 0.0);

@@ -115,7 +115,7 @@ fn sizes_are_of_the_parameters_that_they_were_found_with() {
     desk.open_step(Stage::Electrode);
     desk.press("Find sizes");
     desk.open_step(Stage::Verify);
-    desk.assert_shows("Sizes: ");
+    desk.assert_shows("Sizes, ");
     desk.open_step(Stage::Electrode);
     desk.until("there is a size", |d| !d.blisk().work.sizes().0.is_empty());
     desk.press("Stop sizing");

@@ -19,7 +19,7 @@ const VALUE: f32 = 74.0;
 /// Width of a slider, or of another widget before a number.
 const MIDDLE: f32 = 90.0;
 /// Least width of a form that has room for sliders.
-const ROOM_FOR_SLIDERS: f32 = 280.0;
+const ROOM_FOR_SLIDERS: f32 = 272.0;
 /// Least width of a label.
 const LABEL: f32 = 84.0;
 /// Height of a row.

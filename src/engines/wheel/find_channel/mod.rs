@@ -34,7 +34,7 @@ use super::by_hand::ByHand;
 use super::channel::{Agreement, Channel, ChannelWall, Flow, OPENS, Unlike, ways_out};
 use super::error::{BliskError, Misleading, Refused};
 use super::frame::slices::{Gap, Slices};
-use super::frame::{BliskFrame, Wheel, find_sector, find_wheel, is_inside_out};
+use super::frame::{BliskFrame, DO_NOT_REPEAT, Wheel, find_sector, find_wheel, is_inside_out};
 use super::options::{AxisChoice, AxisName, BliskOptions, EndWalls, ZAt};
 use geometry::frame::{Cylindrical, Frame};
 use geometry::mesh::Mesh;
@@ -95,8 +95,7 @@ pub(super) fn wheel_and_channel<'a>(
         // Unequal walls are the cause, what they lead to is not.
         BliskError::Disagrees(_) if unlike_walls => {
             let (axis, count) = (wheel.blisk.axis, wheel.blisk.repetition.blades);
-            let reason = "many of their walls do not repeat, as where blades are not evenly spaced or not alike";
-            Refused { error: BliskError::NoChannels { axis, count, reason }, ..refused }
+            Refused { error: BliskError::NoChannels { axis, count, reason: DO_NOT_REPEAT }, ..refused }
         }
         _ => refused,
     });

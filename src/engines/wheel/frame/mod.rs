@@ -28,6 +28,10 @@ use geometry::frame::Frame;
 use geometry::mesh::Mesh;
 use task::{Cancel, Task};
 
+/// Why gaps are no channels between like blades.
+pub(super) const DO_NOT_REPEAT: &str =
+    "many of their walls do not repeat from gap to gap, as where blades are not evenly spaced or not alike";
+
 /// A wall repeats where it misses the mean one by less than this share of the pitch.
 const TOLERANCE: f64 = 0.005;
 /// Points that are given lie within so many cells of the bladed region.
@@ -259,11 +263,7 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
         _ => None,
     };
     let Some((axis, repetition)) = best.filter(|(_, repetition)| repetition.matched >= 0.5) else {
-        return Err(BliskError::NoChannels {
-            axis: best.map_or(axis, |(axis, _)| axis),
-            count,
-            reason: "most of their walls do not repeat from gap to gap",
-        });
+        return Err(BliskError::NoChannels { axis: best.map_or(axis, |(axis, _)| axis), count, reason: DO_NOT_REPEAT });
     };
     let mut assumed = assumptions(&axis, &repetition, options);
     assumed.extend(others.iter().map(|other| {
