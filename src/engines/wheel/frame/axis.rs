@@ -311,11 +311,10 @@ pub(super) fn of_turned_surfaces(mesh: &Mesh, axis: Axis) -> Option<Axis> {
 }
 
 /// Angle about `axis` that the surface covers, of a full turn (rad), seen in 120 sectors. What lies so near the axis that
-/// its error counts is left out, and what passes the axis by: the plane faces of a sector cover nothing.
+/// its error counts is left out: the plane faces of a sector cover nothing.
 pub(super) fn covered_angle(mesh: &Mesh, axis: &Axis) -> f64 {
     const SECTORS: i64 = 120;
     const NEAR: f64 = 0.03;
-    const MOST: f64 = std::f64::consts::FRAC_PI_2;
     let across = axis.direction.any_orthonormal_vector();
     let up = axis.direction.cross(across);
     let flat = |p: DVec3| glam::DVec2::new(across.dot(p - axis.point), up.dot(p - axis.point));
@@ -323,15 +322,17 @@ pub(super) fn covered_angle(mesh: &Mesh, axis: &Axis) -> f64 {
     let sector = std::f64::consts::TAU / SECTORS as f64;
     let seen = |triangle: &[u32; 3]| {
         let points = triangle.map(|v| flat(mesh.vertices[v as usize]));
-        if points.iter().any(|p| p.length() < NEAR * reach) {
+        let sides = [0, 1, 2].map(|i| [points[i], points[(i + 1) % 3]]);
+        let passes = |[a, b]: [glam::DVec2; 2]| {
+            let share = (-a.dot(b - a) / a.distance_squared(b)).clamp(0.0, 1.0);
+            a.lerp(b, if share.is_nan() { 0.0 } else { share }).length()
+        };
+        if sides.iter().any(|side| passes(*side) < NEAR * reach) {
             return 0;
         }
         let start = points[0].to_angle();
         let turns = points.map(|p| points[0].angle_to(p));
         let (least, most) = turns.iter().fold((0.0f64, 0.0f64), |(l, m), &t| (l.min(t), m.max(t)));
-        if most - least > MOST {
-            return 0;
-        }
         let first = ((start + least) / sector).floor() as i64;
         let last = ((start + most) / sector).floor() as i64;
         (first..=last).fold(0u128, |seen, i| seen | 1 << i.rem_euclid(SECTORS))
