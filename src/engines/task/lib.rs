@@ -3,6 +3,7 @@
 //! A job is a pure function of its inputs and a [`Task`], which may be shared between threads. A [`Memo`] runs such
 //! jobs on the two threads of a [`Scheduler`] and keeps what they answer.
 
+mod doing;
 mod memo;
 mod scheduler;
 mod stage_times;
@@ -12,7 +13,8 @@ mod tests;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-pub use memo::{Doing, Ended, Memo, Refusal, Same, State, Work};
+pub use doing::Doing;
+pub use memo::{Ended, Memo, Refusal, Same, State, Work};
 pub use scheduler::{Lane, Priority, Scheduler};
 pub use stage_times::{StageClock, StageTime};
 

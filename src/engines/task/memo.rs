@@ -7,6 +7,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use crate::doing::Doing;
 use crate::scheduler::{Job, JobId, Lane, Priority, Queue, Scheduler};
 use crate::{Cancel, Progress, Task};
 
@@ -68,47 +69,6 @@ pub struct Ended<K, V> {
     pub result: Result<Arc<V>, Refusal>,
     /// Time that the work ran.
     pub took: Duration,
-}
-
-/// Work under way.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Doing {
-    /// Name of the memo that the work is for.
-    pub what: &'static str,
-    /// Stage of the computation: "waiting" before the work begins, then empty at first.
-    pub stage: String,
-    /// Share of the stage that is done, 0 to 1.
-    pub fraction: f64,
-    /// Detail, may be empty.
-    pub message: String,
-    /// Whether the work has not begun yet.
-    pub is_waiting: bool,
-    /// Time when the work began, or was asked for.
-    pub since: Instant,
-    /// Time when the stage began.
-    pub stage_since: Instant,
-    /// Time when the share that is done last moved.
-    pub moved: Instant,
-}
-
-/// How long the share that is done may stand still before the time left counts as unknown.
-const STANDSTILL: Duration = Duration::from_secs(4);
-
-impl Doing {
-    fn new(what: &'static str, is_waiting: bool, now: Instant) -> Self {
-        let stage = if is_waiting { "waiting".to_owned() } else { String::new() };
-        let message = String::new();
-        Self { what, stage, fraction: 0.0, message, is_waiting, since: now, stage_since: now, moved: now }
-    }
-
-    /// Time that the stage will still take at `now`, at its pace up to when its share last moved; none while that is
-    /// unknown, and where the share has stood still too long to go by that pace.
-    pub fn time_left(&self, now: Instant) -> Option<Duration> {
-        let (spent, stood) = (self.moved - self.stage_since, now.saturating_duration_since(self.moved));
-        let is_known = self.fraction > 0.03 && self.fraction < 1.0 && spent > Duration::from_millis(500);
-        let left = spent.mul_f64((1.0 - self.fraction) / self.fraction.max(0.03));
-        left.checked_sub(stood).filter(|_| is_known && stood < STANDSTILL)
-    }
 }
 
 /// What a piece of work is given: its task and a receiver of partial results.

@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::*;
 
@@ -252,29 +252,6 @@ fn how_far_work_is_is_told_while_it_runs() {
     }
     assert_eq!(said, [("field".to_owned(), 0.25, 25), ("search".to_owned(), 0.75, 75)]);
     assert!(wait(&mut memo, &woken).result.is_ok());
-}
-
-#[test]
-fn a_time_left_counts_down_and_is_not_told_of_a_share_that_stands_still() {
-    let began = Instant::now();
-    let after = |seconds| began + Duration::from_secs(seconds);
-    let doing = |fraction, moved| Doing {
-        what: "numbers",
-        stage: "search".to_owned(),
-        fraction,
-        message: String::new(),
-        is_waiting: false,
-        since: began,
-        stage_since: began,
-        moved: after(moved),
-    };
-    let left =
-        |fraction, moved, now| doing(fraction, moved).time_left(after(now)).map(|left| left.as_secs_f64().round());
-    // A half in 10 s: the other half takes as long.
-    assert_eq!((left(0.5, 10, 10), left(0.5, 10, 12)), (Some(10.0), Some(8.0)));
-    assert_eq!((left(0.25, 10, 13), left(0.25, 10, 14)), (Some(27.0), None), "it stands still");
-    // A share that came with the stage itself tells of no pace, and one that is over is over.
-    assert_eq!((left(0.5, 0, 2), left(0.8, 2, 3), left(1.0, 10, 10)), (None, None, None));
 }
 
 #[test]

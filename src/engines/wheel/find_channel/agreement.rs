@@ -1,7 +1,6 @@
 //! How well a channel that was found agrees with its mesh, measured between the places that it was found from.
 
 use std::collections::HashMap;
-use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -288,7 +287,7 @@ impl Measured<'_> {
     /// Whether there is metal at places on the circle through (x, r), over a pitch to either side of `middle` (rad).
     fn metal(&self, at: DVec2, middle: f64) -> Vec<bool> {
         let gaps = self.tracer.slices.gaps(at.x, at.y);
-        let is_free = |theta: f64| gaps.iter().any(|gap| (theta - gap.low.theta).rem_euclid(TAU) < gap.width());
+        let is_free = |theta: f64| gaps.iter().any(|gap| gap.holds(theta));
         let theta = |k: i32| middle + f64::from(k) / f64::from(AROUND) * self.tracer.pitch;
         if gaps.is_empty() {
             return vec![self.tracer.slices.is_solid(at.x, at.y, middle); 2 * AROUND as usize + 1];

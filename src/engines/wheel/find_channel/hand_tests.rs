@@ -280,7 +280,7 @@ fn points_that_do_not_lie_where_they_should_are_refused_by_key_and_number() {
     assert!(refused(both).contains("blisk.hub_radius_mm, not both"));
 }
 
-/// However far off they are, and whatever they lead to.
+/// A point off the hub is named however far off it is, and whatever it leads to.
 #[test]
 fn points_off_the_hub_of_an_axial_passage_are_named() {
     let part = axial();

@@ -19,6 +19,8 @@ const BEYOND: f64 = 0.06;
 const SAME_WALL: f64 = 0.25;
 /// Share of the height from the shroud up to which a tip ends before it.
 const MOST_GAP: f64 = 0.08;
+/// Distance up to which places are one (mm).
+const SAME_PLACE: f64 = 1e-6;
 
 impl Measured<'_> {
     /// Share of the rays outwards, past the tips of a channel that lies `turn` further about the axis (rad), that meet
@@ -55,10 +57,10 @@ impl Measured<'_> {
     /// Where a wall of the channel goes on beyond the tips that bound it, at stations along the blades.
     fn higher_blades(&self) -> Vec<DVec2> {
         let goes_on = |u: usize| {
-            let (at, [low, high]) = self.at_tips(u, 1.0 + BEYOND);
-            let middle = 0.5 * (low + high);
+            let (station, [low, high]) = self.at_tips(u);
+            let at = station.place(1.0 + BEYOND);
             let mut gaps = self.tracer.slices.gaps(at.x, at.y).into_iter();
-            let gap = gaps.find(|gap| (middle - gap.low.theta).rem_euclid(TAU) < gap.width())?;
+            let gap = gaps.find(|gap| gap.holds(0.5 * (low + high)))?;
             let is_near = |a: f64, b: f64| (angle_near(a, b) - b).abs() < SAME_WALL * (high - low);
             (is_near(gap.low.theta, low) || is_near(gap.high.theta, high)).then_some(at)
         };
@@ -73,22 +75,22 @@ impl Measured<'_> {
         }
         let slices = self.tracer.slices;
         let gap_at = |u: usize| {
-            let (at, [low, high]) = self.at_tips(u, 1.0 - START);
-            let gaps = slices.gaps(at.x, at.y);
-            let middle = 0.5 * (low + high);
-            let gap = gaps.iter().find(|gap| (middle - gap.low.theta).rem_euclid(TAU) < gap.width())?;
+            let (station, [low, high]) = self.at_tips(u);
+            let [from, toward] = self.tracer.start_of(&station, 1.0 - START, Surface::Shroud);
+            let gaps = slices.gaps(from.x, from.y);
+            let gap = gaps.iter().find(|gap| gap.holds(0.5 * (low + high)))?;
             let thickness = |next: &Gap| (next.low.theta - gap.high.theta).rem_euclid(TAU);
             let thickness = gaps.iter().map(thickness).min_by(f64::total_cmp)?;
             let theta = gap.high.theta + 0.5 * thickness;
-            let (station, _) = self.station_of(u);
             let height = station.height();
-            let [from, toward] = self.tracer.start_of(&station, 1.0 - START, Surface::Shroud);
             let (tip, _) = slices.first_in_half_plane(theta, from, toward, (START + MOST_GAP) * height)?;
             if tip < (START - MOST_GAP) * height {
                 return None;
             }
-            let (wide, _) = slices.first_in_half_plane(theta, from + tip * toward, toward, MOST_GAP * height)?;
-            let between = from + (tip + 0.5 * wide) * toward;
+            // Past the tip itself, which rounding may meet again.
+            let past = from + (tip + SAME_PLACE) * toward;
+            let (wide, _) = slices.first_in_half_plane(theta, past, toward, MOST_GAP * height)?;
+            let between = past + 0.5 * wide * toward;
             (!slices.is_solid(between.x, between.y, theta)).then_some(wide)
         };
         let gaps: Vec<f64> = self.columns().filter_map(gap_at).collect();
@@ -102,24 +104,18 @@ impl Measured<'_> {
     }
 
     /// The station of a column at the tips, and the angles of the low and the high wall there (rad).
-    fn station_of(&self, u: usize) -> (Station, [f64; 2]) {
+    fn at_tips(&self, u: usize) -> (Station, [f64; 2]) {
         let (tip, stations) = (self.walls[0].nv - 1, &self.meridian.stations);
         let ends = self.walls.map(|wall| wall.cylindrical(u, tip));
         let station = station_at(stations, along_at(stations, DVec2::new(ends[0].x, ends[0].r), 1.0));
         (station, [ends[0].theta, angle_near(ends[1].theta, ends[0].theta)])
     }
 
-    /// The place (x, r) of a column at a share of the height, and the angles of the walls at the tips (rad).
-    fn at_tips(&self, u: usize, share: f64) -> (DVec2, [f64; 2]) {
-        let (station, thetas) = self.station_of(u);
-        (station.place(share), thetas)
-    }
-
     /// Where rays outwards, past the tips of a channel that lies `turn` further about the axis (rad), meet metal within
     /// a share `reach` of its height, at stations along the blades.
     fn metal_beyond_tips(&self, turn: f64, reach: f64) -> Vec<DVec2> {
         let meets = |u: usize| {
-            let (station, [low, high]) = self.station_of(u);
+            let (station, [low, high]) = self.at_tips(u);
             let theta = 0.5 * (low + high) + turn;
             let [from, toward] = self.tracer.start_of(&station, 1.0 - START, Surface::Shroud);
             let met = self.tracer.met(theta, from, toward, (START + reach) * station.height());

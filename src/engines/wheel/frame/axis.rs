@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
+use geometry::triangle_distance::segment_distance;
 
 /// A line in the coordinates of the mesh: the axis of a blisk.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -322,12 +323,8 @@ pub(super) fn covered_angle(mesh: &Mesh, axis: &Axis) -> f64 {
     let sector = std::f64::consts::TAU / SECTORS as f64;
     let seen = |triangle: &[u32; 3]| {
         let points = triangle.map(|v| flat(mesh.vertices[v as usize]));
-        let sides = [0, 1, 2].map(|i| [points[i], points[(i + 1) % 3]]);
-        let passes = |[a, b]: [glam::DVec2; 2]| {
-            let share = (-a.dot(b - a) / a.distance_squared(b)).clamp(0.0, 1.0);
-            a.lerp(b, if share.is_nan() { 0.0 } else { share }).length()
-        };
-        if sides.iter().any(|side| passes(*side) < NEAR * reach) {
+        let sides = [0, 1, 2].map(|i| [points[i], points[(i + 1) % 3]].map(|p| p.extend(0.0)));
+        if sides.iter().any(|side| segment_distance(*side, [DVec3::ZERO; 2]).distance < NEAR * reach) {
             return 0;
         }
         let start = points[0].to_angle();

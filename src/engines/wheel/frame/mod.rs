@@ -304,7 +304,8 @@ fn bladed_region(
                 let region = regions.swap_remove(i);
                 let mut others = if wanted.is_some() { period::regions(slices, None, cancel)? } else { regions };
                 let least_kinds = region.least_kinds(slices, &others);
-                let is_row = |other: &Region| other.is_row_beside(&region, slices) && other.objection(slices).is_none();
+                let is_row =
+                    |other: &Region| other.is_other_row_than(&region, slices) && other.objection(slices).is_none();
                 others.retain(|other| places.is_empty() && wanted.is_none() && is_row(other));
                 return Ok((region, least_kinds, others));
             }

@@ -174,7 +174,7 @@ impl Region {
 
     /// Whether this may be another row of blades than those of `chosen`: a good part as large, with a circle between them
     /// that meets no blade.
-    pub fn is_row_beside(&self, chosen: &Self, slices: &Slices) -> bool {
+    pub fn is_other_row_than(&self, chosen: &Self, slices: &Slices) -> bool {
         const LEAST: f64 = 0.25;
         let walls = |region: &Self| (region.count * region.cells.len()) as f64;
         walls(self) > LEAST * walls(chosen) && self.is_apart(chosen, slices)

@@ -57,6 +57,11 @@ impl Gap {
         0.5 * (self.low.theta + self.high.theta)
     }
 
+    /// Whether the gap holds the half plane at `theta` (rad), in whichever turn.
+    pub fn holds(&self, theta: f64) -> bool {
+        (theta - self.low.theta).rem_euclid(TAU) < self.width()
+    }
+
     /// Gap counted `turns` whole turns further.
     fn turned(mut self, turns: f64) -> Self {
         self.low.theta += turns * TAU;

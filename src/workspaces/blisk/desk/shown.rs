@@ -215,8 +215,8 @@ impl BliskDesk {
         // While the electrode moves its colours come after it.
         let is_current = self.coloured.last().is_some_and(|(key, _)| key.pose == self.shown_pose());
         Legend {
-            title: if is_current { "Clearance (mm)" } else { "Clearance (mm), out of date" }.to_owned(),
-            unit: String::new(),
+            title: if is_current { "Clearance" } else { "Clearance, out of date" }.to_owned(),
+            unit: "mm".to_owned(),
             map: ColourMap::Threshold,
             min: 0.0,
             max: 2.0 * gap,
