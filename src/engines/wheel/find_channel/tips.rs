@@ -93,7 +93,8 @@ impl Measured<'_> {
             let between = past + 0.5 * wide * toward;
             (!slices.is_solid(between.x, between.y, theta)).then_some(wide)
         };
-        let gaps: Vec<f64> = self.columns().filter_map(gap_at).collect();
+        // Beside its edges a tip may be rounded off.
+        let gaps: Vec<f64> = self.columns().skip(1).take(SPARSE.stations - 2).filter_map(gap_at).collect();
         (2 * gaps.len() > SPARSE.stations).then(|| gaps.into_iter().fold(0.0, f64::max))
     }
 
