@@ -30,8 +30,10 @@ const MOST_POINTS: usize = 40_000;
 /// With fewer points the lattice is made finer, so many times at most.
 const ENOUGH_POINTS: usize = 1_000;
 const MOST_HALVINGS: usize = 4;
-/// From one point to the next the gap of a hole is narrower on both sides by more than this share of its width.
-const HOLE: f64 = 0.15;
+/// From one point to the next the gap of a hole is narrower by more than this share of its width, and on each side by
+/// more than the other.
+const HOLE: f64 = 0.3;
+const HOLE_SIDE: f64 = 0.05;
 /// Shorter runs of the outline are rounding (points).
 const LEAST_RUN: usize = 4;
 /// Points of a run that tell its direction.
@@ -44,6 +46,8 @@ const CORNERS: [usize; 2] = [8, 30];
 const PIECES: usize = 64;
 /// Degree of the polynomials that smooth hub and shroud.
 const DEGREE: usize = 6;
+/// Steps of the lattice by which an outline may lie off its polynomial where no hole bends it.
+const MOST_BENT: f64 = 4.0;
 /// Curves whose mean radii differ by less than this share of the height lie side by side along the axis.
 const SAME_RADIUS: f64 = 0.2;
 
@@ -100,8 +104,9 @@ impl Lines {
 type GapAt<'a> = dyn Fn(f64, f64, &Gap) -> Option<Gap> + 'a;
 
 /// The lines across the part of the meridional plane in which there is a gap; past holes in hub and shroud where these hide
-/// them.
+/// them or bend them.
 fn lines_where(tracer: &Tracer, start: Place, (gap_at, slope): (&GapAt, f64)) -> Result<Option<Lines>, BliskError> {
+    let mut bent = None;
     for past_holes in [false, true] {
         let mut lattice = Lattice { start: DVec2::new(start.x, start.r), step: tracer.slices.cell_size().y };
         let mut points = bladed(tracer, &start, &lattice, (gap_at, past_holes))?;
@@ -115,17 +120,18 @@ fn lines_where(tracer: &Tracer, start: Place, (gap_at, slope): (&GapAt, f64)) ->
         if points.len() >= MOST_POINTS {
             continue;
         }
-        let outline = outline(&points, tracer, &lattice);
-        let lines = curves(&outline, past_holes).and_then(|[hub, outer]| {
-            let shrouded = outer.is_solid;
-            let lines = ordered(smooth(&hub.points)?, smooth(&outer.points)?, shrouded);
-            Some(Lines::new(lines, (lattice.step, slope), shrouded))
-        });
-        if lines.is_some() {
-            return Ok(lines);
+        let Some(walls) = curves(&outline(&points, tracer, &lattice), past_holes) else { continue };
+        let [Some(hub), Some(outer)] = walls.each_ref().map(|wall| smooth(&wall.points)) else { continue };
+        let shrouded = walls[1].is_solid;
+        let off = hub.1.max(outer.1);
+        let lines = Lines::new(ordered(hub.0, outer.0, shrouded), (lattice.step, slope), shrouded);
+        // A blind hole is no opening in the outline, but a bend of it.
+        if off <= MOST_BENT * lattice.step {
+            return Ok(Some(lines));
         }
+        bent = bent.or(Some(lines));
     }
-    Ok(None)
+    Ok(bent)
 }
 
 /// Share of the length of a curve (x, r) that is at least as steep as `slope` (radius over x).
@@ -182,7 +188,7 @@ fn bladed(
 /// that meet a gap is too: this is asked only where no curves are found otherwise.
 fn is_in_hole(gap: &Gap, near: &Gap) -> bool {
     let narrowed = [gap.low.theta - near.low.theta, near.high.theta - gap.high.theta];
-    narrowed.into_iter().all(|narrowed| narrowed > HOLE * near.width())
+    narrowed.iter().all(|side| *side > HOLE_SIDE * near.width()) && narrowed.iter().sum::<f64>() > HOLE * near.width()
 }
 
 /// The four neighbours of a point of the lattice, anticlockwise from the one below.
@@ -316,8 +322,9 @@ fn tips(open: &[DVec2]) -> Option<Run> {
     Some(Run { is_solid: false, points: open[one.min(other)..=one.max(other)].to_vec() })
 }
 
-/// Points at equal steps along the polynomial through a run of the outline, whose own points lie on a lattice.
-fn smooth(run: &[DVec2]) -> Option<Vec<DVec2>> {
+/// Points at equal steps along the polynomial through a run of the outline, whose own points lie on a lattice, and the
+/// greatest distance of the run from it (mm).
+fn smooth(run: &[DVec2]) -> Option<(Vec<DVec2>, f64)> {
     let mean = |i: usize| {
         let near = &run[i.saturating_sub(2)..(i + 3).min(run.len())];
         near.iter().sum::<DVec2>() / near.len() as f64
@@ -337,7 +344,8 @@ fn smooth(run: &[DVec2]) -> Option<Vec<DVec2>> {
         let of = |c: usize| (0..=DEGREE).map(|k| solution[(k, c)] * basis(t, k)).sum();
         DVec2::new(of(0), of(1))
     };
-    Some((0..=PIECES).map(|i| at(i as f64 / PIECES as f64)).collect())
+    let off = means.iter().zip(&lengths).map(|(mean, length)| mean.distance(at(length / total))).fold(0.0, f64::max);
+    Some(((0..=PIECES).map(|i| at(i as f64 / PIECES as f64)).collect(), off))
 }
 
 /// Lines from the hub, which of two walls is that of smaller radius, to the shroud or the tips, in order of rising x

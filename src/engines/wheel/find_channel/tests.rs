@@ -545,12 +545,13 @@ fn blades_with_swept_edges_and_fillets_round_them_are_recognised() {
     }
 }
 
-/// A wall of revolution of `part` at a height of 0 or 1 with a round hole through it in the middle of every passage.
-fn drilled(part: &ParametricWheel, height: f64, radius: f64) -> Mesh {
+/// A wall of revolution of `part` at a height of 0 or 1 with a round hole in it in the middle of every passage, as deep as
+/// `depth` of its thickness.
+fn drilled(part: &ParametricWheel, height: f64, radius: f64, depth: f64) -> Mesh {
     let (at, beside) = (part.place(0.5, height), part.place(0.5, 1.0 - height));
     let way = (beside - at).normalize();
     let ring: Vec<DVec2> = (0..24).map(|i| radius * DVec2::from_angle(TAU * f64::from(i) / 24.0)).collect();
-    let hole = geometry::solid::prism(&[&ring], -2.0 * part.wall_mm, part.wall_mm).unwrap();
+    let hole = geometry::solid::prism(&[&ring], -depth * part.wall_mm, part.wall_mm).unwrap();
     let wall = part.wall(height);
     (0..part.blades).fold(wall, |wall, k| {
         let [low, high] = part.walls(k, 0.5, height).unwrap();
@@ -567,15 +568,17 @@ fn drilled(part: &ParametricWheel, height: f64, radius: f64) -> Mesh {
 fn holes_in_hub_and_shroud_are_told_and_change_nothing() {
     let open = ParametricWheel { shrouded: false, ..ParametricWheel::impeller() };
     let drilled_parts = [
-        (ParametricWheel::nozzle_ring(), 1.0, Surface::Shroud),
-        (ParametricWheel::impeller(), 0.0, Surface::Hub),
-        (open, 0.0, Surface::Hub),
+        (ParametricWheel::nozzle_ring(), 1.0, Surface::Shroud, 2.0),
+        (ParametricWheel::impeller(), 0.0, Surface::Hub, 2.0),
+        (ParametricWheel { wall_mm: 8.0, ..ParametricWheel::impeller() }, 0.0, Surface::Hub, 0.8),
+        (open, 0.0, Surface::Hub, 2.0),
     ];
-    for (part, height, surface) in drilled_parts {
+    for (part, height, surface, depth) in drilled_parts {
         let whole = found(&part.mesh());
         let other = part.shrouded.then(|| part.wall(1.0 - height));
         let blades = (0..part.blades).map(|k| part.blade(k));
-        let mesh = other.into_iter().chain(blades).fold(drilled(&part, height, 3.0), |all, one| together(all, &one));
+        let mesh =
+            other.into_iter().chain(blades).fold(drilled(&part, height, 3.0, depth), |all, one| together(all, &one));
         let channel = found(&mesh);
         assert!((channel.throat.width_mm - whole.throat.width_mm).abs() < 2e-3, "{:?}", channel.throat);
         let open = |a: &&Agreement| a.open > 0.0;
