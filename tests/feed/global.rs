@@ -144,6 +144,35 @@ fn planned_until(inputs: &PlanInputs, report: usize) -> (PlanOutcome, usize) {
     (outcome, reports.load(Ordering::Relaxed))
 }
 
+/// The sides of an uneven passage need different reductions: each jam tells of its own.
+#[test]
+fn a_remedy_holds_for_the_side_that_it_is_told_of() {
+    let mut job = coarse_job(0.05);
+    job.electrode.enter = EnterSide::Auto;
+    let blisk = ParametricBlisk { beta_in_deg: 20.0, beta_out_deg: -50.0, ..easy_blisk() };
+    let inputs =
+        PlanInputs { blisk: mesh(&blisk).into(), own_electrodes: Vec::new(), sections: Default::default(), job };
+    let task = Task::default();
+    let ready = prepare(&inputs, &task).unwrap();
+    let outcome = run_prepared(&ready, &inputs, &|_, _, _| (), &task).unwrap();
+    let electrode = only(&outcome);
+    let best = (electrode.electrode.enters_from, electrode.plan.verdict(&outcome.channel));
+    assert_eq!(electrode.tried.len(), 1, "it jams on both sides: {best:?}");
+    let enough = |said: &str| {
+        let (_, rest) = said.split_once("; feasible with both walls reduced by ")?;
+        rest.split(' ').next()?.parse::<f64>().ok()
+    };
+    assert!(enough(&best.1).is_some(), "one that a change opens is told of first: {best:?}");
+    for (side, said) in electrode.tried.iter().chain([&best]) {
+        let Some(reduction) = enough(said) else { continue };
+        let mut followed = inputs.clone();
+        followed.job.electrode.enter = (*side).into();
+        followed.job.electrode.circumferential_reduction_deg = [reduction; 2];
+        let helped = run_feeds(&ready, &followed, &task).unwrap();
+        assert!(helped.is_verified(), "towards {side:?}: {said}: {}", only(&helped).plan.verdict(&helped.channel));
+    }
+}
+
 /// A passage that turns by more than its walls can give way for: what else was tried is told.
 #[test]
 fn where_no_reduction_of_the_walls_is_enough_other_changes_are_tried() {
