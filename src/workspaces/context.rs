@@ -51,7 +51,7 @@ impl LogLine {
 }
 
 /// A sentence of the status bar in a place `width` points wide: what does not fit is shown where the pointer is on it.
-pub fn said(ui: &mut Ui, width: f32, text: &str) {
+pub fn status_sentence(ui: &mut Ui, width: f32, text: &str) {
     let layout = egui::Layout::left_to_right(egui::Align::Center);
     ui.allocate_ui_with_layout(vec2(width, 18.0), layout, |ui| {
         ui.set_min_width(width);
@@ -242,7 +242,7 @@ impl Context {
         if !doing.message.is_empty() {
             text = format!("{text}: {}", doing.message);
         }
-        said(ui, (0.3 * room).clamp(120.0, 460.0), &text);
+        status_sentence(ui, (0.3 * room).clamp(120.0, 460.0), &text);
         ui.separator();
     }
 

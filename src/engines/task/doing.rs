@@ -1,4 +1,4 @@
-//! How far work has come, as it is told while it is under way.
+//! Progress of work under way.
 
 use std::time::{Duration, Instant};
 
@@ -15,6 +15,8 @@ pub struct Doing {
     pub message: String,
     /// Whether the work has not begun yet.
     pub is_waiting: bool,
+    /// Time when the work was asked for.
+    pub asked: Instant,
     /// Time when the work began, or was asked for.
     pub since: Instant,
     /// Time when the stage began.
@@ -30,7 +32,7 @@ impl Doing {
     pub(super) fn new(what: &'static str, is_waiting: bool, now: Instant) -> Self {
         let stage = if is_waiting { "waiting".to_owned() } else { String::new() };
         let message = String::new();
-        Self { what, stage, fraction: 0.0, message, is_waiting, since: now, stage_since: now, moved: now }
+        Self { what, stage, fraction: 0.0, message, is_waiting, asked: now, since: now, stage_since: now, moved: now }
     }
 
     /// Time that the stage will still take at `now`, at its pace up to when its share last moved; none while that is
@@ -38,8 +40,10 @@ impl Doing {
     pub fn time_left(&self, now: Instant) -> Option<Duration> {
         let (spent, stood) = (self.moved - self.stage_since, now.saturating_duration_since(self.moved));
         let is_known = self.fraction > 0.03 && self.fraction < 1.0 && spent > Duration::from_millis(500);
-        let left = spent.mul_f64((1.0 - self.fraction) / self.fraction.max(0.03));
-        left.checked_sub(stood).filter(|_| is_known && stood < STANDSTILL)
+        if !is_known || stood >= STANDSTILL {
+            return None;
+        }
+        spent.mul_f64((1.0 - self.fraction) / self.fraction).checked_sub(stood)
     }
 }
 
@@ -57,6 +61,7 @@ mod tests {
             fraction,
             message: String::new(),
             is_waiting: false,
+            asked: began,
             since: began,
             stage_since: began,
             moved: after(moved),
@@ -68,5 +73,6 @@ mod tests {
         assert_eq!((left(0.25, 10, 13), left(0.25, 10, 14)), (Some(27.0), None), "it stands still");
         // A share that came with the stage itself tells of no pace, and one that is over is over.
         assert_eq!((left(0.5, 0, 2), left(0.8, 2, 3), left(1.0, 10, 10)), (None, None, None));
+        assert_eq!((left(f64::NAN, 10, 10), left(0.0, 10, 10)), (None, None));
     }
 }

@@ -397,7 +397,7 @@ impl<K: Clone + PartialEq, V: Send + 'static, P: Send + 'static> Memo<K, V, P> {
             let Some(run) = self.run.as_mut().filter(|run| run.number == number) else { continue };
             match said {
                 Said::Started(now) => {
-                    run.doing = Doing::new(self.what, false, now);
+                    run.doing = Doing { asked: run.doing.asked, ..Doing::new(self.what, false, now) };
                     self.partial = None;
                 }
                 Said::Progress { stage, fraction, message } => {

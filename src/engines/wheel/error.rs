@@ -214,9 +214,9 @@ pub enum BliskError {
     /// Blades of different height.
     #[error(
         "a blade of the channel goes on beyond the tips of its neighbour, at x {x:.3}, r {r:.3} mm about the axis, so that \
-         nothing bounds the passage there on one side; pick a channel between two high blades with blisk.channel, or draw \
-         the bound with points beside the lower tips as blisk.shroud_points_mm and blisk.end_walls = \"drawn\": what lies \
-         beyond it is not burned then"
+         nothing bounds the passage there on one side; pick a channel between two high blades, if there is one, with \
+         blisk.channel, or draw the bound with points beside the lower tips as blisk.shroud_points_mm and \
+         blisk.end_walls = \"drawn\": what lies beyond it is not burned then"
     )]
     HigherBlade {
         /// Position along the axis of a place beyond the lower tips (mm, in W).

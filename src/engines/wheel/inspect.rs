@@ -287,7 +287,7 @@ impl fmt::Display for SurfaceClasses {
             let name = if i == 0 { "Surfaces" } else { "" };
             row(name, format!("{:<40}{:>12.1} mm²{:>10} triangles", area.name, area.area_mm2, area.triangles))?;
         }
-        let radius = |r: Option<f64>| r.map_or("none of one radius".to_owned(), |r| format!("R {r:.3} mm"));
+        let radius = |r: Option<f64>| r.map_or("no single radius".to_owned(), |r| format!("R {r:.3} mm"));
         row("Fillets", format!("hub {}, shroud {}", radius(self.hub_fillet_mm), radius(self.shroud_fillet_mm)))
     }
 }

@@ -150,13 +150,13 @@ fn number(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Chang
 
 fn drag(ui: &mut Ui, place: &Place, mut at: f64, width: f32, (least, most): (usize, usize)) -> Option<Change> {
     let is_whole = place.field.is_whole();
-    let wrong = RefCell::default();
+    let (before, shown, wrong) = (at, RefCell::default(), RefCell::default());
     let field = DragValue::new(&mut at)
         .speed(place.field.drag_step())
         .max_decimals(if is_whole { 0 } else { most.max(6) })
         .min_decimals(least.min(3))
-        .custom_formatter(|number, decimals| fitting(number, decimals, width))
-        .custom_parser(|text| parsed_or(text, &wrong))
+        .custom_formatter(|number, decimals| kept(fitting(number, decimals, width), &shown))
+        .custom_parser(|text| if text == *shown.borrow() { Some(before) } else { parsed_or(text, &wrong) })
         .update_while_editing(false);
     let response = named(ui, place, |ui| ui.add_sized(vec2(width, HEIGHT), field));
     let value = if is_whole { whole(at) } else { at.into() };
@@ -171,6 +171,12 @@ fn fitting(number: f64, decimals: RangeInclusive<usize>, width: f32) -> String {
     shown.find(fits).unwrap_or_else(|| short(number, least..=least))
 }
 
+/// The text of a number, which is kept: left as it is, it stands for the number, of which it may show fewer decimals.
+fn kept(text: String, shown: &RefCell<String>) -> String {
+    shown.borrow_mut().clone_from(&text);
+    text
+}
+
 fn whole(number: f64) -> Value {
     let rounded = number.round();
     if rounded < 0.0 { Value::from(rounded as i64) } else { Value::from(rounded as u64) }
@@ -179,13 +185,16 @@ fn whole(number: f64) -> Value {
 /// An optional number; a dash if missing.
 fn number_or_dash(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
     let mut at = value.as_f64().unwrap_or_default();
-    let wrong = RefCell::default();
+    let (before, shown, wrong) = (at, RefCell::default(), RefCell::default());
     let field = DragValue::new(&mut at)
         .speed(place.field.drag_step())
         .max_decimals(6)
-        .custom_formatter(|number, decimals| if number > 0.0 { short(number, decimals) } else { "\u{2013}".to_owned() })
+        .custom_formatter(|number, decimals| {
+            kept(if number > 0.0 { short(number, decimals) } else { "\u{2013}".to_owned() }, &shown)
+        })
         .custom_parser(|text| match text.trim() {
             "" | "-" | "\u{2013}" => Some(0.0),
+            text if text == *shown.borrow() => Some(before),
             text => parsed_or(text, &wrong),
         })
         .update_while_editing(false);

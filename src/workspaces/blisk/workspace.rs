@@ -23,7 +23,7 @@ use crate::workspaces::blisk::panels::{dialogs, inspector, stepper, timeline};
 use crate::workspaces::blisk::paths::BliskPath;
 use crate::workspaces::blisk::work::release::ExportWork;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
-use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project, said};
+use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project, status_sentence};
 use crate::workspaces::hands::Hands;
 use crate::workspaces::message::Message;
 use crate::workspaces::moved_files;
@@ -372,7 +372,7 @@ impl Workspace for BliskWorkspace {
         if ui.small_button("Stop").on_hover_text("Stop sizing; what was found stays").clicked() {
             self.desk.work.stop_sizing();
         }
-        said(ui, 200.0, &format!("Sizes, {found} found: {doing}"));
+        status_sentence(ui, 200.0, &format!("Sizes, {found} found: {doing}"));
         ui.separator();
     }
 

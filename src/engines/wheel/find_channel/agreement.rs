@@ -404,11 +404,17 @@ impl Measured<'_> {
                 // Beyond a drawn one the rays may graze the walls, where these come together.
                 let missed = if tracer.is_drawn(surface) { 0.0 } else { f64::INFINITY };
                 let above = if given { met.above.max(0.0) } else { met.above };
-                let left = if given && met.facet.is_some() { (-met.above).max(0.0) } else { 0.0 };
+                let left = if given && met.facet.is_some() { (-met.above - chord).max(0.0) } else { 0.0 };
                 let at = Cylindrical { x: met.end.x, r: met.end.y, theta: met.theta }.point();
                 Sample { off: met.facet.map_or(missed, |_| above), chord, at, triangle: met.facet, left }
             };
-            met.iter().map(sample).collect::<Vec<_>>()
+            let mut samples: Vec<Sample> = met.iter().map(sample).collect();
+            // A hole is deeper than the wall beside it.
+            let mut left: Vec<f64> = samples.iter().map(|s| s.left).collect();
+            left.sort_by(f64::total_cmp);
+            let most = left[left.len() / 2] + HOLE_DEPTH * height;
+            samples.iter_mut().filter(|s| s.left > most).for_each(|s| s.left = 0.0);
+            samples
         };
         columns.par_iter().map(of_column).collect::<Vec<_>>().concat()
     }

@@ -235,18 +235,53 @@ fn metal_in_any_passage_is_told() {
         let theta = 0.5 * (low + high) + k as f64 * part.pitch();
         lump.mapped(|p| p + Cylindrical { x: 7.0, r: 56.0, theta }.point())
     };
-    let told: Vec<usize> = (0..part.blades)
-        .step_by(7)
-        .filter(|k| match find(&together(part.mesh(), &in_channel(*k)), &BliskOptions::default()) {
-            Err(BliskError::Obstructed { .. }) => true,
-            Ok(channel) => matches!(
-                channel.unlike[..],
-                [Unlike { difference: Difference::Obstructed { off_mm }, .. }] if off_mm > 1.0
-            ),
-            Err(_) => false,
-        })
-        .collect();
-    assert_eq!(told, [0, 7, 14, 21]);
+    // The number of the passage with the lump; none where the chosen one is refused for it.
+    let told = |mesh: &Mesh, channel: usize| match find(mesh, &BliskOptions { channel, ..Default::default() }) {
+        Err(BliskError::Obstructed { .. }) => None,
+        Ok(Channel { unlike, .. }) => match unlike[..] {
+            [Unlike { number, difference: Difference::Obstructed { off_mm } }] if off_mm > 1.0 => Some(number),
+            _ => panic!("{unlike:?}"),
+        },
+        Err(error) => panic!("{error}"),
+    };
+    // Passages are counted from the one whose middle is on +Z of W.
+    let frame = found(&part.mesh()).frame;
+    let number = |lump: &Mesh| {
+        let middle = Cylindrical::from_point(frame.from_parent(lump.bounds().center()));
+        (middle.theta / part.pitch()).round().rem_euclid(part.blades as f64) as usize
+    };
+    for (chosen, k) in [(0, 0), (0, 1), (0, 23), (5, 12)] {
+        let lump = in_channel(k);
+        let (told, number) = (told(&together(part.mesh(), &lump), chosen), number(&lump));
+        assert_eq!(told, (number != chosen).then_some(number), "channel {chosen}, a lump in {k}");
+    }
+}
+
+/// Beside splitters every other passage is of the chosen kind.
+#[test]
+fn metal_in_a_passage_beside_splitters_is_told() {
+    let splitters = Some(Splitters { span: [0.3, 0.95], off_middle: 0.0 });
+    let part = ParametricWheel { blades: 12, splitters, ..ParametricWheel::impeller() };
+    let lump = Mesh::cuboid(DVec3::splat(1.5)).mapped(|p| p - DVec3::splat(0.75));
+    let number = |k: usize| {
+        let [low, high] = part.walls(k, 0.7, 0.5).unwrap();
+        let DVec2 { x, y: r } = part.place(0.7, 0.5);
+        let at = Cylindrical { x, r, theta: 0.5 * (low + high) }.point();
+        match find(&together(part.mesh(), &lump.mapped(|p| p + at)), &BliskOptions::default()) {
+            Err(BliskError::Obstructed { .. }) => Some(0),
+            Ok(Channel { kinds: 2, unlike, .. }) => match unlike[..] {
+                [Unlike { number, difference: Difference::Obstructed { .. } }] => Some(number),
+                _ => None,
+            },
+            other => panic!("{other:?}"),
+        }
+    };
+    let numbers = [0, 1, 2, 3].map(number);
+    // Two of them are of its kind, and are numbered in their order.
+    let ([Some(one), None, Some(next), None] | [None, Some(one), None, Some(next)]) = numbers else {
+        panic!("{numbers:?}")
+    };
+    assert!(one % 2 == 0 && next == (one + 2) % part.blades, "{numbers:?}");
 }
 
 #[test]
@@ -276,6 +311,9 @@ fn tips_that_end_before_a_shroud_are_told() {
     let wide = gap(62.3).unwrap();
     assert!((0.28..0.33).contains(&wide), "{wide}");
     assert_eq!(gap(61.9), None, "they reach into it");
+    // A ray along the radius leaves a thin blade that leans by its side.
+    let aslant = found(&ParametricWheel { thickness_mm: 1.0, lean: 0.1, ..ParametricWheel::nozzle_ring() }.mesh());
+    assert!(!aslant.assumed.iter().any(|s| s.starts_with("The blades end")), "{:?}", aslant.assumed);
 }
 
 #[test]
@@ -290,6 +328,19 @@ fn what_a_given_hub_leaves_is_told() {
         channel.assumed
     );
     assert!(found(&mesh).agreement.iter().all(|a| a.left_mm == 0.0));
+    // The true radius leaves nothing, however coarse the facets, and whatever holes the hub has.
+    let part = TestBlisk { grid: [8, 8, 8, 2], ..Default::default() };
+    let ring: Vec<DVec2> = (0..12).map(|i| DVec2::from_angle(TAU * f64::from(i) / 12.0)).collect();
+    let drill = geometry::solid::prism(&[&ring], 44.0, 54.0).unwrap();
+    let [low, high] = part.wall(7.0, 50.0);
+    let out = Cylindrical { x: 0.0, r: 1.0, theta: 0.5 * (low + high) }.point();
+    let drill = drill.mapped(|p| (7.0 + p.x) * DVec3::X + p.y * out.cross(DVec3::X) + p.z * out);
+    let drilled = geometry::solid::difference(&part.mesh(), &drill);
+    for mesh in [part.mesh(), drilled.unwrap()] {
+        let options = BliskOptions { hub_radius_mm: Auto::Given(50.0), ..Default::default() };
+        let channel = find(&mesh, &options).unwrap();
+        assert!(!channel.assumed.iter().any(|s| s.contains("is not burned")), "{:?}", channel.assumed);
+    }
 }
 
 /// The hub of a fan is small beside its reach, and its blades cover less than the whole turn.

@@ -30,9 +30,9 @@ const MOST_POINTS: usize = 40_000;
 /// With fewer points the lattice is made finer, so many times at most.
 const ENOUGH_POINTS: usize = 1_000;
 const MOST_HALVINGS: usize = 4;
-/// From one point to the next the gap of a hole is narrower by more than this share of its width, and on each side by
-/// more than the other.
+/// Least narrowing of the gap from one point to the next at a hole, both sides together (share of its width).
 const HOLE: f64 = 0.3;
+/// Least narrowing at a hole on each side (share of the gap's width).
 const HOLE_SIDE: f64 = 0.05;
 /// Shorter runs of the outline are rounding (points).
 const LEAST_RUN: usize = 4;
@@ -185,7 +185,7 @@ fn bladed(
 }
 
 /// Whether a gap beside `near` is that of a hole in hub or shroud, which is narrower at once on both sides. Between fillets
-/// that meet a gap is too: this is asked only where no curves are found otherwise.
+/// that meet a gap is too: this is asked only where the outline yields no curves, or curves that bend.
 fn is_in_hole(gap: &Gap, near: &Gap) -> bool {
     let narrowed = [gap.low.theta - near.low.theta, near.high.theta - gap.high.theta];
     narrowed.iter().all(|side| *side > HOLE_SIDE * near.width()) && narrowed.iter().sum::<f64>() > HOLE * near.width()

@@ -31,7 +31,7 @@ use self::flow::{LEANING, Lines, STEEP};
 use self::meridian::{Meridian, Place, Tracer};
 use self::walls::{BEYOND_EDGE, WallFinder, Walls};
 use super::by_hand::ByHand;
-use super::channel::{Agreement, Channel, ChannelWall, Flow, OPENS, Unlike, ways_out};
+use super::channel::{Agreement, Channel, ChannelWall, Flow, OPENS, Surface, Unlike, ways_out};
 use super::error::{BliskError, Misleading, Refused};
 use super::frame::slices::{Gap, Slices};
 use super::frame::{BliskFrame, DO_NOT_REPEAT, Wheel, find_sector, find_wheel, is_inside_out};
@@ -93,7 +93,7 @@ pub(super) fn wheel_and_channel<'a>(
     let unlike_walls = wheel.blisk.repetition.matched < MOSTLY_ALIKE;
     let whole = channel(&wheel).map_err(|refused| match refused.error {
         // Unequal walls are the cause, what they lead to is not.
-        BliskError::Disagrees(_) if unlike_walls => {
+        BliskError::Disagrees(Agreement { surface: Surface::LowWall | Surface::HighWall, .. }) if unlike_walls => {
             let (axis, count) = (wheel.blisk.axis, wheel.blisk.repetition.blades);
             Refused { error: BliskError::NoChannels { axis, count, reason: DO_NOT_REPEAT }, ..refused }
         }
@@ -265,7 +265,8 @@ fn measured_channel(
         assumed,
     };
     let obstructed = obstruction::obstructed(&channel, slices.mesh(), &task.cancel)?;
-    channel.unlike.extend(obstructed);
+    // Of one passage the metal in it is told, before walls that differ.
+    channel.unlike.splice(0..0, obstructed);
     channel.unlike.sort_by_key(|unlike| unlike.number);
     channel.unlike.dedup_by_key(|unlike| unlike.number);
     channel.unlike.iter_mut().for_each(|unlike| unlike.number = (options.channel + unlike.number) % blades);

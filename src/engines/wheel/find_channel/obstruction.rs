@@ -10,7 +10,7 @@ use super::super::channel::{Channel, Difference, Unlike};
 use super::super::error::BliskError;
 use super::super::passage::Passage;
 use super::super::surface_finder::SurfaceFinder;
-use geometry::frame::{Cylindrical, angle_near};
+use geometry::frame::Cylindrical;
 use geometry::mesh::{Bounds, Mesh, halved};
 use task::{Cancel, Cancelled};
 
@@ -22,7 +22,7 @@ const LEAST_OFF: f64 = 0.1;
 const EDGE: f64 = 0.05;
 /// Distance of the places on a triangle, as a share of the passage's height.
 const STEP: f64 = 0.2;
-/// Triangles between two looks at the cancel flag.
+/// Triangles that are looked at in one go.
 const BATCH: usize = 1024;
 
 /// A place within a passage.
@@ -47,9 +47,12 @@ pub(super) fn obstructed(channel: &Channel, mesh: &Mesh, cancel: &Cancel) -> Res
     let walls = Bounds::of(wall_points());
     let reach = wall_points().map(|p| p.y.hypot(p.z)).fold(0.0, f64::max);
     let around = Bounds { min: DVec3::new(walls.min.x, -reach, -reach), max: DVec3::new(walls.max.x, reach, reach) };
-    // The walls wind about +Z; the passage lies between the least and the greatest angle of both.
-    let middle = Cylindrical::from_point(channel.low.point(channel.low.nu / 2, channel.low.nv / 2)).theta;
-    let thetas = wall_points().map(|p| angle_near(Cylindrical::from_point(p).theta, middle));
+    let inner = channel.meridian.iter().map(|s| s.hub.y.min(s.shroud.y)).fold(f64::INFINITY, f64::min);
+    // The passage lies between the least and the greatest angle of both walls, which may be more than a turn apart.
+    let thetas = wall_points().flat_map(|p| {
+        let [along, height] = passage.along_and_height(p);
+        passage.between(along, height)
+    });
     let [least, most] = thetas.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], t| [a.min(t), b.max(t)]);
     let count = (channel.blades / channel.kinds) as i64;
     let period = TAU / count as f64;
@@ -82,10 +85,15 @@ pub(super) fn obstructed(channel: &Channel, mesh: &Mesh, cancel: &Cancel) -> Res
     };
     let step = STEP * channel.middle().height();
     let of_batch = |batch: usize| {
-        cancel.check()?;
-        let triangles = batch * BATCH..((batch + 1) * BATCH).min(mesh.triangles.len());
-        let pieces = triangles.flat_map(|i| halved(mesh.corners(i), &around, &|_, _| step)).flatten();
-        Ok(pieces.flat_map(depths).collect())
+        let triangles = (batch * BATCH..((batch + 1) * BATCH).min(mesh.triangles.len())).map(|i| mesh.corners(i));
+        // A triangle reaches no further from the axis than its corners.
+        let outside = triangles.filter(|corners| corners.iter().any(|p| p.y.hypot(p.z) > inner));
+        let mut found = Vec::new();
+        for corners in outside {
+            cancel.check()?;
+            found.extend(halved(corners, &around, &|_, _| step).into_iter().flatten().flat_map(depths));
+        }
+        Ok(found)
     };
     let batches = (0..mesh.triangles.len().div_ceil(BATCH)).into_par_iter().map(of_batch);
     let found: Vec<Vec<Within>> = batches.collect::<Result<_, Cancelled>>()?;
@@ -95,12 +103,14 @@ pub(super) fn obstructed(channel: &Channel, mesh: &Mesh, cancel: &Cancel) -> Res
     let Ok(finder) = SurfaceFinder::new(channel.clone().into()) else { return Ok(Vec::new()) };
     // A wall that stands aslant comes nearer beside the circle than on it.
     let off = |within: Within| {
+        cancel.check()?;
         let off = finder.wall_distances(within.at).into_iter().fold(within.off, f64::min);
-        (off > enough(channel.line_at(passage.along_and_height(within.at)[0]).ends)).then_some(Within { off, ..within })
+        let enough = enough(channel.line_at(passage.along_and_height(within.at)[0]).ends);
+        Ok((off > enough).then_some(Within { off, ..within }))
     };
-    let found: Vec<Within> = found.into_par_iter().flatten().filter_map(off).collect();
+    let found: Vec<Option<Within>> = found.into_par_iter().flatten().map(off).collect::<Result<_, Cancelled>>()?;
     let mut deepest: BTreeMap<i64, Within> = BTreeMap::new();
-    for within in found {
+    for within in found.into_iter().flatten() {
         // Of places as deep the first, on any number of threads.
         let known = deepest.entry(within.number).or_insert(within);
         if within.off > known.off {

@@ -83,8 +83,9 @@ impl Measured<'_> {
             let thickness = gaps.iter().map(thickness).min_by(f64::total_cmp)?;
             let theta = gap.high.theta + 0.5 * thickness;
             let height = station.height();
-            let (tip, _) = slices.first_in_half_plane(theta, from, toward, (START + MOST_GAP) * height)?;
-            if tip < (START - MOST_GAP) * height {
+            let (tip, facet) = slices.first_in_half_plane(theta, from, toward, (START + MOST_GAP) * height)?;
+            // A ray may leave a thin blade that leans by its side.
+            if tip < (START - MOST_GAP) * height || self.tracer.is_of_blade(facet, theta) {
                 return None;
             }
             // Past the tip itself, which rounding may meet again.

@@ -79,7 +79,7 @@ pub struct SurfaceClasses {
     pub classes: Vec<SurfaceClass>,
     /// Figures of the classes, in the order of [`SurfaceClass::ALL`]; those without triangles are left out.
     pub areas: Vec<ClassArea>,
-    /// Radius of the fillets between blades and hub (mm); none where there are none of one radius.
+    /// Radius of the fillets between blades and hub (mm); none where there are no fillets or their radii differ.
     pub hub_fillet_mm: Option<f64>,
     /// Radius of the fillets between blades and shroud (mm), as at the hub.
     pub shroud_fillet_mm: Option<f64>,

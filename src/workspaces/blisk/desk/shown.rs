@@ -250,11 +250,16 @@ impl BliskDesk {
     /// The electrodes that panels and arrows tell of, in the order of their parts. That at the cursor is the one in the
     /// view, be it made for the side that is tried first or for that on which a preview or a plan found a path; the others
     /// are those of the plan, while that is of the present parameters, or else as they are made.
-    pub fn told_electrodes(&self) -> Vec<&Electrode> {
+    pub fn reported_electrodes(&self) -> Vec<&Electrode> {
         let planned = self.work.plan().filter(|_| self.work.state(Stage::Plan) == State::Ready);
         let planned = |i: usize| planned.and_then(|plan| plan.electrodes.get(i)).map(|outcome| &outcome.electrode);
         let made = self.work.electrodes().map(|made| &made.electrodes[..]).unwrap_or_default();
-        let shown = |i| self.shown_electrode().filter(|_| i == self.cursor.electrode).map(|(electrode, _)| electrode);
+        // A plan under way may have come to another part than the one at the cursor.
+        let place = |electrode: &Electrode| (electrode.part, electrode.parts, electrode.column);
+        let shown = |i: usize| {
+            let (electrode, _) = self.shown_electrode().filter(|_| i == self.cursor.electrode)?;
+            (place(electrode) == place(&made[i])).then_some(electrode)
+        };
         made.iter().enumerate().map(|(i, made)| shown(i).or_else(|| planned(i)).unwrap_or(made)).collect()
     }
 

@@ -25,7 +25,7 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, viewport: &Viewport) 
         let Ok(is_last) = side.mouth(channel) else { continue };
         let Some(mouth) = found.shapes.passage.mouth(is_last) else { continue };
         let direction = side.direction();
-        let told = desk.told_electrodes().into_iter().filter(|electrode| electrode.enters_from == side);
+        let told = desk.reported_electrodes().into_iter().filter(|electrode| electrode.enters_from == side);
         // Beyond the holder, where there is one.
         let ends = told.map(|electrode| {
             let bounds = electrode.mesh.bounds();
@@ -51,7 +51,9 @@ pub fn show(ui: &mut Ui, rect: Rect, desk: &mut BliskDesk, viewport: &Viewport) 
 fn is_used(desk: &BliskDesk, side: EntrySide) -> bool {
     let (params, number) = (&desk.document.params().electrode, desk.cursor.electrode);
     match params.of_part(params.place_of(number).0).enter {
-        EnterSide::Auto => desk.shown_electrode().is_some_and(|(electrode, _)| electrode.enters_from == side),
+        EnterSide::Auto => {
+            desk.reported_electrodes().get(number).is_some_and(|electrode| electrode.enters_from == side)
+        }
         chosen => chosen.allows(side),
     }
 }

@@ -115,7 +115,7 @@ fn electrode(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         return;
     }
     let length = cx.preferences.length;
-    let told = desk.told_electrodes();
+    let told = desk.reported_electrodes();
     for (i, electrode) in told.iter().enumerate() {
         if told.len() > 1 {
             ui.strong(format!("Electrode {}", i + 1));

@@ -120,9 +120,6 @@ impl BliskWork {
         }
         self.looks.cancelled = self.looks.at;
         self.looks.looks.stop();
-        if self.wishes.is_empty() {
-            self.prepared.stop();
-        }
         self.say(Stage::Plan, EventKind::Cancelled, "the preview of the extraction path was cancelled");
     }
 
@@ -134,7 +131,7 @@ impl BliskWork {
     /// The look under way, or the preparation that it waits for, once that takes more than a moment.
     pub(super) fn look_doing(&self) -> Option<&Doing> {
         let ready = self.prepared.doing().filter(|_| self.look_state() == State::Running);
-        self.looks.looks.doing().or(ready).filter(|doing| doing.since.elapsed() > MOMENT)
+        self.looks.looks.doing().or(ready).filter(|doing| doing.asked.elapsed() > MOMENT)
     }
 
     /// Whether a look or sizes are under way, or what they need.

@@ -374,10 +374,13 @@ impl BliskWork {
 
     /// Cancels the plan, and whatever else runs but for sizes.
     pub fn cancel(&mut self) {
-        self.cancel_look();
         if self.wishes.contains(&Wish::Plan) {
             self.wishes.retain(|wish| *wish != Wish::Plan);
             self.say(Stage::Plan, EventKind::Cancelled, "cancelled");
+        }
+        self.cancel_look();
+        if self.wishes.is_empty() {
+            self.prepared.stop();
         }
         self.part.cancel();
         self.channel.cancel();
@@ -511,13 +514,14 @@ impl BliskWork {
     /// Whether channel and electrode, as far as they are known, are of earlier parameters, in this order: the present ones
     /// could not be made, or have been worked on for more than a moment.
     pub fn is_earlier(&self) -> [bool; 2] {
-        let is_slow = |doing: Option<&Doing>| doing.is_some_and(|doing| doing.since.elapsed() > MOMENT);
+        let is_slow = |doing: Option<&Doing>| doing.is_some_and(|doing| doing.asked.elapsed() > MOMENT);
         let is_off = |stage, doing| match self.state(stage) {
             State::Failed(_) => true,
             State::Running => is_slow(doing),
             _ => false,
         };
-        let channel = is_off(Stage::Channel, self.channel.doing());
+        let part = is_off(Stage::Part, self.part.doing());
+        let channel = part || is_off(Stage::Channel, self.channel.doing());
         let electrode = channel || is_off(Stage::Electrode, self.electrodes.doing());
         [channel && self.channel().is_some(), electrode && self.electrodes().is_some()]
     }

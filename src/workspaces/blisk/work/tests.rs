@@ -107,6 +107,11 @@ fn a_preview_that_is_cancelled_rests_until_it_is_wanted_or_something_changes() {
     bench.edit(|job| job.electrode.radial_reduction_mm += 0.1);
     bench.settle();
     assert_eq!(look(&mut bench), (State::Running, true), "another electrode");
+    // Neither the preview nor the plan that waits needs its preparation any more.
+    bench.work.start_plan().unwrap();
+    bench.follow();
+    bench.work.cancel();
+    assert!(!bench.work.is_looking() && !bench.work.is_busy());
 }
 
 #[test]
@@ -126,4 +131,10 @@ fn what_could_not_be_made_anew_is_of_earlier_parameters() {
     assert!(bench.document.undo(false) && bench.document.undo(false));
     bench.settle();
     assert_eq!(bench.work.is_earlier(), [false, false]);
+    bench.work.reload();
+    bench.follow();
+    bench.work.cancel();
+    bench.settle();
+    assert!(matches!(bench.work.state(Stage::Part), State::Failed(_)));
+    assert_eq!(bench.work.is_earlier(), [true, true], "the part could not be read again");
 }
