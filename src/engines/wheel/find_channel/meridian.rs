@@ -238,7 +238,7 @@ impl Tracer<'_> {
                 if !wall.is_blade && (wall.is_even || round >= MOST_NEARER) {
                     break;
                 }
-                let r = wall.radius + if wall.is_blade { inwards * 0.5f64.powi(round) } else { inwards };
+                let r = wall.radius + inwards * 0.5f64.powi(round);
                 let Some(next) = self.bladed_gap(place.x, r, &gap) else { break };
                 let Some(nearer) = self.end_walls_along(&Place { r, gap: next, ..*place })[i] else { break };
                 (wall, gap) = (nearer, next);

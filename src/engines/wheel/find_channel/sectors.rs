@@ -6,6 +6,7 @@ use glam::{DAffine3, DQuat, DVec2, DVec3, EulerRot, Vec3Swizzles as _};
 
 use super::random_wheels::{faulty, wrong};
 use super::tests::{find, found, refused};
+use crate::channel::Station;
 use crate::error::{BliskError, Misleading};
 use crate::fixtures::{TestBlisk, flange, turned_part};
 use crate::options::{Auto, AxisChoice, AxisLine, BliskOptions};
@@ -308,5 +309,21 @@ fn a_wheel_of_shells_that_cross_is_the_same_from_a_file() {
             let kinds = if wheel.splitters.is_some() { 2 } else { 1 };
             assert_eq!((channel.blades, channel.kinds, channel.unlike.len()), (wheel.blades, kinds, 0));
         }
+    }
+}
+
+/// Between large fillets a narrow strip is left of the hub.
+#[test]
+fn between_large_fillets_the_hub_is_the_strip_that_they_leave() {
+    let axial = ParametricWheel { fillet_mm: 4.0, ..ParametricWheel::demonstration() };
+    let mixed = ParametricWheel { blades: 14, fillet_mm: 2.5, ..ParametricWheel::impeller() };
+    for part in [axial, mixed] {
+        let channel = found(&part.mesh());
+        let curve: Vec<DVec2> = (0..=4000).map(|i| part.place(f64::from(i) / 4000.0, 0.0)).collect();
+        let span = channel.span_along();
+        let off = |s: &Station| curve.iter().map(|p| p.distance(s.hub)).fold(f64::INFINITY, f64::min);
+        let between = channel.meridian.iter().filter(|s| (span[0]..span[1]).contains(&s.along));
+        let off = between.map(off).fold(0.0, f64::max);
+        assert!(off < 0.05, "{} blades: {off}", part.blades);
     }
 }

@@ -12,6 +12,8 @@ use super::meridian::{DIP, MIDDLE_SHARE, Meridian, Place, RAYS, Tracer};
 const BESIDE: f64 = 0.2;
 /// Shares of the passage's width over which an end wall is met: the middle, and more where a hole takes that.
 const OVER: [f64; 4] = [MIDDLE_SHARE, 0.7, 0.8, 0.9];
+/// Shares of the width in which there is wall between large fillets.
+const BETWEEN_FILLETS: [f64; 2] = [0.3, 0.15];
 /// An end wall that goes on bends away by less than this share of the height from one station to the next: by no more than
 /// about 20 deg, as the facets of coarse meshes do.
 const GOES_ON: f64 = 0.02;
@@ -193,11 +195,20 @@ impl Tracer<'_> {
             met.sort_by(|a, b| a.0.total_cmp(&b.0));
             (3 * met.len() >= RAYS).then_some(met)
         };
-        // Where a hole takes the middle the wall is met beside it.
-        let met = OVER.into_iter().find_map(met_over)?;
         // The same wall is met as far off as its facets dip; what differs more is a fillet or a blade.
-        let (typical, triangle) = met[met.len() / 2];
-        let dip = DIP * height + self.slices.radial_sag(triangle, (from + typical * toward).y);
+        let typical = |met: &[(f64, u32)]| {
+            let (distance, triangle) = met[met.len() / 2];
+            (distance, DIP * height + self.slices.radial_sag(triangle, (from + distance * toward).y))
+        };
+        let is_even = |met: &Vec<(f64, u32)>| {
+            let (typical, dip) = typical(met);
+            3 * met.iter().filter(|m| (m.0 - typical).abs() <= dip).count() >= 2 * met.len()
+        };
+        // Where a hole takes the middle the wall is met beside it, and where fillets take the sides, between them.
+        let met = OVER.into_iter().find_map(met_over)?;
+        let between = || BETWEEN_FILLETS.into_iter().filter_map(met_over).find(is_even);
+        let met = if is_even(&met) { met } else { between().unwrap_or(met) };
+        let (typical, dip) = typical(&met);
         let nearest = met.iter().map(|m| m.0).find(|d| *d >= typical - dip)?;
         Some(from + nearest * toward)
     }
