@@ -171,7 +171,8 @@ fn fitting(number: f64, decimals: RangeInclusive<usize>, width: f32) -> String {
     shown.find(fits).unwrap_or_else(|| short(number, least..=least))
 }
 
-/// The text of a number, which is kept: left as it is, it stands for the number, of which it may show fewer decimals.
+/// Keeps the `text` that a field shows in `shown`: a field that is left unchanged keeps its number, whose decimals it may
+/// not all show.
 fn kept(text: String, shown: &RefCell<String>) -> String {
     shown.borrow_mut().clone_from(&text);
     text

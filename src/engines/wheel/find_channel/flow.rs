@@ -125,7 +125,7 @@ fn lines_where(tracer: &Tracer, start: Place, (gap_at, slope): (&GapAt, f64)) ->
         let shrouded = walls[1].is_solid;
         let off = hub.1.max(outer.1);
         let lines = Lines::new(ordered(hub.0, outer.0, shrouded), (lattice.step, slope), shrouded);
-        // A blind hole is no opening in the outline, but a bend of it.
+        // A blind hole does not open the outline, it bends it.
         if off <= MOST_BENT * lattice.step {
             return Ok(Some(lines));
         }

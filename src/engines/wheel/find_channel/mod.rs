@@ -265,7 +265,7 @@ fn measured_channel(
         assumed,
     };
     let obstructed = obstruction::obstructed(&channel, slices.mesh(), &task.cancel)?;
-    // Of one passage the metal in it is told, before walls that differ.
+    // Metal in a passage is reported rather than a wall of it that differs.
     channel.unlike.splice(0..0, obstructed);
     channel.unlike.sort_by_key(|unlike| unlike.number);
     channel.unlike.dedup_by_key(|unlike| unlike.number);
