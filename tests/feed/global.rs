@@ -8,6 +8,7 @@ use feed::jam::{Change, JamCause, Opening};
 use feed::plan_params::Strategy;
 use sparkpath::workspaces::blisk::job::outcome::ElectrodeOutcome;
 use sparkpath::workspaces::blisk::job::plan::run_prepared;
+use sparkpath::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use sparkpath::workspaces::blisk::job::preview::live_way;
 use sparkpath::workspaces::blisk::job::sizing::{SizingRange, size};
 use task::Progress;
@@ -144,17 +145,22 @@ fn planned_until(inputs: &PlanInputs, report: usize) -> (PlanOutcome, usize) {
     (outcome, reports.load(Ordering::Relaxed))
 }
 
+/// The coarse plan of `blisk` by an electrode that enters from `enter`, with what it was made of.
+fn coarse_plan(blisk: &ParametricBlisk, enter: EnterSide) -> (PlanInputs, PreparedBlisk, PlanOutcome) {
+    let mut job = coarse_job(0.05);
+    job.electrode.enter = enter;
+    let inputs =
+        PlanInputs { blisk: mesh(blisk).into(), own_electrodes: Vec::new(), sections: Default::default(), job };
+    let ready = prepare(&inputs, &Task::default()).unwrap();
+    let outcome = run_prepared(&ready, &inputs, &|_, _, _| (), &Task::default()).unwrap();
+    (inputs, ready, outcome)
+}
+
 /// The sides of an uneven passage need different reductions: each jam tells of its own.
 #[test]
 fn a_remedy_holds_for_the_side_that_it_is_told_of() {
-    let mut job = coarse_job(0.05);
-    job.electrode.enter = EnterSide::Auto;
     let blisk = ParametricBlisk { beta_in_deg: 20.0, beta_out_deg: -50.0, ..easy_blisk() };
-    let inputs =
-        PlanInputs { blisk: mesh(&blisk).into(), own_electrodes: Vec::new(), sections: Default::default(), job };
-    let task = Task::default();
-    let ready = prepare(&inputs, &task).unwrap();
-    let outcome = run_prepared(&ready, &inputs, &|_, _, _| (), &task).unwrap();
+    let (inputs, ready, outcome) = coarse_plan(&blisk, EnterSide::Auto);
     let electrode = only(&outcome);
     let best = (electrode.electrode.enters_from, electrode.plan.verdict(&outcome.channel));
     assert_eq!(electrode.tried.len(), 1, "it jams on both sides: {best:?}");
@@ -168,7 +174,7 @@ fn a_remedy_holds_for_the_side_that_it_is_told_of() {
         let mut followed = inputs.clone();
         followed.job.electrode.enter = (*side).into();
         followed.job.electrode.circumferential_reduction_deg = [reduction; 2];
-        let helped = run_feeds(&ready, &followed, &task).unwrap();
+        let helped = run_feeds(&ready, &followed, &Task::default()).unwrap();
         assert!(helped.is_verified(), "towards {side:?}: {said}: {}", only(&helped).plan.verdict(&helped.channel));
     }
 }
@@ -176,14 +182,8 @@ fn a_remedy_holds_for_the_side_that_it_is_told_of() {
 /// A passage that turns by more than its walls can give way for: what else was tried is told.
 #[test]
 fn where_no_reduction_of_the_walls_is_enough_other_changes_are_tried() {
-    let mut job = coarse_job(0.05);
-    job.electrode.enter = EnterSide::MinusX;
     let blisk = ParametricBlisk { beta_in_deg: 58.0, beta_out_deg: -58.0, ..curved_blisk() };
-    let inputs =
-        PlanInputs { blisk: mesh(&blisk).into(), own_electrodes: Vec::new(), sections: Default::default(), job };
-    let task = Task::default();
-    let ready = prepare(&inputs, &task).unwrap();
-    let outcome = run_prepared(&ready, &inputs, &|_, _, _| (), &task).unwrap();
+    let (inputs, ready, outcome) = coarse_plan(&blisk, EnterSide::MinusX);
     let jam = only(&outcome).plan.jam.as_ref().expect("it jams");
     let opening = jam.opening.as_ref().expect("what would help was looked for");
     assert!(!opening.is_by_walls(), "{opening:?}");
@@ -207,7 +207,7 @@ fn where_no_reduction_of_the_walls_is_enough_other_changes_are_tried() {
     smaller.job.electrode.circumferential_reduction_deg =
         [low, high].map(|angle| (angle.to_degrees() * 100.0).round() / 100.0);
     smaller.job.electrode.radial_reduction_mm = radial_mm;
-    let helped = run_prepared(&ready, &smaller, &|_, _, _| (), &task).unwrap();
+    let helped = run_prepared(&ready, &smaller, &|_, _, _| (), &Task::default()).unwrap();
     assert!(helped.is_verified(), "{}", only(&helped).plan.verdict(&helped.channel));
     // Where nothing helps, all that was tried is told.
     let mut jam = jam.clone();
