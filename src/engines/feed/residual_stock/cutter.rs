@@ -150,7 +150,7 @@ impl Cutter {
         Look { distance, at_least, arm: q.distance(self.reference_point) }
     }
 
-    /// Branch and bound: no distance changes faster than the electrode moves past the point.
+    /// Branch and bound, with [`Between`] for the bounds.
     fn least_over(&self, motion: &Motion, p: DVec3, mut known: f64, enough: f64) -> f64 {
         let radius = p.y.hypot(p.z);
         let look = |u: f64, known: &mut f64| {
@@ -166,12 +166,15 @@ impl Cutter {
                 break;
             }
             let (start, end) = (motion.way(from), motion.way(to));
-            let [turn, slide, tilt] = std::array::from_fn(|i| end[i] - start[i]);
-            let carried = turn * radius + slide;
-            let travel = carried + tilt * (a.arm.max(b.arm) + carried);
-            let bound = 0.5 * (a.at_least + b.at_least - travel);
+            let ways = std::array::from_fn(|i| end[i] - start[i]);
+            let between = Between::new([a, b], ways, radius);
             let resolution = RESOLUTION.max(COARSE * known);
-            if bound >= known - resolution || travel <= 2.0 * resolution {
+            let is_linear = to <= from.floor() + 1.0;
+            let is_above = |bound: f64| bound >= known - resolution;
+            if between.travel <= 2.0 * resolution
+                || is_above(between.at_least())
+                || (is_linear && between.at_least_outside().is_some_and(is_above))
+            {
                 continue;
             }
             // At a row where there is one between, since the motion bends there.
@@ -183,11 +186,57 @@ impl Cutter {
             } else {
                 half
             };
-            let between = look(middle, &mut known);
-            open.push((from, middle, a, between));
-            open.push((middle, to, between, b));
+            let at_middle = look(middle, &mut known);
+            open.push((from, middle, a, at_middle));
+            open.push((middle, to, at_middle, b));
         }
         known
+    }
+}
+
+/// What is known of the distance between two instants.
+struct Between {
+    looks: [Look; 2],
+    /// Greatest way of the point in the electrode's axes (mm).
+    travel: f64,
+    /// Greatest second derivative of that way, where all axes move linearly, per square of the time between (mm).
+    bend: f64,
+}
+
+impl Between {
+    /// Between two looks at a point at a `radius` from the axis of A, with the ways of the axes: turn of A (rad), slides
+    /// (mm), turns of B and C (rad).
+    fn new(looks: [Look; 2], [turn, slide, tilt]: [f64; 3], radius: f64) -> Self {
+        // Turned by A and slid, the point takes this way; then it is tilted about O.
+        let carried = turn * radius + slide;
+        let arm = looks[0].arm.max(looks[1].arm) + carried;
+        Self {
+            looks,
+            travel: carried + tilt * arm,
+            bend: turn * turn * radius + 2.0 * tilt * carried + tilt * tilt * arm,
+        }
+    }
+
+    /// A lower bound of the distance (mm): none changes faster than the point moves.
+    fn at_least(&self) -> f64 {
+        0.5 * (self.looks[0].at_least + self.looks[1].at_least - self.travel)
+    }
+
+    /// A lower bound of the distance (mm) where all axes move linearly and the point stays outside; none if that is not
+    /// known. Where it moves along a wall this falls by the square of the travel, the other by the travel itself.
+    ///
+    /// The square of the distance is the least of the squares of those to all points of the electrode. The second
+    /// derivative of each is twice the square of the point's speed and twice the product of distance and acceleration, at
+    /// most. So the square of the distance lies no further below the chord between the instants than a parabola of that
+    /// second derivative does.
+    fn at_least_outside(&self) -> Option<f64> {
+        let [a, b] = self.looks.map(|look| look.distance);
+        let (a, b) = (a.filter(|a| *a > 0.0)?, b.filter(|b| *b > 0.0)?);
+        let second = 2.0 * (self.travel * self.travel + (a.max(b) + self.travel) * self.bend);
+        let rise = b * b - a * a;
+        let t = (0.5 - rise / second).clamp(0.0, 1.0);
+        let square = a * a + rise * t - 0.5 * second * t * (1.0 - t);
+        (square > 0.0).then(|| square.sqrt())
     }
 }
 
@@ -229,27 +278,76 @@ pub enum CutterError {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    const O: DVec3 = DVec3::new(0.0, 0.0, 62.0);
+
+    /// A cuboid of 8 x 4 x 5 mm that moves through `poses`.
+    fn cutter(poses: Vec<Pose>) -> (Cutter, ExactMesh) {
+        let mesh = Mesh::cuboid(DVec3::new(8.0, 4.0, 5.0)).mapped(|p| p + DVec3::new(-4.0, -2.0, 60.0));
+        let cutter = Cutter::new(&mesh, O, [-9.0, 9.0], vec![poses], &Task::default()).unwrap();
+        (cutter, ExactMesh::new(&mesh).unwrap())
+    }
+
+    #[test]
+    fn between_two_instants_no_distance_is_less_than_its_bounds() {
+        let pose = |most: [f64; 6]| {
+            let values = most.map(|m| -m..m);
+            values.prop_map(Pose::from_array)
+        };
+        let (electrode, exact) = cutter(vec![Pose::FINAL]);
+        let around = [-7.0..7.0, -5.0..5.0, 57.0..68.0];
+        let moved = pose([1.0, 1.0, 1.0, 0.02, 0.1, 0.1]);
+        let step = pose([0.5, 0.5, 0.5, 0.01, 0.05, 0.05]);
+        proptest!(|(p in around, moved in moved, step in step)| {
+            let p = DVec3::from_array(p);
+            let other = Pose::from_array(std::array::from_fn(|i| moved.to_array()[i] + step.to_array()[i]));
+            let looks = [moved, other].map(|pose| electrode.look(&pose.placement(O), p));
+            let motion = Motion::new(vec![moved, other], O, &electrode.bounds);
+            let between = Between::new(looks, motion.way(1.0), p.y.hypot(p.z));
+            let sampled = (0..=200).map(|k| {
+                let placement = moved.lerp(&other, f64::from(k) / 200.0).placement(O);
+                exact.signed_distance(placement.inverse().transform_point3(p))
+            });
+            let sampled = sampled.fold(f64::INFINITY, f64::min);
+            let error = DistanceField::ACCURACY + 0.05 * (sampled - DistanceField::NEAR).abs();
+            prop_assert!(between.at_least() <= sampled + error, "{} {sampled}", between.at_least());
+            let outside = between.at_least_outside().unwrap_or(0.0);
+            prop_assert!(outside <= sampled.max(0.0) + error, "{outside} {sampled}");
+        });
+    }
+
+    /// Moving along a face the distance stays: its bound is below it by the parabola of the travel.
+    #[test]
+    fn along_a_face_the_bound_falls_by_the_square_of_the_travel() {
+        let (electrode, _) = cutter(vec![Pose::FINAL]);
+        let p = DVec3::new(0.0, 2.2, 62.0);
+        let looks = [Pose::FINAL, Pose { x: 0.05, ..Pose::FINAL }].map(|pose| electrode.look(&pose.placement(O), p));
+        let between = Between::new(looks, [0.0, 0.05, 0.0], p.y.hypot(p.z));
+        let off = 0.2 - between.at_least_outside().unwrap();
+        // 0.05^2 / (8 * 0.2) mm.
+        assert!((off - 0.0016).abs() < 1e-4, "{off}");
+        assert!(0.2 - between.at_least() > 0.024);
+    }
 
     #[test]
     fn the_least_distance_is_that_of_fine_sampling() {
-        let mesh = Mesh::cuboid(DVec3::new(8.0, 4.0, 5.0)).mapped(|p| p + DVec3::new(-4.0, -2.0, 60.0));
-        let o = DVec3::new(0.0, 0.0, 62.0);
         let poses = vec![
             Pose::FINAL,
             Pose { z: 0.7, ..Pose::FINAL },
             Pose { a: -0.03, z: 0.7, ..Pose::FINAL },
             Pose { x: -5.0, y: 1.0, a: 0.02, c: 0.3, ..Pose::FINAL },
         ];
-        let cutter = Cutter::new(&mesh, o, [-9.0, 9.0], vec![poses.clone()], &Task::default()).unwrap();
-        let exact = ExactMesh::new(&mesh).unwrap();
+        let (cutter, exact) = cutter(poses.clone());
         for i in 0..60 {
             let f = f64::from(i);
             let p = DVec3::new(-9.0 + 0.3 * f, 4.5 * (1.7 * f).sin(), 62.5 + 4.0 * (0.9 * f).cos());
             let sampled = (0..=3000).map(|k| {
                 let (row, t) = (k / 1000, f64::from(k % 1000) / 1000.0);
                 let next = (row as usize + 1).min(3);
-                let placement = poses[row as usize].lerp(&poses[next], t).placement(o);
+                let placement = poses[row as usize].lerp(&poses[next], t).placement(O);
                 exact.signed_distance(placement.inverse().transform_point3(p))
             });
             let sampled = sampled.fold(2.5, f64::min);

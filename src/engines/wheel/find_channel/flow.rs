@@ -13,6 +13,7 @@ use super::super::channel::Surface;
 use super::super::error::BliskError;
 use super::super::frame::slices::Gap;
 use super::meridian::{Place, Tracer};
+use task::Cancelled;
 
 /// Lines from hub to shroud or tips (x, r) along a passage, found to about the distance of the lattice's points (mm).
 pub(super) struct Lines {
@@ -108,15 +109,8 @@ type GapAt<'a> = dyn Fn(f64, f64, &Gap) -> Option<Gap> + 'a;
 fn lines_where(tracer: &Tracer, start: Place, (gap_at, slope): (&GapAt, f64)) -> Result<Option<Lines>, BliskError> {
     let mut bent = None;
     for past_holes in [false, true] {
-        let mut lattice = Lattice { start: DVec2::new(start.x, start.r), step: tracer.slices.cell_size().y };
-        let mut points = bladed(tracer, &start, &lattice, (gap_at, past_holes))?;
-        for _ in 0..MOST_HALVINGS {
-            if points.len() >= ENOUGH_POINTS {
-                break;
-            }
-            lattice.step *= 0.5;
-            points = bladed(tracer, &start, &lattice, (gap_at, past_holes))?;
-        }
+        let next = |at: DVec2, near: &Gap| gap_at(at.x, at.y, near).filter(|gap| !past_holes || !is_in_hole(gap, near));
+        let (lattice, points) = flood(tracer, (DVec2::new(start.x, start.r), start.gap), next)?;
         if points.len() >= MOST_POINTS {
             continue;
         }
@@ -142,7 +136,7 @@ pub(super) fn steep_share(curve: &[DVec2], slope: f64) -> f64 {
 }
 
 /// A square lattice in the meridional plane.
-struct Lattice {
+pub(super) struct Lattice {
     /// Place (x, r) of its point [0, 0] (mm).
     start: DVec2,
     /// Distance of neighbouring points (mm).
@@ -155,33 +149,39 @@ impl Lattice {
     }
 }
 
-/// Points of a lattice that begins at `start` whose circles have the channel's gap between two blades; at most
-/// [`MOST_POINTS`]. `past_holes` leaves those of holes out.
-fn bladed(
+/// The points that are reached on a lattice from a place (x, r), with what is known of each: `next` says it of a place from
+/// what is known of its neighbour, or that the place does not belong to them. The lattice is made finer until there are
+/// [`ENOUGH_POINTS`]; there are [`MOST_POINTS`] at most.
+pub(super) fn flood<T: Copy>(
     tracer: &Tracer,
-    start: &Place,
-    lattice: &Lattice,
-    (gap_at, past_holes): (&GapAt, bool),
-) -> Result<HashMap<[i32; 2], Gap>, BliskError> {
-    let mut found = HashMap::from([([0, 0], start.gap)]);
-    let mut queue = vec![[0, 0]];
-    let mut done = 0;
-    while let Some(&point) = queue.get(done).filter(|_| queue.len() < MOST_POINTS) {
-        tracer.cancel.check()?;
-        done += 1;
-        let near = found[&point];
-        for next in around(point) {
-            let at = lattice.place(next.map(f64::from));
-            if !found.contains_key(&next)
-                && let Some(gap) = gap_at(at.x, at.y, &near)
-                && !(past_holes && is_in_hole(&gap, &near))
-            {
-                found.insert(next, gap);
-                queue.push(next);
+    (start, known): (DVec2, T),
+    next: impl Fn(DVec2, &T) -> Option<T>,
+) -> Result<(Lattice, HashMap<[i32; 2], T>), Cancelled> {
+    let mut lattice = Lattice { start, step: tracer.slices.cell_size().y };
+    let mut halvings = 0;
+    loop {
+        let mut found = HashMap::from([([0, 0], known)]);
+        let mut queue = vec![[0, 0]];
+        let mut done = 0;
+        while let Some(&point) = queue.get(done).filter(|_| queue.len() < MOST_POINTS) {
+            tracer.cancel.check()?;
+            done += 1;
+            let near = found[&point];
+            for beside in around(point) {
+                if !found.contains_key(&beside)
+                    && let Some(known) = next(lattice.place(beside.map(f64::from)), &near)
+                {
+                    found.insert(beside, known);
+                    queue.push(beside);
+                }
             }
         }
+        if found.len() >= ENOUGH_POINTS || halvings == MOST_HALVINGS {
+            return Ok((lattice, found));
+        }
+        lattice.step *= 0.5;
+        halvings += 1;
     }
-    Ok(found)
 }
 
 /// Whether a gap beside `near` is that of a hole in hub or shroud, which is narrower at once on both sides. Between fillets

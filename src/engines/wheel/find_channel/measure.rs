@@ -1,5 +1,7 @@
 //! Figures of a channel: its narrowest place, how much it turns, and the faces of the blisk.
 
+use std::ops::Range;
+
 use glam::{DMat3, DVec2, DVec3};
 use nalgebra::{Matrix3, Vector3};
 use parry3d_f64::query::PointQuery;
@@ -7,11 +9,15 @@ use parry3d_f64::shape::Triangle;
 use rayon::prelude::*;
 
 use super::super::channel::{BladeSide, ChannelWall, Flow, Station, Throat};
+use super::super::frame::slices::cylindrical_components;
 use geometry::frame::Cylindrical;
 use geometry::mesh::Mesh;
 
-/// A middle line that turns by less than this (rad) is straight.
+/// A middle line that turns by less than this (rad), or by less than from one facet to the next, is straight.
 const STRAIGHT: f64 = 0.0175;
+/// Shares of the passage behind an end of the blades over which their angle there is measured: behind the rounding of their
+/// edges.
+const AT_END: Range<f64> = 0.04..0.3;
 
 /// The narrowest place between the blades of two walls of equal grids, from end wall to end wall without their fillets, to
 /// the accuracy with which the grids' triangles follow the walls. The first and the last row lie `beyond` steps from row to
@@ -272,7 +278,7 @@ fn end_angle(line: &[[f64; 2]], end: f64, length: f64) -> f64 {
     let (mut normal, mut right) = (Matrix3::<f64>::zeros(), Vector3::<f64>::zeros());
     for &[x, y] in line {
         let t = (x - end) / length;
-        if (0.04..0.3).contains(&t.abs()) {
+        if AT_END.contains(&t.abs()) {
             let row = Vector3::new(1.0, t, t * t);
             normal += row * row.transpose();
             right += row * y;
@@ -290,7 +296,14 @@ pub(super) fn turning(low: &ChannelWall, high: &ChannelWall, flow: Flow) -> (f64
     let line = &middle_line(low, high, flow)[front..=back];
     let (x0, x1) = (line[0][0], line[line.len() - 1][0]);
     let turn = end_angle(line, x1, x1 - x0) - end_angle(line, x0, x1 - x0);
-    let sides = if turn.abs() < STRAIGHT {
+    // Both ends' angles are those of facets: which side is which must not depend on where these begin.
+    let is_at_end = |u: &usize| {
+        let from_front = (line[u - front][0] - x0) / (x1 - x0);
+        AT_END.contains(&from_front) || AT_END.contains(&(1.0 - from_front))
+    };
+    let columns = (front..back).filter(is_at_end);
+    let facets = columns.map(|u| facet_turn(low, u).max(facet_turn(high, u))).fold(0.0, f64::max);
+    let sides = if turn.abs() < STRAIGHT.max(facets) {
         [BladeSide::Flat, BladeSide::Flat]
     } else if turn < 0.0 {
         // The line bulges towards greater theta, away from the low wall's blade: that wall is convex.
@@ -299,6 +312,13 @@ pub(super) fn turning(low: &ChannelWall, high: &ChannelWall, flow: Flow) -> (f64
         [BladeSide::Pressure, BladeSide::Suction]
     };
     (turn.abs(), sides)
+}
+
+/// By how much a wall turns from column `u` to the next at mid height (rad).
+fn facet_turn(wall: &ChannelWall, u: usize) -> f64 {
+    let v = wall.nv / 2;
+    let [a, b] = [u, u + 1].map(|u| cylindrical_components(wall.normal(u, v), wall.cylindrical(u, v).theta));
+    a.angle_between(b)
 }
 
 /// Least and greatest x of the mesh (in W) at the radii of the channel, its end walls included.
@@ -327,6 +347,8 @@ pub(super) fn faces_x(mesh: &Mesh, meridian: &[Station]) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     /// A wall of 41 by 25 points, 0.25 by 0.5 apart, and normals into the channel.
@@ -429,5 +451,30 @@ mod tests {
         let high = wall(|x, z| (place(x, 50.0 + z, 0.2), -around(0.2)));
         let (turn, sides) = turning(&low, &high, Flow::Axial);
         assert!(turn < 1e-9 && sides == [BladeSide::Flat; 2], "{turn}");
+    }
+    /// The angle of a camber line that turns by `turn` over 10 mm, whose facets are `length` long and begin at `from` (mm),
+    /// about an axis 50 mm away, and its slope (rad, rad/mm).
+    fn faceted(x: f64, (turn, length, from): (f64, f64, f64)) -> (f64, f64) {
+        let theta = |x: f64| turn * (x - 5.0) * (x - 5.0) / (2.0 * 10.0 * 52.5);
+        let start = from + length * ((x - from) / length).floor();
+        let slope = (theta(start + length) - theta(start)) / length;
+        (theta(start) + slope * (x - start), slope)
+    }
+
+    proptest! {
+        /// Which side is which is a matter of the part, not of where the facets of a channel begin.
+        #[test]
+        fn facets_never_exchange_the_sides(turn in -0.2..0.2, length in 0.3..4.0, from in [0.0..4.0, 0.0..4.0]) {
+            let side = |at: f64, from: f64, sign: f64| wall(move |x, z| {
+                let (theta, slope) = faceted(x, (turn, length, from));
+                let around = DVec3::new(0.0, -(at + theta).cos(), -(at + theta).sin());
+                let point = Cylindrical { x, r: 50.0 + z, theta: at + theta }.point();
+                (point, sign * (around - (50.0 + z) * slope * DVec3::X))
+            });
+            let (_, sides) = turning(&side(-0.1, from[0], 1.0), &side(0.1, from[1], -1.0), Flow::Axial);
+            let right = if turn < 0.0 { [BladeSide::Suction, BladeSide::Pressure] } else { [BladeSide::Pressure, BladeSide::Suction] };
+            let is_plain = turn.abs() > 2.0 * STRAIGHT && length < 0.5;
+            prop_assert!(sides == right || (sides == [BladeSide::Flat; 2] && !is_plain), "{:?}", sides);
+        }
     }
 }

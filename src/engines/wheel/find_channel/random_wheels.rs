@@ -57,7 +57,7 @@ pub(super) fn wrong(case: &Case, channel: &Channel) -> Vec<String> {
             wrong.push(what);
         }
     };
-    let kinds = if wheel.splitters.is_some() { 2 } else { 1 };
+    let kinds = wheel.kinds();
     expect(channel.blades == wheel.blades, format!("{} blades for {}", channel.blades, wheel.blades));
     expect(channel.flow == *flow, format!("{:?} for {flow:?}", channel.flow));
     expect(channel.shrouded == wheel.shrouded, format!("shrouded {}", channel.shrouded));
@@ -88,7 +88,7 @@ pub(super) fn wrong(case: &Case, channel: &Channel) -> Vec<String> {
             least.min(place.distance(pair[0] + t * way))
         })
     };
-    let span = wheel.splitters.map_or(wheel.span, |splitters| splitters.span);
+    let span = wheel.span_of_all();
     for s in &channel.meridian {
         for (name, curve, place) in [("hub", hub, s.hub), ("shroud", shroud, s.shroud)] {
             let at = in_wheel(DVec3::new(place.x, 0.0, place.y));
@@ -214,7 +214,7 @@ fn spoilt_random_wheels_are_refused_or_told() {
 
 /// The wheel with a pin from blade to blade through every passage, as long as its share of the passage's width says.
 fn with_pins(wheel: &ParametricWheel, share: f64) -> Mesh {
-    let span = wheel.splitters.map_or(wheel.span, |splitters| splitters.span);
+    let span = wheel.span_of_all();
     let middle = 0.5 * (span[0] + span[1]);
     let place = wheel.place(middle, 0.5);
     let thick = 0.25 * wheel.place(middle, 0.0).distance(wheel.place(middle, 1.0));
@@ -231,7 +231,7 @@ fn with_pins(wheel: &ParametricWheel, share: f64) -> Mesh {
 /// The wheel with a strut from hub to shroud, a fifth of the passage's width thick, in every passage at a share of the
 /// splitters' or blades' span.
 fn with_struts(wheel: &ParametricWheel, share: f64) -> Mesh {
-    let span = wheel.splitters.map_or(wheel.span, |splitters| splitters.span);
+    let span = wheel.span_of_all();
     let along = span[0] + share * (span[1] - span[0]);
     let [hub, place, shroud] = [0.0, 0.5, 1.0].map(|height| wheel.place(along, height));
     let up = shroud - hub;
@@ -276,7 +276,7 @@ fn what_stands_in_every_passage_is_no_passage_without_it() {
     let (told, is_second) = (Cell::new(0), Cell::new(false));
     let faulty = faulty(|case| {
         let wheel = &case.wheel;
-        let span = wheel.splitters.map_or(wheel.span, |splitters| splitters.span);
+        let span = wheel.span_of_all();
         let fault = |mesh: Mesh, share: f64, what: String| {
             let mesh = mesh.mapped(|p| case.placement.transform_point3(p));
             let along = span[0] + share * (span[1] - span[0]);

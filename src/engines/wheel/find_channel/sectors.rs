@@ -173,7 +173,7 @@ fn half_a_wheel_and_one_pitch_of_it_are_the_wheel() {
 #[test]
 fn a_passage_may_end_where_splitters_begin() {
     let part = ParametricWheel {
-        splitters: Some(Splitters { span: [0.6, 0.95], off_middle: 0.0 }),
+        splitters: vec![Splitters { span: [0.6, 0.95], off_middle: 0.0 }],
         ..ParametricWheel::impeller()
     };
     let options = BliskOptions { blades: Auto::Given(part.blades / 2), ..Default::default() };
@@ -270,7 +270,7 @@ fn sectors_of_random_wheels_are_recognised() {
         let (wheel, pitch) = (&case.wheel, case.wheel.pitch());
         let most = 0.45 * wheel.blades as f64;
         // With two kinds of blades two of each must be there.
-        let kinds = if wheel.splitters.is_some() { 2.0 } else { 1.0 };
+        let kinds = wheel.kinds() as f64;
         let random = |k: f64| (k * (wheel.wrap[0] + wheel.thickness_mm)).sin().abs();
         let pitches = (2.0 * kinds + 3.0 * random(71.0)).min(most);
         if pitches < 2.0 * kinds {
@@ -291,7 +291,7 @@ fn sectors_of_random_wheels_are_recognised() {
 /// An STL file holds no parts: what the import makes of shells that cross is what is recognised.
 #[test]
 fn a_wheel_of_shells_that_cross_is_the_same_from_a_file() {
-    let splitters = Some(Splitters { span: [0.5, 0.95], off_middle: 0.0 });
+    let splitters = vec![Splitters { span: [0.5, 0.95], off_middle: 0.0 }];
     let impeller =
         ParametricWheel { blades: 18, thickness_mm: 1.5, pieces: [120, 48, 8], ..ParametricWheel::impeller() };
     for wheel in [impeller.clone(), ParametricWheel { splitters, ..impeller }] {
@@ -306,7 +306,7 @@ fn a_wheel_of_shells_that_cross_is_the_same_from_a_file() {
             assert_eq!((report.components, report.components_turned, report.cavities), (wheel.blades + 2, turned, 0));
             assert!((imported.mesh.volume() / wheel.mesh().volume() - 1.0).abs() < 1e-5);
             let channel = found(&imported.mesh);
-            let kinds = if wheel.splitters.is_some() { 2 } else { 1 };
+            let kinds = wheel.kinds();
             assert_eq!((channel.blades, channel.kinds, channel.unlike.len()), (wheel.blades, kinds, 0));
         }
     }

@@ -474,7 +474,7 @@ fn splitters_make_two_kinds_of_channels() {
     // Nine main blades and a splitter behind each, not quite in the middle.
     let part = ParametricWheel {
         blades: 18,
-        splitters: Some(Splitters { span: [0.5, 0.95], off_middle: 0.02 }),
+        splitters: vec![Splitters { span: [0.5, 0.95], off_middle: 0.02 }],
         thickness_mm: 2.0,
         ..ParametricWheel::impeller()
     };

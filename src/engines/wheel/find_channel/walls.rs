@@ -440,12 +440,12 @@ mod tests {
     fn the_throat_beside_splitters_is_that_of_the_blades() {
         let part = ParametricWheel {
             blades: 14,
-            splitters: Some(Splitters { span: [0.5, 0.95], off_middle: 0.0 }),
+            splitters: vec![Splitters { span: [0.5, 0.95], off_middle: 0.0 }],
             ..ParametricWheel::impeller()
         };
         let mesh = part.mesh();
         // Main blades alone, which go on ahead of the splitters.
-        let main = ParametricWheel { blades: 7, splitters: None, ..part.clone() };
+        let main = ParametricWheel { blades: 7, splitters: Vec::new(), ..part.clone() };
         let mut drawn = [
             least_distance(&drawn_wall(&main, 0, 0), &drawn_wall(&part, 0, 1)),
             least_distance(&drawn_wall(&part, 1, 0), &drawn_wall(&main, 0, 1)),
@@ -481,7 +481,7 @@ mod tests {
     fn walls_end_at_thick_splitters() {
         let part = ParametricWheel {
             blades: 18,
-            splitters: Some(Splitters { span: [0.5, 0.95], off_middle: 0.0 }),
+            splitters: vec![Splitters { span: [0.5, 0.95], off_middle: 0.0 }],
             thickness_mm: 7.0,
             ..ParametricWheel::impeller()
         };

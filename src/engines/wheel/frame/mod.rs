@@ -15,7 +15,7 @@ use std::borrow::Cow;
 use glam::{DVec2, DVec3};
 
 pub use axis::Axis;
-pub(crate) use period::MOST_KINDS;
+pub use period::MOST_KINDS;
 pub use period::Repetition;
 
 use self::period::{Blades, Region};
@@ -298,9 +298,14 @@ fn bladed_region(
         // Whoever names the blade count or points of the passage has seen that there are blades.
         match if wanted.is_some() || !places.is_empty() { None } else { regions[i].objection(slices) } {
             None => {
-                let has_more =
-                    |other: &Region| other.count > regions[i].count && other.least_kinds(slices, &regions[i..=i]) > 1;
-                let i = if places.is_empty() { regions.iter().position(has_more).unwrap_or(i) } else { i };
+                let has_more = |other: &Region| {
+                    let goes_on = || other.goes_on_into(slices, &regions);
+                    other.count > regions[i].count
+                        && goes_on().into_iter().any(|into| std::ptr::eq(into, &regions[i]))
+                        && other.least_kinds(slices, &regions) > 1
+                };
+                let more = (0..regions.len()).filter(|&k| places.is_empty() && has_more(&regions[k]));
+                let i = more.max_by_key(|&k| regions[k].count).unwrap_or(i);
                 let region = regions.swap_remove(i);
                 let mut others = if wanted.is_some() { period::regions(slices, None, cancel)? } else { regions };
                 let least_kinds = region.least_kinds(slices, &others);

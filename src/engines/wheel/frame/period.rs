@@ -12,7 +12,7 @@ use geometry::frame::{Cylindrical, wrap_angle};
 use task::{Cancel, Cancelled};
 
 /// Most kinds of blades: a main blade and up to three splitters.
-pub(crate) const MOST_KINDS: usize = 4;
+pub const MOST_KINDS: usize = 4;
 /// A kind of blades stands around the axis at least so many times.
 const LEAST_REPEATS: usize = 3;
 /// Share of the walls that repeat where the number of kinds is right.
@@ -163,13 +163,31 @@ impl Region {
         other.cells.iter().any(is_near)
     }
 
+    /// Those of the `others` into which fewer of this region's blades go on: the rest have ended there, as splitters do,
+    /// of one kind after the other.
+    pub fn goes_on_into<'a>(&self, slices: &Slices, others: &'a [Self]) -> Vec<&'a Self> {
+        let mut into: Vec<&Self> = Vec::new();
+        let goes_on = |from: &Self, other: &Self| {
+            other.count < from.count && from.touches(other) && other.objection(slices).is_none()
+        };
+        let mut done = 0;
+        loop {
+            let from = if done == 0 { self } else { into[done - 1] };
+            let is_new = |other: &&Self| !into.iter().any(|known| std::ptr::eq(*known, *other));
+            let more: Vec<&Self> = others.iter().filter(is_new).filter(|other| goes_on(from, other)).collect();
+            into.extend(more);
+            if done == into.len() {
+                return into;
+            }
+            done += 1;
+        }
+    }
+
     /// Number of kinds of blades that each stand in another part of the passage: of this region's blades only one in so
-    /// many goes on into one of the `others`, where the others have ended, as splitters do.
+    /// many [goes on into](Self::goes_on_into) one of the `others`.
     pub fn least_kinds(&self, slices: &Slices, others: &[Self]) -> usize {
-        let goes_on =
-            |other: &&Self| other.count < self.count && self.touches(other) && other.objection(slices).is_none();
         let of = |other: &Self| kinds(self.count).find(|kinds| kinds * other.count == self.count);
-        others.iter().filter(goes_on).filter_map(of).max().unwrap_or(1)
+        self.goes_on_into(slices, others).into_iter().filter_map(of).max().unwrap_or(1)
     }
 
     /// Whether this may be another row of blades than those of `chosen`: a good part as large, with a circle between them

@@ -84,7 +84,7 @@ pub fn random_wheel(number: usize, share: &mut dyn FnMut() -> f64) -> (Parametri
     // Of some the flow runs inwards, and splitters stand at the end of smaller radius.
     let inward = (number / 18) % 2 == 1;
     let reversed = |[from, to]: [f64; 2]| if inward { [1.0 - to, 1.0 - from] } else { [from, to] };
-    let splitters = splitters.map(|s| Splitters { span: reversed(s.span), ..s });
+    let splitters = splitters.map(|s| Splitters { span: reversed(s.span), ..s }).into_iter().collect();
     let wheel = ParametricWheel {
         blades,
         hub,

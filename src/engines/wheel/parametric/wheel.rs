@@ -37,12 +37,12 @@ impl MeridianCurve {
     }
 }
 
-/// Splitter blades: every other blade of the wheel.
+/// A kind of splitter blades, of which one follows every main blade.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Splitters {
     /// Shares of the passage between which they stand.
     pub span: [f64; 2],
-    /// Angle by which they stand off the middle between their neighbours (rad).
+    /// Angle by which they stand off their place in the even pitch (rad).
     pub off_middle: f64,
 }
 
@@ -70,8 +70,8 @@ pub struct ParametricWheel {
     pub shrouded: bool,
     /// Shares of the passage between which the blades stand.
     pub span: [f64; 2],
-    /// Every other blade, where there are splitters.
-    pub splitters: Option<Splitters>,
+    /// The blades that follow every main blade, in this order.
+    pub splitters: Vec<Splitters>,
     /// How fast a blade winds about the axis at the inlet and at the outlet, the rate changing evenly between
     /// (rad over the whole passage).
     pub wrap: [f64; 2],
@@ -139,7 +139,7 @@ impl ParametricWheel {
             shroud: across(12.0),
             shrouded: true,
             span: [0.1, 0.9],
-            splitters: None,
+            splitters: Vec::new(),
             wrap: [0.5; 2],
             lean: 0.0,
             thickness_mm: 3.0,
@@ -176,10 +176,26 @@ impl ParametricWheel {
         self.hub.at(along).lerp(self.shroud.at(along), height)
     }
 
+    /// Number of kinds of blades.
+    pub fn kinds(&self) -> usize {
+        1 + self.splitters.len()
+    }
+
+    /// Shares of the passage between which every blade stands.
+    pub fn span_of_all(&self) -> [f64; 2] {
+        let spans = self.splitters.iter().map(|s| s.span);
+        spans.fold(self.span, |[from, to], span| [from.max(span[0]), to.min(span[1])])
+    }
+
+    /// What blade `k` is of, if it is a splitter.
+    pub fn splitter(&self, k: usize) -> Option<&Splitters> {
+        (k % self.kinds()).checked_sub(1).map(|kind| &self.splitters[kind])
+    }
+
     /// Where blade `k` stands along the passage, and the angle where its middle begins (rad).
     fn blade_at(&self, k: usize) -> ([f64; 2], f64) {
         let turned = self.flaws.turned_blade.filter(|(blade, _)| *blade == k).map_or(0.0, |(_, turn)| turn);
-        let (span, off) = self.splitters.filter(|_| k % 2 == 1).map_or((self.span, 0.0), |s| (s.span, s.off_middle));
+        let (span, off) = self.splitter(k).map_or((self.span, 0.0), |s| (s.span, s.off_middle));
         (span, self.pitch() * k as f64 + turned + off)
     }
 

@@ -131,8 +131,7 @@ impl Band {
 }
 
 /// The two blades of a channel at places along the passage and across it.
-pub(super) struct Blades<'a> {
-    channel: &'a Channel,
+pub(super) struct Blades {
     rows: Vec<Row>,
 }
 
@@ -151,13 +150,11 @@ pub(super) struct AtBlades {
     pub thetas: [f64; 2],
     /// Unit normal of the camber surface towards greater theta: along x, along r and about the axis.
     pub camber: DVec3,
-    /// How far the place lies beyond the walls' ends along the passage (mm); negative between them.
-    pub beyond: f64,
 }
 
-impl<'a> Blades<'a> {
+impl Blades {
     /// The blades of `channel`; none where the places of its walls along the passage are not known.
-    pub fn new(channel: &'a Channel, band: &Band) -> Option<Self> {
+    pub fn new(channel: &Channel, band: &Band) -> Option<Self> {
         let (low, high) = (&channel.low, &channel.high);
         let row = |v: usize| {
             let mut row = Row { alongs: Vec::new(), thetas: Vec::new(), cambers: Vec::new() };
@@ -178,7 +175,7 @@ impl<'a> Blades<'a> {
         };
         let rows: Vec<Row> = (0..low.nv).map(row).collect();
         let is_known = low.nu >= 2 * EDGE + 2 && rows.iter().flat_map(|row| &row.alongs).all(|a| a.is_finite());
-        (is_known && !rows.is_empty()).then_some(Self { channel, rows })
+        (is_known && !rows.is_empty()).then_some(Self { rows })
     }
 
     /// The blades at a position along the passage and a share of the height.
@@ -194,13 +191,6 @@ impl<'a> Blades<'a> {
         let thetas = [0, 1].map(|k| row.thetas[i - 1][k] + t * (row.thetas[i][k] - row.thetas[i - 1][k]));
         let clear = &self.rows[v(share.clamp(CLEAR, 1.0 - CLEAR))];
         let camber = clear.cambers[i - 1].lerp(clear.cambers[i], t.clamp(0.0, 1.0)).normalize_or(DVec3::Z);
-        let beyond = (row.alongs[0] - along).max(along - row.alongs[n - 1]);
-        AtBlades { thetas, camber, beyond }
-    }
-
-    /// Position along the passage of the walls' beginning and end at half height (mm).
-    pub fn span(&self) -> [f64; 2] {
-        let row = &self.rows[self.channel.low.nv / 2];
-        [row.alongs[0], row.alongs[row.alongs.len() - 1]]
+        AtBlades { thetas, camber }
     }
 }

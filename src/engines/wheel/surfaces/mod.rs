@@ -132,15 +132,11 @@ const ON_WALL: f64 = 0.02;
 const FACES_WALL: f64 = 0.9;
 /// Blade surfaces that face along the camber line within 45 degrees are edges (cosine).
 const EDGE: f64 = 0.7;
-/// Blades that reach beyond the walls' ends do so within this share of the passage's length.
-const BEYOND: [f64; 2] = [0.02, 0.2];
 /// Blades stand out of the ends of hub and shroud or tips by at most this share of the height, above this share of it.
 const STAND_OUT: f64 = 0.3;
 const ABOVE_HUB: f64 = 0.03;
 /// What stands out further above the hub than this share of the height, and faces outwards, is a tip.
 const AT_TIPS: f64 = 0.9;
-/// Blades of which less than this share of the greatest area lies beyond the walls' ends are splitters.
-const MAIN: f64 = 0.3;
 
 /// Tells the surfaces of the loaded `mesh` apart, in which `channel` was found.
 ///
@@ -154,7 +150,7 @@ pub fn classify(mesh: &Mesh, channel: &Channel, task: &Task) -> Result<SurfaceCl
     let every = |step: usize| -> Vec<usize> { (0..mesh.triangles.len()).step_by(step).collect() };
     let teller = Band::new(channel).and_then(|band| {
         let blades = Blades::new(channel, &band)?;
-        Some(Teller { channel, band, blades, fillets: [None; 2], is_main: [true; MOST_KINDS] })
+        Some(Teller { channel, band, blades, fillets: [None; 2] })
     });
     let mut found =
         SurfaceClasses { classes: Vec::new(), areas: Vec::new(), hub_fillet_mm: None, shroud_fillet_mm: None };
@@ -167,7 +163,6 @@ pub fn classify(mesh: &Mesh, channel: &Channel, task: &Task) -> Result<SurfaceCl
     let samples: Vec<Facet> = every(step).into_par_iter().map(facet).collect();
     task.cancel.check()?;
     teller.fillets = teller.fillet_radii(&samples);
-    teller.is_main = teller.main_blades(&samples);
     task.report("surfaces", 0.3, "");
     let chunks: Vec<usize> = every(CHUNK);
     let told: Vec<Vec<(SurfaceClass, f64)>> = chunks
@@ -242,11 +237,9 @@ impl Facet {
 struct Teller<'a> {
     channel: &'a Channel,
     band: Band,
-    blades: Blades<'a>,
+    blades: Blades,
     /// Radii of the fillets at hub and shroud (mm).
     fillets: [Option<f64>; 2],
-    /// Which of the blades of a group are main blades, counted from the one below the channel.
-    is_main: [bool; MOST_KINDS],
 }
 
 /// Where a facet lies against one of the end walls.
@@ -339,28 +332,6 @@ impl Teller<'_> {
         (0..kinds).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(0)
     }
 
-    /// Which blades of a group go on where the channel's walls end, so that they are main blades; all of them if none
-    /// does.
-    fn main_blades(&self, samples: &[Facet]) -> [bool; MOST_KINDS] {
-        if self.channel.kinds < 2 {
-            return [true; MOST_KINDS];
-        }
-        let [first, last] = self.blades.span();
-        let vote = |facet: &Facet| {
-            let foot = self.foot(facet)?;
-            let at = self.blades.at(foot.along, foot.share);
-            let beyond = at.beyond / (last - first);
-            let is_blade = (0.2..0.8).contains(&foot.share) && facet.facing(foot.normals[0]).abs() < EDGE;
-            (is_blade && (BEYOND[0]..BEYOND[1]).contains(&beyond))
-                .then(|| (self.blade(facet.at.theta, &at), facet.area))
-        };
-        let votes: Vec<(usize, f64)> = samples.par_iter().filter_map(vote).collect();
-        let mut areas = [0.0; MOST_KINDS];
-        votes.into_iter().for_each(|(blade, area)| areas[blade] += area);
-        let most = areas.iter().fold(0.0_f64, |m, a| m.max(*a));
-        areas.map(|area| area >= MAIN * most)
-    }
-
     fn class(&self, facet: &Facet) -> SurfaceClass {
         let is_within = self.foot(facet);
         let Some(foot) =
@@ -397,7 +368,7 @@ impl Teller<'_> {
         if facet.normal.dot(at.camber.cross(up).normalize_or_zero()).abs() > EDGE {
             return SurfaceClass::Edge;
         }
-        let is_main = at.beyond > 0.0 || self.is_main[self.blade(facet.at.theta, &at)];
+        let is_main = self.channel.main_blades[self.blade(facet.at.theta, &at)];
         match (is_main, facet.normal.dot(at.camber) > 0.0) {
             (true, true) => SurfaceClass::MainLow,
             (true, false) => SurfaceClass::MainHigh,

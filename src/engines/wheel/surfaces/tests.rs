@@ -26,7 +26,7 @@ fn truth(part: &ParametricWheel) -> Vec<Option<SurfaceClass>> {
     for wall in walls {
         for i in (0..around).flat_map(|_| 0..2 * (along + 1)) {
             let share = (i as f64 + 0.5) / along as f64;
-            let span = part.splitters.map_or(part.span, |s| s.span);
+            let span = part.span_of_all();
             let is_beside = part.shrouded || (span[0]..span[1]).contains(&share);
             quad(if i >= along { Some(Elsewhere) } else { is_beside.then_some(*wall) });
         }
@@ -35,26 +35,26 @@ fn truth(part: &ParametricWheel) -> Vec<Option<SurfaceClass>> {
     let mut rows = vec![[Elsewhere; 2]];
     rows.extend(vec![[HubFillet; 2]; rounds]);
     for k in 0..part.blades {
-        let is_splitter = part.splitters.is_some() && k % 2 == 1;
-        let sides = if is_splitter { [SplitterLow, SplitterHigh] } else { [MainLow, MainHigh] };
+        let splitter = part.splitter(k);
+        let sides = if splitter.is_some() { [SplitterLow, SplitterHigh] } else { [MainLow, MainHigh] };
         let mut rows = rows.clone();
         rows.extend(vec![sides; across]);
         if part.shrouded {
             rows.extend(vec![[ShroudFillet; 2]; rounds]);
             rows.push([Elsewhere; 2]);
         }
-        let span = part.splitters.filter(|_| is_splitter).map_or(part.span, |s| s.span);
+        let span = splitter.map_or(part.span, |s| s.span);
         for i in 0..along {
             let share = span[0] + (span[1] - span[0]) * (i as f64 + 0.5) / along as f64;
             // Without a shroud the flow path is known beside the splitters alone.
-            let is_known = part.shrouded || part.splitters.is_none_or(|s| share >= s.span[0]);
+            let is_known = part.shrouded || share >= part.span_of_all()[0];
             rows.iter().flatten().for_each(|class| quad(is_known.then_some(*class)));
         }
         (0..2 * rows.len()).for_each(|_| quad(None));
         let top = if part.shrouded { Elsewhere } else { Tip };
         for i in 0..along {
             let share = span[0] + (span[1] - span[0]) * (i as f64 + 0.5) / along as f64;
-            let is_known = part.shrouded || part.splitters.is_none_or(|s| share >= s.span[0]);
+            let is_known = part.shrouded || share >= part.span_of_all()[0];
             [Elsewhere, top].into_iter().for_each(|class| quad(is_known.then_some(class)));
         }
     }
@@ -108,7 +108,7 @@ fn fillets_have_the_radius_and_the_area_that_they_were_made_with() {
 
 #[test]
 fn blades_are_told_by_kind_and_side() {
-    let splitters = Some(Splitters { span: [0.5, 0.95], off_middle: 0.03 });
+    let splitters = vec![Splitters { span: [0.5, 0.95], off_middle: 0.03 }];
     let part =
         ParametricWheel { blades: 14, thickness_mm: 2.0, splitters, pieces: PIECES, ..ParametricWheel::impeller() };
     for shrouded in [true, false] {
@@ -154,4 +154,32 @@ fn work_stops_when_told_to() {
     let (_, channel) = classes(&mesh);
     cancel.cancel();
     assert_eq!(classify(&mesh, &channel, &Task::silent(&cancel)), Err(Cancelled));
+}
+
+/// Which blades are main blades is a matter of the wheel: between two splitters the longer one is none.
+#[test]
+fn main_blades_are_those_of_the_wheel_whichever_channel_is_chosen() {
+    let splitters = [0.35, 0.6].map(|from| Splitters { span: [from, 0.95], off_middle: 0.0 });
+    let part = ParametricWheel {
+        blades: 15,
+        thickness_mm: 1.5,
+        splitters: splitters.to_vec(),
+        pieces: PIECES,
+        ..ParametricWheel::impeller()
+    };
+    let mesh = part.mesh();
+    let truth = truth(&part);
+    let mut main: Vec<_> = (0..3)
+        .map(|channel| {
+            let options = BliskOptions { channel, ..Default::default() };
+            let channel = find_channel(&mesh, &options, &Task::default()).unwrap();
+            assert_eq!(channel.kinds, 3);
+            let found = classify(&mesh, &channel, &Task::default()).unwrap();
+            let right = share_right(&mesh, &found, &truth);
+            assert!(right > 0.97, "{}: {right}", channel.index);
+            channel.main_blades[..3].to_vec()
+        })
+        .collect();
+    main.sort_unstable();
+    assert_eq!(main, [[false, false, true], [false, true, false], [true, false, false]]);
 }
