@@ -5,7 +5,6 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
-use super::frame::MOST_KINDS;
 use geometry::exact::{ExactMesh, ExactMeshError};
 use geometry::frame::{Cylindrical, Frame};
 use geometry::mesh::{Bounds, Mesh};
@@ -297,8 +296,6 @@ pub struct Channel {
     pub agreement: Vec<Agreement>,
     /// Number of kinds of channels: every so many channels are of one kind; more than 1 where there are splitters.
     pub kinds: usize,
-    /// Which blades are main blades, counted from the one below the channel, the first [`kinds`](Self::kinds) of them.
-    pub main_blades: [bool; MOST_KINDS],
     /// Numbers of the channels of this one's kind whose surfaces, or blades beside their edges, are not those of this
     /// one turned about the axis.
     pub unlike: Vec<Unlike>,

@@ -4,7 +4,6 @@ use crate::channel::Channel;
 use crate::channel::ChannelWall;
 use crate::channel::Throat;
 use crate::channel::{Flow, Station};
-use crate::frame::MOST_KINDS;
 use crate::parametric::ChannelSide;
 use crate::parametric::ParametricBlisk;
 use crate::parametric::welder::Welder;
@@ -240,7 +239,6 @@ pub fn exact_channel(blisk: &ParametricBlisk) -> Channel {
         faces_x: blisk.faces_x(),
         agreement: Vec::new(),
         kinds: 1,
-        main_blades: [true; MOST_KINDS],
         whole: None,
         unlike: Vec::new(),
         assumed: Vec::new(),

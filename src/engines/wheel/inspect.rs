@@ -13,7 +13,7 @@ use super::find_channel::{prepared, wheel_and_channel};
 use super::frame::{Axis, Repetition, Wheel};
 use super::nurbs_wall::NurbsWall;
 use super::options::BliskOptions;
-use super::surfaces::{SurfaceClasses, classify};
+use super::surfaces::{SurfaceClass, SurfaceClasses, classify};
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
 use geometry::nurbs::FitError;
@@ -288,7 +288,10 @@ impl fmt::Display for SurfaceClasses {
             row(name, format!("{:<40}{:>12.1} mm²{:>10} triangles", area.name, area.area_mm2, area.triangles))?;
         }
         let radius = |r: Option<f64>| r.map_or("no single radius".to_owned(), |r| format!("R {r:.3} mm"));
-        row("Fillets", format!("hub {}, shroud {}", radius(self.hub_fillet_mm), radius(self.shroud_fillet_mm)))
+        let hub = format!("hub {}", radius(self.hub_fillet_mm));
+        let is_shrouded = self.areas.iter().any(|area| area.class == SurfaceClass::Shroud);
+        let shroud = is_shrouded.then(|| format!(", shroud {}", radius(self.shroud_fillet_mm))).unwrap_or_default();
+        row("Fillets", hub + &shroud)
     }
 }
 

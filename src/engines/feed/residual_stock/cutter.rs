@@ -128,8 +128,7 @@ impl Cutter {
 
     /// The least signed distance (mm) from `p`, in W, to the electrode over the continuous motions, or `known` if it is
     /// nowhere less. Once it is known to be `enough` or less the rest is not looked at. Within [`RESOLUTION`], or the share
-    /// [`COARSE`] of itself, and the
-    /// error of the field.
+    /// [`COARSE`] of itself, and the error of the field.
     pub(super) fn least(&self, p: DVec3, mut known: f64, enough: f64) -> f64 {
         for motion in &self.motions {
             if motion.may_lower(p, known) {
@@ -230,13 +229,15 @@ impl Between {
     /// most. So the square of the distance lies no further below the chord between the instants than a parabola of that
     /// second derivative does.
     fn at_least_outside(&self) -> Option<f64> {
-        let [a, b] = self.looks.map(|look| look.distance);
+        // Less by the error of the field, which the square would magnify.
+        let [a, b] = self.looks.map(|look| look.distance.map(|d| d - DistanceField::ACCURACY));
         let (a, b) = (a.filter(|a| *a > 0.0)?, b.filter(|b| *b > 0.0)?);
+        // No nearest point in between is further away than the further look and the travel.
         let second = 2.0 * (self.travel * self.travel + (a.max(b) + self.travel) * self.bend);
         let rise = b * b - a * a;
         let t = (0.5 - rise / second).clamp(0.0, 1.0);
         let square = a * a + rise * t - 0.5 * second * t * (1.0 - t);
-        (square > 0.0).then(|| square.sqrt())
+        (square > 0.0).then(|| square.sqrt() + DistanceField::ACCURACY)
     }
 }
 
@@ -312,7 +313,7 @@ mod tests {
                 exact.signed_distance(placement.inverse().transform_point3(p))
             });
             let sampled = sampled.fold(f64::INFINITY, f64::min);
-            let error = DistanceField::ACCURACY + 0.05 * (sampled - DistanceField::NEAR).abs();
+            let error = DistanceField::ACCURACY + 0.05 * (sampled.abs() - DistanceField::NEAR).max(0.0);
             prop_assert!(between.at_least() <= sampled + error, "{} {sampled}", between.at_least());
             let outside = between.at_least_outside().unwrap_or(0.0);
             prop_assert!(outside <= sampled.max(0.0) + error, "{outside} {sampled}");

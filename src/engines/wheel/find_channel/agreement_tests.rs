@@ -284,6 +284,26 @@ fn metal_in_a_passage_beside_splitters_is_told() {
     assert!(one % 2 == 0 && next == (one + 2) % part.blades, "{numbers:?}");
 }
 
+/// A passage that differs by a wall and by metal in it is told by the metal.
+#[test]
+fn metal_is_told_before_a_wall_that_differs() {
+    let flaws = Flaws { turned_blade: Some((2, 0.02)), ..Default::default() };
+    let part = ParametricWheel { flaws, ..ParametricWheel::impeller() };
+    let [low, high] = part.walls(2, 0.6, 0.5).unwrap();
+    let DVec2 { x, y: r } = part.place(0.6, 0.5);
+    let at = Cylindrical { x, r, theta: 0.5 * (low + high) }.point();
+    let lump = Mesh::cuboid(DVec3::splat(1.5)).mapped(|p| p + at - DVec3::splat(0.75));
+    let mesh = together(part.mesh(), &lump);
+    let options = |channel| BliskOptions { channel, ..Default::default() };
+    let sound: Vec<Channel> = (0..part.blades).step_by(4).filter_map(|k| find(&mesh, &options(k)).ok()).collect();
+    assert!(!sound.is_empty());
+    for channel in sound.iter().filter(|channel| channel.unlike.len() == 2) {
+        let metal = |unlike: &&Unlike| matches!(unlike.difference, Difference::Obstructed { .. });
+        assert_eq!(channel.unlike.iter().filter(metal).count(), 1, "{:?}", channel.unlike);
+    }
+    assert!(sound.iter().any(|channel| channel.unlike.len() == 2));
+}
+
 #[test]
 fn another_row_of_as_many_blades_is_told() {
     let part = TestBlisk::default();

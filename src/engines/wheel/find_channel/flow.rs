@@ -11,9 +11,9 @@ use nalgebra::DMatrix;
 
 use super::super::channel::Surface;
 use super::super::error::BliskError;
+use super::super::frame::lattice::{Lattice, MOST_POINTS, around};
 use super::super::frame::slices::Gap;
 use super::meridian::{Place, Tracer};
-use task::Cancelled;
 
 /// Lines from hub to shroud or tips (x, r) along a passage, found to about the distance of the lattice's points (mm).
 pub(super) struct Lines {
@@ -26,11 +26,6 @@ pub(super) struct Lines {
     pub steep: f64,
 }
 
-/// Most points of the lattice that are looked at.
-const MOST_POINTS: usize = 40_000;
-/// With fewer points the lattice is made finer, so many times at most.
-const ENOUGH_POINTS: usize = 1_000;
-const MOST_HALVINGS: usize = 4;
 /// Least narrowing of the gap from one point to the next at a hole, both sides together (share of its width).
 const HOLE: f64 = 0.3;
 /// Least narrowing at a hole on each side (share of the gap's width).
@@ -110,7 +105,8 @@ fn lines_where(tracer: &Tracer, start: Place, (gap_at, slope): (&GapAt, f64)) ->
     let mut bent = None;
     for past_holes in [false, true] {
         let next = |at: DVec2, near: &Gap| gap_at(at.x, at.y, near).filter(|gap| !past_holes || !is_in_hole(gap, near));
-        let (lattice, points) = flood(tracer, (DVec2::new(start.x, start.r), start.gap), next)?;
+        let (lattice, points) =
+            Lattice::filled(tracer.slices, (DVec2::new(start.x, start.r), start.gap), next, &tracer.cancel)?;
         if points.len() >= MOST_POINTS {
             continue;
         }
@@ -135,65 +131,11 @@ pub(super) fn steep_share(curve: &[DVec2], slope: f64) -> f64 {
     steps().filter(|step| step.y >= slope * step.x).map(DVec2::length).sum::<f64>() / length.max(f64::MIN_POSITIVE)
 }
 
-/// A square lattice in the meridional plane.
-pub(super) struct Lattice {
-    /// Place (x, r) of its point [0, 0] (mm).
-    start: DVec2,
-    /// Distance of neighbouring points (mm).
-    step: f64,
-}
-
-impl Lattice {
-    fn place(&self, point: [f64; 2]) -> DVec2 {
-        self.start + self.step * DVec2::from(point)
-    }
-}
-
-/// The points that are reached on a lattice from a place (x, r), with what is known of each: `next` says it of a place from
-/// what is known of its neighbour, or that the place does not belong to them. The lattice is made finer until there are
-/// [`ENOUGH_POINTS`]; there are [`MOST_POINTS`] at most.
-pub(super) fn flood<T: Copy>(
-    tracer: &Tracer,
-    (start, known): (DVec2, T),
-    next: impl Fn(DVec2, &T) -> Option<T>,
-) -> Result<(Lattice, HashMap<[i32; 2], T>), Cancelled> {
-    let mut lattice = Lattice { start, step: tracer.slices.cell_size().y };
-    let mut halvings = 0;
-    loop {
-        let mut found = HashMap::from([([0, 0], known)]);
-        let mut queue = vec![[0, 0]];
-        let mut done = 0;
-        while let Some(&point) = queue.get(done).filter(|_| queue.len() < MOST_POINTS) {
-            tracer.cancel.check()?;
-            done += 1;
-            let near = found[&point];
-            for beside in around(point) {
-                if !found.contains_key(&beside)
-                    && let Some(known) = next(lattice.place(beside.map(f64::from)), &near)
-                {
-                    found.insert(beside, known);
-                    queue.push(beside);
-                }
-            }
-        }
-        if found.len() >= ENOUGH_POINTS || halvings == MOST_HALVINGS {
-            return Ok((lattice, found));
-        }
-        lattice.step *= 0.5;
-        halvings += 1;
-    }
-}
-
 /// Whether a gap beside `near` is that of a hole in hub or shroud, which is narrower at once on both sides. Between fillets
 /// that meet a gap is too: this is asked only where the outline yields no curves, or curves that bend.
 fn is_in_hole(gap: &Gap, near: &Gap) -> bool {
     let narrowed = [gap.low.theta - near.low.theta, near.high.theta - gap.high.theta];
     narrowed.iter().all(|side| *side > HOLE_SIDE * near.width()) && narrowed.iter().sum::<f64>() > HOLE * near.width()
-}
-
-/// The four neighbours of a point of the lattice, anticlockwise from the one below.
-fn around([i, j]: [i32; 2]) -> [[i32; 2]; 4] {
-    [[i, j - 1], [i + 1, j], [i, j + 1], [i - 1, j]]
 }
 
 /// The longest outline of the bladed points, anticlockwise.

@@ -13,8 +13,9 @@ use super::super::frame::slices::cylindrical_components;
 use geometry::frame::Cylindrical;
 use geometry::mesh::Mesh;
 
-/// A middle line that turns by less than this (rad), or by less than from one facet to the next, is straight.
-const STRAIGHT: f64 = 0.0175;
+/// A middle line that turns by less than this (rad), or by less than from one facet to the next, is straight: facets tell
+/// no more, up to the second of these.
+const STRAIGHT: [f64; 2] = [0.0175, 0.07];
 /// Shares of the passage behind an end of the blades over which their angle there is measured: behind the rounding of their
 /// edges.
 const AT_END: Range<f64> = 0.04..0.3;
@@ -303,7 +304,7 @@ pub(super) fn turning(low: &ChannelWall, high: &ChannelWall, flow: Flow) -> (f64
     };
     let columns = (front..back).filter(is_at_end);
     let facets = columns.map(|u| facet_turn(low, u).max(facet_turn(high, u))).fold(0.0, f64::max);
-    let sides = if turn.abs() < STRAIGHT.max(facets) {
+    let sides = if turn.abs() < facets.clamp(STRAIGHT[0], STRAIGHT[1]) {
         [BladeSide::Flat, BladeSide::Flat]
     } else if turn < 0.0 {
         // The line bulges towards greater theta, away from the low wall's blade: that wall is convex.
@@ -473,7 +474,8 @@ mod tests {
             });
             let (_, sides) = turning(&side(-0.1, from[0], 1.0), &side(0.1, from[1], -1.0), Flow::Axial);
             let right = if turn < 0.0 { [BladeSide::Suction, BladeSide::Pressure] } else { [BladeSide::Pressure, BladeSide::Suction] };
-            let is_plain = turn.abs() > 2.0 * STRAIGHT && length < 0.5;
+            // More than is ever straight, and of more than a few facets.
+            let is_plain = turn.abs() > 2.0 * STRAIGHT[1] && length < 2.5;
             prop_assert!(sides == right || (sides == [BladeSide::Flat; 2] && !is_plain), "{:?}", sides);
         }
     }

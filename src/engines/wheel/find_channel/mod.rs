@@ -7,7 +7,6 @@ mod flow;
 mod hand_lines;
 #[cfg(test)]
 mod hand_tests;
-mod main_blades;
 mod measure;
 mod meridian;
 mod obstruction;
@@ -35,7 +34,7 @@ use super::by_hand::ByHand;
 use super::channel::{Agreement, Channel, ChannelWall, Flow, OPENS, Surface, Unlike, ways_out};
 use super::error::{BliskError, Misleading, Refused};
 use super::frame::slices::{Gap, Slices};
-use super::frame::{BliskFrame, DO_NOT_REPEAT, MOST_KINDS, Wheel, find_sector, find_wheel, is_inside_out};
+use super::frame::{BliskFrame, DO_NOT_REPEAT, Wheel, find_sector, find_wheel, is_inside_out};
 use super::options::{AxisChoice, AxisName, BliskOptions, EndWalls, ZAt};
 use geometry::frame::{Cylindrical, Frame};
 use geometry::mesh::Mesh;
@@ -198,7 +197,7 @@ fn channel_of(wheel: Wheel, options: &BliskOptions, assumed: Vec<String>, task: 
 /// The channel at a place that is known.
 fn measured_channel(
     Wheel { mesh, is_of_sector, blisk }: Wheel,
-    Placed { frame, start, lines, main_blades }: Placed,
+    Placed { frame, start, lines }: Placed,
     options: &BliskOptions,
     mut assumed: Vec<String>,
     task: &Task,
@@ -261,7 +260,6 @@ fn measured_channel(
         faces_x,
         agreement,
         kinds: blisk.repetition.kinds,
-        main_blades,
         unlike,
         whole: is_of_sector.then(|| Arc::new(mesh.into_owned())),
         assumed,
@@ -312,8 +310,6 @@ struct Placed {
     start: Place,
     /// The lines across it, where it is not axial.
     lines: Option<Lines>,
-    /// Which blades are main blades, as in the channel.
-    main_blades: [bool; MOST_KINDS],
 }
 
 /// Finds W of the chosen channel, and the channel's middle in it. A passage steeper than `slope` is not axial.
@@ -344,11 +340,10 @@ fn place_channel(
     let chosen = slices.gap_near(x, r, &turned(place.gap, turn)).filter(|gap| gap.width() < 1.5 * pitch);
     let chosen = chosen.ok_or(BliskError::LostWall { x, r })?;
     let chosen = Place { gap: chosen, ..place };
-    let main_blades = main_blades::main_blades(&tracer, &chosen, blisk.repetition.kinds)?;
     let theta;
     (place, theta) = middle_of(&tracer, chosen, lines.as_ref())?;
     place.gap = turned(place.gap, -theta);
-    Ok(Placed { frame: blisk.frame.turned_about_x(theta), start: place, lines, main_blades })
+    Ok(Placed { frame: blisk.frame.turned_about_x(theta), start: place, lines })
 }
 
 /// The lines across the channels and the middle of the first channel that has them: of those at `starts` some around the

@@ -5,6 +5,7 @@
 //! other (`period`). The axis is then moved until the walls repeat best: every blade against the mean blade.
 
 pub(crate) mod axis;
+pub(crate) mod lattice;
 mod period;
 mod search_grid;
 pub(crate) mod sector;
@@ -15,7 +16,7 @@ use std::borrow::Cow;
 use glam::{DVec2, DVec3};
 
 pub use axis::Axis;
-pub use period::MOST_KINDS;
+pub(crate) use period::MOST_KINDS;
 pub use period::Repetition;
 
 use self::period::{Blades, Region};
@@ -296,21 +297,20 @@ fn bladed_region(
     }
     for i in 0..regions.len() {
         // Whoever names the blade count or points of the passage has seen that there are blades.
-        match if wanted.is_some() || !places.is_empty() { None } else { regions[i].objection(slices) } {
+        match regions[i].objection.filter(|_| wanted.is_none() && places.is_empty()) {
             None => {
                 let has_more = |other: &Region| {
-                    let goes_on = || other.goes_on_into(slices, &regions);
+                    let goes_on = || other.goes_on_into(&regions).into_iter();
                     other.count > regions[i].count
-                        && goes_on().into_iter().any(|into| std::ptr::eq(into, &regions[i]))
-                        && other.least_kinds(slices, &regions) > 1
+                        && goes_on().any(|into| std::ptr::eq(into, &regions[i]))
+                        && other.least_kinds(&regions) > 1
                 };
-                let more = (0..regions.len()).filter(|&k| places.is_empty() && has_more(&regions[k]));
+                let more = (0..regions.len()).rev().filter(|&k| places.is_empty() && has_more(&regions[k]));
                 let i = more.max_by_key(|&k| regions[k].count).unwrap_or(i);
                 let region = regions.swap_remove(i);
                 let mut others = if wanted.is_some() { period::regions(slices, None, cancel)? } else { regions };
-                let least_kinds = region.least_kinds(slices, &others);
-                let is_row =
-                    |other: &Region| other.is_other_row_than(&region, slices) && other.objection(slices).is_none();
+                let least_kinds = region.least_kinds(&others);
+                let is_row = |other: &Region| other.objection.is_none() && other.is_other_row_than(&region, slices);
                 others.retain(|other| places.is_empty() && wanted.is_none() && is_row(other));
                 return Ok((region, least_kinds, others));
             }

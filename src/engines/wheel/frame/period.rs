@@ -12,7 +12,7 @@ use geometry::frame::{Cylindrical, wrap_angle};
 use task::{Cancel, Cancelled};
 
 /// Most kinds of blades: a main blade and up to three splitters.
-pub const MOST_KINDS: usize = 4;
+pub(crate) const MOST_KINDS: usize = 4;
 /// A kind of blades stands around the axis at least so many times.
 const LEAST_REPEATS: usize = 3;
 /// Share of the walls that repeat where the number of kinds is right.
@@ -55,6 +55,8 @@ pub(super) struct Region {
     pub count: usize,
     /// Cells of the region.
     cells: Vec<[usize; 2]>,
+    /// Reason why its gaps are no channels between blades, if they are not.
+    pub objection: Option<&'static str>,
 }
 
 /// The regions of the meridional plane where walls repeat, the one with the greatest wall area first.
@@ -82,17 +84,24 @@ pub(super) fn regions(slices: &Slices, wanted: Option<usize>, cancel: &Cancel) -
         .collect::<Result<_, Cancelled>>()?;
     let mut regions = connected(columns);
     regions.retain(Region::is_more_than_a_line);
+    regions.par_iter_mut().for_each(|region| region.objection = region.objection(slices));
     regions.sort_by_key(|r| std::cmp::Reverse(r.count * r.cells.len()));
     Ok(regions)
 }
 
-/// The number of gaps, if they are evenly spaced.
+/// The number of gaps, if they are evenly spaced, or those of every kind are.
 fn even_count(gaps: &[Gap]) -> Option<usize> {
-    let first = gaps.first()?.middle();
     let pitch = TAU / gaps.len() as f64;
-    let misses = gaps.iter().enumerate().map(|(k, g)| g.middle() - first - k as f64 * pitch);
-    let (least, most) = misses.fold((0.0f64, 0.0f64), |(l, m), d| (l.min(d), m.max(d)));
-    (most - least < 0.25 * pitch).then_some(gaps.len())
+    let is_even = |kinds: usize| {
+        let misses = |kind: usize| {
+            let of_kind = gaps.iter().skip(kind).step_by(kinds).enumerate();
+            of_kind.map(move |(k, gap)| gap.middle() - gaps[kind].middle() - (k * kinds) as f64 * pitch)
+        };
+        let misses = (0..kinds).flat_map(misses);
+        let (least, most) = misses.fold((0.0f64, 0.0f64), |(l, m), d| (l.min(d), m.max(d)));
+        most - least < 0.25 * pitch
+    };
+    kinds(gaps.len()).any(is_even).then_some(gaps.len())
 }
 
 /// Share of the blades that must stand where their count is given.
@@ -138,7 +147,7 @@ fn connected(mut counts: Vec<Vec<usize>>) -> Vec<Region> {
                 }
             }
             cells.sort_unstable();
-            regions.push(Region { count, cells });
+            regions.push(Region { count, cells, objection: None });
         }
     }
     regions
@@ -165,11 +174,10 @@ impl Region {
 
     /// Those of the `others` into which fewer of this region's blades go on: the rest have ended there, as splitters do,
     /// of one kind after the other.
-    pub fn goes_on_into<'a>(&self, slices: &Slices, others: &'a [Self]) -> Vec<&'a Self> {
+    pub fn goes_on_into<'a>(&self, others: &'a [Self]) -> Vec<&'a Self> {
         let mut into: Vec<&Self> = Vec::new();
-        let goes_on = |from: &Self, other: &Self| {
-            other.count < from.count && from.touches(other) && other.objection(slices).is_none()
-        };
+        let goes_on =
+            |from: &Self, other: &Self| other.count < from.count && other.objection.is_none() && from.touches(other);
         let mut done = 0;
         loop {
             let from = if done == 0 { self } else { into[done - 1] };
@@ -185,9 +193,9 @@ impl Region {
 
     /// Number of kinds of blades that each stand in another part of the passage: of this region's blades only one in so
     /// many [goes on into](Self::goes_on_into) one of the `others`.
-    pub fn least_kinds(&self, slices: &Slices, others: &[Self]) -> usize {
+    pub fn least_kinds(&self, others: &[Self]) -> usize {
         let of = |other: &Self| kinds(self.count).find(|kinds| kinds * other.count == self.count);
-        self.goes_on_into(slices, others).into_iter().filter_map(of).max().unwrap_or(1)
+        self.goes_on_into(others).into_iter().filter_map(of).max().unwrap_or(1)
     }
 
     /// Whether this may be another row of blades than those of `chosen`: a good part as large, with a circle between them
@@ -249,8 +257,7 @@ impl Region {
         slices.cell_middle(cell[0], cell[1])
     }
 
-    /// Reason why the gaps of this region are no channels between blades, if they are not.
-    pub fn objection(&self, slices: &Slices) -> Option<&'static str> {
+    fn objection(&self, slices: &Slices) -> Option<&'static str> {
         let facing: f64 = self.circles(slices, 60).iter().map(|c| facing(slices, c)).sum();
         if facing <= 0.2 * self.circles(slices, 60).len() as f64 {
             return Some("their two sides do not face each other, as the flats of a polygon do not");
@@ -273,7 +280,9 @@ fn facing(slices: &Slices, circle: &DVec2) -> f64 {
 
 /// Whether the gap through the given (x, r) is closed above and below and much narrower there than between.
 fn is_round_hole(slices: &Slices, at: DVec2) -> bool {
-    let Some(gap) = slices.gaps(at.x, at.y).first().copied() else { return false };
+    // Where splitters have ended in part, the others are wider than any hole.
+    let narrowest = slices.gaps(at.x, at.y).into_iter().min_by(|a, b| a.width().total_cmp(&b.width()));
+    let Some(gap) = narrowest else { return false };
     let ray = slices.ray(at.x, gap.middle());
     let (Some(inner), Some(outer)) = (ray.iter().rfind(|c| c.r < at.y), ray.iter().find(|c| c.r > at.y)) else {
         return false;

@@ -4,7 +4,6 @@ use glam::{DVec2, DVec3};
 
 use super::super::channel::{Channel, Flow, Station};
 use super::super::frame::slices::cylindrical_components;
-use geometry::frame::angle_near;
 
 /// Cells along x and along r that the stations are looked up in.
 const CELLS: usize = 128;
@@ -130,7 +129,7 @@ impl Band {
     }
 }
 
-/// The two blades of a channel at places along the passage and across it.
+/// The camber surface between the two blades of a channel.
 pub(super) struct Blades {
     rows: Vec<Row>,
 }
@@ -138,18 +137,8 @@ pub(super) struct Blades {
 /// A row of the walls' grids.
 struct Row {
     alongs: Vec<f64>,
-    /// Angles of the low and of the high wall (rad), each going on from point to point.
-    thetas: Vec<[f64; 2]>,
     /// Unit normals of the camber surface towards greater theta: along x, along r and about the axis.
     cambers: Vec<DVec3>,
-}
-
-/// The blades of the channel at a place.
-pub(super) struct AtBlades {
-    /// Angles of the low and of the high wall (rad).
-    pub thetas: [f64; 2],
-    /// Unit normal of the camber surface towards greater theta: along x, along r and about the axis.
-    pub camber: DVec3,
 }
 
 impl Blades {
@@ -157,16 +146,12 @@ impl Blades {
     pub fn new(channel: &Channel, band: &Band) -> Option<Self> {
         let (low, high) = (&channel.low, &channel.high);
         let row = |v: usize| {
-            let mut row = Row { alongs: Vec::new(), thetas: Vec::new(), cambers: Vec::new() };
+            let mut row = Row { alongs: Vec::new(), cambers: Vec::new() };
             for u in 0..low.nu {
                 let (a, b) = (low.cylindrical(u, v), high.cylindrical(u, v));
                 let foot = band.foot(DVec2::new(a.x, a.r));
                 let along = if channel.flow == Flow::Axial { a.x } else { foot.map_or(f64::NAN, |f| f.along) };
-                let [before, _] = row.thetas.last().copied().unwrap_or([a.theta, b.theta]);
-                let first = angle_near(a.theta, before);
-                let width = (b.theta - a.theta).rem_euclid(std::f64::consts::TAU);
                 row.alongs.push(along);
-                row.thetas.push([first, first + width]);
                 let sides = [(low.normal(u, v), a.theta), (high.normal(u, v), b.theta)];
                 let [n, m] = sides.map(|(n, theta)| cylindrical_components(n, theta));
                 row.cambers.push((n - m).normalize_or(DVec3::Z));
@@ -178,19 +163,18 @@ impl Blades {
         (is_known && !rows.is_empty()).then_some(Self { rows })
     }
 
-    /// The blades at a position along the passage and a share of the height.
-    pub fn at(&self, along: f64, share: f64) -> AtBlades {
+    /// Unit normal of the camber surface towards greater theta, along x, along r and about the axis, at a position along the
+    /// passage and a share of the height.
+    pub fn camber(&self, along: f64, share: f64) -> DVec3 {
         let nv = self.rows.len();
-        let v = |share: f64| ((share * (nv - 1) as f64).round().max(0.0) as usize).min(nv - 1);
-        let row = &self.rows[v(share.clamp(0.0, 1.0))];
+        let row_at = |share: f64| &self.rows[((share * (nv - 1) as f64).round() as usize).min(nv - 1)];
+        let row = row_at(share.clamp(0.0, 1.0));
         let n = row.alongs.len();
         // Beyond the edges, which are round, the walls go on as they come.
         let i = row.alongs.partition_point(|a| *a < along).clamp(EDGE + 1, n - 1 - EDGE);
         let (a, b) = (row.alongs[i - 1], row.alongs[i]);
         let t = if b > a { (along - a) / (b - a) } else { 0.0 };
-        let thetas = [0, 1].map(|k| row.thetas[i - 1][k] + t * (row.thetas[i][k] - row.thetas[i - 1][k]));
-        let clear = &self.rows[v(share.clamp(CLEAR, 1.0 - CLEAR))];
-        let camber = clear.cambers[i - 1].lerp(clear.cambers[i], t.clamp(0.0, 1.0)).normalize_or(DVec3::Z);
-        AtBlades { thetas, camber }
+        let clear = row_at(share.clamp(CLEAR, 1.0 - CLEAR));
+        clear.cambers[i - 1].lerp(clear.cambers[i], t.clamp(0.0, 1.0)).normalize_or(DVec3::Z)
     }
 }

@@ -8,19 +8,18 @@
 
 mod band;
 mod fillet;
+mod group;
 #[cfg(test)]
 mod tests;
-
-use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use self::band::{AtBlades, Band, Blades, Foot};
+use self::band::{Band, Blades, Foot};
+use self::group::{Group, OfGroup};
 use super::channel::{BladeSide, Channel};
-use super::frame::MOST_KINDS;
-use super::frame::slices::cylindrical_components;
+use super::frame::slices::{Slices, cylindrical_components};
 use geometry::frame::{Cylindrical, wrap_angle};
 use geometry::mesh::{Mesh, normal_times_two_areas};
 use task::{Cancelled, Task};
@@ -150,7 +149,7 @@ pub fn classify(mesh: &Mesh, channel: &Channel, task: &Task) -> Result<SurfaceCl
     let every = |step: usize| -> Vec<usize> { (0..mesh.triangles.len()).step_by(step).collect() };
     let teller = Band::new(channel).and_then(|band| {
         let blades = Blades::new(channel, &band)?;
-        Some(Teller { channel, band, blades, fillets: [None; 2] })
+        Some(Teller { channel, band, blades, group: None, fillets: [None; 2] })
     });
     let mut found =
         SurfaceClasses { classes: Vec::new(), areas: Vec::new(), hub_fillet_mm: None, shroud_fillet_mm: None };
@@ -162,6 +161,9 @@ pub fn classify(mesh: &Mesh, channel: &Channel, task: &Task) -> Result<SurfaceCl
     let step = (mesh.triangles.len() / SAMPLES) | 1;
     let samples: Vec<Facet> = every(step).into_par_iter().map(facet).collect();
     task.cancel.check()?;
+    if channel.kinds > 1 {
+        teller.group = Group::new(&Slices::new(channel.wheel_in_w(mesh)), channel, &task.cancel)?;
+    }
     teller.fillets = teller.fillet_radii(&samples);
     task.report("surfaces", 0.3, "");
     let chunks: Vec<usize> = every(CHUNK);
@@ -238,6 +240,8 @@ struct Teller<'a> {
     channel: &'a Channel,
     band: Band,
     blades: Blades,
+    /// Of a wheel with splitters.
+    group: Option<Group>,
     /// Radii of the fillets at hub and shroud (mm).
     fillets: [Option<f64>; 2],
 }
@@ -295,15 +299,17 @@ impl Teller<'_> {
         self.foot_within(facet, 0.0)
     }
 
-    /// The place of a facet of which no more than a part stands out of the flow path: a facet belongs to hub or shroud as
-    /// a whole.
+    /// The place of a facet of hub or shroud of which no more than a part stands out of the flow path: it belongs to them as
+    /// a whole, as the faces that they end in do not.
     fn foot_of_any_corner(&self, facet: &Facet) -> Option<Foot> {
         let [first, last] = self.band.ends();
         let is_within = |corner: &DVec2| {
             let inside = 1e-6 * (last - first);
             self.band.foot(*corner).is_some_and(|foot| (first + inside..last - inside).contains(&foot.along))
         };
-        facet.corners.iter().any(is_within).then(|| self.foot_within(facet, f64::INFINITY)).flatten()
+        let foot = facet.corners.iter().any(is_within).then(|| self.foot_within(facet, f64::INFINITY)).flatten()?;
+        let faces_wall = foot.normals.iter().any(|normal| facet.facing(*normal) > FACES_WALL);
+        faces_wall.then_some(foot)
     }
 
     /// The place of a facet of a blade that stands out of the flow path at one of its ends.
@@ -316,20 +322,6 @@ impl Teller<'_> {
     /// Whether a facet that stands out of the flow path is of a tip.
     fn is_outer_tip(&self, facet: &Facet, foot: &Foot) -> bool {
         !self.channel.shrouded && foot.share > AT_TIPS && facet.facing(-foot.normals[1]) > EDGE
-    }
-
-    /// Which blade of its group a place belongs to, counted from the one below the channel.
-    fn blade(&self, theta: f64, at: &AtBlades) -> usize {
-        let kinds = self.channel.kinds.clamp(1, MOST_KINDS);
-        let group = TAU * kinds as f64 / self.channel.blades as f64;
-        let [low, high] = at.thetas;
-        let rest = (group - (high - low)) / (kinds.max(2) - 1) as f64;
-        let off = |k: usize| {
-            let theta_of = if k == 0 { low } else { high + rest * (k - 1) as f64 };
-            let off = (theta - theta_of).rem_euclid(group);
-            off.min(group - off)
-        };
-        (0..kinds).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(0)
     }
 
     fn class(&self, facet: &Facet) -> SurfaceClass {
@@ -363,13 +355,15 @@ impl Teller<'_> {
         if walls == 1 && (is_tip || (is_within.is_none() && self.is_outer_tip(facet, &foot))) {
             return SurfaceClass::Tip;
         }
-        let at = self.blades.at(foot.along, foot.share);
+        let blade =
+            self.group.as_ref().and_then(|group| group.blade(DVec2::new(facet.at.x, facet.at.r), facet.at.theta));
+        let OfGroup { is_main, camber } =
+            blade.unwrap_or_else(|| OfGroup { is_main: true, camber: self.blades.camber(foot.along, foot.share) });
         let up = (foot.normals[0] - foot.normals[1]).extend(0.0).normalize_or(DVec3::Y);
-        if facet.normal.dot(at.camber.cross(up).normalize_or_zero()).abs() > EDGE {
+        if facet.normal.dot(camber.cross(up).normalize_or_zero()).abs() > EDGE {
             return SurfaceClass::Edge;
         }
-        let is_main = self.channel.main_blades[self.blade(facet.at.theta, &at)];
-        match (is_main, facet.normal.dot(at.camber) > 0.0) {
+        match (is_main, facet.normal.dot(camber) > 0.0) {
             (true, true) => SurfaceClass::MainLow,
             (true, false) => SurfaceClass::MainHigh,
             (false, true) => SurfaceClass::SplitterLow,
