@@ -290,8 +290,8 @@ impl fmt::Display for SurfaceClasses {
         let radius = |r: Option<f64>| r.map_or("no single radius".to_owned(), |r| format!("R {r:.3} mm"));
         let hub = format!("hub {}", radius(self.hub_fillet_mm));
         let is_shrouded = self.areas.iter().any(|area| area.class == SurfaceClass::Shroud);
-        let shroud = is_shrouded.then(|| format!(", shroud {}", radius(self.shroud_fillet_mm))).unwrap_or_default();
-        row("Fillets", hub + &shroud)
+        let shroud = format!(", shroud {}", radius(self.shroud_fillet_mm));
+        row("Fillets", if is_shrouded { hub + &shroud } else { hub })
     }
 }
 

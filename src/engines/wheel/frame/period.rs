@@ -89,19 +89,13 @@ pub(super) fn regions(slices: &Slices, wanted: Option<usize>, cancel: &Cancel) -
     Ok(regions)
 }
 
-/// The number of gaps, if they are evenly spaced, or those of every kind are.
+/// The number of gaps, if they are evenly spaced.
 fn even_count(gaps: &[Gap]) -> Option<usize> {
+    let first = gaps.first()?.middle();
     let pitch = TAU / gaps.len() as f64;
-    let is_even = |kinds: usize| {
-        let misses = |kind: usize| {
-            let of_kind = gaps.iter().skip(kind).step_by(kinds).enumerate();
-            of_kind.map(move |(k, gap)| gap.middle() - gaps[kind].middle() - (k * kinds) as f64 * pitch)
-        };
-        let misses = (0..kinds).flat_map(misses);
-        let (least, most) = misses.fold((0.0f64, 0.0f64), |(l, m), d| (l.min(d), m.max(d)));
-        most - least < 0.25 * pitch
-    };
-    kinds(gaps.len()).any(is_even).then_some(gaps.len())
+    let misses = gaps.iter().enumerate().map(|(k, g)| g.middle() - first - k as f64 * pitch);
+    let (least, most) = misses.fold((0.0f64, 0.0f64), |(l, m), d| (l.min(d), m.max(d)));
+    (most - least < 0.25 * pitch).then_some(gaps.len())
 }
 
 /// Share of the blades that must stand where their count is given.
