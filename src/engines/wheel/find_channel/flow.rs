@@ -106,7 +106,7 @@ fn lines_where(tracer: &Tracer, start: Place, (gap_at, slope): (&GapAt, f64)) ->
     for past_holes in [false, true] {
         let next = |at: DVec2, near: &Gap| gap_at(at.x, at.y, near).filter(|gap| !past_holes || !is_in_hole(gap, near));
         let (lattice, points) =
-            Lattice::filled(tracer.slices, (DVec2::new(start.x, start.r), start.gap), next, &tracer.cancel)?;
+            Lattice::filled(tracer.slices, (DVec2::new(start.x, start.r), start.gap), next, tracer.cancel)?;
         if points.len() >= MOST_POINTS {
             continue;
         }
