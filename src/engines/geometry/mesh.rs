@@ -90,6 +90,12 @@ impl Bounds {
 }
 
 impl Mesh {
+    /// The mesh with its triangles turned over: what was inside is outside.
+    pub fn turned_over(&self) -> Self {
+        let triangles = self.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        Self { vertices: self.vertices.clone(), triangles }
+    }
+
     /// The box `[0, size]` as 12 outward triangles.
     pub fn cuboid(size: DVec3) -> Self {
         let vertices =

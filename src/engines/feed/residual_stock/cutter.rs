@@ -149,7 +149,7 @@ impl Cutter {
         Look { distance, at_least, arm: q.distance(self.reference_point) }
     }
 
-    /// Branch and bound, with [`Between`] for the bounds.
+    /// Branch and bound, with [`MotionBounds`] for the bounds.
     fn least_over(&self, motion: &Motion, p: DVec3, mut known: f64, enough: f64) -> f64 {
         let radius = p.y.hypot(p.z);
         let look = |u: f64, known: &mut f64| {
@@ -166,13 +166,13 @@ impl Cutter {
             }
             let (start, end) = (motion.way(from), motion.way(to));
             let ways = std::array::from_fn(|i| end[i] - start[i]);
-            let between = Between::new([a, b], ways, radius);
+            let bounds = MotionBounds::new([a, b], ways, radius);
             let resolution = RESOLUTION.max(COARSE * known);
             let is_linear = to <= from.floor() + 1.0;
             let is_above = |bound: f64| bound >= known - resolution;
-            if between.travel <= 2.0 * resolution
-                || is_above(between.at_least())
-                || (is_linear && between.at_least_outside().is_some_and(is_above))
+            if bounds.travel <= 2.0 * resolution
+                || is_above(bounds.at_least())
+                || (is_linear && bounds.at_least_outside().is_some_and(is_above))
             {
                 continue;
             }
@@ -193,8 +193,8 @@ impl Cutter {
     }
 }
 
-/// What is known of the distance between two instants.
-struct Between {
+/// Bounds of the distance from a point to the electrode between two instants of a motion.
+struct MotionBounds {
     looks: [Look; 2],
     /// Greatest way of the point in the electrode's axes (mm).
     travel: f64,
@@ -202,9 +202,9 @@ struct Between {
     bend: f64,
 }
 
-impl Between {
-    /// Between two looks at a point at a `radius` from the axis of A, with the ways of the axes: turn of A (rad), slides
-    /// (mm), turns of B and C (rad).
+impl MotionBounds {
+    /// The bounds between two looks at a point at a `radius` from the axis of A, with the ways of the axes: turn of A (rad),
+    /// slides (mm), turns of B and C (rad).
     fn new(looks: [Look; 2], [turn, slide, tilt]: [f64; 3], radius: f64) -> Self {
         // Turned by A and slid, the point takes this way; then it is tilted about O.
         let carried = turn * radius + slide;
@@ -307,15 +307,15 @@ mod tests {
             let other = Pose::from_array(std::array::from_fn(|i| moved.to_array()[i] + step.to_array()[i]));
             let looks = [moved, other].map(|pose| electrode.look(&pose.placement(O), p));
             let motion = Motion::new(vec![moved, other], O, &electrode.bounds);
-            let between = Between::new(looks, motion.way(1.0), p.y.hypot(p.z));
+            let bounds = MotionBounds::new(looks, motion.way(1.0), p.y.hypot(p.z));
             let sampled = (0..=200).map(|k| {
                 let placement = moved.lerp(&other, f64::from(k) / 200.0).placement(O);
                 exact.signed_distance(placement.inverse().transform_point3(p))
             });
             let sampled = sampled.fold(f64::INFINITY, f64::min);
             let error = DistanceField::ACCURACY + 0.05 * (sampled.abs() - DistanceField::NEAR).max(0.0);
-            prop_assert!(between.at_least() <= sampled + error, "{} {sampled}", between.at_least());
-            let outside = between.at_least_outside().unwrap_or(0.0);
+            prop_assert!(bounds.at_least() <= sampled + error, "{} {sampled}", bounds.at_least());
+            let outside = bounds.at_least_outside().unwrap_or(0.0);
             prop_assert!(outside <= sampled.max(0.0) + error, "{outside} {sampled}");
         });
     }
@@ -326,11 +326,11 @@ mod tests {
         let (electrode, _) = cutter(vec![Pose::FINAL]);
         let p = DVec3::new(0.0, 2.2, 62.0);
         let looks = [Pose::FINAL, Pose { x: 0.05, ..Pose::FINAL }].map(|pose| electrode.look(&pose.placement(O), p));
-        let between = Between::new(looks, [0.0, 0.05, 0.0], p.y.hypot(p.z));
-        let off = 0.2 - between.at_least_outside().unwrap();
+        let bounds = MotionBounds::new(looks, [0.0, 0.05, 0.0], p.y.hypot(p.z));
+        let off = 0.2 - bounds.at_least_outside().unwrap();
         // 0.05^2 / (8 * 0.2) mm.
         assert!((off - 0.0016).abs() < 1e-4, "{off}");
-        assert!(0.2 - between.at_least() > 0.024);
+        assert!(0.2 - bounds.at_least() > 0.024);
     }
 
     #[test]

@@ -453,6 +453,7 @@ mod tests {
         let (turn, sides) = turning(&low, &high, Flow::Axial);
         assert!(turn < 1e-9 && sides == [BladeSide::Flat; 2], "{turn}");
     }
+
     /// The angle of a camber line that turns by `turn` over 10 mm, whose facets are `length` long and begin at `from` (mm),
     /// about an axis 50 mm away, and its slope (rad, rad/mm).
     fn faceted(x: f64, (turn, length, from): (f64, f64, f64)) -> (f64, f64) {
@@ -473,7 +474,10 @@ mod tests {
                 (point, sign * (around - (50.0 + z) * slope * DVec3::X))
             });
             let (_, sides) = turning(&side(-0.1, from[0], 1.0), &side(0.1, from[1], -1.0), Flow::Axial);
-            let right = if turn < 0.0 { [BladeSide::Suction, BladeSide::Pressure] } else { [BladeSide::Pressure, BladeSide::Suction] };
+            let mut right = [BladeSide::Suction, BladeSide::Pressure];
+            if turn >= 0.0 {
+                right.reverse();
+            }
             // More than is ever straight, and of more than a few facets.
             let is_plain = turn.abs() > 2.0 * STRAIGHT[1] && length < 2.5;
             prop_assert!(sides == right || (sides == [BladeSide::Flat; 2] && !is_plain), "{:?}", sides);

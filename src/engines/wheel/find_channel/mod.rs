@@ -156,9 +156,7 @@ pub(super) fn prepared<'a>(mesh: &'a Mesh, options: &BliskOptions) -> Result<(Co
     if !is_inside_out(mesh)? {
         return Ok((Cow::Borrowed(mesh), Vec::new()));
     }
-    let triangles = mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
-    let turned = Mesh { vertices: mesh.vertices.clone(), triangles };
-    Ok((Cow::Owned(turned), vec!["The mesh is inside out; its triangles were turned over.".into()]))
+    Ok((Cow::Owned(mesh.turned_over()), vec!["The mesh is inside out; its triangles were turned over.".into()]))
 }
 
 /// The chosen channel of a wheel whose axis and period are known. `assumed` is carried on. Where none is found along the

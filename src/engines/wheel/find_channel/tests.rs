@@ -285,7 +285,7 @@ fn broken_meshes_are_refused_without_a_panic() {
 #[test]
 fn an_inside_out_mesh_is_turned_over() {
     let mesh = TestBlisk::default().mesh();
-    let inside_out = Mesh { triangles: mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..mesh.clone() };
+    let inside_out = mesh.turned_over();
     let (right, turned) = (found(&mesh), found(&inside_out));
     assert_eq!(right.low, turned.low);
     assert!(turned.assumed[0].contains("inside out"));

@@ -166,8 +166,8 @@ impl Region {
         other.cells.iter().any(is_near)
     }
 
-    /// Those of the `others` into which fewer of this region's blades go on: the rest have ended there, as splitters do,
-    /// of one kind after the other.
+    /// Regions of the `others` into which only some of this region's blades go on: the rest have ended there, as splitters
+    /// do, one kind after the other.
     pub fn goes_on_into<'a>(&self, others: &'a [Self]) -> Vec<&'a Self> {
         let mut into: Vec<&Self> = Vec::new();
         let goes_on =

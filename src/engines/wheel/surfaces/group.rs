@@ -83,10 +83,7 @@ impl Group {
         let nearest = |reach| known(reach).min_by(|a, b| far(a).total_cmp(&far(b)));
         let point = [0, 1, BESIDE].into_iter().find_map(nearest)?;
         let standing = &self.places[&point];
-        let off = |k: &usize| {
-            let off = theta - standing.thetas[*k];
-            (off - self.turn * (off / self.turn).round()).abs()
-        };
+        let off = |k: &usize| within_turn(theta - standing.thetas[*k], self.turn).abs();
         let k = (0..self.kinds).filter(|k| standing.is_there[*k]).min_by(|a, b| off(a).total_cmp(&off(b)))?;
         // How its angle changes along r and along x, from the neighbours where it stands.
         let [below, ahead, above, behind] = around(point).map(|beside| self.places.get(&beside));
@@ -109,10 +106,7 @@ impl Standing {
     fn on(&self, slices: &Slices, at: DVec2, (kinds, turn): (usize, f64)) -> Option<Self> {
         let (mut counts, mut sums) = ([0; MOST_KINDS], [0.0; MOST_KINDS]);
         for middle in metals(&slices.gaps(at.x, at.y)) {
-            let off = |k: usize| {
-                let off = middle - self.thetas[k];
-                off - turn * (off / turn).round()
-            };
+            let off = |k: usize| within_turn(middle - self.thetas[k], turn);
             let nearest = (0..kinds).min_by(|a, b| off(*a).abs().total_cmp(&off(*b).abs()))?;
             counts[nearest] += 1;
             sums[nearest] += off(nearest);
@@ -120,11 +114,20 @@ impl Standing {
         let groups = (TAU / turn).round() as usize;
         let is_there = counts.map(|count| 2 * count >= groups);
         let moved = |k: usize| sums[k] / counts[k] as f64;
-        let there = || (0..kinds).filter(|k| is_there[*k]);
-        let mean = there().map(moved).sum::<f64>() / there().count() as f64;
+        let there: Vec<f64> = (0..kinds).filter(|k| is_there[*k]).map(moved).collect();
+        if there.is_empty() {
+            return None;
+        }
+        // Blades that have ended are taken to go on as the others do.
+        let mean = there.iter().sum::<f64>() / there.len() as f64;
         let thetas = std::array::from_fn(|k| self.thetas[k] + if is_there[k] { moved(k) } else { mean });
-        (there().count() > 0).then_some(Self { thetas, is_there })
+        Some(Self { thetas, is_there })
     }
+}
+
+/// An angle, less whole turns of `turn` (rad).
+fn within_turn(angle: f64, turn: f64) -> f64 {
+    angle - turn * (angle / turn).round()
 }
 
 /// Angles of the middles of the metal above each of the gaps of a circle (rad).

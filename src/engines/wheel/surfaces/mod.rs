@@ -162,7 +162,9 @@ pub fn classify(mesh: &Mesh, channel: &Channel, task: &Task) -> Result<SurfaceCl
     let samples: Vec<Facet> = every(step).into_par_iter().map(facet).collect();
     task.cancel.check()?;
     if channel.kinds > 1 {
-        teller.group = Group::new(&Slices::new(channel.wheel_in_w(mesh)), channel, &task.cancel)?;
+        let wheel = channel.wheel_in_w(mesh);
+        let wheel = if wheel.volume() < 0.0 { wheel.turned_over() } else { wheel };
+        teller.group = Group::new(&Slices::new(wheel), channel, &task.cancel)?;
     }
     teller.fillets = teller.fillet_radii(&samples);
     task.report("surfaces", 0.3, "");
