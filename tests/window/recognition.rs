@@ -58,7 +58,7 @@ fn a_wheel_with_splitters_lists_its_kinds_of_channels() {
     let home = Home::new();
     let part = home.path("splitters.stl");
     let wheel = ParametricWheel {
-        splitters: vec![Splitters { span: [0.4, 0.9], off_middle: 0.02 }],
+        splitters: vec![Splitters { off_middle: 0.02, ..Splitters::over([0.4, 0.9]) }],
         ..ParametricWheel::nozzle_ring()
     };
     write_stl(&part, &wheel.mesh()).unwrap();

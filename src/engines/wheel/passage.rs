@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::channel::Channel;
-use super::electrode::walls::WallTable;
+use super::electrode::walls::{WallPlace, WallTable};
 use geometry::frame::{Cylindrical, angle_near};
 
 /// The room between the two walls of a channel, from edge to edge of the blades.
@@ -25,9 +25,14 @@ impl<'a> Passage<'a> {
         self.channel
     }
 
-    /// The angles of the low and the high wall at a position along the passage and a height there (rad).
+    /// The low and the high wall at a position along the passage and a height there (mm).
+    pub fn walls_at(&self, along: f64, height: f64) -> [WallPlace; 2] {
+        [self.tables[0].at(along, height), self.tables[1].at(along, height)]
+    }
+
+    /// Their angles (rad).
     pub fn between(&self, along: f64, height: f64) -> [f64; 2] {
-        [self.tables[0].at(along, height).theta, self.tables[1].at(along, height).theta]
+        self.walls_at(along, height).map(|wall| wall.theta)
     }
 
     /// Position along the passage and height of the place of `p` (mm).

@@ -10,7 +10,7 @@ use super::super::channel::{
 };
 use super::super::error::BliskError;
 use super::super::frame::slices::{Crossing, Gap, Slices};
-use super::meridian::{FACE_ROUNDING, Meridian, Tracer};
+use super::meridian::{Meridian, Tracer};
 use super::walls::Rows;
 use geometry::frame::{Cylindrical, angle_near};
 use geometry::mesh::{Mesh, normal_times_two_areas};
@@ -33,6 +33,8 @@ const MOST_TOLERANCE: f64 = 0.1;
 const EDGE_CELLS: usize = 2;
 /// How far beyond the edges the channels are compared (shares of their length).
 const BEYOND: [f64; 3] = [0.05, 0.2, 0.5];
+/// Share of the passage's length beside a face at its end that is not compared.
+const ON_FACE: f64 = 1e-3;
 /// Places over a pitch at which they are compared there.
 const AROUND: i32 = 100;
 /// Fewer of these places that differ, as a share, are rounding.
@@ -259,10 +261,10 @@ impl Measured<'_> {
     fn differing_beside_edges(&self, turn: f64) -> f64 {
         let (wall, stations) = (self.walls[0], &self.meridian.stations[..]);
         let (mut all, mut metal, mut differ) = (0, 0, 0);
-        // Not beyond the passage's own ends, where there may be other things, nor on a face there.
-        let face = FACE_ROUNDING * self.tracer.slices.bounds().size().length();
+        // Not beyond the passage's own ends, where there may be other things, nor on a face there, which may stand aslant.
         let [Some(first), Some(last)] = [stations.first(), stations.last()] else { return 0.0 };
-        let (first, last) = (first.along + face, (last.along - face).max(first.along + face));
+        let face = ON_FACE * (last.along - first.along);
+        let (first, last) = (first.along + face, last.along - face);
         for share in [0.1, 0.5, 0.9] {
             let v = (share * (wall.nv - 1) as f64).round() as usize;
             let share = self.rows.share(v);

@@ -177,7 +177,7 @@ fn spoilt_wheels_are_refused_or_told() {
 fn a_splitter_in_the_middle_of_the_pitch_makes_its_neighbours_unlike() {
     let part = ParametricWheel {
         blades: 18,
-        splitters: vec![Splitters { span: [0.5, 0.95], off_middle: 0.0 }],
+        splitters: vec![Splitters::over([0.5, 0.95])],
         thickness_mm: 2.0,
         ..ParametricWheel::impeller()
     };
@@ -260,7 +260,7 @@ fn metal_in_any_passage_is_told() {
 /// Beside splitters every other passage is of the chosen kind.
 #[test]
 fn metal_in_a_passage_beside_splitters_is_told() {
-    let splitters = vec![Splitters { span: [0.3, 0.95], off_middle: 0.0 }];
+    let splitters = vec![Splitters::over([0.3, 0.95])];
     let part = ParametricWheel { blades: 12, splitters, ..ParametricWheel::impeller() };
     let lump = Mesh::cuboid(DVec3::splat(1.5)).mapped(|p| p - DVec3::splat(0.75));
     let number = |k: usize| {
@@ -312,7 +312,7 @@ fn another_row_of_as_many_blades_is_told() {
     let told = |channel: &Channel| channel.assumed.iter().any(|s| s.starts_with("Another row of 24 blades"));
     assert!(told(&channel), "{:?}", channel.assumed);
     // Main blades ahead of their splitters are no other row.
-    let splitters = vec![Splitters { span: [0.5, 0.95], off_middle: 0.0 }];
+    let splitters = vec![Splitters::over([0.5, 0.95])];
     let one = found(&ParametricWheel { splitters, ..ParametricWheel::impeller() }.mesh());
     assert!(!one.assumed.iter().any(|s| s.starts_with("Another row")), "{:?}", one.assumed);
 }

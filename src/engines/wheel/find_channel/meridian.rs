@@ -1,5 +1,7 @@
 //! Hub and shroud along the axis, met by rays along the radius through the channel's middle.
 
+use glam::DVec2;
+
 use super::super::by_hand::ByHand;
 use super::super::channel::{Flow, Station};
 use super::super::error::BliskError;
@@ -27,6 +29,8 @@ const OF_END_WALL: f64 = 0.9;
 const SAME_WALL: f64 = 0.03;
 /// Share of the part's size by which the vertices of a plane face may lie off it.
 pub(super) const FACE_ROUNDING: f64 = 1e-6;
+/// Share of the height by which an end wall lies off its straight continuation before the end of its ring at most.
+const ALONG_WALL: f64 = 5e-4;
 /// Share of the distance of two stations within which a step of an end wall between them is found.
 const STEP_WIDTH: f64 = 1e-6;
 /// Share of the height by which blade tips may lie off a straight line between two stations, and how often these are
@@ -139,11 +143,11 @@ impl Tracer<'_> {
             {
                 if let Some([before, after]) = self.step_between(&from, &next, shrouded) {
                     stations.push(within(before, most));
-                    let same = SAME_WALL * before.height();
-                    if after.hub.y < before.hub.y - same {
+                    let [hub, shroud] = steps_away(&before, &after);
+                    if hub {
                         most[0] = most[0].max(before.hub.y);
                     }
-                    if after.shroud.y > before.shroud.y + same {
+                    if shroud {
                         most[1] = most[1].min(before.shroud.y);
                     }
                     stations.push(within(after, most));
@@ -156,23 +160,33 @@ impl Tracer<'_> {
                 from = next;
                 continue;
             }
-            let (mut good, mut bad) = (from, x);
-            while (bad - good.station.along).abs() > 1e-9 * step.abs() {
-                match self.station(0.5 * (good.station.along + bad), &good, shrouded) {
-                    Some(station) => good = station,
-                    None => bad = 0.5 * (good.station.along + bad),
+            let last = |is_on: &dyn Fn(&Station) -> bool| {
+                let (mut good, mut bad) = (from, x);
+                while (bad - good.station.along).abs() > 1e-9 * step.abs() {
+                    let next = self.station(0.5 * (good.station.along + bad), &good, shrouded);
+                    match next.filter(|next| is_on(&next.station)) {
+                        Some(next) => good = next,
+                        None => bad = 0.5 * (good.station.along + bad),
+                    }
                 }
+                good.station
+            };
+            let mut ended = last(&|_| true);
+            // Where the face stands aslant by little, or lies off its plane by rounding, rays meet what is beyond it.
+            if steps_away(&from.station, &ended).contains(&true) {
+                let on_wall = ALONG_WALL * from.station.height();
+                let straight = |along: f64| match stations[..] {
+                    [.., a, b] => {
+                        let t = (along - a.along) / (b.along - a.along);
+                        let at = |a: DVec2, b: DVec2| a.lerp(b, t).y;
+                        Station::across_axis(along, at(a.hub, b.hub), at(a.shroud, b.shroud))
+                    }
+                    _ => from.station,
+                };
+                ended = last(&|next| jump(&straight(next.along), next) < on_wall);
             }
-            // The vertices of a face across the axis lie off it by their rounding: there rays meet the face itself.
-            let before = good.station.along - FACE_ROUNDING * self.slices.bounds().size().length() * step.signum();
-            if (before - from.station.along) * step > 0.0
-                && let Some(before) = self.station(before, &from, shrouded)
-                && jump(&before.station, &good.station) > SAME_WALL * before.station.height()
-            {
-                good = before;
-            }
-            if good.station.along != from.station.along {
-                stations.push(within(good.station, most));
+            if ended.along != from.station.along {
+                stations.push(within(ended, most));
             }
             return Ok(stations);
         }
@@ -346,6 +360,12 @@ fn keep_tips(first: Station, stations: &mut [Station]) {
     let Some(corner) = (0..stations.len()).find(|&i| falls(i) && ends_low(i)) else { return };
     let tips = at(corner).shroud.y;
     stations[corner..].iter_mut().for_each(|station| station.shroud.y = tips);
+}
+
+/// Whether the hub and whether the shroud step away from the passage from one station to the next.
+fn steps_away(before: &Station, after: &Station) -> [bool; 2] {
+    let same = SAME_WALL * before.height();
+    [after.hub.y < before.hub.y - same, after.shroud.y > before.shroud.y + same]
 }
 
 /// Greatest difference of the radii of two stations (mm).

@@ -338,6 +338,14 @@ fn place_channel(
     let chosen = slices.gap_near(x, r, &turned(place.gap, turn)).filter(|gap| gap.width() < 1.5 * pitch);
     let chosen = chosen.ok_or(BliskError::LostWall { x, r })?;
     let chosen = Place { gap: chosen, ..place };
+    // Tips tell no more of a passage than its blades reach, and of another kind it may be longer.
+    let own = match &lines {
+        Some(known) if !known.shrouded && blisk.repetition.kinds > 1 => {
+            flow::lines(&tracer, chosen, blisk.repetition.kinds, slope)?
+        }
+        _ => None,
+    };
+    let lines = own.or(lines);
     let theta;
     (place, theta) = middle_of(&tracer, chosen, lines.as_ref())?;
     place.gap = turned(place.gap, -theta);

@@ -72,7 +72,12 @@ pub(super) fn obstructed(channel: &Channel, mesh: &Mesh, cancel: &Cancel) -> Res
         if off_ends <= enough([hub, shroud]) {
             return Vec::new();
         }
-        let [low, high] = passage.between(along, height.clamp(hub, shroud));
+        // At one height the blades may begin or end further along than at another: there edges of others stand beside them.
+        let walls = passage.walls_at(along, height.clamp(hub, shroud));
+        if walls.iter().any(|wall| wall.past_edge) {
+            return Vec::new();
+        }
+        let [low, high] = walls.map(|wall| wall.theta);
         // Passages that wind by more than a pitch lie beside each other at one angle.
         let (first, last) = (((theta - most) / period).ceil() as i64, ((theta - least) / period).floor() as i64);
         let of = |number: i64| {

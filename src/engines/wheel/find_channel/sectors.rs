@@ -172,10 +172,7 @@ fn half_a_wheel_and_one_pitch_of_it_are_the_wheel() {
 /// The passage between main blades before their splitters begin can be taken by hand.
 #[test]
 fn a_passage_may_end_where_splitters_begin() {
-    let part = ParametricWheel {
-        splitters: vec![Splitters { span: [0.6, 0.95], off_middle: 0.0 }],
-        ..ParametricWheel::impeller()
-    };
+    let part = ParametricWheel { splitters: vec![Splitters::over([0.6, 0.95])], ..ParametricWheel::impeller() };
     let options = BliskOptions { blades: Auto::Given(part.blades / 2), ..Default::default() };
     match find(&part.mesh(), &options) {
         Ok(channel) => assert_eq!((channel.blades, channel.unlike.len()), (part.blades / 2, 0)),
@@ -291,7 +288,7 @@ fn sectors_of_random_wheels_are_recognised() {
 /// An STL file holds no parts: what the import makes of shells that cross is what is recognised.
 #[test]
 fn a_wheel_of_shells_that_cross_is_the_same_from_a_file() {
-    let splitters = vec![Splitters { span: [0.5, 0.95], off_middle: 0.0 }];
+    let splitters = vec![Splitters::over([0.5, 0.95])];
     let impeller =
         ParametricWheel { blades: 18, thickness_mm: 1.5, pieces: [120, 48, 8], ..ParametricWheel::impeller() };
     for wheel in [impeller.clone(), ParametricWheel { splitters, ..impeller }] {

@@ -474,7 +474,7 @@ fn splitters_make_two_kinds_of_channels() {
     // Nine main blades and a splitter behind each, not quite in the middle.
     let part = ParametricWheel {
         blades: 18,
-        splitters: vec![Splitters { span: [0.5, 0.95], off_middle: 0.02 }],
+        splitters: vec![Splitters { off_middle: 0.02, ..Splitters::over([0.5, 0.95]) }],
         thickness_mm: 2.0,
         ..ParametricWheel::impeller()
     };
@@ -494,6 +494,40 @@ fn splitters_make_two_kinds_of_channels() {
     };
     let difference = (width(&channels[0]) - width(&channels[1])).abs();
     assert!((difference - 0.04).abs() < 1e-3, "one is wider by as much as the other is narrower: {difference}");
+}
+
+/// In an even pitch the gaps between thick main blades and thin splitters are not even; ahead of the splitters those
+/// between the main blades alone are.
+#[test]
+fn thin_splitters_between_thick_blades_are_counted() {
+    let part = ParametricWheel {
+        blades: 18,
+        splitters: vec![Splitters { thickness: 0.1, ..Splitters::over([0.5, 0.95]) }],
+        thickness_mm: 10.0,
+        ..ParametricWheel::impeller()
+    };
+    let mesh = part.mesh();
+    for channel in [0, 1] {
+        let found = find(&mesh, &BliskOptions { channel, ..Default::default() }).unwrap();
+        assert_eq!((found.blades, found.kinds, found.unlike.len()), (18, 2, 0));
+    }
+}
+
+/// At the tips a splitter may begin further back than another does at the hub: its edge stands beside the passage.
+#[test]
+fn every_passage_of_an_open_wheel_with_three_kinds_of_blades_is_found() {
+    let part = ParametricWheel {
+        blades: 15,
+        splitters: [0.6, 0.35].map(|from| Splitters::over([from, 0.95])).into(),
+        thickness_mm: 1.4,
+        shrouded: false,
+        ..ParametricWheel::impeller()
+    };
+    let mesh = part.mesh();
+    for channel in 0..3 {
+        let found = find(&mesh, &BliskOptions { channel, ..Default::default() }).unwrap();
+        assert_eq!((found.blades, found.kinds, found.unlike.len()), (15, 3, 0), "{channel}");
+    }
 }
 
 /// Points of the low (0) or the high wall (1) of the passage above blade `k` as it is drawn.

@@ -440,7 +440,7 @@ mod tests {
     fn the_throat_beside_splitters_is_that_of_the_blades() {
         let part = ParametricWheel {
             blades: 14,
-            splitters: vec![Splitters { span: [0.5, 0.95], off_middle: 0.0 }],
+            splitters: vec![Splitters::over([0.5, 0.95])],
             ..ParametricWheel::impeller()
         };
         let mesh = part.mesh();
@@ -481,7 +481,7 @@ mod tests {
     fn walls_end_at_thick_splitters() {
         let part = ParametricWheel {
             blades: 18,
-            splitters: vec![Splitters { span: [0.5, 0.95], off_middle: 0.0 }],
+            splitters: vec![Splitters::over([0.5, 0.95])],
             thickness_mm: 7.0,
             ..ParametricWheel::impeller()
         };

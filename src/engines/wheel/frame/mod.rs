@@ -302,6 +302,7 @@ fn bladed_region(
                 let has_more = |other: &Region| {
                     let goes_on = || other.goes_on_into(&regions).into_iter();
                     other.count > regions[i].count
+                        && other.is_good_part_of(&regions[i])
                         && goes_on().any(|into| std::ptr::eq(into, &regions[i]))
                         && other.least_kinds(&regions) > 1
                 };

@@ -89,13 +89,21 @@ pub(super) fn regions(slices: &Slices, wanted: Option<usize>, cancel: &Cancel) -
     Ok(regions)
 }
 
-/// The number of gaps, if they are evenly spaced.
+/// The number of gaps, if they or the blades between them are evenly spaced: beside thick blades and thin ones the gaps
+/// are not.
 fn even_count(gaps: &[Gap]) -> Option<usize> {
-    let first = gaps.first()?.middle();
-    let pitch = TAU / gaps.len() as f64;
-    let misses = gaps.iter().enumerate().map(|(k, g)| g.middle() - first - k as f64 * pitch);
-    let (least, most) = misses.fold((0.0f64, 0.0f64), |(l, m), d| (l.min(d), m.max(d)));
-    (most - least < 0.25 * pitch).then_some(gaps.len())
+    let count = gaps.len();
+    let pitch = TAU / count as f64;
+    let is_even = |middle: &dyn Fn(usize) -> f64| {
+        let misses = (0..count).map(|k| middle(k) - middle(0) - k as f64 * pitch);
+        let (least, most) = misses.fold((0.0f64, 0.0f64), |(l, m), d| (l.min(d), m.max(d)));
+        most - least < 0.25 * pitch
+    };
+    let blade = |k: usize| {
+        let turns = if k == 0 { -TAU } else { 0.0 };
+        0.5 * (gaps[(k + count - 1) % count].high.theta + turns + gaps[k].low.theta)
+    };
+    (count > 0 && (is_even(&|k| gaps[k].middle()) || is_even(&blade))).then_some(count)
 }
 
 /// Share of the blades that must stand where their count is given.
@@ -155,6 +163,12 @@ impl Region {
     /// Whether it is wider than one cell both ways; circles that graze the facets of a coarse cylinder are not.
     fn is_more_than_a_line(&self) -> bool {
         self.cells.iter().any(|&[x, r]| [[x + 1, r], [x, r + 1], [x + 1, r + 1]].iter().all(|&c| self.holds(c)))
+    }
+
+    /// Whether this one is no mere seam beside the other region, as where waves of an end wall stand between its blades.
+    pub fn is_good_part_of(&self, other: &Self) -> bool {
+        const LEAST: f64 = 0.1;
+        self.cells.len() as f64 > LEAST * other.cells.len() as f64
     }
 
     /// Whether the other region begins within some cells of this one: where a round edge of a splitter becomes thin, gaps

@@ -54,7 +54,7 @@ fn curves(flow: Flow, share: &mut dyn FnMut() -> f64) -> [MeridianCurve; 2] {
 
 /// Wheel number `number` and its direction of flow. Kinds come in turn: directions of flow, with and without a shroud,
 /// without splitters, with splitters in the middle between the blades and off it, outward and inward. All else is at
-/// random.
+/// random, as how thick the splitters are and whether they are of two kinds.
 pub fn random_wheel(number: usize, share: &mut dyn FnMut() -> f64) -> (ParametricWheel, Flow) {
     let flow = [Flow::Axial, Flow::Mixed, Flow::Radial][number % 3];
     let shrouded = number % 6 < 3;
@@ -78,14 +78,14 @@ pub fn random_wheel(number: usize, share: &mut dyn FnMut() -> f64) -> (Parametri
     let rounding = share();
     let fillet_mm = if rounding < 0.4 { 0.0 } else { (rounding * 0.15 * height).min(0.15 * passage) };
     let off_middle = if splitting == 2 { 0.08 * pitch } else { 0.0 };
-    let splitters = (splitting > 0).then(|| Splitters { span: [0.35 + 0.2 * share(), 0.92], off_middle });
+    let splitters = (splitting > 0).then(|| Splitters { off_middle, ..Splitters::over([0.35 + 0.2 * share(), 0.92]) });
     let lean = 0.1 * (share() - 0.5);
     let edge = share();
     // Of some the flow runs inwards, and splitters stand at the end of smaller radius.
     let inward = (number / 18) % 2 == 1;
     let reversed = |[from, to]: [f64; 2]| if inward { [1.0 - to, 1.0 - from] } else { [from, to] };
     let splitters = splitters.map(|s| Splitters { span: reversed(s.span), ..s }).into_iter().collect();
-    let wheel = ParametricWheel {
+    let mut wheel = ParametricWheel {
         blades,
         hub,
         shroud,
@@ -104,5 +104,16 @@ pub fn random_wheel(number: usize, share: &mut dyn FnMut() -> f64) -> (Parametri
         pieces: [180, 64, 8],
         ..ParametricWheel::nozzle_ring()
     };
+    // Splitters may be thinner, and of two kinds in an even pitch.
+    let is_of_two = share() < 0.5 && blades.is_multiple_of(3) && blades >= 9;
+    if let [first] = &mut wheel.splitters[..] {
+        first.thickness = 0.3 + 0.7 * share();
+        if is_of_two {
+            let second =
+                Splitters { thickness: first.thickness, ..Splitters::over(reversed([0.55 + 0.1 * share(), 0.92])) };
+            first.off_middle = 0.0;
+            wheel.splitters.push(second);
+        }
+    }
     (wheel, flow)
 }

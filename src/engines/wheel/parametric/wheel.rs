@@ -44,6 +44,26 @@ pub struct Splitters {
     pub span: [f64; 2],
     /// Angle by which they stand off their place in the even pitch (rad).
     pub off_middle: f64,
+    /// Their thickness, as a share of that of the main blades.
+    pub thickness: f64,
+}
+
+impl Splitters {
+    /// As thick as the main blades, in the even pitch.
+    pub fn over(span: [f64; 2]) -> Self {
+        Self { span, off_middle: 0.0, thickness: 1.0 }
+    }
+}
+
+/// A blade of a wheel.
+#[derive(Clone, Copy)]
+struct Blade {
+    /// Shares of the passage between which it stands.
+    span: [f64; 2],
+    /// Angle where its middle begins (rad).
+    begin: f64,
+    /// Its thickness, as a share of that of the main blades.
+    thickness: f64,
 }
 
 /// What is wrong with a wheel.
@@ -192,11 +212,12 @@ impl ParametricWheel {
         (k % self.kinds()).checked_sub(1).map(|kind| &self.splitters[kind])
     }
 
-    /// Where blade `k` stands along the passage, and the angle where its middle begins (rad).
-    fn blade_at(&self, k: usize) -> ([f64; 2], f64) {
+    /// Blade `k`.
+    fn blade_at(&self, k: usize) -> Blade {
         let turned = self.flaws.turned_blade.filter(|(blade, _)| *blade == k).map_or(0.0, |(_, turn)| turn);
-        let (span, off) = self.splitter(k).map_or((self.span, 0.0), |s| (s.span, s.off_middle));
-        (span, self.pitch() * k as f64 + turned + off)
+        let main = Splitters::over(self.span);
+        let Splitters { span, off_middle, thickness } = *self.splitter(k).unwrap_or(&main);
+        Blade { span, begin: self.pitch() * k as f64 + turned + off_middle, thickness }
     }
 
     /// Angle that a blade has wound about the axis up to a share of the passage (rad).
@@ -224,8 +245,8 @@ impl ParametricWheel {
         [span[0] - self.fillet(span[0], height) / length, span[1] + self.fillet(span[1], height) / length]
     }
 
-    /// Half the thickness of a blade over `span` at a share of the passage and of the height, fillets included (mm).
-    fn half_thickness(&self, span: [f64; 2], along: f64, height: f64) -> f64 {
+    /// Half the thickness of a blade at a share of the passage and of the height, fillets included (mm).
+    fn half_thickness(&self, Blade { span, thickness, .. }: Blade, along: f64, height: f64) -> f64 {
         let span = self.span_at(span, height);
         let from_end = (along - span[0]).min(span[1] - along).max(0.0);
         let nose = match self.nose {
@@ -233,8 +254,8 @@ impl ParametricWheel {
             nose => (1.0 - (1.0 - from_end / nose).powi(2)).sqrt(),
         };
         let off_middle = (2.0 * along - span[0] - span[1]) / (span[1] - span[0]);
-        let thickness_mm = self.thickness_mm * (1.0 - (1.0 - self.edge_thickness) * off_middle * off_middle);
-        nose * (0.5 * thickness_mm + self.fillet(along, height))
+        let tapered = 1.0 - (1.0 - self.edge_thickness) * off_middle * off_middle;
+        nose * (0.5 * self.thickness_mm * thickness * tapered + self.fillet(along, height))
     }
 
     /// Angles of the low and the high wall of the passage above blade `k`, at a share of the passage and of the height
@@ -242,13 +263,13 @@ impl ParametricWheel {
     pub fn walls(&self, k: usize, along: f64, height: f64) -> Option<[f64; 2]> {
         let r = self.place(along, height).y;
         let wall = |blade: usize, side: f64| {
-            let (span, begin) = self.blade_at(blade % self.blades);
+            let of = self.blade_at(blade % self.blades);
             let turns = if blade >= self.blades { TAU } else { 0.0 };
             let stands = self.flaws.missing_blade != Some(blade % self.blades);
-            let at = self.span_at(span, height);
+            let at = self.span_at(of.span, height);
             (stands && (at[0]..=at[1]).contains(&along)).then(|| {
-                let middle = begin + turns + self.wound(along) + self.lean * height;
-                middle + side * self.half_thickness(span, along, height) / r
+                let middle = of.begin + turns + self.wound(along) + self.lean * height;
+                middle + side * self.half_thickness(of, along, height) / r
             })
         };
         Some([wall(k, 1.0)?, wall(k + 1, -1.0)?])
@@ -304,7 +325,7 @@ impl ParametricWheel {
     /// Blade `k`.
     pub(crate) fn blade(&self, k: usize) -> Mesh {
         let [_, along, across] = self.pieces;
-        let (span, begin) = self.blade_at(k);
+        let blade = self.blade_at(k);
         // Close together where edges are round.
         let shares: Vec<f64> = (0..=along)
             .map(|i| i as f64 / along as f64)
@@ -314,17 +335,17 @@ impl ParametricWheel {
         let n = heights.len() - 1;
         let point = |(i, v, side): (usize, usize, f64)| {
             let within = |[from, to]: [f64; 2]| from + (to - from) * shares[i];
-            let t = within(span);
+            let t = within(blade.span);
             let height_mm = self.hub.at(t).distance(self.shroud.at(t));
             let height = match heights[v] {
                 Height::Share(share) => share,
                 Height::AboveHub(mm) => mm / height_mm,
                 Height::BelowShroud(mm) => 1.0 - mm / height_mm,
             };
-            let t = within(self.span_at(span, height.clamp(0.0, 1.0)));
+            let t = within(self.span_at(blade.span, height.clamp(0.0, 1.0)));
             let place = self.place(t, height);
-            let half = self.half_thickness(span, t, height.clamp(0.0, 1.0));
-            let theta = begin + self.wound(t) + self.lean * height + side * half / place.y;
+            let half = self.half_thickness(blade, t, height.clamp(0.0, 1.0));
+            let theta = blade.begin + self.wound(t) + self.lean * height + side * half / place.y;
             Cylindrical { x: place.x, r: place.y, theta }.point()
         };
         let mut quads = Vec::new();

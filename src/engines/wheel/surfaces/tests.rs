@@ -6,8 +6,8 @@ use super::SurfaceClass::*;
 use super::*;
 use crate::find_channel::find_channel;
 use crate::fixtures::TestBlisk;
-use crate::options::BliskOptions;
-use crate::parametric::wheel::{ParametricWheel, Splitters};
+use crate::options::{AxisChoice, AxisLine, BliskOptions};
+use crate::parametric::wheel::{MeridianCurve, ParametricWheel, Splitters};
 
 /// Pieces of a fillet of a parametric wheel.
 const ROUNDS: usize = 8;
@@ -110,7 +110,7 @@ fn fillets_have_the_radius_and_the_area_that_they_were_made_with() {
 
 #[test]
 fn blades_are_told_by_kind_and_side() {
-    let splitters = vec![Splitters { span: [0.5, 0.95], off_middle: 0.03 }];
+    let splitters = vec![Splitters { off_middle: 0.03, ..Splitters::over([0.5, 0.95]) }];
     let part =
         ParametricWheel { blades: 14, thickness_mm: 2.0, splitters, pieces: PIECES, ..ParametricWheel::impeller() };
     for shrouded in [true, false] {
@@ -162,8 +162,7 @@ fn work_stops_when_told_to() {
 /// splitters the longer one is none, and ahead of splitters strongly bent blades go on past the next one's place.
 #[test]
 fn main_blades_are_those_of_the_wheel_whichever_channel_is_chosen() {
-    let splitters =
-        |froms: &[f64]| froms.iter().map(|from| Splitters { span: [*from, 0.95], off_middle: 0.0 }).collect();
+    let splitters = |froms: &[f64]| froms.iter().map(|from| Splitters::over([*from, 0.95])).collect();
     let impeller = ParametricWheel { thickness_mm: 1.5, pieces: PIECES, ..ParametricWheel::impeller() };
     let three = ParametricWheel { blades: 15, splitters: splitters(&[0.35, 0.6]), ..impeller.clone() };
     let other_way = ParametricWheel { wrap: [-1.2; 2], ..three.clone() };
@@ -179,6 +178,36 @@ fn main_blades_are_those_of_the_wheel_whichever_channel_is_chosen() {
             let found = classify(&mesh, &channel, &Task::default()).unwrap();
             let right = share_right(&mesh, &found, &truth);
             assert!(right > 0.97, "{} of {}, turned {turn}: {right}", channel.index, part.kinds());
+        }
+    }
+}
+
+/// The axis that is found from coarse blades lies off the true one by little: the faces that hub and tips end in then stand
+/// aslant, and belong to no blade.
+#[test]
+fn faces_that_stand_aslant_belong_to_no_blade() {
+    let across = |x: f64| DVec2::new(x, 50.0);
+    let part = ParametricWheel {
+        blades: 16,
+        hub: MeridianCurve::line(across(0.0), across(30.0)),
+        shroud: MeridianCurve::line(DVec2::new(0.0, 62.0), DVec2::new(30.0, 62.0)),
+        shrouded: false,
+        wrap: [0.3; 2],
+        pieces: PIECES,
+        ..ParametricWheel::nozzle_ring()
+    };
+    let mesh = part.mesh();
+    let sides = |slope: f64| {
+        let line = AxisLine { direction: [1.0, slope, 0.0], point: [0.0, 0.003, 0.0] };
+        let options = BliskOptions { axis: AxisChoice::Line(line), ..Default::default() };
+        let channel = find_channel(&mesh, &options, &Task::default()).unwrap();
+        let found = classify(&mesh, &channel, &Task::default()).unwrap();
+        [MainLow, MainHigh, Hub].map(|class| area(&found, class))
+    };
+    let straight = sides(0.0);
+    for slope in [1e-4, -1e-4, 3e-4] {
+        for (aslant, straight) in sides(slope).into_iter().zip(straight) {
+            assert!((aslant / straight - 1.0).abs() < 0.01, "{slope}: {aslant} for {straight}");
         }
     }
 }
