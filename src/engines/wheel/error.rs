@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::by_hand::{ByHand, nearest};
-use super::channel::Agreement;
+use super::channel::{Agreement, Surface};
 use super::frame::axis::Axis;
 use super::frame::frame_along;
 use super::frame::sector::SectorError;
@@ -198,10 +198,12 @@ pub enum BliskError {
     },
     /// A shroud over part of the blades.
     #[error(
-        "metal stands close beyond the blade tips over {:.0} % of the passage's length, among it at x {x:.2}, r {r:.2}, though no \
-         shroud was met in its middle: it seems to have a shroud over a part of its length only. Draw the curve that is to bound it with \
-         blisk.shroud_points_mm and blisk.end_walls \"drawn\", or take a mesh whose shroud is whole",
-        100.0 * share
+        "metal stands close beyond the blade tips over {:.0} % of the passage's length, among it at x {x:.2}, r {r:.2}, though the \
+         blades do not join it: {}. Draw the curve along the tips that is to bound the passage with blisk.shroud_points_mm and \
+         blisk.end_walls \"drawn\"{}",
+        100.0 * share,
+        if *share < MOST_OF_LENGTH { "it seems to have a shroud over a part of its length only" } else { "a shroud that is another solid lies beyond a gap" },
+        if *share < MOST_OF_LENGTH { ", or take a mesh whose shroud is whole" } else { ", or take the blades' solid alone" }
     )]
     PartShroud {
         /// Share of the passage's length that is covered.
@@ -393,6 +395,9 @@ impl From<BliskError> for Refused {
     }
 }
 
+/// Share of a passage's length from which on metal beyond its tips covers all of it.
+const MOST_OF_LENGTH: f64 = 0.9;
+
 fn disagreement(found: &Agreement) -> String {
     let Cylindrical { x, r, .. } = Cylindrical::from_point(found.at);
     let off = match found.greatest_mm {
@@ -403,10 +408,15 @@ fn disagreement(found: &Agreement) -> String {
         "the {} that was found {off} (at x {x:.3}, r {r:.3} mm about the axis; {:.0} % of {} places disagree): the mesh \
          has no passage between blades, hub and shroud as they were taken for, or its facets are too coarse to tell; check \
          blisk.axis and blisk.blades, pick a passage with blisk.blade_points_mm, give points of hub and shroud with \
-         blisk.hub_points_mm and blisk.shroud_points_mm, or load a finer mesh",
+         blisk.hub_points_mm and blisk.shroud_points_mm, or load a finer mesh{}",
         found.surface.name(),
         100.0 * (1.0 - found.share),
-        found.samples
+        found.samples,
+        match found.surface {
+            Surface::Hub | Surface::Shroud =>
+                "; where large fillets leave little of it between the blades, draw a curve above them with blisk.end_walls = \"drawn\"",
+            _ => "",
+        }
     )
 }
 

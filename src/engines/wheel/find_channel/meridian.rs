@@ -5,6 +5,7 @@ use glam::DVec2;
 use super::super::by_hand::ByHand;
 use super::super::channel::{Flow, Station};
 use super::super::error::BliskError;
+use super::super::frame::MOST_KINDS;
 use super::super::frame::slices::{Gap, RadialCrossing, Slices};
 use super::super::options::BliskOptions;
 use task::Cancel;
@@ -94,10 +95,21 @@ pub(super) struct Tracer<'a> {
 impl Tracer<'_> {
     /// The gap at (`x`, `r`) that continues `near`, if blades bound it on both sides.
     pub fn bladed_gap(&self, x: f64, r: f64, near: &Gap) -> Option<Gap> {
+        self.continued(x, r, near).filter(|gap| gap.width() < 1.5 * self.pitch)
+    }
+
+    /// The gap at (`x`, `r`) between the blades that bound `near`.
+    fn continued(&self, x: f64, r: f64, near: &Gap) -> Option<Gap> {
         // Where one of the two blades is missing or ends, as a splitter does, the gap reaches to the next one. Between
         // thick blades that may be less than a pitch and a half away.
         let reaches_on = |gap: &Gap| gap.width() - near.width() > 0.5 * self.pitch;
-        self.slices.gap_near(x, r, near).filter(|gap| gap.width() < 1.5 * self.pitch && !reaches_on(gap))
+        self.slices.gap_near(x, r, near).filter(|gap| !reaches_on(gap))
+    }
+
+    /// The gap at (`x`, `r`) that continues `near`, between other blades where a splitter has ended.
+    fn gap_between_any(&self, x: f64, r: f64, near: &Gap) -> Option<Gap> {
+        let most = (MOST_KINDS as f64 + 0.5) * self.pitch;
+        self.slices.gap_near(x, r, near).filter(|gap| gap.width() < most)
     }
 
     /// Hub and shroud along the whole ring of an axial channel, starting from a place between the blades.
@@ -225,7 +237,7 @@ impl Tracer<'_> {
     /// The end walls at `x`, beside a known station; none where one of them has ended.
     fn station(&self, x: f64, near: &Traced, shrouded: bool) -> Option<Traced> {
         let r = 0.5 * (near.station.hub.y + near.station.shroud.y);
-        let bladed = self.bladed_gap(x, r, &near.gap);
+        let bladed = self.bladed_gap(x, r, &near.gap).or_else(|| self.gap_between_any(x, r, &near.gap));
         let place = Place { along: x, x, r, gap: bladed.unwrap_or(near.gap) };
         let (hub, shroud) = self.end_walls(&place);
         let tip = || bladed.map_or(near.station.shroud.y, |_| self.tip_radius(&place, near.station.shroud.y));
@@ -243,25 +255,25 @@ impl Tracer<'_> {
         let given = self.radii_by_hand(place.x);
         let [hub, shroud] =
             [(0, hub), (1, shroud)].map(|(end, met)| met.or_else(|| self.met_beside(place, end, given[end]?)));
-        let (Some(h), Some(s)) = (hub, shroud) else { return (hub.map(|w| w.radius), shroud.map(|w| w.radius)) };
-        let height = BESIDE * (s.radius - h.radius);
-        let beside = |i: usize, mut wall: EndWall, inwards: f64| {
+        let beside = |i: usize, mut wall: EndWall| {
             let mut gap = place.gap;
+            let inwards = 2.0 * BESIDE * (place.r - wall.radius);
             // What is met first may be a blade that leans over the wall.
             for round in 0..2 * MOST_NEARER {
                 if !wall.is_blade && (wall.is_even || round >= MOST_NEARER) {
                     break;
                 }
                 let r = wall.radius + inwards * 0.5f64.powi(round);
-                let Some(next) = self.bladed_gap(place.x, r, &gap) else { break };
+                let Some(next) = self.gap_between_any(place.x, r, &gap) else { break };
                 let Some(nearer) = self.end_walls_along(&Place { r, gap: next, ..*place })[i] else { break };
                 (wall, gap) = (nearer, next);
             }
             wall
         };
-        let (hub, shroud) = (beside(0, h, height), beside(1, s, -height));
+        let (hub, shroud) = (hub.map(|hub| beside(0, hub)), shroud.map(|shroud| beside(1, shroud)));
         // Where nothing but a blade that leans is met, and no points tell of one, there is no shroud.
-        (Some(hub.radius), (!shroud.is_blade || given[1].is_some()).then_some(shroud.radius))
+        let shroud = shroud.filter(|shroud| !shroud.is_blade || given[1].is_some());
+        (hub.map(|hub| hub.radius), shroud.map(|shroud| shroud.radius))
     }
 
     /// The hub (`end` 0) or the shroud (1) beside the radius `given` of points on it, where a blade that leans covers it
@@ -317,7 +329,9 @@ impl Tracer<'_> {
         let wall = |c: RadialCrossing, rays: &[RadialCrossing], of: &dyn Fn(&RadialCrossing, f64) -> f64| {
             let (radius, same) = (of(&c, dip(&c)), SAME_WALL * height);
             let of_wall = rays.iter().filter(|ray| (ray.r - c.r).abs() <= same).count();
-            let is_blade = self.is_of_blade(c.triangle, middle);
+            // A staggered blade faces along the axis, and an end wall that does so is met by no ray along the radius.
+            let normal = self.slices.meridional_normal(c.triangle, middle);
+            let is_blade = self.is_of_blade(c.triangle, middle) || normal.x.abs() > normal.y.abs();
             EndWall { radius, is_even: radius == of(&c, same) && 3 * of_wall >= 2 * RAYS, is_blade }
         };
         [hub.map(|c| wall(c, &inner, &greatest)), shroud.map(|c| wall(c, &outer, &least))]
@@ -329,19 +343,19 @@ impl Tracer<'_> {
         let (mut good, mut gap) = (place.r, place.gap);
         let below = guess - step;
         if below > good
-            && let Some(next) = self.bladed_gap(place.x, below, &gap)
+            && let Some(next) = self.continued(place.x, below, &gap)
         {
             (good, gap) = (below, next);
         }
         let mut bad = loop {
-            match self.bladed_gap(place.x, good + step, &gap) {
+            match self.continued(place.x, good + step, &gap) {
                 Some(next) => (good, gap) = (good + step, next),
                 None => break good + step,
             }
         };
         while bad - good > 1e-6 * step {
             let r = 0.5 * (good + bad);
-            match self.bladed_gap(place.x, r, &gap) {
+            match self.continued(place.x, r, &gap) {
                 Some(next) => (good, gap) = (r, next),
                 None => bad = r,
             }

@@ -625,3 +625,40 @@ fn holes_in_hub_and_shroud_are_told_and_change_nothing() {
         assert!(off < 0.05, "{off}");
     }
 }
+
+/// Of an axial wheel rays along the radius meet leaned blades rather than the hub. Ahead of a splitter the passage goes on
+/// between the main blades, and points on the hub do not choose the stretch there.
+#[test]
+fn hub_and_tips_go_on_beside_leaned_blades_and_ahead_of_splitters() {
+    let at = DVec2::new;
+    let plain = ParametricWheel {
+        blades: 34,
+        hub: MeridianCurve([at(0.0, 45.0), at(14.0, 45.4), at(27.0, 47.0), at(40.0, 52.0)]),
+        shroud: MeridianCurve::line(at(0.0, 75.0), at(40.0, 72.0)),
+        shrouded: false,
+        span: [0.08, 0.92],
+        wrap: [0.9, -0.1],
+        thickness_mm: 2.4,
+        pieces: [200, 48, 8],
+        ..ParametricWheel::nozzle_ring()
+    };
+    let splitters = vec![Splitters { off_middle: 0.02, thickness: 0.7, ..Splitters::over([0.5, 0.92]) }];
+    let leaned = ParametricWheel { lean: 0.2, ..plain.clone() };
+    let split = ParametricWheel { splitters, ..plain };
+    let hub_points = [0.1, 0.3, 0.5, 0.7, 0.9].map(|share| split.hub.at(share)).map(|p| [p.x, 0.0, p.y]);
+    for (part, channel, hub_points_mm) in
+        [(&leaned, 0, vec![]), (&split, 0, vec![]), (&split, 1, vec![]), (&split, 0, hub_points.into())]
+    {
+        let found = find(&part.mesh(), &BliskOptions { channel, hub_points_mm, ..Default::default() }).unwrap();
+        assert_eq!((found.blades, found.kinds, found.flow), (34, part.kinds(), Flow::Axial));
+        let ends = [found.meridian[0].along, found.meridian[found.meridian.len() - 1].along];
+        assert!(ends[0] < 0.1 && ends[1] > 39.9, "{ends:?}");
+        for share in (0..=100).map(|i| f64::from(i) / 100.0) {
+            let [hub, tip] = [&part.hub, &part.shroud].map(|curve| curve.at(share));
+            let off = found.radii_at(hub.x).0 - hub.y;
+            assert!(off.abs() < 0.06, "channel {channel}: hub {off} off at {}", hub.x);
+            let off = found.radii_at(tip.x).1 - tip.y;
+            assert!(!(0.1..0.9).contains(&share) || off.abs() < 0.06, "channel {channel}: tips {off} off at {}", tip.x);
+        }
+    }
+}

@@ -290,12 +290,13 @@ fn bladed_region(
     let places = ByHand::new(options, &frame_along(&axis)).places();
     let mut first_objection = None;
     let mut regions = period::regions(slices, wanted, cancel)?;
+    let mut tried = regions.len();
     if !places.is_empty() {
         let far = |region: &Region| places.iter().map(|p| region.cells_from(slices, *p)).sum::<f64>();
-        regions.retain(|region| far(region) <= NEAR_CELLS * places.len() as f64);
         regions.sort_by(|a, b| far(a).total_cmp(&far(b)));
+        tried = regions.partition_point(|region| far(region) <= NEAR_CELLS * places.len() as f64);
     }
-    for i in 0..regions.len() {
+    for i in 0..tried {
         // Whoever names the blade count or points of the passage has seen that there are blades.
         match regions[i].objection.filter(|_| wanted.is_none() && places.is_empty()) {
             None => {
@@ -306,7 +307,7 @@ fn bladed_region(
                         && goes_on().any(|into| std::ptr::eq(into, &regions[i]))
                         && other.least_kinds(&regions) > 1
                 };
-                let more = (0..regions.len()).rev().filter(|&k| places.is_empty() && has_more(&regions[k]));
+                let more = (0..regions.len()).rev().filter(|&k| has_more(&regions[k]));
                 let i = more.max_by_key(|&k| regions[k].count).unwrap_or(i);
                 let region = regions.swap_remove(i);
                 let mut others = if wanted.is_some() { period::regions(slices, None, cancel)? } else { regions };

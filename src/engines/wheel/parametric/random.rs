@@ -58,7 +58,7 @@ fn curves(flow: Flow, share: &mut dyn FnMut() -> f64) -> [MeridianCurve; 2] {
 pub fn random_wheel(number: usize, share: &mut dyn FnMut() -> f64) -> (ParametricWheel, Flow) {
     let flow = [Flow::Axial, Flow::Mixed, Flow::Radial][number % 3];
     let shrouded = number % 6 < 3;
-    let splitting = if flow == Flow::Axial { 0 } else { (number + number / 3) % 3 };
+    let splitting = (number + number / 3) % 3;
     let [hub, shroud] = curves(flow, share);
     let least = (0..=40).map(|i| hub.at(f64::from(i) / 40.0).y.min(shroud.at(f64::from(i) / 40.0).y));
     let least = least.fold(f64::INFINITY, f64::min);
@@ -79,7 +79,7 @@ pub fn random_wheel(number: usize, share: &mut dyn FnMut() -> f64) -> (Parametri
     let fillet_mm = if rounding < 0.4 { 0.0 } else { (rounding * 0.15 * height).min(0.15 * passage) };
     let off_middle = if splitting == 2 { 0.08 * pitch } else { 0.0 };
     let splitters = (splitting > 0).then(|| Splitters { off_middle, ..Splitters::over([0.35 + 0.2 * share(), 0.92]) });
-    let lean = 0.1 * (share() - 0.5);
+    let lean = 0.3 * (share() - 0.5);
     let edge = share();
     // Of some the flow runs inwards, and splitters stand at the end of smaller radius.
     let inward = (number / 18) % 2 == 1;
