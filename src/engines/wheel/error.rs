@@ -196,15 +196,8 @@ pub enum BliskError {
         /// Where (mm from the axis).
         r: f64,
     },
-    /// A shroud over part of the blades.
-    #[error(
-        "metal stands close beyond the blade tips over {:.0} % of the passage's length, among it at x {x:.2}, r {r:.2}, though the \
-         blades do not join it: {}. Draw the curve along the tips that is to bound the passage with blisk.shroud_points_mm and \
-         blisk.end_walls \"drawn\"{}",
-        100.0 * share,
-        if *share < MOST_OF_LENGTH { "it seems to have a shroud over a part of its length only" } else { "a shroud that is another solid lies beyond a gap" },
-        if *share < MOST_OF_LENGTH { ", or take a mesh whose shroud is whole" } else { ", or take the blades' solid alone" }
-    )]
+    /// A shroud over part of the blades, or beyond a gap.
+    #[error("{}", part_shroud(*.share, *.x, *.r))]
     PartShroud {
         /// Share of the passage's length that is covered.
         share: f64,
@@ -395,8 +388,21 @@ impl From<BliskError> for Refused {
     }
 }
 
-/// Share of a passage's length from which on metal beyond its tips covers all of it.
-const MOST_OF_LENGTH: f64 = 0.9;
+fn part_shroud(share: f64, x: f64, r: f64) -> String {
+    /// From this share of the length on metal beyond the tips covers all of it.
+    const ALL: f64 = 0.9;
+    let [what, otherwise] = if share < ALL {
+        ["it seems to have a shroud over a part of its length only", "a mesh whose shroud is whole"]
+    } else {
+        ["a shroud that is another solid lies beyond a gap", "the solid of the blades alone"]
+    };
+    format!(
+        "metal stands close beyond the blade tips over {:.0} % of the passage's length, among it at x {x:.2}, r {r:.2}, though the \
+         blades do not join it: {what}. Draw the curve along the tips that is to bound the passage with blisk.shroud_points_mm and \
+         blisk.end_walls \"drawn\", or take {otherwise}",
+        100.0 * share
+    )
+}
 
 fn disagreement(found: &Agreement) -> String {
     let Cylindrical { x, r, .. } = Cylindrical::from_point(found.at);

@@ -645,10 +645,15 @@ fn hub_and_tips_go_on_beside_leaned_blades_and_ahead_of_splitters() {
     let splitters = vec![Splitters { off_middle: 0.02, thickness: 0.7, ..Splitters::over([0.5, 0.92]) }];
     let leaned = ParametricWheel { lean: 0.2, ..plain.clone() };
     let split = ParametricWheel { splitters, ..plain };
-    let hub_points = [0.1, 0.3, 0.5, 0.7, 0.9].map(|share| split.hub.at(share)).map(|p| [p.x, 0.0, p.y]);
-    for (part, channel, hub_points_mm) in
-        [(&leaned, 0, vec![]), (&split, 0, vec![]), (&split, 1, vec![]), (&split, 0, hub_points.into())]
-    {
+    let both = ParametricWheel { lean: 0.2, ..split.clone() };
+    let hub_points = [0.1, 0.3, 0.5, 0.7, 0.9].map(|share| both.hub.at(share)).map(|p| [p.x, 0.0, p.y]);
+    for (part, channel, hub_points_mm) in [
+        (&leaned, 0, vec![]),
+        (&split, 0, vec![]),
+        (&both, 0, vec![]),
+        (&both, 1, vec![]),
+        (&both, 0, hub_points.into()),
+    ] {
         let found = find(&part.mesh(), &BliskOptions { channel, hub_points_mm, ..Default::default() }).unwrap();
         assert_eq!((found.blades, found.kinds, found.flow), (34, part.kinds(), Flow::Axial));
         let ends = [found.meridian[0].along, found.meridian[found.meridian.len() - 1].along];

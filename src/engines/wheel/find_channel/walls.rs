@@ -287,7 +287,9 @@ impl WallFinder<'_> {
             let mut last = row.inside;
             all.map(|along| {
                 self.tracer.cancel.check()?;
-                last = self.follow(row.share, &last, along)?;
+                // Within the facets of a twisted edge short steps may not go over a jump that the edge was found beyond.
+                let next = self.follow(row.share, &last, along);
+                last = next.or_else(|_| self.follow(row.share, &row.inside, along))?;
                 Ok(last)
             })
             .collect::<Result<Vec<_>, BliskError>>()
