@@ -107,7 +107,7 @@ impl Tracer<'_> {
     }
 
     /// The gap at (`x`, `r`) that continues `near`, between other blades where a splitter has ended.
-    fn gap_between_any(&self, x: f64, r: f64, near: &Gap) -> Option<Gap> {
+    pub(super) fn gap_between_any(&self, x: f64, r: f64, near: &Gap) -> Option<Gap> {
         let most = (MOST_KINDS as f64 + 0.5) * self.pitch;
         self.slices.gap_near(x, r, near).filter(|gap| gap.width() < most)
     }

@@ -164,6 +164,15 @@ fn random_wheels_are_recognised() {
     assert!(faulty.is_empty(), "{faulty}");
 }
 
+/// Ahead of a splitter rays to the hub go between the main blades, not through the fillets round their edges.
+#[test]
+fn the_hub_ahead_of_splitters_is_met_between_main_blades() {
+    let case = case(13);
+    assert!(case.wheel.kinds() == 2 && case.wheel.fillets_round_edges);
+    let wrong = wrong(&case, &find(&case).unwrap());
+    assert!(wrong.is_empty(), "{wrong:?}");
+}
+
 /// A wheel is clamped by its turned surfaces: where its blades were set aslant they do not tell the axis.
 #[test]
 fn the_axis_is_that_of_the_turned_surfaces_where_blades_are_aslant() {

@@ -162,8 +162,12 @@ impl Tracer<'_> {
             self.bladed_gap(at.x, at.y, near)
         };
         let bladed = gap(0.5, &near.middle);
-        let middle = bladed.unwrap_or(near.middle);
-        let beside = |share: f64, near: &Gap| gap(share, near).unwrap_or(*near);
+        let any = |share: f64, near: &Gap| {
+            let at = guess.place(share);
+            self.gap_between_any(at.x, at.y, near)
+        };
+        let middle = bladed.or_else(|| any(0.5, &near.middle)).unwrap_or(near.middle);
+        let beside = |share: f64, near: &Gap| gap(share, near).or_else(|| any(share, near)).unwrap_or(*near);
         let gaps = Gaps { hub: beside(BESIDE, &near.hub), middle, shroud: beside(1.0 - BESIDE, &near.shroud) };
         let hub = self.end_wall(&guess, &gaps.hub, Surface::Hub)?;
         let shroud = match (known.shrouded, bladed.filter(|_| !is_beside)) {
