@@ -200,6 +200,10 @@ fn the_axis_is_that_of_the_turned_surfaces_where_blades_are_aslant() {
 fn spoilt_random_wheels_are_refused_or_told() {
     let faulty = faulty(|case| {
         let wheel = &case.wheel;
+        // Only the channels of one kind are compared: of three kinds one lies beside neither side of a blade.
+        if wheel.kinds() > 2 {
+            return Vec::new();
+        }
         // Well beyond what may differ.
         let mm = case.placement.matrix3.x_axis.length() * wheel.place(0.5, 0.5).y;
         let turn = (0.03 * wheel.pitch()).max(0.2 / mm);
