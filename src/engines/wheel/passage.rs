@@ -30,7 +30,7 @@ impl<'a> Passage<'a> {
         [self.tables[0].at(along, height), self.tables[1].at(along, height)]
     }
 
-    /// Their angles (rad).
+    /// Angles of the low and the high wall at a position along the passage and a height there (rad).
     pub fn between(&self, along: f64, height: f64) -> [f64; 2] {
         self.walls_at(along, height).map(|wall| wall.theta)
     }

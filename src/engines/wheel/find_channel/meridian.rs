@@ -30,7 +30,7 @@ const OF_END_WALL: f64 = 0.9;
 const SAME_WALL: f64 = 0.03;
 /// Share of the part's size by which the vertices of a plane face may lie off it.
 pub(super) const FACE_ROUNDING: f64 = 1e-6;
-/// Share of the height by which an end wall lies off its straight continuation before the end of its ring at most.
+/// Greatest share of the height by which an end wall lies off its straight continuation just before its ring ends.
 const ALONG_WALL: f64 = 5e-4;
 /// Share of the distance of two stations within which a step of an end wall between them is found.
 const STEP_WIDTH: f64 = 1e-6;
@@ -106,7 +106,7 @@ impl Tracer<'_> {
         self.slices.gap_near(x, r, near).filter(|gap| !reaches_on(gap))
     }
 
-    /// The gap at (`x`, `r`) that continues `near`, between other blades where a splitter has ended.
+    /// The gap at (`x`, `r`) that continues `near`: between the same blades, or between others where a splitter has ended.
     pub(super) fn gap_between_any(&self, x: f64, r: f64, near: &Gap) -> Option<Gap> {
         let most = (MOST_KINDS as f64 + 0.5) * self.pitch;
         self.slices.gap_near(x, r, near).filter(|gap| gap.width() < most)
@@ -172,7 +172,7 @@ impl Tracer<'_> {
                 from = next;
                 continue;
             }
-            let last = |is_on: &dyn Fn(&Station) -> bool| {
+            let last_where = |is_on: &dyn Fn(&Station) -> bool| {
                 let (mut good, mut bad) = (from, x);
                 while (bad - good.station.along).abs() > 1e-9 * step.abs() {
                     let next = self.station(0.5 * (good.station.along + bad), &good, shrouded);
@@ -183,9 +183,9 @@ impl Tracer<'_> {
                 }
                 good.station
             };
-            let mut ended = last(&|_| true);
+            let mut ring_end = last_where(&|_| true);
             // Where the face stands aslant by little, or lies off its plane by rounding, rays meet what is beyond it.
-            if steps_away(&from.station, &ended).contains(&true) {
+            if steps_away(&from.station, &ring_end).contains(&true) {
                 let on_wall = ALONG_WALL * from.station.height();
                 let straight = |along: f64| match stations[..] {
                     [.., a, b] => {
@@ -195,10 +195,10 @@ impl Tracer<'_> {
                     }
                     _ => from.station,
                 };
-                ended = last(&|next| jump(&straight(next.along), next) < on_wall);
+                ring_end = last_where(&|next| jump(&straight(next.along), next) < on_wall);
             }
-            if ended.along != from.station.along {
-                stations.push(within(ended, most));
+            if ring_end.along != from.station.along {
+                stations.push(within(ring_end, most));
             }
             return Ok(stations);
         }
@@ -237,7 +237,7 @@ impl Tracer<'_> {
     /// The end walls at `x`, beside a known station; none where one of them has ended.
     fn station(&self, x: f64, near: &Traced, shrouded: bool) -> Option<Traced> {
         let r = 0.5 * (near.station.hub.y + near.station.shroud.y);
-        let bladed = self.bladed_gap(x, r, &near.gap).or_else(|| self.gap_between_any(x, r, &near.gap));
+        let bladed = self.gap_between_any(x, r, &near.gap);
         let place = Place { along: x, x, r, gap: bladed.unwrap_or(near.gap) };
         let (hub, shroud) = self.end_walls(&place);
         let tip = || bladed.map_or(near.station.shroud.y, |_| self.tip_radius(&place, near.station.shroud.y));

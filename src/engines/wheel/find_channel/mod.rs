@@ -15,6 +15,8 @@ mod random_wheels;
 #[cfg(test)]
 mod sectors;
 #[cfg(test)]
+mod splitter_tests;
+#[cfg(test)]
 mod tests;
 mod tips;
 mod tube;

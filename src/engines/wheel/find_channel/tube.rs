@@ -159,16 +159,15 @@ impl Tracer<'_> {
         let guess = station(line);
         let gap = |share: f64, near: &Gap| {
             let at = guess.place(share);
-            self.bladed_gap(at.x, at.y, near)
+            self.gap_between_any(at.x, at.y, near).unwrap_or(*near)
         };
-        let bladed = gap(0.5, &near.middle);
-        let any = |share: f64, near: &Gap| {
-            let at = guess.place(share);
-            self.gap_between_any(at.x, at.y, near)
+        let at = guess.place(0.5);
+        let bladed = self.bladed_gap(at.x, at.y, &near.middle);
+        let gaps = Gaps {
+            hub: gap(BESIDE, &near.hub),
+            middle: gap(0.5, &near.middle),
+            shroud: gap(1.0 - BESIDE, &near.shroud),
         };
-        let middle = bladed.or_else(|| any(0.5, &near.middle)).unwrap_or(near.middle);
-        let beside = |share: f64, near: &Gap| gap(share, near).or_else(|| any(share, near)).unwrap_or(*near);
-        let gaps = Gaps { hub: beside(BESIDE, &near.hub), middle, shroud: beside(1.0 - BESIDE, &near.shroud) };
         let hub = self.end_wall(&guess, &gaps.hub, Surface::Hub)?;
         let shroud = match (known.shrouded, bladed.filter(|_| !is_beside)) {
             (true, _) => self.end_wall(&guess, &gaps.shroud, Surface::Shroud)?,

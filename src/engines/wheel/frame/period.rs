@@ -165,7 +165,7 @@ impl Region {
         self.cells.iter().any(|&[x, r]| [[x + 1, r], [x, r + 1], [x + 1, r + 1]].iter().all(|&c| self.holds(c)))
     }
 
-    /// Whether this one is no mere seam beside the other region, as where waves of an end wall stand between its blades.
+    /// Whether the region is more than a seam beside the other one, as there is where waves of an end wall stand between its blades.
     pub fn is_good_part_of(&self, other: &Self) -> bool {
         const LEAST: f64 = 0.1;
         self.cells.len() as f64 > LEAST * other.cells.len() as f64

@@ -44,7 +44,7 @@ pub struct Splitters {
     pub span: [f64; 2],
     /// Angle by which they stand off their place in the even pitch (rad).
     pub off_middle: f64,
-    /// Their thickness, as a share of that of the main blades.
+    /// Thickness, as a share of that of the main blades.
     pub thickness: f64,
 }
 
@@ -55,14 +55,14 @@ impl Splitters {
     }
 }
 
-/// A blade of a wheel.
+/// Place and thickness of one blade.
 #[derive(Clone, Copy)]
 struct Blade {
     /// Shares of the passage between which it stands.
     span: [f64; 2],
     /// Angle where its middle begins (rad).
     begin: f64,
-    /// Its thickness, as a share of that of the main blades.
+    /// Thickness, as a share of that of the main blades.
     thickness: f64,
 }
 
@@ -212,7 +212,7 @@ impl ParametricWheel {
         (k % self.kinds()).checked_sub(1).map(|kind| &self.splitters[kind])
     }
 
-    /// Blade `k`.
+    /// Where blade `k` stands and how thick it is.
     fn blade_at(&self, k: usize) -> Blade {
         let turned = self.flaws.turned_blade.filter(|(blade, _)| *blade == k).map_or(0.0, |(_, turn)| turn);
         let main = Splitters::over(self.span);

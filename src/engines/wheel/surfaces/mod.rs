@@ -29,7 +29,7 @@ use task::{Cancelled, Task};
 #[serde(rename_all = "snake_case")]
 pub enum SurfaceClass {
     /// The inner end wall, as far along the flow path as hub and shroud or tips of the channel were found: of a wheel
-    /// with splitters and without shroud, beside the splitters and a height beyond their edges.
+    /// whose passage is not axial, with splitters and without shroud, a height beyond the edges of the channel's own blades.
     Hub,
     /// The outer end wall.
     Shroud,
