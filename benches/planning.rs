@@ -1,5 +1,7 @@
 //! Times of the planning floors on the built-in demonstration blisk.
 
+use std::sync::Arc;
+
 use criterion::{Criterion, criterion_group, criterion_main};
 use feed::clearance::{Bodies, ClearanceModel, SamplesOf};
 use feed::outside::Outside;
@@ -29,19 +31,22 @@ fn planning(criterion: &mut Criterion) {
     group.bench_function("find channel", |b| b.iter(|| find_channel(&mesh, &options, &task)));
     let channel = find_channel(&mesh, &options, &task).expect("its channel");
     let blisk = mesh.in_frame(&channel.frame);
-    let exact = ExactMesh::new(&blisk).expect("its surface");
+    let exact = Arc::new(ExactMesh::new(&blisk).expect("its surface"));
     let electrodes = || make_electrodes(&channel, &exact, &job.electrode, EntrySide::PlusX, &task);
     group.bench_function("make electrode", |b| b.iter(electrodes));
     let electrode = electrodes().expect("its electrode").remove(0);
     let region = electrode.mesh.bounds().grown(8.0);
-    let build = || DistanceField::build(&blisk, &exact, region, 0.25, &task);
-    group.bench_function("distance field", |b| b.iter(build));
-    let field = build().expect("its field");
+    let build = || DistanceField::build(&blisk, exact.clone(), region, 0.25, &task).expect("its field");
+    // Made where it is asked for: here along the channel's walls.
+    let along_walls = |field: &DistanceField| channel.low.points.iter().filter_map(|&p| field.value(p)).sum::<f64>();
+    group.bench_function("distance field along a wall", |b| b.iter(|| along_walls(&build())));
+    let field = build();
 
     // One clearance evaluation of 1,500 samples against one exact distance between the meshes.
-    let body = ExactMesh::new(&electrode.mesh).expect("its surface");
-    let own_field = DistanceField::build(&electrode.mesh, &body, electrode.mesh.bounds().grown(1.0), 0.35, &task)
-        .expect("its field");
+    let body = Arc::new(ExactMesh::new(&electrode.mesh).expect("its surface"));
+    let own_field =
+        DistanceField::build(&electrode.mesh, body.clone(), electrode.mesh.bounds().grown(1.0), 0.35, &task)
+            .expect("its field");
     let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), &Cancel::default())
         .expect("not cancelled");
     let stride = samples.len() / 1500;

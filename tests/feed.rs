@@ -285,9 +285,9 @@ fn a_searched_reduction_that_leaves_no_metal_is_an_answer_and_not_bad_input() {
     let part = mesh(&easy_blisk());
     let channel = Arc::new(find_channel(&part, &BliskOptions::default(), &task).unwrap());
     let blisk = Arc::new(part.in_frame(&channel.frame));
-    let exact = ExactMesh::new(&blisk).unwrap();
+    let exact = Arc::new(ExactMesh::new(&blisk).unwrap());
     let electrodes = make_electrodes(&channel, &exact, &job.electrode, EntrySide::MinusX, &task).unwrap();
-    let space = PlanningSpace::new(blisk, &exact, channel.clone(), job.plan.field_cell_mm, &task).unwrap();
+    let space = PlanningSpace::new(blisk, exact, channel.clone(), job.plan.field_cell_mm, &task).unwrap();
     let settings = PlanSettings {
         plan: &job.plan,
         genetic: &job.genetic,

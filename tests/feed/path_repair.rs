@@ -33,11 +33,11 @@ pub fn a_spoiled_path_is_repaired_without_another_search() {
     let electrode = &outcome.electrodes[0].electrode;
     let o = electrode.reference_point;
     let blisk = Arc::new(mesh(&easy_blisk()).in_frame(&outcome.channel.frame));
-    let exact = ExactMesh::new(&blisk).unwrap();
+    let exact = Arc::new(ExactMesh::new(&blisk).unwrap());
     let channel = outcome.channel.clone();
-    let space = PlanningSpace::new(blisk.clone(), &exact, channel, job.plan.field_cell_mm, &task).unwrap();
-    let (body, region) = (ExactMesh::new(&electrode.mesh).unwrap(), electrode.mesh.bounds().grown(1.1));
-    let own = DistanceField::build(&electrode.mesh, &body, region, 0.35, &task).unwrap();
+    let space = PlanningSpace::new(blisk.clone(), exact.clone(), channel, job.plan.field_cell_mm, &task).unwrap();
+    let (body, region) = (ExactMesh::new(&electrode.mesh).unwrap().into(), electrode.mesh.bounds().grown(1.1));
+    let own = DistanceField::build(&electrode.mesh, body, region, 0.35, &task).unwrap();
     let outside = Outside::new(&blisk, &electrode.mesh, o);
     let bodies = Bodies {
         blisk: &space.field,

@@ -43,12 +43,12 @@ fn radial_job() -> PlanJob {
 }
 
 /// The ring in W, and what its electrodes are planned in.
-fn ring_space(job: &PlanJob) -> (ExactMesh, PlanningSpace) {
+fn ring_space(job: &PlanJob) -> (Arc<ExactMesh>, PlanningSpace) {
     let task = Task::default();
     let channel: Arc<_> = find_channel(&ring(), &BliskOptions::default(), &task).unwrap().into();
     let blisk: Arc<_> = ring().in_frame(&channel.frame).into();
-    let exact = ExactMesh::new(&blisk).unwrap();
-    let space = PlanningSpace::new(blisk, &exact, channel, job.plan.field_cell_mm, &task).unwrap();
+    let exact = Arc::new(ExactMesh::new(&blisk).unwrap());
+    let space = PlanningSpace::new(blisk, exact.clone(), channel, job.plan.field_cell_mm, &task).unwrap();
     (exact, space)
 }
 

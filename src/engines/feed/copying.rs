@@ -7,11 +7,12 @@
 //!
 //! The motion is modelled as the machine makes it. Z is the direction of the channel's middle, so that a point at the
 //! angle `phi` from the middle moves outwards by `cos(phi)` of it and sideways by `sin(phi)`, and a leaning wall that
-//! is moved outwards comes nearer to its blade or farther from it. In a passage that does not run along the axis
-//! outwards is the direction from hub to shroud in the middle of what the electrode burns, and X and Y take part in it. A turned hub side meets fillets, and the facets of a
-//! round hub, that it does not meet in the final pose. So the lowest turn is at the least height that lets it go
-//! (nearly) furthest, the highest one at the greatest such height. Each turn goes only as far as the electrode keeps
-//! its clearance and the axes go, and the whole is certified by the same verifier as the feed.
+//! is moved outwards comes nearer to its blade or farther from it. In a passage that does not run along the axis,
+//! outwards is the direction from hub to shroud in the middle of what the electrode burns, and X and Y take part in it.
+//! A turned hub side meets fillets, and the facets of a round hub, that it does not meet in the final pose. So the lowest
+//! turn is at the least height that lets it go (nearly) furthest, the highest one at the greatest such height. Each turn
+//! goes only as far as the electrode keeps its clearance and the axes go, and the whole is certified by the same verifier
+//! as the feed.
 
 use std::sync::{Mutex, PoisonError};
 

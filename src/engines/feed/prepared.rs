@@ -48,7 +48,7 @@ impl PlanningSpace {
     /// its surroundings.
     pub fn new(
         blisk: Arc<Mesh>,
-        exact: &ExactMesh,
+        exact: Arc<ExactMesh>,
         channel: Arc<Channel>,
         cell: f64,
         task: &Task,
@@ -87,11 +87,11 @@ impl PreparedElectrode {
         most: f64,
         task: &Task,
     ) -> Result<Self, PlanError> {
-        let exact = ExactMesh::new(&electrode.mesh)?;
+        let exact = ExactMesh::new(&electrode.mesh)?.into();
         let region = electrode.mesh.bounds().grown(clearance + Bodies::AROUND);
         let task = task.as_stage("electrode's distance field");
         let cell = DistanceField::cell_for(&region, Self::CELL, Self::MOST_CELLS);
-        let distance = DistanceField::build(&electrode.mesh, &exact, region, cell, &task)?;
+        let distance = DistanceField::build(&electrode.mesh, exact, region, cell, &task)?;
         let outside = Outside::new(&space.blisk, &electrode.mesh, electrode.reference_point).into();
         let mut samples = sample_electrode(&electrode.mesh, &electrode.faces, SampleSpacing::default(), &task.cancel)?;
         if most > 0.0 {

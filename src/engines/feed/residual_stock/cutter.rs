@@ -101,10 +101,10 @@ impl Cutter {
         motions: Vec<Vec<Pose>>,
         task: &Task,
     ) -> Result<Self, CutterError> {
-        let (exact, bounds) = (ExactMesh::new(mesh)?, within(mesh, span_x));
+        let (exact, bounds) = (ExactMesh::new(mesh)?.into(), within(mesh, span_x));
         let region = bounds.grown(REACH);
         let cell = DistanceField::cell_for(&region, CELL, MOST_CELLS);
-        let field = DistanceField::build(mesh, &exact, region, cell, task)?;
+        let field = DistanceField::build(mesh, exact, region, cell, task)?;
         let motions = motions
             .into_iter()
             .filter(|poses| !poses.is_empty())

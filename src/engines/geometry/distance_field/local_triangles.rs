@@ -151,10 +151,6 @@ impl LocalTriangles {
         triangles.into_iter().map(|i| self.numbers[i as usize]).filter(|&number| number != Self::ELSEWHERE)
     }
 
-    pub(super) fn bytes(&self) -> usize {
-        self.triangles.len() * (size_of::<Triangle>() + size_of::<Ball>()) + self.numbers.len() * 4
-    }
-
     /// Distance from `p` to triangle `i`.
     pub(super) fn distance(&self, p: DVec3, i: u32) -> f64 {
         self.triangles[i as usize].distance_squared(p).sqrt()

@@ -3,7 +3,8 @@
 //! Space is cut into cells of one size. A cell in which the distance is well described by trilinear
 //! interpolation belongs to a *smooth* leaf, which may span 2, 4 or 8 cells along each axis and holds the eight
 //! distances at its corners. A cell that no leaf describes well enough (beside sharp edges, in corners, on the
-//! ridge between two walls) holds the few triangles that can be nearest there and is evaluated exactly.
+//! ridge between two walls) holds the few triangles that can be nearest there and is evaluated exactly. Cells are made
+//! block by block, where they are asked for: a search looks at a small part of the region only.
 //!
 //! The idea of spending resolution only where the distance bends is that of adaptively sampled distance fields
 //! (Frisken et al., SIGGRAPH 2000).
@@ -22,11 +23,12 @@ mod build;
 mod local_triangles;
 mod signs;
 
-use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
 
 pub use build::FieldError;
 use glam::{DVec3, Vec3};
 
+use super::exact::ExactMesh;
 use super::mesh::Bounds;
 use local_triangles::{Candidate, LocalTriangles, Nearest};
 
@@ -34,9 +36,21 @@ use local_triangles::{Candidate, LocalTriangles, Nearest};
 pub struct DistanceField {
     bounds: Bounds,
     cell: f64,
-    cells: [usize; 3],
-    /// One for each cell, see [`Handle`].
-    handles: Vec<Handle>,
+    /// Blocks along each axis.
+    blocks_along: [usize; 3],
+    /// x fastest, each made when a point in it is first asked for. A block depends on the mesh and on its place alone, so
+    /// it is the same whoever asks first.
+    blocks: Vec<OnceLock<Box<Block>>>,
+    triangles: LocalTriangles,
+    exact: Arc<ExactMesh>,
+}
+
+/// The cells of a cube, [`SIDE`](Block::SIDE) along each axis.
+struct Block {
+    /// Its first cell.
+    first: [usize; 3],
+    /// One for each cell, x fastest, see [`Handle`].
+    handles: [Handle; Block::CELLS],
     /// Corner distances of the smooth leaves; corner `i` lies on the far side along x, y, z where bits 0, 1, 2 of
     /// `i` are set.
     leaves: Vec<[f32; 8]>,
@@ -44,15 +58,14 @@ pub struct DistanceField {
     list_ends: Vec<u32>,
     /// The candidates of each exact cell, in order of their distance from its centre.
     list: Vec<Candidate>,
-    /// Winding number at the reference point of each folded cell, by the number of its list.
-    windings: HashMap<u32, i32>,
+    /// Winding number at the reference point of each folded cell; their lists are the last.
+    windings: Vec<i32>,
     /// Distance at the centre of each exact cell (mm).
     centres: Vec<f32>,
-    triangles: LocalTriangles,
 }
 
 /// Description of a cell: in the low 3 bits the leaf's level (it spans `2^level` cells) or the source of an exact
-/// cell's sign, above them the number of the leaf or of the exact cell.
+/// cell's sign, above them the number of the leaf or of the exact cell in its block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Handle(u32);
 
@@ -74,22 +87,13 @@ impl Handle {
         self.0 & 7
     }
 
+    fn is_exact(self) -> bool {
+        self.kind() >= Self::OUTSIDE
+    }
+
     fn number(self) -> usize {
         (self.0 >> 3) as usize
     }
-}
-
-/// Sizes of the parts of a field, for reports.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FieldSize {
-    /// Cells in all.
-    pub cells: usize,
-    /// Smooth leaves.
-    pub leaves: usize,
-    /// Cells evaluated exactly.
-    pub exact_cells: usize,
-    /// Memory held (bytes).
-    pub bytes: usize,
 }
 
 impl DistanceField {
@@ -114,128 +118,160 @@ impl DistanceField {
     /// Signed distance at `p` (mm), negative inside the mesh; `None` outside the field's bounds.
     #[inline]
     pub fn value(&self, p: DVec3) -> Option<f64> {
-        let (handle, cell) = self.locate(p)?;
-        let exactly = |sign: f64| sign * self.nearest(p, handle, cell).distance();
-        Some(match handle.kind() {
-            Handle::OUTSIDE => exactly(1.0),
-            Handle::INSIDE => exactly(-1.0),
-            Handle::FOLDED => exactly(self.sign_in_folded(p, handle, cell)),
-            Handle::EXACT => self.triangles.signed(p, self.nearest(p, handle, cell)).0,
-            level => f64::from(trilinear(&self.leaves[handle.number()], self.leaf_position(p, cell, level))),
-        })
+        Some(self.locate(p)?.value(p))
     }
 
     /// Signed distance at `p`, or any value from `enough` to it if it is known to be greater (mm): where it is enough
     /// to know that, a cell's triangles need not be tested. `None` outside the field's bounds.
     #[inline]
     pub fn value_or_enough(&self, p: DVec3, enough: f64) -> Option<f64> {
-        let (handle, cell) = self.locate(p)?;
-        if handle.kind() >= Handle::OUTSIDE {
+        let place = self.locate(p)?;
+        if place.handle.is_exact() {
             // The distance changes by no more than one moves.
-            let least = f64::from(self.centres[handle.number()]) - p.distance(self.center(cell)) - Self::ROUNDING;
+            let at_center = f64::from(place.block.centres[place.handle.number()]);
+            let least = at_center - p.distance(place.center()) - Self::ROUNDING;
             if least >= enough {
                 return Some(least);
             }
         }
-        self.value(p)
+        Some(place.value(p))
     }
 
     /// Signed distance at `p` and its gradient; `None` outside the field's bounds.
     pub fn value_and_gradient(&self, p: DVec3) -> Option<(f64, DVec3)> {
-        let (handle, cell) = self.locate(p)?;
-        if handle.kind() >= Handle::OUTSIDE {
-            let (by_normals, nearest, normal) = self.triangles.signed(p, self.nearest(p, handle, cell));
-            let d = match handle.kind() {
+        let place = self.locate(p)?;
+        let kind = place.handle.kind();
+        if place.handle.is_exact() {
+            let (by_normals, nearest, normal) = self.triangles.signed(p, place.nearest(p));
+            let d = match kind {
                 Handle::OUTSIDE => by_normals.abs(),
                 Handle::INSIDE => -by_normals.abs(),
-                Handle::FOLDED => self.sign_in_folded(p, handle, cell) * by_normals.abs(),
+                Handle::FOLDED => place.sign_in_folded(p) * by_normals.abs(),
                 _ => by_normals,
             };
             let away = ((p - nearest) * d.signum()).try_normalize().unwrap_or(normal);
             return Some((d, away));
         }
-        let v = &self.leaves[handle.number()];
-        let t = self.leaf_position(p, cell, handle.kind());
-        let size = self.cell * f64::from(1 << handle.kind());
+        let v = &place.block.leaves[place.handle.number()];
+        let t = place.leaf_position(p);
+        let size = self.cell * f64::from(1 << kind);
         Some((f64::from(trilinear(v, t)), trilinear_gradient(v, t).as_dvec3() / size))
     }
 
-    /// Size of the field.
-    pub fn size(&self) -> FieldSize {
-        FieldSize {
-            cells: self.handles.len(),
-            leaves: self.leaves.len(),
-            exact_cells: self.list_ends.len(),
-            bytes: self.handles.len() * 4
-                + self.leaves.len() * 32
-                + (self.list_ends.len() + self.centres.len()) * 4
-                + self.list.len() * size_of::<Candidate>()
-                + self.triangles.bytes(),
-        }
-    }
-
-    /// -1 if the surface winds around `p`, a point of a folded cell, and 1 if not.
-    #[cold]
-    fn sign_in_folded(&self, p: DVec3, handle: Handle, cell: [usize; 3]) -> f64 {
-        // No surface passes between `p` and a centre that is further from it.
-        let at_center = self.centres.get(handle.number()).map(|d| f64::from(*d)).filter(|d| d.is_finite());
-        if let Some(d) = at_center.filter(|d| d.abs() > p.distance(self.center(cell)) + Self::ROUNDING) {
-            return d.signum();
-        }
-        let known = self.windings.get(&(handle.number() as u32)).copied().unwrap_or(0);
-        let reference = self.reference_point(cell);
-        // Both points are in the cell, and so is any triangle between them, in part.
-        let reach = 0.5 * 3f64.sqrt() * self.cell + Self::ROUNDING;
-        let candidates = self.candidates(handle);
-        let between = candidates.partition_point(|c| c.in_order().0 <= reach);
-        let passed = self.triangles.signed_crossings(p, reference, &candidates[..between]);
-        if known + passed == 0 { 1.0 } else { -1.0 }
-    }
-
-    fn handle(&self, cell: [usize; 3]) -> Handle {
-        self.handles[self.index(cell)]
-    }
-
-    fn index(&self, cell: [usize; 3]) -> usize {
-        (cell[2] * self.cells[1] + cell[1]) * self.cells[0] + cell[0]
-    }
-
-    fn center(&self, cell: [usize; 3]) -> DVec3 {
-        self.bounds.min + (DVec3::from_array(cell.map(|i| i as f64)) + 0.5) * self.cell
-    }
-
     #[inline]
-    fn locate(&self, p: DVec3) -> Option<(Handle, [usize; 3])> {
+    fn locate(&self, p: DVec3) -> Option<Place<'_>> {
         let q = (p - self.bounds.min) / self.cell;
         if q.is_nan() || q.min_element() < 0.0 {
             return None;
         }
         let cell = [q.x as usize, q.y as usize, q.z as usize];
-        if cell[0] >= self.cells[0] || cell[1] >= self.cells[1] || cell[2] >= self.cells[2] {
+        let at = cell.map(|i| i / Block::SIDE);
+        if (0..3).any(|k| at[k] >= self.blocks_along[k]) {
             return None;
         }
-        Some((self.handle(cell), cell))
+        let block = &self.blocks[(at[2] * self.blocks_along[1] + at[1]) * self.blocks_along[0] + at[0]];
+        let block = block.get_or_init(|| Box::new(self.block(at.map(|i| i * Block::SIDE))));
+        Some(Place { field: self, block, handle: block.handles[Block::index(cell)], cell })
+    }
+
+    /// The place in a cell whose winding number is known if the cell is folded: off the middle, so that surfaces that
+    /// run through lattice planes miss it.
+    fn reference_point(&self, cell: [usize; 3]) -> DVec3 {
+        self.point_in(cell, DVec3::new(0.437, 0.561, 0.473))
+    }
+
+    /// The point `offset` cells from the low corner of a cell.
+    #[inline]
+    fn point_in(&self, cell: [usize; 3], offset: DVec3) -> DVec3 {
+        self.bounds.min + (DVec3::from_array(cell.map(|i| i as f64)) + offset) * self.cell
+    }
+}
+
+impl Block {
+    /// Levels of leaves above single cells: the largest leaf is the block.
+    const LEVELS: u32 = 3;
+    /// Cells along each side.
+    const SIDE: usize = 1 << Self::LEVELS;
+    /// Cells in all.
+    const CELLS: usize = Self::SIDE.pow(3);
+
+    /// The place of a cell among those of its block.
+    #[inline]
+    fn index(cell: [usize; 3]) -> usize {
+        let [x, y, z] = cell.map(|i| i % Self::SIDE);
+        (z * Self::SIDE + y) * Self::SIDE + x
+    }
+
+    /// The number in the field of a cell of the block.
+    fn in_field(&self, cell: [usize; 3]) -> [usize; 3] {
+        [0, 1, 2].map(|k| self.first[k] + cell[k])
+    }
+}
+
+/// A cell of a field.
+struct Place<'a> {
+    field: &'a DistanceField,
+    block: &'a Block,
+    handle: Handle,
+    cell: [usize; 3],
+}
+
+impl Place<'_> {
+    /// Signed distance at the point `p` of the cell (mm).
+    #[inline]
+    fn value(&self, p: DVec3) -> f64 {
+        let exactly = |sign: f64| sign * self.nearest(p).distance();
+        match self.handle.kind() {
+            Handle::OUTSIDE => exactly(1.0),
+            Handle::INSIDE => exactly(-1.0),
+            Handle::FOLDED => exactly(self.sign_in_folded(p)),
+            Handle::EXACT => self.field.triangles.signed(p, self.nearest(p)).0,
+            _ => f64::from(trilinear(&self.block.leaves[self.handle.number()], self.leaf_position(p))),
+        }
+    }
+
+    /// -1 if the surface winds around the point `p` of a folded cell, and 1 if not.
+    #[cold]
+    fn sign_in_folded(&self, p: DVec3) -> f64 {
+        // No surface passes between `p` and a centre that is further from it.
+        let at_center = self.block.centres.get(self.handle.number()).map(|d| f64::from(*d)).filter(|d| d.is_finite());
+        if let Some(d) = at_center.filter(|d| d.abs() > p.distance(self.center()) + DistanceField::ROUNDING) {
+            return d.signum();
+        }
+        let first_folded = self.block.list_ends.len() - self.block.windings.len();
+        let known = self.block.windings[self.handle.number() - first_folded];
+        let reference = self.field.reference_point(self.cell);
+        // Both points are in the cell, and so is any triangle between them, in part.
+        let reach = 0.5 * 3f64.sqrt() * self.field.cell + DistanceField::ROUNDING;
+        let candidates = self.candidates();
+        let between = candidates.partition_point(|c| c.in_order().0 <= reach);
+        let passed = self.field.triangles.signed_crossings(p, reference, &candidates[..between]);
+        if known + passed == 0 { 1.0 } else { -1.0 }
+    }
+
+    fn center(&self) -> DVec3 {
+        self.field.point_in(self.cell, DVec3::splat(0.5))
     }
 
     /// Position of `p` within its leaf, 0 to 1 along each axis.
     #[inline]
-    fn leaf_position(&self, p: DVec3, cell: [usize; 3], level: u32) -> Vec3 {
-        let corner = cell.map(|i| (i >> level << level) as f64);
-        let size = self.cell * f64::from(1 << level);
-        ((p - self.bounds.min - DVec3::from_array(corner) * self.cell) / size).as_vec3()
+    fn leaf_position(&self, p: DVec3) -> Vec3 {
+        let (level, cell) = (self.handle.kind(), self.field.cell);
+        let corner = self.cell.map(|i| (i >> level << level) as f64);
+        ((p - self.field.bounds.min - DVec3::from_array(corner) * cell) / (cell * f64::from(1 << level))).as_vec3()
     }
 
-    /// The triangle nearest to `p`, a point of the exact cell `cell`.
+    /// The triangle nearest to the point `p` of an exact cell.
     #[inline]
-    fn nearest(&self, p: DVec3, handle: Handle, cell: [usize; 3]) -> Nearest {
-        let candidates = self.candidates(handle).iter().map(Candidate::in_order);
-        self.triangles.nearest_in_order(p, self.center(cell), candidates)
+    fn nearest(&self, p: DVec3) -> Nearest {
+        let candidates = self.candidates().iter().map(Candidate::in_order);
+        self.field.triangles.nearest_in_order(p, self.center(), candidates)
     }
 
-    fn candidates(&self, handle: Handle) -> &[Candidate] {
-        let i = handle.number();
-        let start = if i == 0 { 0 } else { self.list_ends[i - 1] as usize };
-        &self.list[start..self.list_ends[i] as usize]
+    fn candidates(&self) -> &[Candidate] {
+        let (i, ends) = (self.handle.number(), &self.block.list_ends);
+        let start = if i == 0 { 0 } else { ends[i - 1] as usize };
+        &self.block.list[start..ends[i] as usize]
     }
 }
 

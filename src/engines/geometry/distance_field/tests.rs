@@ -1,5 +1,8 @@
+use std::sync::Arc;
+
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
+use rayon::prelude::*;
 
 use super::DistanceField;
 use crate::exact::ExactMesh;
@@ -21,9 +24,9 @@ fn notched_block() -> Mesh {
     Mesh { vertices, triangles }
 }
 
-fn field(mesh: &Mesh, region: Bounds) -> (DistanceField, ExactMesh) {
-    let exact = ExactMesh::new(mesh).unwrap();
-    let field = DistanceField::build(mesh, &exact, region, 0.2, &Task::default()).unwrap();
+fn field(mesh: &Mesh, region: Bounds) -> (DistanceField, Arc<ExactMesh>) {
+    let exact = Arc::new(ExactMesh::new(mesh).unwrap());
+    let field = DistanceField::build(mesh, exact.clone(), region, 0.2, &Task::default()).unwrap();
     (field, exact)
 }
 
@@ -118,20 +121,30 @@ fn outside_its_bounds_the_field_says_nothing() {
 }
 
 #[test]
-fn the_field_is_the_same_on_any_number_of_threads() {
+fn the_field_is_the_same_whoever_asks_first() {
     let mesh = notched_block();
-    let values = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let (field, _) = pool.install(|| field(&mesh, mesh.bounds().grown(0.5)));
-        (field.handles, field.leaves, field.list)
+    let region = mesh.bounds().grown(0.5);
+    let places: Vec<DVec3> = (0..40_000)
+        .map(|i| {
+            region.min
+                + region.size() * DVec3::new(f64::from(i % 34), f64::from(i / 34 % 34), f64::from(i / 1156)) / 35.0
+        })
+        .collect();
+    let in_turn: Vec<u64> = {
+        let (field, _) = field(&mesh, region);
+        places.iter().map(|&p| field.value(p).unwrap().to_bits()).collect()
     };
-    assert!(values(1) == values(2));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(4).build().unwrap();
+    let (other, _) = field(&mesh, region);
+    let backwards: Vec<u64> =
+        pool.install(|| places.par_iter().rev().map(|&p| other.value(p).unwrap().to_bits()).collect());
+    assert!(in_turn.into_iter().eq(backwards.into_iter().rev()));
 }
 
 #[test]
 fn a_field_too_large_for_memory_is_refused() {
     let mesh = Mesh::cuboid(DVec3::splat(1e3));
-    let exact = ExactMesh::new(&mesh).unwrap();
-    let answer = DistanceField::build(&mesh, &exact, mesh.bounds(), 0.2, &Task::default());
+    let exact = ExactMesh::new(&mesh).unwrap().into();
+    let answer = DistanceField::build(&mesh, exact, mesh.bounds(), 0.2, &Task::default());
     assert!(matches!(answer, Err(super::FieldError::TooLarge { .. })));
 }

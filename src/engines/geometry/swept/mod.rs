@@ -77,11 +77,11 @@ impl SweptSurface {
     pub fn new(body: &Mesh, placements: &[DAffine3], cells: usize, task: &Task) -> Result<Self, SweptError> {
         const STAGE: &str = "swept surface";
         task.report(STAGE, 0.0, "");
-        let exact = ExactMesh::new(body)?;
+        let exact = ExactMesh::new(body)?.into();
         let lattice = Lattice::around(&extent(body, placements)?, cells);
         // Far from the body its box will do; near it means where a vertex may begin.
         let region = body.bounds().grown(2.0 * lattice.cell);
-        let field = DistanceField::build(body, &exact, region, lattice.cell, &Task::silent(&task.cancel))?;
+        let field = DistanceField::build(body, exact, region, lattice.cell, &Task::silent(&task.cancel))?;
         let motion = Motion::new(body, field, placements);
         task.report(STAGE, 0.1, "");
         let blocks = lattice.blocks(&motion, &task.cancel)?;

@@ -316,7 +316,8 @@ impl<'a> Finisher<'a> {
     /// falls short pushes the vertices around it along theta or the line; so does each place that falls short, in a
     /// fillet, where the walls, which are turned inwards by `turns`, are turned back.
     fn relax(&self, rings: &mut [Ring], [low, high]: [f64; 2], cancel: &Cancel) -> Result<(), ElectrodeError> {
-        let mut is_moved = vec![true; rings.len()];
+        let n = self.layout.len();
+        let mut is_moved = vec![true; rings.len() * n];
         let starts: Vec<Vec<Spot>> = rings.iter().map(|ring| ring.points.clone()).collect();
         let poses: Vec<Turned> = [-low, high].into_iter().filter(|t| *t != 0.0).map(Turned::by).collect();
         for _ in 0..MOST_ROUNDS {
@@ -324,20 +325,19 @@ impl<'a> Finisher<'a> {
                 .into_par_iter()
                 .map(|i| {
                     cancel.check()?;
-                    let is_stale = is_moved[i] || is_moved.get(i + 1).is_some_and(|&moved| moved);
-                    Ok::<_, ElectrodeError>(if is_stale { self.pushes(rings, i, &poses) } else { Vec::new() })
+                    Ok::<_, ElectrodeError>(self.pushes(rings, i, &poses, &|(ring, k)| is_moved[ring * n + k]))
                 })
                 .collect();
             is_moved.fill(false);
-            let mut moves = vec![[0.0f64; 2]; rings.len() * self.layout.len()];
+            let mut moves = vec![[0.0f64; 2]; rings.len() * n];
             for push in pushes.into_iter().collect::<Result<Vec<_>, _>>()?.into_iter().flatten() {
-                let most = &mut moves[push.ring * self.layout.len() + push.point][push.axis];
+                let most = &mut moves[push.ring * n + push.point][push.axis];
                 if push.by.abs() > most.abs() {
                     *most = push.by;
                 }
             }
             for (i, &[up, around]) in moves.iter().enumerate().filter(|(_, m)| **m != [0.0; 2]) {
-                let (ring, point) = (i / self.layout.len(), i % self.layout.len());
+                let (ring, point) = (i / n, i % n);
                 let Ring { line, points } = &mut rings[ring];
                 let (p, start) = (&mut points[point], starts[ring][point]);
                 let radius = line.radius(start.height);
@@ -345,7 +345,7 @@ impl<'a> Finisher<'a> {
                 let height = (p.height + up).clamp(start.height - MOST_WAY, start.height + MOST_WAY);
                 let theta = (p.theta + around / line.radius(p.height)).clamp(start.theta - turn, start.theta + turn);
                 *p = Spot { height, theta };
-                is_moved[ring] = true;
+                is_moved[i] = true;
             }
             if !is_moved.contains(&true) {
                 break;
@@ -354,13 +354,22 @@ impl<'a> Finisher<'a> {
         Ok(())
     }
 
-    /// Corrections for the points on ring `i` and between it and the next: vertices, the nearest point of each edge,
-    /// and some points inside each face.
-    fn pushes(&self, rings: &[Ring], i: usize, turned: &[Turned]) -> Vec<Push> {
+    /// Corrections for the points on ring `i` and between it and the next, where any ring point around them `is_moved`:
+    /// vertices, the nearest point of each edge, and some points inside each face.
+    fn pushes(
+        &self,
+        rings: &[Ring],
+        i: usize,
+        turned: &[Turned],
+        is_moved: &dyn Fn((usize, usize)) -> bool,
+    ) -> Vec<Push> {
         let n = self.layout.len();
         let mut pushes = Vec::new();
         let at = |(ring, k): (usize, usize)| rings[ring].point(k);
         let mut face = |corners: [(usize, usize); 3]| {
+            if !corners.into_iter().any(is_moved) {
+                return;
+            }
             let [a, b, c] = corners.map(at);
             for [u, v, w] in IN_FACE {
                 let place = a * u + b * v + c * w;
@@ -376,6 +385,9 @@ impl<'a> Finisher<'a> {
             }
         }
         let mut edge = |a: (usize, usize), b: (usize, usize)| {
+            if !is_moved(a) && !is_moved(b) {
+                return;
+            }
             if let Some(place) = self.nearest_on_edge(at(a), at(b)) {
                 self.push(rings, place, &[a, b], &Turned::NOT, &mut pushes);
             }
@@ -389,7 +401,7 @@ impl<'a> Finisher<'a> {
                 edge((i, k), (i + 1, next(k)));
             }
         }
-        for k in 0..n {
+        for k in (0..n).filter(|&k| is_moved((i, k))) {
             self.push(rings, at((i, k)), &[(i, k)], &Turned::NOT, &mut pushes);
             turned.iter().for_each(|pose| self.push(rings, at((i, k)), &[(i, k)], pose, &mut pushes));
         }

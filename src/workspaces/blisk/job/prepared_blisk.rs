@@ -62,7 +62,7 @@ impl PreparedBlisk {
         task: &Task,
     ) -> Result<Self, PlanJobError> {
         let mut clock = Clock::default();
-        let build = || PlanningSpace::new(blisk, &exact, channel, cell, task);
+        let build = || PlanningSpace::new(blisk, exact.clone(), channel, cell, task);
         let space = clock.time("distance field", build)?;
         Ok(Self { exact, space, cell, clock, fullest: Mutex::default() })
     }
