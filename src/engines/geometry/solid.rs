@@ -109,6 +109,15 @@ impl Trimmer {
         Ok(Self(manifold(surface)?))
     }
 
+    /// The part of it in a box: bodies well inside of the box are trimmed by it as by all of it, in less time.
+    ///
+    /// # Errors
+    /// [`SolidError::Failed`].
+    pub fn within(&self, bounds: &Bounds) -> Result<Self, SolidError> {
+        let within = manifold(&Mesh::cuboid(bounds.size()).mapped(|p| p + bounds.min))?;
+        Ok(Self(combined(&within, &self.0, OpType::Intersect, BooleanEngine::Auto)?))
+    }
+
     /// The part of `a` outside of it, without the slivers that faces leave which lie in one another but for rounding.
     ///
     /// # Errors

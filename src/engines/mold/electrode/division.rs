@@ -241,6 +241,9 @@ fn divided(
     let mut tried = Undivided { least: settings.least, ..Undivided::default() };
     // Many heads that no cutter mills either are worse than one: cuts across must leave next to nothing.
     let kinds = [(cuts(&part, &rest, settings), LESS), (across(&part, &rest, settings), MOST_ACROSS)];
+    let is_cut = kinds.iter().any(|(cuts, _)| !cuts.is_empty());
+    let around = is_cut.then(|| burned.around(&part.footprint)).flatten();
+    let burned = &burned.trimmed_by(around.as_ref());
     for (cuts_of_kind, most_left) in kinds {
         let mut best: Option<([f64; 4], bool, Cut, Halves)> = None;
         for cut in cuts_of_kind {

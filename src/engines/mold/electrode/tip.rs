@@ -69,10 +69,11 @@ impl From<SolidError> for TipError {
 }
 
 /// The mold as the electrodes see it, in the burn frame.
+#[derive(Clone, Copy)]
 pub struct Burned<'a> {
     /// Volume that electrodes must stay above.
     pub kept_clear: &'a Mesh,
-    /// The kept-clear volume made ready to trim tips by.
+    /// The kept-clear volume around the tips made ready to trim them by.
     pub trimmer: &'a Trimmer,
     /// The gap upwards (mm): how far horizontal faces are moved.
     pub gap_up: f64,
@@ -84,7 +85,25 @@ pub struct Burned<'a> {
     pub places: &'a [DVec3],
 }
 
-impl Burned<'_> {
+impl<'a> Burned<'a> {
+    /// The kept-clear volume around the tips of a footprint and of its parts, made ready to trim them by; none where it
+    /// cannot be cut out.
+    pub(super) fn around(&self, footprint: &Footprint) -> Option<Trimmer> {
+        /// How far beyond the footprint it reaches (mm): off all faces of tips.
+        const BEYOND: f64 = 0.613;
+        let [from, to] = plane::extent(&footprint.outlines);
+        let bounds = Bounds { min: from.extend(footprint.low), max: to.extend(footprint.cap) };
+        self.trimmer.within(&bounds.grown(BEYOND)).ok()
+    }
+
+    /// The same with another part of the kept-clear volume to trim tips by, if there is one.
+    pub(super) fn trimmed_by<'b>(&self, trimmer: Option<&'b Trimmer>) -> Burned<'b>
+    where
+        'a: 'b,
+    {
+        Burned { trimmer: trimmer.unwrap_or(self.trimmer), ..*self }
+    }
+
     /// For each of the places how far it is from what a tip burns (mm).
     pub(super) fn by(&self, tip: &Mesh) -> Vec<f64> {
         match Burning::new(tip, self.stage) {
