@@ -7,6 +7,8 @@ mod flow;
 mod hand_lines;
 #[cfg(test)]
 mod hand_tests;
+#[cfg(test)]
+mod hole_tests;
 mod measure;
 mod meridian;
 mod obstruction;

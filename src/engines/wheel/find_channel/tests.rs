@@ -4,7 +4,7 @@ use glam::{DQuat, DVec2, DVec3, EulerRot};
 use proptest::prelude::*;
 
 use super::*;
-use crate::channel::{BladeSide, Flow, Station, Surface};
+use crate::channel::{BladeSide, Flow};
 use crate::error::Misleading;
 use crate::fixtures::{TestBlisk, flange, together, turned_part};
 use crate::options::{Auto, AxisChoice, AxisLine, AxisName};
@@ -515,52 +515,5 @@ fn blades_with_swept_edges_and_fillets_round_them_are_recognised() {
         for s in &channel.meridian {
             assert!((s.shroud.y - tip).abs() < 0.01 * tip, "{blades} blades: {s:?}");
         }
-    }
-}
-
-/// A wall of revolution of `part` at a height of 0 or 1 with a round hole in it in the middle of every passage, as deep as
-/// `depth` of its thickness.
-fn drilled(part: &ParametricWheel, height: f64, radius: f64, depth: f64) -> Mesh {
-    let (at, beside) = (part.place(0.5, height), part.place(0.5, 1.0 - height));
-    let way = (beside - at).normalize();
-    let ring: Vec<DVec2> = (0..24).map(|i| radius * DVec2::from_angle(TAU * f64::from(i) / 24.0)).collect();
-    let hole = geometry::solid::prism(&[&ring], -depth * part.wall_mm, part.wall_mm).unwrap();
-    let wall = part.wall(height);
-    (0..part.blades).fold(wall, |wall, k| {
-        let [low, high] = part.walls(k, 0.5, height).unwrap();
-        let (sin, cos) = (0.5 * (low + high)).sin_cos();
-        let turned = |x: f64, r: f64| DVec3::new(x, r * cos, r * sin);
-        let (out, along) = (turned(way.x, way.y), turned(-way.y, way.x));
-        let middle = turned(at.x, at.y);
-        let placed = hole.mapped(|p| middle + p.x * along + p.y * out.cross(along) + p.z * out);
-        geometry::solid::difference(&wall, &placed).unwrap()
-    })
-}
-
-#[test]
-fn holes_in_hub_and_shroud_are_told_and_change_nothing() {
-    let open = ParametricWheel { shrouded: false, ..ParametricWheel::impeller() };
-    let drilled_parts = [
-        (ParametricWheel::nozzle_ring(), 1.0, Surface::Shroud, 2.0),
-        (ParametricWheel::impeller(), 0.0, Surface::Hub, 2.0),
-        (ParametricWheel { wall_mm: 8.0, ..ParametricWheel::impeller() }, 0.0, Surface::Hub, 0.8),
-        (open, 0.0, Surface::Hub, 2.0),
-    ];
-    for (part, height, surface, depth) in drilled_parts {
-        let whole = found(&part.mesh());
-        let other = part.shrouded.then(|| part.wall(1.0 - height));
-        let blades = (0..part.blades).map(|k| part.blade(k));
-        let mesh =
-            other.into_iter().chain(blades).fold(drilled(&part, height, 3.0, depth), |all, one| together(all, &one));
-        let channel = found(&mesh);
-        assert!((channel.throat.width_mm - whole.throat.width_mm).abs() < 2e-3, "{:?}", channel.throat);
-        let open = |a: &&Agreement| a.open > 0.0;
-        let holes: Vec<Surface> = channel.agreement.iter().filter(open).map(|a| a.surface).collect();
-        assert_eq!(holes, [surface]);
-        assert!(channel.assumed.iter().any(|s| s.contains("has holes")), "{:?}", channel.assumed);
-        let curve: Vec<DVec2> = (0..=4000).map(|i| part.place(f64::from(i) / 4000.0, height)).collect();
-        let off_curve = |s: &Station| curve.iter().map(|p| p.distance(s.place(height))).fold(f64::INFINITY, f64::min);
-        let off = channel.meridian.iter().map(off_curve).fold(0.0, f64::max);
-        assert!(off < 0.05, "{off}");
     }
 }

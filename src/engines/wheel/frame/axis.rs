@@ -157,9 +157,13 @@ fn tangential(facet: &Facet, axis: &Axis) -> f64 {
 }
 
 /// Share of the area that is a surface of revolution about `axis`, to within a facet's width. Faces across the
-/// axis are so about any line parallel to it, hence do not count.
+/// axis are so about any line parallel to it, hence do not count. Normals count the less the further they miss the axis:
+/// those of a flat ring's rim nearly meet its diameters too.
 fn share_of_revolution(facets: &[Facet], axis: &Axis) -> f64 {
-    let radial: f64 = facets.iter().filter(|f| tangential(f, axis) < 0.1).map(|f| f.area * beside(f, axis)).sum();
+    /// Miss of a normal that counts half: that of the facets of a coarse cylinder.
+    const HALF: f64 = 0.03;
+    let weight = |f: &Facet| 1.0 / (1.0 + (tangential(f, axis) / HALF).powi(2));
+    let radial: f64 = facets.iter().map(|f| f.area * beside(f, axis) * weight(f)).sum();
     radial / facets.iter().map(|f| f.area).sum::<f64>()
 }
 

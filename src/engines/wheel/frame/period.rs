@@ -82,7 +82,7 @@ pub(super) fn regions(slices: &Slices, wanted: Option<usize>, cancel: &Cancel) -
             Ok((0..CELLS[1]).map(count).collect())
         })
         .collect::<Result<_, Cancelled>>()?;
-    let mut regions = connected(columns);
+    let mut regions = without_holes(connected(columns), slices);
     regions.retain(Region::is_more_than_a_line);
     regions.par_iter_mut().for_each(|region| region.objection = region.objection(slices));
     regions.sort_by_key(|r| std::cmp::Reverse(r.count * r.cells.len()));
@@ -153,6 +153,39 @@ fn connected(mut counts: Vec<Vec<usize>>) -> Vec<Region> {
         }
     }
     regions
+}
+
+/// The regions, joined across circles that also meet holes in the blades: among the gaps of these are round holes, and the
+/// others are as many as beside the holes. Such circles are no part of a region that goes on beside them.
+fn without_holes(mut regions: Vec<Region>, slices: &Slices) -> Vec<Region> {
+    let mut pierced: Vec<[usize; 2]> = Vec::new();
+    for region in &mut regions {
+        let at = region.middle(slices);
+        let mut gaps = slices.gaps(at.x, at.y);
+        let all = gaps.len();
+        gaps.retain(|gap| !is_round_hole(slices, at, gap));
+        if gaps.len() < all
+            && let Some(count) = even_count(&gaps).filter(|&n| n >= 3)
+        {
+            region.count = count;
+            pierced.extend(&region.cells);
+        }
+    }
+    if pierced.is_empty() {
+        return regions;
+    }
+    let mut counts = vec![vec![0; CELLS[1]]; CELLS[0]];
+    let counted = regions.iter().flat_map(|region| region.cells.iter().map(|cell| (*cell, region.count)));
+    counted.for_each(|([x, r], count)| counts[x][r] = count);
+    pierced.sort_unstable();
+    let mut joined = connected(counts);
+    for region in &mut joined {
+        let whole: Vec<_> = region.cells.iter().filter(|cell| pierced.binary_search(cell).is_err()).copied().collect();
+        if !whole.is_empty() {
+            region.cells = whole;
+        }
+    }
+    joined
 }
 
 impl Region {
@@ -271,7 +304,12 @@ impl Region {
             return Some("their two sides do not face each other, as the flats of a polygon do not");
         }
         let middle = self.middle(slices);
-        is_round_hole(slices, middle).then_some("they are round holes, wide in the middle and closed above and below")
+        // Where splitters have ended in part, the others are wider than any hole.
+        let gaps = slices.gaps(middle.x, middle.y);
+        let narrowest = gaps.iter().min_by(|a, b| a.width().total_cmp(&b.width()));
+        narrowest
+            .is_some_and(|gap| is_round_hole(slices, middle, gap))
+            .then_some("they are round holes, wide in the middle and closed above and below")
     }
 }
 
@@ -286,20 +324,21 @@ fn facing(slices: &Slices, circle: &DVec2) -> f64 {
     gaps.iter().take(8).map(of).sum::<f64>() / gaps.len().clamp(1, 8) as f64
 }
 
-/// Whether the gap through the given (x, r) is closed above and below and much narrower there than between.
-fn is_round_hole(slices: &Slices, at: DVec2) -> bool {
-    // Where splitters have ended in part, the others are wider than any hole.
-    let narrowest = slices.gaps(at.x, at.y).into_iter().min_by(|a, b| a.width().total_cmp(&b.width()));
-    let Some(gap) = narrowest else { return false };
+/// Whether a gap of the circle through the given (x, r) is about as wide as high, closed above and below and much narrower
+/// there than between.
+fn is_round_hole(slices: &Slices, at: DVec2, gap: &Gap) -> bool {
+    /// Width over height, of a hole aslant too.
+    const AS_WIDE: std::ops::Range<f64> = 0.5..2.0;
     let ray = slices.ray(at.x, gap.middle());
     let (Some(inner), Some(outer)) = (ray.iter().rfind(|c| c.r < at.y), ray.iter().find(|c| c.r > at.y)) else {
         return false;
     };
     let width = |share: f64| {
         let r = inner.r + share * (outer.r - inner.r);
-        slices.gap_near(at.x, r, &gap).map_or(0.0, |g| g.width() * r)
+        slices.gap_near(at.x, r, gap).map_or(0.0, |g| g.width() * r)
     };
-    width(0.1).max(width(0.9)) < 0.75 * width(0.5)
+    let widest = width(0.5);
+    AS_WIDE.contains(&(widest / (outer.r - inner.r))) && width(0.1).max(width(0.9)) < 0.75 * widest
 }
 
 /// A wall point against the same point of the mean blade.

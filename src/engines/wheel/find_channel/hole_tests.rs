@@ -1,0 +1,93 @@
+//! Wheels with holes in hub, shroud and blades: they are no channels, and change nothing of these.
+
+use std::f64::consts::TAU;
+
+use glam::{DQuat, DVec2, DVec3};
+
+use super::tests::found;
+use super::*;
+use crate::channel::{Flow, Station, Surface};
+use crate::fixtures::together;
+use crate::parametric::wheel::ParametricWheel;
+
+/// A wall of revolution of `part` at a height of 0 or 1 with a round hole in it in the middle of every passage, as deep as
+/// `depth` of its thickness.
+fn drilled(part: &ParametricWheel, height: f64, radius: f64, depth: f64) -> Mesh {
+    let (at, beside) = (part.place(0.5, height), part.place(0.5, 1.0 - height));
+    let way = (beside - at).normalize();
+    let ring: Vec<DVec2> = (0..24).map(|i| radius * DVec2::from_angle(TAU * f64::from(i) / 24.0)).collect();
+    let hole = geometry::solid::prism(&[&ring], -depth * part.wall_mm, part.wall_mm).unwrap();
+    let wall = part.wall(height);
+    (0..part.blades).fold(wall, |wall, k| {
+        let [low, high] = part.walls(k, 0.5, height).unwrap();
+        let (sin, cos) = (0.5 * (low + high)).sin_cos();
+        let turned = |x: f64, r: f64| DVec3::new(x, r * cos, r * sin);
+        let (out, along) = (turned(way.x, way.y), turned(-way.y, way.x));
+        let middle = turned(at.x, at.y);
+        let placed = hole.mapped(|p| middle + p.x * along + p.y * out.cross(along) + p.z * out);
+        geometry::solid::difference(&wall, &placed).unwrap()
+    })
+}
+
+#[test]
+fn holes_in_hub_and_shroud_are_told_and_change_nothing() {
+    let open = ParametricWheel { shrouded: false, ..ParametricWheel::impeller() };
+    let drilled_parts = [
+        (ParametricWheel::nozzle_ring(), 1.0, Surface::Shroud, 2.0),
+        (ParametricWheel::impeller(), 0.0, Surface::Hub, 2.0),
+        (ParametricWheel { wall_mm: 8.0, ..ParametricWheel::impeller() }, 0.0, Surface::Hub, 0.8),
+        (open, 0.0, Surface::Hub, 2.0),
+    ];
+    for (part, height, surface, depth) in drilled_parts {
+        let whole = found(&part.mesh());
+        let other = part.shrouded.then(|| part.wall(1.0 - height));
+        let blades = (0..part.blades).map(|k| part.blade(k));
+        let mesh =
+            other.into_iter().chain(blades).fold(drilled(&part, height, 3.0, depth), |all, one| together(all, &one));
+        let channel = found(&mesh);
+        assert!((channel.throat.width_mm - whole.throat.width_mm).abs() < 2e-3, "{:?}", channel.throat);
+        let open = |a: &&Agreement| a.open > 0.0;
+        let holes: Vec<Surface> = channel.agreement.iter().filter(open).map(|a| a.surface).collect();
+        assert_eq!(holes, [surface]);
+        assert!(channel.assumed.iter().any(|s| s.contains("has holes")), "{:?}", channel.assumed);
+        let curve: Vec<DVec2> = (0..=4000).map(|i| part.place(f64::from(i) / 4000.0, height)).collect();
+        let off_curve = |s: &Station| curve.iter().map(|p| p.distance(s.place(height))).fold(f64::INFINITY, f64::min);
+        let off = channel.meridian.iter().map(off_curve).fold(0.0, f64::max);
+        assert!(off < 0.05, "{off}");
+    }
+}
+
+/// Bolts through the blades of a ring: on the circle through them there are twice as many gaps as blades, all even.
+#[test]
+fn holes_through_the_blades_are_no_channels() {
+    let closed = ParametricWheel {
+        blades: 15,
+        thickness_mm: 8.0,
+        wrap: [0.4; 2],
+        pieces: [120, 48, 6],
+        ..ParametricWheel::nozzle_ring()
+    };
+    let open = ParametricWheel { shrouded: false, ..closed.clone() };
+    for (part, radius, axis) in [(&closed, 1.0, DVec3::Z), (&closed, 2.0, DVec3::ONE), (&open, 2.0, DVec3::Y)] {
+        let whole = found(&part.mesh());
+        let ring: Vec<DVec2> = (0..24).map(|i| radius * DVec2::from_angle(TAU * f64::from(i) / 24.0)).collect();
+        let drill = geometry::solid::prism(&[&ring], -30.0, 40.0).unwrap();
+        let [before, behind] = [0, 1].map(|k| part.walls(k, 0.5, 0.5).unwrap());
+        let blade = 0.5 * (before[1] + behind[0]);
+        let drills = (0..part.blades).map(|k| {
+            let (sin, cos) = (blade + part.pitch() * k as f64).sin_cos();
+            let middle = part.place(0.5, 0.5).y * DVec3::new(0.0, cos, sin);
+            drill.mapped(|p| middle + DVec3::new(p.z, p.x, p.y))
+        });
+        let drills = drills.reduce(|all, one| together(all, &one)).unwrap();
+        let solid = geometry::solid::wound(&part.mesh()).unwrap();
+        let turn = DQuat::from_rotation_arc(DVec3::X, axis.normalize());
+        let mesh =
+            geometry::solid::difference(&solid, &drills).unwrap().mapped(|p| turn * p + DVec3::new(3.0, 4.0, -5.0));
+        let channel = found(&mesh);
+        assert_eq!((channel.blades, channel.kinds, channel.flow, channel.unlike.len()), (15, 1, Flow::Radial, 0));
+        assert_eq!(channel.shrouded, part.shrouded);
+        assert!((channel.throat.width_mm - whole.throat.width_mm).abs() < 2e-3, "{:?}", channel.throat);
+        assert!(channel.frame.x.dot(axis.normalize()).abs() > 1.0 - 1e-9, "{:?}", channel.frame);
+    }
+}
