@@ -157,7 +157,7 @@ pub enum BliskError {
     #[error(
         "the channel's walls were lost at x {x:.3}, r {r:.3} mm about the axis, where the blades do not bound it on \
          both sides, or metal stands between them; pick a passage that they bound with blisk.blade_points_mm or blisk.channel, give their number \
-         with blisk.blades where blades are hollow, or give points of hub \
+         with blisk.blades where blades are hollow or broken, or give points of hub \
          and shroud with blisk.hub_points_mm and blisk.shroud_points_mm; where blades grow together at the hub, or a \
          back plate is cut away between them, draw a curve above the hub with blisk.hub_points_mm and \
          blisk.end_walls = \"drawn\""

@@ -39,7 +39,7 @@ use super::channel::{Agreement, Channel, ChannelWall, Flow, OPENS, Surface, Unli
 use super::error::{BliskError, Misleading, Refused};
 use super::frame::slices::{Gap, Slices};
 use super::frame::{BliskFrame, DO_NOT_REPEAT, Wheel, find_sector, find_wheel, is_inside_out};
-use super::options::{AxisChoice, AxisName, BliskOptions, EndWalls, ZAt};
+use super::options::{Auto, AxisChoice, AxisName, BliskOptions, EndWalls, ZAt};
 use geometry::frame::{Cylindrical, Frame};
 use geometry::mesh::Mesh;
 use task::{Cancel, Task};
@@ -117,6 +117,17 @@ pub(super) fn wheel_and_channel<'a>(
             return Ok(found);
         }
         found(&wheel);
+    }
+    // Circles through a broken blade meet fewer gaps: what is known of the blades ends there, unless their number is given.
+    if let (Err(Refused { error: BliskError::LostWall { .. }, .. }), None) = (&whole, options.blades.given()) {
+        let count = wheel.blisk.repetition.blades;
+        let counted = BliskOptions { blades: Auto::Given(count), ..options.clone() };
+        let told = format!("{count} blades were counted around the axis, of which some are broken or missing.");
+        match wheel_and_channel(mesh, &counted, &[assumed, &[told]].concat(), task, found) {
+            Ok(found) if !found.1.unlike.is_empty() => return Ok(found),
+            Err(Refused { error: error @ BliskError::Cancelled(_), .. }) => return Err(error.into()),
+            _ => found(&wheel),
+        }
     }
     if let (Err(_), AxisChoice::Line(_)) = (&whole, options.axis)
         && let Some(error) = misleading(mesh, options, &[Misleading::Axis], task)?

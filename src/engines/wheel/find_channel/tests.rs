@@ -517,3 +517,17 @@ fn blades_with_swept_edges_and_fillets_round_them_are_recognised() {
         }
     }
 }
+
+/// Where a blade has lost its outer part, circles through that part meet one gap less.
+#[test]
+fn a_broken_blade_is_told_and_a_passage_away_from_it_found() {
+    let part = ParametricWheel { shrouded: false, thickness_mm: 4.0, ..ParametricWheel::impeller() };
+    let broken_off = [0, 1, 2, 3].map(|i| part.hub.0[i].lerp(part.shroud.0[i], 0.6));
+    let stump = ParametricWheel { shroud: MeridianCurve(broken_off), ..part.clone() }.blade(4);
+    let blades = (0..part.blades).filter(|k| *k != 4).map(|k| part.blade(k)).chain([stump]);
+    let channel = found(&blades.fold(part.wall(0.0), |all, one| together(all, &one)));
+    let whole = found(&part.mesh());
+    assert_eq!((channel.blades, channel.kinds, channel.unlike.len()), (part.blades, 1, 2));
+    assert!((channel.throat.width_mm - whole.throat.width_mm).abs() < 0.01, "{:?}", channel.throat);
+    assert!(channel.assumed.iter().any(|s| s.contains("broken or missing")), "{:?}", channel.assumed);
+}
