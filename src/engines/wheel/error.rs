@@ -57,7 +57,7 @@ pub enum BliskError {
     },
     /// Something repeats, but it is no channel between blades.
     #[error(
-        "no blades found: about the axis {axis} there are {count} evenly spaced gaps, but {reason}; \
+        "no blades found: about the axis {axis} there are {count} gaps, but {reason}; \
          if this is a blisk, give its blade count, those that are missing included, with blisk.blades; if that is not \
          enough, its axis with blisk.axis and points on walls of its blades with blisk.blade_points_mm"
     )]

@@ -253,7 +253,7 @@ fn what_is_no_blisk_is_refused_with_the_reason() {
         ("cube", Mesh::cuboid(DVec3::splat(20.0)), "do not face each other"),
         ("ring", turned_part(&ring, 90), "no circle about the axis"),
         ("ball", turned_part(&ball, 90), "no circle about the axis"),
-        ("flange", flange(20.0, 60.0, 8, 6.0), "8 evenly spaced gaps, but they are round holes"),
+        ("flange", flange(20.0, 60.0, 8, 6.0), "8 gaps, but they are round holes"),
         ("half", TestBlisk::default().sectors(0..12), "covers only about"),
         ("nothing", Mesh::default(), "no triangles"),
     ] {

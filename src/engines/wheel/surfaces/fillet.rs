@@ -4,6 +4,8 @@ use super::{Beside, FACES_WALL, ON_WALL};
 
 /// Facets that face the wall by these cosines tell the radius.
 const FACING: [f64; 2] = [0.1, 0.75];
+/// Facets next to the wall that face it by less than this cosine are taken for a fillet's.
+const NEXT_TO_WALL: f64 = 0.97;
 /// Radii of fillets as shares of the height of the passage.
 const RADII: [f64; 2] = [0.002, 0.5];
 /// Cells of the radii's histogram, which are equal steps of their logarithm.
@@ -13,6 +15,9 @@ const STANDS_OUT: f64 = 6.0;
 /// A fillet turns from the wall to the blade: more of its area than this share faces the wall by less, and by more, than
 /// the middle of [`FACING`], as a leaning blade beside a wall does not.
 const TURNS: f64 = 0.1;
+/// A fillet goes on to the wall: what faces it by more than [`FACING`] has the weight of this share of what tells the radius,
+/// at least. By the angles that both take of an even fillet that is 0.6; what leans over the wall has none.
+const TO_WALL: f64 = 0.4;
 /// How far a fillet may lie off the rolled ball, as a share of its radius.
 const OFF_BALL: f64 = 0.04;
 /// Facets of fillets are no wider than this share of the radius.
@@ -24,7 +29,7 @@ const FIRST: f64 = 0.008;
 /// the wall with this cosine. None where it lies in no fillet of a passage of this height.
 pub(super) fn estimate(off: [f64; 2], facing: f64, height: f64) -> Option<f64> {
     let middle = 0.5 * (off[0] + off[1]);
-    if !(FACING[0]..FACING[1]).contains(&facing) || off[0] < -ON_WALL || middle <= 0.0 {
+    if !(FACING[0]..NEXT_TO_WALL).contains(&facing) || off[0] < -ON_WALL || middle <= 0.0 {
         return None;
     }
     // The facet is a chord of the circle: its middle lies within.
@@ -54,7 +59,7 @@ impl Estimate {
 pub(super) fn radius(estimates: &[Estimate], height: f64) -> Option<f64> {
     let step = (RADII[1] / RADII[0]).ln() / CELLS as f64;
     let mut cells = [0.0; CELLS];
-    for estimate in estimates {
+    for estimate in estimates.iter().filter(|e| e.facing < FACING[1]) {
         let cell = ((estimate.radius / (RADII[0] * height)).ln() / step).max(0.0) as usize;
         cells[cell.min(CELLS - 1)] += estimate.weight();
     }
@@ -68,10 +73,12 @@ pub(super) fn radius(estimates: &[Estimate], height: f64) -> Option<f64> {
     }
     let of = |i: f64| RADII[0] * height * (step * i).exp();
     let [from, to] = [of(best as f64 - 1.0), of(best as f64 + 2.0)];
-    let near = || estimates.iter().filter(|e| (from..to).contains(&e.radius));
+    let near = || estimates.iter().filter(|e| e.facing < FACING[1] && (from..to).contains(&e.radius));
     let weight: f64 = near().map(Estimate::weight).sum();
     let facing: f64 = near().filter(|e| e.facing > 0.5 * (FACING[0] + FACING[1])).map(Estimate::weight).sum();
-    if facing < TURNS * weight || facing > (1.0 - TURNS) * weight {
+    let goes_on = estimates.iter().filter(|e| e.facing >= FACING[1] && (0.7 * from..1.4 * to).contains(&e.radius));
+    let to_wall: f64 = goes_on.map(Estimate::weight).sum();
+    if facing < TURNS * weight || facing > (1.0 - TURNS) * weight || to_wall < TO_WALL * weight {
         return None;
     }
     let mut near: Vec<(f64, f64)> = near().map(|e| (e.radius, e.weight())).collect();
@@ -99,4 +106,26 @@ pub(super) fn holds(beside: &Beside, radius: f64) -> bool {
     let [least, most] = beside.off;
     let middle = 0.5 * (least + most);
     middle <= radius * (1.0 - beside.facing + OFF_BALL) && most <= radius * (1.0 - beside.facing.min(0.0) + OFF_BALL)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::FRAC_PI_2;
+
+    #[test]
+    fn what_leans_over_the_wall_like_a_fillet_and_does_not_go_on_to_it_is_none() {
+        const FACETS: usize = 12;
+        let at = |i: usize| FRAC_PI_2 * i as f64 / FACETS as f64;
+        let of_facet = |i: usize| {
+            let off = [i, i + 1].map(|i| 1.0 - at(i).cos());
+            let facing = (0.5 * (at(i) + at(i + 1))).cos();
+            Some(Estimate { radius: estimate(off, facing, 10.0)?, area: 1.0, facing })
+        };
+        let whole: Vec<Estimate> = (0..FACETS).filter_map(of_facet).collect();
+        let found = radius(&whole, 10.0).unwrap();
+        assert!((found - 1.0).abs() < 1e-9, "{found}");
+        let upper: Vec<Estimate> = whole.into_iter().filter(|e| e.facing < FACING[1]).collect();
+        assert_eq!(radius(&upper, 10.0), None);
+    }
 }
