@@ -59,7 +59,8 @@ pub enum BliskError {
     #[error(
         "no blades found: about the axis {axis} there are {count} gaps, but {reason}; \
          if this is a blisk, give its blade count, those that are missing included, with blisk.blades; if that is not \
-         enough, its axis with blisk.axis and points on walls of its blades with blisk.blade_points_mm"
+         enough, as where they stand at unequal angles, its axis with blisk.axis as well, or points on walls of its blades \
+         with blisk.blade_points_mm"
     )]
     NoChannels {
         /// The axis that was tried.

@@ -10,7 +10,7 @@ use crate::channel::{Difference, Surface};
 use crate::fixtures::{TestBlisk, together, turned_part};
 use crate::options::{Auto, AxisChoice, AxisLine};
 use crate::parametric::wheel::{Flaws, ParametricWheel, Splitters};
-use geometry::frame::Cylindrical;
+use geometry::frame::{Cylindrical, wrap_angle};
 use geometry::mesh::{Mesh, normal_times_two_areas};
 
 #[test]
@@ -389,5 +389,32 @@ fn uneven_pitches_are_named_as_the_reason() {
         });
         let said = refused(&uneven);
         assert!(said.contains("not evenly spaced"), "{most}: {said}");
+    }
+}
+
+/// With axis and number given, every passage of blades at unequal angles is found for itself.
+#[test]
+fn blades_at_unequal_angles_are_found_by_hand() {
+    let part = TestBlisk { blades: 9, grid: [24, 8, 24, 2], ..Default::default() };
+    // The angle of a place on the evenly spaced wheel; it grows with that on the uneven one.
+    let uneven = |theta: f64| theta + 0.08 * (2.0 * theta).sin();
+    let mesh = part.mesh().mapped(|p| {
+        let Cylindrical { x, r, theta } = Cylindrical::from_point(p);
+        Cylindrical { x, r, theta: uneven(theta) }.point()
+    });
+    let line = AxisLine { direction: [1.0, 0.0, 0.0], point: [0.0; 3] };
+    let options = BliskOptions { axis: AxisChoice::Line(line), blades: Auto::Given(9), ..Default::default() };
+    let even = found(&part.mesh());
+    let walls = |channel: &Channel| [&channel.low, &channel.high].map(|wall| wall.cylindrical(40, 12).theta);
+    let middle = |channel: &Channel| (-channel.frame.z.y).atan2(channel.frame.z.z);
+    for number in 0..9 {
+        let channel = find(&mesh, &BliskOptions { channel: number, ..options.clone() }).unwrap();
+        assert_eq!((channel.blades, channel.kinds, channel.unlike.len()), (9, 9, 0));
+        // Both walls are where those of the even wheel went.
+        let at = middle(&even) + TAU * number as f64 / 9.0;
+        let expected = walls(&even).map(|theta| uneven(at + theta) - middle(&channel));
+        for (wall, expected) in walls(&channel).into_iter().zip(expected) {
+            assert!(wrap_angle(wall - expected).abs() < 1e-3, "channel {number}: {wall} rad for {expected}");
+        }
     }
 }

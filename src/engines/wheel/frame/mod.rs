@@ -37,6 +37,8 @@ pub(super) const DO_NOT_REPEAT: &str =
 const TOLERANCE: f64 = 0.005;
 /// Points that are given lie within so many cells of the bladed region.
 const NEAR_CELLS: f64 = 4.0;
+/// Share of the walls that repeat, at least, where blades are alike or of few kinds.
+const LEAST_REPEAT: f64 = 0.5;
 /// RMS distance within which walls repeat well enough about a given line (mm).
 const LEAST_RMS: f64 = 1e-3;
 /// Share of the RMS distance about a given line that walls repeat within where another axis is clearly better.
@@ -239,6 +241,16 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
             break;
         }
     }
+    // Blades of a given number that do not repeat are each of a kind, and tell no axis.
+    if options.blades.given().is_some() && best.is_none_or(|(_, known)| known.matched < LEAST_REPEAT) {
+        let known = match options.axis {
+            AxisChoice::Line(_) => Some(axis),
+            AxisChoice::Named(_) => axis::of_turned_surfaces(mesh, axis),
+        };
+        let slices = |axis: &Axis| Slices::new(mesh.in_frame(&frame_along(axis)));
+        let blades = Blades { count, kinds: count, may_lack: false };
+        best = known.map(|axis| (axis, period::repetition(&slices(&axis), &circles, blades, tolerance))).or(best);
+    }
     // A wheel is clamped by its turned surfaces: where blades were set aslant they do not tell the axis.
     if let Some((axis, known)) = best
         && matches!(options.axis, AxisChoice::Named(_))
@@ -263,7 +275,7 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
         }
         _ => None,
     };
-    let Some((axis, repetition)) = best.filter(|(_, repetition)| repetition.matched >= 0.5) else {
+    let Some((axis, repetition)) = best.filter(|(_, repetition)| repetition.matched >= LEAST_REPEAT) else {
         return Err(BliskError::NoChannels { axis: best.map_or(axis, |(axis, _)| axis), count, reason: DO_NOT_REPEAT });
     };
     let mut assumed = assumptions(&axis, &repetition, options);
@@ -365,7 +377,9 @@ fn assumptions(axis: &Axis, repetition: &Repetition, options: &BliskOptions) -> 
     if options.blades.given().is_none() {
         assumed.push(format!("{blades} blades were counted around the axis."));
     }
-    if kinds > 1 {
+    if kinds == blades {
+        assumed.push(format!("The {blades} blades do not repeat around the axis: every channel is of its own kind."));
+    } else if kinds > 1 {
         assumed.push(format!(
             "The blades repeat after every {kinds}, as where splitters stand between main blades: there are {kinds} kinds \
              of channels. Channels whose numbers differ by a multiple of {kinds} are of one kind."

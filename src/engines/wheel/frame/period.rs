@@ -70,11 +70,8 @@ pub(super) fn regions(slices: &Slices, wanted: Option<usize>, cancel: &Cancel) -
                 let gaps = slices.gaps(at.x, at.y);
                 match wanted {
                     Some(count) => {
-                        if slots(&gaps, count).is_some() {
-                            count
-                        } else {
-                            0
-                        }
+                        // Blades of an unequal pitch are as many.
+                        if gaps.len() == count || slots(&gaps, count).is_some() { count } else { 0 }
                     }
                     None => even_count(&gaps).filter(|&n| n >= 3).unwrap_or(0),
                 }
