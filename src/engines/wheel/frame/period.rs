@@ -153,17 +153,26 @@ fn connected(mut counts: Vec<Vec<usize>>) -> Vec<Region> {
 }
 
 /// The regions, joined across circles that also meet holes in the blades: among the gaps of these are round holes, and the
-/// others are as many as beside the holes. Such circles are no part of a region that goes on beside them.
+/// others are as many as on the circles just within and just outside of the holes. Such circles are no part of a region that
+/// goes on beside them.
 fn without_holes(mut regions: Vec<Region>, slices: &Slices) -> Vec<Region> {
+    /// Distance of these circles from a hole, as a share of its height. Beside passages that are round between fillets there
+    /// is hub or shroud.
+    const BESIDE: f64 = 0.1;
     let mut pierced: Vec<[usize; 2]> = Vec::new();
     for region in &mut regions {
         let at = region.middle(slices);
-        let mut gaps = slices.gaps(at.x, at.y);
-        let all = gaps.len();
-        gaps.retain(|gap| !is_round_hole(slices, at, gap));
-        if gaps.len() < all
-            && let Some(count) = even_count(&gaps).filter(|&n| n >= 3)
-        {
+        let (holes, gaps): (Vec<Gap>, Vec<Gap>) =
+            slices.gaps(at.x, at.y).into_iter().partition(|gap| is_round_hole(slices, at, gap));
+        let Some(count) = even_count(&gaps).filter(|&n| n >= 3 && !holes.is_empty()) else { continue };
+        let goes_on = |r: f64| even_count(&slices.gaps(at.x, r)) == Some(count);
+        let is_in_blade = |hole: &Gap| {
+            closed_between(slices, at, hole).is_some_and(|[inner, outer]| {
+                let off = BESIDE * (outer - inner);
+                goes_on(inner - off) && goes_on(outer + off)
+            })
+        };
+        if holes.iter().all(is_in_blade) {
             region.count = count;
             pierced.extend(&region.cells);
         }
@@ -195,7 +204,8 @@ impl Region {
         self.cells.iter().any(|&[x, r]| [[x + 1, r], [x, r + 1], [x + 1, r + 1]].iter().all(|&c| self.holds(c)))
     }
 
-    /// Whether the region is more than a seam beside the other one, as there is where waves of an end wall stand between its blades.
+    /// Whether the region is more than a seam beside the other one, as there is where waves of an end wall stand between
+    /// its blades.
     pub fn is_good_part_of(&self, other: &Self) -> bool {
         const LEAST: f64 = 0.1;
         self.cells.len() as f64 > LEAST * other.cells.len() as f64
@@ -321,21 +331,25 @@ fn facing(slices: &Slices, circle: &DVec2) -> f64 {
     gaps.iter().take(8).map(of).sum::<f64>() / gaps.len().clamp(1, 8) as f64
 }
 
+/// The radii between which a gap of the circle through the given (x, r) is closed, half way around it; none where it is open.
+fn closed_between(slices: &Slices, at: DVec2, gap: &Gap) -> Option<[f64; 2]> {
+    let ray = slices.ray(at.x, gap.middle());
+    let (inner, outer) = (ray.iter().rfind(|c| c.r < at.y)?, ray.iter().find(|c| c.r > at.y)?);
+    Some([inner.r, outer.r])
+}
+
 /// Whether a gap of the circle through the given (x, r) is about as wide as high, closed above and below and much narrower
 /// there than between.
 fn is_round_hole(slices: &Slices, at: DVec2, gap: &Gap) -> bool {
     /// Width over height, of a hole aslant too.
     const AS_WIDE: std::ops::Range<f64> = 0.5..2.0;
-    let ray = slices.ray(at.x, gap.middle());
-    let (Some(inner), Some(outer)) = (ray.iter().rfind(|c| c.r < at.y), ray.iter().find(|c| c.r > at.y)) else {
-        return false;
-    };
+    let Some([inner, outer]) = closed_between(slices, at, gap) else { return false };
     let width = |share: f64| {
-        let r = inner.r + share * (outer.r - inner.r);
+        let r = inner + share * (outer - inner);
         slices.gap_near(at.x, r, gap).map_or(0.0, |g| g.width() * r)
     };
     let widest = width(0.5);
-    AS_WIDE.contains(&(widest / (outer.r - inner.r))) && width(0.1).max(width(0.9)) < 0.75 * widest
+    AS_WIDE.contains(&(widest / (outer - inner))) && width(0.1).max(width(0.9)) < 0.75 * widest
 }
 
 /// A wall point against the same point of the mean blade.
