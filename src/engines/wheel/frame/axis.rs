@@ -100,10 +100,14 @@ pub(super) fn candidates(mesh: &Mesh, direction: Option<DVec3>) -> Vec<Axis> {
         }
     };
     let axes = axes.into_iter().filter(|a| a.point.is_finite() && a.direction.is_finite());
-    let mut ranked: Vec<(f64, Axis)> = axes.map(|a| (share_of_revolution(&facets, &a), a)).collect();
-    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let of = |a: Axis| (share_of_revolution(&facets, &a, closely), share_of_revolution(&facets, &a, within_facet), a);
+    let mut ranked: Vec<(f64, f64, Axis)> = axes.map(of).collect();
+    // A flat ring's rim nearly turns about its diameters too, but not closely.
+    let closest = ranked.iter().map(|(close, ..)| *close).fold(0.0, f64::max);
+    let is_far = |close: f64| close < 0.5 * closest;
+    ranked.sort_by(|a, b| is_far(a.0).cmp(&is_far(b.0)).then(b.1.total_cmp(&a.1)));
     let mut distinct: Vec<Axis> = Vec::new();
-    for (_, axis) in ranked {
+    for (.., axis) in ranked {
         let same =
             |a: &Axis| a.direction.cross(axis.direction).length() < 1e-3 && a.distance(axis.foot(center)) < 1e-3 * size;
         if !distinct.iter().any(same) {
@@ -156,15 +160,22 @@ fn tangential(facet: &Facet, axis: &Axis) -> f64 {
     facet.normal.dot(around.normalize_or_zero()).abs()
 }
 
-/// Share of the area that is a surface of revolution about `axis`, to within a facet's width. Faces across the
-/// axis are so about any line parallel to it, hence do not count. Normals count the less the further they miss the axis:
-/// those of a flat ring's rim nearly meet its diameters too.
-fn share_of_revolution(facets: &[Facet], axis: &Axis) -> f64 {
-    /// Miss of a normal that counts half: that of the facets of a coarse cylinder.
-    const HALF: f64 = 0.03;
-    let weight = |f: &Facet| 1.0 / (1.0 + (tangential(f, axis) / HALF).powi(2));
-    let radial: f64 = facets.iter().map(|f| f.area * beside(f, axis) * weight(f)).sum();
+/// Share of the area that is a surface of revolution about `axis`, where a normal counts by how far it misses that. Faces
+/// across the axis are so about any line parallel to it, hence do not count.
+fn share_of_revolution(facets: &[Facet], axis: &Axis, counts: impl Fn(f64) -> f64) -> f64 {
+    let radial: f64 = facets.iter().map(|f| f.area * beside(f, axis) * counts(tangential(f, axis))).sum();
     radial / facets.iter().map(|f| f.area).sum::<f64>()
+}
+
+/// Whether a normal misses an axis by no more than the width of a facet: 1 or 0.
+fn within_facet(miss: f64) -> f64 {
+    f64::from(u8::from(miss < 0.1))
+}
+
+/// How closely a normal meets an axis: a half where it misses it as those of a coarse cylinder's facets do.
+fn closely(miss: f64) -> f64 {
+    const HALF: f64 = 0.03;
+    1.0 / (1.0 + (miss / HALF).powi(2))
 }
 
 /// Some facets of a mesh, enough to tell about which lines its surface turns.
@@ -177,7 +188,7 @@ impl Turning {
 
     /// Share of the area that is a surface of revolution about `axis`.
     pub(super) fn share(&self, axis: &Axis) -> f64 {
-        share_of_revolution(&self.0, axis)
+        share_of_revolution(&self.0, axis, within_facet)
     }
 }
 
