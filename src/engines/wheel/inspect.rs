@@ -215,19 +215,27 @@ impl fmt::Display for Inspection {
             row("Axis", axis.to_string())?;
         }
         if let Some(r) = &self.repetition {
-            let groups = format!("{} in {} equal groups of {}", r.blades, r.blades / r.kinds.max(1), r.kinds);
-            row("Blades", if r.kinds > 1 { groups } else { r.blades.to_string() })?;
-            row(
-                "",
-                format!(
-                    "{:.1} % of {} wall points repeat within {:.3} mm; RMS {:.6} mm, greatest {:.6} mm",
-                    100.0 * r.matched,
-                    r.points,
-                    r.tolerance_mm,
-                    r.rms_mm,
-                    r.greatest_mm
-                ),
-            )?;
+            let (blades, kinds) = (r.blades, r.kinds);
+            let is_repeating = kinds < blades;
+            let groups = match kinds {
+                0 | 1 => blades.to_string(),
+                _ if is_repeating => format!("{blades} in {} equal groups of {kinds}", blades / kinds),
+                _ => format!("{blades}, none repeats another"),
+            };
+            row("Blades", groups)?;
+            if is_repeating {
+                row(
+                    "",
+                    format!(
+                        "{:.1} % of {} wall points repeat within {:.3} mm; RMS {:.6} mm, greatest {:.6} mm",
+                        100.0 * r.matched,
+                        r.points,
+                        r.tolerance_mm,
+                        r.rms_mm,
+                        r.greatest_mm
+                    ),
+                )?;
+            }
         }
         if let Some(channel) = &self.channel {
             write!(f, "{channel}")?;

@@ -4,7 +4,7 @@
 //! interpolation belongs to a *smooth* leaf, which may span 2, 4 or 8 cells along each axis and holds the eight
 //! distances at its corners. A cell that no leaf describes well enough (beside sharp edges, in corners, on the
 //! ridge between two walls) holds the few triangles that can be nearest there and is evaluated exactly. Cells are made
-//! block by block, where they are asked for: a search looks at a small part of the region only.
+//! block by block, where they are asked for.
 //!
 //! The idea of spending resolution only where the distance bends is that of adaptively sampled distance fields
 //! (Frisken et al., SIGGRAPH 2000).
@@ -47,7 +47,7 @@ pub struct DistanceField {
 
 /// The cells of a cube, [`SIDE`](Block::SIDE) along each axis.
 struct Block {
-    /// Its first cell.
+    /// The first cell, with its number in the field.
     first: [usize; 3],
     /// One for each cell, x fastest, see [`Handle`].
     handles: [Handle; Block::CELLS],

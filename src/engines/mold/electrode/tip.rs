@@ -96,7 +96,7 @@ impl<'a> Burned<'a> {
         self.trimmer.within(&bounds.grown(BEYOND)).ok()
     }
 
-    /// The same with another part of the kept-clear volume to trim tips by, if there is one.
+    /// The mold as seen here, with another part of the kept-clear volume to trim tips by, if there is one.
     pub(super) fn trimmed_by<'b>(&self, trimmer: Option<&'b Trimmer>) -> Burned<'b>
     where
         'a: 'b,

@@ -377,7 +377,7 @@ fn assumptions(axis: &Axis, repetition: &Repetition, options: &BliskOptions) -> 
     if options.blades.given().is_none() {
         assumed.push(format!("{blades} blades were counted around the axis."));
     }
-    if kinds == blades {
+    if kinds > 1 && kinds == blades {
         assumed.push(format!("The {blades} blades do not repeat around the axis: every channel is of its own kind."));
     } else if kinds > 1 {
         assumed.push(format!(
