@@ -198,7 +198,7 @@ pub enum BliskError {
         r: f64,
     },
     /// A shroud over part of the blades, or beyond a gap.
-    #[error("{}", part_shroud(*.share, *.x, *.r))]
+    #[error("{}", part_shroud(*.share, [*.x, *.r], *.joined))]
     PartShroud {
         /// Share of the passage's length that is covered.
         share: f64,
@@ -206,6 +206,8 @@ pub enum BliskError {
         x: f64,
         /// Radius of that place (mm).
         r: f64,
+        /// Whether the blades join it.
+        joined: bool,
     },
     /// Blades of different height.
     #[error(
@@ -389,19 +391,26 @@ impl From<BliskError> for Refused {
     }
 }
 
-fn part_shroud(share: f64, x: f64, r: f64) -> String {
+fn part_shroud(share: f64, [x, r]: [f64; 2], joined: bool) -> String {
     /// From this share of the length on metal beyond the tips covers all of it.
     const ALL: f64 = 0.9;
-    let [what, otherwise] = if share < ALL {
-        ["it seems to have a shroud over a part of its length only", "a mesh whose shroud is whole"]
-    } else {
-        ["a shroud that is another solid lies beyond a gap", "the solid of the blades alone"]
+    let over = format!("over {:.0} % of the passage's length, among it at x {x:.2}, r {r:.2}", 100.0 * share);
+    let beyond = format!("metal stands close beyond the blade tips {over}, though the blades do not join it");
+    let (what, otherwise) = match (joined, share < ALL) {
+        (true, _) => {
+            (format!("the blades have a shroud, or a ring between them, only {over}"), "a mesh whose shroud is whole")
+        }
+        (false, true) => (
+            format!("{beyond}: it seems to have a shroud over a part of its length only"),
+            "a mesh whose shroud is whole",
+        ),
+        (false, false) => {
+            (format!("{beyond}: a shroud that is another solid lies beyond a gap"), "the solid of the blades alone")
+        }
     };
     format!(
-        "metal stands close beyond the blade tips over {:.0} % of the passage's length, among it at x {x:.2}, r {r:.2}, though the \
-         blades do not join it: {what}. Draw the curve along the tips that is to bound the passage with blisk.shroud_points_mm and \
-         blisk.end_walls \"drawn\", or take {otherwise}",
-        100.0 * share
+        "{what}. Draw the curve along the tips that is to bound the passage with blisk.shroud_points_mm and \
+         blisk.end_walls \"drawn\", or take {otherwise}"
     )
 }
 

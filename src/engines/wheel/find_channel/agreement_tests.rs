@@ -150,6 +150,22 @@ fn a_shroud_over_a_part_of_the_tips_is_refused() {
     assert!(refusal.contains("a shroud over a part of its length only"), "{refusal}");
 }
 
+/// A ring through all blades at mid span, and a ring over the outer part of blades between flat walls.
+#[test]
+fn rings_that_join_a_part_of_the_blades_are_refused() {
+    let open = TestBlisk { blades: 48, shrouded: false, grid: [16, 16, 6, 2], ..Default::default() };
+    let snubber = turned_part(&[[5.0, 57.0], [9.0, 57.0], [9.0, 58.0], [5.0, 58.0]], 240);
+    let part = ParametricWheel { shrouded: false, ..ParametricWheel::nozzle_ring() };
+    let [inner, outer] = [0.0, 1.0].map(|along| part.place(along, 1.0));
+    let (within, beyond) = (0.5 * (inner.y + outer.y), outer.y + 2.0);
+    let [first, last] = [inner.x - 1.0, inner.x + 3.0];
+    let cover = turned_part(&[[first, within], [last, within], [last, beyond], [first, beyond]], 240);
+    for (mesh, ring) in [(open.mesh(), snubber), (part.mesh(), cover)] {
+        let refusal = refused(&together(mesh, &ring));
+        assert!(refusal.contains("have a shroud, or a ring between them, only over"), "{refusal}");
+    }
+}
+
 #[test]
 fn spoilt_wheels_are_refused_or_told() {
     for part in [ParametricWheel::nozzle_ring(), ParametricWheel::impeller()] {

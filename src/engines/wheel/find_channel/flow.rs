@@ -24,18 +24,36 @@ pub(super) struct Lines {
     pub shrouded: bool,
     /// Share of the whole passage that is steep, also where splitters have ended.
     pub steep: f64,
+    /// The part of the blades that the shroud covers, where it seems to end before they do.
+    covered: Option<Covered>,
+}
+
+/// Part of the blades' ends that a hub or shroud covers.
+#[derive(Clone, Copy)]
+struct Covered {
+    /// Share of their length.
+    share: f64,
+    /// A place on what covers them (x, r).
+    at: DVec2,
 }
 
 /// Least narrowing of the gap from one point to the next at a hole, both sides together (share of its width).
 const HOLE: f64 = 0.3;
 /// Least narrowing at a hole on each side (share of the gap's width).
 const HOLE_SIDE: f64 = 0.05;
+/// Least narrowing at a hole that cuts into a blade, on the other side (share of the gap's width): more than splitters do.
+const HOLE_AT_BLADE: f64 = 0.8;
 /// Shorter runs of the outline are rounding (points).
 const LEAST_RUN: usize = 4;
 /// Points of a run that tell its direction.
 const DIRECTION: usize = 8;
 /// The blades' edges meet their tips in corners sharper than this (rad).
 const LEAST_CORNER: f64 = 0.2;
+/// Where tips go on from a shroud that has ended they turn from it by less than this (cosine), up to a corner sharper than
+/// that (rad), over more than this share of the length of both.
+const GOES_ON: f64 = 0.7;
+const BARE_CORNER: f64 = 0.8;
+const LEAST_BARE: f64 = 0.2;
 /// Shares of the outline, as divisors, over which corners are seen from afar and from near.
 const CORNERS: [usize; 2] = [8, 30];
 /// Pieces that the lines divide the passage into.
@@ -92,7 +110,17 @@ impl Lines {
     /// Lines that were found to about `step` (mm), whose passage is steep where it is steeper than `slope`.
     pub fn new(lines: Vec<[DVec2; 2]>, (step, slope): (f64, f64), shrouded: bool) -> Self {
         let middle: Vec<DVec2> = lines.iter().map(|[hub, shroud]| 0.5 * (*hub + *shroud)).collect();
-        Self { steep: steep_share(&middle, slope), lines, step, shrouded }
+        Self { steep: steep_share(&middle, slope), lines, step, shrouded, covered: None }
+    }
+
+    /// The reason why the passage along these lines was not found, which `error` may hide.
+    pub fn reason(&self, error: BliskError) -> BliskError {
+        match (error, self.covered) {
+            (BliskError::LostWall { .. } | BliskError::Unbounded { .. }, Some(Covered { share, at })) => {
+                BliskError::PartShroud { share, x: at.x, r: at.y, joined: true }
+            }
+            (error, _) => error,
+        }
     }
 }
 
@@ -110,11 +138,12 @@ fn lines_where(tracer: &Tracer, start: Place, (gap_at, slope): (&GapAt, f64)) ->
         if points.len() >= MOST_POINTS {
             continue;
         }
-        let Some(walls) = curves(&outline(&points, tracer, &lattice), past_holes) else { continue };
+        let Some((walls, covered)) = curves(&outline(&points, tracer, &lattice), past_holes) else { continue };
         let [Some(hub), Some(outer)] = walls.each_ref().map(|wall| smooth(&wall.points)) else { continue };
         let shrouded = walls[1].is_solid;
         let off = hub.1.max(outer.1);
         let lines = Lines::new(ordered(hub.0, outer.0, shrouded), (lattice.step, slope), shrouded);
+        let lines = Lines { covered, ..lines };
         // A blind hole does not open the outline, it bends it.
         if off <= MOST_BENT * lattice.step {
             return Ok(Some(lines));
@@ -135,7 +164,8 @@ pub(super) fn steep_share(curve: &[DVec2], slope: f64) -> f64 {
 /// that meet a gap is too: this is asked only where the outline yields no curves, or curves that bend.
 fn is_in_hole(gap: &Gap, near: &Gap) -> bool {
     let narrowed = [gap.low.theta - near.low.theta, near.high.theta - gap.high.theta];
-    narrowed.iter().all(|side| *side > HOLE_SIDE * near.width()) && narrowed.iter().sum::<f64>() > HOLE * near.width()
+    let [both, width] = [narrowed.iter().sum::<f64>(), near.width()];
+    narrowed.iter().all(|side| *side > HOLE_SIDE * width) && both > HOLE * width || both > HOLE_AT_BLADE * width
 }
 
 /// The longest outline of the bladed points, anticlockwise.
@@ -180,20 +210,40 @@ struct Run {
 }
 
 /// The two curves along a passage, in opposite directions: two solid ones, or a solid one and the tips; none where
-/// there are not two, or where a hole in one of them was to be left out and is not.
-fn curves(outline: &[Piece], past_holes: bool) -> Option<[Run; 2]> {
+/// there are not two, or where a hole in one of them was to be left out and is not. With them what a solid one covers of the
+/// blades' ends, where that is a part.
+fn curves(outline: &[Piece], past_holes: bool) -> Option<([Run; 2], Option<Covered>)> {
     let with_holes = runs(outline)?;
     let runs = without_holes(with_holes.clone());
     if !past_holes && runs.len() < with_holes.len() {
         return None;
     }
     let solid: Vec<&Run> = runs.iter().filter(|run| run.is_solid).collect();
-    let walls = match (&solid[..], runs.len()) {
-        (&[hub, shroud], 4) => [hub.clone(), shroud.clone()],
-        (&[hub], 2) => [hub.clone(), tips(&runs.iter().find(|run| !run.is_solid)?.points)?],
+    let (walls, covered) = match (&solid[..], runs.len()) {
+        (&[hub, shroud], 4) => ([hub.clone(), shroud.clone()], covered(&runs)),
+        (&[hub], 2) => ([hub.clone(), tips(&runs.iter().find(|run| !run.is_solid)?.points)?], None),
         _ => return None,
     };
-    walls.iter().all(|wall| wall.points.len() > DEGREE).then_some(walls)
+    walls.iter().all(|wall| wall.points.len() > DEGREE).then_some((walls, covered))
+}
+
+/// What the one of two solid runs covers that the open run beside it goes on from, as tips do up to a corner.
+fn covered(runs: &[Run]) -> Option<Covered> {
+    let n = runs.len();
+    let covered = |[far_end, middle, end]: [DVec2; 3], open: &[DVec2], beside: DVec2| {
+        let reach = (open.len() / CORNERS[0]).max(3);
+        let corner = sharpest(open, reach, &|_| true).filter(|&i| turn(open, i, reach) > BARE_CORNER)?;
+        let (bare, length) = (open[corner] - beside, far_end.distance(end));
+        let share = length / (length + bare.length());
+        let goes_on = (end - middle).normalize_or_zero().dot(bare.normalize_or_zero()) > GOES_ON;
+        (goes_on && share < 1.0 - LEAST_BARE).then_some(Covered { share, at: middle })
+    };
+    (0..n).filter(|&i| runs[i].is_solid).find_map(|i| {
+        let [before, wall, after] = [i + n - 1, i, i + 1].map(|i| &runs[i % n].points[..]);
+        let (&[first, .., last], middle) = (wall, wall[wall.len() / 2]) else { return None };
+        covered([first, middle, last], after, after[0])
+            .or_else(|| covered([last, middle, first], before, before[before.len() - 1]))
+    })
 }
 
 /// The runs of an outline without the holes in its walls: open ones beyond which the wall goes on in its direction. Round
@@ -252,16 +302,22 @@ fn runs(outline: &[Piece]) -> Option<Vec<Run>> {
 /// between the two places where it turns most, seen from afar, since edges may be rounded; then from near.
 fn tips(open: &[DVec2]) -> Option<Run> {
     let [far, near] = CORNERS.map(|share| (open.len() / share).max(3));
-    let turn = |i: usize, reach: usize| (open[i] - open[i - reach]).angle_to(open[i + reach] - open[i]);
-    let sharpest = |reach: usize, is_allowed: &dyn Fn(usize) -> bool| {
-        let all = (reach..open.len().saturating_sub(reach)).filter(|&i| is_allowed(i));
-        all.max_by(|&a, &b| turn(a, reach).total_cmp(&turn(b, reach)))
-    };
-    let is_corner = |i: &usize| turn(*i, far) > LEAST_CORNER;
-    let one = sharpest(far, &|_| true).filter(is_corner)?;
-    let other = sharpest(far, &|i| i.abs_diff(one) > 2 * far).filter(is_corner)?;
-    let [one, other] = [one, other].map(|i| sharpest(near, &|k| k.abs_diff(i) <= far / 2).unwrap_or(i));
+    let is_corner = |i: &usize| turn(open, *i, far) > LEAST_CORNER;
+    let one = sharpest(open, far, &|_| true).filter(is_corner)?;
+    let other = sharpest(open, far, &|i| i.abs_diff(one) > 2 * far).filter(is_corner)?;
+    let [one, other] = [one, other].map(|i| sharpest(open, near, &|k| k.abs_diff(i) <= far / 2).unwrap_or(i));
     Some(Run { is_solid: false, points: open[one.min(other)..=one.max(other)].to_vec() })
+}
+
+/// Angle by which an outline turns at point `i`, seen over `reach` points to either side (rad).
+fn turn(outline: &[DVec2], i: usize, reach: usize) -> f64 {
+    (outline[i] - outline[i - reach]).angle_to(outline[i + reach] - outline[i])
+}
+
+/// The point of an outline, of those that are allowed, at which it turns most, seen over `reach` points to either side.
+fn sharpest(outline: &[DVec2], reach: usize, is_allowed: &dyn Fn(usize) -> bool) -> Option<usize> {
+    let all = (reach..outline.len().saturating_sub(reach)).filter(|&i| is_allowed(i));
+    all.max_by(|&a, &b| turn(outline, a, reach).total_cmp(&turn(outline, b, reach)))
 }
 
 /// Points at equal steps along the polynomial through a run of the outline, whose own points lie on a lattice, and the

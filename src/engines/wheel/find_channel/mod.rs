@@ -35,10 +35,10 @@ use self::flow::{LEANING, Lines, STEEP};
 use self::meridian::{Meridian, Place, Tracer};
 use self::walls::{BEYOND_EDGE, WallFinder, Walls};
 use super::by_hand::ByHand;
-use super::channel::{Agreement, Channel, ChannelWall, Flow, OPENS, Surface, Unlike, ways_out};
+use super::channel::{Agreement, Channel, ChannelWall, Flow, OPENS, Surface, Unlike, station_at, ways_out};
 use super::error::{BliskError, Misleading, Refused};
 use super::frame::slices::{Gap, Slices};
-use super::frame::{BliskFrame, DO_NOT_REPEAT, Wheel, find_sector, find_wheel, is_inside_out};
+use super::frame::{BliskFrame, DO_NOT_REPEAT, Repetition, Wheel, find_sector, find_wheel, is_inside_out};
 use super::options::{Auto, AxisChoice, AxisName, BliskOptions, EndWalls, ZAt};
 use geometry::frame::{Cylindrical, Frame};
 use geometry::mesh::Mesh;
@@ -50,6 +50,9 @@ const MOST_STEEP_HUB: f64 = 0.15;
 
 /// Share of the walls that repeat where blades are mostly alike and evenly spaced.
 const MOSTLY_ALIKE: f64 = 0.75;
+
+/// Hub and shroud that do not agree are taken for parts of what bounds the passage below this share of its length.
+const MOST_COVERED: f64 = 0.9;
 
 /// Share of the passage's length over which its direction at the rim is measured.
 const NEAR_MOUTH: f64 = 0.05;
@@ -118,13 +121,19 @@ pub(super) fn wheel_and_channel<'a>(
         }
         found(&wheel);
     }
-    // Circles through a broken blade meet fewer gaps: what is known of the blades ends there, unless their number is given.
-    if let (Err(Refused { error: BliskError::LostWall { .. }, .. }), None) = (&whole, options.blades.given()) {
-        let count = wheel.blisk.repetition.blades;
+    // Circles through a broken blade meet fewer gaps, and those through hollow ones more: what is known of the blades ends
+    // there, unless their number is given.
+    let Repetition { blades, kinds, .. } = wheel.blisk.repetition;
+    let recount = match whole.as_ref().map_err(|refused| &refused.error) {
+        Err(BliskError::LostWall { .. }) => Some((blades, "of which some are broken or missing")),
+        Err(BliskError::Unbounded { .. }) if kinds > 1 => Some((blades / kinds, "which are hollow")),
+        _ => None,
+    };
+    if let (Some((count, what)), None) = (recount, options.blades.given()) {
         let counted = BliskOptions { blades: Auto::Given(count), ..options.clone() };
-        let told = format!("{count} blades were counted around the axis, of which some are broken or missing.");
+        let told = format!("{count} blades were counted around the axis, {what}.");
         match wheel_and_channel(mesh, &counted, &[assumed, &[told]].concat(), task, found) {
-            Ok(found) if !found.1.unlike.is_empty() => return Ok(found),
+            Ok(found) if count < blades || !found.1.unlike.is_empty() => return Ok(found),
             Err(Refused { error: error @ BliskError::Cancelled(_), .. }) => return Err(error.into()),
             _ => found(&wheel),
         }
@@ -231,7 +240,8 @@ fn measured_channel(
 
     task.report("channel", 0.6, "walls");
     let finder = WallFinder { tracer: &tracer, meridian: &meridian, start };
-    let walls = finder.walls(options.wall_points_chord, options.wall_points_span)?;
+    let walls = finder.walls(options.wall_points_chord, options.wall_points_span);
+    let walls = walls.map_err(|error| reason(error, lines.as_ref()))?;
     if meridian.flow == Flow::Axial {
         check_axial(&meridian, [&walls.low, &walls.high])?;
     }
@@ -249,35 +259,36 @@ fn measured_channel(
     let faces_x = measure::faces_x(slices.mesh(), &meridian.stations);
     assumed.extend(end_wall_assumptions(options, &meridian, rows.inset));
     assumed.extend(given_by_hand(options));
-    let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&low, &high], rows };
-    let agreement = measured.agreement(&throat)?;
-    assumed.extend(agreement.iter().filter_map(holes_sentence));
-    assumed.extend(agreement.iter().filter_map(left_sentence));
-    assumed.extend(measured.tip_gap().map(tip_gap_sentence));
-    if !meridian.shrouded {
-        walls::check_rows(&low, &high)?;
-        measured.check_tips()?;
-    }
-    let unlike = measured.unlike(blades, blisk.repetition.kinds, blisk.repetition.tolerance_mm)?;
     let mut channel = Channel {
         frame,
         blades,
         index: options.channel,
         shrouded: meridian.shrouded,
         flow: meridian.flow,
-        meridian: meridian.stations,
+        meridian: meridian.stations.clone(),
         low,
         high,
         throat,
         turning,
         faces_x,
-        agreement,
+        agreement: Vec::new(),
         kinds: blisk.repetition.kinds,
-        unlike,
+        unlike: Vec::new(),
         whole: is_of_sector.then(|| Arc::new(mesh.into_owned())),
         assumed,
     };
+    let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&channel.low, &channel.high], rows };
+    let agreement = measured.agreement(&channel.throat).map_err(|error| part_covered(&channel, error))?;
+    if !meridian.shrouded {
+        walls::check_rows(&channel.low, &channel.high)?;
+        measured.check_tips()?;
+    }
+    let unlike = measured.unlike(blades, blisk.repetition.kinds, blisk.repetition.tolerance_mm)?;
     let obstructed = obstruction::obstructed(&channel, slices.mesh(), &task.cancel)?;
+    channel.assumed.extend(agreement.iter().filter_map(holes_sentence));
+    channel.assumed.extend(agreement.iter().filter_map(left_sentence));
+    channel.assumed.extend(measured.tip_gap().map(tip_gap_sentence));
+    (channel.agreement, channel.unlike) = (agreement, unlike);
     // Metal in a passage is reported rather than a wall of it that differs.
     channel.unlike.splice(0..0, obstructed);
     channel.unlike.sort_by_key(|unlike| unlike.number);
@@ -295,7 +306,15 @@ fn meridian_of(tracer: &Tracer, start: Place, lines: Option<&Lines>) -> Result<(
     if let Some((key, _)) = tracer.options.radii().into_iter().find(|(_, radius)| radius.given().is_some()) {
         return Err(BliskError::NotAxial { key });
     }
-    tracer.tube(start, lines)
+    tracer.tube(start, lines).map_err(|error| reason(error, Some(lines)))
+}
+
+/// The reason why the passage along `lines` was not found, which `error` may hide.
+fn reason(error: BliskError, lines: Option<&Lines>) -> BliskError {
+    match lines {
+        Some(lines) => lines.reason(error),
+        None => error,
+    }
 }
 
 /// Refuses an axial channel whose hub runs along the radius between the blades: its passage turns, and the curves along
@@ -313,6 +332,20 @@ fn check_axial(meridian: &Meridian, walls: [&ChannelWall; 2]) -> Result<(), Blis
     let rise = |w: &&[DVec2]| ((w[1].y - w[0].y) / (w[1].x - w[0].x)).abs();
     let steepest = hub.windows(2).max_by(|a, b| rise(a).total_cmp(&rise(b))).map_or(DVec2::NAN, |w| w[0]);
     Err(BliskError::Turns { x: steepest.x, r: steepest.y })
+}
+
+/// The reason why hub or shroud do not agree, where one of them was met over part of the blades only, or `error`.
+fn part_covered(channel: &Channel, error: BliskError) -> BliskError {
+    let xs = || channel.low.points.iter().map(|p| p.x);
+    let (first, last) = (xs().fold(f64::INFINITY, f64::min), xs().fold(f64::NEG_INFINITY, f64::max));
+    let (BliskError::Disagrees(Agreement { surface: Surface::Hub | Surface::Shroud, .. }), Flow::Axial, [from, .., to]) =
+        (&error, channel.flow, &channel.meridian[..])
+    else {
+        return error;
+    };
+    let share = (to.along.min(last) - from.along.max(first)) / (last - first);
+    let at = station_at(&channel.meridian, 0.5 * (from.along + to.along)).shroud;
+    if share < MOST_COVERED { BliskError::PartShroud { share, x: at.x, r: at.y, joined: true } } else { error }
 }
 
 /// The chosen channel's place.
@@ -397,7 +430,7 @@ fn first_middle(
 fn middle_of(tracer: &Tracer, start: Place, lines: Option<&Lines>) -> Result<(Place, f64), BliskError> {
     let (meridian, start) = meridian_of(tracer, start, lines)?;
     let finder = WallFinder { tracer, meridian: &meridian, start };
-    let row = finder.row(0.5)?;
+    let row = finder.row(0.5).map_err(|error| reason(error, lines))?;
     let (front, back) = (row.front.along, row.back.along);
     let middle = finder.place(&row, 0.5 * (front + back))?;
     let ways = if meridian.flow == Flow::Axial { [DVec2::ZERO; 2] } else { ways_out(&meridian.stations) };

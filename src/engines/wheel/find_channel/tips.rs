@@ -44,7 +44,8 @@ impl Measured<'_> {
             [] | [_] => {}
             ref met => {
                 let DVec2 { x, y: r } = met[met.len() / 2];
-                return Err(BliskError::PartShroud { share: met.len() as f64 / SPARSE.stations as f64, x, r });
+                let share = met.len() as f64 / SPARSE.stations as f64;
+                return Err(BliskError::PartShroud { share, x, r, joined: false });
             }
         }
         let higher = self.higher_blades();
