@@ -465,21 +465,29 @@ pub fn open_edges(mesh: &Mesh, within: f64) -> usize {
     sides.iter().filter(|((a, b), count)| **count != 1 || sides.get(&(*b, *a)) != Some(&1)).count()
 }
 
-/// The triangles of a mesh whose vertices within `within` (mm) are one, without those that are none then. Without
-/// places.
+/// The ends of the edges along which a closed surface touches itself, vertices within `within` (mm) taken for one.
+pub fn touching_edges(mesh: &Mesh, within: f64) -> Vec<[DVec3; 2]> {
+    let welded = welded(mesh, within);
+    let sides = welded.directed_edges();
+    let mut several: Vec<(u32, u32)> =
+        sides.into_iter().filter(|((a, b), count)| a < b && *count > 1).map(|(ends, _)| ends).collect();
+    several.sort_unstable();
+    several.into_iter().map(|(a, b)| [a, b].map(|v| welded.vertices[v as usize])).collect()
+}
+
+/// The triangles of a mesh whose vertices within `within` (mm) are one, without those that are none then.
 fn welded(mesh: &Mesh, within: f64) -> Mesh {
-    let mut known = HashMap::new();
-    let places: Vec<u32> = mesh
-        .vertices
-        .iter()
-        .map(|p| {
-            let count = known.len() as u32;
-            *known.entry((*p / within).round().to_array().map(|v| v as i64)).or_insert(count)
+    let (mut known, mut vertices) = (HashMap::new(), Vec::new());
+    let mut place = |p: &DVec3| {
+        *known.entry((*p / within).round().to_array().map(|v| v as i64)).or_insert_with(|| {
+            vertices.push(*p);
+            vertices.len() as u32 - 1
         })
-        .collect();
+    };
+    let places: Vec<u32> = mesh.vertices.iter().map(&mut place).collect();
     let welded = mesh.triangles.iter().map(|t| t.map(|v| places[v as usize]));
     let triangles = welded.filter(|[a, b, c]| a != b && b != c && c != a).collect();
-    Mesh { vertices: Vec::new(), triangles }
+    Mesh { vertices, triangles }
 }
 
 #[cfg(test)]

@@ -5,10 +5,12 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
+use super::check::{WELD, in_file};
 use super::params::{Blanks, ElectrodeParams, Holder};
 use geometry::mesh::{Bounds, Mesh};
 use geometry::solid;
-use geometry::solid::SolidError;
+use geometry::solid::{SolidError, Trimmer};
+use task::Cancel;
 
 /// How far tips are led into the base (mm), so that the two solids overlap.
 pub(super) const INTO_BASE: f64 = 0.25;
@@ -84,16 +86,27 @@ impl Base {
         (0..points).map(at).collect()
     }
 
-    /// The base with tips that reach from below into it.
+    /// The base with tips that reach from below into it. What tips touch themselves or each other along is taken away, a
+    /// little around it: a file holds no such edges.
     ///
     /// # Errors
     /// [`SolidError`].
     pub fn with_tips(&self, tips: &[Mesh]) -> Result<Mesh, SolidError> {
+        /// How far around an edge metal is taken away (mm).
+        const AROUND: f64 = 2e-3;
         let mut body = solid::prism(&[&self.outline()], 0.0, self.height)?;
         for tip in tips {
             body = solid::union(&body, tip)?;
         }
-        Ok(solid::without_slivers(body))
+        let body = solid::without_slivers(body);
+        let touching = solid::touching_edges(&in_file(&body), WELD);
+        if touching.is_empty() {
+            return Ok(body);
+        }
+        let around = |p: DVec3| DVec3::AXES.into_iter().flat_map(move |axis| [p - AROUND * axis, p + AROUND * axis]);
+        let rods: Vec<Vec<DVec3>> =
+            touching.into_iter().map(|ends| ends.into_iter().flat_map(around).collect()).collect();
+        Trimmer::new(&solid::union_of_hulls(&rods, &Cancel::default())?)?.trim(&body)
     }
 }
 
@@ -146,6 +159,18 @@ mod tests {
         assert!(base.is_round && base.sides == DVec2::splat(12.7) && round_length == length, "{base:?}");
         let reach = tips.truncate() / 2.0;
         assert!(reach.length() + ElectrodeParams::default().base_margin_mm <= 0.5 * base.sides.x);
+    }
+
+    /// Two square pins that stand corner to corner: no file tells whether they are one body.
+    #[test]
+    fn tips_that_touch_along_an_edge_make_a_closed_electrode() {
+        let base = Base { sides: DVec2::splat(16.0), is_round: false, height: 12.0, corner: 1.0 };
+        let pin = |at: DVec2| Mesh::cuboid(DVec3::new(2.0, 2.0, 5.0)).mapped(|p| p + at.extend(INTO_BASE - 5.0));
+        let mesh = base.with_tips(&[pin(DVec2::ZERO), pin(DVec2::splat(-2.0))]).unwrap();
+        let finding = crate::electrode::check::watertight(&mesh);
+        assert!(finding.holds, "{}", finding.text);
+        let whole = 12.0 * (16.0 * 16.0 - 0.5) + 2.0 * 4.0 * (5.0 - INTO_BASE);
+        assert!((-1e-3..0.0).contains(&(mesh.volume() - whole)), "{} of {whole}", mesh.volume());
     }
 
     #[test]

@@ -14,18 +14,22 @@ use geometry::solid;
 use task::Cancel;
 
 /// Vertices within this are one to programs that weld (mm).
-const WELD: f64 = 1e-6;
+pub(super) const WELD: f64 = 1e-6;
 
 /// The smallest radius of a cutter that is looked at as a remedy (mm).
 const SMALLEST: f64 = 0.2;
 /// Cells of the smallest radius on the grid on which it is tried whether an electrode can be milled.
 const MILLING_CELLS: f64 = 20.0;
 
+/// A mesh as a file in single precision has it.
+pub(super) fn in_file(mesh: &Mesh) -> Mesh {
+    mesh.mapped(|p| p.as_vec3().as_dvec3())
+}
+
 /// Whether a surface is closed, also as a file in single precision has it.
 pub fn watertight(mesh: &Mesh) -> Finding {
     let volume = mesh.volume();
-    let filed = mesh.mapped(|p| p.as_vec3().as_dvec3());
-    let is_closed = mesh.is_watertight() && [mesh, &filed].into_iter().all(|mesh| solid::is_closed(mesh, WELD));
+    let is_closed = mesh.is_watertight() && [mesh, &in_file(mesh)].into_iter().all(|mesh| solid::is_closed(mesh, WELD));
     let holds = is_closed && volume > 0.0;
     let text = if holds {
         format!("closed; {volume:.2} mm^3")

@@ -235,7 +235,7 @@ struct Left {
     of_parts: BTreeMap<usize, LeftOfRegion>,
     /// Residual stock where no part stands.
     of_none: LeftOfRegion,
-    /// Residual stock in slots that no electrode of this spark enters.
+    /// Residual stock in slots and corners that no electrode of this spark enters.
     in_slots: LeftOfRegion,
     /// Residual stock that the mold hangs over.
     shaded: LeftOfRegion,
@@ -277,7 +277,7 @@ fn left_of(
     let are_shaded: Vec<bool> = found.iter().map(|found| found.is_shaded).collect();
     for (sample, found) in samples.iter().zip(found) {
         let is_own = found.left.thickness > 0.0;
-        let (is_shaded, is_in_slot) = (found.is_shaded, found.is_in_slot);
+        let (is_shaded, is_in_slot, is_unreached) = (found.is_shaded, found.is_in_slot, found.is_unreached);
         let found = found.left.moved(|p| back * p);
         left.all = left.all.and(found);
         if is_shaded {
@@ -291,6 +291,9 @@ fn left_of(
         let own = if is_own { own_parts(sample, &parts, reach) } else { Vec::new() };
         if own.is_empty() {
             left.of_none = left.of_none.and(found);
+        } else if is_unreached {
+            left.in_slots = left.in_slots.and(found);
+            continue;
         }
         for part in own {
             let of_part = left.of_parts.entry(part).or_default();
@@ -346,8 +349,8 @@ fn nobodys(left: &Left, (tolerance, accuracy): (f64, f64)) -> Option<(String, DV
     let nobodys = || text(left.of_none, "where no head reaches", remedy);
     let sharpest = (-OPPOSED).acos().to_degrees();
     let narrow = format!(
-        "in a groove that is sharper than {sharpest:.1} deg or narrower than spark gap and orbit on both sides, whose \
-         floor no spark of this gap reaches"
+        "in a groove or corner that is sharper than {sharpest:.1} deg or narrower than spark gap and orbit on both \
+         sides, whose floor no spark of this gap reaches"
     );
     shaded.or_else(nobodys).or_else(|| text(left.in_slots, &narrow, remedy))
 }

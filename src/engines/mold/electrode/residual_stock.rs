@@ -3,8 +3,9 @@
 //! The spark rounds what it burns: an electrode that has all the room that the gap and the orbit allow, the fullest
 //! one, still leaves something in corners. What an electrode leaves there besides it is held against the tolerance.
 //! What stays in a corner is told by how far the mold's surface is from what is burned there.
-//! Where the fullest one does not come at all, as in a slot that is narrower than twice the gap, it is no excuse: a
-//! corner is where faces meet at an angle, near what it burns, and not where they stand opposite to one another.
+//! Where the fullest one does not come at all, as in a slot that is narrower than twice the gap, it is no excuse for what
+//! stays of the region: a corner is where faces meet at an angle, near what it burns, and not where they stand opposite to
+//! one another. No electrode is to blame for it either.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -32,6 +33,8 @@ pub(super) const OPPOSED: f64 = -0.7373;
 /// How far a corner's end may be from what the fullest electrode burns, of the radius of what burns: where two faces
 /// meet at that angle, or two at 60 on a floor.
 const FARTHEST: f64 = 1.76;
+/// An electrode is to blame for nothing where the fullest one leaves this share of what it leaves.
+const AS_MUCH: f64 = 0.8;
 
 /// A sample of the uncut surface, at which residual stock is measured.
 #[derive(Debug, Clone, Copy)]
@@ -108,6 +111,8 @@ pub(super) struct LeftAt {
     pub(super) left: LeftOfRegion,
     /// Whether it is in a slot that no electrode of this spark enters, so that none of them is to blame.
     pub(super) is_in_slot: bool,
+    /// Whether the fullest electrode does not come near it, and leaves as much.
+    pub(super) is_unreached: bool,
     /// Whether none comes near it, because the mold hangs over it.
     pub(super) is_shaded: bool,
 }
@@ -132,7 +137,7 @@ pub(super) fn left_by(
 fn left_at(burns: &Burns, sample: &Sample, mold: &Obstacle, milled: &Milled) -> LeftAt {
     let beyond = |p: DVec3| burns.all.iter().map(|burn| burn.beyond(p)).fold(f64::INFINITY, f64::min);
     let thickness = march(sample, &beyond, mold, milled).thickness;
-    let (mut allowed, mut is_in_slot, mut is_shaded) = (0.0, false, false);
+    let (mut allowed, mut is_in_slot, mut is_unreached, mut is_shaded) = (0.0, false, false, false);
     // On an edge a normal runs into, or along, the other face.
     let rounded = if (milled.leaves)(sample.point) { beyond(sample.point).clamp(0.0, sample.thickest) } else { 0.0 };
     let mut told = thickness;
@@ -149,11 +154,12 @@ fn left_at(burns: &Burns, sample: &Sample, mold: &Obstacle, milled: &Milled) -> 
         if is_near && !is_in_slot {
             (allowed, told) = (least.thickness, rounded);
         }
+        is_unreached = !is_near && least.thickness >= AS_MUCH * thickness;
     }
     let excess = (thickness - allowed).max(0.0);
     let (place, volume) = (sample.point, thickness * sample.area);
     let left = LeftOfRegion { thickness: told, place, excess, excess_place: place, volume };
-    LeftAt { left, is_in_slot, is_shaded }
+    LeftAt { left, is_in_slot, is_unreached, is_shaded }
 }
 
 /// Walk along a sample's normal through the residual stock.

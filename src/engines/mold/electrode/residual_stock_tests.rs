@@ -101,6 +101,25 @@ fn the_root_of_a_sharp_groove_is_a_corner_however_it_lies() {
     }
 }
 
+/// A pocket with a corner of 30 degrees in plan: on its floor no wall stands opposite, but no electrode comes near either.
+#[test]
+fn no_electrode_is_to_blame_for_the_floor_of_a_corner_that_none_enters() {
+    let gap = 0.2;
+    let across = 6.0 * (PI / 12.0).tan();
+    let outline = ring(&[(0.0, 0.0), (6.0, -across), (6.0, across)]);
+    let mold = mold([20.0, 20.0, 10.0], &[(&outline, 3.0)]);
+    let set = planned_all(&mold, Stage::finish(gap));
+    let blamed: Vec<&Finding> =
+        set.checks.iter().map(|found| residual_stock(found)).filter(|found| !found.holds).collect();
+    assert!(blamed.is_empty(), "{blamed:?}");
+    // A disc of the gap's radius stays so far off the corner.
+    let keeps = gap / (PI / 12.0).sin() - gap;
+    let left = set.regions[0].left;
+    assert!((0.5 * keeps..1.1 * keeps).contains(&left.thickness), "{left:?} {keeps}");
+    let reason = set.regions[0].reason.as_ref().unwrap();
+    assert!(reason.contains("in a groove or corner that is sharper"), "{reason}");
+}
+
 #[test]
 fn what_a_sharp_floor_edge_keeps_is_found_in_a_pocket_however_large() {
     let (size, depth) = (90.0, 3.0);
