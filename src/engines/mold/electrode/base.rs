@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 
 use super::check::{WELD, in_file};
 use super::params::{Blanks, ElectrodeParams, Holder};
+use geometry::groups::Groups;
 use geometry::mesh::{Bounds, Mesh};
 use geometry::solid;
 use geometry::solid::{SolidError, Trimmer};
@@ -98,7 +99,7 @@ impl Base {
         for tip in tips {
             body = solid::union(&body, tip)?;
         }
-        let body = solid::without_slivers(body);
+        let body = without_specks(solid::without_slivers(body));
         let touching = solid::touching_edges(&in_file(&body), WELD);
         if touching.is_empty() {
             return Ok(body);
@@ -108,6 +109,24 @@ impl Base {
             touching.into_iter().map(|ends| ends.into_iter().flat_map(around).collect()).collect();
         Trimmer::new(&solid::union_of_hulls(&rods, &Cancel::default())?)?.trim(&body)
     }
+}
+
+/// A closed surface without those of its bodies that are no larger than what a file tells apart: between faces that lie in
+/// one another but for rounding, trimming leaves such.
+fn without_specks(mut mesh: Mesh) -> Mesh {
+    /// Size of a body that is none (mm).
+    const SPECK: f64 = 5e-4;
+    let mut groups = Groups::of(mesh.vertices.len());
+    for [a, b, c] in mesh.triangles.iter().map(|t| t.map(|v| v as usize)) {
+        groups.join(a, b);
+        groups.join(a, c);
+    }
+    let (body_of, count) = groups.numbers();
+    let mut bodies = vec![Vec::new(); count];
+    mesh.vertices.iter().zip(&body_of).for_each(|(p, body)| bodies[*body as usize].push(*p));
+    let is_speck: Vec<bool> = bodies.into_iter().map(|all| Bounds::of(all).size().max_element() < SPECK).collect();
+    mesh.triangles.retain(|[a, ..]| !is_speck[body_of[*a as usize] as usize]);
+    mesh.compacted()
 }
 
 /// Tips on a plate a little larger than they are: what cutters make of it is what they make of the electrode.
@@ -159,6 +178,17 @@ mod tests {
         assert!(base.is_round && base.sides == DVec2::splat(12.7) && round_length == length, "{base:?}");
         let reach = tips.truncate() / 2.0;
         assert!(reach.length() + ElectrodeParams::default().base_margin_mm <= 0.5 * base.sides.x);
+    }
+
+    /// A tetrahedron of a few nanometres beside a tip, whose corners fall together in a file.
+    #[test]
+    fn bodies_that_no_file_tells_apart_are_left_out() {
+        let speck = solid::hull(&[DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z]);
+        let speck = speck.mapped(|p| DVec3::new(0.354, 0.107, -4.0) + p * DVec3::new(2e-5, 3e-5, 1e-8));
+        let pin = Mesh::cuboid(DVec3::new(2.0, 2.0, 5.0)).mapped(|p| p + DVec3::Z * (INTO_BASE - 5.0));
+        let both = super::super::tip::joined(pin.clone(), speck);
+        assert!(!super::super::check::watertight(&both).holds);
+        assert_eq!(without_specks(both), pin.compacted());
     }
 
     /// Two square pins that stand corner to corner: no file tells whether they are one body.

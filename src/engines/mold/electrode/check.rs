@@ -29,7 +29,11 @@ pub(super) fn in_file(mesh: &Mesh) -> Mesh {
 /// Whether a surface is closed, also as a file in single precision has it.
 pub fn watertight(mesh: &Mesh) -> Finding {
     let volume = mesh.volume();
-    let is_closed = mesh.is_watertight() && [mesh, &in_file(mesh)].into_iter().all(|mesh| solid::is_closed(mesh, WELD));
+    let filed = in_file(mesh);
+    // Some programs take triangles with two equal corners for open edges.
+    let has_points = filed.iter_corners().any(|[a, b, c]| a == b || b == c || c == a);
+    let is_closed =
+        mesh.is_watertight() && !has_points && [mesh, &filed].into_iter().all(|mesh| solid::is_closed(mesh, WELD));
     let holds = is_closed && volume > 0.0;
     let text = if holds {
         format!("closed; {volume:.2} mm^3")
