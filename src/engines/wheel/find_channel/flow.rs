@@ -41,7 +41,8 @@ struct Covered {
 const HOLE: f64 = 0.3;
 /// Least narrowing at a hole on each side (share of the gap's width).
 const HOLE_SIDE: f64 = 0.05;
-/// Least narrowing at a hole that cuts into a blade, on the other side (share of the gap's width): more than splitters do.
+/// Least narrowing at a hole that cuts into a blade, where one side does not narrow (share of the gap's width): splitters
+/// narrow a gap by less.
 const HOLE_AT_BLADE: f64 = 0.8;
 /// Shorter runs of the outline are rounding (points).
 const LEAST_RUN: usize = 4;
@@ -49,10 +50,11 @@ const LEAST_RUN: usize = 4;
 const DIRECTION: usize = 8;
 /// The blades' edges meet their tips in corners sharper than this (rad).
 const LEAST_CORNER: f64 = 0.2;
-/// Where tips go on from a shroud that has ended they turn from it by less than this (cosine), up to a corner sharper than
-/// that (rad), over more than this share of the length of both.
+/// Tips that go on from the end of a shroud turn from its direction by an angle with a cosine above this.
 const GOES_ON: f64 = 0.7;
+/// Such tips end in a corner sharper than this (rad).
 const BARE_CORNER: f64 = 0.8;
+/// Least share of the length of shroud and such tips that the tips have.
 const LEAST_BARE: f64 = 0.2;
 /// Shares of the outline, as divisors, over which corners are seen from afar and from near.
 const CORNERS: [usize; 2] = [8, 30];
@@ -210,8 +212,8 @@ struct Run {
 }
 
 /// The two curves along a passage, in opposite directions: two solid ones, or a solid one and the tips; none where
-/// there are not two, or where a hole in one of them was to be left out and is not. With them what a solid one covers of the
-/// blades' ends, where that is a part.
+/// there are not two, or where a hole in one of them was to be left out and is not. If one of two solid curves covers a part
+/// of the blades' ends only, that part comes with them.
 fn curves(outline: &[Piece], past_holes: bool) -> Option<([Run; 2], Option<Covered>)> {
     let with_holes = runs(outline)?;
     let runs = without_holes(with_holes.clone());
@@ -227,7 +229,8 @@ fn curves(outline: &[Piece], past_holes: bool) -> Option<([Run; 2], Option<Cover
     walls.iter().all(|wall| wall.points.len() > DEGREE).then_some((walls, covered))
 }
 
-/// What the one of two solid runs covers that the open run beside it goes on from, as tips do up to a corner.
+/// The part of the blades' ends that a solid run covers, if the open run beside it goes on in its direction up to a corner,
+/// as tips do.
 fn covered(runs: &[Run]) -> Option<Covered> {
     let n = runs.len();
     let covered = |[far_end, middle, end]: [DVec2; 3], open: &[DVec2], beside: DVec2| {
@@ -241,8 +244,8 @@ fn covered(runs: &[Run]) -> Option<Covered> {
     (0..n).filter(|&i| runs[i].is_solid).find_map(|i| {
         let [before, wall, after] = [i + n - 1, i, i + 1].map(|i| &runs[i % n].points[..]);
         let (&[first, .., last], middle) = (wall, wall[wall.len() / 2]) else { return None };
-        covered([first, middle, last], after, after[0])
-            .or_else(|| covered([last, middle, first], before, before[before.len() - 1]))
+        covered([first, middle, last], after, *after.first()?)
+            .or_else(|| covered([last, middle, first], before, *before.last()?))
     })
 }
 

@@ -51,7 +51,7 @@ const MOST_STEEP_HUB: f64 = 0.15;
 /// Share of the walls that repeat where blades are mostly alike and evenly spaced.
 const MOSTLY_ALIKE: f64 = 0.75;
 
-/// Hub and shroud that do not agree are taken for parts of what bounds the passage below this share of its length.
+/// A shroud that covers less than this share of the passage's length is named as the reason where hub or shroud disagree.
 const MOST_COVERED: f64 = 0.9;
 
 /// Share of the passage's length over which its direction at the rim is measured.
@@ -334,7 +334,7 @@ fn check_axial(meridian: &Meridian, walls: [&ChannelWall; 2]) -> Result<(), Blis
     Err(BliskError::Turns { x: steepest.x, r: steepest.y })
 }
 
-/// The reason why hub or shroud do not agree, where one of them was met over part of the blades only, or `error`.
+/// The reason for `error`: where hub or shroud disagree and one of them was met over a part of the blades only, that.
 fn part_covered(channel: &Channel, error: BliskError) -> BliskError {
     let xs = || channel.low.points.iter().map(|p| p.x);
     let (first, last) = (xs().fold(f64::INFINITY, f64::min), xs().fold(f64::NEG_INFINITY, f64::max));
