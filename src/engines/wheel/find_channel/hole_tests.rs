@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3};
 
-use super::tests::found;
+use super::tests::{find, found};
 use super::*;
 use crate::channel::{Flow, Station, Surface};
 use crate::fixtures::{TestBlisk, together};
@@ -136,5 +136,26 @@ fn hollow_blades_are_counted_once() {
     let solid = geometry::solid::wound(&part.mesh()).unwrap();
     let channel = found(&geometry::solid::difference(&solid, &drills).unwrap());
     assert_eq!((channel.blades, channel.kinds, channel.flow, channel.unlike.len()), (16, 1, Flow::Axial, 0));
+    assert!((channel.throat.width_mm - whole.throat.width_mm).abs() < 2e-3, "{:?}", channel.throat);
+}
+
+/// Bolt holes in a long flange, as many as the blades and with more wall than these, where the number is given.
+#[test]
+fn bolt_holes_of_the_number_that_is_given_are_no_channels() {
+    let part = TestBlisk::default();
+    let circle = |count: usize, radius: f64, at: DVec2| -> Vec<DVec2> {
+        (0..count).map(|i| at + radius * DVec2::from_angle(TAU * i as f64 / count as f64)).collect()
+    };
+    let reversed = |ring: Vec<DVec2>| ring.into_iter().rev().collect::<Vec<_>>();
+    let hole = |k: usize| reversed(circle(24, 3.5, 80.0 * DVec2::from_angle(0.05 + part.pitch() * k as f64)));
+    let outer = circle(240, 95.0, DVec2::ZERO);
+    let inner = reversed(circle(240, 65.0, DVec2::ZERO));
+    let rings: Vec<Vec<DVec2>> = [outer, inner].into_iter().chain((0..part.blades).map(hole)).collect();
+    let rings: Vec<&[DVec2]> = rings.iter().map(Vec::as_slice).collect();
+    let flange = geometry::solid::prism(&rings, 0.0, 60.0).unwrap().mapped(|p| DVec3::new(p.z, p.x, p.y));
+    let mesh = together(part.mesh(), &flange);
+    let options = BliskOptions { blades: Auto::Given(part.blades), ..Default::default() };
+    let (channel, whole) = (find(&mesh, &options).unwrap(), found(&part.mesh()));
+    assert_eq!((channel.blades, channel.unlike.len()), (part.blades, 0));
     assert!((channel.throat.width_mm - whole.throat.width_mm).abs() < 2e-3, "{:?}", channel.throat);
 }

@@ -307,6 +307,9 @@ fn bladed_region(
         let far = |region: &Region| places.iter().map(|p| region.cells_from(slices, *p)).sum::<f64>();
         regions.sort_by(|a, b| far(a).total_cmp(&far(b)));
         tried = regions.partition_point(|region| far(region) <= NEAR_CELLS * places.len() as f64);
+    } else if wanted.is_some() {
+        // What may be something else is taken where nothing else is of the number that is given.
+        regions.sort_by_key(|region| region.objection.is_some());
     }
     for i in 0..tried {
         // Whoever names the blade count or points of the passage has seen that there are blades.
