@@ -1,5 +1,7 @@
 //! Connected groups of many things, told pair by pair.
 
+use super::mesh::Mesh;
+
 /// Numbered things in groups, at first each in its own.
 #[derive(Debug, Clone)]
 pub struct Groups {
@@ -11,6 +13,16 @@ impl Groups {
     /// `count` groups of one item each; `count` always fits.
     pub fn of(count: usize) -> Self {
         Self { earlier: (0..count as u32).collect() }
+    }
+
+    /// The vertices of a mesh: those of one triangle are in one group.
+    pub fn of_vertices(mesh: &Mesh) -> Self {
+        let mut groups = Self::of(mesh.vertices.len());
+        for [a, b, c] in mesh.triangles.iter().map(|t| t.map(|v| v as usize)) {
+            groups.join(a, b);
+            groups.join(a, c);
+        }
+        groups
     }
 
     /// Makes the groups of two things one.

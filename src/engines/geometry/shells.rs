@@ -93,11 +93,7 @@ impl Shells {
 /// The parts of a mesh whose triangles share no vertices, in the order of their first triangles, after the number of the
 /// part that each triangle is of. One part is none.
 fn connected(mesh: &Mesh) -> (Vec<u32>, Vec<Mesh>) {
-    let mut groups = Groups::of(mesh.vertices.len());
-    for [a, b, c] in mesh.triangles.iter().map(|t| t.map(|v| v as usize)) {
-        groups.join(a, b);
-        groups.join(a, c);
-    }
+    let mut groups = Groups::of_vertices(mesh);
     let mut part_of: HashMap<usize, u32, FixedState> = HashMap::default();
     let number = |triangle: &[u32; 3]| {
         let count = part_of.len() as u32;

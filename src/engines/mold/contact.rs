@@ -95,12 +95,7 @@ impl Touching {
 
 /// Of each face whether another solid may be within a distance (mm) of it; none where no two solids are.
 fn near_others(mesh: &Mesh, within: f64) -> Option<Vec<bool>> {
-    let mut groups = Groups::of(mesh.vertices.len());
-    for [a, b, c] in mesh.triangles.iter().map(|t| t.map(|v| v as usize)) {
-        groups.join(a, b);
-        groups.join(a, c);
-    }
-    let (numbers, count) = groups.numbers();
+    let (numbers, count) = Groups::of_vertices(mesh).numbers();
     let solid_of = |face: usize| numbers[mesh.triangles[face][0] as usize] as usize;
     // Solids that share an edge are one group.
     let touches_itself = touching_along_edges(mesh, count, solid_of);

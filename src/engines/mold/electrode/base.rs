@@ -116,12 +116,7 @@ impl Base {
 fn without_specks(mut mesh: Mesh) -> Mesh {
     /// Size of a body that is none (mm).
     const SPECK: f64 = 5e-4;
-    let mut groups = Groups::of(mesh.vertices.len());
-    for [a, b, c] in mesh.triangles.iter().map(|t| t.map(|v| v as usize)) {
-        groups.join(a, b);
-        groups.join(a, c);
-    }
-    let (body_of, count) = groups.numbers();
+    let (body_of, count) = Groups::of_vertices(&mesh).numbers();
     let mut bodies = vec![Vec::new(); count];
     mesh.vertices.iter().zip(&body_of).for_each(|(p, body)| bodies[*body as usize].push(*p));
     let is_speck: Vec<bool> = bodies.into_iter().map(|all| Bounds::of(all).size().max_element() < SPECK).collect();
@@ -155,6 +150,8 @@ pub fn placed(mesh: &Mesh, turn: f64, shift: DVec3) -> Mesh {
 
 #[cfg(test)]
 mod tests {
+    use super::super::check::watertight;
+    use super::super::tip::joined;
     use super::*;
 
     fn under(size: DVec3, diameters_mm: &[f64]) -> (Base, f64) {
@@ -180,14 +177,14 @@ mod tests {
         assert!(reach.length() + ElectrodeParams::default().base_margin_mm <= 0.5 * base.sides.x);
     }
 
-    /// A tetrahedron of a few nanometres beside a tip, whose corners fall together in a file.
+    /// A tetrahedron of some 20 nanometres beside a tip, whose corners fall together in a file.
     #[test]
     fn bodies_that_no_file_tells_apart_are_left_out() {
         let speck = solid::hull(&[DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z]);
         let speck = speck.mapped(|p| DVec3::new(0.354, 0.107, -4.0) + p * DVec3::new(2e-5, 3e-5, 1e-8));
         let pin = Mesh::cuboid(DVec3::new(2.0, 2.0, 5.0)).mapped(|p| p + DVec3::Z * (INTO_BASE - 5.0));
-        let both = super::super::tip::joined(pin.clone(), speck);
-        assert!(!super::super::check::watertight(&both).holds);
+        let both = joined(pin.clone(), speck);
+        assert!(!watertight(&both).holds);
         assert_eq!(without_specks(both), pin.compacted());
     }
 
@@ -197,7 +194,7 @@ mod tests {
         let base = Base { sides: DVec2::splat(16.0), is_round: false, height: 12.0, corner: 1.0 };
         let pin = |at: DVec2| Mesh::cuboid(DVec3::new(2.0, 2.0, 5.0)).mapped(|p| p + at.extend(INTO_BASE - 5.0));
         let mesh = base.with_tips(&[pin(DVec2::ZERO), pin(DVec2::splat(-2.0))]).unwrap();
-        let finding = crate::electrode::check::watertight(&mesh);
+        let finding = watertight(&mesh);
         assert!(finding.holds, "{}", finding.text);
         let whole = 12.0 * (16.0 * 16.0 - 0.5) + 2.0 * 4.0 * (5.0 - INTO_BASE);
         assert!((-1e-3..0.0).contains(&(mesh.volume() - whole)), "{} of {whole}", mesh.volume());

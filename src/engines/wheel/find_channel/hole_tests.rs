@@ -10,21 +10,23 @@ use crate::channel::{Flow, Station, Surface};
 use crate::fixtures::{TestBlisk, together};
 use crate::parametric::wheel::ParametricWheel;
 
-/// Round rods through a wall of revolution of `part` at a height of 0 or 1, at the share `across` of every passage's width,
-/// as deep in it as `depth` of its thickness.
-fn rods(part: &ParametricWheel, height: f64, [across, radius, depth]: [f64; 3]) -> Vec<Mesh> {
+/// A wall of revolution of `part` at a height of 0 or 1 with a round hole in it in the middle of every passage, as deep as
+/// `depth` of its thickness.
+fn drilled(part: &ParametricWheel, height: f64, radius: f64, depth: f64) -> Mesh {
     let (at, beside) = (part.place(0.5, height), part.place(0.5, 1.0 - height));
     let way = (beside - at).normalize();
     let ring: Vec<DVec2> = (0..24).map(|i| radius * DVec2::from_angle(TAU * f64::from(i) / 24.0)).collect();
-    let rod = geometry::solid::prism(&[&ring], -depth * part.wall_mm, part.wall_mm).unwrap();
-    let placed = |k: usize| {
+    let hole = geometry::solid::prism(&[&ring], -depth * part.wall_mm, part.wall_mm).unwrap();
+    let wall = part.wall(height);
+    (0..part.blades).fold(wall, |wall, k| {
         let [low, high] = part.walls(k, 0.5, height).unwrap();
-        let (sin, cos) = (low + across * (high - low)).sin_cos();
+        let (sin, cos) = (0.5 * (low + high)).sin_cos();
         let turned = |x: f64, r: f64| DVec3::new(x, r * cos, r * sin);
         let (out, along) = (turned(way.x, way.y), turned(-way.y, way.x));
-        rod.mapped(|p| turned(at.x, at.y) + p.x * along + p.y * out.cross(along) + p.z * out)
-    };
-    (0..part.blades).map(placed).collect()
+        let middle = turned(at.x, at.y);
+        let placed = hole.mapped(|p| middle + p.x * along + p.y * out.cross(along) + p.z * out);
+        geometry::solid::difference(&wall, &placed).unwrap()
+    })
 }
 
 /// The greatest distance of the hub (0) or the shroud (1) that was found from the drawn one (mm).
@@ -38,19 +40,17 @@ fn off_curve(channel: &Channel, part: &ParametricWheel, height: f64) -> f64 {
 fn holes_in_hub_and_shroud_are_told_and_change_nothing() {
     let open = ParametricWheel { shrouded: false, ..ParametricWheel::impeller() };
     let drilled_parts = [
-        (ParametricWheel::nozzle_ring(), 1.0, Surface::Shroud, [0.5, 3.0, 2.0]),
-        (ParametricWheel::impeller(), 0.0, Surface::Hub, [0.5, 3.0, 2.0]),
-        (ParametricWheel { wall_mm: 8.0, ..ParametricWheel::impeller() }, 0.0, Surface::Hub, [0.5, 3.0, 0.8]),
-        (open, 0.0, Surface::Hub, [0.5, 3.0, 2.0]),
+        (ParametricWheel::nozzle_ring(), 1.0, Surface::Shroud, 2.0),
+        (ParametricWheel::impeller(), 0.0, Surface::Hub, 2.0),
+        (ParametricWheel { wall_mm: 8.0, ..ParametricWheel::impeller() }, 0.0, Surface::Hub, 0.8),
+        (open, 0.0, Surface::Hub, 2.0),
     ];
-    for (part, height, surface, drill) in drilled_parts {
+    for (part, height, surface, depth) in drilled_parts {
         let whole = found(&part.mesh());
-        let wall = part.wall(height);
-        let drilled =
-            rods(&part, height, drill).iter().fold(wall, |wall, rod| geometry::solid::difference(&wall, rod).unwrap());
         let other = part.shrouded.then(|| part.wall(1.0 - height));
         let blades = (0..part.blades).map(|k| part.blade(k));
-        let mesh = other.into_iter().chain(blades).fold(drilled, |all, one| together(all, &one));
+        let mesh =
+            other.into_iter().chain(blades).fold(drilled(&part, height, 3.0, depth), |all, one| together(all, &one));
         let channel = found(&mesh);
         assert!((channel.throat.width_mm - whole.throat.width_mm).abs() < 2e-3, "{:?}", channel.throat);
         let open = |a: &&Agreement| a.open > 0.0;
