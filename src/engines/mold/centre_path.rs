@@ -128,10 +128,6 @@ impl<'a> Layer<'a> {
     fn free(&self, element: &Element, family: usize, own: &[usize], near: &mut Vec<u32>) -> Vec<Interval> {
         let distance = self.families[family].obstacle.distance;
         let [p, q] = [element.off(0.0, distance), element.off(element.length(), distance)];
-        let (min, max) = match element {
-            Element::Side { .. } => (p.min(q), p.max(q)),
-            Element::Corner(arc) => (arc.center - distance, arc.center + distance),
-        };
         // No point of it is further from its middle than half its length.
         let middle = element.off(0.5 * element.length(), distance);
         let half = match element {
@@ -141,7 +137,10 @@ impl<'a> Layer<'a> {
         let mut blocked = Vec::new();
         for (f, other) in self.families.iter().enumerate() {
             let keep = other.obstacle.distance;
-            other.grid.near(min, max, keep, near);
+            match element {
+                Element::Side { .. } => other.grid.along([p, q], keep, near),
+                Element::Corner(arc) => other.grid.near(arc.center - distance, arc.center + distance, keep, near),
+            }
             for &k in near.iter().filter(|&&k| f != family || !own.contains(&(k as usize))) {
                 let segment = other.sides[k as usize];
                 let off = off_segment(middle, segment[0], segment[1]);

@@ -194,11 +194,18 @@ pub struct CutterLibrary {
 }
 
 impl CutterLibrary {
+    /// The least radius of its cutters (mm); infinite without any.
+    pub fn least_radius(&self) -> f64 {
+        self.cutter.iter().map(Cutter::radius).fold(f64::INFINITY, f64::min)
+    }
+
     /// The cutters of which none cuts all that another one cuts: for each kind the smallest, where there is no limit of
     /// reach, and all that have one.
     pub fn needed(&self) -> Vec<&Cutter> {
+        // A larger cutter is a union of smaller ones where both its flat and its corner are larger.
+        let flat = |cutter: &Cutter| cutter.radius() - cutter.corner_mm;
         let leaves_no_more = |a: &Cutter, b: &Cutter| {
-            a.reach_mm.is_none() && a.kind() == b.kind() && a.radius() <= b.radius() && a.corner_mm <= b.corner_mm
+            a.reach_mm.is_none() && a.kind() == b.kind() && flat(a) <= flat(b) && a.corner_mm <= b.corner_mm
         };
         let is_spare = |i: usize, cutter: &Cutter| {
             self.cutter

@@ -41,6 +41,23 @@ impl EdgeGrid {
     /// The sides that come within `reach` (mm) of the box from `min` to `max`, and some more, in order.
     pub fn near(&self, min: DVec2, max: DVec2, reach: f64, found: &mut Vec<u32>) {
         found.clear();
+        self.add(min, max, reach, found);
+        found.sort_unstable();
+        found.dedup();
+    }
+
+    /// The sides that come within `reach` (mm) of a line between two points, and some more, in order.
+    pub fn along(&self, [a, b]: [DVec2; 2], reach: f64, found: &mut Vec<u32>) {
+        found.clear();
+        // The box around a long line aslant holds many more squares than are near it.
+        let pieces = (a.distance(b) / (reach + self.cell)).ceil().clamp(1.0, Self::MOST_CELLS) as usize;
+        let at = |k: usize| a.lerp(b, k as f64 / pieces as f64);
+        (0..pieces).for_each(|k| self.add(at(k).min(at(k + 1)), at(k).max(at(k + 1)), reach, found));
+        found.sort_unstable();
+        found.dedup();
+    }
+
+    fn add(&self, min: DVec2, max: DVec2, reach: f64, found: &mut Vec<u32>) {
         let margin = reach + 0.5 * self.cell;
         let (from, to) = (self.square(min - margin), self.square(max + margin));
         for x in from.x..=to.x {
@@ -48,7 +65,5 @@ impl EdgeGrid {
                 found.extend(self.squares.get(&IVec2::new(x, y)).into_iter().flatten());
             }
         }
-        found.sort_unstable();
-        found.dedup();
     }
 }

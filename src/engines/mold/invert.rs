@@ -5,13 +5,15 @@
 //! to z or ends in a face that looks downwards; hence S(z) is the section at z united with the plan projection of the
 //! parts of such faces above z, exactly. Without invert faces it is the section as it is.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use glam::{DVec2, DVec3};
 
 use super::outline::Outline;
-use super::plane::{self, Shape};
+use super::plane;
 use super::section::{Section, vertex_error};
 use geometry::mesh::{Mesh, normal_times_two_areas, unit_normal};
 use task::{Cancel, Cancelled};
@@ -81,7 +83,7 @@ pub struct Shadows<'a> {
     mesh: &'a Mesh,
     faces: InvertFaces,
     /// Heights, the greatest first, each with the projection of what lies above it.
-    known: Vec<(f64, Vec<Outline>)>,
+    known: Vec<(f64, Arc<Vec<Outline>>)>,
 }
 
 impl<'a> Shadows<'a> {
@@ -109,7 +111,7 @@ impl<'a> Shadows<'a> {
             cancel.check()?;
             let shadow = self.at(section.z);
             if !shadow.is_empty() {
-                section.outlines = without_gaps(&flat(plane::union(&section.outlines, shadow)));
+                section.outlines = without_gaps(&plane::outlines(plane::union(&section.outlines, &shadow)));
             }
             Ok(())
         };
@@ -117,9 +119,9 @@ impl<'a> Shadows<'a> {
     }
 
     /// The projection of what lies above a height that has been prepared.
-    fn at(&self, z: f64) -> &[Outline] {
+    fn at(&self, z: f64) -> Arc<Vec<Outline>> {
         let at = self.known.partition_point(|(height, _)| *height > z);
-        self.known.get(at).filter(|(height, _)| *height == z).map_or(&[], |(_, shadow)| shadow)
+        self.known.get(at).filter(|(height, _)| *height == z).map(|(_, shadow)| shadow.clone()).unwrap_or_default()
     }
 
     /// Finds the shadows at `heights`: each from the next higher one and the parts of faces between.
@@ -143,7 +145,7 @@ impl<'a> Shadows<'a> {
         for ((z, ceiling), slab) in new.into_iter().zip(ceilings).zip(slabs) {
             cancel.check()?;
             let above = self.at(ceiling);
-            let shadow = if slab.is_empty() { above.to_vec() } else { flat(plane::union(above, &slab)) };
+            let shadow = if slab.is_empty() { above } else { Arc::new(plane::outlines(plane::union(&above, &slab))) };
             let at = self.known.partition_point(|(height, _)| *height > z);
             self.known.insert(at, (z, shadow));
         }
@@ -160,12 +162,8 @@ impl<'a> Shadows<'a> {
             Outline::new(points)
         });
         let parts: Vec<Outline> = parts.collect();
-        if parts.is_empty() { parts } else { flat(plane::union(&parts, &[])) }
+        if parts.is_empty() { parts } else { plane::outlines(plane::union(&parts, &[])) }
     }
-}
-
-fn flat(shapes: Vec<Shape>) -> Vec<Outline> {
-    shapes.into_iter().flatten().collect()
 }
 
 /// The part of a triangle between two heights; none if it has no extent.
@@ -203,8 +201,8 @@ fn clip(points: &[DVec3], side: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
 pub(super) fn without_gaps(outlines: &[Outline]) -> Vec<Outline> {
     let points = |o: &Outline| super::outline::without_straight_points(o.points(), 0.5 * GAP);
     let grown = plane::grown(outlines, 0.5 * GAP);
-    let closed = plane::grown(&flat(grown), -0.5 * GAP);
-    flat(closed).iter().filter_map(|o| Outline::new(points(o))).collect()
+    let closed = plane::grown(&plane::outlines(grown), -0.5 * GAP);
+    plane::outlines(closed).iter().filter_map(|o| Outline::new(points(o))).collect()
 }
 
 #[cfg(test)]

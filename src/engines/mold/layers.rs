@@ -115,7 +115,11 @@ pub fn first_layers(mesh: &Mesh, reaches: &[f64], settings: &LayerSettings) -> F
     }
     // A hollow at a floor begins above all of the floor's rounding.
     let at_floor = |z: f64| floors.iter().find(|[low, high]| low - SAME_HEIGHT <= z && z <= high + SAME_HEIGHT);
-    for hollow in hollows(mesh).into_iter().map(|z| at_floor(z).map_or(z, |floor| floor[1])) {
+    let hollows = hollows(mesh);
+    let room = settings.most_layers.saturating_sub(heights.len()).max(1);
+    // Of more than there may be layers some are left out, evenly.
+    for hollow in hollows.iter().step_by(hollows.len().div_ceil(room).max(1)) {
+        let hollow = at_floor(*hollow).map_or(*hollow, |floor| floor[1]);
         add_steps(&mut heights, hollow, &floors, settings);
     }
     heights.sort_by(f64::total_cmp);

@@ -23,6 +23,11 @@ pub type Shape = Vec<Outline>;
 
 type Ring = Vec<IntPoint<i64>>;
 
+/// The outlines of shapes.
+pub fn outlines(shapes: Vec<Shape>) -> Vec<Outline> {
+    shapes.into_iter().flatten().collect()
+}
+
 /// Points around which either of the sets winds at least once.
 pub fn union(a: &[Outline], b: &[Outline]) -> Vec<Shape> {
     overlay(a, b, OverlayRule::Union)

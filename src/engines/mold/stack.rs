@@ -79,7 +79,7 @@ pub fn uncut_stack(
         round += 1;
         wanted = if settings.is_fixed { Vec::new() } else { halves(&layers, &floors, settings) };
         if layers.len() + wanted.len() > settings.most_layers {
-            work.seen.warnings.push(MoldWarning::TooFewLayers { layers: layers.len() });
+            work.seen.warnings.push(MoldWarning::LayerLimit { most: settings.most_layers });
             break;
         }
     }
@@ -95,7 +95,7 @@ fn silhouette(mesh: &Mesh, shadows: &mut Shadows, cancel: &Cancel) -> Result<Vec
     shadows.cast(&mut lowest, cancel)?;
     let outlines = lowest.into_iter().filter(|s| s.open.is_empty()).flat_map(|s| s.outlines);
     let outer: Vec<Outline> = outlines.filter(|o| o.area() > 0.0).collect();
-    Ok(plane::union(&outer, &[]).into_iter().flatten().collect())
+    Ok(plane::outlines(plane::union(&outer, &[])))
 }
 
 /// The holder of a cutter if it can meet what the cutter does not: its radius and the reach (mm).

@@ -151,10 +151,10 @@ pub enum MoldWarning {
         fineness: f64,
     },
     /// Slabs that should have been halved were not.
-    #[error("{layers} layers are the most that are allowed: between them less is known than was asked for")]
-    TooFewLayers {
-        /// How many layers there are.
-        layers: usize,
+    #[error("{most} layers are the most that are allowed: between them less is known than was asked for")]
+    LayerLimit {
+        /// The most layers that are allowed.
+        most: usize,
     },
 }
 

@@ -60,6 +60,24 @@ fn heads_of_any_regions_are_joined_on_one_base_and_taken_apart() {
 }
 
 #[test]
+fn places_of_one_shape_go_on_sharing_an_electrode_when_the_first_of_them_is_joined_to_another() {
+    let (mold, regions) = slots(&[
+        ([-20.0, 0.0], [8.0, 0.8]),
+        ([0.0, 0.0], [6.0, 1.2]),
+        ([20.0, 0.0], [8.0, 0.8]),
+        ([0.0, 8.0], [8.0, 0.8]),
+    ]);
+    for first in [at(-20.0, 0.0), at(20.0, 0.0), at(0.0, 8.0)] {
+        let join = Edit::Join { places: [first, at(0.0, 0.0)] };
+        let set = planned(&mold, &regions, &with(vec![join]));
+        assert!(set.holds() && set.unmet_edits().is_empty(), "{:?}", set.checks);
+        let mut burned = burned(&set);
+        burned.sort();
+        assert_eq!(burned, [vec![1, 1], vec![2]], "{first:?}");
+    }
+}
+
+#[test]
 fn an_electrode_of_several_heads_is_copied_to_another_cavity() {
     let shapes = |x: f64| [([x, 0.0], [8.0, 0.8]), ([x, 5.0], [6.0, 1.2])];
     let (mold, regions) = slots(&[shapes(-15.0), shapes(15.0)].concat());

@@ -20,6 +20,10 @@ pub(super) const WELD: f64 = 1e-6;
 const SMALLEST: f64 = 0.2;
 /// Cells of the smallest radius on the grid on which it is tried whether an electrode can be milled.
 const MILLING_CELLS: f64 = 20.0;
+/// The same where the grid would have more than [`MOST_CELLS`].
+const LEAST_CELLS: f64 = 5.0;
+/// Cells of a grid from which on it is made coarser.
+const MOST_CELLS: f64 = 1.6e7;
 
 /// A mesh as a file in single precision has it.
 pub(super) fn in_file(mesh: &Mesh) -> Mesh {
@@ -67,8 +71,11 @@ pub(super) fn milled(
     cancel: &Cancel,
 ) -> Result<Milled, HeightFieldError> {
     let over = electrode.mapped(turned_over);
-    let field =
-        HeightField::raster(&over, (least_radius(cutters) / MILLING_CELLS).min(1.25 * tolerance.max(0.02)), cancel)?;
+    let fine = (cutters.least_radius() / MILLING_CELLS).min(1.25 * tolerance.max(0.02));
+    let size = over.bounds().size();
+    // A large electrode for a small cutter is looked at more coarsely, as long as the cutter is some cells wide.
+    let coarse = (size.x * size.y / MOST_CELLS).sqrt().min(cutters.least_radius() / LEAST_CELLS);
+    let field = HeightField::raster(&over, fine.max(coarse), cancel)?;
     let left = left_by(&field, cutters, tolerance, cancel)?;
     Ok(Milled { field, left, undercut: InvertFaces::of(&over).area })
 }
@@ -76,10 +83,6 @@ pub(super) fn milled(
 /// A point of an electrode that is turned over, and of one that is not.
 pub(super) fn turned_over(p: DVec3) -> DVec3 {
     DVec3::new(p.x, -p.y, -p.z)
-}
-
-fn least_radius(cutters: &CutterLibrary) -> f64 {
-    cutters.needed().iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min)
 }
 
 fn left_by(
@@ -105,7 +108,7 @@ pub fn machinable(
     cancel: &Cancel,
 ) -> Result<Finding, HeightFieldError> {
     let Milled { field, left, undercut } = milled(electrode, cutters, tolerance, cancel)?;
-    let radius = least_radius(cutters);
+    let radius = cutters.least_radius();
     Ok(match left.first() {
         Some(worst) => {
             let volume = left.iter().map(|r| r.volume).sum::<f64>();

@@ -12,10 +12,11 @@ use super::setting::GOUGE;
 use geometry::exact::{ExactMesh, ExactMeshError};
 use geometry::inside::winding_number;
 use geometry::mesh::{Mesh, unit_normal};
+use geometry::minkowski::{on_grid, with_rectangle};
 use geometry::offset::offset;
 use task::Cancel;
 
-/// Greatest excess of an orbit beyond its sampled places (mm).
+/// How much nearer an electrode comes between the sampled places of its orbit, at most (mm).
 const BULGE: f64 = 2e-4;
 
 /// A mold that electrodes must keep clear of.
@@ -103,7 +104,15 @@ impl Obstacle {
             let place = if is_near { self.contact((mesh, &exact), shift) } else { None };
             Ok(Near { distance, place })
         };
-        let burning = near(electrode, &burning_places(stage.orbit))?;
+        // What a square orbit sweeps is a solid of its own.
+        let square = match stage.orbit {
+            Orbit::Square { radius_mm } => with_rectangle(&on_grid(electrode), DVec2::splat(radius_mm)).ok(),
+            _ => None,
+        };
+        let burning = match &square {
+            Some(swept) => near(swept, &[DVec3::ZERO])?,
+            None => near(electrode, &burning_places(stage))?,
+        };
         let way = near(&swept(electrode, lift), &[DVec3::ZERO])?;
         Ok(Clearance { near: [burning, way], inside })
     }
@@ -115,7 +124,8 @@ impl Obstacle {
             Ok((self.mesh.distance_to(body, &DAffine3::from_translation(*shift)), *shift))
         };
         let all = shifts.par_iter().map(at).collect::<Result<Vec<_>, _>>()?;
-        let nearer = |a: (f64, DVec3), b: (f64, DVec3)| if b.0 < a.0 { b } else { a };
+        // A distance that could not be measured counts as none.
+        let nearer = |a: (f64, DVec3), b: (f64, DVec3)| if b.0 < a.0 || b.0.is_nan() { b } else { a };
         Ok(all.into_iter().fold((f64::INFINITY, DVec3::ZERO), nearer))
     }
 
@@ -187,10 +197,11 @@ pub struct Clearance {
 }
 
 impl Clearance {
-    /// The worse of two: what stands inside the mold is worse than what comes near it.
+    /// The worse of two: for each check the lesser distance.
     pub fn worse(self, other: Self) -> Self {
-        let badness = |c: &Self| (c.inside.is_some(), -c.near[0].distance.min(c.near[1].distance));
-        if badness(&other) > badness(&self) { other } else { self }
+        let nearer = |a: Near, b: Near| if b.distance < a.distance || b.distance.is_nan() { b } else { a };
+        let near = [nearer(self.near[0], other.near[0]), nearer(self.near[1], other.near[1])];
+        Self { near, inside: self.inside.or(other.inside) }
     }
 
     /// Checks that the gap of a stage is kept in the burning position, and on the way in and out.
@@ -232,25 +243,29 @@ fn inset(mesh: &Mesh, by: f64) -> Mesh {
     offset(&turned(mesh), |_| by).map_or_else(|_| mesh.clone(), |moved| turned(&moved))
 }
 
-/// Places of an electrode that burns: the middle of its orbit, and so many around it that it bulges less beyond them
-/// than [`BULGE`].
-fn burning_places(orbit: Orbit) -> Vec<DVec3> {
-    std::iter::once(DVec3::ZERO).chain(orbit_places(orbit)).collect()
-}
-
-fn orbit_places(orbit: Orbit) -> Vec<DVec3> {
-    match orbit {
+/// Places of an electrode that burns: the middle of its orbit, and so many along it that the electrode comes nowhere nearer
+/// than at one of them by more than [`BULGE`].
+fn burning_places(stage: &Stage) -> Vec<DVec3> {
+    // Where it comes nearest the way to the mold is across the orbit, so that after a step along it the distance is
+    // the hypotenuse of both.
+    let gap = stage.gap_mm + stage.stock_mm;
+    let step = ((gap + BULGE).powi(2) - gap * gap).sqrt();
+    let along: Vec<DVec2> = match stage.orbit {
         Orbit::None => Vec::new(),
         Orbit::Circular { radius_mm } => {
-            let half_step = (1.0 - BULGE / radius_mm.max(BULGE)).acos();
-            let count = (PI / half_step).ceil().max(8.0);
+            let half = (step / radius_mm.max(step)).min((1.0 - BULGE / radius_mm.max(BULGE)).acos());
+            let count = (PI / half).ceil().max(8.0);
             let around = |i: usize| DVec2::from_angle(i as f64 * 2.0 * PI / count);
-            (0..count as usize).map(|i| (around(i) * radius_mm).extend(0.0)).collect()
+            (0..count as usize).map(|i| around(i) * radius_mm).collect()
         }
         Orbit::Square { radius_mm: r } => {
-            [(r, r), (r, -r), (-r, r), (-r, -r)].into_iter().map(|(x, y)| DVec3::new(x, y, 0.0)).collect()
+            let count = (r / step).ceil().max(1.0) as usize;
+            let side = |i: usize| DVec2::new(r, r * (2.0 * i as f64 / count as f64 - 1.0));
+            let sides = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y].into_iter();
+            sides.flat_map(|way| (0..count).map(move |i| way.rotate(side(i)))).collect()
         }
-    }
+    };
+    std::iter::once(DVec3::ZERO).chain(along.into_iter().map(|p| p.extend(0.0))).collect()
 }
 
 /// The surfaces that bound what a mesh sweeps on its way straight up.

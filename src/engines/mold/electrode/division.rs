@@ -399,8 +399,8 @@ fn parts_of(
     let parts: Result<Vec<Part>, TipError> = parts.into_iter().map(|f| whole(burned, f, settings)).collect();
     let parts = match parts {
         Ok(parts) => parts,
-        Err(TipError::NoRoom | TipError::NoSurface | TipError::Solid(_)) => return Ok(Err(Refused::NoHead)),
-        Err(other) => return Err(other),
+        Err(error) if error.is_no_head() => return Ok(Err(Refused::NoHead)),
+        Err(error) => return Err(error),
     };
     let is_needed = are_needed(burned, by, &parts.iter().collect::<Vec<_>>());
     let (mut needed, mut left) = (Vec::new(), 0.0);
@@ -419,7 +419,7 @@ fn parts_of(
 fn is_reached(burned: &Burned, footprint: &Footprint, others: &[&Footprint]) -> bool {
     let free: Vec<Outline> = others.iter().flat_map(|other| other.free.iter().cloned()).collect();
     let reached = grown(&free, burned.gap_across + CELL);
-    shrunk(&flat(plane::difference(&footprint.region, &reached)), NOTHING).is_empty()
+    shrunk(&plane::outlines(plane::difference(&footprint.region, &reached)), NOTHING).is_empty()
 }
 
 /// Whether each of several parts burns something that the others do not; a head that removes nothing is none, as one
@@ -457,11 +457,12 @@ pub(super) fn cut_along(burned: &Burned, part: &Part, cut: &Cut, settings: &Divi
         all.filter_map(|free| share(burned, footprint, &free, (side, through, outward)).map(|own| (free, own)))
             .collect()
     };
-    let with_walls =
-        |free: &Shape, side: &[Outline]| both(&both(&flat(plane::grown(free, SKIN)), &footprint.outlines), side);
+    let with_walls = |free: &Shape, side: &[Outline]| {
+        both(&both(&plane::outlines(plane::grown(free, SKIN)), &footprint.outlines), side)
+    };
     let part = |outlines: Vec<Outline>, own: &[Outline], removed: &[Vec<DVec3>]| {
         let free = both(&outlines, &footprint.free);
-        let region = flat(plane::union(&both(&outlines, &footprint.region), own));
+        let region = plane::outlines(plane::union(&both(&outlines, &footprint.region), own));
         let removed = footprint.removed.iter().chain(removed).cloned().collect();
         Footprint { outlines, free, region, removed, ..*footprint }
     };
@@ -480,7 +481,7 @@ pub(super) fn cut_along(burned: &Burned, part: &Part, cut: &Cut, settings: &Divi
         mouths += length;
         if reach > 0.0 {
             let strip = both(&strip, &footprint.free);
-            outlines = flat(plane::union(&outlines, &strip));
+            outlines = plane::outlines(plane::union(&outlines, &strip));
         }
         parts.push(part(outlines, &own, if reach > 0.0 { &below } else { &[] }));
     }
@@ -531,12 +532,8 @@ fn share(
     is_needed.then_some(own)
 }
 
-fn flat(shapes: Vec<Shape>) -> Vec<Outline> {
-    shapes.into_iter().flatten().collect()
-}
-
 fn both(a: &[Outline], b: &[Outline]) -> Vec<Outline> {
-    flat(plane::intersection(a, b))
+    plane::outlines(plane::intersection(a, b))
 }
 
 /// The length of a shape's sides on the line of a cut, and the strips by which it reaches back over them, between its

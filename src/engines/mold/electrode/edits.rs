@@ -101,8 +101,8 @@ fn halve(burned: &Burned, part: &mut Part, cut: Cut, settings: &DivisionSettings
             part.divided = Some((cut, halves));
         }
         // A cut that leaves no head on one side divides nothing.
-        Err(TipError::NoRoom | TipError::NoSurface | TipError::Solid(_)) => return Ok(false),
-        Err(other) => return Err(other),
+        Err(error) if error.is_no_head() => return Ok(false),
+        Err(error) => return Err(error),
     }
     Ok(true)
 }
@@ -116,16 +116,19 @@ fn merge(burned: &Burned, tree: &mut Part, places: [DVec2; 2], settings: &Divisi
     let (first, second) = if a < b { (a, b) } else { (b, a) };
     let Some(other) = at(tree, &second).map(|part| part.footprint.clone()) else { return Ok(false) };
     let Some(one) = at(tree, &first) else { return Ok(false) };
-    let flat = |shapes: Vec<plane::Shape>| shapes.into_iter().flatten().collect::<Vec<Outline>>();
-    let joined = |x: &[Outline], y: &[Outline]| flat(plane::union(x, y));
+    let joined = |x: &[Outline], y: &[Outline]| plane::outlines(plane::union(x, y));
     let mut footprint = one.footprint.clone();
     // A hair between the two, which a cut leaves, is closed.
     let free = joined(&footprint.free, &other.free);
-    footprint.free = flat(plane::grown(&flat(plane::grown(&free, HAIR)), -HAIR));
-    footprint.outlines = flat(plane::grown(&footprint.free, SKIN));
+    footprint.free = plane::outlines(plane::grown(&plane::outlines(plane::grown(&free, HAIR)), -HAIR));
+    footprint.outlines = plane::outlines(plane::grown(&footprint.free, SKIN));
     footprint.region = joined(&footprint.region, &other.region);
     footprint.removed.retain(|body| other.removed.contains(body));
-    *one = whole(burned, footprint, settings)?;
+    match whole(burned, footprint, settings) {
+        Ok(joined) => *one = joined,
+        Err(error) if error.is_no_head() => return Ok(false),
+        Err(error) => return Err(error),
+    }
     remove(tree, &second);
     Ok(true)
 }
@@ -219,13 +222,12 @@ pub(super) fn off_in_plan(region: &RegionToBurn, plan: impl Fn(DVec3) -> DVec2, 
 /// one.
 pub(super) fn places(tree: &Part) -> Vec<Option<DVec2>> {
     let leaves = tree.leaves();
-    let flat = |shapes: Vec<plane::Shape>| shapes.into_iter().flatten().collect::<Vec<Outline>>();
     let of = |(i, part): (usize, &&Part)| {
         let Footprint { free, region, .. } = &part.footprint;
-        let inner = flat(plane::intersection(free, region));
+        let inner = plane::outlines(plane::intersection(free, region));
         let others = leaves.iter().enumerate().filter(|(j, _)| *j != i);
         let others: Vec<Outline> = others.flat_map(|(_, other)| other.footprint.region.iter().cloned()).collect();
-        let own = |of: &[Outline]| plane::inside(&flat(plane::difference(of, &others)));
+        let own = |of: &[Outline]| plane::inside(&plane::outlines(plane::difference(of, &others)));
         own(&inner).or_else(|| own(region)).or_else(|| plane::inside(region)).or_else(|| plane::inside(free))
     };
     leaves.iter().enumerate().map(of).collect()

@@ -42,7 +42,7 @@ pub(super) fn into_families(
     if let Some(like) = like.filter(is_same) {
         return rows_of(like).into_iter().try_for_each(|row| set(electrodes, &row, params));
     }
-    let radius = cutters.needed().iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
+    let radius = cutters.least_radius();
     // A cutter has to pass between two tips, also between those that are milled smaller than the net shape.
     let clear = params.family_spacing_mm.max(if radius.is_finite() { 2.2 * radius } else { 0.0 });
     for members in forms(electrodes) {
@@ -54,19 +54,15 @@ pub(super) fn into_families(
             let obstacle = Obstacle::new(&mold.mapped(|p| turned * p))?.stopped_by(cancel);
             row(electrodes, &members, (&obstacle, clear), (params, stages), cancel)?
         };
-        match found {
-            Ok(row) => set(electrodes, &row, params)?,
-            Err(why) => members.iter().for_each(|e| electrodes[*e].family = Family::Apart { why: why.clone() }),
-        }
+        let apart = match found.map(|row| set(electrodes, &row, params)) {
+            Ok(Ok(())) => continue,
+            Ok(Err(ElectrodeError::Solid(_))) => "the heads of all stages do not join into one body".to_owned(),
+            Ok(Err(error)) => return Err(error),
+            Err(why) => why,
+        };
+        members.iter().for_each(|e| electrodes[*e].family = Family::Apart { why: apart.clone() });
     }
     Ok(())
-}
-
-/// The parts that an electrode burns, in order.
-pub(super) fn parts(electrode: &Electrode) -> Vec<PartId> {
-    let mut parts: Vec<PartId> = electrode.burns.iter().flat_map(|b| b.parts.iter().copied()).collect();
-    parts.sort_unstable();
-    parts
 }
 
 /// Electrodes that burn the same places from the same side, those of the first stage first.
@@ -75,7 +71,7 @@ fn forms(electrodes: &[Electrode]) -> Vec<Vec<usize>> {
     for (e, electrode) in electrodes.iter().enumerate() {
         let is_same = |form: &&mut Vec<usize>| {
             let first = &electrodes[form[0]];
-            first.direction == electrode.direction && parts(first) == parts(electrode)
+            first.direction == electrode.direction && first.parts() == electrode.parts()
         };
         match forms.iter_mut().find(is_same) {
             Some(form) => form.push(e),
@@ -113,7 +109,11 @@ fn row(
             cancel.check()?;
             let row = in_a_row(electrodes, members, way, clear + further + undersizes(params, stages));
             let (base, _) = Base::under(&around(electrodes, &row), params);
-            if (!params.holders.is_empty() && base.holder(params).is_none()) || base.sides.max_element() > LONGEST {
+            let fits = match params.holders.is_empty() {
+                true => base.sides.max_element() <= LONGEST,
+                false => base.holder(params).is_some(),
+            };
+            if !fits {
                 continue;
             }
             fits_one = true;

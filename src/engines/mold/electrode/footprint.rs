@@ -52,7 +52,7 @@ fn band(outlines: &[Outline], width: f64) -> Vec<Outline> {
 
 /// Everything within `by` of a set.
 pub fn grown(outlines: &[Outline], by: f64) -> Vec<Outline> {
-    plane::union(outlines, &band(outlines, by)).into_iter().flatten().collect()
+    plane::outlines(plane::union(outlines, &band(outlines, by)))
 }
 
 /// Everything of a set that is further than `by` from its boundary.

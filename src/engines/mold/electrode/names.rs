@@ -10,7 +10,6 @@ use rayon::prelude::*;
 use super::design::{Electrode, Family, PartId, RegionPlan};
 use super::edits::TOUCHES;
 use super::edits::off_in_plan;
-use super::family::parts;
 use super::given::{Given, GivenName, numbered};
 use super::params::ElectrodeParams;
 use super::part_numbers::{Numbered, Parts};
@@ -35,7 +34,7 @@ pub(super) fn named(
     let mut forms: Vec<Vec<PartId>> = Vec::new();
     let mut form_of = Vec::new();
     for electrode in electrodes.iter() {
-        let own = parts(electrode);
+        let own = electrode.parts();
         form_of.push(forms.iter().position(|form| *form == own).unwrap_or(forms.len()));
         if form_of.last() == Some(&forms.len()) {
             forms.push(own);
@@ -164,7 +163,7 @@ fn place_of(id: PartId, (regions, plans, parts): Burned) -> Option<DVec3> {
     let part = parts[id.region].iter().find(|part| part.number == id.part)?;
     let others = |other: &&Numbered| other.stage == part.stage && other.number != part.number;
     let others: Vec<Outline> = parts[id.region].iter().filter(others).flat_map(|o| o.shape.iter().cloned()).collect();
-    let own: Vec<Outline> = plane::difference(&part.shape, &others).into_iter().flatten().collect();
+    let own = plane::outlines(plane::difference(&part.shape, &others));
     let p = plane::inside(&own).or_else(|| plane::inside(&part.shape))?;
     let turned = to_burn_frame(plans[id.region].direction);
     let middles = regions[id.region].corners.iter().map(|c| turned * ((c[0] + c[1] + c[2]) / 3.0));

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 
 use super::burning::Burning;
+use super::clearance::Obstacle;
 use super::design::{Electrode, ElectrodeSet};
 use super::finding::CheckKind;
 use super::params::{ElectrodeParams, Orbit, Removal, Stage};
@@ -78,6 +79,30 @@ fn a_square_orbit_keeps_the_gap_in_round_hollows_with_the_coordinates_of_files()
         assert!(set.holds(), "{:?} {:?}", set.checks, set.regions[0].reason);
         let nearest = least_distance(&mold, &burning(&set.electrodes[0]), around());
         assert!((GAP - 1e-6..GAP + 1e-3).contains(&nearest), "{nearest}");
+    }
+}
+
+/// A slim pin on a plate before an edge of the electrode, where the orbit brings the two nearest.
+#[test]
+fn what_an_edge_of_the_electrode_meets_between_the_corners_of_its_orbit_is_found() {
+    const PIN: f64 = 0.05;
+    let plate = prism(&[&rectangle(20.0, 20.0)], -2.0, 0.0).unwrap();
+    // Its edge is at the origin, and looks along X.
+    let edge = polygon(4, 2.0).iter().map(|p| *p - DVec2::X * 2.0).collect::<Vec<_>>();
+    let electrode = prism(&[&edge], 1.0, 4.0).unwrap();
+    for (orbit, at) in [
+        (Orbit::Square { radius_mm: 0.5 }, DVec2::new(0.5, 0.13)),
+        (Orbit::Circular { radius_mm: 0.5 }, DVec2::from_angle(0.0137) * 0.5),
+        (Orbit::Circular { radius_mm: 0.5 }, DVec2::from_angle(-0.3) * 0.5),
+    ] {
+        let away = if matches!(orbit, Orbit::Square { .. }) { DVec2::X } else { at.normalize() };
+        for (off, keeps) in [(GAP - 2.0 * GOUGE, false), (GAP + GOUGE, true)] {
+            let pin: Vec<DVec2> = polygon(720, PIN).iter().map(|p| *p + at + away * (off + PIN)).collect();
+            let mold = union(&plate, &prism(&[&pin], -1.0, 3.0).unwrap()).unwrap();
+            let stage = Stage { orbit, ..Stage::finish(GAP) };
+            let clearance = Obstacle::new(&mold).unwrap().clearance(&electrode, &stage, 10.0).unwrap();
+            assert_eq!(clearance.findings(&stage)[0].holds, keeps, "{orbit:?} {off}: {clearance:?}");
+        }
     }
 }
 

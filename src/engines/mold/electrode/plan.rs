@@ -299,7 +299,7 @@ fn division_settings<'a>(
     (library, cutters): (&CutterLibrary, &'a CutterLibrary),
     is_last: bool,
 ) -> DivisionSettings<'a> {
-    let least = library.needed().iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
+    let least = library.least_radius();
     DivisionSettings {
         overlap: params.overlap_mm,
         least: params.least_size_mm,

@@ -28,7 +28,7 @@ use crate::height_field::HeightFieldError;
 use crate::outline::Outline;
 use crate::plane;
 use geometry::mesh::{Bounds, Edge, Mesh};
-use geometry::solid::{difference, prism};
+use geometry::solid::{SolidError, difference, prism};
 use task::Cancel;
 
 /// How alike directions are that are one (cosine).
@@ -72,7 +72,11 @@ fn fullest(
     let around = Bounds::of(corners.iter().flatten().copied());
     let beside = margin + 2.0 * stage.most_across();
     let [low, high] = [around.min.truncate() - beside, around.max.truncate() + beside];
-    let clear = KeptClear::over(mold, stage, [low, high], around.min.z, cancel)?;
+    let clear = match KeptClear::over(mold, stage, [low, high], around.min.z, cancel) {
+        Ok(clear) => clear,
+        Err(SolidError::Cancelled(cancelled)) => return Err(cancelled.into()),
+        Err(_) => return Ok(None),
+    };
     let sides = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
     let top = around.max.z + 4.0 * stage.most_across() + 1.0;
     let room = prism(&[&sides], around.min.z, top).and_then(|all| difference(&all, &clear.mesh));
@@ -267,7 +271,7 @@ fn left_of(
     let (samples, looked) = samples(&corners, region, (&setting.edges, &cuts), radii);
     let samples = overhangs.without_hidden(samples, (&setting.mold, &setting.turned), milled.within);
     let back = setting.turned.transpose();
-    let leaves = |p: DVec3| (milled.leaves)(back * p);
+    let leaves = |p: DVec3, within: f64| (milled.leaves)(back * p, within);
     let milled = Milled { leaves: &leaves, within: milled.within };
     let fullest = fullest(&setting.surface, (last, params.margin_mm), &corners, cancel)?;
     let burns = Burns { all: &burns, fullest: fullest.as_ref() };

@@ -82,9 +82,9 @@ impl LeftOfRegion {
 
 /// Where cutters leave something, known to `within` (mm).
 pub struct Milled<'a> {
-    /// Whether they leave it at a point, or within that distance of it.
-    pub leaves: &'a (dyn Fn(DVec3) -> bool + Sync),
-    /// How far off the answer may be (mm).
+    /// Whether they leave it at a point, or within a distance of it along the axes (mm).
+    pub leaves: &'a (dyn Fn(DVec3, f64) -> bool + Sync),
+    /// How far off the answer may be (mm): beside a wall the place itself may be told to be in the wall.
     pub within: f64,
 }
 
@@ -93,6 +93,22 @@ impl Milled<'_> {
     /// up to a quarter of a cell.
     pub fn accuracy(&self) -> f64 {
         0.25 * self.within
+    }
+
+    fn leaves_near(&self, p: DVec3) -> bool {
+        (self.leaves)(p, self.within)
+    }
+
+    /// How far along a line from `near`, beside a wall, to `end`, where they leave nothing any more, the stock goes (mm).
+    fn ends(&self, at: &dyn Fn(f64) -> DVec3, [near, end]: [f64; 2]) -> f64 {
+        /// Halvings of the way.
+        const HALVINGS: usize = 8;
+        let (mut left, mut free) = (near, end);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (left + free);
+            if (self.leaves)(at(middle), 0.0) { left = middle } else { free = middle }
+        }
+        left
     }
 }
 
@@ -139,7 +155,7 @@ fn left_at(burns: &Burns, sample: &Sample, mold: &Obstacle, milled: &Milled) -> 
     let thickness = march(sample, &beyond, mold, milled).thickness;
     let (mut allowed, mut is_in_slot, mut is_unreached, mut is_shaded) = (0.0, false, false, false);
     // On an edge a normal runs into, or along, the other face.
-    let rounded = if (milled.leaves)(sample.point) { beyond(sample.point).clamp(0.0, sample.thickest) } else { 0.0 };
+    let rounded = if milled.leaves_near(sample.point) { beyond(sample.point).clamp(0.0, sample.thickest) } else { 0.0 };
     let mut told = thickness;
     if let Some(fullest) = burns.fullest.filter(|_| thickness.max(rounded) > ARRIVED && !burns.all.is_empty()) {
         let least = march(sample, &|p| fullest.beyond(p), mold, milled);
@@ -190,8 +206,10 @@ fn march(sample: &Sample, beyond: &dyn Fn(DVec3) -> f64, mold: &Obstacle, milled
         if off <= 0.0 {
             break;
         }
-        if !(milled.leaves)(at(on)) {
-            met.thickness = f64::max(met.thickness - 1.5 * milled.within, 0.0);
+        if !milled.leaves_near(at(on)) {
+            // It ended no more than 1.5 cells before the last place where they may leave something.
+            let end = milled.ends(&at, [f64::max(along - 1.5 * milled.within, 0.0), on]);
+            met.thickness = met.thickness.min(end);
             break;
         }
         along = on;

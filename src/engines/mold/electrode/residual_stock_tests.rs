@@ -4,10 +4,12 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2};
 
 use glam::{DMat3, DVec2, DVec3};
 
+use super::clearance::Obstacle;
 use super::design::ElectrodeSet;
 use super::finding::{CheckKind, Finding};
 use super::params::{ElectrodeParams, Orbit, Stage};
 use super::plan::plan;
+use super::residual_stock::{Burns, Milled, Sample, left_by};
 use super::setting::ElectrodeError;
 use super::tests::{GAP, cutters, mold, params, planned, region, ring};
 use crate::fixtures::rectangle;
@@ -136,6 +138,22 @@ fn what_a_sharp_floor_edge_keeps_is_found_in_a_pocket_however_large() {
 }
 
 #[test]
+fn stock_that_nothing_burns_is_as_thick_as_what_the_cutters_leave() {
+    const THICK: f64 = 0.3;
+    let mold = Obstacle::new(&mold([20.0, 20.0, 10.0], &[])).unwrap();
+    let point = DVec3::new(10.0, 0.0, -5.0);
+    let sample = Sample { point, normal: DVec3::X, area: 2.0, thickest: 1.0 };
+    for within in [0.02, 0.05, 0.11] {
+        let leaves = |p: DVec3, near: f64| p.x - near <= point.x + THICK;
+        let milled = Milled { leaves: &leaves, within };
+        let burns = Burns { all: &[], fullest: None };
+        let found = left_by(&burns, &[sample], (&mold, &milled), &Cancel::default()).unwrap()[0].left;
+        assert!((found.thickness - THICK).abs() < 0.02 * within, "{within}: {found:?}");
+        assert!((found.volume - 2.0 * THICK).abs() < 0.04 * within, "{within}: {found:?}");
+    }
+}
+
+#[test]
 fn checks_of_an_orbit_stop_when_they_are_told_to() {
     let mold = pocket_with_slot(0.8, 3.0, 3.0);
     let all = region(&mold, DVec2::splat(-9.0), DVec2::splat(9.0));
@@ -144,13 +162,13 @@ fn checks_of_an_orbit_stop_when_they_are_told_to() {
     let electrode = &set.electrodes[0];
     let standing = electrode.burning(&electrode.mesh, &electrode.burns[0], &DMat3::IDENTITY);
     let cancel = Cancel::default();
-    let obstacle = super::clearance::Obstacle::new(&mold).unwrap().stopped_by(&cancel);
+    let obstacle = Obstacle::new(&mold).unwrap().stopped_by(&cancel);
     assert!(obstacle.clearance(&standing, &stage, 1.0).is_ok());
     cancel.cancel();
     let found = obstacle.clearance(&standing, &stage, 1.0);
     assert!(matches!(found, Err(ElectrodeError::Cancelled(_))), "{found:?}");
-    let everything = |_: DVec3| true;
-    let milled = super::residual_stock::Milled { leaves: &everything, within: 0.05 };
+    let everything = |_: DVec3, _: f64| true;
+    let milled = Milled { leaves: &everything, within: 0.05 };
     let asked = ElectrodeParams { stages: vec![stage], ..params(GAP) };
     let found = plan(&mold, &[all], (&cutters(), &milled), &asked, &Task::silent(&cancel));
     assert!(matches!(found, Err(ElectrodeError::Cancelled(_))));
@@ -161,7 +179,7 @@ fn the_place_of_a_gouge_is_where_it_comes_nearest_and_stock_is_named() {
     // A long block whose middle comes near a ridge: its corners are far from it.
     let hollow = ring(&[(-9.0, -2.0), (9.0, -2.0), (9.0, 2.0), (0.5, 2.0), (0.0, 1.0), (-0.5, 2.0), (-9.0, 2.0)]);
     let mold = mold([30.0, 20.0, 10.0], &[(&hollow, 3.0)]);
-    let obstacle = super::clearance::Obstacle::new(&mold).unwrap();
+    let obstacle = Obstacle::new(&mold).unwrap();
     let block = |high: f64| {
         let outline = ring(&[(-8.0, -1.0), (8.0, -1.0), (8.0, high), (-8.0, high)]);
         geometry::solid::prism(&[&outline], -2.0, 1.0).unwrap()

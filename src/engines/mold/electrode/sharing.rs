@@ -17,7 +17,7 @@ use super::params::{ElectrodeParams, Method, Repeat};
 use super::samples::samples;
 use super::setting::{ElectrodeError, KeptClear, RegionToBurn, Setting, burn_area};
 use super::tip::{joined, led_up};
-use crate::cutter::{Cutter, CutterLibrary};
+use crate::cutter::CutterLibrary;
 use crate::plane;
 use geometry::mesh::{Bounds, Mesh};
 use task::Cancel;
@@ -58,14 +58,26 @@ impl Shared {
             return vec![self];
         }
         let left = |own: &[usize]| -> Vec<usize> { own.iter().copied().filter(|leaf| !gone.contains(leaf)).collect() };
-        let is_whole = |own: &[usize]| left(own).len() == own.len();
-        if is_whole(&self.burns[0].2) {
-            let (whole, part): (Vec<_>, Vec<_>) = self.burns.into_iter().partition(|(.., own)| is_whole(own));
-            let rest = part.iter().map(|(.., own)| left(own)).filter(|own| !own.is_empty()).map(Self::of);
-            let rest: Vec<Self> = rest.collect();
-            return [vec![Self { burns: whole, ..self }], rest].concat();
+        let (heads, is_repeated) = (self.leaves.len(), self.is_repeated);
+        let (mut whole, mut part): (Vec<_>, Vec<_>) =
+            self.burns.into_iter().partition(|(.., own)| left(own).len() == own.len());
+        // The heads are made as they stand at the first place that is left, which needs all of them.
+        if whole.first().is_some_and(|(.., own)| own.len() < heads) {
+            part.append(&mut whole);
         }
-        self.burns.iter().map(|(.., own)| left(own)).filter(|own| !own.is_empty()).map(Self::of).collect()
+        let rest = part.iter().map(|(.., own)| left(own)).filter(|own| !own.is_empty()).map(Self::of);
+        let whole = Self::of_places(whole).map(|group| Self { is_repeated, ..group });
+        whole.into_iter().chain(rest).collect()
+    }
+
+    /// One electrode for these burns, whose heads are made as they stand at the first of them.
+    fn of_places(burns: Vec<(f64, DVec3, Vec<usize>)>) -> Option<Self> {
+        let (from, at, leaves) = burns.first()?.clone();
+        let moved = |(turn, shift, own): (f64, DVec3, Vec<usize>)| {
+            let back = DVec2::from_angle(turn - from).rotate(at.truncate()).extend(at.z);
+            (turn - from, shift - back, own)
+        };
+        Some(Self { leaves, burns: burns.into_iter().map(moved).collect(), is_repeated: false })
     }
 }
 
@@ -166,7 +178,7 @@ pub(super) fn shared(
         }
     }
     let (single, mut several): (Vec<Shared>, Vec<Shared>) = groups.into_iter().partition(|g| g.burns.len() == 1);
-    let radius = cutters.needed().iter().map(|c: &&Cutter| c.radius()).fold(f64::INFINITY, f64::min);
+    let radius = cutters.least_radius();
     // A cutter has to pass between two tips.
     let clear = 2.2 * radius;
     let together = |all: &[usize]| -> Vec<Vec<usize>> {
@@ -236,19 +248,8 @@ fn heads_of(group: Shared, together: &dyn Fn(&[usize]) -> Vec<Vec<usize>>) -> Ve
     let (alone, at_once): (Vec<_>, Vec<_>) = sets.into_iter().partition(|set| set.len() == 1);
     let at_once = at_once.into_iter().map(|set| Shared { is_repeated: true, ..Shared::of(set) });
     // Places by themselves share one head as before.
-    let mut alone = alone.into_iter().flatten();
-    let place = |leaf: usize| group.burns.iter().find(|(.., own)| own.contains(&leaf));
-    let first = alone.next().and_then(|leaf| Some((leaf, place(leaf)?)));
-    let one_head = first.map(|(leaf, (from, at, _))| {
-        let mut shared = Shared::of(vec![leaf]);
-        shared.burns.extend(alone.filter_map(|other| {
-            let (turn, shift, _) = place(other)?;
-            let by = turn - from;
-            let back = DVec2::from_angle(by).rotate(at.truncate()).extend(at.z);
-            Some((by, *shift - back, vec![other]))
-        }));
-        shared
-    });
+    let place = |leaf: usize| group.burns.iter().find(|(.., own)| own.contains(&leaf)).cloned();
+    let one_head = Shared::of_places(alone.into_iter().flatten().filter_map(place).collect());
     at_once.chain(one_head).collect()
 }
 
@@ -358,7 +359,7 @@ pub(super) fn assembled(
     let origin = around.center().with_z(seat);
     let tips: Vec<Mesh> = raised.iter().map(|m| m.mapped(|p| p - origin)).collect();
     let (base, length) = Base::under(&Bounds { max: around.max.with_z(seat), ..around }, params);
-    let radius = cutters.needed().iter().map(|c: &&Cutter| c.radius()).fold(f64::INFINITY, f64::min);
+    let radius = cutters.least_radius();
     let other_way = other_way(leaves, group, (&raised, params), 2.2 * radius);
     let burns = burns(setting, leaves, group, (origin, around.min.z));
     let is_extruded = own.iter().all(|leaf| leaf.part.footprint.method == Method::Extruding);

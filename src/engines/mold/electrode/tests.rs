@@ -80,7 +80,7 @@ pub(super) fn params(gap: f64) -> ElectrodeParams {
 }
 
 pub(super) fn planned(mold: &Mesh, regions: &[RegionToBurn], params: &ElectrodeParams) -> ElectrodeSet {
-    let everything = |_: DVec3| true;
+    let everything = |_: DVec3, _: f64| true;
     let milled = Milled { leaves: &everything, within: 0.05 };
     plan(mold, regions, (&cutters(), &milled), params, &Task::default()).unwrap()
 }
@@ -220,7 +220,7 @@ fn broken_electrodes_are_caught_by_the_check_that_is_meant_for_it() {
     let burning = super::burning::Burning::new(&raised, stage).unwrap();
     let floor =
         super::residual_stock::Sample { point: DVec3::new(1.0, 0.0, -5.0), normal: DVec3::Z, area: 1.0, thickest: 5.0 };
-    let everything = |_: DVec3| true;
+    let everything = |_: DVec3, _: f64| true;
     let milled = Milled { leaves: &everything, within: 0.05 };
     let obstacle = super::clearance::Obstacle::new(&mold).unwrap();
     let burns = Burns { all: &[burning], fullest: None };

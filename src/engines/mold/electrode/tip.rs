@@ -59,6 +59,13 @@ pub enum TipError {
     Cancelled(#[from] Cancelled),
 }
 
+impl TipError {
+    /// Whether there is no head for this region, rather than that the work was stopped.
+    pub(super) fn is_no_head(&self) -> bool {
+        !matches!(self, Self::Cancelled(_))
+    }
+}
+
 impl From<SolidError> for TipError {
     fn from(error: SolidError) -> Self {
         match error {

@@ -94,10 +94,10 @@ pub(super) fn on_milled<T>(
         on_field(&field, &uncut.params.library, (uncut.exact(), uncut.params.tolerance_mm), &task.cancel)?;
     let covered = Covered::new(&field, &closing, &found);
     let step = covered.step();
-    let leaves = |p: DVec3| {
-        let near = [-1.0, 0.0, 1.0].map(|x| [-1.0, 0.0, 1.0].map(|y| DVec2::new(x, y) * step));
-        let is_left = |at: DVec2| covered.at(p.truncate() + at).is_some_and(|l| l.low - step <= p.z && p.z <= l.high);
-        near.as_flattened().iter().any(|at| is_left(*at))
+    let leaves = |p: DVec3, within: f64| {
+        let is_left = |at: DVec2| covered.at(p.truncate() + at).is_some_and(|l| l.low - within <= p.z && p.z <= l.high);
+        let near = [-1.0, 0.0, 1.0].map(|x| [-1.0, 0.0, 1.0].map(|y| DVec2::new(x, y) * within));
+        is_left(DVec2::ZERO) || (within > 0.0 && near.as_flattened().iter().any(|at| is_left(*at)))
     };
     work(&upright, &Milled { leaves: &leaves, within: step })
 }

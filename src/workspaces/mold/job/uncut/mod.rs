@@ -80,7 +80,7 @@ impl UncutParams {
         if let Some(step) = self.grid_step_mm.filter(|step| !(step.is_finite() && *step > 0.0)) {
             return Err(UncutError::Field(HeightFieldError::BadStep(step)));
         }
-        let radius = self.library.needed().iter().map(|c| c.radius()).fold(f64::INFINITY, f64::min);
+        let radius = self.library.least_radius();
         match self.grid_step_mm.filter(|step| *step > 0.5 * radius) {
             Some(step) => Err(UncutError::CoarseStep { step, radius }),
             None => Ok(()),
