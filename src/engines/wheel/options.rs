@@ -65,6 +65,18 @@ pub enum AxisName {
     Z,
 }
 
+impl AxisName {
+    /// The unit direction in the mesh's coordinates; none where it is found.
+    pub fn direction(self) -> Option<DVec3> {
+        match self {
+            Self::Auto => None,
+            Self::X => Some(DVec3::X),
+            Self::Y => Some(DVec3::Y),
+            Self::Z => Some(DVec3::Z),
+        }
+    }
+}
+
 /// A line in the coordinates of the mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -167,7 +179,7 @@ impl Default for BliskOptions {
 }
 
 /// Most points a wall may have along the chord or across it.
-const MAX_WALL_POINTS: usize = 2000;
+const MAX_WALL_POINTS: usize = 300;
 /// Most points that may be given on one surface.
 const MAX_POINTS: usize = 1000;
 /// Greatest coordinate of a point (mm).

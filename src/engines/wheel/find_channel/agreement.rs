@@ -27,8 +27,6 @@ const APART: f64 = 5.0;
 /// channel has and the other has not, however small it is.
 const LEAST_MORE: usize = 2;
 const MORE: f64 = 10.0;
-/// Most that the surfaces of channels that are alike may differ by, beside the mesh's chord error (mm).
-const MOST_TOLERANCE: f64 = 0.1;
 /// Cells of a wall at either edge that are not measured.
 const EDGE_CELLS: usize = 2;
 /// How far beyond the edges the channels are compared (shares of their length).
@@ -207,22 +205,22 @@ impl Measured<'_> {
     }
 
     /// The channels of this one's kind, every one of `kinds`, counted on from this one, of which more than a few places
-    /// of a surface are further than `tolerance` (mm) from those of this channel turned about the axis, with what differs
-    /// most.
-    pub fn unlike(&self, blades: usize, kinds: usize, tolerance: f64) -> Result<Vec<Unlike>, BliskError> {
+    /// of a surface are off those of this channel turned about the axis, with what differs most.
+    pub fn unlike(&self, blades: usize, kinds: usize) -> Result<Vec<Unlike>, BliskError> {
         let numbers: Vec<usize> = (1..blades / kinds).map(|i| i * kinds).collect();
-        let unlike = self.unlike_of(&numbers, tolerance, None)?;
+        let unlike = self.unlike_of(&numbers, None)?;
         if unlike.is_empty() {
             return Ok(unlike);
         }
         // What the facets of either channel may be off the surfaces that they stand for is no difference.
         let numbers: Vec<usize> = unlike.iter().map(|unlike| unlike.number).collect();
-        self.unlike_of(&numbers, tolerance, Some(&Facets::new(self.tracer.slices.mesh())))
+        self.unlike_of(&numbers, Some(&Facets::new(self.tracer.slices.mesh())))
     }
 
-    /// The channels among `numbers` that differ by more than `tolerance`, the cells' own chord error, and that of `facets`.
-    fn unlike_of(&self, numbers: &[usize], tolerance: f64, facets: Option<&Facets>) -> Result<Vec<Unlike>, BliskError> {
-        let within = (APART * self.tolerance()).max(tolerance.min(MOST_TOLERANCE));
+    /// The channels among `numbers` that differ by more than the errors with which two are found, the cells' own chord
+    /// error, and that of `facets`.
+    fn unlike_of(&self, numbers: &[usize], facets: Option<&Facets>) -> Result<Vec<Unlike>, BliskError> {
+        let within = APART * self.tolerance();
         let covered = self.covered(0.0);
         let own: Vec<_> = self.samples(SPARSE, 0.0)?.collect();
         // End walls are of the facets that stand out most, and bear their chord error already.

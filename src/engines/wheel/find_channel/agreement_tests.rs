@@ -2,13 +2,13 @@
 
 use std::collections::HashMap;
 
-use glam::DVec3;
+use glam::{DQuat, DVec2, DVec3};
 
 use super::tests::{find, found, refused};
 use super::*;
 use crate::channel::{Difference, Surface};
 use crate::fixtures::{TestBlisk, together, turned_part};
-use crate::options::{Auto, AxisChoice, AxisLine};
+use crate::options::{Auto, AxisChoice, AxisLine, AxisName, EndWalls};
 use crate::parametric::wheel::{Flaws, ParametricWheel, Splitters};
 use geometry::frame::{Cylindrical, wrap_angle};
 use geometry::mesh::{Mesh, normal_times_two_areas};
@@ -160,10 +160,74 @@ fn rings_that_join_a_part_of_the_blades_are_refused() {
     let (within, beyond) = (0.5 * (inner.y + outer.y), outer.y + 2.0);
     let [first, last] = [inner.x - 1.0, inner.x + 3.0];
     let cover = turned_part(&[[first, within], [last, within], [last, beyond], [first, beyond]], 240);
-    for (mesh, ring) in [(open.mesh(), snubber), (part.mesh(), cover)] {
-        let refusal = refused(&together(mesh, &ring));
+    for (mesh, ring) in [(open.mesh(), &snubber), (part.mesh(), &cover)] {
+        let refusal = refused(&together(mesh, ring));
         assert!(refusal.contains("have a shroud, or a ring between them, only over"), "{refusal}");
     }
+    // The way out that is told: a curve on this side of the ring.
+    let drawn = [0.0, 5.0, 10.0, 15.0].map(|x| [x, 0.0, 56.8]).to_vec();
+    let options = BliskOptions { shroud_points_mm: drawn, end_walls: EndWalls::Drawn, ..Default::default() };
+    let channel = find(&together(open.mesh(), &snubber), &options).unwrap();
+    assert_eq!(channel.blades, 48);
+    assert!(channel.meridian.iter().all(|station| (station.shroud.y - 56.8).abs() < 1e-6), "{:?}", channel.meridian);
+}
+
+/// The blades of `part` between its walls, each made by `blade`.
+fn with_blades(part: &ParametricWheel, blade: impl Fn(usize) -> Mesh) -> Mesh {
+    (0..part.blades).map(blade).chain([part.wall(1.0)]).fold(part.wall(0.0), |all, one| together(all, &one))
+}
+
+#[test]
+fn a_blade_that_is_a_tenth_of_a_millimetre_thicker_on_either_side_is_told() {
+    for part in [ParametricWheel::nozzle_ring(), ParametricWheel::impeller()] {
+        let thick = ParametricWheel { thickness_mm: part.thickness_mm + 0.2, ..part.clone() };
+        let channel = found(&with_blades(&part, |k| if k == 4 { thick.blade(k) } else { part.blade(k) }));
+        let told: Vec<usize> = channel.unlike.iter().map(|unlike| unlike.number).collect();
+        assert_eq!(told.len(), 2, "{told:?} {:?}", channel.assumed);
+        assert!(told[1] - told[0] == 1, "{told:?}");
+    }
+}
+
+#[test]
+fn blades_that_are_counted_anew_and_not_found_are_refused() {
+    // Every other blade is thicker, and the hub ends before the blades do.
+    let part = ParametricWheel::nozzle_ring();
+    let thick = ParametricWheel { thickness_mm: 1.5 * part.thickness_mm, ..part.clone() };
+    let [from, to] = [0.0, 1.0].map(|along| part.place(along, 0.0).y);
+    let ring: Vec<DVec2> = (0..90)
+        .map(|i| DVec2::from_angle(f64::from(i) / 90.0 * std::f64::consts::TAU) * (from.min(to) + 12.0))
+        .collect();
+    let bore = geometry::solid::prism(&[&ring], -100.0, 100.0).unwrap().mapped(|p| DVec3::new(p.z, p.x, p.y));
+    let hub = geometry::solid::difference(&part.wall(0.0), &bore).unwrap();
+    let blades = (0..part.blades).map(|k| if k % 2 == 0 { thick.blade(k) } else { part.blade(k) });
+    let mesh = blades.chain([part.wall(1.0)]).fold(hub, |all, one| together(all, &one));
+    let answer = find(&mesh, &BliskOptions::default());
+    assert!(answer.is_err(), "{:?}", answer.map(|channel| channel.assumed));
+}
+
+#[test]
+fn an_axis_that_is_asked_for_by_name_has_its_direction() {
+    let tilted = DQuat::from_rotation_z(0.1f64.to_radians());
+    let mesh = ParametricWheel::nozzle_ring().mesh().mapped(|p| tilted * p);
+    let asked = BliskOptions { axis: AxisChoice::Named(AxisName::X), ..Default::default() };
+    match find(&mesh, &asked) {
+        Ok(channel) => assert_eq!(channel.frame.x, DVec3::X),
+        Err(refusal) => assert!(refusal.to_string().contains("axis"), "{refusal}"),
+    }
+    assert!((found(&mesh).frame.x - tilted * DVec3::X).length() < 1e-6);
+}
+
+#[test]
+fn blades_at_unequal_pitches_are_found_by_their_number() {
+    let part = ParametricWheel { blades: 13, thickness_mm: 6.0, ..ParametricWheel::nozzle_ring() };
+    let off_deg = |k: usize| [0.0, 2.0, -1.5, 1.0, -2.0, 1.5, -0.5f64][k * 3 % 7];
+    let turned = |k: usize| DQuat::from_rotation_x(off_deg(k).to_radians());
+    let mesh = with_blades(&part, |k| part.blade(k).mapped(|p| turned(k) * p));
+    let options = BliskOptions { blades: Auto::Given(13), ..Default::default() };
+    let channel = find(&mesh, &options).unwrap();
+    assert_eq!((channel.blades, channel.kinds), (13, 13), "{:?}", channel.assumed);
+    let frame = &channel.frame;
+    assert!((frame.x - DVec3::X).length() < 5e-6 && frame.origin.length() < 2e-3, "{} {}", frame.x, frame.origin);
 }
 
 #[test]

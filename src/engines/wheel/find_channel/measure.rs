@@ -12,6 +12,7 @@ use super::super::channel::{BladeSide, ChannelWall, Flow, Station, Throat};
 use super::super::frame::slices::cylindrical_components;
 use geometry::frame::Cylindrical;
 use geometry::mesh::Mesh;
+use task::{Cancel, Cancelled};
 
 /// A middle line that turns by less than this (rad), or by less than from one facet to the next, is straight: facets tell
 /// no more, up to the second of these.
@@ -23,7 +24,15 @@ const AT_END: Range<f64> = 0.04..0.3;
 /// The narrowest place between the blades of two walls of equal grids, from end wall to end wall without their fillets, to
 /// the accuracy with which the grids' triangles follow the walls. The first and the last row lie `beyond` steps from row to
 /// row away from hub and shroud; the first and the last `added` columns lie beyond the blades' edges.
-pub(super) fn throat([low, high]: [&ChannelWall; 2], beyond: f64, added: usize) -> Throat {
+///
+/// # Errors
+/// [`Cancelled`].
+pub(super) fn throat(
+    [low, high]: [&ChannelWall; 2],
+    beyond: f64,
+    added: usize,
+    cancel: &Cancel,
+) -> Result<Throat, Cancelled> {
     let [low, high] = &[low, high].map(|wall| bare(&sharp(wall.clone()), beyond, added));
     let nearest_point = |u: usize, v: usize| {
         let p = low.point(u, v);
@@ -32,14 +41,15 @@ pub(super) fn throat([low, high]: [&ChannelWall; 2], beyond: f64, added: usize) 
     };
     // From the closest pair of points of every row the two feet are let slide to rest.
     let of_row = |v: usize| {
+        cancel.check()?;
         let pairs = (0..low.nu).map(|u| (u * low.nv + v, nearest_point(u, v)));
         let gap = |&(i, j): &(usize, usize)| (low.points[i] - high.points[j]).length_squared();
         let (i, j) = pairs.min_by(|a, b| gap(a).total_cmp(&gap(b))).unwrap_or((0, 0));
-        slide_to_rest(low, high, i, j)
+        Ok(slide_to_rest(low, high, i, j))
     };
-    let rows: Vec<Throat> = (0..low.nv).into_par_iter().map(of_row).collect();
+    let rows: Vec<Throat> = (0..low.nv).into_par_iter().map(of_row).collect::<Result<_, _>>()?;
     let none = Throat { width_mm: f64::INFINITY, on_low_wall: DVec3::ZERO, on_high_wall: DVec3::ZERO };
-    rows.into_iter().fold(none, |best, t| if t.width_mm < best.width_mm { t } else { best })
+    Ok(rows.into_iter().fold(none, |best, t| if t.width_mm < best.width_mm { t } else { best }))
 }
 
 /// A wall from end wall to end wall, of which the first row lies `beyond` steps from row to row away, without its
@@ -380,7 +390,7 @@ mod tests {
             let off = x - EDGE;
             (DVec3::new(x, 1.0 + off.abs(), z), DVec3::new(off.signum(), -1.0, 0.0))
         });
-        let throat = throat([&plane(), &high], 0.0, 0);
+        let throat = throat([&plane(), &high], 0.0, 0, &Cancel::default()).unwrap();
         assert!((throat.width_mm - 1.0).abs() < 1e-9, "{throat:?}");
         assert!((throat.on_high_wall.x - EDGE).abs() < 1e-9, "{throat:?}");
     }
@@ -397,10 +407,10 @@ mod tests {
     #[test]
     fn a_fillet_is_left_out_of_the_throat_and_a_blade_that_grows_thinner_is_not() {
         // A fillet stands out into the channel: in its place the blade goes on to 0.15 mm nearer at the hub.
-        let fillet = throat([&plane(), &turned_at_the_hub(0.8)], 0.0, 0).width_mm;
+        let fillet = throat([&plane(), &turned_at_the_hub(0.8)], 0.0, 0, &Cancel::default()).unwrap().width_mm;
         assert!((fillet - 1.85).abs() < 1e-5, "{fillet}");
         // A thinner blade stands back from what goes on: its edge at z = 1.5 is the nearest place.
-        let thinner = throat([&plane(), &turned_at_the_hub(-0.5)], 0.0, 0).width_mm;
+        let thinner = throat([&plane(), &turned_at_the_hub(-0.5)], 0.0, 0, &Cancel::default()).unwrap().width_mm;
         assert!((thinner - 2.0).abs() < 1e-5, "{thinner}");
     }
 
@@ -420,7 +430,7 @@ mod tests {
             let x = if off > 0.0 { (x - ROUND) * 10.0 / (10.0 - ROUND) } else { x };
             (DVec3::new(x, 2.0 + 0.1 * x - off, z), DVec3::new(0.1, -1.0, slope))
         });
-        let width = throat([&plane(), &high], 0.0, 0).width_mm;
+        let width = throat([&plane(), &high], 0.0, 0, &Cancel::default()).unwrap().width_mm;
         assert!((width - 2.0).abs() < 1e-6, "{width}");
     }
 
@@ -435,7 +445,7 @@ mod tests {
             };
             (DVec3::new(x, 2.0 + off, z), DVec3::new(0.0, -1.0, slope))
         });
-        let width = throat([&plane(), &high], 0.0, 0).width_mm;
+        let width = throat([&plane(), &high], 0.0, 0, &Cancel::default()).unwrap().width_mm;
         assert!((width - 2.0).abs() < 1e-9, "{width}");
     }
 

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::super::by_hand::ByHand;
-use super::super::channel::{Flow, Station};
+use super::super::channel::{Flow, Station, Surface};
 use super::super::error::BliskError;
 use super::super::frame::MOST_KINDS;
 use super::super::frame::slices::{Gap, RadialCrossing, Slices};
@@ -80,6 +80,12 @@ struct EndWall {
 struct Traced {
     station: Station,
     gap: Gap,
+}
+
+/// The middle between two positions (mm), while they are further apart than a billionth of a step and than rounding.
+pub(super) fn middle_between(a: f64, b: f64, step: f64) -> Option<f64> {
+    let middle = 0.5 * (a + b);
+    ((b - a).abs() > 1e-9 * step.abs() && middle != a && middle != b).then_some(middle)
 }
 
 /// Follows one channel.
@@ -174,11 +180,10 @@ impl Tracer<'_> {
             }
             let last_where = |is_on: &dyn Fn(&Station) -> bool| {
                 let (mut good, mut bad) = (from, x);
-                while (bad - good.station.along).abs() > 1e-9 * step.abs() {
-                    let next = self.station(0.5 * (good.station.along + bad), &good, shrouded);
-                    match next.filter(|next| is_on(&next.station)) {
+                while let Some(middle) = middle_between(good.station.along, bad, step) {
+                    match self.station(middle, &good, shrouded).filter(|next| is_on(&next.station)) {
                         Some(next) => good = next,
-                        None => bad = 0.5 * (good.station.along + bad),
+                        None => bad = middle,
                     }
                 }
                 good.station
@@ -241,9 +246,16 @@ impl Tracer<'_> {
         let place = Place { along: x, x, r, gap: bladed.unwrap_or(near.gap) };
         let (hub, shroud) = self.end_walls(&place);
         let tip = || bladed.map_or(near.station.shroud.y, |_| self.tip_radius(&place, near.station.shroud.y));
-        let shroud = if shrouded { shroud? } else { tip() };
         let given = self.given_radii(x);
-        let (hub, shroud) = (given[0].or(hub)?, given[1].unwrap_or(shroud));
+        // A drawn curve bounds the passage with a shroud behind it or without.
+        let shroud = match given[1] {
+            Some(drawn) if self.is_drawn(Surface::Shroud) => drawn,
+            given => {
+                let met = if shrouded { shroud? } else { tip() };
+                given.unwrap_or(met)
+            }
+        };
+        let hub = given[0].or(hub)?;
         (hub < shroud).then_some(Traced { station: Station::across_axis(x, hub, shroud), gap: place.gap })
     }
 

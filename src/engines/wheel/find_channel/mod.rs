@@ -121,22 +121,16 @@ pub(super) fn wheel_and_channel<'a>(
         }
         found(&wheel);
     }
-    // Circles through a broken blade meet fewer gaps, and those through hollow ones more: what is known of the blades ends
-    // there, unless their number is given.
-    let Repetition { blades, kinds, .. } = wheel.blisk.repetition;
-    let recount = match whole.as_ref().map_err(|refused| &refused.error) {
-        Err(BliskError::LostWall { .. }) => Some((blades, "of which some are broken or missing")),
-        Err(BliskError::Unbounded { .. }) if kinds > 1 => Some((blades / kinds, "which are hollow")),
-        _ => None,
-    };
-    if let (Some((count, what)), None) = (recount, options.blades.given()) {
-        let counted = BliskOptions { blades: Auto::Given(count), ..options.clone() };
+    if let Err(refused) = &whole
+        && let Some((count, what)) = recount(&refused.error, &wheel.blisk.repetition, options)
+    {
         let told = format!("{count} blades were counted around the axis, {what}.");
-        match wheel_and_channel(mesh, &counted, &[assumed, &[told]].concat(), task, found) {
-            Ok(found) if count < blades || !found.1.unlike.is_empty() => return Ok(found),
-            Err(Refused { error: error @ BliskError::Cancelled(_), .. }) => return Err(error.into()),
-            _ => found(&wheel),
+        let is_hollow = count < wheel.blisk.repetition.blades;
+        let counted = counted(mesh, (count, options), &[assumed, &[told]].concat(), task, found)?;
+        if let Some(counted) = counted.filter(|(_, channel)| is_hollow || !channel.unlike.is_empty()) {
+            return Ok(counted);
         }
+        found(&wheel);
     }
     if let (Err(_), AxisChoice::Line(_)) = (&whole, options.axis)
         && let Some(error) = misleading(mesh, options, &[Misleading::Axis], task)?
@@ -150,6 +144,40 @@ pub(super) fn wheel_and_channel<'a>(
         return Err(error.into());
     }
     whole.map(|channel| (wheel, channel))
+}
+
+/// How many blades there seem to be, and what is the matter with them, where `error` refuses what was counted and no number
+/// is given: circles through a broken blade meet fewer gaps, and those through hollow ones more.
+fn recount(error: &BliskError, found: &Repetition, options: &BliskOptions) -> Option<(usize, &'static str)> {
+    match error {
+        _ if options.blades.given().is_some() => None,
+        BliskError::LostWall { .. } => Some((found.blades, "of which some are broken or missing")),
+        BliskError::Unbounded { .. } if found.kinds > 1 => Some((found.blades / found.kinds, "which are hollow")),
+        _ => None,
+    }
+}
+
+/// The wheel of so many blades and its channel, if it has one.
+fn counted<'a>(
+    mesh: &'a Mesh,
+    (count, options): (usize, &BliskOptions),
+    assumed: &[String],
+    task: &Task,
+    found: &mut dyn FnMut(&Wheel),
+) -> Result<Option<(Wheel<'a>, Channel)>, BliskError> {
+    let options = BliskOptions { blades: Auto::Given(count), ..options.clone() };
+    let wheel = match find_wheel(mesh, &options, task) {
+        Ok(wheel) => wheel,
+        Err(error @ BliskError::Cancelled(_)) => return Err(error),
+        Err(_) => return Ok(None),
+    };
+    found(&wheel);
+    let assumed = [assumed, &wheel.blisk.assumed].concat();
+    match channel_of(wheel.clone(), &options, assumed, task) {
+        Ok(channel) => Ok(Some((wheel, channel))),
+        Err(Refused { error: error @ BliskError::Cancelled(_), .. }) => Err(error),
+        Err(_) => Ok(None),
+    }
 }
 
 /// The refusal of the first of `suspects` that is given by hand, where a channel is found without it.
@@ -246,11 +274,11 @@ fn measured_channel(
         check_axial(&meridian, [&walls.low, &walls.high])?;
     }
     let throat = match blisk.repetition.kinds {
-        1 => measure::throat([&walls.low, &walls.high], walls.rows.beyond(), 0),
+        1 => measure::throat([&walls.low, &walls.high], walls.rows.beyond(), 0, &task.cancel)?,
         // Beside splitters the narrowest place may be where a main blade stands ahead of one, or goes on behind it.
         _ => {
             let [low, high] = finder.beyond_edges(&walls)?;
-            measure::throat([&low, &high], walls.rows.beyond(), BEYOND_EDGE)
+            measure::throat([&low, &high], walls.rows.beyond(), BEYOND_EDGE, &task.cancel)?
         }
     };
     let Walls { mut low, mut high, rows } = walls;
@@ -283,7 +311,7 @@ fn measured_channel(
         walls::check_rows(&channel.low, &channel.high)?;
         measured.check_tips()?;
     }
-    let unlike = measured.unlike(blades, blisk.repetition.kinds, blisk.repetition.tolerance_mm)?;
+    let unlike = measured.unlike(blades, blisk.repetition.kinds)?;
     let obstructed = obstruction::obstructed(&channel, slices.mesh(), &task.cancel)?;
     channel.assumed.extend(agreement.iter().filter_map(holes_sentence));
     channel.assumed.extend(agreement.iter().filter_map(left_sentence));

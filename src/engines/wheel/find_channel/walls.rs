@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::super::channel::{BladeSide, ChannelWall, Flow, along_at, station_at};
 use super::super::error::BliskError;
 use super::super::frame::slices::{Crossing, Gap};
-use super::meridian::{FACE_ROUNDING, Meridian, Place, Tracer};
+use super::meridian::{FACE_ROUNDING, Meridian, Place, Tracer, middle_between};
 use super::turned;
 use geometry::frame::{Cylindrical, angle_near};
 
@@ -160,8 +160,7 @@ impl WallFinder<'_> {
                 None => break good.along + toward * step,
             }
         };
-        while (bad - good.along).abs() > 1e-9 * step {
-            let along = 0.5 * (good.along + bad);
+        while let Some(along) = middle_between(good.along, bad, step) {
             match self.bladed(along, share, &good) {
                 Some(place) => good = place,
                 None => bad = along,
@@ -171,16 +170,19 @@ impl WallFinder<'_> {
         if self.follow(share, from, good.along).is_err() {
             let is_within = |place: &Place| place.gap.width() - before.gap.width() < MOST_WIDENED * self.tracer.pitch;
             (good, bad) = (before, good.along);
-            while (bad - good.along).abs() > 1e-9 * step {
-                let along = 0.5 * (good.along + bad);
+            while let Some(along) = middle_between(good.along, bad, step) {
                 match self.bladed(along, share, &before).filter(is_within) {
                     Some(place) => good = place,
                     None => bad = along,
                 }
             }
         }
-        // Beside a face that is flush with the edge a circle may meet the face itself.
-        let inside = good.along - toward * FACE_ROUNDING * self.tracer.slices.bounds().size().length();
+        // Beside a face that is flush with the edge a circle may meet the face itself, whose facets dip.
+        let slices = self.tracer.slices;
+        let faces =
+            [good.gap.low, good.gap.high].into_iter().filter(|end| !self.tracer.is_of_blade(end.triangle, end.theta));
+        let dip = faces.map(|face| slices.radial_sag(face.triangle, good.r)).fold(0.0, f64::max);
+        let inside = good.along - toward * (dip + FACE_ROUNDING * slices.bounds().size().length());
         if (inside - from.along) * toward > 0.0 {
             let inside = self.follow(share, from, inside)?;
             let moved = [inside.gap.low.theta - good.gap.low.theta, inside.gap.high.theta - good.gap.high.theta];

@@ -257,9 +257,9 @@ fn pseudo_inverse(m: DMat3) -> DMat3 {
     kept.fold(DMat3::ZERO, |sum, (value, vector)| sum + outer(vector) * (1.0 / value))
 }
 
-/// The line near `axis` about which the turned surfaces of `mesh` turn, where they tell it from `axis`: those of a wheel
-/// whose blades were set a little aslant. A line along one of the mesh's own axes stands for one that cannot be told from
-/// it.
+/// The line near `axis` about which the turned surfaces of `mesh` turn: `axis` itself where that is it, and none where they
+/// do not tell it from another. In a wheel whose blades were set a little aslant it is not the blades'. A line along one of
+/// the mesh's own axes stands for one that cannot be told from it.
 ///
 /// Gauss and Newton's steps of the reweighted least squares of [`Normals`], with the covariance of their result, which
 /// tells lines apart.
@@ -313,17 +313,18 @@ pub(super) fn of_turned_surfaces(mesh: &Mesh, axis: Axis) -> Option<Axis> {
             break;
         }
     }
-    let is_same = |other: &Axis| {
+    let apart = |other: &Axis| {
         let (origin, ways) = base(&line);
         let [moved, tilted] = [(other.foot(origin) - origin) / reach, other.direction - line.direction];
-        let apart = Vector4::new(ways[0].dot(moved), ways[1].dot(moved), ways[0].dot(tilted), ways[1].dot(tilted));
-        apart.norm() < SAME || apart.dot(&(information * apart)) < DIFFERENT
+        Vector4::new(ways[0].dot(moved), ways[1].dot(moved), ways[0].dot(tilted), ways[1].dot(tilted))
     };
+    let is_same = |other: &Axis| apart(other).norm() < SAME;
+    let is_told_from = |other: &Axis| apart(other).dot(&(information * apart(other))) >= DIFFERENT;
     if is_same(&axis) {
-        return None;
+        return Some(axis);
     }
     let own = Axis::new(DVec3::ZERO, [DVec3::X, DVec3::Y, DVec3::Z][line.major()]);
-    Some(if is_same(&own) { own } else { line })
+    is_told_from(&axis).then_some(if is_same(&own) || !is_told_from(&own) { own } else { line })
 }
 
 /// Angle about `axis` that the surface covers, of a full turn (rad), seen in 120 sectors. What lies so near the axis that

@@ -100,7 +100,8 @@ pub(super) struct Wheel<'a> {
 pub(super) fn find_wheel<'a>(mesh: &'a Mesh, options: &BliskOptions, task: &Task) -> Result<Wheel<'a>, BliskError> {
     let error = match find_frame(mesh, options, task) {
         Ok(mut blisk) => {
-            let turned = || axis::of_turned_surfaces(mesh, blisk.axis).map(|turned| ("turned surfaces", turned));
+            let told = || axis::of_turned_surfaces(mesh, blisk.axis).filter(|turned| *turned != blisk.axis);
+            let turned = || told().map(|turned| ("turned surfaces", turned));
             let of_blades = blisk.repeats_about.map(|axis| ("blades", axis));
             if let (AxisChoice::Line(_), Some((what, other))) = (options.axis, of_blades.or_else(turned)) {
                 blisk.assumed.push(format!(
@@ -200,10 +201,7 @@ fn find_frame(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<BliskF
 fn candidate_axes(mesh: &Mesh, options: &BliskOptions) -> Vec<Axis> {
     match options.axis {
         AxisChoice::Line(AxisLine { direction, point }) => vec![Axis::new(point.into(), direction.into())],
-        AxisChoice::Named(AxisName::Auto) => axis::candidates(mesh, None),
-        AxisChoice::Named(AxisName::X) => axis::candidates(mesh, Some(DVec3::X)),
-        AxisChoice::Named(AxisName::Y) => axis::candidates(mesh, Some(DVec3::Y)),
-        AxisChoice::Named(AxisName::Z) => axis::candidates(mesh, Some(DVec3::Z)),
+        AxisChoice::Named(name) => axis::candidates(mesh, name.direction()),
     }
 }
 
@@ -211,6 +209,12 @@ fn candidate_axes(mesh: &Mesh, options: &BliskOptions) -> Vec<Axis> {
 pub(super) fn frame_along(axis: &Axis) -> Frame {
     let reference = if axis.major() == 2 { DVec3::X } else { DVec3::Z };
     Frame::from_x_and_z_hint(axis.point, axis.direction, reference)
+}
+
+/// The axis of the turned surfaces near `axis`, where they tell one and it has the direction that is asked for.
+fn turned_axis(mesh: &Mesh, axis: Axis, name: AxisName) -> Option<Axis> {
+    let asked = name.direction();
+    axis::of_turned_surfaces(mesh, axis).filter(|turned| asked.is_none_or(|asked| turned.direction == asked))
 }
 
 /// Looks for blades about one axis and moves the axis to where they repeat best.
@@ -245,7 +249,7 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
     if options.blades.given().is_some() && best.is_none_or(|(_, known)| known.matched < LEAST_REPEAT) {
         let known = match options.axis {
             AxisChoice::Line(_) => Some(axis),
-            AxisChoice::Named(_) => axis::of_turned_surfaces(mesh, axis),
+            AxisChoice::Named(name) => turned_axis(mesh, axis, name),
         };
         let slices = |axis: &Axis| Slices::new(mesh.in_frame(&frame_along(axis)));
         let blades = Blades { count, kinds: count, may_lack: false };
@@ -253,8 +257,8 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
     }
     // A wheel is clamped by its turned surfaces: where blades were set aslant they do not tell the axis.
     if let Some((axis, known)) = best
-        && matches!(options.axis, AxisChoice::Named(_))
-        && let Some(turned) = axis::of_turned_surfaces(mesh, axis)
+        && let AxisChoice::Named(name) = options.axis
+        && let Some(turned) = turned_axis(mesh, axis, name).filter(|turned| *turned != axis)
     {
         let blades = Blades { count, kinds: known.kinds, may_lack: options.blades.given().is_some() };
         let slices = Slices::new(mesh.in_frame(&frame_along(&turned)));

@@ -46,10 +46,13 @@ pub(super) struct OfGroup {
 }
 
 impl Group {
-    /// The blades of the wheel in `slices`, which are in W of `channel`; none where they are all of one kind, or where those
-    /// beside the channel are not met at its middle.
+    /// The blades of the wheel in `slices`, which are in W of `channel`; none where they are all of one kind, where each is
+    /// of its own, or where those beside the channel are not met at its middle.
     pub fn new(slices: &Slices, channel: &Channel, cancel: &Cancel) -> Result<Option<Self>, Cancelled> {
-        let kinds = channel.kinds.min(MOST_KINDS);
+        let kinds = channel.kinds;
+        if kinds > MOST_KINDS {
+            return Ok(None);
+        }
         let turn = TAU * kinds as f64 / channel.blades as f64;
         let (low, high) = (&channel.low, &channel.high);
         let [a, b] = [low, high].map(|wall| wall.cylindrical(wall.nu / 2, wall.nv / 2));

@@ -24,7 +24,7 @@ pub enum SectorError {
     },
     /// Not one whole pitch.
     #[error(
-        "the mesh is a sector of {angle_deg:.2} deg about the axis {axis}, less than the {pitch_deg:.2} deg from blade to \
+        "the mesh is a sector of {angle_deg:.4} deg about the axis {axis}, less than the {pitch_deg:.4} deg from blade to \
          blade of a wheel with {blades} blades: load a sector of one pitch at least"
     )]
     Narrow {

@@ -21,7 +21,7 @@ use self::join::join;
 use super::axis::{self, Axis, Turning};
 use super::frame_along;
 use super::slices::{CELLS, Slices};
-use crate::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
+use crate::options::{AxisChoice, AxisLine, BliskOptions};
 use geometry::exact::ExactMesh;
 use geometry::frame::{Cylindrical, Frame, wrap_angle};
 use geometry::mesh::{Mesh, normal_times_two_areas};
@@ -268,10 +268,8 @@ fn chord_error(mesh: &Mesh) -> f64 {
 fn is_allowed(axis: &Axis, options: &BliskOptions) -> bool {
     let is_along = |direction: DVec3| axis.direction.cross(direction).length() < SAME;
     match options.axis {
-        AxisChoice::Named(AxisName::Auto) | AxisChoice::Line(_) => true,
-        AxisChoice::Named(AxisName::X) => is_along(DVec3::X),
-        AxisChoice::Named(AxisName::Y) => is_along(DVec3::Y),
-        AxisChoice::Named(AxisName::Z) => is_along(DVec3::Z),
+        AxisChoice::Line(_) => true,
+        AxisChoice::Named(name) => name.direction().is_none_or(is_along),
     }
 }
 
@@ -304,7 +302,10 @@ impl Sector {
         const PLACES: [f64; 7] = [0.5, 0.25, 0.75, 0.1, 0.9, 0.4, 0.6];
         let (axis, angle_deg, Blades { count, cells, .. }) = (self.axis, self.angle.to_degrees(), blades);
         let pitch = TAU / *count as f64;
-        let fits = |k: &usize| *k as f64 * pitch < self.angle + SAME * pitch && *k as f64 * pitch < PI;
+        // What is missing of a pitch leaves a gap at the rim, which must be within the cuts' own rounding.
+        let reach = self.mesh.vertices.iter().map(|p| p.yz().length()).fold(f64::MIN_POSITIVE, f64::max);
+        let slack = (self.on_cut / reach).min(SAME * pitch);
+        let fits = |k: &usize| *k as f64 * pitch < self.angle + slack && *k as f64 * pitch < PI;
         let all = (1..=*count).rev().filter(|k| count.is_multiple_of(*k)).filter(fits);
         let is_bladed = |p: DVec3| slices.cell_at(p).is_some_and(|cell| cells.contains(&cell));
         let mut first_error = None;

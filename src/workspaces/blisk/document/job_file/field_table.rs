@@ -116,10 +116,10 @@ const GROUPS: &[Group] = &[
         name: "Wall grid",
         is_folded: true,
         fields: &[
-            Field::integer("blisk.wall_points_chord", "Points along chord", 5.0, 2000.0)
+            Field::integer("blisk.wall_points_chord", "Points along chord", 5.0, 300.0)
                 .symbol("n_u")
                 .help("Points of a channel wall from edge to edge."),
-            Field::integer("blisk.wall_points_span", "Points across", 5.0, 2000.0)
+            Field::integer("blisk.wall_points_span", "Points across", 5.0, 300.0)
                 .symbol("n_v")
                 .help("Points of a channel wall from hub to shroud."),
         ],
