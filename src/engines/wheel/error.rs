@@ -6,6 +6,7 @@ use super::by_hand::{ByHand, nearest};
 use super::channel::{Agreement, Surface};
 use super::frame::axis::Axis;
 use super::frame::frame_along;
+use super::frame::period::ROUND_HOLES;
 use super::frame::sector::SectorError;
 use super::options::{BliskOptions, EndWalls};
 use geometry::frame::{Cylindrical, Frame};
@@ -44,7 +45,7 @@ pub enum BliskError {
         "no blades found: no circle about the axis {axis} crosses walls that repeat evenly around it{}{}; \
          if this is a blisk, give its blade count, those that are missing included, with blisk.blades, and its axis with \
          blisk.axis if it is another",
-        .wanted.map(|n| format!(" exactly {n} times")).unwrap_or_default(),
+        .wanted.map_or(" three times or more".to_owned(), |n| format!(" exactly {n} times")),
         if *.closed { "" } else { " (the mesh is not closed, which may be why: repair it first)" }
     )]
     NoBlades {
@@ -57,10 +58,14 @@ pub enum BliskError {
     },
     /// Something repeats, but it is no channel between blades.
     #[error(
-        "no blades found: about the axis {axis} there are {count} gaps, but {reason}; \
-         if this is a blisk, give its blade count, those that are missing included, with blisk.blades; if that is not \
-         enough, as where they stand at unequal angles, its axis with blisk.axis as well, or points on walls of its blades \
-         with blisk.blade_points_mm"
+        "no blades found: about the axis {axis} there are {count} gaps, but {reason}; {}",
+        if *reason == ROUND_HOLES {
+            "if they are passages between blades, give points on walls of the blades with blisk.blade_points_mm"
+        } else {
+            "if this is a blisk, give its blade count, those that are missing included, with blisk.blades; if that is not \
+             enough, as where they stand at unequal angles, its axis with blisk.axis as well, or points on walls of its \
+             blades with blisk.blade_points_mm"
+        }
     )]
     NoChannels {
         /// The axis that was tried.

@@ -295,7 +295,7 @@ impl fmt::Display for SurfaceClasses {
             let name = if i == 0 { "Surfaces" } else { "" };
             row(name, format!("{:<40}{:>12.1} mm²{:>10} triangles", area.name, area.area_mm2, area.triangles))?;
         }
-        let radius = |r: Option<f64>| r.map_or("no single radius".to_owned(), |r| format!("R {r:.3} mm"));
+        let radius = |r: Option<f64>| r.map_or("none, or of several radii".to_owned(), |r| format!("R {r:.3} mm"));
         let hub = format!("hub {}", radius(self.hub_fillet_mm));
         let is_shrouded = self.areas.iter().any(|area| area.class == SurfaceClass::Shroud);
         let shroud = format!(", shroud {}", radius(self.shroud_fillet_mm));

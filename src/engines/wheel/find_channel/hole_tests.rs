@@ -79,7 +79,7 @@ fn holes_that_cut_into_blades_change_nothing() {
     let channel = found(&geometry::solid::difference(&solid, &drills).unwrap());
     let whole = found(&part.mesh());
     assert_eq!((channel.blades, channel.kinds, channel.unlike.len()), (part.blades, 1, 0));
-    assert!((channel.throat.width_mm - whole.throat.width_mm).abs() < 2e-3, "{:?}", channel.throat);
+    assert!((channel.throat.width_mm - whole.throat.width_mm).abs() < 2e-3, "{:?} {:?}", channel.throat, whole.throat);
     let off = off_curve(&channel, &part, 0.0);
     assert!(off < 0.05, "{off}");
 }

@@ -260,6 +260,10 @@ fn what_is_no_blisk_is_refused_with_the_reason() {
         let message = refused(&mesh);
         assert!(message.contains(word), "{what}: {message}");
     }
+    // Their number makes no channels of holes.
+    let numbered = BliskOptions { blades: Auto::Given(8), ..Default::default() };
+    let holes = find(&flange(20.0, 60.0, 8, 6.0), &numbered).unwrap_err().to_string();
+    assert!(holes.contains("round holes") && !holes.contains("with blisk.blades"), "{holes}");
     let half = find(&TestBlisk::default().sectors(0..12), &BliskOptions::default()).unwrap_err();
     assert!(matches!(half, BliskError::Partial { covered_deg, .. } if (covered_deg - 180.0).abs() < 30.0), "{half}");
 }

@@ -6,7 +6,7 @@
 
 pub(crate) mod axis;
 pub(crate) mod lattice;
-mod period;
+pub(crate) mod period;
 mod search_grid;
 pub(crate) mod sector;
 pub(crate) mod slices;
@@ -316,8 +316,10 @@ fn bladed_region(
         regions.sort_by_key(|region| region.objection.is_some());
     }
     for i in 0..tried {
-        // Whoever names the blade count or points of the passage has seen that there are blades.
-        match regions[i].objection.filter(|_| wanted.is_none() && places.is_empty()) {
+        // Whoever names points of the passage has seen that there are blades, and so has who names their number where it
+        // is not that of holes.
+        let may_object = |reason: &&str| places.is_empty() && (wanted.is_none() || *reason == period::ROUND_HOLES);
+        match regions[i].objection.filter(may_object) {
             None => {
                 let has_more = |other: &Region| {
                     let goes_on = || other.goes_on_into(&regions).into_iter();

@@ -314,11 +314,12 @@ impl Region {
         // Where splitters have ended in part, the others are wider than any hole.
         let gaps = slices.gaps(middle.x, middle.y);
         let narrowest = gaps.iter().min_by(|a, b| a.width().total_cmp(&b.width()));
-        narrowest
-            .is_some_and(|gap| is_round_hole(slices, middle, gap))
-            .then_some("they are round holes, wide in the middle and closed above and below")
+        narrowest.is_some_and(|gap| is_round_hole(slices, middle, gap)).then_some(ROUND_HOLES)
     }
 }
+
+/// The objection to gaps that are holes.
+pub const ROUND_HOLES: &str = "they are round holes, wide in the middle and closed above and below";
 
 /// How squarely the two sides of the gaps of a circle face each other: 1 for parallel walls, negative where
 /// both belong to one bulging surface.
