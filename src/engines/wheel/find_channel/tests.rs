@@ -535,26 +535,3 @@ fn a_broken_blade_is_told_and_a_passage_away_from_it_found() {
     assert!((channel.throat.width_mm - whole.throat.width_mm).abs() < 0.01, "{:?}", channel.throat);
     assert!(channel.assumed.iter().any(|s| s.contains("broken or missing")), "{:?}", channel.assumed);
 }
-
-#[test]
-fn the_walls_of_slots_in_a_ring_of_coarse_facets_end_at_the_corners_of_the_slots() {
-    const HALF: f64 = 3.0;
-    let slots = 16;
-    let circle = |r: f64| (0..100).map(move |i| DVec2::from_angle(f64::from(i) / 100.0 * TAU) * r);
-    let [outer, inner]: [Vec<DVec2>; 2] = [circle(50.0).collect(), circle(40.0).rev().collect()];
-    let ring = geometry::solid::prism(&[&outer, &inner], 0.0, 14.0).unwrap();
-    let slot: Vec<DVec2> = [(30.0, -HALF), (60.0, -HALF), (60.0, HALF), (30.0, HALF)].map(DVec2::from).to_vec();
-    let slot = geometry::solid::prism(&[&slot], 2.0, 12.0).unwrap();
-    let way = |k: i32| DQuat::from_rotation_z(f64::from(k) / f64::from(slots) * TAU);
-    let wheel =
-        (0..slots).fold(ring, |ring, k| geometry::solid::difference(&ring, &slot.mapped(|p| way(k) * p)).unwrap());
-    let channel = found(&wheel);
-    assert_eq!((channel.blades, channel.flow), (slots as usize, Flow::Radial));
-    assert!((channel.throat.width_mm - 2.0 * HALF).abs() < 1e-6, "{:?}", channel.throat);
-    let off = |p: &DVec3| {
-        let p = channel.frame.to_parent(*p);
-        (0..slots).map(|k| ((way(-k) * p).y.abs() - HALF).abs()).fold(f64::INFINITY, f64::min)
-    };
-    let most = channel.low.points.iter().chain(&channel.high.points).map(off).fold(0.0, f64::max);
-    assert!(most < 1e-6, "{most}");
-}

@@ -22,10 +22,6 @@ const JUMP: f64 = 0.3;
 /// At an edge that is flush with a face the ends of a gap move by less than this share of its width within the rounding
 /// of that face.
 const EDGE_JUMP: f64 = 0.005;
-/// At the facets of such a face that is a cylinder about the axis they turn aside by less than so many times the facets' dip.
-const STEEP_JUMP: f64 = 5.0;
-/// Greatest axial component of the normal of such a facet.
-const AXIAL: f64 = 1e-3;
 
 /// Share of the columns of a wall's grid that may jump between hub and shroud.
 const MOST_JUMPS: f64 = 0.05;
@@ -181,18 +177,8 @@ impl WallFinder<'_> {
                 }
             }
         }
-        good = self.off_face(good, from, toward, share)?;
-        self.check_end(&good, share, toward)?;
-        self.check_undivided(&good, bad + 0.5 * toward * step, share)?;
-        Ok(good)
-    }
-
-    /// The last place at an edge, or one a little before it where the circle meets a face that is flush with the edge.
-    fn off_face(&self, mut good: Place, from: &Place, toward: f64, share: f64) -> Result<Place, BliskError> {
         // Beside a face that is flush with the edge a circle may meet the face itself.
-        let slices = self.tracer.slices;
-        let rounding = FACE_ROUNDING * slices.bounds().size().length();
-        let inside = good.along - toward * rounding;
+        let inside = good.along - toward * FACE_ROUNDING * self.tracer.slices.bounds().size().length();
         if (inside - from.along) * toward > 0.0 {
             let inside = self.follow(share, from, inside)?;
             let moved = [inside.gap.low.theta - good.gap.low.theta, inside.gap.high.theta - good.gap.high.theta];
@@ -200,22 +186,8 @@ impl WallFinder<'_> {
                 good = inside;
             }
         }
-        // Facets of a cylinder about the axis dip below the circle through their corners.
-        let is_round = |triangle: &u32| slices.normal(*triangle).x.abs() < AXIAL;
-        let facets =
-            [good.gap.low, good.gap.high].into_iter().filter(|end| !self.tracer.is_of_blade(end.triangle, end.theta));
-        let facets = facets.map(|end| end.triangle).filter(is_round);
-        let dip = facets.map(|facet| slices.sag(facet, good.r)).fold(0.0, f64::max) + rounding;
-        let [inside, before] = [1.0, 2.0].map(|k| good.along - toward * k * dip);
-        if dip > rounding && (before - from.along) * toward > 0.0 {
-            let before = self.follow(share, from, before)?;
-            let inside = self.follow(share, &before, inside)?;
-            let ends = [&before, &inside, &good].map(|place| [place.gap.low.theta, place.gap.high.theta]);
-            let bends = |end: usize| (ends[2][end] - 2.0 * ends[1][end] + ends[0][end]).abs();
-            if bends(0).max(bends(1)) > (STEEP_JUMP * dip / good.r).max(EDGE_JUMP * good.gap.width()) {
-                good = inside;
-            }
-        }
+        self.check_end(&good, share, toward)?;
+        self.check_undivided(&good, bad + 0.5 * toward * step, share)?;
         Ok(good)
     }
 
