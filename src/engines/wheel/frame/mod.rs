@@ -112,6 +112,8 @@ pub(super) fn find_wheel<'a>(mesh: &'a Mesh, options: &BliskOptions, task: &Task
             return Ok(Wheel { mesh: Cow::Borrowed(mesh), is_of_sector: false, blisk });
         }
         Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),
+        // Holes all the way round an axis are in no sector.
+        Err(error) if has_holes(&error) => return Err(error),
         Err(error) => error,
     };
     let Some(whole) = sector::whole_wheel(mesh, options, &task.cancel)? else { return Err(error) };
@@ -191,11 +193,18 @@ fn find_frame(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<BliskF
         task.report("axis and blades", i as f64 / candidates.len() as f64, "");
         match about_axis(mesh, *axis, options, &task.cancel) {
             Err(BliskError::Cancelled(c)) => return Err(c.into()),
+            // Of what has as many holes as blades are asked for, other axes would tell of something else.
+            Err(error) if has_holes(&error) && options.blades.given().is_some() => return Err(error),
             Err(error) => first_error = first_error.or(Some(error)),
             found => return found,
         }
     }
     Err(first_error.unwrap_or_else(|| BliskError::Mesh("its surface has no area".into())))
+}
+
+/// Whether what repeats around the axis are round holes.
+fn has_holes(error: &BliskError) -> bool {
+    matches!(error, BliskError::NoChannels { reason: period::ROUND_HOLES, .. })
 }
 
 fn candidate_axes(mesh: &Mesh, options: &BliskOptions) -> Vec<Axis> {
