@@ -6,7 +6,6 @@ use super::by_hand::{ByHand, nearest};
 use super::channel::{Agreement, Surface};
 use super::frame::axis::Axis;
 use super::frame::frame_along;
-use super::frame::period::ROUND_HOLES;
 use super::frame::sector::SectorError;
 use super::options::{BliskOptions, EndWalls};
 use geometry::frame::{Cylindrical, Frame};
@@ -59,7 +58,7 @@ pub enum BliskError {
     /// Something repeats, but it is no channel between blades.
     #[error(
         "no blades found: about the axis {axis} there are {count} gaps, but {reason}; {}",
-        if *reason == ROUND_HOLES {
+        if *reason == NotChannels::RoundHoles {
             "if they are passages between blades, give points on walls of the blades with blisk.blade_points_mm"
         } else {
             "if this is a blisk, give its blade count, those that are missing included, with blisk.blades; if that is not \
@@ -73,7 +72,7 @@ pub enum BliskError {
         /// How many gaps there are.
         count: usize,
         /// Reason why they are no channels.
-        reason: &'static str,
+        reason: NotChannels,
     },
     /// What is given by hand keeps the wheel from being found.
     #[error(
@@ -394,6 +393,23 @@ impl From<BliskError> for Refused {
         };
         Self { error, at }
     }
+}
+
+/// Reason why gaps that repeat around an axis are no channels between blades.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum NotChannels {
+    /// Walls that differ from gap to gap.
+    #[error("many of their walls do not repeat from gap to gap, as where blades are not evenly spaced or not alike")]
+    DoNotRepeat,
+    /// Channels of which each differs from all others.
+    #[error("no two of them are alike")]
+    NoneAlike,
+    /// Sides of one bulging surface.
+    #[error("their two sides do not face each other, as the flats of a polygon do not")]
+    Flats,
+    /// Holes through a ring or a disc.
+    #[error("they are round holes, wide in the middle and closed above and below")]
+    RoundHoles,
 }
 
 fn part_shroud(share: f64, [x, r]: [f64; 2], joined: bool) -> String {

@@ -20,9 +20,9 @@ pub(super) const WELD: f64 = 1e-6;
 const SMALLEST: f64 = 0.2;
 /// Cells of the smallest radius on the grid on which it is tried whether an electrode can be milled.
 const MILLING_CELLS: f64 = 20.0;
-/// The same where the grid would have more than [`MOST_CELLS`].
+/// Least number of cells in the radius of the smallest cutter, where a finer grid would have more than [`MOST_CELLS`].
 const LEAST_CELLS: f64 = 5.0;
-/// Cells of a grid from which on it is made coarser.
+/// Number of cells of a grid from which on it is made coarser.
 const MOST_CELLS: f64 = 1.6e7;
 
 /// A mesh as a file in single precision has it.

@@ -18,6 +18,8 @@ use task::Cancel;
 
 /// How much nearer an electrode comes between the sampled places of its orbit, at most (mm).
 const BULGE: f64 = 2e-4;
+/// Least half distance of the sampled places (mm): smaller ones belong to gaps of a few micrometres, which no spark has.
+const LEAST_STEP: f64 = 1e-3;
 
 /// A mold that electrodes must keep clear of.
 pub struct Obstacle {
@@ -249,7 +251,7 @@ fn burning_places(stage: &Stage) -> Vec<DVec3> {
     // Where it comes nearest the way to the mold is across the orbit, so that after a step along it the distance is
     // the hypotenuse of both.
     let gap = stage.gap_mm + stage.stock_mm;
-    let step = ((gap + BULGE).powi(2) - gap * gap).sqrt();
+    let step = ((gap + BULGE).powi(2) - gap * gap).sqrt().max(LEAST_STEP);
     let along: Vec<DVec2> = match stage.orbit {
         Orbit::None => Vec::new(),
         Orbit::Circular { radius_mm } => {

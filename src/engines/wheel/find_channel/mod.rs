@@ -36,9 +36,9 @@ use self::meridian::{Meridian, Place, Tracer};
 use self::walls::{BEYOND_EDGE, WallFinder, Walls};
 use super::by_hand::ByHand;
 use super::channel::{Agreement, Channel, ChannelWall, Flow, OPENS, Surface, Unlike, station_at, ways_out};
-use super::error::{BliskError, Misleading, Refused};
+use super::error::{BliskError, Misleading, NotChannels, Refused};
 use super::frame::slices::{Gap, Slices};
-use super::frame::{BliskFrame, DO_NOT_REPEAT, Repetition, Wheel, find_sector, find_wheel, is_inside_out};
+use super::frame::{BliskFrame, Repetition, Wheel, find_sector, find_wheel, is_inside_out};
 use super::options::{Auto, AxisChoice, AxisName, BliskOptions, EndWalls, ZAt};
 use geometry::frame::{Cylindrical, Frame};
 use geometry::mesh::Mesh;
@@ -102,14 +102,14 @@ pub(super) fn wheel_and_channel<'a>(
         // Unequal walls are the cause, what they lead to is not.
         BliskError::Disagrees(Agreement { surface: Surface::LowWall | Surface::HighWall, .. }) if unlike_walls => {
             let (axis, count) = (wheel.blisk.axis, wheel.blisk.repetition.blades);
-            Refused { error: BliskError::NoChannels { axis, count, reason: DO_NOT_REPEAT }, ..refused }
+            Refused { error: BliskError::NoChannels { axis, count, reason: NotChannels::DoNotRepeat }, ..refused }
         }
         _ => refused,
     });
     // A blade alone may look like a wheel of a few: no two of its channels are alike.
     let error = match &whole {
         Ok(of) if !of.unlike.is_empty() && of.unlike.len() + 1 == of.blades / of.kinds => {
-            BliskError::NoChannels { axis: wheel.blisk.axis, count: of.blades, reason: "no two of them are alike" }
+            BliskError::NoChannels { axis: wheel.blisk.axis, count: of.blades, reason: NotChannels::NoneAlike }
         }
         Ok(_) | Err(Refused { error: BliskError::Cancelled(_), .. }) => return whole.map(|channel| (wheel, channel)),
         Err(refused) => refused.error.clone(),

@@ -6,7 +6,7 @@
 
 pub(crate) mod axis;
 pub(crate) mod lattice;
-pub(crate) mod period;
+mod period;
 mod search_grid;
 pub(crate) mod sector;
 pub(crate) mod slices;
@@ -23,15 +23,11 @@ use self::period::{Blades, Region};
 use self::sector::SectorError;
 use self::slices::Slices;
 use super::by_hand::ByHand;
-use super::error::BliskError;
+use super::error::{BliskError, NotChannels};
 use super::options::{AxisChoice, AxisLine, AxisName, BliskOptions};
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
 use task::{Cancel, Task};
-
-/// Why gaps are no channels between like blades.
-pub(super) const DO_NOT_REPEAT: &str =
-    "many of their walls do not repeat from gap to gap, as where blades are not evenly spaced or not alike";
 
 /// A wall repeats where it misses the mean one by less than this share of the pitch.
 const TOLERANCE: f64 = 0.005;
@@ -204,7 +200,7 @@ fn find_frame(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<BliskF
 
 /// Whether what repeats around the axis are round holes.
 fn has_holes(error: &BliskError) -> bool {
-    matches!(error, BliskError::NoChannels { reason: period::ROUND_HOLES, .. })
+    matches!(error, BliskError::NoChannels { reason: NotChannels::RoundHoles, .. })
 }
 
 fn candidate_axes(mesh: &Mesh, options: &BliskOptions) -> Vec<Axis> {
@@ -289,7 +285,11 @@ fn about_axis(mesh: &Mesh, axis: Axis, options: &BliskOptions, cancel: &Cancel) 
         _ => None,
     };
     let Some((axis, repetition)) = best.filter(|(_, repetition)| repetition.matched >= LEAST_REPEAT) else {
-        return Err(BliskError::NoChannels { axis: best.map_or(axis, |(axis, _)| axis), count, reason: DO_NOT_REPEAT });
+        return Err(BliskError::NoChannels {
+            axis: best.map_or(axis, |(axis, _)| axis),
+            count,
+            reason: NotChannels::DoNotRepeat,
+        });
     };
     let mut assumed = assumptions(&axis, &repetition, options);
     assumed.extend(others.iter().map(|other| {
@@ -327,7 +327,8 @@ fn bladed_region(
     for i in 0..tried {
         // Whoever names points of the passage has seen that there are blades, and so has who names their number where it
         // is not that of holes.
-        let may_object = |reason: &&str| places.is_empty() && (wanted.is_none() || *reason == period::ROUND_HOLES);
+        let may_object =
+            |reason: &NotChannels| places.is_empty() && (wanted.is_none() || *reason == NotChannels::RoundHoles);
         match regions[i].objection.filter(may_object) {
             None => {
                 let has_more = |other: &Region| {

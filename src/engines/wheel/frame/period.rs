@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::super::error::NotChannels;
 use super::slices::{CELLS, Gap, Slices, cylindrical_components};
 use geometry::frame::{Cylindrical, wrap_angle};
 use task::{Cancel, Cancelled};
@@ -56,7 +57,7 @@ pub(super) struct Region {
     /// Cells of the region.
     cells: Vec<[usize; 2]>,
     /// Reason why its gaps are no channels between blades, if they are not.
-    pub objection: Option<&'static str>,
+    pub objection: Option<NotChannels>,
 }
 
 /// The regions of the meridional plane where walls repeat, the one with the greatest wall area first.
@@ -305,21 +306,18 @@ impl Region {
         slices.cell_middle(cell[0], cell[1])
     }
 
-    fn objection(&self, slices: &Slices) -> Option<&'static str> {
+    fn objection(&self, slices: &Slices) -> Option<NotChannels> {
         let facing: f64 = self.circles(slices, 60).iter().map(|c| facing(slices, c)).sum();
         if facing <= 0.2 * self.circles(slices, 60).len() as f64 {
-            return Some("their two sides do not face each other, as the flats of a polygon do not");
+            return Some(NotChannels::Flats);
         }
         let middle = self.middle(slices);
         // Where splitters have ended in part, the others are wider than any hole.
         let gaps = slices.gaps(middle.x, middle.y);
         let narrowest = gaps.iter().min_by(|a, b| a.width().total_cmp(&b.width()));
-        narrowest.is_some_and(|gap| is_round_hole(slices, middle, gap)).then_some(ROUND_HOLES)
+        narrowest.is_some_and(|gap| is_round_hole(slices, middle, gap)).then_some(NotChannels::RoundHoles)
     }
 }
-
-/// The objection to gaps that are holes.
-pub const ROUND_HOLES: &str = "they are round holes, wide in the middle and closed above and below";
 
 /// How squarely the two sides of the gaps of a circle face each other: 1 for parallel walls, negative where
 /// both belong to one bulging surface.
