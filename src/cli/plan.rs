@@ -17,7 +17,7 @@ use crate::workspaces::blisk::report::{InputFile, Report};
 use files::{ExportFolder, Validate as _};
 use import::Units;
 use nc::post::Post;
-use task::{Cancel, Task};
+use task::Cancel;
 use wheel::electrode::Sizing;
 use wheel::parametric::wheel::ParametricWheel;
 
@@ -89,18 +89,15 @@ fn finish(inputs: PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sessi
     finish_as_far_as_possible(&outcome, &inputs, prepared.blisk(), task)?;
     // Its fields make room for the pictures.
     drop(prepared);
-    let stopped = outcome.stopped();
-    // What was certified before the work was stopped is written all the same.
-    let cancel = if stopped.is_some() { Cancel::default() } else { task.cancel.clone() };
-    let writing = Task { cancel, ..task.clone() };
-    let (report, written) = export::export(out, &outcome, &inputs, files, &writing)?;
+    // What is known when the work is stopped is written all the same.
+    let (report, written) = export::export(out, &outcome, &inputs, files, task, &Cancel::default())?;
     super::terminal::finish();
     if session.json {
         say!("{}", report.json()?);
     } else {
         print_summary(&report, &outcome, &written, out);
     }
-    Ok(match stopped {
+    Ok(match outcome.stopped() {
         Some(stage) if outcome.is_verified() => {
             Answer::Stopped { stage, written: "the certified plan was written, without an NC program" }
         }

@@ -8,20 +8,24 @@ use nc::post::{BUILT_IN, Post};
 use sparkpath::workspaces::blisk::export::{self, PlanFilesError};
 use sparkpath::workspaces::blisk::job::outcome::PlanInputs;
 use sparkpath::workspaces::blisk::report::build;
-use task::Cancel;
+use task::{Cancel, Task};
 
 use super::{easy_blisk, easy_job, mesh, whole_easy_plan};
+
+fn inputs() -> PlanInputs {
+    PlanInputs {
+        blisk: mesh(&easy_blisk()).into(),
+        own_electrodes: Vec::new(),
+        sections: Default::default(),
+        job: easy_job(),
+    }
+}
 
 /// Writes the easy plan with programs of this extension.
 fn write(folder: &Path, extension: &str, cancel: &Cancel) -> Result<Vec<String>, PlanFilesError> {
     let text = BUILT_IN[0].1.replace("extension = \"nc\"", &format!("extension = \"{extension}\""));
     let post = Post::from_toml(&text, extension).unwrap();
-    let inputs = PlanInputs {
-        blisk: mesh(&easy_blisk()).into(),
-        own_electrodes: Vec::new(),
-        sections: Default::default(),
-        job: easy_job(),
-    };
+    let inputs = inputs();
     let mut report = build::report(whole_easy_plan(), &inputs.job, Vec::new());
     export::write(folder, whole_easy_plan(), &inputs, &post, &mut report, cancel)
 }
@@ -65,4 +69,20 @@ pub fn what_cannot_be_replaced_is_named_and_no_program_lies_beside_it() {
     assert!(matches!(&error, PlanFilesError::Write(error) if named(error)), "{error}");
     assert!(!error.to_string().contains("--out"), "{error}");
     assert!(!names(folder.path()).contains("path_1.nc"));
+}
+
+pub fn a_plan_that_is_stopped_at_its_pictures_is_written_without_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let drawing = Task::default();
+    drawing.cancel.cancel();
+    let inputs = inputs();
+    assert!(inputs.job.export.draws_any());
+    let plan = whole_easy_plan();
+    let written = export::export(folder.path(), plan, &inputs, Vec::new(), &drawing, &Cancel::default());
+    let (report, written) = written.unwrap();
+    assert_eq!((report.pictures.len(), report.no_pictures.as_deref()), (0, Some("the work was stopped")));
+    assert!(
+        written.iter().any(|name| name == "path_1.nc") && names(folder.path()).contains("report.html"),
+        "{written:?}"
+    );
 }

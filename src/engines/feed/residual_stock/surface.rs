@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::{Layer, Passage, Removal, ResidualStockError, Site, SurfaceFigures, TOLERANCE};
@@ -10,7 +10,7 @@ use geometry::mesh::{Bounds, Mesh, halved, normal_times_two_areas};
 use geometry::shells::Shells;
 use geometry::weld::Weld;
 use task::{Cancel, Cancelled, Task};
-use wheel::channel::Surface;
+use wheel::channel::{Flow, Surface};
 
 /// Longest edge of a triangle of the map (mm).
 const EDGE: f64 = 0.45;
@@ -111,8 +111,15 @@ pub(super) fn is_beside_blades(passage: &Passage, corners: [DVec3; 3], spark_gap
     let along = corners.map(|p| passage.along_and_height(p)[0]);
     let beyond = along.iter().map(|at| (from - at).max(at - to)).fold(f64::NEG_INFINITY, f64::max);
     let center = corners.iter().sum::<DVec3>() / 3.0;
-    let off = OFF * normal_times_two_areas(corners).normalize_or_zero();
-    let slope = (passage.along_and_height(center + off)[0] - passage.along_and_height(center)[0]) / OFF;
+    let normal = normal_times_two_areas(corners).normalize_or_zero();
+    let [along, height] = passage.along_and_height(center);
+    let channel = passage.channel();
+    let forward = match channel.flow {
+        Flow::Axial => DVec2::X,
+        Flow::Mixed | Flow::Radial => channel.forward(along, height / channel.station_at(along).height()),
+    };
+    let outwards = DVec2::new(center.y, center.z).normalize_or_zero();
+    let slope = normal.dot(DVec3::new(forward.x, forward.y * outwards.x, forward.y * outwards.y));
     beyond > spark_gap || (beyond > -EDGE && slope.abs() > END)
 }
 

@@ -5,9 +5,12 @@ use crate::copying::{Copying, CopyingExtent, CopyingMotion, CopyingSettings, cop
 use crate::machine::{AxisSet, MachineParams};
 use crate::verify::{Verifier, VerifyOptions};
 use geometry::exact::ExactMesh;
+use geometry::frame::Cylindrical;
 use wheel::electrode::{ElectrodeParams, EntrySide, make_electrodes};
+use wheel::find_channel::find_channel;
 use wheel::fixtures::{exact_channel, together, turned_part};
-use wheel::options::Auto;
+use wheel::options::{Auto, BliskOptions};
+use wheel::parametric::wheel::ParametricWheel;
 use wheel::parametric::{MeshResolution, ParametricBlisk};
 
 const GAP: f64 = 0.1;
@@ -351,4 +354,18 @@ fn pieces_that_reach_beyond_the_edges_and_flat_ends_of_blades_lie_beside_the_bla
     assert!(across(to) && !across(0.5 * (passage.span[0] + to)));
     // A wall along the passage up to its end is part of the channel.
     assert!(!is_beside([at(x_of(to - 0.3), 95.0, 0.0), at(x_of(to), 95.0, 0.0), at(x_of(to), 95.3, 0.0)]));
+}
+
+#[test]
+fn the_facets_of_a_rim_that_blades_end_flush_with_lie_beside_the_blades() {
+    let wheel = ParametricWheel { span: [0.0, 1.0], ..ParametricWheel::nozzle_ring() };
+    let channel = find_channel(&wheel.mesh(), &BliskOptions::default(), &Task::default()).unwrap();
+    let passage = Passage::new(&channel).unwrap();
+    let (middle, rim) = (channel.middle().place(0.5), channel.meridian.last().unwrap().shroud.y);
+    let across = |r: f64| {
+        let facet = [(-0.2, -0.02), (0.2, -0.02), (0.0, 0.02)];
+        facet.map(|(x, theta)| Cylindrical { x: middle.x + x, r, theta }.point())
+    };
+    assert!(surface::is_beside_blades(&passage, across(rim), GAP));
+    assert!(!surface::is_beside_blades(&passage, across(middle.y), GAP));
 }

@@ -45,7 +45,7 @@ fn spans(outlines: &[Vec<DVec2>], through: DVec2, normal: DVec2) -> Vec<[f64; 2]
 
 #[cfg(test)]
 mod tests {
-    use super::super::division::Cut;
+    use super::super::cut::Cut;
     use super::*;
 
     fn part(outline: &[(f64, f64)], cut: Cut) -> PartNode {

@@ -5,7 +5,8 @@ use std::fmt;
 
 use glam::DVec2;
 
-use super::division::{ALIKE, Cut, DivisionSettings, ON_LINE, ON_PLANE, Part, RestMaterial, RestPlace};
+use super::cut::{ALIKE, Cut, ON_PLANE};
+use super::division::{DivisionSettings, ON_LINE, Part, RestMaterial, RestPlace};
 use super::h_edge::{HEdge, is_upright, place};
 use super::params::DividedAt;
 use super::tip::Footprint;

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::base::Base;
 use super::burn_direction::BurnProposal;
 use super::check::watertight;
-use super::division::Cut;
+use super::cut::Cut;
 use super::finding::{CheckKind, Finding};
 use super::given::{Given, GivenName};
 use super::h_edge::EdgeChain;

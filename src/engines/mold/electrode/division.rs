@@ -4,16 +4,19 @@
 //! whose boundary it goes on straight (the face is enlarged, whatever its draft), and parts beyond it. These reach back
 //! over the cut by the overlap, between their own faces enlarged, so that nothing is left between them.
 
+use std::iter::once;
+
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use super::base::{INTO_BASE, on_plate};
 use super::check::{milled, turned_over, watertight};
+use super::cut::{Cut, FAR, OFF_WALL, ON_PLANE};
 use super::cuts::{Undivided, across, cuts, shapes};
 use super::footprint::{grown, half_plane, is_thin, shrunk};
 use super::h_edge::{HEdge, Milling, h_edges, inner_edges};
 use super::params::DividedAt;
+use super::samples::on_cuts;
 use super::tip::{Burned, Footprint, SKIN, TipError, led_up, tip};
 use crate::cutter::CutterLibrary;
 use crate::height_field::{FieldRegion, HeightFieldError};
@@ -26,10 +29,6 @@ use task::Cancel;
 
 /// How far from a tip in plan what it burns may lie, beyond the gap (mm): regions are known to cells.
 pub(super) const CELL: f64 = 0.05;
-/// How far a cut lies off the wall it goes along (mm), so that the two do not lie in one another.
-const OFF_WALL: f64 = 1e-4;
-/// Further than any mold (mm).
-const FAR: f64 = 1e5;
 /// Divisions one after another, at most.
 const DEEPEST: usize = 16;
 /// Half the width up to which a part of a region is none (mm): regions are known to cells of this size.
@@ -45,103 +44,18 @@ const MOST_ACROSS: f64 = 0.02;
 const LEAST_TAKEN: f64 = 0.04;
 /// Share of the rest material that a division may leave where it takes H-edges away alone; more is no division.
 const AS_MUCH: f64 = 1.02;
+/// How often a region is divided anew where its parts do not burn places on the cuts between them.
+const AGAIN: usize = 2;
 /// Divisions one after another that may take less than a share away, or H-edges alone.
 const AHEAD: usize = 3;
 /// How far a head is led up to try whether it can be milled (mm).
 const LED_UP: f64 = 1.0;
 /// How near a corner lies to a line to be on it (mm).
 pub(super) const ON_LINE: f64 = 1e-6;
-/// Downward part of a normal up to which a face is cut along.
-const STEEP: f64 = 0.5;
-/// Downward part of a normal up to which a face is upright.
-pub(super) const UPRIGHT: f64 = 1e-6;
-/// How far the ends of an edge may be off a plane to lie in it (mm).
-pub(super) const ON_PLANE: f64 = 0.015;
-/// How alike normals of faces are that are cut along at once (radians).
-pub(super) const ALIKE: f64 = 2e-3;
 /// Downward part of a normal from which on a face that is enlarged has something below it.
 const ON_LEVEL: f64 = 1e-3;
 /// Least sine of the angle between faces that have a profile, and of its direction with the cut.
 const ALONG: f64 = 0.3;
-
-/// A cut through a part along a plane, in the burn frame.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Cut {
-    /// A point that it goes through (mm).
-    pub through: DVec3,
-    /// Unit normal, level or downwards: that of the near part's face in the plane.
-    pub normal: DVec3,
-    /// Height from which up it goes (mm), if it is slanted.
-    pub low: f64,
-    /// Whether parts beyond it reach back over it.
-    pub overlaps: bool,
-}
-
-impl Cut {
-    /// An upright cut through a point in plan (mm) with this unit normal.
-    pub fn upright(through: DVec2, outward: DVec2, overlaps: bool) -> Self {
-        Self { through: through.extend(0.0), normal: outward.extend(0.0), low: f64::NEG_INFINITY, overlaps }
-    }
-
-    /// The cut along a face of a tip through one of its points (mm); none where the face is not steep.
-    pub(super) fn along(face: DVec3, through: DVec3) -> Option<Self> {
-        let normal = if face.z.abs() < UPRIGHT { face.with_z(0.0).normalize_or_zero() } else { face };
-        let is_steep = (-STEEP..=0.0).contains(&normal.z) && normal != DVec3::ZERO;
-        is_steep.then_some(Self { through, normal, low: f64::NEG_INFINITY, overlaps: true })
-    }
-
-    /// The same with the inner edges of a tip that bound its face: from the lowest of their ends up, and through the one
-    /// furthest before it.
-    pub(super) fn fitted(self, inner: &[HEdge]) -> Self {
-        // Short edges of other faces may lie as near to it: through their ends the cut would go into its face.
-        let is_its = |edge: &&HEdge| {
-            let cuts = edge.normals.map(|n| Self::along(n, edge.ends[0]));
-            self.holds(edge) && cuts.iter().flatten().any(|cut| cut.normal.distance(self.normal) < ALIKE)
-        };
-        let on: Vec<DVec3> = inner.iter().filter(is_its).flat_map(|edge| edge.ends).collect();
-        let low = on.iter().map(|p| p.z).reduce(f64::min).unwrap_or(self.low);
-        // The face is known to rounding: none of its edges stays before the cut.
-        let first = on.iter().copied().min_by(|p, q| self.beyond(*p).total_cmp(&self.beyond(*q)));
-        Self { through: first.unwrap_or(self.through), low, ..self }
-    }
-
-    /// Whether an edge lies in it.
-    pub(super) fn holds(&self, edge: &HEdge) -> bool {
-        edge.ends.iter().all(|p| self.beyond(*p).abs() < ON_PLANE)
-    }
-
-    /// The angle by which it leans from upright (radians).
-    pub fn slope(&self) -> f64 {
-        (-self.normal.z).clamp(0.0, 1.0).asin()
-    }
-
-    /// Unit normal of its lines in plan.
-    pub fn outward(&self) -> DVec2 {
-        self.normal.truncate().normalize_or_zero()
-    }
-
-    /// A point of its line at a height (mm), in plan.
-    pub(super) fn line(&self, height: f64) -> DVec2 {
-        let across = self.normal.truncate().length();
-        self.through.truncate() - self.outward() * self.normal.z / across * (height - self.through.z)
-    }
-
-    /// How far a point lies beyond it (mm).
-    pub(super) fn beyond(&self, p: DVec3) -> f64 {
-        (p - self.through).dot(self.normal)
-    }
-
-    /// Everything beyond it between two heights, as corners of a convex body (mm).
-    fn all_beyond(&self, [low, high]: [f64; 2]) -> Vec<DVec3> {
-        let along = self.outward().perp() * FAR;
-        let at = |height: f64| {
-            let line = self.line(height) - self.outward() * OFF_WALL;
-            let far = self.line(high) + self.outward() * FAR;
-            [line - along, line + along, far - along, far + along].map(|p| p.extend(height))
-        };
-        [at(low), at(high)].concat()
-    }
-}
 
 /// A part of a region and what it was divided into.
 #[derive(Debug, Clone)]
@@ -176,6 +90,11 @@ impl Part {
         }
     }
 
+    /// The cuts that it was divided by.
+    fn cuts(&self) -> Vec<Cut> {
+        self.divided.iter().flat_map(|(cut, parts)| once(*cut).chain(parts.iter().flat_map(Part::cuts))).collect()
+    }
+
     /// Whether something of it was left out as too thin.
     pub fn is_lacking(&self) -> bool {
         self.lacks_thin || self.divided.iter().flat_map(|(_, parts)| parts).any(Self::is_lacking)
@@ -204,23 +123,65 @@ pub struct DivisionSettings<'a> {
     pub milled_by: f64,
 }
 
-/// A footprint divided until no part has H-edges, or parts would be smaller than the least size.
+/// A footprint divided until no part has H-edges, or parts would be smaller than the least size. `surface` is that of the
+/// region, given by its triangles' corners (mm).
 ///
 /// # Errors
 /// [`TipError`].
 pub fn divide(
     burned: &Burned,
-    footprint: Footprint,
+    surface: &[[DVec3; 3]],
+    footprint: &Footprint,
     settings: &DivisionSettings,
     cancel: &Cancel,
 ) -> Result<Part, TipError> {
+    let mut places = burned.places.to_vec();
+    let (mut part, mut left) = divided_once(burned, footprint, settings, cancel)?;
+    for _ in 0..AGAIN {
+        let missed = missed_on_cuts(burned, surface, &part);
+        if missed.is_empty() {
+            break;
+        }
+        places.extend(missed);
+        let burned = &Burned { places: &places, ..*burned };
+        let (again, left_again) = divided_once(burned, footprint, settings, cancel)?;
+        // What no cutter mills is worse.
+        if left_again > left {
+            break;
+        }
+        (part, left) = (again, left_again);
+    }
+    Ok(part)
+}
+
+/// The division, and the size of what the cutters leave of the heads.
+fn divided_once(
+    burned: &Burned,
+    footprint: &Footprint,
+    settings: &DivisionSettings,
+    cancel: &Cancel,
+) -> Result<(Part, f64), TipError> {
     let deepest = if settings.at == DividedAt::Nothing { 0 } else { DEEPEST };
-    let part = whole(burned, footprint, settings)?;
+    let part = whole(burned, footprint.clone(), settings)?;
     // A head without inner edges needs no look, unless it consists of several.
     let is_simple = part.inner.is_empty() && shapes(&part.footprint).len() < 2;
     let rest = if is_simple { RestMaterial::default() } else { rest_material(&part, settings, cancel)? };
     let by_whole = if rest.size > 0.0 { burned.by(&part.body) } else { Vec::new() };
-    Ok(divided((burned, &by_whole), (part, rest), settings, (deepest, AHEAD), cancel)?.0)
+    divided((burned, &by_whole), (part, rest), settings, (deepest, AHEAD), cancel)
+}
+
+/// Places of the surface on the cuts of a division that its parts together do not burn as the whole does: where the cuts
+/// lie is known after it only.
+fn missed_on_cuts(burned: &Burned, surface: &[[DVec3; 3]], part: &Part) -> Vec<DVec3> {
+    let cuts = part.cuts();
+    if cuts.is_empty() || part.is_lacking() {
+        return Vec::new();
+    }
+    let places: Vec<DVec3> = on_cuts(surface, &cuts).into_iter().map(|(_, p)| p).collect();
+    let burned = Burned { places: &places, ..*burned };
+    let (by_whole, leaves) = (burned.by(&part.body), part.leaves());
+    let is_burned = burned.are_burned([&by_whole, &by_whole], leaves.iter().map(|leaf| &leaf.body));
+    places.iter().zip(is_burned).filter(|(_, is_burned)| !is_burned).map(|(p, _)| *p).collect()
 }
 
 /// A part, divided as long as that leaves less, and the size of what the cutters leave of its heads. `by_whole` tells how

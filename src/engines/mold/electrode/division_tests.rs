@@ -2,9 +2,10 @@
 
 use glam::{DVec2, DVec3};
 
+use super::cut::Cut;
 use super::cuts::Undivided;
 use super::design::{ElectrodeSet, PartNode};
-use super::division::{Cut, enlarged};
+use super::division::enlarged;
 use super::finding::{CheckKind, Finding};
 use super::h_edge::{HEdge, Milling, h_edges, inner_edges};
 use super::params::{DividedAt, Edit, ElectrodeParams};

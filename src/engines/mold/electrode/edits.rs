@@ -4,7 +4,8 @@ use files::Invalid;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use super::division::{Cut, DivisionSettings, Part, are_needed, cut_along, whole};
+use super::cut::Cut;
+use super::division::{DivisionSettings, Part, are_needed, cut_along, whole};
 use super::params::Edit;
 use super::setting::{RegionToBurn, Setting};
 use super::tip::{Burned, Footprint, SKIN, TipError};

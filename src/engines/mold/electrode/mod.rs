@@ -10,6 +10,7 @@ pub mod burning;
 pub mod check;
 pub mod clearance;
 pub mod combine;
+pub mod cut;
 pub mod cuts;
 pub mod design;
 pub mod division;

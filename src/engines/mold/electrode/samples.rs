@@ -4,7 +4,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::division::Cut;
+use super::cut::Cut;
 use super::residual_stock::Looked;
 use super::residual_stock::Sample;
 use super::setting::RegionToBurn;
@@ -186,25 +186,30 @@ impl Surface<'_> {
 
     /// Along cuts: they stand for no area.
     fn along_cuts(&self, cuts: &[Cut]) -> Vec<Sample> {
-        let mut crossings: Vec<(usize, [DVec3; 2])> = Vec::new();
-        for cut in cuts {
-            for (i, corners) in self.corners.iter().enumerate() {
-                let off = corners.map(|p| cut.beyond(p));
-                let sides = (0..3).map(|k| (k, (k + 1) % 3)).filter(|(k, l)| (off[*k] < 0.0) != (off[*l] < 0.0));
-                let at = |(k, l): (usize, usize)| corners[k].lerp(corners[l], off[k] / (off[k] - off[l]));
-                let ends: Vec<DVec3> = sides.map(at).collect();
-                if let [a, b] = ends[..] {
-                    crossings.push((i, [a, b]));
-                }
+        on_cuts(self.corners, cuts).into_iter().map(|(i, p)| self.sample(i, p, 0.0)).collect()
+    }
+}
+
+/// Places of a surface, given by its triangles' corners (mm), evenly along cuts through it, each with its triangle.
+pub(super) fn on_cuts(corners: &[[DVec3; 3]], cuts: &[Cut]) -> Vec<(usize, DVec3)> {
+    let mut crossings: Vec<(usize, [DVec3; 2])> = Vec::new();
+    for cut in cuts {
+        for (i, corners) in corners.iter().enumerate() {
+            let off = corners.map(|p| cut.beyond(p));
+            let sides = (0..3).map(|k| (k, (k + 1) % 3)).filter(|(k, l)| (off[*k] < 0.0) != (off[*l] < 0.0));
+            let at = |(k, l): (usize, usize)| corners[k].lerp(corners[l], off[k] / (off[k] - off[l]));
+            let ends: Vec<DVec3> = sides.map(at).collect();
+            if let [a, b] = ends[..] {
+                crossings.push((i, [a, b]));
             }
         }
-        let length: f64 = crossings.iter().map(|(_, [a, b])| a.distance(*b)).sum();
-        let mut evenly = Evenly::new((0.5 * FINE).max(length / SAMPLES));
-        let on = |(i, ends): (usize, [DVec3; 2])| -> Vec<Sample> {
-            evenly.on(ends).into_iter().map(|p| self.sample(i, p, 0.0)).collect()
-        };
-        crossings.into_iter().flat_map(on).collect()
     }
+    let length: f64 = crossings.iter().map(|(_, [a, b])| a.distance(*b)).sum();
+    let mut evenly = Evenly::new((0.5 * FINE).max(length / SAMPLES));
+    let on = |(i, ends): (usize, [DVec3; 2])| -> Vec<(usize, DVec3)> {
+        evenly.on(ends).into_iter().map(|p| (i, p)).collect()
+    };
+    crossings.into_iter().flat_map(on).collect()
 }
 
 /// Samples for the residual stock of a region, given the corners of its surface in the burn frame, the mold's edges,

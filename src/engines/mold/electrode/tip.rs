@@ -119,9 +119,19 @@ impl<'a> Burned<'a> {
         }
     }
 
-    /// Whether tips together burn what one did that they are parts of, given how far the places are from what the head
-    /// of the whole region burns and from what that one does.
-    pub(super) fn is_by_all<'m>(&self, [by_whole, by_one]: [&[f64]; 2], tips: impl Iterator<Item = &'m Mesh>) -> bool {
+    /// Whether tips together burn what one did that they are parts of: every one of the places, see
+    /// [`are_burned`](Self::are_burned).
+    pub(super) fn is_by_all<'m>(&self, by: [&[f64]; 2], tips: impl Iterator<Item = &'m Mesh>) -> bool {
+        self.are_burned(by, tips).into_iter().all(|is_burned| is_burned)
+    }
+
+    /// For each of the places whether tips together burn it as one did that they are parts of, if that did; given how far
+    /// the places are from what the head of the whole region burns and from what that one does.
+    pub(super) fn are_burned<'m>(
+        &self,
+        [by_whole, by_one]: [&[f64]; 2],
+        tips: impl Iterator<Item = &'m Mesh>,
+    ) -> Vec<bool> {
         /// By how much less a place may be burned than by the whole (mm): faces are known so well, and corners of parts
         /// are rounded.
         const LESS: f64 = 0.015;
@@ -129,8 +139,8 @@ impl<'a> Burned<'a> {
         let least = |i: usize| by_each.iter().map(|by| by[i]).fold(f64::INFINITY, f64::min);
         let enough = |i: usize| by_whole[i].max(0.0) + LESS;
         // What lies further off than that is none of the head's.
-        let is_asked = |i: &usize| by_whole[*i] <= self.gap_across + CELL && by_one[*i] <= enough(*i);
-        (0..by_one.len()).filter(is_asked).all(|i| least(i) <= enough(i))
+        let is_asked = |i: usize| by_whole[i] <= self.gap_across + CELL && by_one[i] <= enough(i);
+        (0..by_one.len()).map(|i| !is_asked(i) || least(i) <= enough(i)).collect()
     }
 }
 
