@@ -6,7 +6,7 @@ use super::project::{ProjectArguments, Settings};
 use super::{Answer, Session};
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
-use crate::workspaces::blisk::export;
+use crate::workspaces::blisk::export::{self, PlanFilesError};
 use crate::workspaces::blisk::job::finish::finish_as_far_as_possible;
 use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanOutcome};
 use crate::workspaces::blisk::job::plan::{prepare, run_prepared};
@@ -17,7 +17,7 @@ use crate::workspaces::blisk::report::{InputFile, Report};
 use files::{ExportFolder, Validate as _};
 use import::Units;
 use nc::post::Post;
-use task::Cancel;
+use task::{Cancel, Task};
 use wheel::electrode::Sizing;
 use wheel::parametric::wheel::ParametricWheel;
 
@@ -90,18 +90,30 @@ fn finish(inputs: PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sessi
     // Its fields make room for the pictures.
     drop(prepared);
     // What is known when the work is stopped is written all the same.
-    let (report, written) = export::export(out, &outcome, &inputs, files, task, &Cancel::default())?;
+    let exported = |outcome: &PlanOutcome| {
+        let cancel = if outcome.stopped().is_some() { Cancel::default() } else { task.cancel.clone() };
+        export::export(out, outcome, &inputs, files.clone(), &Task { cancel, ..task.clone() })
+    };
+    let (outcome, (report, written)) = match exported(&outcome) {
+        Err(PlanFilesError::Cancelled(_)) => {
+            let outcome = outcome.undrawn();
+            let files = exported(&outcome)?;
+            (outcome, files)
+        }
+        files => (outcome, files?),
+    };
+    let stopped = outcome.stopped();
     super::terminal::finish();
     if session.json {
         say!("{}", report.json()?);
     } else {
         print_summary(&report, &outcome, &written, out);
     }
-    Ok(match outcome.stopped() {
+    Ok(match stopped {
         Some(stage) if outcome.is_verified() => {
             Answer::Stopped { stage, written: "the certified plan was written, without an NC program" }
         }
-        Some(stage) => Answer::Stopped { stage, written: "where the electrode jams was written" },
+        Some(stage) => Answer::Stopped { stage, written: "what is known of the plan was written" },
         None if outcome.may_be_approved() => Answer::Yes,
         None => Answer::No,
     })

@@ -32,7 +32,7 @@ pub(super) const OF_CENTRELINES: Words = &[
     ),
     (
         "low, high",
-        "the two columns of a part, the paper's left and right: the channel divided along its middle surface; each burns the \
+        "the two columns of a part: the channel divided along its middle surface; each burns the \
          wall that it is named after",
     ),
     ("core point v", "the middle of the electrode's section square to the centreline, which follows that line"),

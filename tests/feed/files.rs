@@ -71,18 +71,12 @@ pub fn what_cannot_be_replaced_is_named_and_no_program_lies_beside_it() {
     assert!(!names(folder.path()).contains("path_1.nc"));
 }
 
-pub fn a_plan_that_is_stopped_at_its_pictures_is_written_without_them() {
+pub fn a_plan_that_is_stopped_at_its_pictures_is_written_without_them_and_without_a_program() {
     let folder = tempfile::tempdir().unwrap();
-    let drawing = Task::default();
-    drawing.cancel.cancel();
-    let inputs = inputs();
-    assert!(inputs.job.export.draws_any());
-    let plan = whole_easy_plan();
-    let written = export::export(folder.path(), plan, &inputs, Vec::new(), &drawing, &Cancel::default());
-    let (report, written) = written.unwrap();
-    assert_eq!((report.pictures.len(), report.no_pictures.as_deref()), (0, Some("the work was stopped")));
-    assert!(
-        written.iter().any(|name| name == "path_1.nc") && names(folder.path()).contains("report.html"),
-        "{written:?}"
-    );
+    let (inputs, plan) = (inputs(), whole_easy_plan().clone().undrawn());
+    assert!(inputs.job.export.draws_any() && whole_easy_plan().may_be_approved());
+    let (report, written) = export::export(folder.path(), &plan, &inputs, Vec::new(), &Task::default()).unwrap();
+    assert_eq!((report.pictures.len(), report.verdict.exit_code), (0, 130), "{}", report.verdict.sentence);
+    let is_written = |name: &str| written.iter().any(|file| file == name);
+    assert!(is_written("path_1.csv") && is_written("report.html") && !is_written("path_1.nc"), "{written:?}");
 }

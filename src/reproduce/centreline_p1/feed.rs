@@ -214,8 +214,9 @@ fn figure_2(outcome: &PlanOutcome) -> Outcome {
     let thickness = outcome.electrodes.iter().map(|e| e.electrode.least_thickness_mm);
     let [least, most] = thickness.fold([f64::INFINITY, 0.0], |[a, b], t| [f64::min(a, t), f64::max(b, t)]);
     let why = format!(
-        "{} electrodes, as the paper has: two along the passage, one from each side, each divided left and right, with an \
-         overlap. The paper balances their thickness and gives no figures. Ours divides front from rear, and left from right, \
+        "{} electrodes, as the paper has: two from each side, its inner and outer ones from the left and from the right, \
+         with an overlap. How it divides inner from outer its text does not say; ours are divided between the blades. The \
+         paper balances their thickness and gives no figures. Ours divides front from rear, and left from right, \
          where both are as thick as each other at their thinnest places before any reduction, or as nearly as a division between \
          one and two thirds of the length makes them. The finished ones are {least:.2} to {most:.2} mm thick.",
         outcome.electrodes.len()
@@ -247,8 +248,8 @@ fn figure_5() -> Outcome {
         ..outcome_named(
             "Figure 5",
             "Flow of the search",
-            Verdict::Same,
-            "The same steps. Where the paper leaves the way to another posture open, ours climbs the distance field. The proof at \
+            Verdict::NotComparable,
+            "A flow chart without figures. The same steps along our own centreline (figure 6). Where the paper leaves the way to another posture open, ours climbs the distance field. The proof at \
              the end is ours."
                 .to_owned(),
         )
@@ -337,7 +338,8 @@ fn nodes(e: &ElectrodeOutcome, facts: &[NodeFacts]) -> Table {
         "#d2", "#d3", "#d4",
     ];
     let caption = "Nodes of electrode 1 (mm): retract distance, axes, core point v and its arc length, distances to pressure \
-                   wall, suction wall, hub, shroud; every node is in p1_nodes_1.csv";
+                   wall, suction wall, hub, shroud (to their greatest radius, which facets dip below: the mesh may be a few \
+                   micrometres further away); every node is in p1_nodes_1.csv";
     Table::new(caption, &head, rows.collect())
 }
 

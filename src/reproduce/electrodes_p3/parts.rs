@@ -281,9 +281,10 @@ fn oversize(task: &Task) -> Result<Outcome, ReproduceError> {
         why: format!(
             "The paper shows the effect without figures: with whole faces electrodes grow with the pocket until they \
              cannot be milled, with the regions as found they stay as large as the corners. Ours grow {:.2} times with \
-             whole faces and {:.2} times as found.{}",
+             whole faces and {:.2} times as found. Of the grown ones {} cannot be milled here.{}",
             grows(Way::WholeFaces),
             grows(Way::HEdges),
+            of_large[Way::WholeFaces as usize].not_millable,
             minutes(&of_large)
         ),
         by_hand: by_hand("figure_21"),

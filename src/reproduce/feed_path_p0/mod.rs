@@ -333,8 +333,8 @@ fn convergence(subject: &Subject) -> Outcome {
     let steps = steps.map(|(step, ours)| vec![step.to_owned(), ours.to_owned()]).to_vec();
     let why = format!(
         "The figure is the flow chart of the search; the paper shows no convergence. It calls its algorithm adaptive and \
-         does not say how. Ours has {} individuals and {} generations for each of the {nodes} nodes searched for both \
-         weights.",
+         does not say how. Ours has {} individuals and {} generations for each of the {nodes} nodes of both paths that \
+         were searched; what follows outside the blisk is not.",
         job.genetic.population, job.genetic.generations
     );
     Outcome {

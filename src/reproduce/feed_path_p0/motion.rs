@@ -229,8 +229,9 @@ fn why(genetic: &Case, other: &Case) -> String {
     format!(
         "The paper says that its feed curves have fewer sharp points than those of [11]; it prints curves and no figures. Of \
          the genetic path as shares of free travel: reversals (an axis turns back) {reversals}; root mean square of the second \
-         differences {rms}. By total variation (the way of an axis) and by the way of the centroid free travel may be less: \
-         see the tables. The weights are not printed: with a3 = 0.5 smoothness has next to no say. The search of free travel \
+         differences {rms}. By total variation (the way of an axis) and by the way of the centroid free travel may be less, \
+         while the genetic centroid's way turns less: see the tables. The weights are not printed: this holds with a3 = 0.9; \
+         with 0.5 smoothness has next to no say, and the path may be rougher than free travel. The search of free travel \
          is ours, from its objective; \"global\" is our own search, not in the paper."
     )
 }

@@ -123,8 +123,9 @@ pub(super) fn constraint(subject: &Subject, primitive: &[Electrode], task: &Task
     let (answered, unanswered): (Vec<_>, Vec<_>) =
         answers.map(|n| (n.to_string(), (places.len() - n).to_string())).unzip();
     let why = format!(
-        "The paper says that the 90 degree test misjudges places beside a twisted wall and the comparison of alpha with theta \
-         does not. On walls of ever fewer points the former misjudges {}, the latter {} of {} places. Neither test has an \
+        "The paper says that the 90 degree test refuses free places beside a twisted wall, which the comparison of alpha with \
+         theta lets pass. So it is here, but that comparison also lets more places within a blade pass, of which the paper \
+         says nothing. On walls of ever fewer points the former misjudges {}, the latter {} of {} places in both ways together. Neither test has an \
          answer at the other {} of {} places, which lie beyond the ends of the walls. The paper does not say how many points \
          its walls have. Neither test proves a path; the certificate does.",
         shown(0),
@@ -261,7 +262,8 @@ pub(super) fn distribution(
     let mut legend: Vec<_> = bar.ticks(5).into_iter().map(|v| (bar.colour(v), format!("{v:.2} mm"))).collect();
     legend.push((COPPER, "not a wall, or beyond the blades".to_owned()));
     let caption = format!(
-        "Distance of the low wall (left) and the high wall (right) from the wall of the channel beside it; above {}, below {}.",
+        "Distance of the low wall (left) and the high wall (right) from the wall of the channel beside it, as a grid of \
+         points tells it, about 0.01 mm off the mesh; above {}, below {}.",
         shown[0].name, shown[1].name
     );
     let head = ["position", "#D_L mm", "#D_R mm", "#|D_L − D_R| mm", "#S_L mm", "#S_R mm", "#Obj2 (5), equal weights"];

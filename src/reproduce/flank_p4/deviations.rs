@@ -189,7 +189,7 @@ fn figure_7(cases: &[Case], pictures: Vec<Picture>, task: &Task) -> Result<Outco
         why: format!(
             "the ratio to the initial sum depends on the number of samples up the ruling, which the text does not give: see \
              the second table. On 100 x 50 our refined paths are {} the paper's ratio on both surfaces. The one compensation \
-             that the paper describes is with ours {} its ratio on both: there the paper is {}. A refined path has less in sum, and its greatest undercut is larger \
+             that the paper describes is with ours {} its ratio on both there: in that the paper is {}. A refined path has less in sum, and its greatest undercut is larger \
              than the initial one's; bound it where that matters",
             words(refined_better),
             words(chosen_better),
@@ -291,7 +291,7 @@ pub(super) fn equation_12(task: &Task) -> Result<Outcome, ReproduceError> {
             .to_owned(),
         verdict: Verdict::NotComparable,
         why: "the paper compensates on this grid, whose size is not in the text; by its sums no grid fits both surfaces, \
-              see figure 6. It is not the program's measure: the samples hang on the path, so that the sum also becomes \
+              see figure 6, and its printed sums are those on (u, v). It is not the program's measure: the samples hang on the path, so that the sum also becomes \
               less where a path leaves the part, and the same path has another ratio on the design surface"
             .to_owned(),
         by_hand: "sparkpath flank --demo a --below 0 --set plan.is_covering=false --set plan.sum=axis --set plan.row=shift \

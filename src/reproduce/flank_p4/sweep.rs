@@ -103,8 +103,8 @@ pub(super) fn sweep(task: &Task) -> Result<Outcome, ReproduceError> {
         ),
         verdict: Verdict::NotComparable,
         why: "the paper has no such sweep; ours tells how far its single cutters may be taken as typical. The taper \
-              decides most. The radius does little on A and much on B, where a cutter of 4 mm is too wide. More than ten \
-              control points gain little. Checks of coverage fail where the bottom stands on the lower guide (Extend below 0), \
+              decides most. The radius does little on A and much on B, where a wide cutter finds no path. More than ten \
+              control points gain little. A path that deviates by less than the tolerance is not refined: its ratio is 1. Checks of coverage fail where the bottom stands on the lower guide (Extend below 0), \
               as in the paper: the command answers 3 then"
             .to_owned(),
         by_hand: "sparkpath flank --demo a --below 0 --grid 50x25 --locations 60 --sweep taper:0:16:9 (or \

@@ -56,8 +56,7 @@ pub enum PlanFilesError {
 }
 
 /// Reports on a plan, draws its pictures and writes its files into `folder`; see [`write()`]. `files` are those that
-/// the inputs were read from. Pictures are left out where `drawing` is told to stop, and nothing is written where `cancel`
-/// is. Returns the report and the names of the files.
+/// the inputs were read from. Returns the report and the names of the files.
 ///
 /// # Errors
 /// [`PlanFilesError`]; if the post cannot be used or nothing can be written there, before anything is drawn.
@@ -66,14 +65,17 @@ pub fn export(
     outcome: &PlanOutcome,
     inputs: &PlanInputs,
     files: Vec<InputFile>,
-    drawing: &Task,
-    cancel: &Cancel,
+    task: &Task,
 ) -> Result<(Report, Vec<String>), PlanFilesError> {
     let post = Post::named(&inputs.job.export.post)?;
     ExportFolder::check(folder)?;
     let mut report = build::report(outcome, &inputs.job, files);
-    plan_pictures::add(&mut report, outcome, inputs, drawing);
-    let written = write(folder, outcome, inputs, &post, &mut report, cancel)?;
+    match outcome.stopped() {
+        None => plan_pictures::add(&mut report, outcome, inputs, task)?,
+        // Who stops the work does not wait for pictures.
+        Some(_) => report.no_pictures = Some("the work was stopped".to_owned()),
+    }
+    let written = write(folder, outcome, inputs, &post, &mut report, &task.cancel)?;
     Ok((report, written))
 }
 

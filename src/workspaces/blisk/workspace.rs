@@ -242,7 +242,7 @@ impl BliskWorkspace {
     /// Writes the files of the released plan into `folder`, or shows why that is not possible.
     pub fn export(&mut self, folder: &Path, cx: &mut Context) {
         let write: ExportWork = Box::new(|folder, released, inputs, files, task| {
-            let exported = export::export(folder, released.plan(), inputs, files, task, &task.cancel);
+            let exported = export::export(folder, released.plan(), inputs, files, task);
             exported.map(|(_, written)| written).map_err(|e| e.to_string())
         });
         if let Err(why) = self.desk.work.start_export(folder, write) {

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rayon::prelude::*;
 
 use super::{Layer, Passage, Removal, ResidualStockError, Site, SurfaceFigures, TOLERANCE};
@@ -10,7 +10,7 @@ use geometry::mesh::{Bounds, Mesh, halved, normal_times_two_areas};
 use geometry::shells::Shells;
 use geometry::weld::Weld;
 use task::{Cancel, Cancelled, Task};
-use wheel::channel::{Flow, Surface};
+use wheel::channel::Surface;
 
 /// Longest edge of a triangle of the map (mm).
 const EDGE: f64 = 0.45;
@@ -103,23 +103,20 @@ fn part(site: &Site, passage: &Passage, corners: [DVec3; 3]) -> Option<([DVec3; 
 }
 
 /// Whether a small triangle reaches further than the spark gap beyond the edges of the blades, or lies in the flat end
-/// of a blade.
+/// of a blade, square to the passage there.
 pub(super) fn is_beside_blades(passage: &Passage, corners: [DVec3; 3], spark_gap: f64) -> bool {
-    /// Part of a normal along the passage from which on a face is an end.
+    /// Part of a normal square to the line across the passage from which on a face is an end.
     const END: f64 = 0.995;
     let [from, to] = passage.span;
     let along = corners.map(|p| passage.along_and_height(p)[0]);
     let beyond = along.iter().map(|at| (from - at).max(at - to)).fold(f64::NEG_INFINITY, f64::max);
     let center = corners.iter().sum::<DVec3>() / 3.0;
     let normal = normal_times_two_areas(corners).normalize_or_zero();
-    let [along, height] = passage.along_and_height(center);
     let channel = passage.channel();
-    let forward = match channel.flow {
-        Flow::Axial => DVec2::X,
-        Flow::Mixed | Flow::Radial => channel.forward(along, height / channel.station_at(along).height()),
-    };
-    let outwards = DVec2::new(center.y, center.z).normalize_or_zero();
-    let slope = normal.dot(DVec3::new(forward.x, forward.y * outwards.x, forward.y * outwards.y));
+    let [along, _] = passage.along_and_height(center);
+    let across = channel.across(&channel.line_at(along));
+    let outwards = center.with_x(0.0).normalize_or_zero();
+    let slope = normal.dot(DVec3::X * across.x + outwards * across.y);
     beyond > spark_gap || (beyond > -EDGE && slope.abs() > END)
 }
 

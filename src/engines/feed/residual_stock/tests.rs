@@ -6,11 +6,13 @@ use crate::machine::{AxisSet, MachineParams};
 use crate::verify::{Verifier, VerifyOptions};
 use geometry::exact::ExactMesh;
 use geometry::frame::Cylindrical;
+use geometry::mesh::normal_times_two_areas;
+use glam::DVec2;
 use wheel::electrode::{ElectrodeParams, EntrySide, make_electrodes};
 use wheel::find_channel::find_channel;
 use wheel::fixtures::{exact_channel, together, turned_part};
 use wheel::options::{Auto, BliskOptions};
-use wheel::parametric::wheel::ParametricWheel;
+use wheel::parametric::wheel::{MeridianCurve, ParametricWheel};
 use wheel::parametric::{MeshResolution, ParametricBlisk};
 
 const GAP: f64 = 0.1;
@@ -358,14 +360,35 @@ fn pieces_that_reach_beyond_the_edges_and_flat_ends_of_blades_lie_beside_the_bla
 
 #[test]
 fn the_facets_of_a_rim_that_blades_end_flush_with_lie_beside_the_blades() {
-    let wheel = ParametricWheel { span: [0.0, 1.0], ..ParametricWheel::nozzle_ring() };
-    let channel = find_channel(&wheel.mesh(), &BliskOptions::default(), &Task::default()).unwrap();
-    let passage = Passage::new(&channel).unwrap();
-    let (middle, rim) = (channel.middle().place(0.5), channel.meridian.last().unwrap().shroud.y);
-    let across = |r: f64| {
-        let facet = [(-0.2, -0.02), (0.2, -0.02), (0.0, 0.02)];
-        facet.map(|(x, theta)| Cylindrical { x: middle.x + x, r, theta }.point())
-    };
-    assert!(surface::is_beside_blades(&passage, across(rim), GAP));
-    assert!(!surface::is_beside_blades(&passage, across(middle.y), GAP));
+    let flat = ParametricWheel { span: [0.0, 1.0], ..ParametricWheel::nozzle_ring() };
+    // The shroud leans, so that the passage narrows towards the axis and its ends stay square to the hub.
+    let leaning = MeridianCurve::line(DVec2::new(12.0, 68.0), DVec2::new(6.0, 104.0));
+    let narrowing = ParametricWheel { shroud: leaning, ..flat.clone() };
+    for wheel in [flat, narrowing] {
+        let channel = find_channel(&wheel.mesh(), &BliskOptions::default(), &Task::default()).unwrap();
+        let passage = Passage::new(&channel).unwrap();
+        let last = *channel.meridian.last().unwrap();
+        for share in [0.02, 0.5, 0.98] {
+            let DVec2 { x, y: rim } = last.place(share);
+            // Facing outwards, within the spark gap of the end of the blades.
+            let facet = [(x - 0.2, 0.002), (x + 0.2, 0.002), (x, -0.002)];
+            let corners = facet.map(|(x, theta)| Cylindrical { x, r: rim, theta }.point());
+            let along = corners.map(|p| passage.along_and_height(p)[0] - passage.span[1]);
+            assert!(along.iter().all(|beyond| beyond.abs() < GAP), "{along:?}");
+            assert!(normal_times_two_areas(corners).dot(corners[0]) > 0.0);
+            assert!(surface::is_beside_blades(&passage, corners, GAP), "{share}");
+        }
+        // Hub and walls up to there are surfaces of the channel.
+        let near = channel.station_at(last.along - 0.3).hub;
+        let of_hub = [(0.0, 0.0), (0.1, 0.0), (0.0, 0.001)].map(|(up, theta)| {
+            let DVec2 { x, y: r } = near - up * (last.hub - near).normalize();
+            Cylindrical { x, r, theta }.point()
+        });
+        assert!(!surface::is_beside_blades(&passage, of_hub, GAP));
+        let of_wall = [(0.0, 0.0), (0.1, 0.0), (0.0, 0.1)].map(|(down, over)| {
+            let DVec2 { x, y: r } = channel.station_at(last.along - 0.3 - down).place(0.5);
+            Cylindrical { x: x + over, r, theta: 0.0 }.point()
+        });
+        assert!(!surface::is_beside_blades(&passage, of_wall, GAP));
+    }
 }

@@ -44,8 +44,8 @@ const MOST_ACROSS: f64 = 0.02;
 const LEAST_TAKEN: f64 = 0.04;
 /// Share of the rest material that a division may leave where it takes H-edges away alone; more is no division.
 const AS_MUCH: f64 = 1.02;
-/// How often a region is divided anew where its parts do not burn places on the cuts between them.
-const AGAIN: usize = 2;
+/// Share by which sizes of rest material may differ and be the same.
+const SAME_REST: f64 = 1e-9;
 /// Divisions one after another that may take less than a share away, or H-edges alone.
 const AHEAD: usize = 3;
 /// How far a head is led up to try whether it can be milled (mm).
@@ -123,65 +123,61 @@ pub struct DivisionSettings<'a> {
     pub milled_by: f64,
 }
 
-/// A footprint divided until no part has H-edges, or parts would be smaller than the least size. `surface` is that of the
-/// region, given by its triangles' corners (mm).
+/// A footprint divided until no part has H-edges, or parts would be smaller than the least size. Where its parts do not
+/// burn all places on the cuts between them, it is divided anew with these places asked for; that is taken if the cutters
+/// leave no more, nothing is left out and fewer places are missed. `surface` is that of the region, given by its
+/// triangles' corners (mm).
 ///
 /// # Errors
 /// [`TipError`].
 pub fn divide(
     burned: &Burned,
     surface: &[[DVec3; 3]],
-    footprint: &Footprint,
+    footprint: Footprint,
     settings: &DivisionSettings,
     cancel: &Cancel,
 ) -> Result<Part, TipError> {
-    let mut places = burned.places.to_vec();
-    let (mut part, mut left) = divided_once(burned, footprint, settings, cancel)?;
-    for _ in 0..AGAIN {
-        let missed = missed_on_cuts(burned, surface, &part);
-        if missed.is_empty() {
-            break;
-        }
-        places.extend(missed);
-        let burned = &Burned { places: &places, ..*burned };
-        let (again, left_again) = divided_once(burned, footprint, settings, cancel)?;
-        // What no cutter mills is worse.
-        if left_again > left {
-            break;
-        }
-        (part, left) = (again, left_again);
-    }
-    Ok(part)
-}
-
-/// The division, and the size of what the cutters leave of the heads.
-fn divided_once(
-    burned: &Burned,
-    footprint: &Footprint,
-    settings: &DivisionSettings,
-    cancel: &Cancel,
-) -> Result<(Part, f64), TipError> {
     let deepest = if settings.at == DividedAt::Nothing { 0 } else { DEEPEST };
-    let part = whole(burned, footprint.clone(), settings)?;
+    let part = whole(burned, footprint, settings)?;
     // A head without inner edges needs no look, unless it consists of several.
     let is_simple = part.inner.is_empty() && shapes(&part.footprint).len() < 2;
     let rest = if is_simple { RestMaterial::default() } else { rest_material(&part, settings, cancel)? };
-    let by_whole = if rest.size > 0.0 { burned.by(&part.body) } else { Vec::new() };
-    divided((burned, &by_whole), (part, rest), settings, (deepest, AHEAD), cancel)
+    let divided = |burned: &Burned| {
+        let by_whole = if rest.size > 0.0 { burned.by(&part.body) } else { Vec::new() };
+        divided((burned, &by_whole), (part.clone(), rest.clone()), settings, (deepest, AHEAD), cancel)
+    };
+    let (first, left) = divided(burned)?;
+    let missed = missed_on_cuts(burned, surface, &first, cancel)?;
+    if missed.is_empty() {
+        return Ok(first);
+    }
+    let places = [burned.places, &missed].concat();
+    let (again, left_again) = divided(&Burned { places: &places, ..*burned })?;
+    let is_better = left_again <= left * (1.0 + SAME_REST)
+        && left.is_finite()
+        && !again.is_lacking()
+        && missed_on_cuts(burned, surface, &again, cancel)?.len() < missed.len();
+    Ok(if is_better { again } else { first })
 }
 
-/// Places of the surface on the cuts of a division that its parts together do not burn as the whole does: where the cuts
-/// lie is known after it only.
-fn missed_on_cuts(burned: &Burned, surface: &[[DVec3; 3]], part: &Part) -> Vec<DVec3> {
+/// Places of the surface on the cuts of a division that its parts together do not burn as the whole does. Where the cuts
+/// lie is known only after the division.
+fn missed_on_cuts(
+    burned: &Burned,
+    surface: &[[DVec3; 3]],
+    part: &Part,
+    cancel: &Cancel,
+) -> Result<Vec<DVec3>, TipError> {
     let cuts = part.cuts();
     if cuts.is_empty() || part.is_lacking() {
-        return Vec::new();
+        return Ok(Vec::new());
     }
     let places: Vec<DVec3> = on_cuts(surface, &cuts).into_iter().map(|(_, p)| p).collect();
     let burned = Burned { places: &places, ..*burned };
     let (by_whole, leaves) = (burned.by(&part.body), part.leaves());
+    cancel.check()?;
     let is_burned = burned.are_burned([&by_whole, &by_whole], leaves.iter().map(|leaf| &leaf.body));
-    places.iter().zip(is_burned).filter(|(_, is_burned)| !is_burned).map(|(p, _)| *p).collect()
+    Ok(places.iter().zip(is_burned).filter(|(_, is_burned)| !is_burned).map(|(p, _)| *p).collect())
 }
 
 /// A part, divided as long as that leaves less, and the size of what the cutters leave of its heads. `by_whole` tells how
@@ -261,7 +257,7 @@ fn divided(
 }
 
 /// Rest material on a part's head.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct RestMaterial {
     /// Volume (mm^3) and undercut area (mm^2), or the length of the edges that are to be divided at (mm).
     size: f64,
@@ -272,6 +268,7 @@ pub(super) struct RestMaterial {
 }
 
 /// A connected place of rest material.
+#[derive(Clone)]
 pub(super) struct RestPlace {
     /// The box around it (mm).
     pub(super) bounds: Bounds,

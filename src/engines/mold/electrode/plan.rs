@@ -362,7 +362,7 @@ fn parts_of(
     let is_tilted = setting.turned != DMat3::IDENTITY;
     let first = footprint(&burned, &place.bounds, &rooms, (method, round, is_tilted), cancel)?;
     let in_plan = first.region.clone();
-    let mut divided = divide(&burned, &place.corners, &first, settings, cancel)?;
+    let mut divided = divide(&burned, &place.corners, first, settings, cancel)?;
     let mut met = Vec::new();
     for &number in edits {
         if apply(&burned, &mut divided, &params.edits[number], setting, settings)? {

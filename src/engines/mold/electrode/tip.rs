@@ -125,8 +125,8 @@ impl<'a> Burned<'a> {
         self.are_burned(by, tips).into_iter().all(|is_burned| is_burned)
     }
 
-    /// For each of the places whether tips together burn it as one did that they are parts of, if that did; given how far
-    /// the places are from what the head of the whole region burns and from what that one does.
+    /// For each of the places whether tips together burn it as one did that they are parts of, also true where that did
+    /// not; given how far the places are from what the head of the whole region burns and from what that one does.
     pub(super) fn are_burned<'m>(
         &self,
         [by_whole, by_one]: [&[f64]; 2],

@@ -94,6 +94,8 @@ pub struct PlanOutcome {
     finishing: OnceLock<Finishing>,
     /// What stock they leave; worked out last.
     stock: OnceLock<Stock>,
+    /// Whether the drawing of its pictures was stopped.
+    is_undrawn: bool,
 }
 
 impl PlanOutcome {
@@ -107,7 +109,13 @@ impl PlanOutcome {
             times,
             finishing: OnceLock::new(),
             stock: OnceLock::new(),
+            is_undrawn: false,
         }
+    }
+
+    /// The plan with the drawing of its pictures stopped.
+    pub fn undrawn(self) -> Self {
+        Self { is_undrawn: true, ..self }
     }
 
     /// The plan with what the measured sections of `inputs` are off its channel's walls. One that is cancelled only then
@@ -125,13 +133,15 @@ impl PlanOutcome {
         self.is_verified() && self.stopped().is_none() && self.finishing().is_none_or(|f| f.collision().is_none())
     }
 
-    /// Stage that was stopped, if one was: of what comes after the feeds, or the search for what would make one feasible.
+    /// Stage that was stopped, if one was: of what comes after the feeds, the search for what would make one feasible, or
+    /// the drawing of the pictures.
     pub fn stopped(&self) -> Option<&'static str> {
         if self.electrodes.iter().any(ElectrodeOutcome::is_stopped) {
             return Some("search for a change that makes it feasible");
         }
         let of_stock = || self.stock()?.is_stopped.then_some("map of the residual stock");
-        self.finishing()?.stopped.or_else(of_stock)
+        let of_pictures = || self.is_undrawn.then_some("drawing of the pictures");
+        self.finishing().and_then(|finishing| finishing.stopped).or_else(of_stock).or_else(of_pictures)
     }
 
     /// Whether every electrode has a verified path.

@@ -8,25 +8,28 @@ use crate::workspaces::blisk::report::{Report, StageTime};
 use crate::workspaces::blisk::scene::pictures::{PlanPicture, PlanToShow, plan_pictures};
 use files::report::Picture;
 use render::offscreen::{Offscreen, RenderError, png_bytes};
-use task::Task;
+use task::{Cancelled, Task};
 
-/// Puts the pictures of `outcome` into `report`, or the reason why there are none: a plan is good without them, and who
-/// stops the work does not wait for them.
-pub fn add(report: &mut Report, outcome: &PlanOutcome, inputs: &PlanInputs, task: &Task) {
+/// Puts the pictures of `outcome` into `report`, or the reason why there are none: a plan is good without them.
+///
+/// # Errors
+/// [`Cancelled`], which is looked at while pictures are drawn.
+pub fn add(report: &mut Report, outcome: &PlanOutcome, inputs: &PlanInputs, task: &Task) -> Result<(), Cancelled> {
     let started = Instant::now();
+    task.check()?;
     if !inputs.job.export.draws_any() {
-        return;
+        return Ok(());
     }
     match draw(outcome, inputs, task) {
         Ok(pictures) => report.pictures = pictures,
-        Err(RenderError::Cancelled(_)) => report.no_pictures = Some("the work was stopped".to_owned()),
+        Err(RenderError::Cancelled(cancelled)) => return Err(cancelled),
         Err(error) => report.no_pictures = Some(error.to_string()),
     }
     report.times.push(StageTime { stage: "pictures".to_owned(), seconds: started.elapsed().as_secs_f64() });
+    Ok(())
 }
 
 fn draw(outcome: &PlanOutcome, inputs: &PlanInputs, task: &Task) -> Result<Vec<Picture>, RenderError> {
-    task.check()?;
     task.report("pictures", 0.0, "");
     let plan = PlanToShow {
         blisk: &inputs.blisk,
