@@ -11,8 +11,8 @@ use flank::deviation::DesignGrid;
 use task::Task;
 
 const NAME: &str = "Table 2";
-/// By how much the paper's accuracy is improved over its reference 12 on surfaces A and B (%), section 4; how that is meant
-/// it does not say.
+/// Improvement of the paper's accuracy over its reference 12 on surfaces A and B (%), section 4; the paper does not define
+/// the percentage.
 const BELOW_REFERENCE_12: [f64; 2] = [38.0, 92.0];
 /// Samples along u and v in the searches; what they find is measured on the grid of all others.
 const SEARCHED: [usize; 2] = [50, 25];
@@ -65,7 +65,7 @@ pub(super) fn table_2(cases: &[Case], task: &Task) -> Result<Outcome, ReproduceE
         why: format!(
             "the paper says that its method is more accurate and faster than the swarms on both surfaces: that it is more \
              accurate on both {} with ours, see the table for each. By how much cannot be compared: ours is {} % below the \
-             better swarm, the paper says that accuracy is improved by 38 and 92 % and not how that is meant. The text gives neither its sums \
+             better swarm, the paper says that accuracy is improved by 38 and 92 % and does not define that. The text gives neither its sums \
              and times nor the variables, settings and evaluations of its reference 12. Our swarms search the {} \
              coordinates of the control points, {EVALUATIONS} evaluations on {} x {} samples, and start from the \
              three-point path, which favours them",

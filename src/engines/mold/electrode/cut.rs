@@ -21,11 +21,11 @@ pub(super) const ALIKE: f64 = 2e-3;
 /// A cut through a part along a plane, in the burn frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Cut {
-    /// A point that it goes through (mm).
+    /// A point of the cut's plane (mm).
     pub through: DVec3,
     /// Unit normal, level or downwards: that of the near part's face in the plane.
     pub normal: DVec3,
-    /// Height from which up it goes (mm), if it is slanted.
+    /// Height from which up the cut goes (mm), if it is slanted.
     pub low: f64,
     /// Whether parts beyond it reach back over it.
     pub overlaps: bool,
@@ -44,8 +44,8 @@ impl Cut {
         is_steep.then_some(Self { through, normal, low: f64::NEG_INFINITY, overlaps: true })
     }
 
-    /// The same with the inner edges of a tip that bound its face: from the lowest of their ends up, and through the one
-    /// furthest before it.
+    /// This cut fitted to the inner edges of a tip that bound its face: from the lowest of their ends up, and through the
+    /// end that lies furthest before the cut.
     pub(super) fn fitted(self, inner: &[HEdge]) -> Self {
         // Short edges of other faces may lie as near to it: through their ends the cut would go into its face.
         let is_its = |edge: &&HEdge| {
@@ -59,33 +59,33 @@ impl Cut {
         Self { through: first.unwrap_or(self.through), low, ..self }
     }
 
-    /// Whether an edge lies in it.
+    /// Whether an edge lies in the cut's plane.
     pub(super) fn holds(&self, edge: &HEdge) -> bool {
         edge.ends.iter().all(|p| self.beyond(*p).abs() < ON_PLANE)
     }
 
-    /// The angle by which it leans from upright (radians).
+    /// The angle by which the cut leans from upright (radians).
     pub fn slope(&self) -> f64 {
         (-self.normal.z).clamp(0.0, 1.0).asin()
     }
 
-    /// Unit normal of its lines in plan.
+    /// Unit normal of the cut's lines in plan.
     pub fn outward(&self) -> DVec2 {
         self.normal.truncate().normalize_or_zero()
     }
 
-    /// A point of its line at a height (mm), in plan.
+    /// A point of the cut's line at a height (mm), in plan.
     pub(super) fn line(&self, height: f64) -> DVec2 {
         let across = self.normal.truncate().length();
         self.through.truncate() - self.outward() * self.normal.z / across * (height - self.through.z)
     }
 
-    /// How far a point lies beyond it (mm).
+    /// How far a point lies beyond the cut (mm), negative before it.
     pub(super) fn beyond(&self, p: DVec3) -> f64 {
         (p - self.through).dot(self.normal)
     }
 
-    /// Everything beyond it between two heights, as corners of a convex body (mm).
+    /// Everything beyond the cut between two heights, as corners of a convex body (mm).
     pub(super) fn all_beyond(&self, [low, high]: [f64; 2]) -> Vec<DVec3> {
         let along = self.outward().perp() * FAR;
         let at = |height: f64| {

@@ -90,7 +90,7 @@ impl Part {
         }
     }
 
-    /// The cuts that it was divided by.
+    /// The cuts that the part and its parts were divided by.
     fn cuts(&self) -> Vec<Cut> {
         self.divided.iter().flat_map(|(cut, parts)| once(*cut).chain(parts.iter().flat_map(Part::cuts))).collect()
     }

@@ -94,7 +94,7 @@ pub struct PlanOutcome {
     finishing: OnceLock<Finishing>,
     /// What stock they leave; worked out last.
     stock: OnceLock<Stock>,
-    /// Whether the drawing of its pictures was stopped.
+    /// Whether the drawing of the plan's pictures was stopped.
     is_undrawn: bool,
 }
 
