@@ -88,7 +88,7 @@ fn kept(electrode: ElectrodePart) -> anyhow::Result<FoundElectrode> {
 fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<ElectrodePart> {
     let asked = open::<MoldParams>(file)?.params().clone();
     let Some(mesh) = &asked.mesh else { anyhow::bail!("{}: it names no mesh; choose one and save it", file.display()) };
-    let imported = session.import(mesh, asked.units)?;
+    let imported = session.import(mesh, &asked.reading())?;
     let of_part = asked.of_part(&part_of(&imported));
     session.note_dropped(mesh, &asked, &of_part);
     let (asked, mold) = (of_part, imported.mesh);

@@ -126,6 +126,15 @@ fn print_import(r: &ImportReport) {
         counted(r.hole_count, "hole"),
         counted(r.non_manifold_edges, "non-manifold edge")
     );
+    for solid in &r.solids {
+        let taken = if solid.is_taken { "" } else { ", not taken" };
+        let closed = if solid.is_closed { "closed" } else { "open" };
+        let (number, name, volume) = (solid.number, &solid.name, solid.volume_mm3);
+        say!("solid {number:<6} {name}: {}, {volume:.5} mm3, {closed}{taken}", counted(solid.faces, "face"));
+    }
+    if let Some(tolerance) = r.step_tolerance_mm {
+        say!("tolerance    triangles within {tolerance} mm of the exact faces (step_tolerance_mm)");
+    }
     for warning in &r.warnings {
         say!("note         {warning}");
     }

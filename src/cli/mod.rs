@@ -45,7 +45,7 @@ use crate::workspaces::mold::document::MoldParams;
 use ::render::colour::Theme;
 use feed::plan_params::Strategy;
 use feed::pose::Axis;
-use import::{ImportOptions, ImportReport, Imported, Units, import_file};
+use import::{ImportOptions, ImportReport, Imported, Reading, Units, import_file};
 use project::{ProjectArguments, Settings};
 use task::{Cancel, Task};
 use wheel::section_deviation::P1_LIMIT_MM;
@@ -271,8 +271,8 @@ struct Session {
 
 impl Session {
     /// Imports a mesh file. Notes that its unit is a guess.
-    fn import(&self, path: &Path, units: Units) -> anyhow::Result<Imported> {
-        let imported = self.import_silently(path, units)?;
+    fn import(&self, path: &Path, reading: &Reading) -> anyhow::Result<Imported> {
+        let imported = self.import_silently(path, reading)?;
         self.note_unit(path, &imported.report);
         Ok(imported)
     }
@@ -285,8 +285,8 @@ impl Session {
     }
 
     /// Imports a mesh file whose report is printed.
-    fn import_silently(&self, path: &Path, units: Units) -> anyhow::Result<Imported> {
-        let options = ImportOptions { units, ..Default::default() };
+    fn import_silently(&self, path: &Path, reading: &Reading) -> anyhow::Result<Imported> {
+        let options = ImportOptions { reading: reading.clone(), ..Default::default() };
         Ok(import_file(path, &options, &self.task)?)
     }
 

@@ -53,7 +53,7 @@ pub(super) fn load(project: &ProjectArguments, session: &Session) -> anyhow::Res
     let mut own_electrodes = Vec::new();
     for path in job.electrode.own_meshes() {
         // The user's electrodes stand in the blisk's coordinates after conversion, as our own files do.
-        let own = session.import(path, Units::Mm)?;
+        let own = session.import(path, &Units::Mm.into())?;
         files.push(input_file("electrode", path, &own));
         own_electrodes.push(own.mesh.into());
     }

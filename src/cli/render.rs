@@ -123,7 +123,7 @@ fn of_meshes(meshes: &[PathBuf], arguments: &RenderArguments, session: &Session)
     };
     let mut scene = Scene::new(arguments.theme);
     for (i, path) in meshes.iter().enumerate() {
-        let imported = session.import(path, arguments.units)?;
+        let imported = session.import(path, &arguments.units.into())?;
         let shape = Arc::new(RenderMesh::new(&imported.mesh));
         scene.objects.push(Object::new(ObjectId(i as u32), shape, mesh_colour(i)));
     }

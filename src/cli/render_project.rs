@@ -44,7 +44,7 @@ pub(super) fn of_mold(file: &Path, arguments: &RenderArguments, session: &Sessio
     let asked = open_mold(file, user_folder().as_deref())?;
     let demonstrated = asked.demonstrated(&session.task).map_err(message)?;
     let imported = match (&asked.mesh, demonstrated) {
-        (Some(mesh), _) => session.import(mesh, asked.units)?,
+        (Some(mesh), _) => session.import(mesh, &asked.reading())?,
         (None, Some(demonstrated)) => demonstrated,
         (None, None) => return Err(message("mesh is missing; name one in the project".to_owned())),
     };

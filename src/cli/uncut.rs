@@ -140,7 +140,7 @@ impl MoldArguments {
         // What is quick to find wrong comes first.
         let with_values = |params: MoldParams| self.with_values(params, &more);
         with_values(before.clone())?;
-        let imported = demonstrated.map_or_else(|| session.import(&path, before.units), Ok)?;
+        let imported = demonstrated.map_or_else(|| session.import(&path, &before.reading()), Ok)?;
         let mut params = with_values(before.of_part(&part_of(&imported)))?;
         if let Some(proposal) = params.open(&imported.mesh) {
             session.note(&format!("{}: opening direction {}", path.display(), proposal.sentence()));

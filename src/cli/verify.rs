@@ -90,8 +90,8 @@ fn read(arguments: &VerifyArguments, session: &Session) -> anyhow::Result<Inputs
     let text = std::fs::read_to_string(&arguments.path)
         .map_err(|e| anyhow::anyhow!("{name}: cannot be read ({e}); check the path"))?;
     let path = read_path_csv(&text).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
-    let blisk = session.import(&arguments.blisk, arguments.units)?;
-    let electrode = session.import(&arguments.electrode, Units::Mm)?;
+    let blisk = session.import(&arguments.blisk, &arguments.units.into())?;
+    let electrode = session.import(&arguments.electrode, &Units::Mm.into())?;
     super::require_closed(&arguments.blisk, &blisk.report)?;
     super::require_closed(&arguments.electrode, &electrode.report)?;
     let path_sha256 = Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();

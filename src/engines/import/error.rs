@@ -25,7 +25,7 @@ pub enum ImportError {
     },
     /// The content is of no format that can be read.
     #[error(
-        "{file}: {found}; expected a mesh as STL (binary or ASCII), OBJ, glTF or GLB: export it again as one of these"
+        "{file}: {found}; expected a part as STL (binary or ASCII), OBJ, glTF, GLB or STEP: export it again as one of these"
     )]
     UnknownFormat {
         /// Path as given.
@@ -64,6 +64,26 @@ pub enum ImportError {
     NoTriangles {
         /// Path as given.
         file: String,
+    },
+    /// A STEP file that gives no part.
+    #[error("{file}: {source}")]
+    Step {
+        /// Path as given.
+        file: String,
+        /// Reason, with the remedy.
+        source: step::StepError,
+    },
+    /// Solids are asked for that the file does not hold.
+    #[error("{file}: there is no solid {number} among its {count}: {names}; give numbers of these")]
+    NoSuchSolid {
+        /// Path as given.
+        file: String,
+        /// Number asked for.
+        number: u32,
+        /// Number of solids.
+        count: usize,
+        /// The first of them, numbered.
+        names: String,
     },
     /// The unit would have to be guessed, and that is too dangerous.
     #[error(

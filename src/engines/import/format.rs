@@ -10,7 +10,7 @@ use super::source::{Content, Likeness, MeshFormat, without_mark};
 /// Lists the formats: each has a variant of [`Format`], a [`MeshFormat`] in its own file, and the ending of its files.
 /// Of two that are equally likely the first is taken.
 macro_rules! formats {
-    ($($(#[$doc:meta])* $format:ident: $about:path, $ending:literal;)+) => {
+    ($($(#[$doc:meta])* $format:ident: $about:path, $($ending:literal),+;)+) => {
         /// A format of mesh files.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
         #[serde(rename_all = "kebab-case")]
@@ -30,7 +30,7 @@ macro_rules! formats {
         }
 
         /// Endings of the names of mesh files, without the dot.
-        pub const MESH_ENDINGS: &[&str] = &[$($ending),+];
+        pub const MESH_ENDINGS: &[&str] = &[$($($ending),+),+];
     };
 }
 
@@ -45,6 +45,8 @@ formats! {
     Gltf: super::gltf::TEXT, "gltf";
     /// Wavefront OBJ.
     Obj: super::obj::TEXT, "obj";
+    /// STEP: AP203, AP214 or AP242.
+    Step: super::step::TEXT, "step", "stp";
 }
 
 /// Length of text that is looked at to recognise its format (bytes).
@@ -88,8 +90,7 @@ fn unknown(name: &str, found: String) -> ImportError {
 
 /// Name of a known format that this program does not read, by the beginning of its text.
 fn foreign(text: &[u8]) -> Option<&'static str> {
-    let known: [(&[u8], &str); 5] = [
-        (b"ISO-10303-21", "the file is a STEP file"),
+    let known: [(&[u8], &str); 4] = [
         (b"ply", "the file is a PLY file"),
         (b"OFF", "the file is an OFF file"),
         (b"<", "the file is an XML or HTML file"),
@@ -113,12 +114,13 @@ mod tests {
         assert_eq!(detect("a.stl", b"# made\no box\nv 0 0 1\n").unwrap(), Format::Obj);
         assert_eq!(detect("a.stl", b" {\"asset\":{}}").unwrap(), Format::Gltf);
         assert_eq!(detect("a", b"glTF....").unwrap(), Format::Glb);
+        assert_eq!(detect("a.stl", b"ISO-10303-21;\nHEADER;").unwrap(), Format::Step);
     }
 
     #[test]
     fn strangers_are_named() {
         for (content, word) in [
-            (b"ISO-10303-21;\nHEADER;".as_slice(), "STEP"),
+            (b"ply\nformat ascii 1.0".as_slice(), "PLY"),
             (b"PK\x03\x04rest", "ZIP"),
             (b"", "empty"),
             (b"hello world", "hello world"),

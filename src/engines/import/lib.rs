@@ -1,6 +1,6 @@
 //! Mesh files to meshes in millimetres, and back.
 //!
-//! [`import_file`] reads STL (binary and ASCII), OBJ, glTF and GLB, distinguished by their content. Whatever the bytes,
+//! [`import_file`] reads STL (binary and ASCII), OBJ, glTF, GLB and STEP, distinguished by their content. Whatever the bytes,
 //! it returns either a mesh and a report on it, or one clear line that names the file, the place and the remedy; it
 //! neither panics nor takes more memory than its [`ImportLimits`] allow.
 //!
@@ -10,11 +10,11 @@
 //! [`ImportReport::watertight`] tells.
 //!
 //! ```
-//! use import::{ImportOptions, Units, import_bytes};
+//! use import::{ImportOptions, Reading, Units, import_bytes};
 //! use task::Task;
 //!
 //! let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
-//! let options = ImportOptions { units: Units::Inch, ..ImportOptions::default() };
+//! let options = ImportOptions { reading: Reading::whole(Units::Inch), ..ImportOptions::default() };
 //! let imported = import_bytes("corner.obj", obj.as_bytes(), &options, &Task::default())?;
 //! assert!(imported.report.watertight);
 //! assert!((imported.mesh.volume() - 25.4_f64.powi(3) / 6.0).abs() < 1e-9);
@@ -46,7 +46,9 @@ mod obj;
 mod orient;
 mod repair;
 mod report;
+mod solids;
 mod source;
+mod step;
 mod stl;
 mod units;
 mod weld;
@@ -58,17 +60,54 @@ pub use holes::Hole;
 pub use limits::ImportLimits;
 pub use obj::obj_bytes;
 pub use report::ImportReport;
+pub use solids::{CadFace, CadFaces, SolidReport};
 pub use stl::{stl_bytes, write_stl};
 pub use units::{Undeclared, Unit, Units};
 
 use source::{RawMesh, Source};
 
-/// Options for reading a mesh file.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+/// What is read of a file, and in which unit: what a project says of its part besides the file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct ImportOptions {
+pub struct Reading {
     /// Unit of the file's coordinates.
     pub units: Units,
+    /// Numbers of the solids of a STEP file, from 1, that make the part. All of them if there are none.
+    pub solids: Vec<u32>,
+    /// Greatest distance of the triangles from the exact faces of a STEP file (mm).
+    pub step_tolerance_mm: f64,
+}
+
+impl Reading {
+    /// Limits of the tolerance (mm).
+    pub const STEP_TOLERANCES: [f64; 2] = [1e-4, 1.0];
+    /// The tolerance, unless another is given (mm): a twentieth of a spark gap of 0.1.
+    pub const STEP_TOLERANCE: f64 = 0.005;
+
+    /// The whole file in `units`.
+    pub fn whole(units: Units) -> Self {
+        Self { units, ..Self::default() }
+    }
+}
+
+impl Default for Reading {
+    fn default() -> Self {
+        Self { units: Units::default(), solids: Vec::new(), step_tolerance_mm: Self::STEP_TOLERANCE }
+    }
+}
+
+impl From<Units> for Reading {
+    fn from(units: Units) -> Self {
+        Self::whole(units)
+    }
+}
+
+/// Options for reading a mesh file.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ImportOptions {
+    /// What is read of the file, and in which unit.
+    pub reading: Reading,
     /// Unit where none is given here or in the file.
     pub undeclared: Undeclared,
     /// Distance (mm) within which vertices are taken for one where a mesh does not close otherwise. By default a
@@ -85,6 +124,12 @@ impl ImportOptions {
     /// [`ImportError::BadOption`].
     pub fn validate(&self) -> Result<(), ImportError> {
         self.limits.validate()?;
+        let [least, most] = Reading::STEP_TOLERANCES;
+        let tolerance = self.reading.step_tolerance_mm;
+        if !(least..=most).contains(&tolerance) {
+            let problem = format!("step_tolerance_mm is {tolerance}; give a length from {least} to {most} mm");
+            return Err(ImportError::BadOption { problem });
+        }
         // Finer than a picometre would be finer than the coordinates themselves.
         match self.weld_tolerance_mm {
             Some(t) if t != 0.0 && !(1e-9..=1.0).contains(&t) => Err(ImportError::BadOption {
@@ -102,6 +147,8 @@ pub struct Imported {
     pub mesh: Mesh,
     /// Report of the import.
     pub report: ImportReport,
+    /// Faces of the CAD program, of a file that has them.
+    pub faces: Option<CadFaces>,
     /// SHA-256 of the file, and of its buffer files after it, in hexadecimal.
     pub sha256: String,
 }
@@ -121,7 +168,14 @@ pub fn import_file(path: &Path, options: &ImportOptions, task: &Task) -> Result<
     let name = error::one_line(&path.display().to_string());
     let bytes = read_whole(path, &name, &options.limits, task)?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let source = Source { name: &name, bytes: &bytes, folder: Some(folder), limits: &options.limits, task };
+    let source = Source {
+        name: &name,
+        bytes: &bytes,
+        folder: Some(folder),
+        reading: &options.reading,
+        limits: &options.limits,
+        task,
+    };
     import(&source, options)
 }
 
@@ -135,7 +189,7 @@ pub fn import_bytes(name: &str, bytes: &[u8], options: &ImportOptions, task: &Ta
     options.validate()?;
     let name = error::one_line(name);
     options.limits.check_file(&name, bytes.len() as u64)?;
-    let source = Source { name: &name, bytes, folder: None, limits: &options.limits, task };
+    let source = Source { name: &name, bytes, folder: None, reading: &options.reading, limits: &options.limits, task };
     import(&source, options)
 }
 
@@ -169,24 +223,30 @@ fn import(source: &Source, options: &ImportOptions) -> Result<Imported, ImportEr
     let about = format.about();
     let mut hasher = Sha256::new();
     let (raw, hashed) = rayon::join(|| (about.read)(source), || hash(&mut hasher, source.bytes, &task.cancel));
-    let RawMesh { mesh, warnings, note, attachments } = raw?;
+    let RawMesh { mesh, warnings, note, solids, attachments } = raw?;
     hashed?;
     attachments.iter().try_for_each(|content| hash(&mut hasher, content, &task.cancel))?;
     drop(attachments);
     let declared = about.unit.or_else(|| units::declared_in(&note).map(|unit| (unit, "the file")));
-    let (given, size) = (options.units.given(), repair::largest_extent(&mesh));
+    let (given, size) = (options.reading.units.given(), repair::largest_extent(&mesh));
     let unit = units::choose_with_care(given, declared, options.undeclared, size)
         .map_err(|guess| ImportError::UnitOpen { file: source.name.to_owned(), guess: guess.reason })?;
     let mesh = in_millimetres(source, mesh, unit.unit)?;
     let triangles_read = mesh.triangles.len();
+    let before = solids.is_some().then(|| mesh.clone());
     let (mesh, repairs) = repair::repair(mesh, options.weld_tolerance_mm, task)?;
     if mesh.triangles.is_empty() {
         return Err(ImportError::NoTriangles { file: source.name.to_owned() });
     }
-    let report = ImportReport::new(format, triangles_read, &mesh, unit, repairs, warnings);
+    let mut report = ImportReport::new(format, triangles_read, &mesh, unit, repairs, warnings);
+    let faces = solids.zip(before).map(|(solids, before)| {
+        report.solids = solids.list;
+        report.step_tolerance_mm = Some(options.reading.step_tolerance_mm);
+        solids.faces.carried(&before, &mesh)
+    });
     task.report("importing", 1.0, "");
     let sha256 = hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok(Imported { mesh, report, sha256 })
+    Ok(Imported { mesh, report, faces, sha256 })
 }
 
 /// `mesh` converted from `unit`; refuses coordinates that no part can have.

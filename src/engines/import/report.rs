@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::format::Format;
 use super::holes::Hole;
 use super::repair::Repairs;
+use super::solids::SolidReport;
 use super::source::count;
 use super::units::{Unit, UnitChoice};
 use geometry::mesh::Mesh;
@@ -68,6 +69,12 @@ pub struct ImportReport {
     pub size_mm: DVec3,
     /// Enclosed volume (mm^3); without meaning unless watertight.
     pub volume_mm3: f64,
+    /// Solids of a file that has such.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub solids: Vec<SolidReport>,
+    /// Greatest distance of the triangles from the exact faces of a STEP file (mm).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub step_tolerance_mm: Option<f64>,
     /// Everything the user should know, in plain sentences.
     pub warnings: Vec<String>,
 }
@@ -119,6 +126,8 @@ impl ImportReport {
             min_mm: bounds.min,
             size_mm: bounds.size(),
             volume_mm3: mesh.volume(),
+            solids: Vec::new(),
+            step_tolerance_mm: None,
             warnings,
         };
         report.warn(orientation.one_sided, orientation.unsure, orientation.nesting_unknown);

@@ -4,8 +4,10 @@ use std::path::Path;
 
 use glam::DVec3;
 
+use super::Reading;
 use super::error::ImportError;
 use super::limits::ImportLimits;
+use super::solids::Solids;
 use super::units::Unit;
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
@@ -63,6 +65,8 @@ pub(super) struct Source<'a> {
     pub bytes: &'a [u8],
     /// Folder of the file; `None` for bytes that came from memory.
     pub folder: Option<&'a Path>,
+    /// What is read of a file with solids.
+    pub reading: &'a Reading,
     /// Limits of the import.
     pub limits: &'a ImportLimits,
     /// Receiver of progress, and cancelling.
@@ -78,6 +82,8 @@ pub(super) struct RawMesh {
     pub warnings: Vec<String>,
     /// Free text of the file (header, comments) in which a unit may be named.
     pub note: String,
+    /// Solids and faces, of a format that has them.
+    pub solids: Option<Solids>,
     /// Content of further files that belong to the mesh, in order, for the hash.
     pub attachments: Vec<Vec<u8>>,
 }

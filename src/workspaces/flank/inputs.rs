@@ -183,7 +183,7 @@ fn import(
     (units, undeclared): (Units, Undeclared),
     task: &Task,
 ) -> Result<FromFile<Arc<Mesh>>, FlankLoadError> {
-    let options = ImportOptions { units, undeclared, ..ImportOptions::default() };
+    let options = ImportOptions { reading: units.into(), undeclared, ..ImportOptions::default() };
     let imported = import_file(file, &options, task).map_err(|e| FlankLoadError(e.to_string()))?;
     let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
     let doubts = imported.report.unit_doubt().map(|doubt| format!("{name}: {doubt}")).into_iter().collect();
@@ -192,7 +192,7 @@ fn import(
 
 /// Reads a mesh that the document itself holds, with the same checks as a file.
 fn import_kept(kept: &KeptMesh, task: &Task) -> Result<Arc<Mesh>, FlankLoadError> {
-    let options = ImportOptions { units: Units::Mm, ..ImportOptions::default() };
+    let options = ImportOptions { reading: Units::Mm.into(), ..ImportOptions::default() };
     let name = format!("{}.obj", kept.name);
     let imported = import_bytes(&name, kept.obj.as_bytes(), &options, task);
     Ok(Arc::new(imported.map_err(|e| FlankLoadError(e.to_string()))?.mesh))

@@ -81,7 +81,7 @@ impl MoldWorkspace {
     fn begin(&mut self, source: Source<MoldParams>) {
         self.opening.begin(source, |document, task| {
             let params = document.params();
-            let part = params.mesh.as_ref().map(|mesh| read_part(mesh, params.units, task));
+            let part = params.mesh.as_ref().map(|mesh| read_part(mesh, &params.reading(), task));
             Ok(part.transpose()?.map(Arc::new))
         });
     }

@@ -2,8 +2,8 @@
 
 use super::NurbsError;
 
-/// The highest degree.
-pub const MAX_DEGREE: usize = 7;
+/// The highest degree, which CAD programs do not exceed.
+pub const MAX_DEGREE: usize = 15;
 
 /// A non-falling sequence of parameters with both ends repeated `degree + 1` times.
 #[derive(Debug, Clone, PartialEq)]

@@ -35,6 +35,11 @@ impl NurbsSurface {
         [self.u.domain(), self.v.domain()]
     }
 
+    /// Parameters at which pieces join in direction u (0) or v (1), ends included, each once.
+    pub fn joints(&self, direction: usize) -> Vec<f64> {
+        if direction == 0 { self.u.joints() } else { self.v.joints() }
+    }
+
     /// The point at (`u`, `v`).
     pub fn point(&self, u: f64, v: f64) -> DVec3 {
         let [point] = self.sums(u, v, [[0, 0]]);

@@ -48,7 +48,7 @@ impl Fingerprint {
     pub fn of(stage: Stage, job: &PlanJob, mesh: &str) -> Self {
         let mut hash = Sha256::new();
         hash.update(mesh);
-        add(&mut hash, &(&job.blisk.mesh, &job.blisk.units, &job.blisk.sections));
+        add(&mut hash, &(&job.blisk.mesh, &job.blisk.reading, &job.blisk.sections));
         if stage >= Stage::Channel {
             add(&mut hash, &job.blisk.options);
         }

@@ -17,7 +17,7 @@ use crate::workspaces::blisk::scene::shapes::{ChannelShapes, channel_shapes};
 use files::Params as _;
 use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
-use import::{ImportOptions, ImportReport, Imported, Units, import_file};
+use import::{ImportOptions, ImportReport, Imported, Reading, Units, import_file};
 use render::mesh::RenderMesh;
 use task::Task;
 use wheel::centreline::{Centreline, CentrelineError};
@@ -112,7 +112,7 @@ pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
     let mut files = vec![file];
     let mut own_electrodes = Vec::new();
     for path in job.electrode.own_meshes() {
-        let own = import(path, Units::Mm, task)?;
+        let own = import(path, &Reading::whole(Units::Mm), task)?;
         files.push(input_file("electrode", path, &own));
         own_electrodes.push(Arc::new(own.mesh));
     }
@@ -141,7 +141,7 @@ pub fn read_blisk(job: &PlanJob, task: &Task) -> Result<Option<BliskMesh>, Strin
     let (mesh, sections, path, from) = match (&job.blisk.sections, &job.blisk.mesh) {
         (BladesFrom::None, None) => return Ok(None),
         (BladesFrom::None, Some(path)) => {
-            let blisk = import(path, job.blisk.units, task)?;
+            let blisk = import(path, &job.blisk.reading, task)?;
             let file = input_file("blisk", path, &blisk);
             let (sections, report) = (Arc::default(), Some(blisk.report));
             return Ok(Some(BliskMesh { mesh: blisk.mesh, sections, file, report }));
@@ -196,8 +196,8 @@ fn demonstration() -> Part {
     }
 }
 
-fn import(path: &Path, units: Units, task: &Task) -> Result<Imported, String> {
-    let options = ImportOptions { units, ..Default::default() };
+fn import(path: &Path, reading: &Reading, task: &Task) -> Result<Imported, String> {
+    let options = ImportOptions { reading: reading.clone(), ..Default::default() };
     import_file(path, &options, task).map_err(|e| e.to_string())
 }
 

@@ -16,7 +16,7 @@ pub const DEMONSTRATION: &str = "Demonstration mold";
 pub fn demonstration(task: &Task) -> Result<Imported, String> {
     let mesh = made().map_err(|e| e.to_string())?;
     let bytes = stl_bytes(&mesh).map_err(|e| e.to_string())?;
-    let options = ImportOptions { units: Units::Mm, ..ImportOptions::default() };
+    let options = ImportOptions { reading: Units::Mm.into(), ..ImportOptions::default() };
     import_bytes(DEMONSTRATION, &bytes, &options, task).map_err(|e| e.to_string())
 }
 

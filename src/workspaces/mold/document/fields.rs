@@ -103,8 +103,15 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
         name: "Mold",
         is_folded: false,
         fields: &[
-            Field::file("mesh", "Mesh").help("The mold: STL, OBJ, glTF or GLB."),
+            Field::file("mesh", "Mesh").help("The mold: STL, OBJ, glTF, GLB or STEP."),
             Field::choice("units", "Unit", Units::WORDS).help("Unit of the mesh."),
+            Field::numbers("solids", "Solids", "", 1.0, 10_000.0).whole().help(
+                "Numbers of the solids of a STEP file that make the mold; none for all of them.",
+            ),
+            Field::number("step_tolerance_mm", "STEP tolerance", "mm", 1e-4, 1.0).step(0.001).help(
+                "Greatest distance of the triangles from the exact faces of a STEP file: a twentieth of the spark \
+                 gap is fine enough.",
+            ),
             Field::choice_or("opening", "Opening direction", OPENINGS, "three numbers as in [0.0, 0.5, 1.0]")
                 .help("The cutters come from this side."),
             Field::number("tolerance_mm", "Tolerance", "mm", 1e-4, 10.0)

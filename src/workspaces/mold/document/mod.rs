@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::workspaces::mold::document::cutter_file::standard_cutters;
 use crate::workspaces::mold::job::uncut::UncutParams;
 use files::{Invalid, Params, Validate};
-use import::{Imported, Units};
+use import::{Imported, Reading, Units};
 use mold::cutter::CutterLibrary;
 use mold::datum::Datum;
 use mold::electrode::params::ElectrodeParams;
@@ -30,6 +30,10 @@ pub struct MoldParams {
     pub mesh: Option<PathBuf>,
     /// Unit of the mesh.
     pub units: Units,
+    /// Numbers of the solids of a STEP file, from 1, that make the mold. All of them if there are none.
+    pub solids: Vec<u32>,
+    /// Greatest distance of the triangles from the exact faces of a STEP file (mm).
+    pub step_tolerance_mm: f64,
     /// The part that decisions were made for: the digest of its file and the unit, as read last. None before that.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub part: Option<String>,
@@ -56,6 +60,8 @@ impl Default for MoldParams {
         Self {
             mesh: None,
             units: Units::Auto,
+            solids: Vec::new(),
+            step_tolerance_mm: Reading::STEP_TOLERANCE,
             part: None,
             opening: None,
             datum: Datum::default(),
@@ -66,6 +72,13 @@ impl Default for MoldParams {
             library: standard_cutters().unwrap_or_default(),
             electrodes: ElectrodeParams::default(),
         }
+    }
+}
+
+impl MoldParams {
+    /// What is read of the mesh file, and in which unit.
+    pub fn reading(&self) -> Reading {
+        Reading { units: self.units, solids: self.solids.clone(), step_tolerance_mm: self.step_tolerance_mm }
     }
 }
 
@@ -200,9 +213,15 @@ mod or_auto {
     }
 }
 
-/// Digest of a part: digest of its file, and the unit that it was read in.
+/// Digest of a part: digest of its file, the unit that it was read in, and of a STEP file what was taken of it.
 pub fn part_of(imported: &Imported) -> String {
-    format!("{} {}", imported.sha256, imported.report.unit.name())
+    let report = &imported.report;
+    let mut part = format!("{} {}", imported.sha256, report.unit.name());
+    if let Some(tolerance) = report.step_tolerance_mm {
+        let taken = report.solids.iter().filter(|s| s.is_taken).map(|s| s.number.to_string());
+        part.push_str(&format!(" {tolerance} mm, solids {}", taken.collect::<Vec<_>>().join(" ")));
+    }
+    part
 }
 
 #[cfg(test)]

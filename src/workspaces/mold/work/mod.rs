@@ -20,7 +20,7 @@ use crate::workspaces::news::{EventKind, WorkEvent};
 pub use design::Designed;
 use electrode_export::{Exported, export};
 use files::ResultCache;
-use import::Units;
+use import::{Reading, Units};
 use mold::cutter::CutterLibrary;
 use mold::electrode::design::ElectrodeSet;
 use mold::electrode::params::ElectrodeParams;
@@ -30,7 +30,7 @@ pub use steps::{FoundUncut, Glance, LoadedMold, load as read_part};
 use task::{Doing, Lane, Memo, Priority, Scheduler, State};
 
 /// Key of a mesh: the file, none for the demonstration mold, its unit, and the number of reloads.
-type MeshKey = (Option<PathBuf>, Units, u64);
+type MeshKey = (Option<PathBuf>, Reading, u64);
 /// Key of uncut regions: the digest of the mesh, and the parameters.
 type Question = (String, UncutParams);
 /// Key of electrodes: the key of the uncut regions, and the parameters of electrodes.
@@ -178,7 +178,8 @@ impl MoldWork {
         let key = self.mesh_key(params);
         match key.0.clone() {
             Some(path) => {
-                self.mold.ask(&key, self.priority, move |work| steps::load(&path, key.1, &work.task));
+                let reading = key.1.clone();
+                self.mold.ask(&key, self.priority, move |work| steps::load(&path, &reading, &work.task));
             }
             None if self.priority == Priority::Shown => {
                 self.mold.ask(&key, self.priority, |work| steps::load_demonstration(&work.task));
@@ -188,8 +189,8 @@ impl MoldWork {
     }
 
     fn mesh_key(&self, params: &MoldParams) -> MeshKey {
-        let units = if params.mesh.is_some() { params.units } else { Units::Mm };
-        (params.mesh.clone(), units, self.reloads)
+        let reading = if params.mesh.is_some() { params.reading() } else { Units::Mm.into() };
+        (params.mesh.clone(), reading, self.reloads)
     }
 
     /// Takes `mold` as the mesh of `params`.
@@ -214,9 +215,9 @@ impl MoldWork {
 
     /// The mold of `params`, if read. While the mesh is read again, the known one.
     fn current_mold(&self, params: &MoldParams) -> Option<&Arc<LoadedMold>> {
-        let ((path, units, _), mold) = self.mold.last()?;
+        let ((path, reading, _), mold) = self.mold.last()?;
         let asked = self.mesh_key(params);
-        let is_same = (&asked.0, asked.1) == (path, *units);
+        let is_same = (&asked.0, &asked.1) == (path, reading);
         (is_same && !matches!(self.mold_state(params), State::Failed(_) | State::Cancelled)).then_some(mold)
     }
 

@@ -14,7 +14,7 @@ use crate::workspaces::mold::scene::{RegionShape, faces_shape, region_shapes};
 use files::PartFile;
 use geometry::circle::Circle;
 use geometry::mesh::Mesh;
-use import::{ImportOptions, ImportReport, Imported, Units, import_file};
+use import::{ImportOptions, ImportReport, Imported, Reading, import_file};
 use mold::datum::rims;
 use mold::invert::InvertFaces;
 use mold::unseen::{OpeningProposal, Unseen, undercuts};
@@ -83,8 +83,8 @@ impl FoundUncut {
 ///
 /// # Errors
 /// One line naming file, place and remedy.
-pub fn load(path: &Path, units: Units, task: &Task) -> Result<LoadedMold, String> {
-    let options = ImportOptions { units, ..Default::default() };
+pub fn load(path: &Path, reading: &Reading, task: &Task) -> Result<LoadedMold, String> {
+    let options = ImportOptions { reading: reading.clone(), ..Default::default() };
     let imported = import_file(path, &options, task).map_err(|e| e.to_string())?;
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     loaded(name, path, imported, task)

@@ -33,10 +33,19 @@ const GROUPS: &[Group] = &[
         section: "Part",
         name: "Mesh",
         is_folded: false,
-        fields: &[Field::choice("blisk.units", "Unit", UNITS).help(
-            "Unit of the mesh file. Automatic goes by the file and by its size; the reason is shown \
-             below.",
-        )],
+        fields: &[
+            Field::choice("blisk.units", "Unit", UNITS).help(
+                "Unit of the mesh file. Automatic goes by the file and by its size; the reason is shown \
+                 below.",
+            ),
+            Field::numbers("blisk.solids", "Solids", "", 1.0, 10_000.0).whole().help(
+                "Numbers of the solids of a STEP file that make the blisk; none for all of them.",
+            ),
+            Field::number("blisk.step_tolerance_mm", "STEP tolerance", "mm", 1e-4, 1.0).step(0.001).help(
+                "Greatest distance of the triangles from the exact faces of a STEP file: a twentieth of the spark \
+                 gap is fine enough.",
+            ),
+        ],
     },
     BLADES,
     Group {

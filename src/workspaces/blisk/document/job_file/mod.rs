@@ -19,7 +19,7 @@ use feed::plan_params::{Constraint, Strategy};
 use feed::verify::{VerifyError, VerifyOptions};
 use field_table::FIELDS;
 use files::{Invalid, Params, Validate};
-use import::Units;
+use import::{Reading, Units};
 use nc::program::NcSettings;
 use wheel::blade_sections::BladeRing;
 use wheel::electrode::{ElectrodeParams, EnterSide, Sizing};
@@ -60,8 +60,9 @@ pub struct PlanJob {
 pub struct BliskSection {
     /// Mesh file; none for the built-in demonstration blisk.
     pub mesh: Option<PathBuf>,
-    /// Unit of the mesh file.
-    pub units: Units,
+    /// What is read of the mesh file, and in which unit.
+    #[serde(flatten)]
+    pub reading: Reading,
     /// Blades that the blisk is made from, instead of a mesh.
     pub sections: BladesFrom,
     /// The other keys.
@@ -128,6 +129,8 @@ impl Default for MeasuredBlades {
 struct BliskKeys {
     mesh: Option<PathBuf>,
     units: Units,
+    solids: Vec<u32>,
+    step_tolerance_mm: f64,
     sections: BladesFrom,
     axis: AxisChoice,
     blades: Auto<usize>,
@@ -149,6 +152,8 @@ impl Default for BliskKeys {
         Self {
             mesh: None,
             units: Units::default(),
+            solids: Vec::new(),
+            step_tolerance_mm: Reading::STEP_TOLERANCE,
             sections: BladesFrom::default(),
             axis: options.axis,
             blades: options.blades,
@@ -183,7 +188,9 @@ impl From<BliskKeys> for BliskSection {
             wall_points_span: keys.wall_points_span,
         };
         let mesh = keys.mesh.filter(|mesh| !mesh.as_os_str().is_empty());
-        Self { mesh, units: keys.units, sections: keys.sections, options }
+        let (units, solids, step_tolerance_mm) = (keys.units, keys.solids, keys.step_tolerance_mm);
+        let reading = Reading { units, solids, step_tolerance_mm };
+        Self { mesh, reading, sections: keys.sections, options }
     }
 }
 

@@ -306,7 +306,7 @@ fn closed_mesh(
     task: &Task,
 ) -> Result<Mesh, MachineFileError> {
     let (machine, body) = (machine.to_owned(), body.to_owned());
-    let options = ImportOptions { units, ..Default::default() };
+    let options = ImportOptions { reading: units.into(), ..Default::default() };
     let imported = match import_file(file, &options, task) {
         Ok(imported) => imported,
         Err(ImportError::Cancelled(cancelled)) => return Err(cancelled.into()),

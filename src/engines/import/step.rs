@@ -1,0 +1,101 @@
+//! STEP: solids with faces.
+
+use geometry::mesh::Mesh;
+use step::read::{Options, Solid, read};
+
+use super::error::ImportError;
+use super::solids::{CadFace, CadFaces, SolidReport, Solids};
+use super::source::{Content, Likeness, MeshFormat, RawMesh, Source};
+use super::units::Unit;
+
+/// STEP files.
+pub(super) const TEXT: MeshFormat = MeshFormat {
+    name: "STEP",
+    likeness,
+    read: read_step,
+    unit: Some((Unit::Mm, "the file, whose unit is converted,")),
+};
+
+/// Greatest turn of the surface along a side of a triangle (rad).
+const TURN: f64 = 0.3;
+/// How many solids an error names.
+const NAMED: usize = 12;
+
+fn likeness(content: &Content) -> Likeness {
+    Likeness::Certain.when(content.text.is_some_and(|text| text.starts_with(b"ISO-10303-21")))
+}
+
+fn read_step(source: &Source) -> Result<RawMesh, ImportError> {
+    // Entities take about twelve times their text.
+    source.limits.check_memory(source.name, (source.bytes.len() as u64).saturating_mul(12))?;
+    let options = Options {
+        chord: source.reading.step_tolerance_mm,
+        turn: TURN,
+        max_triangles: source.limits.max_triangles,
+        ..Options::default()
+    };
+    let file = read(source.bytes, &options, source.task).map_err(|problem| match problem {
+        step::StepError::Cancelled(cancelled) => ImportError::Cancelled(cancelled),
+        problem => ImportError::Step { file: source.name.to_owned(), source: problem },
+    })?;
+    let taken = taken(source, &file.solids)?;
+    let mut warnings = file.warnings;
+    let (unit_mm, unit) = &file.unit;
+    if *unit_mm != 1.0 {
+        warnings.push(format!("The lengths of the file are in {unit} and were converted."));
+    }
+    let (mut mesh, mut faces) = (Mesh::default(), CadFaces::default());
+    for solid in taken.iter().map(|n| &file.solids[*n]) {
+        append(solid, &mut mesh, &mut faces);
+        for fault in solid.faults.iter().take(3) {
+            let [x, y, z] = fault.place.to_array();
+            let face = fault.face.map_or_else(String::new, |n| format!(" face {}", n + 1));
+            warnings.push(format!("{}:{face} at ({x:.3}, {y:.3}, {z:.3}): {}.", solid.name, fault.problem));
+        }
+    }
+    let list = (1u32..)
+        .zip(&file.solids)
+        .map(|(number, s)| SolidReport {
+            number,
+            name: s.name.clone(),
+            is_taken: taken.contains(&(number as usize - 1)),
+            faces: s.faces.len(),
+            volume_mm3: s.mesh.volume(),
+            is_closed: s.is_closed(),
+            color: s.color,
+        })
+        .collect();
+    Ok(RawMesh { mesh, warnings, solids: Some(Solids { list, faces }), ..RawMesh::default() })
+}
+
+/// Places in the list of the solids that make the part.
+fn taken(source: &Source, solids: &[Solid]) -> Result<Vec<usize>, ImportError> {
+    if source.reading.solids.is_empty() {
+        return Ok((0..solids.len()).collect());
+    }
+    let mut taken = Vec::new();
+    for &number in &source.reading.solids {
+        let place = (number as usize).checked_sub(1).filter(|n| *n < solids.len());
+        let Some(place) = place else {
+            let named = solids.iter().take(NAMED).enumerate().map(|(n, s)| format!("{} {}", n + 1, s.name));
+            let names = named.collect::<Vec<_>>().join(", ");
+            let (file, count) = (source.name.to_owned(), solids.len());
+            return Err(ImportError::NoSuchSolid { file, number, count, names });
+        };
+        if !taken.contains(&place) {
+            taken.push(place);
+        }
+    }
+    taken.sort_unstable();
+    Ok(taken)
+}
+
+/// Adds a solid to a mesh and its faces.
+fn append(solid: &Solid, mesh: &mut Mesh, faces: &mut CadFaces) {
+    let (first, first_face) = (mesh.vertices.len() as u32, faces.faces.len() as u32);
+    mesh.vertices.extend(&solid.mesh.vertices);
+    mesh.triangles.extend(solid.mesh.triangles.iter().map(|t| t.map(|v| v + first)));
+    faces.face_of.extend(solid.face_of.iter().map(|f| f + first_face));
+    let cad = |f: &step::read::SolidFace| CadFace { kind: f.kind, name: f.name.clone(), color: f.color };
+    faces.faces.extend(solid.faces.iter().map(cad));
+}

@@ -1,0 +1,210 @@
+//! Solids of known volume, written by an independent writer.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec3;
+use step_io::build::{CurveInput, FaceBoundInput, Frame, LengthUnit, SurfaceInput, UnitsInput};
+use step_io::model::{AdvancedFaceId, EdgeCurveId};
+use step_io::{Orientation, StepBuilder};
+use task::Task;
+
+use super::{Options, StepFile, read};
+use Orientation::{Forward, Reversed};
+
+const CHORD: f64 = 0.01;
+
+fn frame(origin: DVec3, axis: DVec3) -> Frame {
+    Frame { origin: origin.into(), axis: axis.into(), ref_dir: axis.any_orthonormal_vector().into() }
+}
+
+/// A circle about Z at height `z`, from its point towards the reference direction.
+fn circle(b: &mut StepBuilder, radius: f64, z: f64) -> EdgeCurveId {
+    let frame = frame(DVec3::Z * z, DVec3::Z);
+    let start = DVec3::from(frame.origin) + DVec3::from(frame.ref_dir) * radius;
+    let vertex = b.vertex(start.into()).unwrap();
+    b.edge(vertex, vertex, CurveInput::Circle(frame, radius)).unwrap()
+}
+
+fn cap(b: &mut StepBuilder, edge: EdgeCurveId, z: f64, side: Orientation) -> AdvancedFaceId {
+    let bound = FaceBoundInput::outer(vec![(edge, side)]);
+    b.face(SurfaceInput::Plane(frame(DVec3::Z * z, DVec3::Z)), side, vec![bound]).unwrap()
+}
+
+fn written(build: impl FnOnce(&mut StepBuilder) -> Vec<AdvancedFaceId>) -> Vec<u8> {
+    let mut b = StepBuilder::new();
+    let part = b.part("part");
+    let faces = build(&mut b);
+    b.solid(part, "body", faces).unwrap();
+    bytes(b)
+}
+
+fn bytes(b: StepBuilder) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    step_io::write(&b.finish(), &mut bytes).unwrap();
+    bytes
+}
+
+fn read_all(bytes: &[u8]) -> StepFile {
+    read(bytes, &Options { chord: CHORD, ..Options::default() }, &Task::default()).unwrap()
+}
+
+/// Reads the one solid of a file, which must close, and whose volume must be `volume` but for what chords cut off its
+/// `area`.
+fn closes(bytes: &[u8], volume: f64, area: f64) -> super::Solid {
+    let mut file = read_all(bytes);
+    let solid = file.solids.remove(0);
+    assert!(file.solids.is_empty() && solid.is_closed() && solid.faults.is_empty(), "{:?}", solid.faults);
+    let off = solid.mesh.volume() - volume;
+    assert!(off.abs() <= CHORD * area, "{} for {volume}", solid.mesh.volume());
+    solid
+}
+
+fn cuboid(b: &mut StepBuilder, size: DVec3) -> Vec<AdvancedFaceId> {
+    let corner = |i: usize| size * DVec3::new((i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2 & 1) as f64);
+    let vertices: Vec<_> = (0..8).map(|i| b.vertex(corner(i).into()).unwrap()).collect();
+    let mut edges = std::collections::HashMap::new();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let mut faces = Vec::new();
+    for quad in quads {
+        let mut bound = Vec::new();
+        for k in 0..4 {
+            let (from, to) = (quad[k], quad[(k + 1) % 4]);
+            let key = (from.min(to), from.max(to));
+            let edge = *edges
+                .entry(key)
+                .or_insert_with(|| b.edge(vertices[key.0], vertices[key.1], CurveInput::Line).unwrap());
+            bound.push((edge, if from < to { Forward } else { Reversed }));
+        }
+        let normal = (corner(quad[1]) - corner(quad[0])).cross(corner(quad[2]) - corner(quad[1])).normalize();
+        let plane = SurfaceInput::Plane(frame(corner(quad[0]), normal));
+        faces.push(b.face(plane, Forward, vec![FaceBoundInput::outer(bound)]).unwrap());
+    }
+    faces
+}
+
+#[test]
+fn a_box_has_twelve_triangles_and_its_volume() {
+    let solid = closes(&written(|b| cuboid(b, DVec3::new(10.0, 20.0, 30.0))), 6000.0, 1e-6);
+    assert_eq!((solid.faces.len(), solid.mesh.triangles.len()), (6, 12));
+    assert_eq!(solid.name, "part: body");
+}
+
+/// A cylinder of radius 5 from z = 0 to 10, whose wall has `with_seam` the seam that some writers need.
+fn cylinder(b: &mut StepBuilder, with_seam: bool) -> Vec<AdvancedFaceId> {
+    let (low, high) = (frame(DVec3::ZERO, DVec3::Z), frame(DVec3::Z * 10.0, DVec3::Z));
+    let start = |f: &Frame| DVec3::from(f.origin) + 5.0 * DVec3::from(f.ref_dir);
+    let ends = [b.vertex(start(&low).into()).unwrap(), b.vertex(start(&high).into()).unwrap()];
+    let bottom = b.edge(ends[0], ends[0], CurveInput::Circle(low, 5.0)).unwrap();
+    let top = b.edge(ends[1], ends[1], CurveInput::Circle(high, 5.0)).unwrap();
+    let bounds = if with_seam {
+        let seam = b.edge(ends[0], ends[1], CurveInput::Line).unwrap();
+        vec![FaceBoundInput::outer(vec![(bottom, Forward), (seam, Forward), (top, Reversed), (seam, Reversed)])]
+    } else {
+        vec![FaceBoundInput::outer(vec![(bottom, Forward)]), FaceBoundInput::inner(vec![(top, Reversed)])]
+    };
+    let wall = b.face(SurfaceInput::Cylinder(low, 5.0), Forward, bounds).unwrap();
+    vec![wall, cap(b, bottom, 0.0, Reversed), cap(b, top, 10.0, Forward)]
+}
+
+#[test]
+fn a_cylinder_closes_with_and_without_a_seam() {
+    for with_seam in [false, true] {
+        let solid = closes(&written(|b| cylinder(b, with_seam)), 250.0 * PI, 100.0 * PI);
+        for p in &solid.mesh.vertices {
+            assert!((p.truncate().length() - 5.0).abs() < 1e-9);
+        }
+        // Chords that leave a circle of radius r by c are at most 2 sqrt(2 r c) long.
+        let sides = solid.mesh.triangles.len() as f64 / 4.0;
+        assert!(TAU * 5.0 / sides <= 2.0 * (10.0 * CHORD).sqrt() && sides < 64.0, "{sides}");
+    }
+}
+
+#[test]
+fn a_cone_and_a_half_sphere_close_at_their_poles() {
+    // r = 4 at z = 0, tip at z = 8.
+    let cone = written(|b| {
+        let edge = circle(b, 4.0, 0.0);
+        let at = frame(DVec3::ZERO, -DVec3::Z);
+        let wall = SurfaceInput::Cone(at, 4.0, (0.5f64).atan());
+        vec![
+            b.face(wall, Forward, vec![FaceBoundInput::outer(vec![(edge, Forward)])]).unwrap(),
+            cap(b, edge, 0.0, Reversed),
+        ]
+    });
+    closes(&cone, PI * 16.0 * 8.0 / 3.0, PI * 4.0 * 80f64.sqrt());
+    let dome = written(|b| {
+        let edge = circle(b, 6.0, 0.0);
+        let ball = SurfaceInput::Sphere(frame(DVec3::ZERO, DVec3::X), 6.0);
+        vec![
+            b.face(ball, Forward, vec![FaceBoundInput::outer(vec![(edge, Forward)])]).unwrap(),
+            cap(b, edge, 0.0, Reversed),
+        ]
+    });
+    closes(&dome, 2.0 * PI * 216.0 / 3.0, TAU * 36.0);
+}
+
+#[test]
+fn a_ring_of_two_halves_of_a_torus_closes() {
+    // The circles at the inside and outside of a torus of radii 10 and 3, between them its upper and lower halves.
+    let ring = written(|b| {
+        let [inner, outer] = [7.0, 13.0].map(|r| circle(b, r, 0.0));
+        let torus = || SurfaceInput::Torus(frame(DVec3::ZERO, DVec3::Z), 10.0, 3.0);
+        let half = |o: Orientation, i: Orientation| {
+            vec![FaceBoundInput::outer(vec![(outer, o)]), FaceBoundInput::inner(vec![(inner, i)])]
+        };
+        vec![
+            b.face(torus(), Forward, half(Forward, Reversed)).unwrap(),
+            b.face(torus(), Forward, half(Reversed, Forward)).unwrap(),
+        ]
+    });
+    closes(&ring, TAU * 10.0 * PI * 9.0, TAU * 10.0 * TAU * 3.0);
+}
+
+#[test]
+fn placed_copies_and_other_units_come_out_in_millimetres() {
+    let mut b = StepBuilder::new_with(&UnitsInput { length: LengthUnit::Metre, uncertainty: 1e-9 }).unwrap();
+    let (whole, part) = (b.part("whole"), b.part("part"));
+    let faces = cuboid(&mut b, DVec3::new(0.01, 0.02, 0.03));
+    b.solid(part, "part", faces).unwrap();
+    b.place(whole, part, Frame { origin: [0.1, 0.0, 0.0], axis: [0.0, 0.0, 1.0], ref_dir: [0.0, 1.0, 0.0] }).unwrap();
+    b.place(whole, part, Frame { origin: [0.0; 3], axis: [0.0, 0.0, 1.0], ref_dir: [1.0, 0.0, 0.0] }).unwrap();
+    let file = read_all(&bytes(b));
+    assert_eq!(file.solids.iter().map(|s| s.name.as_str()).collect::<Vec<_>>(), ["part", "part (2)"]);
+    assert!(file.solids.iter().all(|s| s.is_closed() && (s.mesh.volume() - 6000.0).abs() < 1e-6));
+    // X of the part lies along Y.
+    let bounds = file.solids[0].mesh.bounds();
+    assert!((bounds.min - DVec3::new(80.0, 0.0, 0.0)).length() < 1e-9);
+    assert!((bounds.max - DVec3::new(100.0, 10.0, 30.0)).length() < 1e-9);
+}
+
+#[test]
+fn a_face_that_is_missing_leaves_the_solid_open_and_the_rest_as_it_is() {
+    let open = written(|b| cuboid(b, DVec3::splat(10.0)).split_off(1));
+    let file = read_all(&open);
+    assert!(!file.solids[0].is_closed() && file.solids[0].mesh.triangles.len() == 10);
+}
+
+#[test]
+fn whatever_the_bytes_there_is_an_answer() {
+    let sound = written(|b| cylinder(b, true));
+    let mut state = 1u64;
+    let mut random = |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    for _ in 0..400 {
+        let mut bytes = sound.clone();
+        for _ in 0..=random(4) {
+            let at = random(bytes.len());
+            match random(3) {
+                0 => bytes[at] = b"0123456789.-#(),;'$*E"[random(21)],
+                1 => drop(bytes.drain(at..(at + random(30)).min(bytes.len()))),
+                _ => bytes.truncate(at.max(1)),
+            }
+        }
+        let options = Options { max_triangles: 100_000, ..Options::default() };
+        if let Ok(file) = read(&bytes, &options, &Task::default()) {
+            assert!(file.solids.iter().all(|s| s.mesh.vertices.iter().all(|p| p.is_finite())));
+        }
+    }
+}
