@@ -5,6 +5,7 @@ pub mod form;
 pub mod overlay;
 pub mod panel_parts;
 pub mod plot_parts;
+pub mod solids;
 pub mod theme;
 pub mod timeline;
 pub mod viewport;

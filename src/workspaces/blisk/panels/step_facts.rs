@@ -9,6 +9,7 @@ use egui::{RichText, Ui};
 use super::stepper::Standing;
 use crate::widgets::panel_parts::grouped;
 use crate::widgets::panel_parts::{fact, notice, sentence};
+use crate::widgets::solids::solids;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::stage::Stage;
@@ -56,6 +57,14 @@ fn part(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         fact(ui, "Unit", report.unit.name());
         fact(ui, "Surface", if report.watertight { "watertight" } else { "open" });
         ui.add(egui::Label::new(RichText::new(&report.unit_reason).small().color(palette(ui).faint)).wrap());
+        if let Some(solids) = solids(ui, &report.solids) {
+            let mut job = desk.document.params().clone();
+            job.blisk.reading.solids = solids;
+            desk.edit("solids of the part", job, false);
+        }
+        if let Some(tolerance) = report.step_tolerance_mm {
+            fact(ui, "Off the exact faces", format!("{tolerance} mm at most"));
+        }
         for warning in &report.warnings {
             notice(ui, palette(ui).warning, warning);
         }

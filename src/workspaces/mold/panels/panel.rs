@@ -13,6 +13,7 @@ use crate::widgets::form::Form;
 use crate::widgets::panel_parts::grouped;
 use crate::widgets::panel_parts::section;
 use crate::widgets::panel_parts::{fact, notice};
+use crate::widgets::solids::solids;
 use crate::widgets::theme::{palette, tick};
 use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::cutter_file::standard_cutters;
@@ -70,6 +71,12 @@ fn mold(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> 
     }
     let mut form = Form::new(&FIELDS, desk.document.params(), desk.document.problem());
     form.row(ui, "units");
+    if let Some(report) = desk.work.mold().map(|mold| &mold.report).filter(|r| r.step_tolerance_mm.is_some()) {
+        form.row(ui, "step_tolerance_mm");
+        if let Some(solids) = solids(ui, &report.solids) {
+            form.change(|params| params.solids = solids);
+        }
+    }
     opening(ui, &mut form, desk.work.part(desk.document.params()).map(|mold| mold.proposal));
     form.row(ui, "tolerance_mm");
     desk.take(form.answer(), cx);

@@ -38,6 +38,13 @@ const GROUPS: &[Group] = &[
                 "Unit of the mesh file. Automatic goes by the file and by its size; the reason is shown \
                  below.",
             ),
+        ],
+    },
+    Group {
+        section: "Part",
+        name: "STEP file",
+        is_folded: true,
+        fields: &[
             Field::numbers("blisk.solids", "Solids", "", 1.0, 10_000.0).whole().help(
                 "Numbers of the solids of a STEP file that make the blisk; none for all of them.",
             ),
