@@ -57,7 +57,7 @@ pub(super) struct SurfaceArguments {
     /// The other guide curve, in the same direction.
     #[arg(long, value_name = "CSV", requires = "lower", conflicts_with_all = ["mesh", "demo"])]
     upper: Option<PathBuf>,
-    /// A mesh with a flank to be milled, such as an electrode: STL, OBJ, glTF or GLB.
+    /// A mesh with a flank to be milled, such as an electrode: STL, OBJ, glTF, GLB or STEP.
     #[arg(long, value_name = "MESH", conflicts_with = "demo")]
     mesh: Option<PathBuf>,
     /// An electrode with a flank to be milled, by its name: one of a mold, of a blisk or of a folder with exported

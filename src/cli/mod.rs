@@ -129,7 +129,7 @@ enum Command {
     Flank(Box<flank_arguments::FlankArguments>),
     /// Opens the window on a mold.
     Mold {
-        /// Mesh of the mold: STL, OBJ, glTF or GLB.
+        /// Mesh of the mold: STL, OBJ, glTF, GLB or STEP.
         mesh: Option<PathBuf>,
     },
     /// Certifies a feed path file, whoever made it.

@@ -32,7 +32,7 @@ use task::{StageClock, Task};
 /// A mold and the cutters that mill it. What is not given is as in the project, or as usual.
 #[derive(Debug, Clone, Args)]
 pub(super) struct MoldArguments {
-    /// A project (.sparkpath) of a mold, or a mold: STL, OBJ, glTF or GLB. With uncut also a folder of molds, of which
+    /// A project (.sparkpath) of a mold, or a mold: STL, OBJ, glTF, GLB or STEP. With uncut also a folder of molds, of which
     /// each is one row of a table.
     #[arg(value_name = "PROJECT|MESH")]
     file: PathBuf,

@@ -21,7 +21,11 @@ fn meshes(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
             files.push(path);
         }
     }
-    anyhow::ensure!(!files.is_empty(), "{}: there is no mesh in this folder: STL, OBJ, glTF or GLB", folder.display());
+    anyhow::ensure!(
+        !files.is_empty(),
+        "{}: there is no mesh in this folder: STL, OBJ, glTF, GLB or STEP",
+        folder.display()
+    );
     files.sort();
     Ok(files)
 }

@@ -29,6 +29,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use geometry::mesh::Mesh;
+use geometry::segmentation::{FaceKind, Segmentation, SegmentationSettings};
 use task::{Cancel, Cancelled, Task};
 
 mod clean;
@@ -151,6 +152,19 @@ pub struct Imported {
     pub faces: Option<CadFaces>,
     /// SHA-256 of the file, and of its buffer files after it, in hexadecimal.
     pub sha256: String,
+}
+
+impl Imported {
+    /// The faces of the part: those of the CAD program where the file has them, else those that its triangles show.
+    pub fn segmentation(&self, settings: &SegmentationSettings) -> Segmentation {
+        match &self.faces {
+            Some(known) => {
+                let kinds: Vec<FaceKind> = known.faces.iter().map(|face| face.kind).collect();
+                Segmentation::of_faces(&self.mesh, &kinds, &known.face_of, settings)
+            }
+            None => Segmentation::of(&self.mesh, settings),
+        }
+    }
 }
 
 /// Largest coordinate that is believed (mm): a kilometre.

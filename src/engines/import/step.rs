@@ -99,3 +99,64 @@ fn append(solid: &Solid, mesh: &mut Mesh, faces: &mut CadFaces) {
     let cad = |f: &step::read::SolidFace| CadFace { kind: f.kind, name: f.name.clone(), color: f.color };
     faces.faces.extend(solid.faces.iter().map(cad));
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use geometry::segmentation::{EdgeKind, FaceKind, SegmentationSettings};
+    use step_io::build::{CurveInput, FaceBoundInput, Frame, SurfaceInput};
+    use step_io::{Orientation, StepBuilder};
+    use task::Task;
+
+    use crate::{ImportOptions, Reading, import_bytes};
+
+    /// Two cylinders about Z, of radius 5 and height 10, 20 mm apart along X.
+    fn two_cylinders() -> Vec<u8> {
+        use Orientation::{Forward, Reversed};
+        let mut b = StepBuilder::new();
+        let part = b.part("pins");
+        for x in [0.0, 20.0] {
+            let at = |z: f64| Frame { origin: [x, 0.0, z], axis: [0.0, 0.0, 1.0], ref_dir: [1.0, 0.0, 0.0] };
+            let ends = [0.0, 10.0].map(|z| b.vertex([x + 5.0, 0.0, z]).unwrap());
+            let low = b.edge(ends[0], ends[0], CurveInput::Circle(at(0.0), 5.0)).unwrap();
+            let high = b.edge(ends[1], ends[1], CurveInput::Circle(at(10.0), 5.0)).unwrap();
+            let around =
+                vec![FaceBoundInput::outer(vec![(low, Forward)]), FaceBoundInput::inner(vec![(high, Reversed)])];
+            let mut cap = |edge, z, side| {
+                b.face(SurfaceInput::Plane(at(z)), side, vec![FaceBoundInput::outer(vec![(edge, side)])]).unwrap()
+            };
+            let caps = [cap(low, 0.0, Reversed), cap(high, 10.0, Forward)];
+            let wall = b.face(SurfaceInput::Cylinder(at(0.0), 5.0), Forward, around).unwrap();
+            b.solid(part, &format!("pin at {x}"), vec![wall, caps[0], caps[1]]).unwrap();
+        }
+        let mut bytes = Vec::new();
+        step_io::write(&b.finish(), &mut bytes).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn the_faces_of_the_file_are_those_of_the_part() {
+        let options =
+            ImportOptions { reading: Reading { solids: vec![2], ..Reading::default() }, ..ImportOptions::default() };
+        let part = import_bytes("pins.step", &two_cylinders(), &options, &Task::default()).unwrap();
+        let taken: Vec<bool> = part.report.solids.iter().map(|s| s.is_taken).collect();
+        assert_eq!((taken, part.report.watertight), (vec![false, true], true));
+        assert!((part.mesh.volume() - 250.0 * PI).abs() < 0.005 * 100.0 * PI && part.report.min_mm.x > 14.9);
+        let found = part.segmentation(&SegmentationSettings::default());
+        assert_eq!(found.faces.len(), 3);
+        let wall = found.faces.iter().find(|f| matches!(f.kind, FaceKind::Cylinder { .. })).unwrap();
+        let FaceKind::Cylinder { radius, is_hollow, .. } = wall.kind else { panic!("no cylinder") };
+        // Exact, where triangles alone would give the radius to their chords.
+        assert!(radius == 5.0 && !is_hollow && wall.deviation < 1e-9 && (wall.area - 100.0 * PI).abs() < 0.5);
+        assert!(found.edges.len() == 2 && found.edges.iter().all(|e| e.kind == EdgeKind::Convex && e.is_closed()));
+    }
+
+    #[test]
+    fn solids_that_are_not_there_are_refused_with_those_that_are() {
+        let reading = Reading { solids: vec![3], ..Reading::default() };
+        let options = ImportOptions { reading, ..ImportOptions::default() };
+        let error = import_bytes("pins.step", &two_cylinders(), &options, &Task::default()).unwrap_err().to_string();
+        assert!(error.contains("no solid 3 among its 2") && error.contains("2 pins: pin at 20"), "{error}");
+    }
+}

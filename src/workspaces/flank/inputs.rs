@@ -7,12 +7,13 @@ use crate::workspaces::flank::document::kept_mesh::KeptMesh;
 use crate::workspaces::flank::document::milling_machine_file::milling_machine;
 use crate::workspaces::flank::document::{FlankDocument, FlankSource, GuideSource, MeshFlank, WallsFile};
 use files::{Params, Validate};
-use flank::fit_ruled::flank_candidates;
+use flank::fit_ruled::candidates_among;
 use flank::guide::GuideCurve;
 use flank::machine::milling_machine::MillingMachine;
 use flank::ruled_surface::Side;
 use geometry::mesh::Mesh;
-use import::{ImportOptions, Undeclared, Unit, Units, import_bytes, import_file};
+use geometry::segmentation::SegmentationSettings;
+use import::{ImportOptions, Imported, Undeclared, Unit, Units, import_bytes, import_file};
 use nc::flank_job::{FlankInput, LoadedSurface};
 use nc::flank_program::{FlankNc, milling_post};
 use task::Task;
@@ -122,7 +123,8 @@ pub fn walls_unit(document: &FlankDocument) -> Unit {
 /// # Errors
 /// [`FlankLoadError`].
 pub fn load_walls(walls: &WallsFile, unit: Unit, task: &Task) -> Result<FromFile<Arc<Mesh>>, FlankLoadError> {
-    import(&walls.file, (walls.units, Undeclared::Take(unit)), task)
+    let walls = import(&walls.file, (walls.units, Undeclared::Take(unit)), task)?;
+    Ok(FromFile { value: Arc::new(walls.value.mesh), doubts: walls.doubts })
 }
 
 /// Reads the surface. For a mesh every face that could be milled is fitted, which takes longest. A mesh without a unit
@@ -164,14 +166,16 @@ pub fn load_guide(guide: &GuideSource) -> Result<GuideCurve, FlankLoadError> {
 }
 
 fn load_mesh(flank: &MeshFlank, task: &Task) -> Result<FromFile<LoadedSurface>, FlankLoadError> {
-    let (FromFile { value: mesh, doubts }, name) = match &flank.kept {
+    let (FromFile { value: part, doubts }, name) = match &flank.kept {
         Some(kept) => (FromFile::certain(import_kept(kept, task)?), kept.words()),
         None => {
             let unit = (flank.units, Undeclared::RefuseOthers);
             (import(&flank.file, unit, task)?, flank.file.display().to_string())
         }
     };
-    let candidates = flank_candidates(&mesh, &flank.fit, task);
+    let faces = part.segmentation(&SegmentationSettings::default());
+    let candidates = candidates_among(&part.mesh, &faces, &flank.fit, task);
+    let mesh = Arc::new(part.mesh);
     let candidates = candidates.map_err(|e| FlankLoadError(format!("{name}: {e}")))?;
     let MeshFlank { candidate: number, is_own_wall, .. } = *flank;
     let surface = LoadedSurface::Face { mesh, candidates: Arc::new(candidates), number, is_own_wall };
@@ -182,18 +186,18 @@ fn import(
     file: &Path,
     (units, undeclared): (Units, Undeclared),
     task: &Task,
-) -> Result<FromFile<Arc<Mesh>>, FlankLoadError> {
+) -> Result<FromFile<Imported>, FlankLoadError> {
     let options = ImportOptions { reading: units.into(), undeclared, ..ImportOptions::default() };
     let imported = import_file(file, &options, task).map_err(|e| FlankLoadError(e.to_string()))?;
     let name = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy();
     let doubts = imported.report.unit_doubt().map(|doubt| format!("{name}: {doubt}")).into_iter().collect();
-    Ok(FromFile { value: Arc::new(imported.mesh), doubts })
+    Ok(FromFile { value: imported, doubts })
 }
 
 /// Reads a mesh that the document itself holds, with the same checks as a file.
-fn import_kept(kept: &KeptMesh, task: &Task) -> Result<Arc<Mesh>, FlankLoadError> {
+fn import_kept(kept: &KeptMesh, task: &Task) -> Result<Imported, FlankLoadError> {
     let options = ImportOptions { reading: Units::Mm.into(), ..ImportOptions::default() };
     let name = format!("{}.obj", kept.name);
     let imported = import_bytes(&name, kept.obj.as_bytes(), &options, task);
-    Ok(Arc::new(imported.map_err(|e| FlankLoadError(e.to_string()))?.mesh))
+    imported.map_err(|e| FlankLoadError(e.to_string()))
 }

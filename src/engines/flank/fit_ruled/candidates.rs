@@ -108,17 +108,30 @@ impl Candidate {
 /// # Errors
 /// If a parameter has no meaning, or it was told to stop.
 pub fn flank_candidates(mesh: &Mesh, params: &RuledFitParams, task: &Task) -> Result<Vec<Candidate>, RuledFitError> {
+    task.check()?;
+    candidates_among(mesh, &Segmentation::of(mesh, &SegmentationSettings::default()), params, task)
+}
+
+/// The same among faces that are known, those of a CAD program for instance.
+///
+/// # Errors
+/// Those of [`flank_candidates`].
+pub fn candidates_among(
+    mesh: &Mesh,
+    segmentation: &Segmentation,
+    params: &RuledFitParams,
+    task: &Task,
+) -> Result<Vec<Candidate>, RuledFitError> {
     const STAGE: &str = "faces that could be milled";
     params.validate()?;
     task.check()?;
     task.report(STAGE, 0.0, "");
     let up = params.up.normalize_or_zero();
-    let segmentation = Segmentation::of(mesh, &SegmentationSettings::default());
     let single = (0..segmentation.faces.len() as u32).map(|f| vec![f]);
-    let groups = joined(mesh, &segmentation, up);
+    let groups = joined(mesh, segmentation, up);
     let total: f64 = segmentation.faces.iter().map(|f| f.area).sum();
     let mut found: Vec<Candidate> =
-        single.chain(groups).map(|faces| candidate(mesh, &segmentation, faces, up)).collect();
+        single.chain(groups).map(|faces| candidate(mesh, segmentation, faces, up)).collect();
     found.sort_by(|a, b| b.area_mm2.total_cmp(&a.area_mm2).then_with(|| a.faces.cmp(&b.faces)));
     let tried = found.iter().take(MOST_FITTED).take_while(|c| c.area_mm2 >= LEAST_SHARE * total).count();
     let fitted = AtomicUsize::new(0);

@@ -37,7 +37,7 @@ use geometry::mesh::Mesh;
 use geometry::nurbs::{FitError, NurbsCurve};
 use task::Cancel;
 
-pub use self::candidates::{Candidate, CandidateFit, CandidateKind, flank_candidates};
+pub use self::candidates::{Candidate, CandidateFit, CandidateKind, candidates_among, flank_candidates};
 pub use self::params::{PartBase, RuledFitError, RuledFitParams};
 
 /// Number of control points of each guide of a face all around.

@@ -202,8 +202,31 @@ impl Segmentation {
         label_rest(&facets, &mut label, &mut surfaces, settings);
         join_slivers(&topology, &facets, &mut label, plane_tolerance);
         let of_triangle = labels_of_triangles(&topology, &facets, &label, &mut surfaces);
-        let (faces, face_of, surfaces) = faces(&topology, &of_triangle, &surfaces);
-        let edges = edges(&topology, &face_of, &surfaces, settings, plane_tolerance);
+        Self::labelled(&topology, &of_triangle, &surfaces, settings)
+    }
+
+    /// The faces of a mesh whose faces are known: `kinds` by number, and the number of the face of each triangle. A face
+    /// without a triangle is left out, a triangle with a number beyond `kinds` belongs to a face of free form.
+    pub fn of_faces(mesh: &Mesh, kinds: &[FaceKind], face_of: &[u32], settings: &SegmentationSettings) -> Self {
+        let topology = Topology::of(mesh);
+        let mut surfaces: Vec<Surface> = kinds.iter().map(|kind| Surface::of(kind, topology.origin)).collect();
+        let free = surfaces.len() as u32;
+        surfaces.push(Surface::Free);
+        let label = |t: usize| face_of.get(t).copied().filter(|f| *f < free).unwrap_or(free);
+        let of_triangle: Vec<u32> = (0..mesh.triangles.len()).map(label).collect();
+        Self::labelled(&topology, &of_triangle, &surfaces, settings)
+    }
+
+    /// The faces of triangles with these labels, and the edges between them.
+    fn labelled(
+        topology: &Topology,
+        of_triangle: &[u32],
+        surfaces: &[Surface],
+        settings: &SegmentationSettings,
+    ) -> Self {
+        let straight = settings.plane_tolerance.max(4.0 * topology.rounding);
+        let (faces, face_of, surfaces) = faces(topology, of_triangle, surfaces);
+        let edges = edges(topology, &face_of, &surfaces, settings, straight);
         Self { faces, face_of, edges }
     }
 }
@@ -326,6 +349,21 @@ fn edges(
 }
 
 impl Surface {
+    /// The surface of a face, counted from `from`.
+    fn of(kind: &FaceKind, from: DVec3) -> Self {
+        match *kind {
+            FaceKind::Plane { normal, offset } => Self::Flat(Flat { normal, offset: offset - normal.dot(from) }),
+            FaceKind::Cylinder { point, direction, radius, is_hollow } => {
+                Self::Revolved(Revolved { origin: point - from, axis: direction, radius, slope: 0.0 }, is_hollow)
+            }
+            FaceKind::Cone { apex, axis, half_angle, is_hollow } => {
+                let slope = half_angle.tan();
+                Self::Revolved(Revolved { origin: apex + axis - from, axis, radius: slope, slope }, is_hollow)
+            }
+            FaceKind::FreeForm => Self::Free,
+        }
+    }
+
     fn kind(&self, from: DVec3) -> FaceKind {
         match *self {
             Self::Flat(flat) => FaceKind::Plane { normal: flat.normal, offset: flat.offset + flat.normal.dot(from) },

@@ -109,6 +109,10 @@ const MOST_DEG: f64 = 10.0;
 const FIRST_DEG: f64 = 1.0;
 /// Times that a little more reduction is taken where the certificate does not hold.
 const RAISES: usize = 8;
+/// Steps below a certified row at which whole plans are tried, one after the other, in [`TOLERANCE_DEG`].
+const LOWER: [f64; 3] = [2.0, 1.0, 4.0];
+/// Most plans that are tried so for a row.
+const MOST_LOWERED: usize = 10;
 
 /// Sizes the electrodes of the job for every number of parts in `range`, and shows `found` each row as it is certified.
 /// For one part both reductions are equal first, on each side of entry that the job allows, and then as unequal as
@@ -211,6 +215,7 @@ impl Sizing<'_> {
             let Some(least) = self.sized(&full, equal)? else { continue };
             let angle = least.angle.max(full.reduction);
             let Some(row) = self.certified(1, only(side), [angle; 2], 0)? else { continue };
+            let row = self.lowered(row)?;
             let least = Least { angle: row.reduction_deg[0].to_radians(), ..least };
             self.show(row, rows);
             if best.as_ref().is_none_or(|(_, known)| least.angle < known.angle) {
@@ -346,15 +351,48 @@ impl Sizing<'_> {
         inputs.job.electrode.enter = enter;
         for raise in 0..=RAISES {
             let more = raise as f64 * TOLERANCE_DEG;
-            // To a thousandth, upwards: what is shown is what was planned.
-            let reduction = turns.map(|t| ((t.to_degrees() + more) * 1e3).ceil() / 1e3);
-            inputs.job.electrode.circumferential_reduction_deg = reduction;
-            let outcome = run_feeds(self.prepared, &inputs, self.task)?;
-            if let Some(row) = row_of(&outcome, parts, enter, reduction) {
-                return Ok(Some(SizeRow { limit: limit_of(&outcome, limiting), raised_deg: more, ..row }));
+            if let Some(row) = self.planned(&mut inputs, turns.map(|t| t.to_degrees() + more), limiting)? {
+                return Ok(Some(SizeRow { raised_deg: more, ..row }));
             }
         }
         Ok(None)
+    }
+
+    /// `row`, which has one part and equal reductions, or one of less reduction that a whole plan reaches: a plan needs
+    /// less clearance in its fields than the search for the least, and repairs what its certificate rejects.
+    fn lowered(&self, mut row: SizeRow) -> Result<SizeRow, PlanJobError> {
+        let mut inputs = self.of(1);
+        inputs.job.electrode.enter = row.enter;
+        let mut left = LOWER.iter();
+        let mut plans = 0;
+        while let Some(step) = left.next().filter(|_| plans < MOST_LOWERED) {
+            plans += 1;
+            let lower = row.reduction_deg.map(|deg| deg - step * TOLERANCE_DEG);
+            if lower[0] > 0.0
+                && let Some(found) = self.planned(&mut inputs, lower, 0)?
+            {
+                row = found;
+                left = LOWER.iter();
+            }
+        }
+        Ok(row)
+    }
+
+    /// The row of the plan for reductions (deg), if it is certified.
+    fn planned(
+        &self,
+        inputs: &mut PlanInputs,
+        reduction_deg: [f64; 2],
+        limiting: usize,
+    ) -> Result<Option<SizeRow>, PlanJobError> {
+        // To a thousandth, upwards: what is shown is what was planned.
+        let reduction = reduction_deg.map(|deg| (deg * 1e3).ceil() / 1e3);
+        let electrode = &mut inputs.job.electrode;
+        electrode.circumferential_reduction_deg = reduction;
+        let (parts, enter) = (electrode.parts, electrode.enter);
+        let outcome = run_feeds(self.prepared, inputs, self.task)?;
+        let row = row_of(&outcome, parts, enter, reduction);
+        Ok(row.map(|row| SizeRow { limit: limit_of(&outcome, limiting), ..row }))
     }
 }
 

@@ -312,7 +312,7 @@ fn empty(ui: &Ui, rect: Rect, state: &State) {
         _ => (
             "Drop a blisk here",
             &[
-                "STL, OBJ, glTF or GLB, or a Sparkpath project.",
+                "STL, OBJ, glTF, GLB or STEP, or a Sparkpath project.",
                 "Then follow the steps on the left, from part to export.",
                 "Ctrl+K finds every command.",
             ],

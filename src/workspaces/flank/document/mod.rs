@@ -89,7 +89,7 @@ pub enum GuideSource {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct MeshFlank {
-    /// The mesh: STL, OBJ, glTF or GLB; empty where it is kept.
+    /// The mesh: STL, OBJ, glTF, GLB or STEP; empty where it is kept.
     #[serde(skip_serializing_if = "is_empty")]
     pub file: PathBuf,
     /// Unit of the mesh.

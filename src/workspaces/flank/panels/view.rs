@@ -300,7 +300,7 @@ fn empty(ui: &Ui, rect: Rect, desk: &FlankDesk) {
     let (title, line) = match work.source_state(desk.document.params()) {
         State::Running => ("Loading…", ""),
         State::Ready if work.is_sketching() || desk.state() == State::Running => ("Looking at the surface…", ""),
-        _ => ("Drop a part or two guide curves here", "STL, OBJ, glTF or GLB; or points as CSV."),
+        _ => ("Drop a part or two guide curves here", "STL, OBJ, glTF, GLB or STEP; or points as CSV."),
     };
     overlay::empty(ui, rect, title, &[line]);
 }

@@ -342,7 +342,7 @@ fn caption(ui: &mut Ui, rect: Rect, desk: &MoldDesk) {
         (None, Some((others, found))) => format!("{others}: {}", found.sentence()),
         // The panel says it.
         (None, None) if desk.document.params().mesh.is_none() && desk.found().is_none() => {
-            let hint = "Demonstration mold. Drop your own here: STL, OBJ, glTF or GLB.";
+            let hint = "Demonstration mold. Drop your own here: STL, OBJ, glTF, GLB or STEP.";
             return overlay::caption(ui, rect, 10.0, colours.faint, hint);
         }
         (None, None) => return,
@@ -355,7 +355,10 @@ fn empty(ui: &Ui, rect: Rect, desk: &MoldDesk) {
     let (title, line) = match desk.work.mold_state(desk.document.params()) {
         State::Running => ("Loading…", ""),
         State::Failed(_) | State::Cancelled => ("This could not be loaded", "The panel on the left says why."),
-        _ => ("Drop a mold here", "STL, OBJ, glTF or GLB. Then set the opening direction and find the rest material."),
+        _ => (
+            "Drop a mold here",
+            "STL, OBJ, glTF, GLB or STEP. Then set the opening direction and find the rest material.",
+        ),
     };
     overlay::empty(ui, rect, title, &[line]);
 }
