@@ -113,6 +113,11 @@ fn a_cylinder_closes_with_and_without_a_seam() {
         for p in &solid.mesh.vertices {
             assert!((p.truncate().length() - 5.0).abs() < 1e-9);
         }
+        // Triangles of the wall stand upright, as it does.
+        for (corners, _) in solid.mesh.iter_corners().zip(&solid.face_of).filter(|(_, face)| **face == 0) {
+            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+            assert!(normal.z.abs() < 1e-9);
+        }
         // Chords that leave a circle of radius r by c are at most 2 sqrt(2 r c) long.
         let sides = solid.mesh.triangles.len() as f64 / 4.0;
         assert!(TAU * 5.0 / sides <= 2.0 * (10.0 * CHORD).sqrt() && sides < 64.0, "{sides}");

@@ -369,7 +369,12 @@ fn stretches(surface: &Surface, domain: &Domain, fine: &Fineness) -> [Stretch; 2
             }
         }
     }
+    // Straight lines along a surface need no points: triangles of a wall between equal arcs stand as upright as the wall.
+    let is_straight = matches!(surface.shape, Shape::Cylinder { .. } | Shape::Cone { .. });
     let longest = [0, 1].map(|k| {
+        if is_straight && k == 1 {
+            return f64::INFINITY;
+        }
         // Beside a pole nothing moves around it, whatever the step.
         let moves = steps[1 - k].iter().zip(&speeds[1 - k]).filter(|(_, speed)| **speed > 0.0);
         let lengths = moves.map(|(step, speed)| step * speed);
