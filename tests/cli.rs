@@ -292,7 +292,7 @@ fn an_electrode_in_w_is_told_from_a_collision() {
     let folder = tempfile::tempdir().unwrap();
     let (blisk, csv, right) = (path("part.stl"), path("out/path_1.csv"), path("out/electrode_1.stl"));
     let path = nc::path_csv::read_path_csv(&std::fs::read_to_string(&csv).unwrap()).unwrap();
-    let options = import::ImportOptions { units: import::Units::Mm, ..Default::default() };
+    let options = import::ImportOptions { reading: import::Units::Mm.into(), ..Default::default() };
     let electrode = import::import_file(Path::new(&right), &options, &Task::default());
     let in_w = folder.path().join("w.stl");
     write_stl(&in_w, &electrode.unwrap().mesh.in_frame(&path.frame)).unwrap();
