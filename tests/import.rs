@@ -158,7 +158,7 @@ fn gltf_buffers_come_from_the_same_folder_only() {
     let path = inner.join("part.gltf");
     let import_with_uri = |uri: &str| {
         fs::write(&path, gltf_json(&part, &format!(r#","uri":"{uri}""#), "")).unwrap();
-        let options = ImportOptions { units: Units::Mm, ..Default::default() };
+        let options = ImportOptions { reading: Units::Mm.into(), ..Default::default() };
         import_file(&path, &options, &Task::default())
     };
     assert_eq!(import_with_uri("my%20part.bin").unwrap().mesh, import(binary_stl(&part, "")).mesh);
@@ -196,14 +196,14 @@ fn units_are_guessed_given_or_declared() {
     let declared = auto(format!("# units: cm\n{}", obj(&part())).as_bytes());
     assert_eq!((declared.report.unit, declared.report.unit_certain), (Unit::Cm, true));
 
-    let given = ImportOptions { units: Units::Um, ..Default::default() };
+    let given = ImportOptions { reading: Units::Um.into(), ..Default::default() };
     assert_eq!(height(&import_with(&binary_stl(&part(), ""), &given).unwrap()), 0.1005);
 }
 
 #[test]
 fn coordinates_farther_than_a_kilometre_are_refused() {
     let far = part().mapped(|p| if p.z > 0.0 { p * 1e7 } else { p });
-    let options = ImportOptions { units: Units::Mm, ..Default::default() };
+    let options = ImportOptions { reading: Units::Mm.into(), ..Default::default() };
     let text = import_with(&binary_stl(&far, ""), &options).unwrap_err().to_string();
     assert_mentions(&text, &["part.mesh", "triangle 3", "unit"]);
 }
@@ -254,7 +254,7 @@ fn cracks_are_welded_but_a_closed_mesh_keeps_its_finest_edges() {
     let report = import(obj(&cracked)).report;
     assert!(report.welded_within_tolerance && report.watertight);
     assert_eq!(report.vertices, 8);
-    let exact = ImportOptions { units: Units::Mm, weld_tolerance_mm: Some(0.0), ..Default::default() };
+    let exact = ImportOptions { reading: Units::Mm.into(), weld_tolerance_mm: Some(0.0), ..Default::default() };
     assert!(!import_with(obj(&cracked).as_bytes(), &exact).unwrap().report.watertight);
 
     // A corner drawn out to a second vertex nearer than the tolerance, with triangles between: closed as it is.

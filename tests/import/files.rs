@@ -113,7 +113,7 @@ pub fn import_with(bytes: &[u8], options: &ImportOptions) -> Result<Imported, Im
 }
 
 pub fn import(bytes: impl AsRef<[u8]>) -> Imported {
-    import_with(bytes.as_ref(), &ImportOptions { units: Units::Mm, ..Default::default() }).unwrap()
+    import_with(bytes.as_ref(), &ImportOptions { reading: Units::Mm.into(), ..Default::default() }).unwrap()
 }
 
 /// The error for bytes that must be refused, which must be one line that names the file.

@@ -2,7 +2,7 @@
 
 use geometry::mesh::Mesh;
 use glam::DVec3;
-use import::{ImportLimits, ImportOptions, Units, import_bytes};
+use import::{ImportLimits, ImportOptions, Reading, Units, import_bytes};
 use proptest::prelude::*;
 use task::Task;
 
@@ -105,7 +105,7 @@ proptest! {
         let vertices: Vec<DVec3> = corners.into_iter().map(DVec3::from_array).collect();
         let mesh = Mesh { vertices, triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]] };
         prop_assume!(mesh.volume().abs() > 1.0);
-        let read = |units| import_with(obj(&mesh).as_bytes(), &ImportOptions { units, ..Default::default() }).unwrap();
+        let read = |units| import_with(obj(&mesh).as_bytes(), &ImportOptions { reading: Reading::whole(units), ..Default::default() }).unwrap();
         let (mm, inch) = (read(Units::Mm), read(Units::Inch));
         prop_assert!(mm.mesh.volume() > 0.0);
         prop_assert!((inch.mesh.volume() / mm.mesh.volume() - 25.4_f64.powi(3)).abs() < 1e-6);
