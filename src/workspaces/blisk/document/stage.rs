@@ -48,7 +48,12 @@ impl Fingerprint {
     pub fn of(stage: Stage, job: &PlanJob, mesh: &str) -> Self {
         let mut hash = Sha256::new();
         hash.update(mesh);
-        add(&mut hash, &(&job.blisk.mesh, &job.blisk.reading, &job.blisk.sections));
+        let reading = &job.blisk.reading;
+        add(&mut hash, &(&job.blisk.mesh, &reading.units, &job.blisk.sections));
+        // Plans that were kept before STEP files were read hold for a whole file.
+        if *reading != reading.units.into() {
+            add(&mut hash, reading);
+        }
         if stage >= Stage::Channel {
             add(&mut hash, &job.blisk.options);
         }
