@@ -160,6 +160,9 @@ const LONGEST: f64 = 1e4;
 /// Tolerance of a distance (mm) or an angle (rad) that was written to a file and read again.
 const ROUNDING: f64 = 1e-9;
 
+/// The keys of a part that is read whole, as JSON.
+const WHOLE_FILE: &str = r#""solids":[],"step_tolerance_mm":0.005,"#;
+
 impl KeptPlan {
     /// The plan kept in `document`.
     pub fn of(document: &Document) -> Option<Self> {
@@ -216,8 +219,10 @@ impl KeptPlan {
         // Bodies have no part in the search; what is taken up is simulated anew.
         let machine = machine.searched();
         let parameters = (blisk, electrode, machine, plan, genetic, verify);
-        let parameters = serde_json::to_vec(&parameters).unwrap_or_default();
-        files::sha256(&[content.as_bytes(), &parameters].concat())
+        let parameters = serde_json::to_string(&parameters).unwrap_or_default();
+        // What is read of a STEP file counts where it is not the whole: other plans are older than these keys.
+        let parameters = parameters.replacen(WHOLE_FILE, "", 1);
+        files::sha256(&[content, &parameters].concat().into_bytes())
     }
 }
 
