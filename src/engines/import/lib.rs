@@ -67,7 +67,7 @@ pub use units::{Undeclared, Unit, Units};
 
 use source::{RawMesh, Source};
 
-/// What is read of a file, and in which unit: what a project says of its part besides the file.
+/// Solids, tolerance and unit in which a part is read from its file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Reading {
@@ -107,7 +107,7 @@ impl From<Units> for Reading {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ImportOptions {
-    /// What is read of the file, and in which unit.
+    /// Solids, tolerance and unit.
     pub reading: Reading,
     /// Unit where none is given here or in the file.
     pub undeclared: Undeclared,

@@ -46,7 +46,7 @@ pub struct CadFaces {
     pub face_of: Vec<u32>,
 }
 
-/// What a reader tells of the solids that it read.
+/// Solids and faces as a reader found them.
 #[derive(Debug, Default)]
 pub(super) struct Solids {
     /// All solids of the file.
@@ -56,7 +56,7 @@ pub(super) struct Solids {
 }
 
 impl CadFaces {
-    /// These faces of `before` for the triangles of `after`, its repaired form.
+    /// The faces, known for the triangles of `before`, of the triangles of `after`, its repaired form.
     pub(super) fn carried(mut self, before: &Mesh, after: &Mesh) -> Self {
         if before.triangles.len() == after.triangles.len() && corners(before).eq(corners(after)) {
             return self;

@@ -65,7 +65,7 @@ pub(super) struct Source<'a> {
     pub bytes: &'a [u8],
     /// Folder of the file; `None` for bytes that came from memory.
     pub folder: Option<&'a Path>,
-    /// What is read of a file with solids.
+    /// Solids, tolerance and unit that are asked for.
     pub reading: &'a Reading,
     /// Limits of the import.
     pub limits: &'a ImportLimits,

@@ -8,7 +8,7 @@ pub enum StepError {
     /// The text breaks the rules of ISO 10303-21.
     #[error("it is no STEP file that can be read: {problem}; export it again from the CAD program")]
     Syntax {
-        /// What the reader says, with the place.
+        /// Message of the reader, with the place.
         problem: String,
     },
     /// The file would take more than is allowed.
@@ -24,7 +24,7 @@ pub enum StepError {
     /// There is nothing with faces in it.
     #[error("it holds no solid and no closed surface ({found}); export the part as a solid")]
     NoSolid {
-        /// What it holds.
+        /// Number of faces and edges.
         found: String,
     },
     /// Cancelled.

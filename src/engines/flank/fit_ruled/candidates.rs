@@ -112,10 +112,10 @@ pub fn flank_candidates(mesh: &Mesh, params: &RuledFitParams, task: &Task) -> Re
     candidates_among(mesh, &Segmentation::of(mesh, &SegmentationSettings::default()), params, task)
 }
 
-/// The same among faces that are known, those of a CAD program for instance.
+/// [`flank_candidates`] among faces that are known, those of a CAD program for instance.
 ///
 /// # Errors
-/// Those of [`flank_candidates`].
+/// If a parameter has no meaning, or it was told to stop.
 pub fn candidates_among(
     mesh: &Mesh,
     segmentation: &Segmentation,

@@ -53,8 +53,7 @@ impl Own<'_> {
 }
 
 /// The domain of a face with these `loops`, counter-clockwise around the face as seen from the side to which
-/// `du x dv` points. `tolerance` is the length within which points
-/// are one. A sphere is turned so that a pole lies within the face.
+/// `du x dv` points. A sphere is turned so that a pole lies within the face.
 ///
 /// # Errors
 /// The reason why the loops bound no part of the surface.

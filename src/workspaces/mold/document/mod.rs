@@ -76,7 +76,7 @@ impl Default for MoldParams {
 }
 
 impl MoldParams {
-    /// What is read of the mesh file, and in which unit.
+    /// Solids, tolerance and unit in which the mesh file is read.
     pub fn reading(&self) -> Reading {
         Reading { units: self.units, solids: self.solids.clone(), step_tolerance_mm: self.step_tolerance_mm }
     }

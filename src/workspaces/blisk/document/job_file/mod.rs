@@ -60,7 +60,7 @@ pub struct PlanJob {
 pub struct BliskSection {
     /// Mesh file; none for the built-in demonstration blisk.
     pub mesh: Option<PathBuf>,
-    /// What is read of the mesh file, and in which unit.
+    /// Solids, tolerance and unit in which the mesh file is read.
     #[serde(flatten)]
     pub reading: Reading,
     /// Blades that the blisk is made from, instead of a mesh.
