@@ -17,7 +17,7 @@ pub enum GuideCurve {
     },
     /// A B-spline.
     BSpline {
-        /// Degree, 1 to 7.
+        /// Degree, 1 to 15.
         degree: usize,
         /// Knots, both ends repeated `degree + 1` times.
         knots: Vec<f64>,
@@ -31,7 +31,7 @@ pub enum GuideCurve {
     Points {
         /// The points (mm), two at least.
         points: Vec<DVec3>,
-        /// The degree between them, 1 to 7; less where points are few.
+        /// The degree between them, 1 to 15; less where points are few.
         #[serde(default = "cubic")]
         degree: usize,
     },

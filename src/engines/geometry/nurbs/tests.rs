@@ -214,7 +214,7 @@ fn bad_input_is_refused_with_its_place() {
     let p = [DVec3::ZERO, DVec3::X, DVec3::X, DVec3::Y];
     assert_eq!(NurbsCurve::through(&p, 3), Err(NurbsError::Coincident(2)));
     assert_eq!(NurbsCurve::through(&p[..1], 3), Err(NurbsError::Counts));
-    assert_eq!(NurbsCurve::through(&p[..2], 9), Err(NurbsError::Degree(9)));
+    assert_eq!(NurbsCurve::through(&p[..2], MAX_DEGREE + 1), Err(NurbsError::Degree(MAX_DEGREE + 1)));
     assert_eq!(BSpline::through(&[0.0, 1.0, 1.0], &[0.0; 3], 3), Err(NurbsError::Coincident(2)));
     assert_eq!(BSpline::through(&[0.0, f64::NAN], &[0.0; 2], 3), Err(NurbsError::Coincident(1)));
     assert_eq!(KnotVector::new(1, vec![0.0, 0.0, 0.5, 0.4, 1.0, 1.0]), Err(NurbsError::Knots(3)));
