@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use geometry::mesh::Mesh;
-use geometry::segmentation::FaceKind;
+use geometry::segmentation::KnownFace;
 use serde::Serialize;
 
 /// A solid of a file.
@@ -26,22 +26,11 @@ pub struct SolidReport {
     pub color: Option<[f32; 3]>,
 }
 
-/// A face of the CAD program.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CadFace {
-    /// Form.
-    pub kind: FaceKind,
-    /// Name in the file; often empty.
-    pub name: String,
-    /// Red, green and blue from 0 to 1.
-    pub color: Option<[f32; 3]>,
-}
-
 /// The faces that the triangles of a mesh belong to.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CadFaces {
     /// Faces.
-    pub faces: Vec<CadFace>,
+    pub faces: Vec<KnownFace>,
     /// Number of the face of each triangle.
     pub face_of: Vec<u32>,
 }

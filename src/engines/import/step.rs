@@ -4,7 +4,7 @@ use geometry::mesh::Mesh;
 use step::read::{Options, Solid, read};
 
 use super::error::ImportError;
-use super::solids::{CadFace, CadFaces, SolidReport, Solids};
+use super::solids::{CadFaces, SolidReport, Solids};
 use super::source::{Content, Likeness, MeshFormat, RawMesh, Source};
 use super::units::Unit;
 
@@ -96,8 +96,7 @@ fn append(solid: &Solid, mesh: &mut Mesh, faces: &mut CadFaces) {
     mesh.vertices.extend(&solid.mesh.vertices);
     mesh.triangles.extend(solid.mesh.triangles.iter().map(|t| t.map(|v| v + first)));
     faces.face_of.extend(solid.face_of.iter().map(|f| f + first_face));
-    let cad = |f: &step::read::SolidFace| CadFace { kind: f.kind, name: f.name.clone(), color: f.color };
-    faces.faces.extend(solid.faces.iter().map(cad));
+    faces.faces.extend_from_slice(&solid.faces);
 }
 
 #[cfg(test)]

@@ -18,7 +18,9 @@ mod topology;
 #[cfg(test)]
 mod tests;
 
-use glam::DVec3;
+use std::sync::Arc;
+
+use glam::{DMat4, DVec3};
 use serde::{Deserialize, Serialize};
 
 use self::chains::Segment;
@@ -26,6 +28,7 @@ use self::facets::{Facets, Flat};
 use self::revolved::Revolved;
 use self::topology::{NONE, Topology};
 use super::mesh::Mesh;
+use super::nurbs::NurbsCurve;
 
 /// Settings that decide which triangles make one face.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -111,6 +114,50 @@ pub struct Face {
     pub area: f64,
     /// The greatest distance of a corner from the surface (mm); 0 for a free form, which is fitted with none.
     pub deviation: f64,
+    /// The face of the CAD program, where the file of the part has it.
+    pub known: Option<Arc<KnownFace>>,
+}
+
+/// A face of a CAD program.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownFace {
+    /// Form.
+    pub kind: FaceKind,
+    /// Name in the file; often empty.
+    pub name: String,
+    /// Red, green and blue from 0 to 1, where the face has a colour of its own.
+    pub color: Option<[f32; 3]>,
+    /// Both guides of a ruled B-spline surface over the face: rulings join equal parameters. Two pairs where it is ruled
+    /// both ways; none where it is not ruled.
+    pub guides: Vec<[NurbsCurve; 2]>,
+}
+
+impl KnownFace {
+    /// A face of this form, without a name.
+    pub fn of(kind: FaceKind) -> Self {
+        Self { kind, name: String::new(), color: None, guides: Vec::new() }
+    }
+
+    /// The face at another place: `placement` turns, moves and scales by `scale`, evenly.
+    pub fn placed(&self, placement: &DMat4, scale: f64) -> Self {
+        let point = |p: DVec3| placement.transform_point3(p);
+        let turn = |v: DVec3| placement.transform_vector3(v) / scale;
+        let kind = match self.kind {
+            FaceKind::Plane { normal, offset } => {
+                let turned = turn(normal);
+                FaceKind::Plane { normal: turned, offset: turned.dot(point(normal * offset)) }
+            }
+            FaceKind::Cylinder { point: on, direction, radius, is_hollow } => {
+                FaceKind::Cylinder { point: point(on), direction: turn(direction), radius: radius * scale, is_hollow }
+            }
+            FaceKind::Cone { apex, axis, half_angle, is_hollow } => {
+                FaceKind::Cone { apex: point(apex), axis: turn(axis), half_angle, is_hollow }
+            }
+            FaceKind::FreeForm => FaceKind::FreeForm,
+        };
+        let guides = self.guides.iter().map(|pair| [&pair[0], &pair[1]].map(|g| g.mapped(point))).collect();
+        Self { kind, guides, ..self.clone() }
+    }
 }
 
 /// How two faces meet.
@@ -205,16 +252,21 @@ impl Segmentation {
         Self::labelled(&topology, &of_triangle, &surfaces, settings)
     }
 
-    /// The faces of a mesh whose faces are known: `kinds` by number, and the number of the face of each triangle. A face
-    /// without a triangle is left out, a triangle with a number beyond `kinds` belongs to a face of free form.
-    pub fn of_faces(mesh: &Mesh, kinds: &[FaceKind], face_of: &[u32], settings: &SegmentationSettings) -> Self {
+    /// The faces of a mesh whose faces are known by number, with the number of the face of each triangle. A face without
+    /// a triangle is left out, a triangle with a number beyond the `known` ones belongs to a face of free form.
+    pub fn of_faces(mesh: &Mesh, known: &[KnownFace], face_of: &[u32], settings: &SegmentationSettings) -> Self {
         let topology = Topology::of(mesh);
-        let mut surfaces: Vec<Surface> = kinds.iter().map(|kind| Surface::of(kind, topology.origin)).collect();
+        let mut surfaces: Vec<Surface> = known.iter().map(|face| Surface::of(&face.kind, topology.origin)).collect();
         let free = surfaces.len() as u32;
         surfaces.push(Surface::Free);
         let label = |t: usize| face_of.get(t).copied().filter(|f| *f < free).unwrap_or(free);
         let of_triangle: Vec<u32> = (0..mesh.triangles.len()).map(label).collect();
-        Self::labelled(&topology, &of_triangle, &surfaces, settings)
+        let mut found = Self::labelled(&topology, &of_triangle, &surfaces, settings);
+        for face in &mut found.faces {
+            let number = face.triangles.first().and_then(|t| of_triangle.get(*t as usize));
+            face.known = number.and_then(|n| known.get(*n as usize)).cloned().map(Arc::new);
+        }
+        found
     }
 
     /// The faces of triangles with these labels, and the edges between them.
@@ -297,7 +349,7 @@ fn faces(topology: &Topology, of_triangle: &[u32], surfaces: &[Surface]) -> (Vec
             let surface = surfaces[label as usize];
             found.push(surface);
             let kind = surface.kind(topology.origin);
-            faces.push(Face { kind, triangles: Vec::new(), area: 0.0, deviation: 0.0 });
+            faces.push(Face { kind, triangles: Vec::new(), area: 0.0, deviation: 0.0, known: None });
         }
         let n = number[label as usize];
         face_of.push(n);

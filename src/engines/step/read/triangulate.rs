@@ -6,6 +6,7 @@
 
 use std::collections::{HashMap, HashSet, VecDeque};
 
+use geometry::nurbs::NurbsCurve;
 use glam::{DVec2, DVec3};
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
@@ -25,6 +26,8 @@ pub(super) struct FaceMesh {
     pub is_fine: bool,
     /// Sides of the boundary that are too long for that.
     pub coarse_sides: Vec<[u32; 2]>,
+    /// Guides of a ruled surface over the face; see [`geometry::segmentation::KnownFace`].
+    pub guides: Vec<[NurbsCurve; 2]>,
 }
 
 /// Longest step along a direction, as a multiple of that across: longer triangles are hard to measure.
@@ -112,7 +115,7 @@ pub(super) fn triangulate(
     let mut own = domain.own.clone();
     if matches!(surface.shape, Shape::Plane(_)) {
         let triangles = inside(&net, &walls);
-        return Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine: true, coarse_sides: Vec::new() });
+        return Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine: true, ..FaceMesh::default() });
     }
     let coarse_sides = ground.coarse_sides();
     for at in ground.grid(most) {
@@ -125,14 +128,15 @@ pub(super) fn triangulate(
         let missing = ground.missing(&net, &triangles, &mut known);
         if missing.is_empty() || own.len() + missing.len() > most {
             let is_fine = missing.is_empty();
-            return Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine, coarse_sides });
+            let guides = surface.guides(domain.range());
+            return Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine, coarse_sides, guides });
         }
         for at in missing {
             ground.add(&mut net, at, &mut own)?;
         }
     }
     let triangles = inside(&net, &walls);
-    Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine: false, coarse_sides })
+    Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine: false, coarse_sides, guides: Vec::new() })
 }
 
 /// Point numbers of triangles. Those at a pole that have collapsed are left out.
@@ -366,9 +370,7 @@ fn spans(polygons: &[Vec<DVec2>], y: f64) -> Vec<[f64; 2]> {
 
 /// The stretches of both directions over the domain.
 fn stretches(surface: &Surface, domain: &Domain, fine: &Fineness) -> [Stretch; 2] {
-    let corners = || domain.polygons.iter().flatten().map(|c| c.0);
-    let low = corners().fold(DVec2::INFINITY, DVec2::min);
-    let high = corners().fold(DVec2::NEG_INFINITY, DVec2::max);
+    let [low, high] = domain.range();
     // No direction is empty.
     let high = high.max(low + 1e-12 * (1.0 + low.abs()));
     if matches!(surface.shape, Shape::Plane(_)) {
