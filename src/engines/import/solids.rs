@@ -45,6 +45,17 @@ pub(super) struct Solids {
 }
 
 impl CadFaces {
+    /// Number, from 1, and face of a triangle.
+    pub fn at(&self, triangle: u32) -> Option<(u32, &KnownFace)> {
+        let number = *self.face_of.get(triangle as usize)?;
+        Some((number + 1, self.faces.get(number as usize)?))
+    }
+
+    /// The face of a triangle in words, with its number.
+    pub fn words_at(&self, triangle: u32) -> Option<String> {
+        self.at(triangle).map(|(number, face)| format!("face {number}: {}", face.words()))
+    }
+
     /// The faces, known for the triangles of `before`, of the triangles of `after`, its repaired form.
     pub(super) fn carried(mut self, before: &Mesh, after: &Mesh) -> Self {
         if before.triangles.len() == after.triangles.len() && corners(before).eq(corners(after)) {

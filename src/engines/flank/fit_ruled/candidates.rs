@@ -213,7 +213,9 @@ fn joined(mesh: &Mesh, segmentation: &Segmentation, up: DVec3) -> Vec<Vec<u32>> 
             FaceKind::Plane { normal, .. } => normal.dot(up).abs() < STANDS,
             FaceKind::Cylinder { direction, .. } => direction.dot(up).abs() > 0.7,
             FaceKind::Cone { axis, half_angle, .. } => axis.dot(up).abs() > 0.7 && half_angle < 0.8,
-            FaceKind::FreeForm => mean_normal(mesh, &face.triangles).dot(up).abs() < STANDS,
+            FaceKind::Sphere { .. } | FaceKind::Torus { .. } | FaceKind::FreeForm => {
+                mean_normal(mesh, &face.triangles).dot(up).abs() < STANDS
+            }
         }
     };
     let stands: Vec<bool> = (0..count).map(stands).collect();

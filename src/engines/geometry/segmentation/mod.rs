@@ -99,8 +99,51 @@ pub enum FaceKind {
         /// Whether the axis lies outside the material, as that of a countersink.
         is_hollow: bool,
     },
+    /// A sphere; only of a face that a CAD program knows.
+    Sphere {
+        /// Centre (mm).
+        centre: DVec3,
+        /// Radius (mm).
+        radius: f64,
+        /// Whether the centre lies outside the material.
+        is_hollow: bool,
+    },
+    /// A torus; only of a face that a CAD program knows.
+    Torus {
+        /// Centre (mm).
+        centre: DVec3,
+        /// Unit direction of the axis; either of the two.
+        axis: DVec3,
+        /// Radius of the circle through the middle of the tube (mm).
+        major: f64,
+        /// Radius of the tube (mm).
+        minor: f64,
+        /// Whether the middle of the tube lies outside the material, as that of a rounded corner of a pocket.
+        is_hollow: bool,
+    },
     /// Any other form.
     FreeForm,
+}
+
+impl FaceKind {
+    /// The form with its sizes, in words.
+    pub fn words(&self) -> String {
+        let side = |is_hollow: bool| if is_hollow { "hollow " } else { "" };
+        match *self {
+            Self::Plane { .. } => "plane".to_owned(),
+            Self::Cylinder { radius, is_hollow, .. } => {
+                format!("{}cylinder, radius {radius:.4} mm", side(is_hollow))
+            }
+            Self::Cone { half_angle, is_hollow, .. } => {
+                format!("{}cone, half angle {:.3} deg", side(is_hollow), half_angle.to_degrees())
+            }
+            Self::Sphere { radius, is_hollow, .. } => format!("{}sphere, radius {radius:.4} mm", side(is_hollow)),
+            Self::Torus { major, minor, is_hollow, .. } => {
+                format!("{}torus, radii {major:.4} and {minor:.4} mm", side(is_hollow))
+            }
+            Self::FreeForm => "free form".to_owned(),
+        }
+    }
 }
 
 /// Triangles of one surface that hang together.
@@ -133,6 +176,15 @@ pub struct KnownFace {
 }
 
 impl KnownFace {
+    /// Form, sizes and name, in words.
+    pub fn words(&self) -> String {
+        let form = match self.kind {
+            FaceKind::FreeForm if !self.guides.is_empty() => "ruled B-spline surface".to_owned(),
+            kind => kind.words(),
+        };
+        if self.name.is_empty() { form } else { format!("{form}, \u{201c}{}\u{201d}", self.name) }
+    }
+
     /// A face of this form, without a name.
     pub fn of(kind: FaceKind) -> Self {
         Self { kind, name: String::new(), color: None, guides: Vec::new() }
@@ -152,6 +204,13 @@ impl KnownFace {
             }
             FaceKind::Cone { apex, axis, half_angle, is_hollow } => {
                 FaceKind::Cone { apex: point(apex), axis: turn(axis), half_angle, is_hollow }
+            }
+            FaceKind::Sphere { centre, radius, is_hollow } => {
+                FaceKind::Sphere { centre: point(centre), radius: radius * scale, is_hollow }
+            }
+            FaceKind::Torus { centre, axis, major, minor, is_hollow } => {
+                let [major, minor] = [major, minor].map(|r| r * scale);
+                FaceKind::Torus { centre: point(centre), axis: turn(axis), major, minor, is_hollow }
             }
             FaceKind::FreeForm => FaceKind::FreeForm,
         };
@@ -265,6 +324,9 @@ impl Segmentation {
         for face in &mut found.faces {
             let number = face.triangles.first().and_then(|t| of_triangle.get(*t as usize));
             face.known = number.and_then(|n| known.get(*n as usize)).cloned().map(Arc::new);
+            if let Some(known) = &face.known {
+                face.kind = known.kind;
+            }
         }
         found
     }
@@ -412,7 +474,7 @@ impl Surface {
                 let slope = half_angle.tan();
                 Self::Revolved(Revolved { origin: apex + axis - from, axis, radius: slope, slope }, is_hollow)
             }
-            FaceKind::FreeForm => Self::Free,
+            FaceKind::Sphere { .. } | FaceKind::Torus { .. } | FaceKind::FreeForm => Self::Free,
         }
     }
 

@@ -403,7 +403,11 @@ fn kind(surface: &Surface, is_forward: bool) -> FaceKind {
             half_angle: slope.abs().atan(),
             is_hollow: !is_forward,
         },
-        _ => FaceKind::FreeForm,
+        Shape::Sphere { axes, radius } => FaceKind::Sphere { centre: axes.origin, radius, is_hollow: !is_forward },
+        Shape::Torus { axes, major, minor } => {
+            FaceKind::Torus { centre: axes.origin, axis: axes.z, major, minor, is_hollow: !is_forward }
+        }
+        Shape::Nurbs(_) => FaceKind::FreeForm,
     }
 }
 
