@@ -116,7 +116,7 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     }
     let file_name = mesh.file_name().map_or(name, |n| n.to_string_lossy().into_owned());
     let mut report = ElectrodesReport::of(&set, &file_name, asked.opening(), &asked.datum, uncut.is_certain());
-    report.table.notes.extend(imported.report.unit_doubt().into_iter().chain(uncut.doubts()));
+    report.table.notes.extend(imported.report.notes().chain(uncut.doubts()));
     let mut lines = lines(&set, &report, &asked.datum.of_upright(asked.opening()));
     if arguments.compare_divisions {
         let ways =

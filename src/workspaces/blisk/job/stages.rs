@@ -220,6 +220,7 @@ pub fn input_file(role: &str, path: &Path, imported: &Imported) -> InputFile {
         unit: report.unit.name().to_owned(),
         unit_reason: report.unit_reason.clone(),
         repairs: report.warnings.clone(),
+        accuracy: report.accuracy(),
     }
 }
 

@@ -29,6 +29,7 @@ pub(crate) fn report() -> Report {
             unit: "mm".to_owned(),
             unit_reason: "a diameter of 268 is a blisk in mm, not in inches".to_owned(),
             repairs: vec!["merged 12 duplicate vertices".to_owned()],
+            accuracy: None,
         }],
         blisk: blisk(path.frame),
         parameters: FIELDS.list(&PlanJob::for_mesh("turbine60.stl".as_ref())),

@@ -111,6 +111,8 @@ pub struct InputFile {
     pub unit_reason: String,
     /// What was mended while reading, in plain sentences.
     pub repairs: Vec<String>,
+    /// How near the triangles are to the exact faces of a STEP file.
+    pub accuracy: Option<String>,
 }
 
 /// What was found in the blisk.

@@ -70,7 +70,7 @@ pub(super) fn export(
     let pictures = electrode_pictures(set, &designed.shapes, &mold.shape, designed.opening);
     let (pictures, no_pictures) = drawn(pictures, task)?;
     let mut report = ElectrodesReport::of(set, &mold.name, designed.opening, datum, designed.report.is_certain);
-    report.table.notes.extend(mold.report.unit_doubt().into_iter().chain(designed.doubts.clone()));
+    report.table.notes.extend(mold.report.notes().chain(designed.doubts.clone()));
     report.divisions = divisions.cloned();
     task.check().map_err(|e| e.to_string())?;
     let page = ElectrodesPage { times: &steps(&designed.times), pictures: &pictures };
