@@ -148,6 +148,9 @@ mod tests {
         let FaceKind::Cylinder { radius, is_hollow, .. } = wall.kind else { panic!("no cylinder") };
         // Exact, where triangles alone would give the radius to their chords.
         assert!(radius == 5.0 && !is_hollow && wall.deviation < 1e-9 && (wall.area - 100.0 * PI).abs() < 0.5);
+        let words: Vec<String> = wall.triangles.iter().filter_map(|t| part.faces.as_ref()?.words_at(*t)).collect();
+        assert!(words.len() == wall.triangles.len() && words.iter().all(|w| w.ends_with("cylinder, radius 5.0000 mm")));
+        assert!(part.report.notes().any(|note| note.contains("within 0.005 mm of the exact faces")));
         assert!(found.edges.len() == 2 && found.edges.iter().all(|e| e.kind == EdgeKind::Convex && e.is_closed()));
     }
 
