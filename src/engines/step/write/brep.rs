@@ -3,6 +3,7 @@
 use std::collections::{BTreeSet, HashMap};
 
 use geometry::exact::ExactMesh;
+use geometry::mesh::unit_normal;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use task::Task;
@@ -84,11 +85,13 @@ pub(super) fn brep(
     for round in 0..=ROUNDS {
         task.report("faces", round as f64 / ROUNDS as f64, "");
         let (net, curves) = laid(skin, regions, &mut splits, tolerance, task)?;
+        let now = std::time::Instant::now();
         let quads = quads(&net, &curves, regions, &known, tolerance, task)?;
+        if std::env::var("DBG").is_ok() { eprintln!("round {round}: {} regions {} free, fit {:.1} s", regions.len(), regions.iter().filter(|r| r.surface.is_none()).count(), now.elapsed().as_secs_f64()); for (r, q) in quads.iter().enumerate() { if let Some(q) = q { eprintln!("  {r}: {} triangles, line {}, knots {} x {}, off {:.4} at {:.2} excess {:.2}", net.pieces[r].triangles.len(), net.pieces[r].loops[0].len(), q.surface.knots[0].count(), q.surface.knots[1].count(), q.distance, q.at, q.excess); } } }
         let mut failing: Vec<(u32, f64, DVec3)> = Vec::new();
         for (r, quad) in (0u32..).zip(&quads) {
             match quad {
-                Some(quad) if quad.distance > FIT * tolerance => failing.push((r, quad.distance, quad.at)),
+                Some(quad) if quad.excess > 0.0 => failing.push((r, quad.distance, quad.at)),
                 None if regions[r as usize].surface.is_none() => {
                     failing.push((r, f64::INFINITY, net.pieces[r as usize].points[0]));
                 }
@@ -200,8 +203,10 @@ fn quad_of(
     let Some((sides, on_border)) = outline(net, curves, r) else { return Ok(None) };
     let map = Map::of(piece, &on_border);
     task.check()?;
-    let exact = ExactMesh::new(&piece.mesh()).map_err(|_| StepWriteError::Unusable)?;
-    let target = Target { map: &map, exact: &exact, tolerance: FIT * tolerance };
+    let mesh = piece.mesh();
+    let exact = ExactMesh::new(&mesh).map_err(|_| StepWriteError::Unusable)?;
+    let normals: Vec<DVec3> = mesh.iter_corners().map(unit_normal).collect();
+    let target = Target { map: &map, exact: &exact, normals: &normals, tolerance: FIT * tolerance };
     Ok(quad::fit(&target, &sides, task)?)
 }
 

@@ -23,6 +23,8 @@ pub(super) struct Measures {
     pub(super) file_to_mesh: [f64; 2],
     /// Where the greatest of all was found (mm).
     pub(super) at: DVec3,
+    /// Distance that the triangles of the file that was read leave its faces by, at most (mm).
+    pub(super) chord: f64,
     /// Volume of the file's solids (mm^3).
     pub(super) volume: f64,
 }
@@ -37,7 +39,10 @@ pub(super) fn check(
 ) -> Result<Measures, StepWriteError> {
     let chord = CHORD * tolerance;
     let options = read::Options { chord, ..read::Options::default() };
+    if let Ok(p) = std::env::var("DBGF") { std::fs::write(p, bytes).unwrap(); }
+    let now = std::time::Instant::now();
     let file = read::read(bytes, &options, task).map_err(|error| StepWriteError::Reread(error.to_string()))?;
+    if std::env::var("DBG").is_ok() { eprintln!("read in {:.1} s, {} triangles", now.elapsed().as_secs_f64(), file.solids.iter().map(|s| s.mesh.triangles.len()).sum::<usize>()); }
     if file.solids.len() != solids {
         return Err(StepWriteError::Reread(format!("{} solids instead of {solids}", file.solids.len())));
     }
@@ -57,7 +62,7 @@ pub(super) fn check(
         whole.vertices.extend(solid.mesh.vertices);
         whole.triangles.extend(solid.mesh.triangles.iter().map(|t| t.map(|v| v + first)));
     }
-    compare(mesh, &whole, task)
+    Ok(Measures { chord, ..compare(mesh, &whole, task)? })
 }
 
 fn compare(mesh: &Mesh, file: &Mesh, task: &Task) -> Result<Measures, StepWriteError> {

@@ -11,7 +11,7 @@ const LEAST_POINTS: usize = 17;
 /// Share of the tolerance within which a curve stays on planes, cylinders and cones beside it.
 const ON_SURFACE: f64 = 0.02;
 /// Share of the tolerance within which a curve passes the points of its chain.
-const ON_POINTS: f64 = 0.1;
+const ON_POINTS: f64 = 0.25;
 /// Share of the tolerance within which a curve stays with the sides between these points.
 const ON_SIDES: f64 = 0.6;
 /// Times that spans of a curve are halved at most.

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::StepWriteError;
 use super::piece::Piece;
-use super::regions::{Region, renumber};
+use super::regions::{Region, absorb, renumber};
 use super::skin::{CutPlane, Skin, sides_of};
 
 /// Cuts at most until all free forms are discs.
@@ -44,7 +44,7 @@ pub(super) fn halve(skin: &mut Skin, regions: &mut Vec<Region>, due: &[u32]) -> 
         for (plane, snap) in planes.iter().flat_map(|p| SNAPS.map(|s| (*p, s))) {
             is_cut = is_cut || skin.cut(r, plane, snap, above)?;
         }
-        if !is_cut {
+        if !is_cut && !absorb(skin, regions, r) {
             let first = members[r as usize].first();
             return Err(StepWriteError::Divide { at: first.map_or(DVec3::ZERO, |&i| skin.corners(i)[0]) });
         }

@@ -233,6 +233,11 @@ impl From<AuthorError> for StepWriteError {
     }
 }
 
+/// Tolerances by which a file may leave the mesh at any place.
+const MOST_DEVIATION: f64 = 2.0;
+/// Share by which the volume of a file may differ from that of the mesh.
+const MOST_VOLUME: f64 = 5e-4;
+
 /// Writes a part as STEP AP242.
 ///
 /// # Errors
@@ -249,12 +254,21 @@ pub fn write_step(part: &StepPart, settings: &StepSettings, task: &Task) -> Resu
     let shells = shells(&skin, &brep)?;
     let bytes = file::file(part, settings, &brep, &shells)?;
     let measures = check::check(&bytes, part.mesh, shells.len(), tolerance, task)?;
+    let deviation = measures.mesh_to_file.max(measures.file_to_mesh[0]).max(measures.file_to_mesh[1]);
+    let most = MOST_DEVIATION * tolerance + measures.chord;
+    if deviation > most {
+        return Err(StepWriteError::Deviation { at: measures.at, distance: deviation, most });
+    }
+    let volume = part.mesh.volume();
+    if (measures.volume / volume - 1.0).abs() > MOST_VOLUME {
+        return Err(StepWriteError::Volume { file: measures.volume, mesh: volume });
+    }
     let mut report = count(&brep);
     report.solids = shells.len();
     report.mesh_to_file_mm = measures.mesh_to_file;
     [report.outside_mm, report.inside_mm] = measures.file_to_mesh;
     report.volume_mm3 = measures.volume;
-    report.mesh_volume_mm3 = part.mesh.volume();
+    report.mesh_volume_mm3 = volume;
     Ok(StepFile { bytes, report })
 }
 

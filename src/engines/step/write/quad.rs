@@ -12,6 +12,10 @@ use super::spline::{Basis, Curve, DEGREE, Knots, SplineSurface};
 const SAMPLES: usize = 3;
 /// Rounds of moving the places to fit to where the surface is nearest to the mesh.
 const ROUNDS: usize = 2;
+/// Cosine of the angle between the normals of surface and mesh below which the surface counts as folded.
+const FACING: f64 = -0.2;
+/// Tolerances for which a place on a fold counts.
+const FOLD: f64 = 1.0;
 /// Most control points along one direction, unless the sides have more.
 const MOST: usize = 120;
 
@@ -35,8 +39,8 @@ pub(super) struct Quad {
     pub(super) at: DVec3,
     /// Spans along u and v with places out of tolerance.
     failing: [Vec<bool>; 2],
-    /// How much is out of tolerance altogether.
-    excess: f64,
+    /// How much is out of tolerance altogether, folds included.
+    pub(super) excess: f64,
 }
 
 /// The places along one direction at which a surface is fitted.
@@ -48,12 +52,16 @@ struct Grid {
 }
 
 impl Grid {
-    fn of(knots: &Knots) -> Self {
+    /// Places in the middles of the parts of every span, or between them.
+    fn of(knots: &Knots, offset: f64) -> Self {
         let (mut places, mut spans) = (Vec::new(), Vec::new());
         for (span, w) in knots.breaks().windows(2).enumerate() {
             for k in 0..SAMPLES {
-                places.push(w[0] + (w[1] - w[0]) * (k as f64 + 0.5) / SAMPLES as f64);
-                spans.push(span);
+                let place = w[0] + (w[1] - w[0]) * (k as f64 + offset) / SAMPLES as f64;
+                if place > 0.0 {
+                    places.push(place);
+                    spans.push(span);
+                }
             }
         }
         let bases = places.iter().map(|&u| knots.basis(u)).collect();
@@ -67,6 +75,8 @@ pub(super) struct Target<'a> {
     pub(super) map: &'a Map,
     /// The same mesh for distances.
     pub(super) exact: &'a ExactMesh,
+    /// Unit normals of its triangles; zero without area.
+    pub(super) normals: &'a [DVec3],
     /// The tolerance (mm).
     pub(super) tolerance: f64,
 }
@@ -107,7 +117,7 @@ fn refined(target: &Target, sides: &Sides, now: &Quad, limit: [usize; 2]) -> Opt
 
 /// The surface with these knots.
 fn trial(target: &Target, sides: &Sides, knots: [Knots; 2]) -> Option<Quad> {
-    let grids = [0, 1].map(|k| Grid::of(&knots[k]));
+    let grids = [0, 1].map(|k| Grid::of(&knots[k], 0.5));
     let mut wanted = target.map.sampled(&grids[0].places, &grids[1].places);
     let frame = framed(sides, &knots);
     let factors = [normal(&knots[0], &grids[0])?, normal(&knots[1], &grids[1])?];
@@ -126,7 +136,15 @@ fn trial(target: &Target, sides: &Sides, knots: [Knots; 2]) -> Option<Quad> {
             break;
         }
     }
-    quad
+    // What holds at these places has to hold between them too.
+    let found = quad?;
+    if found.excess > 0.0 {
+        return Some(found);
+    }
+    let between = [0, 1].map(|k| Grid::of(&knots[k], 0.0));
+    let mut places = vec![DVec3::ZERO; between[0].places.len() * between[1].places.len()];
+    let again = judged(target, found.surface.clone(), &between, &mut places);
+    Some(if again.distance > found.distance || again.excess > 0.0 { again } else { found })
 }
 
 /// The surface whose outer control points are those of the sides; the others continue them (Coons).
@@ -203,14 +221,19 @@ fn judged(target: &Target, surface: SplineSurface, grids: &[Grid; 2], wanted: &m
     for (i, u) in grids[0].bases.iter().enumerate() {
         for (j, v) in grids[1].bases.iter().enumerate() {
             let p = quad.surface.point(u, v);
-            let nearest = target.exact.nearest(p).point;
-            let distance = nearest.distance(p);
-            wanted[i * grids[1].bases.len() + j] = nearest;
+            let nearest = target.exact.nearest(p);
+            let distance = nearest.point.distance(p);
+            let facing = quad.surface.normal(u, v).dot(target.normals[nearest.triangle as usize]);
+            wanted[i * grids[1].bases.len() + j] = nearest.point;
             if distance > quad.distance {
                 (quad.distance, quad.at) = (distance, p);
             }
-            if distance > target.tolerance {
-                quad.excess += (distance / target.tolerance - 1.0).powi(2);
+            let mut excess = (distance / target.tolerance - 1.0).max(0.0);
+            if facing < FACING {
+                excess += FOLD;
+            }
+            if excess > 0.0 {
+                quad.excess += excess * excess;
                 quad.failing[0][grids[0].spans[i]] = true;
                 quad.failing[1][grids[1].spans[j]] = true;
             }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
+use geometry::groups::Groups;
 use geometry::mesh::Mesh;
 use geometry::segmentation::{FaceKind, Segmentation, SegmentationSettings};
 use glam::DVec3;
@@ -15,6 +16,16 @@ use super::surface::Surface;
 const SNAP: f64 = 0.02;
 /// Angle (rad) around the axis from which on a cylinder or cone is cut in halves.
 const MOST_AROUND: f64 = 3.5;
+
+/// Tolerances by which a free form may leave its facets: larger facets are planes, as far as these are not more than
+/// [`MOST_FLAT`].
+const COARSE: f64 = 2.0;
+const MOST_FLAT: usize = 250;
+/// Greatest mean angle (rad) across a border that is smooth.
+const SMOOTH: f64 = 0.22;
+/// Area of a plane, and of a cylinder or cone, against that of the free forms smoothly beside it, up to which it is a
+/// part of these.
+const MINOR: [f64; 2] = [1.0, 0.2];
 
 /// A piece of the skin that becomes a face.
 #[derive(Debug, Clone)]
@@ -33,8 +44,12 @@ pub(super) fn regions(
     role_of: &[u16],
     tolerance: f64,
 ) -> Result<Vec<Region>, StepWriteError> {
-    let mut regions = found(skin, mesh, role_of, tolerance);
+    let mut regions = found(skin, mesh, role_of, tolerance, COARSE * tolerance);
+    if regions.len() > MOST_FLAT {
+        regions = found(skin, mesh, role_of, tolerance, SegmentationSettings::default().chord_tolerance);
+    }
     join_slivers(skin, &mut regions, tolerance);
+    join_smooth(skin, &mut regions);
     cut_revolved(skin, &mut regions)?;
     Ok(regions)
 }
@@ -45,10 +60,11 @@ pub(super) fn renumber(skin: &mut Skin, regions: &mut Vec<Region>) {
 }
 
 /// The faces that the mesh shows, divided where roles change.
-fn found(skin: &mut Skin, mesh: &Mesh, role_of: &[u16], tolerance: f64) -> Vec<Region> {
+fn found(skin: &mut Skin, mesh: &Mesh, role_of: &[u16], tolerance: f64, chord_tolerance: f64) -> Vec<Region> {
     let settings = SegmentationSettings {
         fit_tolerance: (0.4 * tolerance).min(2e-3),
         plane_tolerance: (0.02 * tolerance).max(1e-5),
+        chord_tolerance,
         ..Default::default()
     };
     let segmentation = Segmentation::of(mesh, &settings);
@@ -200,3 +216,70 @@ fn best_angle(sorted: &[f64]) -> f64 {
     best.1
 }
 
+
+/// Borders of one region: length and mean angle between the triangles on both sides, by the region across.
+fn smoothness(skin: &Skin, count: usize) -> Vec<Vec<(u32, f64, f64)>> {
+    let mut found: Vec<Vec<(u32, f64, f64)>> = vec![Vec::new(); count];
+    for (i, &own) in (0u32..).zip(&skin.region) {
+        for (a, b) in sides_of(skin.triangles[i as usize]) {
+            let across = skin.triangle_at(b, a);
+            let other = skin.region_across(a, b);
+            if other == own {
+                continue;
+            }
+            let (n, m) = (skin.normal(i), skin.normal(across));
+            let length = skin.points[a as usize].distance(skin.points[b as usize]);
+            let angle = length * n.cross(m).length().atan2(n.dot(m));
+            let entries = &mut found[own as usize];
+            match entries.iter_mut().find(|e| e.0 == other) {
+                Some(entry) => (entry.1, entry.2) = (entry.1 + length, entry.2 + angle),
+                None => entries.push((other, length, angle)),
+            }
+        }
+    }
+    found
+}
+
+/// Makes minor planes, cylinders and cones that go over smoothly into free forms parts of these, and joins free forms
+/// that go over smoothly into each other.
+fn join_smooth(skin: &mut Skin, regions: &mut Vec<Region>) {
+    for _ in 0..6 {
+        let members = skin.members();
+        let areas: Vec<f64> = members.iter().map(|m| m.iter().map(|&i| triangle_area(skin, i)).sum()).collect();
+        let borders = smoothness(skin, regions.len());
+        let is_free: Vec<bool> = regions.iter().map(|r| r.surface.is_none()).collect();
+        let mut groups = Groups::of(regions.len());
+        let mut is_changed = false;
+        for r in 0..regions.len() {
+            let beside = borders[r].iter().filter(|(q, length, angle)| {
+                is_free[*q as usize] && *angle < SMOOTH * length && regions[*q as usize].role == regions[r].role
+            });
+            let beside: Vec<usize> = beside.map(|b| b.0 as usize).collect();
+            let most = match &regions[r].surface {
+                None => f64::INFINITY,
+                Some(surface) => MINOR[usize::from(surface.axis().is_some())],
+            };
+            if beside.is_empty() || areas[r] > most * beside.iter().map(|&q| areas[q]).sum::<f64>() {
+                continue;
+            }
+            regions[r].surface = None;
+            is_changed = true;
+            beside.iter().for_each(|&q| groups.join(r, q));
+        }
+        if !is_changed {
+            return;
+        }
+        skin.region.iter_mut().for_each(|r| *r = groups.first(*r as usize) as u32);
+        renumber(skin, regions);
+    }
+}
+
+/// Makes a region that cannot be cut a part of the one with which it shares most of its border.
+pub(super) fn absorb(skin: &mut Skin, regions: &mut Vec<Region>, region: u32) -> bool {
+    let borders = smoothness(skin, regions.len());
+    let home = borders[region as usize].iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a });
+    let Some((home, ..)) = home else { return false };
+    regions[home as usize].surface = None;
+    skin.region.iter_mut().filter(|r| **r == region).for_each(|r| *r = home);
+    true
+}

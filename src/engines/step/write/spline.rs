@@ -227,6 +227,20 @@ impl SplineSurface {
         };
         (0..=DEGREE).map(|r| row(r) * u.values[r]).sum()
     }
+
+    /// The unit normal there; zero where the surface has none.
+    pub(super) fn normal(&self, u: &Basis, v: &Basis) -> DVec3 {
+        let count = self.knots[1].count();
+        let (mut along_u, mut along_v) = (DVec3::ZERO, DVec3::ZERO);
+        for r in 0..=DEGREE {
+            for s in 0..=DEGREE {
+                let control = self.controls[(u.first + r) * count + v.first + s];
+                along_u += control * (u.slopes[r] * v.values[s]);
+                along_v += control * (u.values[r] * v.slopes[s]);
+            }
+        }
+        along_u.cross(along_v).normalize_or_zero()
+    }
 }
 
 #[cfg(test)]
