@@ -1,0 +1,99 @@
+//! Check of a file: it is read again by this crate's own reader and compared with the mesh.
+
+use geometry::exact::ExactMesh;
+use geometry::mesh::Mesh;
+use glam::DVec3;
+use rayon::prelude::*;
+use task::Task;
+
+use super::StepWriteError;
+use crate::read;
+
+/// Share of the tolerance that the triangles of the file that is read may leave its faces by.
+const CHORD: f64 = 0.2;
+/// Places between two looks at the flag that cancels.
+const BLOCK: usize = 4096;
+
+/// What was measured.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Measures {
+    /// Greatest distance from a vertex or triangle centre of the mesh to the file (mm).
+    pub(super) mesh_to_file: f64,
+    /// Greatest distance of the file outside and inside of the mesh (mm).
+    pub(super) file_to_mesh: [f64; 2],
+    /// Where the greatest of all was found (mm).
+    pub(super) at: DVec3,
+    /// Distance that the triangles of the file that was read leave its faces by, at most (mm).
+    pub(super) chord: f64,
+    /// Volume of the file's solids (mm^3).
+    pub(super) volume: f64,
+}
+
+/// Reads a file of so many solids and compares it with the mesh that it was made from.
+pub(super) fn check(
+    bytes: &[u8],
+    mesh: &Mesh,
+    solids: usize,
+    tolerance: f64,
+    task: &Task,
+) -> Result<Measures, StepWriteError> {
+    let chord = CHORD * tolerance;
+    let options = read::Options { chord, ..read::Options::default() };
+    if let Ok(p) = std::env::var("DBGF") { std::fs::write(p, bytes).unwrap(); }
+    let now = std::time::Instant::now();
+    let file = read::read(bytes, &options, task).map_err(|error| StepWriteError::Reread(error.to_string()))?;
+    if std::env::var("DBG").is_ok() { eprintln!("read in {:.1} s, {} triangles", now.elapsed().as_secs_f64(), file.solids.iter().map(|s| s.mesh.triangles.len()).sum::<usize>()); }
+    if file.solids.len() != solids {
+        return Err(StepWriteError::Reread(format!("{} solids instead of {solids}", file.solids.len())));
+    }
+    for solid in &file.solids {
+        if let Some(fault) = solid.faults.first() {
+            let [x, y, z] = fault.place.to_array();
+            let problem = format!("a face at ({x:.3}, {y:.3}, {z:.3}) mm cannot be read: {}", fault.problem);
+            return Err(StepWriteError::Reread(problem));
+        }
+        if !solid.is_closed() {
+            return Err(StepWriteError::Reread("a solid is not closed".to_owned()));
+        }
+    }
+    let mut whole = Mesh::default();
+    for solid in file.solids {
+        let first = whole.vertices.len() as u32;
+        whole.vertices.extend(solid.mesh.vertices);
+        whole.triangles.extend(solid.mesh.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    Ok(Measures { chord, ..compare(mesh, &whole, task)? })
+}
+
+fn compare(mesh: &Mesh, file: &Mesh, task: &Task) -> Result<Measures, StepWriteError> {
+    let exact = |mesh: &Mesh| ExactMesh::new(mesh).map_err(|_| StepWriteError::Unusable);
+    let [of_mesh, of_file] = [exact(mesh)?, exact(file)?];
+    let mut found = Measures { volume: file.volume(), ..Default::default() };
+    let mut worst = 0.0;
+    for (distance, p) in distances(&of_file, mesh, task)? {
+        found.mesh_to_file = found.mesh_to_file.max(distance.abs());
+        if distance.abs() > worst {
+            (worst, found.at) = (distance.abs(), p);
+        }
+    }
+    for (distance, p) in distances(&of_mesh, file, task)? {
+        let side = usize::from(distance < 0.0);
+        found.file_to_mesh[side] = found.file_to_mesh[side].max(distance.abs());
+        if distance.abs() > worst {
+            (worst, found.at) = (distance.abs(), p);
+        }
+    }
+    Ok(found)
+}
+
+/// Signed distances of the vertices and triangle centres of a mesh from another.
+fn distances(to: &ExactMesh, of: &Mesh, task: &Task) -> Result<Vec<(f64, DVec3)>, StepWriteError> {
+    let centres = of.iter_corners().map(|[a, b, c]| (a + b + c) / 3.0);
+    let places: Vec<DVec3> = of.vertices.iter().copied().chain(centres).collect();
+    let mut found = Vec::with_capacity(places.len());
+    for block in places.chunks(BLOCK) {
+        task.check()?;
+        found.par_extend(block.par_iter().map(|&p| (to.signed_distance(p), p)));
+    }
+    Ok(found)
+}

@@ -1,0 +1,324 @@
+//! Writer of STEP AP242: the boundary of a solid with exact and fitted faces from a closed mesh.
+//!
+//! The mesh is the certified shape. Its faces are found again: planes, cylinders and cones as such, everything else as
+//! bicubic B-splines fitted within a stated tolerance. Edges are lines, circles or cubic B-splines that lie on both
+//! faces. What the file's faces differ from the mesh by is measured both ways, as is the volume; the report says both.
+//!
+//! How: [`geometry::segmentation`] tells faces. Edges are fitted once, along the sides of triangles between two faces. A
+//! free form is a disc with four sides: its surface is a tensor product whose outer control points are those of its edges,
+//! so that it meets its neighbours exactly. Free forms that are no discs, or that one surface does not fit, are cut by
+//! planes.
+//!
+//! Guaranteed: every edge is used exactly twice, in opposite senses; the file was read again, its solids are closed, and
+//! volume and distances are those of the report; the same input gives the same bytes. Not guaranteed: that the deviation is
+//! within the tolerance where the mesh itself is coarser, as on a cylinder of few facets: it passes through the vertices,
+//! and the report tells by how much it leaves the facets between them.
+
+mod band;
+mod brep;
+mod check;
+mod corners;
+mod curve;
+mod divide;
+mod file;
+mod map;
+mod net;
+mod piece;
+mod quad;
+mod regions;
+mod skin;
+mod spline;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+use geometry::mesh::Mesh;
+use glam::DVec3;
+use step_io::AuthorError;
+use task::{Cancelled, Task};
+
+use self::brep::{Brep, FaceSurface};
+use self::skin::Skin;
+use self::surface::Surface;
+
+/// Purpose of faces: their name in the file, and their colour.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Role {
+    /// Name of the faces.
+    pub name: String,
+    /// Red, green and blue, 0 to 1; none leaves the faces without a colour.
+    pub colour: Option<[f64; 3]>,
+}
+
+/// Value of a property.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PropertyValue {
+    /// Words.
+    Text(String),
+    /// A length (mm).
+    Length(f64),
+    /// An angle (rad).
+    Angle(f64),
+    /// A number of things.
+    Count(u32),
+}
+
+/// A property of the part, such as its material, spark gap or burn position.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Property {
+    /// Name.
+    pub name: String,
+    /// Value.
+    pub value: PropertyValue,
+}
+
+/// A part to be written.
+#[derive(Debug, Clone, Copy)]
+pub struct StepPart<'a> {
+    /// Name of the product and of its solid.
+    pub name: &'a str,
+    /// Its surface (mm): closed, triangles counter-clockwise seen from outside.
+    pub mesh: &'a Mesh,
+    /// Purposes that faces can have; may be empty.
+    pub roles: &'a [Role],
+    /// The role of each triangle, by its place in `roles`; empty for none. Faces are divided where it changes.
+    pub role_of: &'a [u16],
+    /// Properties in the order in which they are written.
+    pub properties: &'a [Property],
+}
+
+/// Settings of the writer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepSettings {
+    /// Greatest distance between vertices of the mesh and the file's faces (mm).
+    pub tolerance: f64,
+    /// Time stamp of the header (ISO 8601); the file's bytes depend on nothing else that changes.
+    pub time_stamp: String,
+    /// Name of the program in the header.
+    pub originating_system: String,
+}
+
+impl Default for StepSettings {
+    fn default() -> Self {
+        Self {
+            tolerance: 0.005,
+            time_stamp: "2000-01-01T00:00:00Z".to_owned(),
+            originating_system: "Sparkpath".to_owned(),
+        }
+    }
+}
+
+/// What was written, and how near it is to the mesh.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct StepReport {
+    /// Solids: one for every part of the mesh that hangs together.
+    pub solids: usize,
+    /// Plane faces.
+    pub planes: usize,
+    /// Cylindrical faces.
+    pub cylinders: usize,
+    /// Conical faces.
+    pub cones: usize,
+    /// B-spline faces.
+    pub free_forms: usize,
+    /// Edges.
+    pub edges: usize,
+    /// Greatest distance from a vertex or triangle centre of the mesh to the file's faces (mm).
+    pub mesh_to_file_mm: f64,
+    /// Greatest distance of the file's faces and edges outside of the mesh (mm).
+    pub outside_mm: f64,
+    /// Greatest distance of the file's faces and edges inside of the mesh (mm).
+    pub inside_mm: f64,
+    /// Greatest distance of an edge's curve from the surfaces of its two faces (mm).
+    pub edge_gap_mm: f64,
+    /// Volume of the file's solids (mm^3).
+    pub volume_mm3: f64,
+    /// Volume of the mesh (mm^3).
+    pub mesh_volume_mm3: f64,
+}
+
+impl StepReport {
+    /// Number of faces.
+    pub fn faces(&self) -> usize {
+        self.planes + self.cylinders + self.cones + self.free_forms
+    }
+
+    /// The greatest distance between mesh and file, both ways (mm).
+    pub fn deviation_mm(&self) -> f64 {
+        self.mesh_to_file_mm.max(self.outside_mm).max(self.inside_mm)
+    }
+}
+
+/// A STEP file with its report.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepFile {
+    /// Text of the file.
+    pub bytes: Vec<u8>,
+    /// What it holds.
+    pub report: StepReport,
+}
+
+/// Reason why no STEP file is written.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum StepWriteError {
+    /// A tolerance that is no length.
+    #[error("the tolerance of a STEP file must be greater than 0 mm, it is {0}; take a tenth of the spark gap")]
+    Tolerance(f64),
+    /// No triangles, or coordinates that are no numbers.
+    #[error("the mesh has no triangles, or coordinates that are no numbers, so that it cannot become a STEP solid")]
+    Unusable,
+    /// A mesh too large for its numbers.
+    #[error("the mesh has too many triangles for a STEP file; make it coarser")]
+    TooLarge,
+    /// A side that has not exactly one triangle on both sides.
+    #[error("the mesh is not closed, or touches itself along an edge, at ({:.3}, {:.3}, {:.3}) mm; repair it before it is written as STEP", at.x, at.y, at.z)]
+    NotClosed {
+        /// Middle of the side (mm).
+        at: DVec3,
+    },
+    /// A part of the mesh that is inside out.
+    #[error("the mesh has a cavity or is inside out at ({:.3}, {:.3}, {:.3}) mm; a STEP electrode is one solid without cavities", at.x, at.y, at.z)]
+    Cavity {
+        /// A vertex of it (mm).
+        at: DVec3,
+    },
+    /// A free form that cannot be fitted.
+    #[error("the surface at ({:.3}, {:.3}, {:.3}) mm cannot be fitted within {tolerance} mm: it is off by {distance:.4} mm; allow a greater tolerance or make the mesh finer there", at.x, at.y, at.z)]
+    Fit {
+        /// The place farthest off (mm).
+        at: DVec3,
+        /// Distance there (mm).
+        distance: f64,
+        /// The tolerance (mm).
+        tolerance: f64,
+    },
+    /// A free form that cannot be divided into faces.
+    #[error("the surface at ({:.3}, {:.3}, {:.3}) mm cannot be divided into faces; make the mesh finer there, or repair it", at.x, at.y, at.z)]
+    Divide {
+        /// A place on it (mm).
+        at: DVec3,
+    },
+    /// The file that was written does not read as what was meant.
+    #[error("the STEP file was discarded, as it does not read as a sound solid: {0}; allow a greater tolerance or make the mesh finer there")]
+    Reread(String),
+    /// The file leaves the mesh by too much.
+    #[error("the STEP file was discarded, as it is {distance:.4} mm off the mesh at ({:.3}, {:.3}, {:.3}) mm, more than the {most:.4} mm allowed; allow a greater tolerance or make the mesh finer there", at.x, at.y, at.z)]
+    Deviation {
+        /// The place farthest off (mm).
+        at: DVec3,
+        /// Distance there (mm).
+        distance: f64,
+        /// The most that is allowed (mm).
+        most: f64,
+    },
+    /// The file has another volume than the mesh.
+    #[error("the STEP file was discarded, as its volume is {file:.4} mm^3, that of the mesh {mesh:.4} mm^3; make the mesh finer on its curved faces")]
+    Volume {
+        /// Volume of the file's solids (mm^3).
+        file: f64,
+        /// Volume of the mesh (mm^3).
+        mesh: f64,
+    },
+    /// The file could not be composed.
+    #[error("the STEP file cannot be composed: {0}")]
+    File(String),
+    /// Cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl From<AuthorError> for StepWriteError {
+    fn from(error: AuthorError) -> Self {
+        Self::File(error.to_string())
+    }
+}
+
+/// Tolerances by which a file may leave the mesh at any place.
+const MOST_DEVIATION: f64 = 2.0;
+/// Share by which the volume of a file may differ from that of the mesh.
+const MOST_VOLUME: f64 = 5e-4;
+
+/// Writes a part as STEP AP242.
+///
+/// # Errors
+/// Every [`StepWriteError`].
+pub fn write_step(part: &StepPart, settings: &StepSettings, task: &Task) -> Result<StepFile, StepWriteError> {
+    let tolerance = settings.tolerance;
+    if !(tolerance.is_finite() && tolerance > 0.0) {
+        return Err(StepWriteError::Tolerance(tolerance));
+    }
+    let mut skin = Skin::of(part.mesh)?;
+    let mut regions = regions::regions(&mut skin, part.mesh, part.role_of, tolerance)?;
+    task.check()?;
+    let brep = brep::brep(&mut skin, &mut regions, tolerance, task)?;
+    let shells = shells(&skin, &brep)?;
+    let bytes = file::file(part, settings, &brep, &shells)?;
+    let measures = check::check(&bytes, part.mesh, shells.len(), tolerance, task)?;
+    let deviation = measures.mesh_to_file.max(measures.file_to_mesh[0]).max(measures.file_to_mesh[1]);
+    let most = MOST_DEVIATION * tolerance + measures.chord;
+    if deviation > most {
+        return Err(StepWriteError::Deviation { at: measures.at, distance: deviation, most });
+    }
+    let volume = part.mesh.volume();
+    if (measures.volume / volume - 1.0).abs() > MOST_VOLUME {
+        return Err(StepWriteError::Volume { file: measures.volume, mesh: volume });
+    }
+    let mut report = count(&brep);
+    report.solids = shells.len();
+    report.mesh_to_file_mm = measures.mesh_to_file;
+    [report.outside_mm, report.inside_mm] = measures.file_to_mesh;
+    report.volume_mm3 = measures.volume;
+    report.mesh_volume_mm3 = volume;
+    Ok(StepFile { bytes, report })
+}
+
+fn count(brep: &Brep) -> StepReport {
+    let mut report = StepReport { edges: brep.edges.len(), edge_gap_mm: brep.edge_gap, ..Default::default() };
+    for face in &brep.faces {
+        *match &face.surface {
+            FaceSurface::Exact(Surface::Plane(_)) => &mut report.planes,
+            FaceSurface::Exact(Surface::Cylinder { .. }) => &mut report.cylinders,
+            FaceSurface::Exact(Surface::Cone { .. }) => &mut report.cones,
+            FaceSurface::Free(_) => &mut report.free_forms,
+        } += 1;
+    }
+    report
+}
+
+/// The faces of every solid: those that hang together across edges.
+fn shells(skin: &Skin, brep: &Brep) -> Result<Vec<Vec<usize>>, StepWriteError> {
+    let mut faces_of = vec![Vec::new(); brep.edges.len()];
+    for (f, face) in brep.faces.iter().enumerate() {
+        face.loops.iter().flatten().for_each(|&(edge, _)| faces_of[edge].push(f));
+    }
+    let (mut shell_of, mut shells) = (vec![usize::MAX; brep.faces.len()], Vec::<Vec<usize>>::new());
+    for seed in 0..brep.faces.len() {
+        if shell_of[seed] != usize::MAX {
+            continue;
+        }
+        shell_of[seed] = shells.len();
+        let (mut members, mut next) = (vec![seed], 0);
+        while next < members.len() {
+            let edges = brep.faces[members[next]].loops.iter().flatten();
+            for f in edges.flat_map(|&(edge, _)| faces_of[edge].iter().copied()) {
+                if shell_of[f] == usize::MAX {
+                    shell_of[f] = shells.len();
+                    members.push(f);
+                }
+            }
+            next += 1;
+        }
+        members.sort_unstable();
+        shells.push(members);
+    }
+    let mut volumes = vec![(0.0, DVec3::ZERO); shells.len()];
+    for (i, &region) in (0u32..).zip(&skin.region) {
+        let [a, b, c] = skin.corners(i);
+        let shell = &mut volumes[shell_of[region as usize]];
+        *shell = (shell.0 + a.dot(b.cross(c)), a);
+    }
+    match volumes.iter().find(|v| v.0 <= 0.0) {
+        Some(&(_, at)) => Err(StepWriteError::Cavity { at }),
+        None => Ok(shells),
+    }
+}

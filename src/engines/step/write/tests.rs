@@ -1,0 +1,144 @@
+//! Tests of the writer.
+
+use std::collections::HashMap;
+use std::f64::consts::{PI, TAU};
+
+use geometry::mesh::Mesh;
+use glam::DVec3;
+use step_io::model as m;
+use task::{Cancel, Task};
+
+use super::*;
+
+fn written(mesh: &Mesh, tolerance: f64) -> StepFile {
+    let part = StepPart { name: "E01", mesh, roles: &[], role_of: &[], properties: &[] };
+    write_step(&part, &StepSettings { tolerance, ..Default::default() }, &Task::default()).unwrap()
+}
+
+/// Every edge is used exactly twice, in opposite senses.
+fn assert_closed(model: &m::StepModel) {
+    let mut uses: HashMap<String, Vec<bool>> = HashMap::new();
+    for (_, edge) in model.all::<m::OrientedEdge>() {
+        uses.entry(format!("{:?}", edge.edge_element)).or_default().push(edge.orientation);
+    }
+    assert!(!uses.is_empty());
+    assert!(uses.values().all(|senses| senses.len() == 2 && senses[0] != senses[1]));
+}
+
+/// A tube of rings of points, closed by fans over its flat ends.
+fn tube(rings: &[Vec<DVec3>]) -> Mesh {
+    let n = rings[0].len() as u32;
+    let mut mesh = Mesh { vertices: rings.concat(), triangles: Vec::new() };
+    for r in 0..rings.len() as u32 - 1 {
+        for k in 0..n {
+            let (a, b) = (r * n + k, r * n + (k + 1) % n);
+            mesh.triangles.extend([[a, b, b + n], [a, b + n, a + n]]);
+        }
+    }
+    let last = (rings.len() as u32 - 1) * n;
+    for k in 1..n - 1 {
+        mesh.triangles.push([0, k + 1, k]);
+        mesh.triangles.push([last, last + k, last + k + 1]);
+    }
+    mesh
+}
+
+fn circle(radius: f64, height: f64, n: usize) -> Vec<DVec3> {
+    let angle = |k: usize| TAU * k as f64 / n as f64;
+    (0..n).map(|k| DVec3::new(radius * angle(k).cos(), radius * angle(k).sin(), height)).collect()
+}
+
+#[test]
+fn a_box_is_six_planes_with_its_volume() {
+    let file = written(&Mesh::cuboid(DVec3::new(2.0, 3.0, 4.0)), 0.005);
+    let report = &file.report;
+    assert_eq!((report.planes, report.faces(), report.edges, report.solids), (6, 6, 12, 1));
+    assert!((report.volume_mm3 - 24.0).abs() < 1e-9 && report.deviation_mm() < 1e-9);
+    let (model, read) = step_io::read(&file.bytes[..]).unwrap();
+    assert!(read.dropped.is_empty());
+    assert_eq!((model.all::<m::AdvancedFace>().len(), model.all::<m::Plane>().len()), (6, 6));
+    assert_closed(&model);
+}
+
+#[test]
+fn a_cylinder_is_two_halves_and_has_the_volume_of_a_cylinder() {
+    let file = written(&tube(&[circle(5.0, 0.0, 120), circle(5.0, 10.0, 120)]), 0.005);
+    let report = &file.report;
+    assert_eq!((report.planes, report.cylinders, report.free_forms), (2, 2, 0));
+    assert!((report.volume_mm3 / (PI * 250.0) - 1.0).abs() < 1e-5, "{report:?}");
+    // A facet of 3 degrees leaves the circle by r (1 - cos 1.5 degrees).
+    let sagitta = 5.0 * (1.0 - 1.5f64.to_radians().cos());
+    assert!((report.outside_mm - sagitta).abs() < 0.05 * sagitta, "{report:?}");
+    let (model, _) = step_io::read(&file.bytes[..]).unwrap();
+    assert_eq!(model.all::<m::CylindricalSurface>().len(), 2);
+    assert!(model.all::<m::Circle>().len() >= 4);
+    assert_closed(&model);
+}
+
+#[test]
+fn a_cone_is_a_cone() {
+    let file = written(&tube(&[circle(5.0, 0.0, 120), circle(3.0, 10.0, 120)]), 0.005);
+    assert_eq!((file.report.planes, file.report.cones, file.report.free_forms), (2, 2, 0));
+    assert!((file.report.volume_mm3 / (PI * 10.0 / 3.0 * (25.0 + 15.0 + 9.0)) - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn a_barrel_is_fitted_within_the_tolerance() {
+    // Turned about z, its radius going up and down as a parabola.
+    let radius = |z: f64| 5.0 + 0.04 * z * (10.0 - z);
+    let rings: Vec<Vec<DVec3>> = (0..=40).map(|k| 0.25 * f64::from(k)).map(|z| circle(radius(z), z, 160)).collect();
+    let mesh = tube(&rings);
+    let file = written(&mesh, 0.005);
+    let report = &file.report;
+    assert!(report.free_forms >= 2 && report.free_forms <= 16 && report.planes == 2, "{report:?}");
+    assert!(report.mesh_to_file_mm <= 0.005 && report.edge_gap_mm < 0.001, "{report:?}");
+    assert!((report.volume_mm3 / mesh.volume() - 1.0).abs() < 5e-4);
+    let (model, read) = step_io::read(&file.bytes[..]).unwrap();
+    assert!(read.dropped.is_empty());
+    assert_closed(&model);
+}
+
+#[test]
+fn properties_and_roles_are_in_the_file_and_the_bytes_stay_the_same() {
+    let mesh = Mesh::cuboid(DVec3::splat(3.0));
+    let roles = [
+        Role { name: "burning face".to_owned(), colour: Some([0.9, 0.4, 0.1]) },
+        Role { name: "base".to_owned(), colour: None },
+    ];
+    let property = |name: &str, value| Property { name: name.to_owned(), value };
+    let properties = [
+        property("material", PropertyValue::Text("copper".to_owned())),
+        property("spark gap", PropertyValue::Length(0.05)),
+        property("C angle", PropertyValue::Angle(0.5)),
+        property("quantity", PropertyValue::Count(2)),
+    ];
+    let role_of: Vec<u16> = (0..12).map(|i| u16::from(i < 2)).collect();
+    let part = StepPart { name: "E02", mesh: &mesh, roles: &roles, role_of: &role_of, properties: &properties };
+    let write = || write_step(&part, &StepSettings::default(), &Task::default()).unwrap();
+    let file = write();
+    assert_eq!(file.bytes, write().bytes);
+    let (model, read) = step_io::read(&file.bytes[..]).unwrap();
+    assert!(read.dropped.is_empty());
+    let names = |wanted: &str| model.all::<m::AdvancedFace>().filter(|(_, f)| model.text(f.name) == wanted).count();
+    assert_eq!((names("burning face"), names("base")), (5, 1));
+    assert_eq!(model.all::<m::PropertyDefinitionRepresentation>().len(), 4);
+    assert_eq!(model.all::<m::StyledItem>().len(), 5);
+}
+
+#[test]
+fn what_cannot_be_written_is_told() {
+    let mesh = Mesh::cuboid(DVec3::ONE);
+    let write = |mesh: &Mesh, tolerance: f64, task: &Task| {
+        let part = StepPart { name: "E", mesh, roles: &[], role_of: &[], properties: &[] };
+        write_step(&part, &StepSettings { tolerance, ..Default::default() }, task).unwrap_err()
+    };
+    let task = Task::default();
+    assert_eq!(write(&mesh, 0.0, &task), StepWriteError::Tolerance(0.0));
+    assert_eq!(write(&Mesh::default(), 0.01, &task), StepWriteError::Unusable);
+    let open = Mesh { triangles: mesh.triangles[1..].to_vec(), ..mesh.clone() };
+    assert!(matches!(write(&open, 0.01, &task), StepWriteError::NotClosed { .. }));
+    assert!(matches!(write(&mesh.turned_over(), 0.01, &task), StepWriteError::Cavity { .. }));
+    let cancel = Cancel::default();
+    cancel.cancel();
+    assert_eq!(write(&mesh, 0.01, &Task::silent(&cancel)), StepWriteError::Cancelled(Cancelled));
+}
