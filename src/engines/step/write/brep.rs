@@ -87,7 +87,28 @@ pub(super) fn brep(
         let (net, curves) = laid(skin, regions, &mut splits, tolerance, task)?;
         let now = std::time::Instant::now();
         let quads = quads(&net, &curves, regions, &known, tolerance, task)?;
-        if std::env::var("DBG").is_ok() { eprintln!("round {round}: {} regions {} free, fit {:.1} s", regions.len(), regions.iter().filter(|r| r.surface.is_none()).count(), now.elapsed().as_secs_f64()); for (r, q) in quads.iter().enumerate() { if let Some(q) = q { eprintln!("  {r}: {} triangles, line {}, knots {} x {}, off {:.4} at {:.2} excess {:.2}", net.pieces[r].triangles.len(), net.pieces[r].loops[0].len(), q.surface.knots[0].count(), q.surface.knots[1].count(), q.distance, q.at, q.excess); } } }
+        if std::env::var("DBG").is_ok() {
+            eprintln!(
+                "round {round}: {} regions {} free, fit {:.1} s",
+                regions.len(),
+                regions.iter().filter(|r| r.surface.is_none()).count(),
+                now.elapsed().as_secs_f64()
+            );
+            for (r, q) in quads.iter().enumerate() {
+                if let Some(q) = q {
+                    eprintln!(
+                        "  {r}: {} triangles, line {}, knots {} x {}, off {:.4} at {:.2} excess {:.2}",
+                        net.pieces[r].triangles.len(),
+                        net.pieces[r].loops[0].len(),
+                        q.surface.knots[0].count(),
+                        q.surface.knots[1].count(),
+                        q.distance,
+                        q.at,
+                        q.excess
+                    );
+                }
+            }
+        }
         let mut failing: Vec<(u32, f64, DVec3)> = Vec::new();
         for (r, quad) in (0u32..).zip(&quads) {
             match quad {
@@ -107,7 +128,8 @@ pub(super) fn brep(
             Some(_) if !is_last => {}
             _ => return Ok(assembled(&net, curves, quads, regions)),
         }
-        known = net.pieces.iter().enumerate().filter_map(|(r, _)| Some((net.signature(r)?, quads[r].clone()?))).collect();
+        known =
+            net.pieces.iter().enumerate().filter_map(|(r, _)| Some((net.signature(r)?, quads[r].clone()?))).collect();
         let due: Vec<u32> = failing.iter().map(|f| f.0).collect();
         divide::halve(skin, regions, &due)?;
     }
@@ -127,7 +149,8 @@ fn laid(
     for _ in 0..SPLITS {
         task.check()?;
         let net = net(skin, regions, splits, tolerance);
-        let curves: Vec<EdgeCurve> = net.chains.par_iter().map(|c| course(&net, c, regions, tolerance).curve()).collect();
+        let curves: Vec<EdgeCurve> =
+            net.chains.par_iter().map(|c| course(&net, c, regions, tolerance).curve()).collect();
         let is_done = {
             let found = net.chains.iter().zip(&curves).filter_map(|(chain, curve)| Some(chain.vertices[curve.split?]));
             let before = splits.len();

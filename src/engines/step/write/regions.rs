@@ -216,7 +216,6 @@ fn best_angle(sorted: &[f64]) -> f64 {
     best.1
 }
 
-
 /// Borders of one region: length and mean angle between the triangles on both sides, by the region across.
 fn smoothness(skin: &Skin, count: usize) -> Vec<Vec<(u32, f64, f64)>> {
     let mut found: Vec<Vec<(u32, f64, f64)>> = vec![Vec::new(); count];

@@ -3,7 +3,6 @@
 use geometry::segmentation::FaceKind;
 use glam::DVec3;
 
-
 /// Three unit vectors at right angles, right-handed, at a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Axes {
@@ -77,7 +76,7 @@ impl Surface {
             FaceKind::Cone { apex, axis, half_angle, is_hollow } => {
                 Some(Self::Cone { axes: Axes::along(apex, axis), half_angle, is_hollow })
             }
-            FaceKind::FreeForm => None,
+            FaceKind::Sphere { .. } | FaceKind::Torus { .. } | FaceKind::FreeForm => None,
         }
     }
 

@@ -131,6 +131,7 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
         nodes,
         failure: None,
         feed_lowered: Some(FeedLowered { blocks: 12, of_blocks: 240, least_share: 0.43, axis: 'A' }),
+        step: None,
         sha256: Some(VerifiedDigests::of(&certificate)),
         files: ["electrode_1.stl", "path_1.csv", "path_1.nc"].map(str::to_owned).to_vec(),
         motion: Some(Motion { rows: path.rows.clone(), clearance: certificate.row_clearance().to_vec() }),

@@ -423,6 +423,8 @@ pub struct ElectrodeReport {
     pub sha256: Option<VerifiedDigests>,
     /// How the NC program's feed was lowered for the machine's speeds, if it was.
     pub feed_lowered: Option<FeedLowered>,
+    /// The electrode as STEP, or why there is none, in a sentence; none where it was not asked for.
+    pub step: Option<String>,
     /// Files written for this electrode.
     pub files: Vec<String>,
     /// Rows and clearances for the plots.
