@@ -1,27 +1,44 @@
 //! Cuts of free-form regions: into discs, and in two where one surface cannot be fitted.
 
 use geometry::groups::Groups;
+use geometry::segmentation::FaceKind;
 use glam::DVec3;
 
 use super::StepWriteError;
 use super::piece::Piece;
 use super::regions::{Region, absorb, renumber};
 use super::skin::{CutPlane, Skin, sides_of};
+use super::surface::Surface;
 
 /// Cuts at most until all free forms are discs.
 const ROUNDS: usize = 24;
 /// Shares of a side that a vertex may be off a cut, tried one after the other.
 const SNAPS: [f64; 3] = [0.2, 0.02, 0.0];
+/// Share of the tolerance within which a free form is flat.
+const FLAT: f64 = 0.1;
 /// Places along each direction at which cuts are tried.
 const PLACES: u32 = 10;
 
-/// Cuts free forms until each is a disc.
-pub(super) fn into_discs(skin: &mut Skin, regions: &mut Vec<Region>) -> Result<(), StepWriteError> {
+/// Makes flat free forms planes, and cuts the others until each is a disc with four vertices on its border.
+pub(super) fn into_discs(skin: &mut Skin, regions: &mut Vec<Region>, tolerance: f64) -> Result<(), StepWriteError> {
     for _ in 0..ROUNDS {
         let mut due = Vec::new();
         for (r, members) in (0u32..).zip(skin.members()) {
-            if regions[r as usize].surface.is_none() && !Piece::of(skin, &members, &skin.points).is_disc() {
+            if regions[r as usize].surface.is_some() {
+                continue;
+            }
+            if let Some(plane) = plane_of(skin, &members, FLAT * tolerance) {
+                regions[r as usize].surface = Some(plane);
+                continue;
+            }
+            let piece = Piece::of(skin, &members, &skin.points);
+            if !piece.is_disc() {
                 due.push(r);
+            } else if let [a, b, c] = piece.loops[0][..] {
+                let ends = [(a, b), (b, c), (c, a)].map(|(v, w)| (piece.of_skin[v as usize], piece.of_skin[w as usize]));
+                let length = |(v, w): (u32, u32)| skin.points[v as usize].distance(skin.points[w as usize]);
+                let longest = ends.into_iter().reduce(|a, b| if length(b) > length(a) { b } else { a });
+                longest.map_or(Ok(()), |side| skin.split_side(side))?;
             }
         }
         if due.is_empty() {
@@ -31,6 +48,20 @@ pub(super) fn into_discs(skin: &mut Skin, regions: &mut Vec<Region>) -> Result<(
     }
     let at = skin.points[skin.triangles[0][0] as usize];
     Err(StepWriteError::Divide { at })
+}
+
+/// The plane of triangles that all lie in it.
+fn plane_of(skin: &Skin, members: &[u32], within: f64) -> Option<Surface> {
+    let vectors = members.iter().map(|&i| {
+        let [a, b, c] = skin.corners(i);
+        (b - a).cross(c - a)
+    });
+    let normal = vectors.sum::<DVec3>().try_normalize()?;
+    let heights = || members.iter().flat_map(|&i| skin.corners(i)).map(|p| p.dot(normal));
+    let (low, high) = heights().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+    let is_facing = members.iter().all(|&i| skin.normal(i).dot(normal) >= 0.0);
+    let kind = FaceKind::Plane { normal, offset: 0.5 * (low + high) };
+    if is_facing && high - low <= 2.0 * within { Surface::of(&kind, skin.corners(members[0])[0]) } else { None }
 }
 
 /// Cuts each of these regions in two or more.
