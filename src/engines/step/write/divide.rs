@@ -50,6 +50,57 @@ pub(super) fn into_discs(skin: &mut Skin, regions: &mut Vec<Region>, tolerance: 
     Err(StepWriteError::Divide { at })
 }
 
+/// Makes plane faces of the facets of regions. Numbers of the other regions stay as they are.
+pub(super) fn into_facets(skin: &mut Skin, regions: &mut Vec<Region>, due: &[u32], tolerance: f64) {
+    let members = skin.members();
+    for &r in due {
+        let mut open = members[r as usize].clone();
+        let area = |i: u32| {
+            let [a, b, c] = skin.corners(i);
+            (b - a).cross(c - a).length()
+        };
+        open.sort_by(|&i, &j| area(j).total_cmp(&area(i)).then(i.cmp(&j)));
+        let mut is_first = true;
+        while let Some(&seed) = open.first() {
+            let facet = facet(skin, r, seed, &mut open, FLAT * tolerance);
+            let region = Region { surface: plane_of(skin, &facet, tolerance), role: regions[r as usize].role };
+            if std::mem::take(&mut is_first) {
+                regions[r as usize] = region;
+                continue;
+            }
+            facet.iter().for_each(|&i| skin.region[i as usize] = regions.len() as u32);
+            regions.push(region);
+        }
+    }
+}
+
+/// Takes the triangles around `seed` out of `open` that lie in its plane.
+fn facet(skin: &Skin, region: u32, seed: u32, open: &mut Vec<u32>, within: f64) -> Vec<u32> {
+    let (normal, [origin, ..]) = (skin.normal(seed), skin.corners(seed));
+    let is_in = |i: u32| {
+        let is_near = skin.corners(i).iter().all(|p| (*p - origin).dot(normal).abs() <= within);
+        is_near && skin.normal(i).dot(normal) >= 0.0
+    };
+    let mut found = vec![seed];
+    open.retain(|&i| i != seed);
+    let mut next = 0;
+    while next < found.len() {
+        for (a, b) in sides_of(skin.triangles[found[next] as usize]) {
+            let across = skin.triangle_at(b, a);
+            if let Some(at) = open.iter().position(|&i| i == across)
+                && skin.region[across as usize] == region
+                && is_in(across)
+            {
+                open.remove(at);
+                found.push(across);
+            }
+        }
+        next += 1;
+    }
+    found.sort_unstable();
+    found
+}
+
 /// The plane of triangles that all lie in it.
 fn plane_of(skin: &Skin, members: &[u32], within: f64) -> Option<Surface> {
     let vectors = members.iter().map(|&i| {

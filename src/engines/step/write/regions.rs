@@ -275,7 +275,7 @@ fn join_smooth(skin: &mut Skin, regions: &mut Vec<Region>) {
 }
 
 /// Makes a region that cannot be cut a part of the one with which it shares most of its border.
-pub(super) fn absorb(skin: &mut Skin, regions: &mut Vec<Region>, region: u32) -> bool {
+pub(super) fn absorb(skin: &mut Skin, regions: &mut [Region], region: u32) -> bool {
     let borders = smoothness(skin, regions.len());
     let home = borders[region as usize].iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a });
     let Some((home, ..)) = home else { return false };
