@@ -84,9 +84,9 @@ impl Factor {
         for i in (0..n).rev() {
             right[i] /= band.entries[band.at(i, i)];
             let known = right[i];
-            for j in i.saturating_sub(band.reach)..i {
-                right[j] -= known * band.entries[band.at(i, j)];
-            }
+            let first = i.saturating_sub(band.reach);
+            let row = &band.entries[band.at(i, first)..];
+            right[first..i].iter_mut().zip(row).for_each(|(r, entry)| *r -= known * *entry);
         }
     }
 }

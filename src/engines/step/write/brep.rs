@@ -25,6 +25,9 @@ const ROUNDS: usize = 8;
 const SPLITS: usize = 8;
 /// Share of the tolerance within which free forms are fitted.
 const FIT: f64 = 0.8;
+/// Rounds in which folds are not accepted at all, and later the places of folds that are.
+const EARLY: usize = 3;
+const SMALL_FOLDS: f64 = 4.0;
 /// Greatest distance of an edge from a cylinder or cone beside it (mm), and tolerances: beyond it, that face is made a
 /// free form.
 const MOST_GAP: [f64; 2] = [5e-4, 0.2];
@@ -112,7 +115,12 @@ pub(super) fn brep(
         let mut failing: Vec<(u32, f64, DVec3)> = Vec::new();
         for (r, quad) in (0u32..).zip(&quads) {
             match quad {
-                Some(quad) if quad.excess > 0.0 => failing.push((r, quad.distance, quad.at)),
+                Some(quad)
+                    if quad.distance > FIT * tolerance
+                        || quad.excess > if round < EARLY { 0.0 } else { SMALL_FOLDS } =>
+                {
+                    failing.push((r, quad.distance, quad.at))
+                }
                 None if regions[r as usize].surface.is_none() => {
                     failing.push((r, f64::INFINITY, net.pieces[r as usize].points[0]));
                 }
@@ -130,8 +138,11 @@ pub(super) fn brep(
         }
         known =
             net.pieces.iter().enumerate().filter_map(|(r, _)| Some((net.signature(r)?, quads[r].clone()?))).collect();
-        let due: Vec<u32> = failing.iter().map(|f| f.0).collect();
-        divide::halve(skin, regions, &due)?;
+        // What stays small after several cuts has no form of its own: its facets are faces.
+        let is_facets = |r: u32| round + 1 >= EARLY && net.pieces[r as usize].triangles.len() <= divide::MOST_FACETS;
+        let (facets, halves): (Vec<u32>, Vec<u32>) = failing.iter().map(|f| f.0).partition(|&r| is_facets(r));
+        divide::into_facets(skin, regions, &facets, tolerance);
+        divide::halve(skin, regions, &halves)?;
     }
     Err(StepWriteError::Unusable)
 }
@@ -145,7 +156,7 @@ fn laid(
     tolerance: f64,
     task: &Task,
 ) -> Result<(Net, Vec<EdgeCurve>), StepWriteError> {
-    divide::into_discs(skin, regions)?;
+    divide::into_discs(skin, regions, tolerance)?;
     for _ in 0..SPLITS {
         task.check()?;
         let net = net(skin, regions, splits, tolerance);
@@ -163,7 +174,7 @@ fn laid(
         if !freed(&net, &curves, regions, tolerance) {
             return Ok((net, curves));
         }
-        divide::into_discs(skin, regions)?;
+        divide::into_discs(skin, regions, tolerance)?;
     }
     let net = net(skin, regions, splits, tolerance);
     let curves = net.chains.par_iter().map(|c| course(&net, c, regions, tolerance).curve()).collect();

@@ -1,27 +1,49 @@
 //! Cuts of free-form regions: into discs, and in two where one surface cannot be fitted.
 
+use geometry::exact::ExactMesh;
 use geometry::groups::Groups;
+use geometry::mesh::Mesh;
+use geometry::segmentation::FaceKind;
 use glam::DVec3;
 
 use super::StepWriteError;
 use super::piece::Piece;
 use super::regions::{Region, absorb, renumber};
 use super::skin::{CutPlane, Skin, sides_of};
+use super::surface::Surface;
 
 /// Cuts at most until all free forms are discs.
 const ROUNDS: usize = 24;
 /// Shares of a side that a vertex may be off a cut, tried one after the other.
 const SNAPS: [f64; 3] = [0.2, 0.02, 0.0];
+/// Triangles of a region that is made of plane faces at most, where no surface fits it.
+pub(super) const MOST_FACETS: usize = 64;
+/// Share of the tolerance within which a free form is flat.
+const FLAT: f64 = 0.1;
 /// Places along each direction at which cuts are tried.
 const PLACES: u32 = 10;
 
-/// Cuts free forms until each is a disc.
-pub(super) fn into_discs(skin: &mut Skin, regions: &mut Vec<Region>) -> Result<(), StepWriteError> {
+/// Makes flat free forms planes, and cuts the others until each is a disc with four vertices on its border.
+pub(super) fn into_discs(skin: &mut Skin, regions: &mut Vec<Region>, tolerance: f64) -> Result<(), StepWriteError> {
     for _ in 0..ROUNDS {
         let mut due = Vec::new();
         for (r, members) in (0u32..).zip(skin.members()) {
-            if regions[r as usize].surface.is_none() && !Piece::of(skin, &members, &skin.points).is_disc() {
+            if regions[r as usize].surface.is_some() {
+                continue;
+            }
+            if let Some(plane) = plane_of(skin, &members, FLAT * tolerance) {
+                regions[r as usize].surface = Some(plane);
+                continue;
+            }
+            let piece = Piece::of(skin, &members, &skin.points);
+            if !piece.is_disc() {
                 due.push(r);
+            } else if let [a, b, c] = piece.loops[0][..] {
+                let ends =
+                    [(a, b), (b, c), (c, a)].map(|(v, w)| (piece.of_skin[v as usize], piece.of_skin[w as usize]));
+                let length = |(v, w): (u32, u32)| skin.points[v as usize].distance(skin.points[w as usize]);
+                let longest = ends.into_iter().reduce(|a, b| if length(b) > length(a) { b } else { a });
+                longest.map_or(Ok(()), |side| skin.split_side(side))?;
             }
         }
         if due.is_empty() {
@@ -31,6 +53,96 @@ pub(super) fn into_discs(skin: &mut Skin, regions: &mut Vec<Region>) -> Result<(
     }
     let at = skin.points[skin.triangles[0][0] as usize];
     Err(StepWriteError::Divide { at })
+}
+
+/// Divides the region beside a place where a file is not as it should be, so that it comes out better; false where
+/// nothing can be done.
+pub(super) fn mend(
+    skin: &mut Skin,
+    regions: &mut Vec<Region>,
+    at: DVec3,
+    tolerance: f64,
+) -> Result<bool, StepWriteError> {
+    let mesh = Mesh { vertices: skin.points.clone(), triangles: skin.triangles.clone() };
+    let exact = ExactMesh::new(&mesh).map_err(|_| StepWriteError::Unusable)?;
+    let region = skin.region[exact.nearest(at).triangle as usize];
+    let count = skin.region.iter().filter(|r| **r == region).count();
+    let surface = &mut regions[region as usize].surface;
+    match surface {
+        Some(surface) if surface.axis().is_none() => return Ok(false),
+        Some(_) => *surface = None,
+        None if count <= MOST_FACETS => {
+            into_facets(skin, regions, &[region], tolerance);
+            renumber(skin, regions);
+        }
+        None => halve(skin, regions, &[region])?,
+    }
+    Ok(true)
+}
+
+/// Makes plane faces of the facets of regions. Numbers of the other regions stay as they are.
+pub(super) fn into_facets(skin: &mut Skin, regions: &mut Vec<Region>, due: &[u32], tolerance: f64) {
+    let members = skin.members();
+    for &r in due {
+        let mut open = members[r as usize].clone();
+        let area = |i: u32| {
+            let [a, b, c] = skin.corners(i);
+            (b - a).cross(c - a).length()
+        };
+        open.sort_by(|&i, &j| area(j).total_cmp(&area(i)).then(i.cmp(&j)));
+        let mut is_first = true;
+        while let Some(&seed) = open.first() {
+            let facet = facet(skin, r, seed, &mut open, FLAT * tolerance);
+            let region = Region { surface: plane_of(skin, &facet, tolerance), role: regions[r as usize].role };
+            if std::mem::take(&mut is_first) {
+                regions[r as usize] = region;
+                continue;
+            }
+            facet.iter().for_each(|&i| skin.region[i as usize] = regions.len() as u32);
+            regions.push(region);
+        }
+    }
+}
+
+/// Takes the triangles around `seed` out of `open` that lie in its plane.
+fn facet(skin: &Skin, region: u32, seed: u32, open: &mut Vec<u32>, within: f64) -> Vec<u32> {
+    let (normal, [origin, ..]) = (skin.normal(seed), skin.corners(seed));
+    let is_in = |i: u32| {
+        let is_near = skin.corners(i).iter().all(|p| (*p - origin).dot(normal).abs() <= within);
+        is_near && skin.normal(i).dot(normal) >= 0.0
+    };
+    let mut found = vec![seed];
+    open.retain(|&i| i != seed);
+    let mut next = 0;
+    while next < found.len() {
+        for (a, b) in sides_of(skin.triangles[found[next] as usize]) {
+            let across = skin.triangle_at(b, a);
+            if let Some(at) = open.iter().position(|&i| i == across)
+                && skin.region[across as usize] == region
+                && is_in(across)
+            {
+                open.remove(at);
+                found.push(across);
+            }
+        }
+        next += 1;
+    }
+    found.sort_unstable();
+    found
+}
+
+/// The plane of triangles that all lie in it.
+fn plane_of(skin: &Skin, members: &[u32], within: f64) -> Option<Surface> {
+    let vectors = members.iter().map(|&i| {
+        let [a, b, c] = skin.corners(i);
+        (b - a).cross(c - a)
+    });
+    let normal = vectors.sum::<DVec3>().try_normalize()?;
+    let heights = || members.iter().flat_map(|&i| skin.corners(i)).map(|p| p.dot(normal));
+    let (low, high) = heights().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+    let is_facing = members.iter().all(|&i| skin.normal(i).dot(normal) >= 0.0);
+    let kind = FaceKind::Plane { normal, offset: 0.5 * (low + high) };
+    if is_facing && high - low <= 2.0 * within { Surface::of(&kind, skin.corners(members[0])[0]) } else { None }
 }
 
 /// Cuts each of these regions in two or more.

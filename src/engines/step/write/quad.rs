@@ -211,8 +211,8 @@ fn solve(
     let mut surface = frame.clone();
     for i in 0..n {
         let mut row = vec![DVec3::ZERO; m];
-        for (j, v) in vs.iter().enumerate() {
-            inner_form(v, m).iter().for_each(|&(s, a)| row[s] += columns[j][i] * a);
+        for (column, v) in columns.iter().zip(vs) {
+            inner_form(v, m).iter().for_each(|&(s, a)| row[s] += column[i] * a);
         }
         factors[1].solve(&mut row);
         let first = (i + 1) * (m + 2) + 1;

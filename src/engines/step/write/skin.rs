@@ -235,6 +235,17 @@ impl Skin {
         Ok(number)
     }
 
+    /// Puts a vertex in the middle of a side.
+    pub(super) fn split_side(&mut self, (a, b): (u32, u32)) -> Result<(), StepWriteError> {
+        let middle = next_number(self.points.len())?;
+        self.points.push(self.middle(a.min(b), a.max(b)));
+        let split = HashMap::from([(undirected(a, b), middle)]);
+        for i in [self.triangle_at(a, b), self.triangle_at(b, a)] {
+            self.split_triangle(i, &split)?;
+        }
+        Ok(())
+    }
+
     /// Replaces a triangle by triangles over its corners and the points put on its sides.
     fn split_triangle(&mut self, i: u32, split: &HashMap<(u32, u32), u32>) -> Result<(), StepWriteError> {
         let t = self.triangles[i as usize];
