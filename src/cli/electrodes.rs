@@ -108,8 +108,8 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     let clock = StageClock::default();
     let task = clock.timed(&session.task);
     let uncut = find_uncut(&imported.mesh, &asked.uncut(), &task).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
-    let set = find_electrodes(&imported.mesh, &uncut, &asked.electrodes, &task)
-        .map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
+    let set =
+        find_electrodes(&imported, &uncut, &asked.electrodes, &task).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
     let is_made = |o: &&Override| !set.electrodes.iter().any(|e| e.name == o.of);
     if let Some(unknown) = arguments.overrides.iter().find(is_made) {
         let names: Vec<&str> = set.electrodes.iter().map(|e| e.name.as_str()).collect();
@@ -122,7 +122,7 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     let mut lines = lines(&set, &report, &asked.datum.of_upright(asked.opening()));
     if arguments.compare_divisions {
         let ways =
-            compare_divisions(&imported.mesh, &uncut, &set, &task).map_err(|e| anyhow::anyhow!("{file_name}: {e}"))?;
+            compare_divisions(&imported, &uncut, &set, &task).map_err(|e| anyhow::anyhow!("{file_name}: {e}"))?;
         lines.extend(division_lines(&ways));
         report.divisions = Some(ways);
     }

@@ -91,11 +91,11 @@ fn of_mold(name: &str, file: &Path, session: &Session) -> anyhow::Result<Electro
     let imported = session.import(mesh, &asked.reading())?;
     let of_part = asked.of_part(&part_of(&imported));
     session.note_dropped(mesh, &asked, &of_part);
-    let (asked, mold) = (of_part, imported.mesh);
+    let asked = of_part;
     let task = &session.task;
     let wrong = |e: String| anyhow::anyhow!("{}: {e}", file.display());
-    let left = uncut(&mold, &asked.uncut(), task).map_err(|e| wrong(e.to_string()))?;
-    let set = electrodes(&mold, &left, &asked.electrodes, task).map_err(|e| wrong(e.to_string()))?;
+    let left = uncut(&imported.mesh, &asked.uncut(), task).map_err(|e| wrong(e.to_string()))?;
+    let set = electrodes(&imported, &left, &asked.electrodes, task).map_err(|e| wrong(e.to_string()))?;
     let found = set.electrodes.iter().find(|e| e.name == name);
     let names = || set.electrodes.iter().map(|e| e.name.clone()).collect();
     Ok(ElectrodePart::of_mold(found.ok_or_else(|| unknown(name, file, names()))?, &asked.name()))

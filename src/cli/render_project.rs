@@ -56,7 +56,7 @@ pub(super) fn of_mold(file: &Path, arguments: &RenderArguments, session: &Sessio
     let found = uncut(&imported.mesh, &asked.uncut(), &session.task).map_err(|e| message(e.to_string()))?;
     let (mut scene, own) = match arguments.electrode {
         Some(number) => {
-            let made = electrodes(&imported.mesh, &found, &asked.electrodes, &session.task);
+            let made = electrodes(&imported, &found, &asked.electrodes, &session.task);
             let set = made.map_err(|e| message(e.to_string()))?;
             // The first picture is of all of them.
             let pictures = electrode_pictures(&set, &electrode_shapes(&set), &mold, asked.opening());

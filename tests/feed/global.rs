@@ -248,12 +248,9 @@ fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
     let plan = run_feeds(ready(), &inputs, &Task::default()).unwrap();
     assert!(plan.is_verified());
     assert_eq!(only(&plan).electrode.least_thickness_mm, row.least_thickness_mm);
-    for steps in [1.0, 2.0] {
-        let mut less = inputs.clone();
-        less.job.electrode.circumferential_reduction_deg = row.reduction_deg.map(|deg| deg - steps * TOLERANCE_DEG);
-        let plan = run_feeds(ready(), &less, &Task::default()).unwrap();
-        assert!(!plan.is_verified(), "a plan with {steps} steps less is certified");
-    }
+    let mut less = inputs.clone();
+    less.job.electrode.circumferential_reduction_deg = row.reduction_deg.map(|deg| deg - TOLERANCE_DEG);
+    assert!(!run_feeds(ready(), &less, &Task::default()).unwrap().is_verified(), "there is a certified plan with less");
     let thicker =
         |r: &sparkpath::workspaces::blisk::job::sizing::SizeRow| r.least_thickness_mm >= row.least_thickness_mm;
     assert!(rows.iter().filter(|r| r.reduction_deg[0] != r.reduction_deg[1]).all(thicker), "{rows:?}");

@@ -4,9 +4,8 @@
 use glam::DVec2;
 use serde::Serialize;
 
-use super::electrodes::{ElectrodesError, on_milled, to_burn};
+use super::electrodes::{ElectrodesError, MoldBody, on_milled, to_burn};
 use super::uncut::Uncut;
-use geometry::mesh::Mesh;
 use mold::electrode::design::{ElectrodeSet, PartNode};
 use mold::electrode::finding::CheckKind;
 use mold::electrode::params::{DividedAt, Edit, ElectrodeParams};
@@ -130,19 +129,21 @@ fn longest(part: &PartNode) -> f64 {
     (high - low).max_element().max(0.0)
 }
 
-/// Results of all ways of dividing what `uncut` found left of `mesh`, with the parameters of `own`, the electrodes that
+/// Results of all ways of dividing what `uncut` found left of `mold`, with the parameters of `own`, the electrodes that
 /// are made. Divisions by hand are those of `own` alone.
 ///
 /// # Errors
 /// [`ElectrodesError`] if there are no electrodes whichever way.
-pub fn compare_divisions(
-    mesh: &Mesh,
+pub fn compare_divisions<'a>(
+    mold: impl Into<MoldBody<'a>>,
     uncut: &Uncut,
     own: &ElectrodeSet,
     task: &Task,
 ) -> Result<Vec<WayResult>, ElectrodesError> {
     let task = &task.as_stage("divisions");
-    on_milled(mesh, uncut, task, |upright, milled| {
+    let mold = mold.into();
+    on_milled(mold.mesh, uncut, task, |upright, milled| {
+        let faces = mold.segmentation(upright, uncut.params.opening);
         let of_way = |way: Way| -> Result<WayResult, ElectrodesError> {
             task.check()?;
             if way != Way::WholeFaces && way.divided_at() == own.params.divided_at {
@@ -157,7 +158,7 @@ pub fn compare_divisions(
                 names: Vec::new(),
                 ..own.params.clone()
             };
-            let regions = to_burn(upright, uncut, way == Way::WholeFaces);
+            let regions = to_burn(upright, &faces, uncut, way == Way::WholeFaces);
             match plan(upright, &regions, (&uncut.params.library, milled), &params, task) {
                 Ok(set) => Ok(WayResult::of(way, &set, false)),
                 Err(error) => {
@@ -175,6 +176,7 @@ mod tests {
     use super::*;
     use crate::workspaces::mold::job::electrodes::electrodes;
     use crate::workspaces::mold::job::uncut::{UncutParams, uncut};
+    use geometry::mesh::Mesh;
     use geometry::solid::{difference, prism};
     use mold::cutter::{Cutter, CutterLibrary};
     use mold::fixtures::rectangle;

@@ -3,18 +3,20 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use files::Validate;
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DMat4, DVec2, DVec3};
 
 use super::uncut::{Uncut, UncutError, on_field};
 use geometry::groups::Groups;
 use geometry::mesh::Mesh;
-use geometry::segmentation::{Segmentation, SegmentationSettings};
+use geometry::segmentation::{KnownFace, Segmentation, SegmentationSettings};
+use import::{CadFaces, Imported};
 use mold::electrode::design::ElectrodeSet;
 use mold::electrode::params::ElectrodeParams;
 use mold::electrode::plan::plan;
 use mold::electrode::residual_stock::Milled;
 use mold::electrode::setting::{ElectrodeError, RegionToBurn};
 use mold::height_field::{Covered, HeightField};
+use mold::opening::Opening;
 use task::{Cancelled, Task};
 
 /// Share of a face that has to be left for all of it to be: pieces at its border are known roughly.
@@ -55,19 +57,55 @@ impl From<Cancelled> for ElectrodesError {
     }
 }
 
-/// Electrodes for everything that `uncut` found left of `mesh`.
+/// A mold: its triangles, and the faces of the CAD program where its file has them.
+#[derive(Debug, Clone, Copy)]
+pub struct MoldBody<'a> {
+    /// Triangles (mm).
+    pub mesh: &'a Mesh,
+    /// Faces of the triangles.
+    pub faces: Option<&'a CadFaces>,
+}
+
+impl<'a> From<&'a Mesh> for MoldBody<'a> {
+    fn from(mesh: &'a Mesh) -> Self {
+        Self { mesh, faces: None }
+    }
+}
+
+impl<'a> From<&'a Imported> for MoldBody<'a> {
+    fn from(imported: &'a Imported) -> Self {
+        Self { mesh: &imported.mesh, faces: imported.faces.as_ref() }
+    }
+}
+
+impl MoldBody<'_> {
+    /// The faces of `upright`, its mesh turned so that `opening` looks along +Z: those of the CAD program, or those that
+    /// the triangles show.
+    pub(super) fn segmentation(self, upright: &Mesh, opening: Opening) -> Segmentation {
+        let settings = SegmentationSettings::default();
+        let Some(cad) = self.faces else { return Segmentation::of(upright, &settings) };
+        let [x, y, z] = DVec3::AXES.map(|axis| opening.upright(axis));
+        let turn = DMat4::from_mat3(DMat3::from_cols(x, y, z));
+        let known: Vec<KnownFace> = cad.faces.iter().map(|face| face.placed(&turn, 1.0)).collect();
+        Segmentation::of_faces(upright, &known, &cad.face_of, &settings)
+    }
+}
+
+/// Electrodes for everything that `uncut` found left of `mold`.
 ///
 /// # Errors
 /// [`ElectrodesError`].
-pub fn electrodes(
-    mesh: &Mesh,
+pub fn electrodes<'a>(
+    mold: impl Into<MoldBody<'a>>,
     uncut: &Uncut,
     params: &ElectrodeParams,
     task: &Task,
 ) -> Result<ElectrodeSet, ElectrodesError> {
     params.validate().map_err(ElectrodeError::from)?;
-    on_milled(mesh, uncut, task, |upright, milled| {
-        let regions = to_burn(upright, uncut, false);
+    let mold = mold.into();
+    on_milled(mold.mesh, uncut, task, |upright, milled| {
+        let faces = mold.segmentation(upright, uncut.params.opening);
+        let regions = to_burn(upright, &faces, uncut, false);
         task.check()?;
         Ok(plan(upright, &regions, (&uncut.params.library, milled), params, task)?)
     })
@@ -104,7 +142,12 @@ pub(super) fn on_milled<T>(
 
 /// The regions with their surfaces; if they are of whole faces, each with all of every face that it is part of, and
 /// those that share one as one.
-pub(super) fn to_burn(upright: &Mesh, uncut: &Uncut, of_whole_faces: bool) -> Vec<RegionToBurn> {
+pub(super) fn to_burn(
+    upright: &Mesh,
+    segmentation: &Segmentation,
+    uncut: &Uncut,
+    of_whole_faces: bool,
+) -> Vec<RegionToBurn> {
     let underside = upright.bounds().min.z;
     let of = |r: &mold::uncut_region::UncutRegion| RegionToBurn {
         corners: Vec::new(),
@@ -116,7 +159,6 @@ pub(super) fn to_burn(upright: &Mesh, uncut: &Uncut, of_whole_faces: bool) -> Ve
         is_through: r.bounds.min.z <= underside + ON_UNDERSIDE,
     };
     let mut regions: Vec<RegionToBurn> = uncut.regions.iter().map(of).collect();
-    let segmentation = Segmentation::of(upright, &SegmentationSettings::default());
     let mut left: Vec<BTreeMap<u32, f64>> = vec![Default::default(); regions.len()];
     for piece in &uncut.surface {
         let region = &mut regions[piece.region as usize];
@@ -132,7 +174,7 @@ pub(super) fn to_burn(upright: &Mesh, uncut: &Uncut, of_whole_faces: bool) -> Ve
     if of_whole_faces {
         let faces: Vec<Vec<u32>> =
             left.iter().map(|of| counted(of).into_iter().map(|(face, _)| face).collect()).collect();
-        return whole_faces(upright, &regions, &faces, &segmentation);
+        return whole_faces(upright, &regions, &faces, segmentation);
     }
     let area = |face: u32| segmentation.faces.get(face as usize).map_or(f64::INFINITY, |f| f.area);
     for (region, faces) in regions.iter_mut().zip(left) {

@@ -74,7 +74,7 @@ pub(super) fn design(
 ) -> Result<Designed, String> {
     let uncut = &found.uncut;
     let clock = StageClock::default();
-    let set = electrodes(&mold.mesh, uncut, params, &clock.timed(task)).map_err(|e| FIELDS.labelled(&e))?;
+    let set = electrodes(mold.body(), uncut, params, &clock.timed(task)).map_err(|e| FIELDS.labelled(&e))?;
     let times = [found.times.clone(), clock.times()].concat();
     task.check().map_err(|e| e.to_string())?;
     Ok(Designed { times, ..shown(mold, found, set, found.is_proven) })

@@ -476,7 +476,7 @@ impl MoldWork {
         let made = self.designed.get(&asked).cloned();
         let (found, made) = found.zip(made).ok_or("the electrodes are out of date: create them again")?;
         self.divisions.restart(&asked, self.priority, move |work| {
-            let ways = compare_divisions(&mold.mesh, &found.uncut, &made.set, &work.task);
+            let ways = compare_divisions(mold.body(), &found.uncut, &made.set, &work.task);
             ways.map_err(|e| FIELDS.labelled(&e))
         });
         Ok(())

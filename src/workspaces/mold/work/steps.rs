@@ -7,6 +7,7 @@ use crate::workspaces::mold::document::demonstration::{DEMONSTRATION, demonstrat
 use crate::workspaces::mold::document::fields::FIELDS;
 use crate::workspaces::mold::document::part_of;
 use crate::workspaces::mold::job::compare::{Comparison, compare as compare_answers};
+use crate::workspaces::mold::job::electrodes::MoldBody;
 use crate::workspaces::mold::job::preview::{Preview, preview};
 use crate::workspaces::mold::job::uncut::{Uncut, UncutParams, uncut};
 use crate::workspaces::mold::report::uncut::UncutReport;
@@ -48,6 +49,11 @@ pub struct LoadedMold {
 }
 
 impl LoadedMold {
+    /// Triangles and faces.
+    pub fn body(&self) -> MoldBody<'_> {
+        MoldBody { mesh: &self.mesh, faces: self.faces.as_ref() }
+    }
+
     /// The import in a sentence.
     pub fn sentence(&self) -> String {
         format!("{}: {} triangles", self.name, self.mesh.triangles.len())
