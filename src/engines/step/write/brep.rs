@@ -28,8 +28,6 @@ const FIT: f64 = 0.8;
 /// Rounds in which folds are not accepted at all, and later the places of folds that are.
 const EARLY: usize = 3;
 const SMALL_FOLDS: f64 = 4.0;
-/// Triangles of a region that is made of plane faces at most, where no surface fits it.
-const MOST_FACETS: usize = 64;
 /// Greatest distance of an edge from a cylinder or cone beside it (mm), and tolerances: beyond it, that face is made a
 /// free form.
 const MOST_GAP: [f64; 2] = [5e-4, 0.2];
@@ -114,7 +112,7 @@ pub(super) fn brep(
         }
         known = net.pieces.iter().enumerate().filter_map(|(r, _)| Some((net.signature(r)?, quads[r].clone()?))).collect();
         // What stays small after several cuts has no form of its own: its facets are faces.
-        let is_facets = |r: u32| round + 1 >= EARLY && net.pieces[r as usize].triangles.len() <= MOST_FACETS;
+        let is_facets = |r: u32| round + 1 >= EARLY && net.pieces[r as usize].triangles.len() <= divide::MOST_FACETS;
         let (facets, halves): (Vec<u32>, Vec<u32>) = failing.iter().map(|f| f.0).partition(|&r| is_facets(r));
         divide::into_facets(skin, regions, &facets, tolerance);
         divide::halve(skin, regions, &halves)?;

@@ -11,6 +11,10 @@ use crate::read;
 
 /// Share of the tolerance that the triangles of the file that is read may leave its faces by.
 const CHORD: f64 = 0.2;
+/// Tolerances by which a file may leave the mesh at any place, beside what its triangles leave its faces by.
+const MOST_DEVIATION: f64 = 2.0;
+/// Share by which the volume of a file may differ from that of the mesh.
+const MOST_VOLUME: f64 = 5e-4;
 /// Places between two looks at the flag that cancels.
 const BLOCK: usize = 4096;
 
@@ -23,8 +27,6 @@ pub(super) struct Measures {
     pub(super) file_to_mesh: [f64; 2],
     /// Where the greatest of all was found (mm).
     pub(super) at: DVec3,
-    /// Distance that the triangles of the file that was read leave its faces by, at most (mm).
-    pub(super) chord: f64,
     /// Volume of the file's solids (mm^3).
     pub(super) volume: f64,
 }
@@ -41,19 +43,20 @@ pub(super) fn check(
     let options = read::Options { chord, ..read::Options::default() };
     if let Ok(p) = std::env::var("DBGF") { std::fs::write(p, bytes).unwrap(); }
     let now = std::time::Instant::now();
-    let file = read::read(bytes, &options, task).map_err(|error| StepWriteError::Reread(error.to_string()))?;
+    let bad = |problem: String| StepWriteError::Reread { problem, at: None };
+    let file = read::read(bytes, &options, task).map_err(|error| bad(error.to_string()))?;
     if std::env::var("DBG").is_ok() { eprintln!("read in {:.1} s, {} triangles", now.elapsed().as_secs_f64(), file.solids.iter().map(|s| s.mesh.triangles.len()).sum::<usize>()); }
     if file.solids.len() != solids {
-        return Err(StepWriteError::Reread(format!("{} solids instead of {solids}", file.solids.len())));
+        return Err(bad(format!("{} solids instead of {solids}", file.solids.len())));
     }
     for solid in &file.solids {
         if let Some(fault) = solid.faults.first() {
             let [x, y, z] = fault.place.to_array();
             let problem = format!("a face at ({x:.3}, {y:.3}, {z:.3}) mm cannot be read: {}", fault.problem);
-            return Err(StepWriteError::Reread(problem));
+            return Err(StepWriteError::Reread { problem, at: Some(fault.place) });
         }
         if !solid.is_closed() {
-            return Err(StepWriteError::Reread("a solid is not closed".to_owned()));
+            return Err(bad("a solid is not closed".to_owned()));
         }
     }
     let mut whole = Mesh::default();
@@ -62,7 +65,17 @@ pub(super) fn check(
         whole.vertices.extend(solid.mesh.vertices);
         whole.triangles.extend(solid.mesh.triangles.iter().map(|t| t.map(|v| v + first)));
     }
-    Ok(Measures { chord, ..compare(mesh, &whole, task)? })
+    let measures = compare(mesh, &whole, task)?;
+    let deviation = measures.mesh_to_file.max(measures.file_to_mesh[0]).max(measures.file_to_mesh[1]);
+    let most = MOST_DEVIATION * tolerance + chord;
+    if deviation > most {
+        return Err(StepWriteError::Deviation { at: measures.at, distance: deviation, most });
+    }
+    let volume = mesh.volume();
+    if (measures.volume / volume - 1.0).abs() > MOST_VOLUME {
+        return Err(StepWriteError::Volume { file: measures.volume, mesh: volume });
+    }
+    Ok(measures)
 }
 
 fn compare(mesh: &Mesh, file: &Mesh, task: &Task) -> Result<Measures, StepWriteError> {

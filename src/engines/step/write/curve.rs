@@ -116,7 +116,7 @@ impl Course<'_> {
         let Some(along) = (b - a).try_normalize() else { return false };
         let is_between_planes =
             !self.is_at_free && self.surfaces.len() == 2 && self.surfaces.iter().all(|s| s.axis().is_none());
-        let off = if is_between_planes { 4.0 * self.tolerance } else { gap.max(ON_POINTS * self.tolerance) };
+        let off = gap.max(ON_POINTS * self.tolerance);
         let is_rising = self.line.windows(2).all(|w| (w[1] - w[0]).dot(along) > 0.0);
         (is_rising || is_between_planes)
             && self.line.iter().all(|&p| (p - a).reject_from_normalized(along).length() <= off)

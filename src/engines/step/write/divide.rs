@@ -1,6 +1,8 @@
 //! Cuts of free-form regions: into discs, and in two where one surface cannot be fitted.
 
+use geometry::exact::ExactMesh;
 use geometry::groups::Groups;
+use geometry::mesh::Mesh;
 use geometry::segmentation::FaceKind;
 use glam::DVec3;
 
@@ -14,6 +16,8 @@ use super::surface::Surface;
 const ROUNDS: usize = 24;
 /// Shares of a side that a vertex may be off a cut, tried one after the other.
 const SNAPS: [f64; 3] = [0.2, 0.02, 0.0];
+/// Triangles of a region that is made of plane faces at most, where no surface fits it.
+pub(super) const MOST_FACETS: usize = 64;
 /// Share of the tolerance within which a free form is flat.
 const FLAT: f64 = 0.1;
 /// Places along each direction at which cuts are tried.
@@ -48,6 +52,31 @@ pub(super) fn into_discs(skin: &mut Skin, regions: &mut Vec<Region>, tolerance: 
     }
     let at = skin.points[skin.triangles[0][0] as usize];
     Err(StepWriteError::Divide { at })
+}
+
+/// Divides the region beside a place where a file is not as it should be, so that it comes out better; false where
+/// nothing can be done.
+pub(super) fn mend(
+    skin: &mut Skin,
+    regions: &mut Vec<Region>,
+    at: DVec3,
+    tolerance: f64,
+) -> Result<bool, StepWriteError> {
+    let mesh = Mesh { vertices: skin.points.clone(), triangles: skin.triangles.clone() };
+    let exact = ExactMesh::new(&mesh).map_err(|_| StepWriteError::Unusable)?;
+    let region = skin.region[exact.nearest(at).triangle as usize];
+    let count = skin.region.iter().filter(|r| **r == region).count();
+    let surface = &mut regions[region as usize].surface;
+    match surface {
+        Some(surface) if surface.axis().is_none() => return Ok(false),
+        Some(_) => *surface = None,
+        None if count <= MOST_FACETS => {
+            into_facets(skin, regions, &[region], tolerance);
+            renumber(skin, regions);
+        }
+        None => halve(skin, regions, &[region])?,
+    }
+    Ok(true)
 }
 
 /// Makes plane faces of the facets of regions. Numbers of the other regions stay as they are.

@@ -199,8 +199,13 @@ pub enum StepWriteError {
         at: DVec3,
     },
     /// The file that was written does not read as what was meant.
-    #[error("the STEP file was discarded, as it does not read as a sound solid: {0}; allow a greater tolerance or make the mesh finer there")]
-    Reread(String),
+    #[error("the STEP file was discarded, as it does not read as a sound solid: {problem}; allow a greater tolerance or make the mesh finer there")]
+    Reread {
+        /// The reason.
+        problem: String,
+        /// The place, where it is known (mm).
+        at: Option<DVec3>,
+    },
     /// The file leaves the mesh by too much.
     #[error("the STEP file was discarded, as it is {distance:.4} mm off the mesh at ({:.3}, {:.3}, {:.3}) mm, more than the {most:.4} mm allowed; allow a greater tolerance or make the mesh finer there", at.x, at.y, at.z)]
     Deviation {
@@ -227,16 +232,25 @@ pub enum StepWriteError {
     Cancelled(#[from] Cancelled),
 }
 
+impl StepWriteError {
+    /// The place of what was found wrong with a file (mm).
+    fn place(&self) -> Option<DVec3> {
+        match self {
+            Self::Reread { at, .. } => *at,
+            Self::Deviation { at, .. } => Some(*at),
+            _ => None,
+        }
+    }
+}
+
 impl From<AuthorError> for StepWriteError {
     fn from(error: AuthorError) -> Self {
         Self::File(error.to_string())
     }
 }
 
-/// Tolerances by which a file may leave the mesh at any place.
-const MOST_DEVIATION: f64 = 2.0;
-/// Share by which the volume of a file may differ from that of the mesh.
-const MOST_VOLUME: f64 = 5e-4;
+/// Times that a region is divided because the file as it was read again is not good enough there.
+const REPAIRS: usize = 6;
 
 /// Writes a part as STEP AP242.
 ///
@@ -250,25 +264,30 @@ pub fn write_step(part: &StepPart, settings: &StepSettings, task: &Task) -> Resu
     let mut skin = Skin::of(part.mesh)?;
     let mut regions = regions::regions(&mut skin, part.mesh, part.role_of, tolerance)?;
     task.check()?;
-    let brep = brep::brep(&mut skin, &mut regions, tolerance, task)?;
-    let shells = shells(&skin, &brep)?;
-    let bytes = file::file(part, settings, &brep, &shells)?;
-    let measures = check::check(&bytes, part.mesh, shells.len(), tolerance, task)?;
-    let deviation = measures.mesh_to_file.max(measures.file_to_mesh[0]).max(measures.file_to_mesh[1]);
-    let most = MOST_DEVIATION * tolerance + measures.chord;
-    if deviation > most {
-        return Err(StepWriteError::Deviation { at: measures.at, distance: deviation, most });
-    }
-    let volume = part.mesh.volume();
-    if (measures.volume / volume - 1.0).abs() > MOST_VOLUME {
-        return Err(StepWriteError::Volume { file: measures.volume, mesh: volume });
-    }
+    let mut repairs = 0;
+    let (brep, solids, bytes, measures) = loop {
+        let brep = brep::brep(&mut skin, &mut regions, tolerance, task)?;
+        let shells = shells(&skin, &brep)?;
+        let bytes = file::file(part, settings, &brep, &shells)?;
+        let error = match check::check(&bytes, part.mesh, shells.len(), tolerance, task) {
+            Ok(measures) => break (brep, shells.len(), bytes, measures),
+            Err(error) => error,
+        };
+        repairs += 1;
+        let is_mended = match error.place().filter(|_| repairs <= REPAIRS) {
+            Some(at) => divide::mend(&mut skin, &mut regions, at, tolerance)?,
+            None => false,
+        };
+        if !is_mended {
+            return Err(error);
+        }
+    };
     let mut report = count(&brep);
-    report.solids = shells.len();
+    report.solids = solids;
     report.mesh_to_file_mm = measures.mesh_to_file;
     [report.outside_mm, report.inside_mm] = measures.file_to_mesh;
     report.volume_mm3 = measures.volume;
-    report.mesh_volume_mm3 = volume;
+    report.mesh_volume_mm3 = part.mesh.volume();
     Ok(StepFile { bytes, report })
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use geometry::groups::Groups;
 use geometry::mesh::Mesh;
-use geometry::segmentation::{FaceKind, Segmentation, SegmentationSettings};
+use geometry::segmentation::{Face, FaceKind, Segmentation, SegmentationSettings};
 use glam::DVec3;
 
 use super::StepWriteError;
@@ -76,7 +76,7 @@ fn found(skin: &mut Skin, mesh: &Mesh, role_of: &[u16], tolerance: f64, chord_to
         let near = skin.corners(i as u32)[0];
         skin.region[i] = *number.entry((face, role)).or_insert_with(|| {
             let face = &segmentation.faces[face as usize];
-            let is_exact = face.deviation <= 0.5 * tolerance;
+            let is_exact = face.deviation <= 0.5 * tolerance && !is_coarse(mesh, face, tolerance);
             let kind = if is_exact { face.kind } else { FaceKind::FreeForm };
             regions.push(Region { surface: Surface::of(&kind, near), role });
             regions.len() as u32 - 1
@@ -84,6 +84,16 @@ fn found(skin: &mut Skin, mesh: &Mesh, role_of: &[u16], tolerance: f64, chord_to
     }
     renumber(skin, &mut regions);
     regions
+}
+
+/// Whether the facets of a cylinder or cone leave it by more than a file may leave them.
+fn is_coarse(mesh: &Mesh, face: &Face, tolerance: f64) -> bool {
+    let Some(surface) = Surface::of(&face.kind, DVec3::ZERO).filter(|s| s.axis().is_some()) else { return false };
+    let middles = face.triangles.iter().flat_map(|&i| {
+        let [a, b, c] = mesh.corners(i as usize);
+        [a + b, b + c, c + a].map(|p| 0.5 * p)
+    });
+    middles.map(|p| surface.gap(p)).fold(0.0, f64::max) > COARSE * tolerance
 }
 
 /// Border lengths between regions, and from a region to all others.
