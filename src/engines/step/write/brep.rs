@@ -14,7 +14,7 @@ use super::divide;
 use super::map::Map;
 use super::net::{Chain, Net, Use, net};
 use super::quad::{self, Quad, Sides, Target};
-use super::regions::Region;
+use super::regions::{self, Region};
 use super::skin::Skin;
 use super::spline::{Curve, SplineSurface};
 use super::surface::Surface;
@@ -88,13 +88,16 @@ pub(super) fn brep(
     for round in 0..=ROUNDS {
         task.report("faces", round as f64 / ROUNDS as f64, "");
         let (net, curves) = laid(skin, regions, &mut splits, tolerance, task)?;
-        let now = std::time::Instant::now();
         let quads = quads(&net, &curves, regions, &known, tolerance, task)?;
-        if std::env::var("DBG").is_ok() { eprintln!("round {round}: {} regions {} free, fit {:.1} s", regions.len(), regions.iter().filter(|r| r.surface.is_none()).count(), now.elapsed().as_secs_f64()); for (r, q) in quads.iter().enumerate() { if let Some(q) = q { eprintln!("  {r}: {} triangles, line {}, knots {} x {}, off {:.4} at {:.2} excess {:.2}", net.pieces[r].triangles.len(), net.pieces[r].loops[0].len(), q.surface.knots[0].count(), q.surface.knots[1].count(), q.distance, q.at, q.excess); } } }
         let mut failing: Vec<(u32, f64, DVec3)> = Vec::new();
         for (r, quad) in (0u32..).zip(&quads) {
             match quad {
-                Some(quad) if quad.distance > FIT * tolerance || quad.excess > if round < EARLY { 0.0 } else { SMALL_FOLDS } => failing.push((r, quad.distance, quad.at)),
+                Some(quad)
+                    if quad.distance > FIT * tolerance
+                        || quad.excess > if round < EARLY { 0.0 } else { SMALL_FOLDS } =>
+                {
+                    failing.push((r, quad.distance, quad.at))
+                }
                 None if regions[r as usize].surface.is_none() => {
                     failing.push((r, f64::INFINITY, net.pieces[r as usize].points[0]));
                 }
@@ -110,12 +113,16 @@ pub(super) fn brep(
             Some(_) if !is_last => {}
             _ => return Ok(assembled(&net, curves, quads, regions)),
         }
-        known = net.pieces.iter().enumerate().filter_map(|(r, _)| Some((net.signature(r)?, quads[r].clone()?))).collect();
+        known =
+            net.pieces.iter().enumerate().filter_map(|(r, _)| Some((net.signature(r)?, quads[r].clone()?))).collect();
         // What stays small after several cuts has no form of its own: its facets are faces.
         let is_facets = |r: u32| round + 1 >= EARLY && net.pieces[r as usize].triangles.len() <= divide::MOST_FACETS;
         let (facets, halves): (Vec<u32>, Vec<u32>) = failing.iter().map(|f| f.0).partition(|&r| is_facets(r));
         divide::into_facets(skin, regions, &facets, tolerance);
         divide::halve(skin, regions, &halves)?;
+        if !facets.is_empty() {
+            regions::join_slivers(skin, regions, tolerance);
+        }
     }
     Err(StepWriteError::Unusable)
 }
@@ -133,7 +140,8 @@ fn laid(
     for _ in 0..SPLITS {
         task.check()?;
         let net = net(skin, regions, splits, tolerance);
-        let curves: Vec<EdgeCurve> = net.chains.par_iter().map(|c| course(&net, c, regions, tolerance).curve()).collect();
+        let curves: Vec<EdgeCurve> =
+            net.chains.par_iter().map(|c| course(&net, c, regions, tolerance).curve()).collect();
         let is_done = {
             let found = net.chains.iter().zip(&curves).filter_map(|(chain, curve)| Some(chain.vertices[curve.split?]));
             let before = splits.len();

@@ -60,7 +60,8 @@ fn best(places: &[usize], worth: &[f64], along: &[f64]) -> Option<[usize; 4]> {
         for (j, &b) in places.iter().enumerate().skip(i + 1) {
             for (k, &c) in places.iter().enumerate().skip(j + 1) {
                 for &d in &places[k + 1..] {
-                    let sides = [along[b] - along[a], along[c] - along[b], along[d] - along[c], whole - along[d] + along[a]];
+                    let sides =
+                        [along[b] - along[a], along[c] - along[b], along[d] - along[c], whole - along[d] + along[a]];
                     let uneven = (sides[0] / sides[2]).ln().abs() + (sides[1] / sides[3]).ln().abs();
                     let score = worth[a] + worth[b] + worth[c] + worth[d] - UNEVEN * uneven;
                     if !score.is_nan() && best.is_none_or(|b| score > b.0) {

@@ -39,7 +39,8 @@ pub(super) fn into_discs(skin: &mut Skin, regions: &mut Vec<Region>, tolerance: 
             if !piece.is_disc() {
                 due.push(r);
             } else if let [a, b, c] = piece.loops[0][..] {
-                let ends = [(a, b), (b, c), (c, a)].map(|(v, w)| (piece.of_skin[v as usize], piece.of_skin[w as usize]));
+                let ends =
+                    [(a, b), (b, c), (c, a)].map(|(v, w)| (piece.of_skin[v as usize], piece.of_skin[w as usize]));
                 let length = |(v, w): (u32, u32)| skin.points[v as usize].distance(skin.points[w as usize]);
                 let longest = ends.into_iter().reduce(|a, b| if length(b) > length(a) { b } else { a });
                 longest.map_or(Ok(()), |side| skin.split_side(side))?;

@@ -108,7 +108,9 @@ impl Map {
         let product = |left: &[DVec2]| free.iter().map(|&i| left[i] * left[i] / sums[i]).sum::<DVec2>();
         let mut now = product(&left);
         let enough = now * (RESIDUAL * RESIDUAL);
-        let share = |a: DVec2, b: DVec2| DVec2::new(if b.x > 0.0 { a.x / b.x } else { 0.0 }, if b.y > 0.0 { a.y / b.y } else { 0.0 });
+        let share = |a: DVec2, b: DVec2| {
+            DVec2::new(if b.x > 0.0 { a.x / b.x } else { 0.0 }, if b.y > 0.0 { a.y / b.y } else { 0.0 })
+        };
         for _ in 0..STEPS {
             if now.cmple(enough).all() {
                 break;
@@ -138,13 +140,13 @@ impl Map {
                 continue;
             }
             let (low, high) = (p.min(q).min(r) - 1e-9, p.max(q).max(r) + 1e-9);
-            let range = |all: &[f64], k: usize| {
-                all.partition_point(|x| *x < low[k])..all.partition_point(|x| *x <= high[k])
-            };
+            let range =
+                |all: &[f64], k: usize| all.partition_point(|x| *x < low[k])..all.partition_point(|x| *x <= high[k]);
             for i in range(us, 0) {
                 for j in range(vs, 1) {
                     let x = DVec2::new(us[i], vs[j]);
-                    let shares = [(q - x).perp_dot(r - x), (r - x).perp_dot(p - x), (p - x).perp_dot(q - x)].map(|a| a / area);
+                    let shares =
+                        [(q - x).perp_dot(r - x), (r - x).perp_dot(p - x), (p - x).perp_dot(q - x)].map(|a| a / area);
                     let within = shares.into_iter().fold(f64::INFINITY, f64::min);
                     let entry = &mut found[i * vs.len() + j];
                     if within > entry.0 {
@@ -172,7 +174,8 @@ impl Map {
 fn split(t: [u32; 3], middle: &HashMap<(u32, u32), u32>) -> Vec<[u32; 3]> {
     let found = sides_of(t).map(|(a, b)| middle.get(&(a.min(b), a.max(b))).copied());
     // Turned so that the first side has a middle, and the last none unless all have.
-    let turn = (0..3).find(|&k| found[k].is_some() && (found[(k + 2) % 3].is_none() || found.iter().all(Option::is_some)));
+    let turn =
+        (0..3).find(|&k| found[k].is_some() && (found[(k + 2) % 3].is_none() || found.iter().all(Option::is_some)));
     let Some(k) = turn else { return vec![t] };
     let [a, b, c] = [k, (k + 1) % 3, (k + 2) % 3].map(|i| t[i]);
     match [k, (k + 1) % 3, (k + 2) % 3].map(|i| found[i]) {

@@ -199,7 +199,9 @@ pub enum StepWriteError {
         at: DVec3,
     },
     /// The file that was written does not read as what was meant.
-    #[error("the STEP file was discarded, as it does not read as a sound solid: {problem}; allow a greater tolerance or make the mesh finer there")]
+    #[error(
+        "the STEP file was discarded, as it does not read as a sound solid: {problem}; allow a greater tolerance or make the mesh finer there"
+    )]
     Reread {
         /// The reason.
         problem: String,
@@ -217,7 +219,9 @@ pub enum StepWriteError {
         most: f64,
     },
     /// The file has another volume than the mesh.
-    #[error("the STEP file was discarded, as its volume is {file:.4} mm^3, that of the mesh {mesh:.4} mm^3; make the mesh finer on its curved faces")]
+    #[error(
+        "the STEP file was discarded, as its volume is {file:.4} mm^3, that of the mesh {mesh:.4} mm^3; make the mesh finer on its curved faces"
+    )]
     Volume {
         /// Volume of the file's solids (mm^3).
         file: f64,

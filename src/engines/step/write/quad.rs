@@ -111,7 +111,9 @@ fn refined(target: &Target, sides: &Sides, now: &Quad, limit: [usize; 2]) -> Opt
     };
     match better {
         Some(found) if found.excess < 0.4 * now.excess => Some(found),
-        other => candidate(halves).filter(|f| f.excess < 0.9 * now.excess).or(other.filter(|f| f.excess < 0.9 * now.excess)),
+        other => {
+            candidate(halves).filter(|f| f.excess < 0.9 * now.excess).or(other.filter(|f| f.excess < 0.9 * now.excess))
+        }
     }
 }
 
@@ -188,7 +190,12 @@ fn inner_form(basis: &Basis, inner: usize) -> Vec<(usize, f64)> {
 }
 
 /// The surface nearest to the wanted points by least squares, its outer control points held.
-fn solve(frame: &SplineSurface, grids: &[Grid; 2], factors: &[super::band::Factor; 2], wanted: &[DVec3]) -> SplineSurface {
+fn solve(
+    frame: &SplineSurface,
+    grids: &[Grid; 2],
+    factors: &[super::band::Factor; 2],
+    wanted: &[DVec3],
+) -> SplineSurface {
     let [n, m] = [0, 1].map(|k| frame.knots[k].count() - 2);
     let [us, vs] = [0, 1].map(|k| &grids[k].bases);
     // Sums along u for every place along v: column after column of the inner functions.

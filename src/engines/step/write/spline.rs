@@ -158,7 +158,11 @@ impl Curve {
             let [a, b, c] = [i - 1, i, i + 1].map(|k| knots.site(k));
             let (before, after) = (b - a, c - b);
             let reach = 0.5 * (c - a);
-            add(&[(i - 1, reach / before), (i, -reach / before - reach / after), (i + 1, reach / after)], DVec3::ZERO, BENDING);
+            add(
+                &[(i - 1, reach / before), (i, -reach / before - reach / after), (i + 1, reach / after)],
+                DVec3::ZERO,
+                BENDING,
+            );
         }
         matrix.factored()?.solve(&mut right);
         let mut controls = vec![ends[0]];

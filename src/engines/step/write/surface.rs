@@ -3,7 +3,6 @@
 use geometry::segmentation::FaceKind;
 use glam::DVec3;
 
-
 /// Three unit vectors at right angles, right-handed, at a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Axes {
