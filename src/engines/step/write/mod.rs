@@ -90,7 +90,7 @@ pub struct StepPart<'a> {
 /// Settings of the writer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepSettings {
-    /// Greatest distance between vertices of the mesh and the file's faces (mm).
+    /// Distance between mesh and free forms that is aimed at (mm). A file that is off by more than twice this is refused.
     pub tolerance: f64,
     /// Time stamp of the header (ISO 8601); the file's bytes depend on nothing else that changes.
     pub time_stamp: String,
