@@ -7,7 +7,7 @@
 //! How: [`geometry::segmentation`] tells faces. Edges are fitted once, along the sides of triangles between two faces. A
 //! free form is a disc with four sides: its surface is a tensor product whose outer control points are those of its edges,
 //! so that it meets its neighbours exactly. Free forms that are no discs, or that one surface does not fit, are cut by
-//! planes.
+//! planes; small pieces that nothing fits, and facets too coarse for a smooth surface, become plane faces.
 //!
 //! Guaranteed: every edge is used exactly twice, in opposite senses; the file was read again, its solids are closed, and
 //! volume and distances are those of the report; the same input gives the same bytes. Not guaranteed: that the deviation is
