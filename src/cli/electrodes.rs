@@ -82,6 +82,7 @@ enum Format {
     Stl,
     Obj,
     Glb,
+    Step,
 }
 
 impl From<Format> for ElectrodeFormat {
@@ -90,6 +91,7 @@ impl From<Format> for ElectrodeFormat {
             Format::Stl => Self::Stl,
             Format::Obj => Self::Obj,
             Format::Glb => Self::Glb,
+            Format::Step => Self::Step,
         }
     }
 }
@@ -116,7 +118,7 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
     }
     let file_name = mesh.file_name().map_or(name, |n| n.to_string_lossy().into_owned());
     let mut report = ElectrodesReport::of(&set, &file_name, asked.opening(), &asked.datum, uncut.is_certain());
-    report.table.notes.extend(imported.report.unit_doubt().into_iter().chain(uncut.doubts()));
+    report.table.notes.extend(imported.report.notes().chain(uncut.doubts()));
     let mut lines = lines(&set, &report, &asked.datum.of_upright(asked.opening()));
     if arguments.compare_divisions {
         let ways =
@@ -135,8 +137,8 @@ pub(super) fn electrodes(arguments: &ElectrodesArguments, session: &Session) -> 
         session.task.check()?;
         let formats: Vec<ElectrodeFormat> = arguments.formats.iter().copied().map(ElectrodeFormat::from).collect();
         let page = ElectrodesPage { times: &steps(&clock.times()), pictures: &pictures };
-        let (written, published) = export_electrodes(folder, (&set, &report), &sheet, &page, &formats)?;
-        has_all_files = written.no_sheet.is_none();
+        let (written, published) = export_electrodes(folder, (&set, &report), &sheet, &page, &formats, &session.task)?;
+        has_all_files = written.no_sheet.is_none() && written.left_out.iter().all(|left| left.format.is_none());
         lines.extend(not_written(&written, &published));
     } else {
         lines.push(
@@ -271,7 +273,8 @@ fn corners(set: &ElectrodeSet, axes: &DAffine3) -> Option<String> {
 fn not_written(written: &WrittenElectrodes, published: &Published) -> Vec<String> {
     let mut lines = Vec::new();
     for left in &written.left_out {
-        lines.push(format!("{} was not written: {}", left.electrode, left.why));
+        let kind = left.format.map_or_else(String::new, |f| format!(" as {}", f.extension().to_uppercase()));
+        lines.push(format!("{} was not written{kind}: {}", left.electrode, left.why));
     }
     lines.extend(published.notes());
     lines.extend(written.no_sheet.as_ref().map(|why| format!("burn_sheet.txt was not written: {why}")));

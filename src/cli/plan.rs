@@ -38,7 +38,7 @@ pub(super) fn read(project: &ProjectArguments, session: &Session) -> anyhow::Res
 pub(super) fn load(project: &ProjectArguments, session: &Session) -> anyhow::Result<(PlanInputs, Vec<InputFile>)> {
     let job = read(project, session)?;
     let read = read_blisk(&job, &session.task).map_err(anyhow::Error::msg)?;
-    let Some(BliskMesh { mesh: blisk, sections, file, report }) = read else {
+    let Some(BliskMesh { mesh: blisk, sections, file, report, .. }) = read else {
         anyhow::bail!(
             "{}: blisk.mesh is missing; give the mesh file there or with --set blisk.mesh=FILE, or blades in blisk.sections. \
              The built-in blisk is planned by sparkpath demo",

@@ -251,7 +251,7 @@ pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Re
         Ok(ComparisonReport::of(&comparison, &others.params.library, params.opening()))
     };
     let comparison = other.map(compared).transpose().map_err(wrong)?;
-    let notes: Vec<String> = imported.report.unit_doubt().into_iter().collect();
+    let notes: Vec<String> = imported.report.notes().collect();
     let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
     let pictures = if arguments.out.is_some() && !arguments.no_pictures {
         drawn(&imported.mesh, &found, &task).unwrap_or_else(|error| {

@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use files::{FileError, MANIFEST};
+use geometry::exact::ExactMesh;
+use import::{ImportOptions, import_file};
 use nc::post::{BUILT_IN, Post};
 use sparkpath::workspaces::blisk::export::{self, PlanFilesError};
 use sparkpath::workspaces::blisk::job::outcome::PlanInputs;
@@ -58,6 +60,40 @@ pub fn a_folder_holds_the_programs_of_the_last_plan_only() {
     assert!(matches!(write(folder, "nc", &cancel), Err(PlanFilesError::Cancelled(_))));
     assert_eq!(names(folder), before);
     assert_eq!(std::fs::metadata(folder.join("path_1.h")).unwrap().modified().unwrap(), program);
+}
+
+/// An electrode as STEP is one closed solid as large as its mesh and no nearer to the walls than is certified, or the report
+/// says why there is none.
+pub fn an_electrode_as_step_is_the_one_that_was_certified() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut inputs = inputs();
+    inputs.job.export.files.step = true;
+    let plan = whole_easy_plan();
+    let mut report = build::report(plan, &inputs.job, Vec::new());
+    let post = Post::named(&inputs.job.export.post).unwrap();
+    let files = export::write(folder.path(), plan, &inputs, &post, &mut report, &Cancel::default()).unwrap();
+    let said = report.electrodes[0].step.clone().unwrap();
+    let name = "electrode_1.step".to_owned();
+    assert_eq!(files.contains(&name), said.starts_with("STEP: "), "{said}");
+    assert_eq!(files.contains(&name), report.electrodes[0].files.contains(&name));
+    if !files.contains(&name) {
+        assert!(said.starts_with("No STEP file: ") && said.contains("mm"), "{said}");
+        return;
+    }
+    let read = import_file(&folder.path().join(name), &ImportOptions::default(), &Task::default()).unwrap();
+    let mesh = &plan.electrodes[0].electrode.mesh;
+    assert!(read.report.watertight && read.report.solids.len() == 1);
+    assert!((read.mesh.volume() / mesh.volume() - 1.0).abs() < 1e-3, "{said}");
+    let placed = read.mesh.in_frame(&plan.channel.frame);
+    let [body, certified] = [&placed, mesh].map(|m| ExactMesh::new(m).unwrap());
+    let blisk = ExactMesh::new(&plan.channel.wheel_in_w(&inputs.blisk)).unwrap();
+    let planned = plan.electrodes[0].plan.path.as_ref().unwrap();
+    let rows = &planned.path.rows;
+    for row in rows.iter().step_by(rows.len().div_ceil(8)) {
+        let at = row.pose.placement(planned.path.reference_point);
+        let [new, old] = [&body, &certified].map(|body| blisk.distance_to(body, &at));
+        assert!(new > 0.1 - 0.002 - 1e-3 && (new - old).abs() < 0.01, "{new} for {old}");
+    }
 }
 
 pub fn what_cannot_be_replaced_is_named_and_no_program_lies_beside_it() {

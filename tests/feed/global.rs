@@ -10,7 +10,7 @@ use sparkpath::workspaces::blisk::job::outcome::ElectrodeOutcome;
 use sparkpath::workspaces::blisk::job::plan::run_prepared;
 use sparkpath::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use sparkpath::workspaces::blisk::job::preview::live_way;
-use sparkpath::workspaces::blisk::job::sizing::{SizingRange, size};
+use sparkpath::workspaces::blisk::job::sizing::{SizingRange, TOLERANCE_DEG, size};
 use task::Progress;
 use wheel::electrode::PartParams;
 
@@ -248,6 +248,12 @@ fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
     let plan = run_feeds(ready(), &inputs, &Task::default()).unwrap();
     assert!(plan.is_verified());
     assert_eq!(only(&plan).electrode.least_thickness_mm, row.least_thickness_mm);
+    for steps in [1.0, 2.0] {
+        let mut less = inputs.clone();
+        less.job.electrode.circumferential_reduction_deg = row.reduction_deg.map(|deg| deg - steps * TOLERANCE_DEG);
+        let plan = run_feeds(ready(), &less, &Task::default()).unwrap();
+        assert!(!plan.is_verified(), "a plan with {steps} steps less is certified");
+    }
     let thicker =
         |r: &sparkpath::workspaces::blisk::job::sizing::SizeRow| r.least_thickness_mm >= row.least_thickness_mm;
     assert!(rows.iter().filter(|r| r.reduction_deg[0] != r.reduction_deg[1]).all(thicker), "{rows:?}");

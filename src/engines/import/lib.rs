@@ -29,7 +29,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use geometry::mesh::Mesh;
-use geometry::segmentation::{FaceKind, Segmentation, SegmentationSettings};
+use geometry::segmentation::{Segmentation, SegmentationSettings};
 use task::{Cancel, Cancelled, Task};
 
 mod clean;
@@ -61,7 +61,7 @@ pub use holes::Hole;
 pub use limits::ImportLimits;
 pub use obj::obj_bytes;
 pub use report::ImportReport;
-pub use solids::{CadFace, CadFaces, SolidReport};
+pub use solids::{CadFaces, SolidReport};
 pub use stl::{stl_bytes, write_stl};
 pub use units::{Undeclared, Unit, Units};
 
@@ -158,10 +158,7 @@ impl Imported {
     /// The faces of the part: those of the CAD program where the file has them, else those that its triangles show.
     pub fn segmentation(&self, settings: &SegmentationSettings) -> Segmentation {
         match &self.faces {
-            Some(known) => {
-                let kinds: Vec<FaceKind> = known.faces.iter().map(|face| face.kind).collect();
-                Segmentation::of_faces(&self.mesh, &kinds, &known.face_of, settings)
-            }
+            Some(known) => Segmentation::of_faces(&self.mesh, &known.faces, &known.face_of, settings),
             None => Segmentation::of(&self.mesh, settings),
         }
     }

@@ -139,6 +139,20 @@ impl ImportReport {
         (!self.unit_certain).then(|| format!("The unit is a guess: {}. Set it if this is wrong.", self.unit_reason))
     }
 
+    /// How near the triangles are to the exact faces of the file, in a sentence; none of a file of triangles.
+    pub fn accuracy(&self) -> Option<String> {
+        let tolerance = self.step_tolerance_mm?;
+        Some(format!(
+            "Every figure is of triangles that lie within {tolerance} mm of the exact faces of the STEP file \
+             (step_tolerance_mm)."
+        ))
+    }
+
+    /// Sentences that belong beside every result: doubt about the unit, and accuracy.
+    pub fn notes(&self) -> impl Iterator<Item = String> {
+        self.unit_doubt().into_iter().chain(self.accuracy())
+    }
+
     /// Says in sentences what the figures mean.
     fn warn(&mut self, one_sided: usize, unsure: usize, nesting_unknown: bool) {
         self.warnings.extend(self.unit_doubt());

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use geometry::mesh::Mesh;
-use geometry::segmentation::FaceKind;
+use geometry::segmentation::KnownFace;
 use serde::Serialize;
 
 /// A solid of a file.
@@ -26,22 +26,11 @@ pub struct SolidReport {
     pub color: Option<[f32; 3]>,
 }
 
-/// A face of the CAD program.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CadFace {
-    /// Form.
-    pub kind: FaceKind,
-    /// Name in the file; often empty.
-    pub name: String,
-    /// Red, green and blue from 0 to 1.
-    pub color: Option<[f32; 3]>,
-}
-
 /// The faces that the triangles of a mesh belong to.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CadFaces {
     /// Faces.
-    pub faces: Vec<CadFace>,
+    pub faces: Vec<KnownFace>,
     /// Number of the face of each triangle.
     pub face_of: Vec<u32>,
 }
@@ -56,6 +45,17 @@ pub(super) struct Solids {
 }
 
 impl CadFaces {
+    /// Number, from 1, and face of a triangle.
+    pub fn at(&self, triangle: u32) -> Option<(u32, &KnownFace)> {
+        let number = *self.face_of.get(triangle as usize)?;
+        Some((number + 1, self.faces.get(number as usize)?))
+    }
+
+    /// The face of a triangle in words, with its number.
+    pub fn words_at(&self, triangle: u32) -> Option<String> {
+        self.at(triangle).map(|(number, face)| format!("face {number}: {}", face.words()))
+    }
+
     /// The faces, known for the triangles of `before`, of the triangles of `after`, its repaired form.
     pub(super) fn carried(mut self, before: &Mesh, after: &Mesh) -> Self {
         if before.triangles.len() == after.triangles.len() && corners(before).eq(corners(after)) {

@@ -19,3 +19,4 @@ pub mod lines;
 pub mod path_csv;
 pub mod post;
 pub mod program;
+pub mod step_files;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::job_file::{ExportSection, PlanJob};
-use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanJobError, PlanOutcome};
+use crate::workspaces::blisk::job::outcome::{ElectrodeOutcome, PlanInputs, PlanJobError, PlanOutcome};
 use crate::workspaces::blisk::job::{figures, plan_pictures, simulate};
 use crate::workspaces::blisk::report::build;
 use crate::workspaces::blisk::report::residual_stock::map_as_ply;
@@ -19,6 +19,8 @@ use nc::lines::NcError;
 use nc::path_csv::{PathCsvError, write_copying_csv, write_path_csv};
 use nc::post::{Post, PostError};
 use nc::program::{NcJob, NcProgram, is_program_for};
+use nc::step_files::{WrittenStep, length, step_words, text, written_step};
+use step::write::StepPart;
 use task::{Cancel, Cancelled, Task};
 use wheel::channel::Channel;
 
@@ -100,7 +102,10 @@ pub fn write(
     let context = Context { channel: &outcome.channel, blisk: &blisk, job: &inputs.job, post, bodies: bodies.as_ref() };
     let (mut files, mut programs): (Vec<(String, Vec<u8>)>, Vec<_>) = (Vec::new(), Vec::new());
     for i in 0..outcome.electrodes.len() {
-        let (own, program) = electrode_files(i + 1, outcome, &context)?;
+        let step = inputs.job.export.files.step.then(|| step_file(i + 1, &outcome.electrodes[i], &context, cancel));
+        let step = step.transpose()?;
+        report.electrodes[i].step = step.as_ref().map(step_words);
+        let (own, program) = electrode_files(i + 1, outcome, &context, step.as_ref())?;
         report.electrodes[i].feed_lowered = program.as_ref().and_then(NcProgram::slowed).map(FeedLowered::from);
         let program = program.map(|p| (format!("path_{}.{}", i + 1, p.extension()), p.text().as_bytes().to_vec()));
         report.electrodes[i].files = own.iter().chain(&program).map(|(name, _)| name.clone()).collect();
@@ -210,10 +215,38 @@ fn bodies_now(outcome: &PlanOutcome, job: &PlanJob, cancel: &Cancel) -> Result<O
     })
 }
 
+/// Electrode number `k` as STEP, or the reason why there is none: where its path is certified only if its faces keep the
+/// clearance that is required.
+fn step_file(
+    k: usize,
+    outcome: &ElectrodeOutcome,
+    context: &Context,
+    cancel: &Cancel,
+) -> Result<WrittenStep, Cancelled> {
+    let (job, electrode) = (context.job, &outcome.electrode.mesh);
+    let mesh = match job.export.frame {
+        MeshFrame::Mesh => &electrode.in_parent_of(&context.channel.frame),
+        MeshFrame::W => electrode,
+    };
+    let to_spare = outcome.plan.path.as_ref().filter(|p| p.certificate.holds()).map(|planned| {
+        let c = &planned.certificate;
+        c.certified() - (c.required() - c.tolerance())
+    });
+    let properties = [
+        text("role", "electrode"),
+        length("spark gap", job.electrode.spark_gap_mm),
+        text("enters from", outcome.electrode.enters_from.name()),
+    ];
+    let name = format!("electrode {k}");
+    let part = StepPart { name: &name, mesh, roles: &[], role_of: &[], properties: &properties };
+    written_step(&part, to_spare.unwrap_or(0.1 * job.electrode.spark_gap_mm), &Task::silent(cancel))
+}
+
 fn electrode_files(
     k: usize,
     whole: &PlanOutcome,
     context: &Context,
+    step: Option<&WrittenStep>,
 ) -> Result<(Vec<NamedFile>, Option<NcProgram>), PlanFilesError> {
     let (wanted, mut files) = (&context.job.export.files, Vec::new());
     let outcome = &whole.electrodes[k - 1];
@@ -224,6 +257,9 @@ fn electrode_files(
             MeshFrame::W => electrode,
         };
         files.push((electrode_file(k), stl_bytes(mesh).map_err(PlanFilesError::Electrode)?));
+    }
+    if let Some(Ok(step)) = step {
+        files.push((format!("electrode_{k}.step"), step.bytes.clone()));
     }
     if wanted.report {
         files.extend(as_bytes(figures::electrode_tables(k, outcome)));

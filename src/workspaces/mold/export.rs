@@ -14,6 +14,7 @@ use nc::burn_template::BurnSheet;
 use nc::electrode_files::{
     ElectrodeExportError, ElectrodeFormat, WrittenElectrodes, is_electrode_file, write_electrode_files,
 };
+use task::Task;
 
 /// What the manifest of a folder calls an export of electrodes.
 pub const EXPORT: &str = "electrodes";
@@ -102,10 +103,11 @@ pub fn export_electrodes(
     sheet: &BurnSheet,
     page: &ElectrodesPage,
     formats: &[ElectrodeFormat],
+    task: &Task,
 ) -> Result<(WrittenElectrodes, Published), ElectrodeExportError> {
     let mut folder =
         folder.setting_aside(|path| path.file_name().and_then(|n| n.to_str()).is_some_and(is_electrode_file));
-    let mut written = write_electrode_files(&mut folder, set, formats)?;
+    let mut written = write_electrode_files(&mut folder, set, formats, task)?;
     folder.write("burn_table.csv", report.table.csv().as_bytes())?;
     folder.write("burn_table.json", report.table.json()?.as_bytes())?;
     match sheet.of(&report.table) {
@@ -150,6 +152,7 @@ mod tests {
             &BurnSheet::standard(),
             &ElectrodesPage::default(),
             &[ElectrodeFormat::Stl],
+            &Task::default(),
         )
         .unwrap();
         let renamed =
@@ -187,6 +190,7 @@ mod tests {
                 &BurnSheet::standard(),
                 &ElectrodesPage::default(),
                 &[ElectrodeFormat::Glb],
+                &Task::default(),
             )
         };
         assert!(tried(&broken).unwrap_err().to_string().contains("E02-finish as glb"));

@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::patch::mean_normal;
-use super::{RuledFit, RuledFitError, RuledFitParams, fit_ruled};
+use super::{RuledFit, RuledFitError, RuledFitParams, fit_ruled, known_ruled};
 use geometry::mesh::Mesh;
 use geometry::segmentation::{EdgeKind, FaceKind, Segmentation, SegmentationSettings};
 use task::Task;
@@ -136,7 +136,14 @@ pub fn candidates_among(
     let tried = found.iter().take(MOST_FITTED).take_while(|c| c.area_mm2 >= LEAST_SHARE * total).count();
     let fitted = AtomicUsize::new(0);
     found[..tried].par_iter_mut().for_each(|c| {
-        c.fit = match fit_ruled(mesh, &c.triangles, params, &task.cancel) {
+        let known = match &c.faces[..] {
+            [face] => segmentation.faces[*face as usize].known.as_ref(),
+            _ => None,
+        };
+        let guides = known.map_or(&[][..], |known| &known.guides);
+        let fit = known_ruled(mesh, &c.triangles, guides, params)
+            .and_then(|fit| fit.map_or_else(|| fit_ruled(mesh, &c.triangles, params, &task.cancel), Ok));
+        c.fit = match fit {
             Ok(fit) => CandidateFit::Fitted(Box::new(fit)),
             Err(error) => CandidateFit::Refused(error),
         };
@@ -206,7 +213,9 @@ fn joined(mesh: &Mesh, segmentation: &Segmentation, up: DVec3) -> Vec<Vec<u32>> 
             FaceKind::Plane { normal, .. } => normal.dot(up).abs() < STANDS,
             FaceKind::Cylinder { direction, .. } => direction.dot(up).abs() > 0.7,
             FaceKind::Cone { axis, half_angle, .. } => axis.dot(up).abs() > 0.7 && half_angle < 0.8,
-            FaceKind::FreeForm => mean_normal(mesh, &face.triangles).dot(up).abs() < STANDS,
+            FaceKind::Sphere { .. } | FaceKind::Torus { .. } | FaceKind::FreeForm => {
+                mean_normal(mesh, &face.triangles).dot(up).abs() < STANDS
+            }
         }
     };
     let stands: Vec<bool> = (0..count).map(stands).collect();

@@ -150,7 +150,7 @@ fn is_on_border(patch: &Patch, border: &[[u32; 2]], t: usize, p: DVec3) -> bool 
 }
 
 /// The greatest distance of the border's points from their guides.
-fn border(sides: &Sides, strip: &Strip) -> f64 {
+pub(super) fn border(sides: &Sides, strip: &Strip) -> f64 {
     let rulings = strip.rulings();
     let off = |s: usize, p: DVec3| {
         let u = strip.foot_on_guide(s, strip.foot(&rulings, p).u, p);

@@ -16,6 +16,7 @@
 
 mod band;
 mod candidates;
+mod exact;
 mod knots;
 mod measure;
 mod params;
@@ -94,6 +95,8 @@ pub struct RuledFit {
     pub covers: bool,
     /// Whether the face runs all around: both guides end where they start, with the same slope and the same bend.
     pub is_closed: bool,
+    /// Whether guides and rulings are those of the CAD program's face, not fitted.
+    pub is_known: bool,
     /// Notes on the fit, one sentence each; the first says whether the face is ruled.
     pub words: Vec<String>,
 }
@@ -106,6 +109,22 @@ struct Trial {
     error: f64,
     /// Whether it reaches beyond an end of the face.
     is_longer: bool,
+}
+
+impl Trial {
+    fn surface(&self) -> Found<'_> {
+        Found { sides: &self.sides, strip: &self.strip, is_longer: self.is_longer, is_known: false }
+    }
+}
+
+/// A surface that a face is answered with.
+struct Found<'a> {
+    sides: &'a Sides,
+    strip: &'a Strip,
+    /// Whether it reaches beyond an end of the face.
+    is_longer: bool,
+    /// Whether its guides are those of the CAD program.
+    is_known: bool,
 }
 
 /// Fits a ruled surface to `triangles` of `mesh`, which should hang together and have two long sides. A face all
@@ -133,7 +152,31 @@ pub fn fit_ruled(
     let trial = best(trials, params, up).ok_or(RuledFitError::NoSides)?;
     let trial = refined(&patch, trial, params);
     cancel.check()?;
-    answer(&patch, &trial, params)
+    answer(&patch, &trial.surface(), params)
+}
+
+/// The ruled surface of a face that a CAD program gives the guides of, measured against the face; none where that is not
+/// the surface of the face, or where it goes beyond what cubic guides can be.
+///
+/// # Errors
+/// As [`fit_ruled`].
+pub fn known_ruled(
+    mesh: &Mesh,
+    triangles: &[u32],
+    guides: &[[NurbsCurve; 2]],
+    params: &RuledFitParams,
+) -> Result<Option<RuledFit>, RuledFitError> {
+    params.validate()?;
+    if guides.is_empty() {
+        return Ok(None);
+    }
+    let patch = Patch::of(mesh, triangles)?;
+    let Some(surface) = exact::surface(&patch, guides, params.up.normalize_or_zero()) else {
+        return Ok(None);
+    };
+    let found = Found { sides: &surface.0, strip: &surface.1, is_longer: false, is_known: true };
+    let fit = answer(&patch, &found, params)?;
+    Ok(Some(fit).filter(|fit| fit.is_ruled))
 }
 
 /// Surfaces with few control points over each choice of sides, from two starts each. What is far worse than another
@@ -260,15 +303,16 @@ fn released(trial: &Trial, params: &RuledFitParams) -> Option<Trial> {
     Some(Trial { sides: trial.sides.clone(), samples, strip, error: trial.error, is_longer: true })
 }
 
-fn answer(patch: &Patch, trial: &Trial, params: &RuledFitParams) -> Result<RuledFit, RuledFitError> {
-    let [lower, upper] = trial.strip.guides(patch.origin)?;
-    let found = measure::measured(patch, &trial.sides, &trial.strip)?;
+fn answer(patch: &Patch, surface: &Found, params: &RuledFitParams) -> Result<RuledFit, RuledFitError> {
+    let [lower, upper] = surface.strip.guides(patch.origin)?;
+    let found = measure::measured(patch, surface.sides, surface.strip)?;
     let tolerance = params.tolerance_mm;
     let with_chord = tolerance + patch.chord.min(MOST_CHORD * tolerance);
-    let is_ruled = found.corners.greatest_mm <= tolerance
-        && found.all.greatest_mm <= with_chord
-        && found.back.greatest_mm <= with_chord;
-    let covers = found.uncovered <= with_chord && found.lost <= with_chord && patch.chord <= MOST_CHORD * tolerance;
+    // What lies between corners is known of a surface that was given, however coarse the triangles.
+    let is_told = surface.is_known || patch.chord <= MOST_CHORD * tolerance;
+    let is_near = surface.is_known || found.all.greatest_mm <= with_chord && found.back.greatest_mm <= with_chord;
+    let is_ruled = found.corners.greatest_mm <= tolerance && is_near;
+    let covers = found.uncovered <= with_chord && found.lost <= with_chord && is_told;
     let mut fit = RuledFit {
         lower,
         upper,
@@ -285,14 +329,15 @@ fn answer(patch: &Patch, trial: &Trial, params: &RuledFitParams) -> Result<Ruled
         tolerance_mm: tolerance,
         is_ruled,
         covers,
-        is_closed: trial.sides.is_ring,
+        is_closed: surface.sides.is_ring,
+        is_known: surface.is_known,
         words: Vec::new(),
     };
-    fit.words = words(patch, trial, &fit);
+    fit.words = words(patch, surface.is_longer, &fit);
     Ok(fit)
 }
 
-fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
+fn words(patch: &Patch, is_longer: bool, fit: &RuledFit) -> Vec<String> {
     let place = |p: DVec3| format!("({:.2}, {:.2}, {:.2})", p.x, p.y, p.z);
     let (off, within) = (fit.error_corners.greatest_mm, fit.tolerance_mm);
     let much = within + fit.chord_mm.min(MOST_CHORD * within);
@@ -326,7 +371,10 @@ fn words(patch: &Patch, trial: &Trial, fit: &RuledFit) -> Vec<String> {
     } else if patch.loops.len() > 1 {
         words.push(format!("the face has {} hole(s); the surface goes on over them", patch.loops.len() - 1));
     }
-    if trial.is_longer {
+    if fit.is_known {
+        words.push("guides and rulings are those of the CAD program's face, not fitted".into());
+    }
+    if is_longer {
         words.push("an end of the face is no ruling: the surface reaches beyond it".into());
     }
     if fit.border_mm > much {

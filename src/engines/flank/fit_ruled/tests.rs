@@ -2,6 +2,7 @@ use glam::{DQuat, DVec3};
 use proptest::prelude::*;
 
 use super::*;
+use geometry::nurbs::KnotVector;
 use task::{Cancel, Progress, Task};
 
 /// Points and normals over the unit square.
@@ -75,6 +76,44 @@ fn ruled_forms() -> Vec<(&'static str, Box<Form>)> {
 fn fitted(form: &Form, tolerance_mm: f64) -> RuledFit {
     let (mesh, front) = solid(form, [48, 5], 3.0);
     fit_ruled(&mesh, &front, &RuledFitParams { tolerance_mm, ..RuledFitParams::default() }, &Cancel::default()).unwrap()
+}
+
+/// The paper's surfaces by their own guides: nothing is fitted, so that corners are off by rounding only.
+#[test]
+fn guides_of_a_cad_face_are_taken_as_they_are() {
+    let of = |points: [[f64; 3]; 4]| {
+        let points = points.map(DVec3::from_array);
+        NurbsCurve::new(KnotVector::new(3, [[2.0; 4], [5.0; 4]].concat()).unwrap(), &points, &[1.0; 4]).unwrap()
+    };
+    for lower in [LOWER_A, LOWER_B] {
+        let form = move |u: f64, v: f64| bezier(lower, u) * (1.0 - v) + bezier(UPPER, u) * v;
+        let (mesh, front) = solid(&form, [48, 5], 3.0);
+        let given = [of(lower), of(UPPER)];
+        let turned = [given[1].reversed(), given[0].reversed()];
+        for guides in [given.clone(), turned] {
+            let params = RuledFitParams { tolerance_mm: 1e-3, ..RuledFitParams::default() };
+            let fit = known_ruled(&mesh, &front, &[guides], &params).unwrap().unwrap();
+            assert!(fit.is_known && fit.is_ruled && fit.covers && fit.error_corners.greatest_mm < 1e-9, "{fit:?}");
+            assert!(fit.border_mm < 1e-9 && fit.lower.knots().count() == 4, "{fit:?}");
+            // The lower guide is the lower edge, and the tool stands outside.
+            let [low, along, _] = fit.lower.at(0.3);
+            assert!((low.z + 10.0).abs() < 1e-9);
+            let outwards = along.cross(fit.upper.point(0.3) - low);
+            let out = solid_normal(&form, 0.3);
+            assert!(outwards.dot(out) > 0.0);
+        }
+    }
+    // Guides of some other surface are not believed.
+    let form = |u: f64, v: f64| bezier(LOWER_A, u) * (1.0 - v) + bezier(UPPER, u) * v;
+    let (mesh, front) = solid(&form, [48, 5], 3.0);
+    let other = known_ruled(&mesh, &front, &[[of(LOWER_B), of(UPPER)]], &RuledFitParams::default()).unwrap();
+    assert!(other.is_none());
+}
+
+/// The normal of a form at (u, 0), to the side to which `solid` has none of its metal.
+fn solid_normal(form: &Form, u: f64) -> DVec3 {
+    let h = 1e-6;
+    (form(u + h, 0.0) - form(u - h, 0.0)).cross(form(u, h) - form(u, 0.0))
 }
 
 /// The greatest distance of places of `form` from the fit, and of both its guides from the edges of `form`, which may

@@ -46,16 +46,59 @@ impl NurbsCurve {
         if let Some(i) = (0..points.len()).find(|i| !usable(i)) {
             return Err(NurbsError::Value(i));
         }
-        let points: Vec<DVec4> = points.iter().zip(weights).map(|(p, w)| (*p * *w).extend(*w)).collect();
-        let corners = |pick: fn(DVec3, DVec3) -> DVec3| points.iter().map(|q| q.truncate() / q.w).reduce(pick);
-        let extent = corners(DVec3::max).zip(corners(DVec3::min)).map_or(0.0, |(high, low)| high.distance(low));
-        Ok(Self { knots, points, extent })
+        Ok(Self::of(knots, points.iter().zip(weights).map(|(p, w)| (*p * *w).extend(*w)).collect()))
     }
 
     /// Reversed curve: its point at u is this curve's point at first plus last parameter less u.
     pub fn reversed(&self) -> Self {
         let points = self.points.iter().rev().copied().collect();
         Self { knots: self.knots.reversed(), points, extent: self.extent }
+    }
+
+    /// The curve with its control points carried by an affine `map`.
+    #[must_use]
+    pub fn mapped(&self, map: impl Fn(DVec3) -> DVec3) -> Self {
+        let points = self.points.iter().map(|q| (map(q.truncate() / q.w) * q.w).extend(q.w)).collect();
+        Self::of(self.knots.clone(), points)
+    }
+
+    /// The stretch of the curve from one parameter within its ends to a greater one, with the same parameters.
+    ///
+    /// # Errors
+    /// If the parameters do not rise.
+    pub fn between(&self, from: f64, to: f64) -> Result<Self, NurbsError> {
+        let degree = self.knots.degree();
+        let inner = self.knots.knots().iter().copied().filter(|u| *u > from && *u < to).collect();
+        let knots = KnotVector::clamped(degree, from, inner, to)?;
+        let points = (0..knots.count()).map(|i| {
+            // Polar form (blossom) of the piece that control point i counts on, at the knots behind it.
+            let t = &knots.knots()[i..=i + degree + 1];
+            let piece = t.windows(2).find(|w| w[1] > w[0]).map_or(from, |w| 0.5 * (w[0] + w[1]));
+            self.polar(piece, &t[1..=degree])
+        });
+        let points = points.collect();
+        Ok(Self::of(knots, points))
+    }
+
+    /// The curve of homogeneous control points, as many as `knots` count.
+    pub(super) fn of(knots: KnotVector, points: Vec<DVec4>) -> Self {
+        let corners = |pick: fn(DVec3, DVec3) -> DVec3| points.iter().map(|q| q.truncate() / q.w).reduce(pick);
+        let extent = corners(DVec3::max).zip(corners(DVec3::min)).map_or(0.0, |(high, low)| high.distance(low));
+        Self { knots, points, extent }
+    }
+
+    /// The polar form of the piece around `u` at `arguments`, as many as the degree.
+    fn polar(&self, u: f64, arguments: &[f64]) -> DVec4 {
+        let (degree, knots) = (self.knots.degree(), self.knots.knots());
+        let first = self.knots.basis(u).first;
+        let mut points = self.points[first..=first + degree].to_vec();
+        for (r, t) in (1..).zip(arguments) {
+            for j in (r..=degree).rev() {
+                let (low, high) = (knots[first + j], knots[first + j + degree + 1 - r]);
+                points[j] = points[j - 1].lerp(points[j], (t - low) / (high - low));
+            }
+        }
+        points[degree]
     }
 
     /// Knots.

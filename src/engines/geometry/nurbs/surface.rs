@@ -3,6 +3,7 @@
 use glam::{DVec3, DVec4};
 
 use super::NurbsError;
+use super::curve::NurbsCurve;
 use super::knots::KnotVector;
 
 /// A NURBS surface. The control point at (`i`, `j`) has index `i * count_v + j`.
@@ -33,6 +34,26 @@ impl NurbsSurface {
     /// First and last parameter in both directions.
     pub fn domain(&self) -> [[f64; 2]; 2] {
         [self.u.domain(), self.v.domain()]
+    }
+
+    /// Knots in direction u (0) or v (1).
+    pub fn knots(&self, direction: usize) -> &KnotVector {
+        if direction == 0 { &self.u } else { &self.v }
+    }
+
+    /// The curve on the surface along u (0) or v (1) on which the other parameter is `across`.
+    pub fn curve(&self, direction: usize, across: f64) -> NurbsCurve {
+        let basis = self.knots(1 - direction).basis(across);
+        let degree = self.knots(1 - direction).degree();
+        let place = |along: usize, k: usize| if direction == 0 { [along, k] } else { [k, along] };
+        let point = |along: usize| {
+            let shares = basis.orders[0].iter().take(degree + 1).enumerate();
+            let at = |k: usize| place(along, basis.first + k);
+            shares.map(|(k, share)| self.points[at(k)[0] * self.v.count() + at(k)[1]] * *share).sum()
+        };
+        let knots = self.knots(direction).clone();
+        let points = (0..knots.count()).map(point).collect();
+        NurbsCurve::of(knots, points)
     }
 
     /// Parameters at which pieces join in direction u (0) or v (1), ends included, each once.

@@ -36,6 +36,23 @@ fn a_rational_quadratic_is_a_circle_to_rounding() {
 }
 
 #[test]
+fn a_stretch_of_a_curve_is_the_curve_there() {
+    let points: Vec<DVec3> = (0..12).map(|i| spiral(f64::from(i) / 11.0)).collect();
+    let weights: Vec<f64> = (0..12).map(|i| 1.0 + 0.5 * f64::from(i % 3)).collect();
+    let inner = vec![0.1, 0.2, 0.4, 0.4, 0.5, 0.7, 0.7, 0.7];
+    let curve = NurbsCurve::new(KnotVector::clamped(3, 0.0, inner, 1.0).unwrap(), &points, &weights).unwrap();
+    for [from, to] in [[0.0, 1.0], [0.05, 0.95], [0.4, 0.7], [0.41, 0.43], [0.2, 1.0]] {
+        let stretch = curve.between(from, to).unwrap();
+        assert_eq!(stretch.domain(), [from, to]);
+        for i in 0..=50 {
+            let u = from + (to - from) * f64::from(i) / 50.0;
+            assert!(stretch.point(u).distance(curve.point(u)) < 1e-12, "at {u} of {from} to {to}");
+        }
+    }
+    assert!(curve.between(0.5, 0.5).is_err());
+}
+
+#[test]
 fn without_inner_knots_it_is_a_bezier_curve() {
     let control = points(&[0.0, 0.0, 1.0, 2.0, 5.0, -1.0, 4.0, -3.0, 0.5, 7.0, 1.0, 2.0, 8.0, 8.0, 0.0]);
     let weights = [1.0, 0.7, 2.0, 1.3, 0.9];
@@ -207,6 +224,22 @@ fn a_skinned_surface_meets_its_points_and_nears_a_cylinder() {
     assert!(fine.greatest_mm < 1e-3 && fine.rms_mm < fine.greatest_mm && fine.points == 1001, "{fine:?}");
     // Half the spacing: an eighth of the error at least, since the end tangents are good to second order.
     assert!(fine.greatest_mm < coarse.greatest_mm / 7.0, "{coarse:?} {fine:?}");
+}
+
+#[test]
+fn curves_on_a_surface_are_the_surface_there() {
+    let sections: Vec<Vec<DVec3>> = (0..4)
+        .map(|k| (0..9).map(|i| spiral(f64::from(i) / 8.0) + f64::from(k * k) * DVec3::new(0.1, 1.0, 3.0)).collect())
+        .collect();
+    let (surface, _) = NurbsSurface::skinned(&sections).unwrap();
+    for i in 0..=20 {
+        let (along, across) = (f64::from(i) / 20.0, 0.37);
+        let place = |k: usize, x: f64| surface.domain()[k][0] * (1.0 - x) + surface.domain()[k][1] * x;
+        let (u, v) = (place(0, along), place(1, across));
+        assert!(surface.curve(0, v).point(u).distance(surface.point(u, v)) < 1e-12);
+        let (u, v) = (place(0, across), place(1, along));
+        assert!(surface.curve(1, u).point(v).distance(surface.point(u, v)) < 1e-12);
+    }
 }
 
 #[test]

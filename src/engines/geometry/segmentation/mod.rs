@@ -18,7 +18,9 @@ mod topology;
 #[cfg(test)]
 mod tests;
 
-use glam::DVec3;
+use std::sync::Arc;
+
+use glam::{DMat4, DVec3};
 use serde::{Deserialize, Serialize};
 
 use self::chains::Segment;
@@ -26,6 +28,7 @@ use self::facets::{Facets, Flat};
 use self::revolved::Revolved;
 use self::topology::{NONE, Topology};
 use super::mesh::Mesh;
+use super::nurbs::NurbsCurve;
 
 /// Settings that decide which triangles make one face.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -96,8 +99,51 @@ pub enum FaceKind {
         /// Whether the axis lies outside the material, as that of a countersink.
         is_hollow: bool,
     },
+    /// A sphere; only of a face that a CAD program knows.
+    Sphere {
+        /// Centre (mm).
+        centre: DVec3,
+        /// Radius (mm).
+        radius: f64,
+        /// Whether the centre lies outside the material.
+        is_hollow: bool,
+    },
+    /// A torus; only of a face that a CAD program knows.
+    Torus {
+        /// Centre (mm).
+        centre: DVec3,
+        /// Unit direction of the axis; either of the two.
+        axis: DVec3,
+        /// Radius of the circle through the middle of the tube (mm).
+        major: f64,
+        /// Radius of the tube (mm).
+        minor: f64,
+        /// Whether the middle of the tube lies outside the material, as that of a rounded corner of a pocket.
+        is_hollow: bool,
+    },
     /// Any other form.
     FreeForm,
+}
+
+impl FaceKind {
+    /// The form with its sizes, in words.
+    pub fn words(&self) -> String {
+        let side = |is_hollow: bool| if is_hollow { "hollow " } else { "" };
+        match *self {
+            Self::Plane { .. } => "plane".to_owned(),
+            Self::Cylinder { radius, is_hollow, .. } => {
+                format!("{}cylinder, radius {radius:.4} mm", side(is_hollow))
+            }
+            Self::Cone { half_angle, is_hollow, .. } => {
+                format!("{}cone, half angle {:.3} deg", side(is_hollow), half_angle.to_degrees())
+            }
+            Self::Sphere { radius, is_hollow, .. } => format!("{}sphere, radius {radius:.4} mm", side(is_hollow)),
+            Self::Torus { major, minor, is_hollow, .. } => {
+                format!("{}torus, radii {major:.4} and {minor:.4} mm", side(is_hollow))
+            }
+            Self::FreeForm => "free form".to_owned(),
+        }
+    }
 }
 
 /// Triangles of one surface that hang together.
@@ -111,6 +157,66 @@ pub struct Face {
     pub area: f64,
     /// The greatest distance of a corner from the surface (mm); 0 for a free form, which is fitted with none.
     pub deviation: f64,
+    /// The face of the CAD program, where the file of the part has it.
+    pub known: Option<Arc<KnownFace>>,
+}
+
+/// A face of a CAD program.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnownFace {
+    /// Form.
+    pub kind: FaceKind,
+    /// Name in the file; often empty.
+    pub name: String,
+    /// Red, green and blue from 0 to 1, where the face has a colour of its own.
+    pub color: Option<[f32; 3]>,
+    /// Both guides of a ruled B-spline surface over the face: rulings join equal parameters. Two pairs where it is ruled
+    /// both ways; none where it is not ruled.
+    pub guides: Vec<[NurbsCurve; 2]>,
+}
+
+impl KnownFace {
+    /// Form, sizes and name, in words.
+    pub fn words(&self) -> String {
+        let form = match self.kind {
+            FaceKind::FreeForm if !self.guides.is_empty() => "ruled B-spline surface".to_owned(),
+            kind => kind.words(),
+        };
+        if self.name.is_empty() { form } else { format!("{form}, \u{201c}{}\u{201d}", self.name) }
+    }
+
+    /// A face of this form, without a name.
+    pub fn of(kind: FaceKind) -> Self {
+        Self { kind, name: String::new(), color: None, guides: Vec::new() }
+    }
+
+    /// The face at another place: `placement` turns, moves and scales by `scale`, evenly.
+    pub fn placed(&self, placement: &DMat4, scale: f64) -> Self {
+        let point = |p: DVec3| placement.transform_point3(p);
+        let turn = |v: DVec3| placement.transform_vector3(v) / scale;
+        let kind = match self.kind {
+            FaceKind::Plane { normal, offset } => {
+                let turned = turn(normal);
+                FaceKind::Plane { normal: turned, offset: turned.dot(point(normal * offset)) }
+            }
+            FaceKind::Cylinder { point: on, direction, radius, is_hollow } => {
+                FaceKind::Cylinder { point: point(on), direction: turn(direction), radius: radius * scale, is_hollow }
+            }
+            FaceKind::Cone { apex, axis, half_angle, is_hollow } => {
+                FaceKind::Cone { apex: point(apex), axis: turn(axis), half_angle, is_hollow }
+            }
+            FaceKind::Sphere { centre, radius, is_hollow } => {
+                FaceKind::Sphere { centre: point(centre), radius: radius * scale, is_hollow }
+            }
+            FaceKind::Torus { centre, axis, major, minor, is_hollow } => {
+                let [major, minor] = [major, minor].map(|r| r * scale);
+                FaceKind::Torus { centre: point(centre), axis: turn(axis), major, minor, is_hollow }
+            }
+            FaceKind::FreeForm => FaceKind::FreeForm,
+        };
+        let guides = self.guides.iter().map(|pair| [&pair[0], &pair[1]].map(|g| g.mapped(point))).collect();
+        Self { kind, guides, ..self.clone() }
+    }
 }
 
 /// How two faces meet.
@@ -205,16 +311,24 @@ impl Segmentation {
         Self::labelled(&topology, &of_triangle, &surfaces, settings)
     }
 
-    /// The faces of a mesh whose faces are known: `kinds` by number, and the number of the face of each triangle. A face
-    /// without a triangle is left out, a triangle with a number beyond `kinds` belongs to a face of free form.
-    pub fn of_faces(mesh: &Mesh, kinds: &[FaceKind], face_of: &[u32], settings: &SegmentationSettings) -> Self {
+    /// The faces of a mesh whose faces are known by number, with the number of the face of each triangle. A face without
+    /// a triangle is left out, a triangle with a number beyond the `known` ones belongs to a face of free form.
+    pub fn of_faces(mesh: &Mesh, known: &[KnownFace], face_of: &[u32], settings: &SegmentationSettings) -> Self {
         let topology = Topology::of(mesh);
-        let mut surfaces: Vec<Surface> = kinds.iter().map(|kind| Surface::of(kind, topology.origin)).collect();
+        let mut surfaces: Vec<Surface> = known.iter().map(|face| Surface::of(&face.kind, topology.origin)).collect();
         let free = surfaces.len() as u32;
         surfaces.push(Surface::Free);
         let label = |t: usize| face_of.get(t).copied().filter(|f| *f < free).unwrap_or(free);
         let of_triangle: Vec<u32> = (0..mesh.triangles.len()).map(label).collect();
-        Self::labelled(&topology, &of_triangle, &surfaces, settings)
+        let mut found = Self::labelled(&topology, &of_triangle, &surfaces, settings);
+        for face in &mut found.faces {
+            let number = face.triangles.first().and_then(|t| of_triangle.get(*t as usize));
+            face.known = number.and_then(|n| known.get(*n as usize)).cloned().map(Arc::new);
+            if let Some(known) = &face.known {
+                face.kind = known.kind;
+            }
+        }
+        found
     }
 
     /// The faces of triangles with these labels, and the edges between them.
@@ -297,7 +411,7 @@ fn faces(topology: &Topology, of_triangle: &[u32], surfaces: &[Surface]) -> (Vec
             let surface = surfaces[label as usize];
             found.push(surface);
             let kind = surface.kind(topology.origin);
-            faces.push(Face { kind, triangles: Vec::new(), area: 0.0, deviation: 0.0 });
+            faces.push(Face { kind, triangles: Vec::new(), area: 0.0, deviation: 0.0, known: None });
         }
         let n = number[label as usize];
         face_of.push(n);
@@ -360,7 +474,7 @@ impl Surface {
                 let slope = half_angle.tan();
                 Self::Revolved(Revolved { origin: apex + axis - from, axis, radius: slope, slope }, is_hollow)
             }
-            FaceKind::FreeForm => Self::Free,
+            FaceKind::Sphere { .. } | FaceKind::Torus { .. } | FaceKind::FreeForm => Self::Free,
         }
     }
 

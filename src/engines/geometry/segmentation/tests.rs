@@ -166,7 +166,8 @@ fn signature(found: &Segmentation) -> (Vec<[i64; 4]>, Vec<[i64; 4]>) {
                 FaceKind::Plane { .. } => (0, 0.0, false),
                 FaceKind::Cylinder { radius, is_hollow, .. } => (1, radius, is_hollow),
                 FaceKind::Cone { half_angle, is_hollow, .. } => (2, half_angle, is_hollow),
-                FaceKind::FreeForm => (3, 0.0, false),
+                // Of triangles alone neither a sphere nor a torus is told.
+                FaceKind::Sphere { .. } | FaceKind::Torus { .. } | FaceKind::FreeForm => (3, 0.0, false),
             };
             [form, thousandths(size), i64::from(is_hollow), thousandths(f.area)]
         })

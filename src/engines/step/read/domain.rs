@@ -27,6 +27,14 @@ pub(super) struct Domain {
     pub own: Vec<DVec3>,
 }
 
+impl Domain {
+    /// Least and greatest parameters.
+    pub fn range(&self) -> [DVec2; 2] {
+        let corners = || self.polygons.iter().flatten().map(|c| c.0);
+        [corners().fold(DVec2::INFINITY, DVec2::min), corners().fold(DVec2::NEG_INFINITY, DVec2::max)]
+    }
+}
+
 /// A loop laid out in the parameter plane.
 #[derive(Debug, Clone)]
 struct Run {

@@ -27,7 +27,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use geometry::mesh::Mesh;
-use geometry::segmentation::FaceKind;
+use geometry::segmentation::KnownFace;
 use task::Task;
 
 use crate::error::StepError;
@@ -72,7 +72,7 @@ pub struct Solid {
     /// Triangles (mm).
     pub mesh: Mesh,
     /// Faces.
-    pub faces: Vec<SolidFace>,
+    pub faces: Vec<KnownFace>,
     /// Number of the face of each triangle.
     pub face_of: Vec<u32>,
     /// Faces that could not be made, and open places: none of a closed solid.
@@ -90,17 +90,6 @@ impl Solid {
         }
         !self.mesh.triangles.is_empty() && sides.values().all(|times| *times == 1 + (1 << 16))
     }
-}
-
-/// A face of a solid.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SolidFace {
-    /// Form.
-    pub kind: FaceKind,
-    /// Name in the file; often empty.
-    pub name: String,
-    /// Red, green and blue from 0 to 1, where the face has a colour of its own.
-    pub color: Option<[f32; 3]>,
 }
 
 /// A place at which a solid is not as the file means it.

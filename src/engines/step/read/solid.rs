@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use geometry::mesh::Mesh;
-use geometry::segmentation::FaceKind;
+use geometry::segmentation::{FaceKind, KnownFace};
 use glam::{DMat4, DVec3};
 use rayon::prelude::*;
 use step_io::model::{Axis2Placement3dRef, CartesianPointRef, DirectionRef, EntityKey};
@@ -15,7 +15,7 @@ use super::assembly::Placed;
 use super::domain::{Node, OWN, domain};
 use super::surface::{Axes, Shape, Surface};
 use super::triangulate::{CROSSES, FaceMesh, triangulate};
-use super::{Fault, Fineness, Options, Solid, SolidFace, edges};
+use super::{Fault, Fineness, Options, Solid, edges};
 use crate::error::StepError;
 
 /// How often edges are halved beyond what they need by themselves, where faces beside them need it.
@@ -89,7 +89,8 @@ pub(super) fn tessellate(
         *p *= unit;
     }
     solid.faults.iter_mut().for_each(|f| f.place *= unit);
-    solid.faces.iter_mut().for_each(|f| f.kind = scaled(f.kind, unit));
+    let scale = DMat4::from_scale(DVec3::splat(unit));
+    solid.faces.iter_mut().for_each(|face| *face = face.placed(&scale, unit));
     Ok(placed.places.iter().enumerate().map(|(n, at)| at_place(&solid, n, *at, unit)).collect())
 }
 
@@ -299,7 +300,8 @@ fn assemble(
     for (n, ((b, surface), mesh)) in (0u32..).zip(bounded.iter().zip(surfaces).zip(meshes)) {
         let color = b.face.color().map(|c| [c.red as f32, c.green as f32, c.blue as f32]);
         let kind = surface.as_ref().map_or(FaceKind::FreeForm, |s| kind(s, b.is_forward));
-        solid.faces.push(SolidFace { kind, name: b.face.name().trim().to_owned(), color });
+        let guides = mesh.as_ref().map_or_else(|_| Vec::new(), |mesh| mesh.guides.clone());
+        solid.faces.push(KnownFace { kind, name: b.face.name().trim().to_owned(), color, guides });
         let place = beside(&b.face);
         match mesh {
             Ok(mesh) => {
@@ -401,20 +403,11 @@ fn kind(surface: &Surface, is_forward: bool) -> FaceKind {
             half_angle: slope.abs().atan(),
             is_hollow: !is_forward,
         },
-        _ => FaceKind::FreeForm,
-    }
-}
-
-fn scaled(kind: FaceKind, unit: f64) -> FaceKind {
-    match kind {
-        FaceKind::Plane { normal, offset } => FaceKind::Plane { normal, offset: offset * unit },
-        FaceKind::Cylinder { point, direction, radius, is_hollow } => {
-            FaceKind::Cylinder { point: point * unit, direction, radius: radius * unit, is_hollow }
+        Shape::Sphere { axes, radius } => FaceKind::Sphere { centre: axes.origin, radius, is_hollow: !is_forward },
+        Shape::Torus { axes, major, minor } => {
+            FaceKind::Torus { centre: axes.origin, axis: axes.z, major, minor, is_hollow: !is_forward }
         }
-        FaceKind::Cone { apex, axis, half_angle, is_hollow } => {
-            FaceKind::Cone { apex: apex * unit, axis, half_angle, is_hollow }
-        }
-        FaceKind::FreeForm => kind,
+        Shape::Nurbs(_) => FaceKind::FreeForm,
     }
 }
 
@@ -433,22 +426,6 @@ fn at_place(solid: &Solid, n: usize, at: DMat4, unit: f64) -> Solid {
         *p = at.transform_point3(*p);
     }
     placed.faults.iter_mut().for_each(|f| f.place = at.transform_point3(f.place));
-    for face in &mut placed.faces {
-        let turn = |v: DVec3| at.transform_vector3(v);
-        face.kind = match face.kind {
-            FaceKind::Plane { normal, offset } => {
-                let point = at.transform_point3(normal * offset);
-                FaceKind::Plane { normal: turn(normal), offset: turn(normal).dot(point) }
-            }
-            FaceKind::Cylinder { point, direction, radius, is_hollow } => {
-                let (point, direction) = (at.transform_point3(point), turn(direction));
-                FaceKind::Cylinder { point, direction, radius, is_hollow }
-            }
-            FaceKind::Cone { apex, axis, half_angle, is_hollow } => {
-                FaceKind::Cone { apex: at.transform_point3(apex), axis: turn(axis), half_angle, is_hollow }
-            }
-            FaceKind::FreeForm => FaceKind::FreeForm,
-        };
-    }
+    placed.faces.iter_mut().for_each(|face| *face = face.placed(&at, 1.0));
     placed
 }

@@ -5,7 +5,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use geometry::nurbs::{KnotVector, NurbsSurface};
+use geometry::nurbs::{KnotVector, NurbsCurve, NurbsSurface};
 use glam::{DVec2, DVec3};
 
 /// An orthonormal frame.
@@ -290,6 +290,25 @@ impl Surface {
             }
         }
         uv
+    }
+
+    /// Both guides of a NURBS surface that is ruled, over the box of parameters from `low` to `high`: rulings join equal
+    /// parameters. Two pairs where it is ruled both ways; none of any other surface, nor where the box crosses a seam.
+    pub fn guides(&self, [low, high]: [DVec2; 2]) -> Vec<[NurbsCurve; 2]> {
+        let Shape::Nurbs(s) = &self.shape else { return Vec::new() };
+        let slack = |k: usize| 1e-9 * (s.domain()[k][1] - s.domain()[k][0]);
+        let is_within = |k: usize| low[k] >= s.domain()[k][0] - slack(k) && high[k] <= s.domain()[k][1] + slack(k);
+        if !is_within(0) || !is_within(1) {
+            return Vec::new();
+        }
+        let corner = |end: usize| DVec2::new(s.domain()[0][end], s.domain()[1][end]);
+        let [low, high] = [low, high].map(|uv| uv.clamp(corner(0), corner(1)));
+        let is_straight = |k: &usize| s.knots(*k).degree() == 1 && s.knots(*k).count() == 2;
+        let pairs = [1, 0].into_iter().filter(is_straight).filter_map(|across| {
+            let guide = |at: f64| s.curve(1 - across, at).between(low[1 - across], high[1 - across]).ok();
+            Some([guide(low[across])?, guide(high[across])?])
+        });
+        pairs.collect()
     }
 
     /// Places in the closed interval `range` of direction `k` between which the form may change.

@@ -2,12 +2,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use step_io::build::{CurveInput, FaceBoundInput, Frame, LengthUnit, SurfaceInput, UnitsInput};
 use step_io::model::{AdvancedFaceId, EdgeCurveId};
 use step_io::{Orientation, StepBuilder};
 use task::Task;
 
+use super::surface::{Shape, Surface};
 use super::{Options, StepFile, read};
 use Orientation::{Forward, Reversed};
 
@@ -189,6 +190,34 @@ fn a_face_that_is_missing_leaves_the_solid_open_and_the_rest_as_it_is() {
     assert!(!file.solids[0].is_closed() && file.solids[0].mesh.triangles.len() == 10);
 }
 
+/// Its guides are those of the box of parameters that the face covers.
+#[test]
+fn a_ruled_face_has_its_guides() {
+    use geometry::nurbs::{KnotVector, NurbsSurface};
+    let bezier =
+        |degree: usize| KnotVector::new(degree, [vec![0.0; degree + 1], vec![1.0; degree + 1]].concat()).unwrap();
+    let rows = [[0.0, 0.0, 0.0], [1.0, 3.0, 0.0], [2.0, 3.0, 0.0], [4.0, 0.0, 0.0]].map(DVec3::from_array);
+    let points: Vec<DVec3> = rows.iter().flat_map(|p| [*p, *p * DVec3::new(1.0, -1.0, 1.0) + DVec3::Z * 5.0]).collect();
+    let twisted = NurbsSurface::new(bezier(3), bezier(1), &points, &[1.0; 8]).unwrap();
+    let shape =
+        Surface { shape: Shape::Nurbs(twisted.clone().into()), period: [None; 2], poles: [None; 2], is_flipped: false };
+    let [low, high] = [DVec2::new(0.25, 0.1), DVec2::new(0.75, 0.6)];
+    let guides = shape.guides([low, high]);
+    assert_eq!(guides.len(), 1);
+    for i in 0..=8 {
+        let u = 0.25 + f64::from(i) / 16.0;
+        for (guide, v) in guides[0].iter().zip([0.1, 0.6]) {
+            assert!(guide.point(u).distance(twisted.point(u, v)) < 1e-12);
+        }
+    }
+    assert!(shape.guides([low, DVec2::new(1.2, 0.6)]).is_empty(), "beyond the surface there are no guides");
+}
+
+/// Number of spoilt files that are tried: 400, or as many as the environment's `STEP_MUTATIONS` says.
+fn mutations() -> usize {
+    std::env::var("STEP_MUTATIONS").ok().and_then(|count| count.parse().ok()).unwrap_or(400)
+}
+
 #[test]
 fn whatever_the_bytes_there_is_an_answer() {
     let sound = written(|b| cylinder(b, true));
@@ -197,7 +226,7 @@ fn whatever_the_bytes_there_is_an_answer() {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 33) as usize % below
     };
-    for _ in 0..400 {
+    for _ in 0..mutations() {
         let mut bytes = sound.clone();
         for _ in 0..=random(4) {
             let at = random(bytes.len());

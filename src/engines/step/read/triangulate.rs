@@ -6,6 +6,7 @@
 
 use std::collections::{HashMap, HashSet, VecDeque};
 
+use geometry::nurbs::NurbsCurve;
 use glam::{DVec2, DVec3};
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation};
@@ -25,6 +26,8 @@ pub(super) struct FaceMesh {
     pub is_fine: bool,
     /// Sides of the boundary that are too long for that.
     pub coarse_sides: Vec<[u32; 2]>,
+    /// Guides of a ruled surface over the face; see [`geometry::segmentation::KnownFace`].
+    pub guides: Vec<[NurbsCurve; 2]>,
 }
 
 /// Longest step along a direction, as a multiple of that across: longer triangles are hard to measure.
@@ -77,6 +80,17 @@ fn interpolate(xs: &[f64], ys: &[f64], x: f64) -> f64 {
     ys[i - 1] + (x - xs[i - 1]) / (xs[i] - xs[i - 1]) * (ys[i] - ys[i - 1])
 }
 
+/// What is known of a triangulation from the rounds of refinement before.
+#[derive(Default)]
+struct Known {
+    /// Points of the surface at its vertices.
+    points: Vec<DVec3>,
+    /// Sides that leave the surface by no more than is allowed.
+    fine_sides: HashSet<[usize; 2]>,
+    /// Triangles, by their vertices in rising order, that do so.
+    fine_triangles: HashSet<[usize; 3]>,
+}
+
 /// What a triangulation is made from.
 struct Ground<'a> {
     surface: &'a Surface,
@@ -101,25 +115,28 @@ pub(super) fn triangulate(
     let mut own = domain.own.clone();
     if matches!(surface.shape, Shape::Plane(_)) {
         let triangles = inside(&net, &walls);
-        return Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine: true, coarse_sides: Vec::new() });
+        return Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine: true, ..FaceMesh::default() });
     }
     let coarse_sides = ground.coarse_sides();
     for at in ground.grid(most) {
         ground.add(&mut net, at, &mut own)?;
     }
+    // Sides of the boundary are as fine as their edges.
+    let mut known = Known { fine_sides: walls.clone(), ..Known::default() };
     for _ in 0..ROUNDS {
         let triangles = inside(&net, &walls);
-        let missing = ground.missing(&net, &triangles, &walls);
+        let missing = ground.missing(&net, &triangles, &mut known);
         if missing.is_empty() || own.len() + missing.len() > most {
             let is_fine = missing.is_empty();
-            return Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine, coarse_sides });
+            let guides = surface.guides(domain.range());
+            return Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine, coarse_sides, guides });
         }
         for at in missing {
             ground.add(&mut net, at, &mut own)?;
         }
     }
     let triangles = inside(&net, &walls);
-    Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine: false, coarse_sides })
+    Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine: false, coarse_sides, guides: Vec::new() })
 }
 
 /// Point numbers of triangles. Those at a pole that have collapsed are left out.
@@ -277,36 +294,55 @@ impl Ground<'_> {
         found
     }
 
-    /// Places where triangles leave the surface by more than is allowed.
-    fn missing(&self, net: &Delaunay, triangles: &[[FixedVertexHandle; 3]], walls: &HashSet<[usize; 2]>) -> Vec<DVec2> {
+    /// Places where triangles leave the surface by more than is allowed. What was found fine before is not measured again.
+    fn missing(&self, net: &Delaunay, triangles: &[[FixedVertexHandle; 3]], known: &mut Known) -> Vec<DVec2> {
         let place = |v: FixedVertexHandle| {
             let p = net.vertex(v).position();
             DVec2::new(p.x, p.y)
         };
-        let mut seen: HashSet<[usize; 2]> = HashSet::new();
+        for n in known.points.len()..net.num_vertices() {
+            known.points.push(self.surface.point(self.uv(place(FixedVertexHandle::from_index(n)))));
+        }
+        let mut coarse: HashSet<[usize; 2]> = HashSet::new();
         let mut found = Vec::new();
         for t in triangles {
-            let at = t.map(place);
-            let points = at.map(|at| self.surface.point(self.uv(at)));
-            let before = found.len();
+            let mut key = t.map(|v| v.index());
+            key.sort_unstable();
+            if known.fine_triangles.contains(&key) {
+                continue;
+            }
+            let points = t.map(|v| known.points[v.index()]);
+            let mut is_fine = true;
             for (i, j) in [(0, 1), (1, 2), (2, 0)] {
                 let key = side(t[i], t[j]);
-                // Sides of the boundary are as fine as their edges. Shorter sides would follow the surface's own faults.
-                let is_open = !walls.contains(&key) && points[i].distance(points[j]) > self.fine.least_length;
-                if !is_open || !seen.insert(key) {
+                // Shorter sides would follow the surface's own faults.
+                if known.fine_sides.contains(&key) || points[i].distance(points[j]) <= self.fine.least_length {
                     continue;
                 }
-                let middle = 0.5 * (at[i] + at[j]);
+                if coarse.contains(&key) {
+                    is_fine = false;
+                    continue;
+                }
+                let middle = 0.5 * (place(t[i]) + place(t[j]));
                 if self.leaves([points[i], points[j]], self.uv(middle)) {
+                    coarse.insert(key);
                     found.push(middle);
+                    is_fine = false;
+                } else {
+                    known.fine_sides.insert(key);
                 }
             }
-            let middle = (at[0] + at[1] + at[2]) / 3.0;
+            if !is_fine {
+                continue;
+            }
+            let middle = (place(t[0]) + place(t[1]) + place(t[2])) / 3.0;
             let normal = (points[1] - points[0]).cross(points[2] - points[0]).normalize_or_zero();
-            let off = (self.surface.point(self.uv(middle)) - points[0]).dot(normal);
             let is_long = points[0].distance(points[1]).max(points[0].distance(points[2])) > self.fine.least_length;
-            if found.len() == before && is_long && off.abs() > self.fine.chord {
+            let off = (self.surface.point(self.uv(middle)) - points[0]).dot(normal);
+            if is_long && off.abs() > self.fine.chord {
                 found.push(middle);
+            } else {
+                known.fine_triangles.insert(key);
             }
         }
         found
@@ -334,9 +370,7 @@ fn spans(polygons: &[Vec<DVec2>], y: f64) -> Vec<[f64; 2]> {
 
 /// The stretches of both directions over the domain.
 fn stretches(surface: &Surface, domain: &Domain, fine: &Fineness) -> [Stretch; 2] {
-    let corners = || domain.polygons.iter().flatten().map(|c| c.0);
-    let low = corners().fold(DVec2::INFINITY, DVec2::min);
-    let high = corners().fold(DVec2::NEG_INFINITY, DVec2::max);
+    let [low, high] = domain.range();
     // No direction is empty.
     let high = high.max(low + 1e-12 * (1.0 + low.abs()));
     if matches!(surface.shape, Shape::Plane(_)) {

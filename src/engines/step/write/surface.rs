@@ -76,7 +76,7 @@ impl Surface {
             FaceKind::Cone { apex, axis, half_angle, is_hollow } => {
                 Some(Self::Cone { axes: Axes::along(apex, axis), half_angle, is_hollow })
             }
-            FaceKind::FreeForm => None,
+            FaceKind::Sphere { .. } | FaceKind::Torus { .. } | FaceKind::FreeForm => None,
         }
     }
 

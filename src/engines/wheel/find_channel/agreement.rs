@@ -115,19 +115,37 @@ impl<'a> Facets<'a> {
 
     /// How far a facet may lie off the bent surface that it stands for (mm): as far as an arc over it that turns from
     /// each of its neighbours to the opposite one as they do, twice over, since facets differ in size. Creases are no
-    /// arcs.
+    /// arcs. Triangles in one plane are one facet, however finely it was divided.
     fn chord(&self, triangle: u32) -> f64 {
         const CREASE: f64 = 0.6;
+        const FLAT: f64 = 1e-4;
+        const MOST_TRIANGLES: usize = 256;
         let normal = |triangle: usize| normal_times_two_areas(self.mesh.corners(triangle));
-        let [a, b, c] = self.mesh.triangles[triangle as usize];
         let own = normal(triangle as usize);
-        let sag = |(from, to): (u32, u32)| {
-            let beside = normal(*self.edges.get(&(to, from))?);
-            let turn = own.angle_between(beside);
-            let length = self.mesh.vertices[from as usize].distance(self.mesh.vertices[to as usize]);
-            (turn < CREASE).then(|| turn * own.length() / length / 4.0)
+        let mut facet = vec![triangle as usize];
+        let mut rim: Vec<([u32; 2], usize, f64)> = Vec::new();
+        let mut next = 0;
+        while let Some(&at) = facet.get(next) {
+            next += 1;
+            let [a, b, c] = self.mesh.triangles[at];
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                let Some(&beside) = self.edges.get(&(to, from)) else { continue };
+                let turn = own.angle_between(normal(beside));
+                if turn >= FLAT || facet.len() >= MOST_TRIANGLES {
+                    rim.push(([from, to], beside, turn));
+                } else if !facet.contains(&beside) {
+                    facet.push(beside);
+                }
+            }
+        }
+        let corners = || facet.iter().flat_map(|t| self.mesh.corners(*t));
+        let sag = |(ends, beside, turn): ([u32; 2], usize, f64)| {
+            let [from, to] = ends.map(|v| self.mesh.vertices[v as usize]);
+            let along = (to - from).normalize_or_zero();
+            let across = corners().map(|p| (p - from).cross(along).length()).fold(0.0, f64::max);
+            (turn < CREASE && !facet.contains(&beside)).then_some(turn * across / 4.0)
         };
-        [(a, b), (b, c), (c, a)].into_iter().filter_map(sag).fold(0.0, f64::max)
+        rim.into_iter().filter_map(sag).fold(0.0, f64::max)
     }
 }
 

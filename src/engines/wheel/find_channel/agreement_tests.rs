@@ -128,6 +128,35 @@ fn coarse_facets_make_no_channels_differ() {
     assert!(channel.unlike.is_empty(), "{:?}", channel.unlike);
 }
 
+/// Facets that were divided say no more of the surface that they stand for than they did whole.
+#[test]
+fn divided_facets_are_as_coarse_as_whole_ones() {
+    let part = ParametricWheel { pieces: [108, 12, 2], ..ParametricWheel::impeller() };
+    let mut mesh = part.mesh();
+    let whole = found(&mesh);
+    for _ in 0..2 {
+        let mut middles: HashMap<[u32; 2], u32> = HashMap::new();
+        let mut vertices = mesh.vertices.clone();
+        let mut middle = |a: u32, b: u32| {
+            *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                let [p, q] = [a, b].map(|v| vertices[v as usize]);
+                // Rounded as in an STL file.
+                vertices.push((0.5 * (p + q)).as_vec3().as_dvec3());
+                vertices.len() as u32 - 1
+            })
+        };
+        let quarters = |&[a, b, c]: &[u32; 3]| {
+            let [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
+            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        };
+        let triangles = mesh.triangles.iter().flat_map(quarters).collect();
+        mesh = Mesh { vertices, triangles };
+    }
+    let divided = found(&mesh);
+    assert_eq!((divided.blades, divided.unlike.len()), (whole.blades, 0));
+    assert!((divided.throat.width_mm - whole.throat.width_mm).abs() < 0.05 * whole.throat.width_mm);
+}
+
 /// Facets of a large part may be further off the surfaces that they stand for than a small one's are large.
 #[test]
 fn a_part_is_found_at_any_size() {

@@ -30,6 +30,8 @@ impl MeshFrame {
 pub struct WrittenFiles {
     /// `electrode_K.stl`
     pub electrode: bool,
+    /// `electrode_K.step`: the electrode with faces.
+    pub step: bool,
     /// `path_K.csv`, and `path_K.unverified.csv` of a path that is not verified.
     pub path: bool,
     /// The NC program of a verified path.
@@ -46,15 +48,16 @@ pub struct WrittenFiles {
 
 impl Default for WrittenFiles {
     fn default() -> Self {
-        Self { electrode: true, path: true, nc: true, report: true, residual_stock: true, pictures: true }
+        Self { electrode: true, step: false, path: true, nc: true, report: true, residual_stock: true, pictures: true }
     }
 }
 
 impl WrittenFiles {
     /// Every kind of file with its key, in the order of the fields.
-    pub fn kinds(&self) -> [(&'static str, bool); 6] {
+    pub fn kinds(&self) -> [(&'static str, bool); 7] {
         [
             ("electrode", self.electrode),
+            ("step", self.step),
             ("path", self.path),
             ("nc", self.nc),
             ("report", self.report),

@@ -17,7 +17,7 @@ use crate::workspaces::blisk::scene::shapes::{ChannelShapes, channel_shapes};
 use files::Params as _;
 use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
-use import::{ImportOptions, ImportReport, Imported, Reading, Units, import_file};
+use import::{CadFaces, ImportOptions, ImportReport, Imported, Reading, Units, import_file};
 use render::mesh::RenderMesh;
 use task::Task;
 use wheel::centreline::{Centreline, CentrelineError};
@@ -39,6 +39,8 @@ pub struct Part {
     pub shape: Arc<RenderMesh>,
     /// What the import found; none for the built-in blisk.
     pub report: Option<ImportReport>,
+    /// Faces of the CAD program, of a file that has them.
+    pub faces: Option<Arc<CadFaces>>,
     /// The user's own electrodes in the blisk's coordinates (mm), if there are any.
     pub own_electrodes: Vec<Arc<Mesh>>,
     /// The measured sections that the blisk was made from, in its coordinates; none where it was not.
@@ -108,7 +110,9 @@ impl Electrodes {
 /// # Errors
 /// One line naming file, place and remedy.
 pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
-    let Some(BliskMesh { mesh, sections, file, report }) = read_blisk(job, task)? else { return Ok(demonstration()) };
+    let Some(BliskMesh { mesh, sections, file, report, faces }) = read_blisk(job, task)? else {
+        return Ok(demonstration());
+    };
     let mut files = vec![file];
     let mut own_electrodes = Vec::new();
     for path in job.electrode.own_meshes() {
@@ -118,7 +122,8 @@ pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
     }
     let shape = Arc::new(RenderMesh::new(&mesh));
     task.check().map_err(|e| e.to_string())?;
-    Ok(Part { name: job.part(), mesh: Arc::new(mesh), shape, report, own_electrodes, sections, files })
+    let faces = faces.map(Arc::new);
+    Ok(Part { name: job.part(), mesh: Arc::new(mesh), shape, report, faces, own_electrodes, sections, files })
 }
 
 /// The blisk of a job.
@@ -131,6 +136,8 @@ pub struct BliskMesh {
     pub file: InputFile,
     /// What the import found; none where the blisk was made from blades.
     pub report: Option<ImportReport>,
+    /// Faces of the CAD program, of a file that has them.
+    pub faces: Option<CadFaces>,
 }
 
 /// Reads the mesh of a job's blisk, or makes it from the blades that the job has instead; none where it has neither.
@@ -144,7 +151,7 @@ pub fn read_blisk(job: &PlanJob, task: &Task) -> Result<Option<BliskMesh>, Strin
             let blisk = import(path, &job.blisk.reading, task)?;
             let file = input_file("blisk", path, &blisk);
             let (sections, report) = (Arc::default(), Some(blisk.report));
-            return Ok(Some(BliskMesh { mesh: blisk.mesh, sections, file, report }));
+            return Ok(Some(BliskMesh { mesh: blisk.mesh, sections, file, report, faces: blisk.faces }));
         }
         (BladesFrom::Measured(MeasuredBlades { file, ring, .. }), _) => {
             let wrong = |problem: &dyn std::fmt::Display| format!("{}: {problem}", file.display());
@@ -167,7 +174,7 @@ pub fn read_blisk(job: &PlanJob, task: &Task) -> Result<Option<BliskMesh>, Strin
         unit_reason: format!("made by this program {from}"),
         ..Default::default()
     };
-    Ok(Some(BliskMesh { mesh, sections, file, report: None }))
+    Ok(Some(BliskMesh { mesh, sections, file, report: None, faces: None }))
 }
 
 /// Resolution of blisks that are made of a profile.
@@ -190,6 +197,7 @@ fn demonstration() -> Part {
         mesh: Arc::new(mesh),
         shape,
         report: None,
+        faces: None,
         own_electrodes: Vec::new(),
         sections: Arc::default(),
         files: vec![file],
@@ -212,6 +220,7 @@ pub fn input_file(role: &str, path: &Path, imported: &Imported) -> InputFile {
         unit: report.unit.name().to_owned(),
         unit_reason: report.unit_reason.clone(),
         repairs: report.warnings.clone(),
+        accuracy: report.accuracy(),
     }
 }
 

@@ -65,6 +65,9 @@ fn files(ui: &mut Ui, export: &mut ExportSection) -> Option<Answer> {
         tick(ui, &mut files.electrode, file("electrode_K.stl"));
         ui.add_enabled_ui(files.electrode, |ui| frame(ui, &mut export.frame));
         ui.end_row();
+        tick(ui, &mut files.step, file("electrode_K.step"));
+        says(ui, "with faces, where it keeps the clearance");
+        ui.end_row();
         tick(ui, &mut files.path, file("path_K.csv"));
         says(ui, "rows of the verified motion, in W");
         ui.end_row();

@@ -157,9 +157,12 @@ fn probe(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, view: &mut BliskVi
             ui.label("Click two points in the view.");
         }
         None => {}
-        Some(Probe::Point { layer, at, normal }) => {
+        Some(Probe::Point { layer, at, normal, face }) => {
             heading(ui, "Picked");
             fact(ui, "On", layer.map_or("part", crate::workspaces::blisk::scene::Layer::name));
+            if let Some(face) = face {
+                ui.add(egui::Label::new(RichText::new(face)).wrap());
+            }
             point(ui, cx, to_w(at));
             let n = desk.work.channel().map_or(normal, |f| f.channel.frame.direction_from_parent(normal));
             fact(ui, "Normal", format!("{:.3}  {:.3}  {:.3}", n.x, n.y, n.z));

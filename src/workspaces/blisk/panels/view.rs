@@ -33,6 +33,8 @@ pub enum Probe {
         at: DVec3,
         /// The surface's unit normal there.
         normal: DVec3,
+        /// The face of the CAD program that it lies on, in words.
+        face: Option<String>,
     },
     /// Two points with a distance.
     Distance {
@@ -135,7 +137,9 @@ impl BliskView {
         if !desk.measuring {
             desk.selected = layer;
             self.first_point = None;
-            self.probe = Some(Probe::Point { layer, at: picked.point, normal: picked.normal });
+            let faces = desk.work.part().and_then(|part| part.faces.as_ref()).filter(|_| layer == Some(Layer::Blisk));
+            let face = faces.zip(picked.triangle).and_then(|(faces, triangle)| faces.words_at(triangle));
+            self.probe = Some(Probe::Point { layer, at: picked.point, normal: picked.normal, face });
             return;
         }
         match self.first_point.take() {

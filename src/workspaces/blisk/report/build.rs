@@ -102,6 +102,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         burn_area_mm2: Some(electrode.burn_area_mm2),
         ga_convergence: convergence(plan),
         feed_lowered: None,
+        step: None,
         copying: whole.copying(index - 1).map(Into::into),
         simulation: whole.simulation(index - 1).map(|s| SimulationReport::of(s)),
         sha256: certificate.map(VerifiedDigests::of),

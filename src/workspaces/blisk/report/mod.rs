@@ -111,6 +111,8 @@ pub struct InputFile {
     pub unit_reason: String,
     /// What was mended while reading, in plain sentences.
     pub repairs: Vec<String>,
+    /// How near the triangles are to the exact faces of a STEP file.
+    pub accuracy: Option<String>,
 }
 
 /// What was found in the blisk.
@@ -421,6 +423,8 @@ pub struct ElectrodeReport {
     pub sha256: Option<VerifiedDigests>,
     /// How the NC program's feed was lowered for the machine's speeds, if it was.
     pub feed_lowered: Option<FeedLowered>,
+    /// The electrode as STEP, or why there is none, in a sentence; none where it was not asked for.
+    pub step: Option<String>,
     /// Files written for this electrode.
     pub files: Vec<String>,
     /// Rows and clearances for the plots.

@@ -61,6 +61,7 @@ fn whatever_comes_from_input_is_escaped() {
         unit: evil.clone(),
         unit_reason: evil.clone(),
         repairs: vec![evil.clone()],
+        accuracy: Some(evil.clone()),
         ..InputFile::default()
     };
     report.blisk.assumed = vec![evil.clone()];

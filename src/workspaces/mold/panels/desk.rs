@@ -18,6 +18,7 @@ use crate::workspaces::mold::work::{FoundUncut, Glance, MoldWork};
 use crate::workspaces::news::{EventKind, WorkEvent};
 use files::{AnyDocument, Document};
 use geometry::mesh::Bounds;
+use glam::DVec3;
 use mold::cutter::CutterLibrary;
 use mold::electrode::given::GivenName;
 use mold::uncut_region::UncutRegion;
@@ -98,6 +99,8 @@ pub struct MoldDesk {
     pub fly_to: Option<usize>,
     /// How the work datum is being picked.
     pub pick: Option<DatumPick>,
+    /// Place of the CAD program's face that was clicked, in the axes of the file (mm), and the face in words.
+    pub face: Option<(DVec3, String)>,
     /// Parameters of the last frame.
     followed: MoldParams,
     gesture: Gesture,
@@ -133,6 +136,7 @@ impl MoldDesk {
             gesture: Gesture::default(),
             work: MoldWork::new(scheduler),
             selected: None,
+            face: None,
             scrolled_to: None,
             isolated: false,
             colours: RegionColours::default(),

@@ -207,6 +207,14 @@ impl MoldView {
         }
     }
 
+    /// The face that was clicked, in words beside the place.
+    fn face(&self, ui: &mut Ui, rect: Rect, desk: &MoldDesk) {
+        let Some((at, words)) = desk.face.as_ref().filter(|_| desk.electrodes.seen().is_none()) else { return };
+        if let Some(at) = self.viewport.seen_at(ui, rect, *at).filter(|at| rect.contains(*at)) {
+            overlay::callout(ui, rect, at, palette(ui).accent, words);
+        }
+    }
+
     /// Draws the view.
     pub fn show(&mut self, ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
         let key = SceneKey::of(desk, ui.visuals().dark_mode);
@@ -218,6 +226,7 @@ impl MoldView {
         desk.electrodes.hovered = None;
         if let Some(mold) = desk.work.mold().filter(|mold| self.part.as_ref() != Some(&mold.sha256)) {
             // Another part is looked at as the first one was.
+            desk.face = None;
             (self.viewport, self.before, self.part) = (Viewport::default(), None, Some(mold.sha256.clone()));
         }
         if let Some(bounds) = desk.fly_to.take().and_then(|i| desk.bounds(i)) {
@@ -234,6 +243,7 @@ impl MoldView {
         cx.view_buttons(ui, rect, desk, &buttons(desk));
         self.line(ui, rect, desk);
         self.pointed(ui, rect, desk);
+        self.face(ui, rect, desk);
         overlay::gizmo(ui, rect, &mut self.viewport);
         electrode::strip(ui, rect, desk, cx);
         if desk.pick.is_some() {
@@ -285,6 +295,10 @@ fn click(desk: &mut MoldDesk, picked: Option<Pick>, cx: &mut Context) {
         return;
     }
     let part = picked.map(|p| mold_part(p.object));
+    desk.face = picked.filter(|_| part == Some(MoldPart::Mold)).and_then(|p| {
+        let words = desk.work.mold()?.faces.as_ref()?.words_at(p.triangle?)?;
+        Some((p.point, words))
+    });
     let Some(made) = desk.electrodes.seen().cloned() else {
         desk.selected = part.and_then(|part| if let MoldPart::Region(i) = part { Some(i) } else { None });
         return;

@@ -40,7 +40,8 @@ impl Exported {
         let plural = if self.files == 1 { "" } else { "s" };
         let mut text = format!("{} file{plural} and the burn table written to {}", self.files, self.folder.display());
         for left in &self.left_out {
-            text += &format!("; {} left out ({})", left.electrode, left.why);
+            let kind = left.format.map_or_else(String::new, |f| format!(" as {}", f.extension().to_uppercase()));
+            text += &format!("; {} left out{kind} ({})", left.electrode, left.why);
         }
         for note in self.former.iter().chain(&self.lapsed) {
             text += &format!("; {note}");
@@ -70,12 +71,12 @@ pub(super) fn export(
     let pictures = electrode_pictures(set, &designed.shapes, &mold.shape, designed.opening);
     let (pictures, no_pictures) = drawn(pictures, task)?;
     let mut report = ElectrodesReport::of(set, &mold.name, designed.opening, datum, designed.report.is_certain);
-    report.table.notes.extend(mold.report.unit_doubt().into_iter().chain(designed.doubts.clone()));
+    report.table.notes.extend(mold.report.notes().chain(designed.doubts.clone()));
     report.divisions = divisions.cloned();
     task.check().map_err(|e| e.to_string())?;
     let page = ElectrodesPage { times: &steps(&designed.times), pictures: &pictures };
     let (written, published) =
-        export_electrodes(opened, (set, &report), sheet, &page, formats).map_err(|e| e.to_string())?;
+        export_electrodes(opened, (set, &report), sheet, &page, formats, task).map_err(|e| e.to_string())?;
     let idle = set.idle_overrides(&set.params.overrides).into_iter();
     let lapsed = idle.filter(|(_, why)| matches!(why, IdleOverride::Lapsed(_)));
     let lapsed = lapsed.map(|(o, why)| format!("override of {o}: {why}")).collect();

@@ -14,7 +14,7 @@ use crate::workspaces::mold::scene::{RegionShape, faces_shape, region_shapes};
 use files::PartFile;
 use geometry::circle::Circle;
 use geometry::mesh::Mesh;
-use import::{ImportOptions, ImportReport, Imported, Reading, import_file};
+use import::{CadFaces, ImportOptions, ImportReport, Imported, Reading, import_file};
 use mold::datum::rims;
 use mold::invert::InvertFaces;
 use mold::unseen::{OpeningProposal, Unseen, undercuts};
@@ -33,6 +33,8 @@ pub struct LoadedMold {
     pub shape: Arc<RenderMesh>,
     /// Report of the import.
     pub report: ImportReport,
+    /// Faces of the CAD program, of a file that has them.
+    pub faces: Option<CadFaces>,
     /// Volume (mm^3).
     pub volume: f64,
     /// Opening direction that is proposed.
@@ -105,7 +107,8 @@ fn loaded(name: String, path: &Path, imported: Imported, task: &Task) -> Result<
     let file = PartFile { path: path.to_owned(), sha256: imported.sha256 };
     let (volume, proposal, rims) = (imported.mesh.volume(), OpeningProposal::of(&imported.mesh), rims(&imported.mesh));
     let mesh = Arc::new(imported.mesh);
-    Ok(LoadedMold { name, file, mesh, shape, report: imported.report, volume, proposal, rims, sha256 })
+    let (report, faces) = (imported.report, imported.faces);
+    Ok(LoadedMold { name, file, mesh, shape, report, faces, volume, proposal, rims, sha256 })
 }
 
 /// Searches the uncut regions.

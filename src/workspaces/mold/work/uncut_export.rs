@@ -28,7 +28,7 @@ pub(super) fn export(
     let (pictures, no_pictures) = drawn(pictures, task)?;
     task.check().map_err(|e| e.to_string())?;
     let runs = found.uncut.classed_runs(&mold.mesh, &task.cancel).map_err(|e| e.to_string())?;
-    let notes: Vec<String> = mold.report.unit_doubt().into_iter().collect();
+    let notes: Vec<String> = mold.report.notes().collect();
     let times = steps(&found.times);
     let files = UncutFiles {
         uncut: &found.uncut,

@@ -482,6 +482,10 @@ const GROUPS: &[Group] = &[
             ),
             Field::flag("export.files.electrode", "Electrode")
                 .help("electrode_K.stl: each electrode in its final pose."),
+            Field::flag("export.files.step", "Electrode as STEP").help(
+                "electrode_K.step: planes, cylinders, cones and fitted B-splines in the place of triangles, in the frame of \
+                 the STL file. It is written only where it keeps the clearance that is certified for the triangles.",
+            ),
             Field::flag("export.files.path", "Path").help("path_K.csv: the rows of the motion, in W."),
             Field::flag("export.files.nc", "NC program")
                 .help("path_K.nc through the post. Only a certified path has one."),

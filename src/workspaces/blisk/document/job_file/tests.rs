@@ -135,6 +135,7 @@ fn an_export_of_nothing_is_refused_and_draws_nothing() {
     let mut job = PlanJob::demonstration();
     job.export.files = WrittenFiles {
         electrode: false,
+        step: false,
         path: false,
         nc: false,
         report: false,

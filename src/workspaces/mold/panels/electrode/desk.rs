@@ -102,7 +102,7 @@ pub struct ElectrodeDesk {
     /// Region to split, if the line is drawn for one region.
     pub split_region: Option<usize>,
     /// Whether each format is written.
-    pub formats: [bool; 3],
+    pub formats: [bool; ElectrodeFormat::ALL.len()],
     /// Template of the burn sheet.
     pub sheet: BurnSheet,
     /// Target of the next flight of the view.
@@ -134,7 +134,7 @@ impl Default for ElectrodeDesk {
             split: None,
             is_split_along_face: false,
             split_region: None,
-            formats: [true, false, false],
+            formats: [true, false, false, false],
             sheet: BurnSheet::standard(),
             fly: None,
             is_awaited: false,
