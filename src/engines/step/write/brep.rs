@@ -14,7 +14,7 @@ use super::divide;
 use super::map::Map;
 use super::net::{Chain, Net, Use, net};
 use super::quad::{self, Quad, Sides, Target};
-use super::regions::Region;
+use super::regions::{self, Region};
 use super::skin::Skin;
 use super::spline::{Curve, SplineSurface};
 use super::surface::Surface;
@@ -88,30 +88,7 @@ pub(super) fn brep(
     for round in 0..=ROUNDS {
         task.report("faces", round as f64 / ROUNDS as f64, "");
         let (net, curves) = laid(skin, regions, &mut splits, tolerance, task)?;
-        let now = std::time::Instant::now();
         let quads = quads(&net, &curves, regions, &known, tolerance, task)?;
-        if std::env::var("DBG").is_ok() {
-            eprintln!(
-                "round {round}: {} regions {} free, fit {:.1} s",
-                regions.len(),
-                regions.iter().filter(|r| r.surface.is_none()).count(),
-                now.elapsed().as_secs_f64()
-            );
-            for (r, q) in quads.iter().enumerate() {
-                if let Some(q) = q {
-                    eprintln!(
-                        "  {r}: {} triangles, line {}, knots {} x {}, off {:.4} at {:.2} excess {:.2}",
-                        net.pieces[r].triangles.len(),
-                        net.pieces[r].loops[0].len(),
-                        q.surface.knots[0].count(),
-                        q.surface.knots[1].count(),
-                        q.distance,
-                        q.at,
-                        q.excess
-                    );
-                }
-            }
-        }
         let mut failing: Vec<(u32, f64, DVec3)> = Vec::new();
         for (r, quad) in (0u32..).zip(&quads) {
             match quad {
@@ -143,6 +120,9 @@ pub(super) fn brep(
         let (facets, halves): (Vec<u32>, Vec<u32>) = failing.iter().map(|f| f.0).partition(|&r| is_facets(r));
         divide::into_facets(skin, regions, &facets, tolerance);
         divide::halve(skin, regions, &halves)?;
+        if !facets.is_empty() {
+            regions::join_slivers(skin, regions, tolerance);
+        }
     }
     Err(StepWriteError::Unusable)
 }

@@ -41,19 +41,8 @@ pub(super) fn check(
 ) -> Result<Measures, StepWriteError> {
     let chord = CHORD * tolerance;
     let options = read::Options { chord, ..read::Options::default() };
-    if let Ok(p) = std::env::var("DBGF") {
-        std::fs::write(p, bytes).unwrap();
-    }
-    let now = std::time::Instant::now();
     let bad = |problem: String| StepWriteError::Reread { problem, at: None };
     let file = read::read(bytes, &options, task).map_err(|error| bad(error.to_string()))?;
-    if std::env::var("DBG").is_ok() {
-        eprintln!(
-            "read in {:.1} s, {} triangles",
-            now.elapsed().as_secs_f64(),
-            file.solids.iter().map(|s| s.mesh.triangles.len()).sum::<usize>()
-        );
-    }
     if file.solids.len() != solids {
         return Err(bad(format!("{} solids instead of {solids}", file.solids.len())));
     }

@@ -16,7 +16,7 @@ const ON_POINTS: f64 = 0.25;
 const ON_SIDES: f64 = 0.6;
 /// Times that spans of a curve are halved at most.
 const HALVINGS: usize = 9;
-/// Knots of a straight edge, and so on, stand at even steps.
+/// Places between two points at which a spline is judged, the first point counted.
 const PLACES: usize = 3;
 
 /// The form of an edge.

@@ -7,7 +7,7 @@
 //! How: [`geometry::segmentation`] tells faces. Edges are fitted once, along the sides of triangles between two faces. A
 //! free form is a disc with four sides: its surface is a tensor product whose outer control points are those of its edges,
 //! so that it meets its neighbours exactly. Free forms that are no discs, or that one surface does not fit, are cut by
-//! planes.
+//! planes; small pieces that nothing fits, and facets too coarse for a smooth surface, become plane faces.
 //!
 //! Guaranteed: every edge is used exactly twice, in opposite senses; the file was read again, its solids are closed, and
 //! volume and distances are those of the report; the same input gives the same bytes. Not guaranteed: that the deviation is
@@ -90,7 +90,7 @@ pub struct StepPart<'a> {
 /// Settings of the writer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepSettings {
-    /// Greatest distance between vertices of the mesh and the file's faces (mm).
+    /// Distance between mesh and free forms that is aimed at (mm). A file that is off by more than twice this is refused.
     pub tolerance: f64,
     /// Time stamp of the header (ISO 8601); the file's bytes depend on nothing else that changes.
     pub time_stamp: String,

@@ -98,11 +98,23 @@ fn around(skin: &Skin) -> BTreeMap<u32, (usize, Vec<u32>)> {
 /// The vertices of the skin, those on borders moved to where the planes, cylinders and cones around them meet.
 fn placed(skin: &Skin, regions: &[Region], around: &BTreeMap<u32, (usize, Vec<u32>)>, tolerance: f64) -> Vec<DVec3> {
     let mut points = skin.points.clone();
+    let mut shortest: HashMap<u32, f64> = HashMap::new();
+    for (&t, &region) in skin.triangles.iter().zip(&skin.region) {
+        for (a, b) in sides_of(t).into_iter().filter(|&(a, b)| skin.region_across(a, b) != region) {
+            let length = skin.points[a as usize].distance(skin.points[b as usize]);
+            for v in [a, b] {
+                let known = shortest.entry(v).or_insert(length);
+                *known = known.min(length);
+            }
+        }
+    }
     for (&v, (_, beside)) in around {
         let surfaces: Vec<&Surface> = beside.iter().filter_map(|&r| regions[r as usize].surface.as_ref()).collect();
         let p = skin.points[v as usize];
         let q = meet(&surfaces, p);
-        if q.is_finite() && q.distance(p) <= MOST_MOVED * tolerance {
+        // Of short sides no end may pass the other.
+        let most = (MOST_MOVED * tolerance).min(0.4 * shortest.get(&v).copied().unwrap_or(f64::INFINITY));
+        if q.is_finite() && q.distance(p) <= most {
             points[v as usize] = q;
         }
     }

@@ -114,7 +114,7 @@ fn borders(skin: &Skin) -> (HashMap<(u32, u32), f64>, HashMap<u32, f64>) {
 }
 
 /// Joins regions too narrow to be faces, and those that lie on a neighbour's surface as well, to their neighbours.
-fn join_slivers(skin: &mut Skin, regions: &mut Vec<Region>, tolerance: f64) {
+pub(super) fn join_slivers(skin: &mut Skin, regions: &mut Vec<Region>, tolerance: f64) {
     for _ in 0..8 {
         let members = skin.members();
         let (shared, all) = borders(skin);

@@ -65,7 +65,7 @@ fn a_cylinder_is_two_halves_and_has_the_volume_of_a_cylinder() {
     let file = written(&tube(&[circle(5.0, 0.0, 120), circle(5.0, 10.0, 120)]), 0.005);
     let report = &file.report;
     assert_eq!((report.planes, report.cylinders, report.free_forms), (2, 2, 0));
-    assert!((report.volume_mm3 / (PI * 250.0) - 1.0).abs() < 1e-5, "{report:?}");
+    assert!((report.volume_mm3 / (PI * 250.0) - 1.0).abs() < 2e-4, "{report:?}");
     // A facet of 3 degrees leaves the circle by r (1 - cos 1.5 degrees).
     let sagitta = 5.0 * (1.0 - 1.5f64.to_radians().cos());
     assert!((report.outside_mm - sagitta).abs() < 0.05 * sagitta, "{report:?}");
@@ -79,7 +79,7 @@ fn a_cylinder_is_two_halves_and_has_the_volume_of_a_cylinder() {
 fn a_cone_is_a_cone() {
     let file = written(&tube(&[circle(5.0, 0.0, 120), circle(3.0, 10.0, 120)]), 0.005);
     assert_eq!((file.report.planes, file.report.cones, file.report.free_forms), (2, 2, 0));
-    assert!((file.report.volume_mm3 / (PI * 10.0 / 3.0 * (25.0 + 15.0 + 9.0)) - 1.0).abs() < 1e-5);
+    assert!((file.report.volume_mm3 / (PI * 10.0 / 3.0 * (25.0 + 15.0 + 9.0)) - 1.0).abs() < 2e-4);
 }
 
 #[test]
