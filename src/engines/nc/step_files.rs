@@ -9,6 +9,9 @@ use task::{Cancelled, Task};
 /// Limits of the tolerance that faces are fitted with (mm).
 const TOLERANCES: [f64; 2] = [5e-4, 5e-3];
 
+/// A file of more faces is none that a tool can be put on.
+const MOST_FACES: usize = 500;
+
 /// A STEP file, or the reason why there is none.
 pub type WrittenStep = Result<StepFile, String>;
 
@@ -24,6 +27,11 @@ pub fn written_step(part: &StepPart, to_spare: f64, task: &Task) -> Result<Writt
             "its faces reach {:.4} mm beyond the mesh that was checked, and {to_spare:.4} mm are to spare; leave more \
              clearance, or take the mesh",
             file.report.outside_mm
+        )),
+        Ok(file) if file.report.faces() > MOST_FACES => Err(format!(
+            "its triangles are too uneven for large faces: there would be {} of them, more than {MOST_FACES}; make the mesh \
+             of the part finer, or take the mesh",
+            file.report.faces()
         )),
         Ok(file) => Ok(file),
         Err(StepWriteError::Cancelled(cancelled)) => return Err(cancelled),
