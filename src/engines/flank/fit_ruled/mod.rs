@@ -354,7 +354,9 @@ fn words(patch: &Patch, is_longer: bool, fit: &RuledFit) -> Vec<String> {
         "inside of triangles it is {:.4} mm off at most; the triangles themselves leave about {:.4} mm",
         fit.error.greatest_mm, fit.chord_mm
     ));
-    if fit.chord_mm > MOST_CHORD * within {
+    if fit.is_known {
+        words.push("guides and rulings are those of the CAD program's face, not fitted".into());
+    } else if fit.chord_mm > MOST_CHORD * within {
         words.push(format!(
             "the triangles are too coarse: they leave {:.4} mm, and no more than {:.4} mm is allowed for; export \
              the mesh finer",
@@ -370,9 +372,6 @@ fn words(patch: &Patch, is_longer: bool, fit: &RuledFit) -> Vec<String> {
         words.push(format!("the face runs all around; paths start and end at {}", place(fit.lower.point(0.0))));
     } else if patch.loops.len() > 1 {
         words.push(format!("the face has {} hole(s); the surface goes on over them", patch.loops.len() - 1));
-    }
-    if fit.is_known {
-        words.push("guides and rulings are those of the CAD program's face, not fitted".into());
     }
     if is_longer {
         words.push("an end of the face is no ruling: the surface reaches beyond it".into());
