@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
+use crate::burn_table::BurnTable;
 use crate::step_files::{WrittenStep, count, length, text, written_step};
 use files::{ExportFolder, FileError};
 use import::{glb_bytes, obj_bytes, stl_bytes};
@@ -49,7 +50,7 @@ impl ElectrodeFormat {
     /// The bytes of a file of electrode number `e` of `set`; the reason where it has none as STEP.
     fn bytes(
         self,
-        set: &ElectrodeSet,
+        (set, table): (&ElectrodeSet, &BurnTable),
         e: usize,
         task: &Task,
     ) -> Result<Result<Vec<u8>, LeftOut>, ElectrodeExportError> {
@@ -60,7 +61,7 @@ impl ElectrodeFormat {
             Self::Glb => glb_bytes(&[(&electrode.name, &electrode.mesh)]),
             Self::Step => {
                 let left_out = |why| LeftOut { electrode: electrode.name.clone(), format: Some(self), why };
-                return Ok(step_of(electrode, &set.params, task)?.map(|file| file.bytes).map_err(left_out));
+                return Ok(step_of(set, table, e, task)?.map(|file| file.bytes).map_err(left_out));
             }
         };
         let wrong = |source| ElectrodeExportError::Mesh { electrode: electrode.name.clone(), format: self, source };
@@ -71,8 +72,10 @@ impl ElectrodeFormat {
 /// Share of the spark gap by which the faces of a STEP file may reach beyond the mesh.
 const TO_SPARE: f64 = 0.1;
 
-/// An electrode as STEP: burning faces, base and datum have names and colours, and the part has what a shop needs to know.
-fn step_of(electrode: &Electrode, params: &ElectrodeParams, task: &Task) -> Result<WrittenStep, Cancelled> {
+/// The body that electrode number `e` is of as STEP: burning faces, base and datum have names and colours, and the part has
+/// what a shop needs to know of each electrode, with the positions of the burn table.
+fn step_of(set: &ElectrodeSet, table: &BurnTable, e: usize, task: &Task) -> Result<WrittenStep, Cancelled> {
+    let electrode = &set.electrodes[e];
     let role = |name: &str, colour: [f64; 3]| Role { name: name.to_owned(), colour: Some(colour) };
     let roles =
         [role("burning", [0.85, 0.45, 0.20]), role("base", [0.60, 0.62, 0.66]), role("datum", [0.20, 0.45, 0.80])];
@@ -86,26 +89,24 @@ fn step_of(electrode: &Electrode, params: &ElectrodeParams, task: &Task) -> Resu
         }
     });
     let role_of: Vec<u16> = role_of.collect();
-    let stage = &params.stages[electrode.stage];
-    let mut properties = vec![
-        text("material", electrode.material(params)),
-        text("stage", &stage.name),
-        length("spark gap", stage.gap_mm),
-        count("quantity", stage.quantity),
-    ];
-    for (k, burn) in (1..).zip(&electrode.burns) {
-        let axes = ["x", "y", "z"].into_iter().zip(burn.position.to_array());
-        properties.extend(axes.map(|(axis, value)| length(&format!("burn {k} {axis}"), value)));
-        properties.push(Property { name: format!("burn {k} turn"), value: PropertyValue::Angle(burn.turn) });
+    let (mut properties, mut least_gap, mut quantity) = (Vec::new(), f64::INFINITY, 1);
+    for entry in set.body_of(e).into_iter().filter_map(|member| table.electrodes.get(member)) {
+        let named = |what: &str| format!("{} {what}", entry.name);
+        least_gap = entry.gap_mm.min(least_gap);
+        quantity = entry.quantity.max(quantity);
+        properties.extend([text(&named("stage"), &entry.stage), text(&named("material"), &entry.material)]);
+        properties.push(length(&named("spark gap"), entry.gap_mm));
+        for burn in &entry.burns {
+            let axes = [("x", burn.x_mm), ("y", burn.y_mm), ("z", burn.z_mm)];
+            let burn_named = |what: &str| named(&format!("burn {} {what}", burn.number));
+            properties.extend(axes.map(|(axis, value)| length(&burn_named(axis), value)));
+            properties.push(Property { name: burn_named("c"), value: PropertyValue::Angle(burn.c_deg.to_radians()) });
+        }
     }
-    let part = StepPart {
-        name: &electrode.name,
-        mesh: &electrode.mesh,
-        roles: &roles,
-        role_of: &role_of,
-        properties: &properties,
-    };
-    written_step(&part, TO_SPARE * stage.gap_mm, task)
+    properties.push(count("quantity", quantity));
+    let name = &electrode.name;
+    let part = StepPart { name, mesh: &electrode.mesh, roles: &roles, role_of: &role_of, properties: &properties };
+    written_step(&part, if least_gap.is_finite() { TO_SPARE * least_gap } else { 0.0 }, task)
 }
 
 /// Reason why electrodes cannot be written.
@@ -169,13 +170,14 @@ pub struct LeftOut {
     pub why: String,
 }
 
-/// Writes all electrodes that may be exported into `folder`, each in all `formats`, to be published.
+/// Writes all electrodes of a set that may be exported into `folder`, each in all `formats`, to be published. `table` is
+/// the set's burn table.
 ///
 /// # Errors
 /// [`ElectrodeExportError`].
 pub fn write_electrode_files(
     folder: &mut ExportFolder,
-    set: &ElectrodeSet,
+    (set, table): (&ElectrodeSet, &BurnTable),
     formats: &[ElectrodeFormat],
     task: &Task,
 ) -> Result<WrittenElectrodes, ElectrodeExportError> {
@@ -191,7 +193,7 @@ pub fn write_electrode_files(
         let is_first = set.body_of(e).first() == Some(&e);
         for &format in formats {
             let path = if is_first {
-                match format.bytes(set, e, task)? {
+                match format.bytes((set, table), e, task)? {
                     Ok(bytes) => folder.write(&file(format), &bytes)?,
                     Err(left_out) => {
                         written.left_out.push(left_out);
@@ -321,13 +323,16 @@ mod tests {
     use crate::electrode_fixtures::set;
     use files::Override;
     use import::{ImportOptions, import_file};
+    use mold::datum::Datum;
     use mold::electrode::design::IdleOverride;
     use mold::electrode::finding::CheckKind;
+    use mold::opening::Opening;
     use task::Task;
 
     fn written(folder: &std::path::Path, set: &ElectrodeSet, formats: &[ElectrodeFormat]) -> WrittenElectrodes {
         let mut folder = ExportFolder::open(folder, "electrodes").unwrap();
-        let written = write_electrode_files(&mut folder, set, formats, &Task::default()).unwrap();
+        let table = BurnTable::of(set, "mold", Opening::PlusZ, &Datum::default());
+        let written = write_electrode_files(&mut folder, (set, &table), formats, &Task::default()).unwrap();
         folder.publish().unwrap();
         written
     }

@@ -9,7 +9,7 @@ use task::{Cancelled, Task};
 /// Limits of the tolerance that faces are fitted with (mm).
 const TOLERANCES: [f64; 2] = [5e-4, 5e-3];
 
-/// A file of more faces is none that a tool can be put on.
+/// Most faces of a file: those of more are too small to put a tool on.
 const MOST_FACES: usize = 500;
 
 /// A STEP file, or the reason why there is none.
@@ -28,6 +28,9 @@ pub fn written_step(part: &StepPart, to_spare: f64, task: &Task) -> Result<Writt
              clearance, or take the mesh",
             file.report.outside_mm
         )),
+        Ok(file) if file.report.solids != 1 => {
+            Err(format!("it would be {} solids, and an electrode is one; take the mesh", file.report.solids))
+        }
         Ok(file) if file.report.faces() > MOST_FACES => Err(format!(
             "its triangles are too uneven for large faces: there would be {} of them, more than {MOST_FACES}; make the mesh \
              of the part finer, or take the mesh",
@@ -39,7 +42,7 @@ pub fn written_step(part: &StepPart, to_spare: f64, task: &Task) -> Result<Writt
     })
 }
 
-/// What was written, or why nothing was, in a sentence.
+/// The file that was written, or why there is none, in a sentence.
 pub fn step_words(step: &WrittenStep) -> String {
     match step {
         Ok(file) => format!("STEP: {}.", report_words(&file.report)),

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::job_file::{ExportSection, PlanJob};
-use crate::workspaces::blisk::job::outcome::{ElectrodeOutcome, PlanInputs, PlanJobError, PlanOutcome};
+use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use crate::workspaces::blisk::job::{figures, plan_pictures, simulate};
 use crate::workspaces::blisk::report::build;
 use crate::workspaces::blisk::report::residual_stock::map_as_ply;
 use crate::workspaces::blisk::report::{FeedLowered, InputFile, Report, ReportError, Written};
+use feed::certificate::Certificate;
 use feed::copying::Copying;
 use feed::machine_model::MachineModel;
 use files::{ExportFolder, FileError};
@@ -102,7 +103,7 @@ pub fn write(
     let context = Context { channel: &outcome.channel, blisk: &blisk, job: &inputs.job, post, bodies: bodies.as_ref() };
     let (mut files, mut programs): (Vec<(String, Vec<u8>)>, Vec<_>) = (Vec::new(), Vec::new());
     for i in 0..outcome.electrodes.len() {
-        let step = inputs.job.export.files.step.then(|| step_file(i + 1, &outcome.electrodes[i], &context, cancel));
+        let step = inputs.job.export.files.step.then(|| step_file(i + 1, outcome, &context, cancel));
         let step = step.transpose()?;
         report.electrodes[i].step = step.as_ref().map(step_words);
         let (own, program) = electrode_files(i + 1, outcome, &context, step.as_ref())?;
@@ -215,23 +216,20 @@ fn bodies_now(outcome: &PlanOutcome, job: &PlanJob, cancel: &Cancel) -> Result<O
     })
 }
 
-/// Electrode number `k` as STEP, or the reason why there is none: where its path is certified only if its faces keep the
-/// clearance that is required.
-fn step_file(
-    k: usize,
-    outcome: &ElectrodeOutcome,
-    context: &Context,
-    cancel: &Cancel,
-) -> Result<WrittenStep, Cancelled> {
+/// Electrode number `k` as STEP, or the reason why there is none. Its faces keep the clearance that is required, on the feed
+/// and on the copying motion.
+fn step_file(k: usize, whole: &PlanOutcome, context: &Context, cancel: &Cancel) -> Result<WrittenStep, Cancelled> {
+    let outcome = &whole.electrodes[k - 1];
     let (job, electrode) = (context.job, &outcome.electrode.mesh);
     let mesh = match job.export.frame {
         MeshFrame::Mesh => &electrode.in_parent_of(&context.channel.frame),
         MeshFrame::W => electrode,
     };
-    let to_spare = outcome.plan.path.as_ref().filter(|p| p.certificate.holds()).map(|planned| {
-        let c = &planned.certificate;
-        c.certified() - (c.required() - c.tolerance())
-    });
+    let to_spare = |c: &Certificate| c.certified() - (c.required() - c.tolerance());
+    let feed = outcome.plan.path.as_ref().map(|planned| &planned.certificate).filter(|c| c.holds());
+    let Some(feed) = feed else { return Ok(Err("the path of the electrode is not certified".to_owned())) };
+    let copying = whole.copying(k - 1).and_then(Copying::certified).map(|motion| to_spare(&motion.certificate));
+    let to_spare = copying.map_or(to_spare(feed), |copying| copying.min(to_spare(feed)));
     let properties = [
         text("role", "electrode"),
         length("spark gap", job.electrode.spark_gap_mm),
@@ -239,7 +237,7 @@ fn step_file(
     ];
     let name = format!("electrode {k}");
     let part = StepPart { name: &name, mesh, roles: &[], role_of: &[], properties: &properties };
-    written_step(&part, to_spare.unwrap_or(0.1 * job.electrode.spark_gap_mm), &Task::silent(cancel))
+    written_step(&part, to_spare, &Task::silent(cancel))
 }
 
 fn electrode_files(

@@ -107,7 +107,7 @@ pub fn export_electrodes(
 ) -> Result<(WrittenElectrodes, Published), ElectrodeExportError> {
     let mut folder =
         folder.setting_aside(|path| path.file_name().and_then(|n| n.to_str()).is_some_and(is_electrode_file));
-    let mut written = write_electrode_files(&mut folder, set, formats, task)?;
+    let mut written = write_electrode_files(&mut folder, (set, &report.table), formats, task)?;
     folder.write("burn_table.csv", report.table.csv().as_bytes())?;
     folder.write("burn_table.json", report.table.json()?.as_bytes())?;
     match sheet.of(&report.table) {

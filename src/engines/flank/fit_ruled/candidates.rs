@@ -141,8 +141,8 @@ pub fn candidates_among(
             _ => None,
         };
         let guides = known.map_or(&[][..], |known| &known.guides);
-        let fit = known_ruled(mesh, &c.triangles, guides, params)
-            .and_then(|fit| fit.map_or_else(|| fit_ruled(mesh, &c.triangles, params, &task.cancel), Ok));
+        let known = known_ruled(mesh, &c.triangles, guides, params).ok().flatten();
+        let fit = known.map_or_else(|| fit_ruled(mesh, &c.triangles, params, &task.cancel), Ok);
         c.fit = match fit {
             Ok(fit) => CandidateFit::Fitted(Box::new(fit)),
             Err(error) => CandidateFit::Refused(error),

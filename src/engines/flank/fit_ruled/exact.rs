@@ -68,6 +68,9 @@ fn cubic(guides: [NurbsCurve; 2]) -> Option<Strip> {
     }
     breaks.sort_by(f64::total_cmp);
     breaks.dedup_by(|a, b| *a - *b < 1e-12);
+    if let Some(last) = breaks.last_mut() {
+        *last = 1.0;
+    }
     loop {
         let knots = Knots { breaks: breaks.clone(), is_closed };
         let places = knots.dense();

@@ -176,7 +176,10 @@ pub fn known_ruled(
     };
     let found = Found { sides: &surface.0, strip: &surface.1, is_longer: false, is_known: true };
     let fit = answer(&patch, &found, params)?;
-    Ok(Some(fit).filter(|fit| fit.is_ruled))
+    // A face with a border beside the guides is another one, which they alone do not tell.
+    let near = fit.tolerance_mm + fit.chord_mm.min(MOST_CHORD * fit.tolerance_mm);
+    let is_whole = fit.is_ruled && fit.covers && fit.border_mm <= near && fit.overhang_mm <= near;
+    Ok(is_whole.then_some(fit))
 }
 
 /// Surfaces with few control points over each choice of sides, from two starts each. What is far worse than another

@@ -25,8 +25,9 @@ const ROUNDS: usize = 8;
 const SPLITS: usize = 8;
 /// Share of the tolerance within which free forms are fitted.
 const FIT: f64 = 0.8;
-/// Rounds in which folds are not accepted at all, and later the places of folds that are.
+/// Rounds in which folds are not accepted at all.
 const EARLY: usize = 3;
+/// Places of folds that are accepted in later rounds.
 const SMALL_FOLDS: f64 = 4.0;
 /// Greatest distance of an edge from a cylinder or cone beside it (mm), and tolerances: beyond it, that face is made a
 /// free form.
@@ -37,7 +38,7 @@ const MOST_GAP: [f64; 2] = [5e-4, 0.2];
 pub(super) struct Edge {
     /// Numbers of the vertices from and to.
     pub(super) ends: [usize; 2],
-    /// Its curve.
+    /// Curve.
     pub(super) curve: EdgeCurve,
 }
 
@@ -53,7 +54,7 @@ pub(super) enum FaceSurface {
 /// A face of the solid.
 #[derive(Debug, Clone)]
 pub(super) struct Face {
-    /// Its surface.
+    /// Surface.
     pub(super) surface: FaceSurface,
     /// Number of its role.
     pub(super) role: u16,
@@ -74,8 +75,9 @@ pub(super) struct Brep {
     pub(super) edge_gap: f64,
 }
 
-/// Surfaces of free forms that are known already, by the vertices of the skin around them, corners first.
-type Known = HashMap<Vec<u32>, Quad>;
+/// Surfaces of free forms that are known already, by the vertices of the skin around them, corners first, and the control
+/// points of their sides.
+type Known = HashMap<Vec<u64>, Quad>;
 
 /// Fits curves and free forms, cutting regions of `skin` where that is needed.
 pub(super) fn brep(
@@ -113,8 +115,12 @@ pub(super) fn brep(
             Some(_) if !is_last => {}
             _ => return Ok(assembled(&net, curves, quads, regions)),
         }
-        known =
-            net.pieces.iter().enumerate().filter_map(|(r, _)| Some((net.signature(r)?, quads[r].clone()?))).collect();
+        known = net
+            .pieces
+            .iter()
+            .enumerate()
+            .filter_map(|(r, _)| Some((net.signature(&curves, r)?, quads[r].clone()?)))
+            .collect();
         // What stays small after several cuts has no form of its own: its facets are faces.
         let is_facets = |r: u32| round + 1 >= EARLY && net.pieces[r as usize].triangles.len() <= divide::MOST_FACETS;
         let (facets, halves): (Vec<u32>, Vec<u32>) = failing.iter().map(|f| f.0).partition(|&r| is_facets(r));
@@ -124,7 +130,7 @@ pub(super) fn brep(
             regions::join_slivers(skin, regions, tolerance);
         }
     }
-    Err(StepWriteError::Unusable)
+    Err(StepWriteError::Divide { at: skin.corners(0)[0] })
 }
 
 /// The net of borders with the curves of its chains, which are divided until each has one. Cylinders and cones that
@@ -197,7 +203,7 @@ fn quads(
         if regions[r].surface.is_some() {
             return Ok(None);
         }
-        let Some(signature) = net.signature(r) else { return Ok(None) };
+        let Some(signature) = net.signature(curves, r) else { return Ok(None) };
         match known.get(&signature) {
             Some(quad) => Ok(Some(quad.clone())),
             None => quad_of(net, curves, r, tolerance, task),
@@ -299,14 +305,18 @@ fn joints(lengths: &[f64]) -> Vec<f64> {
 }
 
 impl Net {
-    /// What the surface of a free form depends on: the vertices around it from its first corner on, and where chains
-    /// and sides begin.
-    fn signature(&self, r: usize) -> Option<Vec<u32>> {
+    /// What the surface of a free form depends on: the vertices around it from its first corner on, where chains and sides
+    /// begin, and the curves of the sides.
+    fn signature(&self, curves: &[EdgeCurve], r: usize) -> Option<Vec<u64>> {
         let (line, corners) = (self.pieces[r].loops.first()?, self.corners[r]?);
-        let mut signature: Vec<u32> =
-            (0..line.len()).map(|k| self.pieces[r].of_skin[line[(corners[0] + k) % line.len()] as usize]).collect();
-        signature.extend(corners.map(|c| line[c]));
-        signature.extend(self.uses[r].iter().flatten().map(|u| line[u.start]));
+        let around = (0..line.len()).map(|k| line[(corners[0] + k) % line.len()] as usize);
+        let mut signature: Vec<u64> = around.map(|v| u64::from(self.pieces[r].of_skin[v])).collect();
+        signature.extend(corners.map(|c| u64::from(line[c])));
+        for used in self.uses[r].iter().flatten() {
+            signature.push(u64::from(line[used.start]));
+            let controls = curves[used.chain].spline.controls.iter().flat_map(|p| p.to_array());
+            signature.extend(controls.map(f64::to_bits));
+        }
         Some(signature)
     }
 }

@@ -50,9 +50,9 @@ pub(super) struct Course<'a> {
 /// The curve of an edge.
 #[derive(Debug, Clone)]
 pub(super) struct EdgeCurve {
-    /// Its form.
+    /// Form.
     pub(super) form: Form,
-    /// It as a spline, exactly so beside free forms.
+    /// The same curve as a spline; beside free forms it is the one that is written.
     pub(super) spline: Curve,
     /// Parameters on the spline of the points of the chain.
     pub(super) parameters: Vec<f64>,

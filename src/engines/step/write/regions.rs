@@ -72,7 +72,7 @@ fn found(skin: &mut Skin, mesh: &Mesh, role_of: &[u16], tolerance: f64, chord_to
     for i in 0..skin.triangles.len() {
         let source = skin.source[i] as usize;
         let face = segmentation.face_of[source];
-        let role = role_of.get(source).copied().unwrap_or(0);
+        let role = role_of.get(source).copied().unwrap_or(u16::MAX);
         let near = skin.corners(i as u32)[0];
         skin.region[i] = *number.entry((face, role)).or_insert_with(|| {
             let face = &segmentation.faces[face as usize];

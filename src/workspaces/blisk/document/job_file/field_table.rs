@@ -484,7 +484,7 @@ const GROUPS: &[Group] = &[
                 .help("electrode_K.stl: each electrode in its final pose."),
             Field::flag("export.files.step", "Electrode as STEP").help(
                 "electrode_K.step: planes, cylinders, cones and fitted B-splines in the place of triangles, in the frame of \
-                 the STL file. It is written only where it keeps the clearance that is certified for the triangles.",
+                 the STL file. It is written only where it keeps the clearance that the certified path needs.",
             ),
             Field::flag("export.files.path", "Path").help("path_K.csv: the rows of the motion, in W."),
             Field::flag("export.files.nc", "NC program")
