@@ -23,10 +23,10 @@ pub fn written_step(part: &StepPart, to_spare: f64, task: &Task) -> Result<Writt
     let settings =
         StepSettings { tolerance: (0.5 * to_spare).clamp(TOLERANCES[0], TOLERANCES[1]), ..Default::default() };
     Ok(match write_step(part, &settings, task) {
-        Ok(file) if file.report.outside_mm > to_spare => Err(format!(
-            "its faces reach {:.4} mm beyond the mesh that was checked, and {to_spare:.4} mm are to spare; leave more \
+        Ok(file) if beyond(&file.report) > to_spare => Err(format!(
+            "its faces may reach {:.4} mm beyond the mesh that was checked, and {to_spare:.4} mm are to spare; leave more \
              clearance, or take the mesh",
-            file.report.outside_mm
+            beyond(&file.report)
         )),
         Ok(file) if file.report.solids != 1 => {
             Err(format!("it would be {} solids, and an electrode is one; take the mesh", file.report.solids))
@@ -40,6 +40,11 @@ pub fn written_step(part: &StepPart, to_spare: f64, task: &Task) -> Result<Writt
         Err(StepWriteError::Cancelled(cancelled)) => return Err(cancelled),
         Err(error) => Err(error.to_string()),
     })
+}
+
+/// The most that faces may reach beyond the mesh (mm).
+fn beyond(report: &StepReport) -> f64 {
+    report.outside_mm + report.unsure_mm
 }
 
 /// The file that was written, or why there is none, in a sentence.
@@ -61,11 +66,11 @@ fn report_words(report: &StepReport) -> String {
     let kinds: Vec<String> =
         kinds.into_iter().filter(|(count, _)| *count > 0).map(|(count, kind)| format!("{count} {kind}")).collect();
     format!(
-        "{} faces ({}), at most {:.4} mm off the mesh that was checked, {:.4} mm beyond it",
+        "{} faces ({}), {:.4} mm off the mesh that was checked, no more than {:.4} mm beyond it",
         report.faces(),
         kinds.join(", "),
         report.deviation_mm(),
-        report.outside_mm
+        beyond(report)
     )
 }
 
@@ -82,4 +87,65 @@ pub fn length(name: &str, value: f64) -> Property {
 /// A property that is a number of things.
 pub fn count(name: &str, value: u32) -> Property {
     Property { name: name.to_owned(), value: PropertyValue::Count(value) }
+}
+
+#[cfg(test)]
+mod tests {
+    use geometry::mesh::Mesh;
+    use glam::DVec3;
+
+    use super::*;
+
+    /// A prism of so many sides.
+    fn prism(sides: u32) -> Mesh {
+        let at = |k: u32, z: f64| {
+            let angle = std::f64::consts::TAU * f64::from(k % sides) / f64::from(sides);
+            DVec3::new(5.0 * angle.cos(), 5.0 * angle.sin(), z)
+        };
+        let vertices = (0..sides).flat_map(|k| [at(k, 0.0), at(k, 8.0)]).collect();
+        let ring = |k: u32| [2 * (k % sides), 2 * (k % sides) + 1];
+        let walls = (0..sides).flat_map(|k| {
+            let ([a, b], [c, d]) = (ring(k), ring(k + 1));
+            [[a, c, b], [b, c, d]]
+        });
+        let ends = (1..sides - 1).flat_map(|k| [[0, 2 * (k + 1), 2 * k], [1, 2 * k + 1, 2 * k + 3]]);
+        Mesh { vertices, triangles: walls.chain(ends).collect() }
+    }
+
+    fn tried(mesh: &Mesh, to_spare: f64) -> WrittenStep {
+        let part = StepPart { name: "E", mesh, roles: &[], role_of: &[], properties: &[] };
+        written_step(&part, to_spare, &Task::default()).unwrap()
+    }
+
+    /// The cylinder around a prism of 90 sides lies 5 (1 - cos 2 deg) = 0.003 mm beyond it; a prism of 6 sides is planes.
+    #[test]
+    fn faces_beyond_the_mesh_are_written_only_where_there_is_room_for_them() {
+        let round = prism(90);
+        let words = step_words(&tried(&round, 0.01));
+        assert!(words.starts_with("STEP: 4 faces (2 planes, 2 cylinders)"), "{words}");
+        let words = step_words(&tried(&round, 0.002));
+        assert!(words.starts_with("No STEP file: ") && words.contains("0.0020 mm are to spare"), "{words}");
+        let flat = tried(&prism(6), 0.0);
+        assert_eq!(
+            step_words(&flat),
+            "STEP: 8 faces (8 planes), 0.0000 mm off the mesh that was checked, no more than 0.0000 mm beyond it."
+        );
+    }
+
+    #[test]
+    fn several_solids_are_no_electrode() {
+        let one = prism(6);
+        let first = one.vertices.len() as u32;
+        let beside = one.vertices.iter().map(|p| *p + DVec3::X * 20.0);
+        let mesh = Mesh {
+            vertices: one.vertices.iter().copied().chain(beside).collect(),
+            triangles: one
+                .triangles
+                .iter()
+                .copied()
+                .chain(one.triangles.iter().map(|t| t.map(|v| v + first)))
+                .collect(),
+        };
+        assert!(tried(&mesh, 0.01).unwrap_err().contains("2 solids"));
+    }
 }

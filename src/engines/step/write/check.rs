@@ -2,6 +2,7 @@
 
 use geometry::exact::ExactMesh;
 use geometry::mesh::Mesh;
+use geometry::segmentation::FaceKind;
 use glam::DVec3;
 use rayon::prelude::*;
 use task::Task;
@@ -25,6 +26,8 @@ pub(super) struct Measures {
     pub(super) mesh_to_file: f64,
     /// Greatest distance of the file outside and inside of the mesh (mm).
     pub(super) file_to_mesh: [f64; 2],
+    /// Distance by which the triangles that were compared may leave the file's faces (mm).
+    pub(super) unsure: f64,
     /// Where the greatest of all was found (mm).
     pub(super) at: DVec3,
     /// Volume of the file's solids (mm^3).
@@ -56,6 +59,7 @@ pub(super) fn check(
             return Err(bad("a solid is not closed".to_owned()));
         }
     }
+    let is_flat = file.solids.iter().flat_map(|s| &s.faces).all(|f| matches!(f.kind, FaceKind::Plane { .. }));
     let mut whole = Mesh::default();
     for solid in file.solids {
         let first = whole.vertices.len() as u32;
@@ -72,8 +76,7 @@ pub(super) fn check(
     if (measures.volume / volume - 1.0).abs() > MOST_VOLUME {
         return Err(StepWriteError::Volume { file: measures.volume, mesh: volume });
     }
-    // The triangles that were compared leave the faces by as much.
-    measures.file_to_mesh.iter_mut().for_each(|distance| *distance += chord);
+    measures.unsure = if is_flat { 0.0 } else { chord };
     Ok(measures)
 }
 

@@ -129,7 +129,10 @@ pub struct StepReport {
     pub outside_mm: f64,
     /// Greatest distance of the file's faces and edges inside of the mesh (mm).
     pub inside_mm: f64,
-    /// Greatest distance of an edge's curve from the surfaces of its two faces (mm).
+    /// How far the triangles of the file that were compared may leave its faces (mm): the other distances are known to
+    /// this.
+    pub unsure_mm: f64,
+    /// Greatest distance of an edge's curve from the planes, cylinders and cones beside it (mm).
     pub edge_gap_mm: f64,
     /// Volume of the file's solids (mm^3).
     pub volume_mm3: f64,
@@ -290,6 +293,7 @@ pub fn write_step(part: &StepPart, settings: &StepSettings, task: &Task) -> Resu
     report.solids = solids;
     report.mesh_to_file_mm = measures.mesh_to_file;
     [report.outside_mm, report.inside_mm] = measures.file_to_mesh;
+    report.unsure_mm = measures.unsure;
     report.volume_mm3 = measures.volume;
     report.mesh_volume_mm3 = part.mesh.volume();
     Ok(StepFile { bytes, report })
