@@ -229,6 +229,9 @@ fn whatever_the_bytes_there_is_an_answer() {
     for _ in 0..mutations() {
         let mut bytes = sound.clone();
         for _ in 0..=random(4) {
+            if bytes.is_empty() {
+                break;
+            }
             let at = random(bytes.len());
             match random(3) {
                 0 => bytes[at] = b"0123456789.-#(),;'$*E"[random(21)],
