@@ -124,7 +124,7 @@ fn what_is_written_is_what_was_ticked() {
     assert_eq!((&written["electrode_frame"], &written["post"]), (&"mesh".into(), &"iso".into()));
     let listed = written["files"].as_array().unwrap().iter().map(|name| name.as_str().unwrap().to_owned());
     assert_eq!(listed.collect::<BTreeSet<_>>(), everything);
-    assert_eq!(written["not_asked_for"], serde_json::json!([]));
+    assert_eq!(written["not_asked_for"], serde_json::json!(["step"]));
 
     desk.press("Export…");
     for file in ["path_K.nc", "path_K.csv", "leftover.ply, copying_K.csv", "*.png", "Sweep"] {
@@ -137,7 +137,7 @@ fn what_is_written_is_what_was_ticked() {
     assert_eq!(export(&mut desk, &folder), left, "what an earlier export wrote is not left beside");
     let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
     assert_eq!(html.matches("<img ").count(), 4, "the page holds the pictures that are drawn");
-    assert_eq!(report(&folder)["written"]["not_asked_for"], serde_json::json!(["path", "nc", "leftover", "pictures"]));
+    assert_eq!(report(&folder)["written"]["not_asked_for"], serde_json::json!(["step", "path", "nc", "leftover", "pictures"]));
 
     desk.press("Export…");
     for file in ["electrode_K.stl", "report.html, .json"] {
