@@ -147,7 +147,7 @@ fn a_project_says_which_files_are_written() {
     let report: serde_json::Value =
         serde_json::from_str(&std::fs::read_to_string(out.join("report.json")).unwrap()).unwrap();
     assert_eq!(report["written"]["electrode_frame"], "w");
-    assert_eq!(report["written"]["not_asked_for"], serde_json::json!(["nc", "pictures"]));
+    assert_eq!(report["written"]["not_asked_for"], serde_json::json!(["step", "nc", "pictures"]));
 }
 
 /// The same parameters on the command line and in a project.

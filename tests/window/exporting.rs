@@ -137,7 +137,10 @@ fn what_is_written_is_what_was_ticked() {
     assert_eq!(export(&mut desk, &folder), left, "what an earlier export wrote is not left beside");
     let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
     assert_eq!(html.matches("<img ").count(), 4, "the page holds the pictures that are drawn");
-    assert_eq!(report(&folder)["written"]["not_asked_for"], serde_json::json!(["step", "path", "nc", "leftover", "pictures"]));
+    assert_eq!(
+        report(&folder)["written"]["not_asked_for"],
+        serde_json::json!(["step", "path", "nc", "leftover", "pictures"])
+    );
 
     desk.press("Export…");
     for file in ["electrode_K.stl", "report.html, .json"] {
