@@ -125,7 +125,7 @@ mod tests {
         assert!(words.starts_with("STEP: 4 faces (2 planes, 2 cylinders)"), "{words}");
         let words = step_words(&tried(&round, 0.0018));
         assert!(words.starts_with("No STEP file: ") && words.contains(" mm"), "{words}");
-        let flat = tried(&prism(6), 0.0);
+        let flat = tried(&prism(6), 1e-6);
         assert_eq!(
             step_words(&flat),
             "STEP: 8 faces (8 planes), 0.0000 mm off the mesh that was checked, no more than 0.0000 mm beyond it."
