@@ -190,7 +190,7 @@ fn a_face_that_is_missing_leaves_the_solid_open_and_the_rest_as_it_is() {
     assert!(!file.solids[0].is_closed() && file.solids[0].mesh.triangles.len() == 10);
 }
 
-/// Its guides are those of the box of parameters that the face covers.
+/// Guides are those of the box of parameters that the face covers.
 #[test]
 fn a_ruled_face_has_its_guides() {
     use geometry::nurbs::{KnotVector, NurbsSurface};

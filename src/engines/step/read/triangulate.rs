@@ -80,7 +80,7 @@ fn interpolate(xs: &[f64], ys: &[f64], x: f64) -> f64 {
     ys[i - 1] + (x - xs[i - 1]) / (xs[i] - xs[i - 1]) * (ys[i] - ys[i - 1])
 }
 
-/// What is known of a triangulation from the rounds of refinement before.
+/// Results of earlier rounds of refinement.
 #[derive(Default)]
 struct Known {
     /// Points of the surface at its vertices.

@@ -19,7 +19,7 @@ const MOST_VOLUME: f64 = 5e-4;
 /// Places between two looks at the flag that cancels.
 const BLOCK: usize = 4096;
 
-/// What was measured.
+/// Distances and volume of a file beside its mesh.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Measures {
     /// Greatest distance from a vertex or triangle centre of the mesh to the file (mm).
@@ -28,7 +28,7 @@ pub(super) struct Measures {
     pub(super) file_to_mesh: [f64; 2],
     /// Distance by which the triangles that were compared may leave the file's faces (mm).
     pub(super) unsure: f64,
-    /// Where the greatest of all was found (mm).
+    /// Place of the greatest distance (mm).
     pub(super) at: DVec3,
     /// Volume of the file's solids (mm^3).
     pub(super) volume: f64,

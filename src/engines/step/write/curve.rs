@@ -66,7 +66,7 @@ pub(super) struct EdgeCurve {
 struct Points {
     at: Vec<DVec3>,
     parameters: Vec<f64>,
-    /// Which of them are those of the chain.
+    /// Numbers of the points that are those of the chain.
     of_chain: Vec<usize>,
 }
 

@@ -21,7 +21,7 @@ const RESIDUAL: f64 = 1e-9;
 pub(super) struct Map {
     /// Vertices of the piece, and the middles of sides that lead from a side of the square to itself (mm).
     pub(super) points: Vec<DVec3>,
-    /// Their places in the square.
+    /// Places of the points in the square.
     pub(super) places: Vec<DVec2>,
     /// Triangles.
     pub(super) triangles: Vec<[u32; 3]>,

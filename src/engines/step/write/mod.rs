@@ -77,7 +77,7 @@ pub struct Property {
 pub struct StepPart<'a> {
     /// Name of the product and of its solid.
     pub name: &'a str,
-    /// Its surface (mm): closed, triangles counter-clockwise seen from outside.
+    /// Surface (mm): closed, triangles counter-clockwise seen from outside.
     pub mesh: &'a Mesh,
     /// Purposes that faces can have; may be empty.
     pub roles: &'a [Role],
@@ -108,7 +108,7 @@ impl Default for StepSettings {
     }
 }
 
-/// What was written, and how near it is to the mesh.
+/// Counts of a written file, and its distances from the mesh.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StepReport {
     /// Solids: one for every part of the mesh that hangs together.
@@ -157,7 +157,7 @@ impl StepReport {
 pub struct StepFile {
     /// Text of the file.
     pub bytes: Vec<u8>,
-    /// What it holds.
+    /// Counts and distances.
     pub report: StepReport,
 }
 

@@ -43,9 +43,9 @@ pub(super) struct Use {
 pub(super) struct Net {
     /// Vertices of the skin, those on borders moved onto the surfaces that meet there (mm).
     pub(super) points: Vec<DVec3>,
-    /// Every region by itself.
+    /// Mesh of each region.
     pub(super) pieces: Vec<Piece>,
-    /// Each once.
+    /// Chains of sides between two regions, each once.
     pub(super) chains: Vec<Chain>,
     /// The chains of every line around every region.
     pub(super) uses: Vec<Vec<Vec<Use>>>,

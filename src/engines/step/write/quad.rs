@@ -33,9 +33,9 @@ pub(super) struct Sides {
 pub(super) struct Quad {
     /// The surface.
     pub(super) surface: SplineSurface,
-    /// Its greatest distance from the mesh (mm).
+    /// Greatest distance of the surface from the mesh (mm).
     pub(super) distance: f64,
-    /// The place of that (mm).
+    /// Place of that distance (mm).
     pub(super) at: DVec3,
     /// Spans along u and v with places out of tolerance.
     failing: [Vec<bool>; 2],

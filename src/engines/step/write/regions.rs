@@ -30,7 +30,7 @@ const MINOR: [f64; 2] = [1.0, 0.2];
 /// A piece of the skin that becomes a face.
 #[derive(Debug, Clone)]
 pub(super) struct Region {
-    /// Its plane, cylinder or cone; none for a free form.
+    /// Plane, cylinder or cone; none for a free form.
     pub(super) surface: Option<Surface>,
     /// Number of its role.
     pub(super) role: u16,

@@ -21,9 +21,9 @@ pub(super) struct Knots(Vec<f64>);
 pub(super) struct Basis {
     /// Number of the first of the four.
     pub(super) first: usize,
-    /// Their values.
+    /// Values of the functions.
     pub(super) values: [f64; 4],
-    /// Their derivatives.
+    /// Derivatives of the functions.
     pub(super) slopes: [f64; 4],
 }
 
