@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const NO_PROGRAMS: [(&str, &str); 3] =
     [("BlockFeed", "one F word"), ("BurnSheet", "a template"), ("FlankCheck", "what a check found")];
 /// Public functions that return text that is no program, and what it is.
-const NO_PROGRAM_TEXT: [(&str, &str); 13] = [
+const NO_PROGRAM_TEXT: [(&str, &str); 14] = [
     ("Pace::approach", "one F word"),
     ("write_path_csv", "a table of a path, whose file says so if it is not verified"),
     ("write_copying_csv", "a table of a path"),
@@ -22,6 +22,7 @@ const NO_PROGRAM_TEXT: [(&str, &str); 13] = [
     ("BurnTable::json", "a burn sheet"),
     ("why_blocked", "why an electrode has no files"),
     ("file_stems", "names of files"),
+    ("step_words", "what a STEP file of an electrode holds"),
     ("FlankResult::why_blocked", "checks that fail"),
     ("FlankResult::all_warnings", "warnings"),
     ("MillingSettings::take_machine", "the name of a machine"),
