@@ -96,57 +96,70 @@ struct Sample {
     left: f64,
 }
 
-/// The facets of a mesh beside each other.
-struct Facets<'a> {
-    mesh: &'a Mesh,
-    /// The triangle of each edge.
-    edges: HashMap<(u32, u32), usize>,
+/// The facets of a mesh: triangles in one plane that are joined are one facet, however finely it was divided.
+struct Facets {
+    /// The facet of each triangle.
+    of_triangle: Vec<u32>,
+    /// How far each facet may lie off the bent surface that it stands for (mm).
+    chords: Vec<f64>,
 }
 
-impl<'a> Facets<'a> {
-    fn new(mesh: &'a Mesh) -> Self {
-        Self { mesh, edges: mesh.sides().collect() }
+impl Facets {
+    fn new(mesh: &Mesh) -> Self {
+        /// A smaller turn (rad) is rounding.
+        const FLAT: f64 = 1e-4;
+        const NONE: u32 = u32::MAX;
+        let normals: Vec<DVec3> = (0..mesh.triangles.len()).map(|i| normal_times_two_areas(mesh.corners(i))).collect();
+        let triangle_of: HashMap<(u32, u32), usize> = mesh.sides().collect();
+        // A facet has the plane of its greatest triangle, which rounding turns least. A triangle without area has none, and
+        // joins any facet.
+        let mut seeds: Vec<usize> = (0..normals.len()).collect();
+        seeds.sort_by(|&i, &k| normals[k].length_squared().total_cmp(&normals[i].length_squared()));
+        let mut of_triangle = vec![NONE; normals.len()];
+        let mut rims = Vec::new();
+        for seed in seeds {
+            if of_triangle[seed] != NONE {
+                continue;
+            }
+            let facet = rims.len() as u32;
+            of_triangle[seed] = facet;
+            let (mut rim, mut open) = (Vec::new(), vec![seed]);
+            while let Some(triangle) = open.pop() {
+                let [a, b, c] = mesh.triangles[triangle];
+                for (from, to) in [(a, b), (b, c), (c, a)] {
+                    let Some(&beside) = triangle_of.get(&(to, from)) else { continue };
+                    let turn = normals[seed].angle_between(normals[beside]);
+                    if turn >= FLAT {
+                        rim.push(([from, to], turn));
+                    } else if of_triangle[beside] == NONE {
+                        of_triangle[beside] = facet;
+                        open.push(beside);
+                    }
+                }
+            }
+            rims.push(rim);
+        }
+        Self { of_triangle, chords: rims.par_iter().map(|rim| chord_of_facet(mesh, rim)).collect() }
     }
 
     /// How far the facet of a sample may lie off the bent surface that it stands for (mm).
     fn of(&self, sample: &Sample) -> f64 {
-        sample.triangle.map_or(0.0, |triangle| self.chord(triangle))
+        sample.triangle.map_or(0.0, |triangle| self.chords[self.of_triangle[triangle as usize] as usize])
     }
+}
 
-    /// How far a facet may lie off the bent surface that it stands for (mm): as far as an arc over it that turns from
-    /// each of its neighbours to the opposite one as they do, twice over, since facets differ in size. Creases are no
-    /// arcs. Triangles in one plane are one facet, however finely it was divided.
-    fn chord(&self, triangle: u32) -> f64 {
-        const CREASE: f64 = 0.6;
-        const FLAT: f64 = 1e-4;
-        const MOST_TRIANGLES: usize = 256;
-        let normal = |triangle: usize| normal_times_two_areas(self.mesh.corners(triangle));
-        let own = normal(triangle as usize);
-        let mut facet = vec![triangle as usize];
-        let mut rim: Vec<([u32; 2], usize, f64)> = Vec::new();
-        let mut next = 0;
-        while let Some(&at) = facet.get(next) {
-            next += 1;
-            let [a, b, c] = self.mesh.triangles[at];
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                let Some(&beside) = self.edges.get(&(to, from)) else { continue };
-                let turn = own.angle_between(normal(beside));
-                if turn >= FLAT || facet.len() >= MOST_TRIANGLES {
-                    rim.push(([from, to], beside, turn));
-                } else if !facet.contains(&beside) {
-                    facet.push(beside);
-                }
-            }
-        }
-        let corners = || facet.iter().flat_map(|t| self.mesh.corners(*t));
-        let sag = |(ends, beside, turn): ([u32; 2], usize, f64)| {
-            let [from, to] = ends.map(|v| self.mesh.vertices[v as usize]);
-            let along = (to - from).normalize_or_zero();
-            let across = corners().map(|p| (p - from).cross(along).length()).fold(0.0, f64::max);
-            (turn < CREASE && !facet.contains(&beside)).then_some(turn * across / 4.0)
-        };
-        rim.into_iter().filter_map(sag).fold(0.0, f64::max)
-    }
+/// How far the facet within `rim` may lie off the bent surface that it stands for (mm): as far as an arc over it that turns
+/// from each of its neighbours to the opposite one as they do, twice over, since facets differ in size. Creases are no arcs.
+/// The rim is of edges, with the turn over each (rad).
+fn chord_of_facet(mesh: &Mesh, rim: &[([u32; 2], f64)]) -> f64 {
+    const CREASE: f64 = 0.6;
+    let point = |v: u32| mesh.vertices[v as usize];
+    let sag = |&([from, to], turn): &([u32; 2], f64)| {
+        let (from, along) = (point(from), (point(to) - point(from)).normalize_or_zero());
+        let across = rim.iter().map(|([v, _], _)| (point(*v) - from).cross(along).length()).fold(0.0, f64::max);
+        (turn < CREASE).then_some(turn * across / 4.0)
+    };
+    rim.iter().filter_map(sag).fold(0.0, f64::max)
 }
 
 /// A channel to be measured against its mesh.
@@ -491,7 +504,29 @@ fn chord_error(slices: &Slices, meridian: &[Station], share: f64, triangle: u32,
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
+    use super::super::agreement_tests::quartered;
     use super::*;
+
+    /// The flat sides of a tube of 36 lie off it by their chord times the turn between two over eight, which is taken twice.
+    #[test]
+    fn a_facet_lies_off_as_far_however_finely_it_is_divided() {
+        let (sides, radius) = (36, 50.0);
+        let turn = TAU / f64::from(sides);
+        let end = |x: f64| (0..sides).map(move |i| Cylindrical { x, r: radius, theta: f64::from(i) * turn }.point());
+        let triangles = (0..sides as u32).flat_map(|i| {
+            let (k, far) = ((i + 1) % sides as u32, sides as u32);
+            [[i, k, k + far], [i, k + far, i + far]]
+        });
+        let tube = Mesh { vertices: end(0.0).chain(end(200.0)).collect(), triangles: triangles.collect() };
+        let chord = 2.0 * radius * (turn / 2.0).sin() * turn / 4.0;
+        for times in [0, 5] {
+            let facets = Facets::new(&quartered(&tube, times));
+            assert_eq!(facets.chords.len(), sides as usize);
+            facets.chords.iter().for_each(|found| assert!((found - chord).abs() < 1e-3 * chord, "{found} {chord}"));
+        }
+    }
 
     #[test]
     fn what_cannot_be_measured_does_not_agree() {
