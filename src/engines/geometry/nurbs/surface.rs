@@ -74,6 +74,18 @@ impl NurbsSurface {
         [point, (b.truncate() - point * b.w) / a.w, (c.truncate() - point * c.w) / a.w]
     }
 
+    /// Point, both first derivatives, and the second ones by u, by both and by v, at (`u`, `v`).
+    pub fn with_second(&self, u: f64, v: f64) -> [DVec3; 6] {
+        let sums = self.sums(u, v, [[0, 0], [1, 0], [0, 1], [2, 0], [1, 1], [0, 2]]);
+        let [(p, w), (pu, wu), (pv, wv), (puu, wuu), (puv, wuv), (pvv, wvv)] = sums.map(|s| (s.truncate(), s.w));
+        let point = p / w;
+        let (du, dv) = ((pu - point * wu) / w, (pv - point * wv) / w);
+        let duu = (puu - 2.0 * wu * du - point * wuu) / w;
+        let duv = (puv - wu * dv - wv * du - point * wuv) / w;
+        let dvv = (pvv - 2.0 * wv * dv - point * wvv) / w;
+        [point, du, dv, duu, duv, dvv]
+    }
+
     /// The unit normal at (`u`, `v`), along the product of the derivatives by u and by v; zero where they are parallel.
     pub fn normal(&self, u: f64, v: f64) -> DVec3 {
         let [_, along_u, along_v] = self.at(u, v);

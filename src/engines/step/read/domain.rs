@@ -8,6 +8,8 @@ use glam::{DVec2, DVec3};
 
 use super::Fineness;
 use super::surface::{Axes, Shape, Surface};
+use super::triangulate::CANCELLED;
+use task::Cancel;
 
 /// Numbers from here on are points of the face alone, in the order in which they were made.
 pub(super) const OWN: u32 = 1 << 31;
@@ -65,12 +67,17 @@ impl Own<'_> {
 ///
 /// # Errors
 /// The reason why the loops bound no part of the surface.
-pub(super) fn domain(surface: &mut Surface, loops: &[Vec<Node>], fine: &Fineness) -> Result<Domain, &'static str> {
+pub(super) fn domain(
+    surface: &mut Surface,
+    loops: &[Vec<Node>],
+    fine: &Fineness,
+    cancel: &Cancel,
+) -> Result<Domain, &'static str> {
     let tolerance = fine.joined;
     turn_sphere(surface, loops);
     let mut runs = Vec::new();
     for nodes in loops.iter().filter(|nodes| nodes.len() > 1) {
-        runs.push(lay_out(surface, nodes, tolerance)?);
+        runs.push(lay_out(surface, nodes, tolerance, cancel)?);
     }
     let mut own = Own { points: Vec::new(), fine };
     let mut polygons = Vec::new();
@@ -109,7 +116,7 @@ fn turn_sphere(surface: &mut Surface, loops: &[Vec<Node>]) {
 }
 
 /// Lays out a loop without jumps.
-fn lay_out(surface: &Surface, nodes: &[Node], tolerance: f64) -> Result<Run, &'static str> {
+fn lay_out(surface: &Surface, nodes: &[Node], tolerance: f64, cancel: &Cancel) -> Result<Run, &'static str> {
     let is_pole: Vec<bool> = nodes
         .iter()
         .map(|n| surface.poles.iter().flatten().any(|v| surface.point(DVec2::new(0.0, *v)).distance(n.0) <= tolerance))
@@ -121,6 +128,10 @@ fn lay_out(surface: &Surface, nodes: &[Node], tolerance: f64) -> Result<Run, &'s
     let mut here = surface.locate_anywhere(nodes[start].0);
     let first = here;
     for k in 0..nodes.len() {
+        // A point that is looked for everywhere takes a millisecond or two.
+        if k % 16 == 0 && cancel.check().is_err() {
+            return Err(CANCELLED);
+        }
         let (p, id) = nodes[(start + k) % nodes.len()];
         if is_pole[(start + k) % nodes.len()] {
             let near = |v: &&f64| surface.point(DVec2::new(0.0, **v)).distance_squared(p);

@@ -4,15 +4,19 @@ use geometry::nurbs::{KnotVector, NurbsCurve};
 use glam::DVec3;
 
 use super::Fineness;
+use super::clamp::{Row, clamped};
 
 /// How often a piece of a curve is halved at most.
 const HALVINGS: u32 = 14;
 
 /// The curve; none if it is no NURBS curve.
 pub(super) fn curve(from: &step_io::scene::NurbsCurve) -> Option<NurbsCurve> {
-    let points: Vec<DVec3> = from.control_points.iter().map(|p| DVec3::from(*p)).collect();
-    let knots = KnotVector::new(from.degree, from.knots.clone()).ok()?;
-    NurbsCurve::new(knots, &points, &from.weights).ok()
+    let points = from.control_points.iter().zip(&from.weights);
+    let rows = points.map(|(p, w)| Row(vec![(DVec3::from(*p) * *w).extend(*w)])).collect();
+    let (knots, rows) = clamped(from.degree, from.knots.clone(), rows)?;
+    let (points, weights): (Vec<DVec3>, Vec<f64>) =
+        rows.iter().flat_map(|row| &row.0).map(|p| (p.truncate() / p.w, p.w)).unzip();
+    NurbsCurve::new(KnotVector::new(from.degree, knots).ok()?, &points, &weights).ok()
 }
 
 /// Points within the curve, its ends not among them, so close that chords leave the curve by no more than `fine` says.

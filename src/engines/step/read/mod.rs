@@ -13,6 +13,7 @@
 //! ```
 
 mod assembly;
+mod clamp;
 mod domain;
 mod edges;
 mod solid;

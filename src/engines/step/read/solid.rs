@@ -9,12 +9,12 @@ use rayon::prelude::*;
 use step_io::model::{Axis2Placement3dRef, CartesianPointRef, DirectionRef, EntityKey};
 use step_io::scene::{Edge, Face, SurfaceKind, Vertex};
 use step_io::{Orientation, StepModel};
-use task::Task;
+use task::{Cancel, Task};
 
 use super::assembly::Placed;
 use super::domain::{Node, OWN, domain};
 use super::surface::{Axes, Shape, Surface};
-use super::triangulate::{CROSSES, FaceMesh, triangulate};
+use super::triangulate::{CANCELLED, CROSSES, FaceMesh, triangulate};
 use super::{Fault, Fineness, Options, Solid, edges};
 use crate::error::StepError;
 
@@ -42,32 +42,58 @@ pub(super) fn tessellate(
     options: &Options,
     task: &Task,
 ) -> Result<Vec<Solid>, StepError> {
-    let mut table = Table::default();
-    let bounded: Vec<Bounded> = placed.faces.iter().map(|(face, turned)| table.face(*face, *turned)).collect();
     // A tenth is left for what lies between the places that are looked at.
     let chord = 0.9 * options.chord / unit;
-    let fine = Fineness {
-        chord,
-        turn: options.turn,
-        least_length: 2.0 * chord,
-        joined: (0.1 * chord).max(2.0 * precision.abs().min(chord)),
-    };
+    let joined = (0.1 * chord).max(2.0 * precision.abs().min(chord));
+    let fine = |chord: f64| Fineness { chord, turn: options.turn, least_length: 2.0 * chord, joined };
+    let made = |chord: f64| at_fineness(placed, model, [unit, angle], &fine(chord), options.max_triangles, task);
+    let mut solid = made(chord)?;
+    if solid.faults.is_empty() && solid.is_closed() {
+        // What chords leave is a share of the volume as they are of the thickness.
+        let thickness = 2.0 * solid.mesh.volume().abs() / solid.mesh.area().max(f64::MIN_POSITIVE);
+        let thin = (thickness / unit / THIN).max(FINEST * chord);
+        if thin < chord {
+            let finer = made(thin)?;
+            if finer.faults.is_empty() && finer.is_closed() {
+                solid = finer;
+            }
+        }
+    }
+    Ok(placed.places.iter().enumerate().map(|(n, at)| at_place(&solid, n, *at, unit)).collect())
+}
+
+/// A solid whose mean thickness is less than so many chord errors gets finer triangles, so that its volume holds.
+const THIN: f64 = 100.0;
+/// Least chord error of such triangles, as a share of that which is asked for.
+const FINEST: f64 = 0.25;
+
+/// The mesh of a solid in millimetres, where it stands by itself, with triangles this fine.
+fn at_fineness(
+    placed: &Placed,
+    model: &StepModel,
+    [unit, angle]: [f64; 2],
+    fine: &Fineness,
+    max_triangles: u64,
+    task: &Task,
+) -> Result<Solid, StepError> {
+    let mut table = Table::default();
+    let bounded: Vec<Bounded> = placed.faces.iter().map(|(face, turned)| table.face(*face, *turned)).collect();
     let surfaces: Vec<Option<Surface>> =
         bounded.par_iter().map(|b| surface(&b.face, model, angle, fine.joined)).collect();
-    let most = usize::try_from(options.max_triangles / 2).unwrap_or(usize::MAX);
+    let most = usize::try_from(max_triangles / 2).unwrap_or(usize::MAX);
     let mut points = Points::default();
     let mut meshes: Vec<Result<FaceMesh, &'static str>> = (0..bounded.len()).map(|_| Err("not made")).collect();
     let mut due: Vec<usize> = (0..bounded.len()).collect();
     for level in 0..=MOST_LEVEL {
-        table.sample(&mut points, &fine);
+        table.sample(&mut points, fine);
         let made: Vec<(usize, Result<FaceMesh, &'static str>)> = due
             .par_iter()
             .map(|&n| {
                 if task.check().is_err() {
-                    return (n, Err("cancelled"));
+                    return (n, Err(CANCELLED));
                 }
                 let surface = surfaces[n].as_ref().ok_or("its surface is of a kind that is not read");
-                (n, surface.and_then(|s| face_mesh(&bounded[n], s, &points.chains, most, &fine)))
+                (n, surface.and_then(|s| face_mesh(&bounded[n], s, &points.chains, (most, fine), &task.cancel)))
             })
             .collect();
         task.check()?;
@@ -91,7 +117,7 @@ pub(super) fn tessellate(
     solid.faults.iter_mut().for_each(|f| f.place *= unit);
     let scale = DMat4::from_scale(DVec3::splat(unit));
     solid.faces.iter_mut().for_each(|face| *face = face.placed(&scale, unit));
-    Ok(placed.places.iter().enumerate().map(|(n, at)| at_place(&solid, n, *at, unit)).collect())
+    Ok(solid)
 }
 
 /// Vertices and edges of a solid, each once.
@@ -217,16 +243,16 @@ fn face_mesh(
     bounded: &Bounded,
     surface: &Surface,
     chains: &[Option<Chain>],
-    most: usize,
-    fine: &Fineness,
+    (most, fine): (usize, &Fineness),
+    cancel: &Cancel,
 ) -> Result<FaceMesh, &'static str> {
     let mut loops = node_loops(&bounded.loops, chains)?;
     let mut surface = surface.clone();
     if surface.is_flipped {
         loops.iter_mut().for_each(|l| l.reverse());
     }
-    let domain = domain(&mut surface, &loops, fine)?;
-    let mut mesh = triangulate(&surface, &domain, most, fine)?;
+    let domain = domain(&mut surface, &loops, fine, cancel)?;
+    let mut mesh = triangulate(&surface, &domain, (most, fine), cancel)?;
     if mesh.triangles.is_empty() {
         return Err("it has no area");
     }
@@ -356,6 +382,11 @@ fn surface(face: &Face, model: &StepModel, angle: f64, tolerance: f64) -> Option
         SurfaceKind::Toroidal(s) if s.minor_radius < s.major_radius => {
             Shape::Torus { axes: axes(&s.position)?, major: s.major_radius, minor: s.minor_radius }
         }
+        SurfaceKind::Offset(_) => {
+            return face
+                .to_nurbs()
+                .map_or_else(|| offset(face.surface(), tolerance), |s| Surface::nurbs(&s, tolerance));
+        }
         _ => return Surface::nurbs(&face.to_nurbs()?, tolerance),
     };
     let numbers = match &shape {
@@ -365,6 +396,22 @@ fn surface(face: &Face, model: &StepModel, angle: f64, tolerance: f64) -> Option
         _ => [1.0, 1.0],
     };
     numbers.iter().all(|n| n.is_finite() && *n != 0.0).then(|| Surface::elementary(shape))
+}
+
+/// The surface at a distance from a free one, or from one that is so itself.
+fn offset(mut surface: step_io::scene::Surface, tolerance: f64) -> Option<Surface> {
+    /// Offsets of offsets are followed so far.
+    const DEEPEST: usize = 16;
+    let mut distance = 0.0f64;
+    for _ in 0..DEEPEST {
+        let SurfaceKind::Offset(kind) = surface.kind() else {
+            let on = Surface::nurbs(&surface.to_nurbs()?, tolerance)?;
+            return distance.is_finite().then(|| on.offset_by(distance));
+        };
+        distance += kind.distance;
+        surface = surface.basis_surface()?;
+    }
+    None
 }
 
 fn axes(model: &StepModel, r: &Axis2Placement3dRef) -> Option<Axes> {

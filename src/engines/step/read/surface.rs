@@ -8,6 +8,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use geometry::nurbs::{KnotVector, NurbsCurve, NurbsSurface};
 use glam::{DVec2, DVec3};
 
+use super::clamp::{Row, clamped};
+
 /// An orthonormal frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Axes {
@@ -74,6 +76,8 @@ pub(super) struct Surface {
     pub poles: [Option<f64>; 2],
     /// Whether u and v have changed places, which turns the normal over.
     pub is_flipped: bool,
+    /// Distance along the normal `du x dv` at which the surface lies off the NURBS surface of its shape.
+    pub offset: f64,
 }
 
 impl Surface {
@@ -89,13 +93,20 @@ impl Surface {
             Shape::Sphere { .. } => ([Some(TAU), None], [Some(-FRAC_PI_2), Some(FRAC_PI_2)]),
             Shape::Torus { .. } => ([Some(TAU), Some(TAU)], [None, None]),
         };
-        Self { shape, period, poles, is_flipped: false }
+        Self { shape, period, poles, is_flipped: false, offset: 0.0 }
+    }
+
+    /// The surface at a distance from this NURBS surface, along the normal that the file gives it.
+    pub fn offset_by(self, distance: f64) -> Self {
+        Self { offset: if self.is_flipped { -distance } else { distance }, ..self }
     }
 
     /// The NURBS surface, its ends taken for one where they lie within `tolerance` of each other. None if it is none.
     pub fn nurbs(from: &step_io::scene::NurbsSurface, tolerance: f64) -> Option<Self> {
-        let [rows, columns] = [from.control_points.len(), from.control_points.first()?.len()];
-        let point = |i: usize, j: usize| from.control_points.get(i).and_then(|r| r.get(j)).map(|p| DVec3::from(*p));
+        let net = Net::of(from)?;
+        let [rows, columns] = [net.points.len(), net.points.first()?.0.len()];
+        let homogeneous = |i: usize, j: usize| net.points.get(i).and_then(|r| r.0.get(j)).copied();
+        let point = |i: usize, j: usize| homogeneous(i, j).map(|p| p.truncate() / p.w);
         let at_side = |i: Option<usize>, j: Option<usize>| -> Option<bool> {
             let count = if i.is_some() { columns } else { rows };
             let first = point(i.unwrap_or(0), j.unwrap_or(0))?;
@@ -110,12 +121,10 @@ impl Surface {
         let (mut points, mut weights) = (Vec::new(), Vec::new());
         for (i, j) in (0..count_u).flat_map(|i| (0..count_v).map(move |j| pick(i, j))) {
             points.push(point(i, j)?);
-            weights.push(*from.weights.get(i)?.get(j)?);
+            weights.push(homogeneous(i, j)?.w);
         }
-        let mut knots = [
-            KnotVector::new(from.degree_u, from.knots_u.clone()).ok()?,
-            KnotVector::new(from.degree_v, from.knots_v.clone()).ok()?,
-        ];
+        let [knots_u, knots_v] = net.knots;
+        let mut knots = [KnotVector::new(from.degree_u, knots_u).ok()?, KnotVector::new(from.degree_v, knots_v).ok()?];
         if is_flipped {
             knots.reverse();
         }
@@ -136,7 +145,7 @@ impl Surface {
         let period = [0, 1].map(|k| closes(k).then(|| domain[k][1] - domain[k][0]));
         // What is a pole on one side and closed the other way is no ring there.
         let period = if poles.iter().any(Option::is_some) { [period[0], None] } else { period };
-        Some(Self { shape: Shape::Nurbs(Box::new(surface)), period, poles, is_flipped })
+        Some(Self { shape: Shape::Nurbs(Box::new(surface)), period, poles, is_flipped, offset: 0.0 })
     }
 
     /// Point and both derivatives at `uv`.
@@ -168,7 +177,7 @@ impl Surface {
             }
             Shape::Nurbs(s) => {
                 let [u, v] = self.within(s, uv);
-                s.at(u, v)
+                if self.offset == 0.0 { s.at(u, v) } else { self.beside(s, [u, v]) }
             }
         }
     }
@@ -176,12 +185,34 @@ impl Surface {
     /// The point at `uv`.
     pub fn point(&self, uv: DVec2) -> DVec3 {
         match &self.shape {
-            Shape::Nurbs(s) => {
+            Shape::Nurbs(s) if self.offset == 0.0 => {
                 let [u, v] = self.within(s, uv);
                 s.point(u, v)
             }
             _ => self.at(uv)[0],
         }
+    }
+
+    /// Point and both derivatives beside a NURBS surface, at the offset along its normal.
+    fn beside(&self, s: &NurbsSurface, [u, v]: [f64; 2]) -> [DVec3; 3] {
+        let [mut p, mut du, mut dv, mut duu, mut duv, mut dvv] = s.with_second(u, v);
+        let mut across = du.cross(dv);
+        if across.length_squared() <= 1e-24 * du.length_squared().max(dv.length_squared()).powi(2) {
+            // At a pole the normal is that of the places beside it.
+            let inwards = |k: usize, at: f64| {
+                let [low, high] = s.domain()[k];
+                at + 1e-6 * (high - low) * if at > 0.5 * (low + high) { -1.0 } else { 1.0 }
+            };
+            [_, du, dv, duu, duv, dvv] = s.with_second(inwards(0, u), inwards(1, v));
+            across = du.cross(dv);
+            p = s.point(u, v);
+        }
+        let Some(normal) = across.try_normalize() else { return [p, du, dv] };
+        // Derivatives of a unit vector along `across`.
+        let turn = |of_across: DVec3| (of_across - normal * normal.dot(of_across)) / across.length();
+        let along_u = turn(duu.cross(dv) + du.cross(duv));
+        let along_v = turn(duv.cross(dv) + du.cross(dvv));
+        [p + normal * self.offset, du + along_u * self.offset, dv + along_v * self.offset]
     }
 
     /// Parameters within the domain of a NURBS surface: carried round in closed directions, held at the ends of others.
@@ -234,7 +265,7 @@ impl Surface {
         let looks = [0, 1].map(|k| places(s, k));
         let mut starts: Vec<(f64, DVec2)> = Vec::new();
         for uv in looks[0].iter().flat_map(|u| looks[1].iter().map(|v| DVec2::new(*u, *v))) {
-            starts.push((s.point(uv.x, uv.y).distance_squared(p), uv));
+            starts.push((self.point(uv).distance_squared(p), uv));
         }
         starts.sort_by(|a, b| a.0.total_cmp(&b.0));
         let feet = starts.iter().take(8).map(|(_, start)| self.foot(s, p, *start));
@@ -296,6 +327,9 @@ impl Surface {
     /// parameters. Two pairs where it is ruled both ways; none of any other surface, nor where the box crosses a seam.
     pub fn guides(&self, [low, high]: [DVec2; 2]) -> Vec<[NurbsCurve; 2]> {
         let Shape::Nurbs(s) = &self.shape else { return Vec::new() };
+        if self.offset != 0.0 {
+            return Vec::new();
+        }
         let slack = |k: usize| 1e-9 * (s.domain()[k][1] - s.domain()[k][0]);
         let is_within = |k: usize| low[k] >= s.domain()[k][0] - slack(k) && high[k] <= s.domain()[k][1] + slack(k);
         if !is_within(0) || !is_within(1) {
@@ -327,6 +361,30 @@ impl Surface {
         all.dedup();
         all
     }
+}
+
+/// Homogeneous control points of a NURBS surface, a row for each along u, and its knots, all ends repeated.
+struct Net {
+    points: Vec<Row>,
+    knots: [Vec<f64>; 2],
+}
+
+impl Net {
+    fn of(from: &step_io::scene::NurbsSurface) -> Option<Self> {
+        let rows = from.control_points.iter().zip(&from.weights).map(|(points, weights)| {
+            Row(points.iter().zip(weights).map(|(p, w)| (DVec3::from(*p) * *w).extend(*w)).collect())
+        });
+        let (knots_u, rows) = clamped(from.degree_u, from.knots_u.clone(), rows.collect())?;
+        let (knots_v, columns) = clamped(from.degree_v, from.knots_v.clone(), transposed(&rows)?)?;
+        Some(Self { points: transposed(&columns)?, knots: [knots_u, knots_v] })
+    }
+}
+
+/// Rows of the columns; none where rows are not equally long.
+fn transposed(rows: &[Row]) -> Option<Vec<Row>> {
+    let count = rows.first()?.0.len();
+    let is_even = rows.iter().all(|row| row.0.len() == count);
+    is_even.then(|| (0..count).map(|k| Row(rows.iter().map(|row| row.0[k]).collect())).collect())
 }
 
 /// Places in direction `k` of a NURBS surface near one of which Newton's method finds a foot: three to a piece.

@@ -199,8 +199,13 @@ fn a_ruled_face_has_its_guides() {
     let rows = [[0.0, 0.0, 0.0], [1.0, 3.0, 0.0], [2.0, 3.0, 0.0], [4.0, 0.0, 0.0]].map(DVec3::from_array);
     let points: Vec<DVec3> = rows.iter().flat_map(|p| [*p, *p * DVec3::new(1.0, -1.0, 1.0) + DVec3::Z * 5.0]).collect();
     let twisted = NurbsSurface::new(bezier(3), bezier(1), &points, &[1.0; 8]).unwrap();
-    let shape =
-        Surface { shape: Shape::Nurbs(twisted.clone().into()), period: [None; 2], poles: [None; 2], is_flipped: false };
+    let shape = Surface {
+        shape: Shape::Nurbs(twisted.clone().into()),
+        period: [None; 2],
+        poles: [None; 2],
+        is_flipped: false,
+        offset: 0.0,
+    };
     let [low, high] = [DVec2::new(0.25, 0.1), DVec2::new(0.75, 0.6)];
     let guides = shape.guides([low, high]);
     assert_eq!(guides.len(), 1);
@@ -211,6 +216,119 @@ fn a_ruled_face_has_its_guides() {
         }
     }
     assert!(shape.guides([low, DVec2::new(1.2, 0.6)]).is_empty(), "beyond the surface there are no guides");
+}
+
+/// Basis function number `i` by its definition.
+fn basis(knots: &[f64], i: usize, degree: usize, u: f64) -> f64 {
+    if degree == 0 {
+        return f64::from(knots[i] <= u && u < knots[i + 1]);
+    }
+    let share = |over: f64, width: f64| if width > 0.0 { over / width } else { 0.0 };
+    share(u - knots[i], knots[i + degree] - knots[i]) * basis(knots, i, degree - 1, u)
+        + share(knots[i + degree + 1] - u, knots[i + degree + 1] - knots[i + 1]) * basis(knots, i + 1, degree - 1, u)
+}
+
+#[test]
+fn knots_whose_ends_are_not_repeated_give_the_same_curve_and_surface() {
+    let knots_u = vec![0.0, 1.0, 2.0, 3.5, 4.0, 4.0, 5.0, 6.5, 7.0, 8.0];
+    let knots_v = vec![0.0, 1.0, 1.0, 2.0, 3.0, 4.5, 5.0];
+    let control = |i: usize, j: usize| [i as f64, (i * i % 5) as f64 + 0.3 * j as f64, (j * j) as f64 - 0.1 * i as f64];
+    let weight = |i: usize, j: usize| 1.0 + 0.2 * ((i + 2 * j) % 3) as f64;
+    let [rows, columns] = [6, 4];
+    let net = step_io::scene::NurbsSurface {
+        degree_u: 3,
+        degree_v: 2,
+        control_points: (0..rows).map(|i| (0..columns).map(|j| control(i, j)).collect()).collect(),
+        weights: (0..rows).map(|i| (0..columns).map(|j| weight(i, j)).collect()).collect(),
+        knots_u: knots_u.clone(),
+        knots_v: knots_v.clone(),
+    };
+    let curve = super::edges::curve(&step_io::scene::NurbsCurve {
+        degree: 3,
+        control_points: (0..rows).map(|i| control(i, 1)).collect(),
+        weights: (0..rows).map(|i| weight(i, 1)).collect(),
+        knots: knots_u.clone(),
+    })
+    .unwrap();
+    let surface = Surface::nurbs(&net, 1e-6).unwrap();
+    assert_eq!(curve.domain(), [3.5, 5.0]);
+    for u in [3.5, 3.7, 4.0, 4.6, 4.999] {
+        let at = |v: Option<f64>| {
+            let mut sum = glam::DVec4::ZERO;
+            for (i, j) in (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))) {
+                let across = v.map_or(f64::from(j == 1), |v| basis(&knots_v, j, 2, v));
+                let share = basis(&knots_u, i, 3, u) * across * weight(i, j);
+                sum += (DVec3::from(control(i, j)) * share).extend(share);
+            }
+            sum.truncate() / sum.w
+        };
+        assert!(curve.point(u).distance(at(None)) < 1e-12, "{u}");
+        for v in [1.0, 1.5, 2.0, 2.9] {
+            assert!(surface.point(DVec2::new(u, v)).distance(at(Some(v))) < 1e-12, "{u} {v}");
+        }
+    }
+}
+
+/// A quarter of a cylinder of radius 5 about Z, 4 high, its normal outwards, as a NURBS surface.
+fn quarter() -> step_io::scene::NurbsSurface {
+    let arc = [[5.0, 0.0], [5.0, 5.0], [0.0, 5.0]];
+    step_io::scene::NurbsSurface {
+        degree_u: 2,
+        degree_v: 1,
+        control_points: arc.map(|[x, y]| [0.0, 4.0].map(|z| [x, y, z]).to_vec()).to_vec(),
+        weights: [1.0, 0.5f64.sqrt(), 1.0].map(|w| vec![w; 2]).to_vec(),
+        knots_u: vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0],
+        knots_v: vec![0.0, 0.0, 1.0, 1.0],
+    }
+}
+
+#[test]
+fn a_surface_beside_another_lies_at_its_distance() {
+    let surface = Surface::nurbs(&quarter(), 1e-6).unwrap().offset_by(1.5);
+    for uv in [DVec2::new(0.1, 0.2), DVec2::new(0.5, 0.5), DVec2::new(0.93, 0.8)] {
+        let [p, du, dv] = surface.at(uv);
+        assert!((p.truncate().length() - 6.5).abs() < 1e-12 && (p.z - 4.0 * uv.y).abs() < 1e-12);
+        for (k, slope) in [(DVec2::X, du), (DVec2::Y, dv)] {
+            let by = 1e-5;
+            let difference = (surface.point(uv + k * by) - surface.point(uv - k * by)) / (2.0 * by);
+            assert!(difference.distance(slope) < 1e-7, "{uv}");
+        }
+        assert!(surface.locate_anywhere(p).distance(uv) < 1e-9);
+    }
+    assert!(surface.guides([DVec2::ZERO, DVec2::ONE]).is_empty());
+}
+
+/// The lid of a box on a surface 2 mm above a free one.
+#[test]
+fn a_face_on_an_offset_surface_closes() {
+    let text = String::from_utf8(written(|b| cuboid(b, DVec3::new(10.0, 20.0, 30.0)))).unwrap();
+    let planes: Vec<&str> = text.lines().filter(|line| line.contains("PLANE(") && line.contains('=')).collect();
+    let number = planes[1].split('=').next().unwrap();
+    let points = [(-1.0, -1.0), (-1.0, 21.0), (11.0, -1.0), (11.0, 21.0)];
+    let points =
+        points.iter().zip(90002..).map(|((x, y), n)| format!("#{n}=CARTESIAN_POINT('',({x:?},{y:?},28.0));\n"));
+    let offset = format!(
+        "{number}=OFFSET_SURFACE('',#90001,2.0,.F.);\n#90001=B_SPLINE_SURFACE_WITH_KNOTS('',1,1,((#90002,#90003),\
+         (#90004,#90005)),.UNSPECIFIED.,.F.,.F.,.F.,(2,2),(2,2),(0.0,1.0),(0.0,1.0),.UNSPECIFIED.);\n{}",
+        points.collect::<String>()
+    );
+    let solid = closes(text.replace(planes[1], &offset).as_bytes(), 6000.0, 1e-6);
+    assert!(solid.mesh.bounds().max.distance(DVec3::new(10.0, 20.0, 30.0)) < 1e-9);
+}
+
+#[test]
+fn a_face_is_given_up_when_told_to_stop() {
+    let mut surface = Surface::nurbs(&quarter(), 1e-6).unwrap();
+    let fine = super::Fineness { chord: 1e-3, turn: 0.1, least_length: 2e-3, joined: 1e-5 };
+    let around = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(u, v)| surface.point(DVec2::new(u, v)));
+    let loops = [around.into_iter().zip(0..).collect::<Vec<_>>()];
+    let cancel = task::Cancel::default();
+    let domain = super::domain::domain(&mut surface, &loops, &fine, &cancel).unwrap();
+    let made = |cancel: &task::Cancel| super::triangulate::triangulate(&surface, &domain, (1000, &fine), cancel);
+    assert!(made(&cancel).is_ok_and(|mesh| mesh.triangles.len() > 2));
+    cancel.cancel();
+    assert_eq!(made(&cancel).err(), Some("cancelled"));
+    assert_eq!(super::domain::domain(&mut surface.clone(), &loops, &fine, &cancel).err(), Some("cancelled"));
 }
 
 /// Number of spoilt files that are tried: 400, or as many as the environment's `STEP_MUTATIONS` says.

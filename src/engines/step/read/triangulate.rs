@@ -14,6 +14,7 @@ use spade::{ConstrainedDelaunayTriangulation, HasPosition, Point2, Triangulation
 use super::Fineness;
 use super::domain::{Corner, Domain, OWN};
 use super::surface::{Shape, Surface};
+use task::Cancel;
 
 /// Triangles of a face; corners from [`OWN`] on are its own points.
 #[derive(Debug, Default)]
@@ -97,6 +98,7 @@ struct Ground<'a> {
     domain: &'a Domain,
     stretch: [Stretch; 2],
     fine: &'a Fineness,
+    cancel: &'a Cancel,
 }
 
 /// The triangles of the `domain` of a face, with no more than `most` points within.
@@ -106,10 +108,10 @@ struct Ground<'a> {
 pub(super) fn triangulate(
     surface: &Surface,
     domain: &Domain,
-    most: usize,
-    fine: &Fineness,
+    (most, fine): (usize, &Fineness),
+    cancel: &Cancel,
 ) -> Result<FaceMesh, &'static str> {
-    let ground = Ground { surface, domain, stretch: stretches(surface, domain, fine), fine };
+    let ground = Ground { surface, domain, stretch: stretches(surface, domain, fine), fine, cancel };
     let mut net = Delaunay::new();
     let walls = ground.boundary(&mut net)?;
     let mut own = domain.own.clone();
@@ -118,22 +120,18 @@ pub(super) fn triangulate(
         return Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine: true, ..FaceMesh::default() });
     }
     let coarse_sides = ground.coarse_sides();
-    for at in ground.grid(most) {
-        ground.add(&mut net, at, &mut own)?;
-    }
+    ground.add_all(&mut net, ground.grid(most)?, &mut own)?;
     // Sides of the boundary are as fine as their edges.
     let mut known = Known { fine_sides: walls.clone(), ..Known::default() };
     for _ in 0..ROUNDS {
         let triangles = inside(&net, &walls);
-        let missing = ground.missing(&net, &triangles, &mut known);
+        let missing = ground.missing(&net, &triangles, &mut known)?;
         if missing.is_empty() || own.len() + missing.len() > most {
             let is_fine = missing.is_empty();
             let guides = surface.guides(domain.range());
             return Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine, coarse_sides, guides });
         }
-        for at in missing {
-            ground.add(&mut net, at, &mut own)?;
-        }
+        ground.add_all(&mut net, missing, &mut own)?;
     }
     let triangles = inside(&net, &walls);
     Ok(FaceMesh { own, triangles: ids(&net, &triangles), is_fine: false, coarse_sides, guides: Vec::new() })
@@ -184,6 +182,19 @@ impl Ground<'_> {
         DVec2::new(self.stretch[0].back(at.x), self.stretch[1].back(at.y))
     }
 
+    /// Looks at the flag every so many items: a few milliseconds of work.
+    fn tick(&self, item: usize) -> Result<(), &'static str> {
+        if item.is_multiple_of(ITEMS_PER_CHECK) && self.cancel.check().is_err() { Err(CANCELLED) } else { Ok(()) }
+    }
+
+    /// Adds points of the face alone.
+    fn add_all(&self, net: &mut Delaunay, all: Vec<DVec2>, own: &mut Vec<DVec3>) -> Result<(), &'static str> {
+        all.into_iter().enumerate().try_for_each(|(i, at)| {
+            self.tick(i)?;
+            self.add(net, at, own)
+        })
+    }
+
     /// Adds a point of the face alone.
     fn add(&self, net: &mut Delaunay, at: DVec2, own: &mut Vec<DVec3>) -> Result<(), &'static str> {
         let id = OWN + own.len() as u32;
@@ -227,7 +238,8 @@ impl Ground<'_> {
             }
         }
         let mut passed: HashMap<[usize; 2], usize> = HashMap::new();
-        for (from, to, times) in order.iter().map(|key| sides[key]) {
+        for (i, (from, to, times)) in order.iter().map(|key| sides[key]).enumerate() {
+            self.tick(i)?;
             let edges = net.try_add_constraint(from, to);
             if edges.is_empty() {
                 return Err(CROSSES);
@@ -241,7 +253,7 @@ impl Ground<'_> {
     }
 
     /// Points of a grid with steps of one that lie within the face and not beside its boundary.
-    fn grid(&self, most: usize) -> Vec<DVec2> {
+    fn grid(&self, most: usize) -> Result<Vec<DVec2>, &'static str> {
         let stretched = |c: &Corner| DVec2::new(self.stretch[0].to(c.0.x), self.stretch[1].to(c.0.y));
         let polygons: Vec<Vec<DVec2>> =
             self.domain.polygons.iter().map(|p| p.iter().map(stretched).collect()).collect();
@@ -251,12 +263,13 @@ impl Ground<'_> {
         let size = high - low;
         let is_countable = size.x * size.y <= most as f64;
         if !is_countable {
-            return Vec::new();
+            return Ok(Vec::new());
         }
         let [columns, rows] = [size.x.ceil().max(1.0), size.y.ceil().max(1.0)];
         let step = size / DVec2::new(columns, rows);
         let mut found = Vec::new();
         for row in 1..rows as usize {
+            self.cancel.check().map_err(|_| CANCELLED)?;
             let y = low.y + step.y * row as f64;
             let spans = [y - MARGIN, y, y + MARGIN].map(|y| spans(&polygons, y));
             let is_clear = |x: f64| spans.iter().all(|s| s.iter().any(|[a, b]| x - MARGIN > *a && x + MARGIN < *b));
@@ -265,7 +278,7 @@ impl Ground<'_> {
             let places = (0..columns as usize).map(|column| low.x + step.x * (column as f64 + shift));
             found.extend(places.filter(|x| is_clear(*x)).map(|x| DVec2::new(x, y)));
         }
-        found
+        Ok(found)
     }
 
     /// Whether the surface at `uv` is farther from the chord between two points than is allowed, along its normal.
@@ -295,17 +308,24 @@ impl Ground<'_> {
     }
 
     /// Places where triangles leave the surface by more than is allowed. What was found fine before is not measured again.
-    fn missing(&self, net: &Delaunay, triangles: &[[FixedVertexHandle; 3]], known: &mut Known) -> Vec<DVec2> {
+    fn missing(
+        &self,
+        net: &Delaunay,
+        triangles: &[[FixedVertexHandle; 3]],
+        known: &mut Known,
+    ) -> Result<Vec<DVec2>, &'static str> {
         let place = |v: FixedVertexHandle| {
             let p = net.vertex(v).position();
             DVec2::new(p.x, p.y)
         };
         for n in known.points.len()..net.num_vertices() {
+            self.tick(n)?;
             known.points.push(self.surface.point(self.uv(place(FixedVertexHandle::from_index(n)))));
         }
         let mut coarse: HashSet<[usize; 2]> = HashSet::new();
         let mut found = Vec::new();
-        for t in triangles {
+        for (i, t) in triangles.iter().enumerate() {
+            self.tick(i)?;
             let mut key = t.map(|v| v.index());
             key.sort_unstable();
             if known.fine_triangles.contains(&key) {
@@ -345,12 +365,16 @@ impl Ground<'_> {
                 known.fine_triangles.insert(key);
             }
         }
-        found
+        Ok(found)
     }
 }
 
 /// Reason why a face has no triangles, which finer points of its edges may help.
 pub(super) const CROSSES: &str = "its boundary crosses itself";
+/// Reason why a face has no triangles when told to stop.
+pub(super) const CANCELLED: &str = "cancelled";
+/// How many items are handled between two looks at the flag.
+const ITEMS_PER_CHECK: usize = 256;
 const OUT_OF_RANGE: &str = "its parameters are out of range";
 
 /// Stretches along the line at height `y` that lie within an odd number of polygons.
