@@ -141,7 +141,7 @@ pub fn candidates_among(
             _ => None,
         };
         let guides = known.map_or(&[][..], |known| &known.guides);
-        let known = known_ruled(mesh, &c.triangles, guides, params).ok().flatten();
+        let known = known_ruled(mesh, &c.triangles, guides, params, &task.cancel).ok().flatten();
         let fit = known.map_or_else(|| fit_ruled(mesh, &c.triangles, params, &task.cancel), Ok);
         c.fit = match fit {
             Ok(fit) => CandidateFit::Fitted(Box::new(fit)),

@@ -9,6 +9,7 @@ use super::sides::Sides;
 use super::strip::{Foot, Strip};
 use geometry::exact::ExactMesh;
 use geometry::nurbs::FitError;
+use task::{Cancel, Cancelled};
 
 /// Corners of the mesh compared at most.
 const CORNERS: usize = 12_000;
@@ -57,6 +58,18 @@ fn distances(strip: &Strip, points: &[DVec3]) -> Vec<[f64; 2]> {
     points.par_iter().map(measure).collect()
 }
 
+/// The same, stopped by `cancel`.
+fn all_distances(strip: &Strip, points: &[DVec3], cancel: &Cancel) -> Result<Vec<[f64; 2]>, Cancelled> {
+    /// Points between two looks at the flag: a few milliseconds of work.
+    const CHUNK: usize = 1024;
+    let mut found = Vec::with_capacity(points.len());
+    for chunk in points.chunks(CHUNK) {
+        cancel.check()?;
+        found.extend(distances(strip, chunk));
+    }
+    Ok(found)
+}
+
 /// How bad a surface is (mm), by at most `count` corners of the mesh and half as many places inside of triangles: the
 /// greatest distance, of the latter less the chord error, with a little for what lies beyond its ends.
 pub(super) fn quick(patch: &Patch, strip: &Strip, count: usize) -> f64 {
@@ -84,15 +97,21 @@ pub(super) fn by_piece(patch: &Patch, strip: &Strip, count: usize) -> Vec<f64> {
     errors
 }
 
-pub(super) fn measured(patch: &Patch, sides: &Sides, strip: &Strip) -> Result<Measured, RuledFitError> {
+pub(super) fn measured(
+    patch: &Patch,
+    sides: &Sides,
+    strip: &Strip,
+    cancel: &Cancel,
+) -> Result<Measured, RuledFitError> {
     let corners: Vec<DVec3> = patch.corner_samples(CORNERS).into_iter().map(|c| c.0).collect();
     let inner = patch.inner_samples(usize::MAX);
-    let of_corners = distances(strip, &corners);
-    let of_inner = distances(strip, &inner);
+    let of_corners = all_distances(strip, &corners, cancel)?;
+    let of_inner = all_distances(strip, &inner, cancel)?;
     let both = || corners.iter().zip(&of_corners).chain(inner.iter().zip(&of_inner));
     let worst = both().fold((DVec3::ZERO, -1.0), |w, (p, [d, _])| if *d > w.1 { (*p, *d) } else { w });
     let farthest = both().fold((DVec3::ZERO, -1.0), |w, (p, [_, d])| if *d > w.1 { (*p, *d) } else { w });
-    let lost = distances(strip, &patch.left_out).into_iter().map(|[off, beyond]| off.hypot(beyond));
+    let lost = all_distances(strip, &patch.left_out, cancel)?.into_iter().map(|[off, beyond]| off.hypot(beyond));
+    cancel.check()?;
     let (back, overhang) = back(patch, strip)?;
     Ok(Measured {
         corners: FitError::of(of_corners.iter().map(|d| d[0])),

@@ -152,7 +152,7 @@ pub fn fit_ruled(
     let trial = best(trials, params, up).ok_or(RuledFitError::NoSides)?;
     let trial = refined(&patch, trial, params);
     cancel.check()?;
-    answer(&patch, &trial.surface(), params)
+    answer(&patch, &trial.surface(), params, cancel)
 }
 
 /// The ruled surface of a face that a CAD program gives the guides of, measured against the face; none where that is not
@@ -165,17 +165,20 @@ pub fn known_ruled(
     triangles: &[u32],
     guides: &[[NurbsCurve; 2]],
     params: &RuledFitParams,
+    cancel: &Cancel,
 ) -> Result<Option<RuledFit>, RuledFitError> {
     params.validate()?;
     if guides.is_empty() {
         return Ok(None);
     }
+    cancel.check()?;
     let patch = Patch::of(mesh, triangles)?;
+    cancel.check()?;
     let Some(surface) = exact::surface(&patch, guides, params.up.normalize_or_zero()) else {
         return Ok(None);
     };
     let found = Found { sides: &surface.0, strip: &surface.1, is_longer: false, is_known: true };
-    let fit = answer(&patch, &found, params)?;
+    let fit = answer(&patch, &found, params, cancel)?;
     // A face with a border beside the guides is another one, which they alone do not tell.
     let near = fit.tolerance_mm + fit.chord_mm.min(MOST_CHORD * fit.tolerance_mm);
     let is_whole = fit.is_ruled && fit.covers && fit.border_mm <= near && fit.overhang_mm <= near;
@@ -306,9 +309,9 @@ fn released(trial: &Trial, params: &RuledFitParams) -> Option<Trial> {
     Some(Trial { sides: trial.sides.clone(), samples, strip, error: trial.error, is_longer: true })
 }
 
-fn answer(patch: &Patch, surface: &Found, params: &RuledFitParams) -> Result<RuledFit, RuledFitError> {
+fn answer(patch: &Patch, surface: &Found, params: &RuledFitParams, cancel: &Cancel) -> Result<RuledFit, RuledFitError> {
     let [lower, upper] = surface.strip.guides(patch.origin)?;
-    let found = measure::measured(patch, surface.sides, surface.strip)?;
+    let found = measure::measured(patch, surface.sides, surface.strip, cancel)?;
     let tolerance = params.tolerance_mm;
     let with_chord = tolerance + patch.chord.min(MOST_CHORD * tolerance);
     // What lies between corners is known of a surface that was given, however coarse the triangles.

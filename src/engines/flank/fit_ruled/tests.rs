@@ -92,7 +92,7 @@ fn guides_of_a_cad_face_are_taken_as_they_are() {
         let turned = [given[1].reversed(), given[0].reversed()];
         for guides in [given.clone(), turned] {
             let params = RuledFitParams { tolerance_mm: 1e-3, ..RuledFitParams::default() };
-            let fit = known_ruled(&mesh, &front, &[guides], &params).unwrap().unwrap();
+            let fit = known_ruled(&mesh, &front, &[guides], &params, &Cancel::default()).unwrap().unwrap();
             assert!(fit.is_known && fit.is_ruled && fit.covers && fit.error_corners.greatest_mm < 1e-9, "{fit:?}");
             assert!(fit.border_mm < 1e-9 && fit.lower.knots().count() == 4, "{fit:?}");
             // The lower guide is the lower edge, and the tool stands outside.
@@ -106,7 +106,8 @@ fn guides_of_a_cad_face_are_taken_as_they_are() {
     // Guides of some other surface are not believed.
     let form = |u: f64, v: f64| bezier(LOWER_A, u) * (1.0 - v) + bezier(UPPER, u) * v;
     let (mesh, front) = solid(&form, [48, 5], 3.0);
-    let other = known_ruled(&mesh, &front, &[[of(LOWER_B), of(UPPER)]], &RuledFitParams::default()).unwrap();
+    let other = known_ruled(&mesh, &front, &[[of(LOWER_B), of(UPPER)]], &RuledFitParams::default(), &Cancel::default())
+        .unwrap();
     assert!(other.is_none());
 }
 
