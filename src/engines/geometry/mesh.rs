@@ -212,6 +212,13 @@ impl Mesh {
         Self { vertices, triangles }
     }
 
+    /// Adds another mesh, whose vertices and triangles come after those of this one.
+    pub fn append(&mut self, other: &Self) {
+        let first = self.vertices.len() as u32;
+        self.vertices.extend(&other.vertices);
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+
     /// Mesh with its vertices mapped by `f`, which must keep orientation.
     pub fn mapped(&self, f: impl Fn(DVec3) -> DVec3) -> Self {
         Self { vertices: self.vertices.iter().map(|&p| f(p)).collect(), triangles: self.triangles.clone() }

@@ -11,6 +11,10 @@ use super::mesh::{Bounds, Mesh, normal_times_two_areas};
 use super::weld::Weld;
 use task::{Cancel, Cancelled};
 
+mod faced;
+
+pub use faced::{FacedMesh, union_of_faced};
+
 /// Step to which corners of solids are rounded (mm): exact in binary.
 pub(super) const GRID: f64 = 1.0 / (1u64 << 30) as f64;
 

@@ -85,6 +85,20 @@ pub enum ImportError {
         /// The first of them, numbered.
         names: String,
     },
+    /// A solid cannot be both.
+    #[error("{file}: solid {number} is named among the solids of the part and among the obstacles; name it once")]
+    PartAndObstacle {
+        /// Path as given.
+        file: String,
+        /// Number of the solid.
+        number: u32,
+    },
+    /// Nothing is left for the part.
+    #[error("{file}: all solids are obstacles, so that none makes the part; take one of them out of obstacles")]
+    OnlyObstacles {
+        /// Path as given.
+        file: String,
+    },
     /// The unit would have to be guessed, and that is too dangerous.
     #[error(
         "{file}: it says no unit, and a wrong guess would mill a part of another size (it may be {guess}); set the \

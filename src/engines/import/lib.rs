@@ -51,6 +51,7 @@ mod solids;
 mod source;
 mod step;
 mod stl;
+mod unite;
 mod units;
 mod weld;
 
@@ -73,8 +74,12 @@ use source::{RawMesh, Source};
 pub struct Reading {
     /// Unit of the file's coordinates.
     pub units: Units,
-    /// Numbers of the solids of a STEP file, from 1, that make the part. All of them if there are none.
+    /// Numbers of the solids of a STEP file, from 1, that make the part. If there are none, the largest that is no
+    /// obstacle and all others that lie beside it.
     pub solids: Vec<u32>,
+    /// Numbers of the solids of a STEP file that are obstacles: a fixture, or a part beside it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<u32>,
     /// Greatest distance of the triangles from the exact faces of a STEP file (mm).
     pub step_tolerance_mm: f64,
 }
@@ -93,7 +98,12 @@ impl Reading {
 
 impl Default for Reading {
     fn default() -> Self {
-        Self { units: Units::default(), solids: Vec::new(), step_tolerance_mm: Self::STEP_TOLERANCE }
+        Self {
+            units: Units::default(),
+            solids: Vec::new(),
+            obstacles: Vec::new(),
+            step_tolerance_mm: Self::STEP_TOLERANCE,
+        }
     }
 }
 
@@ -150,6 +160,8 @@ pub struct Imported {
     pub report: ImportReport,
     /// Faces of the CAD program, of a file that has them.
     pub faces: Option<CadFaces>,
+    /// Solids beside the part that are obstacles (mm), as they stand in the file; none if there are no such.
+    pub obstacles: Option<Mesh>,
     /// SHA-256 of the file, and of its buffer files after it, in hexadecimal.
     pub sha256: String,
 }
@@ -242,7 +254,8 @@ fn import(source: &Source, options: &ImportOptions) -> Result<Imported, ImportEr
     let (given, size) = (options.reading.units.given(), repair::largest_extent(&mesh));
     let unit = units::choose_with_care(given, declared, options.undeclared, size)
         .map_err(|guess| ImportError::UnitOpen { file: source.name.to_owned(), guess: guess.reason })?;
-    let mesh = in_millimetres(source, mesh, unit.unit)?;
+    let unit_mm = unit.unit;
+    let mesh = in_millimetres(source, mesh, unit_mm)?;
     let triangles_read = mesh.triangles.len();
     let before = solids.is_some().then(|| mesh.clone());
     let (mesh, repairs) = repair::repair(mesh, options.weld_tolerance_mm, task)?;
@@ -250,14 +263,19 @@ fn import(source: &Source, options: &ImportOptions) -> Result<Imported, ImportEr
         return Err(ImportError::NoTriangles { file: source.name.to_owned() });
     }
     let mut report = ImportReport::new(format, triangles_read, &mesh, unit, repairs, warnings);
-    let faces = solids.zip(before).map(|(solids, before)| {
-        report.solids = solids.list;
-        report.step_tolerance_mm = Some(options.reading.step_tolerance_mm);
-        solids.faces.carried(&before, &mesh)
-    });
+    let mut obstacles = None;
+    let faces = match solids.zip(before) {
+        Some((solids, before)) => {
+            report.solids = solids.list;
+            report.step_tolerance_mm = Some(options.reading.step_tolerance_mm);
+            obstacles = Some(in_millimetres(source, solids.obstacles, unit_mm)?).filter(|o| !o.triangles.is_empty());
+            Some(solids.faces.scaled(unit_mm.in_mm()).carried(&before, &mesh))
+        }
+        None => None,
+    };
     task.report("importing", 1.0, "");
     let sha256 = hasher.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok(Imported { mesh, report, faces, sha256 })
+    Ok(Imported { mesh, report, faces, obstacles, sha256 })
 }
 
 /// `mesh` converted from `unit`; refuses coordinates that no part can have.

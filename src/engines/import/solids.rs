@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use geometry::mesh::Mesh;
 use geometry::segmentation::KnownFace;
+use glam::{DMat4, DVec3};
 use serde::Serialize;
 
 /// A solid of a file.
@@ -15,6 +16,8 @@ pub struct SolidReport {
     pub name: String,
     /// Whether it is part of the mesh.
     pub is_taken: bool,
+    /// Whether it is an obstacle beside the part.
+    pub is_obstacle: bool,
     /// Number of faces.
     pub faces: usize,
     /// Volume (mm^3); without meaning unless closed.
@@ -42,6 +45,8 @@ pub(super) struct Solids {
     pub list: Vec<SolidReport>,
     /// Faces of those that were taken.
     pub faces: CadFaces,
+    /// Those that are obstacles.
+    pub obstacles: Mesh,
 }
 
 impl CadFaces {
@@ -54,6 +59,15 @@ impl CadFaces {
     /// The face of a triangle in words, with its number.
     pub fn words_at(&self, triangle: u32) -> Option<String> {
         self.at(triangle).map(|(number, face)| format!("face {number}: {}", face.words()))
+    }
+
+    /// The faces of the part scaled by `by`.
+    pub(super) fn scaled(mut self, by: f64) -> Self {
+        if by != 1.0 {
+            let scale = DMat4::from_scale(DVec3::splat(by));
+            self.faces.iter_mut().for_each(|face| *face = face.placed(&scale, by));
+        }
+        self
     }
 
     /// The faces, known for the triangles of `before`, of the triangles of `after`, its repaired form.

@@ -1,11 +1,13 @@
 //! STEP: solids with faces.
 
-use geometry::mesh::Mesh;
+use geometry::mesh::{Bounds, Mesh};
+use geometry::solid::FacedMesh;
 use step::read::{Options, Solid, read};
 
 use super::error::ImportError;
 use super::solids::{CadFaces, SolidReport, Solids};
 use super::source::{Content, Likeness, MeshFormat, RawMesh, Source};
+use super::unite::{Single, numbers, unite};
 use super::units::Unit;
 
 /// STEP files.
@@ -38,20 +40,45 @@ fn read_step(source: &Source) -> Result<RawMesh, ImportError> {
         step::StepError::Cancelled(cancelled) => ImportError::Cancelled(cancelled),
         problem => ImportError::Step { file: source.name.to_owned(), source: problem },
     })?;
-    let taken = taken(source, &file.solids)?;
+    let [taken, obstacles] = chosen(source, &file.solids)?;
     let mut warnings = file.warnings;
     let (unit_mm, unit) = &file.unit;
     if *unit_mm != 1.0 {
         warnings.push(format!("The lengths of the file are in {unit} and were converted."));
     }
-    let (mut mesh, mut faces) = (Mesh::default(), CadFaces::default());
-    for solid in taken.iter().map(|n| &file.solids[*n]) {
-        append(solid, &mut mesh, &mut faces);
+    if source.reading.solids.is_empty() {
+        let is_left = |n: &usize| !taken.contains(n) && !obstacles.contains(n);
+        let left: Vec<u32> = (0..file.solids.len()).filter(is_left).map(|n| n as u32 + 1).collect();
+        if !left.is_empty() {
+            let left = numbers(&left);
+            warnings.push(format!(
+                "Solids that lie apart from the largest one were left out: {left}. Name those that make the part in \
+                 solids, and those that are in the way in obstacles."
+            ));
+        }
+    }
+    let (mut singles, mut faces) = (Vec::new(), Vec::new());
+    for (n, solid) in taken.iter().map(|n| (*n, &file.solids[*n])) {
+        let first_face = faces.len() as u32;
+        let face_of = solid.face_of.iter().map(|f| f + first_face).collect();
+        let faced = FacedMesh { mesh: solid.mesh.clone(), face_of };
+        let (number, is_closed) = (n as u32 + 1, solid.is_closed());
+        singles.push(Single { number, faced, is_closed, faces: &solid.faces, first_face });
+        faces.extend_from_slice(&solid.faces);
         for fault in solid.faults.iter().take(3) {
             let [x, y, z] = fault.place.to_array();
             let face = fault.face.map_or_else(String::new, |n| format!(" face {}", n + 1));
             warnings.push(format!("{}:{face} at ({x:.3}, {y:.3}, {z:.3}): {}.", solid.name, fault.problem));
         }
+    }
+    let (FacedMesh { mesh, face_of }, united) = unite(singles, source.reading.step_tolerance_mm, source.task)?;
+    warnings.extend(united);
+    let mut beside = Mesh::default();
+    for solid in obstacles.iter().map(|n| &file.solids[*n]) {
+        if !solid.is_closed() {
+            warnings.push(format!("The surface of the obstacle {} is not closed: clearance from it is kept, but inside of it nothing is known.", solid.name));
+        }
+        beside.append(&solid.mesh);
     }
     let list = (1u32..)
         .zip(&file.solids)
@@ -59,22 +86,38 @@ fn read_step(source: &Source) -> Result<RawMesh, ImportError> {
             number,
             name: s.name.clone(),
             is_taken: taken.contains(&(number as usize - 1)),
+            is_obstacle: obstacles.contains(&(number as usize - 1)),
             faces: s.faces.len(),
             volume_mm3: s.mesh.volume(),
             is_closed: s.is_closed(),
             color: s.color,
         })
         .collect();
-    Ok(RawMesh { mesh, warnings, solids: Some(Solids { list, faces }), ..RawMesh::default() })
+    let faces = CadFaces { faces, face_of };
+    Ok(RawMesh { mesh, warnings, solids: Some(Solids { list, faces, obstacles: beside }), ..RawMesh::default() })
 }
 
-/// Places in the list of the solids that make the part.
-fn taken(source: &Source, solids: &[Solid]) -> Result<Vec<usize>, ImportError> {
-    if source.reading.solids.is_empty() {
-        return Ok((0..solids.len()).collect());
+/// Places in the list of the solids that make the part, and of those that are obstacles.
+fn chosen(source: &Source, solids: &[Solid]) -> Result<[Vec<usize>; 2], ImportError> {
+    let obstacles = places(source, solids, &source.reading.obstacles)?;
+    let mut taken = places(source, solids, &source.reading.solids)?;
+    if taken.is_empty() {
+        taken = beside_largest(solids, &obstacles);
     }
-    let mut taken = Vec::new();
-    for &number in &source.reading.solids {
+    if let Some(both) = obstacles.iter().find(|n| taken.contains(n)) {
+        let file = source.name.to_owned();
+        return Err(ImportError::PartAndObstacle { file, number: *both as u32 + 1 });
+    }
+    if taken.is_empty() {
+        return Err(ImportError::OnlyObstacles { file: source.name.to_owned() });
+    }
+    Ok([taken, obstacles])
+}
+
+/// Places in the list of the solids with these numbers.
+fn places(source: &Source, solids: &[Solid], numbers: &[u32]) -> Result<Vec<usize>, ImportError> {
+    let mut places = Vec::new();
+    for &number in numbers {
         let place = (number as usize).checked_sub(1).filter(|n| *n < solids.len());
         let Some(place) = place else {
             let named = solids.iter().take(NAMED).enumerate().map(|(n, s)| format!("{} {}", n + 1, s.name));
@@ -82,21 +125,39 @@ fn taken(source: &Source, solids: &[Solid]) -> Result<Vec<usize>, ImportError> {
             let (file, count) = (source.name.to_owned(), solids.len());
             return Err(ImportError::NoSuchSolid { file, number, count, names });
         };
-        if !taken.contains(&place) {
-            taken.push(place);
+        if !places.contains(&place) {
+            places.push(place);
         }
     }
-    taken.sort_unstable();
-    Ok(taken)
+    places.sort_unstable();
+    Ok(places)
 }
 
-/// Adds a solid to a mesh and its faces.
-fn append(solid: &Solid, mesh: &mut Mesh, faces: &mut CadFaces) {
-    let (first, first_face) = (mesh.vertices.len() as u32, faces.faces.len() as u32);
-    mesh.vertices.extend(&solid.mesh.vertices);
-    mesh.triangles.extend(solid.mesh.triangles.iter().map(|t| t.map(|v| v + first)));
-    faces.face_of.extend(solid.face_of.iter().map(|f| f + first_face));
-    faces.faces.extend_from_slice(&solid.faces);
+/// The largest solid that is no obstacle and all others whose box meets that of those that were found already: blades
+/// stand beside their hub, the other half of a mold does not.
+fn beside_largest(solids: &[Solid], obstacles: &[usize]) -> Vec<usize> {
+    /// Of equal solids the first is the largest, whatever rounding makes of copies.
+    const MORE: f64 = 1.0 + 1e-9;
+    let free: Vec<usize> = (0..solids.len()).filter(|n| !obstacles.contains(n)).collect();
+    let size = |n: &usize| solids[*n].mesh.volume().abs();
+    let Some(largest) = free.iter().copied().reduce(|a, b| if size(&b) > MORE * size(&a) { b } else { a }) else {
+        return Vec::new();
+    };
+    let boxes: Vec<Bounds> = solids.iter().map(|s| s.mesh.bounds()).collect();
+    let mut around = boxes[largest];
+    let mut taken = vec![largest];
+    loop {
+        let more: Vec<usize> =
+            free.iter().copied().filter(|n| !taken.contains(n) && boxes[*n].intersects(&around)).collect();
+        if more.is_empty() {
+            taken.sort_unstable();
+            return taken;
+        }
+        for n in more {
+            around = Bounds { min: around.min.min(boxes[n].min), max: around.max.max(boxes[n].max) };
+            taken.push(n);
+        }
+    }
 }
 
 #[cfg(test)]
@@ -160,5 +221,27 @@ mod tests {
         let options = ImportOptions { reading, ..ImportOptions::default() };
         let error = import_bytes("pins.step", &two_cylinders(), &options, &Task::default()).unwrap_err().to_string();
         assert!(error.contains("no solid 3 among its 2") && error.contains("2 pins: pin at 20"), "{error}");
+    }
+
+    #[test]
+    fn solids_that_lie_apart_are_left_out_or_obstacles() {
+        let read = |solids: &[u32], obstacles: &[u32]| {
+            let reading = Reading { solids: solids.to_vec(), obstacles: obstacles.to_vec(), ..Reading::default() };
+            let options = ImportOptions { reading, ..ImportOptions::default() };
+            import_bytes("pins.step", &two_cylinders(), &options, &Task::default())
+        };
+        let alone = read(&[], &[]).unwrap();
+        assert!(alone.report.components == 1 && alone.obstacles.is_none() && alone.mesh.bounds().max.x < 5.1);
+        assert!(alone.report.warnings.iter().any(|w| w.contains("left out: 2.")), "{:?}", alone.report.warnings);
+        assert!(read(&[1, 2], &[]).unwrap().report.components == 2);
+        // An obstacle is no part of the mesh, whichever is named.
+        let part = read(&[], &[1]).unwrap();
+        assert!(part.report.min_mm.x > 14.9 && part.report.solids[0].is_obstacle);
+        let beside = part.obstacles.unwrap();
+        assert!(beside.is_watertight() && beside.bounds().max.x < 5.1);
+        assert!((beside.volume() - 250.0 * PI).abs() < 0.005 * 100.0 * PI);
+        let error = read(&[1, 2], &[2]).unwrap_err().to_string();
+        assert!(error.contains("solid 2 is named among"), "{error}");
+        assert!(read(&[], &[1, 2]).unwrap_err().to_string().contains("all solids are obstacles"));
     }
 }
