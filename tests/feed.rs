@@ -62,7 +62,13 @@ fn easy_job() -> PlanJob {
 }
 
 fn easy_inputs(job: PlanJob) -> PlanInputs {
-    PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrodes: Vec::new(), sections: Default::default(), job }
+    PlanInputs {
+        blisk: mesh(&easy_blisk()).into(),
+        obstacles: None,
+        own_electrodes: Vec::new(),
+        sections: Default::default(),
+        job,
+    }
 }
 
 /// The easy blisk, made ready once.
@@ -79,14 +85,26 @@ fn plan_easy(job: PlanJob) -> PlanOutcome {
 
 /// The feeds alone, where copying motions and residual stock do not matter.
 fn plan(blisk: Mesh, job: PlanJob) -> PlanOutcome {
-    let inputs = PlanInputs { blisk: blisk.into(), own_electrodes: Vec::new(), sections: Default::default(), job };
+    let inputs = PlanInputs {
+        blisk: blisk.into(),
+        obstacles: None,
+        own_electrodes: Vec::new(),
+        sections: Default::default(),
+        job,
+    };
     let task = Task::default();
     run_feeds(&prepare(&inputs, &task).unwrap(), &inputs, &task).unwrap()
 }
 
 /// The whole plan.
 fn whole_plan(blisk: Mesh, job: PlanJob) -> PlanOutcome {
-    let inputs = PlanInputs { blisk: blisk.into(), own_electrodes: Vec::new(), sections: Default::default(), job };
+    let inputs = PlanInputs {
+        blisk: blisk.into(),
+        obstacles: None,
+        own_electrodes: Vec::new(),
+        sections: Default::default(),
+        job,
+    };
     run(&inputs, &Task::default()).unwrap()
 }
 
@@ -417,8 +435,13 @@ fn a_side_for_which_no_electrode_can_be_made_is_noted_and_the_other_tried() {
     assert!(why.contains("no height is left"), "{why}");
     // Asked for that side alone, it is an error that says why.
     job.electrode.enter = EnterSide::MinusX;
-    let inputs =
-        PlanInputs { blisk: mesh(&blisk).into(), own_electrodes: Vec::new(), sections: Default::default(), job };
+    let inputs = PlanInputs {
+        blisk: mesh(&blisk).into(),
+        obstacles: None,
+        own_electrodes: Vec::new(),
+        sections: Default::default(),
+        job,
+    };
     let error = run(&inputs, &Task::default()).unwrap_err();
     assert!(matches!(&error, PlanJobError::Electrode(_)) && why.contains(&error.to_string()), "{error}");
 }
@@ -541,6 +564,7 @@ fn a_cancelled_plan_answers_nothing() {
     cancel.cancel();
     let inputs = PlanInputs {
         blisk: mesh(&easy_blisk()).into(),
+        obstacles: None,
         own_electrodes: Vec::new(),
         sections: Default::default(),
         job: easy_job(),

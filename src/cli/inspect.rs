@@ -127,7 +127,11 @@ fn print_import(r: &ImportReport) {
         counted(r.non_manifold_edges, "non-manifold edge")
     );
     for solid in &r.solids {
-        let taken = if solid.is_taken { "" } else { ", not taken" };
+        let taken = match (solid.is_taken, solid.is_obstacle) {
+            (true, _) => "",
+            (_, true) => ", obstacle",
+            _ => ", left out",
+        };
         let closed = if solid.is_closed { "closed" } else { "open" };
         let (number, name, volume) = (solid.number, &solid.name, solid.volume_mm3);
         say!("solid {number:<6} {name}: {}, {volume:.5} mm3, {closed}{taken}", counted(solid.faces, "face"));

@@ -162,6 +162,12 @@ struct VerifyArguments {
     /// Unit of the blisk's mesh: auto, mm, cm, m, inch.
     #[arg(long, value_name = "UNIT", default_value = "auto", value_parser = unit)]
     units: Units,
+    /// Numbers of the solids of a STEP file that make the blisk, with commas between, as in blisk.solids.
+    #[arg(long, value_name = "N", value_delimiter = ',')]
+    solids: Vec<u32>,
+    /// Numbers of the solids of the same file that are in the way, with commas between, as in blisk.obstacles.
+    #[arg(long, value_name = "N", value_delimiter = ',')]
+    obstacles: Vec<u32>,
     /// Travel of an axis about the final pose in mm or degrees, such as X=-250,250; once for each axis that has limits.
     /// Without any, travel is not judged.
     #[arg(long, value_name = "AXIS=LEAST,GREATEST", value_parser = travel)]

@@ -38,7 +38,7 @@ pub(super) fn read(project: &ProjectArguments, session: &Session) -> anyhow::Res
 pub(super) fn load(project: &ProjectArguments, session: &Session) -> anyhow::Result<(PlanInputs, Vec<InputFile>)> {
     let job = read(project, session)?;
     let read = read_blisk(&job, &session.task).map_err(anyhow::Error::msg)?;
-    let Some(BliskMesh { mesh: blisk, sections, file, report, .. }) = read else {
+    let Some(BliskMesh { mesh: blisk, obstacles, sections, file, report, .. }) = read else {
         anyhow::bail!(
             "{}: blisk.mesh is missing; give the mesh file there or with --set blisk.mesh=FILE, or blades in blisk.sections. \
              The built-in blisk is planned by sparkpath demo",
@@ -57,7 +57,8 @@ pub(super) fn load(project: &ProjectArguments, session: &Session) -> anyhow::Res
         files.push(input_file("electrode", path, &own));
         own_electrodes.push(own.mesh.into());
     }
-    Ok((PlanInputs { blisk: blisk.into(), own_electrodes, sections, job }, files))
+    let (blisk, obstacles) = (blisk.into(), obstacles.map(Into::into));
+    Ok((PlanInputs { blisk, obstacles, own_electrodes, sections, job }, files))
 }
 
 /// The whole journey on the built-in blisk.
@@ -75,7 +76,13 @@ pub(super) fn demo(settings: &Settings, out: &Path, session: &Session) -> anyhow
         unit_reason: "made by this program".to_owned(),
         ..Default::default()
     };
-    let inputs = PlanInputs { blisk: blisk.into(), own_electrodes: Vec::new(), sections: Default::default(), job };
+    let inputs = PlanInputs {
+        blisk: blisk.into(),
+        obstacles: None,
+        own_electrodes: Vec::new(),
+        sections: Default::default(),
+        job,
+    };
     finish(inputs, vec![file], out, session)
 }
 

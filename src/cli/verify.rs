@@ -1,6 +1,7 @@
 //! `sparkpath verify`: certifies a path file, whoever made it.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
@@ -14,7 +15,7 @@ use feed::pose::Axis;
 use feed::verify::{Verifier, VerifyError, VerifyOptions};
 use files::ExportFolder;
 use geometry::mesh::Mesh;
-use import::Units;
+use import::{Reading, Units};
 use nc::path_csv::read_path_csv;
 use wheel::channel::{Channel, Surface};
 use wheel::error::BliskError;
@@ -29,6 +30,7 @@ const IN_W: &str = " The electrode's file is in W, the frame of the path, but ha
 /// What is verified.
 struct Inputs {
     blisk: Mesh,
+    obstacles: Option<Arc<Mesh>>,
     electrode: Mesh,
     path: FeedPath,
     files: Vec<VerifiedFile>,
@@ -39,9 +41,13 @@ pub(super) fn verify(arguments: &VerifyArguments, session: &Session) -> anyhow::
     let options = options(arguments)?;
     let mut inputs = read(arguments, session)?;
     let found = channel_of(&inputs.blisk, &inputs.path, session)?;
+    let found = found.map(|channel| Channel { obstacles: inputs.obstacles.clone(), ..channel });
     // Of a sector the whole wheel is in the way, whichever channel of it was found.
     if let Some(whole) = found.as_ref().and_then(|channel| channel.whole.as_deref()) {
         inputs.blisk = whole.clone();
+    }
+    if let Some(obstacles) = &inputs.obstacles {
+        inputs.blisk.append(obstacles);
     }
     let channel = found.filter(|channel| is_of(channel, &inputs.path));
     if let Some(folder) = &arguments.out {
@@ -90,7 +96,9 @@ fn read(arguments: &VerifyArguments, session: &Session) -> anyhow::Result<Inputs
     let text = std::fs::read_to_string(&arguments.path)
         .map_err(|e| anyhow::anyhow!("{name}: cannot be read ({e}); check the path"))?;
     let path = read_path_csv(&text).map_err(|e| anyhow::anyhow!("{name}: {e}"))?;
-    let blisk = session.import(&arguments.blisk, &arguments.units.into())?;
+    let (solids, obstacles) = (arguments.solids.clone(), arguments.obstacles.clone());
+    let reading = Reading { units: arguments.units, solids, obstacles, ..Reading::default() };
+    let blisk = session.import(&arguments.blisk, &reading)?;
     let electrode = session.import(&arguments.electrode, &Units::Mm.into())?;
     super::require_closed(&arguments.blisk, &blisk.report)?;
     super::require_closed(&arguments.electrode, &electrode.report)?;
@@ -103,6 +111,7 @@ fn read(arguments: &VerifyArguments, session: &Session) -> anyhow::Result<Inputs
             file("path", &arguments.path, path_sha256),
         ],
         blisk: blisk.mesh,
+        obstacles: blisk.obstacles.map(Arc::new),
         electrode: electrode.mesh,
         path: FeedPath { spark_gap: arguments.gap, ..path },
     })

@@ -1,6 +1,6 @@
 //! The solids of a STEP file, to be chosen from.
 
-use egui::{RichText, Ui};
+use egui::{Color32, RichText, Sense, Ui, Vec2};
 
 use crate::widgets::theme::palette;
 use import::SolidReport;
@@ -8,28 +8,49 @@ use import::SolidReport;
 /// Solids that are listed at most.
 const LISTED: usize = 200;
 
-/// Draws a box to tick for each solid of a file. Answers the numbers of those that make the part once they change; none
-/// stand for all.
-pub fn solids(ui: &mut Ui, all: &[SolidReport]) -> Option<Vec<u32>> {
+/// Numbers of solids that were chosen.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChosenSolids {
+    /// Those that make the part.
+    pub part: Vec<u32>,
+    /// Those that are in the way.
+    pub obstacles: Vec<u32>,
+}
+
+/// What a solid is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Use {
+    Part,
+    Obstacle,
+    LeftOut,
+}
+
+impl Use {
+    fn of(solid: &SolidReport) -> Self {
+        match (solid.is_taken, solid.is_obstacle) {
+            (true, _) => Self::Part,
+            (_, true) => Self::Obstacle,
+            _ => Self::LeftOut,
+        }
+    }
+}
+
+/// Draws two boxes to tick for each solid of a file: it makes the part, or it is an obstacle; without a tick it is left
+/// out. Answers the numbers once they change.
+pub fn solids(ui: &mut Ui, all: &[SolidReport]) -> Option<ChosenSolids> {
     if all.len() < 2 {
         return None;
     }
     let taken = all.iter().filter(|s| s.is_taken).count();
-    let mut chosen = None;
+    let mut changed = None;
     egui::CollapsingHeader::new(format!("Solids: {taken} of {}", all.len())).default_open(true).show(ui, |ui| {
         egui::ScrollArea::vertical().max_height(180.0).auto_shrink([false, true]).show(ui, |ui| {
             for solid in all.iter().take(LISTED) {
-                let mut is_taken = solid.is_taken;
-                let text = format!("{} {}", solid.number, solid.name);
+                let now = Use::of(solid);
                 // The part keeps at least one solid.
-                let can_change = !is_taken || taken > 1;
-                let row = ui.add_enabled(can_change, egui::Checkbox::new(&mut is_taken, text));
-                let closed = if solid.is_closed { "closed" } else { "open" };
-                let about = format!("{} faces, {:.1} mm³, {closed}", solid.faces, solid.volume_mm3);
-                if row.on_hover_text(about).changed() {
-                    let with = |s: &&SolidReport| if s.number == solid.number { is_taken } else { s.is_taken };
-                    let numbers: Vec<u32> = all.iter().filter(with).map(|s| s.number).collect();
-                    chosen = Some(if numbers.len() == all.len() { Vec::new() } else { numbers });
+                let can_change = now != Use::Part || taken > 1;
+                if let Some(then) = ui.horizontal(|ui| row(ui, solid, can_change)).inner {
+                    changed = Some((solid.number, then));
                 }
             }
             if all.len() > LISTED {
@@ -38,5 +59,37 @@ pub fn solids(ui: &mut Ui, all: &[SolidReport]) -> Option<Vec<u32>> {
             }
         });
     });
-    chosen
+    let (number, then) = changed?;
+    let of = |wanted: Use| {
+        let is_wanted = |s: &&SolidReport| if s.number == number { then == wanted } else { Use::of(s) == wanted };
+        all.iter().filter(is_wanted).map(|s| s.number).collect()
+    };
+    Some(ChosenSolids { part: of(Use::Part), obstacles: of(Use::Obstacle) })
+}
+
+/// The row of a solid; its use once that changes.
+fn row(ui: &mut Ui, solid: &SolidReport, can_change: bool) -> Option<Use> {
+    let now = Use::of(solid);
+    let mut then = None;
+    if let Some(color) = solid.color {
+        let (place, _) = ui.allocate_exact_size(Vec2::splat(10.0), Sense::hover());
+        let [red, green, blue] = color.map(|c| (255.0 * c.clamp(0.0, 1.0)).round() as u8);
+        ui.painter().rect_filled(place, 2.0, Color32::from_rgb(red, green, blue));
+    }
+    let closed = if solid.is_closed { "closed" } else { "open" };
+    let about = format!("{} faces, {:.1} mm³, {closed}", solid.faces, solid.volume_mm3);
+    let mut is_part = now == Use::Part;
+    let text = format!("{} {}", solid.number, solid.name);
+    let part = ui.add_enabled(can_change, egui::Checkbox::new(&mut is_part, text));
+    if part.on_hover_text(format!("Part of what is machined: {about}")).changed() {
+        then = Some(if is_part { Use::Part } else { Use::LeftOut });
+    }
+    let mut is_obstacle = now == Use::Obstacle;
+    let obstacle = ui.add_enabled(can_change, egui::Checkbox::new(&mut is_obstacle, "obstacle"));
+    ui.ctx()
+        .accesskit_node_builder(obstacle.id, |node| node.set_label(format!("Solid {} is an obstacle", solid.number)));
+    if obstacle.on_hover_text("In the way: electrodes keep clear of it, and it is not machined").changed() {
+        then = Some(if is_obstacle { Use::Obstacle } else { Use::LeftOut });
+    }
+    then
 }

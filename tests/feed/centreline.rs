@@ -59,6 +59,7 @@ fn a_path_of_nurbs_is_taken_up_again_with_the_same_path() {
     let again = |job| {
         let inputs = PlanInputs {
             blisk: mesh(&easy_blisk()).into(),
+            obstacles: None,
             own_electrodes: Vec::new(),
             sections: Default::default(),
             job,

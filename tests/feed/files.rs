@@ -15,6 +15,7 @@ use super::{easy_blisk, easy_job, mesh, whole_easy_plan};
 fn inputs() -> PlanInputs {
     PlanInputs {
         blisk: mesh(&easy_blisk()).into(),
+        obstacles: None,
         own_electrodes: Vec::new(),
         sections: Default::default(),
         job: easy_job(),

@@ -105,7 +105,13 @@ fn sides_that_a_radial_passage_does_not_open_to_and_bodies_that_come_from_elsewh
         let mut job = radial_job();
         change(&mut job);
         run(
-            &PlanInputs { blisk: ring().into(), own_electrodes: Vec::new(), sections: Default::default(), job },
+            &PlanInputs {
+                blisk: ring().into(),
+                obstacles: None,
+                own_electrodes: Vec::new(),
+                sections: Default::default(),
+                job,
+            },
             &Task::default(),
         )
         .unwrap_err()

@@ -17,8 +17,13 @@ fn easy_kept() -> KeptPlan {
 }
 
 fn taken_up(kept: &KeptPlan, job: PlanJob) -> Result<PlanOutcome, PlanJobError> {
-    let inputs =
-        PlanInputs { blisk: mesh(&easy_blisk()).into(), own_electrodes: Vec::new(), sections: Default::default(), job };
+    let inputs = PlanInputs {
+        blisk: mesh(&easy_blisk()).into(),
+        obstacles: None,
+        own_electrodes: Vec::new(),
+        sections: Default::default(),
+        job,
+    };
     let channel = &easy_plan().channel;
     let blisk = inputs.blisk.in_frame(&channel.frame);
     let exact = ExactMesh::new(&blisk).unwrap();
@@ -70,6 +75,7 @@ pub fn a_job_that_cannot_be_planned_can_neither_be_taken_up() {
     job.verify.tolerance_mm = 0.999 * job.electrode.spark_gap_mm;
     let inputs = PlanInputs {
         blisk: mesh(&easy_blisk()).into(),
+        obstacles: None,
         own_electrodes: Vec::new(),
         sections: Default::default(),
         job: job.clone(),

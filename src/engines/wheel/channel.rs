@@ -35,6 +35,8 @@ pub enum Surface {
     Shroud,
     /// Anything else: rims, faces, other channels.
     Elsewhere,
+    /// A solid beside the blisk: a fixture, or another part.
+    Obstacle,
 }
 
 impl Surface {
@@ -46,6 +48,7 @@ impl Surface {
             Self::Hub => "hub",
             Self::Shroud => "shroud",
             Self::Elsewhere => "blisk outside the channel",
+            Self::Obstacle => "obstacle beside the blisk",
         }
     }
 }
@@ -301,14 +304,27 @@ pub struct Channel {
     pub unlike: Vec<Unlike>,
     /// The whole wheel in the coordinates of the loaded mesh, where that is only a sector of it.
     pub whole: Option<Arc<Mesh>>,
+    /// Solids beside the wheel that are in the way, in the coordinates of the loaded mesh. The channel is found without
+    /// them.
+    pub obstacles: Option<Arc<Mesh>>,
     /// Assumptions made in finding the channel, in plain sentences for the user.
     pub assumed: Vec<String>,
 }
 
 impl Channel {
-    /// The wheel in W: the loaded `mesh` that the channel was found in, or the whole wheel that it is a sector of.
+    /// The wheel in W: the loaded `mesh` that the channel was found in, or the whole wheel that it is a sector of; and
+    /// after it the obstacles beside it.
     pub fn wheel_in_w(&self, mesh: &Mesh) -> Mesh {
-        self.whole.as_deref().unwrap_or(mesh).in_frame(&self.frame)
+        let mut all = self.whole.as_deref().unwrap_or(mesh).in_frame(&self.frame);
+        if let Some(obstacles) = self.obstacles_in_w() {
+            all.append(&obstacles);
+        }
+        all
+    }
+
+    /// The obstacles beside the wheel, in W.
+    pub fn obstacles_in_w(&self) -> Option<Mesh> {
+        self.obstacles.as_ref().map(|obstacles| obstacles.in_frame(&self.frame))
     }
 
     /// The box around the channel that an electrode moves in, in `wheel`, which is in W.

@@ -240,6 +240,7 @@ pub fn exact_channel(blisk: &ParametricBlisk) -> Channel {
         agreement: Vec::new(),
         kinds: 1,
         whole: None,
+        obstacles: None,
         unlike: Vec::new(),
         assumed: Vec::new(),
         low,

@@ -14,6 +14,8 @@ pub struct SurfaceFinder {
     channel: Arc<Channel>,
     low: ExactMesh,
     high: ExactMesh,
+    /// The obstacles beside the blisk.
+    obstacles: Option<ExactMesh>,
 }
 
 impl SurfaceFinder {
@@ -21,15 +23,23 @@ impl SurfaceFinder {
     /// any spark gap.
     const ON_SURFACE: f64 = 0.2;
 
+    /// Distance within which a point lies on an obstacle (mm): rounding.
+    const ON_OBSTACLE: f64 = 1e-6;
+
     /// Prepares the walls of `channel`.
     pub fn new(channel: Arc<Channel>) -> Result<Self, ExactMeshError> {
         let low = ExactMesh::new(&wall_mesh(&channel.low))?;
         let high = ExactMesh::new(&wall_mesh(&channel.high))?;
-        Ok(Self { channel, low, high })
+        let obstacles = channel.obstacles_in_w().map(|mesh| ExactMesh::new(&mesh)).transpose()?;
+        Ok(Self { channel, low, high, obstacles })
     }
 
-    /// The surface that the point `p` of the blisk lies on.
+    /// The surface that the point `p` of the blisk, or of an obstacle beside it, lies on.
     pub fn surface_of(&self, p: DVec3) -> Surface {
+        let is_on = |obstacle: &ExactMesh| obstacle.nearest(p).signed_distance.abs() <= Self::ON_OBSTACLE;
+        if self.obstacles.as_ref().is_some_and(is_on) {
+            return Surface::Obstacle;
+        }
         let Cylindrical { x, r, .. } = Cylindrical::from_point(p);
         let place = DVec2::new(x, r);
         let [along, height] = self.channel.along_and_height(place);

@@ -70,6 +70,7 @@ impl Planned {
     pub(super) fn new(part: &Part, task: &Task) -> Result<Self, ReproduceError> {
         let inputs = |axes| PlanInputs {
             blisk: part.mesh.clone(),
+            obstacles: None,
             own_electrodes: Vec::new(),
             sections: Arc::default(),
             job: job(axes),

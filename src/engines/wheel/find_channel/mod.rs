@@ -303,6 +303,7 @@ fn measured_channel(
         kinds: blisk.repetition.kinds,
         unlike: Vec::new(),
         whole: is_of_sector.then(|| Arc::new(mesh.into_owned())),
+        obstacles: None,
         assumed,
     };
     let measured = Measured { tracer: &tracer, meridian: &meridian, walls: [&channel.low, &channel.high], rows };

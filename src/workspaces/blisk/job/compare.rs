@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use super::plan::run_feeds;
+use super::planned::inputs_of;
 use super::prepared_blisk::PreparedBlisk;
 use super::stages::{FoundChannel, Part};
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
@@ -96,8 +97,7 @@ pub fn kept_run(
     if kept.plan.inputs != KeptPlan::inputs_of(&kept.job, &part.content()) || blisk(&kept.job) != blisk(now) {
         return Err(PlanJobError::Job("it is of another part or channel than the present one".to_owned()));
     }
-    let (blisk, own_electrodes) = (part.mesh.clone(), part.own_electrodes.clone());
-    let inputs = PlanInputs { blisk, own_electrodes, sections: part.sections.clone(), job: kept.job.clone() };
+    let inputs = inputs_of(part, &kept.job);
     super::plan::replay(&inputs, &found.channel, &found.blisk, &found.exact, &kept.plan, task)
 }
 

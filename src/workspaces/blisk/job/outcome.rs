@@ -30,6 +30,8 @@ use wheel::surface_finder::SurfaceFinder;
 pub struct PlanInputs {
     /// The blisk as loaded (mm).
     pub blisk: Arc<Mesh>,
+    /// Solids beside the blisk that are in the way (mm, in its coordinates); none if there are no such.
+    pub obstacles: Option<Arc<Mesh>>,
     /// The user's own electrodes in their final poses, in the blisk's coordinates (mm), in the order of `job`.
     pub own_electrodes: Vec<Arc<Mesh>>,
     /// The measured sections that the blisk was made from, in its coordinates; none where it was not.

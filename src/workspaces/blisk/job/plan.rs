@@ -57,7 +57,8 @@ pub fn prepare(inputs: &PlanInputs, task: &Task) -> Result<PreparedBlisk, PlanJo
     job.validate()?;
     let mut clock = Clock::default();
     simulate::check_machine(job, task)?;
-    let channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, task))?;
+    let mut channel = clock.time("channel", || find_channel(&inputs.blisk, &job.blisk.options, task))?;
+    channel.obstacles = inputs.obstacles.clone();
     for part in 0..job.electrode.parts {
         sides_of(job, &channel, part)?;
     }

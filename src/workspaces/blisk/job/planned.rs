@@ -52,6 +52,7 @@ pub struct Planned {
 pub fn inputs_of(part: &Part, job: &PlanJob) -> PlanInputs {
     PlanInputs {
         blisk: part.mesh.clone(),
+        obstacles: part.obstacles.clone(),
         own_electrodes: part.own_electrodes.clone(),
         sections: part.sections.clone(),
         job: job.clone(),

@@ -35,7 +35,9 @@ pub struct Part {
     pub name: String,
     /// The blisk (mm, in the axes of its file).
     pub mesh: Arc<Mesh>,
-    /// Shape of the blisk for the screen.
+    /// Solids beside the blisk that are in the way (mm, in its axes); none if there are no such.
+    pub obstacles: Option<Arc<Mesh>>,
+    /// Shape of the blisk, and of the obstacles beside it, for the screen.
     pub shape: Arc<RenderMesh>,
     /// What the import found; none for the built-in blisk.
     pub report: Option<ImportReport>,
@@ -110,7 +112,7 @@ impl Electrodes {
 /// # Errors
 /// One line naming file, place and remedy.
 pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
-    let Some(BliskMesh { mesh, sections, file, report, faces }) = read_blisk(job, task)? else {
+    let Some(BliskMesh { mesh, obstacles, sections, file, report, faces }) = read_blisk(job, task)? else {
         return Ok(demonstration());
     };
     let mut files = vec![file];
@@ -120,16 +122,25 @@ pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
         files.push(input_file("electrode", path, &own));
         own_electrodes.push(Arc::new(own.mesh));
     }
-    let shape = Arc::new(RenderMesh::new(&mesh));
+    let shape = Arc::new(match &obstacles {
+        Some(obstacles) => {
+            let mut all = mesh.clone();
+            all.append(obstacles);
+            RenderMesh::new(&all)
+        }
+        None => RenderMesh::new(&mesh),
+    });
     task.check().map_err(|e| e.to_string())?;
-    let faces = faces.map(Arc::new);
-    Ok(Part { name: job.part(), mesh: Arc::new(mesh), shape, report, faces, own_electrodes, sections, files })
+    let (mesh, obstacles, faces) = (Arc::new(mesh), obstacles.map(Arc::new), faces.map(Arc::new));
+    Ok(Part { name: job.part(), mesh, obstacles, shape, report, faces, own_electrodes, sections, files })
 }
 
 /// The blisk of a job.
 pub struct BliskMesh {
     /// The mesh (mm, in the axes of its file).
     pub mesh: Mesh,
+    /// Solids beside it that are in the way; none if there are no such.
+    pub obstacles: Option<Mesh>,
     /// The measured sections that it was made from, in its coordinates; none where it was not.
     pub sections: Arc<[MeasuredSection]>,
     /// What a report says of it.
@@ -150,8 +161,9 @@ pub fn read_blisk(job: &PlanJob, task: &Task) -> Result<Option<BliskMesh>, Strin
         (BladesFrom::None, Some(path)) => {
             let blisk = import(path, &job.blisk.reading, task)?;
             let file = input_file("blisk", path, &blisk);
-            let (sections, report) = (Arc::default(), Some(blisk.report));
-            return Ok(Some(BliskMesh { mesh: blisk.mesh, sections, file, report, faces: blisk.faces }));
+            let (sections, report) = (Arc::default(), Some(blisk.report.clone()));
+            let Imported { mesh, obstacles, faces, .. } = blisk;
+            return Ok(Some(BliskMesh { mesh, obstacles, sections, file, report, faces }));
         }
         (BladesFrom::Measured(MeasuredBlades { file, ring, .. }), _) => {
             let wrong = |problem: &dyn std::fmt::Display| format!("{}: {problem}", file.display());
@@ -174,7 +186,7 @@ pub fn read_blisk(job: &PlanJob, task: &Task) -> Result<Option<BliskMesh>, Strin
         unit_reason: format!("made by this program {from}"),
         ..Default::default()
     };
-    Ok(Some(BliskMesh { mesh, sections, file, report: None, faces: None }))
+    Ok(Some(BliskMesh { mesh, obstacles: None, sections, file, report: None, faces: None }))
 }
 
 /// Resolution of blisks that are made of a profile.
@@ -195,6 +207,7 @@ fn demonstration() -> Part {
     Part {
         name,
         mesh: Arc::new(mesh),
+        obstacles: None,
         shape,
         report: None,
         faces: None,
@@ -240,10 +253,11 @@ pub fn channel(part: &Part, job: &PlanJob, refused_at: &dyn Fn(DVec3), task: &Ta
         ));
     }
     job.blisk.options.validate()?;
-    let channel = find_or_refuse(&part.mesh, &job.blisk.options, task).map_err(|refused| {
+    let mut channel = find_or_refuse(&part.mesh, &job.blisk.options, task).map_err(|refused| {
         refused.at.into_iter().for_each(refused_at);
         FIELDS.labelled(&refused)
     })?;
+    channel.obstacles = part.obstacles.clone();
     let blisk = Arc::new(channel.wheel_in_w(&part.mesh));
     let exact = channel.exact(&blisk).map_err(|e| e.to_string())?;
     let mut shapes = channel_shapes(&blisk, &channel, RenderMesh::new);

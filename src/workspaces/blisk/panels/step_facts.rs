@@ -57,9 +57,9 @@ fn part(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         fact(ui, "Unit", report.unit.name());
         fact(ui, "Surface", if report.watertight { "watertight" } else { "open" });
         ui.add(egui::Label::new(RichText::new(&report.unit_reason).small().color(palette(ui).faint)).wrap());
-        if let Some(solids) = solids(ui, &report.solids) {
+        if let Some(chosen) = solids(ui, &report.solids) {
             let mut job = desk.document.params().clone();
-            job.blisk.reading.solids = solids;
+            (job.blisk.reading.solids, job.blisk.reading.obstacles) = (chosen.part, chosen.obstacles);
             desk.edit("solids of the part", job, false);
         }
         if let Some(tolerance) = report.step_tolerance_mm {

@@ -289,7 +289,7 @@ impl<'a> Drawn<'a> {
         let raised = match place.surface {
             Surface::Hub => 0.3 * height,
             Surface::Shroud => -0.3 * height,
-            Surface::LowWall | Surface::HighWall | Surface::Elsewhere => 0.0,
+            Surface::LowWall | Surface::HighWall | Surface::Elsewhere | Surface::Obstacle => 0.0,
         };
         let mut scene = self.scene(i, place.s, &layers);
         scene.section = Some(plane);
@@ -320,7 +320,7 @@ impl<'a> Drawn<'a> {
         let axis = DVec3::X * self.side(i).sign();
         let (normal, up, along) = match place.surface {
             Surface::LowWall | Surface::HighWall => (radius, radius.cross(DVec3::X), "the radius"),
-            Surface::Hub | Surface::Shroud | Surface::Elsewhere => (axis, radius, "the axis"),
+            Surface::Hub | Surface::Shroud | Surface::Elsewhere | Surface::Obstacle => (axis, radius, "the axis"),
         };
         let plane = SectionPlane { point: frame.to_parent(at), normal: frame.direction_to_parent(normal) };
         (plane, frame.direction_to_parent(up), along)

@@ -151,7 +151,7 @@ fn opened(surface: Surface) -> DMat3 {
         Surface::LowWall => -1.0,
         Surface::HighWall => 1.0,
         Surface::Shroud => 2.0,
-        Surface::Hub | Surface::Elsewhere => 0.0,
+        Surface::Hub | Surface::Elsewhere | Surface::Obstacle => 0.0,
     };
     DMat3::from_rotation_x(quarters * std::f64::consts::FRAC_PI_2)
 }

@@ -106,7 +106,11 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
             Field::file("mesh", "Mesh").help("The mold: STL, OBJ, glTF, GLB or STEP."),
             Field::choice("units", "Unit", Units::WORDS).help("Unit of the mesh."),
             Field::numbers("solids", "Solids", "", 1.0, 10_000.0).whole().help(
-                "Numbers of the solids of a STEP file that make the mold; none for all of them.",
+                "Numbers of the solids of a STEP file that make the mold. None for the largest that is no obstacle and \
+                 all that lie beside it. Those that touch are united.",
+            ),
+            Field::numbers("obstacles", "Obstacles", "", 1.0, 10_000.0).whole().help(
+                "Numbers of the solids of a STEP file that are in the way: a fixture, or a part beside it. Electrodes keep clear of them as of the mold; cutters do not know them.",
             ),
             Field::number("step_tolerance_mm", "STEP tolerance", "mm", 1e-4, 1.0).step(0.001).help(
                 "Greatest distance of the triangles from the exact faces of a STEP file: a twentieth of the spark \

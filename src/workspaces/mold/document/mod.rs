@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::workspaces::mold::document::cutter_file::standard_cutters;
 use crate::workspaces::mold::job::uncut::UncutParams;
 use files::{Invalid, Params, Validate};
-use import::{Imported, Reading, Units};
+use import::{Imported, Reading, SolidReport, Units};
 use mold::cutter::CutterLibrary;
 use mold::datum::Datum;
 use mold::electrode::params::ElectrodeParams;
@@ -30,8 +30,11 @@ pub struct MoldParams {
     pub mesh: Option<PathBuf>,
     /// Unit of the mesh.
     pub units: Units,
-    /// Numbers of the solids of a STEP file, from 1, that make the mold. All of them if there are none.
+    /// Numbers of the solids of a STEP file, from 1, that make the mold. If there are none, the largest that is no
+    /// obstacle and all others that lie beside it.
     pub solids: Vec<u32>,
+    /// Numbers of the solids of a STEP file that are obstacles: a fixture, or a part beside the mold.
+    pub obstacles: Vec<u32>,
     /// Greatest distance of the triangles from the exact faces of a STEP file (mm).
     pub step_tolerance_mm: f64,
     /// The part that decisions were made for: the digest of its file and the unit, as read last. None before that.
@@ -61,6 +64,7 @@ impl Default for MoldParams {
             mesh: None,
             units: Units::Auto,
             solids: Vec::new(),
+            obstacles: Vec::new(),
             step_tolerance_mm: Reading::STEP_TOLERANCE,
             part: None,
             opening: None,
@@ -78,7 +82,12 @@ impl Default for MoldParams {
 impl MoldParams {
     /// Solids, tolerance and unit in which the mesh file is read.
     pub fn reading(&self) -> Reading {
-        Reading { units: self.units, solids: self.solids.clone(), step_tolerance_mm: self.step_tolerance_mm }
+        Reading {
+            units: self.units,
+            solids: self.solids.clone(),
+            obstacles: self.obstacles.clone(),
+            step_tolerance_mm: self.step_tolerance_mm,
+        }
     }
 }
 
@@ -218,8 +227,13 @@ pub fn part_of(imported: &Imported) -> String {
     let report = &imported.report;
     let mut part = format!("{} {}", imported.sha256, report.unit.name());
     if let Some(tolerance) = report.step_tolerance_mm {
-        let taken = report.solids.iter().filter(|s| s.is_taken).map(|s| s.number.to_string());
-        part.push_str(&format!(" {tolerance} mm, solids {}", taken.collect::<Vec<_>>().join(" ")));
+        let numbers = |is_meant: fn(&&SolidReport) -> bool| {
+            report.solids.iter().filter(is_meant).map(|s| s.number.to_string()).collect::<Vec<_>>().join(" ")
+        };
+        part.push_str(&format!(" {tolerance} mm, united solids {}", numbers(|s| s.is_taken)));
+        if imported.obstacles.is_some() {
+            part.push_str(&format!(", obstacles {}", numbers(|s| s.is_obstacle)));
+        }
     }
     part
 }

@@ -21,7 +21,7 @@ pub fn standard_mold(user_folder: Option<&Path>) -> Result<MoldParams, FileError
     let params = match own {
         Some(file) => {
             let own = Document::<MoldParams>::open(&file)?;
-            MoldParams { mesh: None, part: None, solids: Vec::new(), ..own.params().undecided() }
+            MoldParams { mesh: None, part: None, solids: Vec::new(), obstacles: Vec::new(), ..own.params().undecided() }
         }
         None => MoldParams::default(),
     };

@@ -144,6 +144,7 @@ pub fn compare_divisions<'a>(
     let mold = mold.into();
     on_milled(mold.mesh, uncut, task, |upright, milled| {
         let faces = mold.segmentation(upright, uncut.params.opening);
+        let in_the_way = mold.in_the_way(upright, uncut.params.opening);
         let of_way = |way: Way| -> Result<WayResult, ElectrodesError> {
             task.check()?;
             if way != Way::WholeFaces && way.divided_at() == own.params.divided_at {
@@ -159,7 +160,7 @@ pub fn compare_divisions<'a>(
                 ..own.params.clone()
             };
             let regions = to_burn(upright, &faces, uncut, way == Way::WholeFaces);
-            match plan(upright, &regions, (&uncut.params.library, milled), &params, task) {
+            match plan(&in_the_way, &regions, (&uncut.params.library, milled), &params, task) {
                 Ok(set) => Ok(WayResult::of(way, &set, false)),
                 Err(error) => {
                     task.check()?;

@@ -1,5 +1,6 @@
 //! Electrodes for what the cutters leave of a mold.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use files::Validate;
@@ -64,21 +65,31 @@ pub struct MoldBody<'a> {
     pub mesh: &'a Mesh,
     /// Faces of the triangles.
     pub faces: Option<&'a CadFaces>,
+    /// Solids beside it that electrodes keep clear of (mm).
+    pub obstacles: Option<&'a Mesh>,
 }
 
 impl<'a> From<&'a Mesh> for MoldBody<'a> {
     fn from(mesh: &'a Mesh) -> Self {
-        Self { mesh, faces: None }
+        Self { mesh, faces: None, obstacles: None }
     }
 }
 
 impl<'a> From<&'a Imported> for MoldBody<'a> {
     fn from(imported: &'a Imported) -> Self {
-        Self { mesh: &imported.mesh, faces: imported.faces.as_ref() }
+        Self { mesh: &imported.mesh, faces: imported.faces.as_ref(), obstacles: imported.obstacles.as_ref() }
     }
 }
 
 impl MoldBody<'_> {
+    /// All that electrodes keep clear of: `upright`, its mesh turned so that `opening` looks along +Z, and the obstacles.
+    pub(super) fn in_the_way<'u>(self, upright: &'u Mesh, opening: Opening) -> Cow<'u, Mesh> {
+        let Some(obstacles) = self.obstacles else { return Cow::Borrowed(upright) };
+        let mut all = upright.clone();
+        all.append(&opening.upright_mesh(obstacles));
+        Cow::Owned(all)
+    }
+
     /// The faces of `upright`, its mesh turned so that `opening` looks along +Z: those of the CAD program, or those that
     /// the triangles show.
     pub(super) fn segmentation(self, upright: &Mesh, opening: Opening) -> Segmentation {
@@ -107,7 +118,8 @@ pub fn electrodes<'a>(
         let faces = mold.segmentation(upright, uncut.params.opening);
         let regions = to_burn(upright, &faces, uncut, false);
         task.check()?;
-        Ok(plan(upright, &regions, (&uncut.params.library, milled), params, task)?)
+        let in_the_way = mold.in_the_way(upright, uncut.params.opening);
+        Ok(plan(&in_the_way, &regions, (&uncut.params.library, milled), params, task)?)
     })
 }
 

@@ -73,8 +73,8 @@ fn mold(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> 
     form.row(ui, "units");
     if let Some(report) = desk.work.mold().map(|mold| &mold.report).filter(|r| r.step_tolerance_mm.is_some()) {
         form.row(ui, "step_tolerance_mm");
-        if let Some(solids) = solids(ui, &report.solids) {
-            form.change(|params| params.solids = solids);
+        if let Some(chosen) = solids(ui, &report.solids) {
+            form.change(|params| (params.solids, params.obstacles) = (chosen.part, chosen.obstacles));
         }
     }
     opening(ui, &mut form, desk.work.part(desk.document.params()).map(|mold| mold.proposal));

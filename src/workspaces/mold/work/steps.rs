@@ -30,7 +30,9 @@ pub struct LoadedMold {
     pub name: String,
     /// Mesh of the mold (mm, in the axes of its file).
     pub mesh: Arc<Mesh>,
-    /// Shape of the mold for the screen.
+    /// Solids beside the mold that electrodes keep clear of (mm, in the axes of its file); none if there are no such.
+    pub obstacles: Option<Mesh>,
+    /// Shape of the mold, and of the obstacles beside it, for the screen.
     pub shape: Arc<RenderMesh>,
     /// Report of the import.
     pub report: ImportReport,
@@ -51,7 +53,7 @@ pub struct LoadedMold {
 impl LoadedMold {
     /// Triangles and faces.
     pub fn body(&self) -> MoldBody<'_> {
-        MoldBody { mesh: &self.mesh, faces: self.faces.as_ref() }
+        MoldBody { mesh: &self.mesh, faces: self.faces.as_ref(), obstacles: self.obstacles.as_ref() }
     }
 
     /// The import in a sentence.
@@ -107,14 +109,21 @@ pub(super) fn load_demonstration(task: &Task) -> Result<LoadedMold, String> {
 }
 
 fn loaded(name: String, path: &Path, imported: Imported, task: &Task) -> Result<LoadedMold, String> {
-    let shape = Arc::new(RenderMesh::new(&imported.mesh));
+    let shape = Arc::new(match &imported.obstacles {
+        Some(obstacles) => {
+            let mut all = imported.mesh.clone();
+            all.append(obstacles);
+            RenderMesh::new(&all)
+        }
+        None => RenderMesh::new(&imported.mesh),
+    });
     task.check().map_err(|e| e.to_string())?;
     let sha256 = part_of(&imported);
     let file = PartFile { path: path.to_owned(), sha256: imported.sha256 };
     let (volume, proposal, rims) = (imported.mesh.volume(), OpeningProposal::of(&imported.mesh), rims(&imported.mesh));
     let mesh = Arc::new(imported.mesh);
-    let (report, faces) = (imported.report, imported.faces);
-    Ok(LoadedMold { name, file, mesh, shape, report, faces, volume, proposal, rims, sha256 })
+    let (report, faces, obstacles) = (imported.report, imported.faces, imported.obstacles);
+    Ok(LoadedMold { name, file, mesh, obstacles, shape, report, faces, volume, proposal, rims, sha256 })
 }
 
 /// Searches the uncut regions.

@@ -46,7 +46,11 @@ const GROUPS: &[Group] = &[
         is_folded: true,
         fields: &[
             Field::numbers("blisk.solids", "Solids", "", 1.0, 10_000.0).whole().help(
-                "Numbers of the solids of a STEP file that make the blisk; none for all of them.",
+                "Numbers of the solids of a STEP file that make the blisk. None for the largest that is no obstacle and \
+                 all that lie beside it. Those that touch are united.",
+            ),
+            Field::numbers("blisk.obstacles", "Obstacles", "", 1.0, 10_000.0).whole().help(
+                "Numbers of the solids of a STEP file that are in the way: a fixture, or a part beside it. Electrodes and their paths keep clear of them as of the blisk.",
             ),
             Field::number("blisk.step_tolerance_mm", "STEP tolerance", "mm", 1e-4, 1.0).step(0.001).help(
                 "Greatest distance of the triangles from the exact faces of a STEP file: a twentieth of the spark \

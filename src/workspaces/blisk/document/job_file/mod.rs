@@ -130,6 +130,7 @@ struct BliskKeys {
     mesh: Option<PathBuf>,
     units: Units,
     solids: Vec<u32>,
+    obstacles: Vec<u32>,
     step_tolerance_mm: f64,
     sections: BladesFrom,
     axis: AxisChoice,
@@ -153,6 +154,7 @@ impl Default for BliskKeys {
             mesh: None,
             units: Units::default(),
             solids: Vec::new(),
+            obstacles: Vec::new(),
             step_tolerance_mm: Reading::STEP_TOLERANCE,
             sections: BladesFrom::default(),
             axis: options.axis,
@@ -188,8 +190,8 @@ impl From<BliskKeys> for BliskSection {
             wall_points_span: keys.wall_points_span,
         };
         let mesh = keys.mesh.filter(|mesh| !mesh.as_os_str().is_empty());
-        let (units, solids, step_tolerance_mm) = (keys.units, keys.solids, keys.step_tolerance_mm);
-        let reading = Reading { units, solids, step_tolerance_mm };
+        let (units, step_tolerance_mm) = (keys.units, keys.step_tolerance_mm);
+        let reading = Reading { units, solids: keys.solids, obstacles: keys.obstacles, step_tolerance_mm };
         Self { mesh, reading, sections: keys.sections, options }
     }
 }
