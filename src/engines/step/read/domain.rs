@@ -125,6 +125,7 @@ fn lay_out(surface: &Surface, nodes: &[Node], tolerance: f64, cancel: &Cancel) -
     let mut corners: Vec<Corner> = Vec::with_capacity(nodes.len() + 2);
     // Numbers of the corners that leave a pole.
     let mut leaving = Vec::new();
+    let mut in_vain = 0;
     let mut here = surface.locate_anywhere(nodes[start].0);
     let first = here;
     for k in 0..nodes.len() {
@@ -144,11 +145,11 @@ fn lay_out(surface: &Surface, nodes: &[Node], tolerance: f64, cancel: &Cancel) -
             here = DVec2::new(next.x, v);
             corners.push((here, id));
         } else {
-            here = if k == 0 { first } else { follow(surface, p, here, tolerance) };
+            here = if k == 0 { first } else { follow(surface, p, here, tolerance, &mut in_vain) };
             corners.push((here, id));
         }
     }
-    let end = follow(surface, nodes[start].0, here, tolerance);
+    let end = follow(surface, nodes[start].0, here, tolerance, &mut in_vain);
     let mut turns = [0, 1].map(|k| surface.period[k].map_or(0, |t| ((end - first)[k] / t).round() as i32));
     let Some(period) = surface.period[0] else { return Ok(Run { corners, turns }) };
     // Around a pole the way is not known: the loop closes, and encloses what is on its left.
@@ -181,15 +182,24 @@ fn lay_out(surface: &Surface, nodes: &[Node], tolerance: f64, cancel: &Cancel) -
     Ok(Run { corners, turns })
 }
 
-/// Parameters of `p` near those of its neighbour; looked for everywhere where the surface is not met so.
-fn follow(surface: &Surface, p: DVec3, near: DVec2, tolerance: f64) -> DVec2 {
+/// Searches in vain after which a boundary is known to lie beside its surface: further ones would take long and find
+/// nothing.
+const MOST_IN_VAIN: usize = 32;
+
+/// Parameters of `p` near those of its neighbour; looked for everywhere where the surface is not met so. Counts the
+/// searches that were `in_vain`.
+fn follow(surface: &Surface, p: DVec3, near: DVec2, tolerance: f64, in_vain: &mut usize) -> DVec2 {
     let found = surface.locate(p, near);
     let off = surface.point(found).distance(p);
-    if off <= tolerance {
+    if off <= tolerance || *in_vain >= MOST_IN_VAIN {
         return found;
     }
     let other = around(surface, surface.locate_anywhere(p), near);
-    if surface.point(other).distance(p) < 0.5 * off { other } else { found }
+    if surface.point(other).distance(p) < 0.5 * off {
+        return other;
+    }
+    *in_vain += 1;
+    found
 }
 
 /// Parameters of the same point, of all equal ones the nearest to `near`.
