@@ -18,6 +18,7 @@ mod domain;
 mod edges;
 mod solid;
 mod surface;
+mod text;
 mod triangulate;
 
 #[cfg(test)]
@@ -133,7 +134,8 @@ impl Fineness {
 /// [`StepError`].
 pub fn read(bytes: &[u8], options: &Options, task: &Task) -> Result<StepFile, StepError> {
     task.report("reading STEP", 0.0, "");
-    let (model, report) = step_io::read(bytes).map_err(|problem| StepError::Syntax { problem: problem.to_string() })?;
+    let (model, report) =
+        step_io::read(&*text::checked(bytes)?).map_err(|problem| StepError::Syntax { problem: problem.to_string() })?;
     task.check()?;
     let scene = model.scene();
     let units = scene.units();

@@ -331,6 +331,17 @@ fn a_face_is_given_up_when_told_to_stop() {
     assert_eq!(super::domain::domain(&mut surface.clone(), &loops, &fine, &cancel).err(), Some("cancelled"));
 }
 
+/// Both would take all of the stack.
+#[test]
+fn a_text_without_an_end_is_refused_and_long_comments_are_passed() {
+    let sound = String::from_utf8(written(|b| cuboid(b, DVec3::splat(10.0)))).unwrap();
+    let after = |what: &str| sound.replacen("DATA;", &format!("DATA;\n{what}"), 1);
+    let texts = "#90001=CARTESIAN_POINT('',(0.0,0.0,0.0));\n".repeat(100_000);
+    let error = read(after(&format!("'{texts}")).as_bytes(), &Options::default(), &Task::default()).unwrap_err();
+    assert!(error.to_string().contains("does not end"), "{error}");
+    closes(after(&format!("/*{}*/", "*".repeat(200_000))).as_bytes(), 1000.0, 1e-6);
+}
+
 /// Number of spoilt files that are tried: 400, or as many as the environment's `STEP_MUTATIONS` says.
 fn mutations() -> usize {
     std::env::var("STEP_MUTATIONS").ok().and_then(|count| count.parse().ok()).unwrap_or(400)
