@@ -18,13 +18,13 @@ use wheel::sections::{MeasuredSection, read_sections_file};
 pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow::Result<Answer> {
     let job = super::plan::read(&arguments.project, session)?;
     let read = read_blisk(&job, &session.task).map_err(anyhow::Error::msg)?;
-    let Some(BliskMesh { mesh, file: InputFile { path: file, sha256, .. }, report, sections, .. }) = read else {
+    let Some(BliskMesh { mesh, file: InputFile { path: file, sha256, .. }, report, sections, faces }) = read else {
         anyhow::bail!(
             "{}: blisk.mesh is missing; give a mesh, or blades in blisk.sections",
             arguments.project.file.display()
         )
     };
-    let inspection = inspect_blisk(&mesh, &job.blisk.options, &session.task)?;
+    let inspection = inspect_blisk(&mesh, faces.as_ref(), &job.blisk.options, &session.task)?;
     let measured = match (&inspection.channel, inspection.walls.as_deref(), inspection.repetition) {
         (Some(channel), Some(walls), Some(repetition)) => {
             let wheel = inspection.whole.as_deref().unwrap_or(&mesh).in_frame(&channel.frame);

@@ -269,7 +269,7 @@ fn import(source: &Source, options: &ImportOptions) -> Result<Imported, ImportEr
             report.solids = solids.list;
             report.step_tolerance_mm = Some(options.reading.step_tolerance_mm);
             obstacles = Some(in_millimetres(source, solids.obstacles, unit_mm)?).filter(|o| !o.triangles.is_empty());
-            Some(solids.faces.scaled(unit_mm.in_mm()).carried(&before, &mesh))
+            Some(solids::carried(solids.faces.scaled(unit_mm.in_mm()), &before, &mesh))
         }
         None => None,
     };

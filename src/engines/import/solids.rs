@@ -3,8 +3,7 @@
 use std::collections::HashMap;
 
 use geometry::mesh::Mesh;
-use geometry::segmentation::KnownFace;
-use glam::{DMat4, DVec3};
+pub use geometry::segmentation::CadFaces;
 use serde::Serialize;
 
 /// A solid of a file.
@@ -29,15 +28,6 @@ pub struct SolidReport {
     pub color: Option<[f32; 3]>,
 }
 
-/// The faces that the triangles of a mesh belong to.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct CadFaces {
-    /// Faces.
-    pub faces: Vec<KnownFace>,
-    /// Number of the face of each triangle.
-    pub face_of: Vec<u32>,
-}
-
 /// Solids and faces as a reader found them.
 #[derive(Debug, Default)]
 pub(super) struct Solids {
@@ -49,47 +39,24 @@ pub(super) struct Solids {
     pub obstacles: Mesh,
 }
 
-impl CadFaces {
-    /// Number, from 1, and face of a triangle.
-    pub fn at(&self, triangle: u32) -> Option<(u32, &KnownFace)> {
-        let number = *self.face_of.get(triangle as usize)?;
-        Some((number + 1, self.faces.get(number as usize)?))
+/// The `faces`, known for the triangles of `before`, of the triangles of `after`, its repaired form.
+pub(super) fn carried(mut faces: CadFaces, before: &Mesh, after: &Mesh) -> CadFaces {
+    if before.triangles.len() == after.triangles.len() && corners(before).eq(corners(after)) {
+        return faces;
     }
-
-    /// The face of a triangle in words, with its number.
-    pub fn words_at(&self, triangle: u32) -> Option<String> {
-        self.at(triangle).map(|(number, face)| format!("face {number}: {}", face.words()))
-    }
-
-    /// The faces of the part scaled by `by`.
-    pub(super) fn scaled(mut self, by: f64) -> Self {
-        if by != 1.0 {
-            let scale = DMat4::from_scale(DVec3::splat(by));
-            self.faces.iter_mut().for_each(|face| *face = face.placed(&scale, by));
-        }
-        self
-    }
-
-    /// The faces, known for the triangles of `before`, of the triangles of `after`, its repaired form.
-    pub(super) fn carried(mut self, before: &Mesh, after: &Mesh) -> Self {
-        if before.triangles.len() == after.triangles.len() && corners(before).eq(corners(after)) {
-            return self;
-        }
-        let of_corners: HashMap<Corners, u32> = corners(before).map(sorted).zip(self.face_of.iter().copied()).collect();
-        let mut of_vertex: HashMap<[u64; 3], u32> = HashMap::new();
-        let known: Vec<Option<u32>> = corners(after)
-            .map(|c| {
-                let face = of_corners.get(&sorted(c)).copied();
-                of_vertex.extend(face.iter().flat_map(|f| c.map(|p| (p, *f))));
-                face
-            })
-            .collect();
-        // Triangles that were turned or exchanged belong to the face beside them.
-        let beside = |c: Corners| c.iter().find_map(|p| of_vertex.get(p)).copied().unwrap_or(0);
-        self.face_of =
-            known.into_iter().zip(corners(after)).map(|(face, c)| face.unwrap_or_else(|| beside(c))).collect();
-        self
-    }
+    let of_corners: HashMap<Corners, u32> = corners(before).map(sorted).zip(faces.face_of.iter().copied()).collect();
+    let mut of_vertex: HashMap<[u64; 3], u32> = HashMap::new();
+    let known: Vec<Option<u32>> = corners(after)
+        .map(|c| {
+            let face = of_corners.get(&sorted(c)).copied();
+            of_vertex.extend(face.iter().flat_map(|f| c.map(|p| (p, *f))));
+            face
+        })
+        .collect();
+    // Triangles that were turned or exchanged belong to the face beside them.
+    let beside = |c: Corners| c.iter().find_map(|p| of_vertex.get(p)).copied().unwrap_or(0);
+    faces.face_of = known.into_iter().zip(corners(after)).map(|(face, c)| face.unwrap_or_else(|| beside(c))).collect();
+    faces
 }
 
 type Corners = [[u64; 3]; 3];

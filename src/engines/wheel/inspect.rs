@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use serde::Serialize;
 
+use super::cad_faces::TurnedFaces;
 use super::centreline::{CentrelineError, CentrelineSummary};
 use super::channel::{Agreement, BladeSide, Channel, Flow, Station, Throat};
 use super::error::BliskError;
@@ -17,6 +18,7 @@ use super::surfaces::{SurfaceClass, SurfaceClasses, classify};
 use geometry::frame::Frame;
 use geometry::mesh::Mesh;
 use geometry::nurbs::FitError;
+use geometry::segmentation::CadFaces;
 use task::{Cancelled, Task};
 
 /// Everything found in a mesh. What comes after the first thing not found is absent.
@@ -39,6 +41,9 @@ pub struct Inspection {
     /// The whole wheel in the coordinates of the mesh, where that is only a sector of it; written as its volume.
     #[serde(rename = "whole_wheel_volume_mm3", serialize_with = "as_volume")]
     pub whole: Option<Arc<Mesh>>,
+    /// The faces of the CAD program that are turned about the axis, where the file of the part has faces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turned_faces: Option<TurnedFaces>,
     /// Surfaces of the mesh told apart.
     pub surfaces: Option<SurfaceClasses>,
     /// Centreline of the channel, and figures of its walls as NURBS.
@@ -116,11 +121,17 @@ impl ChannelSummary {
     }
 }
 
-/// Finds what can be found in `mesh` (mm); what cannot is listed in [`Inspection::not_found`].
+/// Finds what can be found in `mesh` (mm), whose file may have `faces`; what cannot is listed in
+/// [`Inspection::not_found`].
 ///
 /// # Errors
 /// Only when cancelled.
-pub fn inspect(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Inspection, Cancelled> {
+pub fn inspect(
+    mesh: &Mesh,
+    faces: Option<&CadFaces>,
+    options: &BliskOptions,
+    task: &Task,
+) -> Result<Inspection, Cancelled> {
     let mut found = Inspection {
         triangles: mesh.triangles.len(),
         size_mm: if mesh.vertices.is_empty() { DVec3::ZERO } else { mesh.bounds().size() },
@@ -130,13 +141,14 @@ pub fn inspect(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Inspe
         repetition: None,
         channel: None,
         whole: None,
+        turned_faces: None,
         surfaces: None,
         centreline: None,
         walls: None,
         assumed: Vec::new(),
         not_found: Vec::new(),
     };
-    match fill(&mut found, mesh, options, task) {
+    match fill(&mut found, mesh, faces, options, task) {
         Err(BliskError::Cancelled(cancelled)) => return Err(cancelled),
         Err(error) => {
             found.axis = found.axis.or(error.axis());
@@ -147,7 +159,13 @@ pub fn inspect(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<Inspe
     Ok(found)
 }
 
-fn fill(found: &mut Inspection, mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<(), BliskError> {
+fn fill(
+    found: &mut Inspection,
+    mesh: &Mesh,
+    faces: Option<&CadFaces>,
+    options: &BliskOptions,
+    task: &Task,
+) -> Result<(), BliskError> {
     let (mesh, assumed) = prepared(mesh, options)?;
     found.assumed = assumed;
     found.watertight = mesh.is_watertight();
@@ -163,7 +181,8 @@ fn fill(found: &mut Inspection, mesh: &Mesh, options: &BliskOptions, task: &Task
     found.channel = Some(ChannelSummary::new(&channel));
     found.whole = channel.whole.clone();
     found.assumed = channel.assumed.clone();
-    found.surfaces = Some(classify(&mesh, &channel, task)?);
+    found.turned_faces = faces.map(|faces| TurnedFaces::new(&mesh, faces, &wheel.blisk.axis));
+    found.surfaces = Some(classify(&mesh, &channel, faces.map_or(&[], |faces| &faces.face_of), task)?);
     task.report("channel", 1.0, "centreline");
     found.walls = NurbsWall::of_channel(&channel).ok().map(Arc::new);
     let exact =
@@ -213,6 +232,9 @@ impl fmt::Display for Inspection {
         }
         if let Some(axis) = &self.axis {
             row("Axis", axis.to_string())?;
+        }
+        if let Some(TurnedFaces { faces, turned, apart_mm }) = self.turned_faces {
+            row("CAD faces", format!("{turned} of {faces} are turned about it, within {apart_mm:.6} mm"))?;
         }
         if let Some(r) = &self.repetition {
             let (blades, kinds) = (r.blades, r.kinds);
@@ -343,7 +365,7 @@ mod tests {
 
     #[test]
     fn a_blisk_is_told_in_figures_and_a_flange_in_words() {
-        let look = |mesh| inspect(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
+        let look = |mesh| inspect(&mesh, None, &BliskOptions::default(), &Task::default()).unwrap();
         let part = TestBlisk::default();
         let found = look(part.mesh());
         assert!(found.watertight && found.not_found.is_empty(), "{found}");
@@ -365,7 +387,7 @@ mod tests {
     fn work_stops_when_told_to() {
         let cancel = Cancel::default();
         cancel.cancel();
-        let found = inspect(&TestBlisk::default().mesh(), &BliskOptions::default(), &Task::silent(&cancel));
+        let found = inspect(&TestBlisk::default().mesh(), None, &BliskOptions::default(), &Task::silent(&cancel));
         assert_eq!(found, Err(Cancelled));
     }
 }

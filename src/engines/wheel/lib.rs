@@ -3,6 +3,7 @@
 
 pub mod blade_sections;
 mod by_hand;
+pub mod cad_faces;
 pub mod centreline;
 pub mod channel;
 pub mod electrode;

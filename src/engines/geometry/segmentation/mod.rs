@@ -219,6 +219,37 @@ impl KnownFace {
     }
 }
 
+/// Faces of a CAD program that the triangles of a mesh belong to.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CadFaces {
+    /// Faces.
+    pub faces: Vec<KnownFace>,
+    /// Number of the face of each triangle.
+    pub face_of: Vec<u32>,
+}
+
+impl CadFaces {
+    /// Number, from 1, and face of a triangle.
+    pub fn at(&self, triangle: u32) -> Option<(u32, &KnownFace)> {
+        let number = *self.face_of.get(triangle as usize)?;
+        Some((number + 1, self.faces.get(number as usize)?))
+    }
+
+    /// The face of a triangle in words, with its number.
+    pub fn words_at(&self, triangle: u32) -> Option<String> {
+        self.at(triangle).map(|(number, face)| format!("face {number}: {}", face.words()))
+    }
+
+    /// The faces of the part scaled by `by`.
+    pub fn scaled(mut self, by: f64) -> Self {
+        if by != 1.0 {
+            let scale = DMat4::from_scale(DVec3::splat(by));
+            self.faces.iter_mut().for_each(|face| *face = face.placed(&scale, by));
+        }
+        self
+    }
+}
+
 /// How two faces meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum EdgeKind {

@@ -25,7 +25,7 @@ pub struct Axis {
 impl Axis {
     /// The line through `point` along `direction`, turned to the positive side of the mesh axis that it is
     /// nearest to, its point the foot of the mesh's origin.
-    pub(super) fn new(point: DVec3, direction: DVec3) -> Self {
+    pub(crate) fn new(point: DVec3, direction: DVec3) -> Self {
         let d = direction.normalize_or(DVec3::X);
         let size = d.abs().to_array();
         // Within rounding of a tie the earlier mesh axis decides.
@@ -41,12 +41,12 @@ impl Axis {
     }
 
     /// Point of the line that is nearest to `p`.
-    fn foot(&self, p: DVec3) -> DVec3 {
+    pub(crate) fn foot(&self, p: DVec3) -> DVec3 {
         self.point + self.direction * self.direction.dot(p - self.point)
     }
 
     /// Distance of `p` from the line (mm).
-    fn distance(&self, p: DVec3) -> f64 {
+    pub(crate) fn distance(&self, p: DVec3) -> f64 {
         self.direction.cross(p - self.point).length()
     }
 

@@ -18,6 +18,7 @@ use serde::Serialize;
 
 use self::band::{Band, Blades, Foot};
 use self::group::{Group, OfGroup};
+use super::cad_faces::classes_by_faces;
 use super::channel::{BladeSide, Channel};
 use super::frame::slices::{Slices, cylindrical_components};
 use geometry::frame::{Cylindrical, wrap_angle};
@@ -137,11 +138,12 @@ const ABOVE_HUB: f64 = 0.03;
 /// What stands out further above the hub than this share of the height, and faces outwards, is a tip.
 const AT_TIPS: f64 = 0.9;
 
-/// Tells the surfaces of the loaded `mesh` apart, in which `channel` was found.
+/// Tells the surfaces of the loaded `mesh` apart, in which `channel` was found. `face_of` has the number of the CAD face of
+/// each triangle, and is empty where the file has no faces: a face is of one class where nearly all of it is.
 ///
 /// # Errors
 /// Only when cancelled.
-pub fn classify(mesh: &Mesh, channel: &Channel, task: &Task) -> Result<SurfaceClasses, Cancelled> {
+pub fn classify(mesh: &Mesh, channel: &Channel, face_of: &[u32], task: &Task) -> Result<SurfaceClasses, Cancelled> {
     task.report("surfaces", 0.0, "");
     let turned = if mesh.volume() < 0.0 { -1.0 } else { 1.0 };
     let vertices: Vec<DVec3> = mesh.vertices.par_iter().map(|p| channel.frame.from_parent(*p)).collect();
@@ -177,12 +179,14 @@ pub fn classify(mesh: &Mesh, channel: &Channel, task: &Task) -> Result<SurfaceCl
             Ok(ids.map(facet).map(|facet| (teller.class(&facet), facet.area)).collect())
         })
         .collect::<Result<_, Cancelled>>()?;
+    let (mut classes, of_triangles): (Vec<_>, Vec<_>) = told.into_iter().flatten().unzip();
+    classes_by_faces(&mut classes, &of_triangles, face_of);
     let mut areas = [(0, 0.0); SurfaceClass::ALL.len()];
-    for (class, area) in told.into_iter().flatten() {
-        found.classes.push(class);
-        let sum = &mut areas[class as usize];
+    for (class, area) in classes.iter().zip(of_triangles) {
+        let sum = &mut areas[*class as usize];
         *sum = (sum.0 + 1, sum.1 + area);
     }
+    found.classes = classes;
     let there = SurfaceClass::ALL.into_iter().zip(areas).filter(|(_, (triangles, _))| *triangles > 0);
     found.areas = there.map(|(class, sum)| ClassArea::new(class, channel, sum)).collect();
     [found.hub_fillet_mm, found.shroud_fillet_mm] = teller.fillets;

@@ -15,7 +15,7 @@ const PIECES: [usize; 3] = [160, 48, 6];
 
 fn classes(mesh: &Mesh) -> (SurfaceClasses, Channel) {
     let channel = find_channel(mesh, &BliskOptions::default(), &Task::default()).unwrap();
-    (classify(mesh, &channel, &Task::default()).unwrap(), channel)
+    (classify(mesh, &channel, &[], &Task::default()).unwrap(), channel)
 }
 
 /// The class of every triangle of a wheel, from the order in which its shells are made; none where it is open to
@@ -136,7 +136,7 @@ fn a_welded_blisk_turned_over_and_about_has_the_same_classes() {
     let mesh = part.mesh();
     let (found, channel) = classes(&mesh);
     let inside_out = mesh.turned_over();
-    assert_eq!(classify(&inside_out, &channel, &Task::default()).unwrap(), found);
+    assert_eq!(classify(&inside_out, &channel, &[], &Task::default()).unwrap(), found);
     let turn = glam::DQuat::from_euler(glam::EulerRot::XYZ, 0.3, -0.4, 0.2);
     let (turned, _) = classes(&mesh.mapped(|p| turn * p + DVec3::new(3.0, -40.0, 12.0)));
     for (a, b) in found.areas.iter().zip(&turned.areas) {
@@ -155,7 +155,7 @@ fn work_stops_when_told_to() {
     let (mesh, cancel) = (TestBlisk::default().mesh(), task::Cancel::default());
     let (_, channel) = classes(&mesh);
     cancel.cancel();
-    assert_eq!(classify(&mesh, &channel, &Task::silent(&cancel)), Err(Cancelled));
+    assert_eq!(classify(&mesh, &channel, &[], &Task::silent(&cancel)), Err(Cancelled));
 }
 
 /// Which blades are main blades is a matter of the wheel, however it is turned and whichever channel is chosen: between two
@@ -175,7 +175,7 @@ fn main_blades_are_those_of_the_wheel_whichever_channel_is_chosen() {
             let options = BliskOptions { channel: index % part.kinds(), ..Default::default() };
             let channel = find_channel(&mesh, &options, &Task::default()).unwrap();
             assert_eq!((channel.kinds, channel.unlike.len()), (part.kinds(), 0), "{turn}");
-            let found = classify(&mesh, &channel, &Task::default()).unwrap();
+            let found = classify(&mesh, &channel, &[], &Task::default()).unwrap();
             let right = share_right(&mesh, &found, &truth);
             assert!(right > 0.97, "{} of {}, turned {turn}: {right}", channel.index, part.kinds());
         }
@@ -201,7 +201,7 @@ fn faces_that_stand_aslant_belong_to_no_blade() {
         let line = AxisLine { direction: [1.0, slope, 0.0], point: [0.0, 0.003, 0.0] };
         let options = BliskOptions { axis: AxisChoice::Line(line), ..Default::default() };
         let channel = find_channel(&mesh, &options, &Task::default()).unwrap();
-        let found = classify(&mesh, &channel, &Task::default()).unwrap();
+        let found = classify(&mesh, &channel, &[], &Task::default()).unwrap();
         [MainLow, MainHigh, Hub].map(|class| area(&found, class))
     };
     let straight = sides(0.0);

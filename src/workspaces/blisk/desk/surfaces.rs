@@ -45,7 +45,8 @@ impl BliskDesk {
         }
         let (part, found) = (key.0.0.clone(), key.1.0.clone());
         self.classed.ask(&key, Priority::Shown, move |work| {
-            SurfaceMap::new(&part.mesh, &found.channel, &work.task).map_err(|e| e.to_string())
+            let face_of = part.faces.as_ref().map_or(&[][..], |cad| &cad.face_of);
+            SurfaceMap::new(&part.mesh, &found.channel, face_of, &work.task).map_err(|e| e.to_string())
         });
     }
 

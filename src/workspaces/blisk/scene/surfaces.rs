@@ -49,12 +49,12 @@ pub struct SurfaceMap {
 }
 
 impl SurfaceMap {
-    /// The surfaces of the loaded `mesh`, in which `channel` was found.
+    /// The surfaces of the loaded `mesh`, in which `channel` was found; `face_of` as for [`classify`].
     ///
     /// # Errors
     /// Only when cancelled.
-    pub fn new(mesh: &Mesh, channel: &Channel, task: &Task) -> Result<Self, Cancelled> {
-        let found = classify(mesh, channel, task)?;
+    pub fn new(mesh: &Mesh, channel: &Channel, face_of: &[u32], task: &Task) -> Result<Self, Cancelled> {
+        let found = classify(mesh, channel, face_of, task)?;
         let patches = |is_shown: &(dyn Fn(usize) -> bool + Sync)| -> Result<Vec<Patch>, Cancelled> {
             let patch = |area: &ClassArea| {
                 task.cancel.check()?;
@@ -118,7 +118,7 @@ mod tests {
         let part = ParametricBlisk::turbine();
         let mesh = part.mesh(&MeshResolution::default()).unwrap();
         let channel = find_channel(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
-        let map = SurfaceMap::new(&mesh, &channel, &Task::default()).unwrap();
+        let map = SurfaceMap::new(&mesh, &channel, &[], &Task::default()).unwrap();
         let total: f64 = map.areas.iter().map(|area| area.area_mm2).sum();
         assert!((total - mesh.area()).abs() < 1e-6 * total, "{total}");
         let triangles: usize = map.areas.iter().map(|area| area.triangles).sum();
