@@ -18,7 +18,7 @@ use wheel::sections::{MeasuredSection, read_sections_file};
 pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow::Result<Answer> {
     let job = super::plan::read(&arguments.project, session)?;
     let read = read_blisk(&job, &session.task).map_err(anyhow::Error::msg)?;
-    let Some(BliskMesh { mesh, file: InputFile { path: file, sha256, .. }, report, sections, faces }) = read else {
+    let Some(BliskMesh { mesh, file: InputFile { path: file, sha256, .. }, report, sections, faces, .. }) = read else {
         anyhow::bail!(
             "{}: blisk.mesh is missing; give a mesh, or blades in blisk.sections",
             arguments.project.file.display()
