@@ -11,6 +11,8 @@ mod files;
 mod global;
 #[path = "feed/machines.rs"]
 mod machines;
+#[path = "feed/obstacles.rs"]
+mod obstacles;
 #[path = "feed/path_repair.rs"]
 mod path_repair;
 #[path = "feed/radial.rs"]
