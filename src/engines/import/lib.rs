@@ -78,7 +78,6 @@ pub struct Reading {
     /// obstacle and all others that lie beside it.
     pub solids: Vec<u32>,
     /// Numbers of the solids of a STEP file that are obstacles: a fixture, or a part beside it.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<u32>,
     /// Greatest distance of the triangles from the exact faces of a STEP file (mm).
     pub step_tolerance_mm: f64,

@@ -161,7 +161,7 @@ const LONGEST: f64 = 1e4;
 const ROUNDING: f64 = 1e-9;
 
 /// The keys of a part that is read whole, as JSON.
-const WHOLE_FILE: &str = r#""solids":[],"step_tolerance_mm":0.005,"#;
+const WHOLE_FILE: &str = r#""solids":[],"obstacles":[],"step_tolerance_mm":0.005,"#;
 
 impl KeptPlan {
     /// The plan kept in `document`.
