@@ -355,7 +355,8 @@ fn parameters_read_as_a_job_writes_them() {
 
 /// The first channel of a wheel, and the wheel in W.
 fn passage_of(wheel: &ParametricWheel) -> (Channel, Mesh) {
-    let mesh = wheel.mesh();
+    // Chords of 0.04 mm.
+    let mesh = ParametricWheel { pieces: [120, 40, 5], ..wheel.clone() }.mesh();
     let channel = find_channel(&mesh, &BliskOptions::default(), &Task::default()).unwrap();
     let wheel = mesh.in_frame(&channel.frame);
     (channel, wheel)
