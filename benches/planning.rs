@@ -76,13 +76,7 @@ fn planning(criterion: &mut Criterion) {
             (0..1000).map(|i| channel.low.points[i * 7 % channel.low.points.len()] + DVec3::Y * 0.3).collect();
         b.iter(|| points.iter().filter_map(|&p| field.value(p)).sum::<f64>());
     });
-    let inputs = PlanInputs {
-        blisk: mesh.into(),
-        obstacles: None,
-        own_electrodes: Vec::new(),
-        sections: Default::default(),
-        job,
-    };
+    let inputs = PlanInputs::of(mesh, job);
     group.bench_function("whole demonstration plan", |b| b.iter(|| run(&inputs, &task)));
     group.finish();
 }

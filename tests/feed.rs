@@ -64,13 +64,7 @@ fn easy_job() -> PlanJob {
 }
 
 fn easy_inputs(job: PlanJob) -> PlanInputs {
-    PlanInputs {
-        blisk: mesh(&easy_blisk()).into(),
-        obstacles: None,
-        own_electrodes: Vec::new(),
-        sections: Default::default(),
-        job,
-    }
+    PlanInputs::of(mesh(&easy_blisk()), job)
 }
 
 /// The easy blisk, made ready once.
@@ -87,26 +81,14 @@ fn plan_easy(job: PlanJob) -> PlanOutcome {
 
 /// The feeds alone, where copying motions and residual stock do not matter.
 fn plan(blisk: Mesh, job: PlanJob) -> PlanOutcome {
-    let inputs = PlanInputs {
-        blisk: blisk.into(),
-        obstacles: None,
-        own_electrodes: Vec::new(),
-        sections: Default::default(),
-        job,
-    };
+    let inputs = PlanInputs::of(blisk, job);
     let task = Task::default();
     run_feeds(&prepare(&inputs, &task).unwrap(), &inputs, &task).unwrap()
 }
 
 /// The whole plan.
 fn whole_plan(blisk: Mesh, job: PlanJob) -> PlanOutcome {
-    let inputs = PlanInputs {
-        blisk: blisk.into(),
-        obstacles: None,
-        own_electrodes: Vec::new(),
-        sections: Default::default(),
-        job,
-    };
+    let inputs = PlanInputs::of(blisk, job);
     run(&inputs, &Task::default()).unwrap()
 }
 
@@ -437,13 +419,7 @@ fn a_side_for_which_no_electrode_can_be_made_is_noted_and_the_other_tried() {
     assert!(why.contains("no height is left"), "{why}");
     // Asked for that side alone, it is an error that says why.
     job.electrode.enter = EnterSide::MinusX;
-    let inputs = PlanInputs {
-        blisk: mesh(&blisk).into(),
-        obstacles: None,
-        own_electrodes: Vec::new(),
-        sections: Default::default(),
-        job,
-    };
+    let inputs = PlanInputs::of(mesh(&blisk), job);
     let error = run(&inputs, &Task::default()).unwrap_err();
     assert!(matches!(&error, PlanJobError::Electrode(_)) && why.contains(&error.to_string()), "{error}");
 }
@@ -564,13 +540,7 @@ fn channel_walls_lie_on_the_generators_own_surfaces() {
 fn a_cancelled_plan_answers_nothing() {
     let cancel = Cancel::default();
     cancel.cancel();
-    let inputs = PlanInputs {
-        blisk: mesh(&easy_blisk()).into(),
-        obstacles: None,
-        own_electrodes: Vec::new(),
-        sections: Default::default(),
-        job: easy_job(),
-    };
+    let inputs = PlanInputs::of(mesh(&easy_blisk()), easy_job());
     assert!(matches!(run(&inputs, &Task::silent(&cancel)), Err(PlanJobError::Cancelled(_))));
 }
 

@@ -76,13 +76,7 @@ pub(super) fn demo(settings: &Settings, out: &Path, session: &Session) -> anyhow
         unit_reason: "made by this program".to_owned(),
         ..Default::default()
     };
-    let inputs = PlanInputs {
-        blisk: blisk.into(),
-        obstacles: None,
-        own_electrodes: Vec::new(),
-        sections: Default::default(),
-        job,
-    };
+    let inputs = PlanInputs::of(blisk, job);
     finish(inputs, vec![file], out, session)
 }
 

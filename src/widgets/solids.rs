@@ -11,13 +11,13 @@ const LISTED: usize = 200;
 /// Numbers of solids that were chosen.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ChosenSolids {
-    /// Those that make the part.
+    /// Numbers of the solids that make the part.
     pub part: Vec<u32>,
-    /// Those that are in the way.
+    /// Numbers of the solids that are in the way.
     pub obstacles: Vec<u32>,
 }
 
-/// What a solid is for.
+/// Purpose of a solid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Use {
     Part,

@@ -57,13 +57,7 @@ fn a_path_of_nurbs_is_taken_up_again_with_the_same_path() {
     let kept = KeptPlan { inputs: String::new(), electrodes: kept(centreline_plan()).unwrap() };
     let channel = &centreline_plan().channel;
     let again = |job| {
-        let inputs = PlanInputs {
-            blisk: mesh(&easy_blisk()).into(),
-            obstacles: None,
-            own_electrodes: Vec::new(),
-            sections: Default::default(),
-            job,
-        };
+        let inputs = PlanInputs::of(mesh(&easy_blisk()), job);
         let blisk = inputs.blisk.in_frame(&channel.frame);
         let exact = ExactMesh::new(&blisk).unwrap();
         replay(&inputs, channel, &blisk, &exact, &kept, &Task::default()).unwrap()

@@ -19,13 +19,7 @@ fn inputs() -> PlanInputs {
     let mut job = easy_job();
     job.plan.step_mm = 1.6;
     job.plan.field_cell_mm = 0.4;
-    PlanInputs {
-        blisk: mesh(&easy_blisk()).into(),
-        obstacles: None,
-        own_electrodes: Vec::new(),
-        sections: Default::default(),
-        job,
-    }
+    PlanInputs::of(mesh(&easy_blisk()), job)
 }
 
 /// The runs without what no two runs share.

@@ -13,13 +13,7 @@ use task::{Cancel, Task};
 use super::{easy_blisk, easy_job, mesh, whole_easy_plan};
 
 fn inputs() -> PlanInputs {
-    PlanInputs {
-        blisk: mesh(&easy_blisk()).into(),
-        obstacles: None,
-        own_electrodes: Vec::new(),
-        sections: Default::default(),
-        job: easy_job(),
-    }
+    PlanInputs::of(mesh(&easy_blisk()), easy_job())
 }
 
 /// Writes the easy plan with programs of this extension.

@@ -149,13 +149,7 @@ fn planned_until(inputs: &PlanInputs, report: usize) -> (PlanOutcome, usize) {
 fn coarse_plan(blisk: &ParametricBlisk, enter: EnterSide) -> (PlanInputs, PreparedBlisk, PlanOutcome) {
     let mut job = coarse_job(0.05);
     job.electrode.enter = enter;
-    let inputs = PlanInputs {
-        blisk: mesh(blisk).into(),
-        obstacles: None,
-        own_electrodes: Vec::new(),
-        sections: Default::default(),
-        job,
-    };
+    let inputs = PlanInputs::of(mesh(blisk), job);
     let ready = prepare(&inputs, &Task::default()).unwrap();
     let outcome = run_prepared(&ready, &inputs, &|_, _, _| (), &Task::default()).unwrap();
     (inputs, ready, outcome)

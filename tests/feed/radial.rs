@@ -104,18 +104,7 @@ fn sides_that_a_radial_passage_does_not_open_to_and_bodies_that_come_from_elsewh
     let refused = |change: &dyn Fn(&mut PlanJob)| {
         let mut job = radial_job();
         change(&mut job);
-        run(
-            &PlanInputs {
-                blisk: ring().into(),
-                obstacles: None,
-                own_electrodes: Vec::new(),
-                sections: Default::default(),
-                job,
-            },
-            &Task::default(),
-        )
-        .unwrap_err()
-        .to_string()
+        run(&PlanInputs::of(ring(), job), &Task::default()).unwrap_err().to_string()
     };
     let said = refused(&|job| job.electrode.enter = EnterSide::MinusX);
     assert!(said.contains("the passage is radial and neither of its ends opens to -X"), "{said}");

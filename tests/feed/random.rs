@@ -49,13 +49,7 @@ struct Came {
 /// Plans one electrode of a wheel. Where the global search finds no path no other search may: they are tried there only.
 /// Of a path, samples are compared with the certificate.
 fn planned(name: &str, mesh: Mesh, job: PlanJob) -> Came {
-    let mut inputs = PlanInputs {
-        blisk: mesh.into(),
-        obstacles: None,
-        own_electrodes: Vec::new(),
-        sections: Default::default(),
-        job,
-    };
+    let mut inputs = PlanInputs::of(mesh, job);
     let task = Task::default();
     let ready = match prepare(&inputs, &task) {
         Ok(ready) => ready,

@@ -17,13 +17,7 @@ fn easy_kept() -> KeptPlan {
 }
 
 fn taken_up(kept: &KeptPlan, job: PlanJob) -> Result<PlanOutcome, PlanJobError> {
-    let inputs = PlanInputs {
-        blisk: mesh(&easy_blisk()).into(),
-        obstacles: None,
-        own_electrodes: Vec::new(),
-        sections: Default::default(),
-        job,
-    };
+    let inputs = PlanInputs::of(mesh(&easy_blisk()), job);
     let channel = &easy_plan().channel;
     let blisk = inputs.blisk.in_frame(&channel.frame);
     let exact = ExactMesh::new(&blisk).unwrap();
@@ -73,13 +67,7 @@ pub fn a_kept_plan_that_no_search_makes_is_refused() {
 pub fn a_job_that_cannot_be_planned_can_neither_be_taken_up() {
     let mut job = easy_job();
     job.verify.tolerance_mm = 0.999 * job.electrode.spark_gap_mm;
-    let inputs = PlanInputs {
-        blisk: mesh(&easy_blisk()).into(),
-        obstacles: None,
-        own_electrodes: Vec::new(),
-        sections: Default::default(),
-        job: job.clone(),
-    };
+    let inputs = PlanInputs::of(mesh(&easy_blisk()), job.clone());
     let planned = run(&inputs, &Task::default());
     for answer in [planned, taken_up(&easy_kept(), job)] {
         let error = answer.map(|o| o.is_verified()).unwrap_err();

@@ -15,7 +15,7 @@ pub struct SolidReport {
     pub name: String,
     /// Whether it is part of the mesh.
     pub is_taken: bool,
-    /// Whether it is an obstacle beside the part.
+    /// Whether the solid is an obstacle beside the part.
     pub is_obstacle: bool,
     /// Number of faces.
     pub faces: usize,
@@ -35,7 +35,7 @@ pub(super) struct Solids {
     pub list: Vec<SolidReport>,
     /// Faces of those that were taken.
     pub faces: CadFaces,
-    /// Those that are obstacles.
+    /// Solids that are obstacles.
     pub obstacles: Mesh,
 }
 

@@ -161,7 +161,7 @@ fn united(solids: &[Single], reach: f64, task: &Task) -> Result<FacedMesh, Solid
 struct Ground<'a> {
     mesh: &'a Mesh,
     exact: &'a ExactMesh,
-    /// Its box, with what touches it.
+    /// Box around the solid and what touches it.
     around: Bounds,
 }
 

@@ -16,7 +16,7 @@ pub struct FacedMesh {
     pub face_of: Vec<u32>,
 }
 
-/// Everything inside one or several of `solids`: what is left of a face keeps its number.
+/// Union of `solids`: what is left of a face keeps its number.
 ///
 /// # Errors
 /// [`SolidError::NotClosed`], [`SolidError::Failed`], and [`SolidError::Cancelled`] when cancelled.

@@ -47,7 +47,7 @@ pub(super) fn clamped(degree: usize, knots: Vec<f64>, rows: Vec<Row>) -> Option<
     Some(turned(knots, rows))
 }
 
-/// The same with the first end, at the parameter `u`, repeated.
+/// Knots and control points of the same curve, whose first end, at the parameter `u`, is a knot repeated.
 fn clamped_start(degree: usize, mut knots: Vec<f64>, mut rows: Vec<Row>, u: f64) -> (Vec<f64>, Vec<Row>) {
     let last = |knots: &[f64]| knots.partition_point(|k| *k <= u) - 1;
     let repeated = knots.iter().filter(|k| **k == u).count();

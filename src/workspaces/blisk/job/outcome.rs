@@ -41,6 +41,11 @@ pub struct PlanInputs {
 }
 
 impl PlanInputs {
+    /// A blisk alone (mm): without obstacles, own electrodes and measured sections.
+    pub fn of(blisk: impl Into<Arc<Mesh>>, job: PlanJob) -> Self {
+        Self { blisk: blisk.into(), obstacles: None, own_electrodes: Vec::new(), sections: Arc::default(), job }
+    }
+
     /// Number of electrodes that are planned.
     pub fn electrodes(&self) -> usize {
         if self.own_electrodes.is_empty() { self.job.electrode.count() } else { self.own_electrodes.len() }

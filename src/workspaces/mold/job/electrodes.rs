@@ -82,7 +82,7 @@ impl<'a> From<&'a Imported> for MoldBody<'a> {
 }
 
 impl MoldBody<'_> {
-    /// All that electrodes keep clear of: `upright`, its mesh turned so that `opening` looks along +Z, and the obstacles.
+    /// Surfaces that electrodes keep clear of: `upright`, its mesh turned so that `opening` looks along +Z, and the obstacles.
     pub(super) fn in_the_way<'u>(self, upright: &'u Mesh, opening: Opening) -> Cow<'u, Mesh> {
         let Some(obstacles) = self.obstacles else { return Cow::Borrowed(upright) };
         let mut all = upright.clone();
