@@ -254,13 +254,11 @@ impl Measured<'_> {
         let within = APART * self.tolerance();
         let covered = self.covered(0.0);
         let own: Vec<_> = self.samples(SPARSE, 0.0)?.collect();
-        // End walls are of the facets that stand out most, and bear their chord error already.
-        let facets_of = |surface| facets.filter(|_| matches!(surface, Surface::LowWall | Surface::HighWall));
         let most_chord = self.most_sag();
         let unlike = |number: usize| {
             let turn = number as f64 * self.tracer.pitch;
             let compared = self.samples(SPARSE, turn)?.zip(&own).map(|((surface, mut samples), (_, own))| {
-                let chord = |sample: &Sample| facets_of(surface).map_or(0.0, |all| all.of(sample));
+                let chord = |sample: &Sample| facets.map_or(0.0, |all| all.of(sample));
                 let is_end_wall = matches!(surface, Surface::Hub | Surface::Shroud);
                 // The two channels are compared, not both with the grid between its points.
                 for (sample, own) in samples.iter_mut().zip(own) {
