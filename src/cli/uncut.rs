@@ -243,7 +243,7 @@ pub(super) fn uncut(arguments: &UncutArguments, session: &Session) -> anyhow::Re
     let task = clock.timed(&session.task);
     let wrong = |e| anyhow::anyhow!("{}: {e}", path.display());
     let found = find_uncut(&imported.mesh, &params.uncut(), &task).map_err(wrong)?;
-    let report = UncutReport::of(&found);
+    let report = UncutReport::of(&found, imported.faces.as_ref());
     let compared = |library: CutterLibrary| {
         let others = UncutParams { library, ..params.uncut() };
         let others = find_uncut(&imported.mesh, &others, &task.as_stage("comparison"))?;

@@ -221,4 +221,17 @@ fn details(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, selected: usize) 
         Some(volume) => fact(ui, "With the other cutters", format!("{volume:.4} mm³")),
         None => fact(ui, "Best cutter", desk.nearest(&region)),
     }
+    cad_faces(ui, desk, selected);
+}
+
+/// The CAD faces that bound region `selected`: the largest, and all of them on hovering.
+fn cad_faces(ui: &mut Ui, desk: &MoldDesk, selected: usize) {
+    let Some(found) = desk.found() else { return };
+    let all = found.report.regions.get(selected).map_or(&[][..], |region| &region.cad_faces);
+    let Some(largest) = all.first() else { return };
+    let more = if all.len() > 1 { format!(" and {} more", all.len() - 1) } else { String::new() };
+    let words = all.iter().map(|f| format!("Face {}: {}, {:.3} mm²", f.number, f.face, f.area_mm2));
+    let words = words.collect::<Vec<_>>().join("\n");
+    let line = ui.scope(|ui| fact(ui, "On CAD faces", format!("{}{more}", largest.number)));
+    line.response.on_hover_text(words);
 }

@@ -24,6 +24,7 @@ use mold::opening::Opening;
 use nc::burn_table::{BurnTable, ElectrodeState, method_name};
 use nc::electrode_files::why_blocked;
 pub use page::ElectrodesPage;
+use uncut::{CadFaceReport, UncutReport};
 
 /// Version of the keys of `electrodes.json`.
 pub const SCHEMA: u32 = 3;
@@ -109,6 +110,9 @@ pub struct RegionEntry {
     pub earlier_divisions: Vec<EarlierDivision>,
     /// Electrodes that burn it or parts of it.
     pub electrodes: Vec<String>,
+    /// The faces of the CAD program that bound it; none where the file has none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cad_faces: Vec<CadFaceReport>,
     /// Greatest thickness that all burns leave, across the surface (mm).
     pub left_thickness_mm: f64,
     /// Where (mm).
@@ -172,6 +176,14 @@ impl ElectrodesReport {
             overridden,
             table,
         }
+    }
+
+    /// The report with the CAD faces of the regions of `uncut`, which are the report's own.
+    pub fn with_cad_faces(mut self, uncut: &UncutReport) -> Self {
+        for (entry, region) in self.regions.iter_mut().zip(&uncut.regions) {
+            entry.cad_faces.clone_from(&region.cad_faces);
+        }
+        self
     }
 
     /// The answer in a sentence if these are the user's overrides of the `set` that the report is on.
@@ -293,6 +305,7 @@ fn region(set: &ElectrodeSet, r: usize, plan: &RegionPlan, axes: &DAffine3) -> R
         division: division_of(set, r, axes),
         earlier_divisions: earlier_divisions(set, r, plan, axes),
         electrodes: set.electrodes.iter().filter(burns).map(|e| e.name.clone()).collect(),
+        cad_faces: Vec::new(),
         left_thickness_mm: plan.left.thickness,
         left_at_mm: axes.transform_point3(plan.left.place).to_array().map(|v| rounded(v, 1e6)),
         left_volume_mm3: plan.left.volume,

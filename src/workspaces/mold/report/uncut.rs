@@ -1,5 +1,6 @@
 //! What cutters leave of a mold, as figures of a report and as text.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use serde::Serialize;
@@ -10,6 +11,7 @@ use crate::workspaces::mold::job::compare::{Comparison, Difference};
 use crate::workspaces::mold::job::uncut::{Coarser, Found, LayerFound, Uncut};
 use files::report::{PageError, Picture, Template, counted};
 use geometry::mesh::Bounds;
+use geometry::segmentation::CadFaces;
 use mold::ball_agreement::BallAgreement;
 use mold::cutter::CutterLibrary;
 use mold::opening::Opening;
@@ -74,8 +76,22 @@ pub struct RegionReport {
     pub bounds_mm: [[f64; 3]; 2],
     /// The faces of the mesh that bound it, wholly or in part, counted from 0.
     pub faces: Vec<u32>,
+    /// The faces of the CAD program that bound it, the largest area first; none where the file has none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cad_faces: Vec<CadFaceReport>,
     /// The cutter that comes nearest.
     pub nearest_cutter: Option<String>,
+}
+
+/// Part of a face of the CAD program that bounds a region.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CadFaceReport {
+    /// Number of the face, counted from 1, as the window shows it.
+    pub number: u32,
+    /// Form, sizes and name in the file.
+    pub face: String,
+    /// Area of the part (mm^2).
+    pub area_mm2: f64,
 }
 
 /// Comparison of the answer with that of a field of heights twice as coarse.
@@ -228,8 +244,8 @@ impl UncutReport {
         files::report::page(&TEMPLATE, &Page { report: self, interference, version: env!("CARGO_PKG_VERSION"), shown })
     }
 
-    /// The report of `uncut`.
-    pub fn of(uncut: &Uncut) -> Self {
+    /// The report of `uncut`, with the CAD faces of the mold's triangles where its file has them.
+    pub fn of(uncut: &Uncut, faces: Option<&CadFaces>) -> Self {
         let library = &uncut.params.library;
         let agreement =
             uncut.agreement.map(|[layers, field]| AgreementReport { layers, field, field_step_mm: uncut.grid_step });
@@ -249,7 +265,7 @@ impl UncutReport {
             by_layers: uncut.is_of_flats(),
             warnings: uncut.stack.warnings.iter().map(ToString::to_string).collect(),
             invert: InvertReport { faces: uncut.stack.invert.triangles.len(), area_mm2: uncut.stack.invert.area },
-            regions: regions(uncut),
+            regions: regions(uncut, faces),
             grid: uncut.coarser.map(grid),
             agreement,
             ball_agreement: uncut.ball_agreement,
@@ -317,6 +333,9 @@ impl UncutReport {
                  {faces:>6}   {:<40} {nearest}",
                 at.join(" ")
             );
+            for CadFaceReport { number, face, area_mm2 } in &r.cad_faces {
+                let _ = writeln!(text, "     on face {number}: {face}, {area_mm2:.3} mm2");
+            }
         }
         text
     }
@@ -354,9 +373,10 @@ fn sentence(uncut: &Uncut) -> String {
     format!("{found}{unreached}{slivers}{unknown}{doubt}.")
 }
 
-fn regions(uncut: &Uncut) -> Vec<RegionReport> {
+fn regions(uncut: &Uncut, faces: Option<&CadFaces>) -> Vec<RegionReport> {
+    let mut on_faces = on_cad_faces(uncut, faces).into_iter();
     let cutters = &uncut.params.library.cutter;
-    let report = |(i, r): (usize, &UncutRegion)| RegionReport {
+    let mut report = |(i, r): (usize, &UncutRegion)| RegionReport {
         index: i + 1,
         volume_mm3: r.volume,
         plan_area_mm2: r.plan_area,
@@ -365,9 +385,33 @@ fn regions(uncut: &Uncut) -> Vec<RegionReport> {
         thickness_mm: r.thickness,
         bounds_mm: corners(&r.bounds, uncut.params.opening),
         faces: r.faces.clone(),
+        cad_faces: on_faces.next().unwrap_or_default(),
         nearest_cutter: r.nearest_cutter.and_then(|k| cutters.get(k)).map(|c| c.label()),
     };
-    uncut.regions.iter().enumerate().map(report).collect()
+    uncut.regions.iter().enumerate().map(&mut report).collect()
+}
+
+/// The CAD faces that bound each region.
+fn on_cad_faces(uncut: &Uncut, faces: Option<&CadFaces>) -> Vec<Vec<CadFaceReport>> {
+    let Some(faces) = faces else { return Vec::new() };
+    let mut areas: Vec<BTreeMap<u32, f64>> = vec![BTreeMap::new(); uncut.regions.len()];
+    for piece in &uncut.surface {
+        let (Some(areas), Some(face)) = (areas.get_mut(piece.region as usize), faces.face_of.get(piece.face as usize))
+        else {
+            continue;
+        };
+        *areas.entry(*face).or_default() += piece.area();
+    }
+    let report = |(face, area_mm2): (u32, f64)| {
+        let words = faces.faces.get(face as usize)?.words();
+        Some(CadFaceReport { number: face + 1, face: words, area_mm2 })
+    };
+    let listed = |areas: BTreeMap<u32, f64>| {
+        let mut all: Vec<CadFaceReport> = areas.into_iter().filter_map(report).collect();
+        all.sort_by(|a, b| b.area_mm2.total_cmp(&a.area_mm2));
+        all
+    };
+    areas.into_iter().map(listed).collect()
 }
 
 /// Corners of an upright box in the axes of the mesh (mm).

@@ -92,6 +92,7 @@ pub(super) fn shown(mold: &LoadedMold, found: &FoundUncut, set: ElectrodeSet, is
     let opening = uncut.params.opening;
     let plain = ElectrodeSet { params: ElectrodeParams { overrides: Vec::new(), ..set.params }, ..set };
     let report = ElectrodesReport::of(&plain, &mold.name, opening, &Datum::default(), uncut.is_certain());
+    let report = report.with_cad_faces(&found.report);
     let (shapes, times) = (electrode_shapes(&plain), Vec::new());
     Designed { report, shapes, opening, doubts: uncut.doubts(), places, set: plain, is_proven, times }
 }

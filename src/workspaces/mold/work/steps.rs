@@ -144,7 +144,8 @@ pub(super) fn shown(mold: &LoadedMold, found: Uncut, is_proven: bool) -> FoundUn
     let shapes = region_shapes(&mold.mesh, &found.surface, found.regions.len(), found.params.opening);
     let invert = faces_shape(&mold.mesh, &found.stack.invert.triangles);
     let deepest = found.regions.iter().fold(0.0, |most: f64, r| most.max(r.depth));
-    FoundUncut { report: UncutReport::of(&found), uncut: found, shapes, invert, deepest, is_proven, times: Vec::new() }
+    let report = UncutReport::of(&found, mold.faces.as_ref());
+    FoundUncut { report, uncut: found, shapes, invert, deepest, is_proven, times: Vec::new() }
 }
 
 /// Searches the uncut regions of other cutters, and compares them with the result.

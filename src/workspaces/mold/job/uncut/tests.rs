@@ -3,9 +3,9 @@ use std::f64::consts::{FRAC_PI_4, PI};
 use glam::{DVec2, DVec3};
 
 use super::*;
-use crate::workspaces::mold::report::uncut::UncutReport;
-use crate::workspaces::mold::report::uncut::surface_as_ply;
+use crate::workspaces::mold::report::uncut::{CadFaceReport, UncutPage, UncutReport, surface_as_ply};
 use geometry::mesh::unit_normal;
+use geometry::segmentation::{CadFaces, Face, KnownFace, Segmentation, SegmentationSettings};
 use geometry::solid::prism;
 use mold::fixtures::{dish, pocket, polygon, rectangle};
 
@@ -55,6 +55,32 @@ fn a_pocket_keeps_its_corners_with_the_walls_and_the_floor_beside_them() {
 }
 
 #[test]
+fn the_report_names_the_cad_faces_that_bound_a_region() {
+    let sides = rectangle(12.0, 9.0);
+    let mesh = pocket(&rectangle(20.0, 20.0), &sides, &sides, [10.0, 8.0]);
+    let found = Segmentation::of(&mesh, &SegmentationSettings::default());
+    let named = |(i, face): (usize, &Face)| KnownFace { name: format!("N{i}"), ..KnownFace::of(face.kind) };
+    let faces = CadFaces { faces: found.faces.iter().enumerate().map(named).collect(), face_of: found.face_of };
+    let report = UncutReport::of(&answer(&mesh, vec![Cutter::flat(1.0)]).unwrap(), Some(&faces));
+    assert_eq!(report.regions.len(), 4);
+    for region in &report.regions {
+        // Two walls over a radius of the cutter each, 8 mm high, but for a cell or two of the grid, and the floor in the corner.
+        let areas: Vec<f64> = region.cad_faces.iter().map(|face| face.area_mm2).collect();
+        let [first, second, floor] = areas[..] else { panic!("{region:?}") };
+        assert!([first, second].iter().all(|wall| (6.0..=8.5).contains(wall)) && floor < 0.5, "{areas:?}");
+        assert!((areas.iter().sum::<f64>() - region.surface_area_mm2).abs() < 1e-6);
+        let named = |face: &CadFaceReport| face.face == format!("plane, \u{201c}N{}\u{201d}", face.number - 1);
+        assert!(region.cad_faces.iter().all(named), "{region:?}");
+    }
+    let text = report.text(&[]);
+    assert_eq!(text.matches("     on face ").count(), 12, "{text}");
+    let page = report.html(&[], &UncutPage::default()).unwrap();
+    assert!(page.contains("CAD faces that bound them"), "{page}");
+    let without = UncutReport { regions: Vec::new(), ..report }.html(&[], &UncutPage::default()).unwrap();
+    assert!(!without.contains("CAD faces"));
+}
+
+#[test]
 fn corners_too_thin_for_the_grid_are_left_all_the_same() {
     // Twelve corners of 150 degrees: R (1 / cos 15 degrees - 1) = 0.035 mm deep.
     let round = polygon(12, 8.0);
@@ -84,13 +110,13 @@ fn corners_too_thin_for_the_grid_are_left_all_the_same() {
     assert!((regions, both.unknown_regions(), both.is_whole()) == (12, 0, false), "{:?}", both.stack.warnings);
     assert!((thickness - 0.0353).abs() < 0.008, "{thickness}");
     assert!((place.truncate().length() - 8.0 / 15f64.to_radians().cos()).abs() < 0.3, "{place}");
-    let sentence = UncutReport::of(&both).sentence;
+    let sentence = UncutReport::of(&both, None).sentence;
     assert!(sentence.ends_with("slivers too thin for regions are left in 12 places."), "{sentence}");
     // What is not known is no answer.
     let thin = MoldWarning::ThinRegions { regions: 12, thickness: 0.03 };
     let mut unsure = both.clone();
     unsure.stack.warnings = vec![thin];
-    let sentence = UncutReport::of(&unsure).sentence;
+    let sentence = UncutReport::of(&unsure, None).sentence;
     assert!(!unsure.is_whole() && unsure.is_sound(), "{sentence}");
     assert!(sentence.ends_with("whether they take 12 thin regions more is not known."), "{sentence}");
 }
@@ -172,11 +198,11 @@ fn a_ball_leaves_the_same_askew_to_the_grid() {
     let Found { regions, volume_mm3 } = left.found();
     assert!(regions == 1 && (volume_mm3 / exact - 1.0).abs() < 0.03, "{volume_mm3} {exact}");
     // What is said of the error is about as large as the error is.
-    let grid = UncutReport::of(&left).grid.unwrap();
+    let grid = UncutReport::of(&left, None).grid.unwrap();
     assert!(grid.coarser.regions == 1 && grid.coarser_step_mm == 2.0 * left.grid_step);
     let (off, said) = ((volume_mm3 - exact).abs(), grid.off_mm3);
     assert!(off < 3.0 * said && said < 0.05 * exact, "{off} {said}");
-    assert!(UncutReport::of(&left).text(&[]).contains("Estimated error of the volume"));
+    assert!(UncutReport::of(&left, None).text(&[]).contains("Estimated error of the volume"));
     assert!(answer(&mesh, vec![Cutter::flat(1.0)]).unwrap().coarser.is_none());
 }
 
@@ -228,7 +254,7 @@ fn any_number_of_threads_answers_with_the_same_bytes() {
         assert!(alone.stack == together.stack && alone.layers == together.layers);
         assert!(alone.regions == together.regions && alone.surface == together.surface);
         let bytes = |left: &Uncut| {
-            let json = serde_json::to_string(&UncutReport::of(left)).unwrap();
+            let json = serde_json::to_string(&UncutReport::of(left, None)).unwrap();
             (json, surface_as_ply(&left.surface, left.params.opening), format!("{:?}", left.regions))
         };
         assert!(bytes(&alone) == bytes(&together));
