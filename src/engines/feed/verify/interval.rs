@@ -14,6 +14,9 @@ use task::{Cancel, Cancelled};
 
 /// Number of pairs between two checks of the cancel flag: well below 50 ms.
 const PAIRS_PER_CHECK: u32 = 4096;
+/// How often the worst errors of two triangles and the direction between them are sharpened, where the motion over the
+/// window is no more than what errors make.
+const ERROR_TURNS: usize = 12;
 
 /// Question to an interval of motion, with its stopping criteria.
 #[derive(Debug, Clone, Copy)]
@@ -24,6 +27,8 @@ pub(super) struct Question {
     pub resolution: f64,
     /// A clearance below this (mm) ends the search.
     pub stop_below: f64,
+    /// Greatest error of each axis, in either sense, constant over the motion (mm, rad).
+    pub errors: [f64; 6],
 }
 
 /// Bounds of the least clearance over the motion between two rows.
@@ -33,6 +38,8 @@ pub(super) struct Answer {
     pub lower: f64,
     /// A clearance below the one known that occurs: where (electrode first, both in W) and when.
     pub found: Option<(ClosestPoints, f64)>,
+    /// The errors of the axes that it occurs with (mm, rad).
+    pub with_errors: [f64; 6],
     /// Triangle pairs and windows bounded one by one.
     pub pairs: u64,
 }
@@ -45,7 +52,7 @@ pub(super) fn bound(
     question: &Question,
     cancel: &Cancel,
 ) -> Result<Answer, Cancelled> {
-    let answer = Answer { lower: f64::INFINITY, found: None, pairs: 0 };
+    let answer = Answer { lower: f64::INFINITY, found: None, with_errors: [0.0; 6], pairs: 0 };
     let mut search = Search { electrode, blisk, question, answer, upper: question.known };
     let mut windows = vec![(0.0, 1.0, vec![[0, 0]])];
     while let Some((from, to, pairs)) = windows.pop() {
@@ -117,7 +124,7 @@ impl Search<'_> {
         let (e, b) = (self.electrode.node(e), self.blisk.node(b));
         let (rotation, shift) = window.placement();
         let centers = (*rotation * e.bounds.center + shift).distance(b.bounds.center);
-        if self.accept(centers - e.radius - b.radius - window.travel) {
+        if self.accept(centers - e.radius - b.radius - window.travel - window.error_reach()) {
             return true;
         }
         let separation = e.bounds.placed(rotation, shift).separation(&b.bounds);
@@ -141,22 +148,40 @@ impl Search<'_> {
         self.answer.pairs += 1;
         let triangle = self.electrode.corners(self.electrode.node(e).triangle);
         let fixed = self.blisk.corners(self.blisk.node(b).triangle);
-        let closest = triangle_distance(&window.placed(triangle), fixed);
-        if closest.distance < self.upper {
-            self.upper = closest.distance;
-            self.answer.found = Some((closest, window.middle));
-        }
-        if closest.distance == 0.0 {
-            return false;
-        }
-        let direction = (closest.first - closest.second) / closest.distance;
-        let most = fixed.iter().map(|p| p.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
-        let bound = window.least_of_triangle(direction, triangle) - most;
-        if self.accept(bound) {
-            return true;
+        let mut closest = triangle_distance(&window.placed(triangle), fixed);
+        let (mut errors, mut bound) = ([0.0; 6], f64::NEG_INFINITY);
+        // With errors both are sharpened in turn: the errors that bring the triangles nearest along the direction between
+        // them, and the direction between them with these errors.
+        let turns = if window.travel > window.error_reach() { 2 } else { ERROR_TURNS };
+        for _ in 0..turns {
+            if closest.distance < self.upper {
+                self.upper = closest.distance;
+                self.answer.found = Some((closest, window.middle));
+                self.answer.with_errors = errors;
+            }
+            if closest.distance == 0.0 {
+                return false;
+            }
+            let direction = (closest.first - closest.second) / closest.distance;
+            let most = fixed.iter().map(|p| p.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
+            bound = bound.max(window.least_of_triangle(direction, triangle) - most);
+            if self.accept(bound) {
+                return true;
+            }
+            let (rotation, shift) = window.placement();
+            let on_electrode = rotation.transpose() * (closest.first - shift);
+            let Some(worst) = window.worst_errors(direction, on_electrode) else { break };
+            // Towards the worst ones only as far as the two points come nearer.
+            let change: [f64; 6] = std::array::from_fn(|i| worst[i] - errors[i]);
+            let Some([from, to]) = window.moved(on_electrode, [errors, worst]) else { break };
+            let (between, way) = (closest.first - closest.second, to - from);
+            let share = (-between.dot(way) / way.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            errors = std::array::from_fn(|i| errors[i] + share * change[i]);
+            let Some(placed) = window.placed_with(errors, triangle) else { break };
+            closest = triangle_distance(&placed, fixed);
         }
         // A window this short adds nothing more; only rounding can have brought it here.
-        let exhausted = window.travel < 1e-3 * self.question.resolution || window.is_instant();
+        let exhausted = window.is_exhausted(self.question.resolution);
         if exhausted {
             self.answer.lower = self.answer.lower.min(bound.max(0.0));
         }

@@ -33,6 +33,7 @@ mod inside;
 mod interval;
 mod motion;
 pub mod pair;
+pub mod setting;
 #[cfg(test)]
 mod tests;
 
@@ -356,7 +357,7 @@ impl Run<'_> {
     /// Bounds the clearance between rows, given the least clearance at the rows.
     fn between_rows(&self, known: f64) -> Result<Between, VerifyError> {
         let stop_below = if self.options.stop_at_violation { self.limit() } else { f64::NEG_INFINITY };
-        let question = Question { known, resolution: self.options.resolution_mm, stop_below };
+        let question = Question { known, resolution: self.options.resolution_mm, stop_below, errors: [0.0; 6] };
         let intervals: Vec<usize> = (0..self.path.rows.len() - 1).collect();
         let in_turn = if self.options.stop_at_violation { INTERVALS_IN_TURN } else { intervals.len().max(1) };
         let done = AtomicUsize::new(0);

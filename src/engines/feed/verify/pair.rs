@@ -173,7 +173,7 @@ impl Pair<'_> {
 
     /// The bound over `poses` to within `resolution` (mm), infinite for a single one; `least` takes in what is met.
     fn over(&self, poses: &[Pose], least: &mut Near, resolution: f64, cancel: &Cancel) -> Result<f64, Cancelled> {
-        let question = Question { known: least.distance, resolution, stop_below: f64::NEG_INFINITY };
+        let question = Question { known: least.distance, resolution, stop_below: f64::NEG_INFINITY, errors: [0.0; 6] };
         let bound = |i: usize| self.bound(&poses[i], &poses[i + 1], &question, cancel);
         let answers: Result<Vec<_>, Cancelled> = (0..poses.len() - 1).into_par_iter().map(bound).collect();
         let mut lower = f64::INFINITY;
@@ -215,7 +215,7 @@ impl Pair<'_> {
         question: &Question,
         cancel: &Cancel,
     ) -> Result<interval::Answer, Cancelled> {
-        let motion = Motion::new(*from, *to, self.moving.origin, self.moving.reach);
+        let motion = Motion::new(*from, *to, self.moving.origin, self.moving.reach).with_errors(question.errors);
         interval::bound(&self.moving.tree, &self.fixed.tree, &motion, question, cancel)
     }
 
@@ -243,7 +243,7 @@ impl Pair<'_> {
 
     /// The last instant before the bodies touch on the way between two poses, as a fraction of it.
     fn contact_between(&self, from: &Pose, to: &Pose, cancel: &Cancel) -> Result<Option<f64>, Cancelled> {
-        let question = Question { known: 2.0 * TOUCHING, resolution: TOUCHING, stop_below: TOUCHING };
+        let question = Question { known: 2.0 * TOUCHING, resolution: TOUCHING, stop_below: TOUCHING, errors: [0.0; 6] };
         let stays_clear = |s: f64, e: f64| {
             let answer = self.bound(&from.lerp(to, s), &from.lerp(to, e), &question, cancel)?;
             Ok::<_, Cancelled>(answer.lower >= TOUCHING)
