@@ -283,6 +283,19 @@ fn a_verification_judges_travel_if_limits_are_given_and_leaves_the_plans_report_
     assert_eq!((code, &report["travel"]["beyond"]["axis"]), (Some(3), &"X".into()));
     assert_eq!((&report["verified"], &report["travel"]["beyond"]["row"]), (&false.into(), &0.into()));
     assert_eq!(verify(&["--travel", "X=1,2"]).0, Some(2), "the final pose is not within");
+    // Setting errors: what it bears is told, and a hundred times as much is borne by no gap of 0.1 mm.
+    let (code, report) = verify(&["--setting", "0.002,0.002,0.002,0.001,0.001,0.001"]);
+    let setting = &report["setting"];
+    assert_eq!((code, &setting["holds"]), (Some(0), &true.into()), "{setting}");
+    let scale = setting["scale"].as_f64().unwrap();
+    assert!((1.0..50.0).contains(&scale), "{setting}");
+    assert!((setting["largest"]["y_mm"].as_f64().unwrap() - 0.002 * scale).abs() < 1e-9);
+    assert!(setting["beyond"]["distance_mm"].as_f64().unwrap() < 0.07, "{setting}");
+    assert!(std::fs::read_to_string(out.path().join("verify.html")).unwrap().contains("largest that hold"));
+    let (code, report) = verify(&["--setting", "0.2,0.2,0.2,0.1,0.1,0.1"]);
+    assert_eq!((code, &report["verified"], &report["setting"]["holds"]), (Some(3), &true.into(), &false.into()));
+    assert_eq!(verify(&["--setting", "0.2,0.2"]).0, Some(2));
+    assert_eq!(verify(&["--setting", "1,0,0,0,0,0", "--accuracy", "0.1"]).0, Some(2), "nothing would be left");
     assert_eq!(std::fs::read_to_string(out.path().join("report.json")).unwrap(), "of a plan");
     assert!(out.path().join("verify.html").is_file());
 }

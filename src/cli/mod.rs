@@ -45,6 +45,7 @@ use crate::workspaces::mold::document::MoldParams;
 use ::render::colour::Theme;
 use feed::plan_params::Strategy;
 use feed::pose::Axis;
+use feed::verify::setting::SettingErrors;
 use import::{ImportOptions, ImportReport, Imported, Reading, Units, import_file};
 use project::{ProjectArguments, Settings};
 use task::{Cancel, Task};
@@ -172,6 +173,13 @@ struct VerifyArguments {
     /// Without any, travel is not judged.
     #[arg(long, value_name = "AXIS=LEAST,GREATEST", value_parser = travel)]
     travel: Vec<(Axis, [f64; 2])>,
+    /// Greatest setting errors of the axes, in either sense: X,Y,Z in mm and A,B,C in degrees. The largest errors of this
+    /// shape that the path bears are told, and the answer is no where it does not bear these.
+    #[arg(long, value_name = "X,Y,Z,A,B,C", value_parser = setting)]
+    setting: Option<SettingErrors>,
+    /// How far below the gap setting errors may bring the clearance (mm).
+    #[arg(long, value_name = "MM", default_value_t = 0.03, requires = "setting")]
+    accuracy: f64,
     /// Folder for verify.json and verify.html, made if it is not there.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -237,6 +245,15 @@ fn mm(text: &str, limits: [f64; 2]) -> Result<f64, String> {
     let [least, most] = limits;
     let number = text.trim().replace(',', ".").parse::<f64>().ok().filter(|n| (least..=most).contains(n));
     number.ok_or_else(|| format!("expected a length in mm from {least} to {most}, as in 0.05"))
+}
+
+fn setting(text: &str) -> Result<SettingErrors, String> {
+    let values: Vec<f64> = text.split(',').map_while(|part| part.trim().parse().ok()).collect();
+    let &[x_mm, y_mm, z_mm, a_deg, b_deg, c_deg] = values.as_slice() else {
+        return Err("six numbers with commas between, as in 0.005,0.005,0.005,0.002,0.002,0.002".to_owned());
+    };
+    let errors = SettingErrors { x_mm, y_mm, z_mm, a_deg, b_deg, c_deg };
+    errors.validate().map(|()| errors).map_err(|e| e.to_string())
 }
 
 fn travel(text: &str) -> Result<(Axis, [f64; 2]), String> {

@@ -57,14 +57,25 @@ pub(super) fn verify(arguments: &VerifyArguments, session: &Session) -> anyhow::
         }
     }
     let in_w = inputs.electrode.in_frame(&inputs.path.frame);
-    let certified =
-        |electrode: &Mesh| certify(&inputs, electrode, travel(arguments), channel.as_ref(), &options, session);
-    let certificate = certified(&in_w)?;
-    let surface = channel.as_ref().map_or("blisk", |channel| channel.surface_name(certificate.least().surface));
+    let finder = channel.as_ref().map(|c| SurfaceFinder::new(c.clone().into())).transpose()?;
+    let surface_of = |p| finder.as_ref().map_or(Surface::Elsewhere, |f| f.surface_of(p));
+    let certified = |electrode: &Mesh| -> anyhow::Result<(Verifier, Certificate)> {
+        let verifier = verifier(&inputs, electrode, travel(arguments), session)?;
+        let certificate = verifier.verify(&inputs.path, &surface_of, &options, &session.task)?;
+        Ok((verifier, certificate))
+    };
+    let (verifier, certificate) = certified(&in_w)?;
+    let surface_name = |surface| channel.as_ref().map_or("blisk", |channel| channel.surface_name(surface));
+    let surface = surface_name(certificate.least().surface);
     let mut report = VerifyReport::new(&inputs.path, &certificate, surface, inputs.files.clone());
     // A file that is already in W is a mistake easily made, and looks like a collision.
-    if !report.verified && certified(&inputs.electrode)?.holds() {
+    if !report.verified && certified(&inputs.electrode)?.1.holds() {
         report.sentence += IN_W;
+    }
+    if let Some(errors) = arguments.setting.as_ref().filter(|_| report.verified) {
+        let least_mm = arguments.gap - arguments.accuracy;
+        let room = verifier.setting_room(&inputs.path, errors, least_mm, &surface_of, &session.task)?;
+        report = report.with_setting(&room, surface_name);
     }
     let json = report.json()?;
     if let Some(folder) = &arguments.out {
@@ -72,7 +83,8 @@ pub(super) fn verify(arguments: &VerifyArguments, session: &Session) -> anyhow::
     }
     super::terminal::finish();
     say!("{}", if session.json { json.trim_end() } else { &report.sentence });
-    Ok(if report.verified { Answer::Yes } else { Answer::No })
+    let bears = report.setting.as_ref().is_none_or(|setting| setting.holds);
+    Ok(if report.verified && bears { Answer::Yes } else { Answer::No })
 }
 
 fn options(arguments: &VerifyArguments) -> anyhow::Result<VerifyOptions> {
@@ -88,6 +100,12 @@ fn options(arguments: &VerifyArguments) -> anyhow::Result<VerifyOptions> {
         ),
         other => other.into(),
     })?;
+    anyhow::ensure!(
+        (0.0..arguments.gap).contains(&arguments.accuracy) || arguments.setting.is_none(),
+        "--accuracy {}: must be 0 or more and less than the gap of {} mm",
+        arguments.accuracy,
+        arguments.gap
+    );
     Ok(options)
 }
 
@@ -125,24 +143,19 @@ fn travel(arguments: &VerifyArguments) -> Option<TravelLimits> {
     (!arguments.travel.is_empty()).then(|| arguments.travel.iter().fold(TravelLimits::UNLIMITED, with))
 }
 
-fn certify(
+fn verifier(
     inputs: &Inputs,
     electrode_in_w: &Mesh,
     travel: Option<TravelLimits>,
-    channel: Option<&Channel>,
-    options: &VerifyOptions,
     session: &Session,
-) -> anyhow::Result<Certificate> {
+) -> anyhow::Result<Verifier> {
     let Inputs { blisk, path, .. } = inputs;
     let verifier =
         Verifier::new(&blisk.in_frame(&path.frame), electrode_in_w, path.reference_point, &session.task.cancel)?;
-    let verifier = match travel {
+    Ok(match travel {
         Some(travel) => verifier.within(travel),
         None => verifier,
-    };
-    let finder = channel.map(|c| SurfaceFinder::new(c.clone().into())).transpose()?;
-    let surface_of = |p| finder.as_ref().map_or(Surface::Elsewhere, |f| f.surface_of(p));
-    Ok(verifier.verify(path, &surface_of, options, &session.task)?)
+    })
 }
 
 /// A channel of the blisk, about the axis of the path if none is found by itself: none is no obstacle to verifying it.

@@ -7,7 +7,9 @@ use crate::workspaces::blisk::report::page::clearances_plot;
 use crate::workspaces::blisk::report::{ClearancePlace, ReportError, VerifiedDigests};
 use feed::certificate::{Certificate, TravelVerdict};
 use feed::path::FeedPath;
+use feed::verify::setting::{SettingErrors, SettingRoom, TooFar};
 use files::report::plot::Plot;
+use wheel::channel::Surface;
 
 /// Version of the keys of `verify.json`.
 pub const SCHEMA: u32 = 1;
@@ -56,6 +58,27 @@ impl From<TravelVerdict> for TravelReport {
     }
 }
 
+/// The setting errors that a path bears.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SettingReport {
+    /// The errors that were asked about.
+    pub asked: SettingErrors,
+    /// Whether the clearance is proven with all of them.
+    pub holds: bool,
+    /// Clearance that has to be left (mm).
+    pub least_clearance_mm: f64,
+    /// The largest errors of that shape with which it is proven.
+    pub largest: SettingErrors,
+    /// The largest as a multiple of those asked about.
+    pub scale: f64,
+    /// Errors just beyond that leave less.
+    pub beyond: Option<TooFar>,
+    /// Name of the surface that the electrode comes too near to with these.
+    pub beyond_surface: Option<&'static str>,
+    /// The answer in a sentence.
+    pub sentence: String,
+}
+
 /// The verdict on a path file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VerifyReport {
@@ -85,6 +108,9 @@ pub struct VerifyReport {
     pub sha256: VerifiedDigests,
     /// Rows of the path.
     pub rows: usize,
+    /// Setting errors that the path bears, where it was asked about them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub setting: Option<SettingReport>,
     /// The verdict in a sentence.
     pub sentence: String,
     /// `[s, clearance]` at every row, for the plot (mm).
@@ -110,9 +136,25 @@ impl VerifyReport {
             travel: c.travel().into(),
             sha256: VerifiedDigests::of(c),
             rows: path.rows.len(),
+            setting: None,
             sentence: sentence(c, surface),
             clearances: path.rows.iter().zip(c.row_clearance()).map(|(row, &clearance)| [row.s, clearance]).collect(),
         }
+    }
+
+    /// The report with the setting errors that the path bears.
+    pub fn with_setting(self, room: &SettingRoom, surface_name: impl Fn(Surface) -> &'static str) -> Self {
+        let setting = SettingReport {
+            asked: room.asked,
+            holds: room.holds(),
+            least_clearance_mm: room.least_mm,
+            largest: room.largest(),
+            scale: room.scale,
+            beyond: room.beyond,
+            beyond_surface: room.beyond.map(|beyond| surface_name(beyond.surface)),
+            sentence: room.sentence(),
+        };
+        Self { sentence: format!("{}; {}", self.sentence, setting.sentence), setting: Some(setting), ..self }
     }
 
     /// The report as JSON.
