@@ -109,7 +109,6 @@ pub struct VerifyReport {
     /// Rows of the path.
     pub rows: usize,
     /// Setting errors that the path bears, where it was asked about them.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub setting: Option<SettingReport>,
     /// The verdict in a sentence.
     pub sentence: String,

@@ -111,7 +111,6 @@ pub struct RegionEntry {
     /// Electrodes that burn it or parts of it.
     pub electrodes: Vec<String>,
     /// The faces of the CAD program that bound it; none where the file has none.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub cad_faces: Vec<CadFaceReport>,
     /// Greatest thickness that all burns leave, across the surface (mm).
     pub left_thickness_mm: f64,

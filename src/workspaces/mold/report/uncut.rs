@@ -77,7 +77,6 @@ pub struct RegionReport {
     /// The faces of the mesh that bound it, wholly or in part, counted from 0.
     pub faces: Vec<u32>,
     /// The faces of the CAD program that bound it, the largest area first; none where the file has none.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub cad_faces: Vec<CadFaceReport>,
     /// The cutter that comes nearest.
     pub nearest_cutter: Option<String>,
