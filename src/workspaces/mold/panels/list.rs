@@ -10,6 +10,7 @@ use super::desk::{Column, MoldDesk};
 use super::electrode;
 use crate::widgets::panel_parts::fact;
 use crate::widgets::theme::{palette, tick};
+use crate::workspaces::mold::report::uncut::CadFaceReport;
 use crate::workspaces::mold::scene::region_colour;
 
 impl Column {
@@ -68,7 +69,8 @@ fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) {
         tick(ui, &mut desk.only_vanishing, "Only regions that the other cutters would remove");
     }
     // What is known of the selected region stands below, whatever room the list takes.
-    let below = if desk.selected.is_some() { 264.0 } else { 0.0 };
+    let below =
+        desk.selected.map_or(0.0, |selected| if cad_faces_of(desk, selected).is_empty() { 264.0 } else { 286.0 });
     let room = vec2(ui.available_width(), (ui.available_height() - below).max(80.0));
     ui.allocate_ui(room, |ui| {
         ui.set_max_height(room.y);
@@ -224,10 +226,15 @@ fn details(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, selected: usize) 
     cad_faces(ui, desk, selected);
 }
 
-/// The CAD faces that bound region `selected`: the largest, and all of them on hovering.
+/// The CAD faces that bound region `selected`, the largest first.
+fn cad_faces_of(desk: &MoldDesk, selected: usize) -> &[CadFaceReport] {
+    let region = desk.found().and_then(|found| found.report.regions.get(selected));
+    region.map_or(&[], |region| &region.cad_faces)
+}
+
+/// The CAD faces of region `selected` in a line: the largest, and all of them on hovering.
 fn cad_faces(ui: &mut Ui, desk: &MoldDesk, selected: usize) {
-    let Some(found) = desk.found() else { return };
-    let all = found.report.regions.get(selected).map_or(&[][..], |region| &region.cad_faces);
+    let all = cad_faces_of(desk, selected);
     let Some(largest) = all.first() else { return };
     let more = if all.len() > 1 { format!(" and {} more", all.len() - 1) } else { String::new() };
     let words = all.iter().map(|f| format!("Face {}: {}, {:.3} mm²", f.number, f.face, f.area_mm2));
