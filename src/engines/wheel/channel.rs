@@ -250,6 +250,20 @@ pub enum Difference {
     },
 }
 
+impl std::fmt::Display for Difference {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Surface { surface, greatest_mm } if greatest_mm.is_finite() => {
+                write!(f, "{} off by up to {greatest_mm:.3} mm", surface.name())
+            }
+            Self::Surface { surface, .. } => write!(f, "{} missing in part", surface.name()),
+            Self::Tips => f.write_str("tips covered otherwise"),
+            Self::BesideEdges => f.write_str("other blades beside its edges"),
+            Self::Obstructed { off_mm } => write!(f, "metal stands up to {off_mm:.3} mm within it"),
+        }
+    }
+}
+
 /// Where the blades of a channel stand, about the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BladeSpan {

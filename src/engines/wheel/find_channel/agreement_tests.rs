@@ -6,7 +6,7 @@ use glam::{DQuat, DVec2, DVec3};
 
 use super::tests::{find, found, refused};
 use super::*;
-use crate::channel::{Difference, Surface};
+use crate::channel::{Difference, Surface, Unlike};
 use crate::fixtures::{TestBlisk, together, turned_part};
 use crate::options::{Auto, AxisChoice, AxisLine, AxisName, EndWalls};
 use crate::parametric::wheel::{Flaws, ParametricWheel, Splitters};
@@ -316,11 +316,11 @@ fn one_turned_blade_of_few_makes_no_splitters() {
 fn how_few_channels_are_like_the_found_one_is_said() {
     let said = |count: usize| {
         let unlike: Vec<Unlike> = (1..=count).map(|number| Unlike { number, difference: Difference::Tips }).collect();
-        unlike_sentence(&unlike, 24).unwrap()
+        unlike_sentence(&unlike, (24, 1), 0).unwrap()
     };
     assert!(said(13).contains("Of the other 23 channels of its kind, 13 are not like this one: only 10 are."));
     assert!(said(23).contains("23 are not like this one: it is the odd one, or no two are alike."));
-    assert!(said(2).contains("2 are not like this one (1, 2)"));
+    assert!(said(2).contains("2 are not like this one (1 at 15.0 deg from this one: "), "{}", said(2));
 }
 
 /// Of every other blade only the lower half stands: beyond its tips nothing bounds the passage on one side.

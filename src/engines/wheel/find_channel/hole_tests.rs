@@ -8,6 +8,7 @@ use super::tests::{find, found};
 use super::*;
 use crate::channel::{Flow, Station, Surface};
 use crate::fixtures::{TestBlisk, together};
+use crate::options::Auto;
 use crate::parametric::wheel::ParametricWheel;
 
 /// A wall of revolution of `part` at a height of 0 or 1 with a round hole in it in the middle of every passage, as deep as

@@ -3,6 +3,7 @@
 mod agreement;
 #[cfg(test)]
 mod agreement_tests;
+mod bodies;
 mod flow;
 mod hand_lines;
 #[cfg(test)]
@@ -14,10 +15,16 @@ mod meridian;
 mod obstruction;
 #[cfg(test)]
 mod random_wheels;
+mod retry;
+mod ring;
 #[cfg(test)]
 mod sectors;
+mod sentences;
 #[cfg(test)]
 mod splitter_tests;
+#[cfg(test)]
+mod spoilt_tests;
+mod straight;
 #[cfg(test)]
 mod tests;
 mod tips;
@@ -33,13 +40,17 @@ use glam::DVec2;
 use self::agreement::Measured;
 use self::flow::{LEANING, Lines, STEEP};
 use self::meridian::{Meridian, Place, Tracer};
+use self::retry::{counted, misleading, recount};
+use self::sentences::{
+    STRAIGHT, end_wall_assumptions, given_by_hand, holes_sentence, left_sentence, tip_gap_sentence, unlike_sentence,
+};
 use self::walls::{BEYOND_EDGE, WallFinder, Walls};
 use super::by_hand::ByHand;
-use super::channel::{Agreement, Channel, ChannelWall, Flow, OPENS, Surface, Unlike, station_at, ways_out};
+use super::channel::{Agreement, Channel, ChannelWall, Flow, OPENS, Surface, station_at, ways_out};
 use super::error::{BliskError, Misleading, NotChannels, Refused};
 use super::frame::slices::{Gap, Slices};
-use super::frame::{BliskFrame, Repetition, Wheel, find_sector, find_wheel, is_inside_out};
-use super::options::{Auto, AxisChoice, AxisName, BliskOptions, EndWalls, ZAt};
+use super::frame::{BliskFrame, Wheel, find_sector, find_wheel, is_inside_out};
+use super::options::{AxisChoice, AxisName, BliskOptions, EndWalls, ZAt};
 use geometry::frame::{Cylindrical, Frame};
 use geometry::mesh::Mesh;
 use task::{Cancel, Task};
@@ -87,6 +98,31 @@ pub(super) fn wheel_and_channel<'a>(
     task: &Task,
     found: &mut dyn FnMut(&Wheel),
 ) -> Result<(Wheel<'a>, Channel), Refused> {
+    let mut axis = None;
+    let mut found = |wheel: &Wheel| {
+        axis = Some(wheel.blisk.axis);
+        found(wheel);
+    };
+    match in_all_bodies(mesh, options, assumed, task, &mut found) {
+        Ok((wheel, mut channel)) => {
+            channel.assumed.extend(bodies::others(mesh, &channel));
+            Ok((wheel, channel))
+        }
+        Err(Refused { error, at }) => match (&error, options.axis) {
+            (BliskError::Cancelled(_), _) | (_, AxisChoice::Line(_)) => Err(Refused { error, at }),
+            _ => Err(bodies::refused(mesh, axis, options, task)?.map_or(Refused { error, at }, Refused::from)),
+        },
+    }
+}
+
+/// [`wheel_and_channel`] of all that the mesh holds.
+fn in_all_bodies<'a>(
+    mesh: &'a Mesh,
+    options: &BliskOptions,
+    assumed: &[String],
+    task: &Task,
+    found: &mut dyn FnMut(&Wheel),
+) -> Result<(Wheel<'a>, Channel), Refused> {
     let mut channel = |wheel: &Wheel| {
         found(wheel);
         let assumed = [assumed, &wheel.blisk.assumed].concat();
@@ -124,9 +160,8 @@ pub(super) fn wheel_and_channel<'a>(
     if let Err(refused) = &whole
         && let Some((count, what)) = recount(&refused.error, &wheel.blisk.repetition, options)
     {
-        let told = format!("{count} blades were counted around the axis, {what}.");
         let is_hollow = count < wheel.blisk.repetition.blades;
-        let counted = counted(mesh, (count, options), &[assumed, &[told]].concat(), task, found)?;
+        let counted = counted(mesh, (count, what, options), assumed, task, found)?;
         if let Some(counted) = counted.filter(|(_, channel)| is_hollow || !channel.unlike.is_empty()) {
             return Ok(counted);
         }
@@ -143,62 +178,9 @@ pub(super) fn wheel_and_channel<'a>(
     {
         return Err(error.into());
     }
-    whole.map(|channel| (wheel, channel))
-}
-
-/// How many blades there seem to be, and what is the matter with them, where `error` refuses what was counted and no number
-/// is given: circles through a broken blade meet fewer gaps, and those through hollow ones more.
-fn recount(error: &BliskError, found: &Repetition, options: &BliskOptions) -> Option<(usize, &'static str)> {
-    match error {
-        _ if options.blades.given().is_some() => None,
-        BliskError::LostWall { .. } => Some((found.blades, "of which some are broken or missing")),
-        BliskError::Unbounded { .. } if found.kinds > 1 => Some((found.blades / found.kinds, "which are hollow")),
-        _ => None,
-    }
-}
-
-/// The wheel of so many blades and its channel, if it has one.
-fn counted<'a>(
-    mesh: &'a Mesh,
-    (count, options): (usize, &BliskOptions),
-    assumed: &[String],
-    task: &Task,
-    found: &mut dyn FnMut(&Wheel),
-) -> Result<Option<(Wheel<'a>, Channel)>, BliskError> {
-    let options = BliskOptions { blades: Auto::Given(count), ..options.clone() };
-    let wheel = match find_wheel(mesh, &options, task) {
-        Ok(wheel) => wheel,
-        Err(error @ BliskError::Cancelled(_)) => return Err(error),
-        Err(_) => return Ok(None),
-    };
-    found(&wheel);
-    let assumed = [assumed, &wheel.blisk.assumed].concat();
-    match channel_of(wheel.clone(), &options, assumed, task) {
-        Ok(channel) => Ok(Some((wheel, channel))),
-        Err(Refused { error: error @ BliskError::Cancelled(_), .. }) => Err(error),
-        Err(_) => Ok(None),
-    }
-}
-
-/// The refusal of the first of `suspects` that is given by hand, where a channel is found without it.
-fn misleading(
-    mesh: &Mesh,
-    options: &BliskOptions,
-    suspects: &[Misleading],
-    task: &Task,
-) -> Result<Option<BliskError>, BliskError> {
-    let mut fewer = options.clone();
-    let Some(given) = suspects.iter().copied().find(|given| given.take_away(&mut fewer)) else { return Ok(None) };
-    match wheel_and_channel(mesh, &fewer, &[], task, &mut |_| ()) {
-        Ok((Wheel { blisk: BliskFrame { axis, repetition, middle, .. }, .. }, channel)) => {
-            if let (Misleading::Points, Some(off)) = (given, hand_lines::point_off(options, &channel)) {
-                return Ok(Some(off));
-            }
-            Ok(Some(BliskError::Misleading { given, axis, blades: repetition.blades, at: middle }))
-        }
-        Err(Refused { error: error @ BliskError::Cancelled(_), .. }) => Err(error),
-        Err(Refused { error: error @ BliskError::Misleading { .. }, .. }) => Ok(Some(error)),
-        Err(_) => Ok(None),
+    match whole {
+        Ok(channel) => Ok((wheel, channel)),
+        Err(refused) => Err(or_ring(refused, &wheel, options)),
     }
 }
 
@@ -242,6 +224,17 @@ fn channel_of(wheel: Wheel, options: &BliskOptions, assumed: Vec<String>, task: 
     };
     // What stands in the way along the axis is what is told.
     across.map_err(|other| if is_stopped(&other) { other } else { refused })
+}
+
+/// `refused`, or the refusal of the ring across the passages that is its cause.
+fn or_ring(refused: Refused, Wheel { mesh, blisk, .. }: &Wheel, options: &BliskOptions) -> Refused {
+    let Some(place) = refused.error.circle() else { return refused };
+    let slices = Slices::new(mesh.in_frame(&blisk.frame));
+    let near = |place| ring::near(&slices, place, blisk.repetition.blades);
+    match near(place).or_else(|| near(blisk.middle)) {
+        Some(at) => Refused::new(BliskError::Ring { x: at.x, r: at.y }, &blisk.frame, options),
+        None => refused,
+    }
 }
 
 /// The channel at a place that is known.
@@ -312,6 +305,10 @@ fn measured_channel(
         walls::check_rows(&channel.low, &channel.high)?;
         measured.check_tips()?;
     }
+    // Whoever points at blades has seen them.
+    if options.blade_points_mm.is_empty() && straight::is_straight(&channel) {
+        channel.assumed.push(STRAIGHT.into());
+    }
     let unlike = measured.unlike(blades, blisk.repetition.kinds)?;
     let obstructed = obstruction::obstructed(&channel, slices.mesh(), &task.cancel)?;
     channel.assumed.extend(agreement.iter().filter_map(holes_sentence));
@@ -323,7 +320,7 @@ fn measured_channel(
     channel.unlike.sort_by_key(|unlike| unlike.number);
     channel.unlike.dedup_by_key(|unlike| unlike.number);
     channel.unlike.iter_mut().for_each(|unlike| unlike.number = (options.channel + unlike.number) % blades);
-    channel.assumed.extend(unlike_sentence(&channel.unlike, blades / channel.kinds));
+    channel.assumed.extend(unlike_sentence(&channel.unlike, (blades, channel.kinds), options.channel));
     task.report("channel", 1.0, "");
     Ok(channel)
 }
@@ -482,108 +479,4 @@ fn turned(mut gap: Gap, angle: f64) -> Gap {
     gap.low.theta += angle;
     gap.high.theta += angle;
     gap
-}
-
-fn end_wall_assumptions(options: &BliskOptions, meridian: &Meridian, inset: f64) -> Vec<String> {
-    let mut assumed = Vec::new();
-    let shrouded = meridian.shrouded;
-    if meridian.flow != Flow::Axial {
-        let outer = if shrouded { "shroud" } else { "tips" };
-        assumed.push(format!(
-            "The passage is {}: hub and {outer} are the curves beside the blades' ends{}.",
-            meridian.flow.name(),
-            if shrouded { ", the hub the one nearer to the axis or, of two as near, at smaller x" } else { "" }
-        ));
-        assumed.push(measured_up_to(shrouded, inset));
-        return assumed;
-    }
-    match options.hub_radius_mm.given() {
-        Some(r) => assumed.push(format!("The hub radius was given: {r} mm along the whole channel.")),
-        None => assumed.push("The hub radius is the greatest met over the middle 60 % of the channel's width.".into()),
-    }
-    assumed.push(match (options.shroud_radius_mm.given(), shrouded) {
-        (Some(r), _) => format!("The shroud radius was given: {r} mm along the whole channel."),
-        (None, true) => "The shroud radius is the least met over the middle 60 % of the channel's width.".into(),
-        (None, false) => "No shroud was met along the radius; the blade tips bound the channel instead.".into(),
-    });
-    assumed.push(measured_up_to(shrouded, inset));
-    assumed
-}
-
-/// Says what points were given.
-fn given_by_hand(options: &BliskOptions) -> impl Iterator<Item = String> {
-    let names = ["hub", "shroud or the tips", "blades"];
-    let given = names.into_iter().zip(options.points()).filter(|(_, (_, points, _))| !points.is_empty());
-    let given: Vec<String> = given.map(|(name, (_, points, _))| format!("{} on the {name}", points.len())).collect();
-    let sentence = (!given.is_empty()).then(|| format!("Points were given: {}.", given.join(", ")));
-    let picked = "Channel 0 is the one whose wall the first of the points on blades lies on.".to_owned();
-    let drawn = "Drawn curves bound the passage: what lies beyond them is not burned.".to_owned();
-    let drawn = (options.end_walls == EndWalls::Drawn).then_some(drawn);
-    sentence.into_iter().chain(drawn).chain((!options.blade_points_mm.is_empty()).then_some(picked))
-}
-
-/// Says which of the channels of its kind, of which there are `alike`, are not like the one that was found, or how few
-/// are.
-fn unlike_sentence(unlike: &[Unlike], alike: usize) -> Option<String> {
-    const MOST: usize = 8;
-    let mut sorted: Vec<usize> = unlike.iter().map(|unlike| unlike.number).collect();
-    sorted.sort_unstable();
-    if sorted.len() > 1 && 2 * sorted.len() > alike {
-        let others = alike - 1;
-        let how_few = match others - sorted.len() {
-            0 => "it is the odd one, or no two are alike".to_owned(),
-            like => format!("only {like} {}", if like == 1 { "is" } else { "are" }),
-        };
-        return Some(format!(
-            "Of the other {others} channels of its kind, {} are not like this one: {how_few}. Compare another with \
-             blisk.channel, {} say.",
-            sorted.len(),
-            sorted[sorted.len() / 2]
-        ));
-    }
-    let names: Vec<String> = sorted.iter().take(MOST).map(usize::to_string).collect();
-    let more = if sorted.len() > MOST { ", …" } else { "" };
-    (!sorted.is_empty()).then(|| {
-        format!(
-            "Of the other {} channels of its kind, {} {} not like this one ({}{more}): what is planned here does not fit there.",
-            alike - 1,
-            sorted.len(),
-            if sorted.len() == 1 { "is" } else { "are" },
-            names.join(", ")
-        )
-    })
-}
-
-/// Says how much of an end wall is open.
-fn holes_sentence(agreement: &Agreement) -> Option<String> {
-    (agreement.open > 0.0).then(|| {
-        let share = 100.0 * agreement.open;
-        format!(
-            "The {} has holes, over {share:.1} % of the places measured: it is taken to go on there.",
-            agreement.surface.name()
-        )
-    })
-}
-
-/// Says how much of the passage is left between a hub or a shroud that was given by hand and that of the mesh.
-fn left_sentence(agreement: &Agreement) -> Option<String> {
-    (agreement.left_mm > agreement.within_mm).then(|| {
-        format!(
-            "The {0} of the mesh lies up to {1:.3} mm beyond the one that was given: what is between them is not burned.",
-            agreement.surface.name(),
-            agreement.left_mm
-        )
-    })
-}
-
-/// Says how far blades end before the shroud.
-fn tip_gap_sentence(gap_mm: f64) -> String {
-    format!(
-        "The blades end up to {gap_mm:.3} mm before the shroud, which is another solid: their walls are taken to go on to it."
-    )
-}
-
-fn measured_up_to(shrouded: bool, inset: f64) -> String {
-    let outer = if shrouded { "shroud" } else { "tips" };
-    format!("The walls were measured up to {} % of the height away from hub and {outer}.", 100.0 * inset)
 }

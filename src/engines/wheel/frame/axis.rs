@@ -138,12 +138,12 @@ fn solid_moments(mesh: &Mesh) -> (DVec3, DMat3) {
     (o + center, second - outer(center) * volume)
 }
 
-pub(super) fn outer(v: DVec3) -> DMat3 {
+pub(crate) fn outer(v: DVec3) -> DMat3 {
     DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }
 
 /// Eigenvalues and unit eigenvectors of a symmetric matrix in order of rising eigenvalue.
-pub(super) fn eigen(m: DMat3) -> [(f64, DVec3); 3] {
+pub(crate) fn eigen(m: DMat3) -> [(f64, DVec3); 3] {
     const MOST_STEPS: usize = 1000;
     let matrix = Matrix3::from_column_slice(&m.to_cols_array());
     let Some(eigen) = SymmetricEigen::try_new(matrix, f64::EPSILON, MOST_STEPS) else {

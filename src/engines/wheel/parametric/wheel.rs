@@ -75,6 +75,10 @@ pub struct Flaws {
     pub missing_blade: Option<usize>,
     /// Share of the turn over which there is no shroud.
     pub missing_shroud: f64,
+    /// A blade that is bent about the axis, most half way up under a shroud and at the tip without one, by so much (mm).
+    pub bent_blade: Option<(usize, f64)>,
+    /// Shares of the height between which a ring crosses all passages, midway between the edges of the main blades.
+    pub ring: Option<[f64; 2]>,
 }
 
 /// A wheel about X.
@@ -226,6 +230,15 @@ impl ParametricWheel {
         from * along + 0.5 * (to - from) * along * along
     }
 
+    /// Angle by which blade `k` leans about the axis at shares of the passage and of the height (rad).
+    fn leant(&self, k: usize, [along, height]: [f64; 2]) -> f64 {
+        let bent = self.flaws.bent_blade.filter(|(blade, _)| *blade == k).map_or(0.0, |(_, mm)| {
+            let bow = if self.shrouded { 4.0 * height * (1.0 - height) } else { height * height };
+            mm * bow / self.place(along, height).y
+        });
+        self.lean * height + bent
+    }
+
     /// How far fillets stand off a blade at a share of the passage and of the height (mm).
     fn fillet(&self, along: f64, height: f64) -> f64 {
         let span_mm = self.hub.at(along).distance(self.shroud.at(along));
@@ -268,7 +281,7 @@ impl ParametricWheel {
             let stands = self.flaws.missing_blade != Some(blade % self.blades);
             let at = self.span_at(of.span, height);
             (stands && (at[0]..=at[1]).contains(&along)).then(|| {
-                let middle = of.begin + turns + self.wound(along) + self.lean * height;
+                let middle = of.begin + turns + self.wound(along) + self.leant(blade % self.blades, [along, height]);
                 middle + side * self.half_thickness(of, along, height) / r
             })
         };
@@ -284,6 +297,7 @@ impl ParametricWheel {
         let standing = (0..self.blades).filter(|k| Some(*k) != self.flaws.missing_blade);
         shells.extend(standing.map(|k| self.blade(k)));
         shells.extend((self.holes > 0).then(|| self.flange()));
+        shells.extend(self.flaws.ring.map(|height| self.ring(height)));
         together(shells)
     }
 
@@ -311,6 +325,16 @@ impl ParametricWheel {
         let outline: Vec<DVec2> = front.chain(back).collect();
         let missing = if height > 0.5 { self.flaws.missing_shroud } else { 0.0 };
         turned(&outline, around, (around as f64 * (1.0 - missing)).round() as usize, along)
+    }
+
+    /// A ring about the axis between two shares of the height, midway between the edges of the main blades.
+    fn ring(&self, [inner, outer]: [f64; 2]) -> Mesh {
+        const PIECES: usize = 8;
+        let [from, to] = self.span;
+        let share = |i: usize| from + (to - from) * (0.4 + 0.2 * i as f64 / PIECES as f64);
+        let front = (0..=PIECES).map(|i| self.place(share(i), inner));
+        let back = (0..=PIECES).rev().map(|i| self.place(share(i), outer));
+        turned(&front.chain(back).collect::<Vec<_>>(), self.pieces[0], self.pieces[0], PIECES)
     }
 
     /// A flange with round holes at the inlet, from within the hub's wall inwards.
@@ -345,7 +369,7 @@ impl ParametricWheel {
             let t = within(self.span_at(blade.span, height.clamp(0.0, 1.0)));
             let place = self.place(t, height);
             let half = self.half_thickness(blade, t, height.clamp(0.0, 1.0));
-            let theta = blade.begin + self.wound(t) + self.lean * height + side * half / place.y;
+            let theta = blade.begin + self.wound(t) + self.leant(k, [t, height]) + side * half / place.y;
             Cylindrical { x: place.x, r: place.y, theta }.point()
         };
         let mut quads = Vec::new();

@@ -1,13 +1,16 @@
 //! Why a mesh is not taken for a blisk, in words that say what to do about it.
 
+mod reasons;
+
 use glam::{DVec2, DVec3};
 
+pub use self::reasons::{Misleading, NotChannels};
 use super::by_hand::{ByHand, nearest};
 use super::channel::{Agreement, Surface};
 use super::frame::axis::Axis;
 use super::frame::frame_along;
 use super::frame::sector::SectorError;
-use super::options::{BliskOptions, EndWalls};
+use super::options::BliskOptions;
 use geometry::frame::{Cylindrical, Frame};
 use task::Cancelled;
 
@@ -85,6 +88,24 @@ pub enum BliskError {
         /// The axis that is found without it.
         axis: Axis,
         /// The number of blades that is found without it.
+        blades: usize,
+        /// Position along the axis and distance from it (mm) of a place between these blades.
+        at: DVec2,
+    },
+    /// Several bodies that are no one wheel.
+    #[error(
+        "the mesh holds {count} bodies apart from each other, of which {}: load each wheel from a file of its own, or name the \
+         one to be planned by its axis with blisk.axis. That of one of them, which has {blades} blades, is {axis}",
+        if *.wheels > 1 { format!("{wheels} are wheels") } else { "one is a wheel by itself".to_owned() }
+    )]
+    Bodies {
+        /// Number of bodies.
+        count: usize,
+        /// Number of those that are wheels, of the largest ones.
+        wheels: usize,
+        /// Axis of the first wheel.
+        axis: Axis,
+        /// Number of its blades.
         blades: usize,
         /// Position along the axis and distance from it (mm) of a place between these blades.
         at: DVec2,
@@ -226,6 +247,18 @@ pub enum BliskError {
         /// Radius of that place (mm).
         r: f64,
     },
+    /// A ring crosses all passages.
+    #[error(
+        "a ring of metal crosses all passages at x {x:.3}, r {r:.3} mm about the axis, as a part-span shroud does: it divides \
+         them into two tiers, and no electrode fills one from hub to shroud. Take the ring out of the mesh if the passages are \
+         burned without it, or plan each tier from a mesh in which the other one is filled"
+    )]
+    Ring {
+        /// Where (mm along the axis).
+        x: f64,
+        /// Where (mm from the axis).
+        r: f64,
+    },
     /// Something stands in the passage.
     #[error(
         "metal stands in the passage at x {:.3}, r {:.3} mm about the axis, {off_mm:.3} mm within it, so that no electrode \
@@ -306,50 +339,6 @@ pub enum BliskError {
     Cancelled(#[from] Cancelled),
 }
 
-/// What is given by hand and fits nothing in the mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Misleading {
-    /// Points of hub, shroud or blades.
-    Points,
-    /// The number of blades.
-    Blades,
-    /// The axis.
-    Axis,
-}
-
-impl Misleading {
-    /// All of them, what is likeliest to be wrong first.
-    pub(super) const ALL: [Self; 3] = [Self::Points, Self::Blades, Self::Axis];
-
-    /// Takes it out of `options`; false if it is not given there.
-    pub(super) fn take_away(self, options: &mut BliskOptions) -> bool {
-        let given = options.clone();
-        match self {
-            Self::Points => {
-                options.hub_points_mm.clear();
-                options.shroud_points_mm.clear();
-                options.blade_points_mm.clear();
-                options.end_walls = EndWalls::Measured;
-            }
-            Self::Blades => options.blades = BliskOptions::default().blades,
-            Self::Axis => options.axis = BliskOptions::default().axis,
-        }
-        *options != given
-    }
-
-    /// The beginning and the end of a sentence about it.
-    fn words(self) -> [&'static str; 2] {
-        match self {
-            Self::Points => [
-                "the points of blisk.blade_points_mm, blisk.hub_points_mm and blisk.shroud_points_mm do not lie beside the blades of",
-                "pick points beside these blades, or take the points away",
-            ],
-            Self::Blades => ["blisk.blades does not fit", "correct it, or set it to auto"],
-            Self::Axis => ["blisk.axis does not fit", "correct it, or set it to auto"],
-        }
-    }
-}
-
 /// Refusal of a wheel, with the place that it is about.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{error}")]
@@ -386,30 +375,13 @@ impl Refused {
 impl From<BliskError> for Refused {
     fn from(error: BliskError) -> Self {
         let at = match error {
-            BliskError::Misleading { axis, at, .. } => {
+            BliskError::Misleading { axis, at, .. } | BliskError::Bodies { axis, at, .. } => {
                 Some(frame_along(&axis).to_parent(Cylindrical { x: at.x, r: at.y, theta: 0.0 }.point()))
             }
             _ => None,
         };
         Self { error, at }
     }
-}
-
-/// Reason why gaps that repeat around an axis are no channels between blades.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum NotChannels {
-    /// Walls that differ from gap to gap.
-    #[error("many of their walls do not repeat from gap to gap, as where blades are not evenly spaced or not alike")]
-    DoNotRepeat,
-    /// Channels of which each differs from all others.
-    #[error("no two of them are alike")]
-    NoneAlike,
-    /// Sides of one bulging surface.
-    #[error("their two sides do not face each other, as the flats of a polygon do not")]
-    Flats,
-    /// Holes through a ring or a disc.
-    #[error("they are round holes, wide in the middle and closed above and below")]
-    RoundHoles,
 }
 
 fn part_shroud(share: f64, [x, r]: [f64; 2], joined: bool) -> String {
@@ -475,6 +447,7 @@ impl BliskError {
             | Self::Turns { x, r }
             | Self::Unbounded { x, r }
             | Self::LostWall { x, r }
+            | Self::Ring { x, r }
             | Self::GivenRadius { x, r, .. }
             | Self::DrawnOutside { x, r, .. }
             | Self::HandCurve { x, r, .. }
@@ -485,6 +458,21 @@ impl BliskError {
             _ => None,
         }
         .filter(|p| p.is_finite())
+    }
+
+    /// The circle (x, r) about the axis on which a passage was lost, in the frame of the search (mm); none where the error is
+    /// about something else.
+    pub(super) fn circle(&self) -> Option<DVec2> {
+        let at = match *self {
+            Self::NoEndWall { x, r, .. }
+            | Self::Turns { x, r }
+            | Self::Unbounded { x, r }
+            | Self::LostWall { x, r }
+            | Self::NoThroat { x, r } => DVec2::new(x, r),
+            Self::Obstructed { at, .. } => DVec2::new(at.x, at.y.hypot(at.z)),
+            _ => return None,
+        };
+        at.is_finite().then_some(at)
     }
 
     /// The point of `options` that the error is about, in the coordinates of the mesh (mm).
@@ -504,6 +492,7 @@ impl BliskError {
             Self::Partial { axis, .. }
             | Self::NoBlades { axis, .. }
             | Self::NoChannels { axis, .. }
+            | Self::Bodies { axis, .. }
             | Self::Misleading { axis, .. } => Some(*axis),
             Self::Sector(error) => error.axis(),
             _ => None,
