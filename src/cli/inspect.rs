@@ -59,7 +59,7 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
         }
         say!("{}", serde_json::to_string_pretty(&all)?);
     } else {
-        report.iter().for_each(print_import);
+        // The verdict comes first.
         say!("{inspection}");
         if let Some(Measured { surfaces, deviation, others }) = &measured {
             say!("From the measured sections:\n{deviation}{surfaces}");
@@ -67,6 +67,7 @@ pub(super) fn inspect(arguments: &InspectArguments, session: &Session) -> anyhow
                 say!("Each section against the wall through the others:\n{others}");
             }
         }
+        report.iter().for_each(print_import);
     }
     match inspection.not_found.first() {
         None if measured.is_some_and(|m| !m.holds()) => Ok(Answer::No),

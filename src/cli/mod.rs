@@ -178,7 +178,7 @@ struct VerifyArguments {
     #[arg(long, value_name = "X,Y,Z,A,B,C", value_parser = setting)]
     setting: Option<SettingErrors>,
     /// How far below the gap setting errors may bring the clearance (mm).
-    #[arg(long, value_name = "MM", default_value_t = 0.03, requires = "setting")]
+    #[arg(long, value_name = "MM", default_value_t = 0.03, requires = "setting", allow_negative_numbers = true)]
     accuracy: f64,
     /// Folder for verify.json and verify.html, made if it is not there.
     #[arg(long, value_name = "DIR")]

@@ -83,6 +83,9 @@ pub(super) fn verify(arguments: &VerifyArguments, session: &Session) -> anyhow::
     }
     super::terminal::finish();
     say!("{}", if session.json { json.trim_end() } else { &report.sentence });
+    if let Some(setting) = report.setting.as_ref().filter(|_| !session.json) {
+        say!("{}", setting.sentence);
+    }
     let bears = report.setting.as_ref().is_none_or(|setting| setting.holds);
     Ok(if report.verified && bears { Answer::Yes } else { Answer::No })
 }

@@ -23,7 +23,7 @@ const RATIO: f64 = 1.005;
 /// Multiple of the box up to which a larger one is looked for.
 const MOST_SCALE: f64 = 64.0;
 /// Multiple of the box below which none holds.
-const LEAST_SCALE: f64 = 1.0 / 64.0;
+const LEAST_SCALE: f64 = 1e-6;
 
 /// Looks, each at a box larger by [`RATIO`], at which errors that leave less are searched beyond where the proof ends.
 const STEPS_OUT: i32 = 4;
@@ -142,16 +142,15 @@ impl SettingRoom {
 
     /// The answer in a sentence.
     pub fn sentence(&self) -> String {
-        let verdict = if self.holds() { "holds" } else { "does NOT hold" };
+        let verdict = if self.holds() { "setting errors hold" } else { "setting errors do NOT hold" };
         let largest = match self.scale {
             0.0 => "not even without any".to_owned(),
             MOST_SCALE.. => format!("{} at least", self.largest()),
             _ => self.largest().to_string(),
         };
         format!(
-            "with setting errors up to {} the path {verdict} {:.4} mm of clearance; the largest errors of this shape: \
-             {largest}",
-            self.asked, self.least_mm
+            "{verdict}: {:.4} mm of clearance with errors up to {}; the largest errors of this shape: {largest}",
+            self.least_mm, self.asked
         )
     }
 }
@@ -320,11 +319,14 @@ mod tests {
         let both = SettingErrors { y_mm: 0.01, c_deg: (0.001_f64).to_degrees(), ..NONE };
         let share = room(&straight, &both, least).scale * (0.01 + HALF.x * 0.001) / (GAP - least);
         assert!((1.0 / RATIO - 5e-3..=1.0).contains(&share), "{share}");
+        // However large the errors asked about, the largest that hold are found.
+        let far = room(&straight, &SettingErrors { y_mm: 1.0, ..NONE }, least);
+        assert!((far.largest().y_mm / across.largest().y_mm - 1.0).abs() < 0.01 && !far.holds(), "{far:?}");
         // Along the slot nothing comes nearer, and with too much to be left nothing holds.
         assert_eq!(room(&straight, &SettingErrors { x_mm: 0.001, ..NONE }, least).scale, MOST_SCALE);
         let none = room(&straight, &both, 0.11);
         assert!(none.scale == 0.0 && none.beyond.is_some() && !none.holds(), "{none:?}");
-        assert!(none.sentence().contains("does NOT hold") && none.sentence().contains("not even without any"));
+        assert!(none.sentence().contains("do NOT hold") && none.sentence().contains("not even without any"));
     }
 
     /// 10,000 random errors within the largest box of all six, at instants all along a curved way, against distances that

@@ -153,7 +153,7 @@ impl VerifyReport {
             beyond_surface: room.beyond.map(|beyond| surface_name(beyond.surface)),
             sentence: room.sentence(),
         };
-        Self { sentence: format!("{}; {}", self.sentence, setting.sentence), setting: Some(setting), ..self }
+        Self { setting: Some(setting), ..self }
     }
 
     /// The report as JSON.
