@@ -100,9 +100,9 @@ pub enum BliskError {
     )]
     Bodies {
         /// Number of bodies.
-        count: usize,
+        count: u32,
         /// Number of those that are wheels, of the largest ones.
-        wheels: usize,
+        wheels: u32,
         /// Axis of the first wheel.
         axis: Axis,
         /// Number of its blades.

@@ -24,7 +24,7 @@ const SAME: f64 = 0.01;
 struct Shell {
     vertices: Vec<DVec3>,
     middle: DVec3,
-    /// Its extent along each of the common directions (mm).
+    /// Extent along each of the common directions (mm).
     extents: Vec<[f64; 2]>,
 }
 
@@ -126,8 +126,8 @@ pub(super) fn refused(
         })
     };
     Ok(wheels.first().filter(|wheel| is_other(&wheel.axis)).map(|wheel| BliskError::Bodies {
-        count: bodies.len(),
-        wheels: wheels.len(),
+        count: bodies.len() as u32,
+        wheels: wheels.len() as u32,
         axis: wheel.axis,
         blades: wheel.repetition.blades,
         at: wheel.middle,
