@@ -469,7 +469,7 @@ impl BliskError {
             | Self::Unbounded { x, r }
             | Self::LostWall { x, r }
             | Self::NoThroat { x, r } => DVec2::new(x, r),
-            Self::Obstructed { at, .. } | Self::Disagrees(Agreement { at, .. }) => DVec2::new(at.x, at.y.hypot(at.z)),
+            Self::Obstructed { at, .. } => DVec2::new(at.x, at.y.hypot(at.z)),
             _ => return None,
         };
         at.is_finite().then_some(at)
