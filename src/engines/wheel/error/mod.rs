@@ -247,18 +247,6 @@ pub enum BliskError {
         /// Radius of that place (mm).
         r: f64,
     },
-    /// A ring crosses all passages.
-    #[error(
-        "a ring of metal crosses all passages at x {x:.3}, r {r:.3} mm about the axis, as a part-span shroud does: it divides \
-         them into two tiers, and no electrode fills one from hub to shroud. Take the ring out of the mesh if the passages are \
-         burned without it, or plan each tier from a mesh in which the other one is filled"
-    )]
-    Ring {
-        /// Where (mm along the axis).
-        x: f64,
-        /// Where (mm from the axis).
-        r: f64,
-    },
     /// Something stands in the passage.
     #[error(
         "metal stands in the passage at x {:.3}, r {:.3} mm about the axis, {off_mm:.3} mm within it, so that no electrode \
@@ -447,7 +435,6 @@ impl BliskError {
             | Self::Turns { x, r }
             | Self::Unbounded { x, r }
             | Self::LostWall { x, r }
-            | Self::Ring { x, r }
             | Self::GivenRadius { x, r, .. }
             | Self::DrawnOutside { x, r, .. }
             | Self::HandCurve { x, r, .. }
@@ -458,21 +445,6 @@ impl BliskError {
             _ => None,
         }
         .filter(|p| p.is_finite())
-    }
-
-    /// The circle (x, r) about the axis on which a passage was lost, in the frame of the search (mm); none where the error is
-    /// about something else.
-    pub(super) fn circle(&self) -> Option<DVec2> {
-        let at = match *self {
-            Self::NoEndWall { x, r, .. }
-            | Self::Turns { x, r }
-            | Self::Unbounded { x, r }
-            | Self::LostWall { x, r }
-            | Self::NoThroat { x, r } => DVec2::new(x, r),
-            Self::Obstructed { at, .. } => DVec2::new(at.x, at.y.hypot(at.z)),
-            _ => return None,
-        };
-        at.is_finite().then_some(at)
     }
 
     /// The point of `options` that the error is about, in the coordinates of the mesh (mm).

@@ -16,7 +16,6 @@ mod obstruction;
 #[cfg(test)]
 mod random_wheels;
 mod retry;
-mod ring;
 #[cfg(test)]
 mod sectors;
 mod sentences;
@@ -178,10 +177,7 @@ fn in_all_bodies<'a>(
     {
         return Err(error.into());
     }
-    match whole {
-        Ok(channel) => Ok((wheel, channel)),
-        Err(refused) => Err(or_ring(refused, &wheel, options)),
-    }
+    whole.map(|channel| (wheel, channel))
 }
 
 /// The mesh with its normals outwards, and what was assumed for that.
@@ -224,17 +220,6 @@ fn channel_of(wheel: Wheel, options: &BliskOptions, assumed: Vec<String>, task: 
     };
     // What stands in the way along the axis is what is told.
     across.map_err(|other| if is_stopped(&other) { other } else { refused })
-}
-
-/// `refused`, or the refusal of the ring across the passages that is its cause.
-fn or_ring(refused: Refused, Wheel { mesh, blisk, .. }: &Wheel, options: &BliskOptions) -> Refused {
-    let Some(place) = refused.error.circle() else { return refused };
-    let slices = Slices::new(mesh.in_frame(&blisk.frame));
-    let near = |place| ring::near(&slices, place, blisk.repetition.blades);
-    match near(place).or_else(|| near(blisk.middle)) {
-        Some(at) => Refused::new(BliskError::Ring { x: at.x, r: at.y }, &blisk.frame, options),
-        None => refused,
-    }
 }
 
 /// The channel at a place that is known.

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::*;
 use crate::fixtures::together;
 use crate::options::AxisLine;
-use crate::parametric::wheel::{Flaws, MeridianCurve, ParametricWheel};
+use crate::parametric::wheel::{MeridianCurve, ParametricWheel};
 use geometry::solid::prism;
 use glam::DVec3;
 
@@ -26,20 +26,6 @@ fn axial() -> ParametricWheel {
         pieces: [96, 24, 4],
         ..ParametricWheel::nozzle_ring()
     }
-}
-
-fn with(wheel: &ParametricWheel, flaws: Flaws) -> Mesh {
-    ParametricWheel { flaws, ..wheel.clone() }.mesh()
-}
-
-#[test]
-fn a_ring_across_all_passages_is_named_with_its_place() {
-    let wheel = axial();
-    let ring = [0.45, 0.55];
-    let refused = find(&with(&wheel, Flaws { ring: Some(ring), ..Flaws::default() }), &BliskOptions::default());
-    let Err(Refused { error: BliskError::Ring { r, .. }, at: Some(_) }) = refused else { panic!("{refused:?}") };
-    let [from, to] = ring.map(|height| wheel.place(0.5, height).y);
-    assert!((from - 0.1..to + 0.1).contains(&r), "{r}");
 }
 
 #[test]

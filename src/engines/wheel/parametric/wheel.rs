@@ -77,8 +77,6 @@ pub struct Flaws {
     pub missing_shroud: f64,
     /// A blade that is bent about the axis, most half way up under a shroud and at the tip without one, by so much (mm).
     pub bent_blade: Option<(usize, f64)>,
-    /// Shares of the height between which a ring crosses all passages, midway between the edges of the main blades.
-    pub ring: Option<[f64; 2]>,
 }
 
 /// A wheel about X.
@@ -297,7 +295,6 @@ impl ParametricWheel {
         let standing = (0..self.blades).filter(|k| Some(*k) != self.flaws.missing_blade);
         shells.extend(standing.map(|k| self.blade(k)));
         shells.extend((self.holes > 0).then(|| self.flange()));
-        shells.extend(self.flaws.ring.map(|height| self.ring(height)));
         together(shells)
     }
 
@@ -325,16 +322,6 @@ impl ParametricWheel {
         let outline: Vec<DVec2> = front.chain(back).collect();
         let missing = if height > 0.5 { self.flaws.missing_shroud } else { 0.0 };
         turned(&outline, around, (around as f64 * (1.0 - missing)).round() as usize, along)
-    }
-
-    /// A ring about the axis between two shares of the height, midway between the edges of the main blades.
-    fn ring(&self, [inner, outer]: [f64; 2]) -> Mesh {
-        const PIECES: usize = 8;
-        let [from, to] = self.span;
-        let share = |i: usize| from + (to - from) * (0.4 + 0.2 * i as f64 / PIECES as f64);
-        let front = (0..=PIECES).map(|i| self.place(share(i), inner));
-        let back = (0..=PIECES).rev().map(|i| self.place(share(i), outer));
-        turned(&front.chain(back).collect::<Vec<_>>(), self.pieces[0], self.pieces[0], PIECES)
     }
 
     /// A flange with round holes at the inlet, from within the hub's wall inwards.
