@@ -155,7 +155,7 @@ impl SettingRoom {
     }
 }
 
-/// What is known of a box of errors.
+/// Answer for a box of errors.
 enum Verdict {
     Holds,
     /// Not proven; with errors that leave less where some were found.
