@@ -15,6 +15,7 @@ pub mod minkowski;
 pub mod nearest_pair;
 pub mod nurbs;
 pub mod offset;
+pub mod patch;
 pub mod raycast;
 pub mod segmentation;
 pub mod shells;

@@ -105,7 +105,14 @@ fn step_of(set: &ElectrodeSet, table: &BurnTable, e: usize, task: &Task) -> Resu
     }
     properties.push(count("quantity", quantity));
     let name = &electrode.name;
-    let part = StepPart { name, mesh: &electrode.mesh, roles: &roles, role_of: &role_of, properties: &properties };
+    let part = StepPart {
+        name,
+        mesh: &electrode.mesh,
+        roles: &roles,
+        role_of: &role_of,
+        patches: &[],
+        properties: &properties,
+    };
     written_step(&part, if least_gap.is_finite() { TO_SPARE * least_gap } else { 0.0 }, task)
 }
 

@@ -193,6 +193,7 @@ impl Scene {
             burn_area_mm2: 1.0,
             clearance_mm: 0.1,
             assumed: Vec::new(),
+            patches: Vec::new(),
         };
         let scenario = Scenario {
             blisk: &self.blisk,

@@ -8,6 +8,8 @@ use task::{Cancelled, Task};
 
 /// Limits of the tolerance that faces are fitted with (mm).
 const TOLERANCES: [f64; 2] = [5e-4, 5e-3];
+/// Tolerances of faces that are known, which stay inside of the mesh, in the order in which they are tried (mm).
+const INSIDE: [f64; 3] = [5e-3, 3e-3, 8e-3];
 
 /// Most faces of a file: those of more are too small to put a tool on.
 const MOST_FACES: usize = 500;
@@ -20,9 +22,25 @@ pub type WrittenStep = Result<StepFile, String>;
 /// # Errors
 /// When told to stop.
 pub fn written_step(part: &StepPart, to_spare: f64, task: &Task) -> Result<WrittenStep, Cancelled> {
-    let settings =
-        StepSettings { tolerance: (0.5 * to_spare).clamp(TOLERANCES[0], TOLERANCES[1]), ..Default::default() };
-    Ok(match write_step(part, &settings, task) {
+    let of_found = [(0.5 * to_spare).clamp(TOLERANCES[0], TOLERANCES[1])];
+    let tolerances: &[f64] = if part.patches.is_empty() { &of_found } else { &INSIDE };
+    let written =
+        |tolerance: &f64| write_step(part, &StepSettings { tolerance: *tolerance, ..Default::default() }, task);
+    let is_done = |made: &Result<StepFile, StepWriteError>| match made {
+        Ok(file) => beyond(&file.report) <= to_spare,
+        Err(error) => matches!(error, StepWriteError::Cancelled(_)),
+    };
+    let mut made = written(&tolerances[0]);
+    for tolerance in &tolerances[1..] {
+        if is_done(&made) {
+            break;
+        }
+        let next = written(tolerance);
+        if is_done(&next) {
+            made = next;
+        }
+    }
+    Ok(match made {
         Ok(file) if beyond(&file.report) > to_spare => Err(format!(
             "its faces may reach {:.4} mm beyond the mesh that was checked, and {to_spare:.4} mm are to spare; leave more \
              clearance, or take the mesh",
@@ -38,6 +56,11 @@ pub fn written_step(part: &StepPart, to_spare: f64, task: &Task) -> Result<Writt
         )),
         Ok(file) => Ok(file),
         Err(StepWriteError::Cancelled(cancelled)) => return Err(cancelled),
+        Err(StepWriteError::Deviation { at, distance, most }) if !part.patches.is_empty() => Err(format!(
+            "its faces would lie {distance:.3} mm off the mesh that was checked at ({:.2}, {:.2}, {:.2}) mm, where the \
+             triangles are twisted, as they are beside fillets, and {most:.3} mm are allowed; take the mesh",
+            at.x, at.y, at.z
+        )),
         Err(error) => Err(error.to_string()),
     })
 }
@@ -113,7 +136,7 @@ mod tests {
     }
 
     fn tried(mesh: &Mesh, to_spare: f64) -> WrittenStep {
-        let part = StepPart { name: "E", mesh, roles: &[], role_of: &[], properties: &[] };
+        let part = StepPart { name: "E", mesh, roles: &[], role_of: &[], patches: &[], properties: &[] };
         written_step(&part, to_spare, &Task::default()).unwrap()
     }
 

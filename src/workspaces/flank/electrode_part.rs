@@ -126,6 +126,7 @@ mod tests {
             burn_area_mm2: 1.0,
             clearance_mm: 0.1,
             assumed: Vec::new(),
+            patches: Vec::new(),
         };
         let turned = Frame { origin: DVec3::new(5.0, -3.0, 70.0), x: DVec3::Y, y: DVec3::Z, z: DVec3::X };
         for frame in [None, Some(&turned)] {

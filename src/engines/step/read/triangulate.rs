@@ -281,13 +281,21 @@ impl Ground<'_> {
         Ok(found)
     }
 
-    /// Whether the surface at `uv` is farther from the chord between two points than is allowed, along its normal.
-    fn leaves(&self, ends: [DVec3; 2], uv: DVec2) -> bool {
+    /// Distance of the surface at `uv` from a point beside it, along its normal; in any direction where it has none.
+    ///
+    /// A narrow triangle along a curved edge has a normal of its own that tells nothing.
+    fn off(&self, beside: DVec3, uv: DVec2) -> f64 {
         let [p, du, dv] = self.surface.at(uv);
         match du.cross(dv).try_normalize() {
-            Some(normal) => (p - 0.5 * (ends[0] + ends[1])).dot(normal).abs() > self.fine.chord,
-            None => !self.fine.allows(ends[0], ends[1], p),
+            Some(normal) => (p - beside).dot(normal).abs(),
+            None => p.distance(beside),
         }
+    }
+
+    /// Whether the surface at `uv` is farther from the place at a share of the chord between two points than is allowed,
+    /// along its normal.
+    fn leaves(&self, ends: [DVec3; 2], uv: DVec2, share: f64) -> bool {
+        self.off(ends[0].lerp(ends[1], share), uv) > self.fine.chord
     }
 
     /// Sides of the boundary, between which the face leaves its triangles by more than is allowed.
@@ -299,7 +307,9 @@ impl Ground<'_> {
                 let ends = [*from, to].map(|uv| self.surface.point(uv));
                 let is_long = ends[0].distance(ends[1]) > 4.0 * self.fine.least_length;
                 let is_shared = *a < OWN && b < OWN;
-                if is_long && is_shared && self.leaves(ends, 0.5 * (*from + to)) {
+                // The middle alone does not see an edge that bends to and fro.
+                let leaves = |share: f64| self.leaves(ends, from.lerp(to, share), share);
+                if is_long && is_shared && [0.25, 0.5, 0.75].into_iter().any(leaves) {
                     found.push([*a, b]);
                 }
             }
@@ -344,7 +354,7 @@ impl Ground<'_> {
                     continue;
                 }
                 let middle = 0.5 * (place(t[i]) + place(t[j]));
-                if self.leaves([points[i], points[j]], self.uv(middle)) {
+                if self.leaves([points[i], points[j]], self.uv(middle), 0.5) {
                     coarse.insert(key);
                     found.push(middle);
                     is_fine = false;
@@ -356,10 +366,9 @@ impl Ground<'_> {
                 continue;
             }
             let middle = (place(t[0]) + place(t[1]) + place(t[2])) / 3.0;
-            let normal = (points[1] - points[0]).cross(points[2] - points[0]).normalize_or_zero();
             let is_long = points[0].distance(points[1]).max(points[0].distance(points[2])) > self.fine.least_length;
-            let off = (self.surface.point(self.uv(middle)) - points[0]).dot(normal);
-            if is_long && off.abs() > self.fine.chord {
+            let off = self.off((points[0] + points[1] + points[2]) / 3.0, self.uv(middle));
+            if is_long && off > self.fine.chord {
                 found.push(middle);
             } else {
                 known.fine_triangles.insert(key);

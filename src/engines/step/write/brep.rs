@@ -358,7 +358,7 @@ impl Net {
 }
 
 /// The area that a closed line encloses in the parameters of a surface, positive where it runs counter-clockwise.
-fn enclosed(surface: &Surface, points: &[DVec3]) -> f64 {
+pub(super) fn enclosed(surface: &Surface, points: &[DVec3]) -> f64 {
     let (Surface::Plane(axes) | Surface::Cylinder { axes, .. } | Surface::Cone { axes, .. }) = surface;
     let is_hollow =
         matches!(surface, Surface::Cylinder { is_hollow: true, .. } | Surface::Cone { is_hollow: true, .. });

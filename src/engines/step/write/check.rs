@@ -10,17 +10,22 @@ use task::Task;
 use super::StepWriteError;
 use crate::read;
 
-/// Share of the tolerance that the triangles of the file that is read may leave its faces by.
-const CHORD: f64 = 0.2;
-/// Tolerances by which a file may leave the mesh at any place, beside what its triangles leave its faces by.
-const MOST_DEVIATION: f64 = 2.0;
+/// What a file may be off.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    /// Greatest distance that the triangles of the file that is read may leave its faces by (mm).
+    pub(super) chord: f64,
+    /// Distance by which a file may leave the mesh at any place, beside that (mm).
+    pub(super) deviation: f64,
+}
+
 /// Share by which the volume of a file may differ from that of the mesh.
 const MOST_VOLUME: f64 = 5e-4;
 /// Places between two looks at the flag that cancels.
 const BLOCK: usize = 4096;
 
 /// Distances and volume of a file beside its mesh.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Measures {
     /// Greatest distance from a vertex or triangle centre of the mesh to the file (mm).
     pub(super) mesh_to_file: f64,
@@ -32,6 +37,8 @@ pub(super) struct Measures {
     pub(super) at: DVec3,
     /// Volume of the file's solids (mm^3).
     pub(super) volume: f64,
+    /// Places of the file outside of the mesh, each with its distance (mm).
+    pub(super) beyond: Vec<(f64, DVec3)>,
 }
 
 /// Reads a file of so many solids and compares it with the mesh that it was made from.
@@ -39,10 +46,9 @@ pub(super) fn check(
     bytes: &[u8],
     mesh: &Mesh,
     solids: usize,
-    tolerance: f64,
+    Limits { chord, deviation: most }: Limits,
     task: &Task,
 ) -> Result<Measures, StepWriteError> {
-    let chord = CHORD * tolerance;
     let options = read::Options { chord, ..read::Options::default() };
     let bad = |problem: String| StepWriteError::Reread { problem, at: None };
     let file = read::read(bytes, &options, task).map_err(|error| bad(error.to_string()))?;
@@ -68,7 +74,7 @@ pub(super) fn check(
     }
     let mut measures = compare(mesh, &whole, task)?;
     let deviation = measures.mesh_to_file.max(measures.file_to_mesh[0]).max(measures.file_to_mesh[1]);
-    let most = MOST_DEVIATION * tolerance + chord;
+    let most = most + chord;
     if deviation > most {
         return Err(StepWriteError::Deviation { at: measures.at, distance: deviation, most });
     }
@@ -96,6 +102,9 @@ fn compare(mesh: &Mesh, file: &Mesh, task: &Task) -> Result<Measures, StepWriteE
     }
     for (distance, p) in distances(&of_mesh, file, task)? {
         let side = usize::from(distance < 0.0);
+        if distance > 0.0 {
+            found.beyond.push((distance, p));
+        }
         found.file_to_mesh[side] = found.file_to_mesh[side].max(distance.abs());
         if distance.abs() > worst {
             (worst, found.at) = (distance.abs(), p);

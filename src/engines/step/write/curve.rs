@@ -1,9 +1,12 @@
 //! Curves of edges: lines, circles and B-splines along chains of sides.
 
+use std::collections::BTreeSet;
+
 use geometry::circle::Circle;
 use glam::DVec3;
+use rayon::prelude::*;
 
-use super::spline::{Curve, Knots};
+use super::spline::{Curve, Knots, ON_SIDE};
 use super::surface::{Axes, Surface, meet};
 
 /// Points that an edge on a cylinder or cone is judged by, at least.
@@ -16,6 +19,10 @@ const ON_POINTS: f64 = 0.25;
 const ON_SIDES: f64 = 0.6;
 /// Times that spans of a curve are halved at most.
 const HALVINGS: usize = 9;
+/// Times that the spans of a strip are halved at most.
+const MOST_HALVINGS: usize = 16;
+/// Share of the tolerance within which the curves of a strip follow its lines.
+const ON_LINE: f64 = 0.4;
 /// Places between two points at which a spline is judged, the first point counted.
 const PLACES: usize = 3;
 
@@ -215,6 +222,52 @@ impl Course<'_> {
         }
         found
     }
+}
+
+/// Whether points lie on the line from the first to the last, rising, as well as an edge has to.
+pub(super) fn is_straight(line: &[DVec3], tolerance: f64) -> bool {
+    let (a, b) = (line[0], line[line.len() - 1]);
+    let Some(along) = (b - a).try_normalize() else { return false };
+    line.windows(2).all(|w| (w[1] - w[0]).dot(along) > 0.0)
+        && line.iter().all(|&p| (p - a).reject_from_normalized(along).length() <= ON_SURFACE * tolerance)
+}
+
+/// Knots so dense that a curve along the sides of each of `lines`, whose points are at the same parameters, stays within
+/// a share of the tolerance, as far as spans of a part of a side allow.
+pub(super) fn fitted_within(lines: &[Vec<DVec3>], parameters: &[f64], tolerance: f64) -> Knots {
+    let mut knots = Knots::unit();
+    for _ in 0..MOST_HALVINGS {
+        let breaks = knots.breaks();
+        let span_of = |u: f64| breaks.partition_point(|b| *b <= u).clamp(1, breaks.len() - 1) - 1;
+        let failing = |line: &Vec<DVec3>| {
+            let mut failing = BTreeSet::new();
+            let Some(curve) = Curve::along(knots.clone(), parameters, line) else { return failing };
+            for (ends, side) in parameters.windows(2).zip(line.windows(2)) {
+                for j in 0..ON_SIDE {
+                    let u = ends[0] + (ends[1] - ends[0]) * (j as f64 + 0.5) / ON_SIDE as f64;
+                    if from_side(curve.at(u), side[0], side[1]) > ON_LINE * tolerance {
+                        failing.insert(span_of(u));
+                    }
+                }
+            }
+            failing
+        };
+        let failing = lines.par_iter().map(failing).reduce(BTreeSet::new, |mut a, mut b| {
+            a.append(&mut b);
+            a
+        });
+        let is_wide = |span: usize| {
+            let [from, to] = [breaks[span], breaks[span + 1]];
+            let within = parameters.windows(2).filter(|ends| ends[0] < to && ends[1] > from);
+            to - from > 4.0 * within.map(|ends| ends[1] - ends[0]).fold(1.0, f64::min) / ON_SIDE as f64
+        };
+        let next = knots.halved(|span| failing.contains(&span) && is_wide(span));
+        if next == knots {
+            break;
+        }
+        knots = next;
+    }
+    knots
 }
 
 fn from_side(p: DVec3, a: DVec3, b: DVec3) -> f64 {

@@ -4,6 +4,9 @@
 //! bicubic B-splines fitted within a stated tolerance. Edges are lines, circles or cubic B-splines that lie on both
 //! faces. What the file's faces differ from the mesh by is measured both ways, as is the volume; the report says both.
 //!
+//! Where the faces are known as patches of the mesh, as those of an electrode made from rings are, nothing has to be found:
+//! each patch is one face, and the solid stays inside of the mesh.
+//!
 //! How: [`geometry::segmentation`] tells faces. Edges are fitted once, along the sides of triangles between two faces. A
 //! free form is a disc with four sides: its surface is a tensor product whose outer control points are those of its edges,
 //! so that it meets its neighbours exactly. Free forms that are no discs, or that one surface does not fit, are cut by
@@ -23,6 +26,7 @@ mod divide;
 mod file;
 mod map;
 mod net;
+mod patches;
 mod piece;
 mod quad;
 mod regions;
@@ -32,12 +36,15 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
+use geometry::groups::Groups;
 use geometry::mesh::Mesh;
+use geometry::patch::Patch;
 use glam::DVec3;
 use step_io::AuthorError;
 use task::{Cancelled, Task};
 
 use self::brep::{Brep, FaceSurface};
+use self::check::{Limits, Measures};
 use self::skin::Skin;
 use self::surface::Surface;
 
@@ -72,6 +79,15 @@ pub struct Property {
     pub value: PropertyValue,
 }
 
+/// A face that is known.
+#[derive(Debug, Clone, Copy)]
+pub struct StepPatch<'a> {
+    /// Its vertices.
+    pub grid: &'a Patch,
+    /// Its purpose, by its place in the roles of the part.
+    pub role: u16,
+}
+
 /// A part to be written.
 #[derive(Debug, Clone, Copy)]
 pub struct StepPart<'a> {
@@ -83,6 +99,9 @@ pub struct StepPart<'a> {
     pub roles: &'a [Role],
     /// The role of each triangle, by its place in `roles`; empty for none. Faces are divided where it changes.
     pub role_of: &'a [u16],
+    /// The faces, if they are known: every triangle is in one, and neighbours share whole sides. Empty where the faces have
+    /// to be found.
+    pub patches: &'a [StepPatch<'a>],
     /// Properties in the order in which they are written.
     pub properties: &'a [Property],
 }
@@ -259,6 +278,18 @@ impl From<AuthorError> for StepWriteError {
 /// Times that a region is divided because the file as it was read again is not good enough there.
 const REPAIRS: usize = 6;
 
+/// Share of the tolerance that the triangles of the file that is read may leave its faces by: of one whose faces are
+/// found, and of one whose faces are known and have to stay inside of the mesh.
+const CHORD: f64 = 0.2;
+const FINE_CHORD: f64 = 0.1;
+/// Tolerances by which a file whose faces are found may leave the mesh at any place.
+const MOST_DEVIATION: f64 = 2.0;
+/// Distance by which a file whose faces are known may lie inside of the mesh where that is twisted between its vertices
+/// (mm): the accuracy of P1.
+const MOST_INSIDE: f64 = 0.03;
+/// Times that known faces are drawn in where they reach beyond the mesh.
+const DRAWN_IN: u32 = 5;
+
 /// Writes a part as STEP AP242.
 ///
 /// # Errors
@@ -269,14 +300,19 @@ pub fn write_step(part: &StepPart, settings: &StepSettings, task: &Task) -> Resu
         return Err(StepWriteError::Tolerance(tolerance));
     }
     let mut skin = Skin::of(part.mesh)?;
+    if !part.patches.is_empty() {
+        return of_patches(part, settings, task);
+    }
     let mut regions = regions::regions(&mut skin, part.mesh, part.role_of, tolerance)?;
     task.check()?;
+    let limits = Limits { chord: CHORD * tolerance, deviation: MOST_DEVIATION * tolerance };
     let mut repairs = 0;
     let (brep, solids, bytes, measures) = loop {
         let brep = brep::brep(&mut skin, &mut regions, tolerance, task)?;
-        let shells = shells(&skin, &brep)?;
+        let shells = shells(&brep);
+        without_cavities(&skin, &shells)?;
         let bytes = file::file(part, settings, &brep, &shells)?;
-        let error = match check::check(&bytes, part.mesh, shells.len(), tolerance, task) {
+        let error = match check::check(&bytes, part.mesh, shells.len(), limits, task) {
             Ok(measures) => break (brep, shells.len(), bytes, measures),
             Err(error) => error,
         };
@@ -289,14 +325,42 @@ pub fn write_step(part: &StepPart, settings: &StepSettings, task: &Task) -> Resu
             return Err(error);
         }
     };
-    let mut report = count(&brep);
+    Ok(StepFile { bytes, report: report(&brep, part, solids, &measures) })
+}
+
+/// Writes a part whose faces are known, which stay inside of the mesh.
+fn of_patches(part: &StepPart, settings: &StepSettings, task: &Task) -> Result<StepFile, StepWriteError> {
+    let tolerance = settings.tolerance;
+    if part.mesh.volume() <= 0.0 {
+        return Err(StepWriteError::Cavity { at: part.mesh.vertices[0] });
+    }
+    let mut sheet = patches::Sheet::of(part)?;
+    let limits = Limits { chord: FINE_CHORD * tolerance, deviation: MOST_INSIDE };
+    let mut round = 0;
+    loop {
+        task.report("faces", f64::from(round) / f64::from(DRAWN_IN), "");
+        let brep = sheet.brep(tolerance, task)?;
+        let shells = shells(&brep);
+        let bytes = file::file(part, settings, &brep, &shells)?;
+        let measures = check::check(&bytes, part.mesh, shells.len(), limits, task)?;
+        let is_inside = measures.file_to_mesh[0] <= FINE_CHORD * tolerance;
+        if is_inside || round == DRAWN_IN {
+            return Ok(StepFile { bytes, report: report(&brep, part, shells.len(), &measures) });
+        }
+        sheet.draw_in(&measures.beyond)?;
+        round += 1;
+    }
+}
+
+fn report(brep: &Brep, part: &StepPart, solids: usize, measures: &Measures) -> StepReport {
+    let mut report = count(brep);
     report.solids = solids;
     report.mesh_to_file_mm = measures.mesh_to_file;
     [report.outside_mm, report.inside_mm] = measures.file_to_mesh;
     report.unsure_mm = measures.unsure;
     report.volume_mm3 = measures.volume;
     report.mesh_volume_mm3 = part.mesh.volume();
-    Ok(StepFile { bytes, report })
+    report
 }
 
 fn count(brep: &Brep) -> StepReport {
@@ -313,30 +377,26 @@ fn count(brep: &Brep) -> StepReport {
 }
 
 /// The faces of every solid: those that hang together across edges.
-fn shells(skin: &Skin, brep: &Brep) -> Result<Vec<Vec<usize>>, StepWriteError> {
+fn shells(brep: &Brep) -> Vec<Vec<usize>> {
     let mut faces_of = vec![Vec::new(); brep.edges.len()];
     for (f, face) in brep.faces.iter().enumerate() {
         face.loops.iter().flatten().for_each(|&(edge, _)| faces_of[edge].push(f));
     }
-    let (mut shell_of, mut shells) = (vec![usize::MAX; brep.faces.len()], Vec::<Vec<usize>>::new());
-    for seed in 0..brep.faces.len() {
-        if shell_of[seed] != usize::MAX {
-            continue;
-        }
-        shell_of[seed] = shells.len();
-        let (mut members, mut next) = (vec![seed], 0);
-        while next < members.len() {
-            let edges = brep.faces[members[next]].loops.iter().flatten();
-            for f in edges.flat_map(|&(edge, _)| faces_of[edge].iter().copied()) {
-                if shell_of[f] == usize::MAX {
-                    shell_of[f] = shells.len();
-                    members.push(f);
-                }
-            }
-            next += 1;
-        }
-        members.sort_unstable();
-        shells.push(members);
+    let mut groups = Groups::of(brep.faces.len());
+    for faces in faces_of {
+        faces.windows(2).for_each(|pair| groups.join(pair[0], pair[1]));
+    }
+    let (shell_of, count) = groups.numbers();
+    let mut shells = vec![Vec::new(); count];
+    shell_of.into_iter().enumerate().for_each(|(face, shell)| shells[shell as usize].push(face));
+    shells
+}
+
+/// Denies shells of regions that enclose less than nothing.
+fn without_cavities(skin: &Skin, shells: &[Vec<usize>]) -> Result<(), StepWriteError> {
+    let mut shell_of = vec![0; shells.iter().map(Vec::len).sum()];
+    for (shell, faces) in shells.iter().enumerate() {
+        faces.iter().for_each(|&face| shell_of[face] = shell);
     }
     let mut volumes = vec![(0.0, DVec3::ZERO); shells.len()];
     for (i, &region) in (0u32..).zip(&skin.region) {
@@ -346,6 +406,6 @@ fn shells(skin: &Skin, brep: &Brep) -> Result<Vec<Vec<usize>>, StepWriteError> {
     }
     match volumes.iter().find(|v| v.0 <= 0.0) {
         Some(&(_, at)) => Err(StepWriteError::Cavity { at }),
-        None => Ok(shells),
+        None => Ok(()),
     }
 }

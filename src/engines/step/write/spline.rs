@@ -12,6 +12,9 @@ pub(super) const DEGREE: usize = 3;
 /// Weight of the bending between control points against one point of a curve.
 const BENDING: f64 = 1e-7;
 
+/// Places on each straight side that a curve along it is fitted to.
+pub(super) const ON_SIDE: usize = 8;
+
 /// A cubic knot vector from 0 to 1 with both ends repeated four times, and others at most three times.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Knots(Vec<f64>);
@@ -73,7 +76,7 @@ impl Knots {
     }
 
     /// The knots of the same curve run the other way.
-    fn reversed(&self) -> Self {
+    pub(super) fn reversed(&self) -> Self {
         Self(self.0.iter().rev().map(|k| 1.0 - k).collect())
     }
 
@@ -169,6 +172,22 @@ impl Curve {
         controls.extend(right);
         controls.push(ends[1]);
         controls.iter().all(|p| p.is_finite()).then_some(Self { knots, controls })
+    }
+
+    /// The curve nearest to the straight sides between points, at the given parameters: between points as near as at
+    /// them, however uneven their distances are.
+    pub(super) fn along(knots: Knots, parameters: &[f64], points: &[DVec3]) -> Option<Self> {
+        let (mut places, mut targets) = (Vec::new(), Vec::new());
+        for (ends, sides) in parameters.windows(2).zip(points.windows(2)) {
+            for k in 0..ON_SIDE {
+                let t = k as f64 / ON_SIDE as f64;
+                places.push(ends[0] + t * (ends[1] - ends[0]));
+                targets.push(sides[0].lerp(sides[1], t));
+            }
+        }
+        places.push(*parameters.last()?);
+        targets.push(*points.last()?);
+        Self::fitted(knots, &places, &targets)
     }
 
     /// The curve run the other way.

@@ -147,7 +147,7 @@ pub(super) fn meet(surfaces: &[&Surface], mut p: DVec3) -> DVec3 {
 
 /// The least step that meets all conditions (value, gradient) in the sense of least squares. Directions about which the
 /// gradients say next to nothing are left alone.
-fn least_step(rows: impl Iterator<Item = (f64, DVec3)>) -> DVec3 {
+pub(super) fn least_step(rows: impl Iterator<Item = (f64, DVec3)>) -> DVec3 {
     let mut matrix = nalgebra::Matrix3::<f64>::zeros();
     let mut right = nalgebra::Vector3::<f64>::zeros();
     for (value, gradient) in rows {

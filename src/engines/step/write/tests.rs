@@ -11,7 +11,7 @@ use task::{Cancel, Task};
 use super::*;
 
 fn written(mesh: &Mesh, tolerance: f64) -> StepFile {
-    let part = StepPart { name: "E01", mesh, roles: &[], role_of: &[], properties: &[] };
+    let part = StepPart { name: "E01", mesh, roles: &[], role_of: &[], patches: &[], properties: &[] };
     write_step(&part, &StepSettings { tolerance, ..Default::default() }, &Task::default()).unwrap()
 }
 
@@ -152,7 +152,8 @@ fn properties_and_roles_are_in_the_file_and_the_bytes_stay_the_same() {
         property("quantity", PropertyValue::Count(2)),
     ];
     let role_of: Vec<u16> = (0..12).map(|i| u16::from(i < 2)).collect();
-    let part = StepPart { name: "E02", mesh: &mesh, roles: &roles, role_of: &role_of, properties: &properties };
+    let part =
+        StepPart { name: "E02", mesh: &mesh, roles: &roles, role_of: &role_of, patches: &[], properties: &properties };
     let write = || write_step(&part, &StepSettings::default(), &Task::default()).unwrap();
     let file = write();
     assert_eq!(file.bytes, write().bytes);
@@ -172,7 +173,7 @@ fn properties_and_roles_are_in_the_file_and_the_bytes_stay_the_same() {
 fn what_cannot_be_written_is_told() {
     let mesh = Mesh::cuboid(DVec3::ONE);
     let write = |mesh: &Mesh, tolerance: f64, task: &Task| {
-        let part = StepPart { name: "E", mesh, roles: &[], role_of: &[], properties: &[] };
+        let part = StepPart { name: "E", mesh, roles: &[], role_of: &[], patches: &[], properties: &[] };
         write_step(&part, &StepSettings { tolerance, ..Default::default() }, task).unwrap_err()
     };
     let task = Task::default();
@@ -184,4 +185,105 @@ fn what_cannot_be_written_is_told() {
     let cancel = Cancel::default();
     cancel.cancel();
     assert_eq!(write(&mesh, 0.01, &Task::silent(&cancel)), StepWriteError::Cancelled(Cancelled));
+}
+
+/// Rings of four sides with `n` intervals each, one after the other, as a closed mesh with its patches: four for each
+/// of the runs of rings that `runs` ends, and the two caps.
+fn patched(rings: &[Vec<DVec3>], n: usize, runs: &[usize]) -> (Mesh, Vec<Patch>) {
+    let around = 4 * n;
+    let mut mesh = Mesh { vertices: rings.concat(), triangles: Vec::new() };
+    let mut patches = Vec::new();
+    let mut from = 0;
+    for &to in runs {
+        for side in 0..4 {
+            let id = |k: usize, ring: usize| (ring * around + (side * n + k) % around) as u32;
+            let vertices = (0..=n).flat_map(|k| (from..=to).map(move |ring| id(k, ring))).collect();
+            patches.push(Patch { columns: to - from + 1, vertices });
+        }
+        from = to;
+    }
+    for (ring, is_first) in [(0, true), (rings.len() - 1, false)] {
+        let on = |k: usize| ring * around + k % around;
+        let mut vertices = Vec::new();
+        for i in 0..=n {
+            for j in 0..=n {
+                vertices.push(match (i, j) {
+                    (i, 0) => on(i),
+                    (i, j) if i == n => on(n + j),
+                    (i, j) if j == n => on(3 * n - i),
+                    (0, j) => on(4 * n - j),
+                    _ => {
+                        let (left, right) = (mesh.vertices[on(4 * n - j)], mesh.vertices[on(n + j)]);
+                        mesh.vertices.push(left.lerp(right, i as f64 / n as f64));
+                        mesh.vertices.len() - 1
+                    }
+                } as u32);
+            }
+        }
+        let patch = Patch { columns: n + 1, vertices };
+        patches.push(if is_first { patch.turned_over() } else { patch });
+    }
+    for patch in &patches {
+        for i in 0..patch.rows() - 1 {
+            for j in 0..patch.columns - 1 {
+                let [a, b, c, d] = [patch.at(i, j), patch.at(i + 1, j), patch.at(i + 1, j + 1), patch.at(i, j + 1)];
+                mesh.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+    }
+    (mesh, patches)
+}
+
+/// A ring of four sides that bulge by `bulge` at z, turned by `turn`.
+fn four_sided(half: f64, bulge: f64, (z, turn): (f64, f64), n: usize) -> Vec<DVec3> {
+    let corner =
+        |k: usize| DVec3::from([[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]][k % 4]);
+    let rotation = glam::DMat3::from_rotation_z(turn);
+    let point = |side: usize, k: usize| {
+        let t = k as f64 / n as f64;
+        let out = (corner(side) + corner(side + 1)) * 0.5;
+        let flat = corner(side).lerp(corner(side + 1), t) * half + out * (bulge * 4.0 * t * (1.0 - t));
+        rotation * flat + DVec3::Z * z
+    };
+    (0..4).flat_map(|side| (0..n).map(move |k| (side, k))).map(|(side, k)| point(side, k)).collect()
+}
+
+fn of_patches(mesh: &Mesh, patches: &[Patch], tolerance: f64) -> Result<StepFile, StepWriteError> {
+    let patches: Vec<StepPatch> = patches.iter().map(|grid| StepPatch { grid, role: 0 }).collect();
+    let part = StepPart { name: "E", mesh, roles: &[], role_of: &[], patches: &patches, properties: &[] };
+    write_step(&part, &StepSettings { tolerance, ..Default::default() }, &Task::default())
+}
+
+#[test]
+fn known_patches_are_faces_that_stay_inside_of_the_mesh() {
+    // A twisted bar, its end in a plane with the frame of a square head.
+    let n = 24;
+    let mut rings: Vec<Vec<DVec3>> =
+        (0..=60).map(|k| four_sided(4.0, 0.8, (0.5 * f64::from(k), 0.01 * f64::from(k)), n)).collect();
+    rings.push(four_sided(9.0, 0.0, (30.0, 0.6), n));
+    rings.push(four_sided(9.0, 0.0, (36.0, 0.6), n));
+    let (mesh, patches) = patched(&rings, n, &[60, 61, 62]);
+    let file = of_patches(&mesh, &patches, 0.002).unwrap();
+    let report = &file.report;
+    // Four walls; both ends, the frame, which is one face with a hole, and the four sides of the head.
+    assert_eq!((report.free_forms, report.planes, report.solids), (4, 7, 1), "{report:?}");
+    assert!(report.outside_mm < 0.0005 && report.inside_mm < 0.004, "{report:?}");
+    assert!((report.volume_mm3 / report.mesh_volume_mm3 - 1.0).abs() < 5e-4, "{report:?}");
+    let (model, _) = step_io::read(&file.bytes[..]).unwrap();
+    assert_closed(&model);
+    let bounds: Vec<usize> = model.all::<m::AdvancedFace>().map(|(_, face)| face.bounds.len()).collect();
+    assert_eq!((bounds.len(), bounds.iter().filter(|count| **count == 2).count()), (11, 1));
+}
+
+#[test]
+fn patches_that_do_not_share_whole_sides_or_leave_holes_are_refused() {
+    let rings: Vec<Vec<DVec3>> = [0.0, 5.0, 10.0].map(|z| four_sided(4.0, 0.5, (z, 0.0), 6)).to_vec();
+    let (mesh, mut patches) = patched(&rings, 6, &[1, 2]);
+    assert!(of_patches(&mesh, &patches, 0.005).is_ok());
+    let lid = patches.pop().unwrap();
+    let refused = |patches: &[Patch]| matches!(of_patches(&mesh, patches, 0.005), Err(StepWriteError::Divide { .. }));
+    assert!(refused(&patches));
+    let half = Patch { columns: 4, vertices: lid.vertices.chunks(7).flat_map(|row| row[..4].to_vec()).collect() };
+    patches.push(half);
+    assert!(refused(&patches));
 }

@@ -6,10 +6,11 @@ use super::boundary::Section;
 use super::make::{MOST_SHORTFALL, Which};
 use super::measure::{self, Measures};
 use super::ring::{Finisher, Layout, Reduction, Ring};
-use super::{Column, Electrode, ElectrodeError, ElectrodeFace, ElectrodeParams, EntrySide};
+use super::{Column, Electrode, ElectrodeError, ElectrodeFace, ElectrodeParams, ElectrodePatch, EntrySide};
 use crate::channel::Channel;
 use geometry::exact::ExactMesh;
 use geometry::mesh::{Bounds, Mesh};
+use geometry::patch::Patch;
 use task::Cancel;
 
 /// Rings of a shank inside the channel are at least this far apart (mm).
@@ -72,13 +73,9 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
     let shank = finisher.rings(&plan.shank_sections(), Reduction { turns, inset }, cancel)?;
     let points = |ring: &Ring| (0..ring.points.len()).map(|k| ring.point(k)).collect::<Vec<_>>();
     let mut skin = Skin::new(finisher.layout);
-    for ring in &burning {
-        skin.add(points(ring), |k| divided_face(finisher.layout.face(k), column));
-    }
-    for (i, ring) in shank.iter().enumerate() {
-        let face = if i == 0 { ElectrodeFace::EntryEnd } else { ElectrodeFace::Shank };
-        skin.add(points(ring), |_| face);
-    }
+    skin.add(burning.iter().map(points), |k| divided_face(finisher.layout.face(k), column));
+    skin.add(shank.iter().take(1).map(points), |_| ElectrodeFace::EntryEnd);
+    skin.add(shank.iter().skip(1).map(points), |_| ElectrodeFace::Shank);
     let mut assumed = Vec::new();
     if let Some(last) = shank.last() {
         let direction = side.direction();
@@ -87,13 +84,13 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
         let furthest = last.iter().map(|p| p.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
         let end = furthest.max(outermost(plan, &Bounds::of(last.iter().copied()))) + params.shank_length_mm;
         let end: Vec<DVec3> = last.iter().map(|p| p.reject_from_normalized(direction) + end * direction).collect();
-        skin.add(end.clone(), |_| ElectrodeFace::Shank);
+        skin.add([end.clone()], |_| ElectrodeFace::Shank);
         let block = block(&end, plan, finisher.layout, &mut assumed);
         let moved = block.iter().map(|p| p + direction * params.holder_mm[0]).collect();
-        skin.add(block, |_| ElectrodeFace::Holder);
-        skin.add(moved, |_| ElectrodeFace::Holder);
+        skin.add([block], |_| ElectrodeFace::Holder);
+        skin.add([moved], |_| ElectrodeFace::Holder);
     }
-    let (mesh, faces) = skin.close();
+    let Skin { mesh, faces, patches, .. } = skin.closed();
     let measures = measure::measure(&mesh, &faces, finisher.boundary.blisk, cancel)?;
     let gap = params.spark_gap_mm;
     if measures.clearance < gap - MOST_SHORTFALL {
@@ -105,7 +102,7 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
         }
         return Err(ElectrodeError::TooClose { clearance, gap, at });
     }
-    Ok(finish(plan, mesh, faces, measures, assumed))
+    Ok(finish(plan, (mesh, faces, patches), measures, assumed))
 }
 
 /// Face that a face of a burning ring becomes in a column: the wall that the column does not burn is the division.
@@ -118,7 +115,12 @@ fn divided_face(face: ElectrodeFace, column: Option<Column>) -> ElectrodeFace {
     }
 }
 
-fn finish(plan: &Plan, mesh: Mesh, faces: Vec<ElectrodeFace>, m: Measures, mut assumed: Vec<String>) -> Electrode {
+fn finish(
+    plan: &Plan,
+    (mesh, faces, patches): (Mesh, Vec<ElectrodeFace>, Vec<ElectrodePatch>),
+    m: Measures,
+    mut assumed: Vec<String>,
+) -> Electrode {
     if !plan.channel.shrouded {
         assumed.push("The blisk has no shroud: the electrode ends at the radius of the blade tips.".to_owned());
     }
@@ -135,6 +137,7 @@ fn finish(plan: &Plan, mesh: Mesh, faces: Vec<ElectrodeFace>, m: Measures, mut a
         assumed,
         mesh,
         faces,
+        patches,
     }
 }
 
@@ -200,11 +203,12 @@ struct Skin {
     layout: Layout,
     mesh: Mesh,
     faces: Vec<ElectrodeFace>,
+    patches: Vec<ElectrodePatch>,
 }
 
 impl Skin {
     fn new(layout: Layout) -> Self {
-        Self { layout, mesh: Mesh::default(), faces: Vec::new() }
+        Self { layout, mesh: Mesh::default(), faces: Vec::new(), patches: Vec::new() }
     }
 
     fn quad(&mut self, [a, b, c, d]: [u32; 4], face: ElectrodeFace) {
@@ -212,28 +216,41 @@ impl Skin {
         self.faces.extend([face; 2]);
     }
 
-    /// Joins a ring to the last one.
-    fn add(&mut self, points: Vec<DVec3>, face: impl Fn(usize) -> ElectrodeFace) {
-        let (start, n) = (self.mesh.vertices.len() as u32, self.layout.len() as u32);
-        self.mesh.vertices.extend(points);
-        if start == 0 {
+    /// Joins rings to the last one: a patch on each of the four sides.
+    fn add(&mut self, rings: impl IntoIterator<Item = Vec<DVec3>>, face: impl Fn(usize) -> ElectrodeFace) {
+        let n = self.layout.len() as u32;
+        let first = (self.mesh.vertices.len() as u32).saturating_sub(n);
+        for ring in rings {
+            let start = self.mesh.vertices.len() as u32;
+            self.mesh.vertices.extend(ring);
+            for k in (0..n).filter(|_| start > 0) {
+                let (a, b) = (start - n + k, start - n + (k + 1) % n);
+                self.quad([a, b, b + n, a + n], face(k as usize));
+            }
+        }
+        let starts: Vec<u32> = (first..self.mesh.vertices.len() as u32).step_by(n as usize).collect();
+        if starts.len() < 2 {
             return;
         }
-        for k in 0..n {
-            let (a, b) = (start - n + k, start - n + (k + 1) % n);
-            self.quad([a, b, b + n, a + n], face(k as usize));
+        for corners in self.layout.corners().windows(2) {
+            let along = |start: &u32| (corners[0]..=corners[1]).map(|k| start + k as u32 % n).collect::<Vec<_>>();
+            // The columns run along the rings and the rows from ring to ring, against the order in quads.
+            let grid =
+                Patch { columns: corners[1] - corners[0] + 1, vertices: starts.iter().flat_map(along).collect() };
+            self.patches.push(ElectrodePatch { face: face(corners[0]), grid: grid.turned_over() });
         }
     }
 
-    /// Caps both ends and turns the triangles outwards.
-    fn close(mut self) -> (Mesh, Vec<ElectrodeFace>) {
+    /// The tube with both ends capped and its triangles turned outwards.
+    fn closed(mut self) -> Self {
         let last = self.mesh.vertices.len() - self.layout.len();
         self.cap(0, true, ElectrodeFace::FarEnd);
         self.cap(last, false, ElectrodeFace::Holder);
         if self.mesh.volume() < 0.0 {
             self.mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+            self.patches.iter_mut().for_each(|patch| patch.grid = patch.grid.turned_over());
         }
-        (self.mesh, self.faces)
+        self
     }
 
     /// Fills the plane ring that starts at vertex `start` with a grid blended from its four sides (Coons).
@@ -266,6 +283,8 @@ impl Skin {
                 self.quad(if is_first { [a, d, c, b] } else { [a, b, c, d] }, face);
             }
         }
+        let grid = Patch { columns: columns + 1, vertices: grid.concat() };
+        self.patches.push(ElectrodePatch { face, grid: if is_first { grid } else { grid.turned_over() } });
     }
 }
 

@@ -33,6 +33,7 @@ pub use params::{ElectrodeParams, EnterSide, OwnMesh, PartParams, Sizing};
 use crate::channel::{Channel, Flow, OPENS, ways_out};
 use geometry::exact::ExactMeshError;
 use geometry::mesh::{Mesh, normal_times_two_areas};
+use geometry::patch::Patch;
 use task::Cancelled;
 
 /// Purpose of a face of an electrode.
@@ -192,6 +193,15 @@ fn near(clearance: f64) -> String {
     }
 }
 
+/// A four-sided part of the surface of an electrode.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElectrodePatch {
+    /// The face it belongs to.
+    pub face: ElectrodeFace,
+    /// Its vertices.
+    pub grid: Patch,
+}
+
 /// An electrode in its final pose, in the workpiece frame W.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Electrode {
@@ -199,6 +209,8 @@ pub struct Electrode {
     pub mesh: Mesh,
     /// Face that each triangle belongs to.
     pub faces: Vec<ElectrodeFace>,
+    /// The smooth parts of the surface, which share whole sides; empty for an own mesh.
+    pub patches: Vec<ElectrodePatch>,
     /// The side it enters from and is withdrawn to.
     pub enters_from: EntrySide,
     /// Reference point O in W: in an axial passage the middle of the burning part along X, y = 0, its mean radius as z;

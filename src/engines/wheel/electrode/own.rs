@@ -58,6 +58,7 @@ pub fn from_user_mesh(
         clearance_mm,
         assumed,
         faces,
+        patches: Vec::new(),
         mesh,
     })
 }

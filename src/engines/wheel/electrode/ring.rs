@@ -66,6 +66,11 @@ impl Layout {
         2 * (self.rows + self.columns)
     }
 
+    /// Where the four sides begin, and where the last one ends: hub side, high wall, shroud side, low wall.
+    pub(super) fn corners(self) -> [usize; 5] {
+        [0, self.columns, self.columns + self.rows, 2 * self.columns + self.rows, self.len()]
+    }
+
     /// Where the point in column `j` of the hub side stands.
     pub(super) fn hub(self, j: usize) -> usize {
         j

@@ -76,6 +76,7 @@ fn parts(bodies: Vec<Body>, turned: f64) -> Parts {
         burn_area_mm2: 1.0,
         clearance_mm: 9.0,
         assumed: Vec::new(),
+        patches: Vec::new(),
     };
     let row = |s: f64, c: f64| PathRow { node: 0, s, pose: Pose { x: s, c, ..Pose::FINAL } };
     let rows = vec![row(30.0, turned), row(0.0, 0.0)];
