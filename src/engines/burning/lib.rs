@@ -1,0 +1,28 @@
+//! Technology of die-sinking EDM: with which steps an electrode burns, how long that takes, how much the electrode
+//! wears, and when each channel of a wheel is finished.
+//!
+//! `TechnologyFile -> Technology -> chosen steps -> BurnTime -> Wear -> Schedule`
+//!
+//! - [`technology`] is the table of a machine, generator or supplier: steps with current, pulse, gap, rate and wear.
+//! - [`rules`] has the default formulas, from which the built-in table ([`defaults::standard`]) was made.
+//! - [`choice`] takes the steps of a table that suit an electrode and shares the volume among them.
+//! - [`duration`] gives minutes, with what they rest on and what is missing.
+//! - [`wear`] gives the wear of electrodes, how many are needed, and which channels each of them burns.
+//! - [`schedule`] puts the burns of all channels of a wheel in order.
+//!
+//! A figure that a table does not have stays missing: results name it instead of taking it as zero. Lengths are in mm,
+//! areas in mm², volumes in mm³, times in minutes, pulses in µs, currents in A.
+
+pub mod choice;
+pub mod defaults;
+pub mod duration;
+mod error;
+pub mod rules;
+// pub mod schedule;
+pub mod technology;
+pub mod wear;
+
+pub use error::BurningError;
+
+/// The most rows of a schedule or of a list of burns.
+pub const MOST_ROWS: usize = 100_000;
