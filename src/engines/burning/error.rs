@@ -38,7 +38,8 @@ pub enum BurningError {
     },
     /// No step is as fine as wanted.
     #[error(
-        "technology {technology}: no step is as fine as VDI {wanted_vdi:.1}; the finest known is VDI {finest_vdi:.1}: take another technology or a rougher finish"
+        "technology {technology}: no step is as fine as VDI {wanted_vdi:.1}; the finest is VDI {finest_vdi:.1}: \
+         take another technology or a rougher finish"
     )]
     FinishNotReached {
         /// Id of the technology.
@@ -50,7 +51,8 @@ pub enum BurningError {
     },
     /// The current density of the last step is greater than the step allows on this area.
     #[error(
-        "technology {technology}: step {step} has {density_a_cm2:.2} A/cm² on this area, {limit_a_cm2:.2} are allowed: take a step of lower current or more frontal area"
+        "technology {technology}: step {step} has {density_a_cm2:.2} A/cm² on this area, {limit_a_cm2:.2} are \
+         allowed: take a step of lower current or more frontal area"
     )]
     CurrentDensity {
         /// Id of the technology.
@@ -64,7 +66,8 @@ pub enum BurningError {
     },
     /// The side gap of the last step is greater than the electrode's undersize.
     #[error(
-        "technology {technology}: step {step} has a side gap of {gap_mm} mm, the electrode is undersized by {undersize_mm} mm: take a finer step or a smaller electrode"
+        "technology {technology}: step {step} has a side gap of {gap_mm} mm, the electrode is undersized by \
+         {undersize_mm} mm: take a finer step or a smaller electrode"
     )]
     GapBeyondUndersize {
         /// Id of the technology.

@@ -18,7 +18,7 @@ pub mod defaults;
 pub mod duration;
 mod error;
 pub mod rules;
-// pub mod schedule;
+pub mod schedule;
 pub mod technology;
 pub mod wear;
 

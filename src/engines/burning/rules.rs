@@ -3,7 +3,7 @@
 //! | rule | valid for | basis |
 //! | --- | --- | --- |
 //! | [`side_gap_mm`] | steel, through-flushing, the steps of [`STEPS`] | fitted, standard deviation 8 to 9 % |
-//! | [`undersize_mm`], [`roughing_current_a`] | steel, frontal area 10 to 10,000 mm² | fitted, standard deviation 8 to 9 % |
+//! | [`undersize_mm`], [`roughing_current_a`] | steel, 10 to 10,000 mm² | fitted, the same deviation |
 //! | [`removal_ceiling_mm3_min`] | any metal whose melting point is known | textbook |
 //! | [`removal_rate_mm3_min`] | the same | assumed share of the ceiling |
 //! | [`stock_for_next_mm`] | steps with known side gaps | assumed |
