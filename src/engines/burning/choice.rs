@@ -35,7 +35,7 @@ pub struct Burn {
 
 /// Where burning ends.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(rename_all = "snake_case")]
 pub enum Until {
     /// At this finish (VDI 3400).
     Vdi(f64),
@@ -58,7 +58,7 @@ impl Validate for Burn {
         }
         match &self.until {
             Until::Vdi(vdi) => Invalid::unless_within("until.vdi", *vdi, rules::VDI_RANGE, "VDI"),
-            Until::RaUm(ra) => Invalid::unless_within("until.ra-um", *ra, rules::RA_RANGE_UM, "µm"),
+            Until::RaUm(ra) => Invalid::unless_within("until.ra_um", *ra, rules::RA_RANGE_UM, "µm"),
             Until::Step(_) => Ok(()),
         }
     }
@@ -489,6 +489,15 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn a_burn_is_read_and_written() {
+        let text = "volume_mm3 = 10.0\nfrontal_area_mm2 = 5.0\n\n[until]\nra_um = 1.6\n";
+        let read: Burn = toml::from_str(text).unwrap();
+        assert_eq!(read, burn(10.0, 5.0, Until::RaUm(1.6)));
+        assert_eq!(toml::to_string(&read).unwrap(), text, "what is not given is not written");
+        assert!(toml::from_str::<Burn>(&text.replace("ra_um", "shine")).is_err());
+    }
+
+    #[test]
     fn without_any_finish_there_is_no_choice() {
         let mut technology = complete();
         technology.step.iter_mut().for_each(|step| step.vdi = None);
@@ -509,6 +518,10 @@ pub(crate) mod tests {
         assert_eq!(said.len(), 2);
         assert!(said[0].contains("2000.00 mm²; the technology is valid from 10 to 1000 mm²"), "{said:?}");
         assert!(said[1].contains("depth to width 6.00; the technology is valid up to 5"), "{said:?}");
+        // Without a range nothing is outside, and without a depth nothing is too deep.
+        let open = Technology { area_range_mm2: None, greatest_depth_to_width: None, ..complete() };
+        assert!(choose(&open, &deep).unwrap().outside.is_empty());
+        assert_eq!(choose(&technology, &Burn { depth_to_width: None, ..deep }).unwrap().outside.len(), 1);
         let shallow = Burn { depth_to_width: Some(5.0), ..burn(1000.0, 1000.0, Until::Vdi(20.0)) };
         assert!(choose(&technology, &shallow).unwrap().outside.is_empty());
         for wrong in [f64::NAN, -1.0, f64::INFINITY] {

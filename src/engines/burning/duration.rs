@@ -240,6 +240,12 @@ pub fn time_of_steps(
     })
 }
 
+/// Time of several burns, one after the other, with their set-up and changing (minutes): those of a channel, or of a
+/// mold. None if one of them is not known.
+pub fn sum_of<'a>(times: impl IntoIterator<Item = &'a BurnTime>) -> Option<Spread> {
+    times.into_iter().try_fold(Spread::certain(0.0), |sum, time| Some(sum.plus(time.total?)))
+}
+
 /// Factor by which jumps lengthen burning: 1 + (2 height / speed) / interval. None unless all three are given.
 pub fn jump_factor(step: &Step) -> Option<f64> {
     const SECONDS: f64 = 60.0;
@@ -256,6 +262,9 @@ mod tests {
     use super::*;
     use crate::choice::Until;
     use crate::choice::tests::{burn, complete};
+
+    /// A change of a step.
+    type Change = fn(&mut Step);
 
     fn finished(pairs: &[[f64; 2]]) -> Vec<Calibration> {
         let burn = |[estimated_min, measured_min]: &[f64; 2]| Calibration {
@@ -320,14 +329,14 @@ mod tests {
 
     #[test]
     fn a_missing_figure_is_named_and_never_zero() {
-        let without = |change: fn(&mut Step)| {
+        let without = |change: Change| {
             let mut technology = complete();
             change(&mut technology.step[0]);
             time(&technology, 1000.0, 100.0)
         };
         let text = |list: &[Missing]| list.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
         let whole = time(&complete(), 1000.0, 100.0).estimated_min.unwrap();
-        let blocked: [(fn(&mut Step), &str); 2] = [
+        let blocked: [(Change, &str); 2] = [
             (|s| s.rate_mm3_min = None, "rate of step R is not given"),
             (|s| s.stock_next_mm = None, "stock left for the next step of step R is not given"),
         ];
@@ -338,7 +347,7 @@ mod tests {
             assert_eq!(time.steps[2].minutes, Some(5.0 / 2.0 * 1.05), "what is known of the others stays");
         }
         let rough = 985.0 / 40.0;
-        let unaware: [(fn(&mut Step), &str, f64); 6] = [
+        let unaware: [(Change, &str, f64); 6] = [
             (|s| s.jump_mm = None, "jump of step R is not given", whole - 0.05 * rough),
             (|s| s.jump_every_s = None, "jump of step R is not given", whole - 0.05 * rough),
             (|s| s.jump_speed = None, "jump of step R is not given", whole - 0.05 * rough),
@@ -352,7 +361,7 @@ mod tests {
             assert!((time.estimated_min.unwrap() - minutes).abs() < 1e-9, "{said}");
         }
         // Figures that times do not rest on change nothing.
-        let unused: [fn(&mut Step); 11] = [
+        let unused: [Change; 11] = [
             |s| s.vendor_code = None,
             |s| s.on_us = None,
             |s| s.off_us = None,
@@ -372,6 +381,18 @@ mod tests {
         nameless.step.iter_mut().for_each(|step| step.vdi = None);
         let time = time(&nameless, 1000.0, 100.0);
         assert_eq!((time.estimated_min, time.missing.len()), (None, 3), "no step is not no time");
+    }
+
+    #[test]
+    fn a_sum_is_known_where_all_its_burns_are() {
+        let known = time(&complete(), 1000.0, 100.0);
+        let mut technology = complete();
+        technology.step[2].rate_mm3_min = None;
+        let unknown = time(&technology, 1000.0, 100.0);
+        let twice = sum_of([&known, &known]).unwrap();
+        assert!((twice.mean - 2.0 * known.total.unwrap().mean).abs() < 1e-12);
+        assert_eq!(sum_of([&known, &unknown]), None, "a missing time is not zero");
+        assert_eq!(sum_of([]), Some(Spread::certain(0.0)));
     }
 
     #[test]

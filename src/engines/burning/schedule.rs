@@ -304,7 +304,8 @@ mod tests {
     use super::*;
     use crate::choice::Until;
     use crate::choice::tests::{burn, complete};
-    use crate::duration::{Overhead, burn_time};
+    use crate::duration::{Calibrated, Overhead, burn_time};
+    use crate::technology::Calibration;
 
     fn electrode(mean: f64, wear_share: Option<f64>) -> ScheduledElectrode {
         ScheduledElectrode { name: format!("E{mean}"), burning: Spread::exactly(mean), wear_share }
@@ -364,6 +365,34 @@ mod tests {
             let burns = schedule.rows.iter().filter(|row| row.activity == Activity::Burn).count();
             assert_eq!((burns, schedule.channels.len()), (240, 60));
             assert!(schedule.electrodes.iter().all(|electrode| electrode.copies.is_none()), "wear is not considered");
+        }
+    }
+
+    /// Five finished burns scale the time of one electrode: the spread reaches the channels and the wheel.
+    #[test]
+    fn finished_burns_give_least_and_greatest_hours() {
+        let technology = complete();
+        let asked = burn(1000.0, 100.0, Until::Vdi(20.0));
+        let plain = burn_time(&technology, &asked, None, Overhead::default()).unwrap().estimated_min.unwrap();
+        let finished = |i: i32| Calibration {
+            technology: "complete".to_owned(),
+            estimated_min: 100.0,
+            measured_min: 100.0 * 1.01f64.powi(i),
+            date: None,
+            source: None,
+        };
+        let burns: Vec<_> = (-1..=3).map(finished).collect();
+        let calibration = Calibrated::from_burns(&burns).unwrap();
+        let time = burn_time(&technology, &asked, calibration.as_ref(), Overhead::default()).unwrap();
+        let electrode = ScheduledElectrode::from_time("E1", &time, None).unwrap();
+        let wheel = wheel(60, vec![electrode.clone(), electrode], Order::ByElectrode);
+        let answer = schedule(&wheel).unwrap();
+        check(&wheel, &answer);
+        let total = answer.total();
+        let other = 30.0 + 119.0 * 0.5 + 4.0;
+        for (minutes, power) in [(total.least.unwrap(), -1), (total.mean, 1), (total.greatest.unwrap(), 3)] {
+            let expected = other + 120.0 * plain * 1.01f64.powi(power);
+            assert!((minutes - expected).abs() < 1e-6, "{minutes} is not {expected}");
         }
     }
 
