@@ -24,21 +24,15 @@ pub type WrittenStep = Result<StepFile, String>;
 pub fn written_step(part: &StepPart, to_spare: f64, task: &Task) -> Result<WrittenStep, Cancelled> {
     let of_found = [(0.5 * to_spare).clamp(TOLERANCES[0], TOLERANCES[1])];
     let tolerances: &[f64] = if part.patches.is_empty() { &of_found } else { &INSIDE };
-    let written =
-        |tolerance: &f64| write_step(part, &StepSettings { tolerance: *tolerance, ..Default::default() }, task);
-    let is_done = |made: &Result<StepFile, StepWriteError>| match made {
-        Ok(file) => beyond(&file.report) <= to_spare,
-        Err(error) => matches!(error, StepWriteError::Cancelled(_)),
-    };
-    let mut made = written(&tolerances[0]);
-    for tolerance in &tolerances[1..] {
-        if is_done(&made) {
+    let mut tried =
+        tolerances.iter().map(|&tolerance| write_step(part, &StepSettings { tolerance, ..Default::default() }, task));
+    let Some(mut made) = tried.next() else { return Ok(Err("there is no tolerance to try".to_owned())) };
+    while let Err(error) = &made {
+        if matches!(error, StepWriteError::Cancelled(_) | StepWriteError::Deviation { .. }) {
             break;
         }
-        let next = written(tolerance);
-        if is_done(&next) {
-            made = next;
-        }
+        let Some(next) = tried.next() else { break };
+        made = next;
     }
     Ok(match made {
         Ok(file) if beyond(&file.report) > to_spare => Err(format!(
@@ -57,8 +51,8 @@ pub fn written_step(part: &StepPart, to_spare: f64, task: &Task) -> Result<Writt
         Ok(file) => Ok(file),
         Err(StepWriteError::Cancelled(cancelled)) => return Err(cancelled),
         Err(StepWriteError::Deviation { at, distance, most }) if !part.patches.is_empty() => Err(format!(
-            "its faces would lie {distance:.3} mm off the mesh that was checked at ({:.2}, {:.2}, {:.2}) mm, where the \
-             triangles are twisted, as they are beside fillets, and {most:.3} mm are allowed; take the mesh",
+            "its faces would lie {distance:.3} mm off the mesh that was checked at ({:.2}, {:.2}, {:.2}) mm, and {most:.3} mm \
+             are allowed, as where triangles are twisted beside a fillet; take the mesh",
             at.x, at.y, at.z
         )),
         Err(error) => Err(error.to_string()),

@@ -23,7 +23,7 @@ use nc::program::{NcJob, NcProgram, is_program_for};
 use nc::step_files::{WrittenStep, length, step_words, text, written_step};
 use step::write::{Role, StepPart, StepPatch};
 use task::{Cancel, Cancelled, Task};
-use wheel::channel::Channel;
+use wheel::channel::{Channel, Surface};
 use wheel::electrode::ElectrodeFace;
 
 /// What the manifest of a folder calls an export of a plan.
@@ -217,18 +217,21 @@ fn bodies_now(outcome: &PlanOutcome, job: &PlanJob, cancel: &Cancel) -> Result<O
     })
 }
 
-/// Names and colours of the faces of an electrode: what burns is coppery, the rest grey.
-const FACES: [(ElectrodeFace, &str, [f64; 3]); 9] = [
-    (ElectrodeFace::LowWall, "low wall", [0.80, 0.45, 0.25]),
-    (ElectrodeFace::HighWall, "high wall", [0.72, 0.38, 0.20]),
-    (ElectrodeFace::HubSide, "hub side", [0.88, 0.60, 0.38]),
-    (ElectrodeFace::ShroudSide, "shroud side", [0.88, 0.66, 0.48]),
-    (ElectrodeFace::Division, "division", [0.85, 0.72, 0.55]),
-    (ElectrodeFace::FarEnd, "far end", [0.75, 0.55, 0.40]),
-    (ElectrodeFace::EntryEnd, "shoulder", [0.62, 0.62, 0.62]),
-    (ElectrodeFace::Shank, "shank", [0.70, 0.70, 0.70]),
-    (ElectrodeFace::Holder, "base", [0.55, 0.57, 0.60]),
-];
+/// Name and colour of a face: what burns is coppery, the rest grey.
+fn role(face: ElectrodeFace, channel: &Channel) -> Role {
+    let (name, colour) = match face {
+        ElectrodeFace::LowWall => (channel.surface_name(Surface::LowWall), [0.80, 0.45, 0.25]),
+        ElectrodeFace::HighWall => (channel.surface_name(Surface::HighWall), [0.72, 0.38, 0.20]),
+        ElectrodeFace::HubSide => ("hub side", [0.88, 0.60, 0.38]),
+        ElectrodeFace::ShroudSide => ("shroud side", [0.88, 0.66, 0.48]),
+        ElectrodeFace::Division => ("division", [0.85, 0.72, 0.55]),
+        ElectrodeFace::FarEnd => ("far end", [0.75, 0.55, 0.40]),
+        ElectrodeFace::EntryEnd => ("shoulder", [0.62, 0.62, 0.62]),
+        ElectrodeFace::Shank => ("shank", [0.70, 0.70, 0.70]),
+        ElectrodeFace::Holder => ("base", [0.55, 0.57, 0.60]),
+    };
+    Role { name: name.to_owned(), colour: Some(colour) }
+}
 
 /// Electrode number `k` as STEP, or the reason why there is none. Its faces keep the clearance that is required, on the feed
 /// and on the copying motion.
@@ -250,13 +253,13 @@ fn step_file(k: usize, whole: &PlanOutcome, context: &Context, cancel: &Cancel) 
         text("enters from", outcome.electrode.enters_from.name()),
     ];
     let name = format!("electrode {k}");
-    let roles = FACES.map(|(_, name, colour)| Role { name: name.to_owned(), colour: Some(colour) });
-    let role = |face| FACES.iter().position(|(of, ..)| *of == face).unwrap_or(0) as u16;
-    let role_of: Vec<u16> = outcome.electrode.faces.iter().map(|face| role(*face)).collect();
+    let of_electrode = &outcome.electrode.patches;
+    let roles: Vec<Role> = of_electrode.iter().map(|patch| role(patch.face, context.channel)).collect();
+    // Patches of one name have one role, so that flat ones can be one face.
+    let number = |k: usize| roles.iter().position(|r| r.name == roles[k].name).unwrap_or(k) as u16;
     let patches: Vec<StepPatch> =
-        outcome.electrode.patches.iter().map(|patch| StepPatch { grid: &patch.grid, role: role(patch.face) }).collect();
-    let part =
-        StepPart { name: &name, mesh, roles: &roles, role_of: &role_of, patches: &patches, properties: &properties };
+        of_electrode.iter().enumerate().map(|(k, patch)| StepPatch { grid: &patch.grid, role: number(k) }).collect();
+    let part = StepPart { name: &name, mesh, roles: &roles, role_of: &[], patches: &patches, properties: &properties };
     written_step(&part, to_spare, &Task::silent(cancel))
 }
 

@@ -8,9 +8,10 @@ use rayon::prelude::*;
 use task::Task;
 
 use super::StepWriteError;
+use crate::error::StepError;
 use crate::read;
 
-/// What a file may be off.
+/// Distances by which a file may be off.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     /// Greatest distance that the triangles of the file that is read may leave its faces by (mm).
@@ -51,7 +52,10 @@ pub(super) fn check(
 ) -> Result<Measures, StepWriteError> {
     let options = read::Options { chord, ..read::Options::default() };
     let bad = |problem: String| StepWriteError::Reread { problem, at: None };
-    let file = read::read(bytes, &options, task).map_err(|error| bad(error.to_string()))?;
+    let file = read::read(bytes, &options, task).map_err(|error| match error {
+        StepError::Cancelled(cancelled) => StepWriteError::Cancelled(cancelled),
+        other => bad(other.to_string()),
+    })?;
     if file.solids.len() != solids {
         return Err(bad(format!("{} solids instead of {solids}", file.solids.len())));
     }
@@ -63,6 +67,9 @@ pub(super) fn check(
         }
         if !solid.is_closed() {
             return Err(bad("a solid is not closed".to_owned()));
+        }
+        if solid.mesh.volume() <= 0.0 {
+            return Err(bad("a solid is inside out".to_owned()));
         }
     }
     let is_flat = file.solids.iter().flat_map(|s| &s.faces).all(|f| matches!(f.kind, FaceKind::Plane { .. }));
@@ -96,6 +103,9 @@ fn compare(mesh: &Mesh, file: &Mesh, task: &Task) -> Result<Measures, StepWriteE
         // Where a point of the mesh lies within the file, the file reaches as far beyond the mesh.
         let side = usize::from(distance > 0.0);
         found.file_to_mesh[side] = found.file_to_mesh[side].max(distance.abs());
+        if distance < 0.0 {
+            found.beyond.push((-distance, p));
+        }
         if distance.abs() > worst {
             (worst, found.at) = (distance.abs(), p);
         }

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use geometry::circle::Circle;
 use glam::DVec3;
 use rayon::prelude::*;
+use task::{Cancelled, Task};
 
 use super::spline::{Curve, Knots, ON_SIDE};
 use super::surface::{Axes, Surface, meet};
@@ -234,9 +235,15 @@ pub(super) fn is_straight(line: &[DVec3], tolerance: f64) -> bool {
 
 /// Knots so dense that a curve along the sides of each of `lines`, whose points are at the same parameters, stays within
 /// a share of the tolerance, as far as spans of a part of a side allow.
-pub(super) fn fitted_within(lines: &[Vec<DVec3>], parameters: &[f64], tolerance: f64) -> Knots {
+pub(super) fn fitted_within(
+    lines: &[Vec<DVec3>],
+    parameters: &[f64],
+    tolerance: f64,
+    task: &Task,
+) -> Result<Knots, Cancelled> {
     let mut knots = Knots::unit();
     for _ in 0..MOST_HALVINGS {
+        task.check()?;
         let breaks = knots.breaks();
         let span_of = |u: f64| breaks.partition_point(|b| *b <= u).clamp(1, breaks.len() - 1) - 1;
         let failing = |line: &Vec<DVec3>| {
@@ -267,7 +274,7 @@ pub(super) fn fitted_within(lines: &[Vec<DVec3>], parameters: &[f64], tolerance:
         }
         knots = next;
     }
-    knots
+    Ok(knots)
 }
 
 fn from_side(p: DVec3, a: DVec3, b: DVec3) -> f64 {

@@ -24,7 +24,9 @@ pub(super) fn file(
     header.file_name = format!("{}.step", part.name);
     header.time_stamp = settings.time_stamp.clone();
     header.originating_system = settings.originating_system.clone();
-    header.descriptions = vec![format!("Solid from a triangle mesh; free forms fitted to {} mm", settings.tolerance)];
+    let drawn_in = if part.patches.is_empty() { "" } else { ", drawn in where they would reach beyond it" };
+    let tolerance = settings.tolerance;
+    header.descriptions = vec![format!("Solid from a triangle mesh; free forms fitted to {tolerance} mm{drawn_in}")];
     let product = builder.part(part.name);
     let faces = faces(&mut builder, part, brep)?;
     for (k, shell) in shells.iter().enumerate() {

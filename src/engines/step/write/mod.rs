@@ -82,9 +82,9 @@ pub struct Property {
 /// A face that is known.
 #[derive(Debug, Clone, Copy)]
 pub struct StepPatch<'a> {
-    /// Its vertices.
+    /// Vertices of the part's mesh.
     pub grid: &'a Patch,
-    /// Its purpose, by its place in the roles of the part.
+    /// Number of its purpose in the roles of the part.
     pub role: u16,
 }
 
@@ -109,7 +109,9 @@ pub struct StepPart<'a> {
 /// Settings of the writer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepSettings {
-    /// Distance between mesh and free forms that is aimed at (mm). A file that is off by more than twice this is refused.
+    /// Distance between mesh and free forms that is aimed at (mm). A file whose faces were found is refused where it is off
+    /// by more than twice this, one whose faces were known where it is 0.03 mm inside of the mesh, or outside by more than
+    /// half of this.
     pub tolerance: f64,
     /// Time stamp of the header (ISO 8601); the file's bytes depend on nothing else that changes.
     pub time_stamp: String,
@@ -214,6 +216,12 @@ pub enum StepWriteError {
         /// The tolerance (mm).
         tolerance: f64,
     },
+    /// Known faces that do not fit together.
+    #[error("the faces that are given do not fit together at ({:.3}, {:.3}, {:.3}) mm: neighbours have to share whole sides, and every triangle has to be in one of them", at.x, at.y, at.z)]
+    Patches {
+        /// A place on a side that has no neighbour (mm).
+        at: DVec3,
+    },
     /// A free form that cannot be divided into faces.
     #[error("the surface at ({:.3}, {:.3}, {:.3}) mm cannot be divided into faces; make the mesh finer there, or repair it", at.x, at.y, at.z)]
     Divide {
@@ -287,6 +295,8 @@ const MOST_DEVIATION: f64 = 2.0;
 /// Distance by which a file whose faces are known may lie inside of the mesh where that is twisted between its vertices
 /// (mm): the accuracy of P1.
 const MOST_INSIDE: f64 = 0.03;
+/// Share of the tolerance by which such a file may reach beyond the mesh.
+const MOST_OUTSIDE: f64 = 0.5;
 /// Times that known faces are drawn in where they reach beyond the mesh.
 const DRAWN_IN: u32 = 5;
 
@@ -331,24 +341,33 @@ pub fn write_step(part: &StepPart, settings: &StepSettings, task: &Task) -> Resu
 /// Writes a part whose faces are known, which stay inside of the mesh.
 fn of_patches(part: &StepPart, settings: &StepSettings, task: &Task) -> Result<StepFile, StepWriteError> {
     let tolerance = settings.tolerance;
-    if part.mesh.volume() <= 0.0 {
-        return Err(StepWriteError::Cavity { at: part.mesh.vertices[0] });
-    }
     let mut sheet = patches::Sheet::of(part)?;
     let limits = Limits { chord: FINE_CHORD * tolerance, deviation: MOST_INSIDE };
-    let mut round = 0;
-    loop {
+    let mut best: Option<(f64, DVec3, StepFile)> = None;
+    for round in 0..=DRAWN_IN {
         task.report("faces", f64::from(round) / f64::from(DRAWN_IN), "");
         let brep = sheet.brep(tolerance, task)?;
         let shells = shells(&brep);
         let bytes = file::file(part, settings, &brep, &shells)?;
-        let measures = check::check(&bytes, part.mesh, shells.len(), limits, task)?;
-        let is_inside = measures.file_to_mesh[0] <= FINE_CHORD * tolerance;
-        if is_inside || round == DRAWN_IN {
-            return Ok(StepFile { bytes, report: report(&brep, part, shells.len(), &measures) });
+        let measures = match check::check(&bytes, part.mesh, shells.len(), limits, task) {
+            Ok(measures) => measures,
+            // An earlier one may do.
+            Err(error) if best.is_none() || matches!(error, StepWriteError::Cancelled(_)) => return Err(error),
+            Err(_) => break,
+        };
+        let outside = measures.file_to_mesh[0];
+        if best.as_ref().is_none_or(|(least, ..)| outside < *least) {
+            let report = report(&brep, part, shells.len(), &measures);
+            best = Some((outside, measures.at, StepFile { bytes, report }));
         }
-        sheet.draw_in(&measures.beyond)?;
-        round += 1;
+        if outside <= FINE_CHORD * tolerance || !sheet.draw_in(&measures.beyond, task)? {
+            break;
+        }
+    }
+    match best {
+        Some((outside, _, file)) if outside <= MOST_OUTSIDE * tolerance => Ok(file),
+        Some((distance, at, _)) => Err(StepWriteError::Deviation { at, distance, most: MOST_OUTSIDE * tolerance }),
+        None => Err(StepWriteError::Unusable),
     }
 }
 

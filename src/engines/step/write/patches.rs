@@ -23,7 +23,7 @@ use super::brep::{Brep, Edge, Face, FaceSurface, enclosed};
 use super::curve::{EdgeCurve, Form, fitted_within, is_straight};
 use super::spline::{Curve, Knots, SplineSurface};
 use super::surface::{Axes, Surface, least_step, meet};
-use super::{StepPart, StepWriteError};
+use super::{StepPart, StepPatch, StepWriteError};
 
 /// Distance of the vertices of a flat patch from its plane at most (mm): coordinates may have single precision.
 const FLAT: f64 = 1e-4;
@@ -32,6 +32,8 @@ const LEAST_INTERVAL: f64 = 1e-3;
 /// Mean turn (rad) of the lines of a free form at a vertex from which on it has a crease there.
 const CREASE: f64 = 0.5;
 
+/// Places between two looks at the flag that cancels.
+const BLOCK: usize = 4096;
 /// Sine of the angle between a free form and the planes beside it from which on it is drawn in along them.
 const LEAST_SLOPE: f64 = 0.2;
 /// How much farther than it reaches beyond the mesh a free form is drawn in: neighbours that are not hold it back.
@@ -58,7 +60,7 @@ struct Chain {
 struct Cell {
     grid: Patch,
     role: u16,
-    /// Its plane, if it is flat.
+    /// Plane of a flat patch.
     plane: Option<Surface>,
     uses: [Use; 4],
 }
@@ -68,17 +70,20 @@ struct Cell {
 pub(super) struct Sheet {
     /// Vertices (mm).
     points: Vec<DVec3>,
-    /// The same where the mesh has them, and by how much each is drawn in (mm).
+    /// Places of the vertices in the mesh (mm).
     of_mesh: Vec<DVec3>,
+    /// By how much each vertex is drawn in (mm).
     drawn_in: Vec<f64>,
     cells: Vec<Cell>,
+    /// Cells of every face: one, or flat ones side by side.
+    faces: Vec<Vec<usize>>,
     chains: Vec<Chain>,
     /// The strip of each chain, and whether it runs along it.
     strip_of: Vec<(usize, bool)>,
     strips: usize,
 }
 
-/// What a strip's lines have in common.
+/// Parameters and knots that all lines of a strip have in common.
 #[derive(Debug)]
 struct Lay {
     /// Parameters of the vertices, from 0 to 1.
@@ -101,29 +106,32 @@ impl Lay {
 impl Sheet {
     /// The boundary of the part.
     pub(super) fn brep(&self, tolerance: f64, task: &Task) -> Result<Brep, StepWriteError> {
-        let lays: Vec<Lay> = (0..self.strips).into_par_iter().map(|strip| self.lay(strip, tolerance)).collect();
-        task.check()?;
+        let lays: Result<Vec<Lay>, _> =
+            (0..self.strips).into_par_iter().map(|strip| self.lay(strip, tolerance, task)).collect();
+        let lays = lays?;
         let curves: Result<Vec<EdgeCurve>, _> =
             (0..self.chains.len()).into_par_iter().map(|k| self.curve(k, &lays, tolerance)).collect();
         let surfaces: Result<Vec<FaceSurface>, _> =
-            (0..self.cells.len()).into_par_iter().map(|k| self.surface(k, &lays)).collect();
-        Ok(self.assembled(curves?, surfaces?))
+            (0..self.cells.len()).into_par_iter().map(|k| self.surface(k, &lays, task)).collect();
+        self.assembled(curves?, surfaces?)
     }
 
     /// The patches of a part over welded vertices, cut along creases.
     pub(super) fn of(part: &StepPart) -> Result<Self, StepWriteError> {
         let mut weld = Weld::with_capacity(part.mesh.vertices.len());
         let number: Vec<u32> = part.mesh.vertices.iter().map(|&p| weld.add(p)).collect();
-        let patches = part.patches.iter().map(|patch| {
-            let vertices = patch.grid.vertices.iter().map(|&v| number[v as usize]).collect();
-            (Patch { columns: patch.grid.columns, vertices }, patch.role)
-        });
+        let welded = |patch: &StepPatch| {
+            let grid = patch.grid.renumbered(|v| number.get(v as usize).copied());
+            Ok((grid.ok_or(StepWriteError::Unusable)?, patch.role))
+        };
+        let patches: Vec<(Patch, u16)> = part.patches.iter().map(welded).collect::<Result<_, StepWriteError>>()?;
         let whole = Self::with(weld.into_points(), patches)?;
         let creases = whole.creases();
         let cut = whole.cells.iter().flat_map(|cell| {
             let [rows, columns] = [0, 1].map(|k| whole.stretches(cell.uses[k], &creases));
             let within = move |rows: [usize; 2]| columns.clone().into_iter().map(move |columns| (rows, columns));
-            rows.into_iter().flat_map(within).map(|(rows, columns)| (part_of(&cell.grid, rows, columns), cell.role))
+            let parts = rows.into_iter().flat_map(within);
+            parts.filter_map(|(rows, columns)| Some((cell.grid.part(rows, columns)?, cell.role)))
         });
         let cut: Vec<(Patch, u16)> = cut.collect();
         Self::with(whole.of_mesh, cut)
@@ -145,9 +153,10 @@ impl Sheet {
             }
         }
         if let Some(chain) = sheet.chains.iter().find(|chain| chain.beside.len() != 2) {
-            return Err(StepWriteError::Divide { at: sheet.points[chain.vertices[0] as usize] });
+            return Err(StepWriteError::Patches { at: sheet.points[chain.vertices[0] as usize] });
         }
         sheet.find_strips()?;
+        sheet.join_flat();
         sheet.place();
         Ok(sheet)
     }
@@ -166,22 +175,37 @@ impl Sheet {
         Use { chain, is_forward: true }
     }
 
-    /// Draws vertices in around places that are outside of the mesh by their distances (mm).
-    pub(super) fn draw_in(&mut self, beyond: &[(f64, DVec3)]) -> Result<(), StepWriteError> {
+    /// Draws the vertices of free forms in around places that are outside of the mesh by their distances (mm); whether any
+    /// was.
+    pub(super) fn draw_in(&mut self, beyond: &[(f64, DVec3)], task: &Task) -> Result<bool, StepWriteError> {
         let free = self.cells.iter().filter(|cell| cell.plane.is_none());
-        let triangles = free.flat_map(|cell| quads_of(&cell.grid)).flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
-        let mesh = Mesh { vertices: self.of_mesh.clone(), triangles: triangles.collect() };
+        let triangles: Vec<[u32; 3]> =
+            free.flat_map(|cell| cell.grid.quads()).flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        if triangles.is_empty() {
+            return Ok(false);
+        }
+        let mesh = Mesh { vertices: self.of_mesh.clone(), triangles };
         let exact = ExactMesh::new(&mesh).map_err(|_| StepWriteError::Unusable)?;
+        let near = |&(distance, p): &(f64, DVec3)| {
+            let nearest = exact.nearest(p);
+            // Places of planes are none of the free forms'.
+            let is_its = nearest.point.distance(p) <= 2.0 * distance + FLAT;
+            is_its.then_some((distance, nearest.triangle as usize))
+        };
         let mut more = vec![0.0f64; self.points.len()];
-        let near: Vec<usize> = beyond.par_iter().map(|&(_, p)| exact.nearest(p).triangle as usize).collect();
-        for (&(distance, _), triangle) in beyond.iter().zip(near) {
-            for v in mesh.triangles[triangle] {
-                more[v as usize] = more[v as usize].max(MORE * distance);
+        for block in beyond.chunks(BLOCK) {
+            task.check()?;
+            let found: Vec<_> = block.par_iter().filter_map(near).collect();
+            for (distance, triangle) in found {
+                for v in mesh.triangles[triangle] {
+                    more[v as usize] = more[v as usize].max(MORE * distance);
+                }
             }
         }
+        let is_any = more.iter().any(|more| *more > 0.0);
         self.drawn_in.iter_mut().zip(more).for_each(|(all, more)| *all += more);
         self.place();
-        Ok(())
+        Ok(is_any)
     }
 
     /// Moves the vertices of free forms inwards by what they are drawn in, and those of planes onto them.
@@ -237,7 +261,7 @@ impl Sheet {
                         }
                         Some((_, known)) if known != is_along => {
                             let at = self.points[self.chains[chain].vertices[0] as usize];
-                            return Err(StepWriteError::Divide { at });
+                            return Err(StepWriteError::Patches { at });
                         }
                         Some(_) => {}
                     }
@@ -306,7 +330,7 @@ impl Sheet {
 
     /// Parameters in the mean proportion of the chords of its lines, and knots so dense that a curve over them follows
     /// every line.
-    fn lay(&self, strip: usize, tolerance: f64) -> Lay {
+    fn lay(&self, strip: usize, tolerance: f64, task: &Task) -> Result<Lay, StepWriteError> {
         let lines = self.lines(strip).concat();
         let mut sums = vec![0.0; lines[0].len() - 1];
         for line in &lines {
@@ -315,8 +339,8 @@ impl Sheet {
             sums.iter_mut().zip(chords).for_each(|(sum, chord)| *sum += chord / length);
         }
         let parameters = cumulated(&sums);
-        let knots = fitted_within(&lines, &parameters, tolerance);
-        Lay { parameters, knots }
+        let knots = fitted_within(&lines, &parameters, tolerance, task)?;
+        Ok(Lay { parameters, knots })
     }
 
     fn curve(&self, chain: usize, lays: &[Lay], tolerance: f64) -> Result<EdgeCurve, StepWriteError> {
@@ -337,7 +361,8 @@ impl Sheet {
         Ok(EdgeCurve { form, spline, parameters: lay.parameters.clone(), gap, split: None })
     }
 
-    fn surface(&self, cell: usize, lays: &[Lay]) -> Result<FaceSurface, StepWriteError> {
+    fn surface(&self, cell: usize, lays: &[Lay], task: &Task) -> Result<FaceSurface, StepWriteError> {
+        task.check()?;
         let Cell { grid, plane, uses, .. } = &self.cells[cell];
         if let Some(plane) = plane {
             return Ok(FaceSurface::Exact(plane.clone()));
@@ -353,7 +378,7 @@ impl Sheet {
         let [along_rows, along_columns] = [lay(0), lay(1)];
         let unfit = || StepWriteError::Divide { at: self.points[grid.at(0, 0) as usize] };
         // Control points along the rows for every column, then along the columns for each of these.
-        let mut of_columns = Vec::with_capacity(grid.columns);
+        let mut of_columns = Vec::with_capacity(grid.columns());
         for line in lines_of(grid, 0, &self.points) {
             of_columns.push(along_rows.curve(&line).ok_or_else(unfit)?.controls);
         }
@@ -365,15 +390,16 @@ impl Sheet {
         Ok(FaceSurface::Free(SplineSurface { knots: [along_rows.knots, along_columns.knots], controls }))
     }
 
-    fn assembled(&self, curves: Vec<EdgeCurve>, surfaces: Vec<FaceSurface>) -> Brep {
+    fn assembled(&self, curves: Vec<EdgeCurve>, surfaces: Vec<FaceSurface>) -> Result<Brep, StepWriteError> {
         let mut brep = Brep { edge_gap: curves.iter().map(|c| c.gap).fold(0.0, f64::max), ..Default::default() };
-        let faces = self.faces();
         // Chains inside of a face are no edges.
-        let face_of = |cell: usize| faces.iter().position(|cells| cells.contains(&cell));
+        let mut face_of = vec![0; self.cells.len()];
+        for (face, cells) in self.faces.iter().enumerate() {
+            cells.iter().for_each(|&cell| face_of[cell] = face);
+        }
         let (mut number, mut edge_of) = (HashMap::new(), vec![None; self.chains.len()]);
         for (k, (chain, curve)) in self.chains.iter().zip(curves).enumerate() {
-            let [left, right] = [0, 1].map(|n| face_of(chain.beside[n].0));
-            if left == right && left.is_some() {
+            if face_of[chain.beside[0].0] == face_of[chain.beside[1].0] {
                 continue;
             }
             let ends = [chain.vertices[0], chain.vertices[chain.vertices.len() - 1]].map(|v| {
@@ -385,15 +411,14 @@ impl Sheet {
             edge_of[k] = Some(brep.edges.len());
             brep.edges.push(Edge { ends, curve });
         }
-        for cells in &faces {
+        for cells in &self.faces {
             let first = &self.cells[cells[0]];
-            let largest =
-                cells.iter().copied().max_by(|a, b| self.area(*a).length().total_cmp(&self.area(*b).length()));
-            let surface = surfaces[largest.unwrap_or(cells[0])].clone();
+            let surface = surfaces[cells[0]].clone();
             let uses = cells.iter().flat_map(|&cell| self.cells[cell].uses);
             let uses: Vec<(usize, bool)> =
                 uses.filter_map(|used| Some((edge_of[used.chain]?, used.is_forward))).collect();
-            let mut loops = loops(&uses, &brep.edges);
+            let at = self.points[first.grid.at(0, 0) as usize];
+            let mut loops = loops(&uses, &brep.edges).ok_or(StepWriteError::Patches { at })?;
             if let FaceSurface::Exact(plane) = &surface {
                 // The loop that goes around all others encloses most.
                 let area = |edges: &Vec<(usize, bool)>| {
@@ -410,81 +435,62 @@ impl Sheet {
             }
             brep.faces.push(Face { surface, role: first.role, loops });
         }
-        brep
+        Ok(brep)
     }
 
-    /// The area of a patch as a vector (mm^2).
-    fn area(&self, cell: usize) -> DVec3 {
-        area(&self.cells[cell].grid, &self.points)
-    }
-
-    /// The patches of every face: one, or flat ones of one role side by side in one plane.
-    fn faces(&self) -> Vec<Vec<usize>> {
+    /// Gathers flat patches of one role side by side in one plane, which is that of the largest.
+    fn join_flat(&mut self) {
         let mut groups = Groups::of(self.cells.len());
+        let is_on = |plane: &Surface, cell: &Cell| {
+            cell.grid.sides().iter().flatten().all(|v| plane.gap(self.of_mesh[*v as usize]) <= FLAT)
+        };
         for chain in &self.chains {
-            let [(a, _), (b, _)] = [chain.beside[0], chain.beside[1]];
+            let [a, b] = [0, 1].map(|k| chain.beside[k].0);
             let [here, there] = [a, b].map(|k| &self.cells[k]);
-            let (Some(Surface::Plane(axes)), Some(plane @ Surface::Plane(other))) = (&here.plane, &there.plane) else {
-                continue;
-            };
+            let (Some(plane), Some(other)) = (&here.plane, &there.plane) else { continue };
             // Where a patch is folded onto itself its normal may point inwards.
-            let is_same = axes.z.dot(other.z).abs() > 1.0 - 1e-9 && plane.gap(axes.origin) < FLAT;
-            if is_same && here.role == there.role {
+            if here.role == there.role && is_on(plane, there) && is_on(other, here) {
                 groups.join(a, b);
             }
         }
         let (numbers, count) = groups.numbers();
         let mut faces = vec![Vec::new(); count];
         numbers.into_iter().enumerate().for_each(|(cell, face)| faces[face as usize].push(cell));
-        faces
+        for cells in faces.iter().filter(|cells| cells.len() > 1) {
+            let size = |cell: &usize| area(&self.cells[*cell].grid, &self.of_mesh).length();
+            let sizes = cells.iter().map(|cell| (size(cell), *cell));
+            let largest = sizes.reduce(|a, b| if b.0 > a.0 { b } else { a }).map(|(_, cell)| cell);
+            let plane = largest.and_then(|cell| self.cells[cell].plane.clone());
+            cells.iter().for_each(|&cell| self.cells[cell].plane.clone_from(&plane));
+        }
+        self.faces = faces;
     }
 }
 
 /// The plane of a patch, if it is flat.
 fn plane(grid: &Patch, points: &[DVec3]) -> Option<Surface> {
-    let at = |v: &u32| points[*v as usize];
     let normal = area(grid, points).try_normalize()?;
-    let count = grid.vertices.len() as f64;
-    let origin = grid.vertices.iter().map(at).sum::<DVec3>() / count;
-    let is_flat = grid.vertices.iter().all(|v| (at(v) - origin).dot(normal).abs() <= FLAT);
+    let all: Vec<DVec3> = lines_of(grid, 1, points).concat();
+    let origin = all.iter().sum::<DVec3>() / all.len() as f64;
+    let is_flat = all.iter().all(|p| (p - origin).dot(normal).abs() <= FLAT);
     is_flat.then(|| Surface::Plane(Axes::along(origin, normal)))
 }
 
-/// The quads of a patch, counter-clockwise seen from outside.
-fn quads_of(grid: &Patch) -> impl Iterator<Item = [u32; 4]> {
-    let rows = 0..grid.rows() - 1;
-    rows.flat_map(move |i| {
-        (0..grid.columns - 1).map(move |j| [grid.at(i, j), grid.at(i + 1, j), grid.at(i + 1, j + 1), grid.at(i, j + 1)])
-    })
-}
-
-/// The points of a patch line by line: along the rows' numbers in each column (0), or along the columns' in each row (1).
+/// The points of a patch line by line: from row to row in each column (0), or from column to column in each row (1).
 fn lines_of(grid: &Patch, direction: usize, points: &[DVec3]) -> Vec<Vec<DVec3>> {
-    let at = |i: usize, j: usize| points[grid.at(i, j) as usize];
-    let (rows, columns) = (grid.rows(), grid.columns);
-    if direction == 0 {
-        (0..columns).map(|j| (0..rows).map(|i| at(i, j)).collect()).collect()
-    } else {
-        (0..rows).map(|i| (0..columns).map(|j| at(i, j)).collect()).collect()
-    }
-}
-
-/// The part of a patch from the first to the last of these rows and columns.
-fn part_of(grid: &Patch, rows: [usize; 2], columns: [usize; 2]) -> Patch {
-    let row = |i: usize| (columns[0]..=columns[1]).map(move |j| grid.at(i, j));
-    Patch { columns: columns[1] - columns[0] + 1, vertices: (rows[0]..=rows[1]).flat_map(row).collect() }
+    grid.lines(direction).into_iter().map(|line| line.into_iter().map(|v| points[v as usize]).collect()).collect()
 }
 
 /// The area of a patch as a vector along its mean normal (mm^2).
 fn area(grid: &Patch, points: &[DVec3]) -> DVec3 {
-    let quads = quads_of(grid).map(|corners| corners.map(|v| points[v as usize]));
+    let quads = grid.quads().map(|corners| corners.map(|v| points[v as usize]));
     0.5 * quads.map(|[a, b, c, d]| (c - a).cross(d - b)).sum::<DVec3>()
 }
 
 /// The vertices of a patch, rising, with the unit normals of the patch there.
 fn normals(grid: &Patch, points: &[DVec3]) -> Vec<(u32, DVec3)> {
     let mut sums: BTreeMap<u32, DVec3> = BTreeMap::new();
-    for corners in quads_of(grid) {
+    for corners in grid.quads() {
         let [a, b, c, d] = corners.map(|v| points[v as usize]);
         let normal = (c - a).cross(d - b);
         corners.iter().for_each(|v| *sums.entry(*v).or_default() += normal);
@@ -503,18 +509,20 @@ fn cumulated(lengths: &[f64]) -> Vec<f64> {
     sums.iter().map(|s| (s / whole).min(1.0)).collect()
 }
 
-/// Edges joined end to end.
-fn loops(uses: &[(usize, bool)], edges: &[Edge]) -> Vec<Vec<(usize, bool)>> {
+/// Edges joined end to end; none where they do not close.
+fn loops(uses: &[(usize, bool)], edges: &[Edge]) -> Option<Vec<Vec<(usize, bool)>>> {
     let start = |&(edge, is_forward): &(usize, bool)| edges[edge].ends[usize::from(!is_forward)];
     let end = |&(edge, is_forward): &(usize, bool)| edges[edge].ends[usize::from(is_forward)];
-    let mut left = uses.to_vec();
-    let mut found = Vec::new();
-    while !left.is_empty() {
-        let mut around = vec![left.remove(0)];
-        while let Some(next) = left.iter().position(|used| start(used) == end(&around[around.len() - 1])) {
+    let (mut left, mut found) = (uses.to_vec(), Vec::new());
+    while let Some(first) = left.pop() {
+        let mut around = vec![first];
+        let mut at = end(&first);
+        while at != start(&first) {
+            let next = left.iter().position(|used| start(used) == at)?;
+            at = end(&left[next]);
             around.push(left.remove(next));
         }
         found.push(around);
     }
-    found
+    Some(found)
 }

@@ -198,7 +198,7 @@ fn patched(rings: &[Vec<DVec3>], n: usize, runs: &[usize]) -> (Mesh, Vec<Patch>)
         for side in 0..4 {
             let id = |k: usize, ring: usize| (ring * around + (side * n + k) % around) as u32;
             let vertices = (0..=n).flat_map(|k| (from..=to).map(move |ring| id(k, ring))).collect();
-            patches.push(Patch { columns: to - from + 1, vertices });
+            patches.push(Patch::new(to - from + 1, vertices).unwrap());
         }
         from = to;
     }
@@ -220,17 +220,11 @@ fn patched(rings: &[Vec<DVec3>], n: usize, runs: &[usize]) -> (Mesh, Vec<Patch>)
                 } as u32);
             }
         }
-        let patch = Patch { columns: n + 1, vertices };
+        let patch = Patch::new(n + 1, vertices).unwrap();
         patches.push(if is_first { patch.turned_over() } else { patch });
     }
-    for patch in &patches {
-        for i in 0..patch.rows() - 1 {
-            for j in 0..patch.columns - 1 {
-                let [a, b, c, d] = [patch.at(i, j), patch.at(i + 1, j), patch.at(i + 1, j + 1), patch.at(i, j + 1)];
-                mesh.triangles.extend([[a, b, c], [a, c, d]]);
-            }
-        }
-    }
+    let quads = patches.iter().flat_map(Patch::quads);
+    mesh.triangles = quads.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     (mesh, patches)
 }
 
@@ -277,13 +271,26 @@ fn known_patches_are_faces_that_stay_inside_of_the_mesh() {
 
 #[test]
 fn patches_that_do_not_share_whole_sides_or_leave_holes_are_refused() {
-    let rings: Vec<Vec<DVec3>> = [0.0, 5.0, 10.0].map(|z| four_sided(4.0, 0.1, (z, 0.0), 6)).to_vec();
+    let rings: Vec<Vec<DVec3>> = [0.0, 5.0, 10.0].map(|z| four_sided(4.0, 0.01, (z, 0.0), 6)).to_vec();
     let (mesh, mut patches) = patched(&rings, 6, &[1, 2]);
     of_patches(&mesh, &patches, 0.005).unwrap();
     let lid = patches.pop().unwrap();
-    let refused = |patches: &[Patch]| matches!(of_patches(&mesh, patches, 0.005), Err(StepWriteError::Divide { .. }));
+    let refused = |patches: &[Patch]| matches!(of_patches(&mesh, patches, 0.005), Err(StepWriteError::Patches { .. }));
     assert!(refused(&patches));
-    let half = Patch { columns: 4, vertices: lid.vertices.chunks(7).flat_map(|row| row[..4].to_vec()).collect() };
+    let half = lid.part([0, 6], [0, 3]).unwrap();
     patches.push(half);
     assert!(refused(&patches));
+}
+
+#[test]
+fn patches_of_vertices_that_are_not_there_and_a_stop_are_told() {
+    let (mesh, mut patches) = patched(&[0.0, 5.0].map(|z| four_sided(4.0, 0.01, (z, 0.0), 6)), 6, &[1]);
+    let given: Vec<StepPatch> = patches.iter().map(|grid| StepPatch { grid, role: 0 }).collect();
+    let part = StepPart { name: "E", mesh: &mesh, roles: &[], role_of: &[], patches: &given, properties: &[] };
+    let cancel = Cancel::default();
+    cancel.cancel();
+    let stopped = write_step(&part, &StepSettings::default(), &Task::silent(&cancel));
+    assert!(matches!(stopped, Err(StepWriteError::Cancelled(_))));
+    patches[0] = Patch::new(2, vec![0, 1, 2, 1_000_000]).unwrap();
+    assert_eq!(of_patches(&mesh, &patches, 0.005).unwrap_err(), StepWriteError::Unusable);
 }

@@ -235,9 +235,9 @@ impl Skin {
         for corners in self.layout.corners().windows(2) {
             let along = |start: &u32| (corners[0]..=corners[1]).map(|k| start + k as u32 % n).collect::<Vec<_>>();
             // The columns run along the rings and the rows from ring to ring, against the order in quads.
-            let grid =
-                Patch { columns: corners[1] - corners[0] + 1, vertices: starts.iter().flat_map(along).collect() };
-            self.patches.push(ElectrodePatch { face: face(corners[0]), grid: grid.turned_over() });
+            let grid = Patch::new(corners[1] - corners[0] + 1, starts.iter().flat_map(along).collect());
+            let turned = grid.map(|grid| ElectrodePatch { face: face(corners[0]), grid: grid.turned_over() });
+            self.patches.extend(turned);
         }
     }
 
@@ -283,8 +283,9 @@ impl Skin {
                 self.quad(if is_first { [a, d, c, b] } else { [a, b, c, d] }, face);
             }
         }
-        let grid = Patch { columns: columns + 1, vertices: grid.concat() };
-        self.patches.push(ElectrodePatch { face, grid: if is_first { grid } else { grid.turned_over() } });
+        let grid = Patch::new(columns + 1, grid.concat());
+        let outwards = |grid: Patch| if is_first { grid } else { grid.turned_over() };
+        self.patches.extend(grid.map(|grid| ElectrodePatch { face, grid: outwards(grid) }));
     }
 }
 

@@ -196,9 +196,9 @@ fn near(clearance: f64) -> String {
 /// A four-sided part of the surface of an electrode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElectrodePatch {
-    /// The face it belongs to.
+    /// Face of the electrode that the patch belongs to.
     pub face: ElectrodeFace,
-    /// Its vertices.
+    /// Vertices of the electrode's mesh.
     pub grid: Patch,
 }
 

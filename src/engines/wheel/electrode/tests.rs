@@ -44,6 +44,34 @@ fn make(part: &Part, params: &ElectrodeParams, side: EntrySide) -> Result<Vec<El
     make_electrodes(&part.channel, &part.blisk, params, side, &Task::default())
 }
 
+#[test]
+fn patches_hold_every_triangle_of_the_electrode_once_and_look_outwards() {
+    let mut electrodes = make(&FINE, &unreduced(), EntrySide::MinusX).unwrap();
+    electrodes
+        .extend(make(&FINE, &ElectrodeParams { columns: 2, ..ElectrodeParams::default() }, EntrySide::PlusX).unwrap());
+    for electrode in electrodes {
+        let sorted = |mut quad: Vec<u32>| {
+            quad.sort_unstable();
+            quad.dedup();
+            quad
+        };
+        // Quads are pairs of triangles one after the other.
+        let pairs = electrode.mesh.triangles.chunks(2).map(|pair| sorted(pair.concat()));
+        let quads = electrode.patches.iter().flat_map(|patch| patch.grid.quads().map(|quad| sorted(quad.to_vec())));
+        let [mut of_mesh, mut of_patches]: [Vec<_>; 2] = [pairs.collect(), quads.collect()];
+        of_mesh.sort();
+        of_patches.sort();
+        assert_eq!(of_mesh, of_patches);
+        let at = |v: u32| electrode.mesh.vertices[v as usize];
+        let sixfold = |[a, b, c, d]: [u32; 4]| {
+            let [a, b, c, d] = [a, b, c, d].map(at);
+            a.dot(b.cross(c)) + a.dot(c.cross(d))
+        };
+        let volume = electrode.patches.iter().flat_map(|patch| patch.grid.quads()).map(sixfold).sum::<f64>() / 6.0;
+        assert!((volume / electrode.volume_mm3 - 1.0).abs() < 1e-3, "{volume} {}", electrode.volume_mm3);
+    }
+}
+
 /// Vertices, edge midpoints and face centres of the faces that `wanted` picks.
 fn places(electrode: &Electrode, wanted: impl Fn(ElectrodeFace) -> bool) -> Vec<DVec3> {
     let corners = electrode.mesh.iter_corners().zip(&electrode.faces).filter(|(_, face)| wanted(**face));
