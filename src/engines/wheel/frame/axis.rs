@@ -102,10 +102,8 @@ pub(super) fn candidates(mesh: &Mesh, direction: Option<DVec3>) -> Vec<Axis> {
     let axes = axes.into_iter().filter(|a| a.point.is_finite() && a.direction.is_finite());
     let of = |a: Axis| (share_of_revolution(&facets, &a, closely), share_of_revolution(&facets, &a, within_facet), a);
     let mut ranked: Vec<(f64, f64, Axis)> = axes.map(of).collect();
-    // A flat ring's rim nearly turns about its diameters too, but not closely.
-    let closest = ranked.iter().map(|(close, ..)| *close).fold(0.0, f64::max);
-    let is_far = |close: f64| close < 0.5 * closest;
-    ranked.sort_by(|a, b| is_far(a.0).cmp(&is_far(b.0)).then(b.1.total_cmp(&a.1)));
+    // A flat ring's rim and faces nearly turn about its diameters too, more of them than about its axis, but not closely.
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
     let mut distinct: Vec<Axis> = Vec::new();
     for (.., axis) in ranked {
         let same =
