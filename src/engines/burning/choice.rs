@@ -5,35 +5,76 @@ use std::fmt;
 use files::{Invalid, Validate};
 use serde::{Deserialize, Serialize};
 
-use crate::technology::{AREA_MM2, Step, Technology};
-use crate::{BurningError, rules};
+use crate::technology::{AREA_MM2, Step, Technology, within};
+use crate::{BurningError, MOST_ROWS, rules};
 
 /// Difference between a wanted finish and that of a step that counts as the same (VDI 3400): the tables of the standard
 /// round the roughness of a class.
 const FINISH_TOLERANCE_VDI: f64 = 0.2;
 
-/// What one electrode has to burn in one place.
+/// Volumes that are possible (mm³).
+const VOLUME_MM3: [f64; 2] = [0.0, 1e9];
+/// Greatest difference of two lengths that count as the same (mm): a sum of decimal fractions is rounded.
+const ROUNDING_MM: f64 = 1e-9;
+
+/// Task of one electrode in one place.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Burn {
-    /// Volume to remove (mm³): the stock that the electrodes before have left.
-    pub volume_mm3: f64,
-    /// Area of the electrode seen along the burn or the path (mm²).
-    pub frontal_area_mm2: f64,
     /// Area of the burned surface (mm²), from which later steps remove a layer; the frontal area where it is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub burned_area_mm2: Option<f64>,
-    /// Undersize of the electrode (mm a side); steps with a greater side gap are not taken.
+    /// Undersize of the electrode (mm a side); steps whose side gap and orbit reach beyond it are not taken.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub undersize_mm: Option<f64>,
     /// Ratio of depth to width of the cavity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub depth_to_width: Option<f64>,
-    /// Where burning ends.
+    /// Name of the step at which burning starts, as of a finishing electrode; the first one of the technology if none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from: Option<String>,
+    /// End of burning.
     pub until: Until,
+    /// The burn along its direction or path, cut into pieces.
+    pub pieces: Vec<Piece>,
 }
 
-/// Where burning ends.
+/// Piece of a burn with one frontal area.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Piece {
+    /// Volume to remove (mm³): the stock that the electrodes before have left.
+    pub volume_mm3: f64,
+    /// Area of the electrode in the stock, seen along the burn or the path (mm²).
+    pub frontal_area_mm2: f64,
+}
+
+impl Burn {
+    /// A burn with one frontal area, from the first step of a technology on.
+    pub fn single(volume_mm3: f64, frontal_area_mm2: f64, until: Until) -> Self {
+        let pieces = vec![Piece { volume_mm3, frontal_area_mm2 }];
+        Self { burned_area_mm2: None, undersize_mm: None, depth_to_width: None, from: None, until, pieces }
+    }
+
+    /// Volume of all pieces (mm³).
+    pub fn volume_mm3(&self) -> f64 {
+        self.pieces.iter().map(|piece| piece.volume_mm3).sum()
+    }
+
+    /// Least and greatest frontal area of the pieces (mm²).
+    fn areas_mm2(&self) -> [f64; 2] {
+        let areas = self.pieces.iter().map(|piece| piece.frontal_area_mm2);
+        areas.fold([f64::INFINITY, 0.0], |[least, greatest], area| [least.min(area), greatest.max(area)])
+    }
+
+    /// Greatest frontal area of the pieces (mm²).
+    pub fn frontal_area_mm2(&self) -> f64 {
+        let [_, greatest] = self.areas_mm2();
+        greatest
+    }
+}
+
+/// End of burning.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Until {
@@ -47,15 +88,17 @@ pub enum Until {
 
 impl Validate for Burn {
     fn validate(&self) -> Result<(), Invalid> {
-        Invalid::unless_within("volume_mm3", self.volume_mm3, [0.0, 1e9], "mm³")?;
-        for (key, value, range, unit) in [
-            ("frontal_area_mm2", Some(self.frontal_area_mm2), AREA_MM2, "mm²"),
-            ("burned_area_mm2", self.burned_area_mm2, AREA_MM2, "mm²"),
-            ("undersize_mm", self.undersize_mm, rules::UNDERSIZE_MM, "mm"),
-            ("depth_to_width", self.depth_to_width, [0.0, 1e4], ""),
-        ] {
-            value.map_or(Ok(()), |value| Invalid::unless_within(key, value, range, unit))?;
+        let count = self.pieces.len();
+        if count == 0 || count > MOST_ROWS {
+            return Err(Invalid::of("pieces", format!("there are {count}; from 1 to {MOST_ROWS} are possible")));
         }
+        for (i, piece) in self.pieces.iter().enumerate() {
+            piece.validate().map_err(|problem| problem.within(&format!("pieces[{i}]")))?;
+        }
+        Invalid::unless_within("volume of all pieces", self.volume_mm3(), VOLUME_MM3, "mm³")?;
+        within("burned_area_mm2", self.burned_area_mm2, AREA_MM2, "mm²")?;
+        within("undersize_mm", self.undersize_mm, rules::UNDERSIZE_MM, "mm")?;
+        within("depth_to_width", self.depth_to_width, [0.0, 1e4], "")?;
         match &self.until {
             Until::Vdi(vdi) => Invalid::unless_within("until.vdi", *vdi, rules::VDI_RANGE, "VDI"),
             Until::RaUm(ra) => Invalid::unless_within("until.ra_um", *ra, rules::RA_RANGE_UM, "µm"),
@@ -64,7 +107,14 @@ impl Validate for Burn {
     }
 }
 
-/// A figure of a step that a result needs.
+impl Validate for Piece {
+    fn validate(&self) -> Result<(), Invalid> {
+        Invalid::unless_within("volume_mm3", self.volume_mm3, VOLUME_MM3, "mm³")?;
+        Invalid::unless_within("frontal_area_mm2", self.frontal_area_mm2, AREA_MM2, "mm²")
+    }
+}
+
+/// A figure of a step, of a technology or of a burn that a result needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Figure {
@@ -76,12 +126,18 @@ pub enum Figure {
     Density,
     /// Side gap.
     SideGap,
+    /// Radius of the orbit.
+    Orbit,
     /// Removal rate.
     Rate,
     /// Area at which the removal rate is stated.
     RateArea,
     /// Layer left for the next step.
     StockNext,
+    /// Area of the burned surface.
+    BurnedArea,
+    /// Ratio of depth to width of the burn, or its greatest value in the technology.
+    Depth,
     /// Height, interval and speed of jumps.
     Jump,
     /// Volume wear.
@@ -97,9 +153,12 @@ impl fmt::Display for Figure {
             Self::PeakCurrent => "peak current",
             Self::Density => "greatest current density",
             Self::SideGap => "side gap",
+            Self::Orbit => "orbit",
             Self::Rate => "rate",
             Self::RateArea => "area of the rate",
             Self::StockNext => "stock left for the next step",
+            Self::BurnedArea => "area of the burned surface",
+            Self::Depth => "depth to width or its limit",
             Self::Jump => "jump",
             Self::Wear => "wear",
             Self::CornerWear => "corner wear",
@@ -107,24 +166,39 @@ impl fmt::Display for Figure {
     }
 }
 
-/// A figure that the technology does not give. Its text reads `rate of step R1 is not given`.
+/// A figure that is not given. Its text reads `rate of steps R1, S2 is not given`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Missing {
-    /// Name of the step.
-    pub step: String,
     /// The figure.
     pub figure: Figure,
+    /// Names of the steps that lack it; empty for a figure of the burn or of the whole technology.
+    pub steps: Vec<String>,
 }
 
 impl Missing {
-    pub(crate) fn of(step: &Step, figure: Figure) -> Self {
-        Self { step: step.name.clone(), figure }
+    /// Adds a step to those that lack a figure.
+    pub(crate) fn add(list: &mut Vec<Self>, figure: Figure, step: &Step) {
+        let name = step.name.clone();
+        match list.iter_mut().find(|missing| missing.figure == figure) {
+            Some(missing) if missing.steps.contains(&name) => {}
+            Some(missing) => missing.steps.push(name),
+            None => list.push(Self { figure, steps: vec![name] }),
+        }
+    }
+
+    /// A figure that belongs to no step.
+    const fn of_burn(figure: Figure) -> Self {
+        Self { figure, steps: Vec::new() }
     }
 }
 
 impl fmt::Display for Missing {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{} of step {} is not given", self.figure, self.step)
+        match self.steps.as_slice() {
+            [] => write!(f, "{} is not given", self.figure),
+            [step] => write!(f, "{} of step {step} is not given", self.figure),
+            steps => write!(f, "{} of steps {} is not given", self.figure, steps.join(", ")),
+        }
     }
 }
 
@@ -132,10 +206,10 @@ impl fmt::Display for Missing {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outside {
-    /// The frontal area is smaller or greater than those of the technology (mm²).
+    /// Frontal areas are smaller or greater than those of the technology (mm²).
     Area {
-        /// Frontal area.
-        area_mm2: f64,
+        /// Least and greatest frontal area of the burn.
+        areas_mm2: [f64; 2],
         /// Least and greatest area of the technology.
         range_mm2: [f64; 2],
     },
@@ -151,8 +225,12 @@ pub enum Outside {
 impl fmt::Display for Outside {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            Self::Area { area_mm2, range_mm2: [least, greatest] } => {
-                write!(f, "frontal area {area_mm2:.2} mm²; the technology is valid from {least} to {greatest} mm²")
+            Self::Area { areas_mm2: [small, large], range_mm2: [least, greatest] } => {
+                write!(f, "frontal area {small:.2}")?;
+                if small < large {
+                    write!(f, " to {large:.2}")?;
+                }
+                write!(f, " mm²; the technology is valid from {least} to {greatest} mm²")
             }
             Self::DepthToWidth { ratio, greatest } => {
                 write!(f, "depth to width {ratio:.2}; the technology is valid up to {greatest}")
@@ -163,7 +241,7 @@ impl fmt::Display for Outside {
 
 /// A step with the volume that it removes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ChosenStep<'a> {
+pub(crate) struct ChosenStep<'a> {
     /// The step.
     pub step: &'a Step,
     /// Volume that it removes (mm³); none if the layer that it gets is not known.
@@ -172,15 +250,15 @@ pub struct ChosenStep<'a> {
 
 /// The steps that an electrode burns with.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Choice<'a> {
+pub(crate) struct Choice<'a> {
     /// Technology of the steps.
     pub technology: &'a Technology,
+    /// The burn.
+    pub burn: &'a Burn,
     /// The steps, from rough to fine; none if figures that decide are missing.
     pub steps: Vec<ChosenStep<'a>>,
-    /// Frontal area of the burn (mm²).
-    pub frontal_area_mm2: f64,
-    /// Whether layers are counted over the burned surface; over the frontal area where that is not known.
-    pub burned_area_given: bool,
+    /// Stock that the last step leaves on the walls (mm): undersize less side gap and orbit; none if not known.
+    pub wall_stock_mm: Option<f64>,
     /// Figures without which steps or volumes are not known.
     pub missing: Vec<Missing>,
     /// Figures that the choice does without.
@@ -191,57 +269,70 @@ pub struct Choice<'a> {
 
 /// Chooses the steps for a burn.
 ///
-/// The last step is the first one that reaches the finish, or the one that is named. Of the steps before it those are
-/// taken whose current density the frontal area allows and whose side gap is within the undersize. If the density or
-/// the gap of the last step is too great for the burn, a finer one takes its place, unless it was named.
+/// The last step is the first one that reaches the finish, or the one that is named. Of the steps from the start to it
+/// those are taken whose current density the greatest frontal area allows and whose side gap and orbit together are
+/// within the undersize. If the last step does not suit the burn, a finer one takes its place, unless it was named.
 ///
-/// Each step leaves a layer for the next one. The finest steps get their layers first; roughing gets the rest. A step
-/// for which nothing is left is not burned.
+/// Each step leaves a layer for the next one; where steps between them are not taken, their layers are left as well. The
+/// finest steps get their layers first; roughing gets the rest. A step for which nothing is left is not burned.
 ///
 /// # Errors
 /// [`BurningError`] if the burn or the technology is not possible, if no step is fine enough, or if the last step does
 /// not suit the burn.
-pub fn choose<'a>(technology: &'a Technology, burn: &Burn) -> Result<Choice<'a>, BurningError> {
+pub(crate) fn choose<'a>(technology: &'a Technology, burn: &'a Burn) -> Result<Choice<'a>, BurningError> {
     technology.validate()?;
     burn.validate()?;
     let mut choice = Choice {
         technology,
+        burn,
         steps: Vec::new(),
-        frontal_area_mm2: burn.frontal_area_mm2,
-        burned_area_given: burn.burned_area_mm2.is_some(),
+        wall_stock_mm: None,
         missing: Vec::new(),
         not_considered: Vec::new(),
         outside: outside(technology, burn),
     };
+    if burn.depth_to_width.is_none() || technology.greatest_depth_to_width.is_none() {
+        choice.not_considered.push(Missing::of_burn(Figure::Depth));
+    }
+    let first = burn.from.as_ref().map_or(Ok(0), |name| named(technology, name))?;
     let last = match &burn.until {
-        Until::Step(name) => named(technology, name)?,
-        Until::Vdi(vdi) => match fine_enough(technology, *vdi, &mut choice)? {
-            Some(first) => finer_that_suits(technology, burn, first)?,
-            None => return Ok(choice),
-        },
-        Until::RaUm(ra) => match fine_enough(technology, rules::vdi_of_ra(*ra)?, &mut choice)? {
-            Some(first) => finer_that_suits(technology, burn, first)?,
-            None => return Ok(choice),
-        },
+        Until::Step(name) => Some(named(technology, name)?),
+        Until::Vdi(vdi) => fine_enough(first, *vdi, &mut choice)?,
+        Until::RaUm(ra) => fine_enough(first, rules::vdi_of_ra(*ra)?, &mut choice)?,
     };
-    let mut steps: Vec<&Step> = Vec::new();
-    for (i, step) in technology.step.iter().enumerate().take(last + 1) {
+    let Some(mut last) = last else { return Ok(choice) };
+    if let (Some(from), Until::Step(until)) = (&burn.from, &burn.until)
+        && last < first
+    {
+        let remedy = format!("burning ends at step {until}, before it; start at that step or at one before it");
+        return Err(Invalid::new("from", from, remedy).into());
+    }
+    if !matches!(burn.until, Until::Step(_)) {
+        last = finer_that_suits(technology, burn, last)?;
+    }
+    let mut taken: Vec<(usize, &Step)> = Vec::new();
+    for (i, step) in technology.step.iter().enumerate().take(last + 1).skip(first) {
         match suits(technology, burn, step) {
-            Ok(()) => steps.push(step),
+            Ok(()) => taken.push((i, step)),
             Err(reason) if i == last => return Err(reason),
             Err(_) => {}
         }
     }
-    choice.steps = shared(&steps, burn, &mut choice.missing);
-    choice.not_considered.extend(choice.steps.iter().flat_map(|chosen| unchecked(chosen.step, burn)));
+    share_volume(&taken, &mut choice);
+    for chosen in choice.steps.clone() {
+        name_unchecked(chosen.step, &mut choice);
+    }
+    let finest = taken.last().and_then(|(_, step)| step.gap_side_mm.map(|gap| gap + step.orbit_mm.unwrap_or(0.0)));
+    choice.wall_stock_mm = burn.undersize_mm.zip(finest).map(|(undersize, reach)| (undersize - reach).max(0.0));
     Ok(choice)
 }
 
 fn outside(technology: &Technology, burn: &Burn) -> Vec<Outside> {
-    let area_mm2 = burn.frontal_area_mm2;
-    let area = technology.area_range_mm2.filter(|[least, greatest]| !(*least..=*greatest).contains(&area_mm2));
+    let areas_mm2 = burn.areas_mm2();
+    let [small, large] = areas_mm2;
+    let area = technology.area_range_mm2.filter(|[least, greatest]| small < *least || large > *greatest);
     let depth = burn.depth_to_width.zip(technology.greatest_depth_to_width).filter(|(ratio, most)| ratio > most);
-    let area = area.map(|range_mm2| Outside::Area { area_mm2, range_mm2 });
+    let area = area.map(|range_mm2| Outside::Area { areas_mm2, range_mm2 });
     let depth = depth.map(|(ratio, greatest)| Outside::DepthToWidth { ratio, greatest });
     area.into_iter().chain(depth).collect()
 }
@@ -254,24 +345,26 @@ fn named(technology: &Technology, name: &str) -> Result<usize, BurningError> {
     })
 }
 
-/// The first step that is as fine as wanted; none, with what is missing, if steps without a finish could be.
-fn fine_enough(technology: &Technology, wanted_vdi: f64, choice: &mut Choice) -> Result<Option<usize>, BurningError> {
+/// The first step from `start` on that is as fine as wanted; none, with the figures that are missing, if steps without a
+/// finish could be.
+fn fine_enough(start: usize, wanted_vdi: f64, choice: &mut Choice) -> Result<Option<usize>, BurningError> {
+    let technology = choice.technology;
     let is_fine = |step: &Step| step.finish_vdi().is_some_and(|vdi| vdi <= wanted_vdi + FINISH_TOLERANCE_VDI);
-    let first = technology.step.iter().position(is_fine);
-    let before = technology.step.iter().take(first.unwrap_or(technology.step.len()));
-    let unknown = before.filter(|step| step.finish_vdi().is_none()).map(|step| Missing::of(step, Figure::Finish));
-    if first.is_some() {
-        // A rougher step without a finish may do as well: the one that is known to do is taken.
-        choice.not_considered.extend(unknown);
-        return Ok(first);
-    }
-    choice.missing.extend(unknown);
+    let steps = technology.step.iter().enumerate().skip(start);
+    let first = steps.clone().find(|(_, step)| is_fine(step)).map(|(i, _)| i);
     let finest = technology.step.iter().filter_map(Step::finish_vdi).next_back();
+    // A rougher step without a finish may do as well: the one that is known to do is taken.
+    let list = if first.is_some() { &mut choice.not_considered } else { &mut choice.missing };
+    for (_, step) in steps.take_while(|(i, _)| first.is_none_or(|first| *i < first)) {
+        if step.finish_vdi().is_none() {
+            Missing::add(list, Figure::Finish, step);
+        }
+    }
     match finest {
-        Some(finest_vdi) if choice.missing.is_empty() => {
+        Some(finest_vdi) if first.is_none() && choice.missing.is_empty() => {
             Err(BurningError::FinishNotReached { technology: technology.id.clone(), wanted_vdi, finest_vdi })
         }
-        _ => Ok(None),
+        _ => Ok(first),
     }
 }
 
@@ -287,60 +380,85 @@ fn finer_that_suits(technology: &Technology, burn: &Burn, first: usize) -> Resul
     reason.map_or(Ok(first), Err)
 }
 
-/// Whether the current density and the side gap of a step are within what the burn allows, as far as both are known.
+/// Whether the current density of a step, and its side gap and orbit together, are within what the burn allows, as far as
+/// they are known.
 fn suits(technology: &Technology, burn: &Burn, step: &Step) -> Result<(), BurningError> {
     if let (Some(current), Some(limit_a_cm2)) = (step.ip_a, step.max_density_a_cm2) {
-        let density_a_cm2 = rules::density_a_cm2(current, burn.frontal_area_mm2);
+        let density_a_cm2 = rules::density_a_cm2(current, burn.frontal_area_mm2());
         if density_a_cm2 > limit_a_cm2 {
             let [technology, step] = [technology.id.clone(), step.name.clone()];
             return Err(BurningError::CurrentDensity { technology, step, density_a_cm2, limit_a_cm2 });
         }
     }
-    if let (Some(gap_mm), Some(undersize_mm)) = (step.gap_side_mm, burn.undersize_mm)
-        && gap_mm > undersize_mm
-    {
-        let [technology, step] = [technology.id.clone(), step.name.clone()];
-        return Err(BurningError::GapBeyondUndersize { technology, step, gap_mm, undersize_mm });
+    let [gap_mm, orbit_mm] = [step.gap_side_mm, step.orbit_mm].map(|length| length.unwrap_or(0.0));
+    match burn.undersize_mm {
+        Some(undersize_mm) if gap_mm + orbit_mm > undersize_mm + ROUNDING_MM => {
+            let [technology, step] = [technology.id.clone(), step.name.clone()];
+            Err(BurningError::ReachBeyondUndersize { technology, step, gap_mm, orbit_mm, undersize_mm })
+        }
+        _ => Ok(()),
     }
-    Ok(())
 }
 
-/// Figures of a step without which something about the burn could not be checked.
-fn unchecked(step: &Step, burn: &Burn) -> impl Iterator<Item = Missing> {
-    let density = step.max_density_a_cm2.is_none().then_some(Figure::Density);
-    let current = (step.max_density_a_cm2.is_some() && step.ip_a.is_none()).then_some(Figure::PeakCurrent);
-    let gap = (step.gap_side_mm.is_none() && burn.undersize_mm.is_some()).then_some(Figure::SideGap);
-    [density, current, gap].into_iter().flatten().map(|figure| Missing::of(step, figure))
+/// Names the figures of a step without which something about the burn could not be checked.
+///
+/// The current must be checked against the area in one way at least: by its density, by the areas of the technology, or
+/// by the area of the rate.
+fn name_unchecked(step: &Step, choice: &mut Choice) {
+    let figure = match (step.max_density_a_cm2, step.ip_a) {
+        (None, _) => Some(Figure::Density),
+        (_, None) => Some(Figure::PeakCurrent),
+        _ => None,
+    };
+    if let Some(figure) = figure {
+        let is_bounded = choice.technology.area_range_mm2.is_some() || step.at_area_mm2.is_some();
+        let list = if is_bounded { &mut choice.not_considered } else { &mut choice.missing };
+        Missing::add(list, figure, step);
+    }
+    if choice.burn.undersize_mm.is_some() {
+        for (length, figure) in [(step.gap_side_mm, Figure::SideGap), (step.orbit_mm, Figure::Orbit)] {
+            if length.is_none() {
+                Missing::add(&mut choice.not_considered, figure, step);
+            }
+        }
+    }
 }
 
-/// The steps that have something to remove, with their volumes.
-fn shared<'a>(steps: &[&'a Step], burn: &Burn, missing: &mut Vec<Missing>) -> Vec<ChosenStep<'a>> {
-    let area = burn.burned_area_mm2.unwrap_or(burn.frontal_area_mm2);
+/// Shares the volume of the burn among steps, given with their places in the technology, and keeps those that have
+/// something to remove.
+fn share_volume<'a>(taken: &[(usize, &'a Step)], choice: &mut Choice<'a>) {
+    let burn = choice.burn;
+    let area = burn.burned_area_mm2.unwrap_or_else(|| burn.frontal_area_mm2());
     // None once a layer is not known.
-    let mut rest = Some(burn.volume_mm3);
-    let mut chosen = Vec::new();
-    for (i, step) in steps.iter().enumerate().rev() {
-        let is_last = i + 1 == steps.len();
-        let before = i.checked_sub(1).and_then(|before| steps.get(before));
+    let mut rest = Some(burn.volume_mm3());
+    let (mut steps, mut without_stock) = (Vec::new(), Vec::new());
+    let mut has_layers = false;
+    for (k, (i, step)) in taken.iter().enumerate().rev() {
+        let before = k.checked_sub(1).and_then(|before| taken.get(before));
         let volume = match (before, rest) {
             (None, rest) => rest,
             (_, Some(0.0)) => Some(0.0),
-            (Some(before), rest) => match before.stock_next_mm {
-                Some(stock) => rest.map(|rest| (stock * area).min(rest)),
-                None => {
-                    missing.push(Missing::of(before, Figure::StockNext));
-                    None
-                }
-            },
+            (Some((before, _)), rest) => {
+                has_layers = true;
+                let between = choice.technology.step.get(*before..*i).unwrap_or_default();
+                without_stock.extend(between.iter().rev().filter(|step| step.stock_next_mm.is_none()));
+                let stock: Option<f64> = between.iter().map(|step| step.stock_next_mm).sum();
+                rest.zip(stock).map(|(rest, stock)| (stock * area).min(rest))
+            }
         };
         rest = rest.zip(volume).map(|(rest, volume)| (rest - volume).max(0.0));
-        if is_last || volume != Some(0.0) {
-            chosen.push(ChosenStep { step, volume_mm3: volume });
+        if k + 1 == taken.len() || volume != Some(0.0) {
+            steps.push(ChosenStep { step, volume_mm3: volume });
         }
     }
-    missing.reverse();
-    chosen.reverse();
-    chosen
+    for step in without_stock.into_iter().rev() {
+        Missing::add(&mut choice.missing, Figure::StockNext, step);
+    }
+    if has_layers && burn.burned_area_mm2.is_none() {
+        choice.not_considered.push(Missing::of_burn(Figure::BurnedArea));
+    }
+    steps.reverse();
+    choice.steps = steps;
 }
 
 #[cfg(test)]
@@ -362,6 +480,7 @@ pub(crate) mod tests {
             max_density_a_cm2: Some(20.0),
             wear_percent: Some(wear),
             corner_wear_mm: Some(0.02),
+            orbit_mm: Some(0.0),
             stock_next_mm: stock,
             jump_mm: Some(2.0),
             jump_every_s: Some(1.0),
@@ -393,9 +512,10 @@ pub(crate) mod tests {
         }
     }
 
+    /// A burn of which all that steps R, S and F need is known.
     pub(crate) fn burn(volume_mm3: f64, frontal_area_mm2: f64, until: Until) -> Burn {
-        let [burned_area_mm2, undersize_mm, depth_to_width] = [None; 3];
-        Burn { volume_mm3, frontal_area_mm2, burned_area_mm2, undersize_mm, depth_to_width, until }
+        let burned_area_mm2 = Some(frontal_area_mm2);
+        Burn { burned_area_mm2, depth_to_width: Some(1.0), ..Burn::single(volume_mm3, frontal_area_mm2, until) }
     }
 
     fn names(choice: &Choice) -> String {
@@ -432,20 +552,75 @@ pub(crate) mod tests {
         let error = on(16.0).unwrap_err();
         assert!(error.to_string().contains("step F has 25.00 A/cm² on this area, 20.00 are allowed"), "{error}");
         // A rough finish on a small area is burned with a finer step, unless the step is named.
-        let rough = choose(&technology, &burn(1000.0, 50.0, Until::Vdi(36.0))).unwrap();
-        assert_eq!(names(&rough), "S");
+        let rough = burn(1000.0, 50.0, Until::Vdi(36.0));
+        assert_eq!(names(&choose(&technology, &rough).unwrap()), "S");
         assert!(choose(&technology, &burn(1000.0, 50.0, Until::Step("R".to_owned()))).is_err());
     }
 
+    fn with_undersize(undersize: f64) -> Burn {
+        Burn { undersize_mm: Some(undersize), ..burn(1000.0, 100.0, Until::Vdi(20.0)) }
+    }
+
     #[test]
-    fn no_gap_is_greater_than_the_undersize() {
-        let technology = complete();
-        let with = |undersize| {
-            let burn = Burn { undersize_mm: Some(undersize), ..burn(1000.0, 100.0, Until::Vdi(20.0)) };
-            choose(&technology, &burn).map(|choice| names(&choice))
+    fn gap_and_orbit_stay_within_the_undersize() {
+        let mut technology = complete();
+        let with = |technology: &Technology, undersize| {
+            let asked = with_undersize(undersize);
+            choose(technology, &asked).map(|choice| (names(&choice), choice.wall_stock_mm.unwrap()))
         };
-        assert_eq!([0.2, 0.15, 0.05].map(|undersize| with(undersize).unwrap()), ["RSF", "SF", "F"]);
-        assert!(matches!(with(0.04), Err(BurningError::GapBeyondUndersize { .. })));
+        for (undersize, steps, stock) in [(0.2, "RSF", 0.15), (0.15, "SF", 0.1), (0.05, "F", 0.0)] {
+            let (taken, left) = with(&technology, undersize).unwrap();
+            assert_eq!(taken, steps);
+            assert!((left - stock).abs() < 1e-12, "{left}");
+        }
+        assert!(matches!(with(&technology, 0.04), Err(BurningError::ReachBeyondUndersize { .. })));
+        // With an orbit of 0.1 mm the steps reach 0.3, 0.2 and 0.15 mm beyond the electrode.
+        technology.step.iter_mut().for_each(|step| step.orbit_mm = Some(0.1));
+        for (undersize, steps, stock) in [(0.35, "RSF", 0.2), (0.3, "RSF", 0.15), (0.2, "SF", 0.05), (0.15, "F", 0.0)] {
+            let (taken, left) = with(&technology, undersize).unwrap();
+            assert_eq!(taken, steps);
+            assert!((left - stock).abs() < 1e-12, "{left}");
+        }
+        let said = with(&technology, 0.14).unwrap_err().to_string();
+        assert!(
+            said.contains("step F reaches 0.1500 mm beyond the electrode (side gap 0.05 mm, orbit 0.1 mm)"),
+            "{said}"
+        );
+        // An orbit alone may reach too far.
+        technology.step[0].gap_side_mm = None;
+        assert_eq!(choose(&technology, &with_undersize(0.09)).unwrap_err().to_string().matches("step F").count(), 1);
+        technology.step[0].orbit_mm = Some(0.5);
+        assert_eq!(with(&technology, 0.3).unwrap().0, "SF");
+        // Without an orbit in the table the gap alone counts, and the result says so.
+        technology = complete();
+        technology.step.iter_mut().for_each(|step| step.orbit_mm = None);
+        let asked = with_undersize(0.2);
+        let choice = choose(&technology, &asked).unwrap();
+        assert_eq!(
+            choice.not_considered,
+            [Missing { figure: Figure::Orbit, steps: ["R", "S", "F"].map(Into::into).into() }]
+        );
+        let open = burn(1000.0, 100.0, Until::Vdi(20.0));
+        assert_eq!(choose(&technology, &open).unwrap().wall_stock_mm, None);
+    }
+
+    #[test]
+    fn burning_starts_at_a_step() {
+        let technology = complete();
+        let from = |from: &str, until| Burn { from: Some(from.to_owned()), ..burn(4.0, 100.0, until) };
+        let taken = |burn: Burn| choose(&technology, &burn).map(|choice| names(&choice)).map_err(|e| e.to_string());
+        // The finishing electrode removes all of its volume with F, although S would do for the first of it.
+        assert_eq!(taken(from("F", Until::Vdi(20.0))), Ok("F".to_owned()));
+        assert_eq!(
+            taken(Burn { pieces: burn(100.0, 100.0, Until::Vdi(20.0)).pieces, ..from("S", Until::Vdi(20.0)) }),
+            Ok("SF".to_owned())
+        );
+        // A finish that a step before the start has is reached at the start.
+        assert_eq!(taken(from("S", Until::Vdi(36.0))), Ok("S".to_owned()));
+        assert_eq!(taken(from("S", Until::Step("S".to_owned()))), Ok("S".to_owned()));
+        assert!(taken(from("X", Until::Vdi(20.0))).unwrap_err().contains("there is no step X"));
+        let said = taken(from("F", Until::Step("S".to_owned()))).unwrap_err();
+        assert_eq!(said, "from is F: burning ends at step S, before it; start at that step or at one before it");
     }
 
     #[test]
@@ -454,7 +629,8 @@ pub(crate) mod tests {
         let volumes = |volume, burned| {
             let burn = Burn { burned_area_mm2: burned, ..burn(volume, 100.0, Until::Vdi(20.0)) };
             let choice = choose(&technology, &burn).unwrap();
-            assert_eq!(choice.burned_area_given, burned.is_some());
+            let without_area = Missing { figure: Figure::BurnedArea, steps: Vec::new() };
+            assert_eq!(choice.not_considered.contains(&without_area), burned.is_none() && volume > 0.0);
             choice.steps.iter().map(|chosen| chosen.volume_mm3.unwrap()).collect::<Vec<_>>()
         };
         // S gets 0.1 mm over the area, F 0.05 mm.
@@ -463,6 +639,29 @@ pub(crate) mod tests {
         assert_eq!(volumes(12.0, None), [7.0, 5.0]);
         assert_eq!(volumes(4.0, None), [4.0]);
         assert_eq!(volumes(0.0, None), [0.0]);
+    }
+
+    /// Without S the step F removes what R leaves for S and what S would leave for F: 0.15 mm.
+    #[test]
+    fn layers_of_steps_that_are_not_taken_are_left() {
+        let mut technology = complete();
+        technology.step[1].ip_a = Some(2000.0);
+        let asked = burn(1000.0, 100.0, Until::Vdi(20.0));
+        let volumes = |technology: &Technology| {
+            let choice = choose(technology, &asked).unwrap();
+            let missing: Vec<String> = choice.missing.iter().map(ToString::to_string).collect();
+            (
+                names(&choice),
+                choice.steps.iter().map(|chosen| chosen.volume_mm3).collect::<Vec<_>>(),
+                missing.join("; "),
+            )
+        };
+        let (steps, of_steps, missing) = volumes(&technology);
+        assert_eq!((steps.as_str(), missing.as_str()), ("RF", ""));
+        assert!((of_steps[0].unwrap() - 985.0).abs() < 1e-9 && (of_steps[1].unwrap() - 15.0).abs() < 1e-9);
+        technology.step[1].stock_next_mm = None;
+        let missing = "stock left for the next step of step S is not given".to_owned();
+        assert_eq!(volumes(&technology), ("RF".to_owned(), vec![None, None], missing));
     }
 
     #[test]
@@ -478,7 +677,7 @@ pub(crate) mod tests {
         };
         let all = [Some(985.0), Some(10.0), Some(5.0)].to_vec();
         assert_eq!(without(|_| {}), (all.clone(), String::new(), String::new()));
-        let of_both = |figure: &str| format!("{figure} of step R is not given; {figure} of step S is not given");
+        let of_both = |figure: &str| format!("{figure} of steps R, S is not given");
         assert_eq!(without(|s| s.vdi = None), (all.clone(), String::new(), of_both("finish")));
         assert_eq!(without(|s| s.ip_a = None), (all.clone(), String::new(), of_both("peak current")));
         let density = of_both("greatest current density");
@@ -488,11 +687,30 @@ pub(crate) mod tests {
         assert_eq!(without(|s| s.stock_next_mm = None), ([None; 3].to_vec(), stock, String::new()));
     }
 
+    /// Neither a density nor a range of areas nor the area of the rate: 80 A on 1 mm² would pass.
+    #[test]
+    fn a_current_that_nothing_bounds_is_missing() {
+        let open = Technology { area_range_mm2: None, ..complete() };
+        let asked = burn(1000.0, 100.0, Until::Vdi(20.0));
+        let without = |change: fn(&mut Step)| {
+            let mut technology = open.clone();
+            technology.step.iter_mut().for_each(change);
+            let choice = choose(&technology, &asked).unwrap();
+            let figures = |list: &[Missing]| list.iter().map(|missing| missing.figure).collect::<Vec<_>>();
+            (figures(&choice.missing), figures(&choice.not_considered))
+        };
+        let none = || Vec::<Figure>::new();
+        assert_eq!(without(|s| s.at_area_mm2 = None), (none(), none()));
+        assert_eq!(without(|s| s.max_density_a_cm2 = None), (none(), vec![Figure::Density]));
+        assert_eq!(without(|s| [s.max_density_a_cm2, s.at_area_mm2] = [None; 2]), (vec![Figure::Density], none()));
+        assert_eq!(without(|s| [s.ip_a, s.at_area_mm2] = [None; 2]), (vec![Figure::PeakCurrent], none()));
+    }
+
     #[test]
     fn a_burn_is_read_and_written() {
-        let text = "volume_mm3 = 10.0\nfrontal_area_mm2 = 5.0\n\n[until]\nra_um = 1.6\n";
+        let text = "from = \"S\"\n\n[until]\nra_um = 1.6\n\n[[pieces]]\nvolume_mm3 = 10.0\nfrontal_area_mm2 = 5.0\n";
         let read: Burn = toml::from_str(text).unwrap();
-        assert_eq!(read, burn(10.0, 5.0, Until::RaUm(1.6)));
+        assert_eq!(read, Burn { from: Some("S".to_owned()), ..Burn::single(10.0, 5.0, Until::RaUm(1.6)) });
         assert_eq!(toml::to_string(&read).unwrap(), text, "what is not given is not written");
         assert!(toml::from_str::<Burn>(&text.replace("ra_um", "shine")).is_err());
     }
@@ -501,10 +719,13 @@ pub(crate) mod tests {
     fn without_any_finish_there_is_no_choice() {
         let mut technology = complete();
         technology.step.iter_mut().for_each(|step| step.vdi = None);
-        let choice = choose(&technology, &burn(1.0, 100.0, Until::Vdi(30.0))).unwrap();
+        let asked = burn(1.0, 100.0, Until::Vdi(30.0));
+        let choice = choose(&technology, &asked).unwrap();
         assert!(choice.steps.is_empty());
-        assert_eq!(choice.missing.len(), 3);
-        assert_eq!(choice.missing[0].to_string(), "finish of step R is not given");
+        assert_eq!(
+            choice.missing.iter().map(ToString::to_string).collect::<String>(),
+            "finish of steps R, S, F is not given"
+        );
         // The roughness does for the class.
         technology.step[2].ra_um = Some(1.0);
         assert_eq!(until(&technology, Until::Vdi(30.0)), "RSF");
@@ -520,8 +741,19 @@ pub(crate) mod tests {
         assert!(said[1].contains("depth to width 6.00; the technology is valid up to 5"), "{said:?}");
         // Without a range nothing is outside, and without a depth nothing is too deep.
         let open = Technology { area_range_mm2: None, greatest_depth_to_width: None, ..complete() };
-        assert!(choose(&open, &deep).unwrap().outside.is_empty());
-        assert_eq!(choose(&technology, &Burn { depth_to_width: None, ..deep }).unwrap().outside.len(), 1);
+        let unlimited = choose(&open, &deep).unwrap();
+        let depth = [Missing { figure: Figure::Depth, steps: Vec::new() }];
+        assert!(unlimited.outside.is_empty());
+        assert_eq!(unlimited.not_considered, depth, "a depth without a limit");
+        let flat = Burn { depth_to_width: None, ..deep };
+        let unknown = choose(&technology, &flat).unwrap();
+        assert_eq!((unknown.outside.len(), unknown.not_considered.as_slice()), (1, depth.as_slice()));
+        // The entry with little area is outside as well.
+        let small = Piece { volume_mm3: 1.0, frontal_area_mm2: 2.0 };
+        let mut entry = burn(1000.0, 900.0, Until::Vdi(20.0));
+        entry.pieces.push(small);
+        let said = choose(&technology, &entry).unwrap().outside[0].to_string();
+        assert_eq!(said, "frontal area 2.00 to 900.00 mm²; the technology is valid from 10 to 1000 mm²");
         let shallow = Burn { depth_to_width: Some(5.0), ..burn(1000.0, 1000.0, Until::Vdi(20.0)) };
         assert!(choose(&technology, &shallow).unwrap().outside.is_empty());
         for wrong in [f64::NAN, -1.0, f64::INFINITY] {
@@ -529,6 +761,9 @@ pub(crate) mod tests {
             assert!(choose(&technology, &burn(1.0, wrong, Until::Vdi(20.0))).is_err());
             assert!(choose(&technology, &burn(1.0, 100.0, Until::RaUm(wrong))).is_err());
         }
+        let empty = Burn { pieces: Vec::new(), ..shallow };
+        let said = choose(&technology, &empty).unwrap_err().to_string();
+        assert_eq!(said, "pieces: there are 0; from 1 to 100000 are possible");
     }
 
     proptest! {

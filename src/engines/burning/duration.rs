@@ -3,8 +3,8 @@
 use files::{Invalid, Validate};
 use serde::{Deserialize, Serialize};
 
-use crate::choice::{Burn, Choice, Figure, Missing, Outside, choose};
-use crate::technology::{Basis, Calibration, Step, Technology};
+use crate::choice::{Burn, Choice, Figure, Missing, Outside};
+use crate::technology::{AREA_MM2, Basis, Calibration, Step};
 use crate::{BurningError, rules};
 
 /// Minutes with the least and the greatest that finished burns make likely.
@@ -32,7 +32,7 @@ impl Spread {
         Self { least: Some(mean), mean, greatest: Some(mean) }
     }
 
-    /// Both after each other. The spread is known if both are; all burns are taken to be slow or fast together.
+    /// Sum of two times, one after the other. The spread is known if both are; all burns are taken to be slow or fast together.
     #[must_use]
     pub fn plus(self, other: Self) -> Self {
         let sum = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a + b);
@@ -62,13 +62,13 @@ impl Validate for Spread {
     }
 }
 
-/// Minutes around a burn.
+/// Minutes around several burns.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Overhead {
-    /// Setting up, positioning and measuring for one burn (minutes).
+    /// Setting up the workpiece and the first electrode (minutes), once.
     pub setup_min: f64,
-    /// Changing the electrode for one burn (minutes).
+    /// Changing to the next electrode, with positioning and measuring it (minutes), before each burn but the first.
     pub change_min: f64,
 }
 
@@ -79,12 +79,12 @@ impl Validate for Overhead {
     }
 }
 
-/// What finished burns of a technology say about estimated minutes.
+/// Ratio of measured to estimated minutes in the finished burns of a technology.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Calibrated {
     /// Number of finished burns.
     pub count: usize,
-    /// Geometric mean of measured to estimated minutes.
+    /// Sum of the measured minutes by sum of the estimated minutes.
     pub mean: f64,
     /// Least ratio; none for a single burn, which has no spread.
     pub least: Option<f64>,
@@ -95,25 +95,26 @@ pub struct Calibrated {
 impl Calibrated {
     /// Ratio of measured to estimated minutes of these finished burns; none without any.
     ///
-    /// The ratio is a factor, so its mean is the geometric one: twice as long and half as long cancel.
+    /// The mean is the ratio of the sums, so that the scaled estimates of the same burns add up to the measured minutes.
     ///
     /// # Errors
     /// The first burn whose minutes are not possible.
     pub fn from_burns<'a>(burns: impl IntoIterator<Item = &'a Calibration>) -> Result<Option<Self>, Invalid> {
-        let (mut count, mut sum) = (0_usize, 0.0);
+        let (mut count, mut measured, mut estimated) = (0_usize, 0.0, 0.0);
         let [mut least, mut greatest] = [f64::INFINITY, 0.0_f64];
         for (i, burn) in burns.into_iter().enumerate() {
             burn.validate().map_err(|problem| problem.within(&format!("calibration[{i}]")))?;
             let ratio = burn.measured_min / burn.estimated_min;
             count += 1;
-            sum += ratio.ln();
+            measured += burn.measured_min;
+            estimated += burn.estimated_min;
             [least, greatest] = [least.min(ratio), greatest.max(ratio)];
         }
         if count == 0 {
             return Ok(None);
         }
         // Rounding must not put the mean outside its limits.
-        let mean = (sum / count as f64).exp().max(least).min(greatest);
+        let mean = (measured / estimated).max(least).min(greatest);
         let spread = |ratio| (count > 1).then_some(ratio);
         Ok(Some(Self { count, mean, least: spread(least), greatest: spread(greatest) }))
     }
@@ -131,7 +132,7 @@ pub struct StepTime {
     pub step: String,
     /// Volume that it removes (mm³); none if not known.
     pub volume_mm3: Option<f64>,
-    /// Removal rate on this area without jumps (mm³ per minute); none if not given.
+    /// Mean removal rate on the areas of the burn, without jumps (mm³ per minute); none if not given.
     pub rate_mm3_min: Option<f64>,
     /// Factor by which jumps lengthen the time; none if they are not given.
     pub jump_factor: Option<f64>,
@@ -139,27 +140,25 @@ pub struct StepTime {
     pub minutes: Option<f64>,
 }
 
-/// Time of a burn.
+/// Time of a burn, without set-up and changing.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BurnTime {
     /// Id of the technology.
     pub technology: String,
-    /// What the figures of the technology rest on.
+    /// Foundation of the figures of the technology.
     pub basis: Basis,
+    /// Origin of the figures of the technology, and the range in which they are valid.
+    pub source: String,
     /// The steps, from rough to fine.
     pub steps: Vec<StepTime>,
-    /// Whether layers are counted over the burned surface; over the frontal area where that is not known.
-    pub burned_area_given: bool,
+    /// Stock that the last step leaves on the walls (mm): undersize less its side gap and orbit; none if not known.
+    pub wall_stock_mm: Option<f64>,
     /// Finished burns that scale the time; none if there are none.
     pub calibration: Option<Calibrated>,
     /// Time of burning with jumps, not calibrated (minutes); none if a figure is missing.
     pub estimated_min: Option<f64>,
     /// Time of burning with jumps, calibrated (minutes); none if a figure is missing.
     pub burning: Option<Spread>,
-    /// Minutes of set-up and changing.
-    pub overhead: Overhead,
-    /// Time with set-up and changing (minutes); none if a figure is missing.
-    pub total: Option<Spread>,
     /// Figures without which there is no time.
     pub missing: Vec<Missing>,
     /// Figures that the time does without.
@@ -168,86 +167,96 @@ pub struct BurnTime {
     pub outside: Vec<Outside>,
 }
 
-/// Time of a burn with a technology, scaled by finished burns where there are any.
-///
-/// Chooses the steps, then as [`time_of_steps`].
-///
-/// # Errors
-/// As [`choose`], and for minutes that are not possible.
-pub fn burn_time(
-    technology: &Technology,
-    burn: &Burn,
-    calibration: Option<&Calibrated>,
-    overhead: Overhead,
-) -> Result<BurnTime, BurningError> {
-    time_of_steps(&choose(technology, burn)?, calibration, overhead)
-}
-
-/// Time of chosen steps: the sum of volume / (rate times area factor) times the jump factor, scaled by finished burns,
-/// plus set-up and changing.
-///
-/// Calibration scales burning only. A step whose rate is stated without an area has this rate on every area.
+/// Time of chosen steps: the sum over steps and pieces of volume / (rate times area factor) times the jump factor, scaled
+/// by finished burns.
 ///
 /// # Errors
-/// [`BurningError`] for minutes that are not possible.
-pub fn time_of_steps(
-    choice: &Choice,
-    calibration: Option<&Calibrated>,
-    overhead: Overhead,
-) -> Result<BurnTime, BurningError> {
-    overhead.validate()?;
+/// [`BurningError`] for areas that are not possible.
+pub(crate) fn time_of(choice: &Choice, calibration: Option<Calibrated>) -> Result<BurnTime, BurningError> {
     let (mut missing, mut not_considered) = (choice.missing.clone(), choice.not_considered.clone());
     let mut steps = Vec::with_capacity(choice.steps.len());
     for chosen in &choice.steps {
-        let step = chosen.step;
-        let area_factor =
-            step.at_area_mm2.map_or(Ok(1.0), |stated| rules::area_factor(choice.frontal_area_mm2, stated))?;
-        let rate = step.rate_mm3_min.map(|rate| rate * area_factor);
+        let (step, volume_mm3) = (chosen.step, chosen.volume_mm3);
+        let rate = mean_rate(step, choice.burn)?;
         let jump_factor = jump_factor(step);
-        let minutes = match (chosen.volume_mm3, rate) {
+        let minutes = match (volume_mm3, rate) {
             (Some(0.0), _) => Some(0.0),
             (volume, Some(rate)) => volume.map(|volume| volume / rate * jump_factor.unwrap_or(1.0)),
             (_, None) => {
-                missing.push(Missing::of(step, Figure::Rate));
+                Missing::add(&mut missing, Figure::Rate, step);
                 None
             }
         };
-        let unstated = (rate.is_some() && step.at_area_mm2.is_none()).then_some(Figure::RateArea);
-        let no_jump = jump_factor.is_none().then_some(Figure::Jump);
-        not_considered.extend([unstated, no_jump].into_iter().flatten().map(|figure| Missing::of(step, figure)));
-        let volume_mm3 = chosen.volume_mm3;
+        if rate.is_some() && step.at_area_mm2.is_none() {
+            Missing::add(&mut not_considered, Figure::RateArea, step);
+        }
+        if jump_factor.is_none() {
+            Missing::add(&mut not_considered, Figure::Jump, step);
+        }
         steps.push(StepTime { step: step.name.clone(), volume_mm3, rate_mm3_min: rate, jump_factor, minutes });
     }
     // No step at all is no time of zero: the steps are not known.
     let all: Option<f64> = steps.iter().map(|step| step.minutes).sum();
     let estimated_min = all.filter(|_| !steps.is_empty() && missing.is_empty());
-    let burning = estimated_min
-        .map(|estimated| calibration.map_or(Spread::exactly(estimated), |calibration| calibration.scale(estimated)));
-    let around = Spread::certain(overhead.setup_min + overhead.change_min);
     Ok(BurnTime {
         technology: choice.technology.id.clone(),
         basis: choice.technology.basis,
+        source: choice.technology.source.clone(),
         steps,
-        burned_area_given: choice.burned_area_given,
-        calibration: calibration.copied(),
+        wall_stock_mm: choice.wall_stock_mm,
+        calibration,
         estimated_min,
-        burning,
-        overhead,
-        total: burning.map(|burning| burning.plus(around)),
+        burning: estimated_min.map(|estimated| {
+            calibration.map_or(Spread::exactly(estimated), |calibration| calibration.scale(estimated))
+        }),
         missing,
         not_considered,
         outside: choice.outside.clone(),
     })
 }
 
-/// Time of several burns, one after the other, with their set-up and changing (minutes): those of a channel, or of a
-/// mold. None if one of them is not known.
-pub fn sum_of<'a>(times: impl IntoIterator<Item = &'a BurnTime>) -> Option<Spread> {
-    times.into_iter().try_fold(Spread::certain(0.0), |sum, time| Some(sum.plus(time.total?)))
+/// Mean removal rate of a step over the pieces of a burn (mm³ per minute); none if no rate is given.
+///
+/// A piece slows the step down where its area is smaller than the area of the rate, or than the one on which the density
+/// of the step allows its current. A step without either has its rate on every area. Each step removes the same share of
+/// every piece.
+fn mean_rate(step: &Step, burn: &Burn) -> Result<Option<f64>, BurningError> {
+    let Some(rate) = step.rate_mm3_min else { return Ok(None) };
+    let of_current =
+        step.ip_a.zip(step.max_density_a_cm2).map(|(current, limit)| rules::area_of_density_mm2(current, limit));
+    let [least, greatest] = AREA_MM2;
+    let full_from = step.at_area_mm2.into_iter().chain(of_current).reduce(f64::max);
+    let Some(full_from) = full_from.map(|area| area.clamp(least, greatest)) else { return Ok(Some(rate)) };
+    let volume = burn.volume_mm3();
+    if volume == 0.0 {
+        return Ok(Some(rate * rules::area_factor(burn.frontal_area_mm2(), full_from)?));
+    }
+    let mut slowness = 0.0;
+    for piece in &burn.pieces {
+        slowness += piece.volume_mm3 / volume / rules::area_factor(piece.frontal_area_mm2, full_from)?;
+    }
+    Ok(Some(rate / slowness))
+}
+
+/// Time of several burns, one after the other, with set-up and changing (minutes): those of a channel, or of a mold.
+/// None if one of them is not known.
+///
+/// # Errors
+/// [`Invalid`] for minutes of set-up or changing that are not possible.
+pub fn sum_of<'a>(
+    times: impl IntoIterator<Item = &'a BurnTime>,
+    overhead: Overhead,
+) -> Result<Option<Spread>, Invalid> {
+    overhead.validate()?;
+    let add = |sum: Spread, (i, time): (usize, &BurnTime)| {
+        let change = Spread::certain(if i > 0 { overhead.change_min } else { 0.0 });
+        Some(sum.plus(change).plus(time.burning?))
+    };
+    Ok(times.into_iter().enumerate().try_fold(Spread::certain(overhead.setup_min), add))
 }
 
 /// Factor by which jumps lengthen burning: 1 + (2 height / speed) / interval. None unless all three are given.
-pub fn jump_factor(step: &Step) -> Option<f64> {
+fn jump_factor(step: &Step) -> Option<f64> {
     const SECONDS: f64 = 60.0;
     let (height, (interval, speed)) = step.jump_mm.zip(step.jump_every_s.zip(step.jump_speed))?;
     let factor = 1.0 + SECONDS * 2.0 * height / speed / interval;
@@ -260,8 +269,9 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::choice::Until;
     use crate::choice::tests::{burn, complete};
+    use crate::choice::{Piece, Until, choose};
+    use crate::technology::Technology;
 
     /// A change of a step.
     type Change = fn(&mut Step);
@@ -278,22 +288,20 @@ mod tests {
     }
 
     fn time(technology: &Technology, volume: f64, area: f64) -> BurnTime {
-        burn_time(technology, &burn(volume, area, Until::Vdi(20.0)), None, Overhead::default()).unwrap()
+        time_of(&choose(technology, &burn(volume, area, Until::Vdi(20.0))).unwrap(), None).unwrap()
     }
 
     /// 985 / 40 + 10 / 10 + 5 / 2 minutes; a jump of 2 mm at 80 mm/s takes 0.05 s in each second of burning.
     #[test]
     fn minutes_are_those_computed_by_hand() {
-        let overhead = Overhead { setup_min: 10.0, change_min: 3.0 };
-        let asked = burn(1000.0, 100.0, Until::Vdi(20.0));
-        let time = burn_time(&complete(), &asked, None, overhead).unwrap();
+        let time = super::tests::time(&complete(), 1000.0, 100.0);
         let minutes = (985.0 / 40.0 + 10.0 / 10.0 + 5.0 / 2.0) * 1.05;
         assert!((time.estimated_min.unwrap() - minutes).abs() < 1e-12);
-        let [burning, total] = [time.burning.unwrap(), time.total.unwrap()];
-        assert!((burning.mean - minutes).abs() < 1e-12 && (total.mean - minutes - 13.0).abs() < 1e-12);
-        assert_eq!((burning.least, total.greatest), (None, None), "without finished burns there is no spread");
-        let rests_on = (time.technology.as_str(), time.basis, time.burned_area_given, time.calibration);
-        assert_eq!(rests_on, ("complete", Basis::Measured, false, None));
+        let burning = time.burning.unwrap();
+        assert!((burning.mean - minutes).abs() < 1e-12);
+        assert_eq!((burning.least, burning.greatest), (None, None), "without finished burns there is no spread");
+        let rests_on = (time.technology.as_str(), time.basis, time.source.as_str(), time.calibration);
+        assert_eq!(rests_on, ("complete", Basis::Measured, "test", None));
         assert_eq!(time.steps.iter().map(|step| step.step.as_str()).collect::<String>(), "RSF");
         assert!(time.missing.is_empty() && time.not_considered.is_empty() && time.outside.is_empty());
         // Half the stated area, where only S and F may burn: the rate falls by 0.5^0.437.
@@ -302,27 +310,50 @@ mod tests {
         assert!((half.estimated_min.unwrap() - minutes).abs() < 1e-9);
     }
 
+    /// 100 mm³ on 10 mm², then 900 mm³ on 100 mm²: the entry burns at 0.1^0.437 of the rate.
     #[test]
-    fn finished_burns_scale_burning_but_not_the_overhead() {
+    fn an_entry_with_little_area_is_slow() {
+        let mut asked = burn(900.0, 100.0, Until::Vdi(20.0));
+        asked.pieces.insert(0, Piece { volume_mm3: 100.0, frontal_area_mm2: 10.0 });
+        let mut technology = complete();
+        let minutes = |technology: &Technology| time_of(&choose(technology, &asked).unwrap(), None).unwrap();
+        let whole = time(&technology, 1000.0, 100.0).estimated_min.unwrap();
+        let slow = whole * (0.9 + 0.1 / 0.1f64.powf(0.437));
+        assert!((minutes(&technology).estimated_min.unwrap() - slow).abs() < 1e-9);
+        // Rates without an area: R needs 100 mm² for its current, S 50 mm² and F 20 mm².
+        technology.step.iter_mut().for_each(|step| step.at_area_mm2 = None);
+        let of_step =
+            |volume: f64, rate: f64, least: f64| 1.05 * volume / rate * (0.9 + 0.1 / (10.0 / least).powf(0.437));
+        let slow = of_step(985.0, 40.0, 100.0) + of_step(10.0, 10.0, 50.0) + of_step(5.0, 2.0, 20.0);
+        let time = minutes(&technology);
+        assert!((time.estimated_min.unwrap() - slow).abs() < 1e-9);
+        assert_eq!(time.not_considered[0].to_string(), "area of the rate of steps R, S, F is not given");
+        // Equal pieces are one.
+        let mut cut = burn(500.0, 100.0, Until::Vdi(20.0));
+        cut.pieces.push(Piece { volume_mm3: 500.0, frontal_area_mm2: 100.0 });
+        let cut = time_of(&choose(&complete(), &cut).unwrap(), None).unwrap();
+        assert!((cut.estimated_min.unwrap() - whole).abs() < 1e-9);
+    }
+
+    #[test]
+    fn finished_burns_scale_burning() {
         let ratios = |pairs: &[[f64; 2]]| Calibrated::from_burns(&finished(pairs)).unwrap();
         assert_eq!(ratios(&[]), None);
         let one = Calibrated { count: 1, mean: 1.25, least: None, greatest: None };
         assert_eq!(ratios(&[[80.0, 100.0]]), Some(one));
-        // Twice and half as long cancel.
-        let two = ratios(&[[10.0, 20.0], [30.0, 15.0]]).unwrap();
-        assert_eq!((two.count, two.least, two.greatest), (2, Some(0.5), Some(2.0)));
-        assert!((two.mean - 1.0).abs() < 1e-15);
+        // 40 minutes were estimated and 35 measured, although the ratios are 2 and 0.5.
+        let two = Calibrated { count: 2, mean: 35.0 / 40.0, least: Some(0.5), greatest: Some(2.0) };
+        assert_eq!(ratios(&[[10.0, 20.0], [30.0, 15.0]]), Some(two));
         let same = ratios(&[[3.0, 1.0], [3.0, 1.0], [3.0, 1.0]]).unwrap();
         assert!(same.least.unwrap() <= same.mean && same.mean <= same.greatest.unwrap());
         assert!(Calibrated::from_burns(&finished(&[[0.0, 1.0]])).is_err());
-        let overhead = Overhead { setup_min: 7.0, change_min: 0.0 };
         let asked = burn(1000.0, 100.0, Until::Vdi(20.0));
-        let three = ratios(&[[10.0, 9.0], [10.0, 16.0], [10.0, 12.0]]).unwrap();
-        let time = burn_time(&complete(), &asked, Some(&three), overhead).unwrap();
-        let estimated = time.estimated_min.unwrap();
-        let total = time.total.unwrap();
-        for (value, ratio) in [(total.least.unwrap(), 0.9), (total.mean, 1.2), (total.greatest.unwrap(), 1.6)] {
-            assert!((value - 7.0 - ratio * estimated).abs() < 1e-9, "{ratio}");
+        let three = ratios(&[[10.0, 9.0], [10.0, 16.0], [10.0, 11.0]]).unwrap();
+        let technology = complete();
+        let time = time_of(&choose(&technology, &asked).unwrap(), Some(three)).unwrap();
+        let (estimated, burning) = (time.estimated_min.unwrap(), time.burning.unwrap());
+        for (value, ratio) in [(burning.least.unwrap(), 0.9), (burning.mean, 1.2), (burning.greatest.unwrap(), 1.6)] {
+            assert!((value - ratio * estimated).abs() < 1e-9, "{ratio}");
         }
         assert_eq!(time.calibration, Some(three));
     }
@@ -342,7 +373,7 @@ mod tests {
         ];
         for (change, said) in blocked {
             let time = without(change);
-            assert_eq!((time.estimated_min, time.burning, time.total), (None, None, None), "{said}");
+            assert_eq!((time.estimated_min, time.burning), (None, None), "{said}");
             assert_eq!(text(&time.missing), said);
             assert_eq!(time.steps[2].minutes, Some(5.0 / 2.0 * 1.05), "what is known of the others stays");
         }
@@ -380,7 +411,7 @@ mod tests {
         let mut nameless = complete();
         nameless.step.iter_mut().for_each(|step| step.vdi = None);
         let time = time(&nameless, 1000.0, 100.0);
-        assert_eq!((time.estimated_min, time.missing.len()), (None, 3), "no step is not no time");
+        assert_eq!((time.estimated_min, time.missing.len()), (None, 1), "no step is not no time");
     }
 
     #[test]
@@ -389,10 +420,16 @@ mod tests {
         let mut technology = complete();
         technology.step[2].rate_mm3_min = None;
         let unknown = time(&technology, 1000.0, 100.0);
-        let twice = sum_of([&known, &known]).unwrap();
-        assert!((twice.mean - 2.0 * known.total.unwrap().mean).abs() < 1e-12);
-        assert_eq!(sum_of([&known, &unknown]), None, "a missing time is not zero");
-        assert_eq!(sum_of([]), Some(Spread::certain(0.0)));
+        let minutes = known.burning.unwrap().mean;
+        let twice = sum_of([&known, &known], Overhead::default()).unwrap().unwrap();
+        assert!((twice.mean - 2.0 * minutes).abs() < 1e-12);
+        // Set up once, changed twice.
+        let overhead = Overhead { setup_min: 30.0, change_min: 4.0 };
+        let three = sum_of([&known, &known, &known], overhead).unwrap().unwrap();
+        assert!((three.mean - 3.0 * minutes - 38.0).abs() < 1e-12);
+        assert_eq!(sum_of([&known, &unknown], overhead), Ok(None), "a missing time is not zero");
+        assert_eq!(sum_of([], Overhead::default()), Ok(Some(Spread::certain(0.0))));
+        assert!(sum_of([&known], Overhead { setup_min: -1.0, change_min: 0.0 }).is_err());
     }
 
     #[test]
@@ -412,8 +449,6 @@ mod tests {
         assert!(known.validate().is_ok());
         assert!(Spread { least: Some(3.0), ..known }.validate().is_err());
         assert!(Spread { greatest: Some(f64::NAN), ..known }.validate().is_err());
-        let wrong = Overhead { setup_min: -1.0, change_min: 0.0 };
-        assert!(burn_time(&complete(), &burn(1.0, 100.0, Until::Vdi(20.0)), None, wrong).is_err());
     }
 
     proptest! {

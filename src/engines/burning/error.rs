@@ -26,6 +26,14 @@ pub enum BurningError {
     /// A value that is not possible.
     #[error(transparent)]
     Invalid(#[from] Invalid),
+    /// The file has no technology of this id.
+    #[error("there is no technology {id}; those of the file are {ids}")]
+    NoSuchTechnology {
+        /// The id that was asked for.
+        id: String,
+        /// Ids of the technologies of the file.
+        ids: String,
+    },
     /// The technology has no step of this name.
     #[error("technology {technology}: there is no step {step}; its steps are {steps}")]
     NoSuchStep {
@@ -64,18 +72,21 @@ pub enum BurningError {
         /// Greatest density of the step (A/cm²).
         limit_a_cm2: f64,
     },
-    /// The side gap of the last step is greater than the electrode's undersize.
+    /// The side gap and the orbit of the last step reach beyond the electrode's undersize: the step would gouge.
     #[error(
-        "technology {technology}: step {step} has a side gap of {gap_mm} mm, the electrode is undersized by \
-         {undersize_mm} mm: take a finer step or a smaller electrode"
+        "technology {technology}: step {step} reaches {:.4} mm beyond the electrode (side gap {gap_mm} mm, orbit \
+         {orbit_mm} mm), the electrode is undersized by {undersize_mm} mm: take a finer step, a smaller orbit or a \
+         smaller electrode", gap_mm + orbit_mm
     )]
-    GapBeyondUndersize {
+    ReachBeyondUndersize {
         /// Id of the technology.
         technology: String,
         /// Name of the step.
         step: String,
         /// Side gap of the step (mm a side).
         gap_mm: f64,
+        /// Radius of the step's orbit (mm).
+        orbit_mm: f64,
         /// Undersize of the electrode (mm a side).
         undersize_mm: f64,
     },
@@ -84,7 +95,7 @@ pub enum BurningError {
     TooManyRows {
         /// The list.
         what: &'static str,
-        /// Its length, as far as it was counted.
+        /// Length of the list, as far as it was counted.
         rows: usize,
         /// Greatest length.
         most: usize,

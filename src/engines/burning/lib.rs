@@ -1,11 +1,13 @@
 //! Technology of die-sinking EDM: with which steps an electrode burns, how long that takes, how much the electrode
 //! wears, and when each channel of a wheel is finished.
 //!
-//! `TechnologyFile -> Technology -> chosen steps -> BurnTime -> Wear -> Schedule`
+//! [`TechnologyFile::estimate`](technology::TechnologyFile::estimate) answers minutes and wear of one electrode;
+//! [`schedule::schedule`] puts them together to the hours of a wheel, [`duration::sum_of`] to those of a mold.
 //!
 //! - [`technology`] is the table of a machine, generator or supplier: steps with current, pulse, gap, rate and wear.
 //! - [`rules`] has the default formulas, from which the built-in table ([`defaults::standard`]) was made.
-//! - [`choice`] takes the steps of a table that suit an electrode and shares the volume among them.
+//! - [`estimate`] is minutes and wear of an electrode in one call.
+//! - [`choice`] says what an electrode has to burn, takes the steps of a table that suit an electrode and shares the volume among them.
 //! - [`duration`] gives minutes, with what they rest on and what is missing.
 //! - [`wear`] gives the wear of electrodes, how many are needed, and which channels each of them burns.
 //! - [`schedule`] puts the burns of all channels of a wheel in order.
@@ -17,6 +19,7 @@ pub mod choice;
 pub mod defaults;
 pub mod duration;
 mod error;
+pub mod estimate;
 pub mod rules;
 pub mod schedule;
 pub mod technology;

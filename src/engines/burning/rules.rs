@@ -141,6 +141,11 @@ pub(crate) fn density_a_cm2(current_a: f64, area_mm2: f64) -> f64 {
     100.0 * current_a / area_mm2
 }
 
+/// Least frontal area (mm²) on which a density (A/cm², positive) allows a current (A).
+pub(crate) fn area_of_density_mm2(current_a: f64, density_a_cm2: f64) -> f64 {
+    100.0 * current_a / density_a_cm2
+}
+
 /// Factor of a removal rate that is stated at a frontal area, on another one (both mm²): (A / stated)^0.437 below the
 /// stated area, 1 above.
 ///
@@ -172,16 +177,17 @@ pub fn removal_ceiling_mm3_min(mean_current_a: f64, melting_c: f64) -> Result<f6
     Ok(4e4 * mean_current_a * melting_c.powf(-1.23))
 }
 
-/// Removal rate that the default technologies assume (mm³ per minute): [`ASSUMED_SHARE`] of the ceiling.
+/// Removal rate that the default technologies assume (mm³ per minute): [`ASSUMED_SHARE`] of the ceiling of a mean
+/// current (A).
 ///
-/// The default technologies know no pause between pulses and take the peak current for the mean current; the share
-/// stands for pauses, jumps of the servo and debris. The rate of fine steps is therefore rather too high. Finished
-/// burns correct it.
+/// The default technologies know no pause between pulses. For roughing and semi-finishing they take the peak current for
+/// the mean current; the share stands for pauses, jumps of the servo and debris. Finishing pauses for longer than it
+/// burns, by an unknown ratio: its steps have no rate. Finished burns correct the rates.
 ///
 /// # Errors
 /// As [`removal_ceiling_mm3_min`].
-pub fn removal_rate_mm3_min(current_a: f64, melting_c: f64) -> Result<f64, BurningError> {
-    Ok(ASSUMED_SHARE * removal_ceiling_mm3_min(current_a, melting_c)?)
+pub fn removal_rate_mm3_min(mean_current_a: f64, melting_c: f64) -> Result<f64, BurningError> {
+    Ok(ASSUMED_SHARE * removal_ceiling_mm3_min(mean_current_a, melting_c)?)
 }
 
 /// Thickness of the layer (mm) that a step leaves for the next one: the difference of their side gaps (mm a side).

@@ -49,12 +49,12 @@ pub struct Technology {
     /// Generator.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub generator: Option<String>,
-    /// Where the figures come from, and for what they are valid.
+    /// Origin of the figures, and the range in which they are valid.
     pub source: String,
     /// Licence of the figures.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub licence: Option<String>,
-    /// What the figures rest on; the weakest basis, where they differ.
+    /// Foundation of the figures; the weakest basis, where they differ.
     pub basis: Basis,
     /// Date of the figures, as year-month-day.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -86,7 +86,7 @@ pub struct Technology {
     pub step: Vec<Step>,
 }
 
-/// What figures rest on.
+/// Foundation of figures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Basis {
@@ -348,7 +348,7 @@ impl Validate for Step {
             ("wear_percent", self.wear_percent, [0.0, 1000.0], "%"),
             ("corner_wear_mm", self.corner_wear_mm, [0.0, 50.0], "mm"),
             ("orbit_mm", self.orbit_mm, [0.0, 50.0], "mm"),
-            ("stock_next_mm", self.stock_next_mm, [0.0, 50.0], "mm"),
+            ("stock_next_mm", self.stock_next_mm, [1e-4, 50.0], "mm"),
             ("jump_mm", self.jump_mm, [0.0, 1000.0], "mm"),
             ("jump_every_s", self.jump_every_s, [1e-2, 1e5], "s"),
             ("jump_speed", self.jump_speed, [1.0, 1e5], "mm/min"),
@@ -374,7 +374,8 @@ impl Validate for Calibration {
     }
 }
 
-fn within(key: &str, value: Option<f64>, range: [f64; 2], unit: &str) -> Result<(), Invalid> {
+/// Refuses a value that is given and not within the range.
+pub(crate) fn within(key: &str, value: Option<f64>, range: [f64; 2], unit: &str) -> Result<(), Invalid> {
     value.map_or(Ok(()), |value| Invalid::unless_within(key, value, range, unit))
 }
 
@@ -455,6 +456,7 @@ mod tests {
             ("on_us = inf", "step[0].on_us is inf"),
             ("wear_percent = -1.0", "step[0].wear_percent is -1"),
             ("jump_every_s = 0.0", "step[0].jump_every_s is 0"),
+            ("stock_next_mm = 0.0", "step[0].stock_next_mm is 0"),
             ("vdi = 30.0\nra_um = 1.0", "is VDI 20.0, but vdi is 30"),
             ("colour = 1", "unknown field `colour`"),
         ] {

@@ -7,7 +7,7 @@ use files::{Invalid, Validate};
 use serde::{Deserialize, Serialize};
 
 use crate::choice::{Choice, Figure, Missing};
-use crate::technology::AREA_MM2;
+use crate::technology::within;
 use crate::{BurningError, MOST_ROWS};
 
 /// Share of the allowed wear that is taken for rounding.
@@ -18,7 +18,7 @@ const LENGTH_MM: [f64; 2] = [1e-3, 10_000.0];
 /// Wear of an electrode.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Wear {
-    /// Length that the front loses (mm); none if it is not considered.
+    /// Length that the front loses (mm), where it burns along all of the path; none if it is not considered.
     pub end_mm: Option<f64>,
     /// Wear of the edges (mm), beyond the wear of the front; none if it is not considered.
     pub corner_mm: Option<f64>,
@@ -26,45 +26,38 @@ pub struct Wear {
     pub missing: Vec<Missing>,
 }
 
-/// Length that the front of an electrode loses (mm): wear share times removed volume (mm³) / frontal area (mm²).
-///
-/// The wear share is the volume that the electrode loses per volume that it removes: percent / 100. The rule takes all
-/// of the wear from the front.
-///
-/// # Errors
-/// [`BurningError::Invalid`] for values that are not possible.
-pub fn end_wear_mm(wear_percent: f64, volume_mm3: f64, frontal_area_mm2: f64) -> Result<f64, BurningError> {
-    Invalid::unless_within("wear_percent", wear_percent, [0.0, 1000.0], "%")?;
-    Invalid::unless_within("volume_mm3", volume_mm3, [0.0, 1e9], "mm³")?;
-    Invalid::unless_within("frontal_area_mm2", frontal_area_mm2, AREA_MM2, "mm²")?;
-    Ok(0.01 * wear_percent * volume_mm3 / frontal_area_mm2)
-}
-
 impl Wear {
     /// Wear of an electrode in one burn with these steps: the sums of the end wear and of the corner wear of the steps.
     ///
-    /// One step without a figure leaves the sum unknown. Steps that remove nothing wear nothing.
-    ///
-    /// # Errors
-    /// [`BurningError::Invalid`] for values that are not possible.
-    pub fn of_burn(choice: &Choice) -> Result<Self, BurningError> {
+    /// End wear is the wear share (percent / 100) times the sum over the pieces of removed volume / frontal area: all of
+    /// the wear is taken from the front, and the part of the front that enters first burns in every piece. One step
+    /// without a figure leaves the sum unknown. Steps that remove nothing wear nothing.
+    pub(crate) fn of_burn(choice: &Choice) -> Self {
         let burned = || choice.steps.iter().filter(|chosen| chosen.volume_mm3 != Some(0.0));
         let mut missing = choice.missing.clone();
-        let is_known = !choice.steps.is_empty();
+        // A current that nothing bounds may wear the electrode away on a small area.
+        let is_bounded = |missing: &Missing| !matches!(missing.figure, Figure::Density | Figure::PeakCurrent);
+        let is_known = !choice.steps.is_empty() && missing.iter().all(is_bounded);
+        let volume = choice.burn.volume_mm3();
+        let pieces = choice.burn.pieces.iter();
+        let length: f64 = pieces.map(|piece| piece.volume_mm3 / piece.frontal_area_mm2).sum();
         let [mut end, mut corner] = [is_known.then_some(0.0); 2];
         for chosen in burned() {
-            let one = match (chosen.step.wear_percent, chosen.volume_mm3) {
-                (Some(percent), Some(volume)) => Some(end_wear_mm(percent, volume, choice.frontal_area_mm2)?),
-                _ => None,
-            };
+            // A step that removes something is one of a burn with a volume.
+            let share = chosen.volume_mm3.map(|of_step| of_step / volume);
+            let one = chosen.step.wear_percent.zip(share).map(|(percent, share)| 0.01 * percent * share * length);
             end = end.zip(one).map(|(sum, one)| sum + one);
             corner = corner.zip(chosen.step.corner_wear_mm).map(|(sum, one)| sum + one);
         }
-        let percent = burned().filter(|chosen| chosen.step.wear_percent.is_none());
-        missing.extend(percent.map(|chosen| Missing::of(chosen.step, Figure::Wear)));
-        let edge = burned().filter(|chosen| chosen.step.corner_wear_mm.is_none());
-        missing.extend(edge.map(|chosen| Missing::of(chosen.step, Figure::CornerWear)));
-        Ok(Self { end_mm: end, corner_mm: corner, missing })
+        for chosen in burned() {
+            if chosen.step.wear_percent.is_none() {
+                Missing::add(&mut missing, Figure::Wear, chosen.step);
+            }
+            if chosen.step.corner_wear_mm.is_none() {
+                Missing::add(&mut missing, Figure::CornerWear, chosen.step);
+            }
+        }
+        Self { end_mm: end, corner_mm: corner, missing }
     }
 
     /// Wear after this many of the same burns.
@@ -74,21 +67,63 @@ impl Wear {
         Self { end_mm: times(self.end_mm), corner_mm: times(self.corner_mm), missing: self.missing.clone() }
     }
 
-    /// Share of the allowed wear that is used up; the greater one of front and edges. None if nothing is limited, or if
-    /// a wear that is limited is not known: wear is then not considered.
+    /// Share of the allowed wear that is used up; the greater one of front and edges.
     ///
     /// # Errors
     /// [`BurningError::Invalid`] for limits that are not possible.
-    pub fn share_of(&self, allowed: AllowedWear) -> Result<Option<f64>, BurningError> {
+    pub fn share_of(&self, allowed: AllowedWear) -> Result<WearShare, BurningError> {
         allowed.validate()?;
         let pairs = [(self.end_mm, allowed.end_mm), (self.corner_mm, allowed.corner_mm)];
-        let limited = pairs.into_iter().filter_map(|(wear, allowed)| allowed.map(|allowed| (wear, allowed)));
-        let mut greatest: Option<f64> = None;
-        for (wear, allowed) in limited {
-            let Some(wear) = wear else { return Ok(None) };
-            greatest = Some(greatest.unwrap_or(0.0).max(wear / allowed));
+        let (mut greatest, mut is_limited, mut is_known) = (0.0_f64, false, true);
+        for (wear, allowed) in pairs {
+            let Some(allowed) = allowed else { continue };
+            is_limited = true;
+            match wear {
+                Some(wear) => greatest = greatest.max(wear / allowed),
+                None => is_known = false,
+            }
         }
-        Ok(greatest)
+        Ok(match (is_limited, is_known) {
+            (false, _) => WearShare::Unlimited,
+            (true, true) => WearShare::Known(greatest),
+            (true, false) => WearShare::Unknown { at_least: greatest },
+        })
+    }
+}
+
+/// Share of the allowed wear that one burn uses up.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum WearShare {
+    /// Any wear is allowed: one electrode does for all burns.
+    Unlimited,
+    /// A wear that is limited is not known.
+    Unknown {
+        /// Share of the wear that is known; 0 if none is.
+        at_least: f64,
+    },
+    /// The share is known.
+    Known(f64),
+}
+
+impl Default for WearShare {
+    fn default() -> Self {
+        Self::Unknown { at_least: 0.0 }
+    }
+}
+
+impl WearShare {
+    /// Share that is used up at least.
+    pub const fn at_least(self) -> f64 {
+        match self {
+            Self::Unlimited => 0.0,
+            Self::Unknown { at_least } | Self::Known(at_least) => at_least,
+        }
+    }
+
+    /// Whether electrodes may wear faster than known.
+    pub const fn is_unknown(self) -> bool {
+        matches!(self, Self::Unknown { .. })
     }
 }
 
@@ -106,30 +141,15 @@ pub struct AllowedWear {
 
 impl Validate for AllowedWear {
     fn validate(&self) -> Result<(), Invalid> {
-        for (key, value) in [("end_mm", self.end_mm), ("corner_mm", self.corner_mm)] {
-            value.map_or(Ok(()), |value| Invalid::unless_within(key, value, [1e-4, 1000.0], "mm"))?;
-        }
-        Ok(())
+        within("end_mm", self.end_mm, [1e-4, 1000.0], "mm")?;
+        within("corner_mm", self.corner_mm, [1e-4, 1000.0], "mm")
     }
 }
 
-/// Number of electrodes that a wear needs: ceil(wear / allowed), at least one (both mm).
-///
-/// It is the least number; more are needed where an electrode must burn whole channels ([`share_out`]).
-///
-/// # Errors
-/// [`BurningError`] for values that are not possible, and for more than [`MOST_ROWS`] electrodes.
-pub fn electrodes_needed(wear_mm: f64, allowed_mm: f64) -> Result<usize, BurningError> {
-    Invalid::unless_within("wear_mm", wear_mm, [0.0, f64::INFINITY], "mm")?;
-    Invalid::unless_within("allowed_mm", allowed_mm, [1e-4, 1000.0], "mm")?;
-    pieces(wear_mm / allowed_mm)
-}
-
-/// Number of whole electrodes in a wear that is given in allowed wears.
-fn pieces(share: f64) -> Result<usize, BurningError> {
-    let pieces = (share * (1.0 - ROUNDING)).ceil().max(1.0);
+/// Number of whole electrodes in a wear that is given in allowed wears, at least one.
+pub(crate) fn whole_electrodes(share: f64) -> Result<usize, BurningError> {
     // Exact below 2^53, saturated above, where it is refused.
-    let rows = pieces as usize;
+    let rows = (share * (1.0 - ROUNDING)).ceil().max(1.0) as usize;
     if rows > MOST_ROWS {
         return Err(BurningError::TooManyRows { what: "electrodes", rows, most: MOST_ROWS });
     }
@@ -181,7 +201,7 @@ pub fn share_out(shares: &[f64]) -> Result<Copies, BurningError> {
         if used > 0.0 && used + share > 1.0 + ROUNDING {
             (copy, used) = (copy + 1, 0.0);
         }
-        let parts = if used > 0.0 { 1 } else { pieces(share)? };
+        let parts = if used > 0.0 { 1 } else { whole_electrodes(share)? };
         if assignments.len() + parts > MOST_ROWS {
             return Err(too_many(assignments.len() + parts));
         }
@@ -195,7 +215,7 @@ pub fn share_out(shares: &[f64]) -> Result<Copies, BurningError> {
         assignments.push(Assignment { channel, copy, part: 1.0 - burned, used });
     }
     let count = assignments.last().map_or(0, |last| last.copy + 1);
-    let least = if shares.is_empty() { 0 } else { pieces(sum)? };
+    let least = if shares.is_empty() { 0 } else { whole_electrodes(sum)? };
     Ok(Copies { count, least, assignments })
 }
 
@@ -219,7 +239,7 @@ impl Validate for Redress {
     }
 }
 
-/// What redressing takes and gives.
+/// Lengths and number of redressings.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Redressing {
     /// Length that is cut off each time (mm): end wear, corner wear and the allowance.
@@ -258,13 +278,12 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::choice::Until;
-    use crate::choice::choose;
     use crate::choice::tests::{burn, complete};
+    use crate::choice::{Piece, Until, choose};
     use crate::technology::{Step, Technology};
 
     fn wear(technology: &Technology, volume: f64, area: f64) -> Wear {
-        Wear::of_burn(&choose(technology, &burn(volume, area, Until::Vdi(20.0))).unwrap()).unwrap()
+        Wear::of_burn(&choose(technology, &burn(volume, area, Until::Vdi(20.0))).unwrap())
     }
 
     fn known(end: f64, corner: f64) -> Wear {
@@ -280,10 +299,13 @@ mod tests {
         assert!(all.missing.is_empty());
         let three = all.after(3);
         assert!((three.end_mm.unwrap() - 0.3405).abs() < 1e-12 && (three.corner_mm.unwrap() - 0.18).abs() < 1e-12);
-        // Worn volume is front times length, whatever the area.
-        assert!((end_wear_mm(1.0, 985.0, 50.0).unwrap() * 50.0 - 9.85).abs() < 1e-12);
+        // The same path of 10 mm, entered with 10 mm²: the front wears along its length, not by its volume.
+        let mut entry = burn(900.0, 100.0, Until::Step("R".to_owned()));
+        let along = |burn: &_| Wear::of_burn(&choose(&complete(), burn).unwrap()).end_mm.unwrap();
+        assert!((along(&entry) - 0.09).abs() < 1e-12);
+        entry.pieces.insert(0, Piece { volume_mm3: 10.0, frontal_area_mm2: 10.0 });
+        assert!((along(&entry) - 0.1).abs() < 1e-12);
         assert_eq!(wear(&complete(), 0.0, 100.0), known(0.0, 0.0));
-        assert!(end_wear_mm(f64::NAN, 1.0, 1.0).is_err() && end_wear_mm(1.0, 1.0, 0.0).is_err());
     }
 
     #[test]
@@ -306,32 +328,39 @@ mod tests {
         let mut nameless = complete();
         nameless.step.iter_mut().for_each(|step| step.vdi = None);
         let none = wear(&nameless, 1000.0, 100.0);
-        assert_eq!((none.end_mm, none.corner_mm, none.missing.len()), (None, None, 3));
+        assert_eq!((none.end_mm, none.corner_mm, none.missing.len()), (None, None, 1));
         let allowed = AllowedWear { end_mm: Some(0.1), corner_mm: None };
         let redress = Redress { length_mm: 20.0, least_length_mm: 10.0, allowance_mm: 0.1 };
-        assert_eq!((none.share_of(allowed), redress.after(&none)), (Ok(None), Ok(None)));
+        assert_eq!(none.share_of(allowed), Ok(WearShare::Unknown { at_least: 0.0 }));
+        assert_eq!(redress.after(&none), Ok(None));
         assert_eq!(redress.after(&Wear { corner_mm: None, ..known(0.1, 0.1) }), Ok(None));
+        // A current that nothing bounds.
+        let mut open = Technology { area_range_mm2: None, ..complete() };
+        open.step.iter_mut().for_each(|step| [step.max_density_a_cm2, step.at_area_mm2] = [None; 2]);
+        let unbounded = super::tests::wear(&open, 1000.0, 100.0);
+        assert_eq!((unbounded.end_mm, unbounded.corner_mm, unbounded.missing.len()), (None, None, 1));
     }
 
     #[test]
     fn the_greater_share_decides() {
         let share = |end_mm, corner_mm| known(0.1, 0.06).share_of(AllowedWear { end_mm, corner_mm }).unwrap();
-        assert_eq!(share(None, None), None);
-        assert_eq!(share(Some(0.2), None), Some(0.5));
-        assert_eq!(share(Some(0.2), Some(0.06)), Some(1.0));
+        assert_eq!(share(None, None), WearShare::Unlimited);
+        assert_eq!(share(Some(0.2), None), WearShare::Known(0.5));
+        assert_eq!(share(Some(0.2), Some(0.06)), WearShare::Known(1.0));
         let half_known = Wear { corner_mm: None, ..known(0.1, 0.06) };
         let both = AllowedWear { end_mm: Some(0.2), corner_mm: Some(0.2) };
-        assert_eq!(half_known.share_of(both), Ok(None), "a missing wear is not zero");
+        assert_eq!(half_known.share_of(both), Ok(WearShare::Unknown { at_least: 0.5 }), "the end wear is kept");
+        let end = AllowedWear { corner_mm: None, ..both };
+        assert_eq!(half_known.share_of(end), Ok(WearShare::Known(0.5)), "no limit for the corners");
         assert!(half_known.share_of(AllowedWear { end_mm: Some(0.0), corner_mm: None }).is_err());
     }
 
     #[test]
     fn electrodes_are_the_ceiling_of_wear_over_allowed() {
-        for (wear, allowed, count) in [(0.0, 0.1, 1), (0.1, 0.1, 1), (0.11, 0.1, 2), (0.3, 0.1, 3), (0.95, 0.1, 10)] {
-            assert_eq!(electrodes_needed(wear, allowed), Ok(count), "{wear}");
+        for (wear, count) in [(0.0, 1), (0.1, 1), (0.11, 2), (0.3, 3), (0.95, 10)] {
+            assert_eq!(whole_electrodes(wear / 0.1), Ok(count), "{wear}");
         }
-        assert!(matches!(electrodes_needed(1e9, 0.1), Err(BurningError::TooManyRows { .. })));
-        assert!(electrodes_needed(f64::NAN, 0.1).is_err() && electrodes_needed(1.0, 0.0).is_err());
+        assert!(matches!(whole_electrodes(1e10), Err(BurningError::TooManyRows { .. })));
     }
 
     #[test]
