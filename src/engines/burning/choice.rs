@@ -257,7 +257,8 @@ pub(crate) struct Choice<'a> {
     pub burn: &'a Burn,
     /// The steps, from rough to fine; none if figures that decide are missing.
     pub steps: Vec<ChosenStep<'a>>,
-    /// Stock that the last step leaves on the walls (mm): undersize less side gap and orbit; none if not known.
+    /// Stock that the last step leaves on the walls (mm): undersize less side gap and orbit, as far as the orbit is known;
+    /// none if undersize or side gap is not known.
     pub wall_stock_mm: Option<f64>,
     /// Figures without which steps or volumes are not known.
     pub missing: Vec<Missing>,

@@ -151,7 +151,8 @@ pub struct BurnTime {
     pub source: String,
     /// The steps, from rough to fine.
     pub steps: Vec<StepTime>,
-    /// Stock that the last step leaves on the walls (mm): undersize less its side gap and orbit; none if not known.
+    /// Stock that the last step leaves on the walls (mm): undersize less its side gap and orbit, which counts as 0 where
+    /// [`BurnTime::not_considered`] names it; none if undersize or side gap is not known.
     pub wall_stock_mm: Option<f64>,
     /// Finished burns that scale the time; none if there are none.
     pub calibration: Option<Calibrated>,

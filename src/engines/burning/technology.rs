@@ -219,7 +219,7 @@ pub struct Calibration {
     /// Date of the burn, as year-month-day.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub date: Option<String>,
-    /// Where the measurement comes from.
+    /// Origin of the measurement.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<String>,
 }
