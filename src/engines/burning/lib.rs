@@ -7,7 +7,7 @@
 //! - [`technology`] is the table of a machine, generator or supplier: steps with current, pulse, gap, rate and wear.
 //! - [`rules`] has the default formulas, from which the built-in table ([`defaults::standard`]) was made.
 //! - [`estimate`] is minutes and wear of an electrode in one call.
-//! - [`choice`] says what an electrode has to burn, takes the steps of a table that suit an electrode and shares the volume among them.
+//! - [`choice`] has the task of an electrode; the steps of a table that suit it are taken and share its volume.
 //! - [`duration`] gives minutes, with what they rest on and what is missing.
 //! - [`wear`] gives the wear of electrodes, how many are needed, and which channels each of them burns.
 //! - [`schedule`] puts the burns of all channels of a wheel in order.
