@@ -73,6 +73,9 @@ struct Facet {
 /// Facets that tell how well a surface turns about a line as well as more would.
 const MANY: usize = 200_000;
 
+/// Share of the closest agreement from which on a line agrees with the surface as closely.
+const AS_CLOSE: f64 = 0.97;
+
 /// Facets of a mesh, of a fine one evenly picked, about as many as `enough`.
 fn facets(mesh: &Mesh, enough: usize) -> Vec<Facet> {
     let facet = |t: [DVec3; 3]| {
@@ -102,8 +105,10 @@ pub(super) fn candidates(mesh: &Mesh, direction: Option<DVec3>) -> Vec<Axis> {
     let axes = axes.into_iter().filter(|a| a.point.is_finite() && a.direction.is_finite());
     let of = |a: Axis| (share_of_revolution(&facets, &a, closely), share_of_revolution(&facets, &a, within_facet), a);
     let mut ranked: Vec<(f64, f64, Axis)> = axes.map(of).collect();
-    // A flat ring's rim and faces nearly turn about its diameters too, more of them than about its axis, but not closely.
-    ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(b.1.total_cmp(&a.1)));
+    // A flat ring's rim nearly turns about its diameters too, more of it than about its axis, but less closely.
+    let closest = ranked.iter().map(|(close, ..)| *close).fold(0.0, f64::max);
+    let is_far = |close: f64| close < AS_CLOSE * closest;
+    ranked.sort_by(|a, b| is_far(a.0).cmp(&is_far(b.0)).then(b.1.total_cmp(&a.1)));
     let mut distinct: Vec<Axis> = Vec::new();
     for (.., axis) in ranked {
         let same =
