@@ -165,7 +165,7 @@ pub fn area_factor(area_mm2: f64, stated_at_mm2: f64) -> Result<f64, BurningErro
 ///
 /// A textbook formula. Its constant agrees with the other common form, 664 mm³/s, which is 39,840 mm³ per minute. Per
 /// mean ampere it gives 4.90 for steel at 1515 °C, 5.72 for Inconel 718 at 1336 °C and 4.38 for Ti-6Al-4V at 1660 °C.
-/// These are the usual 4.9, 5.7 and 4.4, if the liquidus temperature of an alloy is taken: the solidus temperatures
+/// The usual 4.9, 5.7 and 4.4 follow if the liquidus temperature of an alloy is taken: the solidus temperatures
 /// (1260 and 1604 °C) give 6.15 and 4.57. Steel gives 4.9 from 1503 to 1527 °C; pure iron (1538 °C) gives 4.81 and a
 /// tool steel that melts at 1420 °C gives 5.31.
 ///

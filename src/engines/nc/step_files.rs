@@ -52,7 +52,7 @@ pub fn written_step(part: &StepPart, to_spare: f64, task: &Task) -> Result<Writt
         Err(StepWriteError::Cancelled(cancelled)) => return Err(cancelled),
         Err(StepWriteError::Deviation { at, distance, most }) if !part.patches.is_empty() => Err(format!(
             "its faces would lie {distance:.3} mm off the mesh that was checked at ({:.2}, {:.2}, {:.2}) mm, and {most:.3} mm \
-             are allowed, as where triangles are twisted beside a fillet; take the mesh",
+             are allowed; a usual cause is triangles that are twisted beside a fillet; take the mesh",
             at.x, at.y, at.z
         )),
         Err(error) => Err(error.to_string()),

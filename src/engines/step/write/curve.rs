@@ -225,7 +225,8 @@ impl Course<'_> {
     }
 }
 
-/// Whether points lie on the line from the first to the last, rising, as well as an edge has to.
+/// Whether points lie in order on the straight line from the first to the last, within the share of the tolerance for
+/// edges on planes.
 pub(super) fn is_straight(line: &[DVec3], tolerance: f64) -> bool {
     let (a, b) = (line[0], line[line.len() - 1]);
     let Some(along) = (b - a).try_normalize() else { return false };
