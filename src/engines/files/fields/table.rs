@@ -156,7 +156,14 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
     /// # Errors
     /// If the key does not exist, or cannot hold the value.
     pub fn put(&self, values: &Value, key: &str, value: Value) -> Result<P, Invalid> {
-        let none = || Invalid::of(key, "there is no such parameter in these; add the row or choose the variant first");
+        let none = || {
+            let whole = key.rsplit_once('.').and_then(|(table, _)| self.find(table).ok());
+            let way_out = match whole.as_ref().map(|place| (&place.field.kind, &place.key)) {
+                Some((Kind::ChoiceOr(_, form), key)) => format!("give all of {key}, as in \"{key}={form}\""),
+                _ => "add the row or choose the variant first".to_owned(),
+            };
+            Invalid::of(key, format!("there is no such parameter in these; {way_out}"))
+        };
         let (mut values, given) = (values.clone(), value.clone());
         if !put(&mut values, key, value) {
             return Err(none());
