@@ -73,8 +73,11 @@ struct Facet {
 /// Facets that tell how well a surface turns about a line as well as more would.
 const MANY: usize = 200_000;
 
+/// Shares of the surface that differ by less are as much.
+const AS_MUCH: f64 = 0.05;
+
 /// Share of the closest agreement from which on a line agrees with the surface as closely.
-const AS_CLOSE: f64 = 0.97;
+const AS_CLOSE: f64 = 0.9;
 
 /// Facets of a mesh, of a fine one evenly picked, about as many as `enough`.
 fn facets(mesh: &Mesh, enough: usize) -> Vec<Facet> {
@@ -103,12 +106,15 @@ pub(super) fn candidates(mesh: &Mesh, direction: Option<DVec3>) -> Vec<Axis> {
         }
     };
     let axes = axes.into_iter().filter(|a| a.point.is_finite() && a.direction.is_finite());
-    let of = |a: Axis| (share_of_revolution(&facets, &a, closely), share_of_revolution(&facets, &a, within_facet), a);
+    let of = |a: Axis| (closeness(&facets, &a), share_of_revolution(&facets, &a), a);
     let mut ranked: Vec<(f64, f64, Axis)> = axes.map(of).collect();
-    // A flat ring's rim nearly turns about its diameters too, more of it than about its axis, but less closely.
+    // Walls along the axis of a flat ring nearly turn about its diameters, and are more than its rims; its faces do not.
     let closest = ranked.iter().map(|(close, ..)| *close).fold(0.0, f64::max);
     let is_far = |close: f64| close < AS_CLOSE * closest;
-    ranked.sort_by(|a, b| is_far(a.0).cmp(&is_far(b.0)).then(b.1.total_cmp(&a.1)));
+    // Of lines about which as much turns, the closer one: the middle of a wheel that lacks blades is beside its axis.
+    let much = |share: f64| (share / AS_MUCH).round();
+    ranked
+        .sort_by(|a, b| is_far(a.0).cmp(&is_far(b.0)).then(much(b.1).total_cmp(&much(a.1))).then(b.0.total_cmp(&a.0)));
     let mut distinct: Vec<Axis> = Vec::new();
     for (.., axis) in ranked {
         let same =
@@ -163,22 +169,20 @@ fn tangential(facet: &Facet, axis: &Axis) -> f64 {
     facet.normal.dot(around.normalize_or_zero()).abs()
 }
 
-/// Share of the area that is a surface of revolution about `axis`, where a normal counts by how far it misses that. Faces
-/// across the axis are so about any line parallel to it, hence do not count.
-fn share_of_revolution(facets: &[Facet], axis: &Axis, counts: impl Fn(f64) -> f64) -> f64 {
-    let radial: f64 = facets.iter().map(|f| f.area * beside(f, axis) * counts(tangential(f, axis))).sum();
-    radial / facets.iter().map(|f| f.area).sum::<f64>()
+/// Share of the area that is a surface of revolution about `axis`: whose normals miss it by no more than the width of a
+/// facet. Faces across the axis are so about any line parallel to it, hence do not count.
+fn share_of_revolution(facets: &[Facet], axis: &Axis) -> f64 {
+    const SLANT: f64 = 0.1;
+    let radial = facets.iter().filter(|f| tangential(f, axis) < SLANT).map(|f| f.area * beside(f, axis));
+    radial.sum::<f64>() / facets.iter().map(|f| f.area).sum::<f64>()
 }
 
-/// Whether a normal misses an axis by no more than the width of a facet: 1 or 0.
-fn within_facet(miss: f64) -> f64 {
-    f64::from(u8::from(miss < 0.1))
-}
-
-/// How closely a normal meets an axis: a half where it misses it as those of a coarse cylinder's facets do.
-fn closely(miss: f64) -> f64 {
+/// How closely the surface turns about `axis`, faces across it included, 0 to 1: a half where its normals miss the axis as
+/// those of a coarse cylinder's facets do.
+fn closeness(facets: &[Facet], axis: &Axis) -> f64 {
     const HALF: f64 = 0.03;
-    1.0 / (1.0 + (miss / HALF).powi(2))
+    let close = facets.iter().map(|f| f.area / (1.0 + (tangential(f, axis) / HALF).powi(2)));
+    close.sum::<f64>() / facets.iter().map(|f| f.area).sum::<f64>()
 }
 
 /// Some facets of a mesh, enough to tell about which lines its surface turns.
@@ -191,7 +195,7 @@ impl Turning {
 
     /// Share of the area that is a surface of revolution about `axis`.
     pub(super) fn share(&self, axis: &Axis) -> f64 {
-        share_of_revolution(&self.0, axis, within_facet)
+        share_of_revolution(&self.0, axis)
     }
 }
 
@@ -355,4 +359,30 @@ pub(super) fn covered_angle(mesh: &Mesh, axis: &Axis) -> f64 {
     };
     let seen = mesh.triangles.par_iter().map(seen).reduce(|| 0, |a, b| a | b);
     f64::from(seen.count_ones()) * sector
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parametric::wheel::{MeridianCurve, ParametricWheel};
+    use glam::DVec2;
+
+    /// Walls along the axis turn nearly about every diameter of a flat ring, and are more than what turns about its axis.
+    #[test]
+    fn a_diameter_of_a_flat_ring_is_not_its_axis() {
+        for (height, wall_mm) in [(2.0, 0.5), (2.0, 2.0), (4.0, 0.5), (8.0, 1.0), (8.0, 2.0), (12.0, 0.5), (12.0, 5.0)]
+        {
+            let across = |x: f64| MeridianCurve::line(DVec2::new(x, 68.0), DVec2::new(x, 104.0));
+            let thin = ParametricWheel {
+                thickness_mm: 1.0,
+                edge_thickness: 0.5,
+                pieces: [100, 24, 4],
+                ..ParametricWheel::nozzle_ring()
+            };
+            let ring = ParametricWheel { hub: across(0.0), shroud: across(height), wall_mm, ..thin };
+            let first = candidates(&ring.mesh(), None)[0];
+            let is_axis = first.direction.cross(DVec3::X).length() < 1e-3 && first.distance(DVec3::ZERO) < 0.1;
+            assert!(is_axis, "{height} {wall_mm}: {first}");
+        }
+    }
 }

@@ -5,6 +5,7 @@
 //! closed mesh is always entered as often as it is left, whatever the rounding.
 
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3, Vec3Swizzles as _};
 
@@ -24,6 +25,8 @@ pub(crate) struct Slices {
     mesh: Mesh,
     bounds: Bounds,
     grid: SearchGrid,
+    /// Whether the mesh is closed, found when it is first asked for.
+    is_closed: OnceLock<bool>,
 }
 
 /// Intersection of a circle about the axis with the mesh.
@@ -91,7 +94,7 @@ impl Slices {
     pub fn new(mesh: Mesh) -> Self {
         let bounds = mesh.bounds();
         let grid = SearchGrid::new(&mesh, bounds, CELLS);
-        Self { mesh, bounds, grid }
+        Self { mesh, bounds, grid, is_closed: OnceLock::new() }
     }
 
     /// The mesh in W.
@@ -153,33 +156,47 @@ impl Slices {
         crossings
     }
 
-    /// The arcs of a circle that lie outside the solid, in order of their lower ends. None at all when the
-    /// circle meets nothing or the mesh is so broken there that it is not left as often as it is entered.
+    /// The arcs of a circle that lie outside the solid, in order of their lower ends; none when it meets nothing.
+    ///
+    /// Where triangles are missing the mesh does not tell how deep in the solid a circle is. There an arc begins where the
+    /// solid is left and ends where it is entered next, so that only those beside the hole are lost.
     pub fn gaps(&self, x: f64, r: f64) -> Vec<Gap> {
         let crossings = self.circle(x, r);
-        let balance: i32 = crossings.iter().map(|c| if c.enters { 1 } else { -1 }).sum();
-        if crossings.is_empty() || balance != 0 {
+        let n = crossings.len();
+        if n == 0 {
             return Vec::new();
         }
-        // Shells may overlap (blades pushed into a hub): count how deep the circle is, starting in the widest arc.
-        let n = crossings.len();
         let next = |i: usize| (crossings[(i + 1) % n], if i + 1 == n { TAU } else { 0.0 });
         let width = |i: usize| next(i).0.theta + next(i).1 - crossings[i].theta;
-        let widest = (0..n).max_by(|&a, &b| width(a).total_cmp(&width(b))).unwrap_or(0);
-        let mut depth = self.depth(x, r, crossings[widest].theta + 0.5 * width(widest));
-        let mut gaps: Vec<Gap> = Vec::new();
-        for i in (0..n).map(|k| (widest + k) % n) {
-            if i != widest {
-                depth += if crossings[i].enters { 1 } else { -1 };
-            }
-            if depth <= 0 && width(i) > SLIVER {
-                let (mut high, turn) = next(i);
-                high.theta += turn;
-                gaps.push(Gap { low: crossings[i], high });
+        let step = |crossing: &Crossing| if crossing.enters { 1 } else { -1 };
+        let is_balanced = crossings.iter().map(step).sum::<i32>() == 0;
+        let mut outside = Vec::new();
+        if is_balanced {
+            // Shells may overlap (blades pushed into a hub): count how deep the circle is, starting in the widest arc.
+            let widest = (0..n).max_by(|&a, &b| width(a).total_cmp(&width(b))).unwrap_or(0);
+            let mut depth = self.depth(x, r, crossings[widest].theta + 0.5 * width(widest));
+            for i in (0..n).map(|k| (widest + k) % n) {
+                depth += if i == widest { 0 } else { step(&crossings[i]) };
+                if depth <= 0 {
+                    outside.push(i);
+                }
             }
         }
+        let tells_nothing = outside.is_empty() || outside.len() == n;
+        if !is_balanced || (tells_nothing && !self.is_closed()) {
+            outside = (0..n).filter(|&i| !crossings[i].enters && next(i).0.enters).collect();
+        }
+        let gap = |i: usize| {
+            let (high, turn) = next(i);
+            Gap { low: crossings[i], high: Crossing { theta: high.theta + turn, ..high } }
+        };
+        let mut gaps: Vec<Gap> = outside.into_iter().filter(|i| width(*i) > SLIVER).map(gap).collect();
         gaps.sort_by(|a, b| a.low.theta.total_cmp(&b.low.theta));
         gaps
+    }
+
+    fn is_closed(&self) -> bool {
+        *self.is_closed.get_or_init(|| self.mesh.is_watertight())
     }
 
     /// The gap of the circle at (`x`, `r`) that shares most with `near`, counted by the turn that `near` is in.
@@ -409,6 +426,41 @@ mod tests {
         let gaps = slices.gaps(2.0, 2.0);
         assert_eq!(gaps.len(), 1);
         assert!((gaps[0].width() - (TAU - 2.0 * (0.1f64 / 2.0).asin())).abs() < 1e-12);
+    }
+
+    /// Four posts, one of which has lost half of a side: circles through the hole lose the gap beside it, no other.
+    #[test]
+    fn missing_triangles_take_only_the_gap_beside_them() {
+        let mut whole = Mesh::default();
+        for k in 0..4 {
+            let turn = glam::DMat3::from_rotation_x(k as f64 * 0.5 * PI);
+            let post = Mesh::cuboid(DVec3::new(4.0, 2.0, 2.0)).mapped(|p| turn * (p + DVec3::new(0.0, -1.0, 4.0)));
+            let offset = whole.vertices.len() as u32;
+            whole.vertices.extend(post.vertices);
+            whole.triangles.extend(post.triangles.iter().map(|t| t.map(|v| v + offset)));
+        }
+        let mut open = whole.clone();
+        let side = whole.iter_corners().position(|t| t.iter().all(|p| p.y == -1.0 && p.z > 3.0)).unwrap();
+        open.triangles.remove(side);
+        let [whole, open] = [whole, open].map(Slices::new);
+        let mut lost = 0;
+        for x in [1.0, 3.0] {
+            for r in [4.5, 5.0, 5.5] {
+                let (all, found) = (whole.gaps(x, r), open.gaps(x, r));
+                assert_eq!(all.len(), 4);
+                lost += all.len() - found.len();
+                assert!(
+                    found.len() >= 3
+                        && found.iter().all(|gap| {
+                            all.iter().any(|other| {
+                                (gap.middle() - other.middle()).abs() + (gap.width() - other.width()).abs() < 1e-12
+                            })
+                        }),
+                    "{found:?}"
+                );
+            }
+        }
+        assert!((1..6).contains(&lost), "some circles meet the hole: {lost}");
     }
 
     #[test]
