@@ -241,7 +241,7 @@ pub enum Difference {
     },
     /// Only one of them is covered where blade tips are.
     Tips,
-    /// The blades end elsewhere, or others stand beside their edges.
+    /// The blades end elsewhere, or other metal stands beside their edges.
     BesideEdges,
     /// Metal stands in the passage, off its walls.
     Obstructed {
@@ -258,7 +258,7 @@ impl std::fmt::Display for Difference {
             }
             Self::Surface { surface, .. } => write!(f, "{} missing in part", surface.name()),
             Self::Tips => f.write_str("tips covered otherwise"),
-            Self::BesideEdges => f.write_str("other blades beside its edges"),
+            Self::BesideEdges => f.write_str("metal beside its edges that the other has not"),
             Self::Obstructed { off_mm } => write!(f, "metal stands up to {off_mm:.3} mm within it"),
         }
     }
@@ -485,7 +485,7 @@ impl Channel {
             }
             Difference::Surface { surface, .. } => format!("no {}", self.surface_name(surface)),
             Difference::Tips => "other cover of its tips".to_owned(),
-            Difference::BesideEdges => "other blades beside it".to_owned(),
+            Difference::BesideEdges => "other metal beside it".to_owned(),
             Difference::Obstructed { off_mm } => format!("metal {off_mm:.3} mm within it"),
         }
     }

@@ -322,6 +322,23 @@ pub enum BliskError {
         /// How far off the nearest wall (mm); none where there is none.
         off_mm: Option<f64>,
     },
+    /// The chosen passage is refused, of a mesh that has holes or where others of its kind are not.
+    #[error(
+        "{error}{}{}",
+        if *.closed { "" } else { ". The mesh is not closed, which may be why: repair it first" },
+        .other.map_or(String::new(), |other| format!(
+            ". Only some passages of this wheel are so: that of channel {other} was found. If this one is spoilt, pick that \
+             with blisk.channel"
+        ))
+    )]
+    Spoilt {
+        /// Reason why it is refused.
+        error: Box<BliskError>,
+        /// Whether the mesh is closed.
+        closed: bool,
+        /// Number of a channel that was found.
+        other: Option<usize>,
+    },
     /// Cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -402,12 +419,12 @@ fn disagreement(found: &Agreement) -> String {
         _ => "is not there in the mesh".to_owned(),
     };
     format!(
-        "the {} that was found {off} (at x {x:.3}, r {r:.3} mm about the axis; {:.0} % of {} places disagree): the mesh \
+        "the {} that was found {off} (at x {x:.3}, r {r:.3} mm about the axis; {} of {} places disagree): the mesh \
          has no passage between blades, hub and shroud as they were taken for, or its facets are too coarse to tell; check \
          blisk.axis and blisk.blades, pick a passage with blisk.blade_points_mm, give points of hub and shroud with \
          blisk.hub_points_mm and blisk.shroud_points_mm, or load a finer mesh{}",
         found.surface.name(),
-        100.0 * (1.0 - found.share),
+        ((1.0 - found.share) * found.samples as f64).round(),
         found.samples,
         match found.surface {
             Surface::Hub | Surface::Shroud =>
@@ -442,6 +459,7 @@ impl BliskError {
             | Self::HigherBlade { x, r }
             | Self::PartShroud { x, r, .. } => Some(Cylindrical { x, r, theta: 0.0 }.point()),
             Self::Disagrees(Agreement { at, .. }) | Self::Obstructed { at, .. } => Some(at),
+            Self::Spoilt { ref error, .. } => error.place(),
             _ => None,
         }
         .filter(|p| p.is_finite())

@@ -17,6 +17,10 @@ use geometry::mesh::{Mesh, normal_times_two_areas};
 
 /// Least share of the samples of a surface that must agree.
 const ENOUGH: f64 = 0.95;
+/// A place is far off where it misses by more than what it may miss by, times this: as behind a hole, where the mesh is
+/// another wall. Fewer such places than [`LEAST_FAR`] may be slivers of it.
+const FAR: f64 = 2.0;
+const LEAST_FAR: usize = 2;
 /// Distance up to which a place agrees, beside the mesh's own chord error (mm), or as a share of the height where that
 /// is more.
 const TOLERANCE: f64 = 0.005;
@@ -94,6 +98,15 @@ struct Sample {
     triangle: Option<u32>,
     /// How far the mesh lies beyond a surface that is given by hand (mm).
     left: f64,
+    /// Whether it is beside a corner of a wall, or an end of a hub or a shroud, where edges are round.
+    at_end: bool,
+}
+
+impl Sample {
+    /// Whether it is off by no more than `times` what it may be off. What cannot be measured is not.
+    fn is_near(&self, within: f64, times: f64) -> bool {
+        self.off.abs() <= times * (self.chord + within)
+    }
 }
 
 /// The facets of a mesh: triangles in one plane that are joined are one facet, however finely it was divided.
@@ -176,19 +189,20 @@ impl Measured<'_> {
     /// Measures walls and end walls against the mesh, and takes the throat into account.
     ///
     /// # Errors
-    /// [`BliskError::Disagrees`] where more than a few places of a surface are not where the channel has them,
+    /// [`BliskError::Disagrees`] where more than a few places of a surface are not where the channel has them, or fewer are
+    /// far from there,
     /// [`BliskError::DrawnOutside`] where a drawn one reaches into the part, and
     /// [`BliskError::NoThroat`] where its walls touch: what was found is no channel of this part then.
     pub fn agreement(&self, throat: &Throat) -> Result<Vec<Agreement>, BliskError> {
         let within = self.tolerance();
-        let (mut all, mut facets) = (Vec::new(), None);
+        let (mut all, mut facets, mut first_off) = (Vec::new(), None, None);
         for (surface, mut samples) in self.samples(DENSE, 0.0)? {
             let open = match surface {
                 Surface::Hub | Surface::Shroud => self.take_holes(surface, &mut samples),
                 _ => 0.0,
             };
             let mut agreement = summary(surface, &samples, within);
-            if agreement.share < ENOUGH {
+            if !agrees(&agreement, &samples) {
                 // Beside the facet that stands out most others lie deeper, by as much as they may be off their surface.
                 let facets = facets.get_or_insert_with(|| Facets::new(self.tracer.slices.mesh()));
                 let most = MOST_CHORD * self.least_height();
@@ -196,13 +210,16 @@ impl Measured<'_> {
                 agreement = summary(surface, &samples, within);
             }
             agreement.open = open;
+            if first_off.is_none() && !agrees(&agreement, &samples) {
+                first_off = Some(agreement);
+            }
             all.push(agreement);
         }
-        if let Some(a) = all.iter().find(|a| a.share < ENOUGH) {
+        if let Some(a) = first_off {
             let key = if a.surface == Surface::Hub { "hub_points_mm" } else { "shroud_points_mm" };
             let Cylindrical { x, r, .. } = Cylindrical::from_point(a.at);
             let is_drawn = self.tracer.is_drawn(a.surface);
-            return Err(if is_drawn { BliskError::DrawnOutside { key, x, r } } else { BliskError::Disagrees(*a) });
+            return Err(if is_drawn { BliskError::DrawnOutside { key, x, r } } else { BliskError::Disagrees(a) });
         }
         if throat.width_mm < LEAST_THROAT {
             let Cylindrical { x, r, .. } = Cylindrical::from_point(throat.on_low_wall);
@@ -238,25 +255,43 @@ impl Measured<'_> {
     /// The channels of this one's kind, every one of `kinds`, counted on from this one, of which more than a few places
     /// of a surface are off those of this channel turned about the axis, with what differs most.
     pub fn unlike(&self, blades: usize, kinds: usize) -> Result<Vec<Unlike>, BliskError> {
-        let numbers: Vec<usize> = (1..blades / kinds).map(|i| i * kinds).collect();
-        let unlike = self.unlike_of(&numbers, None)?;
+        self.unlike_among(0, &(1..blades / kinds).map(|i| i * kinds).collect::<Vec<_>>())
+    }
+
+    /// Whether the channels `unlike` this one, which are all others of its kind, are mostly like each other: then this is
+    /// the odd one.
+    pub fn is_odd(&self, unlike: &[Unlike]) -> Result<bool, BliskError> {
+        // Channels beside this one share a wall with it, and may be spoilt with it.
+        let [_, between @ .., _] = unlike else { return Ok(false) };
+        let mut numbers: Vec<usize> = between.iter().map(|unlike| unlike.number).collect();
+        if numbers.len() < 2 {
+            return Ok(false);
+        }
+        let base = numbers.remove(numbers.len() / 2);
+        Ok(2 * self.unlike_among(base, &numbers)?.len() < numbers.len())
+    }
+
+    /// The channels among `numbers` that are not like number `base`.
+    fn unlike_among(&self, base: usize, numbers: &[usize]) -> Result<Vec<Unlike>, BliskError> {
+        let unlike = self.unlike_of(base, numbers, None)?;
         if unlike.is_empty() {
             return Ok(unlike);
         }
         // What the facets of either channel may be off the surfaces that they stand for is no difference.
         let numbers: Vec<usize> = unlike.iter().map(|unlike| unlike.number).collect();
-        self.unlike_of(&numbers, Some(&Facets::new(self.tracer.slices.mesh())))
+        self.unlike_of(base, &numbers, Some(&Facets::new(self.tracer.slices.mesh())))
     }
 
-    /// The channels among `numbers` that differ by more than the errors with which two are found, the cells' own chord
+    /// The channels among `numbers` that differ from number `base` by more than the errors with which two are found, the cells' own chord
     /// error, and that of `facets`.
-    fn unlike_of(&self, numbers: &[usize], facets: Option<&Facets>) -> Result<Vec<Unlike>, BliskError> {
+    fn unlike_of(&self, base: usize, numbers: &[usize], facets: Option<&Facets>) -> Result<Vec<Unlike>, BliskError> {
         let within = APART * self.tolerance();
-        let covered = self.covered(0.0);
-        let own: Vec<_> = self.samples(SPARSE, 0.0)?.collect();
+        let turn_of = |number: usize| number as f64 * self.tracer.pitch;
+        let covered = self.covered(turn_of(base));
+        let own: Vec<_> = self.samples(SPARSE, turn_of(base))?.collect();
         let most_chord = self.most_sag();
         let unlike = |number: usize| {
-            let turn = number as f64 * self.tracer.pitch;
+            let turn = turn_of(number);
             let compared = self.samples(SPARSE, turn)?.zip(&own).map(|((surface, mut samples), (_, own))| {
                 let chord = |sample: &Sample| facets.map_or(0.0, |all| all.of(sample));
                 let is_end_wall = matches!(surface, Surface::Hub | Surface::Shroud);
@@ -274,7 +309,8 @@ impl Measured<'_> {
             let off = off.max_by(|a, b| a.greatest_mm.total_cmp(&b.greatest_mm));
             let off = off.map(|a| Difference::Surface { surface: a.surface, greatest_mm: a.greatest_mm });
             let tips = || ((self.covered(turn) - covered).abs() > 1.0 - ENOUGH).then_some(Difference::Tips);
-            let edges = || (self.differing_beside_edges(turn) > 1.0 - ENOUGH).then_some(Difference::BesideEdges);
+            let beside = || self.differing_beside_edges([turn_of(base), turn]) > 1.0 - ENOUGH;
+            let edges = || beside().then_some(Difference::BesideEdges);
             let difference = off.or_else(tips).or_else(edges);
             Ok::<_, BliskError>(difference.map(|difference| Unlike { number, difference }))
         };
@@ -284,8 +320,8 @@ impl Measured<'_> {
     }
 
     /// Share of the metal between hub and shroud beyond the edges, a pitch to either side, that only one of two channels
-    /// has, of which the other lies `turn` further about the axis (rad): a splitter ends where its neighbours go on.
-    fn differing_beside_edges(&self, turn: f64) -> f64 {
+    /// has, which lie `turns` further about the axis than this one (rad): a splitter ends where its neighbours go on.
+    fn differing_beside_edges(&self, turns: [f64; 2]) -> f64 {
         let (wall, stations) = (self.walls[0], &self.meridian.stations[..]);
         let (mut all, mut metal, mut differ) = (0, 0, 0);
         // Not beyond the passage's own ends, where there may be other things, nor on a face there, which may stand aslant.
@@ -302,7 +338,7 @@ impl Measured<'_> {
                 let middle = 0.5 * (ends[0].theta + angle_near(ends[1].theta, ends[0].theta));
                 for beyond in BEYOND {
                     let at = station_at(stations, (along(ends[0]) + beyond * way).clamp(first, last)).place(share);
-                    let both = [middle, middle + turn].map(|middle| self.metal(at, middle));
+                    let both = turns.map(|turn| self.metal(at, middle + turn));
                     all += both[0].len();
                     metal += both[0].iter().zip(&both[1]).filter(|(a, b)| **a || **b).count();
                     differ += both[0].iter().zip(&both[1]).filter(|(a, b)| a != b).count();
@@ -360,6 +396,7 @@ impl Measured<'_> {
         let cells = columns.flat_map(|u| (every.div_ceil(2)..wall.nv).step_by(every).map(move |v| (u, v)));
         let cells: Vec<_> = cells.collect();
         let most_sag = self.most_sag();
+        let is_end = |at: usize, [first, last]: [usize; 2]| at <= first || at + every > last;
         let sample = |&(u, v): &(usize, usize)| {
             let (at, sag) = cell(wall, u, v);
             let Cylindrical { x, r, theta } = Cylindrical::from_point(at);
@@ -374,7 +411,9 @@ impl Measured<'_> {
                 let normal = tracer.slices.normal(crossing.triangle).try_normalize().unwrap_or(around);
                 r * (crossing.theta - theta) * normal.dot(around).abs()
             });
-            Sample { off, chord: sag.min(most_sag), at, triangle: found.map(|crossing| crossing.triangle), left: 0.0 }
+            let at_end = is_end(u, [edge + 1, wall.nu - edge - 1]) && is_end(v, [every.div_ceil(2), wall.nv - 1]);
+            let triangle = found.map(|crossing| crossing.triangle);
+            Sample { off, chord: sag.min(most_sag), at, triangle, left: 0.0, at_end }
         };
         cells.par_iter().map(sample).collect()
     }
@@ -390,8 +429,9 @@ impl Measured<'_> {
         };
         let given = radius.given().is_some() || tracer.is_drawn(surface);
         let Density { stations, across, .. } = density;
-        let columns: Vec<usize> = (0..stations).map(|i| (i + 1) * (walls[0].nu - 1) / (stations + 1)).collect();
-        let of_column = |&u: &usize| {
+        let of_column = |i: usize| {
+            let u = (i + 1) * (walls[0].nu - 1) / (stations + 1);
+            let at_end = i == 0 || i + 1 == stations;
             let ends = walls.map(|wall| wall.cylindrical(u, row));
             let middle = 0.5 * (DVec2::new(ends[0].x, ends[0].r) + DVec2::new(ends[1].x, ends[1].r));
             let station = station_at(meridian, along_at(meridian, middle, self.rows.share(row)));
@@ -435,7 +475,7 @@ impl Measured<'_> {
                 let above = if given { met.above.max(0.0) } else { met.above };
                 let left = if given && met.facet.is_some() { (-met.above - chord).max(0.0) } else { 0.0 };
                 let at = Cylindrical { x: met.end.x, r: met.end.y, theta: met.theta }.point();
-                Sample { off: met.facet.map_or(missed, |_| above), chord, at, triangle: met.facet, left }
+                Sample { off: met.facet.map_or(missed, |_| above), chord, at, triangle: met.facet, left, at_end }
             };
             let mut samples: Vec<Sample> = met.iter().map(sample).collect();
             // A hole is deeper than the wall beside it.
@@ -445,7 +485,7 @@ impl Measured<'_> {
             samples.iter_mut().filter(|s| s.left > most).for_each(|s| s.left = 0.0);
             samples
         };
-        columns.par_iter().map(of_column).collect::<Vec<_>>().concat()
+        (0..stations).into_par_iter().map(of_column).collect::<Vec<_>>().concat()
     }
 }
 
@@ -473,9 +513,15 @@ fn high(gap: &Gap) -> Crossing {
     gap.high
 }
 
+/// Whether a surface agrees with the mesh: most of its places, and all but single ones nearly.
+fn agrees(agreement: &Agreement, samples: &[Sample]) -> bool {
+    let is_far = |s: &&Sample| !s.at_end && !s.is_near(agreement.within_mm, FAR);
+    agreement.share >= ENOUGH && samples.iter().filter(is_far).count() < LEAST_FAR
+}
+
 /// What cannot be measured does not agree: a distance that is no number, and a surface without any place.
 fn summary(surface: Surface, samples: &[Sample], within_mm: f64) -> Agreement {
-    let good = samples.iter().filter(|s| s.off.abs() <= s.chord + within_mm).count();
+    let good = samples.iter().filter(|s| s.is_near(within_mm, 1.0)).count();
     let worst = samples.iter().max_by(|a, b| a.off.abs().total_cmp(&b.off.abs()));
     Agreement {
         surface,
@@ -528,7 +574,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_measured_does_not_agree() {
-        let sample = |off: f64| Sample { off, chord: 0.001, at: DVec3::ZERO, triangle: None, left: 0.0 };
+        let sample = |off: f64| Sample { off, chord: 0.001, at: DVec3::ZERO, triangle: None, left: 0.0, at_end: false };
         let share = |offs: &[f64]| {
             summary(Surface::Hub, &offs.iter().map(|off| sample(*off)).collect::<Vec<_>>(), TOLERANCE).share
         };

@@ -269,7 +269,7 @@ fn blades_at_unequal_pitches_are_found_by_their_number() {
 fn spoilt_wheels_are_refused_or_told() {
     for part in [ParametricWheel::nozzle_ring(), ParametricWheel::impeller()] {
         let bladeless =
-            ParametricWheel { flaws: Flaws { missing_blade: Some(4), ..Default::default() }, ..part.clone() }.mesh();
+            ParametricWheel { flaws: Flaws { missing_blades: vec![4], ..Default::default() }, ..part.clone() }.mesh();
         assert!(find(&bladeless, &BliskOptions::default()).is_err(), "its gaps are not even");
 
         // Of 180 degrees without a shroud about half of the channels know nothing, and those at the ends less.
@@ -314,12 +314,14 @@ fn one_turned_blade_of_few_makes_no_splitters() {
 
 #[test]
 fn how_few_channels_are_like_the_found_one_is_said() {
-    let said = |count: usize| {
+    let said_of = |is_odd: bool, count: usize| {
         let unlike: Vec<Unlike> = (1..=count).map(|number| Unlike { number, difference: Difference::Tips }).collect();
-        unlike_sentence(&unlike, (24, 1), 0).unwrap()
+        unlike_sentence(&unlike, is_odd, (24, 1), 0).unwrap()
     };
+    let said = |count: usize| said_of(false, count);
     assert!(said(13).contains("Of the other 23 channels of its kind, 13 are not like this one: only 10 are."));
-    assert!(said(23).contains("23 are not like this one: it is the odd one, or no two are alike."));
+    assert!(said(23).contains("23 are not like this one: nor is any like another."));
+    assert!(said_of(true, 23).contains("Channel 0 is the odd one: the other 23 of its kind are like each other"));
     assert!(said(2).contains("2 are not like this one (1 at 15.0 deg from this one: "), "{}", said(2));
 }
 

@@ -149,7 +149,7 @@ fn the_first_point_on_a_blade_picks_the_passage() {
 #[test]
 fn a_wheel_that_lacks_a_blade_is_found_by_its_blade_count() {
     for part in [ring(), impeller(), axial()] {
-        let flaws = Flaws { missing_blade: Some(4), ..Flaws::default() };
+        let flaws = Flaws { missing_blades: vec![4], ..Flaws::default() };
         let mesh = ParametricWheel { flaws, ..part.clone() }.mesh();
         assert!(find(&mesh, &BliskOptions::default()).is_err());
         let points = vec![on_blade(&part, 1, 0.5, 0.5)];

@@ -41,14 +41,14 @@ use self::flow::{LEANING, Lines, STEEP};
 use self::meridian::{Meridian, Place, Tracer};
 use self::retry::{counted, misleading, recount};
 use self::sentences::{
-    STRAIGHT, end_wall_assumptions, given_by_hand, holes_sentence, left_sentence, tip_gap_sentence, unlike_sentence,
+    end_wall_assumptions, given_by_hand, holes_sentence, left_sentence, tip_gap_sentence, unlike_sentence,
 };
 use self::walls::{BEYOND_EDGE, WallFinder, Walls};
 use super::by_hand::ByHand;
 use super::channel::{Agreement, Channel, ChannelWall, Flow, OPENS, Surface, station_at, ways_out};
 use super::error::{BliskError, Misleading, NotChannels, Refused};
 use super::frame::slices::{Gap, Slices};
-use super::frame::{BliskFrame, Wheel, find_sector, find_wheel, is_inside_out};
+use super::frame::{BliskFrame, Repetition, Wheel, find_sector, find_wheel, is_inside_out};
 use super::options::{AxisChoice, AxisName, BliskOptions, EndWalls, ZAt};
 use geometry::frame::{Cylindrical, Frame};
 use geometry::mesh::Mesh;
@@ -177,7 +177,48 @@ fn in_all_bodies<'a>(
     {
         return Err(error.into());
     }
-    whole.map(|channel| (wheel, channel))
+    let Err(refused) = whole else { return whole.map(|channel| (wheel, channel)) };
+    let is_own = matches!(
+        refused.error,
+        BliskError::LostWall { .. }
+            | BliskError::Disagrees(_)
+            | BliskError::NoThroat { .. }
+            | BliskError::NoEndWall { .. }
+            | BliskError::Turns { .. }
+            | BliskError::Unbounded { .. }
+    );
+    let other = if is_own { other_channel(&wheel, options, task)? } else { None };
+    // Without any passage what repeats about a less likely line is no wheel.
+    if let (None, Some(error)) = (other, wheel.likelier) {
+        return Err(error.into());
+    }
+    let closed = !is_own || wheel.mesh.is_watertight();
+    if closed && other.is_none() {
+        return Err(refused);
+    }
+    Err(Refused { error: BliskError::Spoilt { error: Box::new(refused.error), closed, other }, ..refused })
+}
+
+/// A channel of the kind of the chosen one that is found, where the chosen one is refused for what may be its own.
+fn other_channel(wheel: &Wheel, options: &BliskOptions, task: &Task) -> Result<Option<usize>, Refused> {
+    let is_by_hand = options.radii().iter().any(|(_, radius)| radius.given().is_some())
+        || options.points().iter().any(|(_, points, _)| !points.is_empty());
+    if is_by_hand {
+        return Ok(None);
+    }
+    let Repetition { blades, kinds, .. } = wheel.blisk.repetition;
+    let alike = blades / kinds;
+    // Across the wheel, and a third of the way round it.
+    let mut others = [alike / 2, alike / 3].map(|turns| (options.channel + turns * kinds) % blades).to_vec();
+    others.dedup();
+    for other in others.into_iter().filter(|other| *other != options.channel) {
+        match channel_of(wheel.clone(), &BliskOptions { channel: other, ..options.clone() }, Vec::new(), task) {
+            Ok(_) => return Ok(Some(other)),
+            Err(stopped @ Refused { error: BliskError::Cancelled(_), .. }) => return Err(stopped),
+            Err(_) => {}
+        }
+    }
+    Ok(None)
 }
 
 /// The mesh with its normals outwards, and what was assumed for that.
@@ -224,7 +265,7 @@ fn channel_of(wheel: Wheel, options: &BliskOptions, assumed: Vec<String>, task: 
 
 /// The channel at a place that is known.
 fn measured_channel(
-    Wheel { mesh, is_of_sector, blisk }: Wheel,
+    Wheel { mesh, is_of_sector, blisk, .. }: Wheel,
     Placed { frame, start, lines }: Placed,
     options: &BliskOptions,
     mut assumed: Vec<String>,
@@ -291,8 +332,8 @@ fn measured_channel(
         measured.check_tips()?;
     }
     // Whoever points at blades has seen them.
-    if options.blade_points_mm.is_empty() && straight::is_straight(&channel) {
-        channel.assumed.push(STRAIGHT.into());
+    if options.blade_points_mm.is_empty() {
+        channel.assumed.extend(straight::doubt(&channel).map(str::to_owned));
     }
     let unlike = measured.unlike(blades, blisk.repetition.kinds)?;
     let obstructed = obstruction::obstructed(&channel, slices.mesh(), &task.cancel)?;
@@ -304,8 +345,10 @@ fn measured_channel(
     channel.unlike.splice(0..0, obstructed);
     channel.unlike.sort_by_key(|unlike| unlike.number);
     channel.unlike.dedup_by_key(|unlike| unlike.number);
+    let is_alone = channel.unlike.len() + 1 == blades / channel.kinds;
+    let is_odd = is_alone && measured.is_odd(&channel.unlike)?;
     channel.unlike.iter_mut().for_each(|unlike| unlike.number = (options.channel + unlike.number) % blades);
-    channel.assumed.extend(unlike_sentence(&channel.unlike, (blades, channel.kinds), options.channel));
+    channel.assumed.extend(unlike_sentence(&channel.unlike, is_odd, (blades, channel.kinds), options.channel));
     task.report("channel", 1.0, "");
     Ok(channel)
 }

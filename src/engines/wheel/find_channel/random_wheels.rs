@@ -216,12 +216,12 @@ fn spoilt_random_wheels_are_refused_or_told() {
         let flaws = [
             (blade, 2),
             // Where a splitter is missing there is one passage in place of two.
-            (Flaws { missing_blade: Some(3), ..Flaws::default() }, 1),
+            (Flaws { missing_blades: vec![3], ..Flaws::default() }, 1),
             (Flaws { missing_shroud: 0.5, ..Flaws::default() }, wheel.blades / 3),
         ];
         let flaws = flaws.into_iter().filter(|(flaws, _)| wheel.shrouded || flaws.missing_shroud == 0.0);
         let unsaid = flaws.filter_map(|(flaws, least)| {
-            let spoilt = Case { wheel: ParametricWheel { flaws, ..wheel.clone() }, ..case.clone() };
+            let spoilt = Case { wheel: ParametricWheel { flaws: flaws.clone(), ..wheel.clone() }, ..case.clone() };
             // Only the channels of its kind are compared with one.
             let told = find(&spoilt).map_or(wheel.blades, |channel| channel.kinds * channel.unlike.len());
             (told < least).then(|| format!("{told} channels differ of {flaws:?}"))

@@ -8,6 +8,10 @@ use super::meridian::Meridian;
 pub(super) const STRAIGHT: &str = "The blades stand straight, in planes through the axis, and turn no flow, as spokes, struts, \
                         splines and the teeth of a gear do: check that they are blades.";
 
+/// Says the same of what is wound.
+pub(super) const SCREW: &str = "The blades are wound by one lead over their length and height, with gaps as wide from end to end, \
+                     as the teeth of a helical gear and the threads of a worm or a screw are: check that they are blades.";
+
 /// Says what hub and shroud were taken for.
 pub(super) fn end_wall_assumptions(options: &BliskOptions, meridian: &Meridian, inset: f64) -> Vec<String> {
     let mut assumed = Vec::new();
@@ -48,20 +52,35 @@ pub(super) fn given_by_hand(options: &BliskOptions) -> impl Iterator<Item = Stri
 }
 
 /// Says which of the channels of its kind are not like number `index`, which was found, and what differs most, or how few
-/// are like it.
-pub(super) fn unlike_sentence(unlike: &[Unlike], (blades, kinds): (usize, usize), index: usize) -> Option<String> {
+/// are like it. `is_odd` where all others are like each other.
+pub(super) fn unlike_sentence(
+    unlike: &[Unlike],
+    is_odd: bool,
+    (blades, kinds): (usize, usize),
+    index: usize,
+) -> Option<String> {
     const MOST: usize = 8;
     let others = blades / kinds - 1;
     if unlike.len() > 1 && 2 * unlike.len() > others + 1 {
+        let middle = unlike[unlike.len() / 2];
+        if is_odd {
+            return Some(format!(
+                "Channel {index} is the odd one: the other {others} of its kind are like each other, not like this one ({}). \
+                 What is planned here fits none of them: choose another with blisk.channel, {} say.",
+                middle.difference, middle.number
+            ));
+        }
         let how_few = match others - unlike.len() {
-            0 => "it is the odd one, or no two are alike".to_owned(),
+            0 => "nor is any like another".to_owned(),
             like => format!("only {like} {}", if like == 1 { "is" } else { "are" }),
         };
         return Some(format!(
-            "Of the other {others} channels of its kind, {} are not like this one: {how_few}. Compare another with \
-             blisk.channel, {} say.",
+            "Of the other {others} channels of its kind, {} are not like this one: {how_few}. Channel {}: {}. Compare \
+             another with blisk.channel, {} say.",
             unlike.len(),
-            unlike[unlike.len() / 2].number
+            middle.number,
+            middle.difference,
+            middle.number
         ));
     }
     let named = |of: &Unlike| {

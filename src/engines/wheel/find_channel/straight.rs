@@ -1,28 +1,41 @@
-//! Blades that turn no flow, as gears, splines, spokes and struts have none that do.
+//! Blades that may be none: teeth of gears and splines, spokes, struts, threads of worms and screws.
 
-use super::super::channel::Channel;
+use super::super::channel::{Channel, Flow};
 use super::super::passage::Passage;
+use super::sentences::{SCREW, STRAIGHT};
 
 /// Places along the passage and shares of its height at which the middle of the gap is looked at.
 const ALONG: usize = 9;
 const HEIGHTS: [f64; 3] = [0.2, 0.5, 0.8];
 /// Share of the blades' span at either edge that is not looked at, since edges are rounded.
 const EDGE: f64 = 0.15;
-/// The middle of a gap is straight where its angle stays within this share of the gap's width.
-const STRAIGHT: f64 = 0.03;
+/// An angle within this share of the gap's width is none.
+const SAME: f64 = 0.03;
 
-/// Whether the middle of the passage stays in one plane through the axis, so that its blades turn no flow.
-pub(super) fn is_straight(channel: &Channel) -> bool {
-    let Some(passage) = Passage::new(channel) else { return false };
+/// Says that what stands about the axis may be no blades: the middle of the passage stays in one plane through the axis, or
+/// winds by one lead at every height and position, with gaps that stay as wide.
+pub(super) fn doubt(channel: &Channel) -> Option<&'static str> {
+    let passage = Passage::new(channel)?;
     let [from, to] = passage.span;
-    let middle_and_width = |share: f64, height: f64| {
+    let place = |share: f64, height: f64| {
         let along = from + share * (to - from);
         let [hub, shroud] = channel.line_at(along).ends;
         let [low, high] = passage.between(along, hub + height * (shroud - hub));
-        (0.5 * (low + high), high - low)
+        (share - 0.5, 0.5 * (low + high), high - low)
     };
     let shares = (0..ALONG).map(|i| EDGE + (1.0 - 2.0 * EDGE) * i as f64 / (ALONG - 1) as f64);
-    let places: Vec<_> = shares.flat_map(|share| HEIGHTS.map(|height| middle_and_width(share, height))).collect();
-    let mean = places.iter().map(|(middle, _)| middle).sum::<f64>() / places.len() as f64;
-    places.iter().all(|(middle, width)| (middle - mean).abs() < STRAIGHT * width)
+    let rows: Vec<Vec<_>> =
+        HEIGHTS.iter().map(|height| shares.clone().map(|share| place(share, *height)).collect()).collect();
+    let places = || rows.iter().flatten();
+    let mean = places().map(|(_, middle, _)| middle).sum::<f64>() / places().count() as f64;
+    let lead = places().map(|(share, middle, _)| share * (middle - mean)).sum::<f64>()
+        / places().map(|(share, ..)| share * share).sum::<f64>();
+    let winds_by =
+        |lead: f64| places().all(|(share, middle, width)| (middle - mean - lead * share).abs() < SAME * width);
+    let stays_as_wide =
+        |row: &Vec<(f64, f64, f64)>| row.iter().all(|(.., width)| (width / row[0].2 - 1.0).abs() < SAME);
+    if winds_by(0.0) {
+        return Some(STRAIGHT);
+    }
+    (channel.flow == Flow::Axial && winds_by(lead) && rows.iter().all(stays_as_wide)).then_some(SCREW)
 }

@@ -86,6 +86,8 @@ pub(super) struct Wheel<'a> {
     pub is_of_sector: bool,
     /// Axis and blade count.
     pub blisk: BliskFrame,
+    /// Reason why none was found about a line that is likelier to be the axis, where one was tried before.
+    pub likelier: Option<BliskError>,
 }
 
 /// Finds the axis and the blade count of `mesh`, which must be oriented outwards, and the whole wheel if it is a sector
@@ -95,7 +97,7 @@ pub(super) struct Wheel<'a> {
 /// Every error of [`find_frame`], and [`SectorError`] if the part is a sector that makes no wheel.
 pub(super) fn find_wheel<'a>(mesh: &'a Mesh, options: &BliskOptions, task: &Task) -> Result<Wheel<'a>, BliskError> {
     let error = match find_frame(mesh, options, task) {
-        Ok(mut blisk) => {
+        Ok((mut blisk, likelier)) => {
             let told = || axis::of_turned_surfaces(mesh, blisk.axis).filter(|turned| *turned != blisk.axis);
             let turned = || told().map(|turned| ("turned surfaces", turned));
             let of_blades = blisk.repeats_about.map(|axis| ("blades", axis));
@@ -105,22 +107,51 @@ pub(super) fn find_wheel<'a>(mesh: &'a Mesh, options: &BliskOptions, task: &Task
                      about the given one."
                 ));
             }
-            return Ok(Wheel { mesh: Cow::Borrowed(mesh), is_of_sector: false, blisk });
+            return Ok(Wheel { mesh: Cow::Borrowed(mesh), is_of_sector: false, blisk, likelier });
         }
         Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),
         // Holes all the way round an axis are in no sector.
         Err(error) if has_holes(&error) => return Err(error),
         Err(error) => error,
     };
-    let Some(whole) = sector::whole_wheel(mesh, options, &task.cancel)? else { return Err(error) };
-    wheel_of_sector(whole, error, options, task)
+    match whole_of_sector(mesh, error.axis(), &error, options, &task.cancel)? {
+        Some(whole) => wheel_of_sector(mesh, whole, error, options, task),
+        None => Err(error),
+    }
+}
+
+/// Whether `mesh`, refused as a whole wheel for `error` about `axis`, is rather a sector of one about the axis `of_sector`: it
+/// does not go all the way round the first one, or more of its surface turns about the other.
+fn is_rather_sector(mesh: &Mesh, of_sector: Option<Axis>, axis: Option<Axis>, error: &BliskError) -> bool {
+    let turning = axis::Turning::new(mesh);
+    let share = |axis: Option<Axis>| axis.map_or(0.0, |axis| turning.share(&axis));
+    matches!(error, BliskError::Partial { .. }) || share(of_sector) > share(axis)
+}
+
+/// The whole wheel if `mesh` is a sector of one, although as a whole wheel, about `axis`, it is refused for `error`.
+///
+/// # Errors
+/// [`BliskError::Cancelled`], and [`SectorError`] where it is rather a sector.
+fn whole_of_sector(
+    mesh: &Mesh,
+    axis: Option<Axis>,
+    error: &BliskError,
+    options: &BliskOptions,
+    cancel: &Cancel,
+) -> Result<Option<sector::Whole>, BliskError> {
+    match sector::whole_wheel(mesh, options, cancel) {
+        Err(SectorError::Cancelled(cancelled)) => Err(cancelled.into()),
+        Err(of_sector) if is_rather_sector(mesh, of_sector.axis(), axis, error) => Err(of_sector.into()),
+        Err(_) => Ok(None),
+        Ok(whole) => Ok(whole),
+    }
 }
 
 /// The whole wheel if `mesh` is a sector of one, although it was taken for a wheel about `axis`, as a blade alone may be:
 /// what was found there was refused for `error`.
 ///
 /// # Errors
-/// [`BliskError::Cancelled`], and [`SectorError`] where more of the surface turns about the axis of the sector.
+/// Those of [`whole_of_sector`].
 pub(super) fn find_sector(
     mesh: &Mesh,
     axis: &Axis,
@@ -128,23 +159,16 @@ pub(super) fn find_sector(
     options: &BliskOptions,
     task: &Task,
 ) -> Result<Option<Wheel<'static>>, BliskError> {
-    let whole = match sector::whole_wheel(mesh, options, &task.cancel) {
-        Err(SectorError::Cancelled(cancelled)) => return Err(cancelled.into()),
-        Err(of_sector) => {
-            let turning = axis::Turning::new(mesh);
-            let is_likelier = of_sector.axis().is_some_and(|of| turning.share(&of) > turning.share(axis));
-            return if is_likelier { Err(of_sector.into()) } else { Ok(None) };
-        }
-        Ok(whole) => whole,
-    };
-    match whole.map(|whole| wheel_of_sector(whole, error, options, task)) {
+    let whole = whole_of_sector(mesh, Some(*axis), &error, options, &task.cancel)?;
+    match whole.map(|whole| wheel_of_sector(mesh, whole, error, options, task)) {
         Some(Err(BliskError::Cancelled(cancelled))) => Err(cancelled.into()),
         found => Ok(found.and_then(Result::ok)),
     }
 }
 
-/// The wheel that was made of a sector, which as a whole wheel is refused for `error`.
+/// The wheel that was made of the sector `mesh`, which as a whole wheel is refused for `error`.
 fn wheel_of_sector(
+    mesh: &Mesh,
     whole: sector::Whole,
     error: BliskError,
     options: &BliskOptions,
@@ -153,7 +177,7 @@ fn wheel_of_sector(
     let line = AxisLine { direction: whole.axis.direction.into(), point: whole.axis.point.into() };
     let about_line = BliskOptions { axis: AxisChoice::Line(line), ..options.clone() };
     // What only looks like a sector is what it was before.
-    let mut blisk = match find_frame(&whole.mesh, &about_line, task) {
+    let mut blisk = match find_frame(&whole.mesh, &about_line, task).map(|(blisk, _)| blisk) {
         Err(BliskError::Cancelled(cancelled)) => return Err(cancelled.into()),
         // Its copies are as many as its own symmetry allows.
         Ok(blisk) if blisk.repetition.blades.is_multiple_of(whole.copies) => blisk,
@@ -169,20 +193,28 @@ fn wheel_of_sector(
     // Its pitch may have been told by every other blade.
     let pitches_held = whole.pitches_held * blades / whole.blades;
     if kinds > 1 && pitches_held < 2 * kinds && options.blades.given().is_none() {
+        if !is_rather_sector(mesh, Some(whole.axis), error.axis(), &error) {
+            return Err(error);
+        }
         return Err(SectorError::Kinds { kinds, seen: pitches_held, axis: whole.axis }.into());
     }
     // Channel 0 is one of those that the sector holds.
     blisk.frame = Frame::from_x_and_z_hint(blisk.axis.point, blisk.axis.direction, whole.middle);
     blisk.assumed.insert(0, whole.assumed(blades));
-    Ok(Wheel { mesh: Cow::Owned(whole.mesh), is_of_sector: true, blisk })
+    Ok(Wheel { mesh: Cow::Owned(whole.mesh), is_of_sector: true, blisk, likelier: None })
 }
 
-/// Finds the axis and the blade count of `mesh`, which must be oriented outwards.
+/// Finds the axis and the blade count of `mesh`, which must be oriented outwards; with them, why nothing was found about
+/// the likeliest line, where they are about another.
 ///
 /// # Errors
 /// Says what is missing: the part covers no full turn, nothing repeats around any likely axis, or what repeats
 /// is no channel between blades. The error is that of the likeliest axis.
-fn find_frame(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<BliskFrame, BliskError> {
+fn find_frame(
+    mesh: &Mesh,
+    options: &BliskOptions,
+    task: &Task,
+) -> Result<(BliskFrame, Option<BliskError>), BliskError> {
     let mut first_error = None;
     let candidates = candidate_axes(mesh, options);
     for (i, axis) in candidates.iter().enumerate() {
@@ -192,7 +224,7 @@ fn find_frame(mesh: &Mesh, options: &BliskOptions, task: &Task) -> Result<BliskF
             // Of what has as many holes as blades are asked for, other axes would tell of something else.
             Err(error) if has_holes(&error) && options.blades.given().is_some() => return Err(error),
             Err(error) => first_error = first_error.or(Some(error)),
-            found => return found,
+            Ok(found) => return Ok((found, first_error)),
         }
     }
     Err(first_error.unwrap_or_else(|| BliskError::Mesh("its surface has no area".into())))

@@ -67,12 +67,12 @@ struct Blade {
 }
 
 /// What is wrong with a wheel.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Flaws {
     /// A blade, turned about the axis by an angle (rad).
     pub turned_blade: Option<(usize, f64)>,
-    /// A blade that is not there.
-    pub missing_blade: Option<usize>,
+    /// Blades that are not there.
+    pub missing_blades: Vec<usize>,
     /// Share of the turn over which there is no shroud.
     pub missing_shroud: f64,
     /// A blade that is bent about the axis, most half way up under a shroud and at the tip without one, by so much (mm).
@@ -276,7 +276,7 @@ impl ParametricWheel {
         let wall = |blade: usize, side: f64| {
             let of = self.blade_at(blade % self.blades);
             let turns = if blade >= self.blades { TAU } else { 0.0 };
-            let stands = self.flaws.missing_blade != Some(blade % self.blades);
+            let stands = !self.flaws.missing_blades.contains(&(blade % self.blades));
             let at = self.span_at(of.span, height);
             (stands && (at[0]..=at[1]).contains(&along)).then(|| {
                 let middle = of.begin + turns + self.wound(along) + self.leant(blade % self.blades, [along, height]);
@@ -292,7 +292,7 @@ impl ParametricWheel {
         if self.shrouded {
             shells.push(self.wall(1.0));
         }
-        let standing = (0..self.blades).filter(|k| Some(*k) != self.flaws.missing_blade);
+        let standing = (0..self.blades).filter(|k| !self.flaws.missing_blades.contains(k));
         shells.extend(standing.map(|k| self.blade(k)));
         shells.extend((self.holes > 0).then(|| self.flange()));
         together(shells)
