@@ -21,6 +21,8 @@ const ENOUGH: f64 = 0.95;
 /// another wall. Fewer such places than [`LEAST_FAR`] may be slivers of it.
 const FAR: f64 = 2.0;
 const LEAST_FAR: usize = 2;
+/// Share of a surface at each of its edges where a place far off may be one of a fillet or of a round edge.
+const BESIDE_EDGE: f64 = 0.1;
 /// Distance up to which a place agrees, beside the mesh's own chord error (mm), or as a share of the height where that
 /// is more.
 const TOLERANCE: f64 = 0.005;
@@ -98,8 +100,8 @@ struct Sample {
     triangle: Option<u32>,
     /// How far the mesh lies beyond a surface that is given by hand (mm).
     left: f64,
-    /// Whether it is beside a corner of a wall, or an end of a hub or a shroud, where edges are round.
-    at_end: bool,
+    /// Whether it is beside an edge of the surface, where fillets and round edges are.
+    at_edge: bool,
 }
 
 impl Sample {
@@ -195,7 +197,7 @@ impl Measured<'_> {
     /// [`BliskError::NoThroat`] where its walls touch: what was found is no channel of this part then.
     pub fn agreement(&self, throat: &Throat) -> Result<Vec<Agreement>, BliskError> {
         let within = self.tolerance();
-        let (mut all, mut facets, mut first_off) = (Vec::new(), None, None);
+        let (mut all, mut off, mut facets) = (Vec::new(), Vec::new(), None);
         for (surface, mut samples) in self.samples(DENSE, 0.0)? {
             let open = match surface {
                 Surface::Hub | Surface::Shroud => self.take_holes(surface, &mut samples),
@@ -210,12 +212,13 @@ impl Measured<'_> {
                 agreement = summary(surface, &samples, within);
             }
             agreement.open = open;
-            if first_off.is_none() && !agrees(&agreement, &samples) {
-                first_off = Some(agreement);
+            if !agrees(&agreement, &samples) {
+                off.push(agreement);
             }
             all.push(agreement);
         }
-        if let Some(a) = first_off {
+        // That of which most is off is what was not found; it may take others with it.
+        if let Some(a) = off.into_iter().min_by(|a, b| a.share.total_cmp(&b.share)) {
             let key = if a.surface == Surface::Hub { "hub_points_mm" } else { "shroud_points_mm" };
             let Cylindrical { x, r, .. } = Cylindrical::from_point(a.at);
             let is_drawn = self.tracer.is_drawn(a.surface);
@@ -396,7 +399,6 @@ impl Measured<'_> {
         let cells = columns.flat_map(|u| (every.div_ceil(2)..wall.nv).step_by(every).map(move |v| (u, v)));
         let cells: Vec<_> = cells.collect();
         let most_sag = self.most_sag();
-        let is_end = |at: usize, [first, last]: [usize; 2]| at <= first || at + every > last;
         let sample = |&(u, v): &(usize, usize)| {
             let (at, sag) = cell(wall, u, v);
             let Cylindrical { x, r, theta } = Cylindrical::from_point(at);
@@ -411,9 +413,9 @@ impl Measured<'_> {
                 let normal = tracer.slices.normal(crossing.triangle).try_normalize().unwrap_or(around);
                 r * (crossing.theta - theta) * normal.dot(around).abs()
             });
-            let at_end = is_end(u, [edge + 1, wall.nu - edge - 1]) && is_end(v, [every.div_ceil(2), wall.nv - 1]);
+            let at_edge = is_at_edge(u, wall.nu) || is_at_edge(v, wall.nv);
             let triangle = found.map(|crossing| crossing.triangle);
-            Sample { off, chord: sag.min(most_sag), at, triangle, left: 0.0, at_end }
+            Sample { off, chord: sag.min(most_sag), at, triangle, left: 0.0, at_edge }
         };
         cells.par_iter().map(sample).collect()
     }
@@ -431,7 +433,7 @@ impl Measured<'_> {
         let Density { stations, across, .. } = density;
         let of_column = |i: usize| {
             let u = (i + 1) * (walls[0].nu - 1) / (stations + 1);
-            let at_end = i == 0 || i + 1 == stations;
+            let at_edge = is_at_edge(i, stations);
             let ends = walls.map(|wall| wall.cylindrical(u, row));
             let middle = 0.5 * (DVec2::new(ends[0].x, ends[0].r) + DVec2::new(ends[1].x, ends[1].r));
             let station = station_at(meridian, along_at(meridian, middle, self.rows.share(row)));
@@ -475,7 +477,7 @@ impl Measured<'_> {
                 let above = if given { met.above.max(0.0) } else { met.above };
                 let left = if given && met.facet.is_some() { (-met.above - chord).max(0.0) } else { 0.0 };
                 let at = Cylindrical { x: met.end.x, r: met.end.y, theta: met.theta }.point();
-                Sample { off: met.facet.map_or(missed, |_| above), chord, at, triangle: met.facet, left, at_end }
+                Sample { off: met.facet.map_or(missed, |_| above), chord, at, triangle: met.facet, left, at_edge }
             };
             let mut samples: Vec<Sample> = met.iter().map(sample).collect();
             // A hole is deeper than the wall beside it.
@@ -513,9 +515,15 @@ fn high(gap: &Gap) -> Crossing {
     gap.high
 }
 
+/// Whether number `at` of `count` places across a surface is beside its edge.
+fn is_at_edge(at: usize, count: usize) -> bool {
+    let off = at.min(count.saturating_sub(at + 1));
+    (off as f64) < BESIDE_EDGE * count as f64
+}
+
 /// Whether a surface agrees with the mesh: most of its places, and all but single ones nearly.
 fn agrees(agreement: &Agreement, samples: &[Sample]) -> bool {
-    let is_far = |s: &&Sample| !s.at_end && !s.is_near(agreement.within_mm, FAR);
+    let is_far = |s: &&Sample| !s.at_edge && !s.is_near(agreement.within_mm, FAR);
     agreement.share >= ENOUGH && samples.iter().filter(is_far).count() < LEAST_FAR
 }
 
@@ -574,7 +582,8 @@ mod tests {
 
     #[test]
     fn what_cannot_be_measured_does_not_agree() {
-        let sample = |off: f64| Sample { off, chord: 0.001, at: DVec3::ZERO, triangle: None, left: 0.0, at_end: false };
+        let sample =
+            |off: f64| Sample { off, chord: 0.001, at: DVec3::ZERO, triangle: None, left: 0.0, at_edge: false };
         let share = |offs: &[f64]| {
             summary(Surface::Hub, &offs.iter().map(|off| sample(*off)).collect::<Vec<_>>(), TOLERANCE).share
         };

@@ -82,6 +82,11 @@ impl Rows {
     }
 }
 
+/// Share of the blades' length by which an edge may be further from one row to the next.
+const EDGE_STEP: f64 = 0.2;
+/// Slope of an edge against the height up to which that may be more.
+const EDGE_SLOPE: f64 = 8.0;
+
 /// Finds rows and walls of a channel with known end walls.
 pub(super) struct WallFinder<'a> {
     pub tracer: &'a Tracer<'a>,
@@ -326,6 +331,7 @@ impl WallFinder<'_> {
         let nv = rows.count;
         let of_row = |v| self.gaps(&self.row(rows.share(v))?, nu);
         let rows: Vec<Vec<Place>> = (0..nv).into_par_iter().map(of_row).collect::<Result<_, BliskError>>()?;
+        check_edges(&rows)?;
         Ok([|g: &Gap| g.low, |g: &Gap| g.high].map(|end| {
             let order = || (0..nu).flat_map(|u| rows.iter().map(move |row| &row[u]));
             ChannelWall {
@@ -403,6 +409,27 @@ impl WallFinder<'_> {
         let into_gap = if crossing.enters { -around } else { around };
         self.tracer.slices.normal(crossing.triangle).try_normalize().unwrap_or(into_gap)
     }
+}
+
+/// Refuses blades whose edges jump from row to row, but for the rows beside fillets: what lies beyond a hole in one of them is
+/// not seen as its wall.
+fn check_edges(rows: &[Vec<Place>]) -> Result<(), BliskError> {
+    let at = |place: &Place| DVec2::new(place.x, place.r);
+    let inner = rows.get(1..rows.len().saturating_sub(1)).unwrap_or_default();
+    for pair in inner.windows(2) {
+        let ([first, .., last], [over_first, .., over_last]) = (&pair[0][..], &pair[1][..]) else { continue };
+        let span = (last.along - first.along).max(over_last.along - over_first.along);
+        // Where one edge jumps the other tells how far apart the rows are.
+        let apart = at(first).distance(at(over_first)).min(at(last).distance(at(over_last)));
+        let most = (EDGE_STEP * span).max(EDGE_SLOPE * apart);
+        for (edge, over) in [(first, over_first), (last, over_last)] {
+            if (over.along - edge.along).abs() > most {
+                let DVec2 { x, y: r } = at(edge).midpoint(at(over));
+                return Err(BliskError::LostWall { x, r });
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Refuses walls without shroud between which the passage widens by a jump from row to row, above the fillets at the

@@ -13,7 +13,7 @@ use wheel::electrode::Electrode;
 /// Cells of the lattice of a surface to be looked at closely: cells of some tenths of a millimetre. Takes seconds.
 pub const FINE: usize = 1_000_000;
 /// Cells of the lattice of one that is seen as a whole.
-pub const COARSE: usize = 200_000;
+pub const COARSE: usize = 100_000;
 
 /// The surface that `electrode` sweeps along `track`, in W, made on a lattice of about so many `cells`.
 ///
