@@ -126,7 +126,8 @@ impl Calibrated {
 }
 
 /// A step of a burn with its time.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct StepTime {
     /// Name of the step.
     pub step: String,
@@ -239,21 +240,18 @@ fn mean_rate(step: &Step, burn: &Burn) -> Result<Option<f64>, BurningError> {
     Ok(Some(rate / slowness))
 }
 
-/// Time of several burns, one after the other, with set-up and changing (minutes): those of a channel, or of a mold.
-/// None if one of them is not known.
+/// Time of several burns, one after the other, with set-up and changing (minutes), given the time of each (minutes): those
+/// of a channel, or of a mold. None if one of them is not known.
 ///
 /// # Errors
 /// [`Invalid`] for minutes of set-up or changing that are not possible.
-pub fn sum_of<'a>(
-    times: impl IntoIterator<Item = &'a BurnTime>,
-    overhead: Overhead,
-) -> Result<Option<Spread>, Invalid> {
+pub fn sum_of(burns: impl IntoIterator<Item = Option<Spread>>, overhead: Overhead) -> Result<Option<Spread>, Invalid> {
     overhead.validate()?;
-    let add = |sum: Spread, (i, time): (usize, &BurnTime)| {
+    let add = |sum: Spread, (i, burning): (usize, Option<Spread>)| {
         let change = Spread::certain(if i > 0 { overhead.change_min } else { 0.0 });
-        Some(sum.plus(change).plus(time.burning?))
+        Some(sum.plus(change).plus(burning?))
     };
-    Ok(times.into_iter().enumerate().try_fold(Spread::certain(overhead.setup_min), add))
+    Ok(burns.into_iter().enumerate().try_fold(Spread::certain(overhead.setup_min), add))
 }
 
 /// Factor by which jumps lengthen burning: 1 + (2 height / speed) / interval. None unless all three are given.
@@ -417,20 +415,20 @@ mod tests {
 
     #[test]
     fn a_sum_is_known_where_all_its_burns_are() {
-        let known = time(&complete(), 1000.0, 100.0);
+        let known = time(&complete(), 1000.0, 100.0).burning;
         let mut technology = complete();
         technology.step[2].rate_mm3_min = None;
-        let unknown = time(&technology, 1000.0, 100.0);
-        let minutes = known.burning.unwrap().mean;
-        let twice = sum_of([&known, &known], Overhead::default()).unwrap().unwrap();
+        let unknown = time(&technology, 1000.0, 100.0).burning;
+        let minutes = known.unwrap().mean;
+        let twice = sum_of([known, known], Overhead::default()).unwrap().unwrap();
         assert!((twice.mean - 2.0 * minutes).abs() < 1e-12);
         // Set up once, changed twice.
         let overhead = Overhead { setup_min: 30.0, change_min: 4.0 };
-        let three = sum_of([&known, &known, &known], overhead).unwrap().unwrap();
+        let three = sum_of([known, known, known], overhead).unwrap().unwrap();
         assert!((three.mean - 3.0 * minutes - 38.0).abs() < 1e-12);
-        assert_eq!(sum_of([&known, &unknown], overhead), Ok(None), "a missing time is not zero");
+        assert_eq!(sum_of([known, unknown], overhead), Ok(None), "a missing time is not zero");
         assert_eq!(sum_of([], Overhead::default()), Ok(Some(Spread::certain(0.0))));
-        assert!(sum_of([&known], Overhead { setup_min: -1.0, change_min: 0.0 }).is_err());
+        assert!(sum_of([known], Overhead { setup_min: -1.0, change_min: 0.0 }).is_err());
     }
 
     #[test]

@@ -11,6 +11,7 @@
 //! - [`duration`] gives minutes, with what they rest on and what is missing.
 //! - [`wear`] gives the wear of electrodes, how many are needed, and which channels each of them burns.
 //! - [`schedule`] puts the burns of all channels of a wheel in order.
+//! - [`project`] has the choice of a technology in a project, [`figures`] what tables and reports show of a burn.
 //!
 //! A figure that a table does not have stays missing: results name it instead of taking it as zero. Lengths are in mm,
 //! areas in mm², volumes in mm³, times in minutes, pulses in µs, currents in A.
@@ -20,6 +21,8 @@ pub mod defaults;
 pub mod duration;
 mod error;
 pub mod estimate;
+pub mod figures;
+pub mod project;
 pub mod rules;
 pub mod schedule;
 pub mod technology;

@@ -52,6 +52,34 @@ pub struct Piece {
     pub frontal_area_mm2: f64,
 }
 
+impl Piece {
+    /// Pieces of the burn of several heads that go down together to one depth.
+    ///
+    /// Each head has as much stock above its floor as its volume is of its frontal area, so that the ones with more
+    /// stock begin earlier: the areas of all that have begun add up. A head without stock does not count. None if the
+    /// volume of a head with stock has no area.
+    pub fn together(heads: &[Self]) -> Option<Vec<Self>> {
+        let mut begun: Vec<[f64; 2]> = Vec::with_capacity(heads.len());
+        for head in heads.iter().filter(|head| head.volume_mm3 != 0.0) {
+            let depth = head.volume_mm3 / head.frontal_area_mm2;
+            if !depth.is_finite() || depth < 0.0 {
+                return None;
+            }
+            begun.push([depth, head.frontal_area_mm2]);
+        }
+        begun.sort_by(|a, b| b[0].total_cmp(&a[0]));
+        let (mut pieces, mut area) = (Vec::new(), 0.0);
+        for (i, [depth, own]) in begun.iter().enumerate() {
+            area += own;
+            let end = begun.get(i + 1).map_or(0.0, |next| next[0]);
+            if *depth > end {
+                pieces.push(Self { volume_mm3: area * (depth - end), frontal_area_mm2: area });
+            }
+        }
+        Some(pieces)
+    }
+}
+
 impl Burn {
     /// A burn with one frontal area, from the first step of a technology on.
     pub fn single(volume_mm3: f64, frontal_area_mm2: f64, until: Until) -> Self {
@@ -65,7 +93,7 @@ impl Burn {
     }
 
     /// Least and greatest frontal area of the pieces (mm²).
-    fn areas_mm2(&self) -> [f64; 2] {
+    pub(crate) fn areas_mm2(&self) -> [f64; 2] {
         let areas = self.pieces.iter().map(|piece| piece.frontal_area_mm2);
         areas.fold([f64::INFINITY, 0.0], |[least, greatest], area| [least.min(area), greatest.max(area)])
     }

@@ -307,3 +307,33 @@ proptest! {
         prop_assert!((sum - volume).abs() <= 1e-12 * volume);
     }
 }
+
+/// Heads of 10 mm² with 3 mm of stock, 20 mm² with 1 mm and 5 mm² with 1 mm: 2 mm of the first alone, 1 mm of all.
+#[test]
+fn heads_that_go_down_together_begin_with_the_deepest() {
+    let head = |volume_mm3, frontal_area_mm2| Piece { volume_mm3, frontal_area_mm2 };
+    let heads = [head(20.0, 20.0), head(30.0, 10.0), head(0.0, 0.0), head(5.0, 5.0)];
+    let pieces = Piece::together(&heads).unwrap();
+    assert_eq!(pieces, [head(20.0, 10.0), head(35.0, 35.0)]);
+    assert_eq!(Piece::together(&heads[..1]).unwrap(), heads[..1]);
+    assert_eq!(Piece::together(&[head(8.0, 2.0), head(8.0, 2.0)]).unwrap(), [head(16.0, 4.0)]);
+    assert_eq!(Piece::together(&[]), Some(Vec::new()));
+    assert_eq!(Piece::together(&[head(1.0, 0.0), head(8.0, 2.0)]), None, "stock without an area is not left out");
+}
+
+proptest! {
+    /// All of the stock is burned, and no burn of several heads is faster than that of one of them.
+    #[test]
+    fn several_heads_take_all_of_their_stock(sizes in prop::collection::vec((0.1..50.0f64, 0.1..50.0f64), 1..8)) {
+        let heads: Vec<Piece> =
+            sizes.iter().map(|(volume_mm3, area)| Piece { volume_mm3: *volume_mm3, frontal_area_mm2: *area }).collect();
+        let pieces = Piece::together(&heads).unwrap();
+        let sum = |pieces: &[Piece]| pieces.iter().map(|piece| piece.volume_mm3).sum::<f64>();
+        prop_assert!((sum(&pieces) - sum(&heads)).abs() < 1e-9 * sum(&heads));
+        let slowest = |pieces: &[Piece]| {
+            pieces.iter().map(|p| p.volume_mm3 / rules::area_factor(p.frontal_area_mm2, 20.0).unwrap()).sum::<f64>()
+        };
+        let one = heads.iter().map(|head| slowest(std::slice::from_ref(head))).fold(0.0, f64::max);
+        prop_assert!(slowest(&pieces) >= one * (1.0 - 1e-9));
+    }
+}

@@ -1,0 +1,239 @@
+//! Minutes and wear of an electrode as tables, reports and windows show them.
+
+use std::fmt::Display;
+
+use serde::{Deserialize, Serialize};
+
+use crate::BurningError;
+use crate::choice::{Burn, Figure, Missing};
+use crate::duration::{BurnTime, Spread, StepTime};
+use crate::estimate::Estimate;
+use crate::project::ProjectTechnology;
+use crate::technology::TechnologyFile;
+use crate::wear::{AllowedWear, WearShare};
+
+/// Minutes and wear of an electrode in one burn, or the reasons why they are not known, with what they rest on.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BurnFigures {
+    /// Volume to remove (mm³); none if it is not known.
+    pub volume_mm3: Option<f64>,
+    /// Least and greatest frontal area (mm²); none if it is not known.
+    pub frontal_area_mm2: Option<[f64; 2]>,
+    /// The steps, from rough to fine.
+    pub steps: Vec<StepTime>,
+    /// Burning, without set-up and changing (minutes); none if it is not known.
+    pub minutes: Option<Spread>,
+    /// Length that the front loses (mm); none if it is not considered.
+    pub end_wear_mm: Option<f64>,
+    /// Wear of the edges (mm); none if it is not considered.
+    pub corner_wear_mm: Option<f64>,
+    /// Share of the allowed wear that the burn uses up.
+    pub wear_share: WearShare,
+    /// Foundation of the figures, in a sentence; none without a technology.
+    pub rests_on: Option<String>,
+    /// Reasons why the minutes are not known.
+    pub missing: Vec<String>,
+    /// What the minutes and the wear do without, and ranges of the technology that the burn leaves.
+    pub not_considered: Vec<String>,
+}
+
+impl BurnFigures {
+    /// Figures of a burn with the technology of a project.
+    pub fn of(table: &TechnologyFile, project: &ProjectTechnology, burn: &Burn) -> Self {
+        let [least, greatest] = burn.areas_mm2();
+        let of_burn = Self {
+            volume_mm3: Some(burn.volume_mm3()),
+            frontal_area_mm2: (least <= greatest).then_some([least, greatest]),
+            rests_on: table.get(&project.id).map(|technology| {
+                format!("{} ({}): {}", technology.label(), technology.basis, technology.source.trim())
+            }),
+            ..Self::default()
+        };
+        match table.estimate(&project.id, burn).and_then(|estimate| of_burn.with(&estimate, project.allowed_wear)) {
+            Ok(figures) => figures,
+            Err(reason) => Self { missing: vec![reason.to_string()], ..of_burn },
+        }
+    }
+
+    /// Figures that are not known, for this reason.
+    pub fn unknown(reason: impl Display) -> Self {
+        Self { missing: vec![reason.to_string()], ..Self::default() }
+    }
+
+    fn with(&self, estimate: &Estimate, allowed: AllowedWear) -> Result<Self, BurningError> {
+        let Estimate { time, wear } = estimate;
+        let is_of_wear = |missing: &&Missing| matches!(missing.figure, Figure::Wear | Figure::CornerWear);
+        let of_wear = wear.missing.iter().filter(is_of_wear).map(ToString::to_string);
+        let outside = time.outside.iter().map(ToString::to_string);
+        Ok(Self {
+            steps: time.steps.clone(),
+            minutes: time.burning,
+            end_wear_mm: wear.end_mm,
+            corner_wear_mm: wear.corner_mm,
+            wear_share: wear.share_of(allowed)?,
+            rests_on: self.rests_on.as_ref().map(|text| text.clone() + &scaling(time)),
+            missing: time.missing.iter().map(ToString::to_string).collect(),
+            not_considered: outside.chain(time.not_considered.iter().map(ToString::to_string)).chain(of_wear).collect(),
+            ..self.clone()
+        })
+    }
+
+    /// Minutes in words, as `12.5 min`, or that they are not known.
+    pub fn minutes_text(&self) -> String {
+        minutes_text(self.minutes)
+    }
+
+    /// Wear in words; what is not known is not considered.
+    pub fn wear_text(&self) -> String {
+        match (self.end_wear_mm, self.corner_wear_mm) {
+            (None, None) => "wear not considered".to_owned(),
+            (Some(end), None) => format!("end wear {end:.4} mm, corner wear not considered"),
+            (None, Some(corner)) => format!("end wear not considered, corner wear {corner:.4} mm"),
+            (Some(end), Some(corner)) => format!("end wear {end:.4} mm, corner wear {corner:.4} mm"),
+        }
+    }
+
+    /// Number of electrodes that `burns` burns need, in words. `copies` is their number as far as the wear is known.
+    pub fn needed_text(&self, copies: usize) -> String {
+        let is_known = match self.wear_share {
+            WearShare::Known(_) => true,
+            WearShare::Unlimited => self.end_wear_mm.is_some() && self.corner_wear_mm.is_some(),
+            WearShare::Unknown { .. } => false,
+        };
+        match (is_known, self.wear_share) {
+            (false, _) => format!("at least {copies}: wear not considered"),
+            (true, WearShare::Unlimited) => format!("{copies}: no wear is limited"),
+            (true, _) => copies.to_string(),
+        }
+    }
+
+    /// Lines that say what the figures rest on and what is missing.
+    pub fn explanation(&self) -> Vec<String> {
+        let missing = (!self.missing.is_empty()).then(|| format!("Minutes not known: {}.", self.missing.join("; ")));
+        let without = &self.not_considered;
+        let without = (!without.is_empty()).then(|| format!("Not considered: {}.", without.join("; ")));
+        missing.into_iter().chain(self.rests_on.clone()).chain(without).collect()
+    }
+}
+
+/// Minutes in words, as `12.5 min` or `12.5 min (10.0 to 15.0)`, or that they are not known.
+pub fn minutes_text(minutes: Option<Spread>) -> String {
+    in_unit(minutes, "min")
+}
+
+/// Hours in words, of minutes.
+pub fn hours_text(minutes: Option<Spread>) -> String {
+    in_unit(minutes.map(|minutes| minutes.times(1.0 / 60.0)), "h")
+}
+
+fn in_unit(time: Option<Spread>, unit: &str) -> String {
+    match time {
+        None => "not known".to_owned(),
+        Some(Spread { least: Some(least), mean, greatest: Some(greatest) }) if least < greatest => {
+            format!("{mean:.1} {unit} ({least:.1} to {greatest:.1})")
+        }
+        Some(Spread { mean, .. }) => format!("{mean:.1} {unit}"),
+    }
+}
+
+fn scaling(time: &BurnTime) -> String {
+    time.calibration.map_or_else(String::new, |calibrated| {
+        let burns = if calibrated.count == 1 { "burn" } else { "burns" };
+        format!(" Scaled by {} finished {burns}: {:.3} times the estimate.", calibrated.count, calibrated.mean)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::choice::Until;
+    use crate::choice::tests::{burn, complete};
+    use crate::technology::Calibration;
+
+    fn table() -> TechnologyFile {
+        TechnologyFile { technology: vec![complete()], calibration: Vec::new() }
+    }
+
+    fn project() -> ProjectTechnology {
+        ProjectTechnology { id: "complete".to_owned(), ..ProjectTechnology::default() }
+    }
+
+    /// 985 / 40 + 10 / 10 + 5 / 2 minutes and 5 % for jumps; 985 mm³ at 1 %, 10 at 5 % and 5 at 20 % from 100 mm².
+    #[test]
+    fn figures_are_those_of_the_estimate() {
+        let asked = burn(1000.0, 100.0, Until::Vdi(20.0));
+        let figures = BurnFigures::of(&table(), &project(), &asked);
+        let minutes = 1.05 * (985.0 / 40.0 + 1.0 + 2.5);
+        assert!((figures.minutes.unwrap().mean - minutes).abs() < 1e-9);
+        assert_eq!(figures.minutes_text(), format!("{minutes:.1} min"));
+        assert_eq!((figures.volume_mm3, figures.frontal_area_mm2), (Some(1000.0), Some([100.0; 2])));
+        assert_eq!(figures.wear_text(), "end wear 0.1135 mm, corner wear 0.0600 mm");
+        assert_eq!(figures.rests_on.as_deref(), Some("complete (measured): test"));
+        assert!(figures.missing.is_empty() && figures.not_considered.is_empty(), "{figures:?}");
+        assert_eq!(figures.needed_text(1), "1: no wear is limited");
+        let limited =
+            ProjectTechnology { allowed_wear: AllowedWear { end_mm: Some(0.05), corner_mm: None }, ..project() };
+        let figures = BurnFigures::of(&table(), &limited, &asked);
+        assert_eq!(figures.needed_text(3), "3");
+        assert!((figures.wear_share.at_least() - 0.1135 / 0.05).abs() < 1e-9);
+    }
+
+    #[test]
+    fn finished_burns_are_told() {
+        let mut table = table();
+        let finished = |measured_min| Calibration {
+            technology: "complete".to_owned(),
+            estimated_min: 10.0,
+            measured_min,
+            date: None,
+            source: None,
+        };
+        table.calibration = vec![finished(11.0), finished(13.0)];
+        let figures = BurnFigures::of(&table, &project(), &burn(1000.0, 100.0, Until::Vdi(20.0)));
+        let said = figures.rests_on.unwrap();
+        assert!(said.ends_with("Scaled by 2 finished burns: 1.200 times the estimate."), "{said}");
+        assert_eq!(minutes_text(figures.minutes), "35.4 min (32.5 to 38.4)");
+    }
+
+    #[test]
+    fn what_is_missing_is_named_and_never_zero() {
+        let mut table = table();
+        for step in &mut table.technology[0].step {
+            (step.wear_percent, step.corner_wear_mm) = (None, None);
+        }
+        let asked = burn(1000.0, 100.0, Until::Vdi(20.0));
+        let figures = BurnFigures::of(&table, &project(), &asked);
+        assert!(figures.minutes.is_some());
+        assert_eq!((figures.end_wear_mm, figures.corner_wear_mm), (None, None));
+        assert_eq!(
+            (figures.wear_text(), figures.needed_text(1)),
+            ("wear not considered".to_owned(), "at least 1: wear not considered".to_owned())
+        );
+        assert!(figures.not_considered.contains(&"wear of steps R, S, F is not given".to_owned()), "{figures:?}");
+        let limited =
+            ProjectTechnology { allowed_wear: AllowedWear { end_mm: Some(0.1), corner_mm: None }, ..project() };
+        let figures = BurnFigures::of(&table, &limited, &asked);
+        assert!(figures.wear_share.is_unknown());
+        assert_eq!(figures.needed_text(1), "at least 1: wear not considered");
+
+        table.technology[0].step[1].rate_mm3_min = None;
+        let figures = BurnFigures::of(&table, &project(), &asked);
+        assert_eq!((figures.minutes, figures.minutes_text().as_str()), (None, "not known"));
+        assert_eq!(figures.missing, ["rate of step S is not given"]);
+        assert!(figures.explanation()[0].starts_with("Minutes not known: rate of step S is not given."));
+    }
+
+    #[test]
+    fn a_burn_that_cannot_be_estimated_says_why() {
+        let figures = BurnFigures::of(&table(), &project(), &burn(1000.0, 100.0, Until::Vdi(10.0)));
+        assert_eq!((figures.minutes, figures.volume_mm3), (None, Some(1000.0)));
+        assert!(figures.missing[0].contains("no step is as fine as VDI 10.0"), "{figures:?}");
+        let other = ProjectTechnology { id: "other".to_owned(), ..project() };
+        let figures = BurnFigures::of(&table(), &other, &burn(1000.0, 100.0, Until::Vdi(20.0)));
+        assert_eq!((figures.rests_on, figures.minutes), (None, None));
+        assert!(figures.missing[0].contains("there is no technology other"));
+        let none = BurnFigures::unknown("no certified path");
+        assert_eq!((none.volume_mm3, none.minutes, none.wear_text().as_str()), (None, None, "wear not considered"));
+    }
+}
