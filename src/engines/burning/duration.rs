@@ -141,6 +141,23 @@ pub struct StepTime {
     pub minutes: Option<f64>,
 }
 
+impl StepTime {
+    /// The same step in two burns: its volume, its minutes, and the mean rate that gives them.
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        let sum = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a + b);
+        let volume_mm3 = sum(self.volume_mm3, other.volume_mm3);
+        let slow = |step: &Self| step.volume_mm3.zip(step.rate_mm3_min).map(|(volume, rate)| volume / rate);
+        let rate = volume_mm3.zip(sum(slow(self), slow(other))).map(|(volume, minutes)| volume / minutes);
+        Self {
+            step: self.step.clone(),
+            volume_mm3,
+            rate_mm3_min: rate.filter(|rate| rate.is_finite()).or(self.rate_mm3_min),
+            jump_factor: self.jump_factor.zip(other.jump_factor).map(|(factor, _)| factor),
+            minutes: sum(self.minutes, other.minutes),
+        }
+    }
+}
+
 /// Time of a burn, without set-up and changing.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BurnTime {

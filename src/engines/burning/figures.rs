@@ -9,7 +9,7 @@ use crate::choice::{Burn, Figure, Missing};
 use crate::duration::{BurnTime, Spread, StepTime};
 use crate::estimate::Estimate;
 use crate::project::ProjectTechnology;
-use crate::technology::TechnologyFile;
+use crate::technology::{Technology, TechnologyFile};
 use crate::wear::{AllowedWear, WearShare};
 
 /// Minutes and wear of an electrode in one burn, or the reasons why they are not known, with what they rest on.
@@ -59,6 +59,67 @@ impl BurnFigures {
     /// Figures that are not known, for this reason.
     pub fn unknown(reason: impl Display) -> Self {
         Self { missing: vec![reason.to_string()], ..Self::default() }
+    }
+
+    /// Figures of a burn that is known to remove nothing.
+    pub fn idle() -> Self {
+        Self {
+            volume_mm3: Some(0.0),
+            minutes: Some(Spread::certain(0.0)),
+            end_wear_mm: Some(0.0),
+            corner_wear_mm: Some(0.0),
+            wear_share: WearShare::Known(0.0),
+            not_considered: vec!["a burn removes no stock".to_owned()],
+            ..Self::default()
+        }
+    }
+
+    /// Figures of several burns of one electrode together. A figure that one of them lacks is not known of all; without
+    /// burns none is known.
+    pub fn all_of(burns: &[Self]) -> Self {
+        let Some((first, rest)) = burns.split_first() else { return Self::default() };
+        rest.iter().fold(first.clone(), |all, burn| all.plus(burn))
+    }
+
+    fn plus(self, other: &Self) -> Self {
+        let sum = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a + b);
+        let areas = match (self.frontal_area_mm2, other.frontal_area_mm2) {
+            (Some([a, b]), Some([c, d])) => Some([a.min(c), b.max(d)]),
+            (one, None) | (None, one) => one,
+        };
+        let used = self.wear_share.at_least() + other.wear_share.at_least();
+        let wear_share = match (self.wear_share, other.wear_share) {
+            (WearShare::Unlimited, WearShare::Unlimited) => WearShare::Unlimited,
+            (a, b) if a.is_unknown() || b.is_unknown() => WearShare::Unknown { at_least: used },
+            _ => WearShare::Known(used),
+        };
+        let mut steps = self.steps;
+        for step in &other.steps {
+            match steps.iter_mut().find(|known| known.step == step.step) {
+                Some(known) => *known = known.plus(step),
+                None => steps.push(step.clone()),
+            }
+        }
+        let joined = |mut all: Vec<String>, more: &[String]| {
+            more.iter().for_each(|text| {
+                if !all.contains(text) {
+                    all.push(text.clone())
+                }
+            });
+            all
+        };
+        Self {
+            volume_mm3: sum(self.volume_mm3, other.volume_mm3),
+            frontal_area_mm2: areas,
+            steps,
+            minutes: self.minutes.zip(other.minutes).map(|(a, b)| a.plus(b)),
+            end_wear_mm: sum(self.end_wear_mm, other.end_wear_mm),
+            corner_wear_mm: sum(self.corner_wear_mm, other.corner_wear_mm),
+            wear_share,
+            rests_on: self.rests_on.or_else(|| other.rests_on.clone()),
+            missing: joined(self.missing, &other.missing),
+            not_considered: joined(self.not_considered, &other.not_considered),
+        }
     }
 
     fn with(&self, estimate: &Estimate, allowed: AllowedWear) -> Result<Self, BurningError> {
@@ -115,6 +176,34 @@ impl BurnFigures {
         let without = (!without.is_empty()).then(|| format!("Not considered: {}.", without.join("; ")));
         missing.into_iter().chain(self.rests_on.clone()).chain(without).collect()
     }
+}
+
+/// Figures that steps of a technology lack, each with the names of these steps.
+pub fn gaps_of(technology: &Technology) -> Vec<Missing> {
+    let mut gaps = Vec::new();
+    for (i, step) in technology.step.iter().enumerate() {
+        let jump = step.jump_mm.and(step.jump_every_s).and(step.jump_speed);
+        // After the last step there is none to leave stock for.
+        let is_last = i + 1 == technology.step.len();
+        for (figure, is_given) in [
+            (Figure::Finish, step.finish_vdi().is_some()),
+            (Figure::PeakCurrent, step.ip_a.is_some()),
+            (Figure::Density, step.max_density_a_cm2.is_some()),
+            (Figure::SideGap, step.gap_side_mm.is_some()),
+            (Figure::Orbit, step.orbit_mm.is_some()),
+            (Figure::Rate, step.rate_mm3_min.is_some()),
+            (Figure::RateArea, step.at_area_mm2.is_some()),
+            (Figure::StockNext, step.stock_next_mm.is_some() || is_last),
+            (Figure::Jump, jump.is_some()),
+            (Figure::Wear, step.wear_percent.is_some()),
+            (Figure::CornerWear, step.corner_wear_mm.is_some()),
+        ] {
+            if !is_given {
+                Missing::add(&mut gaps, figure, step);
+            }
+        }
+    }
+    gaps
 }
 
 /// Minutes in words, as `12.5 min` or `12.5 min (10.0 to 15.0)`, or that they are not known.
@@ -222,6 +311,42 @@ mod tests {
         assert_eq!((figures.minutes, figures.minutes_text().as_str()), (None, "not known"));
         assert_eq!(figures.missing, ["rate of step S is not given"]);
         assert!(figures.explanation()[0].starts_with("Minutes not known: rate of step S is not given."));
+    }
+
+    #[test]
+    fn gaps_of_a_technology_are_named_with_their_steps() {
+        assert_eq!(gaps_of(&complete()), [], "the last step leaves no stock");
+        let mut technology = complete();
+        technology.step[0].rate_mm3_min = None;
+        technology.step[2].rate_mm3_min = None;
+        technology.step[1].jump_speed = None;
+        let said: Vec<String> = gaps_of(&technology).iter().map(ToString::to_string).collect();
+        assert_eq!(said, ["rate of steps R, F is not given", "jump of step S is not given"]);
+    }
+
+    /// Twice the same burn is twice the volume, the minutes and the wear.
+    #[test]
+    fn burns_of_one_electrode_add_up() {
+        let limited =
+            ProjectTechnology { allowed_wear: AllowedWear { end_mm: Some(0.2), corner_mm: None }, ..project() };
+        let one = BurnFigures::of(&table(), &limited, &burn(1000.0, 100.0, Until::Vdi(20.0)));
+        let other = BurnFigures::of(&table(), &limited, &burn(500.0, 50.0, Until::Vdi(20.0)));
+        let both = BurnFigures::all_of(&[one.clone(), other.clone(), BurnFigures::idle()]);
+        let minutes = one.minutes.unwrap().mean + other.minutes.unwrap().mean;
+        assert!((both.minutes.unwrap().mean - minutes).abs() < 1e-9);
+        assert_eq!((both.volume_mm3, both.frontal_area_mm2), (Some(1500.0), Some([50.0, 100.0])));
+        let share = one.wear_share.at_least() + other.wear_share.at_least();
+        assert!(matches!(both.wear_share, WearShare::Known(used) if (used - share).abs() < 1e-12));
+        let step = both.steps.iter().find(|step| step.step == "S").unwrap();
+        let of_step = |f: &BurnFigures| f.steps.iter().find(|step| step.step == "S").unwrap().clone();
+        assert_eq!(step.minutes, of_step(&one).minutes.zip(of_step(&other).minutes).map(|(a, b)| a + b));
+        let minutes = step.volume_mm3.unwrap() / step.rate_mm3_min.unwrap() * step.jump_factor.unwrap();
+        assert!((step.minutes.unwrap() - minutes).abs() < 1e-9, "the mean rate is the one that gives the minutes");
+        let unknown = BurnFigures::all_of(&[one.clone(), BurnFigures::unknown("no volume")]);
+        assert_eq!((unknown.minutes, unknown.volume_mm3, unknown.end_wear_mm), (None, None, None));
+        assert!(unknown.wear_share.is_unknown() && unknown.missing == ["no volume"]);
+        assert_eq!(BurnFigures::all_of(&[]).minutes, None, "no burns are not known to take no time");
+        assert_eq!(BurnFigures::all_of(std::slice::from_ref(&one)), one);
     }
 
     #[test]

@@ -285,7 +285,7 @@ impl SearchProblem<'_> {
 
 /// Coordinate `k`, 0 to 1, of point `n` of a low-discrepancy sequence in five dimensions: the additive recurrence by
 /// powers of the generalised golden ratio, the root of `x^6 = x + 1` (Roberts's R sequence).
-fn quasi_random(n: f64, k: usize) -> f64 {
+pub(crate) fn quasi_random(n: f64, k: usize) -> f64 {
     const RATIO: f64 = 1.134_724_138_401_519_4;
     (0.5 + n * RATIO.powi(-(k as i32 + 1))).fract()
 }

@@ -30,7 +30,7 @@ pub(super) struct Cutter {
 }
 
 /// Poses with the way of the axes up to each of them.
-struct Motion {
+pub(super) struct Motion {
     poses: Vec<Pose>,
     /// Placement of the electrode at each of them: sines and cosines once, not at every look.
     placements: Vec<DAffine3>,
@@ -55,6 +55,11 @@ impl Motion {
         let placements: Vec<DAffine3> = poses.iter().map(|pose| pose.placement(reference_point)).collect();
         let swept = swept(&placements, &ways, reference_point, body);
         Self { poses, placements, ways, swept }
+    }
+
+    /// Number of poses.
+    pub(super) fn len(&self) -> usize {
+        self.poses.len()
     }
 
     /// Whether the electrode may come nearer to `p` than `known` (mm), which is negative where it has been within it.
@@ -136,6 +141,36 @@ impl Cutter {
             }
         }
         known
+    }
+
+    /// A motion of this electrode.
+    pub(super) fn motion(&self, poses: Vec<Pose>) -> Motion {
+        Motion::new(poses, self.reference_point, &self.bounds)
+    }
+
+    /// The first row of `motion` at which `p`, in W, is nearer to the electrode than `distance` (mm, less than [`REACH`]).
+    pub(super) fn first_row_within(&self, motion: &Motion, p: DVec3, distance: f64) -> Option<usize> {
+        if !motion.may_lower(p, distance) {
+            return None;
+        }
+        let radius = p.y.hypot(p.z);
+        let mut row = 0;
+        while let Some(placement) = motion.placements.get(row) {
+            let look = self.look(placement, p);
+            if look.distance.is_some_and(|known| known < distance) {
+                return Some(row);
+            }
+            // No distance changes faster than the point moves in the electrode's axes.
+            let way = motion.ways[row];
+            let travel = |to: &[f64; 3]| {
+                let [turn, slide, tilt] = std::array::from_fn(|i| to[i] - way[i]);
+                let carried = turn * radius + slide;
+                carried + tilt * (look.arm + carried)
+            };
+            let still = motion.ways[row + 1..].iter().take_while(|to| look.at_least - travel(to) >= distance).count();
+            row += 1 + still;
+        }
+        None
     }
 
     fn look(&self, placement: &DAffine3, p: DVec3) -> Look {

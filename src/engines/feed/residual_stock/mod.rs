@@ -17,6 +17,7 @@
 //! rings are taken to be turned before. What is left between the shank and a ring is therefore not counted.
 
 mod cutter;
+mod removed;
 mod surface;
 mod volume;
 
@@ -29,6 +30,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::pose::Pose;
+use burning::choice::Piece;
 use cutter::{Cutter, CutterError, REACH};
 use geometry::distance_field::DistanceField;
 use geometry::exact::ExactMeshError;
@@ -46,7 +48,7 @@ pub const TOLERANCE: f64 = 0.03;
 pub struct Burn<'a> {
     /// The electrode.
     pub electrode: &'a Electrode,
-    /// Poses of its feed, in any order; empty to leave it out. The last pose of a feed is the final pose.
+    /// Poses of its feed towards the final pose, which is the last of them; empty to leave it out.
     pub feed: Vec<Pose>,
     /// Poses of its copying motion; empty if there is none.
     pub copying: Vec<Pose>,
@@ -129,6 +131,9 @@ pub struct ResidualStock {
     pub surfaces: Vec<SurfaceFigures>,
     /// Figures of the volume.
     pub stock: Stock,
+    /// Volume that each of the burns removes of the channel, and its frontal area, along its motion. An electrode removes
+    /// what those before it have left; without a feed and a copying motion it has no pieces.
+    pub removed: Vec<Vec<Piece>>,
 }
 
 impl ResidualStock {
@@ -214,9 +219,10 @@ pub fn residual_stock(site: &Site, burns: &[Burn], task: &Task) -> Result<Residu
     let deviation = surface::deviations(&patch, &removal, least_deviation(site), &task)?;
     let surfaces = surface::figures(&patch, &deviation, removal.most());
     let stock = volume::stock(&passage, &removal, &task)?;
+    let removed = removed::removed(&passage, &removal, burns, &task)?;
     let deviation = Arc::new(deviation.into_iter().map(|d| d as f32).collect());
     let map = DeviationMap { mesh: Arc::new(patch.mesh), surfaces: patch.surfaces, deviation };
-    Ok(ResidualStock { map, surfaces, stock })
+    Ok(ResidualStock { map, surfaces, stock, removed })
 }
 
 /// A deviation that no motion can make much less (mm): what is proven, and twice the error of the field.

@@ -392,3 +392,63 @@ fn the_facets_of_a_rim_that_blades_end_flush_with_lie_beside_the_blades() {
         assert!(!surface::is_beside_blades(&passage, of_wall, GAP));
     }
 }
+
+/// Poses that lead straight along X into the final pose.
+fn straight(length: f64) -> Vec<Pose> {
+    [1.0, 0.3, 0.0].map(|share| Pose { x: -share * length, ..Pose::FINAL }).to_vec()
+}
+
+/// A cuboid of 3 x 3 mm along X in the middle of the channel, which reaches to the middle of the blades.
+fn bar() -> Electrode {
+    let passage = Passage::new(&PART.channel).unwrap();
+    let [from, to] = passage.span;
+    let middle = 0.5 * (from + to);
+    let [low, high] = passage.between(middle, 95.0);
+    let Cylindrical { x, r, theta } = Cylindrical { x: middle, r: 95.0, theta: 0.5 * (low + high) };
+    let [y, z] = [r * theta.sin(), r * theta.cos()];
+    let at = Cylindrical { x, r, theta }.point();
+    assert!((at.y.abs() - y.abs()).abs() < 1e-9 && (at.z - z).abs() < 1e-9);
+    let mesh = Mesh::cuboid(DVec3::new(40.0, 3.0, 3.0)).mapped(|p| p + at - DVec3::new(40.0, 1.5, 1.5));
+    let faces = vec![wheel::electrode::ElectrodeFace::FarEnd; mesh.triangles.len()];
+    Electrode { mesh, faces, patches: Vec::new(), reference_point: at, ..make(&unreduced()).remove(0) }
+}
+
+/// A bar of 3 mm by 3 mm takes its section and a gap all round, rounded at the edges, from the blades' front edges to a gap
+/// beyond its end.
+#[test]
+fn a_bar_removes_its_section_along_its_way() {
+    let electrode = bar();
+    let burn = || Burn { electrode: &electrode, feed: straight(30.0), copying: Vec::new() };
+    let removed = left_by(&[burn(), burn()]).removed;
+    let gap = GAP + DistanceField::ACCURACY;
+    let section = (3.0 + 2.0 * gap).powi(2) - (4.0 - std::f64::consts::PI) * gap * gap;
+    let [from, to] = PART.channel.span_x();
+    let length = 0.5 * (to - from) + gap;
+    let sum = |pieces: &[Piece]| pieces.iter().map(|piece| piece.volume_mm3).sum::<f64>();
+    assert!((sum(&removed[0]) / (section * length) - 1.0).abs() < 0.03, "{} {}", sum(&removed[0]), section * length);
+    assert!(removed[0].len() >= 4, "{removed:?}");
+    let inner = &removed[0][1..removed[0].len() - 1];
+    for piece in inner {
+        assert!((piece.frontal_area_mm2 / section - 1.0).abs() < 0.06, "{piece:?} {section}");
+    }
+    let advance: f64 = removed[0].iter().map(|piece| piece.volume_mm3 / piece.frontal_area_mm2).sum();
+    assert!((advance - length).abs() < 0.6, "{advance} {length}");
+    assert_eq!(removed[1], [], "the first one has left nothing of it");
+}
+
+/// What all electrodes remove is what is not left; a second part removes only what the first one leaves.
+#[test]
+fn what_is_removed_and_what_is_left_make_the_channel() {
+    let electrodes = make(&ElectrodeParams { parts: 2, ..unreduced() });
+    let burns: Vec<Burn> =
+        electrodes.iter().map(|electrode| Burn { electrode, feed: straight(40.0), copying: Vec::new() }).collect();
+    let found = left_by(&burns);
+    let all: f64 = found.removed.iter().flatten().map(|piece| piece.volume_mm3).sum();
+    let gone = found.stock.channel_mm3 - found.stock.left_mm3;
+    assert!((all / gone - 1.0).abs() < 0.01, "{all} {gone}");
+    let alone = left_by(&burns[1..]).removed;
+    let sum = |pieces: &[Piece]| pieces.iter().map(|piece| piece.volume_mm3).sum::<f64>();
+    assert!(sum(&found.removed[1]) < 0.9 * sum(&alone[0]), "{} {}", sum(&found.removed[1]), sum(&alone[0]));
+    assert!(found.removed.iter().flatten().all(|piece| piece.frontal_area_mm2 > 0.1));
+    assert_eq!(found, left_by(&burns), "the order of threads does not count");
+}

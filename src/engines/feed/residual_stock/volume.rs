@@ -34,41 +34,94 @@ struct Passed {
     at: Option<DVec3>,
 }
 
-/// Stock left between the walls.
-pub(super) fn stock(passage: &Passage, removal: &Removal, task: &Task) -> Result<Stock, Cancelled> {
-    let [from, to] = passage.span;
-    let planes = ((to - from) / STEP_ALONG).ceil().clamp(1.0, MOST_LINES) as usize;
-    let step = (to - from) / planes as f64;
-    let done = AtomicUsize::new(0);
-    let plane = |i: usize| {
-        let [before, line, after] = [0.0, 0.5, 1.0].map(|t| passage.channel().line_at(from + (i as f64 + t) * step));
+/// Sections across a passage, the same distance apart.
+pub(super) struct Sections<'a> {
+    passage: &'a Passage<'a>,
+    count: usize,
+    step: f64,
+}
+
+/// Strip of a section at one height, from the low to the high wall.
+pub(super) struct Strip {
+    line: Line,
+    height: f64,
+    radius: f64,
+    /// Angles of the walls (rad).
+    walls: [f64; 2],
+    /// Area that the strip stands for, square to its own direction (mm^2).
+    pub(super) section: f64,
+}
+
+impl Strip {
+    /// Distance from wall to wall (mm).
+    pub(super) fn width(&self) -> f64 {
+        ((self.walls[1] - self.walls[0]) * self.radius).max(0.0)
+    }
+
+    /// The point at a share of the width from the low wall, in W (mm).
+    pub(super) fn point(&self, share: f64) -> DVec3 {
+        self.line.point(self.height, self.walls[0] + share * (self.walls[1] - self.walls[0]))
+    }
+}
+
+impl<'a> Sections<'a> {
+    /// Those of `passage`, `finer` times as many as the residual stock needs.
+    pub(super) fn of(passage: &'a Passage<'a>, finer: usize) -> Self {
+        let [from, to] = passage.span;
+        let count = finer * ((to - from) / STEP_ALONG).ceil().clamp(1.0, MOST_LINES) as usize;
+        Self { passage, count, step: (to - from) / count as f64 }
+    }
+
+    /// Number of sections.
+    pub(super) fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Strips of section number `i`, from the hub to the shroud. Each stands for an interval of heights, and lies at this
+    /// share of it.
+    pub(super) fn strips(&self, i: usize, share: f64) -> impl Iterator<Item = Strip> {
+        let (passage, step, from) = (self.passage, self.step, self.passage.span[0]);
+        let channel = passage.channel();
+        let [before, line, after] = [0.0, 0.5, 1.0].map(|t| channel.line_at(from + (i as f64 + t) * step));
         let [hub, shroud] = line.ends;
         // From the line before to the line after at the same share of the height, square to this line.
-        let thickness = |height: f64| {
+        let thickness = move |height: f64| {
             let place = |of: &Line| of.place(of.ends[0] + (height - hub) / (shroud - hub) * (of.ends[1] - of.ends[0]));
-            if passage.channel().flow == Flow::Axial {
-                step
-            } else {
-                (place(&after) - place(&before)).perp_dot(line.up).abs()
-            }
+            if channel.flow == Flow::Axial { step } else { (place(&after) - place(&before)).perp_dot(line.up).abs() }
         };
+        shells(hub, shroud).into_iter().map(move |[bottom, top]| {
+            let height = bottom + share * (top - bottom);
+            Strip {
+                line,
+                height,
+                radius: line.radius(height),
+                walls: passage.between(line.along, height),
+                section: thickness(height) * (top - bottom),
+            }
+        })
+    }
+}
+
+/// Stock left between the walls.
+pub(super) fn stock(passage: &Passage, removal: &Removal, task: &Task) -> Result<Stock, Cancelled> {
+    let sections = Sections::of(passage, 1);
+    let done = AtomicUsize::new(0);
+    let section = |i: usize| {
         let mut sum = Passed::default();
-        for [bottom, top] in shells(hub, shroud) {
+        for strip in sections.strips(i, 0.5) {
             task.check()?;
-            let height = 0.5 * (bottom + top);
-            let passed = ray(passage, removal, &line, height);
-            let section = thickness(height) * (top - bottom);
-            sum.channel += section * passed.channel;
-            sum.left += section * passed.left;
+            let passed = ray(removal, &strip);
+            sum.channel += strip.section * passed.channel;
+            sum.left += strip.section * passed.left;
             if passed.depth > sum.depth {
                 (sum.depth, sum.at) = (passed.depth, passed.at);
             }
         }
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        task.report("residual stock", 0.7 + 0.3 * done as f64 / planes as f64, "volume of the channel");
+        task.report("residual stock", 0.7 + 0.3 * done as f64 / sections.len() as f64, "volume of the channel");
         Ok(sum)
     };
-    let sums: Vec<Result<Passed, Cancelled>> = (0..planes).into_par_iter().map(plane).collect();
+    let sums: Vec<Result<Passed, Cancelled>> = (0..sections.len()).into_par_iter().map(section).collect();
     let mut stock = Stock { channel_mm3: 0.0, left_mm3: 0.0, depth_mm: 0.0, at: None };
     for sum in sums {
         let sum = sum?;
@@ -103,15 +156,14 @@ fn shells(hub: f64, shroud: f64) -> Vec<[f64; 2]> {
 
 /// Goes from the low to the high wall: no deviation changes faster than the point moves, so that what is left, or
 /// eroded, stays so for as far as it is deep.
-fn ray(passage: &Passage, removal: &Removal, line: &Line, height: f64) -> Passed {
-    let ([low, high], r) = (passage.between(line.along, height), line.radius(height));
-    let width = (high - low) * r;
-    let mut passed = Passed { channel: width.max(0.0), ..Passed::default() };
+fn ray(removal: &Removal, strip: &Strip) -> Passed {
+    let width = strip.width();
+    let mut passed = Passed { channel: width, ..Passed::default() };
     let mut s = 0.0;
     // The part of the last step that may have led into stock.
     let mut entered = 0.0;
     while s < width {
-        let p = line.point(height, low + s / r);
+        let p = strip.point(s / width);
         let deviation = removal.deviation(p, 0.0);
         let step = deviation.abs().max(LEAST_STEP).min(width - s);
         if deviation > NOTHING {
