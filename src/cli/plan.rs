@@ -7,6 +7,7 @@ use super::{Answer, Session};
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::export::{self, PlanFilesError};
+use crate::workspaces::blisk::job::burning::{BurningElectrode, WheelBurning};
 use crate::workspaces::blisk::job::finish::finish_as_far_as_possible;
 use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanOutcome};
 use crate::workspaces::blisk::job::plan::{prepare, run_prepared};
@@ -177,6 +178,7 @@ fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out
         let [nodes, searches, mends, points] = [e.nodes.len(), o.plan.rounds, o.plan.repairs, o.plan.probes];
         say!("           {nodes} nodes, {searches} searches, {mends} path repairs, {points} points tested");
     }
+    report.burning.iter().for_each(print_burning);
     for symbol in &report.symbols {
         say!("           {:10} {:>22} {:4} {}", symbol.symbol, symbol.value, symbol.unit, symbol.meaning);
     }
@@ -188,4 +190,40 @@ fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out
     }
     say!("files      {} in {}", written.join(", "), out.display());
     say!("{}", report.verdict.sentence);
+}
+
+/// Minutes and wear of each electrode, what they rest on and what is missing, and the hours of the wheel.
+fn print_burning(burning: &WheelBurning) {
+    let mut told = Vec::new();
+    for (i, electrode) in burning.electrodes.iter().enumerate() {
+        let BurningElectrode { figures, .. } = electrode;
+        let of_burn = figures.volume_mm3.zip(figures.frontal_area_mm2).map_or_else(
+            || "volume and frontal area not known".to_owned(),
+            |(volume, [least, greatest])| {
+                format!("{volume:.1} mm3 on a frontal area of {least:.1} to {greatest:.1} mm2")
+            },
+        );
+        say!("burning    electrode {}: {of_burn}: {}, {}", i + 1, figures.minutes_text(), figures.wear_text());
+        for step in figures.steps.iter().filter(|step| step.volume_mm3 != Some(0.0)) {
+            let or_none = |value: Option<f64>, unit: &str| {
+                value.map_or_else(|| format!("? {unit}"), |value| format!("{value:.2} {unit}"))
+            };
+            say!(
+                "           step {}: {} at {} is {}",
+                step.step,
+                or_none(step.volume_mm3, "mm3"),
+                or_none(step.rate_mm3_min, "mm3/min"),
+                or_none(step.minutes, "min")
+            );
+        }
+        say!("           electrodes for {} channels: {}", burning.channels, electrode.needed_text());
+        for line in figures.explanation() {
+            // Electrodes of one plan rest on the same.
+            if !told.contains(&line) {
+                say!("           {}", line.split_whitespace().collect::<Vec<_>>().join(" "));
+                told.push(line);
+            }
+        }
+    }
+    say!("           {}", burning.sentence());
 }

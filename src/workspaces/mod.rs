@@ -14,6 +14,7 @@ pub mod news;
 pub mod opening;
 pub mod preferences;
 pub mod registry;
+pub mod technology;
 pub mod workspace;
 
 /// Asserts that every one of `beyond`, parameters of which this key is wrong, is refused by the label of its field.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::job_file::{ExportSection, PlanJob};
+use crate::workspaces::blisk::job::burning::schedule_csv;
 use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use crate::workspaces::blisk::job::{figures, plan_pictures, simulate};
 use crate::workspaces::blisk::report::build;
@@ -128,6 +129,10 @@ pub fn write(
     if inputs.job.export.files.report {
         files.extend(as_bytes(figures::tables(outcome, cancel)?));
     }
+    let schedule = report.burning.as_ref().and_then(|burning| burning.schedule.as_ref());
+    if let Some(schedule) = schedule.filter(|_| inputs.job.export.files.report) {
+        files.push((SCHEDULE_FILE.to_owned(), schedule_csv(schedule).into_bytes()));
+    }
     if let (Some(walls), true) = (&outcome.measured, inputs.job.export.files.report) {
         files.push((SECTIONS_FILE.to_owned(), walls.csv().into_bytes()));
         if let Some(measured) = &mut report.measured {
@@ -190,6 +195,9 @@ fn reports(
 
 /// The map of the stock that is left.
 const RESIDUAL_STOCK_FILE: &str = "leftover.ply";
+
+/// The schedule of the wheel.
+const SCHEDULE_FILE: &str = "schedule.csv";
 
 /// The measured points with their deviations.
 const SECTIONS_FILE: &str = "section_deviations.csv";

@@ -19,6 +19,8 @@ pub enum BliskPath {
     Post,
     /// A machine file of one's own.
     Machine,
+    /// A technology table of one's own.
+    Technology,
     /// A file of a project that is elsewhere now.
     MovedFile,
 }
@@ -26,7 +28,7 @@ pub enum BliskPath {
 impl PathSet for BliskPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use BliskPath as P;
-        static TABLE: [(P, PathInfo); 7] = [
+        static TABLE: [(P, PathInfo); 8] = [
             (
                 P::Open,
                 PathInfo::open(
@@ -39,6 +41,7 @@ impl PathSet for BliskPath {
             (P::Sections, PathInfo::new("Measured sections", PathKind::Read("Tables", &[CSV], false))),
             (P::Post, PathInfo::new("Your own NC post", PathKind::Read("Post", &[TOML], false))),
             (P::Machine, PathInfo::new("Your own machine", PathKind::Read("Machine", &[TOML], false))),
+            (P::Technology, PathInfo::new("Your own technology table", PathKind::Read("Technology", &[TOML], false))),
             (P::MovedFile, FIND),
         ];
         &TABLE

@@ -29,6 +29,7 @@ use crate::workspaces::message::Message;
 use crate::workspaces::moved_files;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::{Incoming, NotOpened, Opening, Source};
+use crate::workspaces::technology::{read_table, take_first_unless_known};
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
 use files::{AnyDocument, Params as _, Recovery};
 use nc::post::Post;
@@ -226,6 +227,20 @@ impl BliskWorkspace {
         }
     }
 
+    /// Sets the technology table of the file `path`, or shows why the file is none. A table without the present technology
+    /// sets its first one.
+    pub fn take_technology(&mut self, path: &Path, cx: &mut Context) {
+        let mut job = self.desk.document.params().clone();
+        job.technology.table = path.to_string_lossy().into_owned();
+        match read_table(&job.technology) {
+            Ok(table) => {
+                take_first_unless_known(&mut job.technology, &table);
+                self.desk.edit("Technology table", job, false);
+            }
+            Err(error) => cx.error("This is no technology table", error.to_string()),
+        }
+    }
+
     /// Sets the machine of the file `path`, or shows why the file is no machine.
     pub fn take_machine(&mut self, path: &Path, cx: &mut Context) {
         let name = path.to_string_lossy().into_owned();
@@ -334,6 +349,7 @@ impl Workspace for BliskWorkspace {
             }
             Some(FormRequest::Post) => cx.ask(BliskPath::Post, ""),
             Some(FormRequest::Machine) => cx.ask(BliskPath::Machine, ""),
+            Some(FormRequest::Technology) => cx.ask(BliskPath::Technology, ""),
             None => {}
         }
         if wide {
@@ -441,6 +457,7 @@ impl Workspace for BliskWorkspace {
             Some(BliskPath::Sections) => self.take_file("Sections", "blisk.sections.file", &path, cx),
             Some(BliskPath::Post) => self.take_post(&path, cx),
             Some(BliskPath::Machine) => self.take_machine(&path, cx),
+            Some(BliskPath::Technology) => self.take_technology(&path, cx),
             Some(BliskPath::MovedFile) => {
                 self.opening.moved.found(&path, cx).into_iter().for_each(|found| self.begin(Source::There(found)))
             }

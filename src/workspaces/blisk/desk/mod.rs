@@ -1,6 +1,7 @@
 //! The state of the workspace: the document, its steps, the cursor, and what is shown. Panels draw the state and push
 //! commands.
 
+mod burned;
 pub mod kept_runs;
 pub mod machine_motion;
 pub mod picks;
@@ -26,6 +27,7 @@ use crate::workspaces::blisk::work::BliskWork;
 use crate::workspaces::commands::{Command, CommandSet, Commanded, FrameCommand};
 use crate::workspaces::context::{Context, LogLine};
 use crate::workspaces::news::{EventKind, WorkEvent};
+use burned::{Burned, burned};
 use feed::global::PreviewPath;
 use feed::pose::Pose;
 use feed::problem::Node;
@@ -78,6 +80,7 @@ pub struct BliskDesk {
     /// Whether the surfaces of the wheel are coloured by their classes.
     pub surfaces: bool,
     classed: Classed,
+    burned: Burned,
     /// Points that are picked in the view.
     pub picking: Picking,
     /// Clearance of the electrode at its vertices in a pose.
@@ -143,6 +146,7 @@ impl BliskDesk {
             deviations: false,
             surfaces: false,
             classed: classed(scheduler),
+            burned: burned(scheduler),
             picking: Picking::default(),
             ghosts: Vec::new(),
             measuring: false,
@@ -168,11 +172,12 @@ impl BliskDesk {
         self.follow_colours();
         self.follow_swept(cx);
         self.follow_surfaces(cx);
+        self.follow_burned();
     }
 
     /// Whether any work waits or runs.
     pub fn is_busy(&self) -> bool {
-        let shown = self.coloured.is_busy() || self.swept.is_busy() || self.bodies.is_busy();
+        let shown = self.coloured.is_busy() || self.swept.is_busy() || self.bodies.is_busy() || self.burned.is_busy();
         shown || self.is_classing() || self.kept.is_busy() || self.work.is_busy() || self.work.is_looking()
     }
 

@@ -1,5 +1,6 @@
 //! The document of a blisk: the parameters of its plan, and what a project keeps of plans.
 
+pub mod burning;
 pub mod choice;
 pub mod job_file;
 pub mod kept_plan;

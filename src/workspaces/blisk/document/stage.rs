@@ -67,7 +67,7 @@ impl Fingerprint {
             add(&mut hash, &job.export.channels);
         }
         if stage >= Stage::Export {
-            add(&mut hash, &job.export);
+            add(&mut hash, &(&job.export, &job.technology, &job.burning));
         }
         Self(hash.finalize().into())
     }
@@ -103,6 +103,8 @@ mod tests {
         assert_eq!(changed(|j| j.electrode.radial_reduction_mm = 0.7), [Electrode, Plan, Verify, Export]);
         assert_eq!(changed(|j| j.genetic.seed = 9), [Plan, Verify, Export]);
         assert_eq!(changed(|j| j.export.post = "other".into()), [Export]);
+        assert_eq!(changed(|j| j.technology.id = "other".into()), [Export], "a path does not depend on how it burns");
+        assert_eq!(changed(|j| j.burning.last_step = "S1".into()), [Export]);
         assert_eq!(changed(|j| j.machine.body_clearance_mm += 1.0), [Plan, Verify, Export]);
         // Bodies of a machine decide which sides of entry are left.
         assert_eq!(changed(|j| j.machine.name = "xyzc".into()), [Electrode, Plan, Verify, Export]);

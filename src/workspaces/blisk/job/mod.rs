@@ -1,5 +1,6 @@
 //! Jobs of the workspace: pure functions of their inputs.
 
+pub mod burning;
 pub mod compare;
 pub mod figures;
 pub mod finish;

@@ -21,6 +21,8 @@ pub enum Request {
     Post,
     /// A machine file of one's own.
     Machine,
+    /// A technology table of one's own.
+    Technology,
 }
 
 /// Draws the fields of `stage`. Changes go into the document at once.
@@ -42,6 +44,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) -
     answer.wanted.map(|key| match key.as_str() {
         "machine.name" => Request::Machine,
         "export.post" => Request::Post,
+        "technology.table" => Request::Technology,
         "blisk.sections.file" => Request::Sections,
         _ => Request::ElectrodeMesh(key),
     })

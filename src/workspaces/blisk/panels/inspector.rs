@@ -53,6 +53,7 @@ fn selected(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context) {
             fact(ui, "Burn area", format!("{:.1} mm²", electrode.burn_area_mm2));
             fact(ui, "Least thickness", length.show(electrode.least_thickness_mm, 3));
             fact(ui, "Triangles", grouped(electrode.mesh.triangles.len()));
+            super::burning::of_shown(ui, desk);
         }
         Layer::LowWall | Layer::HighWall => {
             use wheel::channel::Surface;

@@ -1,5 +1,6 @@
 //! The panels of the workspace.
 
+pub mod burning;
 pub mod channel_kinds;
 pub mod dialogs;
 pub mod entry_arrows;

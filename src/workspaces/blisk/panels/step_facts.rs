@@ -298,6 +298,7 @@ fn finishing(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, plan: &PlanOut
             if let Some(left) = plan.residual_stock() {
                 residual_stock(ui, desk, cx, left, &plan.channel);
             }
+            super::burning::show(ui, desk);
         }
     }
 }

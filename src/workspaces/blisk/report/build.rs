@@ -2,6 +2,7 @@
 
 use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
+use crate::workspaces::blisk::job::burning::WheelBurning;
 use crate::workspaces::blisk::job::figures::{Histogram, centroid_way};
 use crate::workspaces::blisk::job::node_distances::NodeDistances;
 use crate::workspaces::blisk::job::outcome::{ElectrodeOutcome, PlanOutcome};
@@ -22,7 +23,8 @@ use files::ParameterList;
 use wheel::channel::Channel;
 use wheel::electrode::EntrySide;
 
-/// The report on `outcome`, without pictures. `inputs` tells which files it was made from.
+/// The report on `outcome`, without pictures. `inputs` tells which files it was made from. The technology table of `job` is
+/// read; why it cannot be read stands in the report.
 pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> Report {
     let electrodes = outcome.electrodes.iter().enumerate().map(|(i, e)| electrode(i + 1, e, outcome, job)).collect();
     Report {
@@ -36,6 +38,7 @@ pub fn report(outcome: &PlanOutcome, job: &PlanJob, inputs: Vec<InputFile>) -> R
         electrodes,
         residual_stock: outcome.residual_stock().map(|l| ResidualStockReport::of(l, &outcome.channel)),
         no_residual_stock: outcome.stock().and_then(|stock| stock.left.as_ref().err()).cloned(),
+        burning: WheelBurning::of_job(outcome, job),
         measured: outcome.measured.as_deref().map(Into::into),
         written: Written::default(),
         times: times(outcome),

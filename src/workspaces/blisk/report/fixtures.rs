@@ -37,6 +37,7 @@ pub(crate) fn report() -> Report {
         electrodes: vec![verified(&path), jammed()],
         residual_stock: None,
         no_residual_stock: None,
+        burning: None,
         measured: None,
         written: Written {
             electrode_frame: MeshFrame::W,

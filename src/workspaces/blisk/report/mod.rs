@@ -15,6 +15,7 @@ pub mod verify;
 use serde::Serialize;
 
 use crate::workspaces::blisk::document::choice::MeshFrame;
+use crate::workspaces::blisk::job::burning::WheelBurning;
 use crate::workspaces::blisk::job::figures::Histogram;
 use crate::workspaces::blisk::job::measured::MeasuredWalls;
 use crate::workspaces::blisk::report::residual_stock::{CopyingReport, ResidualStockReport};
@@ -70,6 +71,9 @@ pub struct Report {
     /// Reason why the stock left cannot be told, if it cannot.
     #[serde(rename = "no_leftover")]
     pub no_residual_stock: Option<String>,
+    /// Minutes and wear of the electrodes, and the schedule of the wheel; none if not every path is verified.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub burning: Option<WheelBurning>,
     /// The measured sections that the blisk was made from, against its walls; none where it was not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measured: Option<MeasuredReport>,

@@ -2,8 +2,10 @@
 
 use serde::Serialize;
 
+use crate::workspaces::blisk::job::burning::{BurningElectrode, WheelBurning};
 use crate::workspaces::blisk::job::figures::Histogram;
 use crate::workspaces::blisk::report::{Convergence, ElectrodeReport, Motion, Report};
+use burning::figures::BurnFigures;
 use feed::pose::Axis;
 use feed::quantise::MM_DECIMALS;
 use files::Entry;
@@ -21,6 +23,7 @@ pub(super) fn page(report: &Report) -> Result<String, PageError> {
         pictures: &'a [Picture],
         no_pictures: Option<&'a str>,
         electrodes: Vec<(&'a ElectrodeReport, Plots)>,
+        burning: Option<Burning<'a>>,
     }
     let page = Page {
         report,
@@ -29,8 +32,44 @@ pub(super) fn page(report: &Report) -> Result<String, PageError> {
         pictures: &report.pictures,
         no_pictures: report.no_pictures.as_deref(),
         electrodes: report.electrodes.iter().map(|e| (e, Plots::of(e))).collect(),
+        burning: report.burning.as_ref().map(Burning::of),
     };
     files::report::page(&TEMPLATE, &page)
+}
+
+/// Minutes, wear and schedule in words.
+#[derive(Serialize)]
+struct Burning<'a> {
+    wheel: &'a WheelBurning,
+    sentence: String,
+    /// Figures of each electrode with its minutes, its wear and the number of electrodes that are needed.
+    electrodes: Vec<(&'a BurnFigures, [String; 3])>,
+    /// What the figures rest on and what is missing.
+    explanation: Vec<String>,
+    /// All of the wheel (minutes).
+    total_min: Option<f64>,
+}
+
+impl<'a> Burning<'a> {
+    fn of(wheel: &'a WheelBurning) -> Self {
+        let mut explanation = Vec::new();
+        for line in wheel.electrodes.iter().flat_map(|electrode| electrode.figures.explanation()) {
+            if !explanation.contains(&line) {
+                explanation.push(line);
+            }
+        }
+        let electrode = |electrode: &'a BurningElectrode| {
+            let figures = &electrode.figures;
+            (figures, [figures.minutes_text(), figures.wear_text(), electrode.needed_text()])
+        };
+        Self {
+            sentence: wheel.sentence(),
+            electrodes: wheel.electrodes.iter().map(electrode).collect(),
+            explanation,
+            total_min: wheel.schedule.as_ref().map(|schedule| schedule.total().mean),
+            wheel,
+        }
+    }
 }
 
 /// Plots of an electrode, as SVG.

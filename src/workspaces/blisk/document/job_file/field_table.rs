@@ -8,6 +8,7 @@ use super::choice_words::{
     POSTS, SIDES, SIZES, STRATEGIES, TURNED, UNITS, Z_AT,
 };
 use super::electrode_fields::{OWN_ELECTRODE, SINGLE_PARTS};
+use super::technology_fields::{BURNING, TECHNOLOGY};
 use super::{BladesFrom, PlanJob};
 
 /// A greatest value that is none.
@@ -439,6 +440,8 @@ const GROUPS: &[Group] = &[
             ),
         ],
     },
+    TECHNOLOGY,
+    BURNING,
     Group {
         section: "Verify",
         name: "Certificate",
@@ -495,7 +498,7 @@ const GROUPS: &[Group] = &[
                 .help("path_K.nc through the post. Only a certified path has one."),
             Field::flag("export.files.report", "Report").help(
                 "report.html for people, report.json for programs, and the tables of its figures: nodes_K.csv, centroid_K.csv, \
-                 wall_distances_K.csv, inscribed_circles.csv, section_deviations.csv.",
+                 wall_distances_K.csv, inscribed_circles.csv, section_deviations.csv, schedule.csv.",
             ),
             Field::flag("export.files.leftover", "Residual stock").help(
                 "leftover.ply: the surface of the channel with the residual stock at every vertex. \

@@ -5,13 +5,16 @@ mod blade_fields;
 mod choice_words;
 mod electrode_fields;
 pub mod field_table;
+mod technology_fields;
 
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 use super::machine_file::{is_file, machine_table};
+use crate::workspaces::blisk::document::burning::BurningSection;
 use crate::workspaces::blisk::document::choice::{Channels, DrawnPictures, MeshFrame, WrittenFiles};
+use burning::project::ProjectTechnology;
 use feed::genetic::{GeneticParams, ReductionMode};
 use feed::machine::MachineParams;
 use feed::plan_params::PlanParams;
@@ -52,6 +55,12 @@ pub struct PlanJob {
     /// `[export]`
     #[serde(default)]
     pub export: ExportSection,
+    /// `[technology]`
+    #[serde(default)]
+    pub technology: ProjectTechnology,
+    /// `[burning]`
+    #[serde(default)]
+    pub burning: BurningSection,
 }
 
 /// `[blisk]`
@@ -284,6 +293,8 @@ impl PlanJob {
             genetic: GeneticParams::default(),
             verify: VerifyOptions::default(),
             export: ExportSection::default(),
+            technology: ProjectTechnology::default(),
+            burning: BurningSection::default(),
         }
     }
 
@@ -327,6 +338,7 @@ impl Validate for PlanJob {
         self.plan.validate().map_err(|e| other(&e))?;
         self.genetic.validate().map_err(|e| other(&e))?;
         self.export.nc.validate().map_err(|e| other(&e))?;
+        self.technology.validate().map_err(|problem| problem.within("technology"))?;
         if !self.export.files.any() {
             return Err(Invalid::of("export.files", "no file is chosen, so that nothing would be written; choose one"));
         }
@@ -380,6 +392,10 @@ impl Params for PlanJob {
             && !blades.file.as_os_str().is_empty()
         {
             blades.file = change(&blades.file);
+        }
+        if self.technology.is_file() {
+            let table = &mut self.technology.table;
+            *table = change(Path::new(table)).to_string_lossy().into_owned();
         }
         let named = [(is_file as fn(&str) -> bool, &mut self.machine.name), (is_post, &mut self.export.post)];
         for (is_path, name) in named {
