@@ -197,14 +197,15 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport, axes: &DAffine3) -> Vec<
         let burns = electrode.burns.len();
         let parts: usize = electrode.burns.iter().map(|b| b.parts.len()).sum();
         lines.push(format!(
-            "{}: {burns} burn{}, {parts} place{}, blank {} mm, {}, {:.0} min",
+            "{}: {burns} burn{}, {parts} place{}, blank {} mm, {}, {}",
             electrode.name,
             if burns == 1 { "" } else { "s" },
             if parts == 1 { "" } else { "s" },
             entry.blank.text(" x "),
             entry.holder.as_ref().map_or("no holder", |h| &h.name),
-            electrode.minutes
+            electrode.figures.minutes_text()
         ));
+        lines.push(format!("    {}; electrodes needed: {}", electrode.figures.wear_text(), entry.needed));
         lines.extend(entry.family.as_ref().map(|family| {
             let [x, y] = family.offset_mm;
             format!(
@@ -225,9 +226,22 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport, axes: &DAffine3) -> Vec<
         let what = if set.electrodes.iter().any(is_burned) { "" } else { " has no electrode" };
         lines.push(format!("region {region}{what}: {why}"));
     }
+    lines.extend(rests_on(report));
     lines.extend(corners(set, axes));
     let idle = set.idle_overrides(&set.params.overrides);
     lines.extend(idle.into_iter().map(|(o, why)| format!("override {o}: {why}")));
+    lines
+}
+
+/// What minutes and wear rest on and what is missing, each once.
+fn rests_on(report: &ElectrodesReport) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for line in report.table.electrodes.iter().flat_map(|entry| &entry.rests_on) {
+        let line = line.split_whitespace().collect::<Vec<_>>().join(" ");
+        if !lines.contains(&line) {
+            lines.push(line);
+        }
+    }
     lines
 }
 
@@ -241,14 +255,14 @@ fn division_lines(ways: &[WayResult]) -> Vec<String> {
             return format!("{name:<18}  {why}");
         }
         format!(
-            "{name:<18}  {:>7}  {:>5}  {:>6}  {:>5}  {:>10}  {:>5}  {:>7.0}  {:>10.2}  {:>12}  {:>10}",
+            "{name:<18}  {:>7}  {:>5}  {:>6}  {:>5}  {:>10}  {:>5}  {:>7}  {:>10.2}  {:>12}  {:>10}",
             w.regions,
             w.edges,
             w.edges_left,
             w.heads,
             w.electrodes,
             w.burns,
-            w.minutes,
+            w.minutes.map_or_else(|| "?".to_owned(), |minutes| format!("{minutes:.0}")),
             w.largest_mm,
             w.not_millable,
             w.not_burned

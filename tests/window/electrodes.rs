@@ -275,8 +275,8 @@ fn every_parameter_of_electrodes_has_a_field() {
     desk.type_in("Diameters", "16, 10");
     desk.enter("Increment", "2");
     desk.press_role(Role::DisclosureTriangle, "Burning times");
-    desk.enter("Rate", "0.5");
-    desk.enter("Setting", "7");
+    desk.enter("Set-up", "20");
+    desk.enter("Change", "7");
     desk.press_role(Role::DisclosureTriangle, "Cutters for electrodes");
     desk.press_role(Role::CheckBox, "same as the mold");
     desk.enter("Electrode cutters 1, Diameter", "0.8");
@@ -288,7 +288,8 @@ fn every_parameter_of_electrodes_has_a_field() {
         (0.4, 0.5, 0.03, 0.75)
     );
     assert_eq!((&*asked.blanks.sides_mm, &*asked.blanks.diameters_mm), (&[8.0, 12.5, 20.0][..], &[10.0, 16.0][..]));
-    assert_eq!((asked.blanks.increment_mm, asked.removal.per_area_mm_min, asked.removal.setting_min), (2.0, 0.5, 7.0));
+    let overhead = asked.technology.overhead;
+    assert_eq!((asked.blanks.increment_mm, overhead.setup_min, overhead.change_min), (2.0, 20.0, 7.0));
     let own = asked.cutters.as_ref().unwrap();
     assert!(own.cutter[0].diameter_mm == 0.8 && own.cutter[1..] == library.cutter[1..]);
     desk.picture("electrode_form_dark");
@@ -529,7 +530,10 @@ fn ways_of_dividing_are_compared_with_the_electrodes_that_are_shown() {
     let ways = desk.mold().work.divisions(desk.mold().params()).unwrap().clone();
     let made = desk.mold().electrodes.designed().unwrap();
     assert_eq!(ways.iter().map(|way| way.heads).collect::<Vec<_>>()[..1], [1]);
-    assert!(ways[3].is_own && ways[3].burns == 2 && ways[3].minutes == made.set.minutes(), "{ways:?}");
+    assert!(
+        ways[3].is_own && ways[3].burns == 2 && ways[3].minutes == made.set.minutes().map(|all| all.mean),
+        "{ways:?}"
+    );
     assert!(ways[0].not_millable == 1 && ways[3].not_millable == 0, "{ways:?}");
     desk.assert_shows("whole faces");
     desk.picture("mold_divisions_dark");

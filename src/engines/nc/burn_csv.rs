@@ -117,7 +117,7 @@ fn csv_row(table: &BurnTable, e: &ElectrodeEntry, burn: &BurnEntry) -> Vec<Strin
         lift_z,
         number(table.lift_mm, 3),
         number(burn.volume_mm3, 4),
-        number(burn.minutes, 2),
+        burn.minutes.map_or(String::new(), |minutes| number(minutes, 2)),
         e.state.name().to_owned(),
     ];
     row.extend(e.checks.iter().map(|c| c.state.name().to_owned()));

@@ -1,5 +1,7 @@
 //! A set of electrodes made by hand: one that holds, one overridden, one blocked.
 
+use burning::duration::Spread;
+use burning::figures::BurnFigures;
 use glam::{DVec2, DVec3};
 
 use files::{Figures, Override};
@@ -40,7 +42,8 @@ fn electrode(name: &str, stage: usize, burns: Vec<Burn>, size: DVec3) -> Electro
         method: Method::Extruding,
         blank: DVec3::new(10.0, 12.0, 25.0),
         holder: Some(0),
-        minutes: 12.5,
+        figures: BurnFigures { minutes: Some(Spread::exactly(12.5)), ..BurnFigures::default() },
+        needed: Some(1),
         is_thin: false,
         front_area: 4.0,
         burn_area: 11.0,
@@ -55,8 +58,15 @@ fn electrode(name: &str, stage: usize, burns: Vec<Burn>, size: DVec3) -> Electro
 
 fn burn(position: DVec3, turn_deg: f64, parts: &[(usize, usize)]) -> Burn {
     let parts = parts.iter().map(|&(region, part)| PartId { region, part }).collect();
-    // 0.2 mm^3 per minute and mm^2 on 4 mm^2, and 3 minutes of setting.
-    Burn { position, turn: turn_deg.to_radians(), parts, depth: 7.25, volume: 3.5, minutes: 3.0 + 3.5 / 0.8 }
+    Burn {
+        position,
+        turn: turn_deg.to_radians(),
+        parts,
+        depth: 7.25,
+        volume: 3.5,
+        heads: None,
+        minutes: Some(Spread::exactly(6.25)),
+    }
 }
 
 fn leaf(part: usize) -> PartNode {
@@ -101,6 +111,7 @@ pub fn set() -> ElectrodeSet {
         stock_mm: 0.0,
         orbit: Orbit::Circular { radius_mm: 0.1 },
         finish_vdi: 30.0,
+        last_step: String::new(),
         quantity: 2,
     };
     let two = vec![burn(DVec3::new(12.345_678, -4.5, 20.0), 90.0, &[(0, 0)]), burn(DVec3::NEG_X, 225.0, &[(1, 0)])];

@@ -54,14 +54,14 @@ fn ways(name: &'static str, mesh: &Mesh, task: &Task) -> Result<Vec<WayResult>, 
 }
 
 /// Duration of burning what is uncut by whole faces and by regions as found, in a sentence: the paper does not compare it.
+/// Nothing where it is not known.
 pub(super) fn minutes(ways: &[WayResult]) -> String {
     let [whole, own] = [Way::WholeFaces, Way::HEdges].map(|way| &ways[way as usize]);
+    let Some((of_whole, of_own)) = whole.minutes.zip(own.minutes) else { return String::new() };
     format!(
-        " Burning is estimated to take {:.0} min in {} with whole faces, {:.0} min in {} as found; the paper does not \
-         compare that.",
-        whole.minutes,
+        " Burning is estimated to take {of_whole:.0} min in {} with whole faces, {of_own:.0} min in {} as found; the paper \
+         does not compare that.",
         counted(whole.burns, "burn"),
-        own.minutes,
         counted(own.burns, "burn")
     )
 }
@@ -79,7 +79,8 @@ pub(super) fn way_row(way: &WayResult) -> Vec<String> {
     let counts = [way.regions, way.edges, way.edges_left, way.heads, way.electrodes, way.burns];
     let mut row = vec![way.failure.as_ref().map_or_else(|| way.way.name().to_owned(), |why| format!("failed: {why}"))];
     row.extend(counts.map(|count| count.to_string()));
-    row.extend([number(way.minutes, 0), number(way.largest_mm, 2)]);
+    let minutes = way.minutes.map_or_else(|| "\u{2013}".to_owned(), |minutes| number(minutes, 0));
+    row.extend([minutes, number(way.largest_mm, 2)]);
     row.extend([way.not_millable, way.not_burned].map(|count| count.to_string()));
     row
 }

@@ -19,6 +19,8 @@ pub enum MoldPath {
     ElectrodeFolder,
     /// A template of the burn sheet.
     BurnSheet,
+    /// A technology table of one's own.
+    Technology,
     /// Where the cutters are saved.
     SaveCutters,
     /// A file of a project that is elsewhere now.
@@ -28,7 +30,7 @@ pub enum MoldPath {
 impl PathSet for MoldPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use MoldPath as P;
-        static TABLE: [(P, PathInfo); 8] = [
+        static TABLE: [(P, PathInfo); 9] = [
             (
                 P::Open,
                 PathInfo::open("Open a mold", PathKind::Read("Molds and meshes", &[PROJECT, MESH_ENDINGS], false)),
@@ -38,6 +40,7 @@ impl PathSet for MoldPath {
             (P::UncutFolder, PathInfo::new("Folder for the rest material", PathKind::Folder)),
             (P::ElectrodeFolder, PathInfo::new("Folder for the electrodes", PathKind::Folder)),
             (P::BurnSheet, PathInfo::new("Template of the burn sheet", PathKind::Read("", &[], false))),
+            (P::Technology, PathInfo::new("Your own technology table", PathKind::Read("Technology", &[TOML], false))),
             (P::SaveCutters, PathInfo::new("Save cutters", PathKind::Write("Cutters", ".toml"))),
             (P::MovedFile, FIND),
         ];

@@ -21,6 +21,7 @@ use crate::workspaces::mold::work::{LoadedMold, read_part};
 use crate::workspaces::moved_files;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::{Incoming, Opening, Source};
+use crate::workspaces::technology::{read_table, take_first_unless_known};
 use crate::workspaces::workspace::{About, Menu, Workspace, held_in_fields};
 use files::{AnyDocument, Document, Recovery, paths};
 use nc::burn_template::BurnSheet;
@@ -120,6 +121,21 @@ impl MoldWorkspace {
         match BurnSheet::read(path) {
             Ok(sheet) => self.desk.electrodes.sheet = sheet,
             Err(error) => cx.error("This is no template of a burn sheet", error.to_string()),
+        }
+    }
+
+    /// Sets the technology table of the file `path`, or shows why the file is none. A table without the present technology
+    /// sets its first one.
+    fn take_technology(&mut self, path: &Path, cx: &mut Context) {
+        let mut params = self.desk.params().clone();
+        let technology = &mut params.electrodes.technology;
+        technology.table = path.to_string_lossy().into_owned();
+        match read_table(technology) {
+            Ok(table) => {
+                take_first_unless_known(technology, &table);
+                self.desk.edit(params);
+            }
+            Err(error) => cx.error("This is no technology table", error.to_string()),
         }
     }
 
@@ -383,6 +399,7 @@ impl Workspace for MoldWorkspace {
             Some(MoldPath::OtherCutters) => self.load_cutters(&path, true, cx),
             Some(MoldPath::SaveCutters) => self.save_cutters(&path, cx),
             Some(MoldPath::BurnSheet) => self.take_burn_sheet(&path, cx),
+            Some(MoldPath::Technology) => self.take_technology(&path, cx),
             Some(MoldPath::UncutFolder) => self.export_uncut(&path, cx),
             Some(MoldPath::ElectrodeFolder) => self.export(&path, cx),
             None => {}

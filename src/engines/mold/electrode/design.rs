@@ -3,6 +3,9 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
+use burning::choice::Piece;
+use burning::duration::{Spread, sum_of};
+use burning::figures::{BurnFigures, minutes_text};
 use files::report::counted;
 use files::{Figures, Override};
 use glam::{DAffine3, DVec2, DVec3};
@@ -55,8 +58,10 @@ pub struct Burn {
     pub depth: f64,
     /// Volume that is burned away (mm^3).
     pub volume: f64,
-    /// Duration (minutes): that of its slowest tip, or of all tips at the generator's greatest rate.
-    pub minutes: f64,
+    /// Volume and area seen along the burn of each of the parts; none if that of one is not known.
+    pub heads: Option<Vec<Piece>>,
+    /// Burning, without set-up and changing (minutes); none if it is not known.
+    pub minutes: Option<Spread>,
 }
 
 impl Burn {
@@ -121,8 +126,10 @@ pub struct Electrode {
     pub blank: DVec3,
     /// Holder: its index in the list, if one is large enough.
     pub holder: Option<usize>,
-    /// Duration of all its burns (minutes).
-    pub minutes: f64,
+    /// Minutes and wear of all its burns together.
+    pub figures: BurnFigures,
+    /// Number of electrodes that its burns need, as far as the wear is known; none if there would be too many.
+    pub needed: Option<usize>,
     /// Whether a tip is thinner than the least size everywhere.
     pub is_thin: bool,
     /// Area of the tips seen along the burn (mm^2).
@@ -150,8 +157,8 @@ pub struct OtherWay {
     pub at_once: Vec<Vec<usize>>,
     /// Sides of the largest blank, and its length along Z (mm).
     pub blank: DVec3,
-    /// Duration of all burns (minutes).
-    pub minutes: f64,
+    /// Burning of all burns (minutes); none if it is not known.
+    pub minutes: Option<Spread>,
 }
 
 impl OtherWay {
@@ -162,8 +169,8 @@ impl OtherWay {
         several + usize::from(several < self.at_once.len())
     }
 
-    /// The figures of this way in words, beside the duration of the present way (minutes).
-    pub fn sentence(&self, now: f64) -> String {
+    /// The figures of this way in words, beside the burning of the present way (minutes).
+    pub fn sentence(&self, now: Option<Spread>) -> String {
         let DVec3 { x, y, z } = self.blank;
         let way = if self.is_of_burns() {
             format!("one head that burns {} places one after another", self.at_once.len())
@@ -173,7 +180,8 @@ impl OtherWay {
             let most_of_them = if electrodes > 1 { "at most " } else { "" };
             format!("{most_of_them}{} with up to {most} heads at once", counted(electrodes, "electrode"))
         };
-        format!("Other way: {way}, {:.1} min (now {now:.1}), blank {x} x {y} x {z} mm", self.minutes)
+        let [minutes, now] = [self.minutes, now].map(minutes_text);
+        format!("Other way: {way}, burning {minutes} (now {now}), blank {x} x {y} x {z} mm")
     }
 
     /// Whether it is one head that burns one place after another.
@@ -511,9 +519,9 @@ impl ElectrodeSet {
         burns.map(|burn| burn.retract(self.params.lift_mm)).fold(self.params.lift_mm, f64::max)
     }
 
-    /// Duration of all burns (minutes).
-    pub fn minutes(&self) -> f64 {
-        // The sum of none is a zero with a sign.
-        self.electrodes.iter().map(|e| e.minutes).sum::<f64>() + 0.0
+    /// All burns with set-up and changing (minutes); none if one of them is not known.
+    pub fn minutes(&self) -> Option<Spread> {
+        let burns = self.electrodes.iter().flat_map(|e| &e.burns).map(|burn| burn.minutes);
+        sum_of(burns, self.params.technology.overhead).ok().flatten()
     }
 }

@@ -6,6 +6,7 @@
 
 pub mod base;
 pub mod burn_direction;
+pub mod burn_time;
 pub mod burning;
 pub mod check;
 pub mod clearance;

@@ -8,7 +8,7 @@ use super::burning::Burning;
 use super::clearance::Obstacle;
 use super::design::{Electrode, ElectrodeSet};
 use super::finding::CheckKind;
-use super::params::{ElectrodeParams, Orbit, Removal, Stage};
+use super::params::{ElectrodeParams, Orbit, Stage};
 use super::setting::GOUGE;
 use super::tests::{GAP, mold, params, planned, region};
 use crate::fixtures::{dish, polygon, rectangle};
@@ -275,19 +275,6 @@ fn orbits_gaps_finishes_and_times_are_those_of_their_definitions() {
     for (class, roughness) in [(0.0, 0.1), (20.0, 1.0), (40.0, 10.0)] {
         let stage = Stage { finish_vdi: class, ..Stage::finish(0.1) };
         assert!((stage.roughness_um() - roughness).abs() < 1e-12);
-    }
-    let removal =
-        Removal { per_area_mm_min: 0.2, most_mm3_min: 30.0, at_vdi: 30.0, tenfold_vdi: 12.0, setting_min: 3.0 };
-    assert!((removal.minutes(20.0, 10.0, 30.0) - 13.0).abs() < 1e-9, "2 mm3 a minute");
-    assert!((removal.minutes(20.0, 10.0, 18.0) - 103.0).abs() < 1e-9, "ten times as slow");
-    assert!((removal.minutes(300.0, 1e6, 30.0) - 13.0).abs() < 1e-9, "no faster than the generator");
-    // A small tip is not helped by the area of a large one beside it.
-    let tips = [(20.0, 10.0), (1.0, 90.0)];
-    assert!((removal.minutes_of_tips(&tips, 30.0) - 13.0).abs() < 1e-9);
-    // Nor are two that each could take all that the generator gives.
-    assert!((removal.minutes_of_tips(&[(300.0, 1e6); 2], 30.0) - 23.0).abs() < 1e-9);
-    for (volume, area) in tips {
-        assert!(removal.minutes_of_tips(&tips, 30.0) >= removal.minutes(volume, area, 30.0));
     }
 }
 

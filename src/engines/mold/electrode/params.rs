@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 use super::finding::CheckKind;
 use super::given::GivenName;
 use crate::cutter::CutterLibrary;
+use burning::choice::Until;
+use burning::project::ProjectTechnology;
 
 /// A motion of the machine that widens the burn, in a plane across the burn direction.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -83,6 +85,9 @@ pub struct Stage {
     /// Required surface finish (VDI 3400).
     #[serde(default = "usual_finish")]
     pub finish_vdi: f64,
+    /// Name of the step of the technology at which burning ends; empty to end at the finish.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub last_step: String,
     /// Number of electrodes to make.
     #[serde(default = "one")]
     pub quantity: u32,
@@ -99,7 +104,15 @@ fn one() -> u32 {
 impl Stage {
     /// A finishing burn with this gap (mm).
     pub fn finish(gap_mm: f64) -> Self {
-        Self { name: "finish".into(), gap_mm, stock_mm: 0.0, orbit: Orbit::None, finish_vdi: 24.0, quantity: 1 }
+        Self {
+            name: "finish".into(),
+            gap_mm,
+            stock_mm: 0.0,
+            orbit: Orbit::None,
+            finish_vdi: usual_finish(),
+            last_step: String::new(),
+            quantity: one(),
+        }
     }
 
     /// Distance of the electrode from a face with this unit normal (mm): gap, stock and orbit.
@@ -113,6 +126,14 @@ impl Stage {
             .map(|n| self.undersize(n))
             .into_iter()
             .fold(0.0, f64::max)
+    }
+
+    /// End of burning: the last step, or else the finish.
+    pub fn until(&self) -> Until {
+        match self.last_step.trim() {
+            "" => Until::Vdi(self.finish_vdi),
+            step => Until::Step(step.to_owned()),
+        }
     }
 
     /// Roughness Ra of the finish (micrometres; VDI 3400: 20 log10 of ten times it).
@@ -204,46 +225,6 @@ impl Blanks {
     /// The least multiple of the increment that holds `length` (mm).
     pub fn rounded_up(&self, length: f64) -> f64 {
         ((length / self.increment_mm) - 1e-6).ceil().max(1.0) * self.increment_mm
-    }
-}
-
-/// Removal rate.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Removal {
-    /// Removal rate per area seen along the burn (mm^3 per minute per mm^2) at the finish below.
-    pub per_area_mm_min: f64,
-    /// Removal rate at most (mm^3 per minute).
-    pub most_mm3_min: f64,
-    /// Finish that the rate is stated for (VDI 3400).
-    pub at_vdi: f64,
-    /// Difference in finish for a tenfold rate (VDI).
-    pub tenfold_vdi: f64,
-    /// Time for each burn beside burning: positioning, rinsing, measuring (minutes).
-    pub setting_min: f64,
-}
-
-impl Default for Removal {
-    fn default() -> Self {
-        Self { per_area_mm_min: 0.2, most_mm3_min: 30.0, at_vdi: 30.0, tenfold_vdi: 12.0, setting_min: 3.0 }
-    }
-}
-
-impl Removal {
-    /// Duration of a burn of `volume` (mm^3) with a front of `area` (mm^2, seen along the burn) at a finish (minutes).
-    pub fn minutes(&self, volume: f64, area: f64, finish_vdi: f64) -> f64 {
-        let slower = 10f64.powf((finish_vdi - self.at_vdi) / self.tenfold_vdi).min(1.0);
-        let rate = (self.per_area_mm_min * area).min(self.most_mm3_min) * slower;
-        self.setting_min + if rate > 0.0 { volume / rate } else { 0.0 }
-    }
-
-    /// Duration of a burn with several tips (minutes), given the volume (mm^3) and the front (mm^2) of each. The tips
-    /// go down together: the burn takes as long as the slowest tip alone, and no less than all tips as one at the
-    /// generator's greatest rate. So tips on one base never burn faster than one of them.
-    pub fn minutes_of_tips(&self, tips: &[(f64, f64)], finish_vdi: f64) -> f64 {
-        let all = tips.iter().fold((0.0, 0.0), |sum, tip| (sum.0 + tip.0, sum.1 + tip.1));
-        let each = tips.iter().chain([&all]).map(|(volume, area)| self.minutes(*volume, *area, finish_vdi));
-        each.fold(0.0, f64::max)
     }
 }
 
@@ -411,8 +392,8 @@ pub struct ElectrodeParams {
     /// Holders in the order of trying. An empty list stands for the user's library, which the reader of the parameters
     /// fills in.
     pub holders: Vec<Holder>,
-    /// Burning times.
-    pub removal: Removal,
+    /// Technology that they burn with.
+    pub technology: ProjectTechnology,
     /// Changes by the user.
     pub edits: Vec<Edit>,
     /// Overridden checks.
@@ -447,7 +428,7 @@ impl Default for ElectrodeParams {
             cutters: None,
             blanks: Blanks::default(),
             holders: Vec::new(),
-            removal: Removal::default(),
+            technology: ProjectTechnology::default(),
             edits: Vec::new(),
             overrides: Vec::new(),
             names: Vec::new(),
@@ -501,13 +482,7 @@ impl Validate for ElectrodeParams {
         if !rises(&blanks.sides_mm) || !rises(&blanks.diameters_mm) || !(0.1..=100.0).contains(&blanks.increment_mm) {
             return Err(Invalid::of("blanks", "sides must rise and the increment must be from 0.1 to 100 mm"));
         }
-        let r = &self.removal;
-        let figures = [r.per_area_mm_min, r.most_mm3_min, r.at_vdi, r.tenfold_vdi];
-        let is_right =
-            figures.iter().all(|v| v.is_finite() && *v > 0.0) && r.setting_min.is_finite() && r.setting_min >= 0.0;
-        if !is_right {
-            return Err(Invalid::of("removal", "all figures must be positive and finite"));
-        }
+        self.technology.validate().map_err(|problem| problem.within("technology"))?;
         let checks = CheckKind::ALL.map(CheckKind::name);
         for (i, one) in self.overrides.iter().enumerate() {
             one.validate(&checks, true).map_err(|problem| problem.within(&format!("overrides[{i}]")))?;

@@ -29,6 +29,7 @@ use super::tip::{Burned, Place, Rooms, TipError, footprint};
 use crate::cutter::CutterLibrary;
 use crate::outline::Outline;
 use crate::plane;
+use burning::choice::Piece;
 use geometry::mesh::Mesh;
 use task::{Cancel, Task};
 
@@ -119,7 +120,7 @@ fn plan_stages(
     }
     electrodes.sort_by_key(|e| e.stage);
     plans.iter_mut().for_each(|plan| plan.left_out.sort_by_key(|left| left.stage));
-    with_volumes(&mut electrodes, &volumes(regions, &plans, &parts, params, &made), (&parts, params));
+    with_volumes(&mut electrodes, &volumes(regions, &plans, &parts, params, &made), &parts);
     into_families(mold, &mut electrodes, like.map(|(real, _)| real), (cutters, params, stages), &task.cancel)?;
     let names = named(&mut electrodes, params, (regions, &plans, &parts))?;
     task.report("checks", 0.7, "");
@@ -129,33 +130,18 @@ fn plan_stages(
     Ok((ElectrodeSet { params: params.clone(), electrodes, checks, regions: plans, names }, parts))
 }
 
-/// Tells the burns what they take and how long.
-fn with_volumes(
-    electrodes: &mut [Electrode],
-    volumes: &BTreeMap<(usize, PartId), f64>,
-    (parts, params): (&Parts, &ElectrodeParams),
-) {
+/// Tells the burns what they take.
+fn with_volumes(electrodes: &mut [Electrode], volumes: &BTreeMap<(usize, PartId), f64>, parts: &Parts) {
     for electrode in electrodes {
         let stage = electrode.stage;
         let is_it = |id: &PartId, part: &&Numbered| (part.stage, part.number) == (stage, id.part);
         let front = |id: &PartId| parts[id.region].iter().find(|part| is_it(id, part)).and_then(|part| part.front);
+        let head = |id: &PartId| {
+            Some(Piece { volume_mm3: volumes.get(&(stage, *id)).copied()?, frontal_area_mm2: front(id)? })
+        };
         for burn in &mut electrode.burns {
-            let volume = |id: &PartId| volumes.get(&(stage, *id)).copied().unwrap_or(0.0);
-            let tips: Vec<(f64, f64)> = burn.parts.iter().map(|id| (volume(id), front(id).unwrap_or(0.0))).collect();
-            burn.volume = tips.iter().map(|(volume, _)| volume).sum();
-            burn.minutes = params.removal.minutes_of_tips(&tips, params.stages[stage].finish_vdi);
-        }
-        electrode.minutes = electrode.burns.iter().map(|burn| burn.minutes).sum();
-        if let Some(way) = &mut electrode.other_way {
-            // Each place has its tip: of burns one after another the burn's own, else the head's.
-            let heads = electrode.burns.iter().flat_map(|burn| &burn.parts);
-            let volume = |id: &PartId| volumes.get(&(stage, *id)).copied().unwrap_or(0.0);
-            let tips: Vec<(f64, f64)> = heads.map(|id| (volume(id), front(id).unwrap_or(0.0))).collect();
-            let minutes = |places: &Vec<usize>| {
-                let tips: Vec<(f64, f64)> = places.iter().filter_map(|place| tips.get(*place).copied()).collect();
-                params.removal.minutes_of_tips(&tips, params.stages[stage].finish_vdi)
-            };
-            way.minutes = way.at_once.iter().map(minutes).sum();
+            burn.volume = burn.parts.iter().filter_map(|id| volumes.get(&(stage, *id))).sum();
+            burn.heads = burn.parts.iter().map(head).collect();
         }
     }
 }

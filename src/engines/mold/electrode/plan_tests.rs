@@ -111,7 +111,12 @@ fn what_roughing_passed_over_is_all_left_to_the_burn_that_takes_it() {
             burns().filter(|(e, b)| e.stage == 0 && b.parts == burn.parts).map(|(_, b)| b.volume).sum::<f64>();
         assert!(of_rough > burn.volume, "{}: {of_rough} {}", electrode.name, burn.volume);
     }
-    assert!(set.electrodes.iter().all(|e| (e.minutes - e.burns.iter().map(|b| b.minutes).sum::<f64>()).abs() < 1e-9));
+    // Each burn takes the volume of its heads, on the area that they have.
+    for (_, burn) in burns() {
+        let heads = burn.heads.as_ref().unwrap();
+        assert!((heads.iter().map(|head| head.volume_mm3).sum::<f64>() - burn.volume).abs() < 1e-9);
+        assert!(heads.iter().all(|head| head.frontal_area_mm2 > 0.0) && heads.len() == burn.parts.len());
+    }
 }
 
 #[test]

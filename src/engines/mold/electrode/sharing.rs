@@ -19,6 +19,7 @@ use super::setting::{ElectrodeError, KeptClear, RegionToBurn, Setting, burn_area
 use super::tip::{joined, led_up};
 use crate::cutter::CutterLibrary;
 use crate::plane;
+use burning::figures::BurnFigures;
 use geometry::mesh::{Bounds, Mesh};
 use task::Cancel;
 
@@ -266,7 +267,7 @@ fn other_way(
         let (base, length) = Base::under(&head, params);
         let places = group.burns.iter().map(|(.., own)| own.len()).sum();
         let at_once = (0..places).map(|place| vec![place]).collect();
-        return Some(OtherWay { at_once, blank: base.sides.extend(length), minutes: 0.0 });
+        return Some(OtherWay { at_once, blank: base.sides.extend(length), minutes: None });
     }
     let is_one_head = group.burns.len() > 1 && group.burns.iter().all(|(.., own)| own.len() == 1);
     let boxes = || -> Vec<[DVec2; 2]> {
@@ -286,7 +287,7 @@ fn other_way(
     };
     let size = |blank: &DVec3| blank.x * blank.y * blank.z;
     let largest = at_once.iter().map(blank).max_by(|a, b| size(a).total_cmp(&size(b)))?;
-    Some(OtherWay { at_once, blank: largest, minutes: 0.0 })
+    Some(OtherWay { at_once, blank: largest, minutes: None })
 }
 
 /// Places of its region's surface that a leaf's own tip burns, as sampled by the check of residual stock, and the
@@ -373,7 +374,8 @@ pub(super) fn assembled(
         method: if is_extruded { Method::Extruding } else { Method::Cutting },
         blank: base.sides.extend(length),
         holder: base.holder(params),
-        minutes: 0.0,
+        figures: BurnFigures::default(),
+        needed: None,
         burns,
         is_thin: own.iter().any(|leaf| is_thin(&leaf.part.footprint.free, params.least_size_mm)),
         front_area: own.iter().map(|leaf| plane::area(&leaf.part.footprint.free)).sum(),
@@ -398,7 +400,8 @@ fn burns(setting: &Setting, leaves: &[Leaf], group: &Shared, (origin, lowest): (
             parts: ids.iter().map(|i| leaves[*i].id).collect(),
             depth: top - lowest - shift.z,
             volume: 0.0,
-            minutes: 0.0,
+            heads: None,
+            minutes: None,
         }
     };
     group.burns.iter().map(of).collect()

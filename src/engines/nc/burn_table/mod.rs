@@ -17,7 +17,7 @@ use mold::electrode::setting::to_burn_frame;
 use mold::opening::Opening;
 
 /// Version of the keys of `burn_table.json`, which templates use too.
-pub const SCHEMA: u32 = 3;
+pub const SCHEMA: u32 = 4;
 /// Positions and angles are rounded to as many decimals.
 const DECIMALS: i32 = 4;
 
@@ -45,8 +45,8 @@ pub struct BurnTable {
     pub material: String,
     /// Retract distance (mm).
     pub lift_mm: f64,
-    /// Minutes that all burns take.
-    pub minutes: f64,
+    /// Minutes that all burns take, with set-up and changing; none if they are not known.
+    pub minutes: Option<f64>,
     /// Number of burns.
     pub burns: usize,
     /// The electrodes; those for the first stage first.
@@ -124,8 +124,16 @@ pub struct ElectrodeEntry {
     pub base_height_mm: f64,
     /// Volume that all its burns take away (mm^3).
     pub volume_mm3: f64,
-    /// Minutes that all its burns take.
-    pub minutes: f64,
+    /// Minutes that all its burns take, without set-up and changing; none if they are not known.
+    pub minutes: Option<f64>,
+    /// Length that its front loses in all its burns (mm); none if the wear is not considered.
+    pub end_wear_mm: Option<f64>,
+    /// Wear of its edges in all its burns (mm); none if it is not considered.
+    pub corner_wear_mm: Option<f64>,
+    /// Number of electrodes that its burns need, in words.
+    pub needed: String,
+    /// What minutes and wear rest on, and what is missing.
+    pub rests_on: Vec<String>,
     /// Warnings before the electrode is used, in words.
     pub warnings: Vec<String>,
     /// Burns.
@@ -245,8 +253,8 @@ pub struct BurnEntry {
     pub depth_mm: f64,
     /// Volume that is burned away (mm^3).
     pub volume_mm3: f64,
-    /// Minutes that it takes.
-    pub minutes: f64,
+    /// Minutes that it takes; none if they are not known.
+    pub minutes: Option<f64>,
     /// Parts of regions that it burns: `R3.2` is part 2 of region 3. Without the letter spreadsheets would read
     /// numbers.
     pub parts: Vec<String>,
@@ -314,7 +322,7 @@ impl BurnTable {
             shape: set.params.shape,
             material: set.params.material.clone(),
             lift_mm: set.retract(),
-            minutes: set.minutes(),
+            minutes: set.minutes().map(|minutes| minutes.mean),
             burns: electrodes.iter().map(|e| e.burns.len()).sum(),
             electrodes,
             not_burned: not_burned(set, &axes),
@@ -394,7 +402,11 @@ fn entry(set: &ElectrodeSet, e: usize, axes: &DAffine3) -> ElectrodeEntry {
         base_height_mm: electrode.base.height,
         warnings: warnings(set, electrode),
         volume_mm3: electrode.burns.iter().map(|b| b.volume).sum(),
-        minutes: electrode.minutes,
+        minutes: electrode.figures.minutes.map(|minutes| minutes.mean),
+        end_wear_mm: electrode.figures.end_wear_mm,
+        corner_wear_mm: electrode.figures.corner_wear_mm,
+        needed: electrode.needed_text(),
+        rests_on: electrode.figures.explanation(),
         burns: burns.collect(),
         checks: CheckKind::ALL.map(|kind| check(set, e, kind, axes)).to_vec(),
     }
@@ -484,7 +496,7 @@ impl BurnEntry {
             pose: pose(stands, [x_mm, y_mm, z_mm]),
             depth_mm: burn.depth,
             volume_mm3: burn.volume,
-            minutes: burn.minutes,
+            minutes: burn.minutes.map(|minutes| minutes.mean),
             parts: burn.parts.iter().map(ToString::to_string).collect(),
             regions,
         }

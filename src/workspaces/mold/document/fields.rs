@@ -1,6 +1,7 @@
 //! Every parameter of a mold. Forms, `--set`, reports and the names of steps of undo are made from this table.
 
 use super::MoldParams;
+use crate::workspaces::technology::technology_fields;
 use files::{Field, FieldTable, Group, Variant, When, Word, word};
 use import::Units;
 use mold::cutter::CutterLibrary;
@@ -46,6 +47,9 @@ const STAGE: &[Field] = &[
         .step(0.1)
         .symbol("finish")
         .help("Surface finish to be reached (VDI 3400): 20 log Ra is the finish less 20, with Ra in micrometres."),
+    Field::text("last_step", "Last step")
+        .symbol("last step")
+        .help("Name of the step of the technology at which burning ends; empty: at the finish."),
     Field::integer("quantity", "Pieces", 1.0, f64::INFINITY)
         .symbol("pieces")
         .help("How many of each electrode are made."),
@@ -276,23 +280,7 @@ pub static FIELDS: FieldTable<MoldParams> = FieldTable::new(&[
         section: "Electrodes",
         name: "Burning times",
         is_folded: true,
-        fields: &[
-            Field::number("electrodes.removal.per_area_mm_min", "Rate", "mm/min", 1e-4, f64::INFINITY)
-                .step(0.005)
-                .help("Removal rate for each area of a head seen along the burn, at the finish below."),
-            Field::number("electrodes.removal.most_mm3_min", "At most", "mm\u{b3}/min", 1e-3, f64::INFINITY)
-                .step(0.05)
-                .help("Limit for all heads of an electrode together."),
-            Field::number("electrodes.removal.at_vdi", "At a finish", "VDI", 0.1, f64::INFINITY)
-                .step(0.05)
-                .help("Finish for which both figures hold."),
-            Field::number("electrodes.removal.tenfold_vdi", "Tenfold by", "VDI", 0.1, f64::INFINITY)
-                .step(0.05)
-                .help("How much rougher a finish burns ten times as fast."),
-            Field::number("electrodes.removal.setting_min", "Setting", "min", 0.0, f64::INFINITY)
-                .step(0.05)
-                .help("For each burn: positioning, rinsing, measuring."),
-        ],
+        fields: technology_fields!("electrodes.technology"),
     },
 ]);
 

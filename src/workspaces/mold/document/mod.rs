@@ -121,6 +121,10 @@ impl Params for MoldParams {
         if let Some(mesh) = &mut self.mesh {
             *mesh = change(mesh);
         }
+        let technology = &mut self.electrodes.technology;
+        if technology.is_file() {
+            technology.table = change(Path::new(&technology.table)).to_string_lossy().into_owned();
+        }
     }
 }
 

@@ -76,7 +76,7 @@ mod tests {
         assert_eq!(keys(written["layers"].as_table().unwrap()), keys(all["layers"].as_table().unwrap()));
         let [all, written] = [&all, &written].map(|table| table["electrodes"].as_table().unwrap());
         assert_eq!(keys(all), keys(written));
-        for key in ["blanks", "removal"] {
+        for key in ["blanks", "technology"] {
             assert_eq!(keys(all[key].as_table().unwrap()), keys(written[key].as_table().unwrap()));
         }
         // There is one list of holders: without a file the program's own.

@@ -4,7 +4,7 @@
 use glam::DVec2;
 use serde::Serialize;
 
-use super::electrodes::{ElectrodesError, MoldBody, on_milled, to_burn};
+use super::electrodes::{ElectrodesError, MoldBody, on_milled, timed, to_burn};
 use super::uncut::Uncut;
 use mold::electrode::design::{ElectrodeSet, PartNode};
 use mold::electrode::finding::CheckKind;
@@ -66,8 +66,8 @@ pub struct WayResult {
     pub electrodes: usize,
     /// Number of burns.
     pub burns: usize,
-    /// Duration of all burns (minutes).
-    pub minutes: f64,
+    /// All burns with set-up and changing (minutes); none if they are not known.
+    pub minutes: Option<f64>,
     /// Longest side of a head in plan (mm).
     pub largest_mm: f64,
     /// Number of electrodes that the cutters do not mill.
@@ -92,7 +92,7 @@ impl WayResult {
             heads: set.electrodes.iter().filter_map(|e| e.burns.first()).map(|burn| burn.parts.len()).sum(),
             electrodes: set.electrodes.len(),
             burns: set.electrodes.iter().map(|e| e.burns.len()).sum(),
-            minutes: set.minutes(),
+            minutes: set.minutes().map(|minutes| minutes.mean),
             largest_mm: leaves.iter().map(|leaf| longest(leaf)).fold(0.0, f64::max),
             not_millable: (0..set.electrodes.len()).filter(fails).count(),
             not_burned: set.without_electrode().len(),
@@ -110,7 +110,7 @@ impl WayResult {
             heads: 0,
             electrodes: 0,
             burns: 0,
-            minutes: 0.0,
+            minutes: None,
             largest_mm: 0.0,
             not_millable: 0,
             not_burned: 0,
@@ -161,7 +161,7 @@ pub fn compare_divisions<'a>(
             };
             let regions = to_burn(upright, &faces, uncut, way == Way::WholeFaces);
             match plan(&in_the_way, &regions, (&uncut.params.library, milled), &params, task) {
-                Ok(set) => Ok(WayResult::of(way, &set, false)),
+                Ok(set) => Ok(WayResult::of(way, &timed(set), false)),
                 Err(error) => {
                     task.check()?;
                     Ok(WayResult::failed(way, error.to_string()))

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::workspaces::technology::read_table;
 use files::Validate;
 use glam::{DMat3, DMat4, DVec2, DVec3};
 
@@ -119,8 +120,17 @@ pub fn electrodes<'a>(
         let regions = to_burn(upright, &faces, uncut, false);
         task.check()?;
         let in_the_way = mold.in_the_way(upright, uncut.params.opening);
-        Ok(plan(&in_the_way, &regions, (&uncut.params.library, milled), params, task)?)
+        Ok(timed(plan(&in_the_way, &regions, (&uncut.params.library, milled), params, task)?))
     })
+}
+
+/// The electrodes with minutes and wear by the technology of their parameters, whose table is read. Why it cannot be read
+/// stands in the figures.
+pub(super) fn timed(set: ElectrodeSet) -> ElectrodeSet {
+    match read_table(&set.params.technology) {
+        Ok(table) => set.timed(Ok(&table)),
+        Err(error) => set.timed(Err(&error.to_string())),
+    }
 }
 
 /// Does `work` on the upright mold with what its cutters leave of it.

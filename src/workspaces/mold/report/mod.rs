@@ -27,7 +27,7 @@ pub use page::ElectrodesPage;
 use uncut::{CadFaceReport, UncutReport};
 
 /// Version of the keys of `electrodes.json`.
-pub const SCHEMA: u32 = 3;
+pub const SCHEMA: u32 = 4;
 
 /// All that a report says of electrodes. Places are in the axes of the work datum; regions and parts count from 1.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -87,11 +87,8 @@ const MODEL: &str = "A stage leaves a layer for the next one on the whole surfac
     stages \
     before it left, down to that layer; the last one takes all the rest, so that the stages together take what the \
     cutters \
-    left. Minutes are those volumes at the removal rate of the stage's finish, and the setting of each burn. Tips on \
-    one base \
-    go down together: their burn takes as long as the slowest of them by itself, each at the rate that its own area \
-    seen along \
-    the burn allows, and no less than all of them together at the generator's greatest rate.";
+    left. Minutes are those volumes by the rates of the technology's steps. Heads on one base go down together: the one \
+    with the most stock for its area begins, and the areas of all that have begun add up.";
 
 /// A region and how it is burned.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -158,7 +155,8 @@ impl ElectrodesReport {
         // Names that were given once are remembered, and are no parameter but for what the user gave.
         let names = set.params.names.iter().filter(|name| !name.given.is_nothing()).cloned().collect();
         let own = ElectrodeParams { names, ..set.params.clone() };
-        let other_way = |e: &Electrode| Some(format!("{}: {}.", e.name, e.other_way.as_ref()?.sentence(e.minutes)));
+        let other_way =
+            |e: &Electrode| Some(format!("{}: {}.", e.name, e.other_way.as_ref()?.sentence(e.figures.minutes)));
         Self {
             schema: SCHEMA,
             sentence: sentence(set, &table, &set.params.overrides, is_certain),
@@ -212,12 +210,14 @@ fn sentence(set: &ElectrodeSet, table: &BurnTable, overrides: &[Override], is_ce
     if regions == 0 {
         return "No region was found that the cutters leave: no electrode is made.".to_owned();
     }
+    let known = |minutes: f64| counted(minutes.max(0.0).round() as usize, "minute");
+    let minutes = table.minutes.map_or_else(|| "minutes not known".to_owned(), known);
     let mut text = format!(
         "{} with {} for {}: {}.",
         counted(table.electrodes.len(), "electrode"),
         counted(table.burns, "burn"),
         counted(regions, "region"),
-        counted(table.minutes.max(0.0).round() as usize, "minute")
+        minutes
     );
     let list = |names: Vec<&str>| names.join(", ");
     let named = |state: ElectrodeState| -> Vec<&str> {

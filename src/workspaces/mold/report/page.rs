@@ -31,6 +31,8 @@ pub(super) fn page(report: &ElectrodesReport, shown: &ElectrodesPage) -> Result<
         pieces: u32,
         /// Whether volumes and minutes of stages or of tips on one base need an explanation.
         needs_model: bool,
+        /// What minutes and wear rest on, and what is missing.
+        rests_on: Vec<&'a String>,
     }
     let electrodes = &report.table.electrodes;
     let mut bodies = BTreeMap::new();
@@ -38,12 +40,19 @@ pub(super) fn page(report: &ElectrodesReport, shown: &ElectrodesPage) -> Result<
         let body = bodies.entry(e.family.as_ref().map_or(&e.name, |family| &family.name)).or_insert(0);
         *body = e.quantity.max(*body);
     }
+    let mut rests_on: Vec<&String> = Vec::new();
+    for line in electrodes.iter().flat_map(|e| &e.rests_on) {
+        if !rests_on.contains(&line) {
+            rests_on.push(line);
+        }
+    }
     let stages = electrodes.iter().map(|e| e.stage.as_str()).collect::<BTreeSet<_>>().len();
     let page = Page {
         report,
         parameters: &report.parameters.entries,
         shown,
         pieces: bodies.into_values().fold(0, u32::saturating_add),
+        rests_on,
         needs_model: stages > 1 || electrodes.iter().flat_map(|e| &e.burns).any(|burn| burn.parts.len() > 1),
     };
     files::report::page(&TEMPLATE, &page)

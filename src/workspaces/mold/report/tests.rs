@@ -10,7 +10,7 @@ fn report() -> ElectrodesReport {
 fn the_sentence_names_what_is_blocked_overridden_and_not_burned() {
     let report = report();
     for words in [
-        "3 electrodes with 4 burns for 3 regions: 38 minutes.",
+        "3 electrodes with 4 burns for 3 regions: 25 minutes.",
         "Blocked by a failed check: E03.",
         "Released despite a failed check: E02-finish.",
         "enough: E02-finish.",

@@ -269,7 +269,7 @@ mod tests {
 
     fn electrode(direction: DVec3) -> Electrode {
         let position = DVec3::new(5.0, -2.0, 20.0);
-        let burn = Burn { position, turn: 0.7, parts: Vec::new(), depth: 6.0, volume: 1.0, minutes: 1.0 };
+        let burn = Burn { position, turn: 0.7, parts: Vec::new(), depth: 6.0, volume: 1.0, heads: None, minutes: None };
         let mesh = Mesh::cuboid(DVec3::new(2.0, 3.0, 4.0)).mapped(|p| p - DVec3::new(1.0, 1.5, 4.0));
         Electrode {
             name: "E01".to_owned(),
@@ -282,7 +282,8 @@ mod tests {
             method: Method::Cutting,
             blank: DVec3::ONE,
             holder: None,
-            minutes: 1.0,
+            figures: Default::default(),
+            needed: None,
             is_thin: false,
             front_area: 1.0,
             burn_area: 1.0,

@@ -102,7 +102,9 @@ fn other_way(ui: &mut Ui, desk: &mut MoldDesk, made: &Designed, own: &Electrode)
     let Some(way) = &own.other_way else { return };
     let is_current = made.set.params.edits == desk.document.params().electrodes.edits;
     ui.horizontal_wrapped(|ui| {
-        ui.add(egui::Label::new(RichText::new(way.sentence(own.minutes)).small().color(palette(ui).faint)).wrap());
+        ui.add(
+            egui::Label::new(RichText::new(way.sentence(own.figures.minutes)).small().color(palette(ui).faint)).wrap(),
+        );
         let hint = "Puts the heads on one base. It is taken back under \"Changes to the division\".";
         if !way.is_of_burns()
             && ui.add_enabled(is_current, egui::Button::new("Several heads").small()).on_hover_text(hint).clicked()

@@ -16,6 +16,7 @@ use crate::workspaces::mold::document::MoldParams;
 use crate::workspaces::mold::document::fields::FIELDS;
 use crate::workspaces::mold::paths::MoldPath;
 use crate::workspaces::mold::report::why_unmet;
+use burning::figures::minutes_text;
 use mold::electrode::params::Holder;
 use nc::burn_template::BurnSheet;
 use nc::electrode_files::ElectrodeFormat;
@@ -33,8 +34,10 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPa
     // Which meet nothing is known of what was made with them.
     let made = desk.electrodes.designed().filter(|made| made.set.params.edits == form.params().electrodes.edits);
     edits(ui, &mut form, &made.map_or_else(Vec::new, |made| made.set.unmet_edits()));
-    desk.take(form.answer(), cx);
-    answer(ui, desk, cx)
+    let changed = form.answer();
+    let asked = changed.wanted.is_some().then_some(MoldPath::Technology);
+    desk.take(changed, cx);
+    answer(ui, desk, cx).or(asked)
 }
 
 /// Fields that few need to touch.
@@ -142,7 +145,7 @@ fn answer(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath
     } else {
         notice(ui, colours.warning, &format!("Out of date: {said}"));
     }
-    fact(ui, "All burns", format!("{:.0} min", made.set.minutes()));
+    fact(ui, "All burns", minutes_text(made.set.minutes()));
     divisions(ui, desk, cx);
     let asked = burn_sheet(ui, desk);
     ui.horizontal(|ui| {
@@ -177,7 +180,7 @@ fn divisions(ui: &mut Ui, desk: &MoldDesk, cx: &mut Context) {
             ("heads", "Heads on all electrodes"),
             ("els.", "Electrodes"),
             ("burns", ""),
-            ("min", "Duration of all burns"),
+            ("min", "All burns with set-up and changing"),
             ("long", "Longest head in plan (mm)"),
             ("\u{2716}", "Electrodes that the cutters do not mill"),
         ] {
@@ -196,7 +199,7 @@ fn divisions(ui: &mut Ui, desk: &MoldDesk, cx: &mut Context) {
                 way.heads.to_string(),
                 way.electrodes.to_string(),
                 way.burns.to_string(),
-                format!("{:.0}", way.minutes),
+                way.minutes.map_or_else(|| "\u{2013}".to_owned(), |minutes| format!("{minutes:.0}")),
                 format!("{:.1}", way.largest_mm),
                 way.not_millable.to_string(),
             ];

@@ -12,6 +12,7 @@ use crate::widgets::theme::palette;
 use crate::workspaces::mold::scene::electrodes::{BurnOf, electrode_colour};
 use crate::workspaces::mold::work::Designed;
 use files::Override;
+use mold::electrode::design::Electrode;
 use nc::burn_table::{BurnEntry, CheckState, ElectrodeEntry};
 
 /// The columns with their widths (points); the name takes what the others leave. Regions and blank need room.
@@ -165,7 +166,11 @@ fn cell(ui: &mut Ui, (made, overrides): (&Designed, &[Override]), (i, entry): (u
         3 => {
             text(ui, entry.blank.text("×"));
         }
-        4 => text(ui, format!("{:.0}", entry.minutes)),
+        4 => {
+            let minutes = entry.minutes.map_or_else(|| "\u{2013}".to_owned(), |minutes| format!("{minutes:.0}"));
+            let label = egui::Label::new(minutes).selectable(false).truncate();
+            ui.add(label).on_hover_text(entry.rests_on.join("\n"));
+        }
         _ => {
             ui.spacing_mut().item_spacing.x = 0.0;
             for check in &entry.checks {
@@ -242,9 +247,25 @@ fn details(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context, made: &Designed, 
         String::new()
     };
     fact(ui, "Gap", format!("{} mm{orbit}", entry.gap_mm));
-    fact(ui, "Time", format!("{:.1} min", entry.minutes));
+    burning(ui, &made.set.electrodes[at.electrode], entry);
     arrangement::show(ui, desk, made, at.electrode);
     division::show(ui, desk, made, (at.electrode, &regions(entry)));
+}
+
+/// Minutes and wear of an electrode, with what they rest on as a hint.
+fn burning(ui: &mut Ui, electrode: &Electrode, entry: &ElectrodeEntry) {
+    let shown = ui.scope(|ui| {
+        fact(ui, "Time", electrode.figures.minutes_text());
+        let wear = |wear: Option<f64>| wear.map_or_else(|| "not considered".to_owned(), |wear| format!("{wear:.4} mm"));
+        if entry.end_wear_mm.is_none() && entry.corner_wear_mm.is_none() {
+            fact(ui, "Wear", "not considered");
+        } else {
+            fact(ui, "End wear", wear(entry.end_wear_mm));
+            fact(ui, "Corner wear", wear(entry.corner_wear_mm));
+        }
+        fact(ui, "Needed", entry.needed.clone());
+    });
+    shown.response.on_hover_text(entry.rests_on.join("\n"));
 }
 
 /// The burn that is looked at.
