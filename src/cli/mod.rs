@@ -27,6 +27,7 @@ mod render_project;
 mod reproduce;
 mod simulate;
 mod size;
+mod technology;
 mod terminal;
 mod uncut;
 mod uncut_folder;
@@ -141,6 +142,12 @@ enum Command {
     Reproduce(reproduce::ReproduceArguments),
     /// What the importer and the channel finder make of a mesh.
     Inspect(InspectArguments),
+    /// Prints and checks a technology table: source, basis, steps, and the figures that are missing.
+    Technology {
+        /// A technology table (TOML) [default: the built-in one].
+        #[arg(value_name = "FILE")]
+        table: Option<PathBuf>,
+    },
 }
 
 #[derive(Debug, Args)]
@@ -424,6 +431,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
         Command::Render(arguments) => render::render(arguments, session),
         Command::Reproduce(arguments) => reproduce::reproduce(arguments, session),
         Command::Inspect(arguments) => inspect::inspect(arguments, session),
+        Command::Technology { table } => technology::technology(table.as_deref(), session),
     }
 }
 
