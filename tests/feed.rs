@@ -123,6 +123,8 @@ fn one_plan_seen_from_all_sides() {
 #[test]
 fn one_plan_and_what_is_made_of_it() {
     every_row_is_within_the_travel_of_its_axis();
+    machines::a_plan_goes_on_a_tilting_table_as_well_and_its_clearance_is_less_by_what_the_machine_leaves_the_poses();
+    obstacles::a_plate_before_the_channel_is_in_the_way_of_the_shank_and_one_on_the_other_side_is_not();
     path_repair::a_spoiled_path_is_repaired_without_another_search();
 }
 
@@ -143,6 +145,7 @@ fn a_plan_is_certified_from_outside_to_the_final_pose_and_may_be_approved() {
 #[test]
 fn one_whole_plan_is_finished_and_written() {
     the_copying_motion_is_certified_and_brings_the_walls_to_their_gap();
+    a_threshold_keeps_its_side_farther_off_once_the_feed_has_opened_up();
     files::a_folder_holds_the_programs_of_the_last_plan_only();
     files::what_cannot_be_replaced_is_named_and_no_program_lies_beside_it();
     files::a_plan_that_is_stopped_at_its_pictures_is_written_without_them_and_without_a_program();
@@ -256,7 +259,23 @@ fn job_that_needs_h() -> PlanJob {
     job
 }
 
+/// Searches for h on one blisk, which is made ready once.
 #[test]
+fn one_blisk_and_reductions_that_are_searched() {
+    an_electrode_that_fills_its_channel_is_no_answer();
+    a_searched_reduction_makes_a_thinner_electrode_that_comes_out_where_the_given_one_jams();
+}
+
+/// Other jobs on that blisk.
+#[test]
+fn one_blisk_and_what_a_job_asks_of_its_way() {
+    under_the_angle_constraint_every_node_is_between_the_surfaces_and_the_verifier_has_the_last_word();
+    a_margin_is_kept_on_the_way();
+    travel_that_ends_before_the_way_out_is_named();
+    entry_from_the_other_side_withdraws_to_the_other_side();
+    two_parts_are_two_electrodes_that_share_their_overlap();
+}
+
 fn an_electrode_that_fills_its_channel_is_no_answer() {
     let mut given = job_that_needs_h();
     given.genetic.h = ReductionMode::Given;
@@ -266,7 +285,6 @@ fn an_electrode_that_fills_its_channel_is_no_answer() {
     assert!(jammed.electrodes[0].plan.jam.is_some(), "h = 0 is no answer");
 }
 
-#[test]
 fn a_searched_reduction_makes_a_thinner_electrode_that_comes_out_where_the_given_one_jams() {
     let outcome = plan_easy(job_that_needs_h());
     let electrode = &outcome.electrodes[0];
@@ -309,7 +327,6 @@ fn a_searched_reduction_that_leaves_no_metal_is_an_answer_and_not_bad_input() {
 }
 
 /// P0: "the value point be within the flow channel between the left and right surfaces", and between hub and shroud.
-#[test]
 fn under_the_angle_constraint_every_node_is_between_the_surfaces_and_the_verifier_has_the_last_word() {
     let mut job = easy_job();
     job.plan.constraint = Constraint::Angle;
@@ -344,7 +361,6 @@ fn under_the_angle_constraint_every_node_is_between_the_surfaces_and_the_verifie
     assert!(judged > 1000, "{judged}");
 }
 
-#[test]
 fn a_margin_is_kept_on_the_way() {
     let mut job = easy_job();
     job.plan.margin_mm = 0.05;
@@ -447,7 +463,6 @@ fn every_row_is_within_the_travel_of_its_axis() {
     assert!(within && outcome.is_verified(), "{}", plan.verdict(&outcome.channel));
 }
 
-#[test]
 fn travel_that_ends_before_the_way_out_is_named() {
     for strategy in [Strategy::Genetic, Strategy::Global] {
         let mut job = easy_job();
@@ -461,7 +476,6 @@ fn travel_that_ends_before_the_way_out_is_named() {
     }
 }
 
-#[test]
 fn entry_from_the_other_side_withdraws_to_the_other_side() {
     let mut job = easy_job();
     job.electrode.enter = EnterSide::PlusX;
@@ -472,7 +486,6 @@ fn entry_from_the_other_side_withdraws_to_the_other_side() {
     assert!(electrode.plan.path.as_ref().unwrap().path.rows[0].pose.x > 10.0);
 }
 
-#[test]
 fn two_parts_are_two_electrodes_that_share_their_overlap() {
     let mut job = easy_job();
     job.electrode.parts = 2;
@@ -544,7 +557,6 @@ fn a_cancelled_plan_answers_nothing() {
     assert!(matches!(run(&inputs, &Task::silent(&cancel)), Err(PlanJobError::Cancelled(_))));
 }
 
-#[test]
 fn a_threshold_keeps_its_side_farther_off_once_the_feed_has_opened_up() {
     const THRESHOLD: f64 = 0.3;
     let mut job = easy_job();

@@ -48,6 +48,7 @@ fn the_global_path_is_certified_smooth_and_the_same_every_time() {
     it_is_at_least_twice_as_smooth_as_free_travel();
     it_is_the_same_on_any_number_of_threads();
     greatest_least_distance_keeps_further_away_at_its_nodes();
+    a_glance_tells_what_the_plan_will_say_where_that_is_clear();
 }
 
 /// Both look for the least reduction that lets the electrode out.
@@ -255,7 +256,6 @@ fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
     assert!(rows.iter().filter(|r| r.reduction_deg[0] != r.reduction_deg[1]).all(thicker), "{rows:?}");
 }
 
-#[test]
 fn a_glance_tells_what_the_plan_will_say_where_that_is_clear() {
     let look = |reduction| {
         let inputs = easy_inputs(job_with(Strategy::Global, reduction));

