@@ -89,6 +89,7 @@ fn in_passages_of_any_direction_it_lies_in_the_middle() {
     // Of the third the blades end at the very rims.
     let to_the_rims = ParametricWheel { span: [0.0, 1.0], ..ParametricWheel::nozzle_ring() };
     for wheel in [ParametricWheel::nozzle_ring(), ParametricWheel::impeller(), to_the_rims] {
+        let wheel = ParametricWheel { pieces: [112, 36, 4], ..wheel };
         let channel = find_channel(&wheel.mesh(), &BliskOptions::default(), &Task::default()).unwrap();
         assert_ne!(channel.flow, Flow::Axial);
         let line = Centreline::of_channel(&channel, &Cancel::default()).unwrap();

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec2, DVec3};
 
 use super::super::by_hand::nearest;
-use super::tests::{find, found};
+use super::tests::{coarse, find, found};
 use super::*;
 use crate::channel::{Station, Surface};
 use crate::fixtures::TestBlisk;
@@ -29,15 +29,12 @@ fn on_blade(part: &ParametricWheel, k: usize, along: f64, height: f64) -> [f64; 
     Cylindrical { x: place.x, r: place.y, theta }.point().into()
 }
 
-/// Pieces about the axis, along the passage and across it: enough for chords of 0.05 mm.
-const PIECES: [usize; 3] = [112, 36, 4];
-
 fn ring() -> ParametricWheel {
-    ParametricWheel { pieces: PIECES, ..ParametricWheel::nozzle_ring() }
+    coarse(ParametricWheel::nozzle_ring())
 }
 
 fn impeller() -> ParametricWheel {
-    ParametricWheel { pieces: PIECES, ..ParametricWheel::impeller() }
+    coarse(ParametricWheel::impeller())
 }
 
 fn axial() -> ParametricWheel {

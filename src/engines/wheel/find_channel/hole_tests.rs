@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3};
 
-use super::tests::{find, found};
+use super::tests::{coarse, find, found};
 use super::*;
 use crate::channel::{Flow, Station, Surface};
 use crate::fixtures::{TestBlisk, together};
@@ -39,11 +39,11 @@ fn off_curve(channel: &Channel, part: &ParametricWheel, height: f64) -> f64 {
 
 #[test]
 fn holes_in_hub_and_shroud_are_told_and_change_nothing() {
-    let open = ParametricWheel { shrouded: false, ..ParametricWheel::impeller() };
+    let open = ParametricWheel { shrouded: false, ..coarse(ParametricWheel::impeller()) };
     let drilled_parts = [
-        (ParametricWheel::nozzle_ring(), 1.0, Surface::Shroud, 2.0),
-        (ParametricWheel::impeller(), 0.0, Surface::Hub, 2.0),
-        (ParametricWheel { wall_mm: 8.0, ..ParametricWheel::impeller() }, 0.0, Surface::Hub, 0.8),
+        (coarse(ParametricWheel::nozzle_ring()), 1.0, Surface::Shroud, 2.0),
+        (coarse(ParametricWheel::impeller()), 0.0, Surface::Hub, 2.0),
+        (ParametricWheel { wall_mm: 8.0, ..coarse(ParametricWheel::impeller()) }, 0.0, Surface::Hub, 0.8),
         (open, 0.0, Surface::Hub, 2.0),
     ];
     for (part, height, surface, depth) in drilled_parts {
@@ -66,7 +66,7 @@ fn holes_in_hub_and_shroud_are_told_and_change_nothing() {
 /// Balance holes that cut into the blades beside the hub: there a gap is narrower at once on one side only.
 #[test]
 fn holes_that_cut_into_blades_change_nothing() {
-    let part = ParametricWheel { wall_mm: 8.0, ..ParametricWheel::impeller() };
+    let part = ParametricWheel { wall_mm: 8.0, ..coarse(ParametricWheel::impeller()) };
     let at = part.place(0.4, 0.0);
     let ring: Vec<DVec2> = (0..24).map(|i| 2.0 * DVec2::from_angle(TAU * f64::from(i) / 24.0)).collect();
     let drill = geometry::solid::prism(&[&ring], -5.0, 60.0).unwrap();
@@ -88,13 +88,8 @@ fn holes_that_cut_into_blades_change_nothing() {
 /// Bolts through the blades of a ring: on the circle through them there are twice as many gaps as blades, all even.
 #[test]
 fn holes_through_the_blades_are_no_channels() {
-    let closed = ParametricWheel {
-        blades: 15,
-        thickness_mm: 8.0,
-        wrap: [0.4; 2],
-        pieces: [120, 48, 6],
-        ..ParametricWheel::nozzle_ring()
-    };
+    let closed =
+        ParametricWheel { blades: 15, thickness_mm: 8.0, wrap: [0.4; 2], ..coarse(ParametricWheel::nozzle_ring()) };
     let open = ParametricWheel { shrouded: false, ..closed.clone() };
     for (part, radius, axis) in [(&closed, 1.0, DVec3::Z), (&closed, 2.0, DVec3::ONE), (&open, 2.0, DVec3::Y)] {
         let whole = found(&part.mesh());

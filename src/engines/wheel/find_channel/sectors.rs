@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DAffine3, DQuat, DVec2, DVec3, EulerRot, Vec3Swizzles as _};
 
 use super::random_wheels::{faulty, wrong};
-use super::tests::{find, found, refused};
+use super::tests::{coarse, find, found, refused};
 use crate::channel::Station;
 use crate::error::{BliskError, Misleading};
 use crate::fixtures::{TestBlisk, flange, turned_part};
@@ -53,7 +53,7 @@ fn a_sector_is_the_wheel_that_it_was_cut_from() {
 #[test]
 fn a_sector_of_one_pitch_is_recognised() {
     let without_holes = ParametricWheel { holes: 0, ..ParametricWheel::demonstration() };
-    for wheel in [without_holes, ParametricWheel::nozzle_ring()] {
+    for wheel in [without_holes, coarse(ParametricWheel::nozzle_ring())] {
         let mesh = wheel.mesh();
         for from in [0.1, 0.6] {
             let cut = sector(&mesh, from * wheel.pitch(), wheel.pitch());
@@ -108,14 +108,12 @@ fn passages_between_cones_of_any_angle_are_found() {
         let line = |height: f64, narrower: f64| {
             MeridianCurve::line(from + height * up, from + 30.0 * along + narrower * height * up)
         };
-        let pieces = [160, 48, 8];
         let wheel = ParametricWheel {
             blades: 16,
             hub: line(0.0, 1.0),
             shroud: line(10.0, 0.8),
             wrap: [0.4; 2],
-            pieces,
-            ..ParametricWheel::nozzle_ring()
+            ..coarse(ParametricWheel::nozzle_ring())
         };
         let channel = find(&wheel.mesh(), &BliskOptions::default()).unwrap_or_else(|e| panic!("{degrees} deg: {e}"));
         let (width, least) = (channel.throat.width_mm, least_width(&wheel));
@@ -128,7 +126,7 @@ fn passages_between_cones_of_any_angle_are_found() {
 /// thin rings more than about the axis, and the rings' facets are planes like the cuts.
 #[test]
 fn half_a_wheel_and_one_pitch_of_it_are_the_wheel() {
-    let ring = ParametricWheel { pieces: [160, 48, 8], ..ParametricWheel::nozzle_ring() };
+    let ring = coarse(ParametricWheel::nozzle_ring());
     let shroud = MeridianCurve::line(DVec2::new(20.0, 68.0), DVec2::new(20.0, 104.0));
     let tall = ParametricWheel { shroud, wall_mm: 2.0, span: [0.02, 0.98], ..ring.clone() };
     // Blades of one shell with the rings, as solid modellers write them.

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
 
-use super::tests::find;
+use super::tests::{coarse, find};
 use super::*;
 use crate::channel::Flow;
 use crate::parametric::wheel::{MeridianCurve, ParametricWheel, Splitters};
@@ -16,7 +16,7 @@ fn splitters_make_two_kinds_of_channels() {
         blades: 18,
         splitters: vec![Splitters { off_middle: 0.02, ..Splitters::over([0.5, 0.95]) }],
         thickness_mm: 2.0,
-        ..ParametricWheel::impeller()
+        ..coarse(ParametricWheel::impeller())
     };
     let mesh = part.mesh();
     let channels = [0, 1].map(|channel| find(&mesh, &BliskOptions { channel, ..Default::default() }).unwrap());
@@ -44,7 +44,7 @@ fn thin_splitters_between_thick_blades_are_counted() {
         blades: 18,
         splitters: vec![Splitters { thickness: 0.1, ..Splitters::over([0.5, 0.95]) }],
         thickness_mm: 10.0,
-        ..ParametricWheel::impeller()
+        ..coarse(ParametricWheel::impeller())
     };
     let mesh = part.mesh();
     for channel in [0, 1] {
@@ -61,7 +61,7 @@ fn every_passage_of_an_open_wheel_with_three_kinds_of_blades_is_found() {
         splitters: [0.6, 0.35].map(|from| Splitters::over([from, 0.95])).into(),
         thickness_mm: 1.4,
         shrouded: false,
-        ..ParametricWheel::impeller()
+        ..coarse(ParametricWheel::impeller())
     };
     let mesh = part.mesh();
     for channel in 0..3 {
