@@ -425,11 +425,11 @@ fn a_bar_removes_its_section_along_its_way() {
     let [from, to] = PART.channel.span_x();
     let length = 0.5 * (to - from) + gap;
     let sum = |pieces: &[Piece]| pieces.iter().map(|piece| piece.volume_mm3).sum::<f64>();
-    assert!((sum(&removed[0]) / (section * length) - 1.0).abs() < 0.03, "{} {}", sum(&removed[0]), section * length);
+    assert!((sum(&removed[0]) / (section * length) - 1.0).abs() < 0.02, "{} {}", sum(&removed[0]), section * length);
     assert!(removed[0].len() >= 4, "{removed:?}");
     let inner = &removed[0][1..removed[0].len() - 1];
     for piece in inner {
-        assert!((piece.frontal_area_mm2 / section - 1.0).abs() < 0.06, "{piece:?} {section}");
+        assert!((piece.frontal_area_mm2 / section - 1.0).abs() < 0.08, "{piece:?} {section}");
     }
     let advance: f64 = removed[0].iter().map(|piece| piece.volume_mm3 / piece.frontal_area_mm2).sum();
     assert!((advance - length).abs() < 0.6, "{advance} {length}");
