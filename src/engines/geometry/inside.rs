@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::exact::ExactMesh;
+use super::exact::{ExactMesh, Nearest};
 use super::mesh::Mesh;
 
 /// Directions in which crossings are counted; askew, so that they run along no edge of a mesh drawn by hand.
@@ -64,10 +64,16 @@ pub fn is_inside(mesh: &ExactMesh, p: DVec3) -> bool {
 /// triangles, and within a shell beside another that reaches into it. So the surface must wind around `p` where they say
 /// that it is inside, and where it lies in one of several shells.
 pub fn guarded_distance(mesh: &ExactMesh, p: DVec3) -> f64 {
+    guarded_nearest(mesh, p).signed_distance
+}
+
+/// The nearest point of the surface to `p`, with the sign of [`guarded_distance`].
+pub fn guarded_nearest(mesh: &ExactMesh, p: DVec3) -> Nearest {
     let nearest = mesh.nearest(p);
     let distance = nearest.signed_distance;
     let is_doubted = distance < 0.0 || mesh.is_in_overlapping_shell(p, &nearest);
-    if is_doubted && is_inside(mesh, p) { -distance.abs() } else { distance.abs() }
+    let signed_distance = if is_doubted && is_inside(mesh, p) { -distance.abs() } else { distance.abs() };
+    Nearest { signed_distance, ..nearest }
 }
 
 /// Crossings from inside to outside less those from outside to inside that a ray from `p` has with `triangles`.

@@ -122,7 +122,7 @@ pub enum ImportError {
 }
 
 /// Bytes of a file as they may be shown in an error: short, printable, on one line.
-pub(super) fn excerpt(bytes: &[u8]) -> String {
+pub fn excerpt(bytes: &[u8]) -> String {
     const LONGEST: usize = 40;
     let shown: String = String::from_utf8_lossy(&bytes[..bytes.len().min(LONGEST)])
         .chars()
@@ -132,6 +132,6 @@ pub(super) fn excerpt(bytes: &[u8]) -> String {
 }
 
 /// A path as it may be shown in an error: on one line.
-pub(super) fn one_line(name: &str) -> String {
+pub fn one_line(name: &str) -> String {
     name.chars().map(|c| if c.is_control() { '?' } else { c }).collect()
 }

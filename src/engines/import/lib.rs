@@ -55,7 +55,7 @@ mod unite;
 mod units;
 mod weld;
 
-pub use error::ImportError;
+pub use error::{ImportError, excerpt, one_line};
 pub use format::{Format, MESH_ENDINGS, detect};
 pub use glb::glb_bytes;
 pub use holes::Hole;
@@ -188,7 +188,7 @@ const BLOCK: usize = 4 << 20;
 pub fn import_file(path: &Path, options: &ImportOptions, task: &Task) -> Result<Imported, ImportError> {
     options.validate()?;
     let name = error::one_line(&path.display().to_string());
-    let bytes = read_whole(path, &name, &options.limits, task)?;
+    let bytes = read_bytes(path, &options.limits, task)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let source = Source {
         name: &name,
@@ -215,7 +215,12 @@ pub fn import_bytes(name: &str, bytes: &[u8], options: &ImportOptions, task: &Ta
     import(&source, options)
 }
 
-fn read_whole(path: &Path, name: &str, limits: &ImportLimits, task: &Task) -> Result<Vec<u8>, ImportError> {
+/// Reads the whole file at `path`, of any format, within the limits of an import.
+///
+/// # Errors
+/// [`ImportError::Unreadable`], [`ImportError::NotAFile`], [`ImportError::TooLarge`] and [`ImportError::Cancelled`].
+pub fn read_bytes(path: &Path, limits: &ImportLimits, task: &Task) -> Result<Vec<u8>, ImportError> {
+    let name = &*error::one_line(&path.display().to_string());
     let unreadable = |source| ImportError::Unreadable { file: name.to_owned(), source };
     // Asked before opening, as opening a pipe would wait for ever.
     let about = std::fs::metadata(path).map_err(unreadable)?;
