@@ -97,7 +97,7 @@ pub struct BestFit {
 /// Fits `points` (mm, in the axes of the scan) to the nominal surface.
 ///
 /// Each point goes to the surface that is nearest, so the scan must lie roughly aligned from the start: off by less than
-/// half of the thinnest wall or narrowest channel. Memory is about 100 bytes a point. Every point counts alike: a scan
+/// half of the thinnest wall or narrowest channel. Memory is about 200 bytes a point. Every point counts alike: a scan
 /// that is denser somewhere has more weight there.
 ///
 /// # Errors
