@@ -9,6 +9,8 @@ mod electrodes;
 mod flank;
 #[path = "common/made_once.rs"]
 mod made_once;
+#[path = "cli/measured.rs"]
+mod measured;
 #[path = "cli/pictures.rs"]
 mod pictures;
 #[path = "cli/sections.rs"]

@@ -20,6 +20,7 @@ mod flank;
 mod flank_arguments;
 mod flank_electrode;
 mod inspect;
+mod measured;
 mod plan;
 mod project;
 mod render;
@@ -142,6 +143,9 @@ enum Command {
     Reproduce(reproduce::ReproduceArguments),
     /// What the importer and the channel finder make of a mesh.
     Inspect(InspectArguments),
+    /// A finished part that was scanned: best fit to its nominal mesh, deviations surface by surface, and whether they are
+    /// within a tolerance.
+    Measured(measured::MeasuredArguments),
     /// Prints and checks a technology table: source, basis, steps, and the figures that are missing.
     Technology {
         /// A technology table (TOML) [default: the built-in one].
@@ -431,6 +435,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
         Command::Render(arguments) => render::render(arguments, session),
         Command::Reproduce(arguments) => reproduce::reproduce(arguments, session),
         Command::Inspect(arguments) => inspect::inspect(arguments, session),
+        Command::Measured(arguments) => measured::measured(arguments, session),
         Command::Technology { table } => technology::technology(table.as_deref(), session),
     }
 }
