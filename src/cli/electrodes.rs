@@ -19,6 +19,7 @@ use crate::workspaces::mold::report::steps::steps;
 use crate::workspaces::mold::report::{ElectrodesPage, ElectrodesReport};
 use crate::workspaces::mold::scene::electrodes::electrode_shapes;
 use crate::workspaces::mold::scene::pictures::{draw, electrode_pictures};
+use burning::figures::NOT_CONSIDERED;
 use files::Override;
 use files::report::Picture;
 use files::{ExportFolder, Published};
@@ -233,14 +234,29 @@ fn lines(set: &ElectrodeSet, report: &ElectrodesReport, axes: &DAffine3) -> Vec<
     lines
 }
 
-/// What minutes and wear rest on and what is missing, each once.
+/// What minutes and wear rest on and what is missing, each once. Of what is not considered the first few are named.
 fn rests_on(report: &ElectrodesReport) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for line in report.table.electrodes.iter().flat_map(|entry| &entry.rests_on) {
+    const NAMED: usize = 3;
+    let (mut lines, mut without): (Vec<String>, Vec<String>) = Default::default();
+    let add = |to: &mut Vec<String>, line: &str| {
         let line = line.split_whitespace().collect::<Vec<_>>().join(" ");
-        if !lines.contains(&line) {
-            lines.push(line);
+        if !to.contains(&line) {
+            to.push(line);
         }
+    };
+    for electrode in report.table.electrodes.iter() {
+        for line in &electrode.rests_on {
+            match line.strip_prefix(NOT_CONSIDERED) {
+                Some(items) => items.trim_end_matches('.').split("; ").for_each(|item| add(&mut without, item)),
+                None => add(&mut lines, line),
+            }
+        }
+    }
+    if !without.is_empty() {
+        let more = without.len().saturating_sub(NAMED);
+        without.truncate(NAMED);
+        let more = if more > 0 { format!("; and {more} more, which the report names") } else { String::new() };
+        lines.push(format!("{NOT_CONSIDERED}{}{more}.", without.join("; ")));
     }
     lines
 }

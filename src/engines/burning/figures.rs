@@ -12,6 +12,9 @@ use crate::project::ProjectTechnology;
 use crate::technology::{Technology, TechnologyFile};
 use crate::wear::{AllowedWear, WearShare};
 
+/// Beginning of the line of [`BurnFigures::explanation`] that says what the figures leave out.
+pub const NOT_CONSIDERED: &str = "Not considered: ";
+
 /// Minutes and wear of an electrode in one burn, or the reasons why they are not known, with what they rest on.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -173,7 +176,7 @@ impl BurnFigures {
     pub fn explanation(&self) -> Vec<String> {
         let missing = (!self.missing.is_empty()).then(|| format!("Minutes not known: {}.", self.missing.join("; ")));
         let without = &self.not_considered;
-        let without = (!without.is_empty()).then(|| format!("Not considered: {}.", without.join("; ")));
+        let without = (!without.is_empty()).then(|| format!("{NOT_CONSIDERED}{}.", without.join("; ")));
         missing.into_iter().chain(self.rests_on.clone()).chain(without).collect()
     }
 }

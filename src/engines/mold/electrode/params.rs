@@ -86,7 +86,7 @@ pub struct Stage {
     #[serde(default = "usual_finish")]
     pub finish_vdi: f64,
     /// Name of the step of the technology at which burning ends; empty to end at the finish.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
+    #[serde(default)]
     pub last_step: String,
     /// Number of electrodes to make.
     #[serde(default = "one")]

@@ -9,6 +9,7 @@ use super::choice_words::{
 };
 use super::electrode_fields::{OWN_ELECTRODE, SINGLE_PARTS};
 use super::technology_fields::{BURNING, TECHNOLOGY};
+use super::weight_fields::WEIGHTS;
 use super::{BladesFrom, PlanJob};
 
 /// A greatest value that is none.
@@ -342,61 +343,7 @@ const GROUPS: &[Group] = &[
                 .help("The same seed gives the same path, to the last bit."),
         ],
     },
-    Group {
-        section: "Plan",
-        name: "Weights",
-        is_folded: true,
-        fields: &[
-            Field::number("plan.weights.a3", "Smoothness", "", 0.0, ANY)
-                .slider(0.0, 1.0)
-                .decimals(2)
-                .symbol("a3")
-                .help("Weight of smooth motion against centring; only the ratio of the two counts."),
-            Field::number("plan.weights.b3", "Centring", "", 0.0, ANY)
-                .slider(0.0, 1.0)
-                .decimals(2)
-                .symbol("b3")
-                .help("Weight of staying in the middle of the channel."),
-            Field::number("plan.weights.a1", "Smooth Z", "", 0.0, ANY)
-                .slider(0.0, 1.0)
-                .decimals(2)
-                .symbol("a1")
-                .help("Weight of Z among the axes; of X for an electrode from the rim."),
-            Field::number("plan.weights.b1", "Smooth Y", "", 0.0, ANY)
-                .slider(0.0, 1.0)
-                .decimals(2)
-                .symbol("b1")
-                .help("Weight of Y among the axes."),
-            Field::number("plan.weights.c1", "Smooth C", "", 0.0, ANY)
-                .slider(0.0, 1.0)
-                .decimals(2)
-                .symbol("c1")
-                .help("Weight of C among the axes."),
-            Field::number("plan.weights.d1", "Smooth A", "", 0.0, ANY)
-                .slider(0.0, 1.0)
-                .decimals(2)
-                .help("Weight of A among the axes, where the machine has it; the paper keeps A still."),
-            Field::number("plan.weights.e1", "Smooth B", "", 0.0, ANY)
-                .slider(0.0, 1.0)
-                .decimals(2)
-                .help("Weight of B among the axes, where the machine has it."),
-            Field::number("plan.weights.a2", "Equal distances", "", 0.0, ANY)
-                .slider(0.0, 1.0)
-                .decimals(2)
-                .symbol("a2")
-                .help("Weight of equal least distances to both walls."),
-            Field::number("plan.weights.b2", "Even along low wall", "", 0.0, ANY)
-                .slider(0.0, 1.0)
-                .decimals(2)
-                .symbol("b2")
-                .help("Weight of even distances along the low wall (the paper's left)."),
-            Field::number("plan.weights.c2", "Even along high wall", "", 0.0, ANY)
-                .slider(0.0, 1.0)
-                .decimals(2)
-                .symbol("c2")
-                .help("Weight of even distances along the high wall (the paper's right)."),
-        ],
-    },
+    WEIGHTS,
     Group {
         section: "Plan",
         name: "Machine",

@@ -6,6 +6,7 @@ mod choice_words;
 mod electrode_fields;
 pub mod field_table;
 mod technology_fields;
+mod weight_fields;
 
 use std::path::{Path, PathBuf};
 
