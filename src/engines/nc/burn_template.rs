@@ -198,7 +198,7 @@ mod tests {
         let text = render(&table(), BURN_SHEET, "standard").unwrap();
         let line = |words: &[&str]| text.lines().any(|l| words.iter().all(|w| l.contains(w)));
         assert!(line(&["SHEET", "shell"]) && line(&["opening", "+z"]), "{text}");
-        assert!(line(&["3 electrodes", "4 burns", "38 min"]), "{text}");
+        assert!(line(&["3 electrodes", "4 burns", "25 min"]), "{text}");
         assert!(line(&["12.3457", "-4.5000", "20.0000", "90.0000"]), "{text}");
         assert!(line(&["Files hold the electrodes as they are milled"]) && line(&["NOTE: no holder"]), "{text}");
         assert!(line(&["E03", "BLOCKED"]), "{text}");

@@ -114,7 +114,8 @@ fn minutes_are_those_of_the_burns_and_none_where_they_are_not_known() {
     assert_eq!((unknown.electrodes[0].end_wear_mm, unknown.electrodes[0].corner_wear_mm), (None, None));
     assert_eq!(unknown.electrodes[0].needed, "at least 1: wear not considered");
     assert!(unknown.electrodes[0].rests_on[0].contains("rate of step S is not given"));
-    let csv = unknown.csv();
+    // Without the comma in the name of the material a cell ends at every comma.
+    let csv = unknown.csv().replace("\"Cu, \"\"soft\"\"\"", "Cu");
     let column = csv.lines().next().unwrap().split(',').position(|head| head == "minutes").unwrap();
     assert_eq!(csv.lines().nth(1).unwrap().split(',').nth(column), Some(""), "{csv}");
 }
