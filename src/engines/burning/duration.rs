@@ -142,7 +142,7 @@ pub struct StepTime {
 }
 
 impl StepTime {
-    /// The same step in two burns: its volume, its minutes, and the mean rate that gives them.
+    /// Sum of a step over two burns: volume, minutes, and the mean rate that gives them.
     pub(crate) fn plus(&self, other: &Self) -> Self {
         let sum = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a + b);
         let volume_mm3 = sum(self.volume_mm3, other.volume_mm3);

@@ -55,7 +55,7 @@ impl Tolerance {
         Err(MeasuredError::BadSetting { name: "tolerance", value, rule: "give a range of deviations in mm" })
     }
 
-    /// The same range, in which only a share of the points must lie.
+    /// Tolerance of this range for a share of the points only.
     ///
     /// # Errors
     /// [`MeasuredError::BadSetting`] unless the share is above 0 and not above 1.
@@ -127,7 +127,7 @@ impl Statistics {
     }
 }
 
-/// One of the worst places.
+/// Place with a great deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Worst<L> {
     /// The deviation there.
@@ -152,7 +152,7 @@ pub struct Verdict {
 }
 
 impl fmt::Display for Verdict {
-    /// One sentence without its full stop, with the figures and their limits.
+    /// Verdict as a sentence without its full stop, with the figures and their limits.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [least, most] = self.tolerance.range_mm();
         let word = if self.is_within { "within" } else { "outside of" };

@@ -68,7 +68,7 @@ pub enum MeasuredError {
     BadSetting {
         /// Name of the setting.
         name: &'static str,
-        /// Its value.
+        /// Value of the setting.
         value: String,
         /// What is possible.
         rule: &'static str,

@@ -65,7 +65,7 @@ impl Strip {
 }
 
 impl<'a> Sections<'a> {
-    /// Those of `passage`, `finer` times as many as the residual stock needs.
+    /// Sections of `passage`, `finer` times as many as the residual stock needs.
     pub(super) fn of(passage: &'a Passage<'a>, finer: usize) -> Self {
         let [from, to] = passage.span;
         let count = finer * ((to - from) / STEP_ALONG).ceil().clamp(1.0, MOST_LINES) as usize;

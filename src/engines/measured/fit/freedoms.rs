@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::MeasuredError;
 
-/// One freedom of a rigid body, along or about an axis of a frame.
+/// Freedom of a rigid body, along or about an axis of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Freedom {
     /// Translation along X (mm).

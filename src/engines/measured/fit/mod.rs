@@ -64,7 +64,7 @@ impl Default for FitSettings {
 pub struct FittedValue {
     /// The freedom.
     pub freedom: Freedom,
-    /// Its value (mm or rad).
+    /// Value of the freedom (mm or rad).
     pub value: f64,
     /// Standard deviation of the value (mm or rad), from the scatter of the points after the fit, as if the errors of
     /// the points were independent; neighbouring points of a scanner are not, so the true one is greater. Undetermined
@@ -220,7 +220,7 @@ impl Fit<'_> {
         Ok(Here { near, centre, twists, scale, sums })
     }
 
-    /// One step of Gauss-Newton along the columns of `along`; answers the rms displacement of the points (mm).
+    /// Step of Gauss-Newton along the columns of `along`; answers the rms displacement of the points (mm).
     fn step(&mut self, here: &Here, along: &DMatrix<f64>) -> Result<f64, MeasuredError> {
         self.iterations += 1;
         if along.ncols() == 0 {

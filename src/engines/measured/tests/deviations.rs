@@ -35,7 +35,6 @@ fn a_bump_of_known_height_is_found_with_its_place_and_extent() {
     let tolerance = Tolerance::symmetric(0.02).unwrap();
     // Triangles 2 and 3 of the box are its top.
     let worst = map.worst(3, 10.0, &tolerance, |d| d.triangle / 2);
-    println!("bump of {HEIGHT}: {:?}", worst[0]);
     assert!((worst[0].deviation.distance - HEIGHT).abs() < 0.005, "{:?}", worst[0]);
     assert!(worst[0].surface == 1 && worst[0].deviation.nearest.distance(centre) < 1.0);
     assert!(worst[1].deviation.distance.abs() < 0.01 && worst[1].deviation.point.distance(centre) > 9.0);

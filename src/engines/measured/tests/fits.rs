@@ -35,14 +35,6 @@ fn checked(name: &str, mesh: Mesh, points: &[(DVec3, DVec3)], measure: Option<fn
             points.iter().map(|(p, _)| off(*p)).fold(0.0, f64::max)
         }
     };
-    println!(
-        "{name}: {} points, wrong by {:.3} um, rms {:.3} um, {} iterations, open: {:?}",
-        seen.len(),
-        1e3 * wrong,
-        1e3 * fit.rms_mm,
-        fit.iterations,
-        fit.undetermined.iter().map(ToString::to_string).collect::<Vec<_>>()
-    );
     assert!(wrong < ALLOWED, "{name}: {wrong}");
     assert!(fit.has_converged && (fit.rms_mm / NOISE - 1.0).abs() < 0.1, "{name}: {}", fit.rms_mm);
     assert!((fit.scale_mm / NOISE - 1.0).abs() < 0.1);
@@ -136,7 +128,6 @@ fn a_scan_without_noise_is_fitted_exactly_and_few_points_far_off_are_not_lost() 
     let scanned = scan(&points, &error, 0.0, 0);
     let fit = fit(&nominal, &scanned);
     let wrong = wrong_by(&points, &(fit.motion * error));
-    println!("plate: wrong by {wrong:e} mm after {} iterations", fit.iterations);
     assert!(wrong < 1e-6 && fit.undetermined.is_empty(), "{wrong} {:?}", fit.undetermined);
 }
 
@@ -157,7 +148,6 @@ fn stray_points_hardly_move_the_fit() {
     let after = fit(&nominal, &stray);
     let moved = wrong_by(&points, &(after.motion * before.motion.inverse()));
     let wrong = wrong_by(&points, &(after.motion * error));
-    println!("stray points move the fit by {:.3} um; wrong by {:.3} um", 1e3 * moved, 1e3 * wrong);
     assert!(moved < ALLOWED && wrong < ALLOWED && after.undetermined.is_empty());
 }
 

@@ -4,6 +4,7 @@ mod agreement;
 #[cfg(test)]
 mod agreement_tests;
 mod bodies;
+mod doubt;
 mod flow;
 mod hand_lines;
 #[cfg(test)]
@@ -23,7 +24,6 @@ mod sentences;
 mod splitter_tests;
 #[cfg(test)]
 mod spoilt_tests;
-mod straight;
 #[cfg(test)]
 mod tests;
 mod tips;
@@ -333,7 +333,7 @@ fn measured_channel(
     }
     // Whoever points at blades has seen them.
     if options.blade_points_mm.is_empty() {
-        channel.assumed.extend(straight::doubt(&channel).map(str::to_owned));
+        channel.assumed.extend(doubt::doubt(&channel).map(str::to_owned));
     }
     let unlike = measured.unlike(blades, blisk.repetition.kinds)?;
     let obstructed = obstruction::obstructed(&channel, slices.mesh(), &task.cancel)?;

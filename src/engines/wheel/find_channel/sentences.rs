@@ -8,7 +8,7 @@ use super::meridian::Meridian;
 pub(super) const STRAIGHT: &str = "The blades stand straight, in planes through the axis, and turn no flow, as spokes, struts, \
                         splines and the teeth of a gear do: check that they are blades.";
 
-/// Says the same of what is wound.
+/// Says that blades which are wound may be none.
 pub(super) const SCREW: &str = "The blades are wound by one lead over their length and height, with gaps as wide from end to end, \
                      as the teeth of a helical gear and the threads of a worm or a screw are: check that they are blades.";
 
