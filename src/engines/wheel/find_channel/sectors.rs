@@ -210,19 +210,23 @@ fn axis_and_blades_of_a_sector_may_be_given() {
     assert_eq!(error.axis().unwrap().direction, DVec3::X);
 }
 
-/// What turns about the axis of a sector tells it from the blades alone, of which a few look like a wheel of their own.
+/// A few blades of a sector look like a wheel of their own, and the facets of its rings repeat at every part of a turn that
+/// they divide.
 #[test]
 fn a_sector_with_too_few_blades_asks_for_their_number() {
-    let ring = ParametricWheel { blades: 5, pieces: [160, 48, 8], ..ParametricWheel::nozzle_ring() };
-    let (wheel, pitch) = (wound(&ring.mesh()).unwrap(), ring.pitch());
-    for from in [0.3, 0.45, 0.66] {
+    let coarse = [112, 36, 4];
+    let cases = [(3, 0.3, coarse), (5, 0.3, coarse), (5, 0.44, coarse), (5, 0.45, [160, 48, 8]), (5, 0.66, coarse)];
+    for (blades, from, pieces) in cases {
+        let ring = ParametricWheel { blades, pieces, ..ParametricWheel::nozzle_ring() };
+        let (wheel, pitch) = (wound(&ring.mesh()).unwrap(), ring.pitch());
         let cut = sector(&wheel, from * pitch, 1.3 * pitch);
         match find(&cut, &BliskOptions::default()) {
-            Ok(channel) => assert_eq!(channel.blades, ring.blades, "{from}"),
-            Err(error) => assert!(error.to_string().contains("blisk.blades"), "{from}: {error}"),
+            Ok(channel) => assert_eq!(channel.blades, blades, "{from}"),
+            Err(error) => assert!(error.to_string().contains("blisk.blades"), "{blades} blades, {from}: {error}"),
         }
-        let given = BliskOptions { blades: Auto::Given(ring.blades), ..BliskOptions::default() };
-        assert_eq!(find(&cut, &given).unwrap_or_else(|e| panic!("{from}: {e}")).blades, ring.blades);
+        let given = BliskOptions { blades: Auto::Given(blades), ..BliskOptions::default() };
+        let channel = find(&cut, &given).unwrap_or_else(|e| panic!("{blades} blades, {from}: {e}"));
+        assert_eq!(channel.blades, blades, "{from}");
     }
 }
 

@@ -20,7 +20,7 @@ pub use self::error::SectorError;
 use self::join::join;
 use super::axis::{self, Axis, Turning};
 use super::frame_along;
-use super::slices::{CELLS, Slices};
+use super::slices::{CELLS, Crossing, Slices, cylindrical_components};
 use crate::options::{AxisChoice, AxisLine, BliskOptions};
 use geometry::exact::ExactMesh;
 use geometry::frame::{Cylindrical, Frame, wrap_angle};
@@ -280,7 +280,8 @@ impl Sector {
         let exact = ExactMesh::new(&self.mesh).map_err(|e| SectorError::Mesh(e.to_string()))?;
         let mut first_error = None;
         for blades in self.counts(&slices, wanted, cancel)? {
-            match self.with_blades(&blades, &exact, &slices, cancel) {
+            let is_told = wanted.is_some() || blades.is_by_angle;
+            match self.with_blades(&blades, is_told, &exact, &slices, cancel) {
                 Err(SectorError::Cancelled(cancelled)) => return Err(cancelled.into()),
                 Err(error) => first_error = first_error.or(Some(error)),
                 whole => return whole,
@@ -289,10 +290,12 @@ impl Sector {
         Err(first_error.unwrap_or(SectorError::Pitch { angle_deg, axis }))
     }
 
-    /// The wheel of so many blades, if the sector is one of it.
+    /// The wheel of so many blades, if the sector is one of it. Unless the number `is_told` by something else, walls must
+    /// repeat at its pitch.
     fn with_blades(
         &self,
         blades: &Blades,
+        is_told: bool,
         exact: &ExactMesh,
         slices: &Slices,
         cancel: &Cancel,
@@ -300,6 +303,8 @@ impl Sector {
         /// Numbers of pitches that are tried, the greatest first, and places of each.
         const TRIED: usize = 4;
         const PLACES: [f64; 7] = [0.5, 0.25, 0.75, 0.1, 0.9, 0.4, 0.6];
+        /// Share of the sector's walls that must repeat. Facets of rings repeat as well, but hardly face around the axis.
+        const LEAST: f64 = 0.01;
         let (axis, angle_deg, Blades { count, cells, .. }) = (self.axis, self.angle.to_degrees(), blades);
         let pitch = TAU / *count as f64;
         // What is missing of a pitch leaves a gap at the rim, which must be within the cuts' own rounding.
@@ -308,14 +313,18 @@ impl Sector {
         let fits = |k: &usize| *k as f64 * pitch < self.angle + slack && *k as f64 * pitch < PI;
         let all = (1..=*count).rev().filter(|k| count.is_multiple_of(*k)).filter(fits);
         let is_bladed = |p: DVec3| slices.cell_at(p).is_some_and(|cell| cells.contains(&cell));
+        let repeating = |kept: usize| (kept, self.repeating(exact, is_bladed, kept as f64 * pitch));
+        let tried: Vec<(usize, Result<f64, SectorError>)> = all.take(TRIED).map(repeating).collect();
+        let is_told = is_told || tried.iter().any(|(_, share)| share.as_ref().is_ok_and(|share| *share > LEAST));
         let mut first_error = None;
-        for kept in all.take(TRIED) {
-            let kept_angle = kept as f64 * pitch;
-            let spare = (self.angle - kept_angle).max(0.0);
-            if let Some(unlike) = self.unlike(exact, is_bladed, kept_angle) {
-                first_error = first_error.or(Some(unlike));
+        for (kept, share) in tried {
+            let share = share.and_then(|_| if is_told { Ok(()) } else { Err(SectorError::Pitch { angle_deg, axis }) });
+            if let Err(error) = share {
+                first_error = first_error.or(Some(error));
                 continue;
             }
+            let kept_angle = kept as f64 * pitch;
+            let spare = (self.angle - kept_angle).max(0.0);
             // The whole of it where that is as many pitches; else wherever its ends meet no hole.
             let is_whole = spare < SAME * pitch;
             for place in if is_whole { &[0.0][..] } else { &PLACES } {
@@ -349,41 +358,75 @@ impl Sector {
         Err(first_error.unwrap_or(narrow))
     }
 
-    /// Why the blades do not repeat after a turn by `angle`, as far as that stays in the sector; none if they do.
-    fn unlike(&self, exact: &ExactMesh, is_bladed: impl Fn(DVec3) -> bool + Sync, angle: f64) -> Option<SectorError> {
+    /// Share of the sector's walls that are met again after a turn by `angle`: of its surface, weighed by the square of the
+    /// part of its normal that points around the axis.
+    ///
+    /// # Errors
+    /// [`SectorError::Unlike`] where blades are not met again, as far as the turn stays in the sector.
+    fn repeating(
+        &self,
+        exact: &ExactMesh,
+        is_bladed: impl Fn(DVec3) -> bool + Sync,
+        angle: f64,
+    ) -> Result<f64, SectorError> {
         /// Triangles that are enough to tell.
         const ENOUGH: usize = 6000;
         /// Share of the surface that may be off: edges of holes and of the cuts.
         const LEAST: f64 = 0.01;
+        struct Seen {
+            off: f64,
+            area: f64,
+            around: f64,
+            at: Cylindrical,
+        }
         let turn = DMat3::from_rotation_x(angle);
-        let [from, to] = [self.from, self.from + self.angle - angle];
+        let middle = |corners: [DVec3; 3]| corners.into_iter().sum::<DVec3>() / 3.0;
+        // What lies between the cuts, and is met between them again after the turn.
         let slack = 4.0 * SAME;
-        let is_inside = |p: DVec3| {
-            let theta = wrap_angle(Cylindrical::from_point(p).theta - 0.5 * (from + to));
-            to - from > 2.0 * slack && theta.abs() < 0.5 * (to - from) - slack
+        let is_within = |p: DVec3, angle: f64| {
+            let half = 0.5 * (self.angle - angle) - slack;
+            wrap_angle(Cylindrical::from_point(p).theta - self.from - 0.5 * (self.angle - angle)).abs() < half
+        };
+        let around = |corners: [DVec3; 3]| {
+            let theta = Cylindrical::from_point(middle(corners)).theta;
+            let normal = cylindrical_components(normal_times_two_areas(corners), theta);
+            normal.z.powi(2) / normal.length().max(f64::MIN_POSITIVE)
         };
         let step = (self.mesh.triangles.len() / ENOUGH) | 1;
-        let middle = |corners: [DVec3; 3]| corners.into_iter().sum::<DVec3>() / 3.0;
-        let looked_at: Vec<[DVec3; 3]> = self.mesh.iter_corners().step_by(step).collect();
-        let seen = looked_at.into_par_iter().filter(|c| is_inside(middle(*c)) && is_bladed(middle(*c)));
-        let off = |corners: [DVec3; 3]| {
-            let p = middle(corners);
-            (exact.signed_distance(turn * p).abs(), normal_times_two_areas(corners).length(), p)
-        };
-        let seen: Vec<(f64, f64, DVec3)> = seen.map(off).collect();
-        let all: f64 = seen.iter().map(|(_, area, _)| area).sum();
+        let looked_at: Vec<[DVec3; 3]> =
+            self.mesh.iter_corners().step_by(step).filter(|c| is_within(middle(*c), 0.0)).collect();
+        let walls: f64 = looked_at.iter().map(|corners| around(*corners)).sum();
+        let seen = looked_at.into_par_iter().filter(|c| is_within(middle(*c), angle) && is_bladed(middle(*c)));
+        let seen: Vec<Seen> = seen
+            .map(|corners| {
+                let p = middle(corners);
+                Seen {
+                    off: exact.signed_distance(turn * p).abs(),
+                    area: normal_times_two_areas(corners).length(),
+                    around: around(corners),
+                    at: Cylindrical::from_point(p),
+                }
+            })
+            .collect();
+        let all: f64 = seen.iter().map(|seen| seen.area).sum();
         // Of two facets that differ each may be off by as much.
-        let odd: f64 = seen.iter().filter(|(off, ..)| *off > 2.0 * self.joint).map(|(_, area, _)| area).sum();
-        let (off_mm, _, at) = seen.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)).filter(|_| odd > LEAST * all)?;
-        let Cylindrical { x, r, .. } = Cylindrical::from_point(at);
-        Some(SectorError::Unlike { angle_deg: angle.to_degrees(), off_mm, x, r, axis: self.axis })
+        let is_off = |seen: &&Seen| seen.off > 2.0 * self.joint;
+        let odd: f64 = seen.iter().filter(is_off).map(|seen| seen.area).sum();
+        if odd > LEAST * all
+            && let Some(Seen { off, at, .. }) = seen.iter().max_by(|a, b| a.off.total_cmp(&b.off))
+        {
+            let (angle_deg, axis) = (angle.to_degrees(), self.axis);
+            return Err(SectorError::Unlike { angle_deg, off_mm: *off, x: at.x, r: at.r, axis });
+        }
+        let again: f64 = seen.iter().filter(|seen| !is_off(seen)).map(|seen| seen.around).sum();
+        Ok(again / walls.max(f64::MIN_POSITIVE))
     }
 
     /// The numbers of blades that the whole wheel may have, the likeliest first: those at whose pitch the most circles
     /// pass from solid to solid again; last that of its angle.
     fn counts(&self, slices: &Slices, wanted: Option<usize>, cancel: &Cancel) -> Result<Vec<Blades>, Cancelled> {
-        /// Circles that are enough to tell.
-        const ENOUGH: usize = 20;
+        /// Circles that are enough to tell, those that meet walls aslant counting for less.
+        const ENOUGH: f64 = 3.0;
         /// Counts that are tried.
         const TRIED: usize = 4;
         /// Most blades.
@@ -391,19 +434,23 @@ impl Sector {
         let middle = self.from + 0.5 * self.angle;
         // Not the cuts themselves.
         let is_inside = |theta: &f64| theta.abs() < 0.5 * self.angle - SAME;
-        let mut steps: Vec<([usize; 2], f64, usize)> = Vec::new();
+        // By how much a circle meets the wall head on: facets of rings are met aslant.
+        let head_on = |c: &Crossing| cylindrical_components(slices.normal(c.triangle), c.theta).z.abs();
+        let mut steps: Vec<([usize; 2], f64, f64)> = Vec::new();
         for ix in 0..CELLS[0] {
             cancel.check()?;
             for ir in 0..CELLS[1] {
                 let at = slices.cell_middle(ix, ir);
                 let crossings = slices.circle(at.x, at.y);
                 for enters in [true, false] {
-                    let thetas = crossings.iter().filter(|c| c.enters == enters).map(|c| wrap_angle(c.theta - middle));
-                    let mut thetas: Vec<f64> = thetas.filter(is_inside).collect();
-                    thetas.sort_by(f64::total_cmp);
-                    steps.extend(thetas.windows(2).map(|w| ([ix, ir], w[1] - w[0], 1)));
+                    let met = crossings.iter().filter(|c| c.enters == enters);
+                    let met = met.map(|c| (wrap_angle(c.theta - middle), head_on(c)));
+                    let mut met: Vec<(f64, f64)> = met.filter(|(theta, _)| is_inside(theta)).collect();
+                    met.sort_by(|a, b| a.0.total_cmp(&b.0));
+                    let least = |met: &[(f64, f64)]| met.iter().map(|(_, head_on)| *head_on).fold(1.0, f64::min);
+                    steps.extend(met.windows(2).map(|w| ([ix, ir], w[1].0 - w[0].0, least(w))));
                     // Splitters off the middle make every other pitch a smaller one.
-                    steps.extend(thetas.windows(3).map(|w| ([ix, ir], 0.5 * (w[2] - w[0]), 2)));
+                    steps.extend(met.windows(3).map(|w| ([ix, ir], 0.5 * (w[2].0 - w[0].0), 2.0 * least(w))));
                 }
             }
         }
@@ -416,7 +463,7 @@ impl Sector {
         if let Some(count) = wanted {
             return Ok(vec![bladed(count)]);
         }
-        let mut votes = vec![0; MOST + 1];
+        let mut votes = vec![0.0; MOST + 1];
         for (_, step, weight) in &steps {
             let count = (TAU / step).round();
             if (3.0..=MOST as f64).contains(&count) && is_pitch(*step, count as usize, 0.25 / count) {
@@ -424,7 +471,7 @@ impl Sector {
             }
         }
         let mut counts: Vec<usize> = (3..=MOST).filter(|n| votes[*n] >= ENOUGH).collect();
-        counts.sort_by_key(|n| (std::cmp::Reverse(votes[*n]), *n));
+        counts.sort_by(|a, b| votes[*b].total_cmp(&votes[*a]).then(a.cmp(b)));
         counts.truncate(TRIED);
         // Where no pitch that is counted repeats, the sector may be one itself: it holds no two blades that are alike.
         let by_cuts = TAU / self.angle;
