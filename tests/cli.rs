@@ -80,6 +80,10 @@ const COMES_OUT: &str = "circumferential_reduction_deg = [2.8, 2.8]";
 const NO_PICTURES: &str = "[export.files]\npictures = false\n[export.pictures]\nwhole = false\nfinal_pose = false\n\
                            sweep = false\nclosest = false\nleftover = false\n";
 
+/// Errors of setting up, which the path of that job bears.
+const SETTING: &str =
+    "[setting]\nx_mm = 0.002\ny_mm = 0.002\nz_mm = 0.002\na_deg = 0.001\nb_deg = 0.001\nc_deg = 0.001\n";
+
 /// Adds lines to a project.
 fn add(file: &str, lines: &str) {
     std::fs::write(file, std::fs::read_to_string(file).unwrap() + lines).unwrap();
@@ -91,8 +95,10 @@ fn planned() -> &'static Path {
     PLAN.get_or_init(|| {
         made_once("plan", |folder| {
             let file = job(folder, COMES_OUT);
+            add(&file, SETTING);
             let output = sparkpath(&["plan", &file, "--out", folder.join("out").to_str().unwrap()]);
             assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+            assert!(text(&output.stdout).contains("setting errors hold"), "{}", text(&output.stdout));
         })
     })
 }
@@ -168,6 +174,12 @@ fn a_bare_mesh_with_settings_gives_the_same_bytes_as_a_project() {
         "genetic.population=16",
         "genetic.generations=6",
         "export.files.pictures=false",
+        "setting.x_mm=0.002",
+        "setting.y_mm=0.002",
+        "setting.z_mm=0.002",
+        "setting.a_deg=0.001",
+        "setting.b_deg=0.001",
+        "setting.c_deg=0.001",
     ] {
         arguments.extend(["--set", setting]);
     }
@@ -288,6 +300,14 @@ fn a_verification_judges_travel_if_limits_are_given_and_leaves_the_plans_report_
     // Setting errors: what it bears is told, and a hundred times as much is borne by no gap of 0.1 mm.
     let (code, report) = verify(&["--setting", "0.002,0.002,0.002,0.001,0.001,0.001"]);
     let setting = &report["setting"];
+    // The plan says the same, in its report and in its program.
+    let plan: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(path("out/report.json")).unwrap()).unwrap();
+    let of_plan = &plan["electrodes"][0]["setting"];
+    let ratio = of_plan["scale"].as_f64().unwrap() / setting["scale"].as_f64().unwrap();
+    assert!((ratio - 1.0).abs() < 0.02, "{of_plan} {setting}");
+    let program = std::fs::read_to_string(path("out/path_1.nc")).unwrap().split_whitespace().collect::<String>();
+    assert!(program.contains("settingerrorshold"), "{program}");
     assert_eq!((code, &setting["holds"]), (Some(0), &true.into()), "{setting}");
     let scale = setting["scale"].as_f64().unwrap();
     assert!((1.0..50.0).contains(&scale), "{setting}");

@@ -47,7 +47,7 @@ use crate::workspaces::mold::document::MoldParams;
 use ::render::colour::Theme;
 use feed::plan_params::Strategy;
 use feed::pose::Axis;
-use feed::verify::setting::SettingErrors;
+use feed::verify::setting::{ACCURACY_MM, SettingErrors};
 use import::{ImportOptions, ImportReport, Imported, Reading, Units, import_file};
 use project::{ProjectArguments, Settings};
 use task::{Cancel, Task};
@@ -189,7 +189,7 @@ struct VerifyArguments {
     #[arg(long, value_name = "X,Y,Z,A,B,C", value_parser = setting)]
     setting: Option<SettingErrors>,
     /// How far below the gap setting errors may bring the clearance (mm).
-    #[arg(long, value_name = "MM", default_value_t = 0.03, requires = "setting", allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", default_value_t = ACCURACY_MM, requires = "setting", allow_negative_numbers = true)]
     accuracy: f64,
     /// Folder for verify.json and verify.html, made if it is not there.
     #[arg(long, value_name = "DIR")]

@@ -116,7 +116,7 @@ fn finish(inputs: PlanInputs, files: Vec<InputFile>, out: &Path, session: &Sessi
             Answer::Stopped { stage, written: "the certified plan was written, without an NC program" }
         }
         Some(stage) => Answer::Stopped { stage, written: "what is known of the plan was written" },
-        None if outcome.may_be_approved() => Answer::Yes,
+        None if outcome.may_be_approved() && outcome.bears_setting() => Answer::Yes,
         None => Answer::No,
     })
 }

@@ -26,7 +26,7 @@ use wheel::electrode::EntrySide;
 /// ```compile_fail,E0560
 /// use nc::program::NcJob;
 /// fn flipped<'a>(machine: &'a feed::machine::MachineParams) -> NcJob<'a> {
-///     NcJob { program: "path_1", electrode_file: "electrode_1.stl", machine, is_turned: true }
+///     NcJob { program: "path_1", electrode_file: "electrode_1.stl", machine, notes: &[], is_turned: true }
 /// }
 /// ```
 ///

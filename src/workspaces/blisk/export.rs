@@ -318,8 +318,14 @@ fn electrode_files(
         approved = approved.with_simulation(simulation, of_today).map_err(not_approved)?;
     }
     let electrode_file = electrode_in_program(k, &context.job.export);
-    let nc_job =
-        NcJob { program: &format!("path_{k}"), electrode_file: &electrode_file, machine: &context.job.machine };
+    let notes: Vec<String> =
+        whole.setting(k - 1).map(|room| format!("Setting up: {}", room.sentence())).into_iter().collect();
+    let nc_job = NcJob {
+        program: &format!("path_{k}"),
+        electrode_file: &electrode_file,
+        machine: &context.job.machine,
+        notes: &notes,
+    };
     let program = NcProgram::new(&approved, context.post, &context.job.export.nc, &nc_job)?;
     Ok((files, Some(program)))
 }

@@ -16,6 +16,9 @@ use crate::pose::Axis;
 use task::{Cancelled, Task};
 use wheel::channel::Surface;
 
+/// Part of the spark gap that setting errors may take up where nothing else is said: the accuracy of P1's channels (mm).
+pub const ACCURACY_MM: f64 = 0.03;
+
 /// How close the proven bound comes to what errors make of the clearance (mm).
 const RESOLUTION: f64 = 1e-4;
 /// Ratio of a box that is too large to the largest one that holds, at most.

@@ -85,12 +85,15 @@ pub struct NcJob<'a> {
     pub electrode_file: &'a str,
     /// The machine, its travels in its own directions.
     pub machine: &'a MachineParams,
+    /// What else is known of the path, in sentences.
+    pub notes: &'a [String],
 }
 
 /// A job as the side of entry of an approved path has it.
 struct TurnedJob<'a> {
     program: &'a str,
     electrode_file: &'a str,
+    notes: &'a [String],
     /// The machine, its travels in the directions of W.
     machine: MachineParams,
     /// Whether the directions of the machine are turned by half a turn about Z against W.
@@ -101,11 +104,12 @@ struct TurnedJob<'a> {
 
 impl<'a> TurnedJob<'a> {
     fn new(job: &NcJob<'a>, approved: &Approved) -> Self {
-        let NcJob { program, electrode_file, machine } = *job;
+        let NcJob { program, electrode_file, machine, notes } = *job;
         let side = approved.enters_from();
         let plain = || Chain::new(approved.path().reference_point, None);
         let chain = approved.simulation().map_or_else(plain, |simulation| *simulation.chain());
-        Self { program, electrode_file, machine: machine.seen_from_w(side), is_turned: machine.is_turned(side), chain }
+        let (machine, is_turned) = (machine.seen_from_w(side), machine.is_turned(side));
+        Self { program, electrode_file, notes, machine, is_turned, chain }
     }
 }
 
@@ -236,6 +240,7 @@ fn header(w: &mut Writer, approved: &Approved) {
         let certified = floor_mm_text(copying.certificate.certified());
         w.comment(&format!("Certified clearance over the copying motion: {certified} mm or more"));
     }
+    w.job.notes.iter().for_each(|note| w.comment(note));
     w.comment(&format!(
         "Path: {} rows. First {DIGEST_DIGITS} digits of the SHA-256 of what was verified:",
         path.rows.len()

@@ -21,7 +21,7 @@ fn machine() -> &'static MachineParams {
 }
 
 fn job() -> NcJob<'static> {
-    NcJob { program: "path_1", electrode_file: "electrode_1.stl", machine: machine() }
+    NcJob { program: "path_1", electrode_file: "electrode_1.stl", machine: machine(), notes: &[] }
 }
 
 fn scene() -> Scene {

@@ -49,6 +49,18 @@ fn a_sector_is_the_wheel_that_it_was_cut_from() {
     }
 }
 
+/// Bolt holes are not blades that do not repeat.
+#[test]
+fn holes_that_are_not_as_many_as_the_blades_do_not_refuse_a_sector() {
+    let wheel = ParametricWheel { blades: 7, holes: 6, ..coarse(ParametricWheel::demonstration()) };
+    let mesh = wheel.mesh();
+    for from in [0.2, 0.6] {
+        let cut = sector(&mesh, from * wheel.pitch(), 3.15 * wheel.pitch());
+        let channel = find(&cut, &BliskOptions::default()).unwrap_or_else(|e| panic!("from {from}: {e}"));
+        assert_eq!(channel.blades, 7, "from {from}");
+    }
+}
+
 /// In a sector of one pitch no two blades stand a pitch apart: the angle between its cuts tells their number.
 #[test]
 fn a_sector_of_one_pitch_is_recognised() {

@@ -208,8 +208,18 @@ impl KeptPlan {
 
     /// SHA-256 of everything that a plan depends on, in hexadecimal: of meshes the content, not the path.
     pub fn inputs_of(job: &PlanJob, content: &str) -> String {
-        let PlanJob { mut blisk, mut electrode, machine, plan, genetic, verify, export: _, technology: _, burning: _ } =
-            job.clone();
+        let PlanJob {
+            mut blisk,
+            mut electrode,
+            machine,
+            plan,
+            genetic,
+            verify,
+            export: _,
+            technology: _,
+            burning: _,
+            setting: _,
+        } = job.clone();
         for mesh in [&mut blisk.mesh, &mut electrode.mesh] {
             *mesh = mesh.take().map(|_| "mesh".into());
         }

@@ -65,6 +65,8 @@ impl Fingerprint {
             add(&mut hash, &(&job.machine, &job.plan, &job.genetic, &job.verify));
             // The motion is simulated in these.
             add(&mut hash, &job.export.channels);
+            // The errors that the feed bears are looked at with its motion.
+            add(&mut hash, &job.setting);
         }
         if stage >= Stage::Export {
             add(&mut hash, &(&job.export, &job.technology, &job.burning));
@@ -106,6 +108,7 @@ mod tests {
         assert_eq!(changed(|j| j.technology.id = "other".into()), [Export], "a path does not depend on how it burns");
         assert_eq!(changed(|j| j.burning.last_step = "S1".into()), [Export]);
         assert_eq!(changed(|j| j.machine.body_clearance_mm += 1.0), [Plan, Verify, Export]);
+        assert_eq!(changed(|j| j.setting.x_mm = 0.005), [Plan, Verify, Export]);
         // Bodies of a machine decide which sides of entry are left.
         assert_eq!(changed(|j| j.machine.name = "xyzc".into()), [Electrode, Plan, Verify, Export]);
         assert_eq!(

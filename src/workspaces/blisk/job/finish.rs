@@ -12,6 +12,7 @@ use feed::path::FeedPath;
 use feed::pose::Pose;
 use feed::residual_stock::{Burn, ResidualStock, ResidualStockError, Site, residual_stock};
 use feed::verify::Verifier;
+use feed::verify::setting::{SettingErrors, SettingRoom};
 use geometry::frame::Cylindrical;
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
@@ -88,8 +89,13 @@ impl<'a> Around<'a> {
 
     /// Copying motions, and the whole motion on the machine; nothing if not every path is certified.
     fn motions(&self, outcome: &PlanOutcome, task: &Task) -> Result<Finishing, PlanJobError> {
-        let mut finishing =
-            Finishing { copying: Vec::new(), simulations: Vec::new(), stopped: None, times: Vec::new() };
+        let mut finishing = Finishing {
+            copying: Vec::new(),
+            setting: Vec::new(),
+            simulations: Vec::new(),
+            stopped: None,
+            times: Vec::new(),
+        };
         if !outcome.is_verified() {
             return Ok(finishing);
         }
@@ -97,6 +103,11 @@ impl<'a> Around<'a> {
         let electrodes = &outcome.electrodes;
         let motion = |e| clock.time("copying motion", || copying(self, e, task));
         finishing.copying = electrodes.iter().map(motion).collect::<Result<Vec<_>, _>>()?;
+        let setting = |e| clock.time("setting errors", || setting_room(self, e, task));
+        finishing.setting = match self.job.setting.errors() {
+            Some(errors) => electrodes.iter().map(|e| (e, errors)).map(setting).collect::<Result<Vec<_>, _>>()?,
+            None => Vec::new(),
+        };
         let (motions, simulations) = (&finishing.copying, &mut finishing.simulations);
         match clock.time("simulation", || simulate(self, electrodes, motions, simulations, task)) {
             Ok(()) => {}
@@ -138,10 +149,26 @@ fn copying(around: &Around, outcome: &ElectrodeOutcome, task: &Task) -> Result<C
         outwards: outwards(electrode, around.channel),
     };
     task.report("copying motion", 0.0, "");
-    let verifier = Verifier::new(around.blisk, &electrode.mesh, electrode.reference_point, &task.cancel)?;
-    let verifier = verifier.within(machine.pose_limits());
+    let verifier = verifier(around, electrode, task)?.within(machine.pose_limits());
     let surface_of = |p: DVec3| around.finder.surface_of(p);
     Ok(copying_motion(electrode, &verifier, wanted, &settings, &surface_of, task)?)
+}
+
+/// The setting errors that the feed of `outcome` bears; `errors` are those asked about.
+fn setting_room(
+    around: &Around,
+    (outcome, errors): (&ElectrodeOutcome, SettingErrors),
+    task: &Task,
+) -> Result<Option<SettingRoom>, PlanJobError> {
+    let Some(planned) = &outcome.plan.path else { return Ok(None) };
+    let least_mm = around.job.setting.least_mm(around.job.electrode.spark_gap_mm);
+    let surface_of = |p: DVec3| around.finder.surface_of(p);
+    let verifier = verifier(around, &outcome.electrode, task)?;
+    Ok(Some(verifier.setting_room(&planned.path, &errors, least_mm, &surface_of, task)?))
+}
+
+fn verifier(around: &Around, electrode: &Electrode, task: &Task) -> Result<Verifier, PlanJobError> {
+    Ok(Verifier::new(around.blisk, &electrode.mesh, electrode.reference_point, &task.cancel)?)
 }
 
 /// Direction from the hub to the shroud in the middle of what `electrode` burns; along Z in an axial channel.

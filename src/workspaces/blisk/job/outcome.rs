@@ -15,6 +15,7 @@ use feed::plan_params::PlanError;
 use feed::residual_stock::ResidualStock;
 use feed::simulation::Simulation;
 use feed::verify::VerifyError;
+use feed::verify::setting::SettingRoom;
 use geometry::exact::ExactMeshError;
 use geometry::mesh::Mesh;
 use task::{Cancelled, Task};
@@ -179,6 +180,22 @@ impl PlanOutcome {
         self.finishing()?.copying.get(index)
     }
 
+    /// The setting errors that the feed of the electrode with this index bears, if the job asks about any.
+    pub fn setting(&self, index: usize) -> Option<&SettingRoom> {
+        self.finishing()?.setting.get(index)?.as_ref()
+    }
+
+    /// Whether no feed is known to leave too little with the setting errors that the job asks about.
+    pub fn bears_setting(&self) -> bool {
+        self.finishing().is_none_or(|f| f.setting.iter().flatten().all(SettingRoom::holds))
+    }
+
+    /// What is known of the setting errors that each electrode bears, in sentences.
+    pub fn setting_sentences(&self) -> impl Iterator<Item = String> {
+        let rooms = self.finishing().into_iter().flat_map(|f| f.setting.iter().enumerate());
+        rooms.filter_map(|(i, room)| Some(format!("Electrode {}: {}.", i + 1, room.as_ref()?.sentence())))
+    }
+
     /// The whole motion of the electrode with this index on the machine, if it was simulated.
     pub fn simulation(&self, index: usize) -> Option<&Arc<Simulation>> {
         self.finishing()?.simulations.get(index)
@@ -195,6 +212,8 @@ impl PlanOutcome {
 pub struct Finishing {
     /// The copying motion of each electrode; empty if not every electrode has a certified path.
     pub copying: Vec<Copying>,
+    /// The setting errors that the feed of each electrode bears; empty if the job asks about none.
+    pub setting: Vec<Option<SettingRoom>>,
     /// The whole motion of each electrode on the machine; empty if the machine has no bodies and no other channels are
     /// burnt.
     pub simulations: Vec<Arc<Simulation>>,

@@ -265,6 +265,10 @@ fn verify(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         if let Some(copying) = plan.copying(index) {
             notice(ui, palette(ui).faint, &copying.sentence());
         }
+        if let Some(room) = plan.setting(index) {
+            let colour = if room.holds() { palette(ui).faint } else { palette(ui).warning };
+            notice(ui, colour, &sentence(&format!("{}.", room.sentence())));
+        }
     }
     finishing(ui, desk, cx, &plan);
     if desk.work.can_release() {

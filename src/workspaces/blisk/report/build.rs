@@ -9,6 +9,7 @@ use crate::workspaces::blisk::job::outcome::{ElectrodeOutcome, PlanOutcome};
 use crate::workspaces::blisk::report::StageTime;
 use crate::workspaces::blisk::report::residual_stock::ResidualStockReport;
 use crate::workspaces::blisk::report::simulation::SimulationReport;
+use crate::workspaces::blisk::report::verify::SettingReport;
 use crate::workspaces::blisk::report::{
     BliskSummary, ClearancePlace, Convergence, ElectrodeReport, Failure, InputFile, Motion, NodeReport,
     ObjectiveReport, PoseReport, Report, SCHEMA, Smoothness, Symbol, Verdict, VerifiedDigests, Written,
@@ -71,9 +72,15 @@ fn verdict(outcome: &PlanOutcome) -> Verdict {
     let stopped = stopped.map(|stage| format!("The {stage} was stopped, so that there is no NC program."));
     // That the table of the sections is in order is no news.
     let measured = outcome.measured.as_deref().filter(|walls| !walls.holds()).map(|walls| walls.sentence());
-    let all = sentences.into_iter().chain(simulated).chain(stopped).chain(left).chain(measured);
+    let all = sentences
+        .into_iter()
+        .chain(outcome.setting_sentences())
+        .chain(simulated)
+        .chain(stopped)
+        .chain(left)
+        .chain(measured);
     let sentence = all.collect::<Vec<_>>().join(" ");
-    let exit_code = match (outcome.stopped(), outcome.may_be_approved()) {
+    let exit_code = match (outcome.stopped(), outcome.may_be_approved() && outcome.bears_setting()) {
         (Some(_), _) => 130,
         (None, true) => 0,
         (None, false) => 3,
@@ -107,6 +114,7 @@ fn electrode(index: usize, outcome: &ElectrodeOutcome, whole: &PlanOutcome, job:
         feed_lowered: None,
         step: None,
         copying: whole.copying(index - 1).map(Into::into),
+        setting: whole.setting(index - 1).map(|room| SettingReport::of(room, |s| whole.channel.surface_name(s))),
         simulation: whole.simulation(index - 1).map(|s| SimulationReport::of(s)),
         sha256: certificate.map(VerifiedDigests::of),
         failure: failure(plan, &whole.channel),

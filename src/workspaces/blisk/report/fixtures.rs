@@ -109,6 +109,7 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
         index: 1,
         share: "part 1 of 2".to_owned(),
         copying: None,
+        setting: None,
         simulation: None,
         enters_from: "-x".to_owned(),
         extractable: true,

@@ -20,6 +20,7 @@ use crate::workspaces::blisk::job::figures::Histogram;
 use crate::workspaces::blisk::job::measured::MeasuredWalls;
 use crate::workspaces::blisk::report::residual_stock::{CopyingReport, ResidualStockReport};
 use crate::workspaces::blisk::report::simulation::SimulationReport;
+use crate::workspaces::blisk::report::verify::SettingReport;
 use feed::certificate::{Certificate, Contact};
 use feed::objective::WallSpread;
 use feed::path::PathRow;
@@ -419,6 +420,8 @@ pub struct ElectrodeReport {
     pub ga_convergence: Vec<Convergence>,
     /// The copying motion at the end of the feed, if the path is verified.
     pub copying: Option<CopyingReport>,
+    /// Setting errors that the feed bears, where the job asks about any.
+    pub setting: Option<SettingReport>,
     /// The whole motion on the machine, if it was simulated.
     pub simulation: Option<SimulationReport>,
     /// Reason why the path is not verified, when it is not.

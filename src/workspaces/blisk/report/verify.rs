@@ -79,6 +79,22 @@ pub struct SettingReport {
     pub sentence: String,
 }
 
+impl SettingReport {
+    /// What `room` says, with the names of surfaces.
+    pub fn of(room: &SettingRoom, surface_name: impl Fn(Surface) -> &'static str) -> Self {
+        Self {
+            asked: room.asked,
+            holds: room.holds(),
+            least_clearance_mm: room.least_mm,
+            largest: room.largest(),
+            scale: room.scale,
+            beyond: room.beyond,
+            beyond_surface: room.beyond.map(|beyond| surface_name(beyond.surface)),
+            sentence: room.sentence(),
+        }
+    }
+}
+
 /// The verdict on a path file.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VerifyReport {
@@ -143,17 +159,7 @@ impl VerifyReport {
 
     /// The report with the setting errors that the path bears.
     pub fn with_setting(self, room: &SettingRoom, surface_name: impl Fn(Surface) -> &'static str) -> Self {
-        let setting = SettingReport {
-            asked: room.asked,
-            holds: room.holds(),
-            least_clearance_mm: room.least_mm,
-            largest: room.largest(),
-            scale: room.scale,
-            beyond: room.beyond,
-            beyond_surface: room.beyond.map(|beyond| surface_name(beyond.surface)),
-            sentence: room.sentence(),
-        };
-        Self { setting: Some(setting), ..self }
+        Self { setting: Some(SettingReport::of(room, surface_name)), ..self }
     }
 
     /// The report as JSON.

@@ -9,7 +9,7 @@ mod error;
 mod half;
 mod join;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec2, DVec3, Vec3Swizzles as _};
@@ -455,10 +455,20 @@ impl Sector {
             }
         }
         let is_pitch = |step: f64, count: usize, within: f64| (step * count as f64 / TAU - 1.0).abs() < within;
+        let mut of_cells: HashMap<[usize; 2], Vec<f64>> = HashMap::new();
+        for (cell, step, _) in &steps {
+            of_cells.entry(*cell).or_default().push(*step);
+        }
         let bladed = |count: usize| {
-            // Those off the middle by up to a third of the pitch.
-            let near = steps.iter().filter(|(_, step, _)| is_pitch(*step, count, 0.34));
-            Blades { count, cells: near.map(|(cell, ..)| *cell).collect(), is_by_angle: false }
+            // Splitters stand off the middle by up to a third of the pitch.
+            let is_near = |steps: &[f64]| steps.iter().any(|step| is_pitch(*step, count, 0.34));
+            // Bolt holes are as many as they are.
+            let is_other = |steps: &[f64]| {
+                let other = (TAU / (steps.iter().sum::<f64>() / steps.len() as f64)).round() as usize;
+                other != count && steps.iter().all(|step| is_pitch(*step, other, 0.25 / other as f64))
+            };
+            let bladed = of_cells.iter().filter(|(_, steps)| is_near(steps) && !is_other(steps));
+            Blades { count, cells: bladed.map(|(cell, _)| *cell).collect(), is_by_angle: false }
         };
         if let Some(count) = wanted {
             return Ok(vec![bladed(count)]);

@@ -8,6 +8,7 @@ use super::choice_words::{
     POSTS, SIDES, SIZES, STRATEGIES, TURNED, UNITS, Z_AT,
 };
 use super::electrode_fields::{OWN_ELECTRODE, SINGLE_PARTS};
+use super::setting_fields::SETTING;
 use super::technology_fields::{BURNING, TECHNOLOGY};
 use super::weight_fields::WEIGHTS;
 use super::{BladesFrom, PlanJob};
@@ -404,6 +405,7 @@ const GROUPS: &[Group] = &[
                 .help("Stops at the first violation without searching for others."),
         ],
     },
+    SETTING,
     Group {
         section: "Export",
         name: "NC program",

@@ -5,6 +5,7 @@ mod blade_fields;
 mod choice_words;
 mod electrode_fields;
 pub mod field_table;
+mod setting_fields;
 mod technology_fields;
 mod weight_fields;
 
@@ -15,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::machine_file::{is_file, machine_table};
 use crate::workspaces::blisk::document::burning::BurningSection;
 use crate::workspaces::blisk::document::choice::{Channels, DrawnPictures, MeshFrame, WrittenFiles};
+use crate::workspaces::blisk::document::setting::SettingSection;
 use burning::project::ProjectTechnology;
 use feed::genetic::{GeneticParams, ReductionMode};
 use feed::machine::MachineParams;
@@ -62,6 +64,9 @@ pub struct PlanJob {
     /// `[burning]`
     #[serde(default)]
     pub burning: BurningSection,
+    /// `[setting]`
+    #[serde(default)]
+    pub setting: SettingSection,
 }
 
 /// `[blisk]`
@@ -296,6 +301,7 @@ impl PlanJob {
             export: ExportSection::default(),
             technology: ProjectTechnology::default(),
             burning: BurningSection::default(),
+            setting: SettingSection::default(),
         }
     }
 
@@ -358,6 +364,7 @@ impl Validate for PlanJob {
             return Err(Invalid::new("plan.constraint", "angle", why));
         }
         let gap = self.electrode.spark_gap_mm;
+        self.setting.validate(gap)?;
         self.verify.validate(gap).map_err(|e| match e {
             VerifyError::Tolerance { tolerance_mm, .. } => {
                 let remedy = format!("must be less than half of the spark gap of {gap} mm; 0 is always allowed");
