@@ -6,6 +6,7 @@ use crate::workspaces::blisk::job::burning::{BurningElectrode, WheelBurning};
 use crate::workspaces::blisk::job::figures::Histogram;
 use crate::workspaces::blisk::report::{Convergence, ElectrodeReport, Motion, Report};
 use burning::figures::BurnFigures;
+use burning::schedule::{Activity, Schedule};
 use feed::pose::Axis;
 use feed::quantise::MM_DECIMALS;
 use files::Entry;
@@ -48,6 +49,8 @@ struct Burning<'a> {
     explanation: Vec<String>,
     /// All of the wheel (minutes).
     total_min: Option<f64>,
+    /// Gantt chart of the schedule, as SVG.
+    gantt: Option<String>,
 }
 
 impl<'a> Burning<'a> {
@@ -67,8 +70,35 @@ impl<'a> Burning<'a> {
             electrodes: wheel.electrodes.iter().map(electrode).collect(),
             explanation,
             total_min: wheel.schedule.as_ref().map(|schedule| schedule.total().mean),
+            gantt: wheel.schedule.as_ref().map(|schedule| gantt(schedule).svg()),
             wheel,
         }
+    }
+}
+
+/// Gantt chart of the burns: a bar for each over the hours at its channel, in a colour for each electrode, with a mark where
+/// the electrode is changed.
+fn gantt(schedule: &Schedule) -> Plot {
+    const COLOURS: [&str; 5] = ["c0", "c1", "c2", "c3", "c4"];
+    let hours = |minutes: f64| minutes / 60.0;
+    let electrodes = schedule.rows.iter().map(|row| row.electrode + 1).max().unwrap_or(0);
+    let bars = |electrode: usize| {
+        let burns = schedule.rows.iter().filter(|row| row.activity == Activity::Burn && row.electrode == electrode);
+        let points = burns.flat_map(|row| {
+            let (channel, end) = (row.channel as f64, row.start_min + row.minutes);
+            [[hours(row.start_min), channel], [hours(end), channel], [f64::NAN; 2]]
+        });
+        Series { points: points.collect(), class: COLOURS[electrode % COLOURS.len()], dots: false }
+    };
+    let changes = schedule.rows.iter().filter(|row| row.is_change());
+    let changes: Vec<[f64; 2]> = changes.map(|row| [hours(row.start_min), row.channel as f64]).collect();
+    let changes = Series { points: changes, class: "c5", dots: true };
+    Plot {
+        title: "Channel; a bar for each burn, dots where the electrode is changed".to_owned(),
+        x_label: "hours after the beginning of the set-up".to_owned(),
+        size: [1100.0, 360.0],
+        series: (0..electrodes).map(bars).chain([changes]).collect(),
+        ..Plot::default()
     }
 }
 
@@ -279,6 +309,10 @@ fn axis_plots(motion: &Motion, axis: Axis, nodes: &[f64]) -> [Plot; 3] {
 
 #[cfg(test)]
 mod tests {
+    use burning::duration::Spread;
+    use burning::schedule::{Order, ScheduledElectrode, WheelBurn, schedule};
+    use burning::wear::WearShare;
+
     use super::*;
     use feed::path::PathRow;
     use feed::pose::Pose;
@@ -302,5 +336,34 @@ mod tests {
     fn short_or_standing_paths_have_no_derivative() {
         assert!(derivatives(&[]).concat().is_empty());
         assert!(derivatives(&[[0.0, 1.0]; 30]).concat().is_empty());
+    }
+
+    /// Two electrodes of 20 and 10 minutes in three channels.
+    #[test]
+    fn the_bars_of_a_gantt_chart_are_the_burns() {
+        let electrode = |name: &str, minutes: f64| ScheduledElectrode {
+            name: name.to_owned(),
+            burning: Spread::exactly(minutes),
+            wear_share: WearShare::Unlimited,
+        };
+        let wheel = WheelBurn {
+            channels: 3,
+            electrodes: vec![electrode("1", 20.0), electrode("2", 10.0)],
+            order: Order::ByElectrode,
+            setup_min: 30.0,
+            indexing_min: 1.0,
+            change_min: 6.0,
+        };
+        let schedule = schedule(&wheel).unwrap();
+        let plot = gantt(&schedule);
+        let bars = |k: usize| plot.series[k].points.chunks(3).map(|bar| bar[1][0] - bar[0][0]).collect::<Vec<_>>();
+        for (k, minutes) in [(0, 20.0), (1, 10.0)] {
+            assert_eq!(bars(k).len(), 3);
+            assert!(bars(k).iter().all(|hours| (hours * 60.0 - minutes).abs() < 1e-9), "{:?}", bars(k));
+        }
+        assert_eq!(plot.series[2].points.len(), schedule.changes);
+        let points = plot.series.iter().flat_map(|series| &series.points).map(|p| p[0]).filter(|x| x.is_finite());
+        let end = points.fold(0.0, f64::max);
+        assert!((end * 60.0 - schedule.total().mean).abs() < 1e-9, "{end}");
     }
 }
