@@ -3,20 +3,19 @@
 use glam::DVec3;
 
 use super::boundary::Section;
+use super::holder::Block;
 use super::make::{MOST_SHORTFALL, Which};
 use super::measure::{self, Measures};
 use super::ring::{Finisher, Layout, Reduction, Ring};
 use super::{Column, Electrode, ElectrodeError, ElectrodeFace, ElectrodeParams, ElectrodePatch, EntrySide};
 use crate::channel::Channel;
 use geometry::exact::ExactMesh;
-use geometry::mesh::{Bounds, Mesh};
+use geometry::mesh::{Mesh, normal_times_two_areas};
 use geometry::patch::Patch;
 use task::Cancel;
 
 /// Rings of a shank inside the channel are at least this far apart (mm).
 const SHANK_STEP: f64 = 0.45;
-/// By how much the holder block is larger than the shank at least (mm).
-const HOLDER_MARGIN: f64 = 1.0;
 
 /// Everything one electrode is made from.
 pub(super) struct Plan<'a> {
@@ -82,13 +81,14 @@ pub(super) fn build(plan: &Plan, finisher: &Finisher, cancel: &Cancel) -> Result
         let last = points(last);
         // The shank goes on straight, to a plane beyond the face, or to where the whole holder is beyond the rim.
         let furthest = last.iter().map(|p| p.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
-        let end = furthest.max(outermost(plan, &Bounds::of(last.iter().copied()))) + params.shank_length_mm;
-        let end: Vec<DVec3> = last.iter().map(|p| p.reject_from_normalized(direction) + end * direction).collect();
-        skin.add([end.clone()], |_| ElectrodeFace::Shank);
-        let block = block(&end, plan, finisher.layout, &mut assumed);
-        let moved = block.iter().map(|p| p + direction * params.holder_mm[0]).collect();
-        skin.add([block], |_| ElectrodeFace::Holder);
-        skin.add([moved], |_| ElectrodeFace::Holder);
+        let outline: Vec<DVec3> = last.iter().map(|p| p.reject_from_normalized(direction)).collect();
+        let block = Block::around(&outline, (side, finisher.layout), params, &mut assumed);
+        let end = furthest.max(outermost(plan, &block)) + params.shank_length_mm;
+        let moved = |ring: &[DVec3], by: f64| ring.iter().map(|p| p + by * direction).collect::<Vec<_>>();
+        skin.add([moved(&outline, end)], |_| ElectrodeFace::Shank);
+        let block = moved(&block.ring(), end);
+        skin.add([block.clone()], |_| ElectrodeFace::Holder);
+        skin.add([moved(&block, params.holder_mm[0])], |_| ElectrodeFace::Holder);
     }
     let Skin { mesh, faces, patches, .. } = skin.closed();
     let measures = measure::measure(&mesh, &faces, finisher.boundary.blisk, cancel)?;
@@ -141,61 +141,24 @@ fn finish(
     }
 }
 
-/// Position along the direction of withdrawal at which the holder around a shank of these bounds is out of the blisk
-/// (mm).
-fn outermost(plan: &Plan, shank: &Bounds) -> f64 {
-    let Plan { channel, params, .. } = plan;
+/// Position along the direction of withdrawal at which the holder block is out of the blisk (mm).
+fn outermost(plan: &Plan, block: &Block) -> f64 {
+    let channel = plan.channel;
+    let (middle, half_width) = (block.center().y.abs(), block.reach(DVec3::Y));
     match plan.which.side {
         EntrySide::MinusX => -channel.faces_x[0],
         EntrySide::PlusX => channel.faces_x[1],
         EntrySide::Outward => {
             let rim = channel.meridian.iter().map(|s| s.hub.y.max(s.shroud.y)).fold(0.0, f64::max);
-            let half_width = 0.5 * params.holder_mm[1].max(shank.size().y + 2.0 * HOLDER_MARGIN);
-            let nearest = (shank.center().y.abs() - half_width).max(0.0);
+            let nearest = (middle - half_width).max(0.0);
             (rim * rim - nearest * nearest).max(0.0).sqrt()
         }
         EntrySide::Inward => {
             let bore = channel.meridian.iter().map(|s| s.hub.y.min(s.shroud.y)).fold(f64::INFINITY, f64::min);
-            let half_width = 0.5 * params.holder_mm[1].max(shank.size().y + 2.0 * HOLDER_MARGIN);
-            let farthest = shank.center().y.abs() + half_width;
+            let farthest = middle + half_width;
             -(bore * bore - farthest * farthest).max(0.0).sqrt()
         }
     }
-}
-
-/// The ring of the holder block around the end of the shank, its corners at the shank's corners.
-fn block(shank: &[DVec3], plan: &Plan, layout: Layout, assumed: &mut Vec<String>) -> Vec<DVec3> {
-    let bounds = Bounds::of(shank.iter().copied());
-    let center = bounds.center();
-    let [_, width, height] = plan.params.holder_mm;
-    let needed = bounds.size() + 2.0 * HOLDER_MARGIN;
-    // From the hub to the shroud.
-    let up = match plan.which.side {
-        EntrySide::MinusX | EntrySide::PlusX => DVec3::Z,
-        EntrySide::Outward | EntrySide::Inward => {
-            DVec3::X * (shank[layout.shroud(0)] - shank[layout.hub(0)]).x.signum()
-        }
-    };
-    let (w, h) = (width.max(needed.y), height.max(needed.dot(up.abs())));
-    if w > width || h > height {
-        assumed.push(format!(
-            "The holder block is {w:.1} x {h:.1} mm instead of {width:.1} x {height:.1} mm, to hold the shank."
-        ));
-    }
-    // Theta grows towards -Y.
-    let corner = |across: f64, upwards: f64| center + DVec3::NEG_Y * (0.5 * w * across) + up * (0.5 * h * upwards);
-    let mut ring = vec![DVec3::ZERO; layout.len()];
-    for j in 0..=layout.columns {
-        let across = 2.0 * j as f64 / layout.columns as f64 - 1.0;
-        ring[layout.hub(j)] = corner(across, -1.0);
-        ring[layout.shroud(j)] = corner(across, 1.0);
-    }
-    for v in 0..=layout.rows {
-        let upwards = 2.0 * v as f64 / layout.rows as f64 - 1.0;
-        ring[layout.low(v)] = corner(-1.0, upwards);
-        ring[layout.high(v)] = corner(1.0, upwards);
-    }
-    ring
 }
 
 /// A growing tube of rings, from the far end outwards; oriented when it is closed.
@@ -211,9 +174,18 @@ impl Skin {
         Self { layout, mesh: Mesh::default(), faces: Vec::new(), patches: Vec::new() }
     }
 
-    fn quad(&mut self, [a, b, c, d]: [u32; 4], face: ElectrodeFace) {
+    fn quad(&mut self, corners: [u32; 4], face: ElectrodeFace) {
+        let [a, b, c, d] = if face == ElectrodeFace::Holder { self.unfolded(corners) } else { corners };
         self.mesh.triangles.extend([[a, b, c], [a, c, d]]);
         self.faces.extend([face; 2]);
+    }
+
+    /// The corners of a flat face, begun so that both its triangles look the same way.
+    fn unfolded(&self, corners: [u32; 4]) -> [u32; 4] {
+        let [a, b, c, d] = corners;
+        let normal = |t: [u32; 3]| normal_times_two_areas(t.map(|v| self.mesh.vertices[v as usize]));
+        let is_folded = normal([a, b, c]).dot(normal([a, c, d])) < 0.0;
+        if is_folded { [b, c, d, a] } else { corners }
     }
 
     /// Joins rings to the last one: a patch on each of the four sides.

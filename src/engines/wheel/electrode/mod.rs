@@ -12,6 +12,7 @@
 
 mod body;
 mod boundary;
+mod holder;
 mod make;
 mod measure;
 mod own;
