@@ -1,8 +1,14 @@
-//! Blades that may be none: teeth of gears and splines, spokes, struts, threads of worms and screws.
+//! Blades that may be none, as teeth of gears and splines, spokes, struts, threads of worms and screws; and blades that
+//! were not counted.
+
+use std::f64::consts::TAU;
+
+use glam::DVec2;
 
 use super::super::channel::{Channel, Flow};
+use super::super::frame::slices::{Gap, Slices};
 use super::super::passage::Passage;
-use super::sentences::{SCREW, STRAIGHT};
+use super::sentences::{SCREW, STRAIGHT, uncounted_sentence};
 
 /// Places along the passage and shares of its height at which the middle of the gap is looked at.
 const ALONG: usize = 9;
@@ -38,4 +44,23 @@ pub(super) fn doubt(channel: &Channel) -> Option<&'static str> {
         return Some(STRAIGHT);
     }
     (channel.flow == Flow::Axial && winds_by(lead) && rows.iter().all(stays_as_wide)).then_some(SCREW)
+}
+
+/// Says that around the axis more stands than the blades that were counted, though not in every passage: blades of another
+/// kind of which some are missing, in the passages beside this one or behind it. `slices` are of the wheel in W.
+pub(super) fn uncounted(channel: &Channel, slices: &Slices) -> Option<String> {
+    /// Stations that are looked at, and how many of them must tell it.
+    const PLACES: usize = 24;
+    const LEAST: usize = 2;
+    /// A gap of less than this share of the pitch is none.
+    const NARROW: f64 = 0.02;
+    let narrow = NARROW * TAU / channel.blades as f64;
+    let more = channel.meridian.iter().step_by((channel.meridian.len() / PLACES).max(1)).filter_map(|station| {
+        let at = 0.5 * (station.hub + station.shroud);
+        let gaps = slices.gaps(at.x, at.y).iter().map(Gap::width).filter(|width| *width > narrow).count();
+        (gaps > channel.blades && !gaps.is_multiple_of(channel.blades)).then_some((gaps, at))
+    });
+    let more: Vec<(usize, DVec2)> = more.collect();
+    let (gaps, at) = *more.get(more.len() / 2)?;
+    (more.len() >= LEAST).then(|| uncounted_sentence(gaps, channel.blades, at))
 }

@@ -335,6 +335,9 @@ fn measured_channel(
     if options.blade_points_mm.is_empty() {
         channel.assumed.extend(doubt::doubt(&channel).map(str::to_owned));
     }
+    if options.blades.given().is_none() {
+        channel.assumed.extend(doubt::uncounted(&channel, tracer.slices));
+    }
     let unlike = measured.unlike(blades, blisk.repetition.kinds)?;
     let obstructed = obstruction::obstructed(&channel, slices.mesh(), &task.cancel)?;
     channel.assumed.extend(agreement.iter().filter_map(holes_sentence));

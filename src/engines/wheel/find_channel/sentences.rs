@@ -1,5 +1,7 @@
 //! What was assumed in finding a channel, and what was found beside it, in sentences.
 
+use glam::DVec2;
+
 use super::super::channel::{Agreement, Flow, Unlike};
 use super::super::options::{BliskOptions, EndWalls};
 use super::meridian::Meridian;
@@ -11,6 +13,16 @@ pub(super) const STRAIGHT: &str = "The blades stand straight, in planes through 
 /// Says that blades which are wound may be none.
 pub(super) const SCREW: &str = "The blades are wound by one lead over their length and height, with gaps as wide from end to end, \
                      as the teeth of a helical gear and the threads of a worm or a screw are: check that they are blades.";
+
+/// Says that `gaps` are crossed around the axis at a place (x, r), which so many blades do not make.
+pub(super) fn uncounted_sentence(gaps: usize, blades: usize, at: DVec2) -> String {
+    format!(
+        "Around the axis {gaps} gaps are crossed at x {:.3}, r {:.3} mm, more than {blades} blades make: others stand in \
+         passages of another kind, or behind this one, and some may be missing. Compare the passages with blisk.channel, or \
+         give the number of blades, those that are missing included, with blisk.blades.",
+        at.x, at.y
+    )
+}
 
 /// Says what hub and shroud were taken for.
 pub(super) fn end_wall_assumptions(options: &BliskOptions, meridian: &Meridian, inset: f64) -> Vec<String> {

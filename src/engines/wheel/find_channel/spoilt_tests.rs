@@ -6,7 +6,7 @@ use super::sentences::{SCREW, STRAIGHT};
 use super::*;
 use crate::fixtures::together;
 use crate::options::AxisLine;
-use crate::parametric::wheel::{Flaws, MeridianCurve, ParametricWheel};
+use crate::parametric::wheel::{Flaws, MeridianCurve, ParametricWheel, Splitters};
 use geometry::solid::prism;
 use glam::{DMat3, DVec3, Vec3Swizzles as _};
 
@@ -94,6 +94,24 @@ fn missing_triangles_spoil_only_the_passage_beside_them() {
     assert!(matches!(refused.error, BliskError::Spoilt { closed: false, other: Some(_), .. }), "{refused}");
     let place = |p: DVec3| DVec2::new(p.x, p.yz().length());
     assert!(place(refused.at.unwrap()).distance(place(hole)) < 4.0, "{refused}");
+}
+
+/// Without one splitter of the second kind, the others of that kind are not counted.
+#[test]
+fn blades_that_are_not_counted_are_told() {
+    let splitters = vec![Splitters::over([0.35, 0.9]), Splitters::over([0.6, 0.9])];
+    let wheel = ParametricWheel { splitters, thickness_mm: 1.5, ..axial() };
+    let tells = |flaws: Flaws| match find(&ParametricWheel { flaws, ..wheel.clone() }.mesh(), &BliskOptions::default())
+    {
+        Ok(channel) => {
+            let is_told = channel.assumed.iter().any(|said| said.contains("11 gaps are crossed"));
+            (channel.blades, is_told || !channel.unlike.is_empty())
+        }
+        Err(refused) => panic!("{refused}"),
+    };
+    assert_eq!(tells(Flaws::default()), (12, false));
+    let (blades, is_told) = tells(Flaws { missing_blades: vec![5], ..Flaws::default() });
+    assert!(blades == 12 || is_told, "{blades} blades");
 }
 
 /// Something stands in the mouth of the chosen passage alone.
