@@ -146,6 +146,8 @@ enum Command {
     /// A finished part that was scanned: best fit to its nominal mesh, deviations surface by surface, and whether they are
     /// within a tolerance.
     Measured(measured::MeasuredArguments),
+    /// Prints the JSON schema of job.json, the job file that plans and electrodes are exported with.
+    JobSchema,
     /// Prints and checks a technology table: source, basis, steps, and the figures that are missing.
     Technology {
         /// A technology table (TOML) [default: the built-in one].
@@ -436,6 +438,10 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
         Command::Reproduce(arguments) => reproduce::reproduce(arguments, session),
         Command::Inspect(arguments) => inspect::inspect(arguments, session),
         Command::Measured(arguments) => measured::measured(arguments, session),
+        Command::JobSchema => {
+            say!("{}", nc::job_file::SCHEMA.trim_end());
+            Ok(Answer::Yes)
+        }
         Command::Technology { table } => technology::technology(table.as_deref(), session),
     }
 }

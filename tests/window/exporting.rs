@@ -105,6 +105,9 @@ fn what_is_written_is_what_was_ticked() {
         "electrode_1.stl",
         "path_1.csv",
         "path_1.nc",
+        "job.csv",
+        "job.json",
+        "job.xml",
         "report.html",
         "report.json",
         "centroid_1.csv",
@@ -132,7 +135,15 @@ fn what_is_written_is_what_was_ticked() {
     }
     desk.press_role(Role::Button, "Cancel");
     assert!(desk.blisk().work.released().is_some(), "what is written has nothing to do with what was released");
-    let tables = ["centroid_1.csv", "inscribed_circles.csv", "nodes_1.csv", "wall_distances_1.csv"];
+    let tables = [
+        "job.csv",
+        "job.json",
+        "job.xml",
+        "centroid_1.csv",
+        "inscribed_circles.csv",
+        "nodes_1.csv",
+        "wall_distances_1.csv",
+    ];
     let left = names(&[&["electrode_1.stl", "report.html", "report.json"], &tables[..]].concat());
     assert_eq!(export(&mut desk, &folder), left, "what an earlier export wrote is not left beside");
     let html = std::fs::read_to_string(folder.join("report.html")).unwrap();

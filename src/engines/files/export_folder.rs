@@ -224,6 +224,11 @@ impl ExportFolder {
         Ok(path)
     }
 
+    /// SHA-256 of a file of this export.
+    pub fn sha256_of(&self, name: &str) -> Option<&str> {
+        self.new.iter().find(|file| file.name == name).map(|file| file.sha256.as_str())
+    }
+
     /// Moves all files to their final places. Files of the former export of this kind that the new one lacks are
     /// removed first, so that no program stays beside a report that refuses it. Those that someone has changed since
     /// are renamed to `NAME.old`. Other files of the folder stay.

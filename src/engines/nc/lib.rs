@@ -15,6 +15,7 @@ pub mod electrode_fixtures;
 pub mod fixtures;
 pub mod flank_job;
 pub mod flank_program;
+pub mod job_file;
 pub mod lines;
 pub mod path_csv;
 pub mod post;

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::job_file::{ExportSection, PlanJob};
 use crate::workspaces::blisk::job::burning::schedule_csv;
+use crate::workspaces::blisk::job::job_of_plan::job_of_plan;
 use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use crate::workspaces::blisk::job::{figures, plan_pictures, simulate};
 use crate::workspaces::blisk::report::build;
@@ -50,6 +51,8 @@ pub enum PlanFilesError {
     Electrode(std::io::Error),
     #[error(transparent)]
     Report(#[from] ReportError),
+    #[error("job file: {0}")]
+    Job(#[from] serde_json::Error),
     #[error(transparent)]
     Csv(#[from] PathCsvError),
     #[error(transparent)]
@@ -132,6 +135,11 @@ pub fn write(
     let schedule = report.burning.as_ref().and_then(|burning| burning.schedule.as_ref());
     if let Some(schedule) = schedule.filter(|_| inputs.job.export.files.report) {
         files.push((SCHEDULE_FILE.to_owned(), schedule_csv(schedule).into_bytes()));
+    }
+    if inputs.job.export.files.report {
+        let job = job_of_plan(outcome, &inputs.job, report.burning.as_ref(), &files);
+        let texts = [("job.json", job.json()?), ("job.xml", job.xml()?), ("job.csv", job.csv())];
+        files.extend(texts.map(|(name, text)| (name.to_owned(), text.into_bytes())));
     }
     if let (Some(walls), true) = (&outcome.measured, inputs.job.export.files.report) {
         files.push((SECTIONS_FILE.to_owned(), walls.csv().into_bytes()));

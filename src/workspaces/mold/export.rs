@@ -14,6 +14,7 @@ use nc::burn_template::BurnSheet;
 use nc::electrode_files::{
     ElectrodeExportError, ElectrodeFormat, WrittenElectrodes, is_electrode_file, write_electrode_files,
 };
+use nc::job_file::{FileEntry, JobFile, JobTechnology};
 use task::Task;
 
 /// What the manifest of a folder calls an export of electrodes.
@@ -114,10 +115,40 @@ pub fn export_electrodes(
         Ok(text) => drop(folder.write("burn_sheet.txt", text.as_bytes())?),
         Err(error) => written.no_sheet = Some(error.to_string()),
     }
+    let job = job_file(&folder, (set, report), &written);
+    for (name, text) in [("job.json", job.json()?), ("job.xml", job.xml()?), ("job.csv", job.csv())] {
+        folder.write(name, text.as_bytes())?;
+    }
     folder.write("electrodes.json", report.json()?.as_bytes())?;
     folder.write("report.html", report.html(page)?.as_bytes())?;
     let published = folder.publish()?;
     Ok((written, published))
+}
+
+/// The job of the electrodes, with the files that were `written` into `folder`.
+fn job_file(
+    folder: &ExportFolder,
+    (set, report): (&ElectrodeSet, &ElectrodesReport),
+    written: &WrittenElectrodes,
+) -> JobFile {
+    let files_of = |electrode: &str| {
+        let own = written.files.iter().filter(|file| file.electrode == electrode);
+        let names = own.filter_map(|file| file.path.file_name()?.to_str());
+        let entry = |name: &str| Some(FileEntry { name: name.to_owned(), sha256: folder.sha256_of(name)?.to_owned() });
+        names.filter_map(entry).collect()
+    };
+    let technology = &set.params.technology;
+    let technology_of = |stage: &str| {
+        let stage = set.params.stages.iter().find(|of| of.name == stage)?;
+        let last_step = Some(stage.last_step.trim()).filter(|step| !step.is_empty()).map(str::to_owned);
+        Some(JobTechnology {
+            table: technology.table.clone(),
+            id: technology.id.clone(),
+            finish_vdi: last_step.is_none().then_some(stage.finish_vdi),
+            last_step,
+        })
+    };
+    JobFile::of_table(&report.table, files_of, technology_of)
 }
 
 #[cfg(test)]
@@ -167,6 +198,9 @@ mod tests {
             "burn_table.json",
             "electrodes.json",
             "export_manifest.toml",
+            "job.csv",
+            "job.json",
+            "job.xml",
             "mine.txt",
             "report.html",
         ];

@@ -4,6 +4,7 @@ pub mod burning;
 pub mod compare;
 pub mod figures;
 pub mod finish;
+pub mod job_of_plan;
 pub mod measured;
 pub mod node_distances;
 pub mod outcome;

@@ -318,8 +318,8 @@ impl Sector {
         let is_told = is_told || tried.iter().any(|(_, share)| share.as_ref().is_ok_and(|share| *share > LEAST));
         let mut first_error = None;
         for (kept, share) in tried {
-            let share = share.and_then(|_| if is_told { Ok(()) } else { Err(SectorError::Pitch { angle_deg, axis }) });
-            if let Err(error) = share {
+            let told = if is_told { Ok(()) } else { Err(SectorError::Pitch { angle_deg, axis }) };
+            if let Err(error) = share.and(told) {
                 first_error = first_error.or(Some(error));
                 continue;
             }

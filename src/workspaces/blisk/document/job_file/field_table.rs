@@ -447,7 +447,8 @@ const GROUPS: &[Group] = &[
                 .help("path_K.nc through the post. Only a certified path has one."),
             Field::flag("export.files.report", "Report").help(
                 "report.html for people, report.json for programs, and the tables of its figures: nodes_K.csv, centroid_K.csv, \
-                 wall_distances_K.csv, inscribed_circles.csv, section_deviations.csv, schedule.csv.",
+                 wall_distances_K.csv, inscribed_circles.csv, section_deviations.csv, schedule.csv, and the job file: job.json, \
+                 job.xml, job.csv.",
             ),
             Field::flag("export.files.leftover", "Residual stock").help(
                 "leftover.ply: the surface of the channel with the residual stock at every vertex. \

@@ -1,0 +1,117 @@
+//! A job file as JSON, XML and CSV.
+
+use std::fmt::Write;
+
+use serde_json::Value;
+
+use super::JobFile;
+
+impl JobFile {
+    /// The job as JSON.
+    ///
+    /// # Errors
+    /// The writer's own; none is known.
+    pub fn json(&self) -> Result<String, serde_json::Error> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    /// The job as XML: an element for each key, and one for each item of a list, under the name of the list without its s.
+    ///
+    /// # Errors
+    /// Those of [`json`](Self::json).
+    pub fn xml(&self) -> Result<String, serde_json::Error> {
+        let mut xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned();
+        element(&mut xml, 0, "job", &serde_json::to_value(self)?);
+        Ok(xml)
+    }
+
+    /// The job as CSV: one row for each operation, with what it belongs to.
+    pub fn csv(&self) -> String {
+        let mut csv =
+            "workpiece,electrode,name,stage,material,spark_gap_mm,location,channel,x_mm,y_mm,z_mm,a_deg,b_deg,\
+                       c_deg,depth_mm,retract_mm,operation,kind,path,certified_clearance_mm,volume_mm3,minutes\n"
+                .to_owned();
+        let number = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
+        for electrode in &self.electrodes {
+            for location in &electrode.locations {
+                for operation in &location.operations {
+                    let p = &location.position;
+                    let kind = serde_json::to_value(operation.kind).unwrap_or_default();
+                    let cells = [
+                        self.workpiece.id.clone(),
+                        electrode.id.clone(),
+                        electrode.name.clone(),
+                        electrode.stage.clone().unwrap_or_default(),
+                        electrode.material.clone().unwrap_or_default(),
+                        electrode.spark_gap_mm.to_string(),
+                        location.id.clone(),
+                        location.channel.map(|n| n.to_string()).unwrap_or_default(),
+                        p.x_mm.to_string(),
+                        p.y_mm.to_string(),
+                        p.z_mm.to_string(),
+                        p.a_deg.to_string(),
+                        p.b_deg.to_string(),
+                        p.c_deg.to_string(),
+                        number(location.depth_mm),
+                        number(location.retract_mm),
+                        operation.id.clone(),
+                        kind.as_str().unwrap_or_default().to_owned(),
+                        operation.path.as_ref().map(|file| file.name.clone()).unwrap_or_default(),
+                        number(operation.certified_clearance_mm),
+                        number(operation.volume_mm3),
+                        number(operation.minutes),
+                    ];
+                    csv += &(cells.map(|cell| quoted(&cell)).join(",") + "\n");
+                }
+            }
+        }
+        csv
+    }
+}
+
+/// A cell of a CSV row.
+fn quoted(cell: &str) -> String {
+    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
+}
+
+/// Adds `value` as an element; nothing where it is null.
+fn element(xml: &mut String, depth: usize, name: &str, value: &Value) {
+    let indent = "  ".repeat(depth);
+    // Writing into a string does not fail.
+    let _ = match value {
+        Value::Null => Ok(()),
+        Value::Array(list) => {
+            let is_plain = list.iter().all(Value::is_number);
+            if is_plain && !list.is_empty() {
+                let numbers = list.iter().map(Value::to_string).collect::<Vec<_>>().join(" ");
+                writeln!(xml, "{indent}<{name}>{numbers}</{name}>")
+            } else {
+                list.iter().for_each(|item| element(xml, depth, name.strip_suffix('s').unwrap_or(name), item));
+                Ok(())
+            }
+        }
+        Value::Object(keys) => {
+            let _ = writeln!(xml, "{indent}<{name}>");
+            keys.iter().for_each(|(key, value)| element(xml, depth + 1, key, value));
+            writeln!(xml, "{indent}</{name}>")
+        }
+        Value::String(text) => writeln!(xml, "{indent}<{name}>{}</{name}>", escaped(text)),
+        other => writeln!(xml, "{indent}<{name}>{other}</{name}>"),
+    };
+}
+
+/// Text as XML holds it. Characters that XML 1.0 has no form for are replaced.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '\t' | '\n' | '\r' => escaped.push(c),
+            c if c < ' ' || matches!(c, '\u{fffe}' | '\u{ffff}') => escaped.push('\u{fffd}'),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}

@@ -1,0 +1,197 @@
+//! The job file: a workpiece, its electrodes, where each of them burns, and how, for the software of machines and cells. It
+//! exists as JSON, whose schema is [`SCHEMA`], as XML of the same structure, and as CSV with one row for each operation.
+//! Lengths are in mm, angles in degrees. What is not known is null in JSON, and left out or empty in the others.
+
+mod formats;
+mod of_table;
+#[cfg(test)]
+mod tests;
+
+use serde::Serialize;
+
+/// JSON schema of a job file, by which other programs can check it.
+pub const SCHEMA: &str = include_str!("job.schema.json");
+/// Name and version of the format.
+pub const FORMAT: &str = "sparkpath-job-1";
+
+/// A job.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JobFile {
+    /// [`FORMAT`].
+    pub format: &'static str,
+    /// Version of the program.
+    pub program_version: &'static str,
+    /// The workpiece.
+    pub workpiece: Workpiece,
+    /// The electrodes in the order in which they burn.
+    pub electrodes: Vec<JobElectrode>,
+}
+
+/// Kind of a workpiece.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum WorkpieceKind {
+    /// A wheel with channels.
+    Wheel,
+    /// A mold.
+    Mold,
+}
+
+/// A workpiece.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Workpiece {
+    /// Identifier in this file.
+    pub id: String,
+    /// Its name.
+    pub name: String,
+    /// Its kind.
+    pub kind: WorkpieceKind,
+    /// Number of channels of a wheel.
+    pub channels: Option<usize>,
+    /// The axes that positions are in, in words.
+    pub axes: String,
+    /// Origin of these axes in the coordinates of the workpiece's file (mm).
+    pub origin_mm: [f64; 3],
+    /// Unit vector of their X in these coordinates.
+    pub x_axis: [f64; 3],
+    /// Unit vector of their Z in these coordinates.
+    pub z_axis: [f64; 3],
+    /// SHA-256 of the workpiece's mesh as it was verified; none if no path was verified against it.
+    pub sha256: Option<String>,
+}
+
+/// A file beside the job.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct FileEntry {
+    /// Its name.
+    pub name: String,
+    /// SHA-256 of its bytes.
+    pub sha256: String,
+}
+
+impl FileEntry {
+    /// A file of this name with these bytes.
+    pub fn of(name: &str, bytes: &[u8]) -> Self {
+        Self { name: name.to_owned(), sha256: files::sha256(bytes) }
+    }
+}
+
+/// An orbit.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JobOrbit {
+    /// Name of the pattern: circular or square.
+    pub pattern: String,
+    /// Radius or half side (mm).
+    pub radius_mm: f64,
+}
+
+/// Technology that an electrode burns with.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JobTechnology {
+    /// Name of the table.
+    pub table: String,
+    /// Identifier in the table.
+    pub id: String,
+    /// Step at which burning ends; none if it ends at a finish.
+    pub last_step: Option<String>,
+    /// Finish at which burning ends (VDI 3400); none if it ends at a step.
+    pub finish_vdi: Option<f64>,
+}
+
+/// An electrode.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JobElectrode {
+    /// Identifier in this file.
+    pub id: String,
+    /// Its name.
+    pub name: String,
+    /// Its files.
+    pub files: Vec<FileEntry>,
+    /// Its material.
+    pub material: Option<String>,
+    /// Its stage: rough, finish.
+    pub stage: Option<String>,
+    /// Number of pieces that are made.
+    pub quantity: Option<usize>,
+    /// Spark gap (mm).
+    pub spark_gap_mm: f64,
+    /// Undersize across a wall (mm): spark gap, stock and orbit.
+    pub undersize_wall_mm: f64,
+    /// Undersize across a floor (mm).
+    pub undersize_floor_mm: f64,
+    /// The orbit; none if it does not orbit.
+    pub orbit: Option<JobOrbit>,
+    /// The technology; none where it is not known.
+    pub technology: Option<JobTechnology>,
+    /// Length that the front loses at one location (mm); none if wear is not considered.
+    pub end_wear_mm: Option<f64>,
+    /// The places where it burns.
+    pub locations: Vec<Location>,
+}
+
+/// Position of an electrode.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+pub struct Position {
+    /// X (mm).
+    pub x_mm: f64,
+    /// Y (mm).
+    pub y_mm: f64,
+    /// Z (mm).
+    pub z_mm: f64,
+    /// A (degrees).
+    pub a_deg: f64,
+    /// B (degrees).
+    pub b_deg: f64,
+    /// C (degrees).
+    pub c_deg: f64,
+}
+
+/// A place where an electrode burns.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Location {
+    /// Identifier in this file.
+    pub id: String,
+    /// Number of the channel, from 0; none in a mold.
+    pub channel: Option<usize>,
+    /// Final position.
+    pub position: Position,
+    /// Unit vector along which the electrode comes in at last.
+    pub approach: [f64; 3],
+    /// Depth (mm); none where it is that of a path.
+    pub depth_mm: Option<f64>,
+    /// Distance by which it is retracted (mm); none where it is that of a path.
+    pub retract_mm: Option<f64>,
+    /// The operations in their order.
+    pub operations: Vec<Operation>,
+}
+
+/// Kind of an operation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OperationKind {
+    /// Sinking straight down.
+    Sink,
+    /// Feed along a path.
+    Feed,
+    /// Motion from the final pose to the walls and back.
+    Copying,
+}
+
+/// An operation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Operation {
+    /// Identifier in this file.
+    pub id: String,
+    /// Its kind.
+    pub kind: OperationKind,
+    /// The file of its path; none if it has no path.
+    pub path: Option<FileEntry>,
+    /// SHA-256 of the path that was verified; none if it has no path.
+    pub path_sha256: Option<String>,
+    /// The certified clearance along its path (mm); none if it has no path.
+    pub certified_clearance_mm: Option<f64>,
+    /// Volume that it removes (mm^3); none if it is not known, or is in the operation before.
+    pub volume_mm3: Option<f64>,
+    /// Minutes that it takes; none if they are not known, or are in the operation before.
+    pub minutes: Option<f64>,
+}
