@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use files::report::{escape, quoted};
 use serde_json::Value;
 
 use super::JobFile;
@@ -69,11 +70,6 @@ impl JobFile {
     }
 }
 
-/// A cell of a CSV row.
-fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
-}
-
 /// Adds `value` as an element; nothing where it is null.
 fn element(xml: &mut String, depth: usize, name: &str, value: &Value) {
     let indent = "  ".repeat(depth);
@@ -95,23 +91,7 @@ fn element(xml: &mut String, depth: usize, name: &str, value: &Value) {
             keys.iter().for_each(|(key, value)| element(xml, depth + 1, key, value));
             writeln!(xml, "{indent}</{name}>")
         }
-        Value::String(text) => writeln!(xml, "{indent}<{name}>{}</{name}>", escaped(text)),
+        Value::String(text) => writeln!(xml, "{indent}<{name}>{}</{name}>", escape(text)),
         other => writeln!(xml, "{indent}<{name}>{other}</{name}>"),
     };
-}
-
-/// Text as XML holds it. Characters that XML 1.0 has no form for are replaced.
-fn escaped(text: &str) -> String {
-    let mut escaped = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '\t' | '\n' | '\r' => escaped.push(c),
-            c if c < ' ' || matches!(c, '\u{fffe}' | '\u{ffff}') => escaped.push('\u{fffd}'),
-            c => escaped.push(c),
-        }
-    }
-    escaped
 }
