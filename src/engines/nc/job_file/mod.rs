@@ -111,7 +111,7 @@ pub struct JobElectrode {
     pub material: Option<String>,
     /// Its stage: rough, finish.
     pub stage: Option<String>,
-    /// Number of pieces that are made.
+    /// Number of pieces that the job needs; none where the wear that decides it is not known.
     pub quantity: Option<usize>,
     /// Spark gap (mm).
     pub spark_gap_mm: f64,

@@ -55,6 +55,11 @@ impl JobFile {
     }
 }
 
+/// Without what rounding leaves behind the sixth decimal.
+fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6
+}
+
 fn location(electrode: &str, entry: &ElectrodeEntry, burn: &BurnEntry, lift_mm: f64) -> Location {
     let id = format!("{electrode}.L{}", burn.number);
     let operation = Operation {
@@ -63,8 +68,8 @@ fn location(electrode: &str, entry: &ElectrodeEntry, burn: &BurnEntry, lift_mm: 
         path: None,
         path_sha256: None,
         certified_clearance_mm: None,
-        volume_mm3: Some(burn.volume_mm3),
-        minutes: burn.minutes,
+        volume_mm3: Some(rounded(burn.volume_mm3)),
+        minutes: burn.minutes.map(rounded),
     };
     let BurnEntry { x_mm, y_mm, z_mm, c_deg, .. } = *burn;
     Location {
@@ -72,7 +77,7 @@ fn location(electrode: &str, entry: &ElectrodeEntry, burn: &BurnEntry, lift_mm: 
         channel: None,
         position: Position { x_mm, y_mm, z_mm, c_deg, ..Position::default() },
         approach: entry.lift.map(|v| 0.0 - v),
-        depth_mm: Some(burn.depth_mm),
+        depth_mm: Some(rounded(burn.depth_mm)),
         retract_mm: Some(lift_mm),
         operations: vec![operation],
     }

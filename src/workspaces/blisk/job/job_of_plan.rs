@@ -3,6 +3,7 @@
 use super::burning::{BurningElectrode, WheelBurning};
 use super::outcome::{ElectrodeOutcome, PlanOutcome};
 use crate::workspaces::blisk::document::job_file::PlanJob;
+use burning::wear::WearShare;
 use feed::certificate::Certificate;
 use feed::copying::Copying;
 use files::Params as _;
@@ -83,7 +84,7 @@ fn electrode(
         files: of_electrode.map(|(name, bytes)| FileEntry::of(name, bytes)).collect(),
         material: None,
         stage: None,
-        quantity: burning.and_then(|of| of.copies),
+        quantity: burning.filter(|of| is_wear_known(of)).and_then(|of| of.copies),
         spark_gap_mm: gap,
         undersize_wall_mm: gap,
         undersize_floor_mm: gap,
@@ -93,6 +94,11 @@ fn electrode(
         locations: visits.into_iter().enumerate().map(location).collect(),
         id,
     }
+}
+
+/// Whether the wear tells how many electrodes are needed.
+fn is_wear_known(of: &BurningElectrode) -> bool {
+    !matches!(of.figures.wear_share, WearShare::Unknown { .. })
 }
 
 /// The certified motions of an electrode, feed and copying.
