@@ -126,6 +126,38 @@ fn a_plan_writes_everything_and_answers_0() {
     assert!(last.iter().all(|v| *v == 0.0));
 }
 
+/// The job file of a plan names its files by what is in them, and has the figures of the report.
+#[test]
+fn the_job_file_of_a_plan_has_its_files_and_figures() {
+    let json = |name: &str| -> serde_json::Value {
+        serde_json::from_str(&std::fs::read_to_string(path(name)).unwrap()).unwrap()
+    };
+    let (job, report) = (json("out/job.json"), json("out/report.json"));
+    let schema: serde_json::Value = serde_json::from_slice(&sparkpath(&["job-schema"]).stdout).unwrap();
+    let required = schema["$defs"]["electrode"]["required"].as_array().unwrap();
+    let electrode = &job["electrodes"][0];
+    assert!(required.iter().all(|key| electrode.get(key.as_str().unwrap()).is_some()), "{electrode}");
+    assert_eq!(electrode.as_object().unwrap().len(), required.len());
+    let location = &electrode["locations"][0];
+    let feed = &location["operations"][0];
+    assert_eq!((&feed["kind"], &feed["id"]), (&"feed".into(), &"E1.L1.O1".into()));
+    assert_eq!(feed["certified_clearance_mm"], report["electrodes"][0]["certified_clearance_mm"]);
+    assert_eq!(feed["path"]["name"], "path_1.csv");
+    let path_file = std::fs::read(path("out/path_1.csv")).unwrap();
+    assert_eq!(feed["path"]["sha256"], files::sha256(&path_file));
+    assert_eq!((&feed["minutes"], &location["position"]["a_deg"]), (&().into(), &0.0.into()), "no step is given");
+    // The path ends in the direction of its last two rows.
+    let text = String::from_utf8(path_file).unwrap();
+    let rows: Vec<Vec<f64>> =
+        text.lines().skip(2).map(|l| l.split(',').map(|v| v.parse().unwrap()).collect()).collect();
+    let [.., before, last] = &rows[..] else { panic!("{} rows", rows.len()) };
+    let way: Vec<f64> = (2..5).map(|k| last[k] - before[k]).collect();
+    let length = way.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let approach: Vec<f64> = location["approach"].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
+    let along: f64 = approach.iter().zip(&way).map(|(a, w)| a * w / length).sum();
+    assert!((along - 1.0).abs() < 1e-6, "{approach:?} {way:?}");
+}
+
 #[test]
 fn a_project_says_which_files_are_written() {
     let folder = tempfile::tempdir().unwrap();

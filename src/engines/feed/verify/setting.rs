@@ -21,6 +21,8 @@ pub const ACCURACY_MM: f64 = 0.03;
 
 /// How close the proven bound comes to what errors make of the clearance (mm).
 const RESOLUTION: f64 = 1e-4;
+/// Least clearance that has to be left with every error (mm).
+pub const LEAST_LEFT_MM: f64 = 10.0 * RESOLUTION;
 /// Ratio of a box that is too large to the largest one that holds, at most.
 const RATIO: f64 = 1.005;
 /// Multiple of the box up to which a larger one is looked for.
@@ -183,7 +185,7 @@ impl Verifier {
         let run = Run { body: self, path, surface_of, options: &options, task };
         run.check_path()?;
         errors.validate()?;
-        if !(least_mm > 10.0 * RESOLUTION && least_mm.is_finite()) {
+        if !(least_mm > LEAST_LEFT_MM && least_mm.is_finite()) {
             let must_be = "a length of more than 0.001 mm";
             return Err(VerifyError::Parameter { name: "the clearance to be left", value: least_mm, must_be });
         }

@@ -16,10 +16,11 @@ impl JobFile {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 
-    /// The job as XML: an element for each key, and one for each item of a list, under the name of the list without its s.
+    /// The job as XML: an element for each key, in alphabetical order; of a list one for each item, under the name of the
+    /// list without its s; numbers of a list in one element, with spaces between.
     ///
     /// # Errors
-    /// Those of [`json`](Self::json).
+    /// Every error of [`json`](Self::json).
     pub fn xml(&self) -> Result<String, serde_json::Error> {
         let mut xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n".to_owned();
         element(&mut xml, 0, "job", &serde_json::to_value(self)?);
@@ -50,8 +51,8 @@ impl JobFile {
                         p.x_mm.to_string(),
                         p.y_mm.to_string(),
                         p.z_mm.to_string(),
-                        p.a_deg.to_string(),
-                        p.b_deg.to_string(),
+                        number(p.a_deg),
+                        number(p.b_deg),
                         p.c_deg.to_string(),
                         number(location.depth_mm),
                         number(location.retract_mm),
@@ -77,10 +78,9 @@ fn element(xml: &mut String, depth: usize, name: &str, value: &Value) {
     let _ = match value {
         Value::Null => Ok(()),
         Value::Array(list) => {
-            let is_plain = list.iter().all(Value::is_number);
-            if is_plain && !list.is_empty() {
-                let numbers = list.iter().map(Value::to_string).collect::<Vec<_>>().join(" ");
-                writeln!(xml, "{indent}<{name}>{numbers}</{name}>")
+            let numbers = numbers(value).filter(|numbers| !numbers.is_empty());
+            if let Some(numbers) = numbers {
+                writeln!(xml, "{indent}<{name}>{}</{name}>", numbers.join(" "))
             } else {
                 list.iter().for_each(|item| element(xml, depth, name.strip_suffix('s').unwrap_or(name), item));
                 Ok(())
@@ -94,4 +94,13 @@ fn element(xml: &mut String, depth: usize, name: &str, value: &Value) {
         Value::String(text) => writeln!(xml, "{indent}<{name}>{}</{name}>", escape(text)),
         other => writeln!(xml, "{indent}<{name}>{other}</{name}>"),
     };
+}
+
+/// The numbers of a list, and of lists in it, in their order; none if it holds something else.
+fn numbers(value: &Value) -> Option<Vec<String>> {
+    match value {
+        Value::Number(number) => Some(vec![number.to_string()]),
+        Value::Array(list) => list.iter().map(numbers).collect::<Option<Vec<_>>>().map(|all| all.concat()),
+        _ => None,
+    }
 }

@@ -42,9 +42,9 @@ pub enum WorkpieceKind {
 pub struct Workpiece {
     /// Identifier in this file.
     pub id: String,
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its kind.
+    /// Kind.
     pub kind: WorkpieceKind,
     /// Number of channels of a wheel.
     pub channels: Option<usize>,
@@ -56,16 +56,17 @@ pub struct Workpiece {
     pub x_axis: [f64; 3],
     /// Unit vector of their Z in these coordinates.
     pub z_axis: [f64; 3],
-    /// SHA-256 of the workpiece's mesh as it was verified; none if no path was verified against it.
-    pub sha256: Option<String>,
+    /// SHA-256 of the workpiece's triangles in these axes, as certificates have it, not that of its file; none if no path was
+    /// verified against it.
+    pub mesh_sha256: Option<String>,
 }
 
 /// A file beside the job.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct FileEntry {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// SHA-256 of its bytes.
+    /// SHA-256 of the bytes.
     pub sha256: String,
 }
 
@@ -103,16 +104,22 @@ pub struct JobTechnology {
 pub struct JobElectrode {
     /// Identifier in this file.
     pub id: String,
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its files.
+    /// Files of the electrode.
     pub files: Vec<FileEntry>,
-    /// Its material.
+    /// Axes of these files, in words.
+    pub axes: String,
+    /// Whether the undersize is in the files already.
+    pub is_undersized: bool,
+    /// Material; none where it is not known.
     pub material: Option<String>,
-    /// Its stage: rough, finish.
+    /// Stage, as rough or finish; none in a wheel.
     pub stage: Option<String>,
-    /// Number of pieces that the job needs; none where the wear that decides it is not known.
+    /// Number of pieces to make, as given; none in a wheel.
     pub quantity: Option<usize>,
+    /// Number of pieces that the wear asks for, in words.
+    pub needed: String,
     /// Spark gap (mm).
     pub spark_gap_mm: f64,
     /// Undersize across a wall (mm): spark gap, stock and orbit.
@@ -123,13 +130,14 @@ pub struct JobElectrode {
     pub orbit: Option<JobOrbit>,
     /// The technology; none where it is not known.
     pub technology: Option<JobTechnology>,
-    /// Length that the front loses at one location (mm); none if wear is not considered.
+    /// Length that the front loses at one location, on average (mm); none if wear is not considered.
     pub end_wear_mm: Option<f64>,
     /// The places where it burns.
     pub locations: Vec<Location>,
 }
 
-/// Position of an electrode.
+/// Values of the axes in the final pose: in a wheel the motion from where the electrode stands in W, in a mold the place of
+/// the electrode's origin.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Position {
     /// X (mm).
@@ -138,11 +146,11 @@ pub struct Position {
     pub y_mm: f64,
     /// Z (mm).
     pub z_mm: f64,
-    /// A (degrees).
-    pub a_deg: f64,
-    /// B (degrees).
-    pub b_deg: f64,
-    /// C (degrees).
+    /// A (degrees); none where the electrode burns from the side of a mold.
+    pub a_deg: Option<f64>,
+    /// B (degrees); none as well.
+    pub b_deg: Option<f64>,
+    /// C, about the direction of the burn (degrees).
     pub c_deg: f64,
 }
 
@@ -155,8 +163,11 @@ pub struct Location {
     pub channel: Option<usize>,
     /// Final position.
     pub position: Position,
-    /// Unit vector along which the electrode comes in at last.
-    pub approach: [f64; 3],
+    /// Motion from the axes of the electrode's files to those of the job, as three rows of a rotation with the shift in the
+    /// fourth column (mm), and a row that is always 0 0 0 1; none in a wheel.
+    pub pose: Option<[[f64; 4]; 4]>,
+    /// Unit vector along which the electrode comes in at last; none where no path is certified.
+    pub approach: Option<[f64; 3]>,
     /// Depth (mm); none where it is that of a path.
     pub depth_mm: Option<f64>,
     /// Distance by which it is retracted (mm); none where it is that of a path.
@@ -169,7 +180,7 @@ pub struct Location {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OperationKind {
-    /// Sinking straight down.
+    /// Sinking along the approach.
     Sink,
     /// Feed along a path.
     Feed,
@@ -182,9 +193,9 @@ pub enum OperationKind {
 pub struct Operation {
     /// Identifier in this file.
     pub id: String,
-    /// Its kind.
+    /// Kind.
     pub kind: OperationKind,
-    /// The file of its path; none if it has no path.
+    /// File of its path; none if it has no path, or if its file is not written.
     pub path: Option<FileEntry>,
     /// SHA-256 of the path that was verified; none if it has no path.
     pub path_sha256: Option<String>,

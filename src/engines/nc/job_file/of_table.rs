@@ -5,10 +5,11 @@ use super::{
     Workpiece, WorkpieceKind,
 };
 use crate::burn_table::{BurnEntry, BurnTable, ElectrodeEntry, ElectrodeState};
+use mold::electrode::params::Shape;
 
 impl JobFile {
-    /// The job of a mold's electrodes. `files_of` tells those of an electrode by its name, `technology_of` the technology of
-    /// its stage. Electrodes that are blocked are left out.
+    /// The job of a mold's electrodes. `files_of` gives the files of the electrode with a name, `technology_of` the technology
+    /// of a stage. Electrodes that are blocked are left out.
     pub fn of_table(
         table: &BurnTable,
         files_of: impl Fn(&str) -> Vec<FileEntry>,
@@ -20,9 +21,12 @@ impl JobFile {
             JobElectrode {
                 name: entry.name.clone(),
                 files: files_of(&entry.name),
+                axes: "the electrode's own, with the middle of the underside of its base at the origin".to_owned(),
+                is_undersized: entry.shape == Shape::Undersized,
                 material: Some(entry.material.clone()),
                 stage: Some(entry.stage.clone()),
                 quantity: Some(entry.quantity as usize),
+                needed: entry.needed.clone(),
                 spark_gap_mm: entry.gap_mm,
                 undersize_wall_mm: entry.undersize_wall_mm,
                 undersize_floor_mm: entry.undersize_floor_mm,
@@ -48,14 +52,14 @@ impl JobFile {
                 origin_mm: table.datum.origin_mm,
                 x_axis: table.datum.x_axis,
                 z_axis,
-                sha256: None,
+                mesh_sha256: None,
             },
             electrodes: released.enumerate().map(electrode).collect(),
         }
     }
 }
 
-/// Without what rounding leaves behind the sixth decimal.
+/// The value to six decimals.
 fn rounded(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }
@@ -71,12 +75,14 @@ fn location(electrode: &str, entry: &ElectrodeEntry, burn: &BurnEntry, lift_mm: 
         volume_mm3: Some(rounded(burn.volume_mm3)),
         minutes: burn.minutes.map(rounded),
     };
+    let upright = (entry.lift == [0.0, 0.0, 1.0]).then_some(0.0);
     let BurnEntry { x_mm, y_mm, z_mm, c_deg, .. } = *burn;
     Location {
         id,
         channel: None,
-        position: Position { x_mm, y_mm, z_mm, c_deg, ..Position::default() },
-        approach: entry.lift.map(|v| 0.0 - v),
+        position: Position { x_mm, y_mm, z_mm, a_deg: upright, b_deg: upright, c_deg },
+        pose: Some(burn.pose),
+        approach: Some(entry.lift.map(|v| 0.0 - v)),
         depth_mm: Some(rounded(burn.depth_mm)),
         retract_mm: Some(lift_mm),
         operations: vec![operation],

@@ -16,7 +16,7 @@ fn job() -> JobFile {
     JobFile::of_table(&table, |name| vec![FileEntry::of(name, b"")], |_| Some(technology.clone()))
 }
 
-/// Why `value` is not what `schema` asks for: the keywords that [`SCHEMA`] uses.
+/// Why `value` is not what `schema` asks for, by the keywords that [`SCHEMA`] uses but for `pattern`.
 fn wrong(schema: &Value, value: &Value, root: &Value) -> Option<String> {
     if let Some(name) = schema["$ref"].as_str() {
         return wrong(root.pointer(name.strip_prefix('#').unwrap()).unwrap(), value, root);
@@ -31,6 +31,7 @@ fn wrong(schema: &Value, value: &Value, root: &Value) -> Option<String> {
         "number" => value.is_number(),
         "integer" => value.is_u64(),
         "array" => value.is_array(),
+        "boolean" => value.is_boolean(),
         _ => value.is_object(),
     };
     let is_typed = match &schema["type"] {
@@ -40,9 +41,11 @@ fn wrong(schema: &Value, value: &Value, root: &Value) -> Option<String> {
     };
     let is_among = schema["enum"].as_array().is_none_or(|all| all.contains(value));
     let is_const = schema.get("const").is_none_or(|one| one == value);
-    let has_length = schema["minItems"].as_u64().is_none_or(|n| value.as_array().unwrap().len() as u64 == n);
+    let has_length =
+        schema["minItems"].as_u64().is_none_or(|n| value.as_array().is_none_or(|list| list.len() as u64 == n));
     let is_enough = schema["minimum"].as_f64().zip(value.as_f64()).is_none_or(|(least, v)| v >= least);
-    if !(is_typed && is_among && is_const && has_length && is_enough) {
+    let is_more = schema["exclusiveMinimum"].as_f64().zip(value.as_f64()).is_none_or(|(least, v)| v > least);
+    if !(is_typed && is_among && is_const && has_length && is_enough && is_more) {
         return Some(format!("{value} is not {schema}"));
     }
     if let Some(items) = value.as_array() {
@@ -84,15 +87,17 @@ fn a_mold_has_a_location_for_each_burn_of_a_released_electrode() {
             assert_eq!([position.x_mm, position.y_mm, position.z_mm], [burn.x_mm, burn.y_mm, burn.z_mm]);
             assert_eq!(location.operations[0].minutes, burn.minutes);
             // It comes in against the direction in which it is lifted.
-            let along: f64 = location.approach.iter().zip(entry.lift).map(|(a, b)| a * b).sum();
+            let along: f64 = location.approach.unwrap().iter().zip(entry.lift).map(|(a, b)| a * b).sum();
             assert!((along + 1.0).abs() < 1e-6, "{along}");
         }
     }
     let ids = job.electrodes.iter().flat_map(|e| &e.locations).flat_map(|l| &l.operations).map(|o| o.id.as_str());
     let mut ids: Vec<&str> = ids.collect();
     let count = ids.len();
+    assert_eq!(ids[0], "E1.L1.O1");
+    ids.sort_unstable();
     ids.dedup();
-    assert!(ids.len() == count && ids[0] == "E1.L1.O1", "{ids:?}");
+    assert_eq!(ids.len(), count, "{ids:?}");
 }
 
 #[test]

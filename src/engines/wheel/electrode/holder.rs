@@ -39,8 +39,7 @@ impl Block {
             EntrySide::MinusX | EntrySide::PlusX => DVec3::Z,
             EntrySide::Outward | EntrySide::Inward => DVec3::X * rise,
         };
-        let along = Self::along([DVec3::NEG_Y, upright], outline, layout, params);
-        let mut block = along;
+        let mut block = Self::along([DVec3::NEG_Y, upright], outline, layout, params);
         if !block.joined(outline) {
             let side_of = |on: &dyn Fn(usize) -> usize| outline[on(0)] + outline[on(layout.columns)];
             let up = side_of(&|j| layout.shroud(j)) - side_of(&|j| layout.hub(j));
@@ -48,12 +47,14 @@ impl Block {
                 let normal = DVec3::NEG_Y.cross(upright);
                 Self::along([up.cross(normal), up], outline, layout, params)
             });
-            if let Some(mut turned) = turned
-                && turned.joined(outline)
-            {
-                let angle = upright.angle_between(turned.axes[1]).to_degrees();
-                assumed.push(format!("The holder block is turned by {angle:.0} deg, as the end of the shank is."));
-                block = turned;
+            let turned = turned.and_then(|mut turned| turned.joined(outline).then_some(turned));
+            match turned {
+                Some(turned) => {
+                    let angle = upright.angle_between(turned.axes[1]).to_degrees();
+                    assumed.push(format!("The holder block is turned by {angle:.0} deg, as the end of the shank is."));
+                    block = turned;
+                }
+                None => assumed.push("The frame between the shank and the holder block folds over itself.".to_owned()),
             }
         }
         let [_, width, height] = params.holder_mm;
@@ -131,13 +132,13 @@ impl Block {
             side(rows, &|v| layout.low(v), -1.0),
             side(rows, &|v| layout.high(v), 1.0),
         ];
-        for (shares, found) in self.shares.iter_mut().zip(sides) {
-            match found {
-                Some(found) => *shares = found,
-                None => return false,
-            }
+        let [Some(hub), Some(shroud), Some(low), Some(high)] = sides else { return false };
+        let before = std::mem::replace(&mut self.shares, [hub, shroud, low, high]);
+        let is_folded = self.is_folded(outline);
+        if is_folded {
+            self.shares = before;
         }
-        !self.is_folded(outline)
+        !is_folded
     }
 
     /// Whether a face of the frame lies over others, however it is cut in two.

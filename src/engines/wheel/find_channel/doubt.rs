@@ -46,8 +46,9 @@ pub(super) fn doubt(channel: &Channel) -> Option<&'static str> {
     (channel.flow == Flow::Axial && winds_by(lead) && rows.iter().all(stays_as_wide)).then_some(SCREW)
 }
 
-/// Says that around the axis more stands than the blades that were counted, though not in every passage: blades of another
-/// kind of which some are missing, in the passages beside this one or behind it. `slices` are of the wheel in W.
+/// Tells of a circle around the axis that crosses more gaps than the counted blades make, and no multiple of their number:
+/// blades of another kind, of which some are missing, stand in other passages or behind this one. `slices` are of the wheel
+/// in W.
 pub(super) fn uncounted(channel: &Channel, slices: &Slices) -> Option<String> {
     /// Stations that are looked at, and how many of them must tell it.
     const PLACES: usize = 24;
@@ -55,7 +56,7 @@ pub(super) fn uncounted(channel: &Channel, slices: &Slices) -> Option<String> {
     /// A gap of less than this share of the pitch is none.
     const NARROW: f64 = 0.02;
     let narrow = NARROW * TAU / channel.blades as f64;
-    let more = channel.meridian.iter().step_by((channel.meridian.len() / PLACES).max(1)).filter_map(|station| {
+    let more = channel.meridian.iter().step_by(channel.meridian.len().div_ceil(PLACES).max(1)).filter_map(|station| {
         let at = 0.5 * (station.hub + station.shroud);
         let gaps = slices.gaps(at.x, at.y).iter().map(Gap::width).filter(|width| *width > narrow).count();
         (gaps > channel.blades && !gaps.is_multiple_of(channel.blades)).then_some((gaps, at))

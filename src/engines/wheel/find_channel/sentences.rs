@@ -14,10 +14,10 @@ pub(super) const STRAIGHT: &str = "The blades stand straight, in planes through 
 pub(super) const SCREW: &str = "The blades are wound by one lead over their length and height, with gaps as wide from end to end, \
                      as the teeth of a helical gear and the threads of a worm or a screw are: check that they are blades.";
 
-/// Says that `gaps` are crossed around the axis at a place (x, r), which so many blades do not make.
+/// Says that a circle around the axis at (x, r) (mm) crosses more gaps than the blades that were counted make.
 pub(super) fn uncounted_sentence(gaps: usize, blades: usize, at: DVec2) -> String {
     format!(
-        "Around the axis {gaps} gaps are crossed at x {:.3}, r {:.3} mm, more than {blades} blades make: others stand in \
+        "A circle around the axis at x {:.3}, r {:.3} mm crosses {gaps} gaps, more than {blades} blades make: others stand in \
          passages of another kind, or behind this one, and some may be missing. Compare the passages with blisk.channel, or \
          give the number of blades, those that are missing included, with blisk.blades.",
         at.x, at.y

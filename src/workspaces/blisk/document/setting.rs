@@ -1,7 +1,7 @@
 //! Errors with which wheel and electrode are set up on the machine.
 
 use feed::verify::VerifyError;
-use feed::verify::setting::{ACCURACY_MM, SettingErrors};
+use feed::verify::setting::{ACCURACY_MM, LEAST_LEFT_MM, SettingErrors};
 use files::Invalid;
 use serde::{Deserialize, Serialize};
 
@@ -50,10 +50,11 @@ impl SettingSection {
     pub fn validate(&self, spark_gap_mm: f64) -> Result<(), Invalid> {
         let Some(errors) = self.errors() else { return Ok(()) };
         errors.validate().map_err(|e: VerifyError| Invalid::of("setting", e.to_string()))?;
-        if (0.0..spark_gap_mm).contains(&self.accuracy_mm) {
+        if self.accuracy_mm >= 0.0 && self.least_mm(spark_gap_mm) > LEAST_LEFT_MM {
             return Ok(());
         }
-        let remedy = format!("must be 0 or more and less than the spark gap of {spark_gap_mm} mm");
+        let remedy =
+            format!("must be 0 or more, and leave more than {LEAST_LEFT_MM} mm of the spark gap of {spark_gap_mm} mm");
         Err(Invalid::new("setting.accuracy_mm", self.accuracy_mm, remedy))
     }
 }
@@ -72,6 +73,7 @@ mod tests {
         assert!(some.validate(0.1).is_ok());
         let error = some.validate(0.02).unwrap_err().to_string();
         assert!(error.contains("setting.accuracy_mm") && error.contains("0.02 mm"), "{error}");
+        assert!(SettingSection { accuracy_mm: 0.0995, ..some }.validate(0.1).is_err(), "what is left cannot be proven");
         let error = SettingSection { z_mm: -1.0, ..none }.validate(0.1).unwrap_err().to_string();
         assert!(error.contains("z_mm"), "{error}");
     }

@@ -104,10 +104,17 @@ impl<'a> Around<'a> {
         let motion = |e| clock.time("copying motion", || copying(self, e, task));
         finishing.copying = electrodes.iter().map(motion).collect::<Result<Vec<_>, _>>()?;
         let setting = |e| clock.time("setting errors", || setting_room(self, e, task));
-        finishing.setting = match self.job.setting.errors() {
-            Some(errors) => electrodes.iter().map(|e| (e, errors)).map(setting).collect::<Result<Vec<_>, _>>()?,
-            None => Vec::new(),
-        };
+        let errors = self.job.setting.errors();
+        let rooms = errors.into_iter().flat_map(|errors| electrodes.iter().map(move |e| (e, errors))).map(setting);
+        match rooms.collect::<Result<Vec<_>, _>>() {
+            Ok(rooms) => finishing.setting = rooms,
+            Err(PlanJobError::Cancelled(_)) => {
+                finishing.stopped = Some("search for the setting errors that the path bears");
+                finishing.times = clock.0;
+                return Ok(finishing);
+            }
+            Err(other) => return Err(other),
+        }
         let (motions, simulations) = (&finishing.copying, &mut finishing.simulations);
         match clock.time("simulation", || simulate(self, electrodes, motions, simulations, task)) {
             Ok(()) => {}

@@ -2,11 +2,13 @@
 
 use super::burning::{BurningElectrode, WheelBurning};
 use super::outcome::{ElectrodeOutcome, PlanOutcome};
+use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::job_file::PlanJob;
-use burning::wear::WearShare;
 use feed::certificate::Certificate;
 use feed::copying::Copying;
+use feed::path::PathRow;
 use files::Params as _;
+use glam::DVec3;
 use nc::job_file::{
     FORMAT, FileEntry, JobElectrode, JobFile, JobTechnology, Location, Operation, OperationKind, Position, Workpiece,
     WorkpieceKind,
@@ -21,8 +23,9 @@ pub fn job_of_plan(
     files: &[(String, Vec<u8>)],
 ) -> JobFile {
     let channel = &outcome.channel;
-    let certificates = outcome.electrodes.iter().filter_map(|e| Some(&e.plan.path.as_ref()?.certificate));
-    let electrodes = (0..outcome.electrodes.len()).map(|i| electrode(i, outcome, job, burning, files));
+    let certificates =
+        outcome.electrodes.iter().filter_map(|e| Some(&e.plan.path.as_ref()?.certificate)).filter(|c| c.holds());
+    let electrodes = outcome.electrodes.iter().enumerate().map(|own| electrode(own, outcome, job, burning, files));
     JobFile {
         format: FORMAT,
         program_version: env!("CARGO_PKG_VERSION"),
@@ -35,21 +38,20 @@ pub fn job_of_plan(
             origin_mm: channel.frame.origin.to_array(),
             x_axis: channel.frame.x.to_array(),
             z_axis: channel.frame.z.to_array(),
-            sha256: certificates.map(|c| c.blisk_digest().to_owned()).next(),
+            mesh_sha256: certificates.map(|c| c.blisk_digest().to_owned()).next(),
         },
         electrodes: electrodes.collect(),
     }
 }
 
 fn electrode(
-    index: usize,
+    (index, own): (usize, &ElectrodeOutcome),
     outcome: &PlanOutcome,
     job: &PlanJob,
     burning: Option<&WheelBurning>,
     files: &[(String, Vec<u8>)],
 ) -> JobElectrode {
     let (number, id) = (index + 1, format!("E{}", index + 1));
-    let own = outcome.electrodes.get(index);
     let stem = format!("electrode_{number}.");
     let of_electrode = files.iter().filter(|(name, _)| name == &format!("{stem}stl") || name == &format!("{stem}step"));
     let burning = burning.and_then(|burning| burning.electrodes.get(index));
@@ -70,21 +72,27 @@ fn electrode(
         let id = format!("{id}.L{}", k + 1);
         Location {
             channel: Some(channel),
-            position: Position { a_deg: turn.to_degrees(), ..Position::default() },
-            // It is withdrawn towards the side that it enters from.
-            approach: own.map_or([0.0; 3], |e| (-e.electrode.enters_from.direction()).to_array().map(|v| v + 0.0)),
+            position: Position { a_deg: Some(turn.to_degrees()), b_deg: Some(0.0), ..Position::default() },
+            pose: None,
+            approach: approach(own),
             depth_mm: None,
             retract_mm: None,
-            operations: own.map_or_else(Vec::new, |e| operations(&id, (index, e), outcome, burning, files)),
+            operations: operations(&id, (index, own), outcome, burning, files),
             id,
         }
     };
     JobElectrode {
         name: format!("electrode {number}"),
         files: of_electrode.map(|(name, bytes)| FileEntry::of(name, bytes)).collect(),
+        axes: match job.export.frame {
+            MeshFrame::Mesh => "those of the workpiece's file, with the electrode in its final pose".to_owned(),
+            MeshFrame::W => "W, with the electrode in its final pose".to_owned(),
+        },
+        is_undersized: true,
         material: None,
         stage: None,
-        quantity: burning.filter(|of| is_wear_known(of)).and_then(|of| of.copies),
+        quantity: None,
+        needed: burning.map_or_else(|| "not known".to_owned(), BurningElectrode::needed_text),
         spark_gap_mm: gap,
         undersize_wall_mm: gap,
         undersize_floor_mm: gap,
@@ -96,9 +104,13 @@ fn electrode(
     }
 }
 
-/// Whether the wear tells how many electrodes are needed.
-fn is_wear_known(of: &BurningElectrode) -> bool {
-    !matches!(of.figures.wear_share, WearShare::Unknown { .. })
+/// Unit vector along which the certified feed of an electrode ends, in the axes of W.
+fn approach(of: &ElectrodeOutcome) -> Option<[f64; 3]> {
+    let planned = of.plan.path.as_ref().filter(|planned| planned.certificate.holds())?;
+    let [.., before, last] = &planned.path.rows[..] else { return None };
+    let place = |row: &PathRow| DVec3::new(row.pose.x, row.pose.y, row.pose.z);
+    let along = (place(last) - place(before)).try_normalize()?;
+    Some(along.to_array().map(|v| v + 0.0))
 }
 
 /// The certified motions of an electrode, feed and copying.

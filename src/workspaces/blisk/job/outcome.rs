@@ -185,7 +185,8 @@ impl PlanOutcome {
         self.finishing()?.setting.get(index)?.as_ref()
     }
 
-    /// Whether no feed is known to leave too little with the setting errors that the job asks about.
+    /// Whether the clearance is proven with the setting errors that the job asks about, for every feed that was looked at; true
+    /// where none was.
     pub fn bears_setting(&self) -> bool {
         self.finishing().is_none_or(|f| f.setting.iter().flatten().all(SettingRoom::holds))
     }

@@ -94,7 +94,7 @@ fn gantt(schedule: &Schedule) -> Plot {
     let changes: Vec<[f64; 2]> = changes.map(|row| [hours(row.start_min), row.channel as f64]).collect();
     let changes = Series { points: changes, class: "c5", dots: true };
     Plot {
-        title: "Channel; a bar for each burn, dots where the electrode is changed".to_owned(),
+        title: "Channel; a bar for each burn, coloured by electrode, dots where it is changed".to_owned(),
         x_label: "hours after the beginning of the set-up".to_owned(),
         size: [1100.0, 360.0],
         series: (0..electrodes).map(bars).chain([changes]).collect(),

@@ -280,7 +280,9 @@ impl Sector {
         let exact = ExactMesh::new(&self.mesh).map_err(|e| SectorError::Mesh(e.to_string()))?;
         let mut first_error = None;
         for blades in self.counts(&slices, wanted, cancel)? {
-            let is_told = wanted.is_some() || blades.is_by_angle;
+            // What is one pitch itself holds nothing twice.
+            let is_one_pitch = (TAU / self.angle - blades.count as f64).abs() < 0.01;
+            let is_told = wanted.is_some() || is_one_pitch;
             match self.with_blades(&blades, is_told, &exact, &slices, cancel) {
                 Err(SectorError::Cancelled(cancelled)) => return Err(cancelled.into()),
                 Err(error) => first_error = first_error.or(Some(error)),
@@ -290,8 +292,8 @@ impl Sector {
         Err(first_error.unwrap_or(SectorError::Pitch { angle_deg, axis }))
     }
 
-    /// The wheel of so many blades, if the sector is one of it. Unless the number `is_told` by something else, walls must
-    /// repeat at its pitch.
+    /// The wheel of so many blades, if the sector is one of it. Walls must repeat after one of the turns that are tried, unless
+    /// the number `is_told` by something else.
     fn with_blades(
         &self,
         blades: &Blades,
@@ -425,7 +427,7 @@ impl Sector {
     /// The numbers of blades that the whole wheel may have, the likeliest first: those at whose pitch the most circles
     /// pass from solid to solid again; last that of its angle.
     fn counts(&self, slices: &Slices, wanted: Option<usize>, cancel: &Cancel) -> Result<Vec<Blades>, Cancelled> {
-        /// Circles that are enough to tell, those that meet walls aslant counting for less.
+        /// Sum of weights that is enough to tell: a circle that meets walls head on counts 1, one that meets them aslant less.
         const ENOUGH: f64 = 3.0;
         /// Counts that are tried.
         const TRIED: usize = 4;
@@ -462,7 +464,7 @@ impl Sector {
         let bladed = |count: usize| {
             // Splitters stand off the middle by up to a third of the pitch.
             let is_near = |steps: &[f64]| steps.iter().any(|step| is_pitch(*step, count, 0.34));
-            // Bolt holes are as many as they are.
+            // Cells whose steps all tell one other number hold something else, as bolt holes.
             let is_other = |steps: &[f64]| {
                 let other = (TAU / (steps.iter().sum::<f64>() / steps.len() as f64)).round() as usize;
                 other != count && steps.iter().all(|step| is_pitch(*step, other, 0.25 / other as f64))
