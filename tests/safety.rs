@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const NO_PROGRAMS: [(&str, &str); 3] =
     [("BlockFeed", "one F word"), ("BurnSheet", "a template"), ("FlankCheck", "what a check found")];
 /// Public functions that return text that is no program, and what it is.
-const NO_PROGRAM_TEXT: [(&str, &str); 14] = [
+const NO_PROGRAM_TEXT: [(&str, &str); 17] = [
     ("Pace::approach", "one F word"),
     ("write_path_csv", "a table of a path, whose file says so if it is not verified"),
     ("write_copying_csv", "a table of a path"),
@@ -20,6 +20,9 @@ const NO_PROGRAM_TEXT: [(&str, &str); 14] = [
     ("BurnSheet::of", "a burn sheet"),
     ("BurnTable::csv", "a burn sheet"),
     ("BurnTable::json", "a burn sheet"),
+    ("JobFile::json", "a table of a job, which names files of certified paths"),
+    ("JobFile::xml", "the same table"),
+    ("JobFile::csv", "the same table"),
     ("why_blocked", "why an electrode has no files"),
     ("file_stems", "names of files"),
     ("step_words", "what a STEP file of an electrode holds"),
