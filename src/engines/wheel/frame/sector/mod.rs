@@ -464,12 +464,13 @@ impl Sector {
         let bladed = |count: usize| {
             // Splitters stand off the middle by up to a third of the pitch.
             let is_near = |steps: &[f64]| steps.iter().any(|step| is_pitch(*step, count, 0.34));
-            // Cells whose steps all tell one other number hold something else, as bolt holes.
+            // Cells whose steps all tell one other number hold something else, as bolt holes, unless the number is given: it may
+            // be wrong.
             let is_other = |steps: &[f64]| {
                 let other = (TAU / (steps.iter().sum::<f64>() / steps.len() as f64)).round() as usize;
                 other != count && steps.iter().all(|step| is_pitch(*step, other, 0.25 / other as f64))
             };
-            let bladed = of_cells.iter().filter(|(_, steps)| is_near(steps) && !is_other(steps));
+            let bladed = of_cells.iter().filter(|(_, steps)| is_near(steps) && (wanted.is_some() || !is_other(steps)));
             Blades { count, cells: bladed.map(|(cell, _)| *cell).collect(), is_by_angle: false }
         };
         if let Some(count) = wanted {
