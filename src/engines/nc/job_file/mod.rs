@@ -148,7 +148,7 @@ pub struct Position {
     pub z_mm: f64,
     /// A (degrees); none where the electrode burns from the side of a mold.
     pub a_deg: Option<f64>,
-    /// B (degrees); none as well.
+    /// B (degrees); none where A is.
     pub b_deg: Option<f64>,
     /// C, about the direction of the burn (degrees).
     pub c_deg: f64,

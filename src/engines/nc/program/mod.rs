@@ -85,7 +85,7 @@ pub struct NcJob<'a> {
     pub electrode_file: &'a str,
     /// The machine, its travels in its own directions.
     pub machine: &'a MachineParams,
-    /// What else is known of the path, in sentences.
+    /// Sentences on the path for the head of the program.
     pub notes: &'a [String],
 }
 

@@ -191,7 +191,7 @@ impl PlanOutcome {
         self.finishing().is_none_or(|f| f.setting.iter().flatten().all(SettingRoom::holds))
     }
 
-    /// What is known of the setting errors that each electrode bears, in sentences.
+    /// Sentences on the setting errors that each electrode bears, as far as known.
     pub fn setting_sentences(&self) -> impl Iterator<Item = String> {
         let rooms = self.finishing().into_iter().flat_map(|f| f.setting.iter().enumerate());
         rooms.filter_map(|(i, room)| Some(format!("Electrode {}: {}.", i + 1, room.as_ref()?.sentence())))

@@ -80,7 +80,7 @@ pub struct SettingReport {
 }
 
 impl SettingReport {
-    /// What `room` says, with the names of surfaces.
+    /// The figures of `room`, with the names of surfaces.
     pub fn of(room: &SettingRoom, surface_name: impl Fn(Surface) -> &'static str) -> Self {
         Self {
             asked: room.asked,
