@@ -30,8 +30,8 @@ use mold::electrode::finding::CheckKind;
 use mold::electrode::params::Shape;
 use mold::opening::Opening;
 use nc::burn_table::NotBurned;
-use nc::burn_template::BurnSheet;
 use nc::electrode_files::{ElectrodeFormat, WrittenElectrodes};
+use nc::template::BurnSheet;
 use render::mesh::RenderMesh;
 use task::{StageClock, Task};
 

@@ -20,6 +20,7 @@ mod flank;
 mod flank_arguments;
 mod flank_electrode;
 mod inspect;
+mod job_sheet;
 mod measured;
 mod plan;
 mod project;
@@ -148,6 +149,8 @@ enum Command {
     Measured(measured::MeasuredArguments),
     /// Prints the JSON schema of job.json, the job file that plans and electrodes are exported with.
     JobSchema,
+    /// Text of any form made of a job file through a template: a job sheet.
+    JobSheet(job_sheet::JobSheetArguments),
     /// Prints and checks a technology table: source, basis, steps, and the figures that are missing.
     Technology {
         /// A technology table (TOML) [default: the built-in one].
@@ -442,6 +445,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
             say!("{}", nc::job_file::SCHEMA.trim_end());
             Ok(Answer::Yes)
         }
+        Command::JobSheet(arguments) => job_sheet::job_sheet(&arguments),
         Command::Technology { table } => technology::technology(table.as_deref(), session),
     }
 }

@@ -17,7 +17,6 @@ use crate::workspaces::blisk::job::stages::{BliskMesh, input_file, read_blisk};
 use crate::workspaces::blisk::report::{InputFile, Report};
 use files::{ExportFolder, Validate as _};
 use import::Units;
-use nc::post::Post;
 use task::{Cancel, Task};
 use wheel::electrode::Sizing;
 use wheel::parametric::wheel::ParametricWheel;
@@ -83,7 +82,7 @@ pub(super) fn demo(settings: &Settings, out: &Path, session: &Session) -> anyhow
 
 fn finish(inputs: PlanInputs, files: Vec<InputFile>, out: &Path, session: &Session) -> anyhow::Result<Answer> {
     // What would stop the results should be found out before the work.
-    Post::named(&inputs.job.export.post)?;
+    export::ExportForms::of(&inputs.job.export)?;
     ExportFolder::check(out)?;
     let task = &session.task;
     let (prepared, inputs) = ready(inputs, session)?;
@@ -187,6 +186,9 @@ fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out
     }
     if let Some(why) = &report.no_pictures {
         say!("pictures   none: {why}");
+    }
+    if let Some(why) = &report.written.no_job_sheet {
+        say!("           no job sheet: {why}");
     }
     say!("files      {} in {}", written.join(", "), out.display());
     say!("{}", report.verdict.sentence);

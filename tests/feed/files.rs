@@ -5,7 +5,8 @@ use std::path::Path;
 
 use files::{FileError, MANIFEST};
 use nc::post::{BUILT_IN, Post};
-use sparkpath::workspaces::blisk::export::{self, PlanFilesError};
+use nc::template::JobSheet;
+use sparkpath::workspaces::blisk::export::{self, ExportForms, PlanFilesError};
 use sparkpath::workspaces::blisk::job::outcome::PlanInputs;
 use sparkpath::workspaces::blisk::report::build;
 use task::{Cancel, Task};
@@ -20,9 +21,10 @@ fn inputs() -> PlanInputs {
 fn write(folder: &Path, extension: &str, cancel: &Cancel) -> Result<Vec<String>, PlanFilesError> {
     let text = BUILT_IN[0].1.replace("extension = \"nc\"", &format!("extension = \"{extension}\""));
     let post = Post::from_toml(&text, extension).unwrap();
+    let forms = ExportForms { post, job_sheet: JobSheet::standard() };
     let inputs = inputs();
     let mut report = build::report(whole_easy_plan(), &inputs.job, Vec::new());
-    export::write(folder, whole_easy_plan(), &inputs, &post, &mut report, cancel)
+    export::write(folder, whole_easy_plan(), &inputs, &forms, &mut report, cancel)
 }
 
 fn names(folder: &Path) -> BTreeSet<String> {
@@ -63,8 +65,8 @@ pub fn an_electrode_that_would_lose_its_clearance_as_step_is_refused() {
     inputs.job.export.files.step = true;
     let plan = whole_easy_plan();
     let mut report = build::report(plan, &inputs.job, Vec::new());
-    let post = Post::named(&inputs.job.export.post).unwrap();
-    let files = export::write(folder.path(), plan, &inputs, &post, &mut report, &Cancel::default()).unwrap();
+    let forms = ExportForms::of(&inputs.job.export).unwrap();
+    let files = export::write(folder.path(), plan, &inputs, &forms, &mut report, &Cancel::default()).unwrap();
     let said = report.electrodes[0].step.clone().unwrap();
     assert!(said.starts_with("No STEP file: ") && said.contains(" mm are to spare"), "{said}");
     assert!(files.iter().all(|file| !file.ends_with(".step")) && files.contains(&"electrode_1.stl".to_owned()));

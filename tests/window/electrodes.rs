@@ -16,7 +16,7 @@ use mold::cutter::{Cutter, CutterLibrary};
 use mold::electrode::design::{Burn, ElectrodeSet};
 use mold::electrode::params::{Edit, Holder, Method};
 use mold::opening::Opening::MinusX;
-use nc::burn_template::BurnSheet;
+use nc::template::BurnSheet;
 use sparkpath::shell::run::Opening;
 use sparkpath::workspaces::commands::{CommandSet as _, Commanded as _};
 use sparkpath::workspaces::flank::document::{FlankDocument, FlankSource};

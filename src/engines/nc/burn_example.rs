@@ -4,18 +4,23 @@ use super::burn_table::{
     BlankEntry, BurnEntry, BurnTable, CheckEntry, CheckState, DatumEntry, ElectrodeEntry, ElectrodeState, FamilyEntry,
     HolderEntry, NotBurned, OrbitEntry, Pose, SCHEMA,
 };
+use super::template::Templated;
 use mold::electrode::finding::CheckKind;
 use mold::electrode::params::{Method, Shape};
 
 const AS_IT_IS: Pose = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 
-impl BurnTable {
-    /// Two tables with everything that a template may meet: one where all is there that can be, and one with an
-    /// electrode in each state, of which two lack what may be missing.
-    pub(super) fn examples() -> [Self; 2] {
+impl Templated for BurnTable {
+    const FILE: &'static str = "burn_table.json";
+    const SHEET: &'static str = "burn sheet";
+    const STANDARD: &'static str = include_str!("../../../assets/burn_table.jinja");
+
+    /// One table where all is there that can be, and one with an electrode in each state, of which two lack what may be
+    /// missing.
+    fn examples() -> Vec<Self> {
         let all = [ElectrodeState::Ok, ElectrodeState::Overridden, ElectrodeState::Blocked];
         let several = all.map(|state| electrode(state, state == ElectrodeState::Ok)).to_vec();
-        [vec![electrode(ElectrodeState::Ok, true)], several].map(|electrodes| Self {
+        let tables = [vec![electrode(ElectrodeState::Ok, true)], several].map(|electrodes| Self {
             schema: SCHEMA,
             program_version: env!("CARGO_PKG_VERSION"),
             mold: "example".to_owned(),
@@ -36,7 +41,8 @@ impl BurnTable {
             electrodes,
             not_burned: vec![NotBurned { region: 2, why: "there is nothing to burn".to_owned() }],
             notes: vec!["to be seen to".to_owned()],
-        })
+        });
+        tables.into()
     }
 }
 

@@ -8,8 +8,11 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::burn_table::BurnTable;
+use crate::measuring_points::{MeasuringPoint, measuring_points};
 use crate::step_files::{WrittenStep, count, length, text, written_step};
 use files::{ExportFolder, FileError};
+use geometry::exact::ExactMeshError;
+use glam::DVec3;
 use import::{glb_bytes, obj_bytes, stl_bytes};
 use mold::electrode::design::{Electrode, ElectrodeSet};
 use mold::electrode::params::{ElectrodeParams, Orbit, Shape};
@@ -72,23 +75,38 @@ impl ElectrodeFormat {
 /// Share of the spark gap by which the faces of a STEP file may reach beyond the mesh.
 const TO_SPARE: f64 = 0.1;
 
+/// Names of the faces of an electrode.
+const FACES: [&str; 3] = ["burning", "base", "datum"];
+
+/// Face of each triangle of an electrode, as its number in [`FACES`].
+fn faces_of(electrode: &Electrode) -> Vec<usize> {
+    let near = 1e-6 * (1.0 + electrode.base.height);
+    let face = |corners: [DVec3; 3]| match corners.iter().map(|p| p.z).fold(f64::INFINITY, f64::min) {
+        z if z > -near => 2,
+        z if z > -electrode.base.height - near => 1,
+        _ => 0,
+    };
+    electrode.mesh.iter_corners().map(face).collect()
+}
+
+/// Points of the base and of the burning faces of an electrode on its holder, in the axes of its files.
+///
+/// # Errors
+/// An electrode without triangles.
+pub fn points_to_measure(electrode: &Electrode) -> Result<Vec<MeasuringPoint>, ExactMeshError> {
+    let [burning, base, _datum] = FACES;
+    let surface_of: Vec<Option<usize>> = faces_of(electrode).into_iter().map(Some).collect();
+    measuring_points(&electrode.mesh, &[burning, base], &surface_of)
+}
+
 /// The body that electrode number `e` is of as STEP: burning faces, base and datum have names and colours, and the part has
 /// what a shop needs to know of each electrode, with the positions of the burn table.
 fn step_of(set: &ElectrodeSet, table: &BurnTable, e: usize, task: &Task) -> Result<WrittenStep, Cancelled> {
     let electrode = &set.electrodes[e];
     let role = |name: &str, colour: [f64; 3]| Role { name: name.to_owned(), colour: Some(colour) };
-    let roles =
-        [role("burning", [0.85, 0.45, 0.20]), role("base", [0.60, 0.62, 0.66]), role("datum", [0.20, 0.45, 0.80])];
-    let near = 1e-6 * (1.0 + electrode.base.height);
-    let role_of = electrode.mesh.iter_corners().map(|corners| {
-        let least = corners.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
-        match least {
-            z if z > -near => 2,
-            z if z > -electrode.base.height - near => 1,
-            _ => 0,
-        }
-    });
-    let role_of: Vec<u16> = role_of.collect();
+    let colours = [[0.85, 0.45, 0.20], [0.60, 0.62, 0.66], [0.20, 0.45, 0.80]];
+    let roles: Vec<Role> = FACES.iter().zip(colours).map(|(name, colour)| role(name, colour)).collect();
+    let role_of: Vec<u16> = faces_of(electrode).into_iter().map(|face| face as u16).collect();
     let (mut properties, mut least_gap, mut quantity) = (Vec::new(), f64::INFINITY, 1);
     for entry in set.body_of(e).into_iter().filter_map(|member| table.electrodes.get(member)) {
         let named = |what: &str| format!("{} {what}", entry.name);
@@ -141,6 +159,9 @@ pub enum ElectrodeExportError {
     /// The figures have no JSON.
     #[error("the burn table as JSON: {0}")]
     Json(#[from] serde_json::Error),
+    /// An electrode has no points to measure.
+    #[error("measuring points: {0}")]
+    MeasuringPoints(#[from] ExactMeshError),
     /// The report has no page.
     #[error(transparent)]
     Page(#[from] files::report::PageError),

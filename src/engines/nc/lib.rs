@@ -6,7 +6,6 @@ pub mod block_feed;
 pub mod burn_csv;
 pub mod burn_example;
 pub mod burn_table;
-pub mod burn_template;
 pub mod cutter_locations;
 pub mod electrode_files;
 #[cfg(any(test, feature = "fixtures"))]
@@ -17,7 +16,9 @@ pub mod flank_job;
 pub mod flank_program;
 pub mod job_file;
 pub mod lines;
+pub mod measuring_points;
 pub mod path_csv;
 pub mod post;
 pub mod program;
 pub mod step_files;
+pub mod template;

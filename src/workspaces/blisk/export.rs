@@ -15,14 +15,17 @@ use feed::certificate::Certificate;
 use feed::copying::Copying;
 use feed::machine_model::MachineModel;
 use files::{ExportFolder, FileError};
+use geometry::exact::ExactMeshError;
 use geometry::mesh::Mesh;
 use import::stl_bytes;
 use nc::approved::{Approved, NotApproved};
 use nc::lines::NcError;
+use nc::measuring_points::measuring_csv;
 use nc::path_csv::{PathCsvError, write_copying_csv, write_path_csv};
 use nc::post::{Post, PostError};
 use nc::program::{NcJob, NcProgram, is_program_for};
 use nc::step_files::{WrittenStep, length, step_words, text, written_step};
+use nc::template::{JobSheet, TemplateError};
 use step::write::{Role, StepPart, StepPatch};
 use task::{Cancel, Cancelled, Task};
 use wheel::channel::{Channel, Surface};
@@ -58,6 +61,10 @@ pub enum PlanFilesError {
     #[error(transparent)]
     Post(#[from] PostError),
     #[error(transparent)]
+    JobSheet(#[from] TemplateError),
+    #[error("measuring points: {0}")]
+    MeasuringPoints(#[from] ExactMeshError),
+    #[error(transparent)]
     Nc(#[from] NcError),
     #[error("the path of electrode {electrode} was certified but cannot be approved: {source}")]
     NotApproved { electrode: usize, source: NotApproved },
@@ -75,7 +82,7 @@ pub fn export(
     files: Vec<InputFile>,
     task: &Task,
 ) -> Result<(Report, Vec<String>), PlanFilesError> {
-    let post = Post::named(&inputs.job.export.post)?;
+    let forms = ExportForms::of(&inputs.job.export)?;
     ExportFolder::check(folder)?;
     let mut report = build::report(outcome, &inputs.job, files);
     match outcome.stopped() {
@@ -83,7 +90,7 @@ pub fn export(
         // Who stops the work does not wait for pictures.
         Some(_) => report.no_pictures = Some("the work was stopped".to_owned()),
     }
-    let written = write(folder, outcome, inputs, &post, &mut report, &task.cancel)?;
+    let written = write(folder, outcome, inputs, &forms, &mut report, &task.cancel)?;
     Ok((report, written))
 }
 
@@ -97,7 +104,7 @@ pub fn write(
     folder: &Path,
     outcome: &PlanOutcome,
     inputs: &PlanInputs,
-    post: &Post,
+    forms: &ExportForms,
     report: &mut Report,
     cancel: &Cancel,
 ) -> Result<Vec<String>, PlanFilesError> {
@@ -105,7 +112,13 @@ pub fn write(
     // Frames are exact data of the outcome: the blisk comes out with the very bits that it was verified with.
     let blisk = outcome.channel.wheel_in_w(&inputs.blisk);
     let bodies = bodies_now(outcome, &inputs.job, cancel)?;
-    let context = Context { channel: &outcome.channel, blisk: &blisk, job: &inputs.job, post, bodies: bodies.as_ref() };
+    let context = Context {
+        channel: &outcome.channel,
+        blisk: &blisk,
+        job: &inputs.job,
+        post: &forms.post,
+        bodies: bodies.as_ref(),
+    };
     let (mut files, mut programs): (Vec<(String, Vec<u8>)>, Vec<_>) = (Vec::new(), Vec::new());
     for i in 0..outcome.electrodes.len() {
         let step = inputs.job.export.files.step.then(|| step_file(i + 1, outcome, &context, cancel));
@@ -136,10 +149,17 @@ pub fn write(
     if let Some(schedule) = schedule.filter(|_| inputs.job.export.files.report) {
         files.push((SCHEDULE_FILE.to_owned(), schedule_csv(schedule).into_bytes()));
     }
+    let mut no_job_sheet = None;
     if inputs.job.export.files.report {
-        let job = job_of_plan(outcome, &inputs.job, report.burning.as_ref(), &files);
-        let texts = [("job.json", job.json()?), ("job.xml", job.xml()?), ("job.csv", job.csv())];
-        files.extend(texts.map(|(name, text)| (name.to_owned(), text.into_bytes())));
+        let job = job_of_plan(outcome, &inputs.job, report.burning.as_ref(), &files)?;
+        let points = job.electrodes.iter().map(|electrode| (electrode.id.as_str(), &electrode.inspection_points[..]));
+        let mut texts = vec![("measuring_points.csv", measuring_csv(points))];
+        texts.extend([("job.json", job.json()?), ("job.xml", job.xml()?), ("job.csv", job.csv())]);
+        match forms.job_sheet.of(&job) {
+            Ok(sheet) => texts.push((JOB_SHEET_FILE, sheet)),
+            Err(error) => no_job_sheet = Some(error.to_string()),
+        }
+        files.extend(texts.into_iter().map(|(name, text)| (name.to_owned(), text.into_bytes())));
     }
     if let (Some(walls), true) = (&outcome.measured, inputs.job.export.files.report) {
         files.push((SECTIONS_FILE.to_owned(), walls.csv().into_bytes()));
@@ -150,7 +170,7 @@ pub fn write(
     if inputs.job.export.files.pictures {
         files.extend(report.pictures.iter().map(|p| (p.file.clone(), p.png.clone())));
     }
-    files.extend(reports(report, &inputs.job.export, &files, &programs)?);
+    files.extend(reports(report, &inputs.job.export, &files, &programs, no_job_sheet)?);
     files.extend(programs);
     let mut out = ExportFolder::open(folder, EXPORT)?.replacing(&VERDICTS).setting_aside(is_program);
     for (name, bytes) in &files {
@@ -184,6 +204,7 @@ fn reports(
     export: &ExportSection,
     files: &[NamedFile],
     programs: &[NamedFile],
+    no_job_sheet: Option<String>,
 ) -> Result<Vec<NamedFile>, PlanFilesError> {
     let own: &[&str] = if export.files.report { &["report.json", "report.html"] } else { &[] };
     let names = |files: &[NamedFile]| files.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
@@ -192,6 +213,7 @@ fn reports(
         electrode_frame: export.frame,
         post: export.post.clone(),
         files: [names(files), own, names(programs)].concat(),
+        no_job_sheet,
         not_asked_for: export.files.kinds().into_iter().filter(|(_, wanted)| !wanted).map(|(kind, _)| kind).collect(),
     };
     if !export.files.report {
@@ -209,6 +231,28 @@ const SCHEDULE_FILE: &str = "schedule.csv";
 
 /// The measured points with their deviations.
 const SECTIONS_FILE: &str = "section_deviations.csv";
+
+/// The job sheet.
+const JOB_SHEET_FILE: &str = "job_sheet.txt";
+
+/// The forms of what is written: the post of the programs and the template of the job sheet.
+#[derive(Debug)]
+pub struct ExportForms {
+    /// Post of the NC programs.
+    pub post: Post,
+    /// Template of the job sheet.
+    pub job_sheet: JobSheet,
+}
+
+impl ExportForms {
+    /// The forms that `export` names.
+    ///
+    /// # Errors
+    /// The first that cannot be used.
+    pub fn of(export: &ExportSection) -> Result<Self, PlanFilesError> {
+        Ok(Self { post: Post::named(&export.post)?, job_sheet: JobSheet::named(&export.job_sheet)? })
+    }
+}
 
 /// What the files of all electrodes share.
 struct Context<'a> {
@@ -233,20 +277,35 @@ fn bodies_now(outcome: &PlanOutcome, job: &PlanJob, cancel: &Cancel) -> Result<O
     })
 }
 
+/// Name of a face.
+pub(super) fn face_name(face: ElectrodeFace, channel: &Channel) -> &'static str {
+    match face {
+        ElectrodeFace::LowWall => channel.surface_name(Surface::LowWall),
+        ElectrodeFace::HighWall => channel.surface_name(Surface::HighWall),
+        ElectrodeFace::HubSide => "hub side",
+        ElectrodeFace::ShroudSide => "shroud side",
+        ElectrodeFace::Division => "division",
+        ElectrodeFace::FarEnd => "far end",
+        ElectrodeFace::EntryEnd => "shoulder",
+        ElectrodeFace::Shank => "shank",
+        ElectrodeFace::Holder => "base",
+    }
+}
+
 /// Name and colour of a face: what burns is coppery, the rest grey.
 fn role(face: ElectrodeFace, channel: &Channel) -> Role {
-    let (name, colour) = match face {
-        ElectrodeFace::LowWall => (channel.surface_name(Surface::LowWall), [0.80, 0.45, 0.25]),
-        ElectrodeFace::HighWall => (channel.surface_name(Surface::HighWall), [0.72, 0.38, 0.20]),
-        ElectrodeFace::HubSide => ("hub side", [0.88, 0.60, 0.38]),
-        ElectrodeFace::ShroudSide => ("shroud side", [0.88, 0.66, 0.48]),
-        ElectrodeFace::Division => ("division", [0.85, 0.72, 0.55]),
-        ElectrodeFace::FarEnd => ("far end", [0.75, 0.55, 0.40]),
-        ElectrodeFace::EntryEnd => ("shoulder", [0.62, 0.62, 0.62]),
-        ElectrodeFace::Shank => ("shank", [0.70, 0.70, 0.70]),
-        ElectrodeFace::Holder => ("base", [0.55, 0.57, 0.60]),
+    let colour = match face {
+        ElectrodeFace::LowWall => [0.80, 0.45, 0.25],
+        ElectrodeFace::HighWall => [0.72, 0.38, 0.20],
+        ElectrodeFace::HubSide => [0.88, 0.60, 0.38],
+        ElectrodeFace::ShroudSide => [0.88, 0.66, 0.48],
+        ElectrodeFace::Division => [0.85, 0.72, 0.55],
+        ElectrodeFace::FarEnd => [0.75, 0.55, 0.40],
+        ElectrodeFace::EntryEnd => [0.62, 0.62, 0.62],
+        ElectrodeFace::Shank => [0.70, 0.70, 0.70],
+        ElectrodeFace::Holder => [0.55, 0.57, 0.60],
     };
-    Role { name: name.to_owned(), colour: Some(colour) }
+    Role { name: face_name(face, channel).to_owned(), colour: Some(colour) }
 }
 
 /// Electrode number `k` as STEP, or the reason why there is none. Its faces keep the clearance that is required, on the feed

@@ -17,6 +17,8 @@ pub enum BliskPath {
     Sections,
     /// An NC post of one's own.
     Post,
+    /// A template of the job sheet of one's own.
+    JobSheet,
     /// A machine file of one's own.
     Machine,
     /// A technology table of one's own.
@@ -28,7 +30,7 @@ pub enum BliskPath {
 impl PathSet for BliskPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use BliskPath as P;
-        static TABLE: [(P, PathInfo); 8] = [
+        static TABLE: [(P, PathInfo); 9] = [
             (
                 P::Open,
                 PathInfo::open(
@@ -40,6 +42,7 @@ impl PathSet for BliskPath {
             (P::ElectrodeMesh, PathInfo::new("Your own electrode", PathKind::Read("Meshes", &[MESH_ENDINGS], false))),
             (P::Sections, PathInfo::new("Measured sections", PathKind::Read("Tables", &[CSV], false))),
             (P::Post, PathInfo::new("Your own NC post", PathKind::Read("Post", &[TOML], false))),
+            (P::JobSheet, PathInfo::new("Your own template of the job sheet", PathKind::Read("", &[], false))),
             (P::Machine, PathInfo::new("Your own machine", PathKind::Read("Machine", &[TOML], false))),
             (P::Technology, PathInfo::new("Your own technology table", PathKind::Read("Technology", &[TOML], false))),
             (P::MovedFile, FIND),

@@ -33,6 +33,7 @@ use crate::workspaces::technology::{read_table, take_first_unless_known};
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
 use files::{AnyDocument, Params as _, Recovery};
 use nc::post::Post;
+use nc::template::JobSheet;
 use render::view::StandardView;
 use task::{Scheduler, State, Task};
 
@@ -219,6 +220,18 @@ impl BliskWorkspace {
         }
     }
 
+    /// Sets the template of the job sheet of this file, or shows why the file is none.
+    pub fn take_job_sheet(&mut self, path: &Path, cx: &mut Context) {
+        match JobSheet::read(path) {
+            Ok(_) => {
+                let mut job = self.desk.document.params().clone();
+                job.export.job_sheet = path.to_string_lossy().into_owned();
+                self.desk.edit("Files Job sheet", job, false);
+            }
+            Err(error) => cx.error("This is no template of a job sheet", error.to_string()),
+        }
+    }
+
     /// Sets the file of the parameter under `key`, or shows why it cannot be set.
     fn take_file(&mut self, label: &str, key: &str, path: &Path, cx: &mut Context) {
         match FIELDS.set(self.desk.document.params(), key, &path.to_string_lossy()) {
@@ -348,6 +361,7 @@ impl Workspace for BliskWorkspace {
                 cx.ask(BliskPath::ElectrodeMesh, "");
             }
             Some(FormRequest::Post) => cx.ask(BliskPath::Post, ""),
+            Some(FormRequest::JobSheet) => cx.ask(BliskPath::JobSheet, ""),
             Some(FormRequest::Machine) => cx.ask(BliskPath::Machine, ""),
             Some(FormRequest::Technology) => cx.ask(BliskPath::Technology, ""),
             None => {}
@@ -456,6 +470,7 @@ impl Workspace for BliskWorkspace {
             }
             Some(BliskPath::Sections) => self.take_file("Sections", "blisk.sections.file", &path, cx),
             Some(BliskPath::Post) => self.take_post(&path, cx),
+            Some(BliskPath::JobSheet) => self.take_job_sheet(&path, cx),
             Some(BliskPath::Machine) => self.take_machine(&path, cx),
             Some(BliskPath::Technology) => self.take_technology(&path, cx),
             Some(BliskPath::MovedFile) => {

@@ -24,7 +24,7 @@ use crate::workspaces::opening::{Incoming, Opening, Source};
 use crate::workspaces::technology::{read_table, take_first_unless_known};
 use crate::workspaces::workspace::{About, Menu, Workspace, held_in_fields};
 use files::{AnyDocument, Document, Recovery, paths};
-use nc::burn_template::BurnSheet;
+use nc::template::BurnSheet;
 use task::{Scheduler, State};
 
 static ABOUT: About = About { id: "mold", name: "Mold", switch: CommandInfo::new("Workspace: mold"), menu: "Mold" };

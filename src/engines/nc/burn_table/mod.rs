@@ -1,7 +1,7 @@
 //! The burn table: what is burned with which electrode, where, how deep, and what was checked, as CSV and JSON.
 //!
 //! Positions are in the axes of the work datum, whose Z is the opening direction; `to_file` takes them to the axes of the
-//! mold's file. Text of any other form is made from the same table by [`burn_template`](super::burn_template).
+//! mold's file. Text of any other form is made from the same table by [`template`](super::template).
 
 use glam::{DAffine3, DMat3, DVec3};
 use serde::Serialize;

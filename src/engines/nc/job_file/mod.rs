@@ -2,12 +2,17 @@
 //! exists as JSON, whose schema is [`SCHEMA`], as XML of the same structure, and as CSV with one row for each operation.
 //! Lengths are in mm, angles in degrees. What is not known is null in JSON, and left out or empty in the others.
 
+mod example;
 mod formats;
 mod of_table;
 #[cfg(test)]
 mod tests;
 
-use serde::Serialize;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::measuring_points::MeasuringPoint;
 
 /// JSON schema of a job file, by which other programs can check it.
 pub const SCHEMA: &str = include_str!("job.schema.json");
@@ -15,20 +20,58 @@ pub const SCHEMA: &str = include_str!("job.schema.json");
 pub const FORMAT: &str = "sparkpath-job-1";
 
 /// A job.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct JobFile {
     /// [`FORMAT`].
-    pub format: &'static str,
+    pub format: String,
     /// Version of the program.
-    pub program_version: &'static str,
+    pub program_version: String,
     /// The workpiece.
     pub workpiece: Workpiece,
     /// The electrodes in the order in which they burn.
     pub electrodes: Vec<JobElectrode>,
 }
 
+/// The largest job file that is read (bytes).
+const LARGEST_FILE: u64 = 64 << 20;
+
+/// Reason why a file is no job.
+#[derive(Debug, thiserror::Error)]
+pub enum JobFileError {
+    /// File cannot be read.
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    /// The text is no job.
+    #[error(
+        "{file}: this is no job of the format {FORMAT}: {problem}; export the job again, or compare with its schema"
+    )]
+    Wrong {
+        /// The file.
+        file: String,
+        /// Problem, with the line.
+        problem: String,
+    },
+}
+
+impl JobFile {
+    /// The job in the JSON file `file`, of at most 64 MiB.
+    ///
+    /// # Errors
+    /// [`JobFileError`].
+    pub fn read(file: &Path) -> Result<Self, JobFileError> {
+        let text = files::read_text(file, "job", LARGEST_FILE)?;
+        let wrong = |problem| JobFileError::Wrong { file: file.display().to_string(), problem };
+        let job: Self = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+        if job.format != FORMAT {
+            return Err(wrong(format!("its format is {:?}", job.format)));
+        }
+        Ok(job)
+    }
+}
+
 /// Kind of a workpiece.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WorkpieceKind {
     /// A wheel with channels.
@@ -38,7 +81,8 @@ pub enum WorkpieceKind {
 }
 
 /// A workpiece.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Workpiece {
     /// Identifier in this file.
     pub id: String,
@@ -62,7 +106,8 @@ pub struct Workpiece {
 }
 
 /// A file beside the job.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FileEntry {
     /// Name.
     pub name: String,
@@ -78,7 +123,8 @@ impl FileEntry {
 }
 
 /// An orbit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct JobOrbit {
     /// Name of the pattern: circular or square.
     pub pattern: String,
@@ -87,7 +133,8 @@ pub struct JobOrbit {
 }
 
 /// Technology that an electrode burns with.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct JobTechnology {
     /// Name of the table.
     pub table: String,
@@ -100,7 +147,8 @@ pub struct JobTechnology {
 }
 
 /// An electrode.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct JobElectrode {
     /// Identifier in this file.
     pub id: String,
@@ -132,13 +180,16 @@ pub struct JobElectrode {
     pub technology: Option<JobTechnology>,
     /// Length that the front loses at one location, on average (mm); none if wear is not considered.
     pub end_wear_mm: Option<f64>,
+    /// Points at which it is measured on its holder, in the axes of its files.
+    pub inspection_points: Vec<MeasuringPoint>,
     /// The places where it burns.
     pub locations: Vec<Location>,
 }
 
 /// Values of the axes in the final pose: in a wheel the motion from where the electrode stands in W, in a mold the place of
 /// the electrode's origin.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Position {
     /// X (mm).
     pub x_mm: f64,
@@ -155,7 +206,8 @@ pub struct Position {
 }
 
 /// A place where an electrode burns.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Location {
     /// Identifier in this file.
     pub id: String,
@@ -177,7 +229,7 @@ pub struct Location {
 }
 
 /// Kind of an operation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OperationKind {
     /// Sinking along the approach.
@@ -189,7 +241,8 @@ pub enum OperationKind {
 }
 
 /// An operation.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Operation {
     /// Identifier in this file.
     pub id: String,

@@ -5,15 +5,17 @@ use super::{
     Workpiece, WorkpieceKind,
 };
 use crate::burn_table::{BurnEntry, BurnTable, ElectrodeEntry, ElectrodeState};
+use crate::measuring_points::MeasuringPoint;
 use mold::electrode::params::Shape;
 
 impl JobFile {
     /// The job of a mold's electrodes. `files_of` gives the files of the electrode with a name, `technology_of` the technology
-    /// of a stage. Electrodes that are blocked are left out.
+    /// of a stage, `points_of` the points to be measured of the electrode with a name. Electrodes that are blocked are left out.
     pub fn of_table(
         table: &BurnTable,
         files_of: impl Fn(&str) -> Vec<FileEntry>,
         technology_of: impl Fn(&str) -> Option<JobTechnology>,
+        mut points_of: impl FnMut(&str) -> Vec<MeasuringPoint>,
     ) -> Self {
         let released = table.electrodes.iter().filter(|entry| entry.state != ElectrodeState::Blocked);
         let electrode = |(i, entry): (usize, &ElectrodeEntry)| {
@@ -33,6 +35,7 @@ impl JobFile {
                 orbit: (entry.orbit.radius_mm > 0.0)
                     .then(|| JobOrbit { pattern: entry.orbit.pattern.to_owned(), radius_mm: entry.orbit.radius_mm }),
                 technology: technology_of(&entry.stage),
+                inspection_points: points_of(&entry.name),
                 // That of all burns is shared among them.
                 end_wear_mm: entry.end_wear_mm.map(|wear| wear / entry.burns.len().max(1) as f64),
                 locations: entry.burns.iter().map(|burn| location(&id, entry, burn, table.lift_mm)).collect(),
@@ -41,8 +44,8 @@ impl JobFile {
         };
         let z_axis = [0, 1, 2].map(|row| table.to_file[row][2]);
         Self {
-            format: FORMAT,
-            program_version: env!("CARGO_PKG_VERSION"),
+            format: FORMAT.to_owned(),
+            program_version: env!("CARGO_PKG_VERSION").to_owned(),
             workpiece: Workpiece {
                 id: "W1".to_owned(),
                 name: table.mold.clone(),

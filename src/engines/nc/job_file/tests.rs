@@ -1,6 +1,7 @@
 use super::*;
 use crate::burn_table::BurnTable;
 use crate::electrode_fixtures::set;
+use crate::template::Templated as _;
 use mold::datum::Datum;
 use mold::opening::Opening;
 use serde_json::Value;
@@ -13,7 +14,7 @@ fn job() -> JobFile {
         last_step: None,
         finish_vdi: None,
     };
-    JobFile::of_table(&table, |name| vec![FileEntry::of(name, b"")], |_| Some(technology.clone()))
+    JobFile::of_table(&table, |name| vec![FileEntry::of(name, b"")], |_| Some(technology.clone()), |_| Vec::new())
 }
 
 /// Why `value` is not what `schema` asks for, by the keywords that [`SCHEMA`] uses but for `pattern`.
@@ -64,12 +65,36 @@ fn wrong(schema: &Value, value: &Value, root: &Value) -> Option<String> {
 #[test]
 fn a_job_is_what_its_schema_asks_for() {
     let schema: Value = serde_json::from_str(SCHEMA).unwrap();
-    let job: Value = serde_json::from_str(&job().json().unwrap()).unwrap();
+    let as_value = |job: &JobFile| -> Value { serde_json::from_str(&job.json().unwrap()).unwrap() };
+    for example in JobFile::examples() {
+        assert_eq!(wrong(&schema, &as_value(&example), &schema), None);
+    }
+    let job = as_value(&job());
     assert_eq!(wrong(&schema, &job, &schema), None);
     for (key, value) in [("/format", "other".into()), ("/electrodes/0/spark_gap_mm", Value::Null)] {
         let mut spoilt = job.clone();
         *spoilt.pointer_mut(key).unwrap() = value;
         assert!(wrong(&schema, &spoilt, &schema).is_some(), "{key}");
+    }
+}
+
+#[test]
+fn a_job_that_was_written_is_read_again_and_another_file_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("job.json");
+    for job in JobFile::examples().into_iter().chain([job()]) {
+        std::fs::write(&file, job.json().unwrap()).unwrap();
+        assert_eq!(JobFile::read(&file).unwrap(), job);
+    }
+    let text = job().json().unwrap();
+    for (from, to, words) in [
+        (FORMAT, "other", "its format is \"other\""),
+        ("spark_gap_mm", "gap", "unknown field `gap`"),
+        ("{", "", "at line"),
+    ] {
+        std::fs::write(&file, text.replace(from, to)).unwrap();
+        let said = JobFile::read(&file).unwrap_err().to_string();
+        assert!(said.contains(words) && said.contains("export the job again"), "{said}");
     }
 }
 

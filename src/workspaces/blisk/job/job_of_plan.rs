@@ -4,15 +4,20 @@ use super::burning::{BurningElectrode, WheelBurning};
 use super::outcome::{ElectrodeOutcome, PlanOutcome};
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::job_file::PlanJob;
+use crate::workspaces::blisk::export::face_name;
 use feed::certificate::Certificate;
 use feed::copying::Copying;
 use feed::path::PathRow;
 use files::Params as _;
+use geometry::exact::ExactMeshError;
 use glam::DVec3;
 use nc::job_file::{
     FORMAT, FileEntry, JobElectrode, JobFile, JobTechnology, Location, Operation, OperationKind, Position, Workpiece,
     WorkpieceKind,
 };
+use nc::measuring_points::{MeasuringPoint, measuring_points};
+use wheel::channel::Channel;
+use wheel::electrode::{Electrode, ElectrodeFace};
 
 /// The job of the electrodes of `outcome`, of which `files` are written. Positions are those of W, in which every electrode
 /// ends in the same pose; in other channels A is turned.
@@ -21,14 +26,15 @@ pub fn job_of_plan(
     job: &PlanJob,
     burning: Option<&WheelBurning>,
     files: &[(String, Vec<u8>)],
-) -> JobFile {
+) -> Result<JobFile, ExactMeshError> {
     let channel = &outcome.channel;
     let certificates =
         outcome.electrodes.iter().filter_map(|e| Some(&e.plan.path.as_ref()?.certificate)).filter(|c| c.holds());
-    let electrodes = outcome.electrodes.iter().enumerate().map(|own| electrode(own, outcome, job, burning, files));
-    JobFile {
-        format: FORMAT,
-        program_version: env!("CARGO_PKG_VERSION"),
+    let electrodes = outcome.electrodes.iter().enumerate();
+    let electrodes = electrodes.map(|own| electrode(own, outcome, job, burning, files)).collect::<Result<_, _>>()?;
+    Ok(JobFile {
+        format: FORMAT.to_owned(),
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
         workpiece: Workpiece {
             id: "W1".to_owned(),
             name: job.part(),
@@ -40,8 +46,8 @@ pub fn job_of_plan(
             z_axis: channel.frame.z.to_array(),
             mesh_sha256: certificates.map(|c| c.blisk_digest().to_owned()).next(),
         },
-        electrodes: electrodes.collect(),
-    }
+        electrodes,
+    })
 }
 
 fn electrode(
@@ -50,7 +56,7 @@ fn electrode(
     job: &PlanJob,
     burning: Option<&WheelBurning>,
     files: &[(String, Vec<u8>)],
-) -> JobElectrode {
+) -> Result<JobElectrode, ExactMeshError> {
     let (number, id) = (index + 1, format!("E{}", index + 1));
     let stem = format!("electrode_{number}.");
     let of_electrode = files.iter().filter(|(name, _)| name == &format!("{stem}stl") || name == &format!("{stem}step"));
@@ -81,7 +87,7 @@ fn electrode(
             id,
         }
     };
-    JobElectrode {
+    Ok(JobElectrode {
         name: format!("electrode {number}"),
         files: of_electrode.map(|(name, bytes)| FileEntry::of(name, bytes)).collect(),
         axes: match job.export.frame {
@@ -98,10 +104,33 @@ fn electrode(
         undersize_floor_mm: gap,
         orbit: None,
         technology,
+        inspection_points: inspection_points(&own.electrode, &outcome.channel, job.export.frame)?,
         end_wear_mm: burning.and_then(|of| of.figures.end_wear_mm),
         locations: visits.into_iter().enumerate().map(location).collect(),
         id,
+    })
+}
+
+/// Points of the base and of the burning faces, in the axes of the electrode's files.
+fn inspection_points(
+    electrode: &Electrode,
+    channel: &Channel,
+    frame: MeshFrame,
+) -> Result<Vec<MeasuringPoint>, ExactMeshError> {
+    let mut measured: Vec<ElectrodeFace> = Vec::new();
+    for &face in &electrode.faces {
+        if (face.burns() || face == ElectrodeFace::Holder) && !measured.contains(&face) {
+            measured.push(face);
+        }
     }
+    let number = |face: &ElectrodeFace| measured.iter().position(|of| of == face);
+    let surface_of: Vec<Option<usize>> = electrode.faces.iter().map(number).collect();
+    let names: Vec<&str> = measured.iter().map(|&face| face_name(face, channel)).collect();
+    let mesh = match frame {
+        MeshFrame::Mesh => &electrode.mesh.in_parent_of(&channel.frame),
+        MeshFrame::W => &electrode.mesh,
+    };
+    measuring_points(mesh, &names, &surface_of)
 }
 
 /// Unit vector along which the certified feed of an electrode ends, in the axes of W.

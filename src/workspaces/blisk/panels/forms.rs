@@ -19,6 +19,8 @@ pub enum Request {
     ElectrodeMesh(String),
     /// An NC post of one's own.
     Post,
+    /// A template of the job sheet of one's own.
+    JobSheet,
     /// A machine file of one's own.
     Machine,
     /// A technology table of one's own.
@@ -44,6 +46,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) -
     answer.wanted.map(|key| match key.as_str() {
         "machine.name" => Request::Machine,
         "export.post" => Request::Post,
+        "export.job_sheet" => Request::JobSheet,
         "technology.table" => Request::Technology,
         "blisk.sections.file" => Request::Sections,
         _ => Request::ElectrodeMesh(key),

@@ -43,6 +43,7 @@ pub(crate) fn report() -> Report {
             electrode_frame: MeshFrame::W,
             post: "beckhoff-edm".to_owned(),
             files: ["electrode_1.stl", "path_1.csv", "report.json"].map(str::to_owned).to_vec(),
+            no_job_sheet: None,
             not_asked_for: vec!["nc", "pictures"],
         },
         times: vec![

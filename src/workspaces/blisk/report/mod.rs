@@ -500,6 +500,8 @@ pub struct Written {
     pub post: String,
     /// Every file, in the order of writing.
     pub files: Vec<String>,
+    /// Reason why there is no job sheet, if its template makes none.
+    pub no_job_sheet: Option<String>,
     /// Keys of `[export.files]` that were false.
     pub not_asked_for: Vec<&'static str>,
 }

@@ -14,8 +14,8 @@ use files::ExportFolder;
 use mold::datum::Datum;
 use mold::electrode::design::ElectrodeSet;
 use mold::electrode::design::IdleOverride;
-use nc::burn_template::BurnSheet;
 use nc::electrode_files::{ElectrodeFormat, LeftOut};
+use nc::template::BurnSheet;
 use task::Task;
 
 /// Result of an export.

@@ -24,8 +24,8 @@ use import::{Reading, Units};
 use mold::cutter::CutterLibrary;
 use mold::electrode::design::ElectrodeSet;
 use mold::electrode::params::ElectrodeParams;
-use nc::burn_template::BurnSheet;
 use nc::electrode_files::ElectrodeFormat;
+use nc::template::BurnSheet;
 pub use steps::{FoundUncut, Glance, LoadedMold, load as read_part};
 use task::{Doing, Lane, Memo, Priority, Scheduler, State};
 

@@ -47,6 +47,7 @@ pub(super) const STRATEGIES: &[Word] = &[
 ];
 pub(super) const CURVES: &[Word] = &[word("spline", "cubic spline", ""), word("nurbs", "NURBS", "")];
 pub(super) const H_MODES: &[Word] = &[word("given", "as given", ""), word("variable", "search", "")];
+pub(super) const JOB_SHEETS: &[Word] = &[word(nc::template::STANDARD, "Built-in", "")];
 pub(super) const POSTS: &[Word] = &[word("iso", "ISO 6983 (RS-274)", ""), word("beckhoff-edm", "Beckhoff EDM", "")];
 pub(super) const FRAMES: &[Word] = &[word("mesh", "loaded mesh", ""), word("w", "workpiece W", "")];
 pub(super) const SIZES: &[Word] = &[word("given", "as given", ""), word("auto", "found", "")];

@@ -4,8 +4,8 @@ use files::{Field, FieldTable, Group, When};
 
 use super::blade_fields::BLADES;
 use super::choice_words::{
-    AXES, AXIS_WORDS, BODIES, CHANNELS, CONSTRAINTS, CURVES, END_WALLS, ENDS, FACES, FRAMES, H_MODES, HEADS, MACHINES,
-    POSTS, SIDES, SIZES, STRATEGIES, TURNED, UNITS, Z_AT,
+    AXES, AXIS_WORDS, BODIES, CHANNELS, CONSTRAINTS, CURVES, END_WALLS, ENDS, FACES, FRAMES, H_MODES, HEADS,
+    JOB_SHEETS, MACHINES, POSTS, SIDES, SIZES, STRATEGIES, TURNED, UNITS, Z_AT,
 };
 use super::electrode_fields::{OWN_ELECTRODE, SINGLE_PARTS};
 use super::setting_fields::SETTING;
@@ -447,8 +447,11 @@ const GROUPS: &[Group] = &[
                 .help("path_K.nc through the post. Only a certified path has one."),
             Field::flag("export.files.report", "Report").help(
                 "report.html for people, report.json for programs, and the tables of its figures: nodes_K.csv, centroid_K.csv, \
-                 wall_distances_K.csv, inscribed_circles.csv, section_deviations.csv, schedule.csv, and the job file: job.json, \
-                 job.xml, job.csv.",
+                 wall_distances_K.csv, inscribed_circles.csv, section_deviations.csv, schedule.csv, measuring_points.csv, and the job \
+                 file: job.json, job.xml, job.csv, job_sheet.txt.",
+            ),
+            Field::choice_or_file("export.job_sheet", "Job sheet", JOB_SHEETS).help(
+                "job_sheet.txt: what job.json holds as text of any form. A template (Jinja) of your own can be chosen.",
             ),
             Field::flag("export.files.leftover", "Residual stock").help(
                 "leftover.ply: the surface of the channel with the residual stock at every vertex. \

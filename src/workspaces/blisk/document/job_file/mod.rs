@@ -27,6 +27,7 @@ use field_table::FIELDS;
 use files::{Invalid, Params, Validate};
 use import::{Reading, Units};
 use nc::program::NcSettings;
+use nc::template::STANDARD;
 use wheel::blade_sections::BladeRing;
 use wheel::electrode::{ElectrodeParams, EnterSide, Sizing};
 use wheel::options::{Auto, AxisChoice, BliskOptions, EndWalls, ZAt};
@@ -217,6 +218,8 @@ impl From<BliskKeys> for BliskSection {
 pub struct ExportSection {
     /// Post-processor: `"iso"`, another built-in one, or the path of a TOML file.
     pub post: String,
+    /// Template of the job sheet: `"standard"`, or the path of a file.
+    pub job_sheet: String,
     /// Frame of the electrode meshes: `"mesh"` or `"w"`.
     pub frame: MeshFrame,
     /// Channels in which the motion is simulated and the NC program burns. The blisk is turned to them by A.
@@ -233,6 +236,7 @@ impl Default for ExportSection {
     fn default() -> Self {
         Self {
             post: "iso".to_owned(),
+            job_sheet: STANDARD.to_owned(),
             frame: MeshFrame::default(),
             channels: Channels::default(),
             files: WrittenFiles::default(),
@@ -405,7 +409,11 @@ impl Params for PlanJob {
             let table = &mut self.technology.table;
             *table = change(Path::new(table)).to_string_lossy().into_owned();
         }
-        let named = [(is_file as fn(&str) -> bool, &mut self.machine.name), (is_post, &mut self.export.post)];
+        let named = [
+            (is_file as fn(&str) -> bool, &mut self.machine.name),
+            (is_post, &mut self.export.post),
+            (|name| name != STANDARD, &mut self.export.job_sheet),
+        ];
         for (is_path, name) in named {
             if is_path(name) {
                 *name = change(Path::new(name)).to_string_lossy().into_owned();
@@ -413,7 +421,7 @@ impl Params for PlanJob {
         }
     }
 
-    /// Meshes and sections are needed; a machine or a post can be chosen later.
+    /// Meshes and sections are needed; a machine, a post or a template can be chosen later.
     fn needs(&self, path: &Path) -> bool {
         self.blisk.file().into_iter().chain(self.electrode.own_meshes()).any(|file| file == path)
     }

@@ -12,8 +12,8 @@ use crate::workspaces::mold::work::Designed;
 use geometry::mesh::Bounds;
 use mold::electrode::design::{Burn, Electrode, RegionPlan};
 use mold::electrode::params::{Edit, ElectrodeParams, Holder};
-use nc::burn_template::BurnSheet;
 use nc::electrode_files::ElectrodeFormat;
+use nc::template::BurnSheet;
 use render::camera::Camera;
 use render::scene::SectionPlane;
 

@@ -18,8 +18,8 @@ use crate::workspaces::mold::paths::MoldPath;
 use crate::workspaces::mold::report::why_unmet;
 use burning::figures::minutes_text;
 use mold::electrode::params::Holder;
-use nc::burn_template::BurnSheet;
 use nc::electrode_files::ElectrodeFormat;
+use nc::template::BurnSheet;
 
 /// Draws the form. Returns the path that the user is to choose.
 pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPath> {

@@ -1,0 +1,34 @@
+//! `sparkpath job-sheet`: text made of a job file through a template.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Answer;
+use nc::job_file::JobFile;
+use nc::template::JobSheet;
+
+/// A job and its template.
+#[derive(Debug, Args)]
+pub(super) struct JobSheetArguments {
+    /// The job (JSON), as job.json of an export.
+    #[arg(value_name = "JOB")]
+    job: PathBuf,
+    /// A template (Jinja) [default: the built-in one].
+    #[arg(long, value_name = "FILE")]
+    template: Option<PathBuf>,
+    /// File of the text [default: standard output].
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+}
+
+/// Writes or prints the text. Where values are missing that the template requires, no file is written.
+pub(super) fn job_sheet(arguments: &JobSheetArguments) -> anyhow::Result<Answer> {
+    let sheet = arguments.template.as_deref().map_or_else(|| Ok(JobSheet::standard()), JobSheet::read)?;
+    let text = sheet.of(&JobFile::read(&arguments.job)?)?;
+    match &arguments.out {
+        Some(out) => files::write_bytes(out, text.as_bytes())?,
+        None => say!("{}", text.trim_end()),
+    }
+    Ok(Answer::Yes)
+}

@@ -1,0 +1,512 @@
+//! Text of any form for people and machines, through templates that users edit: burn sheets and job sheets.
+//!
+//! Templates are in the language of Jinja; they see the keys of the JSON file of the same data. What they name and the data do
+//! not have is an error and no gap in the text, because machines read such sheets too. Beside the filters of the language there
+//! are
+//! - `fixed(decimals, point=".", plus=false)`: a number with so many decimals, `-` where there is none;
+//! - `left(width)` and `right(width)`: text filled up with blanks;
+//! - `mapped(values, default)`: what a map holds for the value, as in `kind|mapped({"sink": 1, "feed": 2})`; without a default
+//!   a value that the map does not hold is an error;
+//! - `required(name)`: the value; an error if there is none.
+//!
+//! All values that are missing are told together.
+
+use std::marker::PhantomData;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use files::{FileError, read_text};
+use minijinja::syntax::SyntaxConfig;
+use minijinja::value::{Kwargs, Serde, Value};
+use minijinja::{AutoEscape, Environment, Error, ErrorKind, UndefinedBehavior};
+use serde::Serialize;
+
+use super::burn_table::BurnTable;
+use super::job_file::JobFile;
+
+/// Data that templates make text of.
+pub trait Templated: Serialize + Sized {
+    /// Name of the JSON file with the same keys.
+    const FILE: &'static str;
+    /// What the text is, in words.
+    const SHEET: &'static str;
+    /// The template that the program brings along.
+    const STANDARD: &'static str;
+
+    /// Data with all that a template may meet: one where everything is there, and one that lacks what may be missing.
+    fn examples() -> Vec<Self>;
+}
+
+/// A template of a burn sheet.
+pub type BurnSheet = Template<BurnTable>;
+/// A template of a job sheet.
+pub type JobSheet = Template<JobFile>;
+
+/// Name of the built-in template.
+pub const STANDARD: &str = "standard";
+/// The largest template that is read (bytes).
+const LARGEST_FILE: u64 = 1 << 20;
+/// Steps that a template may take: enough for thousands of electrodes, and little enough to come to an end.
+const MOST_STEPS: u64 = 50_000_000;
+/// The widest column, and the most decimals.
+const WIDEST: usize = 1000;
+const MOST_DECIMALS: usize = 12;
+/// The most missing values that are named.
+const MOST_NAMED: usize = 20;
+
+/// Reason why a template makes no text.
+#[derive(Debug, thiserror::Error)]
+pub enum TemplateError {
+    /// File cannot be read.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// File holds nothing.
+    #[error("{template}: it is empty; choose another file")]
+    Empty {
+        /// The file.
+        template: String,
+    },
+    /// Something in it is wrong.
+    #[error("{template}: {}{problem}; {remedy}", line.map_or(String::new(), |n| format!("line {n}: ")))]
+    Wrong {
+        /// The template.
+        template: String,
+        /// Where, counted from 1.
+        line: Option<usize>,
+        /// Problem.
+        problem: String,
+        /// Remedy.
+        remedy: String,
+    },
+    /// The data lack values that it requires.
+    #[error("{template}: required values are missing: {}; enter them, or change the template", named(missing))]
+    Missing {
+        /// The template.
+        template: String,
+        /// Names of the values, each once, in the order of the text.
+        missing: Vec<String>,
+    },
+}
+
+/// The first of many names, and how many more there are.
+fn named(missing: &[String]) -> String {
+    let more = missing.len().saturating_sub(MOST_NAMED);
+    let shown = missing[..missing.len() - more].join(", ");
+    if more == 0 { shown } else { format!("{shown} and {more} more") }
+}
+
+/// A template that makes text of a `T`.
+#[derive(Debug)]
+pub struct Template<T> {
+    /// Name of the template in errors.
+    name: String,
+    text: String,
+    of: PhantomData<fn(&T)>,
+}
+
+impl<T> Clone for Template<T> {
+    fn clone(&self) -> Self {
+        Self { name: self.name.clone(), text: self.text.clone(), of: PhantomData }
+    }
+}
+
+impl<T: Templated> Template<T> {
+    /// The built-in template.
+    pub fn standard() -> Self {
+        Self::new(format!("the built-in {}", T::SHEET), T::STANDARD.to_owned())
+    }
+
+    /// The template that is called `name`: [`STANDARD`], or that in a file.
+    ///
+    /// # Errors
+    /// As of [`read`](Self::read).
+    pub fn named(name: &str) -> Result<Self, TemplateError> {
+        if name == STANDARD { Ok(Self::standard()) } else { Self::read(Path::new(name)) }
+    }
+
+    fn new(name: String, text: String) -> Self {
+        Self { name, text, of: PhantomData }
+    }
+
+    /// Name of the template: the built-in name, or its file.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The template in `file`, tried on examples of all that the data may hold: electrodes take their time, and what is
+    /// wrong with their sheet should be known before.
+    ///
+    /// # Errors
+    /// [`TemplateError`] with the line.
+    pub fn read(file: &Path) -> Result<Self, TemplateError> {
+        let text = read_text(file, "template", LARGEST_FILE)?;
+        let template = file.display().to_string();
+        if text.trim().is_empty() {
+            return Err(TemplateError::Empty { template });
+        }
+        let sheet = Self::new(template, text);
+        for example in T::examples() {
+            match sheet.of(&example) {
+                // Values that an example lacks, the data may have.
+                Ok(_) | Err(TemplateError::Missing { .. }) => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(sheet)
+    }
+
+    /// The text that it makes of `data`.
+    ///
+    /// # Errors
+    /// [`TemplateError::Wrong`] with the line, [`TemplateError::Missing`] with the names.
+    pub fn of(&self, data: &T) -> Result<String, TemplateError> {
+        self.render_within(MOST_STEPS, data)
+    }
+
+    fn render_within(&self, steps: u64, data: &T) -> Result<String, TemplateError> {
+        let wrong = |error: Error| explained(&error, &self.text, &self.name, T::FILE);
+        let missing = Missing::default();
+        let mut environment = Environment::new();
+        let mut syntax = SyntaxConfig::builder();
+        // Lines that hold only a statement leave nothing in the text.
+        syntax.trim_blocks(true).lstrip_blocks(true).keep_trailing_newline(true);
+        environment.set_syntax(syntax.build().map_err(wrong)?);
+        environment.set_auto_escape_callback(|_| AutoEscape::None);
+        environment.set_undefined_behavior(UndefinedBehavior::Strict);
+        environment.set_fuel(Some(steps));
+        // What was undefined is named in errors only so.
+        environment.set_debug(true);
+        environment.add_filter("fixed", fixed);
+        environment
+            .add_filter("left", |text: String, width: usize| format!("{text:<width$}", width = width.min(WIDEST)));
+        environment
+            .add_filter("right", |text: String, width: usize| format!("{text:>width$}", width = width.min(WIDEST)));
+        let not_there = missing.clone();
+        environment.add_filter("required", move |value: &Value, name: &str| not_there.required(value, name));
+        let not_mapped = missing.clone();
+        environment.add_filter("mapped", move |value: &Value, values: &Value, default: Option<Value>| {
+            not_mapped.mapped(value, values, default)
+        });
+        let text = environment.render_named_str(&self.name, &self.text, Value::from(Serde(data))).map_err(wrong)?;
+        let missing = missing.names();
+        if missing.is_empty() { Ok(text) } else { Err(TemplateError::Missing { template: self.name.clone(), missing }) }
+    }
+}
+
+/// Names of the values that are missing.
+#[derive(Debug, Clone, Default)]
+struct Missing(Arc<Mutex<Vec<String>>>);
+
+impl Missing {
+    /// `value`, called `name`; it is missing if it is none or empty text.
+    fn required(&self, value: &Value, name: &str) -> Result<Value, Error> {
+        if value.is_undefined() {
+            return Err(ErrorKind::UndefinedError.into());
+        }
+        if value.is_none() || value.as_str().is_some_and(|text| text.trim().is_empty()) {
+            self.add(name.to_owned());
+        }
+        Ok(value.clone())
+    }
+
+    /// What the map `values` holds for `value`; else `default`, without which it is missing.
+    fn mapped(&self, value: &Value, values: &Value, default: Option<Value>) -> Result<Value, Error> {
+        if value.is_undefined() {
+            return Err(ErrorKind::UndefinedError.into());
+        }
+        if values.kind() != minijinja::value::ValueKind::Map {
+            let problem = format!("mapped takes a map as {{\"sink\": 1}}, not a {}", values.kind());
+            return Err(Error::new(ErrorKind::InvalidOperation, problem));
+        }
+        let held = values.get_item(value)?;
+        if !held.is_undefined() {
+            return Ok(held);
+        }
+        Ok(default.unwrap_or_else(|| {
+            self.add(format!("a value for {value} in a map"));
+            Value::from("")
+        }))
+    }
+
+    fn add(&self, name: String) {
+        let mut names = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+
+    fn names(&self) -> Vec<String> {
+        std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// A number with so many decimals.
+fn fixed(value: &Value, decimals: Option<usize>, format: Kwargs) -> Result<String, Error> {
+    if value.is_undefined() {
+        return Err(ErrorKind::UndefinedError.into());
+    }
+    let (point, plus): (Option<String>, Option<bool>) = (format.get("point")?, format.get("plus")?);
+    format.assert_all_used()?;
+    if value.is_none() {
+        return Ok("-".to_owned());
+    }
+    let number = f64::try_from(value.clone()).map_err(|_| {
+        Error::new(ErrorKind::InvalidOperation, format!("fixed is for numbers, not for {}", value.kind()))
+    })?;
+    if !number.is_finite() {
+        return Ok("-".to_owned());
+    }
+    let text = format!("{number:.*}", decimals.unwrap_or(3).min(MOST_DECIMALS));
+    let is_zero = text.bytes().all(|b| b"-0.".contains(&b));
+    let text = if is_zero { text.trim_start_matches('-').to_owned() } else { text };
+    let text = if plus == Some(true) && !text.starts_with('-') { format!("+{text}") } else { text };
+    Ok(text.replace('.', point.as_deref().unwrap_or(".")))
+}
+
+/// Text in a range of a template; where that is a filter, with its input.
+fn expression(template: &str, range: std::ops::Range<usize>) -> Option<&str> {
+    let before = template.get(..range.start)?;
+    let opened = ["{{", "{%"].into_iter().filter_map(|sign| before.rfind(sign)).max().map_or(0, |at| at + 2);
+    let start = if before.trim_end().ends_with('|') { opened } else { range.start };
+    template.get(start..range.end).map(str::trim).filter(|text| !text.is_empty())
+}
+
+fn explained(error: &Error, template: &str, name: &str, keys: &str) -> TemplateError {
+    let mut problem = error.kind().to_string();
+    if let Some(detail) = error.detail() {
+        problem += &format!(": {detail}");
+    } else if let Some(text) = error.range().and_then(|range| expression(template, range)) {
+        problem += &format!(": `{}`", text.chars().take(80).collect::<String>());
+    }
+    let line = error.line();
+    if let Some(text) = line.and_then(|n| template.lines().nth(n - 1)).map(str::trim).filter(|t| !t.is_empty()) {
+        problem += &format!(", in `{}`", text.chars().take(80).collect::<String>());
+    }
+    let remedy = match error.kind() {
+        ErrorKind::UndefinedError => &format!(
+            "names are the keys of {keys}; a value that may be none has no keys of its own: ask before with if"
+        ),
+        ErrorKind::UnknownFilter => {
+            "filters are fixed, left, right, mapped, required, and those of Jinja: join, upper, default and others"
+        }
+        ErrorKind::OutOfFuel => "the template takes too many steps: are its loops right?",
+        ErrorKind::SyntaxError => "statements stand in {% %}, values in {{ }}, remarks in {# #}",
+        _ => "compare with the standard template",
+    };
+    let remedy = remedy.to_owned();
+    TemplateError::Wrong { template: name.to_owned(), line, problem: problem.replace(char::is_control, " "), remedy }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::electrode_fixtures::set;
+    use mold::datum::Datum;
+    use mold::electrode::params::Shape;
+    use mold::opening::Opening;
+
+    fn table() -> BurnTable {
+        BurnTable::of(&set(), "shell", Opening::PlusZ, &Datum::default())
+    }
+
+    fn render(table: &BurnTable, template: &str, name: &str) -> Result<String, TemplateError> {
+        BurnSheet::new(name.to_owned(), template.to_owned()).of(table)
+    }
+
+    #[test]
+    fn the_standard_sheet_says_positions_and_what_is_blocked() {
+        let text = render(&table(), BurnTable::STANDARD, "standard").unwrap();
+        let line = |words: &[&str]| text.lines().any(|l| words.iter().all(|w| l.contains(w)));
+        assert!(line(&["SHEET", "shell"]) && line(&["opening", "+z"]), "{text}");
+        assert!(line(&["3 electrodes", "4 burns", "25 min"]), "{text}");
+        assert!(line(&["12.3457", "-4.5000", "20.0000", "90.0000"]), "{text}");
+        assert!(line(&["Files hold the electrodes as they are milled"]) && line(&["NOTE: no holder"]), "{text}");
+        assert!(line(&["E03", "BLOCKED"]), "{text}");
+        assert!(line(&["E02", "OVERRIDDEN"]), "{text}");
+        assert!(line(&["gouge", "failed", "too deep a burn"]), "{text}");
+        assert!(!text.contains("none") && !text.contains("{"), "{text}");
+        assert!(text.lines().all(|l| l == l.trim_end()), "{text}");
+        let mut one = set();
+        (one.params.shape, one.electrodes) = (Shape::Net, one.electrodes.drain(2..).collect());
+        one.checks.drain(..2);
+        let text =
+            render(&BurnTable::of(&one, "shell", Opening::PlusZ, &Datum::default()), BurnTable::STANDARD, "standard")
+                .unwrap();
+        let line = |words: &[&str]| text.lines().any(|l| words.iter().all(|w| l.contains(w)));
+        assert!(line(&["1 electrode, 1 burn,"]) && line(&["FILES HOLD THE SHAPE OF THE CAVITY"]), "{text}");
+        assert!(line(&["TO BE MILLED SMALLER by wall 0.0500 floor 0.0500"]), "{text}");
+    }
+
+    #[test]
+    fn a_users_template_makes_a_format_of_its_own() {
+        let template = "{% for e in electrodes if e.state != 'blocked' %}\n{% for b in e.burns %}\n\
+            ({{ e.name|left(5) }})X{{ b.x_mm|fixed(3) }} C{{ b.c_deg|fixed(1)|right(6) }} \
+            H{{ e.holder.name if e.holder }}\n\
+            {% endfor %}\n{% endfor %}\nM30\n";
+        let expected = "(E01  )X12.346 C  90.0 Hholder 25\n(E01  )X-1.000 C-135.0 Hholder 25\n\
+                        (E02-finish)X0.000 C   0.0 H\nM30\n";
+        assert_eq!(render(&table(), template, "mine").unwrap(), expected);
+    }
+
+    #[test]
+    fn text_is_not_escaped_and_nothing_is_dropped_at_the_end() {
+        let mut table = table();
+        table.mold = "<a> & \"b\"".to_owned();
+        assert_eq!(render(&table, "{{ mold }}\n\n", "x.html").unwrap(), "<a> & \"b\"\n\n");
+        assert_eq!(
+            render(&table, "{{ -0.0001|fixed(2) }} {{ none|fixed }} {{ 3|fixed(1) }}", "x").unwrap(),
+            "0.00 - 3.0"
+        );
+    }
+
+    #[test]
+    fn a_wrong_template_is_answered_with_the_line_and_the_remedy() {
+        for (template, line, words) in [
+            ("a\n{% for e in electrodes %}\n{{ e.naem }}\n{% endfor %}", 3, "naem"),
+            ("a\n{{ mold|fixt }}", 2, "fixt"),
+            ("\n\n{{ mold|fixed(2) }}", 3, "fixed is for numbers"),
+            ("{{ missing|fixed(2) }}", 1, "undefined value: `missing|fixed(2)`"),
+            (
+                "a{{ mold }}\n{% for e in electrodes %}{{ e.name }}{{ e.naem }}{% endfor %}",
+                2,
+                "undefined value: `e.naem`",
+            ),
+            ("a\nb\n{% if mold %}\n", 3, "syntax"),
+            ("a\n{{ mold", 2, "syntax"),
+            ("{% for e in electrode %}{% endfor %}", 1, "undefined value: `electrode`"),
+            ("{% include 'other' %}", 1, "include"),
+            ("\n{% for a in range(9999) %}{% for b in range(9999) %}{% endfor %}{% endfor %}", 2, "too many steps"),
+        ] {
+            let sheet = BurnSheet::new("mine.jinja".to_owned(), template.to_owned());
+            let error = sheet.render_within(10_000, &table()).unwrap_err();
+            let said = error.to_string();
+            let TemplateError::Wrong { line: Some(found), .. } = error else { panic!("{template:?}: {said}") };
+            // The end of a text counts as the line of its last character or as the next.
+            assert!(found == line || found == template.lines().count(), "{template:?}: {said}");
+            assert!(said.starts_with(&format!("mine.jinja: line {found}: ")) && said.contains(words), "{said}");
+            assert_eq!(said.lines().count(), 1);
+        }
+    }
+
+    fn job_sheet(template: &str) -> JobSheet {
+        JobSheet::new("mine.jinja".to_owned(), template.to_owned())
+    }
+
+    fn jobs() -> [JobFile; 2] {
+        JobFile::examples().try_into().unwrap()
+    }
+
+    #[test]
+    fn the_standard_job_sheet_says_what_is_known_and_what_is_not() {
+        let [full, sparse] = jobs();
+        let text = JobSheet::standard().of(&full).unwrap();
+        let line = |words: &[&str]| text.lines().any(|l| words.iter().all(|w| l.contains(w)));
+        assert!(line(&["JOB SHEET", "example"]) && line(&["Wheel with 60 channels"]), "{text}");
+        assert!(line(&["copper, 2 x"]) && line(&["orbit circular 0.1000"]) && line(&["to step S1"]), "{text}");
+        assert!(
+            line(&["E1.L1", "12.3457", "-4.5000", "6.0000", "62.5", "feed path_1.csv, copying path_1.csv"]),
+            "{text}"
+        );
+        assert!(line(&["base", "1.0000", "2.0000", "3.0000", "0.00000", "1.00000"]), "{text}");
+        let text = JobSheet::standard().of(&sparse).unwrap();
+        let line = |words: &[&str]| text.lines().any(|l| words.iter().all(|w| l.contains(w)));
+        assert!(line(&["Mold."]) && line(&["material not given; electrodes needed"]), "{text}");
+        assert!(line(&["technology not given; end wear not considered"]), "{text}");
+        assert!(text.lines().all(|l| l == l.trim_end()) && !text.contains("none,"), "{text}");
+    }
+
+    /// Two templates as a cell and a tool room would have them.
+    #[test]
+    fn users_templates_map_values_and_format_numbers() {
+        let [full, _] = jobs();
+        let cell = "{% for e in electrodes %}{% for l in e.locations %}{% for o in l.operations %}\n\
+            JOB={{ o.id }};TYPE={{ o.kind|mapped({'sink': 1, 'feed': 2, 'copying': 3}) }};X={{ l.position.x_mm|fixed(2, \
+            point=',', plus=true) }};Y={{ l.position.y_mm|fixed(2, point=',', plus=true) }};MAT={{ e.material|mapped({'copper': \
+            'CU'}, 'UNKNOWN') }}\n{% endfor %}{% endfor %}{% endfor %}";
+        let expected = "JOB=E1.L1.O1;TYPE=2;X=+12,35;Y=-4,50;MAT=CU\nJOB=E1.L1.O2;TYPE=3;X=+12,35;Y=-4,50;MAT=CU\n";
+        assert_eq!(job_sheet(cell).of(&full).unwrap().replace("\n\n", "\n").trim_start(), expected);
+        let room = "{% for e in electrodes %}{{ e.name }}: {{ e.quantity|required('quantity of ' ~ e.name) }} of \
+            {{ e.material|required('material of ' ~ e.name)|upper }}\n{% endfor %}";
+        assert_eq!(job_sheet(room).of(&full).unwrap(), "E01: 2 of COPPER\n");
+    }
+
+    #[test]
+    fn all_required_values_that_are_missing_are_named_together() {
+        let [full, sparse] = jobs();
+        let template = "{% for e in electrodes %}{{ e.material|required('material of ' ~ e.name) }}\
+            {{ e.material|required('material of ' ~ e.name) }}{{ e.stage|required('stage of ' ~ e.name) }}\
+            {{ workpiece.kind|mapped({'wheel': 'W'}) }}{% endfor %}";
+        assert_eq!(job_sheet(template).of(&full).unwrap(), "coppercopperfinishW");
+        let error = job_sheet(template).of(&sparse).unwrap_err();
+        let TemplateError::Missing { missing, .. } = &error else { panic!("{error}") };
+        assert_eq!(missing[..], ["material of E01", "stage of E01", "a value for mold in a map"]);
+        assert!(
+            error.to_string().contains("mine.jinja: required values are missing: material of E01, stage"),
+            "{error}"
+        );
+        // A template with wrong words is wrong whatever is missing.
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("mine.jinja");
+        for (text, is_right) in [(template, true), ("{{ none|required }}", false), ("{{ 1|mapped(2) }}", false)] {
+            std::fs::write(&file, text).unwrap();
+            assert_eq!(JobSheet::read(&file).is_ok(), is_right, "{text}");
+        }
+    }
+
+    /// The keys of values and of what is in them.
+    fn keys(value: &serde_json::Value, at: &str, found: &mut std::collections::BTreeSet<String>) {
+        match value {
+            serde_json::Value::Object(map) => map.iter().for_each(|(key, value)| {
+                found.insert(format!("{at}.{key}"));
+                keys(value, &format!("{at}.{key}"), found);
+            }),
+            serde_json::Value::Array(list) => list.iter().for_each(|value| keys(value, at, found)),
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn a_template_is_tried_on_all_that_a_table_may_hold_before_there_is_one() {
+        let of = |table: &BurnTable| {
+            let mut found = Default::default();
+            keys(&serde_json::to_value(table).unwrap(), "", &mut found);
+            found
+        };
+        let [full, several] = <[BurnTable; 2]>::try_from(BurnTable::examples()).unwrap();
+        assert!(of(&full).is_superset(&of(&table())), "an example knows every key");
+        for state in ["ok", "overridden", "blocked"] {
+            assert!(several.electrodes.iter().any(|e| e.state.name() == state));
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("mine.jinja");
+        let read = |text: &str| {
+            std::fs::write(&file, text).unwrap();
+            BurnSheet::read(&file).map(drop).map_err(|e| e.to_string())
+        };
+        assert_eq!(read(BurnTable::STANDARD), Ok(()));
+        assert_eq!(read("{% for e in electrodes %}{{ e.holder.name if e.holder else '-' }}{% endfor %}"), Ok(()));
+        for (text, words) in [
+            ("\n{% for e in electrodes %}{{ e.holder.name }}{% endfor %}", "line 2: undefined value: `e.holder.name`"),
+            (
+                "{% for e in electrodes if e.state == 'blocked' %}\n{{ e.stat }}{% endfor %}",
+                "line 2: undefined value: `e.stat`",
+            ),
+            ("{% for e in electrodes %}", "syntax"),
+        ] {
+            let said = read(text).unwrap_err();
+            assert!(said.contains("mine.jinja") && said.contains(words), "{said}");
+        }
+    }
+
+    #[test]
+    fn a_template_is_read_from_its_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("mine.jinja");
+        std::fs::write(&file, "{{ burns }} burns\n").unwrap();
+        assert_eq!(BurnSheet::read(&file).unwrap().of(&table()).unwrap(), "4 burns\n");
+        std::fs::write(&file, [0xff, 0xfe]).unwrap();
+        for wrong in [file, folder.path().join("none")] {
+            assert!(matches!(BurnSheet::read(&wrong), Err(TemplateError::File(_))));
+        }
+    }
+}
