@@ -15,6 +15,7 @@ macro_rules! say {
 }
 
 mod compare;
+mod design;
 mod electrodes;
 mod flank;
 mod flank_arguments;
@@ -100,6 +101,9 @@ enum Command {
         #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=20))]
         parts: u8,
     },
+    /// The sets of electrodes that burn a wheel in the fewest hours: parts, planes between them, columns, sides and reductions
+    /// together, each set certified.
+    Design(design::DesignArguments),
     /// The paths of several strategies on the same electrodes, side by side: clearance, smoothness, times. The
     /// project's own strategy does not matter.
     Compare {
@@ -427,6 +431,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
         Command::Simulate { project, channels, out } => {
             simulate::simulate(project, channels.as_ref(), out.as_deref(), session)
         }
+        Command::Design(arguments) => design::design(arguments, session),
         Command::Uncut(arguments) => uncut::uncut(arguments, session),
         Command::Electrodes(arguments) => electrodes::electrodes(arguments, session),
         Command::Flank(arguments) => flank::flank(arguments, session),

@@ -182,6 +182,11 @@ impl Sizer<'_> {
         Ok(path.map(least).filter(|least| least.margin >= Self::SPARE))
     }
 
+    /// Whether an extraction path is found with the walls turned so.
+    fn is_open(&self, turns: Turns) -> Result<bool, PlanError> {
+        Ok(self.searched(0.0, &|_| turns)?.is_some())
+    }
+
     /// Further reduction that would open a path beyond `turns`, where there is none.
     ///
     /// # Errors
@@ -194,8 +199,14 @@ impl Sizer<'_> {
             Ok::<_, PlanError>(self.least_in(&Self::ROUGH_STEPS, FIRST, &drawn_in)?.map(|least| least.angle))
         };
         let both = least([1.0, 1.0])?;
-        // Where the same angle helps on both, that is enough to know.
-        let single = |walls| if both.is_none() { least(walls) } else { Ok(None) };
+        // Where the same angle helps on both, that is enough to know. Where it does not, an electrode drawn in on one wall by as
+        // much contains one that has no path, unless the walls of that one met: the greatest angle tells whether there is more
+        // to look for.
+        let single = |walls: [f64; 2]| match both {
+            Some(_) => Ok(None),
+            None if !self.is_open(Turns([low + walls[0] * self.most, high + walls[1] * self.most]))? => Ok(None),
+            None => least(walls),
+        };
         let [low, high] = [single([1.0, 0.0])?, single([0.0, 1.0])?];
         Ok(Opening { most: self.most, both, low, high, changes: Vec::new(), in_vain: Vec::new(), is_stopped: false })
     }

@@ -21,6 +21,7 @@ use crate::workspaces::blisk::panels::plots::{self, Curves, Tab};
 use crate::workspaces::blisk::panels::view::BliskView;
 use crate::workspaces::blisk::panels::{dialogs, inspector, stepper, timeline};
 use crate::workspaces::blisk::paths::BliskPath;
+use crate::workspaces::blisk::work::ElectrodeTable;
 use crate::workspaces::blisk::work::release::ExportWork;
 use crate::workspaces::commands::{Command, CommandInfo, CommandSet, Commanded, FrameCommand, Groups};
 use crate::workspaces::context::{Context, LogLine, PathSet, Request, first, is_project, status_sentence};
@@ -396,14 +397,19 @@ impl Workspace for BliskWorkspace {
         if let Some(now) = self.doing().filter(|_| is_shown) {
             cx.doing(ui, now);
         }
-        // Sizing goes on beside everything else, whichever step is open.
-        let Some(doing) = self.desk.work.sizing() else { return };
-        let found = self.desk.work.sizes().0.len();
-        if ui.small_button("Stop").on_hover_text("Stop sizing; what was found stays").clicked() {
-            self.desk.work.stop_sizing();
+        // The search for a table goes on beside everything else, whichever step is open.
+        let work = &mut self.desk.work;
+        for (table, name, found) in [
+            (ElectrodeTable::Sizes, "Sizes", work.sizes().0.len()),
+            (ElectrodeTable::Sets, "Sets", work.sets().0.len()),
+        ] {
+            let Some(doing) = work.searching(table) else { continue };
+            if ui.small_button("Stop").on_hover_text("Stop the search; what was found stays").clicked() {
+                work.stop_search(table);
+            }
+            status_sentence(ui, 200.0, &format!("{name}, {found} found: {doing}"));
+            ui.separator();
         }
-        status_sentence(ui, 200.0, &format!("Sizes, {found} found: {doing}"));
-        ui.separator();
     }
 
     fn triangles(&self) -> Option<usize> {

@@ -2,6 +2,7 @@
 
 pub mod burning;
 pub mod compare;
+pub mod design;
 pub mod figures;
 pub mod finish;
 pub mod job_of_plan;

@@ -13,6 +13,7 @@ pub mod overlay;
 pub mod picks;
 pub mod plots;
 pub mod scene_tree;
+pub mod sets;
 pub mod sizes;
 pub mod step_facts;
 pub mod stepper;

@@ -9,6 +9,7 @@ use crate::widgets::plot_parts::{legend, round_steps, round_text};
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::sizing::{SizeRow, TOLERANCE_DEG};
+use crate::workspaces::blisk::work::ElectrodeTable;
 use task::State;
 
 /// Width of a form in which columns may stand wide apart (points).
@@ -41,18 +42,18 @@ pub fn live(ui: &mut Ui, desk: &mut BliskDesk) {
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     ui.add_space(8.0);
     ui.strong("Thickest electrodes with an extraction path");
-    let sizing = desk.work.sizing();
+    let sizing = desk.work.searching(ElectrodeTable::Sizes);
     ui.horizontal(|ui| {
         if let Some(doing) = &sizing {
             if ui.button("Stop sizing").clicked() {
-                desk.work.stop_sizing();
+                desk.work.stop_search(ElectrodeTable::Sizes);
             }
             ui.label(RichText::new(doing).small().color(palette(ui).faint));
         } else {
             let hint = "Finds the least reductions for 1, 2 and 3 parts, from either side of entry, each certified";
             let ready = desk.work.state(Stage::Channel) == State::Ready;
             if ui.add_enabled(ready, egui::Button::new("Find sizes")).on_hover_text(hint).clicked() {
-                desk.work.find_sizes();
+                desk.work.find(ElectrodeTable::Sizes);
             }
         }
     });
@@ -64,7 +65,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     if rows.is_empty() {
         return;
     }
-    let current = desk.work.sizes_are_current();
+    let current = desk.work.is_current(ElectrodeTable::Sizes);
     if !current {
         notice(ui, palette(ui).warning, "These sizes are out of date; find them again to take one.");
     }
@@ -168,7 +169,7 @@ fn plot(ui: &mut Ui, rows: &[SizeRow]) {
 }
 
 /// From the least to the greatest of `values` with room about them, also where there is but one.
-fn around(values: impl Iterator<Item = f64>) -> [f64; 2] {
+pub(super) fn around(values: impl Iterator<Item = f64>) -> [f64; 2] {
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     let room = (0.12 * (high - low)).max(0.02 * high.abs()).max(1e-3);
     [low - room, high + room]

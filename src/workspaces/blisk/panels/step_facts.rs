@@ -144,6 +144,7 @@ fn electrode(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
         next(ui, desk, cx, Stage::Plan);
     }
     super::sizes::show(ui, desk);
+    super::sets::show(ui, desk);
 }
 
 fn plan(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {

@@ -5,6 +5,7 @@
 
 pub mod build;
 pub mod comparison;
+pub mod design;
 #[cfg(test)]
 pub mod fixtures;
 mod page;

@@ -1,19 +1,20 @@
-//! What follows while an electrode is tuned: a quick look for its way out at every change, and the table of sizes when
-//! asked for.
+//! What follows while an electrode is tuned: a quick look for its way out at every change, and tables of sizes and of sets
+//! when asked for.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use super::{BliskWork, MOMENT, Wish};
 use crate::workspaces::blisk::document::stage::{Fingerprint, Stage};
-use crate::workspaces::blisk::job::outcome::PlanInputs;
+use crate::workspaces::blisk::job::design::{DesignLimits, DesignRow, DesignSpace, design};
+use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanJobError};
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::preview::Looked;
 use crate::workspaces::blisk::job::sizing::{SizeRow, SizingRange, size};
 use crate::workspaces::context::rest_left;
 use crate::workspaces::news::EventKind;
 use feed::plan_params::Strategy;
-use task::{Doing, Lane, Memo, Priority, Same, Scheduler, State};
+use task::{Doing, Lane, Memo, Priority, Same, Scheduler, State, Task};
 use wheel::electrode::{EnterSide, Sizing};
 
 /// Parts up to which electrodes are sized.
@@ -24,7 +25,7 @@ const REST: f64 = 0.7;
 /// The plan whose parameters are looked at, and the number of the electrode.
 type Place = (Fingerprint, usize);
 
-/// Quick looks and sizes.
+/// Quick looks and tables.
 pub(super) struct Looks {
     looks: Memo<Place, Looked>,
     /// What is looked at.
@@ -33,9 +34,66 @@ pub(super) struct Looks {
     cancelled: Option<Place>,
     /// The look that is shown, and since when (s).
     seen: Option<(Same<Looked>, f64)>,
-    sizes: Memo<Fingerprint, Vec<SizeRow>, Vec<SizeRow>>,
-    /// What sizes were asked for last.
-    sized: Option<Fingerprint>,
+    sizes: Table<SizeRow>,
+    sets: Table<DesignRow>,
+}
+
+/// A table of electrodes that is searched row by row when asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ElectrodeTable {
+    /// Least reductions.
+    Sizes,
+    /// Sets of the fewest hours.
+    Sets,
+}
+
+/// Rows that were found.
+struct Table<T> {
+    rows: Memo<Fingerprint, Vec<T>, Vec<T>>,
+    /// Parameters that they were asked for last.
+    of: Option<Fingerprint>,
+}
+
+impl<T: Clone + Send + Sync + 'static> Table<T> {
+    fn new(scheduler: &Scheduler, name: &'static str) -> Self {
+        Self { rows: Memo::new(scheduler, Lane::Long, name), of: None }
+    }
+
+    /// Forgets all rows.
+    fn clear(&mut self) {
+        self.rows.clear();
+        self.of = None;
+    }
+
+    /// Begins `search`, which shows each row as it is found.
+    fn search(
+        &mut self,
+        of: Fingerprint,
+        search: impl FnOnce(&(dyn Fn(&T) + Sync), &Task) -> Result<Vec<T>, String> + Send + 'static,
+    ) {
+        self.of = Some(of);
+        self.rows.restart(&of, Priority::Background, move |work| {
+            let so_far = Mutex::new(Vec::new());
+            let found = |row: &T| {
+                let mut so_far = so_far.lock().unwrap_or_else(PoisonError::into_inner);
+                so_far.push(row.clone());
+                work.partial(so_far.clone());
+            };
+            let rows = search(&found, &work.task)?;
+            match rows.is_empty() {
+                true => Err("not feasible: no electrode has an extraction path at the reductions tried".to_owned()),
+                false => Ok(rows),
+            }
+        });
+    }
+
+    /// The rows so far, and why the search ended early.
+    fn shown(&self) -> (&[T], Option<String>) {
+        let Some(of) = &self.of else { return (&[], None) };
+        let rows = self.rows.get(of).map(|rows| &***rows).or(self.rows.partial(of).map(|rows| &**rows));
+        let failure = if let State::Failed(why) = self.rows.state(of) { Some(why) } else { None };
+        (rows.unwrap_or_default(), failure)
+    }
 }
 
 impl Looks {
@@ -45,15 +103,16 @@ impl Looks {
             at: None,
             cancelled: None,
             seen: None,
-            sizes: Memo::new(scheduler, Lane::Long, "Sizes"),
-            sized: None,
+            sizes: Table::new(scheduler, "Sizes"),
+            sets: Table::new(scheduler, "Sets"),
         }
     }
 
     pub(super) fn clear(&mut self) {
         self.looks.clear();
         self.sizes.clear();
-        (self.at, self.cancelled, self.seen, self.sized) = (None, None, None, None);
+        self.sets.clear();
+        (self.at, self.cancelled, self.seen) = (None, None, None);
     }
 }
 
@@ -62,7 +121,8 @@ impl BliskWork {
     /// (`is_live`), at `time` (s). What was found stays while that is made.
     pub fn look(&mut self, part: usize, is_live: bool, time: f64) {
         // What they find is shown, and not told.
-        while self.looks.looks.take().is_some() || self.looks.sizes.take().is_some() {}
+        let looks = &mut self.looks;
+        while looks.looks.take().is_some() || looks.sizes.rows.take().is_some() || looks.sets.rows.take().is_some() {}
         let state = self.state(Stage::Plan);
         if state == State::Running && is_live {
             return;
@@ -134,9 +194,10 @@ impl BliskWork {
         self.looks.looks.doing().or(ready).filter(|doing| doing.asked.elapsed() > MOMENT)
     }
 
-    /// Whether a look or sizes are under way, or what they need.
+    /// Whether a look or a table is under way, or what they need.
     pub fn is_looking(&self) -> bool {
-        self.prepared.is_busy() || self.looks.looks.is_busy() || self.looks.sizes.is_busy()
+        let Looks { looks, sizes, sets, .. } = &self.looks;
+        self.prepared.is_busy() || looks.is_busy() || sizes.rows.is_busy() || sets.rows.is_busy()
     }
 
     /// Whether it is time to plan and verify what was looked at: it comes out, nothing has changed for a while, and it
@@ -151,72 +212,106 @@ impl BliskWork {
         if left.is_zero() { Ok(()) } else { Err(Some(left)) }
     }
 
-    /// What tells the present parameters, and the mesh, from any other but for what sizing finds: parts, side of entry,
-    /// reductions and strategy.
-    fn of_size(&self) -> Option<Fingerprint> {
+    /// What tells the present parameters, and the mesh, from any other but for what the search for a table finds: parts, side of
+    /// entry, reductions and strategy, for sets columns and divisions as well.
+    fn of_table(&self, table: ElectrodeTable) -> Option<Fingerprint> {
         let now = self.now.as_ref()?;
         let mut job = (*now.job).clone();
+        job.plan.strategy = Strategy::Global;
         let electrode = &mut job.electrode;
         (electrode.parts, electrode.enter, electrode.size) = (1, EnterSide::Auto, Sizing::Given);
         electrode.circumferential_reduction_deg = [0.0; 2];
-        job.plan.strategy = Strategy::Global;
-        Some(Fingerprint::of(Stage::Plan, &job, &now.content))
+        let stage = match table {
+            ElectrodeTable::Sizes => Stage::Plan,
+            // Their hours depend on the technology.
+            ElectrodeTable::Sets => {
+                (electrode.columns, electrode.part) = (1, Vec::new());
+                Stage::Export
+            }
+        };
+        Some(Fingerprint::of(stage, &job, &now.content))
     }
 
-    /// Begins the table of sizes.
-    pub fn find_sizes(&mut self) {
-        if let (Some(of), Ok(_)) = (self.of_size(), self.inputs()) {
-            self.looks.sized = Some(of);
-            self.wish(Wish::Sizes);
+    /// Begins a table.
+    pub fn find(&mut self, table: ElectrodeTable) {
+        if let (Some(of), Ok(_)) = (self.of_table(table), self.inputs()) {
+            match table {
+                ElectrodeTable::Sizes => self.looks.sizes.of = Some(of),
+                ElectrodeTable::Sets => self.looks.sets.of = Some(of),
+            }
+            self.wish(Wish::Table(table));
         }
     }
 
-    /// Sizes on the blisk that is ready, or cannot be.
-    pub(super) fn size(&mut self, ready: Result<Arc<PreparedBlisk>, String>, inputs: PlanInputs) {
-        let Some(of) = self.of_size() else { return };
-        self.looks.sized = Some(of);
-        self.looks.sizes.restart(&of, Priority::Background, move |work| {
-            let so_far = Mutex::new(Vec::new());
-            let found = |row: &SizeRow| {
-                let mut so_far = so_far.lock().unwrap_or_else(PoisonError::into_inner);
-                so_far.push(row.clone());
-                work.partial(so_far.clone());
-            };
-            let rows = size(&*ready?, &inputs, PARTS, &found, &work.task);
-            rows.map_err(|e| e.to_string()).and_then(|rows| match rows.is_empty() {
-                true => Err("not feasible: no electrode has an extraction path at the reductions tried".to_owned()),
-                false => Ok(rows),
-            })
-        });
+    /// Searches the rows of a table on the blisk that is ready, or cannot be.
+    pub(super) fn search(
+        &mut self,
+        table: ElectrodeTable,
+        ready: Result<Arc<PreparedBlisk>, String>,
+        inputs: PlanInputs,
+    ) {
+        let Some(of) = self.of_table(table) else { return };
+        match table {
+            ElectrodeTable::Sizes => {
+                self.looks
+                    .sizes
+                    .search(of, move |found, task| size(&*ready?, &inputs, PARTS, found, task).map_err(words));
+            }
+            ElectrodeTable::Sets => self.looks.sets.search(of, move |found, task| {
+                let space = DesignSpace {
+                    most_parts: PARTS.to,
+                    columns: false,
+                    radial_reductions_mm: vec![inputs.job.electrode.radial_reduction_mm],
+                    planes: Vec::new(),
+                };
+                let design = design(&*ready?, &inputs, &space, &DesignLimits::default(), found, task);
+                design.map(|design| design.rows).map_err(words)
+            }),
+        }
     }
 
-    /// Whether the table is of the present parameters.
-    pub fn sizes_are_current(&self) -> bool {
-        self.looks.sized.is_some() && self.looks.sized == self.of_size()
+    /// Whether a table is of the present parameters.
+    pub fn is_current(&self, table: ElectrodeTable) -> bool {
+        let of = match table {
+            ElectrodeTable::Sizes => self.looks.sizes.of,
+            ElectrodeTable::Sets => self.looks.sets.of,
+        };
+        of.is_some() && of == self.of_table(table)
     }
 
-    /// Stops sizing; the rows found so far stay.
-    pub fn stop_sizing(&mut self) {
-        self.wishes.retain(|wish| *wish != Wish::Sizes);
-        self.looks.sizes.cancel();
+    /// Stops the search for a table; the rows found so far stay.
+    pub fn stop_search(&mut self, table: ElectrodeTable) {
+        self.wishes.retain(|wish| *wish != Wish::Table(table));
+        match table {
+            ElectrodeTable::Sizes => self.looks.sizes.rows.cancel(),
+            ElectrodeTable::Sets => self.looks.sets.rows.cancel(),
+        }
     }
 
-    /// What is being sized.
-    pub fn sizing(&self) -> Option<String> {
-        let doing = self.looks.sizes.doing();
+    /// What the search for a table does.
+    pub fn searching(&self, table: ElectrodeTable) -> Option<String> {
+        let doing = match table {
+            ElectrodeTable::Sizes => self.looks.sizes.rows.doing(),
+            ElectrodeTable::Sets => self.looks.sets.rows.doing(),
+        };
         let said = doing.filter(|doing| !doing.is_waiting && !doing.stage.is_empty());
         match said.map(|doing| format!("{} {}", doing.stage, doing.message)) {
-            None if doing.is_some() || self.wishes.contains(&Wish::Sizes) => Some("sizing".to_owned()),
+            None if doing.is_some() || self.wishes.contains(&Wish::Table(table)) => Some("searching".to_owned()),
             said => said,
         }
     }
 
-    /// The table so far, and why it ended early.
+    /// The sizes so far, and why they ended early.
     pub fn sizes(&self) -> (&[SizeRow], Option<String>) {
-        let Some(of) = &self.looks.sized else { return (&[], None) };
-        let sizes = &self.looks.sizes;
-        let rows = sizes.get(of).map(|rows| &***rows).or(sizes.partial(of).map(|rows| &**rows));
-        let failure = if let State::Failed(why) = sizes.state(of) { Some(why) } else { None };
-        (rows.unwrap_or_default(), failure)
+        self.looks.sizes.shown()
     }
+
+    /// The sets so far, and why they ended early.
+    pub fn sets(&self) -> (&[DesignRow], Option<String>) {
+        self.looks.sets.shown()
+    }
+}
+
+fn words(error: PlanJobError) -> String {
+    error.to_string()
 }

@@ -28,6 +28,7 @@ use crate::workspaces::blisk::report::InputFile;
 use crate::workspaces::blisk::scene::residual_stock::MapShape;
 use crate::workspaces::news::{EventKind, WorkEvent};
 use files::{PartFile, Validate as _};
+pub use looks::ElectrodeTable;
 use looks::Looks;
 use task::{Doing, Lane, Memo, Priority, Same, Scheduler, State};
 
@@ -71,7 +72,7 @@ impl Now {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Wish {
     Plan,
-    Sizes,
+    Table(ElectrodeTable),
 }
 
 /// Everything that is computed for a blisk.
@@ -285,7 +286,7 @@ impl BliskWork {
         };
         for wish in std::mem::take(&mut self.wishes) {
             match (wish, self.inputs(), &self.now, self.part()) {
-                (Wish::Sizes, Ok(inputs), ..) => self.size(ready.clone(), inputs),
+                (Wish::Table(table), Ok(inputs), ..) => self.search(table, ready.clone(), inputs),
                 (Wish::Plan, _, Some(now), Some(part)) => {
                     let (ready, part, job) = (ready.clone(), part.clone(), now.job.clone());
                     self.planned.restart(&now.plan, self.priority, move |work| {
