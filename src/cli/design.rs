@@ -127,7 +127,7 @@ fn line(row: &DesignRow) -> String {
         row.radial_reduction_mm,
         number(row.channel.map(|channel| channel.mean), 1),
         number(row.wheel.map(|wheel| wheel.mean / 60.0), 1),
-        row.needed.map_or("-".to_owned(), |needed| needed.to_string()),
+        row.needed_cell(),
         number(row.residual_mm, 3),
         row.size.least_thickness_mm
     );

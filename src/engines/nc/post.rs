@@ -152,6 +152,10 @@ pub struct Post {
     pub safe_start: Vec<String>,
     /// Blocks in the final pose, for the burn.
     pub burn: Vec<String>,
+    /// Blocks before the feed that set the generator's jumps, with `{jump_mm}` for the greatest length back along the path that
+    /// the certificate covers (mm); none if the control has none.
+    #[serde(default)]
+    pub jump: Vec<String>,
     /// The dwell block, written after `burn` when a dwell is asked for.
     pub dwell: String,
     /// Blocks after the retraction.
@@ -300,13 +304,16 @@ impl Post {
             .into_iter()
             .flat_map(|(key, lines)| lines.iter().enumerate().map(move |(i, line)| (format!("{key}[{i}]"), line)));
         let single = single.into_iter().map(|(key, line)| (key.to_owned(), line));
-        for (key, line) in lines.chain(single).chain(tip) {
+        let jumps = self.jump.iter().enumerate().map(|(i, line)| (format!("jump[{i}]"), line));
+        for (key, line) in lines.chain(single).chain(tip).chain(jumps) {
             if !line.chars().all(|c| c == ' ' || c.is_ascii_graphic()) {
                 return bad(&key, line, "use printable ASCII only");
             }
             let rest = line.replace("{program}", "").replace("{seconds}", "");
+            let is_jump = key.starts_with("jump[");
+            let rest = if is_jump { rest.replace("{jump_mm}", "") } else { rest };
             if rest.contains(['{', '}']) {
-                return bad(&key, line, "the placeholders are {program} and {seconds}");
+                return bad(&key, line, "the placeholders are {program} and {seconds}, and in jump {jump_mm}");
             }
         }
         for (key, line) in [("modes", &self.modes), ("exact_path", &self.exact_path), ("linear", &self.linear)] {

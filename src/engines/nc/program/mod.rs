@@ -18,7 +18,7 @@ use crate::lines::{Lines, NcError};
 use crate::post::{FeedMode, Post};
 use feed::chain::Chain;
 use feed::machine::MachineParams;
-use feed::path::PathRow;
+use feed::path::{FeedPath, PathRow};
 use feed::pose::{Axis, Pose};
 use feed::quantise::{MM_DECIMALS, deg_text, floor_mm_text, mm_text};
 use tour::TourFeeds;
@@ -240,6 +240,10 @@ fn header(w: &mut Writer, approved: &Approved) {
         let certified = floor_mm_text(copying.certificate.certified());
         w.comment(&format!("Certified clearance over the copying motion: {certified} mm or more"));
     }
+    w.comment(&format!(
+        "Jumps back along the feed path of up to {} mm are within the verified motion; off the path none is",
+        floor_mm_text(longest_jump(path))
+    ));
     w.job.notes.iter().for_each(|note| w.comment(note));
     w.comment(&format!(
         "Path: {} rows. First {DIGEST_DIGITS} digits of the SHA-256 of what was verified:",
@@ -345,6 +349,12 @@ fn feed_comments(w: &mut Writer, approved: &Approved) {
     }
 }
 
+/// Longest jump back along a feed path, whose motion is verified both ways: to its first row (mm along the direction of
+/// withdrawal).
+pub fn longest_jump(path: &FeedPath) -> f64 {
+    path.rows.first().map_or(0.0, |row| row.s)
+}
+
 /// Approach, feed, burn, retraction, in every channel that was simulated.
 fn motion(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
     let post = w.post;
@@ -379,6 +389,8 @@ fn first_position(w: &mut Writer, first: &Pose, feeds: &Feeds) {
 /// Feed, burn, copying motion and retraction, from the first row back to it.
 fn in_channel(w: &mut Writer, approved: &Approved, feeds: &Feeds) {
     let (post, rows) = (w.post, w.job.chain.refined(&approved.path().rows));
+    let jump = floor_mm_text(longest_jump(approved.path()));
+    post.jump.iter().for_each(|line| w.block(&line.replace("{jump_mm}", &jump)));
     w.comment("Verified motion begins: feed to the final pose");
     w.moves(rows.iter().skip(1), &feeds.inwards);
     w.comment(if approved.copying().is_some() {

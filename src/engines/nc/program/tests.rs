@@ -7,10 +7,10 @@ use feed::certificate::Certificate;
 use feed::machine::BeyondTravel;
 use feed::machine::{AxisSet, TravelLimits, TurnedByC};
 use feed::machine_model::{Body, Carrier, MachineModel};
-use feed::path::FeedPath;
 use feed::quantise::quantise_rad;
 use feed::simulation::{Simulation, Visit};
 use feed::verify::VerifyOptions;
+use files::Validate as _;
 use geometry::mesh::Mesh;
 use glam::{DMat3, DVec3};
 use wheel::electrode::EntrySide;
@@ -67,6 +67,20 @@ fn every_coordinate_is_the_number_of_the_path_file_there_and_back() {
             assert_eq!(value(block, "B"), None, "the machine has no B axis");
         }
     }
+}
+
+#[test]
+fn a_post_sets_the_longest_jump_that_the_certificate_covers_before_the_feed() {
+    let mut post = Post::load("iso", None).unwrap();
+    let way = fixtures::path().rows[0].s;
+    assert!(way > 0.0 && program(&post).contains(&format!("feed path of up to {way:.5} mm")), "{}", program(&post));
+    post.jump = vec!["#100={jump_mm}".to_owned()];
+    post.validate().unwrap();
+    let text = program(&post);
+    let [jump, feed] = ["#100=", "Verified motion begins"].map(|words| text.find(words).unwrap());
+    assert!(jump < feed && text.contains(&format!("#100={way:.5}")), "{text}");
+    post.burn = vec!["{jump_mm}".to_owned()];
+    assert!(post.validate().unwrap_err().to_string().contains("in jump {jump_mm}"));
 }
 
 #[test]

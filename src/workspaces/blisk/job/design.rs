@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use super::burning::WheelBurning;
+use super::burning::{BurningElectrode, WheelBurning};
 use super::finish::finish;
 use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use super::plan::run_feeds;
@@ -50,8 +50,10 @@ pub struct DesignRow {
     pub plane: Option<f64>,
     /// Number of electrodes of a channel.
     pub electrodes: usize,
-    /// Number of electrodes that the wheel needs with their wear; none where it is not known, or too large.
+    /// Number of electrodes that the wheel needs at least, with their wear as far as it is known; none where it is too large.
     pub needed: Option<usize>,
+    /// Whether the wear of every electrode is known, so that no more are needed.
+    pub is_wear_known: bool,
     /// That number in words, for each electrode of a channel.
     pub needed_text: Vec<String>,
     /// Burning of a channel (minutes); none if it is not known.
@@ -133,10 +135,18 @@ impl DesignRow {
         self.electrode == *electrode
     }
 
+    /// Number of electrodes that the wheel needs, for a table.
+    pub fn needed_cell(&self) -> String {
+        match self.needed {
+            None => "–".to_owned(),
+            Some(needed) if self.is_wear_known => needed.to_string(),
+            Some(needed) => format!("≥ {needed}"),
+        }
+    }
+
     /// Hours, electrodes and residual stock, of which less is better; none where the hours are not known.
     fn costs(&self) -> Option<[f64; 3]> {
-        let needed = self.needed.unwrap_or(self.electrodes) as f64;
-        Some([self.wheel?.mean, needed, self.residual_mm?])
+        Some([self.wheel?.mean, self.needed? as f64, self.residual_mm?])
     }
 }
 
@@ -274,6 +284,7 @@ fn row_of(outcome: &PlanOutcome, inputs: &PlanInputs, kind: &Kind, size: SizeRow
         plane: kind.plane,
         electrodes: outcome.electrodes.len(),
         needed,
+        is_wear_known: burning.is_some_and(|of| of.electrodes.iter().all(BurningElectrode::is_wear_known)),
         needed_text: burning.map_or_else(Vec::new, |of| of.electrodes.iter().map(|e| e.needed_text()).collect()),
         channel: burning.and_then(|of| of.channel),
         wheel: burning.and_then(|of| of.schedule.as_ref()).map(Schedule::total),
@@ -320,6 +331,7 @@ mod tests {
             plane: None,
             electrodes: needed,
             needed: Some(needed),
+            is_wear_known: true,
             needed_text: Vec::new(),
             channel: None,
             wheel: minutes.map(Spread::exactly),

@@ -69,7 +69,7 @@ fn table(ui: &mut Ui, desk: &BliskDesk, rows: &[DesignRow], is_current: bool) ->
                 row.size.parts.to_string(),
                 row.size.enter.name().to_owned(),
                 text(row.wheel.map(|wheel| format!("{:.1}", wheel.mean / 60.0))),
-                text(row.needed.map(|needed| needed.to_string())),
+                row.needed_cell(),
                 text(row.residual_mm.map(|stock| format!("{stock:.3}"))),
             ];
             let hint = hint(row);
@@ -100,7 +100,7 @@ fn hint(row: &DesignRow) -> String {
 /// Hours over electrodes, the best sets in the accent colour.
 fn plot(ui: &mut Ui, rows: &[DesignRow]) {
     let c = palette(ui);
-    let at = |row: &DesignRow| Some([row.needed.unwrap_or(row.electrodes) as f64, row.wheel?.mean / 60.0]);
+    let at = |row: &DesignRow| Some([row.needed? as f64, row.wheel?.mean / 60.0]);
     let points =
         |is_best: bool| -> Vec<[f64; 2]> { rows.iter().filter(|row| row.is_best == is_best).filter_map(at).collect() };
     let (best, others) = (points(true), points(false));

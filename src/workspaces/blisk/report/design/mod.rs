@@ -33,7 +33,7 @@ pub struct DesignReport {
 }
 
 /// Columns of `design.csv`.
-const COLUMNS: &str = "set,parts,columns,plane,enter,low_reduction_deg,high_reduction_deg,radial_reduction_mm,electrodes,needed,\
+const COLUMNS: &str = "set,parts,columns,plane,enter,low_reduction_deg,high_reduction_deg,radial_reduction_mm,electrodes,needed,is_wear_known,\
     channel_min,wheel_h,residual_mm,left_mm3,least_thickness_mm,certified_mm,is_best,breaks";
 
 /// The value with so many decimals, or nothing.
@@ -70,6 +70,7 @@ impl DesignReport {
                 row.radial_reduction_mm.to_string(),
                 row.electrodes.to_string(),
                 row.needed.map(|needed| needed.to_string()).unwrap_or_default(),
+                row.is_wear_known.to_string(),
                 cell(row.channel.map(|channel| channel.mean), 3),
                 cell(hours(row), 3),
                 cell(row.residual_mm, 4),
@@ -97,6 +98,7 @@ impl DesignReport {
             part: &'a str,
             has_best: bool,
             words: Vec<String>,
+            needed: Vec<String>,
             hours: Vec<Option<f64>>,
             plot: Option<String>,
         }
@@ -109,6 +111,7 @@ impl DesignReport {
                 part: self.inputs.first().map_or("", |input| file_name(&input.path)),
                 has_best: self.design.fastest().is_some(),
                 words: rows.iter().map(DesignRow::words).collect(),
+                needed: rows.iter().map(DesignRow::needed_cell).collect(),
                 hours: rows.iter().map(hours).collect(),
                 plot: self.plot(),
             },
@@ -119,7 +122,7 @@ impl DesignReport {
     /// second.
     fn plot(&self) -> Option<String> {
         let rows = || self.design.rows.iter().enumerate();
-        let at = |row: &DesignRow| Some([row.needed.unwrap_or(row.electrodes) as f64, hours(row)?]);
+        let at = |row: &DesignRow| Some([row.needed? as f64, hours(row)?]);
         let points =
             |is_best: bool| rows().filter(move |(_, row)| row.is_best == is_best).filter_map(|(_, row)| at(row));
         let [best, others]: [Vec<[f64; 2]>; 2] = [true, false].map(|is_best| points(is_best).collect());
@@ -170,6 +173,7 @@ mod tests {
             plane: Some(0.4),
             electrodes: 2,
             needed: wheel.map(|_| 8),
+            is_wear_known: wheel.is_some(),
             needed_text: vec!["4".to_owned(), "4".to_owned()],
             channel: wheel.map(|minutes| Spread::exactly(minutes / 60.0)),
             wheel: wheel.map(Spread::exactly),
@@ -202,9 +206,12 @@ mod tests {
     fn figures_that_are_not_known_are_empty_and_never_zero() {
         let csv = report().csv();
         let rows: Vec<&str> = csv.lines().collect();
-        assert_eq!(rows[1], "1,2,1,0.400,-x,1.000,1.250,0.5,2,8,100.000,100.000,0.2500,12.000,2.5000,0.0995,true,");
+        assert_eq!(
+            rows[1],
+            "1,2,1,0.400,-x,1.000,1.250,0.5,2,8,true,100.000,100.000,0.2500,12.000,2.5000,0.0995,true,"
+        );
         assert!(rows[2].ends_with(",false,\"thickness 2.5 mm, for 3 mm\""), "{csv}");
-        assert!(rows[3].contains(",0.5,2,,,,0.2500,"), "{csv}");
+        assert!(rows[3].contains(",0.5,2,,false,,,0.2500,"), "{csv}");
         let json: serde_json::Value = serde_json::from_str(&report().json().unwrap()).unwrap();
         assert!(json["rows"][2]["wheel"].is_null() && json["rows"][0]["wheel"]["mean"] == 6000.0);
     }
