@@ -146,6 +146,38 @@ fn the_job_file_of_a_plan_has_its_files_and_figures() {
     let path_file = std::fs::read(path("out/path_1.csv")).unwrap();
     assert_eq!(feed["path"]["sha256"], files::sha256(&path_file));
     assert_eq!((&feed["minutes"], &location["position"]["a_deg"]), (&().into(), &0.0.into()), "no step is given");
+    // Each point to be measured lies on the electrode, whose file is in the axes of the points.
+    let stl = std::fs::read(path("out/electrode_1.stl")).unwrap();
+    let corner = |at: usize| -> [f64; 3] {
+        [0, 4, 8].map(|k| f64::from(f32::from_le_bytes(stl[at + k..at + k + 4].try_into().unwrap())))
+    };
+    let points = electrode["inspection_points"].as_array().unwrap();
+    assert!(points.len() >= 12, "{points:?}");
+    let off = |point: &serde_json::Value| {
+        let vector = |key: &str| [0, 1, 2].map(|k| point[key][k].as_f64().unwrap());
+        let (p, n) = (vector("point_mm"), vector("normal"));
+        let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let facets = (84..stl.len()).step_by(50);
+        let off = |at: usize| {
+            let normal = [0, 4, 8].map(|k| f64::from(f32::from_le_bytes(stl[at + k..at + k + 4].try_into().unwrap())));
+            let corner = corner(at + 12);
+            // Of the plane through a facet of the same normal.
+            (dot(normal, n) > 0.9999).then(|| dot(n, [0, 1, 2].map(|k| p[k] - corner[k])).abs())
+        };
+        facets.filter_map(off).fold(f64::INFINITY, f64::min)
+    };
+    assert!(points.iter().all(|point| off(point) < 1e-3), "{points:?}");
+    // The sheet of the export is that of the command, and what a template requires and the job does not have is named.
+    let job_file = path("out/job.json");
+    let sheet = text(&sparkpath(&["job-sheet", &job_file]).stdout).to_owned();
+    assert_eq!(std::fs::read_to_string(path("out/job_sheet.txt")).unwrap(), sheet);
+    let own = std::env::temp_dir().join(format!("sparkpath-{}.jinja", std::process::id()));
+    std::fs::write(&own, "{% for e in electrodes %}{{ e.material|required('material of ' ~ e.id) }}{% endfor %}")
+        .unwrap();
+    let refused = sparkpath(&["job-sheet", &job_file, "--template", own.to_str().unwrap()]);
+    std::fs::remove_file(&own).unwrap();
+    assert_eq!(refused.status.code(), Some(1), "{}", text(&refused.stderr));
+    assert!(text(&refused.stderr).contains("required values are missing: material of E1"), "{}", text(&refused.stderr));
     // The path ends in the direction of its last two rows.
     let text = String::from_utf8(path_file).unwrap();
     let rows: Vec<Vec<f64>> =

@@ -6,11 +6,14 @@ use clap::Args;
 
 use super::project::ProjectArguments;
 use super::{Answer, Session};
-use crate::workspaces::blisk::document::job_file::PlanJob;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::job::design::{DesignLimits, DesignRow, DesignSpace, design as design_job};
+use crate::workspaces::blisk::job::plan::prepare;
 use crate::workspaces::blisk::report::design::{DesignReport, SCHEMA};
 use files::{Document, ExportFolder};
+
+/// Project of the fastest of the best sets.
+const FASTEST: &str = "fastest.sparkpath";
 
 /// A job, what is tried, and what has to be kept.
 #[derive(Debug, Args)]
@@ -45,6 +48,17 @@ fn share(text: &str) -> Result<f64, String> {
     if (0.01..=0.99).contains(&value) { Ok(value) } else { Err("must be from 0.01 to 0.99".to_owned()) }
 }
 
+/// The values without those that come again.
+fn each_once(values: &[f64]) -> Vec<f64> {
+    let mut once: Vec<f64> = Vec::new();
+    for value in values {
+        if !once.contains(value) {
+            once.push(*value);
+        }
+    }
+    once
+}
+
 fn length(text: &str) -> Result<f64, String> {
     let value: f64 = text.trim().parse().map_err(|_| "expected a length in mm".to_owned())?;
     if (0.0..=100.0).contains(&value) { Ok(value) } else { Err("must be from 0 to 100 mm".to_owned()) }
@@ -54,16 +68,20 @@ fn length(text: &str) -> Result<f64, String> {
 pub(super) fn design(arguments: &DesignArguments, session: &Session) -> anyhow::Result<Answer> {
     let (inputs, files) = super::plan::load(&arguments.project, session)?;
     ExportFolder::check(&arguments.out)?;
-    let (prepared, inputs) = super::plan::ready(inputs, session)?;
+    anyhow::ensure!(
+        arguments.planes.is_empty() || arguments.parts >= 2,
+        "--planes: planes divide two parts; give --parts 2 or more"
+    );
+    let prepared = prepare(&inputs, &session.task)?;
     let radial = &arguments.radial;
     let space = DesignSpace {
         most_parts: usize::from(arguments.parts),
         columns: arguments.columns,
         radial_reductions_mm: match radial.is_empty() {
             true => vec![inputs.job.electrode.radial_reduction_mm],
-            false => radial.clone(),
+            false => each_once(radial),
         },
-        planes: arguments.planes.clone(),
+        planes: each_once(&arguments.planes),
     };
     let limits = DesignLimits { residual_mm: arguments.residual, thickness_mm: arguments.thickness };
     let show = |row: &DesignRow| {
@@ -77,7 +95,7 @@ pub(super) fn design(arguments: &DesignArguments, session: &Session) -> anyhow::
         say!("{HEAD}");
     }
     let design = design_job(&prepared, &inputs, &space, &limits, &show, &session.task)?;
-    let fastest = design.fastest().map(|row| row.electrode.clone());
+    let fastest = design.fastest().cloned();
     let report = DesignReport {
         schema: SCHEMA,
         program_version: env!("CARGO_PKG_VERSION"),
@@ -90,13 +108,17 @@ pub(super) fn design(arguments: &DesignArguments, session: &Session) -> anyhow::
     let (json, csv, html) = (report.json()?, report.csv(), report.html()?);
     let texts = [("design.json", &json), ("design.csv", &csv), ("design.html", &html)];
     session.task.check()?;
-    ExportFolder::write_all(&arguments.out, "design", &texts.map(|(name, text)| (name, text.as_bytes())))?;
-    if let Some(electrode) = fastest {
-        let mut job: PlanJob = inputs.job.clone();
-        job.electrode = electrode;
-        job.plan.strategy = feed::plan_params::Strategy::Global;
-        Document::new(job).export(&arguments.out.join("fastest.sparkpath"))?;
+    let mut folder = ExportFolder::open(&arguments.out, "design")?;
+    for (name, text) in texts {
+        folder.write(name, text.as_bytes())?;
     }
+    if let Some(row) = fastest {
+        let mut job = inputs.job.clone();
+        row.apply(&mut job);
+        let text = Document::new(job).text(&folder.path(FASTEST))?;
+        folder.write(FASTEST, text.as_bytes())?;
+    }
+    folder.publish()?;
     super::terminal::finish();
     if session.json {
         say!("{}", json.trim_end());
@@ -126,9 +148,9 @@ fn line(row: &DesignRow) -> String {
         row.size.enter.name(),
         row.radial_reduction_mm,
         number(row.channel.map(|channel| channel.mean), 1),
-        number(row.wheel.map(|wheel| wheel.mean / 60.0), 1),
+        row.hours_cell(),
         row.needed_cell(),
-        number(row.residual_mm, 3),
+        row.residual_cell(),
         row.size.least_thickness_mm
     );
     text.trim_end().to_owned()

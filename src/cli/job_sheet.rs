@@ -28,7 +28,8 @@ pub(super) fn job_sheet(arguments: &JobSheetArguments) -> anyhow::Result<Answer>
     let text = sheet.of(&JobFile::read(&arguments.job)?)?;
     match &arguments.out {
         Some(out) => files::write_bytes(out, text.as_bytes())?,
-        None => say!("{}", text.trim_end()),
+        // The sheet ends its own lines.
+        None => say!("{}", text.strip_suffix('\n').unwrap_or(&text)),
     }
     Ok(Answer::Yes)
 }

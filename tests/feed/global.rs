@@ -6,8 +6,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use super::*;
 use feed::jam::{Change, JamCause, Opening};
 use feed::plan_params::Strategy;
+use sparkpath::workspaces::blisk::job::burning::WheelBurning;
+use sparkpath::workspaces::blisk::job::design::{DesignLimits, DesignSpace, design};
 use sparkpath::workspaces::blisk::job::outcome::ElectrodeOutcome;
-use sparkpath::workspaces::blisk::job::plan::run_prepared;
+use sparkpath::workspaces::blisk::job::plan::{run_finished, run_prepared};
 use sparkpath::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use sparkpath::workspaces::blisk::job::preview::live_way;
 use sparkpath::workspaces::blisk::job::sizing::{SizingRange, TOLERANCE_DEG, size};
@@ -56,6 +58,7 @@ fn the_global_path_is_certified_smooth_and_the_same_every_time() {
 fn a_reduction_that_is_found_lets_the_electrode_out() {
     where_there_is_no_way_the_reduction_that_is_named_opens_one();
     sizes_are_certified_and_what_is_sized_is_what_a_plan_makes();
+    sets_are_what_their_plans_make();
 }
 
 fn dense_sampling_never_finds_less_than_the_certificate() {
@@ -254,6 +257,33 @@ fn sizes_are_certified_and_what_is_sized_is_what_a_plan_makes() {
     let thicker =
         |r: &sparkpath::workspaces::blisk::job::sizing::SizeRow| r.least_thickness_mm >= row.least_thickness_mm;
     assert!(rows.iter().filter(|r| r.reduction_deg[0] != r.reduction_deg[1]).all(thicker), "{rows:?}");
+}
+
+fn sets_are_what_their_plans_make() {
+    let mut base = easy_inputs(coarse_job(2.8));
+    // The search of sets is the global one, whatever the job's own draws in.
+    (base.job.plan.strategy, base.job.genetic.h) = (Strategy::Genetic, ReductionMode::Variable);
+    base.job.burning.last_step = "F3".to_owned();
+    let radial = base.job.electrode.radial_reduction_mm;
+    let space = DesignSpace { most_parts: 1, columns: false, radial_reductions_mm: vec![radial], planes: Vec::new() };
+    let design = design(ready(), &base, &space, &DesignLimits::default(), &|_| (), &Task::default()).unwrap();
+    for row in &design.rows {
+        let mut job = base.job.clone();
+        assert!(!row.is_applied(&job));
+        row.apply(&mut job);
+        job.validate().unwrap();
+        assert!(row.is_applied(&job));
+        let inputs = PlanInputs { job, ..base.clone() };
+        let plan = run_finished(ready(), &inputs, &Task::default()).unwrap();
+        let certified = only(&plan).plan.path.as_ref().unwrap().certificate.certified();
+        assert_eq!(certified, row.size.certified_mm);
+        let burning = WheelBurning::of_job(&plan, &inputs.job).unwrap();
+        assert_eq!((burning.channel, burning.schedule.map(|of| of.total())), (row.channel, row.wheel));
+        assert_eq!(plan.residual_stock().unwrap().stock.left_mm3, row.left_mm3.unwrap());
+    }
+    let fastest = design.fastest().unwrap();
+    assert!(fastest.wheel.is_some() && !fastest.is_wear_known, "{}", design.sentence());
+    assert!(design.sentence().contains("wear is not considered"), "{}", design.sentence());
 }
 
 fn a_glance_tells_what_the_plan_will_say_where_that_is_clear() {

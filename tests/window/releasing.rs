@@ -6,6 +6,7 @@ use std::sync::mpsc::{Sender, channel};
 use egui::Key;
 use sparkpath::workspaces::blisk::document::kept_plan::KeptPlan;
 use sparkpath::workspaces::blisk::document::stage::Stage;
+use sparkpath::workspaces::blisk::report::Written;
 use sparkpath::workspaces::blisk::work::release::ExportWork;
 use task::{State, Task};
 use wheel::parametric::ParametricBlisk;
@@ -85,7 +86,7 @@ fn an_export_stops_when_its_release_is_taken_back() {
         let work = move |task: &Task| {
             told.recv().map_err(|e| e.to_string())?;
             task.check().map_err(|e| e.to_string())?;
-            Ok(vec!["written without a release".to_owned()])
+            Ok(Written { files: vec!["written without a release".to_owned()], ..Written::default() })
         };
         (tell, Box::new(move |_, _, _, _, task| work(task)))
     };

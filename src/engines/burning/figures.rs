@@ -158,14 +158,18 @@ impl BurnFigures {
         }
     }
 
-    /// Number of electrodes that `burns` burns need, in words. `copies` is their number as far as the wear is known.
-    pub fn needed_text(&self, copies: usize) -> String {
-        let is_known = match self.wear_share {
+    /// Whether the wear is known, so that no more electrodes are needed than are counted.
+    pub fn is_wear_known(&self) -> bool {
+        match self.wear_share {
             WearShare::Known(_) => true,
             WearShare::Unlimited => self.end_wear_mm.is_some() && self.corner_wear_mm.is_some(),
             WearShare::Unknown { .. } => false,
-        };
-        match (is_known, self.wear_share) {
+        }
+    }
+
+    /// Number of electrodes that `burns` burns need, in words. `copies` is their number as far as the wear is known.
+    pub fn needed_text(&self, copies: usize) -> String {
+        match (self.is_wear_known(), self.wear_share) {
             (false, _) => format!("at least {copies}: wear not considered"),
             (true, WearShare::Unlimited) => format!("{copies}: no wear is limited"),
             (true, _) => copies.to_string(),

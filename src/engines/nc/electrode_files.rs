@@ -11,7 +11,6 @@ use crate::burn_table::BurnTable;
 use crate::measuring_points::{MeasuringPoint, measuring_points};
 use crate::step_files::{WrittenStep, count, length, text, written_step};
 use files::{ExportFolder, FileError};
-use geometry::exact::ExactMeshError;
 use glam::DVec3;
 use import::{glb_bytes, obj_bytes, stl_bytes};
 use mold::electrode::design::{Electrode, ElectrodeSet};
@@ -89,13 +88,13 @@ fn faces_of(electrode: &Electrode) -> Vec<usize> {
     electrode.mesh.iter_corners().map(face).collect()
 }
 
-/// Points of the base and of the burning faces of an electrode on its holder, in the axes of its files.
-///
-/// # Errors
-/// An electrode without triangles.
-pub fn points_to_measure(electrode: &Electrode) -> Result<Vec<MeasuringPoint>, ExactMeshError> {
+/// Points of the base and of the burning faces of an electrode on its holder, in the axes of its files, whose shape is `shape`.
+/// Files of a net shape tell nothing of the burning faces as they are milled.
+pub fn points_to_measure(electrode: &Electrode, shape: Shape) -> Vec<MeasuringPoint> {
     let [burning, base, _datum] = FACES;
-    let surface_of: Vec<Option<usize>> = faces_of(electrode).into_iter().map(Some).collect();
+    let is_measured = |face: usize| shape == Shape::Undersized || face != 0;
+    let surface_of: Vec<Option<usize>> =
+        faces_of(electrode).into_iter().map(|face| Some(face).filter(|face| is_measured(*face))).collect();
     measuring_points(&electrode.mesh, &[burning, base], &surface_of)
 }
 
@@ -159,9 +158,6 @@ pub enum ElectrodeExportError {
     /// The figures have no JSON.
     #[error("the burn table as JSON: {0}")]
     Json(#[from] serde_json::Error),
-    /// An electrode has no points to measure.
-    #[error("measuring points: {0}")]
-    MeasuringPoints(#[from] ExactMeshError),
     /// The report has no page.
     #[error(transparent)]
     Page(#[from] files::report::PageError),

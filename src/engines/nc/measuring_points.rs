@@ -2,20 +2,21 @@
 //! touches nothing else.
 
 use files::report::quoted;
-use geometry::exact::{ExactMesh, ExactMeshError};
+use geometry::exact::ExactMesh;
 use geometry::inside::guarded_distance;
 use geometry::mesh::{Mesh, normal_times_two_areas, unit_normal};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Radii of balls, the first of which that fits is taken (mm).
+/// Radii of balls: the largest that finds [`ENOUGH`] points is taken, else that which finds most (mm).
 const BALLS: [f64; 3] = [1.0, 0.5, 0.25];
 /// Places of a surface that are tried.
 const TRIED: usize = 160;
 /// Points of a surface.
 const POINTS: usize = 9;
-/// How near the ball may come to the surface before it touches the point, and how far a surface may fall away from the plane
-/// of the point within the radius of the ball, as a share of the radius.
+/// Points with which a surface is told from a turned one.
+const ENOUGH: usize = 3;
+/// How far the surface may fall away from the plane of a point within the radius of the ball, as a share of the radius.
 const FLAT: f64 = 0.2;
 
 /// A point to be measured.
@@ -35,33 +36,33 @@ pub struct MeasuringPoint {
 
 /// Points of the closed electrode `mesh`, at most nine of each of the `surfaces`, in the axes of the mesh. `surface_of` is the
 /// surface of each triangle; triangles of others are not measured. A surface on which no ball finds room has none.
-///
-/// # Errors
-/// A mesh without triangles.
-pub fn measuring_points(
-    mesh: &Mesh,
-    surfaces: &[&str],
-    surface_of: &[Option<usize>],
-) -> Result<Vec<MeasuringPoint>, ExactMeshError> {
-    let exact = ExactMesh::new(mesh)?;
+pub fn measuring_points(mesh: &Mesh, surfaces: &[&str], surface_of: &[Option<usize>]) -> Vec<MeasuringPoint> {
+    let Ok(exact) = ExactMesh::new(mesh) else { return Vec::new() };
     let triangles: Vec<[DVec3; 3]> = mesh.iter_corners().collect();
     let mut points = Vec::new();
     for (surface, name) in surfaces.iter().enumerate() {
         let own = triangles.iter().zip(surface_of).filter(|(_, of)| **of == Some(surface)).map(|(corners, _)| *corners);
         let places = spread(&own.collect::<Vec<_>>());
-        let found = BALLS.iter().find_map(|&radius| {
+        let mut found: Vec<(Place, f64)> = Vec::new();
+        for radius in BALLS {
             let free: Vec<Place> = places.iter().copied().filter(|place| has_room(&exact, *place, radius)).collect();
-            (!free.is_empty()).then(|| far_apart(&free, radius))
-        });
+            let apart = far_apart(&free, radius);
+            if apart.len() > found.len() {
+                found = apart;
+            }
+            if found.len() >= ENOUGH {
+                break;
+            }
+        }
         let point = |(place, ball_radius_mm): (Place, f64)| MeasuringPoint {
             surface: (*name).to_owned(),
             point_mm: place.point.to_array().map(rounded),
             normal: place.normal.to_array().map(rounded),
             ball_radius_mm,
         };
-        points.extend(found.into_iter().flatten().map(point));
+        points.extend(found.into_iter().map(point));
     }
-    Ok(points)
+    points
 }
 
 /// The value to six decimals.
@@ -100,17 +101,20 @@ fn has_room(exact: &ExactMesh, place: Place, radius: f64) -> bool {
     let across = place.normal.any_orthonormal_vector();
     let along = place.normal.cross(across);
     let off = |p: DVec3| exact.nearest(p).signed_distance.abs();
-    let is_free = guarded_distance(exact, place.point + radius * place.normal) >= radius * (1.0 - 1e-3);
+    let is_free = || guarded_distance(exact, place.point + radius * place.normal) >= radius * (1.0 - 1e-3);
     let is_level = (0..8).all(|k| {
         let (sin, cos) = (f64::from(k) * std::f64::consts::FRAC_PI_4).sin_cos();
         off(place.point + radius * (cos * across + sin * along)) <= FLAT * radius
     });
-    is_free && is_level
+    is_level && is_free()
 }
 
 /// At most [`POINTS`] of `places`, each as far from those before as can be, and farther than a ball; the first is nearest to
 /// their middle.
 fn far_apart(places: &[Place], radius: f64) -> Vec<(Place, f64)> {
+    if places.is_empty() {
+        return Vec::new();
+    }
     let middle = places.iter().map(|place| place.point).sum::<DVec3>() / places.len() as f64;
     let first = places.iter().min_by(|a, b| a.point.distance(middle).total_cmp(&b.point.distance(middle)));
     let mut taken: Vec<Place> = first.into_iter().copied().collect();
@@ -174,7 +178,7 @@ mod tests {
     #[test]
     fn balls_touch_the_points_and_nothing_else() {
         let (mesh, surface_of) = ribbed();
-        let points = measuring_points(&mesh, &["top", "sides", "rib"], &surface_of).unwrap();
+        let points = measuring_points(&mesh, &["top", "sides", "rib"], &surface_of);
         for surface in ["top", "sides", "rib"] {
             let own: Vec<&MeasuringPoint> = points.iter().filter(|point| point.surface == surface).collect();
             assert_eq!(own.len(), POINTS, "{surface}");
@@ -204,7 +208,7 @@ mod tests {
     #[test]
     fn the_table_has_a_row_for_each_point() {
         let (mesh, surface_of) = ribbed();
-        let points = measuring_points(&mesh, &["top", "a, b"], &surface_of).unwrap();
+        let points = measuring_points(&mesh, &["top", "a, b"], &surface_of);
         let csv = measuring_csv([("E1", &points[..]), ("E2", &points[..1])]);
         assert_eq!(csv.lines().count(), 1 + points.len() + 1);
         assert!(csv.contains("E1,\"a, b\",") && csv.lines().last().unwrap().starts_with("E2,top,"), "{csv}");
@@ -215,6 +219,6 @@ mod tests {
         let block = Mesh::cuboid(DVec3::new(10.0, 10.0, 0.2));
         let is_side = |corners| unit_normal(corners).z.abs() < 0.5;
         let surface_of: Vec<Option<usize>> = block.iter_corners().map(|t| is_side(t).then_some(0)).collect();
-        assert_eq!(measuring_points(&block, &["sides"], &surface_of).unwrap(), []);
+        assert_eq!(measuring_points(&block, &["sides"], &surface_of), []);
     }
 }

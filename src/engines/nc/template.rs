@@ -1,8 +1,8 @@
 //! Text of any form for people and machines, through templates that users edit: burn sheets and job sheets.
 //!
-//! Templates are in the language of Jinja; they see the keys of the JSON file of the same data. What they name and the data do
-//! not have is an error and no gap in the text, because machines read such sheets too. Beside the filters of the language there
-//! are
+//! Templates are in the language of Jinja; they see the keys of the JSON file of the same data. A name that the data do not have,
+//! and a value that is none where it is written, is an error and no gap in the text, because machines read such sheets too. Beside
+//! the filters of the language there are
 //! - `fixed(decimals, point=".", plus=false)`: a number with so many decimals, `-` where there is none;
 //! - `left(width)` and `right(width)`: text filled up with blanks;
 //! - `mapped(values, default)`: what a map holds for the value, as in `kind|mapped({"sink": 1, "feed": 2})`; without a default
@@ -181,6 +181,11 @@ impl<T: Templated> Template<T> {
             .add_filter("left", |text: String, width: usize| format!("{text:<width$}", width = width.min(WIDEST)));
         environment
             .add_filter("right", |text: String, width: usize| format!("{text:>width$}", width = width.min(WIDEST)));
+        // Where there is no value the word none would be taken for one.
+        environment.set_formatter(|out, state, value| match value.is_none() {
+            true => Err(Error::new(ErrorKind::InvalidOperation, "there is no value to be written")),
+            false => minijinja::escape_formatter(out, state, value),
+        });
         let not_there = missing.clone();
         environment.add_filter("required", move |value: &Value, name: &str| not_there.required(value, name));
         let not_mapped = missing.clone();

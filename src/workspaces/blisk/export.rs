@@ -15,7 +15,6 @@ use feed::certificate::Certificate;
 use feed::copying::Copying;
 use feed::machine_model::MachineModel;
 use files::{ExportFolder, FileError};
-use geometry::exact::ExactMeshError;
 use geometry::mesh::Mesh;
 use import::stl_bytes;
 use nc::approved::{Approved, NotApproved};
@@ -62,8 +61,6 @@ pub enum PlanFilesError {
     Post(#[from] PostError),
     #[error(transparent)]
     JobSheet(#[from] TemplateError),
-    #[error("measuring points: {0}")]
-    MeasuringPoints(#[from] ExactMeshError),
     #[error(transparent)]
     Nc(#[from] NcError),
     #[error("the path of electrode {electrode} was certified but cannot be approved: {source}")]
@@ -151,7 +148,7 @@ pub fn write(
     }
     let mut no_job_sheet = None;
     if inputs.job.export.files.report {
-        let job = job_of_plan(outcome, &inputs.job, report.burning.as_ref(), &files)?;
+        let job = job_of_plan(outcome, &inputs.job, report.burning.as_ref(), &files);
         let points = job.electrodes.iter().map(|electrode| (electrode.id.as_str(), &electrode.inspection_points[..]));
         let mut texts = vec![("measuring_points.csv", measuring_csv(points))];
         texts.extend([("job.json", job.json()?), ("job.xml", job.xml()?), ("job.csv", job.csv())]);
@@ -245,12 +242,13 @@ pub struct ExportForms {
 }
 
 impl ExportForms {
-    /// The forms that `export` names.
+    /// The forms that `export` names; the template of a job sheet only where a report is asked for, which it comes with.
     ///
     /// # Errors
     /// The first that cannot be used.
     pub fn of(export: &ExportSection) -> Result<Self, PlanFilesError> {
-        Ok(Self { post: Post::named(&export.post)?, job_sheet: JobSheet::named(&export.job_sheet)? })
+        let named = export.files.report.then(|| JobSheet::named(&export.job_sheet));
+        Ok(Self { post: Post::named(&export.post)?, job_sheet: named.unwrap_or_else(|| Ok(JobSheet::standard()))? })
     }
 }
 

@@ -272,7 +272,7 @@ impl BliskWorkspace {
     pub fn export(&mut self, folder: &Path, cx: &mut Context) {
         let write: ExportWork = Box::new(|folder, released, inputs, files, task| {
             let exported = export::export(folder, released.plan(), inputs, files, task);
-            exported.map(|(_, written)| written).map_err(|e| e.to_string())
+            exported.map(|(report, _)| report.written).map_err(|e| e.to_string())
         });
         if let Err(why) = self.desk.work.start_export(folder, write) {
             cx.error("Nothing was exported", why);

@@ -1,6 +1,5 @@
 //! All files of uncut regions or of electrodes in one folder, or none.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::workspaces::mold::job::uncut::{ClassedRun, Uncut};
@@ -9,15 +8,14 @@ use crate::workspaces::mold::report::uncut::{UncutPage, UncutReport, surface_as_
 use crate::workspaces::mold::report::{ElectrodesPage, ElectrodesReport};
 use files::report::PageError;
 use files::{ExportFolder, FileError, Published};
-use geometry::exact::ExactMeshError;
 use import::ImportReport;
-use mold::electrode::design::{Electrode, ElectrodeSet};
+use mold::electrode::design::ElectrodeSet;
 use nc::electrode_files::{
     ElectrodeExportError, ElectrodeFormat, WrittenElectrodes, is_electrode_file, points_to_measure,
     write_electrode_files,
 };
 use nc::job_file::{FileEntry, JobFile, JobTechnology};
-use nc::measuring_points::{MeasuringPoint, measuring_csv};
+use nc::measuring_points::measuring_csv;
 use nc::template::BurnSheet;
 use task::Task;
 
@@ -119,8 +117,8 @@ pub fn export_electrodes(
         Ok(text) => drop(folder.write("burn_sheet.txt", text.as_bytes())?),
         Err(error) => written.no_sheet = Some(error.to_string()),
     }
-    let job = job_file(&folder, (set, report), &written)?;
-    let points = job.electrodes.iter().map(|electrode| (electrode.name.as_str(), &electrode.inspection_points[..]));
+    let job = job_file(&folder, (set, report), &written);
+    let points = job.electrodes.iter().map(|electrode| (electrode.id.as_str(), &electrode.inspection_points[..]));
     folder.write("measuring_points.csv", measuring_csv(points).as_bytes())?;
     for (name, text) in [("job.json", job.json()?), ("job.xml", job.xml()?), ("job.csv", job.csv())] {
         folder.write(name, text.as_bytes())?;
@@ -136,7 +134,7 @@ fn job_file(
     folder: &ExportFolder,
     (set, report): (&ElectrodeSet, &ElectrodesReport),
     written: &WrittenElectrodes,
-) -> Result<JobFile, ExactMeshError> {
+) -> JobFile {
     let files_of = |electrode: &str| {
         let own = written.files.iter().filter(|file| file.electrode == electrode);
         let names = own.filter_map(|file| file.path.file_name()?.to_str());
@@ -154,10 +152,11 @@ fn job_file(
             last_step,
         })
     };
-    let points = |electrode: &Electrode| Ok((electrode.name.clone(), points_to_measure(electrode)?));
-    let mut points: BTreeMap<String, Vec<MeasuringPoint>> =
-        set.electrodes.iter().map(points).collect::<Result<_, _>>()?;
-    Ok(JobFile::of_table(&report.table, files_of, technology_of, |name| points.remove(name).unwrap_or_default()))
+    let points_of = |name: &str| {
+        let electrode = set.electrodes.iter().find(|electrode| electrode.name == name);
+        electrode.map(|electrode| points_to_measure(electrode, set.params.shape)).unwrap_or_default()
+    };
+    JobFile::of_table(&report.table, files_of, technology_of, points_of)
 }
 
 #[cfg(test)]

@@ -306,8 +306,15 @@ impl<P: Params> Document<P> {
         self.touch();
     }
 
-    /// Writes only the parameters as a project file, for the command line on another machine. The document keeps its
-    /// own file.
+    /// Only the parameters as the text of a project file that is to lie at `file`, for the command line on another machine.
+    ///
+    /// # Errors
+    /// [`FileError`].
+    pub fn text(&self, file: &Path) -> Result<String, FileError> {
+        Project { params: self.params.clone(), ..Project::default() }.text(file, None)
+    }
+
+    /// Writes [`text`](Self::text) to `file`. The document keeps its own file.
     ///
     /// # Errors
     /// [`FileError`].

@@ -17,7 +17,7 @@ use super::measuring_points::MeasuringPoint;
 /// JSON schema of a job file, by which other programs can check it.
 pub const SCHEMA: &str = include_str!("job.schema.json");
 /// Name and version of the format.
-pub const FORMAT: &str = "sparkpath-job-1";
+pub const FORMAT: &str = "sparkpath-job-2";
 
 /// A job.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

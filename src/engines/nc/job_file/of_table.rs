@@ -15,7 +15,7 @@ impl JobFile {
         table: &BurnTable,
         files_of: impl Fn(&str) -> Vec<FileEntry>,
         technology_of: impl Fn(&str) -> Option<JobTechnology>,
-        mut points_of: impl FnMut(&str) -> Vec<MeasuringPoint>,
+        points_of: impl Fn(&str) -> Vec<MeasuringPoint>,
     ) -> Self {
         let released = table.electrodes.iter().filter(|entry| entry.state != ElectrodeState::Blocked);
         let electrode = |(i, entry): (usize, &ElectrodeEntry)| {

@@ -7,7 +7,7 @@ use burning::duration::{Spread, sum_of};
 use burning::figures::{BurnFigures, hours_text, minutes_text};
 use burning::schedule::{Activity, Schedule, ScheduledElectrode, WheelBurn, schedule};
 use burning::technology::TechnologyFile;
-use burning::wear::{WearShare, share_out};
+use burning::wear::share_out;
 use serde::Serialize;
 
 use super::outcome::{ElectrodeOutcome, PlanOutcome};
@@ -42,11 +42,6 @@ pub struct BurningElectrode {
 }
 
 impl BurningElectrode {
-    /// Whether the wear is known, so that no more electrodes are needed than are counted.
-    pub fn is_wear_known(&self) -> bool {
-        !matches!(self.figures.wear_share, WearShare::Unknown { .. })
-    }
-
     /// Number of electrodes that the wheel needs, in words.
     pub fn needed_text(&self) -> String {
         self.copies.map_or_else(|| "too many to count".to_owned(), |copies| self.figures.needed_text(copies))
@@ -170,6 +165,7 @@ pub fn schedule_csv(schedule: &Schedule) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use burning::wear::WearShare;
 
     fn job() -> PlanJob {
         let mut job = PlanJob::demonstration();

@@ -3,17 +3,18 @@
 
 use serde::Serialize;
 
-use super::burning::{BurningElectrode, WheelBurning};
+use super::burning::WheelBurning;
 use super::finish::finish;
-use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
+use super::outcome::{Finishing, PlanInputs, PlanJobError, PlanOutcome};
 use super::plan::run_feeds;
 use super::prepared_blisk::PreparedBlisk;
 use super::sizing::{SizeRow, SizingRange, size};
+use crate::workspaces::blisk::document::job_file::PlanJob;
 use burning::duration::Spread;
 use burning::schedule::Schedule;
-use feed::plan_params::Strategy;
+use files::Validate as _;
 use task::Task;
-use wheel::electrode::{ElectrodeParams, PartParams};
+use wheel::electrode::{ElectrodeParams, PartParams, Sizing};
 
 /// Sets of electrodes that are tried.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,7 +55,7 @@ pub struct DesignRow {
     pub needed: Option<usize>,
     /// Whether the wear of every electrode is known, so that no more are needed.
     pub is_wear_known: bool,
-    /// That number in words, for each electrode of a channel.
+    /// Number of each electrode of a channel that the wheel needs, in words.
     pub needed_text: Vec<String>,
     /// Burning of a channel (minutes); none if it is not known.
     pub channel: Option<Spread>,
@@ -64,6 +65,8 @@ pub struct DesignRow {
     pub no_minutes: Option<String>,
     /// Thickest residual stock on a wall above the tolerance of the map (mm); 0 where there is none, none if it is not known.
     pub residual_mm: Option<f64>,
+    /// Whether the stock is that thick at least: how thick it is was not followed further.
+    pub is_more_left: bool,
     /// Volume that is left in the channel (mm^3); none if it is not known.
     pub left_mm3: Option<f64>,
     /// Limits that it does not keep, in words.
@@ -71,7 +74,7 @@ pub struct DesignRow {
     /// Whether no other set that keeps the limits is as good in hours, number of electrodes and residual stock, and better in
     /// one of them.
     pub is_best: bool,
-    /// The parameters of the set.
+    /// The parameters of the electrodes.
     #[serde(skip)]
     pub electrode: ElectrodeParams,
 }
@@ -86,7 +89,7 @@ pub struct Design {
 }
 
 impl Design {
-    /// The set of the fewest hours that keeps the limits; with minutes that are not known the first of the best.
+    /// The best set of the fewest hours; none if no set keeps the limits, or no hours are known.
     pub fn fastest(&self) -> Option<&DesignRow> {
         let minutes = |row: &DesignRow| row.wheel.map_or(f64::INFINITY, |wheel| wheel.mean);
         self.rows.iter().filter(|row| row.is_best).min_by(|a, b| minutes(a).total_cmp(&minutes(b)))
@@ -94,60 +97,83 @@ impl Design {
 
     /// The answer in a sentence.
     pub fn sentence(&self) -> String {
-        let keep = self.rows.iter().filter(|row| row.breaks.is_empty()).count();
+        let keep = || self.rows.iter().filter(|row| row.breaks.is_empty());
+        let certified = counted(self.rows.len(), "certified set");
         let Some(fastest) = self.fastest() else {
-            return match self.rows.len() {
-                0 => "No set of electrodes has certified paths.".to_owned(),
-                n => format!("None of the {n} certified sets keeps the limits."),
+            return match (keep().count(), keep().find_map(|row| row.no_minutes.as_deref())) {
+                (0, _) if self.rows.is_empty() => "No set of electrodes has certified paths.".to_owned(),
+                (0, _) => format!("{certified}, none of which keeps the limits."),
+                (n, Some(why)) => format!("{certified}, {n} of them within the limits; hours are not known: {why}."),
+                (n, None) => format!("{certified}, {n} of them within the limits; they cannot be compared."),
             };
         };
-        let hours = burning::figures::hours_text(fastest.wheel);
+        let wear = if fastest.is_wear_known { "" } else { " at least, because wear is not considered" };
         format!(
-            "{} certified sets, {keep} of them within the limits; the fastest has {}: {hours} for the wheel.",
-            self.rows.len(),
-            fastest.words()
+            "{certified}, {} of them within the limits; the fastest has {}: {} for the wheel{wear}.",
+            keep().count(),
+            fastest.words(),
+            burning::figures::hours_text(fastest.wheel)
         )
     }
+}
+
+/// A number of things.
+fn counted(n: usize, what: &str) -> String {
+    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
 }
 
 impl DesignRow {
     /// The set in words.
     pub fn words(&self) -> String {
         let [low, high] = self.size.reduction_deg;
-        let counted = |n: usize, what: &str| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
-        let plane = self.plane.map(|plane| format!(" divided at {plane}")).unwrap_or_default();
-        format!(
-            "{}{plane}, {}, from {}, reductions {low:.3} and {high:.3} deg, radially {} mm",
-            counted(self.size.parts, "part"),
-            counted(self.columns, "column"),
-            self.size.enter.name(),
-            self.radial_reduction_mm
-        )
+        let kind = Kind {
+            parts: self.size.parts,
+            columns: self.columns,
+            radial_reduction_mm: self.radial_reduction_mm,
+            plane: self.plane,
+        };
+        format!("{}, from {}, reductions {low:.3} and {high:.3} deg", kind.words(), self.size.enter.name())
     }
 
-    /// Puts the set into the parameters of an electrode.
-    pub fn apply(&self, electrode: &mut ElectrodeParams) {
-        *electrode = self.electrode.clone();
+    /// Puts the set into `job`, with the search that found it.
+    pub fn apply(&self, job: &mut PlanJob) {
+        job.electrode = self.electrode.clone();
+        self.size.apply(job);
     }
 
-    /// Whether applying the row would not change `electrode`.
-    pub fn is_applied(&self, electrode: &ElectrodeParams) -> bool {
-        self.electrode == *electrode
+    /// Whether applying the row would not change `job`.
+    pub fn is_applied(&self, job: &PlanJob) -> bool {
+        let mut applied = job.clone();
+        self.apply(&mut applied);
+        applied == *job
+    }
+
+    /// Hours of the wheel, for a table.
+    pub fn hours_cell(&self) -> String {
+        let hours = self.wheel.map(|wheel| format!("{:.1}", wheel.mean / 60.0));
+        at_least(hours, !self.is_wear_known)
     }
 
     /// Number of electrodes that the wheel needs, for a table.
     pub fn needed_cell(&self) -> String {
-        match self.needed {
-            None => "–".to_owned(),
-            Some(needed) if self.is_wear_known => needed.to_string(),
-            Some(needed) => format!("≥ {needed}"),
-        }
+        at_least(self.needed.map(|needed| needed.to_string()), !self.is_wear_known)
     }
 
-    /// Hours, electrodes and residual stock, of which less is better; none where the hours are not known.
-    fn costs(&self) -> Option<[f64; 3]> {
-        Some([self.wheel?.mean, self.needed? as f64, self.residual_mm?])
+    /// Residual stock (mm), for a table.
+    pub fn residual_cell(&self) -> String {
+        at_least(self.residual_mm.map(|stock| format!("{stock:.3}")), self.is_more_left)
     }
+
+    /// Hours, electrodes and residual stock, of which less is better; none where one of them is not known.
+    fn costs(&self) -> Option<[f64; 3]> {
+        let residual_mm = self.residual_mm.filter(|_| !self.is_more_left)?;
+        Some([self.wheel?.mean, self.needed? as f64, residual_mm])
+    }
+}
+
+/// A figure of a table; a dash where it is not known.
+fn at_least(figure: Option<String>, is_more: bool) -> String {
+    figure.map_or_else(|| "–".to_owned(), |figure| if is_more { format!("≥ {figure}") } else { figure })
 }
 
 /// A kind of set.
@@ -176,21 +202,24 @@ impl DesignSpace {
 }
 
 impl Kind {
-    /// The parameters `of` a job for this kind.
-    fn applied(&self, of: &ElectrodeParams) -> ElectrodeParams {
+    /// `job` for this kind.
+    fn of(&self, job: &PlanJob) -> PlanJob {
         let until = self.plane.map(|plane| PartParams { until: Some(plane), ..PartParams::default() });
-        ElectrodeParams {
+        let electrode = ElectrodeParams {
             parts: self.parts,
             columns: self.columns,
             radial_reduction_mm: self.radial_reduction_mm,
             part: until.into_iter().collect(),
-            ..of.clone()
-        }
+            size: Sizing::Given,
+            ..job.electrode.clone()
+        };
+        PlanJob { electrode, ..job.clone() }
     }
 
     fn words(&self) -> String {
         let plane = self.plane.map(|plane| format!(" divided at {plane}")).unwrap_or_default();
-        format!("{} parts{plane}, {} columns, radially {} mm", self.parts, self.columns, self.radial_reduction_mm)
+        let [parts, columns] = [counted(self.parts, "part"), counted(self.columns, "column")];
+        format!("{parts}{plane}, {columns}, radially {} mm", self.radial_reduction_mm)
     }
 }
 
@@ -210,12 +239,15 @@ pub fn design(
 ) -> Result<Design, PlanJobError> {
     let mut design = Design::default();
     let kinds = space.kinds();
+    for kind in &kinds {
+        kind.of(&inputs.job).validate()?;
+    }
     for (k, kind) in kinds.iter().enumerate() {
         task.report("sets of electrodes", k as f64 / kinds.len() as f64, &kind.words());
-        let mut of_kind = inputs.clone();
-        of_kind.job.electrode = kind.applied(&inputs.job.electrode);
+        let of_kind = PlanInputs { job: kind.of(&inputs.job), ..inputs.clone() };
         let range = SizingRange { from: kind.parts, to: kind.parts };
-        let sizes = match size(prepared, &of_kind, range, &|_| (), &Task::silent(&task.cancel)) {
+        let quiet = Task::silent(&task.cancel);
+        let sizes = match size(prepared, &of_kind, range, &|_| (), &quiet) {
             Err(PlanJobError::Electrode(why)) => {
                 design.left_out.push(format!("{}: {why}", kind.words()));
                 continue;
@@ -223,15 +255,18 @@ pub fn design(
             sizes => sizes?,
         };
         if sizes.is_empty() {
-            design
-                .left_out
-                .push(format!("{}: no electrode has an extraction path at the reductions tried", kind.words()));
+            let why = "no electrode has an extraction path at the reductions tried";
+            design.left_out.push(format!("{}: {why}", kind.words()));
         }
         for size in sizes {
-            let row = evaluated(prepared, &of_kind, kind, size, limits, task)?;
-            if let Some(row) = row {
-                found(&row);
-                design.rows.push(row);
+            match evaluated(prepared, &of_kind, kind, size, limits, &quiet) {
+                Ok(Ok(row)) => {
+                    found(&row);
+                    design.rows.push(row);
+                }
+                Ok(Err(why)) => design.left_out.push(format!("{}: {why}", kind.words())),
+                Err(PlanJobError::Electrode(why)) => design.left_out.push(format!("{}: {why}", kind.words())),
+                Err(other) => return Err(other),
             }
         }
     }
@@ -239,7 +274,7 @@ pub fn design(
     Ok(design)
 }
 
-/// The set of `size`, planned and finished.
+/// The set of `size`, planned and finished; or why it cannot be burned.
 fn evaluated(
     prepared: &PreparedBlisk,
     inputs: &PlanInputs,
@@ -247,28 +282,34 @@ fn evaluated(
     size: SizeRow,
     limits: &DesignLimits,
     task: &Task,
-) -> Result<Option<DesignRow>, PlanJobError> {
+) -> Result<Result<DesignRow, String>, PlanJobError> {
     let mut inputs = inputs.clone();
-    inputs.job.plan.strategy = Strategy::Global;
-    size.apply(&mut inputs.job.electrode);
-    let task = Task::silent(&task.cancel);
-    let outcome = run_feeds(prepared, &inputs, &task)?;
+    size.apply(&mut inputs.job);
+    let outcome = run_feeds(prepared, &inputs, task)?;
     if !outcome.is_verified() {
-        return Ok(None);
+        return Ok(Err("its whole plan is not certified".to_owned()));
     }
-    finish(&outcome, &inputs, &prepared.space.blisk, &task)?;
-    Ok(outcome.may_be_approved().then(|| row_of(&outcome, &inputs, kind, size, limits)))
+    finish(&outcome, &inputs, &prepared.space.blisk, task)?;
+    if let Some(collision) = outcome.finishing().and_then(Finishing::collision) {
+        return Ok(Err(collision.sentence()));
+    }
+    Ok(Ok(row_of(&outcome, &inputs, kind, size, limits)))
 }
 
 fn row_of(outcome: &PlanOutcome, inputs: &PlanInputs, kind: &Kind, size: SizeRow, limits: &DesignLimits) -> DesignRow {
     let burning = WheelBurning::of_job(outcome, &inputs.job);
     let burning = burning.as_ref();
     let stock = outcome.residual_stock();
-    let residual_mm = stock.map(|stock| stock.thickest().map_or(0.0, |(_, layer)| layer.depth_mm));
+    let thickest = stock.map(|stock| stock.thickest().map(|(_, layer)| layer));
+    let residual_mm = thickest.map(|layer| layer.map_or(0.0, |layer| layer.depth_mm));
+    let is_more_left = thickest.flatten().is_some_and(|layer| layer.or_more);
     let needed = burning.and_then(|of| of.electrodes.iter().map(|electrode| electrode.copies).sum());
     let mut breaks = Vec::new();
     match (limits.residual_mm, residual_mm) {
-        (Some(most), Some(left)) if left > most => breaks.push(format!("residual stock {left:.3} mm for {most} mm")),
+        (Some(most), Some(left)) if left > most || is_more_left => {
+            let more = if is_more_left { " or more" } else { "" };
+            breaks.push(format!("residual stock {left:.3} mm{more} for {most} mm"));
+        }
         (Some(most), None) => breaks.push(format!("residual stock not known for {most} mm")),
         _ => {}
     }
@@ -278,18 +319,22 @@ fn row_of(outcome: &PlanOutcome, inputs: &PlanInputs, kind: &Kind, size: SizeRow
     if burning.is_some() && needed.is_none() {
         breaks.push("the wear asks for too many electrodes".to_owned());
     }
+    if !outcome.bears_setting() {
+        breaks.push("the setting errors do not hold".to_owned());
+    }
     DesignRow {
         columns: kind.columns,
         radial_reduction_mm: kind.radial_reduction_mm,
         plane: kind.plane,
         electrodes: outcome.electrodes.len(),
         needed,
-        is_wear_known: burning.is_some_and(|of| of.electrodes.iter().all(BurningElectrode::is_wear_known)),
+        is_wear_known: burning.is_some_and(|of| of.electrodes.iter().all(|e| e.figures.is_wear_known())),
         needed_text: burning.map_or_else(Vec::new, |of| of.electrodes.iter().map(|e| e.needed_text()).collect()),
         channel: burning.and_then(|of| of.channel),
         wheel: burning.and_then(|of| of.schedule.as_ref()).map(Schedule::total),
         no_minutes: burning.and_then(|of| of.no_schedule.clone()),
         residual_mm,
+        is_more_left,
         left_mm3: stock.map(|stock| stock.stock.left_mm3),
         breaks,
         is_best: false,
@@ -298,13 +343,17 @@ fn row_of(outcome: &PlanOutcome, inputs: &PlanInputs, kind: &Kind, size: SizeRow
     }
 }
 
-/// Marks the sets that keep the limits and that no other such set is better than. A set whose hours are not known is not
-/// compared.
-fn mark_best(rows: &mut [DesignRow]) {
-    let costs: Vec<Option<[f64; 3]>> = rows.iter().map(|row| row.costs().filter(|_| row.breaks.is_empty())).collect();
-    let is_better = |a: &[f64; 3], b: &[f64; 3]| a != b && a.iter().zip(b).all(|(a, b)| a <= b);
-    for (row, own) in rows.iter_mut().zip(&costs) {
-        row.is_best = own.is_some_and(|own| !costs.iter().flatten().any(|other| is_better(other, &own)));
+/// Marks the sets that keep the limits and that no other such set is better than: no worse in hours, electrodes and residual
+/// stock, and better in one of them. A set of which one of these is not known is not compared. Where the wear is not known hours
+/// and electrodes are the least that there may be, which is no better than what is known.
+pub fn mark_best(rows: &mut [DesignRow]) {
+    let compared = |row: &DesignRow| Some((row.costs().filter(|_| row.breaks.is_empty())?, row.is_wear_known));
+    let all: Vec<Option<([f64; 3], bool)>> = rows.iter().map(compared).collect();
+    let is_better = |(a, a_known): &([f64; 3], bool), (b, b_known): &([f64; 3], bool)| {
+        a != b && a.iter().zip(b).all(|(a, b)| a <= b) && (*a_known || !b_known)
+    };
+    for (row, own) in rows.iter_mut().zip(&all) {
+        row.is_best = own.is_some_and(|own| !all.iter().flatten().any(|other| is_better(other, &own)));
     }
 }
 
@@ -337,6 +386,7 @@ mod tests {
             wheel: minutes.map(Spread::exactly),
             no_minutes: None,
             residual_mm: Some(residual_mm),
+            is_more_left: false,
             left_mm3: None,
             breaks: breaks.iter().map(|&word| word.to_owned()).collect(),
             is_best: false,
@@ -362,8 +412,23 @@ mod tests {
         assert_eq!(design.fastest().unwrap().wheel, Some(Spread::exactly(500.0)));
         assert!(design.sentence().contains("7 certified sets, 6 of them within the limits"), "{}", design.sentence());
         let none = Design { rows: vec![row(Some(1.0), 1, 0.9, &["thickness"])], left_out: Vec::new() };
-        assert!(none.fastest().is_none() && none.sentence().contains("None of the 1 certified sets keeps"));
+        assert!(none.fastest().is_none() && none.sentence() == "1 certified set, none of which keeps the limits.");
+        let unknown = DesignRow { no_minutes: Some("no rate".to_owned()), ..row(None, 1, 0.1, &[]) };
+        let said = Design { rows: vec![unknown], left_out: Vec::new() }.sentence();
+        assert_eq!(said, "1 certified set, 1 of them within the limits; hours are not known: no rate.");
         assert!(Design::default().sentence().contains("No set"));
+    }
+
+    #[test]
+    fn figures_that_may_be_more_are_no_better_than_those_that_are_known() {
+        let unworn = DesignRow { is_wear_known: false, ..row(Some(500.0), 1, 0.1, &[]) };
+        let more = DesignRow { is_more_left: true, ..row(Some(10.0), 1, 0.0, &[]) };
+        let mut rows = vec![row(Some(600.0), 8, 0.2, &[]), unworn.clone(), more];
+        mark_best(&mut rows);
+        assert_eq!(rows.iter().map(|row| row.is_best).collect::<Vec<_>>(), [true, true, false]);
+        assert_eq!([unworn.hours_cell(), unworn.needed_cell(), unworn.residual_cell()], ["≥ 8.3", "≥ 1", "0.100"]);
+        let said = Design { rows, left_out: Vec::new() }.sentence();
+        assert!(said.contains("at least, because wear is not considered"), "{said}");
     }
 
     #[test]
@@ -376,7 +441,8 @@ mod tests {
         words.sort();
         words.dedup();
         assert_eq!(words.len(), kinds.len());
-        let applied = kinds.iter().find(|kind| kind.plane == Some(0.4)).unwrap().applied(&ElectrodeParams::default());
-        assert_eq!((applied.parts, applied.part[0].until), (2, Some(0.4)));
+        let applied = kinds.iter().find(|kind| kind.plane == Some(0.4)).unwrap().of(&PlanJob::demonstration());
+        assert_eq!((applied.electrode.parts, applied.electrode.part[0].until), (2, Some(0.4)));
+        applied.validate().unwrap();
     }
 }

@@ -9,7 +9,7 @@ use feed::certificate::Certificate;
 use feed::copying::Copying;
 use feed::path::PathRow;
 use files::Params as _;
-use geometry::exact::ExactMeshError;
+use geometry::mesh::unit_normal;
 use glam::DVec3;
 use nc::job_file::{
     FORMAT, FileEntry, JobElectrode, JobFile, JobTechnology, Location, Operation, OperationKind, Position, Workpiece,
@@ -26,13 +26,13 @@ pub fn job_of_plan(
     job: &PlanJob,
     burning: Option<&WheelBurning>,
     files: &[(String, Vec<u8>)],
-) -> Result<JobFile, ExactMeshError> {
+) -> JobFile {
     let channel = &outcome.channel;
     let certificates =
         outcome.electrodes.iter().filter_map(|e| Some(&e.plan.path.as_ref()?.certificate)).filter(|c| c.holds());
     let electrodes = outcome.electrodes.iter().enumerate();
-    let electrodes = electrodes.map(|own| electrode(own, outcome, job, burning, files)).collect::<Result<_, _>>()?;
-    Ok(JobFile {
+    let electrodes = electrodes.map(|own| electrode(own, outcome, job, burning, files)).collect();
+    JobFile {
         format: FORMAT.to_owned(),
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         workpiece: Workpiece {
@@ -47,7 +47,7 @@ pub fn job_of_plan(
             mesh_sha256: certificates.map(|c| c.blisk_digest().to_owned()).next(),
         },
         electrodes,
-    })
+    }
 }
 
 fn electrode(
@@ -56,7 +56,7 @@ fn electrode(
     job: &PlanJob,
     burning: Option<&WheelBurning>,
     files: &[(String, Vec<u8>)],
-) -> Result<JobElectrode, ExactMeshError> {
+) -> JobElectrode {
     let (number, id) = (index + 1, format!("E{}", index + 1));
     let stem = format!("electrode_{number}.");
     let of_electrode = files.iter().filter(|(name, _)| name == &format!("{stem}stl") || name == &format!("{stem}step"));
@@ -87,7 +87,7 @@ fn electrode(
             id,
         }
     };
-    Ok(JobElectrode {
+    JobElectrode {
         name: format!("electrode {number}"),
         files: of_electrode.map(|(name, bytes)| FileEntry::of(name, bytes)).collect(),
         axes: match job.export.frame {
@@ -104,27 +104,30 @@ fn electrode(
         undersize_floor_mm: gap,
         orbit: None,
         technology,
-        inspection_points: inspection_points(&own.electrode, &outcome.channel, job.export.frame)?,
+        inspection_points: inspection_points(&own.electrode, &outcome.channel, job.export.frame),
         end_wear_mm: burning.and_then(|of| of.figures.end_wear_mm),
         locations: visits.into_iter().enumerate().map(location).collect(),
         id,
-    })
+    }
 }
 
-/// Points of the base and of the burning faces, in the axes of the electrode's files.
-fn inspection_points(
-    electrode: &Electrode,
-    channel: &Channel,
-    frame: MeshFrame,
-) -> Result<Vec<MeasuringPoint>, ExactMeshError> {
+/// Points of the base and of the burning faces of an electrode on its holder, in the axes of its files. The face of the base that
+/// lies on the holder is out of reach.
+fn inspection_points(electrode: &Electrode, channel: &Channel, frame: MeshFrame) -> Vec<MeasuringPoint> {
+    let outwards = electrode.enters_from.direction();
+    let is_reached = |(face, corners): (&ElectrodeFace, [DVec3; 3])| {
+        face.burns() || (*face == ElectrodeFace::Holder && unit_normal(corners).dot(outwards) < ON_HOLDER)
+    };
     let mut measured: Vec<ElectrodeFace> = Vec::new();
-    for &face in &electrode.faces {
-        if (face.burns() || face == ElectrodeFace::Holder) && !measured.contains(&face) {
-            measured.push(face);
-        }
+    let mut surface_of = Vec::with_capacity(electrode.faces.len());
+    for (face, corners) in electrode.faces.iter().zip(electrode.mesh.iter_corners()) {
+        surface_of.push(is_reached((face, corners)).then(|| {
+            measured.iter().position(|of| of == face).unwrap_or_else(|| {
+                measured.push(*face);
+                measured.len() - 1
+            })
+        }));
     }
-    let number = |face: &ElectrodeFace| measured.iter().position(|of| of == face);
-    let surface_of: Vec<Option<usize>> = electrode.faces.iter().map(number).collect();
     let names: Vec<&str> = measured.iter().map(|&face| face_name(face, channel)).collect();
     let mesh = match frame {
         MeshFrame::Mesh => &electrode.mesh.in_parent_of(&channel.frame),
@@ -132,6 +135,9 @@ fn inspection_points(
     };
     measuring_points(mesh, &names, &surface_of)
 }
+
+/// Cosine of the angle to the direction of withdrawal within which a face of the base lies on the holder.
+const ON_HOLDER: f64 = 0.9;
 
 /// Unit vector along which the certified feed of an electrode ends, in the axes of W.
 fn approach(of: &ElectrodeOutcome) -> Option<[f64; 3]> {

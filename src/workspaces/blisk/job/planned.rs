@@ -169,11 +169,14 @@ pub struct Exported {
     pub folder: PathBuf,
     /// The names of the files.
     pub written: Vec<String>,
+    /// Reason why there is no job sheet, if its template makes none.
+    pub no_job_sheet: Option<String>,
 }
 
 impl Exported {
     /// What was written, in a sentence.
     pub fn sentence(&self) -> String {
-        format!("{} files written to {}", self.written.len(), self.folder.display())
+        let no_sheet = self.no_job_sheet.iter().map(|why| format!("; no job sheet: {why}"));
+        format!("{} files written to {}{}", self.written.len(), self.folder.display(), no_sheet.collect::<String>())
     }
 }

@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use super::plan::{run_feeds, settings_of, sides};
 use super::prepared_blisk::{PreparedBlisk, is_mended_by_less};
+use crate::workspaces::blisk::document::job_file::PlanJob;
 use feed::genetic::ReductionMode;
 use feed::plan_params::PlanError;
 use feed::plan_params::Strategy;
@@ -16,7 +17,7 @@ use feed::sizing::{Least, Sizer};
 use files::Validate as _;
 use task::Task;
 use wheel::channel::Surface;
-use wheel::electrode::{ElectrodeError, ElectrodeParams, EnterSide, EntrySide, Sizing as SizeMode, own_turns};
+use wheel::electrode::{ElectrodeError, EnterSide, EntrySide, Sizing as SizeMode, own_turns};
 
 /// What is sized.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,9 +50,11 @@ pub struct SizeRow {
 }
 
 impl SizeRow {
-    /// Puts parts, side and reductions of the row into `electrode`; with another number of parts than before its single
-    /// parts have nothing of their own.
-    pub fn apply(&self, electrode: &mut ElectrodeParams) {
+    /// Puts parts, side and reductions of the row into `job`, with the search that found them; with another number of parts than
+    /// before its single parts have nothing of their own.
+    pub fn apply(&self, job: &mut PlanJob) {
+        (job.plan.strategy, job.genetic.h) = (Strategy::Global, ReductionMode::Given);
+        let electrode = &mut job.electrode;
         if electrode.parts != self.parts {
             (electrode.parts, electrode.part) = (self.parts, Vec::new());
         }
@@ -62,11 +65,11 @@ impl SizeRow {
         electrode.size = SizeMode::Given;
     }
 
-    /// Whether applying the row would not change `electrode`.
-    pub fn is_applied(&self, electrode: &ElectrodeParams) -> bool {
-        let mut applied = electrode.clone();
+    /// Whether applying the row would not change `job`.
+    pub fn is_applied(&self, job: &PlanJob) -> bool {
+        let mut applied = job.clone();
         self.apply(&mut applied);
-        applied == *electrode
+        applied == *job
     }
 }
 
@@ -169,9 +172,7 @@ pub fn auto_sized(
     let rows = size(prepared, &sized, range, &|_| (), task)?;
     let thickest = rows.into_iter().max_by(|a, b| a.least_thickness_mm.total_cmp(&b.least_thickness_mm));
     if let Some(row) = &thickest {
-        sized.job.plan.strategy = Strategy::Global;
-        let electrode = &mut sized.job.electrode;
-        row.apply(electrode);
+        row.apply(&mut sized.job);
     }
     Ok((sized, thickest))
 }

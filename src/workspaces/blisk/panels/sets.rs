@@ -8,7 +8,7 @@ use crate::widgets::panel_parts::notice;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::desk::BliskDesk;
 use crate::workspaces::blisk::document::stage::Stage;
-use crate::workspaces::blisk::job::design::DesignRow;
+use crate::workspaces::blisk::job::design::{DesignRow, mark_best};
 use crate::workspaces::blisk::work::ElectrodeTable;
 use task::State;
 
@@ -31,7 +31,9 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
         }
     });
     let (rows, failure) = desk.work.sets();
-    let rows = rows.to_vec();
+    let mut rows = rows.to_vec();
+    // Those of a search that goes on, or was stopped, are not marked yet.
+    mark_best(&mut rows);
     if let Some(why) = failure {
         notice(ui, palette(ui).bad, &why);
     }
@@ -44,8 +46,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     }
     if let Some(row) = table(ui, desk, &rows, is_current) {
         let mut job = desk.document.params().clone();
-        row.apply(&mut job.electrode);
-        job.plan.strategy = feed::plan_params::Strategy::Global;
+        row.apply(&mut job);
         desk.edit("Take a set", job, false);
     }
     let unknown = rows.iter().find_map(|row| row.no_minutes.as_deref());
@@ -64,20 +65,19 @@ fn table(ui: &mut Ui, desk: &BliskDesk, rows: &[DesignRow], is_current: bool) ->
         }
         ui.end_row();
         for (i, row) in rows.iter().enumerate() {
-            let text = |value: Option<String>| value.unwrap_or_else(|| "–".to_owned());
             let cells = [
                 row.size.parts.to_string(),
                 row.size.enter.name().to_owned(),
-                text(row.wheel.map(|wheel| format!("{:.1}", wheel.mean / 60.0))),
+                row.hours_cell(),
                 row.needed_cell(),
-                text(row.residual_mm.map(|stock| format!("{stock:.3}"))),
+                row.residual_cell(),
             ];
             let hint = hint(row);
             for cell in cells {
                 let text = RichText::new(cell).monospace();
                 ui.label(if row.is_best { text.strong() } else { text }).on_hover_text(&hint);
             }
-            let is_applied = is_current && row.is_applied(&desk.document.params().electrode);
+            let is_applied = is_current && row.is_applied(desk.document.params());
             let button = egui::Button::new(if is_applied { "Taken" } else { "Take" }).small();
             let response = ui.add_enabled(is_current && !is_applied, button);
             let name = format!("Take set {}", i + 1);
@@ -93,8 +93,9 @@ fn table(ui: &mut Ui, desk: &BliskDesk, rows: &[DesignRow], is_current: bool) ->
 
 /// Note on a row beside its figures.
 fn hint(row: &DesignRow) -> String {
-    let is_best = if row.is_best { "; no other set is as good in hours, electrodes and residual stock" } else { "" };
-    format!("{}; certified {:.4} mm{is_best}", row.words(), row.size.certified_mm)
+    let is_best = if row.is_best { "; no other set betters it in hours, electrodes and residual stock" } else { "" };
+    let breaks: String = row.breaks.iter().map(|why| format!("; {why}")).collect();
+    format!("{}; certified {:.4} mm{is_best}{breaks}", row.words(), row.size.certified_mm)
 }
 
 /// Hours over electrodes, the best sets in the accent colour.

@@ -94,7 +94,7 @@ fn table(ui: &mut Ui, desk: &BliskDesk, rows: &[SizeRow], current: bool) -> Opti
             told(ui.label(RichText::new(format!("{low:.3}")).monospace()));
             told(ui.label(RichText::new(format!("{high:.3}")).monospace()));
             told(ui.label(RichText::new(format!("{:.3}", row.least_thickness_mm)).monospace()));
-            let applied = current && row.is_applied(&desk.document.params().electrode);
+            let applied = current && row.is_applied(desk.document.params());
             let response =
                 ui.add_enabled(current && !applied, egui::Button::new(if applied { "Taken" } else { "Take" }).small());
             let name = format!("Take size {}", i + 1);
@@ -121,8 +121,7 @@ fn hint(row: &SizeRow) -> String {
 /// Puts a row's reductions, parts and side into the parameters, and the strategy that found them.
 fn apply(desk: &mut BliskDesk, row: &SizeRow) {
     let mut job = desk.document.params().clone();
-    row.apply(&mut job.electrode);
-    job.plan.strategy = feed::plan_params::Strategy::Global;
+    row.apply(&mut job);
     desk.edit("Take a size", job, false);
 }
 

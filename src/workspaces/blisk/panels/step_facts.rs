@@ -363,4 +363,7 @@ fn export(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context) {
     for name in &exported.written {
         ui.label(RichText::new(name).monospace());
     }
+    if let Some(why) = &exported.no_job_sheet {
+        notice(ui, palette(ui).warning, &format!("No job sheet: {why}"));
+    }
 }

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use super::{BliskWork, MOMENT, Wish};
+use crate::workspaces::blisk::document::job_file::ExportSection;
 use crate::workspaces::blisk::document::stage::{Fingerprint, Stage};
 use crate::workspaces::blisk::job::design::{DesignLimits, DesignRow, DesignSpace, design};
 use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanJobError};
@@ -13,6 +14,7 @@ use crate::workspaces::blisk::job::preview::Looked;
 use crate::workspaces::blisk::job::sizing::{SizeRow, SizingRange, size};
 use crate::workspaces::context::rest_left;
 use crate::workspaces::news::EventKind;
+use feed::genetic::ReductionMode;
 use feed::plan_params::Strategy;
 use task::{Doing, Lane, Memo, Priority, Same, Scheduler, State, Task};
 use wheel::electrode::{EnterSide, Sizing};
@@ -90,7 +92,8 @@ impl<T: Clone + Send + Sync + 'static> Table<T> {
     /// The rows so far, and why the search ended early.
     fn shown(&self) -> (&[T], Option<String>) {
         let Some(of) = &self.of else { return (&[], None) };
-        let rows = self.rows.get(of).map(|rows| &***rows).or(self.rows.partial(of).map(|rows| &**rows));
+        let (known, so_far) = (self.rows.get(of).map(|rows| &***rows), self.rows.partial(of).map(|rows| &**rows));
+        let rows = if self.rows.is_busy() { so_far.or(known) } else { known.or(so_far) };
         let failure = if let State::Failed(why) = self.rows.state(of) { Some(why) } else { None };
         (rows.unwrap_or_default(), failure)
     }
@@ -225,7 +228,9 @@ impl BliskWork {
             ElectrodeTable::Sizes => Stage::Plan,
             // Their hours depend on the technology.
             ElectrodeTable::Sets => {
-                (electrode.columns, electrode.part) = (1, Vec::new());
+                (electrode.columns, electrode.part, electrode.radial_reduction_mm) = (1, Vec::new(), 0.0);
+                job.genetic.h = ReductionMode::Given;
+                job.export = ExportSection { channels: job.export.channels.clone(), ..ExportSection::default() };
                 Stage::Export
             }
         };
@@ -264,8 +269,8 @@ impl BliskWork {
                     radial_reductions_mm: vec![inputs.job.electrode.radial_reduction_mm],
                     planes: Vec::new(),
                 };
-                let design = design(&*ready?, &inputs, &space, &DesignLimits::default(), found, task);
-                design.map(|design| design.rows).map_err(words)
+                let design = design(&*ready?, &inputs, &space, &DesignLimits::default(), found, task).map_err(words)?;
+                if design.rows.is_empty() { Err(design.left_out.join("; ")) } else { Ok(design.rows) }
             }),
         }
     }

@@ -10,13 +10,13 @@ use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanOutcome};
 use crate::workspaces::blisk::job::planned::Exported;
 use crate::workspaces::blisk::job::released::{NotReleased, Released};
 use crate::workspaces::blisk::job::simulate;
-use crate::workspaces::blisk::report::InputFile;
+use crate::workspaces::blisk::report::{InputFile, Written};
 use task::{State, Task};
 
-/// Writes a released plan of these inputs, which were read from these files, into a folder; answers the names of the
-/// files.
+/// Writes a released plan of these inputs, which were read from these files, into a folder; answers what was
+/// written.
 pub type ExportWork =
-    Box<dyn FnOnce(&Path, &Released, &PlanInputs, Vec<InputFile>, &Task) -> Result<Vec<String>, String> + Send>;
+    Box<dyn FnOnce(&Path, &Released, &PlanInputs, Vec<InputFile>, &Task) -> Result<Written, String> + Send>;
 
 impl BliskWork {
     /// The plan if it is that of the present parameters and every path of it is certified; none while another one is
@@ -84,7 +84,7 @@ impl BliskWork {
                 finish(released.plan(), &inputs, &found.blisk, &work.task).map_err(|e| FIELDS.labelled(&e))?;
             }
             let written = write(&folder, &released, &inputs, files, &work.task)?;
-            Ok(Exported { folder, written })
+            Ok(Exported { folder, written: written.files, no_job_sheet: written.no_job_sheet })
         });
         Ok(())
     }

@@ -34,7 +34,7 @@ pub struct DesignReport {
 
 /// Columns of `design.csv`.
 const COLUMNS: &str = "set,parts,columns,plane,enter,low_reduction_deg,high_reduction_deg,radial_reduction_mm,electrodes,needed,is_wear_known,\
-    channel_min,wheel_h,residual_mm,left_mm3,least_thickness_mm,certified_mm,is_best,breaks";
+    channel_min,wheel_h,residual_mm,is_more_left,left_mm3,least_thickness_mm,certified_mm,is_best,breaks";
 
 /// The value with so many decimals, or nothing.
 fn cell(value: Option<f64>, decimals: usize) -> String {
@@ -74,6 +74,7 @@ impl DesignReport {
                 cell(row.channel.map(|channel| channel.mean), 3),
                 cell(hours(row), 3),
                 cell(row.residual_mm, 4),
+                row.is_more_left.to_string(),
                 cell(row.left_mm3, 3),
                 format!("{:.4}", row.size.least_thickness_mm),
                 format!("{:.4}", row.size.certified_mm),
@@ -99,7 +100,8 @@ impl DesignReport {
             has_best: bool,
             words: Vec<String>,
             needed: Vec<String>,
-            hours: Vec<Option<f64>>,
+            hours: Vec<String>,
+            residual: Vec<String>,
             plot: Option<String>,
         }
         let rows = &self.design.rows;
@@ -112,7 +114,8 @@ impl DesignReport {
                 has_best: self.design.fastest().is_some(),
                 words: rows.iter().map(DesignRow::words).collect(),
                 needed: rows.iter().map(DesignRow::needed_cell).collect(),
-                hours: rows.iter().map(hours).collect(),
+                hours: rows.iter().map(DesignRow::hours_cell).collect(),
+                residual: rows.iter().map(DesignRow::residual_cell).collect(),
                 plot: self.plot(),
             },
         )?)
@@ -179,6 +182,7 @@ mod tests {
             wheel: wheel.map(Spread::exactly),
             no_minutes: wheel.is_none().then(|| "the rate of step <S1> is missing".to_owned()),
             residual_mm: Some(0.25),
+            is_more_left: false,
             left_mm3: Some(12.0),
             breaks: breaks.iter().map(|&word| word.to_owned()).collect(),
             is_best: wheel.is_some() && breaks.is_empty(),
@@ -208,7 +212,7 @@ mod tests {
         let rows: Vec<&str> = csv.lines().collect();
         assert_eq!(
             rows[1],
-            "1,2,1,0.400,-x,1.000,1.250,0.5,2,8,true,100.000,100.000,0.2500,12.000,2.5000,0.0995,true,"
+            "1,2,1,0.400,-x,1.000,1.250,0.5,2,8,true,100.000,100.000,0.2500,false,12.000,2.5000,0.0995,true,"
         );
         assert!(rows[2].ends_with(",false,\"thickness 2.5 mm, for 3 mm\""), "{csv}");
         assert!(rows[3].contains(",0.5,2,,false,,,0.2500,"), "{csv}");
