@@ -4,6 +4,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::*;
+use ::files::Validate as _;
 use feed::jam::{Change, JamCause, Opening};
 use feed::plan_params::Strategy;
 use sparkpath::workspaces::blisk::job::burning::WheelBurning;
