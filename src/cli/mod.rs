@@ -91,6 +91,10 @@ enum Command {
         /// Folder for the results, made if it is not there.
         #[arg(long, value_name = "DIR")]
         out: PathBuf,
+        /// Places of the electrodes on their holders (CSV: electrode, x_mm, y_mm, z_mm, c_deg, uncertainty_mm, date): paths and
+        /// programs make up for them, and are certified so.
+        #[arg(long, value_name = "CSV")]
+        presets: Option<PathBuf>,
     },
     /// The thickest electrodes that come out: least reductions for one part and more, on either side, each certified,
     /// whatever the reductions of the project are.
@@ -425,7 +429,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
     };
     match command {
         Command::Demo { settings, out } => plan::demo(settings, out, session),
-        Command::Plan { project, out } => plan::plan(project, out, session),
+        Command::Plan { project, out, presets } => plan::plan(project, presets.as_deref(), out, session),
         Command::Size { project, parts } => size::size(project, usize::from(*parts), session),
         Command::Compare { project, out, strategies } => compare::compare(project, out, strategies, session),
         Command::Simulate { project, channels, out } => {

@@ -12,6 +12,7 @@ use crate::workspaces::blisk::job::finish::finish_as_far_as_possible;
 use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanOutcome};
 use crate::workspaces::blisk::job::plan::{prepare, run_prepared};
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
+use crate::workspaces::blisk::job::preset::{Presets, read_presets, with_presets};
 use crate::workspaces::blisk::job::sizing::auto_sized;
 use crate::workspaces::blisk::job::stages::{BliskMesh, input_file, read_blisk};
 use crate::workspaces::blisk::report::{InputFile, Report};
@@ -22,9 +23,15 @@ use wheel::electrode::Sizing;
 use wheel::parametric::wheel::ParametricWheel;
 
 /// Plans `project` and writes the results into `out`.
-pub(super) fn plan(project: &ProjectArguments, out: &Path, session: &Session) -> anyhow::Result<Answer> {
+pub(super) fn plan(
+    project: &ProjectArguments,
+    presets: Option<&Path>,
+    out: &Path,
+    session: &Session,
+) -> anyhow::Result<Answer> {
+    let presets = presets.map(read_presets).transpose()?;
     let (inputs, files) = load(project, session)?;
-    finish(inputs, files, out, session)
+    finish(inputs, files, presets.as_ref(), out, session)
 }
 
 /// The parameters of a blisk's plan, with the seed of the command line if that gives one.
@@ -77,16 +84,25 @@ pub(super) fn demo(settings: &Settings, out: &Path, session: &Session) -> anyhow
         ..Default::default()
     };
     let inputs = PlanInputs::of(blisk, job);
-    finish(inputs, vec![file], out, session)
+    finish(inputs, vec![file], None, out, session)
 }
 
-fn finish(inputs: PlanInputs, files: Vec<InputFile>, out: &Path, session: &Session) -> anyhow::Result<Answer> {
+fn finish(
+    inputs: PlanInputs,
+    files: Vec<InputFile>,
+    presets: Option<&Presets>,
+    out: &Path,
+    session: &Session,
+) -> anyhow::Result<Answer> {
     // What would stop the results should be found out before the work.
     export::ExportForms::of(&inputs.job.export)?;
     ExportFolder::check(out)?;
     let task = &session.task;
     let (prepared, inputs) = ready(inputs, session)?;
-    let outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), task)?;
+    let mut outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), task)?;
+    if let Some(presets) = presets {
+        outcome = with_presets(outcome, &inputs, prepared.blisk(), presets, task)?;
+    }
     finish_as_far_as_possible(&outcome, &inputs, prepared.blisk(), task)?;
     // Its fields make room for the pictures.
     drop(prepared);
@@ -186,6 +202,11 @@ fn print_summary(report: &Report, outcome: &PlanOutcome, written: &[String], out
     }
     if let Some(why) = &report.no_pictures {
         say!("pictures   none: {why}");
+    }
+    for (i, electrode) in report.electrodes.iter().enumerate() {
+        if let Some(preset) = &electrode.preset {
+            say!("preset     electrode {}: {preset}", i + 1);
+        }
     }
     if let Some(why) = &report.written.no_job_sheet {
         say!("           no job sheet: {why}");

@@ -3,11 +3,16 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use feed::path::FeedPath;
+use feed::preset::Preset;
 use files::{FileError, MANIFEST};
+use glam::DVec3;
 use nc::post::{BUILT_IN, Post};
 use nc::template::JobSheet;
 use sparkpath::workspaces::blisk::export::{self, ExportForms, PlanFilesError};
+use sparkpath::workspaces::blisk::job::finish::finish_as_far_as_possible;
 use sparkpath::workspaces::blisk::job::outcome::PlanInputs;
+use sparkpath::workspaces::blisk::job::preset::{Presets, with_presets};
 use sparkpath::workspaces::blisk::report::build;
 use task::{Cancel, Task};
 
@@ -59,6 +64,42 @@ pub fn a_folder_holds_the_programs_of_the_last_plan_only() {
 
 /// Feed and copying motion of the easy plan leave less than a micrometre to spare. A file is written only if its faces reach
 /// no farther beyond the mesh; if not, the reason is told, and the other files are written.
+/// The path of an electrode that stands off nominal is certified anew and written with the place of its final pose.
+pub fn a_preset_is_made_up_for_by_path_and_program() {
+    let folder = tempfile::tempdir().unwrap();
+    let (inputs, plan) = (inputs(), whole_easy_plan());
+    let blisk = plan.channel.wheel_in_w(&inputs.blisk);
+    let preset = Preset { x_mm: 0.3, y_mm: -0.2, z_mm: 0.05, c_deg: 0.8, uncertainty_mm: 0.002 };
+    let with = |presets: Presets, inputs: &PlanInputs| {
+        with_presets(plan.clone(), inputs, &blisk, &presets, &Task::default()).map_err(|e| e.to_string())
+    };
+    let made = with(Presets::from([(1, preset)]), &inputs).unwrap();
+    let [nominal, own] = [plan, &made].map(|plan| plan.electrodes[0].plan.path.as_ref().unwrap());
+    assert!(made.is_verified() && own.path != nominal.path);
+    assert!((own.certificate.certified() - nominal.certificate.certified()).abs() < 0.001);
+    // At every row the electrode is where the nominal one is.
+    let place = DVec3::new(4.0, 3.0, 47.0);
+    let placed = |path: &FeedPath, i: usize| path.rows[i].pose.placement(path.reference_point).transform_point3(place);
+    assert!((0..own.path.rows.len()).all(|i| placed(&own.path, i).distance(placed(&nominal.path, i)) < 3e-5));
+    let forms = ExportForms::of(&inputs.job.export).unwrap();
+    let mut report = build::report(&made, &inputs.job, Vec::new());
+    finish_as_far_as_possible(&made, &inputs, &blisk, &Task::default()).unwrap();
+    export::write(folder.path(), &made, &inputs, &forms, &mut report, &Cancel::default()).unwrap();
+    let program = std::fs::read_to_string(folder.path().join("path_1.nc")).unwrap();
+    assert!(program.contains("Preset: the electrode stands X 0.3 Y -0.2 Z 0.05 mm"), "{program}");
+    let job: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(folder.path().join("job.json")).unwrap()).unwrap();
+    let position = &job["electrodes"][0]["locations"][0]["position"];
+    assert!((position["c_deg"].as_f64().unwrap() + 0.8).abs() < 1e-9, "{position}");
+    // What does not fit the plan, or is not measured well enough, is refused.
+    assert!(with(Presets::new(), &inputs).unwrap_err().contains("electrode 1 has no preset"));
+    let two = Presets::from([(1, preset), (2, preset)]);
+    assert!(with(two, &inputs).unwrap_err().contains("the plan has 1"));
+    let mut exact = inputs.clone();
+    (exact.job.setting.x_mm, exact.job.setting.y_mm, exact.job.setting.z_mm) = (0.005, 0.001, 0.005);
+    assert!(with(Presets::from([(1, preset)]), &exact).unwrap_err().contains("measured to 0.002 mm"));
+}
+
 pub fn an_electrode_that_would_lose_its_clearance_as_step_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut inputs = inputs();

@@ -25,6 +25,7 @@ pub mod plan_params;
 pub mod planner;
 pub mod pose;
 pub mod prepared;
+pub mod preset;
 pub mod probes;
 pub mod problem;
 pub mod quantise;

@@ -383,8 +383,8 @@ fn electrode_files(
         approved = approved.with_simulation(simulation, of_today).map_err(not_approved)?;
     }
     let electrode_file = electrode_in_program(k, &context.job.export);
-    let notes: Vec<String> =
-        whole.setting(k - 1).map(|room| format!("Setting up: {}", room.sentence())).into_iter().collect();
+    let setting = whole.setting(k - 1).map(|room| format!("Setting up: {}", room.sentence()));
+    let notes: Vec<String> = outcome.preset.map(|preset| preset.sentence()).into_iter().chain(setting).collect();
     let nc_job = NcJob {
         program: &format!("path_{k}"),
         electrode_file: &electrode_file,

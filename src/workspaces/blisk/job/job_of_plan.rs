@@ -74,11 +74,13 @@ fn electrode(
         Some(simulation) => simulation.visits().iter().map(|visit| (visit.channel, visit.turn)).collect(),
         None => vec![(outcome.channel.index, 0.0)],
     };
+    let [x_mm, y_mm, z_mm, c] = own.preset.map_or([0.0; 4], |preset| preset.zero());
+    let position = Position { x_mm, y_mm, z_mm, c_deg: c.to_degrees(), ..Position::default() };
     let location = |(k, (channel, turn)): (usize, (usize, f64))| {
         let id = format!("{id}.L{}", k + 1);
         Location {
             channel: Some(channel),
-            position: Position { a_deg: Some(turn.to_degrees()), b_deg: Some(0.0), ..Position::default() },
+            position: Position { a_deg: Some(turn.to_degrees()), b_deg: Some(0.0), ..position },
             pose: None,
             approach: approach(own),
             depth_mm: None,

@@ -13,6 +13,7 @@ pub mod plan;
 pub mod plan_pictures;
 pub mod planned;
 pub mod prepared_blisk;
+pub mod preset;
 pub mod preview;
 pub mod released;
 mod remedy;

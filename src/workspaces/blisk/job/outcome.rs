@@ -12,6 +12,7 @@ use crate::workspaces::blisk::report::StageTime;
 use feed::copying::Copying;
 use feed::plan::FeedPlan;
 use feed::plan_params::PlanError;
+use feed::preset::Preset;
 use feed::residual_stock::ResidualStock;
 use feed::simulation::Simulation;
 use feed::verify::VerifyError;
@@ -60,6 +61,8 @@ pub struct ElectrodeOutcome {
     pub electrode: Electrode,
     /// Plan of the electrode.
     pub plan: FeedPlan,
+    /// Its place on its holder, which the path makes up for; none where it is planned as nominal.
+    pub preset: Option<Preset>,
     /// Distances at the nodes of the plan; none where they were not measured.
     pub distances: Vec<NodeDistances>,
     /// Sides that were tried before, and why they were left.
@@ -69,7 +72,7 @@ pub struct ElectrodeOutcome {
 impl ElectrodeOutcome {
     /// An electrode with its plan on the first side that is tried; its distances are not measured.
     pub(super) fn of(electrode: Electrode, plan: FeedPlan) -> Self {
-        Self { electrode, plan, distances: Vec::new(), tried: Vec::new() }
+        Self { electrode, plan, preset: None, distances: Vec::new(), tried: Vec::new() }
     }
 
     /// Whether the search for a change that makes it feasible was stopped.
@@ -119,6 +122,11 @@ impl PlanOutcome {
             stock: OnceLock::new(),
             is_undrawn: false,
         }
+    }
+
+    /// The plan with nothing known of what comes after the feeds.
+    pub(super) fn unfinished(self) -> Self {
+        Self { finishing: OnceLock::new(), stock: OnceLock::new(), ..self }
     }
 
     /// The plan with the drawing of its pictures stopped.

@@ -118,6 +118,7 @@ fn verified(path: &FeedPath) -> ElectrodeReport {
         required_clearance_mm: certificate.required(),
         tolerance_mm: certificate.tolerance(),
         certified_clearance_mm: Some(certificate.certified()),
+        preset: None,
         longest_jump_mm: None,
         least_clearance_mm: Some(certificate.least().distance),
         least_clearance_at: Some(ClearancePlace::of(certificate.least(), "pressure wall")),

@@ -1,0 +1,120 @@
+//! Presets: how an electrode stands on its holder against its nominal place, and the feed that makes up for it.
+
+use glam::{DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+
+use super::path::{FeedPath, PathRow};
+use super::quantise::quantise_path;
+
+/// Place of an electrode on its holder less the nominal one, measured with all axes of the machine at zero.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Preset {
+    /// Along X of W (mm).
+    pub x_mm: f64,
+    /// Along Y of W (mm).
+    pub y_mm: f64,
+    /// Along Z of W (mm).
+    pub z_mm: f64,
+    /// Turn about Z of W, at the nominal axis of C (degrees).
+    pub c_deg: f64,
+    /// Greatest error of the measurement along each axis (mm).
+    pub uncertainty_mm: f64,
+}
+
+/// Greatest offset that is taken for a preset (mm), and greatest turn (degrees): more is a mistake, or another electrode.
+pub const MOST_OFF: [f64; 2] = [5.0, 10.0];
+
+impl Preset {
+    /// Values of X, Y, Z (mm) and C (rad) that bring the electrode into its final pose, where a nominal electrode has all at 0.
+    pub fn zero(&self) -> [f64; 4] {
+        let c = -self.c_deg.to_radians();
+        let slide = -(DMat3::from_rotation_z(c) * DVec3::new(self.x_mm, self.y_mm, self.z_mm));
+        [slide.x, slide.y, slide.z, c].map(|value| value + 0.0)
+    }
+
+    /// Point that C turns the electrode about, in its final pose, where a nominal electrode has `nominal` (mm, in W).
+    pub fn reference_point(&self, nominal: DVec3) -> DVec3 {
+        let [x, y, z, _] = self.zero();
+        nominal + DVec3::new(x, y, z)
+    }
+
+    /// The preset in a sentence.
+    pub fn sentence(&self) -> String {
+        let [x, y, z, c] = self.zero();
+        let Self { x_mm, y_mm, z_mm, c_deg, uncertainty_mm } = self;
+        format!(
+            "Preset: the electrode stands X {x_mm} Y {y_mm} Z {z_mm} mm, C {c_deg} deg off nominal on its holder, measured to \
+             {uncertainty_mm} mm. The final pose, where all axes are zero, is at X {x:.5} Y {y:.5} Z {z:.5} C {:.6} of a nominal \
+             electrode's",
+            c.to_degrees()
+        )
+    }
+
+    /// `path` for the electrode as it stands: at each row the electrode is where the nominal one is, with the axes counted from
+    /// [`zero`](Self::zero). It has to be verified anew, because the motion between the rows is another.
+    #[must_use]
+    pub fn path(&self, path: &FeedPath) -> FeedPath {
+        let (from, to) = (path.reference_point, self.reference_point(path.reference_point));
+        let row = |row: &PathRow| PathRow { pose: row.pose.about(from, to), ..*row };
+        let rows = path.rows.iter().map(row).collect();
+        quantise_path(&FeedPath { reference_point: to, rows, ..path.clone() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pose::Pose;
+    use geometry::frame::Frame;
+
+    const O: DVec3 = DVec3::new(3.0, -1.0, 110.0);
+
+    fn preset() -> Preset {
+        Preset { x_mm: 0.4, y_mm: -0.25, z_mm: 0.1, c_deg: 1.5, uncertainty_mm: 0.002 }
+    }
+
+    /// Where the machine with these axis values has a point of the electrode that stands on its holder as `preset` says:
+    /// written down anew, from the nominal axis of C.
+    fn on_machine(preset: &Preset, [x, y, z, a, c]: [f64; 5], p: DVec3) -> DVec3 {
+        let offset = DVec3::new(preset.x_mm, preset.y_mm, preset.z_mm);
+        let on_holder = offset + DMat3::from_rotation_z(preset.c_deg.to_radians()) * (p - O);
+        let turned = DMat3::from_rotation_z(c) * on_holder;
+        DMat3::from_rotation_x(a) * (O + DVec3::new(x, y, z) + turned)
+    }
+
+    #[test]
+    fn the_electrode_as_it_stands_is_where_the_nominal_one_is() {
+        let preset = preset();
+        let poses = [
+            Pose { x: -30.0, y: 2.0, z: 1.0, a: 0.05, b: 0.0, c: 0.3 },
+            Pose { x: -12.0, y: 1.0, z: 0.5, a: -0.1, b: 0.0, c: -0.2 },
+            Pose::FINAL,
+        ];
+        let rows = poses.map(|pose| PathRow { node: 0, s: -pose.x, pose }).to_vec();
+        let nominal = FeedPath { frame: Frame::IDENTITY, reference_point: O, spark_gap: 0.1, rows };
+        let path = preset.path(&nominal);
+        let [x0, y0, z0, c0] = preset.zero();
+        for (row, pose) in path.rows.iter().zip(&poses) {
+            let p = DVec3::new(7.0, -4.0, 118.0);
+            let Pose { x, y, z, a, c, .. } = row.pose;
+            let placed = on_machine(&preset, [x0 + x, y0 + y, z0 + z, a, c0 + c], p);
+            let expected = pose.placement(O).transform_point3(p);
+            // The rows are rounded as files are.
+            assert!(placed.distance(expected) < 2e-5, "{placed} {expected}");
+            // The program of the path is of the same formula about its own reference point.
+            let by_path = row.pose.placement(path.reference_point).transform_point3(p);
+            assert!(by_path.distance(expected) < 2e-5, "{by_path} {expected}");
+        }
+        assert_eq!(path.rows[2].pose, Pose::FINAL);
+        assert_ne!(path.digest(), nominal.digest());
+    }
+
+    #[test]
+    fn a_nominal_electrode_keeps_its_path() {
+        let rows = vec![PathRow { node: 0, s: 5.0, pose: Pose { x: -5.0, c: 0.1, ..Pose::FINAL } }];
+        let nominal = quantise_path(&FeedPath { frame: Frame::IDENTITY, reference_point: O, spark_gap: 0.1, rows });
+        assert_eq!(Preset::default().path(&nominal), nominal);
+        assert_eq!(Preset::default().zero(), [0.0; 4]);
+    }
+}

@@ -1,0 +1,176 @@
+//! Plans for electrodes as they were measured on their holders.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
+use feed::machine::TurnedByC;
+use feed::preset::{MOST_OFF, Preset};
+use feed::verify::Verifier;
+use geometry::mesh::Mesh;
+use task::Task;
+use wheel::surface_finder::SurfaceFinder;
+
+/// Columns of a table of presets; the date is for people.
+pub const COLUMNS: [&str; 7] = ["electrode", "x_mm", "y_mm", "z_mm", "c_deg", "uncertainty_mm", "date"];
+/// The largest table that is read (bytes).
+const LARGEST_FILE: u64 = 1 << 20;
+
+/// Presets of electrodes, by the number of the electrode from 1.
+pub type Presets = BTreeMap<usize, Preset>;
+
+/// Reason why a file is no table of presets.
+#[derive(Debug, thiserror::Error)]
+pub enum PresetError {
+    /// File cannot be read.
+    #[error(transparent)]
+    File(#[from] files::FileError),
+    /// A line is wrong.
+    #[error("{file}: line {line}: {problem}")]
+    Line {
+        /// The file.
+        file: String,
+        /// Number of the line, from 1.
+        line: usize,
+        /// Problem and remedy.
+        problem: String,
+    },
+}
+
+/// The presets in the CSV file `file`, whose first line names [`COLUMNS`].
+///
+/// # Errors
+/// [`PresetError`] with the line.
+pub fn read_presets(file: &Path) -> Result<Presets, PresetError> {
+    let text = files::read_text(file, "table of presets", LARGEST_FILE)?;
+    let name = file.display().to_string();
+    presets_of(&text).map_err(|(line, problem)| PresetError::Line { file: name, line, problem })
+}
+
+fn presets_of(text: &str) -> Result<Presets, (usize, String)> {
+    let mut lines = text.strip_prefix('\u{feff}').unwrap_or(text).lines().enumerate();
+    let head = lines.next().map_or("", |(_, line)| line);
+    if !head.split(',').map(str::trim).eq(COLUMNS) {
+        return Err((1, format!("the columns are to be {}", COLUMNS.join(","))));
+    }
+    let mut presets = Presets::new();
+    for (i, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
+        let (number, preset) = row(line).map_err(|problem| (i + 1, problem))?;
+        if presets.insert(number, preset).is_some() {
+            return Err((i + 1, format!("electrode {number} has a preset already; leave one row for each")));
+        }
+    }
+    Ok(presets)
+}
+
+fn row(line: &str) -> Result<(usize, Preset), String> {
+    let cells: Vec<&str> = line.split(',').map(str::trim).collect();
+    let [electrode, x_mm, y_mm, z_mm, c_deg, uncertainty_mm, _date] = cells[..] else {
+        return Err(format!("it has {} cells, and {} are needed", cells.len(), COLUMNS.len()));
+    };
+    let number = electrode.trim_start_matches(['E', 'e']).parse().ok().filter(|number| *number >= 1);
+    let number = number.ok_or_else(|| format!("electrode is {electrode:?}: give its number, as 1 or E1"))?;
+    let value = |name: &str, text: &str, most: f64, unit: &str| {
+        let value = text.parse().ok().filter(|value: &f64| value.abs() <= most);
+        value.ok_or_else(|| format!("{name} is {text:?}: must be a number from -{most} to {most} {unit}"))
+    };
+    let [most_mm, most_deg] = MOST_OFF;
+    let preset = Preset {
+        x_mm: value("x_mm", x_mm, most_mm, "mm")?,
+        y_mm: value("y_mm", y_mm, most_mm, "mm")?,
+        z_mm: value("z_mm", z_mm, most_mm, "mm")?,
+        c_deg: value("c_deg", c_deg, most_deg, "deg")?,
+        uncertainty_mm: value("uncertainty_mm", uncertainty_mm, most_mm, "mm")?,
+    };
+    if preset.uncertainty_mm < 0.0 {
+        return Err(format!("uncertainty_mm is {uncertainty_mm}: must be 0 or more"));
+    }
+    Ok((number, preset))
+}
+
+/// The plan for electrodes that stand on their holders as `presets` say: each path is rewritten and verified anew. `blisk` is that
+/// of the plan, in W. What comes after the feed is not known yet.
+///
+/// # Errors
+/// If an electrode has no preset or there is none for it, its preset is not measured as well as the setting errors of the job
+/// ask for, C turns the table, or a path cannot be judged.
+pub fn with_presets(
+    outcome: PlanOutcome,
+    inputs: &PlanInputs,
+    blisk: &Mesh,
+    presets: &Presets,
+    task: &Task,
+) -> Result<PlanOutcome, PlanJobError> {
+    let mut outcome = outcome.unfinished();
+    let (job, wrong) = (&inputs.job, |text: String| Err(PlanJobError::Job(text)));
+    if job.machine.c_turns == TurnedByC::Table {
+        return wrong("presets are made up for where C turns the electrode, and it turns the table here".to_owned());
+    }
+    let count = outcome.electrodes.len();
+    if let Some(number) = presets.keys().find(|number| **number > count) {
+        return wrong(format!("there is a preset for electrode {number}, and the plan has {count}"));
+    }
+    let finder = SurfaceFinder::new(outcome.channel.clone())?;
+    for (number, electrode) in (1..).zip(&mut outcome.electrodes) {
+        let Some(preset) = presets.get(&number) else {
+            return wrong(format!("electrode {number} has no preset; add a row for it"));
+        };
+        if let Some(errors) = job.setting.errors() {
+            let covered = errors.of_axes().into_iter().take(3).fold(f64::INFINITY, f64::min);
+            if preset.uncertainty_mm > covered {
+                return wrong(format!(
+                    "the preset of electrode {number} is measured to {} mm, and the setting errors of X, Y and Z cover \
+                     {covered} mm; measure it better, or ask for larger setting errors",
+                    preset.uncertainty_mm
+                ));
+            }
+        }
+        let from = electrode.electrode.reference_point;
+        let to = preset.reference_point(from);
+        electrode.electrode.reference_point = to;
+        for node in &mut electrode.plan.nodes {
+            node.pose = node.pose.about(from, to);
+        }
+        if let Some(planned) = &mut electrode.plan.path {
+            let path = preset.path(&planned.path);
+            let limits = job.machine.seen_from_w(electrode.electrode.enters_from).pose_limits();
+            let verifier = Verifier::new(blisk, &electrode.electrode.mesh, to, &task.cancel)?.within(limits);
+            let certificate = verifier.verify(&path, &|p| finder.surface_of(p), &job.verify, task)?;
+            (planned.path, planned.certificate) = (path, certificate);
+        }
+        electrode.preset = Some(*preset);
+    }
+    Ok(outcome)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: &str = "electrode,x_mm,y_mm,z_mm,c_deg,uncertainty_mm,date\n";
+
+    #[test]
+    fn presets_are_read_line_by_line() {
+        let text = format!("{HEAD}E2,0.1,-0.02,0,0.25,0.002,2026-03-01\n\n1, 0, 0, 0, 0, 0.003,\n");
+        let presets = presets_of(&text).unwrap();
+        assert_eq!(presets.keys().copied().collect::<Vec<_>>(), [1, 2]);
+        let expected = Preset { x_mm: 0.1, y_mm: -0.02, z_mm: 0.0, c_deg: 0.25, uncertainty_mm: 0.002 };
+        assert_eq!(presets[&2], expected);
+    }
+
+    #[test]
+    fn a_wrong_line_is_named() {
+        for (rows, line, words) in [
+            ("1,0,0,0,0,0", 2, "6 cells"),
+            ("1,0,0,0,0,0,\n1,0,0,0,0,0,", 3, "electrode 1 has a preset already"),
+            ("x,0,0,0,0,0,", 2, "electrode is \"x\""),
+            ("1,7,0,0,0,0,", 2, "x_mm is \"7\": must be a number from -5 to 5 mm"),
+            ("1,0,nan,0,0,0,", 2, "y_mm is \"nan\""),
+            ("1,0,0,0,0,-1,", 2, "0 or more"),
+        ] {
+            let (at, said) = presets_of(&format!("{HEAD}{rows}")).unwrap_err();
+            assert!(at == line && said.contains(words), "{rows}: line {at}: {said}");
+        }
+        assert_eq!(presets_of("a,b").unwrap_err().0, 1);
+    }
+}
