@@ -176,7 +176,7 @@ fn the_job_file_of_a_plan_has_its_files_and_figures() {
         .unwrap();
     let refused = sparkpath(&["job-sheet", &job_file, "--template", own.to_str().unwrap()]);
     std::fs::remove_file(&own).unwrap();
-    assert_eq!(refused.status.code(), Some(1), "{}", text(&refused.stderr));
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
     assert!(text(&refused.stderr).contains("required values are missing: material of E1"), "{}", text(&refused.stderr));
     // The path ends in the direction of its last two rows.
     let text = String::from_utf8(path_file).unwrap();

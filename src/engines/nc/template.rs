@@ -210,6 +210,7 @@ impl Missing {
         }
         if value.is_none() || value.as_str().is_some_and(|text| text.trim().is_empty()) {
             self.add(name.to_owned());
+            return Ok(Value::from(""));
         }
         Ok(value.clone())
     }

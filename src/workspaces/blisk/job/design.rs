@@ -332,7 +332,7 @@ fn row_of(outcome: &PlanOutcome, inputs: &PlanInputs, kind: &Kind, size: SizeRow
         needed_text: burning.map_or_else(Vec::new, |of| of.electrodes.iter().map(|e| e.needed_text()).collect()),
         channel: burning.and_then(|of| of.channel),
         wheel: burning.and_then(|of| of.schedule.as_ref()).map(Schedule::total),
-        no_minutes: burning.and_then(|of| of.no_schedule.clone()),
+        no_minutes: burning.and_then(|of| Some(why_unknown(of, of.no_schedule.as_ref()?))),
         residual_mm,
         is_more_left,
         left_mm3: stock.map(|stock| stock.stock.left_mm3),
@@ -341,6 +341,12 @@ fn row_of(outcome: &PlanOutcome, inputs: &PlanInputs, kind: &Kind, size: SizeRow
         electrode: inputs.job.electrode.clone(),
         size,
     }
+}
+
+/// Reason why there is no schedule, with what is missing for the minutes.
+fn why_unknown(burning: &WheelBurning, no_schedule: &str) -> String {
+    let missing = burning.electrodes.iter().find(|of| !of.figures.missing.is_empty());
+    missing.map_or_else(|| no_schedule.to_owned(), |of| format!("{no_schedule}: {}", of.figures.missing.join("; ")))
 }
 
 /// Marks the sets that keep the limits and that no other such set is better than: no worse in hours, electrodes and residual
