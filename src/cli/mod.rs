@@ -454,7 +454,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
             say!("{}", nc::job_file::SCHEMA.trim_end());
             Ok(Answer::Yes)
         }
-        Command::JobSheet(arguments) => job_sheet::job_sheet(&arguments),
+        Command::JobSheet(arguments) => job_sheet::job_sheet(arguments),
         Command::Technology { table } => technology::technology(table.as_deref(), session),
     }
 }

@@ -135,7 +135,7 @@ pub fn measuring_csv<'a>(electrodes: impl IntoIterator<Item = (&'a str, &'a [Mea
         for point in points {
             let numbers = point.point_mm.iter().chain(&point.normal).chain([&point.ball_radius_mm]);
             let names = [electrode, &point.surface].map(quoted).into_iter();
-            let cells: Vec<String> = names.map(Into::into).chain(numbers.map(f64::to_string)).collect();
+            let cells: Vec<String> = names.chain(numbers.map(f64::to_string)).collect();
             csv += &(cells.join(",") + "\n");
         }
     }
