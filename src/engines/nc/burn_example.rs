@@ -15,7 +15,7 @@ impl Templated for BurnTable {
     const SHEET: &'static str = "burn sheet";
     const STANDARD: &'static str = include_str!("../../../assets/burn_table.jinja");
 
-    /// One table where all is there that can be, and one with an electrode in each state, of which two lack what may be
+    /// A table where all is there that can be, and one with an electrode in each state, of which two lack what may be
     /// missing.
     fn examples() -> Vec<Self> {
         let all = [ElectrodeState::Ok, ElectrodeState::Overridden, ElectrodeState::Blocked];

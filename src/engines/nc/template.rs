@@ -28,7 +28,7 @@ use super::job_file::JobFile;
 pub trait Templated: Serialize + Sized {
     /// Name of the JSON file with the same keys.
     const FILE: &'static str;
-    /// What the text is, in words.
+    /// Name of the text, in words.
     const SHEET: &'static str;
     /// The template that the program brings along.
     const STANDARD: &'static str;
@@ -215,7 +215,7 @@ impl Missing {
         Ok(value.clone())
     }
 
-    /// What the map `values` holds for `value`; else `default`, without which it is missing.
+    /// Entry of the map `values` for `value`; else `default`, without which it is missing.
     fn mapped(&self, value: &Value, values: &Value, default: Option<Value>) -> Result<Value, Error> {
         if value.is_undefined() {
             return Err(ErrorKind::UndefinedError.into());

@@ -29,7 +29,7 @@ pub struct DesignSpace {
     pub planes: Vec<f64>,
 }
 
-/// What a set has to keep.
+/// Limits of a set.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct DesignLimits {
     /// Greatest residual stock on the walls (mm); none: any.

@@ -61,7 +61,7 @@ pub struct ElectrodeOutcome {
     pub electrode: Electrode,
     /// Plan of the electrode.
     pub plan: FeedPlan,
-    /// Its place on its holder, which the path makes up for; none where it is planned as nominal.
+    /// Place of the electrode on its holder, which the path makes up for; none where it is planned as nominal.
     pub preset: Option<Preset>,
     /// Distances at the nodes of the plan; none where they were not measured.
     pub distances: Vec<NodeDistances>,

@@ -32,7 +32,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     });
     let (rows, failure) = desk.work.sets();
     let mut rows = rows.to_vec();
-    // Those of a search that goes on, or was stopped, are not marked yet.
+    // Rows of a search that goes on, or was stopped, are not marked yet.
     mark_best(&mut rows);
     if let Some(why) = failure {
         notice(ui, palette(ui).bad, &why);

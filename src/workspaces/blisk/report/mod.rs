@@ -403,7 +403,7 @@ pub struct ElectrodeReport {
     pub tolerance_mm: f64,
     /// Proven lower bound over the whole motion (mm).
     pub certified_clearance_mm: Option<f64>,
-    /// Its place on its holder in a sentence; none where it is planned as nominal.
+    /// Place of the electrode on its holder in a sentence; none where it is planned as nominal.
     pub preset: Option<String>,
     /// Longest jump back along the path that the certificate covers (mm); none without a verified path.
     pub longest_jump_mm: Option<f64>,

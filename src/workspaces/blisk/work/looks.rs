@@ -215,8 +215,8 @@ impl BliskWork {
         if left.is_zero() { Ok(()) } else { Err(Some(left)) }
     }
 
-    /// What tells the present parameters, and the mesh, from any other but for what the search for a table finds: parts, side of
-    /// entry, reductions and strategy, for sets columns and divisions as well.
+    /// Fingerprint of the present parameters and the mesh without what the search for a table finds: parts, side of entry,
+    /// reductions and strategy, for sets columns, divisions and radial reductions as well.
     fn of_table(&self, table: ElectrodeTable) -> Option<Fingerprint> {
         let now = self.now.as_ref()?;
         let mut job = (*now.job).clone();
@@ -293,7 +293,7 @@ impl BliskWork {
         }
     }
 
-    /// What the search for a table does.
+    /// Work of the search for a table, in words.
     pub fn searching(&self, table: ElectrodeTable) -> Option<String> {
         let doing = match table {
             ElectrodeTable::Sizes => self.looks.sizes.rows.doing(),

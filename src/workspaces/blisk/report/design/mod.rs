@@ -23,7 +23,7 @@ pub struct DesignReport {
     pub inputs: Vec<InputFile>,
     /// The answer in a sentence.
     pub sentence: String,
-    /// What the sets had to keep.
+    /// Limits of the sets.
     pub limits: DesignLimits,
     /// The sets, and what was left out.
     #[serde(flatten)]
@@ -54,7 +54,7 @@ impl DesignReport {
         Ok(serde_json::to_string_pretty(self)? + "\n")
     }
 
-    /// One row for each set; cells are empty where a figure is not known.
+    /// A row for each set; cells are empty where a figure is not known.
     pub fn csv(&self) -> String {
         let mut csv = format!("{COLUMNS}\n");
         for (i, row) in self.design.rows.iter().enumerate() {
