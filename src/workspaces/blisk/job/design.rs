@@ -242,12 +242,11 @@ pub fn design(
     for kind in &kinds {
         kind.of(&inputs.job).validate()?;
     }
-    for (k, kind) in kinds.iter().enumerate() {
-        task.report("sets of electrodes", k as f64 / kinds.len() as f64, &kind.words());
+    for kind in &kinds {
         let of_kind = PlanInputs { job: kind.of(&inputs.job), ..inputs.clone() };
         let range = SizingRange { from: kind.parts, to: kind.parts };
-        let quiet = Task::silent(&task.cancel);
-        let sizes = match size(prepared, &of_kind, range, &|_| (), &quiet) {
+        let sizing = task.as_stage_about("sizing", &kind.words());
+        let sizes = match size(prepared, &of_kind, range, &|_| (), &sizing) {
             Err(PlanJobError::Electrode(why)) => {
                 design.left_out.push(format!("{}: {why}", kind.words()));
                 continue;
@@ -259,7 +258,10 @@ pub fn design(
             design.left_out.push(format!("{}: {why}", kind.words()));
         }
         for size in sizes {
-            match evaluated(prepared, &of_kind, kind, size, limits, &quiet) {
+            let [low, high] = size.reduction_deg;
+            let about = format!("{}, {low:.3} and {high:.3} deg", kind.words());
+            let planning = task.as_stage_about("planning and burning", &about);
+            match evaluated(prepared, &of_kind, kind, size, limits, &planning) {
                 Ok(Ok(row)) => {
                     found(&row);
                     design.rows.push(row);
