@@ -24,22 +24,22 @@ pub(super) struct DesignArguments {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Up to how many parts along the passage.
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=20))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=20))]
     parts: u8,
     /// Parts divided left and right as well.
     #[arg(long)]
     columns: bool,
     /// Planes between two parts as shares of the passage, beside the one that makes both equally thick.
-    #[arg(long, value_name = "SHARES", value_delimiter = ',', value_parser = share)]
+    #[arg(long, value_name = "SHARES", allow_negative_numbers = true, value_delimiter = ',', value_parser = share)]
     planes: Vec<f64>,
     /// Radial reductions (mm) [default: that of the project].
-    #[arg(long, value_name = "MM", value_delimiter = ',', value_parser = length)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_delimiter = ',', value_parser = length)]
     radial: Vec<f64>,
     /// Greatest residual stock on the walls (mm) [default: any].
-    #[arg(long, value_name = "MM", value_parser = length)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = length)]
     residual: Option<f64>,
     /// Least thickness of the electrodes (mm).
-    #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = length)]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, default_value_t = 0.0, value_parser = length)]
     thickness: f64,
 }
 

@@ -1,6 +1,6 @@
 //! `sparkpath job-sheet`: text made of a job file through a template.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -24,6 +24,13 @@ pub(super) struct JobSheetArguments {
 
 /// Writes or prints the text. Where values are missing that the template requires, no file is written.
 pub(super) fn job_sheet(arguments: &JobSheetArguments) -> anyhow::Result<Answer> {
+    let is_read = |file: &Path| {
+        let out = arguments.out.as_ref().and_then(|out| out.canonicalize().ok());
+        out.is_some() && out == file.canonicalize().ok()
+    };
+    for file in [Some(&arguments.job), arguments.template.as_ref()].into_iter().flatten() {
+        anyhow::ensure!(!is_read(file), "--out {}: the sheet would replace what it is made from", file.display());
+    }
     let sheet = arguments.template.as_deref().map_or_else(|| Ok(JobSheet::standard()), JobSheet::read)?;
     let text = sheet.of(&JobFile::read(&arguments.job)?)?;
     match &arguments.out {

@@ -12,7 +12,7 @@ use crate::workspaces::blisk::job::finish::finish_as_far_as_possible;
 use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanOutcome};
 use crate::workspaces::blisk::job::plan::{prepare, run_prepared};
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
-use crate::workspaces::blisk::job::preset::{Presets, read_presets, with_presets};
+use crate::workspaces::blisk::job::preset::{Presets, check_presets, read_presets, with_presets};
 use crate::workspaces::blisk::job::sizing::auto_sized;
 use crate::workspaces::blisk::job::stages::{BliskMesh, input_file, read_blisk};
 use crate::workspaces::blisk::report::{InputFile, Report};
@@ -97,6 +97,9 @@ fn finish(
     // What would stop the results should be found out before the work.
     export::ExportForms::of(&inputs.job.export)?;
     ExportFolder::check(out)?;
+    if let Some(presets) = presets {
+        check_presets(presets, inputs.electrodes()).map_err(|why| anyhow::anyhow!("presets: {why}"))?;
+    }
     let task = &session.task;
     let (prepared, inputs) = ready(inputs, session)?;
     let mut outcome = run_prepared(&prepared, &inputs, &|_, _, _| (), task)?;

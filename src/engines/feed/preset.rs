@@ -45,8 +45,9 @@ impl Preset {
         let Self { x_mm, y_mm, z_mm, c_deg, uncertainty_mm } = self;
         format!(
             "Preset: the electrode stands X {x_mm} Y {y_mm} Z {z_mm} mm, C {c_deg} deg off nominal on its holder, measured to \
-             {uncertainty_mm} mm. The final pose, where all axes are zero, is at X {x:.5} Y {y:.5} Z {z:.5} C {:.6} of a nominal \
-             electrode's",
+             {uncertainty_mm} mm, an error that the certificate does not contain. The final pose, where all axes are zero, is at X \
+             {x:.5} Y {y:.5} Z {z:.5} C {:.6} of a nominal electrode's: set the work zero there, or shift that of a nominal \
+             electrode by these values",
             c.to_degrees()
         )
     }

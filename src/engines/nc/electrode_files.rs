@@ -11,6 +11,7 @@ use crate::burn_table::BurnTable;
 use crate::measuring_points::{MeasuringPoint, measuring_points};
 use crate::step_files::{WrittenStep, count, length, text, written_step};
 use files::{ExportFolder, FileError};
+use geometry::mesh::unit_normal;
 use glam::DVec3;
 use import::{glb_bytes, obj_bytes, stl_bytes};
 use mold::electrode::design::{Electrode, ElectrodeSet};
@@ -88,14 +89,31 @@ fn faces_of(electrode: &Electrode) -> Vec<usize> {
     electrode.mesh.iter_corners().map(face).collect()
 }
 
-/// Points of the base and of the burning faces of an electrode on its holder, in the axes of its files, whose shape is `shape`.
-/// Files of a net shape tell nothing of the burning faces as they are milled.
+/// Directions that faces are told apart by, as their normals are nearest to.
+const DIRECTIONS: [&str; 6] = ["+X", "-X", "+Y", "-Y", "+Z", "-Z"];
+/// Points of a face of one direction.
+const POINTS: usize = 4;
+
+/// Points of the base and of the burning faces of an electrode on its holder, by the direction of the face, in the axes of its
+/// files, whose shape is `shape`. The top of the base lies on the holder. Files of a net shape tell nothing of the burning faces as
+/// they are milled.
 pub fn points_to_measure(electrode: &Electrode, shape: Shape) -> Vec<MeasuringPoint> {
-    let [burning, base, _datum] = FACES;
-    let is_measured = |face: usize| shape == Shape::Undersized || face != 0;
-    let surface_of: Vec<Option<usize>> =
-        faces_of(electrode).into_iter().map(|face| Some(face).filter(|face| is_measured(*face))).collect();
-    measuring_points(&electrode.mesh, &[burning, base], &surface_of)
+    let near = 1e-6 * (1.0 + electrode.base.height);
+    let names: Vec<String> =
+        ["base", "burning"].iter().flat_map(|part| DIRECTIONS.map(|direction| format!("{part} {direction}"))).collect();
+    let surface = |corners: [DVec3; 3]| {
+        let normal = unit_normal(corners);
+        let axis = normal.abs().max_position();
+        let direction = 2 * axis + usize::from(normal[axis] < 0.0);
+        // The base stands on the plane z = 0, and the tips reach down from it.
+        match corners.iter().all(|p| p.z > -near) {
+            true => Some(direction).filter(|direction| *direction != 4),
+            false => Some(DIRECTIONS.len() + direction).filter(|_| shape == Shape::Undersized),
+        }
+    };
+    let surface_of: Vec<Option<usize>> = electrode.mesh.iter_corners().map(surface).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    measuring_points(&electrode.mesh, &names, &surface_of, POINTS)
 }
 
 /// The body that electrode number `e` is of as STEP: burning faces, base and datum have names and colours, and the part has
@@ -346,6 +364,7 @@ mod tests {
     use super::*;
     use crate::electrode_fixtures::set;
     use files::Override;
+    use geometry::mesh::Mesh;
     use import::{ImportOptions, import_file};
     use mold::datum::Datum;
     use mold::electrode::design::IdleOverride;
@@ -359,6 +378,31 @@ mod tests {
         let written = write_electrode_files(&mut folder, (set, &table), formats, &Task::default()).unwrap();
         folder.publish().unwrap();
         written
+    }
+
+    #[test]
+    fn faces_of_base_and_head_are_measured_in_every_direction_but_that_of_the_holder() {
+        let mut electrode = set().electrodes[0].clone();
+        let placed = |size: DVec3, at: DVec3| Mesh::cuboid(size).mapped(|p| p + at);
+        electrode.mesh = placed(DVec3::new(20.0, 18.0, 10.0), DVec3::new(-10.0, -9.0, 0.0));
+        electrode.mesh.append(&placed(DVec3::new(6.0, 5.0, 8.0), DVec3::new(-3.0, -2.5, -8.0)));
+        let faces = |shape: Shape| -> Vec<String> {
+            let points = points_to_measure(&electrode, shape);
+            for point in &points {
+                let [x, y, z] = point.point_mm;
+                let outwards = point.normal.iter().zip([x, y, z - 1.0]).map(|(n, p)| n * p).sum::<f64>();
+                assert!(
+                    outwards > 0.0 && point.surface.starts_with(if z < 0.0 { "burning" } else { "base" }),
+                    "{point:?}"
+                );
+            }
+            let mut faces: Vec<String> = points.into_iter().map(|point| point.surface).collect();
+            faces.dedup();
+            faces
+        };
+        let sides = |part: &str| ["+X", "-X", "+Y", "-Y", "-Z"].map(|side| format!("{part} {side}")).to_vec();
+        assert_eq!(faces(Shape::Undersized), [sides("base"), sides("burning")].concat());
+        assert_eq!(faces(Shape::Net), sides("base"));
     }
 
     #[test]

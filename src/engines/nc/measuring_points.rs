@@ -12,8 +12,6 @@ use serde::{Deserialize, Serialize};
 const BALLS: [f64; 3] = [1.0, 0.5, 0.25];
 /// Places of a surface that are tried.
 const TRIED: usize = 160;
-/// Points of a surface.
-const POINTS: usize = 9;
 /// Points with which a surface is told from a turned one.
 const ENOUGH: usize = 3;
 /// How far the surface may fall away from the plane of a point within the radius of the ball, as a share of the radius.
@@ -34,9 +32,14 @@ pub struct MeasuringPoint {
     pub ball_radius_mm: f64,
 }
 
-/// Points of the closed electrode `mesh`, at most nine of each of the `surfaces`, in the axes of the mesh. `surface_of` is the
+/// Points of the closed electrode `mesh`, at most `most` of each of the `surfaces`, in the axes of the mesh. `surface_of` is the
 /// surface of each triangle; triangles of others are not measured. A surface on which no ball finds room has none.
-pub fn measuring_points(mesh: &Mesh, surfaces: &[&str], surface_of: &[Option<usize>]) -> Vec<MeasuringPoint> {
+pub fn measuring_points(
+    mesh: &Mesh,
+    surfaces: &[&str],
+    surface_of: &[Option<usize>],
+    most: usize,
+) -> Vec<MeasuringPoint> {
     let Ok(exact) = ExactMesh::new(mesh) else { return Vec::new() };
     let triangles: Vec<[DVec3; 3]> = mesh.iter_corners().collect();
     let mut points = Vec::new();
@@ -46,7 +49,7 @@ pub fn measuring_points(mesh: &Mesh, surfaces: &[&str], surface_of: &[Option<usi
         let mut found: Vec<(Place, f64)> = Vec::new();
         for radius in BALLS {
             let free: Vec<Place> = places.iter().copied().filter(|place| has_room(&exact, *place, radius)).collect();
-            let apart = far_apart(&free, radius);
+            let apart = far_apart(&free, radius, most);
             if apart.len() > found.len() {
                 found = apart;
             }
@@ -109,16 +112,16 @@ fn has_room(exact: &ExactMesh, place: Place, radius: f64) -> bool {
     is_level && is_free()
 }
 
-/// At most [`POINTS`] of `places`, each as far from those before as can be, and farther than a ball; the first is nearest to
+/// At most `most` of `places`, each as far from those before as can be, and farther than a ball; the first is nearest to
 /// their middle.
-fn far_apart(places: &[Place], radius: f64) -> Vec<(Place, f64)> {
+fn far_apart(places: &[Place], radius: f64, most: usize) -> Vec<(Place, f64)> {
     if places.is_empty() {
         return Vec::new();
     }
     let middle = places.iter().map(|place| place.point).sum::<DVec3>() / places.len() as f64;
     let first = places.iter().min_by(|a, b| a.point.distance(middle).total_cmp(&b.point.distance(middle)));
     let mut taken: Vec<Place> = first.into_iter().copied().collect();
-    while taken.len() < POINTS {
+    while taken.len() < most {
         let to_taken =
             |place: &Place| taken.iter().map(|of| of.point.distance(place.point)).fold(f64::INFINITY, f64::min);
         let next = places.iter().max_by(|a, b| to_taken(a).total_cmp(&to_taken(b)));
@@ -178,10 +181,10 @@ mod tests {
     #[test]
     fn balls_touch_the_points_and_nothing_else() {
         let (mesh, surface_of) = ribbed();
-        let points = measuring_points(&mesh, &["top", "sides", "rib"], &surface_of);
+        let points = measuring_points(&mesh, &["top", "sides", "rib"], &surface_of, 9);
         for surface in ["top", "sides", "rib"] {
             let own: Vec<&MeasuringPoint> = points.iter().filter(|point| point.surface == surface).collect();
-            assert_eq!(own.len(), POINTS, "{surface}");
+            assert_eq!(own.len(), 9, "{surface}");
             for point in own {
                 let [at, normal] = [point.point_mm, point.normal].map(DVec3::from_array);
                 let centre = at + point.ball_radius_mm * normal;
@@ -208,7 +211,7 @@ mod tests {
     #[test]
     fn the_table_has_a_row_for_each_point() {
         let (mesh, surface_of) = ribbed();
-        let points = measuring_points(&mesh, &["top", "a, b"], &surface_of);
+        let points = measuring_points(&mesh, &["top", "a, b"], &surface_of, 9);
         let csv = measuring_csv([("E1", &points[..]), ("E2", &points[..1])]);
         assert_eq!(csv.lines().count(), 1 + points.len() + 1);
         assert!(csv.contains("E1,\"a, b\",") && csv.lines().last().unwrap().starts_with("E2,top,"), "{csv}");
@@ -219,6 +222,6 @@ mod tests {
         let block = Mesh::cuboid(DVec3::new(10.0, 10.0, 0.2));
         let is_side = |corners| unit_normal(corners).z.abs() < 0.5;
         let surface_of: Vec<Option<usize>> = block.iter_corners().map(|t| is_side(t).then_some(0)).collect();
-        assert_eq!(measuring_points(&block, &["sides"], &surface_of), []);
+        assert_eq!(measuring_points(&block, &["sides"], &surface_of, 9), []);
     }
 }

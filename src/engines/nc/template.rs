@@ -177,10 +177,12 @@ impl<T: Templated> Template<T> {
         // What was undefined is named in errors only so.
         environment.set_debug(true);
         environment.add_filter("fixed", fixed);
-        environment
-            .add_filter("left", |text: String, width: usize| format!("{text:<width$}", width = width.min(WIDEST)));
-        environment
-            .add_filter("right", |text: String, width: usize| format!("{text:>width$}", width = width.min(WIDEST)));
+        environment.add_filter("left", |text: String, width: usize| {
+            within(width, WIDEST).map(|width| format!("{text:<width$}"))
+        });
+        environment.add_filter("right", |text: String, width: usize| {
+            within(width, WIDEST).map(|width| format!("{text:>width$}"))
+        });
         // Where there is no value the word none would be taken for one.
         environment.set_formatter(|out, state, value| match value.is_none() {
             true => Err(Error::new(ErrorKind::InvalidOperation, "there is no value to be written")),
@@ -246,6 +248,13 @@ impl Missing {
     }
 }
 
+/// `count` if it is at most `most`.
+fn within(count: usize, most: usize) -> Result<usize, Error> {
+    let problem =
+        || Error::new(ErrorKind::InvalidOperation, format!("{count} is too many, at most {most} are written"));
+    (count <= most).then_some(count).ok_or_else(problem)
+}
+
 /// A number with so many decimals.
 fn fixed(value: &Value, decimals: Option<usize>, format: Kwargs) -> Result<String, Error> {
     if value.is_undefined() {
@@ -262,7 +271,7 @@ fn fixed(value: &Value, decimals: Option<usize>, format: Kwargs) -> Result<Strin
     if !number.is_finite() {
         return Ok("-".to_owned());
     }
-    let text = format!("{number:.*}", decimals.unwrap_or(3).min(MOST_DECIMALS));
+    let text = format!("{number:.*}", within(decimals.unwrap_or(3), MOST_DECIMALS)?);
     let is_zero = text.bytes().all(|b| b"-0.".contains(&b));
     let text = if is_zero { text.trim_start_matches('-').to_owned() } else { text };
     let text = if plus == Some(true) && !text.starts_with('-') { format!("+{text}") } else { text };

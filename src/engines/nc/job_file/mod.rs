@@ -66,6 +66,15 @@ impl JobFile {
         if job.format != FORMAT {
             return Err(wrong(format!("its format is {:?}", job.format)));
         }
+        if job.electrodes.is_empty() {
+            return Err(wrong("it has no electrode".to_owned()));
+        }
+        for electrode in &job.electrodes {
+            let lengths = [electrode.spark_gap_mm, electrode.undersize_wall_mm, electrode.undersize_floor_mm];
+            if lengths.into_iter().any(|length| length < 0.0) {
+                return Err(wrong(format!("{}: spark gap and undersize are 0 or more", electrode.id)));
+            }
+        }
         Ok(job)
     }
 }

@@ -241,7 +241,7 @@ fn header(w: &mut Writer, approved: &Approved) {
         w.comment(&format!("Certified clearance over the copying motion: {certified} mm or more"));
     }
     w.comment(&format!(
-        "Jumps back along the feed path of up to {} mm are within the verified motion; off the path none is",
+        "Jumps: up to {} mm back along the feed path the motion is verified, and nowhere off it",
         floor_mm_text(longest_jump(path))
     ));
     w.job.notes.iter().for_each(|note| w.comment(note));

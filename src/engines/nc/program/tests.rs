@@ -73,7 +73,7 @@ fn every_coordinate_is_the_number_of_the_path_file_there_and_back() {
 fn a_post_sets_the_longest_jump_that_the_certificate_covers_before_the_feed() {
     let mut post = Post::load("iso", None).unwrap();
     let way = fixtures::path().rows[0].s;
-    assert!(way > 0.0 && program(&post).contains(&format!("feed path of up to {way:.5} mm")), "{}", program(&post));
+    assert!(way > 0.0 && program(&post).contains(&format!("Jumps: up to {way:.5} mm back")), "{}", program(&post));
     post.jump = vec!["#100={jump_mm}".to_owned()];
     post.validate().unwrap();
     let text = program(&post);

@@ -135,9 +135,11 @@ fn inspection_points(electrode: &Electrode, channel: &Channel, frame: MeshFrame)
         MeshFrame::Mesh => &electrode.mesh.in_parent_of(&channel.frame),
         MeshFrame::W => &electrode.mesh,
     };
-    measuring_points(mesh, &names, &surface_of)
+    measuring_points(mesh, &names, &surface_of, POINTS)
 }
 
+/// Points of a face.
+const POINTS: usize = 9;
 /// Cosine of the angle to the direction of withdrawal within which a face of the base lies on the holder.
 const ON_HOLDER: f64 = 0.9;
 

@@ -51,7 +51,10 @@ fn presets_of(text: &str) -> Result<Presets, (usize, String)> {
     let mut lines = text.strip_prefix('\u{feff}').unwrap_or(text).lines().enumerate();
     let head = lines.next().map_or("", |(_, line)| line);
     if !head.split(',').map(str::trim).eq(COLUMNS) {
-        return Err((1, format!("the columns are to be {}", COLUMNS.join(","))));
+        return Err((
+            1,
+            format!("the columns are to be {}, with commas between and points in numbers", COLUMNS.join(",")),
+        ));
     }
     let mut presets = Presets::new();
     for (i, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
@@ -75,17 +78,31 @@ fn row(line: &str) -> Result<(usize, Preset), String> {
         value.ok_or_else(|| format!("{name} is {text:?}: must be a number from -{most} to {most} {unit}"))
     };
     let [most_mm, most_deg] = MOST_OFF;
-    let preset = Preset {
-        x_mm: value("x_mm", x_mm, most_mm, "mm")?,
-        y_mm: value("y_mm", y_mm, most_mm, "mm")?,
-        z_mm: value("z_mm", z_mm, most_mm, "mm")?,
-        c_deg: value("c_deg", c_deg, most_deg, "deg")?,
-        uncertainty_mm: value("uncertainty_mm", uncertainty_mm, most_mm, "mm")?,
-    };
-    if preset.uncertainty_mm < 0.0 {
-        return Err(format!("uncertainty_mm is {uncertainty_mm}: must be 0 or more"));
-    }
+    let preset =
+        Preset {
+            x_mm: value("x_mm", x_mm, most_mm, "mm")?,
+            y_mm: value("y_mm", y_mm, most_mm, "mm")?,
+            z_mm: value("z_mm", z_mm, most_mm, "mm")?,
+            c_deg: value("c_deg", c_deg, most_deg, "deg")?,
+            uncertainty_mm: uncertainty_mm.parse().ok().filter(|value| (0.0..=most_mm).contains(value)).ok_or_else(
+                || format!("uncertainty_mm is {uncertainty_mm:?}: must be a number from 0 to {most_mm} mm"),
+            )?,
+        };
     Ok((number, preset))
+}
+
+/// Checks that there is a preset for each of `count` electrodes and for no other.
+///
+/// # Errors
+/// The first electrode of which it is not so, in words.
+pub fn check_presets(presets: &Presets, count: usize) -> Result<(), String> {
+    if let Some(number) = presets.keys().find(|number| **number > count) {
+        return Err(format!("there is a preset for electrode {number}, and the plan has {count}; remove its row"));
+    }
+    match (1..=count).find(|number| !presets.contains_key(number)) {
+        Some(number) => Err(format!("electrode {number} has no preset; add a row for it")),
+        None => Ok(()),
+    }
 }
 
 /// The plan for electrodes that stand on their holders as `presets` say: each path is rewritten and verified anew. `blisk` is that
@@ -106,15 +123,17 @@ pub fn with_presets(
     if job.machine.c_turns == TurnedByC::Table {
         return wrong("presets are made up for where C turns the electrode, and it turns the table here".to_owned());
     }
-    let count = outcome.electrodes.len();
-    if let Some(number) = presets.keys().find(|number| **number > count) {
-        return wrong(format!("there is a preset for electrode {number}, and the plan has {count}"));
-    }
+    check_presets(presets, outcome.electrodes.len()).map_err(PlanJobError::Job)?;
     let finder = SurfaceFinder::new(outcome.channel.clone())?;
     for (number, electrode) in (1..).zip(&mut outcome.electrodes) {
-        let Some(preset) = presets.get(&number) else {
-            return wrong(format!("electrode {number} has no preset; add a row for it"));
-        };
+        let Some(preset) = presets.get(&number) else { continue };
+        if job.setting.errors().is_none() && preset.uncertainty_mm > job.setting.accuracy_mm {
+            return wrong(format!(
+                "the preset of electrode {number} is measured to {} mm, and errors of setting up may take up {} mm of the spark \
+                 gap (setting.accuracy_mm); measure it better",
+                preset.uncertainty_mm, job.setting.accuracy_mm
+            ));
+        }
         if let Some(errors) = job.setting.errors() {
             let covered = errors.of_axes().into_iter().take(3).fold(f64::INFINITY, f64::min);
             if preset.uncertainty_mm > covered {
@@ -166,7 +185,7 @@ mod tests {
             ("x,0,0,0,0,0,", 2, "electrode is \"x\""),
             ("1,7,0,0,0,0,", 2, "x_mm is \"7\": must be a number from -5 to 5 mm"),
             ("1,0,nan,0,0,0,", 2, "y_mm is \"nan\""),
-            ("1,0,0,0,0,-1,", 2, "0 or more"),
+            ("1,0,0,0,0,-1,", 2, "from 0 to 5 mm"),
         ] {
             let (at, said) = presets_of(&format!("{HEAD}{rows}")).unwrap_err();
             assert!(at == line && said.contains(words), "{rows}: line {at}: {said}");
