@@ -13,7 +13,8 @@
 
 use std::marker::PhantomData;
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, mpsc};
+use std::time::Duration;
 
 use files::{FileError, read_text};
 use minijinja::syntax::SyntaxConfig;
@@ -25,7 +26,7 @@ use super::burn_table::BurnTable;
 use super::job_file::JobFile;
 
 /// Data that templates make text of.
-pub trait Templated: Serialize + Sized {
+pub trait Templated: Serialize + Sized + 'static {
     /// Name of the JSON file with the same keys.
     const FILE: &'static str;
     /// Name of the text, in words.
@@ -48,6 +49,8 @@ pub const STANDARD: &str = "standard";
 const LARGEST_FILE: u64 = 1 << 20;
 /// Steps that a template may take: enough for thousands of electrodes, and little enough to come to an end.
 const MOST_STEPS: u64 = 50_000_000;
+/// Time within which a text has to be made; usual ones take milliseconds.
+const LONGEST: Duration = Duration::from_secs(30);
 /// The widest column, and the most decimals.
 const WIDEST: usize = 1000;
 const MOST_DECIMALS: usize = 12;
@@ -160,10 +163,27 @@ impl<T: Templated> Template<T> {
     /// # Errors
     /// [`TemplateError::Wrong`] with the line, [`TemplateError::Missing`] with the names.
     pub fn of(&self, data: &T) -> Result<String, TemplateError> {
-        self.render_within(MOST_STEPS, data)
+        self.within(LONGEST, MOST_STEPS, data)
     }
 
-    fn render_within(&self, steps: u64, data: &T) -> Result<String, TemplateError> {
+    /// The text, made beside this thread: steps do not tell how long a text gets that doubles itself in each of them. What goes on
+    /// after its time is left to end with the program.
+    fn within(&self, longest: Duration, steps: u64, data: &T) -> Result<String, TemplateError> {
+        let (sheet, data) = (self.clone(), Value::from(Serde(data)));
+        let (tell, told) = mpsc::channel();
+        // Nobody may be waiting any more.
+        std::thread::spawn(move || drop(tell.send(sheet.render(steps, &data))));
+        told.recv_timeout(longest).unwrap_or_else(|_| {
+            Err(TemplateError::Wrong {
+                template: self.name.clone(),
+                line: None,
+                problem: format!("it takes longer than {} s", longest.as_secs()),
+                remedy: "does it make ever longer texts in a loop?".to_owned(),
+            })
+        })
+    }
+
+    fn render(&self, steps: u64, data: &Value) -> Result<String, TemplateError> {
         let wrong = |error: Error| explained(&error, &self.text, &self.name, T::FILE);
         let missing = Missing::default();
         let mut environment = Environment::new();
@@ -194,7 +214,7 @@ impl<T: Templated> Template<T> {
         environment.add_filter("mapped", move |value: &Value, values: &Value, default: Option<Value>| {
             not_mapped.mapped(value, values, default)
         });
-        let text = environment.render_named_str(&self.name, &self.text, Value::from(Serde(data))).map_err(wrong)?;
+        let text = environment.render_named_str(&self.name, &self.text, data).map_err(wrong)?;
         let missing = missing.names();
         if missing.is_empty() { Ok(text) } else { Err(TemplateError::Missing { template: self.name.clone(), missing }) }
     }
@@ -393,7 +413,7 @@ mod tests {
             ("\n{% for a in range(9999) %}{% for b in range(9999) %}{% endfor %}{% endfor %}", 2, "too many steps"),
         ] {
             let sheet = BurnSheet::new("mine.jinja".to_owned(), template.to_owned());
-            let error = sheet.render_within(10_000, &table()).unwrap_err();
+            let error = sheet.render(10_000, &Value::from(Serde(table()))).unwrap_err();
             let said = error.to_string();
             let TemplateError::Wrong { line: Some(found), .. } = error else { panic!("{template:?}: {said}") };
             // The end of a text counts as the line of its last character or as the next.
@@ -466,6 +486,15 @@ mod tests {
             std::fs::write(&file, text).unwrap();
             assert_eq!(JobSheet::read(&file).is_ok(), is_right, "{text}");
         }
+    }
+
+    #[test]
+    fn a_text_that_doubles_itself_is_given_up() {
+        let [full, _] = jobs();
+        let template =
+            "{% set ns = namespace(x='aaaaaaaaaa') %}{% for i in range(24) %}{% set ns.x = ns.x ~ ns.x %}{% endfor %}";
+        let error = job_sheet(template).within(Duration::ZERO, MOST_STEPS, &full).unwrap_err().to_string();
+        assert!(error.contains("mine.jinja: it takes longer than 0 s; does it make ever longer texts"), "{error}");
     }
 
     /// The keys of values and of what is in them.
