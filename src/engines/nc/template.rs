@@ -50,7 +50,7 @@ const LARGEST_FILE: u64 = 1 << 20;
 /// Steps that a template may take: enough for thousands of electrodes, and little enough to come to an end.
 const MOST_STEPS: u64 = 50_000_000;
 /// Time within which a text has to be made; usual ones take milliseconds.
-const LONGEST: Duration = Duration::from_secs(30);
+const LONGEST: Duration = Duration::from_secs(10);
 /// The widest column, and the most decimals.
 const WIDEST: usize = 1000;
 const MOST_DECIMALS: usize = 12;
