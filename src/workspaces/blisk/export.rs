@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::job_file::{ExportSection, PlanJob};
 use crate::workspaces::blisk::job::burning::schedule_csv;
-use crate::workspaces::blisk::job::job_of_plan::job_of_plan;
+use crate::workspaces::blisk::job::job_of_plan::{face_name, job_of_plan};
 use crate::workspaces::blisk::job::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use crate::workspaces::blisk::job::{figures, plan_pictures, simulate};
 use crate::workspaces::blisk::report::build;
@@ -27,7 +27,7 @@ use nc::step_files::{WrittenStep, length, step_words, text, written_step};
 use nc::template::{JobSheet, TemplateError};
 use step::write::{Role, StepPart, StepPatch};
 use task::{Cancel, Cancelled, Task};
-use wheel::channel::{Channel, Surface};
+use wheel::channel::Channel;
 use wheel::electrode::ElectrodeFace;
 
 /// What the manifest of a folder calls an export of a plan.
@@ -273,21 +273,6 @@ fn bodies_now(outcome: &PlanOutcome, job: &PlanJob, cancel: &Cancel) -> Result<O
         PlanJobError::Cancelled(cancelled) => cancelled.into(),
         other => PlanFilesError::Machine(other),
     })
-}
-
-/// Name of a face.
-pub(super) fn face_name(face: ElectrodeFace, channel: &Channel) -> &'static str {
-    match face {
-        ElectrodeFace::LowWall => channel.surface_name(Surface::LowWall),
-        ElectrodeFace::HighWall => channel.surface_name(Surface::HighWall),
-        ElectrodeFace::HubSide => "hub side",
-        ElectrodeFace::ShroudSide => "shroud side",
-        ElectrodeFace::Division => "division",
-        ElectrodeFace::FarEnd => "far end",
-        ElectrodeFace::EntryEnd => "shoulder",
-        ElectrodeFace::Shank => "shank",
-        ElectrodeFace::Holder => "base",
-    }
 }
 
 /// Name and colour of a face: what burns is coppery, the rest grey.

@@ -4,7 +4,6 @@ use super::burning::{BurningElectrode, WheelBurning};
 use super::outcome::{ElectrodeOutcome, PlanOutcome};
 use crate::workspaces::blisk::document::choice::MeshFrame;
 use crate::workspaces::blisk::document::job_file::PlanJob;
-use crate::workspaces::blisk::export::face_name;
 use feed::certificate::Certificate;
 use feed::copying::Copying;
 use feed::path::PathRow;
@@ -16,7 +15,7 @@ use nc::job_file::{
     WorkpieceKind,
 };
 use nc::measuring_points::{MeasuringPoint, measuring_points};
-use wheel::channel::Channel;
+use wheel::channel::{Channel, Surface};
 use wheel::electrode::{Electrode, ElectrodeFace};
 
 /// The job of the electrodes of `outcome`, of which `files` are written. Positions are those of W, in which every electrode
@@ -142,6 +141,21 @@ fn inspection_points(electrode: &Electrode, channel: &Channel, frame: MeshFrame)
 const POINTS: usize = 9;
 /// Cosine of the angle to the direction of withdrawal within which a face of the base lies on the holder.
 const ON_HOLDER: f64 = 0.9;
+
+/// Name of a face.
+pub fn face_name(face: ElectrodeFace, channel: &Channel) -> &'static str {
+    match face {
+        ElectrodeFace::LowWall => channel.surface_name(Surface::LowWall),
+        ElectrodeFace::HighWall => channel.surface_name(Surface::HighWall),
+        ElectrodeFace::HubSide => "hub side",
+        ElectrodeFace::ShroudSide => "shroud side",
+        ElectrodeFace::Division => "division",
+        ElectrodeFace::FarEnd => "far end",
+        ElectrodeFace::EntryEnd => "shoulder",
+        ElectrodeFace::Shank => "shank",
+        ElectrodeFace::Holder => "base",
+    }
+}
 
 /// Unit vector along which the certified feed of an electrode ends, in the axes of W.
 fn approach(of: &ElectrodeOutcome) -> Option<[f64; 3]> {

@@ -3,33 +3,20 @@
 use egui::{RichText, Ui, Vec2b};
 use egui_plot::{Plot, PlotPoints, Points};
 
-use super::sizes::around;
+use super::sizes::{around, search};
 use crate::widgets::panel_parts::notice;
 use crate::widgets::theme::palette;
 use crate::workspaces::blisk::desk::BliskDesk;
-use crate::workspaces::blisk::document::stage::Stage;
 use crate::workspaces::blisk::job::design::{DesignRow, mark_best};
 use crate::workspaces::blisk::work::ElectrodeTable;
-use task::State;
 
 /// The search for sets: its button, its table, its plot.
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     ui.add_space(8.0);
     ui.strong("Sets of electrodes of the fewest hours");
-    ui.horizontal(|ui| {
-        if let Some(doing) = desk.work.searching(ElectrodeTable::Sets) {
-            if ui.button("Stop search").clicked() {
-                desk.work.stop_search(ElectrodeTable::Sets);
-            }
-            ui.label(RichText::new(doing).small().color(palette(ui).faint));
-        } else {
-            let hint = "Sizes, plans and finishes sets of 1, 2 and 3 parts, each certified, with their hours and residual stock";
-            let ready = desk.work.state(Stage::Channel) == State::Ready;
-            if ui.add_enabled(ready, egui::Button::new("Find sets")).on_hover_text(hint).clicked() {
-                desk.work.find(ElectrodeTable::Sets);
-            }
-        }
-    });
+    let hint =
+        "Sizes, plans and finishes sets of 1, 2 and 3 parts, each certified, with their hours and residual stock";
+    search(ui, desk, ElectrodeTable::Sets, ["Find sets", "Stop search"], hint);
     let (rows, failure) = desk.work.sets();
     let mut rows = rows.to_vec();
     // Rows of a search that goes on, or was stopped, are not marked yet.

@@ -42,21 +42,8 @@ pub fn live(ui: &mut Ui, desk: &mut BliskDesk) {
 pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
     ui.add_space(8.0);
     ui.strong("Thickest electrodes with an extraction path");
-    let sizing = desk.work.searching(ElectrodeTable::Sizes);
-    ui.horizontal(|ui| {
-        if let Some(doing) = &sizing {
-            if ui.button("Stop sizing").clicked() {
-                desk.work.stop_search(ElectrodeTable::Sizes);
-            }
-            ui.label(RichText::new(doing).small().color(palette(ui).faint));
-        } else {
-            let hint = "Finds the least reductions for 1, 2 and 3 parts, from either side of entry, each certified";
-            let ready = desk.work.state(Stage::Channel) == State::Ready;
-            if ui.add_enabled(ready, egui::Button::new("Find sizes")).on_hover_text(hint).clicked() {
-                desk.work.find(ElectrodeTable::Sizes);
-            }
-        }
-    });
+    let hint = "Finds the least reductions for 1, 2 and 3 parts, from either side of entry, each certified";
+    search(ui, desk, ElectrodeTable::Sizes, ["Find sizes", "Stop sizing"], hint);
     let (rows, failure) = desk.work.sizes();
     let rows = rows.to_vec();
     if let Some(why) = failure {
@@ -73,6 +60,24 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk) {
         apply(desk, &row);
     }
     plot(ui, &rows);
+}
+
+/// Buttons that begin and stop the search for a table, and its work while it goes on.
+pub(super) fn search(ui: &mut Ui, desk: &mut BliskDesk, table: ElectrodeTable, [find, stop]: [&str; 2], hint: &str) {
+    let searching = desk.work.searching(table);
+    ui.horizontal(|ui| {
+        if let Some(doing) = searching {
+            if ui.button(stop).clicked() {
+                desk.work.stop_search(table);
+            }
+            ui.label(RichText::new(doing).small().color(palette(ui).faint));
+        } else {
+            let ready = desk.work.state(Stage::Channel) == State::Ready;
+            if ui.add_enabled(ready, egui::Button::new(find)).on_hover_text(hint).clicked() {
+                desk.work.find(table);
+            }
+        }
+    });
 }
 
 /// The rows; answers the one that is to be applied.
