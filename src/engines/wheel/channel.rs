@@ -236,7 +236,7 @@ pub enum Difference {
     Surface {
         /// The surface.
         surface: Surface,
-        /// Greatest distance (mm); infinite where the surface is missing.
+        /// Greatest distance (mm); infinite where the surface is missing, or too far off to be found.
         greatest_mm: f64,
     },
     /// Only one of them is covered where blade tips are.
@@ -256,7 +256,9 @@ impl std::fmt::Display for Difference {
             Self::Surface { surface, greatest_mm } if greatest_mm.is_finite() => {
                 write!(f, "{} off by up to {greatest_mm:.3} mm", surface.name())
             }
-            Self::Surface { surface, .. } => write!(f, "{} missing in part", surface.name()),
+            Self::Surface { surface, .. } => {
+                write!(f, "{} missing in part, or too far off to be found", surface.name())
+            }
             Self::Tips => f.write_str("tips covered otherwise"),
             Self::BesideEdges => f.write_str("metal beside its edges that the other has not"),
             Self::Obstructed { off_mm } => write!(f, "metal stands up to {off_mm:.3} mm within it"),

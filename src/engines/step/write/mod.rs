@@ -110,7 +110,7 @@ pub struct StepPart<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepSettings {
     /// Distance between mesh and free forms that is aimed at (mm). A file whose faces were found is refused where it is off
-    /// by more than twice this, one whose faces were known where it is 0.03 mm inside of the mesh, or outside by more than
+    /// by more than twice this, one whose faces were known where it is 0.05 mm inside of the mesh, or outside by more than
     /// half of this.
     pub tolerance: f64,
     /// Time stamp of the header (ISO 8601); the file's bytes depend on nothing else that changes.
@@ -293,12 +293,15 @@ const FINE_CHORD: f64 = 0.1;
 /// Tolerances by which a file whose faces are found may leave the mesh at any place.
 const MOST_DEVIATION: f64 = 2.0;
 /// Distance by which a file whose faces are known may lie inside of the mesh where that is twisted between its vertices
-/// (mm): the accuracy of P1.
-const MOST_INSIDE: f64 = 0.03;
+/// (mm): it burns that much less there, and its report says so.
+const MOST_INSIDE: f64 = 0.05;
 /// Share of the tolerance by which such a file may reach beyond the mesh.
 const MOST_OUTSIDE: f64 = 0.5;
 /// Times that known faces are drawn in where they reach beyond the mesh.
-const DRAWN_IN: u32 = 5;
+const DRAWN_IN: u32 = 7;
+/// Tolerances within which known faces are fitted, one after the other until a file is good: closer fits have more knots,
+/// and may wave between them.
+const FITS: [f64; 2] = [1.0, 4.0];
 
 /// Writes a part as STEP AP242.
 ///
@@ -340,13 +343,30 @@ pub fn write_step(part: &StepPart, settings: &StepSettings, task: &Task) -> Resu
 
 /// Writes a part whose faces are known, which stay inside of the mesh.
 fn of_patches(part: &StepPart, settings: &StepSettings, task: &Task) -> Result<StepFile, StepWriteError> {
+    let sheet = patches::Sheet::of(part)?;
+    let mut refusal = StepWriteError::Unusable;
+    for fit in FITS {
+        match drawn_in(part, settings, (sheet.clone(), fit * settings.tolerance), task) {
+            Err(error) if !matches!(error, StepWriteError::Cancelled(_)) => refusal = error,
+            answer => return answer,
+        }
+    }
+    Err(refusal)
+}
+
+/// Writes a part with the faces of a sheet, fitted within `fit` (mm), drawn in until they stay inside of the mesh.
+fn drawn_in(
+    part: &StepPart,
+    settings: &StepSettings,
+    (mut sheet, fit): (patches::Sheet, f64),
+    task: &Task,
+) -> Result<StepFile, StepWriteError> {
     let tolerance = settings.tolerance;
-    let mut sheet = patches::Sheet::of(part)?;
     let limits = Limits { chord: FINE_CHORD * tolerance, deviation: MOST_INSIDE };
     let mut best: Option<(f64, DVec3, StepFile)> = None;
     for round in 0..=DRAWN_IN {
         task.report("faces", f64::from(round) / f64::from(DRAWN_IN), "");
-        let brep = sheet.brep(tolerance, task)?;
+        let brep = sheet.brep(fit, task)?;
         let shells = shells(&brep);
         let bytes = file::file(part, settings, &brep, &shells)?;
         let measures = match check::check(&bytes, part.mesh, shells.len(), limits, task) {
@@ -356,10 +376,12 @@ fn of_patches(part: &StepPart, settings: &StepSettings, task: &Task) -> Result<S
             Err(_) => break,
         };
         let outside = measures.file_to_mesh[0];
-        if best.as_ref().is_none_or(|(least, ..)| outside < *least) {
-            let report = report(&brep, part, shells.len(), &measures);
-            best = Some((outside, measures.at, StepFile { bytes, report }));
+        if best.as_ref().is_some_and(|(least, ..)| outside > *least) {
+            break;
         }
+        let farthest = measures.beyond.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+        let report = report(&brep, part, shells.len(), &measures);
+        best = Some((outside, farthest.map_or(measures.at, |(_, p)| *p), StepFile { bytes, report }));
         if outside <= FINE_CHORD * tolerance || !sheet.draw_in(&measures.beyond, task)? {
             break;
         }

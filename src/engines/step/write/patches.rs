@@ -36,8 +36,6 @@ const CREASE: f64 = 0.5;
 const BLOCK: usize = 4096;
 /// Sine of the angle between a free form and the planes beside it from which on it is drawn in along them.
 const LEAST_SLOPE: f64 = 0.2;
-/// How much farther than it reaches beyond the mesh a free form is drawn in: neighbours that are not hold it back.
-const MORE: f64 = 1.3;
 
 /// A side of a patch.
 #[derive(Debug, Clone, Copy)]
@@ -48,7 +46,7 @@ struct Use {
 }
 
 /// A side that two patches share.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Chain {
     vertices: Vec<u32>,
     /// The patches on its left and right, each with the number of its side.
@@ -56,7 +54,7 @@ struct Chain {
 }
 
 /// A patch over welded vertices.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Cell {
     grid: Patch,
     role: u16,
@@ -66,7 +64,7 @@ struct Cell {
 }
 
 /// All patches of a part.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Sheet {
     /// Vertices (mm).
     points: Vec<DVec3>,
@@ -198,7 +196,7 @@ impl Sheet {
             let found: Vec<_> = block.par_iter().filter_map(near).collect();
             for (distance, triangle) in found {
                 for v in mesh.triangles[triangle] {
-                    more[v as usize] = more[v as usize].max(MORE * distance);
+                    more[v as usize] = more[v as usize].max(distance);
                 }
             }
         }
@@ -230,7 +228,9 @@ impl Sheet {
             }
             let along = free.iter().map(|n| held.iter().fold(*n, |n, h| n.reject_from_normalized(*h)));
             let steep = along.filter(|n| n.length() > LEAST_SLOPE);
-            let step = least_step(steep.map(|n| (self.drawn_in[v as usize], n)));
+            let way = self.drawn_in[v as usize];
+            // At a sharp edge the place that meets both sides is far away.
+            let step = least_step(steep.map(|n| (way, n))).clamp_length_max(way);
             self.points[v as usize] = p - held.iter().fold(step, |step, h| step.reject_from_normalized(*h));
         }
     }

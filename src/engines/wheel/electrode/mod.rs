@@ -18,6 +18,7 @@ mod measure;
 mod own;
 mod params;
 mod ring;
+mod twist;
 pub mod walls;
 
 #[cfg(test)]
