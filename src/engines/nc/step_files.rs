@@ -24,8 +24,9 @@ pub type WrittenStep = Result<StepFile, String>;
 pub fn written_step(part: &StepPart, to_spare: f64, task: &Task) -> Result<WrittenStep, Cancelled> {
     let of_found = [(0.5 * to_spare).clamp(TOLERANCES[0], TOLERANCES[1])];
     let tolerances: &[f64] = if part.patches.is_empty() { &of_found } else { &INSIDE };
-    let mut tried =
-        tolerances.iter().map(|&tolerance| write_step(part, &StepSettings { tolerance, ..Default::default() }, task));
+    let mut tried = tolerances
+        .iter()
+        .map(|&tolerance| write_step(part, &StepSettings { tolerance, to_spare, ..Default::default() }, task));
     let Some(mut made) = tried.next() else { return Ok(Err("there is no tolerance to try".to_owned())) };
     while let Err(error) = &made {
         if matches!(error, StepWriteError::Cancelled(_) | StepWriteError::Deviation { .. }) {
@@ -51,7 +52,7 @@ pub fn written_step(part: &StepPart, to_spare: f64, task: &Task) -> Result<Writt
         Ok(file) => Ok(file),
         Err(StepWriteError::Cancelled(cancelled)) => return Err(cancelled),
         Err(StepWriteError::Deviation { at, distance, most }) if !part.patches.is_empty() => Err(format!(
-            "its faces would lie {distance:.3} mm off the mesh that was checked at ({:.2}, {:.2}, {:.2}) mm, and {most:.3} mm \
+            "its faces would lie {distance:.4} mm off the mesh that was checked at ({:.2}, {:.2}, {:.2}) mm, and {most:.4} mm \
              are allowed; a usual cause is triangles that are twisted beside a fillet; take the mesh",
             at.x, at.y, at.z
         )),

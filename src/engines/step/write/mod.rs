@@ -110,9 +110,10 @@ pub struct StepPart<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepSettings {
     /// Distance between mesh and free forms that is aimed at (mm). A file whose faces were found is refused where it is off
-    /// by more than twice this, one whose faces were known where it is 0.05 mm inside of the mesh, or outside by more than
-    /// half of this.
+    /// by more than twice this, one whose faces were known where it is 0.15 mm inside of the mesh.
     pub tolerance: f64,
+    /// How far faces that are known may reach beyond the mesh (mm).
+    pub to_spare: f64,
     /// Time stamp of the header (ISO 8601); the file's bytes depend on nothing else that changes.
     pub time_stamp: String,
     /// Name of the program in the header.
@@ -123,6 +124,7 @@ impl Default for StepSettings {
     fn default() -> Self {
         Self {
             tolerance: 0.005,
+            to_spare: 0.003,
             time_stamp: "2000-01-01T00:00:00Z".to_owned(),
             originating_system: "Sparkpath".to_owned(),
         }
@@ -294,9 +296,11 @@ const FINE_CHORD: f64 = 0.1;
 const MOST_DEVIATION: f64 = 2.0;
 /// Distance by which a file whose faces are known may lie inside of the mesh where that is twisted between its vertices
 /// (mm): it burns that much less there, and its report says so.
-const MOST_INSIDE: f64 = 0.05;
-/// Share of the tolerance by which such a file may reach beyond the mesh.
-const MOST_OUTSIDE: f64 = 0.5;
+const MOST_INSIDE: f64 = 0.15;
+/// Share of what there is to spare beyond the mesh that is left to the triangles that such a file is measured by, and
+/// their least distance from its faces (mm).
+const CHORD_TO_SPARE: f64 = 0.5;
+const LEAST_CHORD: f64 = 1e-4;
 /// Times that known faces are drawn in where they reach beyond the mesh.
 const DRAWN_IN: u32 = 7;
 /// Tolerances within which known faces are fitted, one after the other until a file is good: closer fits have more knots,
@@ -362,7 +366,9 @@ fn drawn_in(
     task: &Task,
 ) -> Result<StepFile, StepWriteError> {
     let tolerance = settings.tolerance;
-    let limits = Limits { chord: FINE_CHORD * tolerance, deviation: MOST_INSIDE };
+    let chord = (FINE_CHORD * tolerance).min(CHORD_TO_SPARE * settings.to_spare).max(LEAST_CHORD);
+    let limits = Limits { chord, deviation: MOST_INSIDE };
+    let most_outside = settings.to_spare - chord;
     let mut best: Option<(f64, DVec3, StepFile)> = None;
     for round in 0..=DRAWN_IN {
         task.report("faces", f64::from(round) / f64::from(DRAWN_IN), "");
@@ -376,19 +382,18 @@ fn drawn_in(
             Err(_) => break,
         };
         let outside = measures.file_to_mesh[0];
-        if best.as_ref().is_some_and(|(least, ..)| outside > *least) {
-            break;
+        if best.as_ref().is_none_or(|(least, ..)| outside < *least) {
+            let farthest = measures.beyond.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+            let report = report(&brep, part, shells.len(), &measures);
+            best = Some((outside, farthest.map_or(measures.at, |(_, p)| *p), StepFile { bytes, report }));
         }
-        let farthest = measures.beyond.iter().max_by(|a, b| a.0.total_cmp(&b.0));
-        let report = report(&brep, part, shells.len(), &measures);
-        best = Some((outside, farthest.map_or(measures.at, |(_, p)| *p), StepFile { bytes, report }));
-        if outside <= FINE_CHORD * tolerance || !sheet.draw_in(&measures.beyond, task)? {
+        if outside <= most_outside.min(chord) || !sheet.draw_in(&measures.beyond, task)? {
             break;
         }
     }
     match best {
-        Some((outside, _, file)) if outside <= MOST_OUTSIDE * tolerance => Ok(file),
-        Some((distance, at, _)) => Err(StepWriteError::Deviation { at, distance, most: MOST_OUTSIDE * tolerance }),
+        Some((outside, _, file)) if outside <= most_outside => Ok(file),
+        Some((distance, at, _)) => Err(StepWriteError::Deviation { at, distance, most: most_outside.max(0.0) }),
         None => Err(StepWriteError::Unusable),
     }
 }

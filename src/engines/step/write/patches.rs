@@ -36,6 +36,8 @@ const CREASE: f64 = 0.5;
 const BLOCK: usize = 4096;
 /// Sine of the angle between a free form and the planes beside it from which on it is drawn in along them.
 const LEAST_SLOPE: f64 = 0.2;
+/// How much farther than it reaches beyond the mesh a free form is drawn in: neighbours that are not hold it back.
+const MORE: f64 = 1.15;
 
 /// A side of a patch.
 #[derive(Debug, Clone, Copy)]
@@ -196,7 +198,7 @@ impl Sheet {
             let found: Vec<_> = block.par_iter().filter_map(near).collect();
             for (distance, triangle) in found {
                 for v in mesh.triangles[triangle] {
-                    more[v as usize] = more[v as usize].max(distance);
+                    more[v as usize] = more[v as usize].max(MORE * distance);
                 }
             }
         }

@@ -18,7 +18,6 @@ mod measure;
 mod own;
 mod params;
 mod ring;
-mod twist;
 pub mod walls;
 
 #[cfg(test)]

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use super::boundary::{Boundary, Section, Spot, components};
 
-use super::{ElectrodeError, ElectrodeFace, twist};
-use crate::channel::{Channel, Flow, Line};
+use super::{ElectrodeError, ElectrodeFace};
+use crate::channel::{Flow, Line};
 use geometry::inside::guarded_distance;
 use task::Cancel;
 
@@ -31,8 +31,6 @@ const MOST_ROUNDS: usize = 40;
 /// How far a vertex gives way at most, along the line across the passage and along theta (mm): what is not free by then
 /// does not get free in this way.
 const MOST_WAY: f64 = 1.0;
-/// Times that rings are put between those whose faces are twisted, at most.
-const MOST_DIVISIONS: usize = 3;
 /// Both parts of a direction across the passage are less than this where it is along the passage.
 const ALONG: f64 = 0.5;
 
@@ -59,14 +57,6 @@ impl Ring {
     /// Point `k` in W.
     pub(super) fn point(&self, k: usize) -> DVec3 {
         self.line.point(self.points[k].height, self.points[k].theta)
-    }
-
-    /// The ring at a share of the way to `other`.
-    pub(super) fn between(&self, other: &Self, share: f64, channel: &Channel) -> Self {
-        let mix = |a: f64, b: f64| a + share * (b - a);
-        let pairs = self.points.iter().zip(&other.points);
-        let points = pairs.map(|(a, b)| Spot { height: mix(a.height, b.height), theta: mix(a.theta, b.theta) });
-        Self { line: channel.line_at(mix(self.line.along, other.line.along)), points: points.collect() }
     }
 }
 
@@ -140,7 +130,7 @@ impl<'a> Finisher<'a> {
         Self { boundary, layout: Layout { rows, columns } }
     }
 
-    /// The rings of `sections`, in their order, and further ones between those whose faces would be twisted.
+    /// The rings of `sections`, in their order.
     pub(super) fn rings(
         &self,
         sections: &[&Section],
@@ -159,11 +149,6 @@ impl<'a> Finisher<'a> {
         // Without fillets nothing is in the way of turning back but facets.
         let turns = if fillets.contains(&true) { reduction.turns } else { [0.0; 2] };
         self.relax(&mut rings, turns, cancel)?;
-        for _ in 0..MOST_DIVISIONS {
-            let Some(divided) = twist::divided(&rings, self.layout, self.boundary.channel) else { break };
-            rings = divided;
-            self.relax(&mut rings, turns, cancel)?;
-        }
         Ok(rings)
     }
 
