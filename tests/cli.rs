@@ -178,6 +178,19 @@ fn the_job_file_of_a_plan_has_its_files_and_figures() {
     std::fs::remove_file(&own).unwrap();
     assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
     assert!(text(&refused.stderr).contains("required values are missing: material of E1"), "{}", text(&refused.stderr));
+    // The origin of the demonstration is that of its file: a ball there has no way to it.
+    let set_up = sparkpath(&["setup-sheet", &job_file, "--ball", "0,0,0,5", "--a-axis", "0,0", "--a-deg=0,-90"]);
+    let line = |what: &str| {
+        text(&set_up.stdout)
+            .lines()
+            .find(|l| l.contains(what))
+            .map(|l| l.split_whitespace().rev().take(3).collect::<Vec<_>>().concat())
+    };
+    assert_eq!(line("origin of the job from it").as_deref(), Some("0.00000.00000.0000"), "{}", text(&set_up.stderr));
+    assert!(line("ball 1 at A -90.0000").is_some(), "{}", text(&set_up.stdout));
+    let refused = sparkpath(&["setup-sheet", &job_file]);
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stdout));
+    assert!(text(&refused.stderr).contains("there is no datum"), "{}", text(&refused.stderr));
     // The path ends in the direction of its last two rows.
     let text = String::from_utf8(path_file).unwrap();
     let rows: Vec<Vec<f64>> =

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const NO_PROGRAMS: [(&str, &str); 3] =
     [("BlockFeed", "one F word"), ("Template", "a template"), ("FlankCheck", "what a check found")];
 /// Public functions that return text that is no program, and what it is.
-const NO_PROGRAM_TEXT: [(&str, &str); 18] = [
+const NO_PROGRAM_TEXT: [(&str, &str); 19] = [
     ("Pace::approach", "one F word"),
     ("write_path_csv", "a table of a path, whose file says so if it is not verified"),
     ("write_copying_csv", "a table of a path"),
@@ -19,6 +19,7 @@ const NO_PROGRAM_TEXT: [(&str, &str); 18] = [
     ("Template::name", "a name"),
     ("Template::of", "a burn sheet or a job sheet"),
     ("measuring_csv", "a table of points"),
+    ("setup_sheet", "places of datums"),
     ("BurnTable::csv", "a burn sheet"),
     ("BurnTable::json", "a burn sheet"),
     ("JobFile::json", "a table of a job, which names files of certified paths"),

@@ -24,16 +24,28 @@ pub(super) struct JobSheetArguments {
 
 /// Writes or prints the text. Where values are missing that the template requires, no file is written.
 pub(super) fn job_sheet(arguments: &JobSheetArguments) -> anyhow::Result<Answer> {
-    let is_read = |file: &Path| {
-        let out = arguments.out.as_ref().and_then(|out| out.canonicalize().ok());
-        out.is_some() && out == file.canonicalize().ok()
+    let read: Vec<&Path> =
+        [Some(&arguments.job), arguments.template.as_ref()].into_iter().flatten().map(|f| &**f).collect();
+    let sheet = || {
+        let sheet = arguments.template.as_deref().map_or_else(|| Ok(JobSheet::standard()), JobSheet::read)?;
+        Ok(sheet.of(&JobFile::read(&arguments.job)?)?)
     };
-    for file in [Some(&arguments.job), arguments.template.as_ref()].into_iter().flatten() {
-        anyhow::ensure!(!is_read(file), "--out {}: the sheet would replace what it is made from", file.display());
+    written(arguments.out.as_deref(), &read, sheet)
+}
+
+/// Writes a sheet to `out`, which must be none of the files that are `read` for it, or prints it.
+pub(super) fn written(
+    out: Option<&Path>,
+    read: &[&Path],
+    sheet: impl FnOnce() -> anyhow::Result<String>,
+) -> anyhow::Result<Answer> {
+    let place = out.and_then(|out| out.canonicalize().ok());
+    for file in read {
+        let is_out = place.is_some() && place == file.canonicalize().ok();
+        anyhow::ensure!(!is_out, "--out {}: the sheet would replace what it is made from", file.display());
     }
-    let sheet = arguments.template.as_deref().map_or_else(|| Ok(JobSheet::standard()), JobSheet::read)?;
-    let text = sheet.of(&JobFile::read(&arguments.job)?)?;
-    match &arguments.out {
+    let text = sheet()?;
+    match out {
         Some(out) => files::write_bytes(out, text.as_bytes())?,
         // The sheet ends its own lines.
         None => say!("{}", text.strip_suffix('\n').unwrap_or(&text)),

@@ -28,6 +28,7 @@ mod project;
 mod render;
 mod render_project;
 mod reproduce;
+mod setup_sheet;
 mod simulate;
 mod size;
 mod technology;
@@ -159,6 +160,9 @@ enum Command {
     JobSchema,
     /// Text of any form made of a job file through a template: a job sheet.
     JobSheet(job_sheet::JobSheetArguments),
+    /// Where a job lies from the balls and corners that a machine touches, what a ball must read once A is turned, and where
+    /// the electrodes are measured on their holders.
+    SetupSheet(setup_sheet::SetUpSheetArguments),
     /// Prints and checks a technology table: source, basis, steps, and the figures that are missing.
     Technology {
         /// A technology table (TOML) [default: the built-in one].
@@ -271,11 +275,16 @@ fn mm(text: &str, limits: [f64; 2]) -> Result<f64, String> {
     number.ok_or_else(|| format!("expected a length in mm from {least} to {most}, as in 0.05"))
 }
 
+/// `N` numbers with commas between.
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let number = |part: &str| part.trim().parse::<f64>().ok().filter(|n| n.is_finite());
+    let all: Option<Vec<f64>> = text.split(',').map(number).collect();
+    all.and_then(|all| all.try_into().ok())
+        .ok_or_else(|| format!("expected {N} numbers with commas between, as in 10,-4.5"))
+}
+
 fn setting(text: &str) -> Result<SettingErrors, String> {
-    let values: Vec<f64> = text.split(',').map_while(|part| part.trim().parse().ok()).collect();
-    let &[x_mm, y_mm, z_mm, a_deg, b_deg, c_deg] = values.as_slice() else {
-        return Err("six numbers with commas between, as in 0.005,0.005,0.005,0.002,0.002,0.002".to_owned());
-    };
+    let [x_mm, y_mm, z_mm, a_deg, b_deg, c_deg] = numbers(text)?;
     let errors = SettingErrors { x_mm, y_mm, z_mm, a_deg, b_deg, c_deg };
     errors.validate().map(|()| errors).map_err(|e| e.to_string())
 }
@@ -455,6 +464,7 @@ fn dispatch(arguments: &Arguments, session: &Session) -> anyhow::Result<Answer> 
             Ok(Answer::Yes)
         }
         Command::JobSheet(arguments) => job_sheet::job_sheet(arguments),
+        Command::SetupSheet(arguments) => setup_sheet::set_up_sheet(arguments),
         Command::Technology { table } => technology::technology(table.as_deref(), session),
     }
 }

@@ -91,9 +91,7 @@ fn opening(text: &str) -> Result<GivenOpening, String> {
 }
 
 fn place(text: &str) -> Result<DVec3, String> {
-    let parts: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
-    let place = parts.and_then(|parts| <[f64; 3]>::try_from(parts).ok());
-    place.map(DVec3::from).ok_or_else(|| "expected three lengths in mm, as in 10,-4.5,0".to_owned())
+    super::numbers(text).map(DVec3::from)
 }
 
 #[derive(Debug, Args)]

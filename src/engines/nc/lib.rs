@@ -20,5 +20,6 @@ pub mod measuring_points;
 pub mod path_csv;
 pub mod post;
 pub mod program;
+pub mod setup_sheet;
 pub mod step_files;
 pub mod template;

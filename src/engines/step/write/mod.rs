@@ -387,7 +387,8 @@ fn drawn_in(
             let report = report(&brep, part, shells.len(), &measures);
             best = Some((outside, farthest.map_or(measures.at, |(_, p)| *p), StepFile { bytes, report }));
         }
-        if outside <= most_outside.min(chord) || !sheet.draw_in(&measures.beyond, task)? {
+        // Nothing is measured finely enough where next to nothing is to spare.
+        if most_outside < 0.0 || outside <= most_outside.min(chord) || !sheet.draw_in(&measures.beyond, task)? {
             break;
         }
     }
