@@ -178,16 +178,21 @@ fn the_job_file_of_a_plan_has_its_files_and_figures() {
     std::fs::remove_file(&own).unwrap();
     assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stderr));
     assert!(text(&refused.stderr).contains("required values are missing: material of E1"), "{}", text(&refused.stderr));
-    // The origin of the demonstration is that of its file: a ball there has no way to it.
-    let set_up = sparkpath(&["setup-sheet", &job_file, "--ball", "0,0,0,5", "--a-axis", "0,0", "--a-deg=0,-90"]);
-    let line = |what: &str| {
-        text(&set_up.stdout)
-            .lines()
-            .find(|l| l.contains(what))
-            .map(|l| l.split_whitespace().rev().take(3).collect::<Vec<_>>().concat())
+    // A table turns against A.
+    let balls = ["--ball", "30,7,6,4", "--ball", "0,0,0,5", "--a-axis", "0,-10", "--a-deg", "0,90"];
+    let set_up = sparkpath(&[&["setup-sheet", &job_file], &balls[..]].concat());
+    let numbers = |what: &str| -> Vec<f64> {
+        let line = text(&set_up.stdout).lines().find_map(|l| l.trim_start().strip_prefix(what));
+        let line = line.unwrap_or_else(|| panic!("{what}: {}", text(&set_up.stderr)));
+        line.split_whitespace().map(|word| word.parse().unwrap()).collect()
     };
-    assert_eq!(line("origin of the job from it").as_deref(), Some("0.00000.00000.0000"), "{}", text(&set_up.stderr));
-    assert!(line("ball 1 at A -90.0000").is_some(), "{}", text(&set_up.stdout));
+    let [x, y, z] = numbers("in the axes of the job")[..] else { panic!("no place") };
+    let turned = numbers("ball 1 at A 90.0000");
+    assert!(turned.iter().zip([x, z + 10.0, -10.0 - y]).all(|(a, b)| (a - b).abs() < 2e-4), "{turned:?}");
+    let alone = sparkpath(&["setup-sheet", &job_file, "--ball", "0,0,0,5", "--a-deg", "0,20"]);
+    assert_eq!(alone.status.code(), Some(2), "{}", text(&alone.stdout));
+    let over = sparkpath(&["setup-sheet", &job_file, "--ball", "0,0,0,5", "--out", &job_file]);
+    assert!(text(&over.stderr).contains("would replace"), "{}", text(&over.stderr));
     let refused = sparkpath(&["setup-sheet", &job_file]);
     assert_eq!(refused.status.code(), Some(2), "{}", text(&refused.stdout));
     assert!(text(&refused.stderr).contains("there is no datum"), "{}", text(&refused.stderr));

@@ -277,10 +277,11 @@ fn mm(text: &str, limits: [f64; 2]) -> Result<f64, String> {
 
 /// `N` numbers with commas between.
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let example = || ["10", "-4.5", "0", "5", "0", "0"].iter().cycle().take(N).copied().collect::<Vec<_>>().join(",");
     let number = |part: &str| part.trim().parse::<f64>().ok().filter(|n| n.is_finite());
     let all: Option<Vec<f64>> = text.split(',').map(number).collect();
     all.and_then(|all| all.try_into().ok())
-        .ok_or_else(|| format!("expected {N} numbers with commas between, as in 10,-4.5"))
+        .ok_or_else(|| format!("expected {N} numbers with commas between, as in {}", example()))
 }
 
 fn setting(text: &str) -> Result<SettingErrors, String> {

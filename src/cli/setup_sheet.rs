@@ -28,8 +28,9 @@ pub(super) struct SetUpSheetArguments {
     /// Y and Z of the axis of A, parallel to X, in the axes of the job (mm): the balls are told at both angles of A.
     #[arg(long, value_name = "Y,Z", allow_hyphen_values = true, value_parser = |text: &str| numbers::<2>(text))]
     a_axis: Option<[f64; 2]>,
-    /// The two angles of A (degrees).
-    #[arg(long, value_name = "A,B", allow_hyphen_values = true, default_value = "0,30", requires = "a_axis", value_parser = |text: &str| numbers::<2>(text))]
+    /// The two angles of A (degrees) as in the NC programs: of the electrode against the workpiece, so that a table turns the
+    /// other way.
+    #[arg(long, value_name = "FIRST,SECOND", allow_hyphen_values = true, default_value = "0,30", requires = "a_axis", value_parser = |text: &str| numbers::<2>(text))]
     a_deg: [f64; 2],
     /// File of the sheet [default: standard output].
     #[arg(long, value_name = "FILE")]

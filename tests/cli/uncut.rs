@@ -156,7 +156,7 @@ fn wrong_questions_are_answered_in_one_line() {
         (["--cutters", "cone:1"], "is no cutter"),
         (["--opening", "up"], "expected +x"),
         (["--opening", "0,0,0"], "or auto"),
-        (["--datum", "1,2"], "expected three lengths"),
+        (["--datum", "1,2"], "expected 3 numbers"),
         (["--datum-angle", "400"], "datum.angle_deg is 400"),
         (["--tolerance", "-1"], "expected a length in mm from 0.0001 to 10"),
         (["--tolerance", "abc"], "expected a length in mm from 0.0001 to 10"),

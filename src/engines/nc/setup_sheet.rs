@@ -25,7 +25,7 @@ pub struct Datum {
 pub struct TableCheck {
     /// Y and Z of the axis of A, which is parallel to X, in the axes of the job (mm).
     pub a_axis: DVec2,
-    /// The two angles of A (rad).
+    /// The two angles of A as programs have them (rad): right-handed about X, of the electrode against the workpiece.
     pub angles: [f64; 2],
 }
 
@@ -76,30 +76,26 @@ pub enum SetUpError {
 /// # Errors
 /// Every [`SetUpError`].
 pub fn setup_sheet(job: &JobFile, setup: &SetUp) -> Result<String, SetUpError> {
-    check(setup)?;
+    check(job, setup)?;
     let workpiece = &job.workpiece;
     let to_job = axes(job)?;
     let mut text = format!("SET-UP SHEET  {}\nAxes: {}. mm and degrees.\n", workpiece.name, workpiece.axes);
     let origin = DVec3::from(workpiece.origin_mm);
     let places: Vec<DVec3> = setup.datums.iter().map(|datum| to_job * (datum.place - origin)).collect();
     for (k, (datum, place)) in setup.datums.iter().zip(&places).enumerate() {
-        let kind =
-            datum.radius.map_or_else(|| "corner".to_owned(), |radius| format!("ball of radius {radius:.4}, centre"));
-        let _ = writeln!(text, "\nDatum {}: {kind}", k + 1);
+        let radius = datum.radius.map(|radius| format!(", radius {radius:.4}")).unwrap_or_default();
+        let kind = if datum.radius.is_some() { "ball" } else { "corner" };
+        let _ = writeln!(text, "\n{:<28}{:>12}{:>12}{:>12}", format!("Datum {}: {kind}{radius}", k + 1), "X", "Y", "Z");
         line(&mut text, "in the workpiece's file", datum.place);
         line(&mut text, "in the axes of the job", *place);
         if let Some(radius) = datum.radius {
-            line(&mut text, "touched from above", *place + DVec3::Z * radius);
+            line(&mut text, "its top along Z", *place + DVec3::Z * radius);
         }
         line(&mut text, "origin of the job from it", -*place);
         if let Some(step) = setup.round {
             let rounded = (*place / step).round() * step;
             line(&mut text, "the same, rounded", -rounded);
-            let [x, y, z] = (rounded - *place).to_array();
-            let _ = writeln!(
-                text,
-                "  Rounding moves the workpiece by {x:+.4} {y:+.4} {z:+.4} against the electrode: part of the setting errors."
-            );
+            line(&mut text, "which moves the workpiece", rounded - *place);
         }
     }
     if let Some(table) = setup.check {
@@ -116,8 +112,13 @@ pub fn setup_sheet(job: &JobFile, setup: &SetUp) -> Result<String, SetUpError> {
 /// Balls of the table at both angles.
 fn check_of_table(text: &mut String, setup: &SetUp, places: &[DVec3], table: TableCheck) {
     let DVec2 { x: y, y: z } = table.a_axis;
-    let _ =
-        writeln!(text, "\nCheck of the table, whose A turns about the line parallel to X through Y {y:.4}, Z {z:.4}");
+    let _ = writeln!(
+        text,
+        "\nCheck of the table, which turns against A of the programs about the line parallel to X through Y {y:.4}, Z {z:.4}"
+    );
+    if setup.round.is_some() {
+        text.push_str("Values that are not rounded:\n");
+    }
     for (k, (_, place)) in setup.datums.iter().zip(places).enumerate().filter(|(_, (datum, _))| datum.radius.is_some())
     {
         let turned = table.angles.map(|angle| turned_about_a(*place, table.a_axis, angle));
@@ -128,28 +129,36 @@ fn check_of_table(text: &mut String, setup: &SetUp, places: &[DVec3], table: Tab
     }
 }
 
-/// `place` once A has turned by `angle` (rad) from 0 about the line parallel to X through `axis`.
+/// `place` on the table once A has turned by `angle` (rad) from 0 about the line parallel to X through `axis`. A is the turn of
+/// the electrode against the workpiece, so that a table turns the other way.
 fn turned_about_a(place: DVec3, axis: DVec2, angle: f64) -> DVec3 {
     let on_axis = DVec3::new(0.0, axis.x, axis.y);
-    on_axis + DMat3::from_rotation_x(angle) * (place - on_axis)
+    on_axis + DMat3::from_rotation_x(-angle) * (place - on_axis)
 }
 
 fn points(text: &mut String, points: &[MeasuringPoint]) {
     if points.is_empty() {
-        let _ = writeln!(text, "  no place where a ball has room");
+        text.push_str("  no place where a ball has room\n");
+        return;
     }
+    let heads = ["X", "Y", "Z"].map(|head| format!("{head:>12}")).concat();
+    let _ = writeln!(text, "  {:<26}{heads}{:>10}{:>10}{:>10}{:>13}", "surface", "NX", "NY", "NZ", "ball radius");
     for point in points {
-        let place = point.point_mm.map(|v| format!("{v:>12.4}")).concat();
-        let normal = point.normal.map(|v| format!("{v:>10.5}")).concat();
-        let _ = writeln!(text, "  {:<26}{place}{normal}  ball {:.2}", point.surface, point.ball_radius_mm);
+        let place = point.point_mm.map(|v| format!("{:>12.4}", shown(v))).concat();
+        let normal = point.normal.map(|v| format!("{:>10.4}", shown(v))).concat();
+        let _ = writeln!(text, "  {:<26}{place}{normal}{:>13.2}", point.surface, point.ball_radius_mm);
     }
 }
 
 /// A line of a place.
 fn line(text: &mut String, what: &str, place: DVec3) {
-    // No minus zero.
-    let [x, y, z] = place.to_array().map(|v| (v * 1e4).round() / 1e4 + 0.0);
+    let [x, y, z] = place.to_array().map(shown);
     let _ = writeln!(text, "  {what:<26}{x:>12.4}{y:>12.4}{z:>12.4}");
+}
+
+/// A number to four decimals, never minus zero.
+fn shown(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4 + 0.0
 }
 
 /// Rotation from the coordinates of the workpiece's file to the axes of the job.
@@ -164,29 +173,31 @@ fn axes(job: &JobFile) -> Result<DMat3, SetUpError> {
     }
 }
 
-fn check(setup: &SetUp) -> Result<(), SetUpError> {
+fn check(job: &JobFile, setup: &SetUp) -> Result<(), SetUpError> {
     let within = |what, value: f64, range, is_within: bool| {
         if is_within && value.is_finite() { Ok(()) } else { Err(SetUpError::Range { what, value, range }) }
     };
     if setup.datums.is_empty() {
         return Err(SetUpError::NoDatum);
     }
-    let of_place = |what, value: f64| within(what, value, "a length up to 1e6 mm", value.abs() <= 1e6);
+    let of_place = |what, value: f64| within(what, value, "from -1e6 to 1e6 mm", value.abs() <= 1e6);
+    job.workpiece.origin_mm.into_iter().try_for_each(|v| of_place("a coordinate of the origin of the job", v))?;
     for datum in &setup.datums {
         datum.place.to_array().into_iter().try_for_each(|v| of_place("a coordinate of a datum", v))?;
         let radius =
             |r: f64| within("the radius of a ball", r, "greater than 0 and at most 1000 mm", r > 0.0 && r <= 1e3);
         datum.radius.map_or(Ok(()), radius)?;
     }
-    let step = |s: f64| within("the step of rounding", s, "greater than 0 and at most 10 mm", s > 0.0 && s <= 10.0);
+    let step = |s: f64| within("the step of rounding", s, "from 0.0001 to 10 mm", (1e-4..=10.0).contains(&s));
     setup.round.map_or(Ok(()), step)?;
     let Some(table) = setup.check else { return Ok(()) };
     if setup.datums.iter().all(|datum| datum.radius.is_none()) {
         return Err(SetUpError::NoBall);
     }
     table.a_axis.to_array().into_iter().try_for_each(|v| of_place("a coordinate of the axis of A", v))?;
-    let turn = std::f64::consts::TAU;
-    let angle = |a: f64| within("an angle of A (rad)", a, "within one turn", a.abs() <= turn);
+    let angle = |angle: f64| {
+        within("an angle of A (degrees)", angle.to_degrees(), "from -360 to 360", angle.abs() <= std::f64::consts::TAU)
+    };
     table.angles.into_iter().try_for_each(angle)
 }
 
@@ -220,7 +231,7 @@ mod tests {
         let setup = SetUp { datums: vec![ball([30.0, 7.0, 6.0])], ..SetUp::default() };
         let sheet = setup_sheet(&job(), &setup).unwrap();
         assert_eq!(numbers(&sheet, "in the axes of the job"), [7.0, -20.0, 1.0]);
-        assert_eq!(numbers(&sheet, "touched from above"), [7.0, -20.0, 5.0]);
+        assert_eq!(numbers(&sheet, "its top along Z"), [7.0, -20.0, 5.0]);
         assert_eq!(numbers(&sheet, "origin of the job from it"), [-7.0, 20.0, -1.0]);
         assert!(!sheet.contains("rounded") && !sheet.contains("Check of the table"));
     }
@@ -231,19 +242,19 @@ mod tests {
         let setup = SetUp { datums: vec![corner], round: Some(0.01), check: None };
         let sheet = setup_sheet(&job(), &setup).unwrap();
         assert_eq!(numbers(&sheet, "the same, rounded"), [-3.0, 0.01, 0.0]);
-        assert!(sheet.contains("by +0.0000 +0.0024 +0.0000 against"), "{sheet}");
-        assert!(!sheet.contains("touched from above"), "a corner has no radius");
+        assert_eq!(numbers(&sheet, "which moves the workpiece"), [0.0, 0.0024, 0.0]);
+        assert!(!sheet.contains("its top along Z"), "a corner has no radius");
     }
 
-    /// About the axis through Y 0, Z -10 a quarter turn takes (Y, Z) = (-20, 1) to (-11, -30).
+    /// About the axis through Y 0, Z -10 a quarter turn of A takes the table with (Y, Z) = (-20, 1) to (11, 10).
     #[test]
     fn a_ball_on_a_tilted_table_is_where_the_turn_takes_it() {
         let check = TableCheck { a_axis: DVec2::new(0.0, -10.0), angles: [0.0, 0.25 * std::f64::consts::TAU] };
         let setup = SetUp { datums: vec![ball([30.0, 7.0, 6.0])], round: None, check: Some(check) };
         let sheet = setup_sheet(&job(), &setup).unwrap();
         assert_eq!(numbers(&sheet, "ball 1 at A 0.0000"), [7.0, -20.0, 1.0]);
-        assert_eq!(numbers(&sheet, "ball 1 at A 90.0000"), [7.0, -11.0, -30.0]);
-        assert_eq!(numbers(&sheet, "the second less the first"), [0.0, 9.0, -31.0]);
+        assert_eq!(numbers(&sheet, "ball 1 at A 90.0000"), [7.0, 11.0, 10.0]);
+        assert_eq!(numbers(&sheet, "the second less the first"), [0.0, 31.0, 9.0]);
     }
 
     #[test]
@@ -252,7 +263,9 @@ mod tests {
         let sheet = setup_sheet(&job, &SetUp { datums: vec![ball([0.0; 3])], ..SetUp::default() }).unwrap();
         let points: usize = job.electrodes.iter().map(|e| e.inspection_points.len()).sum();
         assert!(points > 0);
-        assert_eq!(sheet.lines().filter(|line| line.contains("  ball ")).count(), points);
+        let listed =
+            |line: &&str| line.split_whitespace().rev().map_while(|word| word.parse::<f64>().ok()).count() == 7;
+        assert_eq!(sheet.lines().filter(listed).count(), points);
     }
 
     #[test]
@@ -266,7 +279,7 @@ mod tests {
         assert!(is_range(with(ball([0.0; 3]), None, Some(check))));
         assert!(is_range(with(ball([f64::INFINITY, 0.0, 0.0]), None, None)));
         assert!(is_range(with(Datum { radius: Some(0.0), ..corner }, None, None)));
-        assert!(is_range(with(corner, Some(-0.01), None)));
+        assert!(is_range(with(corner, Some(-0.01), None)) && is_range(with(corner, Some(1e-310), None)));
         let mut leaning = job();
         leaning.workpiece.z_axis = [0.0, 0.1, 1.0];
         let setup = SetUp { datums: vec![corner], ..SetUp::default() };

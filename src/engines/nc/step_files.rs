@@ -84,11 +84,12 @@ fn report_words(report: &StepReport) -> String {
     let kinds: Vec<String> =
         kinds.into_iter().filter(|(count, _)| *count > 0).map(|(count, kind)| format!("{count} {kind}")).collect();
     format!(
-        "{} faces ({}), {:.4} mm off the mesh that was checked, no more than {:.4} mm beyond it",
+        "{} faces ({}), no more than {:.4} mm beyond the mesh that was checked, and {:.4} mm inside of it, where that much \
+         less is burnt",
         report.faces(),
         kinds.join(", "),
-        report.deviation_mm(),
-        beyond(report)
+        beyond(report),
+        report.inside_mm
     )
 }
 
@@ -146,7 +147,8 @@ mod tests {
         let flat = tried(&prism(6), 1e-6);
         assert_eq!(
             step_words(&flat),
-            "STEP: 8 faces (8 planes), 0.0000 mm off the mesh that was checked, no more than 0.0000 mm beyond it."
+            "STEP: 8 faces (8 planes), no more than 0.0000 mm beyond the mesh that was checked, and 0.0000 mm inside of it, where \
+             that much less is burnt."
         );
     }
 

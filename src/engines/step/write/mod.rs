@@ -190,6 +190,16 @@ pub enum StepWriteError {
     /// A tolerance that is no length.
     #[error("the tolerance of a STEP file must be greater than 0 mm, it is {0}; take a tenth of the spark gap")]
     Tolerance(f64),
+    /// Less to spare beyond the mesh than can be measured.
+    #[error(
+        "{to_spare:.4} mm are to spare beyond the mesh that was checked, and less than {least} mm is not measured; leave more clearance, or take the mesh"
+    )]
+    ToSpare {
+        /// What there is to spare (mm).
+        to_spare: f64,
+        /// The least that is measured (mm).
+        least: f64,
+    },
     /// No triangles, or coordinates that are no numbers.
     #[error("the mesh has no triangles, or coordinates that are no numbers, so that it cannot become a STEP solid")]
     Unusable,
@@ -294,11 +304,11 @@ const CHORD: f64 = 0.2;
 const FINE_CHORD: f64 = 0.1;
 /// Tolerances by which a file whose faces are found may leave the mesh at any place.
 const MOST_DEVIATION: f64 = 2.0;
-/// Distance by which a file whose faces are known may lie inside of the mesh where that is twisted between its vertices
-/// (mm): it burns that much less there, and its report says so.
+/// Distance by which a file whose faces are known may lie inside of the mesh (mm), as it does where that is twisted between
+/// its vertices: it burns that much less there, and its report says so.
 const MOST_INSIDE: f64 = 0.15;
-/// Share of what there is to spare beyond the mesh that is left to the triangles that such a file is measured by, and
-/// their least distance from its faces (mm).
+/// Share of what there is to spare beyond the mesh that the triangles by which such a file is measured may leave its faces
+/// by, and the least distance that they are given (mm).
 const CHORD_TO_SPARE: f64 = 0.5;
 const LEAST_CHORD: f64 = 1e-4;
 /// Times that known faces are drawn in where they reach beyond the mesh.
@@ -348,28 +358,29 @@ pub fn write_step(part: &StepPart, settings: &StepSettings, task: &Task) -> Resu
 /// Writes a part whose faces are known, which stay inside of the mesh.
 fn of_patches(part: &StepPart, settings: &StepSettings, task: &Task) -> Result<StepFile, StepWriteError> {
     let sheet = patches::Sheet::of(part)?;
-    let mut refusal = StepWriteError::Unusable;
+    let mut refusal = None;
     for fit in FITS {
         match drawn_in(part, settings, (sheet.clone(), fit * settings.tolerance), task) {
-            Err(error) if !matches!(error, StepWriteError::Cancelled(_)) => refusal = error,
-            answer => return answer,
+            Err(StepWriteError::Cancelled(cancelled)) => return Err(cancelled.into()),
+            // What is said of the closest fit says most.
+            Err(error) => drop(refusal.get_or_insert(error)),
+            Ok(file) => return Ok(file),
         }
     }
-    Err(refusal)
+    Err(refusal.unwrap_or(StepWriteError::Unusable))
 }
 
-/// Writes a part with the faces of a sheet, fitted within `fit` (mm), drawn in until they stay inside of the mesh.
+/// Writes a part with the faces of a sheet, fitted within `fit` (mm), drawn in until they reach beyond the mesh by no more
+/// than there is to spare.
 fn drawn_in(
     part: &StepPart,
     settings: &StepSettings,
     (mut sheet, fit): (patches::Sheet, f64),
     task: &Task,
 ) -> Result<StepFile, StepWriteError> {
-    let tolerance = settings.tolerance;
-    let chord = (FINE_CHORD * tolerance).min(CHORD_TO_SPARE * settings.to_spare).max(LEAST_CHORD);
+    let chord = (FINE_CHORD * settings.tolerance).min(CHORD_TO_SPARE * settings.to_spare).max(LEAST_CHORD);
     let limits = Limits { chord, deviation: MOST_INSIDE };
-    let most_outside = settings.to_spare - chord;
-    let mut best: Option<(f64, DVec3, StepFile)> = None;
+    let mut least: Option<(f64, DVec3)> = None;
     for round in 0..=DRAWN_IN {
         task.report("faces", f64::from(round) / f64::from(DRAWN_IN), "");
         let brep = sheet.brep(fit, task)?;
@@ -377,26 +388,27 @@ fn drawn_in(
         let bytes = file::file(part, settings, &brep, &shells)?;
         let measures = match check::check(&bytes, part.mesh, shells.len(), limits, task) {
             Ok(measures) => measures,
-            // An earlier one may do.
-            Err(error) if best.is_none() || matches!(error, StepWriteError::Cancelled(_)) => return Err(error),
+            // Drawn in farther than the file bears: what was missing before that says why.
+            Err(error) if least.is_none() || matches!(error, StepWriteError::Cancelled(_)) => return Err(error),
             Err(_) => break,
         };
         let outside = measures.file_to_mesh[0];
-        if best.as_ref().is_none_or(|(least, ..)| outside < *least) {
-            let farthest = measures.beyond.iter().max_by(|a, b| a.0.total_cmp(&b.0));
-            let report = report(&brep, part, shells.len(), &measures);
-            best = Some((outside, farthest.map_or(measures.at, |(_, p)| *p), StepFile { bytes, report }));
+        if outside + measures.unsure <= settings.to_spare {
+            return Ok(StepFile { bytes, report: report(&brep, part, shells.len(), &measures) });
         }
-        // Nothing is measured finely enough where next to nothing is to spare.
-        if most_outside < 0.0 || outside <= most_outside.min(chord) || !sheet.draw_in(&measures.beyond, task)? {
+        if measures.unsure > settings.to_spare {
+            return Err(StepWriteError::ToSpare { to_spare: settings.to_spare, least: LEAST_CHORD });
+        }
+        if least.is_none_or(|(before, _)| outside < before) {
+            let farthest = measures.beyond.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+            least = Some((outside, farthest.map_or(measures.at, |(_, p)| *p)));
+        }
+        if !sheet.draw_in(&measures.beyond, task)? {
             break;
         }
     }
-    match best {
-        Some((outside, _, file)) if outside <= most_outside => Ok(file),
-        Some((distance, at, _)) => Err(StepWriteError::Deviation { at, distance, most: most_outside.max(0.0) }),
-        None => Err(StepWriteError::Unusable),
-    }
+    let (distance, at) = least.ok_or(StepWriteError::Unusable)?;
+    Err(StepWriteError::Deviation { at, distance, most: settings.to_spare - chord })
 }
 
 fn report(brep: &Brep, part: &StepPart, solids: usize, measures: &Measures) -> StepReport {

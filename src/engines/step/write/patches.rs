@@ -229,10 +229,11 @@ impl Sheet {
                 held.extend(left.try_normalize().filter(|_| left.length() > LEAST_SLOPE));
             }
             let along = free.iter().map(|n| held.iter().fold(*n, |n, h| n.reject_from_normalized(*h)));
-            let steep = along.filter(|n| n.length() > LEAST_SLOPE);
+            let steep: Vec<DVec3> = along.filter(|n| n.length() > LEAST_SLOPE).collect();
             let way = self.drawn_in[v as usize];
-            // At a sharp edge the place that meets both sides is far away.
-            let step = least_step(steep.map(|n| (way, n))).clamp_length_max(way);
+            // Along planes the way to the face is longer; at a sharp edge the place that meets both its sides is too far away.
+            let most = steep.iter().map(|n| way / n.length()).fold(0.0, f64::max);
+            let step = least_step(steep.iter().map(|&n| (way, n))).clamp_length_max(most);
             self.points[v as usize] = p - held.iter().fold(step, |step, h| step.reject_from_normalized(*h));
         }
     }
