@@ -181,8 +181,9 @@ fn the_job_file_of_a_plan_has_its_files_and_figures() {
     // A table turns against A.
     let balls = ["--ball", "30,7,6,4", "--ball", "0,0,0,5", "--a-axis", "0,-10", "--a-deg", "0,90"];
     let set_up = sparkpath(&[&["setup-sheet", &job_file], &balls[..]].concat());
+    let sheet = text(&set_up.stdout);
     let numbers = |what: &str| -> Vec<f64> {
-        let line = text(&set_up.stdout).lines().find_map(|l| l.trim_start().strip_prefix(what));
+        let line = sheet.lines().find_map(|l| l.trim_start().strip_prefix(what));
         let line = line.unwrap_or_else(|| panic!("{what}: {}", text(&set_up.stderr)));
         line.split_whitespace().map(|word| word.parse().unwrap()).collect()
     };
