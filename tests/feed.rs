@@ -149,7 +149,7 @@ fn one_whole_plan_is_finished_and_written() {
     files::a_folder_holds_the_programs_of_the_last_plan_only();
     files::what_cannot_be_replaced_is_named_and_no_program_lies_beside_it();
     files::a_plan_that_is_stopped_at_its_pictures_is_written_without_them_and_without_a_program();
-    files::an_electrode_that_would_lose_its_clearance_as_step_is_refused();
+    files::an_electrode_keeps_its_clearance_as_step();
     files::a_preset_is_made_up_for_by_path_and_program();
 }
 

@@ -29,7 +29,14 @@ pub fn written_step(part: &StepPart, to_spare: f64, task: &Task) -> Result<Writt
         .map(|&tolerance| write_step(part, &StepSettings { tolerance, to_spare, ..Default::default() }, task));
     let Some(mut made) = tried.next() else { return Ok(Err("there is no tolerance to try".to_owned())) };
     while let Err(error) = &made {
-        if matches!(error, StepWriteError::Cancelled(_) | StepWriteError::Deviation { .. }) {
+        let is_final = matches!(
+            error,
+            StepWriteError::Cancelled(_)
+                | StepWriteError::Deviation { .. }
+                | StepWriteError::Beyond { .. }
+                | StepWriteError::ToSpare { .. }
+        );
+        if is_final {
             break;
         }
         let Some(next) = tried.next() else { break };

@@ -190,6 +190,16 @@ pub enum StepWriteError {
     /// A tolerance that is no length.
     #[error("the tolerance of a STEP file must be greater than 0 mm, it is {0}; take a tenth of the spark gap")]
     Tolerance(f64),
+    /// Faces that cannot be drawn in far enough.
+    #[error("its faces may reach {distance:.4} mm beyond the mesh that was checked at ({:.2}, {:.2}, {:.2}) mm, and {to_spare:.4} mm are to spare; a usual cause is triangles that are twisted beside a fillet; leave more clearance, or take the mesh", at.x, at.y, at.z)]
+    Beyond {
+        /// Place (mm).
+        at: DVec3,
+        /// How far they may reach (mm).
+        distance: f64,
+        /// What there is to spare (mm).
+        to_spare: f64,
+    },
     /// Less to spare beyond the mesh than can be measured.
     #[error(
         "{to_spare:.4} mm are to spare beyond the mesh that was checked, and less than {least} mm is not measured; leave more clearance, or take the mesh"
@@ -408,7 +418,7 @@ fn drawn_in(
         }
     }
     let (distance, at) = least.ok_or(StepWriteError::Unusable)?;
-    Err(StepWriteError::Deviation { at, distance, most: settings.to_spare - chord })
+    Err(StepWriteError::Beyond { at, distance: distance + chord, to_spare: settings.to_spare })
 }
 
 fn report(brep: &Brep, part: &StepPart, solids: usize, measures: &Measures) -> StepReport {
