@@ -29,7 +29,7 @@ pub struct TableCheck {
     pub angles: [f64; 2],
 }
 
-/// What a set-up sheet is made for.
+/// Settings of a set-up sheet.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SetUp {
     /// The datums, in their order.
@@ -43,7 +43,7 @@ pub struct SetUp {
 /// Reason why there is no set-up sheet.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SetUpError {
-    /// Nothing to touch.
+    /// No datum is given.
     #[error(
         "there is no datum: give the centre and radius of a ball, or a corner, in the coordinates of the workpiece's file"
     )]
@@ -56,9 +56,9 @@ pub enum SetUpError {
     Range {
         /// The quantity.
         what: &'static str,
-        /// Its value.
+        /// Value of the quantity.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         range: &'static str,
     },
     /// Axes that are not perpendicular unit vectors.

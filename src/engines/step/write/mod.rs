@@ -197,7 +197,7 @@ pub enum StepWriteError {
         at: DVec3,
         /// How far they may reach (mm).
         distance: f64,
-        /// What there is to spare (mm).
+        /// Room beyond the mesh (mm).
         to_spare: f64,
     },
     /// Less to spare beyond the mesh than can be measured.
@@ -205,7 +205,7 @@ pub enum StepWriteError {
         "{to_spare:.4} mm are to spare beyond the mesh that was checked, and less than {least} mm is not measured; leave more clearance, or take the mesh"
     )]
     ToSpare {
-        /// What there is to spare (mm).
+        /// Room beyond the mesh (mm).
         to_spare: f64,
         /// The least that is measured (mm).
         least: f64,
@@ -372,8 +372,8 @@ fn of_patches(part: &StepPart, settings: &StepSettings, task: &Task) -> Result<S
     for fit in FITS {
         match drawn_in(part, settings, (sheet.clone(), fit * settings.tolerance), task) {
             Err(StepWriteError::Cancelled(cancelled)) => return Err(cancelled.into()),
-            // What is said of the closest fit says most.
-            Err(error) => drop(refusal.get_or_insert(error)),
+            // The closest fit tells the reason best.
+            Err(error) => refusal = refusal.or(Some(error)),
             Ok(file) => return Ok(file),
         }
     }
