@@ -20,6 +20,10 @@ pub struct Preset {
     pub c_deg: f64,
     /// Greatest error of the measurement along each axis (mm).
     pub uncertainty_mm: f64,
+    /// Way along X, Y and Z of W by which the electrode goes beyond the final pose of a new one, for the length that its front
+    /// has lost (mm).
+    #[serde(default)]
+    pub advance_mm: [f64; 3],
 }
 
 /// Greatest offset that is taken for a preset (mm), and greatest turn (degrees): more is a mistake, or another electrode.
@@ -29,7 +33,8 @@ impl Preset {
     /// Values of X, Y, Z (mm) and C (rad) that bring the electrode into its final pose, where a nominal electrode has all at 0.
     pub fn zero(&self) -> [f64; 4] {
         let c = -self.c_deg.to_radians();
-        let slide = -(DMat3::from_rotation_z(c) * DVec3::new(self.x_mm, self.y_mm, self.z_mm));
+        let advance = DVec3::from(self.advance_mm);
+        let slide = advance - DMat3::from_rotation_z(c) * DVec3::new(self.x_mm, self.y_mm, self.z_mm);
         [slide.x, slide.y, slide.z, c].map(|value| value + 0.0)
     }
 
@@ -39,21 +44,33 @@ impl Preset {
         nominal + DVec3::new(x, y, z)
     }
 
+    /// Length that the front of the electrode has lost (mm).
+    pub fn wear_mm(&self) -> f64 {
+        DVec3::from(self.advance_mm).length()
+    }
+
     /// The preset in a sentence.
     pub fn sentence(&self) -> String {
         let [x, y, z, c] = self.zero();
-        let Self { x_mm, y_mm, z_mm, c_deg, uncertainty_mm } = self;
+        let Self { x_mm, y_mm, z_mm, c_deg, uncertainty_mm, .. } = self;
+        let worn = match self.wear_mm() {
+            0.0 => String::new(),
+            wear => format!(
+                " Its front has lost {wear:.4} mm, and it goes on by as much, which is in these values; files of the electrode \
+                 are those of a new one"
+            ),
+        };
         format!(
             "Preset: the electrode stands X {x_mm} Y {y_mm} Z {z_mm} mm, C {c_deg} deg off nominal on its holder, measured to \
              {uncertainty_mm} mm, an error that the certificate does not contain. The final pose, where all axes are zero, is at X \
              {x:.5} Y {y:.5} Z {z:.5} C {:.6} of a nominal electrode's: set the work zero there, or shift that of a nominal \
-             electrode by these values",
+             electrode by these values.{worn}",
             c.to_degrees()
         )
     }
 
-    /// `path` for the electrode as it stands: at each row the electrode is where the nominal one is, with the axes counted from
-    /// [`zero`](Self::zero). It has to be verified anew, because the motion between the rows is another.
+    /// `path` for the electrode as it stands: at each row the electrode is where the nominal one is, moved on in its own axes by
+    /// its advance, with the axes counted from [`zero`](Self::zero). It has to be verified anew, because the motion between the rows is another.
     #[must_use]
     pub fn path(&self, path: &FeedPath) -> FeedPath {
         let (from, to) = (path.reference_point, self.reference_point(path.reference_point));
@@ -72,7 +89,8 @@ mod tests {
     const O: DVec3 = DVec3::new(3.0, -1.0, 110.0);
 
     fn preset() -> Preset {
-        Preset { x_mm: 0.4, y_mm: -0.25, z_mm: 0.1, c_deg: 1.5, uncertainty_mm: 0.002 }
+        let advance_mm = [0.12, 0.0, -0.05];
+        Preset { x_mm: 0.4, y_mm: -0.25, z_mm: 0.1, c_deg: 1.5, uncertainty_mm: 0.002, advance_mm }
     }
 
     /// Where the machine with these axis values has a point of the electrode that stands on its holder as `preset` says:
@@ -100,11 +118,13 @@ mod tests {
             let p = DVec3::new(7.0, -4.0, 118.0);
             let Pose { x, y, z, a, c, .. } = row.pose;
             let placed = on_machine(&preset, [x0 + x, y0 + y, z0 + z, a, c0 + c], p);
-            let expected = pose.placement(O).transform_point3(p);
+            // An electrode that is moved on in its own axes has its points where the nominal one has others.
+            let moved = p + DVec3::from(preset.advance_mm);
+            let expected = pose.placement(O).transform_point3(moved);
             // The rows are rounded as files are.
             assert!(placed.distance(expected) < 2e-5, "{placed} {expected}");
             // The program of the path is of the same formula about its own reference point.
-            let by_path = row.pose.placement(path.reference_point).transform_point3(p);
+            let by_path = row.pose.placement(path.reference_point).transform_point3(moved);
             assert!(by_path.distance(expected) < 2e-5, "{by_path} {expected}");
         }
         assert_eq!(path.rows[2].pose, Pose::FINAL);

@@ -13,7 +13,7 @@ use task::{Cancel, Cancelled};
 
 mod faced;
 
-pub use faced::{FacedMesh, union_of_faced};
+pub use faced::{FacedMesh, common_of_faced, union_of_faced};
 
 /// Step to which corners of solids are rounded (mm): exact in binary.
 pub(super) const GRID: f64 = 1.0 / (1u64 << 30) as f64;

@@ -1,6 +1,6 @@
 //! The widgets of forms: one for each kind of parameter.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ops::RangeInclusive;
 
 use egui::{DragValue, Response, RichText, Slider, SliderClamping, TextEdit, Ui, vec2};
@@ -44,7 +44,7 @@ pub(super) fn widget(
         }
         Kind::Variant { .. } => variant(ui, place, value, widths.wide),
         Kind::File => file(ui, place, value, widths.wide),
-        Kind::Numbers { count: Some(_), .. } => numbers(ui, place, value, widths.wide),
+        Kind::Numbers { count: Some(_), is_optional: false, .. } => numbers(ui, place, value, widths.wide),
         Kind::Direction => direction(ui, place, value, widths.wide),
         Kind::Numbers { .. } | Kind::Points { .. } | Kind::Text => text(ui, place, value, widths.wide, NOTHING),
         Kind::Rows { .. } => None,
@@ -55,7 +55,7 @@ pub(super) fn widget(
 /// of a point, and of a direction that is along no axis.
 pub(super) fn is_long(ui: &Ui, place: &Place, value: &Value) -> bool {
     match place.field.kind {
-        Kind::Numbers { count: Some(count), .. } => count > 2,
+        Kind::Numbers { count: Some(count), is_optional: false, .. } => count > 2,
         Kind::Direction => is_other_direction(ui, place, value),
         _ => false,
     }
@@ -183,25 +183,38 @@ fn whole(number: f64) -> Value {
     if rounded < 0.0 { Value::from(rounded as i64) } else { Value::from(rounded as u64) }
 }
 
-/// An optional number; a dash if missing.
+/// An optional number; a dash if missing. Where it may not be zero, zero is missing.
 fn number_or_dash(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Option<Change> {
     let mut at = value.as_f64().unwrap_or_default();
     let (before, shown, wrong) = (at, RefCell::default(), RefCell::default());
+    let may_be_zero = place.field.range().is_some_and(|range| range.contains(0.0));
+    let is_given = Cell::new(value.is_number());
+    let is_there = |number: f64| number > 0.0 || may_be_zero && is_given.get();
     let field = DragValue::new(&mut at)
         .speed(place.field.drag_step())
         .max_decimals(6)
         .custom_formatter(|number, decimals| {
-            kept(if number > 0.0 { short(number, decimals) } else { "\u{2013}".to_owned() }, &shown)
+            kept(if is_there(number) { short(number, decimals) } else { NOTHING.to_owned() }, &shown)
         })
         .custom_parser(|text| match text.trim() {
-            "" | "-" | "\u{2013}" => Some(0.0),
+            "" | "-" | NOTHING => {
+                is_given.set(false);
+                Some(0.0)
+            }
             text if text == *shown.borrow() => Some(before),
-            text => parsed_or(text, &wrong),
+            text => {
+                let number = parsed_or(text, &wrong);
+                is_given.set(is_given.get() || number.is_some());
+                number
+            }
         })
         .update_while_editing(false);
     let response = named(ui, place, |ui| ui.add_sized(vec2(width, HEIGHT), field));
-    let value = if at > 0.0 { at.into() } else { Value::Null };
-    wrong.into_inner().map(Change::NoNumber).or(along(&response, value))
+    let new = if is_there(at) { at.max(0.0).into() } else { Value::Null };
+    // Zero and none are the same number to the widget.
+    let is_other = is_given.get() != value.is_number() && new != *value;
+    let typed = || is_other.then_some(Change::To(new.clone()));
+    wrong.into_inner().map(Change::NoNumber).or_else(|| along(&response, new.clone())).or_else(typed)
 }
 
 fn along(response: &Response, value: Value) -> Option<Change> {
@@ -380,7 +393,8 @@ fn text(ui: &mut Ui, place: &Place, value: &Value, width: f32, hint: &str) -> Op
     match read(&text) {
         Ok(new) if !response.has_focus() => {
             ui.data_mut(|d| d.remove::<(String, String)>(id));
-            (new != *value && response.lost_focus()).then_some(Change::To(new))
+            let is_other = new != *value && !(value.is_null() && new == "");
+            (is_other && response.lost_focus()).then_some(Change::To(new))
         }
         read => {
             ui.data_mut(|d| d.insert_temp(id, (shown, text)));

@@ -33,6 +33,8 @@ pub enum BliskCommand {
     Unpick,
     ShowRefusal,
     MillFlanks,
+    /// Opens or closes the window of the technology table.
+    Technology,
     Step(Stage),
 }
 
@@ -44,7 +46,7 @@ impl CommandSet for BliskCommand {
         const fn info(name: &'static str) -> CommandInfo {
             CommandInfo::new(name)
         }
-        static TABLE: [(C, CommandInfo); 27] = [
+        static TABLE: [(C, CommandInfo); 28] = [
             (C::NewDemonstration, info("New from demonstration blisk")),
             (C::Plan, info("Plan feed path").key(Key::F5)),
             (C::Release, info("Release for export")),
@@ -70,6 +72,7 @@ impl CommandSet for BliskCommand {
             (C::Unpick, info("Remove the last picked point").key(Key::Backspace)),
             (C::ShowRefusal, info("Show where the channel was refused")),
             (C::MillFlanks, info("Mill the electrode's flanks").needing("Select an electrode that is up to date")),
+            (C::Technology, info("Technology table").key(Key::T)),
             (C::Step(Stage::Part), info("Step 1: Part")),
             (C::Step(Stage::Channel), info("Step 2: Channel")),
             (C::Step(Stage::Electrode), info("Step 3: Electrode")),

@@ -142,9 +142,10 @@ pub fn write(
     if inputs.job.export.files.report {
         files.extend(as_bytes(figures::tables(outcome, cancel)?));
     }
-    let schedule = report.burning.as_ref().and_then(|burning| burning.schedule.as_ref());
-    if let Some(schedule) = schedule.filter(|_| inputs.job.export.files.report) {
-        files.push((SCHEDULE_FILE.to_owned(), schedule_csv(schedule).into_bytes()));
+    let schedule =
+        report.burning.as_ref().and_then(|burning| Some((burning.schedule.as_ref()?, &burning.electrodes[..])));
+    if let Some((schedule, electrodes)) = schedule.filter(|_| inputs.job.export.files.report) {
+        files.push((SCHEDULE_FILE.to_owned(), schedule_csv(schedule, electrodes).into_bytes()));
     }
     let mut no_job_sheet = None;
     if inputs.job.export.files.report {
@@ -337,6 +338,13 @@ fn electrode_files(
         };
         files.push((electrode_file(k), stl_bytes(mesh).map_err(PlanFilesError::Electrode)?));
     }
+    if let Some(worn) = &outcome.worn {
+        let mesh = match context.job.export.frame {
+            MeshFrame::Mesh => &worn.mesh.in_parent_of(&context.channel.frame),
+            MeshFrame::W => &worn.mesh,
+        };
+        files.push((format!("electrode_{k}.worn.stl"), stl_bytes(mesh).map_err(PlanFilesError::Electrode)?));
+    }
     if let Some(Ok(step)) = step {
         files.push((format!("electrode_{k}.step"), step.bytes.clone()));
     }
@@ -359,8 +367,9 @@ fn electrode_files(
         return Ok((files, None));
     }
     let not_approved = |source| PlanFilesError::NotApproved { electrode: k, source };
-    let mut approved = Approved::new(planned.path.clone(), planned.certificate.clone(), context.blisk, electrode)
-        .map_err(not_approved)?;
+    let mut approved =
+        Approved::new(planned.path.clone(), planned.certificate.clone(), context.blisk, &outcome.burning().mesh)
+            .map_err(not_approved)?;
     if let Some(copying) = copying {
         approved = approved.with_copying(copying).map_err(not_approved)?;
     }

@@ -23,6 +23,8 @@ pub enum BliskPath {
     Machine,
     /// A technology table of one's own.
     Technology,
+    /// A copy of the technology table.
+    TechnologyCopy,
     /// A file of a project that is elsewhere now.
     MovedFile,
 }
@@ -30,7 +32,7 @@ pub enum BliskPath {
 impl PathSet for BliskPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use BliskPath as P;
-        static TABLE: [(P, PathInfo); 9] = [
+        static TABLE: [(P, PathInfo); 10] = [
             (
                 P::Open,
                 PathInfo::open(
@@ -45,6 +47,7 @@ impl PathSet for BliskPath {
             (P::JobSheet, PathInfo::new("Your own template of the job sheet", PathKind::Read("", &[], false))),
             (P::Machine, PathInfo::new("Your own machine", PathKind::Read("Machine", &[TOML], false))),
             (P::Technology, PathInfo::new("Your own technology table", PathKind::Read("Technology", &[TOML], false))),
+            (P::TechnologyCopy, PathInfo::new("Copy of the technology table", PathKind::Write("Technology", ".toml"))),
             (P::MovedFile, FIND),
         ];
         &TABLE

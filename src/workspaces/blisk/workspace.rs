@@ -30,7 +30,7 @@ use crate::workspaces::message::Message;
 use crate::workspaces::moved_files;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::{Incoming, NotOpened, Opening, Source};
-use crate::workspaces::technology::{read_table, take_first_unless_known};
+use crate::workspaces::technology::{TableChange, TechnologyWindow, read_table, take_first_unless_known};
 use crate::workspaces::workspace::{About, Menu, Standing, Workspace, held_in_fields};
 use files::{AnyDocument, Params as _, Recovery};
 use nc::post::Post;
@@ -60,6 +60,8 @@ pub struct BliskWorkspace {
     opening: Opening<Pending, PlanJob, Arc<Part>>,
     /// The parameter that the mesh of an electrode of one's own is asked for.
     own_mesh_key: String,
+    /// Window of the technology table.
+    technology: TechnologyWindow,
 }
 
 impl BliskWorkspace {
@@ -72,6 +74,7 @@ impl BliskWorkspace {
             tab: Tab::Positions,
             opening: Opening::new(scheduler),
             own_mesh_key: String::new(),
+            technology: TechnologyWindow::default(),
         }
     }
 
@@ -204,6 +207,7 @@ impl BliskWorkspace {
                     cx.request(Request::Send(Message::MillFlanks(part.into())));
                 }
             }
+            BliskCommand::Technology => self.technology.toggle(&desk.document.params().technology, cx),
             BliskCommand::Step(stage) => desk.step = stage,
         }
     }
@@ -250,8 +254,23 @@ impl BliskWorkspace {
             Ok(table) => {
                 take_first_unless_known(&mut job.technology, &table);
                 self.desk.edit("Technology table", job, false);
+                self.technology.turn_to(&self.desk.document.params().technology, cx);
             }
             Err(error) => cx.error("This is no technology table", error.to_string()),
+        }
+    }
+
+    /// Draws the window of the technology table, and takes its changes in.
+    fn show_technology(&mut self, ui: &Ui, cx: &mut Context) {
+        let paths = [BliskPath::Technology, BliskPath::TechnologyCopy];
+        let change = self.technology.show(ui, &self.desk.document.params().technology, cx, paths);
+        if let Some(TableChange::Use(id)) = &change {
+            let mut job = self.desk.document.params().clone();
+            job.technology.id.clone_from(id);
+            self.desk.edit("Technology", job, false);
+        }
+        if change.is_some() {
+            self.desk.work.recompute_burning();
         }
     }
 
@@ -311,7 +330,7 @@ impl Workspace for BliskWorkspace {
             Menu::Own => {
                 let first = [C::Plan.into(), FrameCommand::Cancel.into(), C::Keep.into()];
                 let picks = of(&Picked::ALL.map(C::Pick));
-                vec![[&first[..], &of(&[C::Release, C::Withdraw])].concat(), picks, of(&[C::MillFlanks])]
+                vec![[&first[..], &of(&[C::Release, C::Withdraw])].concat(), picks, of(&[C::Technology, C::MillFlanks])]
             }
             Menu::View => {
                 vec![
@@ -391,6 +410,7 @@ impl Workspace for BliskWorkspace {
             });
         });
         egui::CentralPanel::no_frame().show(ui, |ui| view.show(ui, desk, cx));
+        self.show_technology(ui, cx);
     }
 
     fn status(&mut self, ui: &mut Ui, cx: &mut Context, is_shown: bool) {
@@ -479,6 +499,8 @@ impl Workspace for BliskWorkspace {
             Some(BliskPath::JobSheet) => self.take_job_sheet(&path, cx),
             Some(BliskPath::Machine) => self.take_machine(&path, cx),
             Some(BliskPath::Technology) => self.take_technology(&path, cx),
+            Some(BliskPath::TechnologyCopy) if self.technology.write_copy(&path, cx) => self.take_technology(&path, cx),
+            Some(BliskPath::TechnologyCopy) => {}
             Some(BliskPath::MovedFile) => {
                 self.opening.moved.found(&path, cx).into_iter().for_each(|found| self.begin(Source::There(found)))
             }

@@ -22,6 +22,8 @@ pub enum MoldCommand {
     FaintMold,
     Section,
     MillFlanks,
+    /// Opens or closes the window of the technology table.
+    Technology,
     FoldPanel,
     FoldList,
 }
@@ -34,7 +36,7 @@ impl CommandSet for MoldCommand {
         const fn info(name: &'static str) -> CommandInfo {
             CommandInfo::new(name)
         }
-        static TABLE: [(C, CommandInfo); 15] = [
+        static TABLE: [(C, CommandInfo); 16] = [
             (C::FindUncut, info("Find rest material").key(Key::F6)),
             (C::DesignElectrodes, info("Create electrodes").key(Key::F7)),
             (C::Electrodes, info("Show regions or electrodes").key(Key::E)),
@@ -54,6 +56,7 @@ impl CommandSet for MoldCommand {
             (C::FaintMold, info("Mold transparent or solid")),
             (C::Section, info("Section plane").key(Key::X)),
             (C::MillFlanks, info("Mill the electrode's flanks").needing("Select an electrode that is up to date")),
+            (C::Technology, info("Technology table").key(Key::T)),
             (C::FoldPanel, info("Show or fold the panel on the left")),
             (C::FoldList, info("Show or fold the panel on the right")),
         ];

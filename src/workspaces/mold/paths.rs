@@ -21,6 +21,8 @@ pub enum MoldPath {
     BurnSheet,
     /// A technology table of one's own.
     Technology,
+    /// A copy of the technology table.
+    TechnologyCopy,
     /// Where the cutters are saved.
     SaveCutters,
     /// A file of a project that is elsewhere now.
@@ -30,7 +32,7 @@ pub enum MoldPath {
 impl PathSet for MoldPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use MoldPath as P;
-        static TABLE: [(P, PathInfo); 9] = [
+        static TABLE: [(P, PathInfo); 10] = [
             (
                 P::Open,
                 PathInfo::open("Open a mold", PathKind::Read("Molds and meshes", &[PROJECT, MESH_ENDINGS], false)),
@@ -41,6 +43,7 @@ impl PathSet for MoldPath {
             (P::ElectrodeFolder, PathInfo::new("Folder for the electrodes", PathKind::Folder)),
             (P::BurnSheet, PathInfo::new("Template of the burn sheet", PathKind::Read("", &[], false))),
             (P::Technology, PathInfo::new("Your own technology table", PathKind::Read("Technology", &[TOML], false))),
+            (P::TechnologyCopy, PathInfo::new("Copy of the technology table", PathKind::Write("Technology", ".toml"))),
             (P::SaveCutters, PathInfo::new("Save cutters", PathKind::Write("Cutters", ".toml"))),
             (P::MovedFile, FIND),
         ];

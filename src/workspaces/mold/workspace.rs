@@ -21,7 +21,7 @@ use crate::workspaces::mold::work::{LoadedMold, read_part};
 use crate::workspaces::moved_files;
 use crate::workspaces::news::EventKind;
 use crate::workspaces::opening::{Incoming, Opening, Source};
-use crate::workspaces::technology::{read_table, take_first_unless_known};
+use crate::workspaces::technology::{TableChange, TechnologyWindow, read_table, take_first_unless_known};
 use crate::workspaces::workspace::{About, Menu, Workspace, held_in_fields};
 use files::{AnyDocument, Document, Recovery, paths};
 use nc::template::BurnSheet;
@@ -35,6 +35,8 @@ pub struct MoldWorkspace {
     pub desk: MoldDesk,
     view: MoldView,
     opening: Opening<Pending, MoldParams, Option<Arc<LoadedMold>>>,
+    /// Window of the technology table.
+    technology: TechnologyWindow,
 }
 
 /// Replacement of the mold, done once unsaved work is dealt with.
@@ -48,7 +50,12 @@ enum Pending {
 impl MoldWorkspace {
     /// An empty workspace.
     pub fn new(scheduler: &Scheduler) -> Self {
-        Self { desk: MoldDesk::new(scheduler), view: MoldView::default(), opening: Opening::new(scheduler) }
+        Self {
+            desk: MoldDesk::new(scheduler),
+            view: MoldView::default(),
+            opening: Opening::new(scheduler),
+            technology: TechnologyWindow::default(),
+        }
     }
 
     /// Whether `pending` loses no work: cutters that were chosen before there was a mold stay.
@@ -134,8 +141,23 @@ impl MoldWorkspace {
             Ok(table) => {
                 take_first_unless_known(technology, &table);
                 self.desk.edit(params);
+                self.technology.turn_to(&self.desk.params().electrodes.technology, cx);
             }
             Err(error) => cx.error("This is no technology table", error.to_string()),
+        }
+    }
+
+    /// Draws the window of the technology table, and takes its changes in.
+    fn show_technology(&mut self, ui: &Ui, cx: &mut Context) {
+        let paths = [MoldPath::Technology, MoldPath::TechnologyCopy];
+        let change = self.technology.show(ui, &self.desk.params().electrodes.technology, cx, paths);
+        if let Some(TableChange::Use(id)) = &change {
+            let mut params = self.desk.params().clone();
+            params.electrodes.technology.id.clone_from(id);
+            self.desk.edit(params);
+        }
+        if change.is_some() {
+            self.desk.work.recompute_burning();
         }
     }
 
@@ -216,6 +238,7 @@ impl MoldWorkspace {
             MoldCommand::Layers => desk.toggle_layers(),
             MoldCommand::Section => burns.toggle_cut(),
             MoldCommand::MillFlanks => self.mill_flanks(cx),
+            MoldCommand::Technology => self.technology.toggle(&self.desk.params().electrodes.technology, cx),
             MoldCommand::FoldPanel => desk.fold_panel(),
             MoldCommand::FoldList if desk.is_small => desk.shows_list_instead = !desk.shows_list_instead,
             MoldCommand::FoldList => desk.shows_list = !desk.shows_list,
@@ -292,7 +315,7 @@ impl Workspace for MoldWorkspace {
                 .concat(),
                 of(&[C::Electrodes, C::Layers, C::DepthColours, C::FaintMold]),
                 of(&[C::FoldPanel, C::FoldList]),
-                of(&[C::FlyToRegion, C::Isolate, C::CompareDivisions, C::MillFlanks]),
+                of(&[C::FlyToRegion, C::Isolate, C::CompareDivisions, C::Technology, C::MillFlanks]),
             ],
             Menu::View => vec![of(&[C::Section])],
         }
@@ -325,6 +348,7 @@ impl Workspace for MoldWorkspace {
             Some(path) => cx.ask(path, "cutters.toml"),
             None => {}
         }
+        self.show_technology(ui, cx);
     }
 
     fn triangles(&self) -> Option<usize> {
@@ -400,6 +424,8 @@ impl Workspace for MoldWorkspace {
             Some(MoldPath::SaveCutters) => self.save_cutters(&path, cx),
             Some(MoldPath::BurnSheet) => self.take_burn_sheet(&path, cx),
             Some(MoldPath::Technology) => self.take_technology(&path, cx),
+            Some(MoldPath::TechnologyCopy) if self.technology.write_copy(&path, cx) => self.take_technology(&path, cx),
+            Some(MoldPath::TechnologyCopy) => {}
             Some(MoldPath::UncutFolder) => self.export_uncut(&path, cx),
             Some(MoldPath::ElectrodeFolder) => self.export(&path, cx),
             None => {}

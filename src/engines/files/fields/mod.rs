@@ -65,6 +65,8 @@ pub enum Kind {
         is_whole: bool,
         /// Length of the list; any length if none.
         count: Option<usize>,
+        /// Whether there may be no list.
+        is_optional: bool,
     },
     /// A list of points of three coordinates each.
     Points {
@@ -75,11 +77,11 @@ pub enum Kind {
     Direction,
     /// Yes or no.
     Flag,
-    /// A text.
+    /// A text; no value is an empty one.
     Text,
     /// The path of a file, or none.
     File,
-    /// A choice among words.
+    /// A choice among words; no value is the empty word.
     Choice(&'static [Word]),
     /// A choice among words, or the path of a file.
     ChoiceOrFile(&'static [Word]),
@@ -190,7 +192,7 @@ impl Field {
         least: f64,
         greatest: f64,
     ) -> Self {
-        let kind = Kind::Numbers { range: Range(least, greatest), is_whole: false, count: None };
+        let kind = Kind::Numbers { range: Range(least, greatest), is_whole: false, count: None, is_optional: false };
         Self { unit, ..Self::of(key, label, kind) }
     }
 
@@ -326,6 +328,15 @@ impl Field {
         self
     }
 
+    /// Allows no list of numbers.
+    #[must_use]
+    pub const fn optional(mut self) -> Self {
+        if let Kind::Numbers { is_optional, .. } = &mut self.kind {
+            *is_optional = true;
+        }
+        self
+    }
+
     /// Puts new rows first.
     #[must_use]
     pub const fn first(mut self) -> Self {
@@ -427,18 +438,20 @@ impl Field {
                 Instead::Nothing(_) if value.is_null() => true,
                 _ => is_number(value, range, is_whole),
             },
-            Kind::Numbers { range, is_whole, count } => value.as_array().is_some_and(|all| {
+            Kind::Numbers { is_optional: true, .. } if value.is_null() => true,
+            Kind::Numbers { range, is_whole, count, .. } => value.as_array().is_some_and(|all| {
                 count.is_none_or(|count| all.len() == count) && all.iter().all(|v| is_number(v, range, is_whole))
             }),
             Kind::Points { range } => value.as_array().is_some_and(|all| {
                 let is_point = |p: &Value| text::parts(p).is_some_and(|parts| parts.iter().all(|c| range.contains(*c)));
                 all.iter().all(is_point)
             }),
-            Kind::Choice(words) => words.iter().any(|w| Some(w.word) == text),
+            Kind::Choice(words) => words.iter().any(|w| Some(w.word) == text.or(value.is_null().then_some(""))),
             Kind::Variant { tag, variants } => variants.iter().any(|v| Some(v.word.word) == get(value, tag).as_str()),
             Kind::Direction => text::parts(value).is_some_and(|parts| parts.iter().any(|part| *part != 0.0)),
             Kind::Flag => value.is_boolean(),
-            Kind::Text | Kind::ChoiceOrFile(_) => value.is_string(),
+            Kind::Text => value.is_string() || value.is_null(),
+            Kind::ChoiceOrFile(_) => value.is_string(),
             Kind::ChoiceOr(..) => !value.is_null(),
             Kind::File => value.is_string() || value.is_null(),
             Kind::Rows { fields, .. } => {

@@ -171,6 +171,10 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
         let wrong = |e: serde_json::Error| Invalid::new(key, text_of(&given), one_line(&e.to_string()));
         let params = match (P::deserialize(&values), key.rsplit_once('.')) {
             (Ok(params), _) => params,
+            // An empty word where there may be none.
+            (Err(_), _) if given == "" && put(&mut values, key, Value::Null) => {
+                P::deserialize(&values).map_err(wrong)?
+            }
             // What a table cannot do without takes the table away.
             (Err(_), Some((table, _))) if given.is_null() && put(&mut values, table, Value::Null) => {
                 P::deserialize(&values).map_err(wrong)?

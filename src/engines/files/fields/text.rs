@@ -9,7 +9,12 @@ impl Field {
     /// `value` as a text that [`parse`](Self::parse) reads.
     pub fn show(&self, value: &Value) -> String {
         match (self.kind, value) {
-            (Kind::Number { instead: Instead::Nothing(_), .. } | Kind::File, Value::Null) => "none".to_owned(),
+            (
+                Kind::Number { instead: Instead::Nothing(_), .. }
+                | Kind::Numbers { is_optional: true, .. }
+                | Kind::File,
+                Value::Null,
+            ) => "none".to_owned(),
             (Kind::Variant { tag, .. }, Value::Object(_)) => plain(get(value, tag)),
             (Kind::Direction, value) => direction_words(value).to_lowercase().replace('\u{2212}', "-"),
             (Kind::Numbers { .. }, Value::Array(all)) => joined(all),
@@ -56,7 +61,11 @@ impl Field {
         };
         let value = match self.kind {
             Kind::Number { instead: Instead::Word(word, _), .. } if text == word => word.into(),
-            Kind::Number { instead: Instead::Nothing(_), .. } | Kind::File if matches!(text, "" | "none") => {
+            Kind::Number { instead: Instead::Nothing(_), .. }
+            | Kind::Numbers { is_optional: true, .. }
+            | Kind::File
+                if matches!(text, "" | "none") =>
+            {
                 Value::Null
             }
             Kind::Number { is_whole, .. } => read_number(text, is_whole).ok_or_else(wrong)?,

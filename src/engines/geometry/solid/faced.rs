@@ -1,4 +1,4 @@
-//! Unions of solids whose triangles belong to faces.
+//! Unions and common parts of solids whose triangles belong to faces.
 
 use manifold_rust::manifold::Manifold;
 use manifold_rust::types::{BooleanEngine, Error, MeshGL64, OpType};
@@ -24,10 +24,22 @@ pub fn union_of_faced(solids: &[FacedMesh], cancel: &Cancel) -> Result<FacedMesh
     if solids.is_empty() {
         return Ok(FacedMesh::default());
     }
-    let all = united(solids, cancel)?;
-    let all = simplified(all, SMALLEST);
-    let face_of = all.get_mesh_gl64(-1).face_id.iter().map(|face| *face as u32).collect();
-    Ok(FacedMesh { mesh: mesh(&all), face_of })
+    Ok(faced(simplified(united(solids, cancel)?, SMALLEST)))
+}
+
+/// The part that two solids have in common, without triangles where there is none: what is left of a face keeps its number.
+///
+/// # Errors
+/// [`SolidError::NotClosed`], [`SolidError::Failed`], and [`SolidError::Cancelled`] when cancelled.
+pub fn common_of_faced(a: &FacedMesh, b: &FacedMesh, cancel: &Cancel) -> Result<FacedMesh, SolidError> {
+    cancel.check()?;
+    let common = combined(&manifold(a)?, &manifold(b)?, OpType::Intersect, BooleanEngine::Exact)?;
+    Ok(faced(simplified(common, SMALLEST)))
+}
+
+fn faced(solid: Manifold) -> FacedMesh {
+    let face_of = solid.get_mesh_gl64(-1).face_id.iter().map(|face| *face as u32).collect();
+    FacedMesh { mesh: mesh(&solid), face_of }
 }
 
 /// The union of solids, of halves of them first, so that each takes part in few unions.
@@ -65,6 +77,23 @@ mod tests {
     use glam::{DMat3, DVec3};
 
     use super::*;
+
+    #[test]
+    fn what_two_solids_have_in_common_has_the_faces_of_both() {
+        let [a, b] = [
+            block(DVec3::ZERO, DVec3::splat(2.0), 0, DMat3::IDENTITY),
+            block(DVec3::ONE, DVec3::splat(2.0), 6, DMat3::IDENTITY),
+        ];
+        let found = common_of_faced(&a, &b, &Cancel::default()).unwrap();
+        assert!(found.mesh.is_watertight() && (found.mesh.volume() - 1.0).abs() < 1e-6);
+        let mut faces = found.face_of;
+        faces.sort_unstable();
+        faces.dedup();
+        // The greater sides of the first along X, Y and Z, and the lesser sides of the second.
+        assert_eq!(faces, [1, 3, 5, 6, 8, 10]);
+        let apart = block(DVec3::splat(5.0), DVec3::ONE, 6, DMat3::IDENTITY);
+        assert!(common_of_faced(&a, &apart, &Cancel::default()).unwrap().mesh.triangles.is_empty());
+    }
 
     /// A box with the number of its face for each triangle, from `first` on.
     fn block(at: DVec3, size: DVec3, first: u32, turn: DMat3) -> FacedMesh {

@@ -19,6 +19,7 @@ mod own;
 mod params;
 mod ring;
 pub mod walls;
+mod worn;
 
 #[cfg(test)]
 mod tests;

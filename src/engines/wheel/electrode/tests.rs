@@ -41,7 +41,7 @@ fn unreduced() -> ElectrodeParams {
 }
 
 /// The unreduced electrodes of that blisk, entering from -X and from +X.
-static UNREDUCED: LazyLock<[Electrode; 2]> = LazyLock::new(|| {
+pub(super) static UNREDUCED: LazyLock<[Electrode; 2]> = LazyLock::new(|| {
     [EntrySide::MinusX, EntrySide::PlusX].map(|side| make(&FINE, &unreduced(), side).unwrap().remove(0))
 });
 

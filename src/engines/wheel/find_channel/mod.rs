@@ -64,8 +64,10 @@ const MOSTLY_ALIKE: f64 = 0.75;
 /// A shroud that covers less than this share of the passage's length is named as the reason where hub or shroud disagree.
 const MOST_COVERED: f64 = 0.9;
 
-/// Share of the passage's length over which its direction at the rim is measured.
-const NEAR_MOUTH: f64 = 0.05;
+/// Where the direction of a passage at its mouth is measured: distances from the edge of its blades in lengths of the
+/// passage. Not beside the edges: within their noses a gap says more of the rounding, and of how finely it was cut into
+/// triangles, than of the passage.
+const FROM_MOUTH: std::ops::Range<f64> = 0.05..0.15;
 
 /// Finds the axis, the blades and the chosen channel of `mesh` (mm, closed, in any attitude).
 ///
@@ -491,9 +493,8 @@ fn middle_of(tracer: &Tracer, start: Place, lines: Option<&Lines>) -> Result<(Pl
     let (front, back) = (row.front.along, row.back.along);
     let middle = finder.place(&row, 0.5 * (front + back))?;
     let ways = if meridian.flow == Flow::Axial { [DVec2::ZERO; 2] } else { ways_out(&meridian.stations) };
-    let near = NEAR_MOUTH * (back - front);
-    // Not up to the edges: at blunt ones a gap says nothing.
-    let ends = [[front + near, front + 0.2 * near], [back - near, back - 0.2 * near]].into_iter().zip(ways);
+    let [far, near] = [FROM_MOUTH.end, FROM_MOUTH.start].map(|share| share * (back - front));
+    let ends = [[front + far, front + near], [back - far, back - near]].into_iter().zip(ways);
     let z_at = tracer.options.z_at;
     let outwards = if z_at == ZAt::Bore { -1.0 } else { 1.0 };
     let mouth = ends.max_by(|a, b| (outwards * a.1.y).total_cmp(&(outwards * b.1.y)));

@@ -9,8 +9,9 @@ use crate::workspaces::blisk::job::planned::Planned;
 use burning::project::ProjectTechnology;
 use task::{Lane, Memo, Priority, Same, Scheduler};
 
-/// Key of the figures: the plan, once its residual stock is computed, and how it burns.
-pub(super) type BurnedKey = (Same<Planned>, ProjectTechnology, BurningSection);
+/// Key of the figures: the plan, once its residual stock is computed, how it burns, and how often the technology table was
+/// changed.
+pub(super) type BurnedKey = (Same<Planned>, ProjectTechnology, BurningSection, u64);
 
 /// Figures of a plan; none of one that is not verified.
 pub(super) type Burned = Memo<BurnedKey, Option<WheelBurning>>;
@@ -24,7 +25,7 @@ impl BliskDesk {
     fn burned_key(&self) -> Option<BurnedKey> {
         let planned = self.work.planned().filter(|planned| planned.outcome.stock().is_some())?;
         let job = self.document.params();
-        Some((Same(planned.clone()), job.technology.clone(), job.burning.clone()))
+        Some((Same(planned.clone()), job.technology.clone(), job.burning.clone(), self.work.technology_edits()))
     }
 
     /// Computes the figures of the plan.

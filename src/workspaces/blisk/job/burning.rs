@@ -1,5 +1,6 @@
 //! Minutes and wear of the electrodes of a plan, and the schedule of the wheel.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use burning::choice::{Burn, Piece};
@@ -141,14 +142,24 @@ fn activity(of: Activity) -> &'static str {
     }
 }
 
-/// A schedule as a table. Channels count from 0 as in a project, electrodes and their copies from 1.
-pub fn schedule_csv(schedule: &Schedule) -> String {
-    let mut csv = "row,activity,channel,electrode,copy,start_min,minutes,is_change\n".to_owned();
+/// A schedule of these electrodes as a table. Channels count from 0 as in a project, electrodes and their copies from 1. The wear
+/// of a burn is the length that the front of the copy has lost in the burns before (mm); empty where it is not known.
+pub fn schedule_csv(schedule: &Schedule, electrodes: &[BurningElectrode]) -> String {
+    let mut csv = "row,activity,channel,electrode,copy,start_min,minutes,is_change,wear_mm\n".to_owned();
+    let mut burned: BTreeMap<(usize, usize), f64> = BTreeMap::new();
     for (i, row) in schedule.rows.iter().enumerate() {
+        let mut wear = String::new();
+        if row.activity == Activity::Burn {
+            let minutes = burned.entry((row.electrode, row.copy)).or_default();
+            let figures = electrodes.get(row.electrode).map(|electrode| &electrode.figures);
+            let of_channel = figures.and_then(|of| of.end_wear_mm.zip(of.minutes)).filter(|(_, of)| of.mean > 0.0);
+            wear = of_channel.map_or_else(String::new, |(wear, of)| format!("{:.4}", wear * *minutes / of.mean));
+            *minutes += row.minutes;
+        }
         // Writing into a string does not fail.
         let _ = writeln!(
             csv,
-            "{},{},{},{},{},{:.3},{:.3},{}",
+            "{},{},{},{},{},{:.3},{:.3},{},{wear}",
             i + 1,
             activity(row.activity),
             row.channel,
@@ -212,13 +223,21 @@ mod tests {
 
     #[test]
     fn the_table_has_every_row_one_after_the_other() {
-        let wheel = WheelBurning::of(vec![known(20.0, WearShare::Known(1.0))], 3, &job());
-        let csv = schedule_csv(wheel.schedule.as_ref().unwrap());
-        let rows: Vec<&str> = csv.lines().collect();
-        assert_eq!(rows[1], "1,set-up,0,1,1,0.000,30.000,0");
-        assert_eq!(rows[2], "2,burn,0,1,1,30.000,20.000,0");
-        assert_eq!(rows[3], "3,indexing,1,1,2,50.000,0.500,0");
-        assert_eq!(rows[4], "4,change,1,1,2,50.500,4.000,1");
-        assert_eq!((rows.len(), rows[8]), (9, "8,burn,2,1,3,79.000,20.000,0"));
+        let csv = |figures: BurnFigures| {
+            let wheel = WheelBurning::of(vec![figures], 3, &job());
+            schedule_csv(wheel.schedule.as_ref().unwrap(), &wheel.electrodes)
+        };
+        let unknown = csv(known(20.0, WearShare::Known(1.0)));
+        let rows: Vec<&str> = unknown.lines().collect();
+        assert_eq!(rows[1], "1,set-up,0,1,1,0.000,30.000,0,");
+        assert_eq!(rows[2], "2,burn,0,1,1,30.000,20.000,0,");
+        assert_eq!(rows[3], "3,indexing,1,1,2,50.000,0.500,0,");
+        assert_eq!(rows[4], "4,change,1,1,2,50.500,4.000,1,");
+        assert_eq!((rows.len(), rows[8]), (9, "8,burn,2,1,3,79.000,20.000,0,"));
+        // Two channels with each copy: the second is burned with what the first has left of it.
+        let worn = csv(BurnFigures { end_wear_mm: Some(0.03), ..known(20.0, WearShare::Known(0.5)) });
+        let wear: Vec<&str> =
+            worn.lines().filter(|row| row.contains("burn")).filter_map(|row| row.rsplit(',').next()).collect();
+        assert_eq!(wear, ["0.0000", "0.0300", "0.0000"]);
     }
 }

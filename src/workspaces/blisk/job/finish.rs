@@ -145,7 +145,7 @@ impl<'a> Around<'a> {
 }
 
 fn copying(around: &Around, outcome: &ElectrodeOutcome, task: &Task) -> Result<Copying, PlanJobError> {
-    let (job, electrode) = (around.job, &outcome.electrode);
+    let (job, electrode) = (around.job, outcome.burning());
     let wanted = CopyingExtent::of(electrode, &job.electrode, outcome.plan.h);
     let machine = &job.machine.seen_from_w(electrode.enters_from);
     let settings = CopyingSettings {
@@ -170,7 +170,7 @@ fn setting_room(
     let Some(planned) = &outcome.plan.path else { return Ok(None) };
     let least_mm = around.job.setting.least_mm(around.job.electrode.spark_gap_mm);
     let surface_of = |p: DVec3| around.finder.surface_of(p);
-    let verifier = verifier(around, &outcome.electrode, task)?;
+    let verifier = verifier(around, outcome.burning(), task)?;
     Ok(Some(verifier.setting_room(&planned.path, &errors, least_mm, &surface_of, task)?))
 }
 
@@ -200,7 +200,7 @@ fn left_by(
         .iter()
         .zip(motions)
         .map(|(e, copying)| Burn {
-            electrode: &e.electrode,
+            electrode: e.burning(),
             feed: e.plan.path.as_ref().map(|p| poses(&p.path)).unwrap_or_default(),
             // What is not certified is not exported either, and burns nothing.
             copying: copying.certified().map(|c| poses(&c.path)).unwrap_or_default(),

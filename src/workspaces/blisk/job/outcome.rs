@@ -63,6 +63,8 @@ pub struct ElectrodeOutcome {
     pub plan: FeedPlan,
     /// Place of the electrode on its holder, which the path makes up for; none where it is planned as nominal.
     pub preset: Option<Preset>,
+    /// The electrode as it is worn, in the pose that makes up for it; none of a new one.
+    pub worn: Option<Electrode>,
     /// Distances at the nodes of the plan; none where they were not measured.
     pub distances: Vec<NodeDistances>,
     /// Sides that were tried before, and why they were left.
@@ -72,7 +74,12 @@ pub struct ElectrodeOutcome {
 impl ElectrodeOutcome {
     /// An electrode with its plan on the first side that is tried; its distances are not measured.
     pub(super) fn of(electrode: Electrode, plan: FeedPlan) -> Self {
-        Self { electrode, plan, preset: None, distances: Vec::new(), tried: Vec::new() }
+        Self { electrode, plan, preset: None, worn: None, distances: Vec::new(), tried: Vec::new() }
+    }
+
+    /// The electrode that burns: as it is worn, or new.
+    pub fn burning(&self) -> &Electrode {
+        self.worn.as_ref().unwrap_or(&self.electrode)
     }
 
     /// Whether the search for a change that makes it feasible was stopped.

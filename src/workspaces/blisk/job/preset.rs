@@ -1,23 +1,38 @@
-//! Plans for electrodes as they were measured on their holders.
+//! Plans for electrodes as they were measured on their holders, and as they are worn.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use feed::machine::TurnedByC;
+use feed::path::{FeedPath, PathRow};
 use feed::preset::{MOST_OFF, Preset};
 use feed::verify::Verifier;
 use geometry::mesh::Mesh;
+use geometry::solid::SolidError;
+use glam::DVec3;
 use task::Task;
+use wheel::electrode::Electrode;
 use wheel::surface_finder::SurfaceFinder;
 
-/// Columns of a table of presets; the date is for people.
-pub const COLUMNS: [&str; 7] = ["electrode", "x_mm", "y_mm", "z_mm", "c_deg", "uncertainty_mm", "date"];
+/// Columns of a table of presets; the date is for people, and the last one may be left out.
+pub const COLUMNS: [&str; 8] = ["electrode", "x_mm", "y_mm", "z_mm", "c_deg", "uncertainty_mm", "date", "wear_mm"];
+/// Length of the path's end along which its direction is measured (mm).
+const END_MM: f64 = 1.0;
 /// The largest table that is read (bytes).
 const LARGEST_FILE: u64 = 1 << 20;
 
-/// Presets of electrodes, by the number of the electrode from 1.
-pub type Presets = BTreeMap<usize, Preset>;
+/// An electrode as it is put to use.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredElectrode {
+    /// Place on its holder.
+    pub preset: Preset,
+    /// Length that the front has lost in the burns before (mm), by the wear of the technology.
+    pub wear_mm: f64,
+}
+
+/// Electrodes as they are put to use, by the number of the electrode from 1.
+pub type Presets = BTreeMap<usize, MeasuredElectrode>;
 
 /// Reason why a file is no table of presets.
 #[derive(Debug, thiserror::Error)]
@@ -50,15 +65,17 @@ pub fn read_presets(file: &Path) -> Result<Presets, PresetError> {
 fn presets_of(text: &str) -> Result<Presets, (usize, String)> {
     let mut lines = text.strip_prefix('\u{feff}').unwrap_or(text).lines().enumerate();
     let head = lines.next().map_or("", |(_, line)| line);
-    if !head.split(',').map(str::trim).eq(COLUMNS) {
+    let (all, [without_wear @ .., wear]) = (head.split(',').map(str::trim), &COLUMNS);
+    if !all.clone().eq(COLUMNS) && !all.eq(without_wear.iter().copied()) {
+        let columns = without_wear.join(",");
         return Err((
             1,
-            format!("the columns are to be {}, with commas between and points in numbers", COLUMNS.join(",")),
+            format!("the columns are to be {columns} or these and {wear}, with commas between and points in numbers"),
         ));
     }
     let mut presets = Presets::new();
     for (i, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-        let (number, preset) = row(line).map_err(|problem| (i + 1, problem))?;
+        let (number, preset) = row(line, head.split(',').count()).map_err(|problem| (i + 1, problem))?;
         if presets.insert(number, preset).is_some() {
             return Err((i + 1, format!("electrode {number} has a preset already; leave one row for each")));
         }
@@ -66,29 +83,33 @@ fn presets_of(text: &str) -> Result<Presets, (usize, String)> {
     Ok(presets)
 }
 
-fn row(line: &str) -> Result<(usize, Preset), String> {
+fn row(line: &str, columns: usize) -> Result<(usize, MeasuredElectrode), String> {
     let cells: Vec<&str> = line.split(',').map(str::trim).collect();
-    let [electrode, x_mm, y_mm, z_mm, c_deg, uncertainty_mm, _date] = cells[..] else {
-        return Err(format!("it has {} cells, and {} are needed", cells.len(), COLUMNS.len()));
+    let (true, [electrode, x_mm, y_mm, z_mm, c_deg, uncertainty_mm, _date, wear @ ..]) =
+        (cells.len() == columns, &cells[..])
+    else {
+        return Err(format!("it has {} cells, and {columns} are needed", cells.len()));
     };
     let number = electrode.trim_start_matches(['E', 'e']).parse().ok().filter(|number| *number >= 1);
     let number = number.ok_or_else(|| format!("electrode is {electrode:?}: give its number, as 1 or E1"))?;
-    let value = |name: &str, text: &str, most: f64, unit: &str| {
-        let value = text.parse().ok().filter(|value: &f64| value.abs() <= most);
-        value.ok_or_else(|| format!("{name} is {text:?}: must be a number from -{most} to {most} {unit}"))
+    let within = |name: &str, text: &str, [least, most]: [f64; 2], unit: &str| {
+        let value = text.parse().ok().filter(|value: &f64| (least..=most).contains(value));
+        value.ok_or_else(|| format!("{name} is {text:?}: must be a number from {least} to {most} {unit}"))
     };
+    let value = |name: &str, text: &str, most: f64, unit: &str| within(name, text, [-most, most], unit);
     let [most_mm, most_deg] = MOST_OFF;
-    let preset =
-        Preset {
-            x_mm: value("x_mm", x_mm, most_mm, "mm")?,
-            y_mm: value("y_mm", y_mm, most_mm, "mm")?,
-            z_mm: value("z_mm", z_mm, most_mm, "mm")?,
-            c_deg: value("c_deg", c_deg, most_deg, "deg")?,
-            uncertainty_mm: uncertainty_mm.parse().ok().filter(|value| (0.0..=most_mm).contains(value)).ok_or_else(
-                || format!("uncertainty_mm is {uncertainty_mm:?}: must be a number from 0 to {most_mm} mm"),
-            )?,
-        };
-    Ok((number, preset))
+    let preset = Preset {
+        x_mm: value("x_mm", x_mm, most_mm, "mm")?,
+        y_mm: value("y_mm", y_mm, most_mm, "mm")?,
+        z_mm: value("z_mm", z_mm, most_mm, "mm")?,
+        c_deg: value("c_deg", c_deg, most_deg, "deg")?,
+        uncertainty_mm: within("uncertainty_mm", uncertainty_mm, [0.0, most_mm], "mm")?,
+        ..Preset::default()
+    };
+    // An electrode of which none is given is new.
+    let wear = wear.first().copied().filter(|text| !text.is_empty());
+    let wear_mm = wear.map_or(Ok(0.0), |text| within("wear_mm", text, [0.0, most_mm], "mm"))?;
+    Ok((number, MeasuredElectrode { preset, wear_mm }))
 }
 
 /// Checks that there is a preset for each of `count` electrodes and for no other.
@@ -105,8 +126,8 @@ pub fn check_presets(presets: &Presets, count: usize) -> Result<(), String> {
     }
 }
 
-/// The plan for electrodes that stand on their holders as `presets` say: each path is rewritten and verified anew. `blisk` is that
-/// of the plan, in W. What comes after the feed is not known yet.
+/// The plan for electrodes that stand on their holders and are worn as `presets` say: each path is rewritten and verified anew
+/// with the worn electrode. `blisk` is that of the plan, in W. What comes after the feed is not known yet.
 ///
 /// # Errors
 /// If an electrode has no preset or there is none for it, its preset is not measured as well as the setting errors of the job
@@ -126,7 +147,7 @@ pub fn with_presets(
     check_presets(presets, outcome.electrodes.len()).map_err(PlanJobError::Job)?;
     let finder = SurfaceFinder::new(outcome.channel.clone())?;
     for (number, electrode) in (1..).zip(&mut outcome.electrodes) {
-        let Some(preset) = presets.get(&number) else { continue };
+        let Some(MeasuredElectrode { preset, wear_mm }) = presets.get(&number) else { continue };
         if job.setting.errors().is_none() && preset.uncertainty_mm > job.setting.accuracy_mm {
             return wrong(format!(
                 "the preset of electrode {number} is measured to {} mm, and errors of setting up may take up {} mm of the spark \
@@ -144,22 +165,48 @@ pub fn with_presets(
                 ));
             }
         }
+        let advance = match &electrode.plan.path {
+            Some(planned) if *wear_mm > 0.0 => *wear_mm * end_direction(&planned.path, &electrode.electrode),
+            _ => DVec3::ZERO,
+        };
+        let preset = Preset { advance_mm: advance.into(), ..*preset };
         let from = electrode.electrode.reference_point;
         let to = preset.reference_point(from);
         electrode.electrode.reference_point = to;
+        if advance != DVec3::ZERO {
+            let worn = electrode.electrode.worn(advance, &task.cancel);
+            electrode.worn = Some(worn.map_err(|error| match error {
+                SolidError::Cancelled(cancelled) => cancelled.into(),
+                error => PlanJobError::Job(format!("electrode {number}, worn by {wear_mm} mm: {error}")),
+            })?);
+        }
         for node in &mut electrode.plan.nodes {
             node.pose = node.pose.about(from, to);
         }
+        let burning = electrode.worn.as_ref().unwrap_or(&electrode.electrode);
         if let Some(planned) = &mut electrode.plan.path {
             let path = preset.path(&planned.path);
             let limits = job.machine.seen_from_w(electrode.electrode.enters_from).pose_limits();
-            let verifier = Verifier::new(blisk, &electrode.electrode.mesh, to, &task.cancel)?.within(limits);
+            let verifier = Verifier::new(blisk, &burning.mesh, to, &task.cancel)?.within(limits);
             let certificate = verifier.verify(&path, &|p| finder.surface_of(p), &job.verify, task)?;
             (planned.path, planned.certificate) = (path, certificate);
         }
-        electrode.preset = Some(*preset);
+        electrode.preset = Some(preset);
     }
     Ok(outcome)
+}
+
+/// The direction in which the front of the electrode arrives in the final pose of `path`, a unit vector in W.
+fn end_direction(path: &FeedPath, electrode: &Electrode) -> DVec3 {
+    let out = electrode.enters_from.direction();
+    let front = electrode.mesh.vertices.iter().copied().min_by(|a, b| a.dot(out).total_cmp(&b.dot(out)));
+    let by_distance = |a: &&PathRow, b: &&PathRow| a.s.total_cmp(&b.s);
+    let last = path.rows.iter().min_by(by_distance);
+    let before = path.rows.iter().filter(|row| row.s >= END_MM).min_by(by_distance);
+    let before = before.or_else(|| path.rows.iter().max_by(by_distance));
+    let place = |row: &PathRow| Some(row.pose.placement(path.reference_point).transform_point3(front?));
+    let arrives = last.and_then(place).zip(before.and_then(place)).map(|(last, before)| last - before);
+    arrives.and_then(DVec3::try_normalize).unwrap_or(-out)
 }
 
 #[cfg(test)]
@@ -173,8 +220,10 @@ mod tests {
         let text = format!("{HEAD}E2,0.1,-0.02,0,0.25,0.002,2026-03-01\n\n1, 0, 0, 0, 0, 0.003,\n");
         let presets = presets_of(&text).unwrap();
         assert_eq!(presets.keys().copied().collect::<Vec<_>>(), [1, 2]);
-        let expected = Preset { x_mm: 0.1, y_mm: -0.02, z_mm: 0.0, c_deg: 0.25, uncertainty_mm: 0.002 };
-        assert_eq!(presets[&2], expected);
+        let preset = Preset { x_mm: 0.1, y_mm: -0.02, c_deg: 0.25, uncertainty_mm: 0.002, ..Preset::default() };
+        assert_eq!(presets[&2], MeasuredElectrode { preset, wear_mm: 0.0 });
+        let worn = format!("{}1,0,0,0,0,0.003,,0.08\n2,0,0,0,0,0.003,,\n", HEAD.replace("date", "date,wear_mm"));
+        assert_eq!(presets_of(&worn).unwrap().values().map(|of| of.wear_mm).collect::<Vec<_>>(), [0.08, 0.0]);
     }
 
     #[test]

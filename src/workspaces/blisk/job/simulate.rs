@@ -101,7 +101,7 @@ fn of_electrode(
         blisk: around.blisk,
         channels: channel.blades,
         own_channel: channel.index,
-        electrode: &outcome.electrode,
+        electrode: outcome.burning(),
         feed: (&planned.path, &planned.certificate),
         copying: copying.map(|motion| (&motion.path, &motion.certificate)),
         machine: &around.job.machine.seen_from_w(outcome.electrode.enters_from),

@@ -4,6 +4,7 @@ use egui::Ui;
 
 use crate::widgets::form::Form;
 use crate::widgets::panel_parts::file_name;
+use crate::workspaces::blisk::commands::BliskCommand;
 use crate::workspaces::blisk::desk::BliskDesk;
 use crate::workspaces::blisk::document::job_file::field_table::FIELDS;
 use crate::workspaces::blisk::document::stage::Stage;
@@ -42,6 +43,10 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) -
     answer.said.into_iter().for_each(|said| cx.say_in_passing(said));
     if ui.input(|i| i.pointer.any_released()) {
         desk.end_gesture();
+    }
+    if stage == Stage::Plan {
+        ui.add_space(4.0);
+        cx.button(ui, desk, BliskCommand::Technology, "Technology table\u{2026}", false);
     }
     answer.wanted.map(|key| match key.as_str() {
         "machine.name" => Request::Machine,

@@ -224,17 +224,17 @@ impl BliskWork {
         let electrode = &mut job.electrode;
         (electrode.parts, electrode.enter, electrode.size) = (1, EnterSide::Auto, Sizing::Given);
         electrode.circumferential_reduction_deg = [0.0; 2];
-        let stage = match table {
-            ElectrodeTable::Sizes => Stage::Plan,
+        let (stage, edits) = match table {
+            ElectrodeTable::Sizes => (Stage::Plan, 0),
             // Their hours depend on the technology.
             ElectrodeTable::Sets => {
                 (electrode.columns, electrode.part, electrode.radial_reduction_mm) = (1, Vec::new(), 0.0);
                 job.genetic.h = ReductionMode::Given;
                 job.export = ExportSection { channels: job.export.channels.clone(), ..ExportSection::default() };
-                Stage::Export
+                (Stage::Export, now.technology_edits)
             }
         };
-        Some(Fingerprint::of(stage, &job, &now.content))
+        Some(Fingerprint::of(stage, &job, &format!("{}/{edits}", now.content)))
     }
 
     /// Begins a table.

@@ -50,17 +50,19 @@ struct Now {
     electrode: Fingerprint,
     plan: Fingerprint,
     export: Fingerprint,
+    technology_edits: u64,
 }
 
 impl Now {
-    fn new(job: &PlanJob, content: String, part: Fingerprint) -> Self {
+    fn new(job: &PlanJob, content: String, part: Fingerprint, technology_edits: u64) -> Self {
         let of = |stage| Fingerprint::of(stage, job, &content);
         Self {
             part,
             channel: of(Stage::Channel),
             electrode: of(Stage::Electrode),
             plan: of(Stage::Plan),
-            export: of(Stage::Export),
+            export: Fingerprint::of(Stage::Export, job, &format!("{content}/{technology_edits}")),
+            technology_edits,
             problem: job.validate().err().map(|problem| FIELDS.in_window(&problem)),
             job: Arc::new(job.clone()),
             content,
@@ -100,6 +102,7 @@ pub struct BliskWork {
     passed_over: Option<String>,
     now: Option<Now>,
     reloads: u64,
+    technology_edits: u64,
     priority: Priority,
     events: Vec<StageEvent>,
 }
@@ -124,6 +127,7 @@ impl BliskWork {
             passed_over: None,
             now: None,
             reloads: 0,
+            technology_edits: 0,
             priority: Priority::Normal,
             events: Vec::new(),
         }
@@ -156,6 +160,16 @@ impl BliskWork {
     /// How often they were read again.
     pub fn reloads(&self) -> u64 {
         self.reloads
+    }
+
+    /// Computes minutes and wear again: the technology table has changed.
+    pub fn recompute_burning(&mut self) {
+        self.technology_edits += 1;
+    }
+
+    /// How often the technology table has changed.
+    pub fn technology_edits(&self) -> u64 {
+        self.technology_edits
     }
 
     fn part_key(&self, job: &PlanJob) -> Fingerprint {
@@ -224,9 +238,11 @@ impl BliskWork {
         self.part.turn_to(&part);
         let content = self.part().map(|part| part.content()).unwrap_or_default();
         let content = format!("{content}/{}", self.reloads);
-        let is_known = |now: &Now| now.part == part && now.content == content && *now.job == *job;
+        let edits = self.technology_edits;
+        let is_known =
+            |now: &Now| now.part == part && now.content == content && now.technology_edits == edits && *now.job == *job;
         if !self.now.as_ref().is_some_and(is_known) {
-            let now = Now::new(job, content, part);
+            let now = Now::new(job, content, part, edits);
             if self.now.as_ref().is_some_and(|before| before.plan != now.plan) {
                 self.wishes.clear();
             }

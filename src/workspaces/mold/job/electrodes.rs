@@ -126,7 +126,7 @@ pub fn electrodes<'a>(
 
 /// The electrodes with minutes and wear by the technology of their parameters, whose table is read. Why it cannot be read
 /// stands in the figures.
-pub(super) fn timed(set: ElectrodeSet) -> ElectrodeSet {
+pub fn timed(set: ElectrodeSet) -> ElectrodeSet {
     match read_table(&set.params.technology) {
         Ok(table) => set.timed(Ok(&table)),
         Err(error) => set.timed(Err(&error.to_string())),

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::steps::{FoundUncut, LoadedMold};
 use crate::workspaces::mold::document::fields::FIELDS;
-use crate::workspaces::mold::job::electrodes::electrodes;
+use crate::workspaces::mold::job::electrodes::{electrodes, timed};
 use crate::workspaces::mold::report::ElectrodesReport;
 use crate::workspaces::mold::scene::electrodes::{ElectrodeShape, electrode_shapes};
 use files::Override;
@@ -80,8 +80,13 @@ pub(super) fn design(
     Ok(Designed { times, ..shown(mold, found, set, found.is_proven) })
 }
 
+/// The electrodes with minutes and wear by the technology table as it is now, and everything shown of them.
+pub(super) fn timed_again(mold: &LoadedMold, found: &FoundUncut, set: ElectrodeSet, is_proven: bool) -> Designed {
+    shown(mold, found, timed(set), is_proven)
+}
+
 /// The electrodes with everything shown of them, without overrides.
-pub(super) fn shown(mold: &LoadedMold, found: &FoundUncut, set: ElectrodeSet, is_proven: bool) -> Designed {
+fn shown(mold: &LoadedMold, found: &FoundUncut, set: ElectrodeSet, is_proven: bool) -> Designed {
     let uncut = &found.uncut;
     let mut places = vec![None; set.regions.len()];
     for piece in &uncut.surface {

@@ -301,7 +301,8 @@ impl MoldWork {
                 let gone = "what was kept of them is damaged: create them again";
                 self.designed.ask(&asked, self.priority, move |_| {
                     let set = results.get(ELECTRODES, &named);
-                    set.map(|set| design::shown(&mold, &found, set, false)).ok_or_else(|| gone.to_owned())
+                    // The technology table may have changed since.
+                    set.map(|set| design::timed_again(&mold, &found, set, false)).ok_or_else(|| gone.to_owned())
                 });
             }
         }
@@ -442,6 +443,21 @@ impl MoldWork {
             Ok(made)
         });
         Ok(())
+    }
+
+    /// Computes minutes and wear again: the technology table has changed.
+    pub fn recompute_burning(&mut self) {
+        let last = self.designed.last().map(|(asked, made)| (asked.clone(), made.clone()));
+        // Others that are remembered have the minutes of before.
+        self.designed.clear();
+        self.divisions.clear();
+        self.looked_up.1 = None;
+        let Some((asked, made)) = last else { return };
+        let (Some(mold), Some(found)) = (self.mold().cloned(), self.found.get(&asked.0).cloned()) else { return };
+        self.designed.restart(&asked, self.priority, move |_| {
+            let again = design::timed_again(&mold, &found, made.set.clone(), made.is_proven);
+            Ok(Designed { times: made.times.clone(), ..again })
+        });
     }
 
     /// State of the electrodes for `params`.

@@ -37,6 +37,7 @@ pub fn show(ui: &mut Ui, desk: &mut MoldDesk, cx: &mut Context) -> Option<MoldPa
     let changed = form.answer();
     let asked = changed.wanted.is_some().then_some(MoldPath::Technology);
     desk.take(changed, cx);
+    cx.button(ui, desk, MoldCommand::Technology, "Technology table\u{2026}", false);
     answer(ui, desk, cx).or(asked)
 }
 

@@ -1,4 +1,8 @@
-//! The technology of a project: its table as a file, and its fields in forms.
+//! The technology of a project: its table as a file, its fields in forms, and the window in which the table is edited.
+
+mod editor;
+mod fields;
+mod plots;
 
 use std::path::Path;
 
@@ -6,6 +10,8 @@ use burning::defaults;
 use burning::project::ProjectTechnology;
 use burning::technology::{TECHNOLOGY_FILE, TechnologyFile};
 use files::{FileError, Word, word};
+
+pub use editor::{TableChange, TechnologyWindow};
 
 /// Tables that can be chosen.
 pub const TABLES: &[Word] =
