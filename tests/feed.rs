@@ -151,6 +151,7 @@ fn one_whole_plan_is_finished_and_written() {
     files::a_plan_that_is_stopped_at_its_pictures_is_written_without_them_and_without_a_program();
     files::an_electrode_keeps_its_clearance_as_step();
     files::a_preset_is_made_up_for_by_path_and_program();
+    files::a_worn_electrode_goes_on_by_what_it_lost();
 }
 
 fn the_copying_motion_is_certified_and_brings_the_walls_to_their_gap() {

@@ -7,25 +7,23 @@ use clap::Args;
 use serde_json::json;
 
 use super::{Answer, POSITIVE, Session, mm, unit};
+use crate::workspaces::blisk::document::scan::{ALL_FREE, freedoms};
+use crate::workspaces::blisk::job::scan::{Judgement, ScannedPart, Surfaces};
 use files::ExportFolder;
-use geometry::frame::Frame;
+use geometry::mesh::Mesh;
 use import::{Reading, Units};
-use measured::Nominal;
-use measured::deviation::{Deviation, DeviationMap, Statistics, Tolerance, deviations};
-use measured::fit::{BestFit, FitSettings, Freedom, Freedoms, best_fit};
+use measured::deviation::{DeviationMap, Statistics, Tolerance};
+use measured::fit::BestFit;
 use measured::points::{PointLimits, read_points};
 use measured::table::{deviations_csv, deviations_ply};
 use render::colour::Colour;
 use render::colour_map::ColourMap;
-use wheel::inspect::inspect;
+use wheel::error::BliskError;
+use wheel::find_channel::find_channel;
 use wheel::options::BliskOptions;
 
 /// Name of the command in manifests.
 const MEASURED: &str = "measured";
-/// Worst places that are listed.
-const WORST: usize = 10;
-/// Surface of a part that is no wheel.
-const PART: &str = "part";
 
 #[derive(Debug, Args)]
 pub(super) struct MeasuredArguments {
@@ -54,58 +52,33 @@ pub(super) struct MeasuredArguments {
     out: Option<PathBuf>,
 }
 
-/// The free axes that `text` names; none for a scan that is not to be moved.
-fn freedoms(text: &str) -> anyhow::Result<Option<Freedoms>> {
-    if text.trim().eq_ignore_ascii_case("none") {
-        return Ok(None);
-    }
-    let axis = |part: &str| {
-        let letter = part.trim();
-        let axis = Freedom::ALL.into_iter().find(|axis| letter.eq_ignore_ascii_case(&axis.letter().to_string()));
-        axis.ok_or_else(|| {
-            anyhow::anyhow!("--free {letter:?}: give axes of x, y, z, a, b, c with commas between, or none")
-        })
-    };
-    let free = text.split(',').map(axis).collect::<anyhow::Result<Vec<_>>>()?;
-    Ok(Some(Freedoms::of(Frame::IDENTITY, &free)?))
-}
-
 /// Fits, judges and writes.
 pub(super) fn measured(arguments: &MeasuredArguments, session: &Session) -> anyhow::Result<Answer> {
     let tolerance = Tolerance::symmetric(arguments.tolerance)?.for_share(arguments.share)?;
-    let freedoms = arguments.free.as_deref().map_or_else(|| Ok(Some(Freedoms::all())), freedoms)?;
+    let free = arguments.free.as_deref().unwrap_or(ALL_FREE);
+    let freedoms = freedoms(free).map_err(|problem| anyhow::anyhow!("--free {problem}"))?;
     if let Some(folder) = &arguments.out {
         // An older verdict must not outlive a failure of this one.
         ExportFolder::write_all(folder, MEASURED, &[])?;
     }
     let mesh = session.import(&arguments.nominal, &Reading { units: arguments.units, ..Default::default() })?.mesh;
     let scan = read_points(&arguments.scan, &PointLimits::default(), &session.task)?.points;
+    let mesh = Arc::new(mesh);
     let surfaces = surfaces_of(&mesh, session)?;
-    let nominal = Nominal::new(Arc::new(mesh), &session.task)?;
     let reach_mm = arguments.reach.unwrap_or(f64::INFINITY);
-    let fit = match freedoms {
-        Some(freedoms) => {
-            let settings = FitSettings { freedoms, reach_mm, ..Default::default() };
-            Some(best_fit(&nominal, &scan, &settings, &session.task)?)
-        }
-        None => None,
-    };
-    let motion = fit.as_ref().map_or_else(Default::default, |fit| fit.motion);
-    let (map, beyond) = deviations(&nominal, &scan, &motion, &session.task)?.within_reach(reach_mm);
-    let surface = |deviation: &Deviation| surfaces.get(deviation.triangle as usize).map_or(PART, String::as_str);
-    let verdict = map.verdict(&tolerance);
-    let by_surface = map.statistics_by(&tolerance, surface);
-    let spacing = 0.01 * nominal.mesh().bounds().size().length();
-    let worst = map.worst(WORST, spacing, &tolerance, surface);
+    let judgement = Judgement { tolerance, freedoms, reach_mm };
+    let found = ScannedPart::of(mesh, &surfaces, &scan, &judgement, &session.task)?;
+    let ScannedPart { fit, map, beyond_reach, verdict, all, by_surface, by_channel, worst } = &found;
     super::terminal::finish();
     let answer = json!({
         "within": verdict.is_within,
         "verdict": verdict.to_string(),
         "points": map.list().len(),
-        "beyond_reach": beyond,
+        "beyond_reach": beyond_reach,
         "fit": fit.as_ref().map(fit_json),
-        "all": statistics_json(&map.statistics(&tolerance)),
-        "surfaces": by_surface.iter().map(|(name, of)| (name.to_string(), statistics_json(of))).collect::<serde_json::Map<_, _>>(),
+        "all": statistics_json(all),
+        "surfaces": by_surface.iter().map(|(name, of)| (name.clone(), statistics_json(of))).collect::<serde_json::Map<_, _>>(),
+        "channels": by_channel.iter().map(|(number, of)| (number.to_string(), statistics_json(of))).collect::<serde_json::Map<_, _>>(),
         "worst": worst.iter().map(|worst| json!({
             "surface": worst.surface,
             "deviation_mm": worst.deviation.distance,
@@ -116,20 +89,18 @@ pub(super) fn measured(arguments: &MeasuredArguments, session: &Session) -> anyh
         say!("{}", serde_json::to_string_pretty(&answer)?);
     } else {
         say!("The part is {verdict}.");
-        fit.iter().for_each(print_fit);
-        say!("{:28} {:>9} {:>9} {:>9} {:>9} {:>9}", "surface", "points", "least mm", "mean", "greatest", "within");
-        for (name, of) in &by_surface {
-            let share = format!("{:.2} %", 100.0 * of.share_within);
-            say!(
-                "{name:28} {:>9} {:>9.4} {:>9.4} {:>9.4} {share:>9}",
-                of.points,
-                of.least_mm,
-                of.mean_mm,
-                of.greatest_mm
-            );
+        found.fit_sentences().iter().for_each(|sentence| say!("{sentence}"));
+        let heads = |first| {
+            say!("{first:28} {:>9} {:>9} {:>9} {:>9} {:>9}", "points", "least mm", "mean", "greatest", "within")
+        };
+        heads("surface");
+        by_surface.iter().for_each(|(name, of)| print_row(name, of));
+        if !by_channel.is_empty() {
+            heads("channel");
+            by_channel.iter().for_each(|(number, of)| print_row(&number.to_string(), of));
         }
-        for worst in &worst {
-            let (p, name) = (worst.deviation.point, worst.surface);
+        for worst in worst {
+            let (p, name) = (worst.deviation.point, &worst.surface);
             say!(
                 "worst      {:+.4} mm on the {name} at ({:.3}, {:.3}, {:.3}) mm",
                 worst.deviation.distance,
@@ -142,8 +113,8 @@ pub(super) fn measured(arguments: &MeasuredArguments, session: &Session) -> anyh
     if let Some(folder) = &arguments.out {
         let files = [
             ("measured.json", serde_json::to_string_pretty(&answer)?.into_bytes()),
-            ("deviations.csv", deviations_csv(&map, surface).into_bytes()),
-            ("deviations.ply", coloured(&map, arguments.tolerance)),
+            ("deviations.csv", deviations_csv(map, |of| surfaces.name(of.triangle)).into_bytes()),
+            ("deviations.ply", coloured(map, arguments.tolerance)),
         ];
         let files: Vec<(&str, &[u8])> = files.iter().map(|(name, bytes)| (*name, bytes.as_slice())).collect();
         ExportFolder::write_all(folder, MEASURED, &files)?;
@@ -152,12 +123,19 @@ pub(super) fn measured(arguments: &MeasuredArguments, session: &Session) -> anyh
     Ok(if verdict.is_within { Answer::Yes } else { Answer::No })
 }
 
-/// The name of the surface that each triangle is of, where the part is a wheel; none at all where it is not.
-fn surfaces_of(mesh: &geometry::mesh::Mesh, session: &Session) -> anyhow::Result<Vec<String>> {
-    let found = inspect(mesh, None, &BliskOptions::default(), &session.task)?;
-    let Some(surfaces) = found.surfaces else { return Ok(Vec::new()) };
-    let name = |class| surfaces.areas.iter().find(|area| area.class == class).map_or(PART, |area| area.name.as_str());
-    Ok(surfaces.classes.iter().map(|class| name(*class).to_owned()).collect())
+fn print_row(name: &str, of: &Statistics) {
+    let share = format!("{:.2} %", 100.0 * of.share_within);
+    let Statistics { points, least_mm, mean_mm, greatest_mm, .. } = of;
+    say!("{name:28} {points:>9} {least_mm:>9.4} {mean_mm:>9.4} {greatest_mm:>9.4} {share:>9}");
+}
+
+/// The surfaces of a wheel; none of a part that is no wheel.
+fn surfaces_of(mesh: &Mesh, session: &Session) -> anyhow::Result<Surfaces> {
+    match find_channel(mesh, &BliskOptions::default(), &session.task) {
+        Ok(channel) => Ok(Surfaces::of_wheel(mesh, &channel, &[], &session.task)?),
+        Err(BliskError::Cancelled(cancelled)) => Err(cancelled.into()),
+        Err(_) => Ok(Surfaces::default()),
+    }
 }
 
 /// The deviations as coloured points: lightest at none, the ends of the colours at twice the tolerance.
@@ -195,20 +173,4 @@ fn fit_json(fit: &BestFit) -> serde_json::Value {
         "has_converged": fit.has_converged,
         "beyond_reach": fit.beyond_reach,
     })
-}
-
-fn print_fit(fit: &BestFit) {
-    let values = fit.values.iter().map(|of| {
-        let letter = of.freedom.letter();
-        match of.freedom.is_rotation() {
-            true => format!("{letter} {:+.5}±{:.5} deg", of.value.to_degrees(), of.standard_deviation.to_degrees()),
-            false => format!("{letter} {:+.5}±{:.5} mm", of.value, of.standard_deviation),
-        }
-    });
-    let values = values.collect::<Vec<_>>().join(", ");
-    let end = if fit.has_converged { "" } else { ", which did not settle" };
-    say!("The scan was moved by {values}: rms {:.5} mm after {} iterations{end}.", fit.rms_mm, fit.iterations);
-    for undetermined in &fit.undetermined {
-        say!("The scan does not determine a {undetermined}: it was left as it is.");
-    }
 }

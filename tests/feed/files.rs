@@ -6,13 +6,14 @@ use std::path::Path;
 use feed::path::FeedPath;
 use feed::preset::Preset;
 use files::{FileError, MANIFEST};
+use geometry::exact::ExactMesh;
 use glam::DVec3;
 use nc::post::{BUILT_IN, Post};
 use nc::template::JobSheet;
 use sparkpath::workspaces::blisk::export::{self, ExportForms, PlanFilesError};
 use sparkpath::workspaces::blisk::job::finish::finish_as_far_as_possible;
 use sparkpath::workspaces::blisk::job::outcome::PlanInputs;
-use sparkpath::workspaces::blisk::job::preset::{Presets, with_presets};
+use sparkpath::workspaces::blisk::job::preset::{MeasuredElectrode, Presets, with_presets};
 use sparkpath::workspaces::blisk::report::build;
 use task::{Cancel, Task};
 
@@ -62,14 +63,13 @@ pub fn a_folder_holds_the_programs_of_the_last_plan_only() {
     assert_eq!(std::fs::metadata(folder.join("path_1.h")).unwrap().modified().unwrap(), program);
 }
 
-/// Feed and copying motion of the easy plan leave less than a micrometre to spare. A file is written only if its faces reach
-/// no farther beyond the mesh; if not, the reason is told, and the other files are written.
 /// The path of an electrode that stands off nominal is certified anew and written with the place of its final pose.
 pub fn a_preset_is_made_up_for_by_path_and_program() {
     let folder = tempfile::tempdir().unwrap();
     let (inputs, plan) = (inputs(), whole_easy_plan());
     let blisk = plan.channel.wheel_in_w(&inputs.blisk);
-    let preset = Preset { x_mm: 0.3, y_mm: -0.2, z_mm: 0.05, c_deg: 0.8, uncertainty_mm: 0.002 };
+    let preset = Preset { x_mm: 0.3, y_mm: -0.2, z_mm: 0.05, c_deg: 0.8, uncertainty_mm: 0.002, ..Preset::default() };
+    let preset = MeasuredElectrode { preset, wear_mm: 0.0 };
     let with = |presets: Presets, inputs: &PlanInputs| {
         with_presets(plan.clone(), inputs, &blisk, &presets, &Task::default()).map_err(|e| e.to_string())
     };
@@ -100,6 +100,37 @@ pub fn a_preset_is_made_up_for_by_path_and_program() {
     assert!(with(Presets::from([(1, preset)]), &exact).unwrap_err().contains("measured to 0.002 mm"));
 }
 
+/// A worn electrode goes on by what its front has lost: certified, without overcut, and no surface keeps more stock than a new
+/// electrode leaves there and the wear.
+pub fn a_worn_electrode_goes_on_by_what_it_lost() {
+    const WEAR_MM: f64 = 0.1;
+    let (inputs, plan) = (inputs(), whole_easy_plan());
+    let blisk = plan.channel.wheel_in_w(&inputs.blisk);
+    let worn = MeasuredElectrode { preset: Preset::default(), wear_mm: WEAR_MM };
+    let made = with_presets(plan.clone(), &inputs, &blisk, &Presets::from([(1, worn)]), &Task::default()).unwrap();
+    finish_as_far_as_possible(&made, &inputs, &blisk, &Task::default()).unwrap();
+    let [new, worn] = [plan, &made].map(|plan| &plan.electrodes[0]);
+    assert!(
+        made.is_verified() && worn.electrode.mesh == new.electrode.mesh && worn.burning().mesh != new.electrode.mesh
+    );
+    let advance = DVec3::from(worn.preset.unwrap().advance_mm);
+    assert!((advance.length() - WEAR_MM).abs() < 1e-9 && advance.dot(new.electrode.enters_from.direction()) < 0.0);
+    // The worn mesh is where the certificate has it: as far from the blisk as is asked for, at every row.
+    let [exact, worn_mesh] = [&blisk, &worn.burning().mesh].map(|mesh| ExactMesh::new(mesh).unwrap());
+    let path = &worn.plan.path.as_ref().unwrap().path;
+    for row in path.rows.iter().step_by(10) {
+        let distance = exact.distance_to(&worn_mesh, &row.pose.placement(path.reference_point));
+        assert!(distance > inputs.job.electrode.spark_gap_mm - 0.002, "{distance} at {}", row.s);
+    }
+    let [before, after] = [plan, &made].map(|plan| plan.residual_stock().unwrap());
+    for (before, after) in before.surfaces.iter().zip(&after.surfaces) {
+        assert!(after.overcut.depth_mm <= before.overcut.depth_mm + 0.002, "{:?}", after.surface);
+        let most = before.left.depth_mm + 1.1 * WEAR_MM + 0.01;
+        assert!(after.left.depth_mm <= most, "{:?}: {} of {most}", after.surface, after.left.depth_mm);
+    }
+}
+
+/// A file is written only if its faces reach no farther beyond the mesh than feed and copying motion have to spare.
 pub fn an_electrode_keeps_its_clearance_as_step() {
     let folder = tempfile::tempdir().unwrap();
     let mut inputs = inputs();

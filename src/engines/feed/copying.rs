@@ -77,6 +77,14 @@ impl CopyingExtent {
         Self { low: only(Column::Low, low), high: only(Column::High, high), outwards: params.radial_reduction_mm }
     }
 
+    /// Copying motion that goes on by the wear `wear_mm` of `electrode` (mm) as well, which its walls may have given way by.
+    #[must_use]
+    pub fn beyond(self, electrode: &Electrode, wear_mm: f64) -> Self {
+        let angle = wear_mm / electrode.middle().with_x(0.0).length().max(wear_mm);
+        let more = |column, turn: f64| if electrode.column.is_none_or(|c| c == column) { turn + angle } else { turn };
+        Self { low: more(Column::Low, self.low), high: more(Column::High, self.high), ..self }
+    }
+
     /// Whether there is no motion.
     pub fn is_none(&self) -> bool {
         [self.low, self.high, self.outwards].iter().all(|v| *v < LEAST_MOVE)

@@ -1,5 +1,6 @@
 //! The channel between two neighbouring blades of a blisk, in the workpiece frame W.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
@@ -183,6 +184,28 @@ impl Line {
     pub fn point(&self, height: f64, theta: f64) -> DVec3 {
         let DVec2 { x, y: r } = self.place(height);
         Cylindrical { x, r, theta }.point()
+    }
+}
+
+/// The numbers of the channels of a wheel by places in them.
+#[derive(Debug, Clone)]
+pub struct ChannelNumbers {
+    /// Places (x, r) all over a channel (mm), and the angle of its middle there (rad).
+    middles: Vec<(DVec2, f64)>,
+    /// Number of this channel.
+    index: usize,
+    /// Number of channels.
+    blades: usize,
+}
+
+impl ChannelNumbers {
+    /// Number of the channel that the place `p` (mm, in W of a channel) lies in, or bounds.
+    pub fn at(&self, p: DVec3) -> usize {
+        let Cylindrical { x, r, theta } = Cylindrical::from_point(p);
+        let off = |(place, _): &&(DVec2, f64)| place.distance_squared(DVec2::new(x, r));
+        let middle = self.middles.iter().min_by(|a, b| off(a).total_cmp(&off(b))).map_or(0.0, |(_, middle)| *middle);
+        let pitches = ((theta - middle) * self.blades as f64 / TAU).round() as i64;
+        (self.index as i64 + pitches).rem_euclid(self.blades as i64) as usize
     }
 }
 
@@ -477,6 +500,20 @@ impl Channel {
     pub fn is_like(&self, number: usize) -> bool {
         number.abs_diff(self.index).is_multiple_of(self.kinds)
             && !self.unlike.iter().any(|unlike| unlike.number == number)
+    }
+
+    /// The numbers of the channels by places in them.
+    pub fn numbers(&self) -> ChannelNumbers {
+        const STEP: usize = 2;
+        let (low, high) = (&self.low, &self.high);
+        let nodes = (0..low.nu.min(high.nu)).step_by(STEP).flat_map(|u| {
+            (0..low.nv.min(high.nv)).step_by(STEP).map(move |v| [low, high].map(|wall| wall.cylindrical(u, v)))
+        });
+        let middle = |[a, b]: [Cylindrical; 2]| {
+            let between = (b.theta - a.theta).rem_euclid(TAU);
+            (0.5 * DVec2::new(a.x + b.x, a.r + b.r), a.theta + 0.5 * between)
+        };
+        ChannelNumbers { middles: nodes.map(middle).collect(), index: self.index, blades: self.blades }
     }
 
     /// What differs most between one of [`unlike`](Self::unlike) and this channel, for a reader: `"hub 0.412 mm off"`.

@@ -63,7 +63,11 @@ impl CommandSet for BliskCommand {
             (C::Measure, info("Measure").key(Key::M)),
             (C::Colours, info("Clearance colours")),
             (C::ResidualStock, info("Residual stock colours")),
-            (C::Deviations, info("Deviation colours").needing("Needs a part that is made from measured sections")),
+            (
+                C::Deviations,
+                info("Deviation colours")
+                    .needing("Needs a scan of the finished part, or one made from measured sections"),
+            ),
             (C::Surfaces, info("Surface colours")),
             (C::Pick(Picked::Hub), info("Pick points on the hub")),
             (C::Pick(Picked::Shroud), info("Pick points on the shroud")),

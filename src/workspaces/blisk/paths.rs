@@ -25,14 +25,19 @@ pub enum BliskPath {
     Technology,
     /// A copy of the technology table.
     TechnologyCopy,
+    /// A scan of the finished part.
+    Scan,
     /// A file of a project that is elsewhere now.
     MovedFile,
 }
 
+/// Endings of scans.
+const SCAN_ENDINGS: &[&str] = &["stl", "obj", "ply", "xyz", "csv", "txt"];
+
 impl PathSet for BliskPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use BliskPath as P;
-        static TABLE: [(P, PathInfo); 10] = [
+        static TABLE: [(P, PathInfo); 11] = [
             (
                 P::Open,
                 PathInfo::open(
@@ -48,6 +53,7 @@ impl PathSet for BliskPath {
             (P::Machine, PathInfo::new("Your own machine", PathKind::Read("Machine", &[TOML], false))),
             (P::Technology, PathInfo::new("Your own technology table", PathKind::Read("Technology", &[TOML], false))),
             (P::TechnologyCopy, PathInfo::new("Copy of the technology table", PathKind::Write("Technology", ".toml"))),
+            (P::Scan, PathInfo::new("Scan of the finished part", PathKind::Read("Points", &[SCAN_ENDINGS], false))),
             (P::MovedFile, FIND),
         ];
         &TABLE

@@ -384,6 +384,7 @@ impl Workspace for BliskWorkspace {
             Some(FormRequest::JobSheet) => cx.ask(BliskPath::JobSheet, ""),
             Some(FormRequest::Machine) => cx.ask(BliskPath::Machine, ""),
             Some(FormRequest::Technology) => cx.ask(BliskPath::Technology, ""),
+            Some(FormRequest::Scan) => cx.ask(BliskPath::Scan, ""),
             None => {}
         }
         if wide {
@@ -498,6 +499,7 @@ impl Workspace for BliskWorkspace {
             Some(BliskPath::Post) => self.take_post(&path, cx),
             Some(BliskPath::JobSheet) => self.take_job_sheet(&path, cx),
             Some(BliskPath::Machine) => self.take_machine(&path, cx),
+            Some(BliskPath::Scan) => self.take_file("Scan", "scan.file", &path, cx),
             Some(BliskPath::Technology) => self.take_technology(&path, cx),
             Some(BliskPath::TechnologyCopy) if self.technology.write_copy(&path, cx) => self.take_technology(&path, cx),
             Some(BliskPath::TechnologyCopy) => {}

@@ -182,7 +182,7 @@ impl<P: Serialize + DeserializeOwned> FieldTable<P> {
             (Err(e), _) => return Err(wrong(e)),
         };
         // Serde drops what another variant would have in silence.
-        let is_lost = !given.is_null() && get(&self.values(&params), key).is_null();
+        let is_lost = !given.is_null() && given != "" && get(&self.values(&params), key).is_null();
         if is_lost { Err(none()) } else { Ok(params) }
     }
 

@@ -5,6 +5,7 @@ mod burned;
 pub mod kept_runs;
 pub mod machine_motion;
 pub mod picks;
+pub mod scan;
 mod shown;
 mod surfaces;
 
@@ -38,6 +39,7 @@ use machine_motion::MachineMotion;
 use picks::Picking;
 use render::mesh::RenderMesh;
 use render::scene::SectionPlane;
+use scan::{Scanned, scanned};
 use shown::Stood;
 use surfaces::{Classed, classed};
 use task::{Lane, Memo, Priority, Refusal, Same, Scheduler, State};
@@ -75,12 +77,13 @@ pub struct BliskDesk {
     pub colours: bool,
     /// Whether the stock left on the surfaces of the channel is shown as colours.
     pub residual_stock: bool,
-    /// Whether what the measured sections are off is shown on the walls.
+    /// Whether what a scan, or else the measured sections, are off is shown.
     pub deviations: bool,
     /// Whether the surfaces of the wheel are coloured by their classes.
     pub surfaces: bool,
     classed: Classed,
     burned: Burned,
+    scanned: Scanned,
     /// Points that are picked in the view.
     pub picking: Picking,
     /// Clearance of the electrode at its vertices in a pose.
@@ -147,6 +150,7 @@ impl BliskDesk {
             surfaces: false,
             classed: classed(scheduler),
             burned: burned(scheduler),
+            scanned: scanned(scheduler),
             picking: Picking::default(),
             ghosts: Vec::new(),
             measuring: false,
@@ -173,12 +177,18 @@ impl BliskDesk {
         self.follow_swept(cx);
         self.follow_surfaces(cx);
         self.follow_burned();
+        self.follow_scan(cx);
     }
 
     /// Whether any work waits or runs.
     pub fn is_busy(&self) -> bool {
         let shown = self.coloured.is_busy() || self.swept.is_busy() || self.bodies.is_busy() || self.burned.is_busy();
-        shown || self.is_classing() || self.kept.is_busy() || self.work.is_busy() || self.work.is_looking()
+        self.scanned.is_busy()
+            || shown
+            || self.is_classing()
+            || self.kept.is_busy()
+            || self.work.is_busy()
+            || self.work.is_looking()
     }
 
     /// Moves the cursor to the retract distance `s` (mm), or as far as there are poses.
@@ -382,7 +392,7 @@ impl Commanded for BliskDesk {
             BliskCommand::Keep => self.can_keep(),
             BliskCommand::Colours => self.work.state(Stage::Electrode) != State::Missing,
             BliskCommand::ResidualStock => self.residual_stock_shape().is_some(),
-            BliskCommand::Deviations => self.measured().is_some(),
+            BliskCommand::Deviations => self.deviation_map().is_some(),
             BliskCommand::Surfaces => self.work.state(Stage::Channel) == State::Ready,
             BliskCommand::Pick(_) => self.work.part().is_some(),
             BliskCommand::Unpick => self.picking().is_some_and(|of| !self.picked(of).is_empty()),

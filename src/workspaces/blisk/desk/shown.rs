@@ -15,7 +15,7 @@ use crate::workspaces::blisk::job::preview::Looked;
 use crate::workspaces::blisk::job::stages::FoundChannel;
 use crate::workspaces::blisk::scene::Layer;
 use crate::workspaces::blisk::scene::machine::{BodyShape, MachineBody, Moment, body_shapes};
-use crate::workspaces::blisk::scene::residual_stock::{DEVIATION, MapShape, colour_limit, map_legend};
+use crate::workspaces::blisk::scene::residual_stock::{DEVIATION, MapShape, SCANNED, colour_limit, map_legend};
 use crate::workspaces::commands::FrameCommand;
 use crate::workspaces::context::Context;
 use crate::workspaces::message::ElectrodePart;
@@ -163,7 +163,16 @@ impl BliskDesk {
             let limit = colour_limit(shape.greatest, self.document.params().electrode.spark_gap_mm);
             return Some((shape, "Residual stock", limit));
         }
-        let (walls, shape) = self.measured().filter(|_| self.deviations)?;
+        self.deviation_map().filter(|_| self.deviations)
+    }
+
+    /// What the scan of the finished part is off, or else the measured sections, with title and where its colours end (mm).
+    pub fn deviation_map(&self) -> Option<(&MapShape, &'static str, f64)> {
+        if let Some(scan) = self.scan() {
+            let [_, tolerance] = scan.part.verdict.tolerance.range_mm();
+            return Some((&scan.shape, SCANNED, 2.0 * tolerance));
+        }
+        let (walls, shape) = self.measured()?;
         Some((shape, DEVIATION, colour_limit(shape.greatest, walls.planned.limit_mm)))
     }
 
@@ -179,7 +188,7 @@ impl BliskDesk {
         Some(map_legend(title, limit))
     }
 
-    /// Shows the deviation of measured sections on the walls, or the electrode again.
+    /// Shows the deviation of the scan or of measured sections, or the electrode again.
     pub fn toggle_deviations(&mut self) {
         self.deviations = !self.deviations;
         if self.deviations {
@@ -201,7 +210,7 @@ impl BliskDesk {
 
     /// Shows the electrode again if there is no map to show any more.
     pub(super) fn follow_maps(&mut self) {
-        if self.deviations && self.measured().is_none() {
+        if self.deviations && self.deviation_map().is_none() {
             self.toggle_deviations();
         }
         if self.residual_stock && self.residual_stock_shape().is_none() {

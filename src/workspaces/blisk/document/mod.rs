@@ -5,6 +5,7 @@ pub mod choice;
 pub mod job_file;
 pub mod kept_plan;
 pub mod machine_file;
+pub mod scan;
 pub mod setting;
 pub mod stage;
 

@@ -146,7 +146,10 @@ impl<'a> Around<'a> {
 
 fn copying(around: &Around, outcome: &ElectrodeOutcome, task: &Task) -> Result<Copying, PlanJobError> {
     let (job, electrode) = (around.job, outcome.burning());
-    let wanted = CopyingExtent::of(electrode, &job.electrode, outcome.plan.h);
+    let mut wanted = CopyingExtent::of(electrode, &job.electrode, outcome.plan.h);
+    if let Some(wear_mm) = outcome.preset.map(|preset| preset.wear_mm()).filter(|wear| *wear > 0.0) {
+        wanted = wanted.beyond(electrode, wear_mm);
+    }
     let machine = &job.machine.seen_from_w(electrode.enters_from);
     let settings = CopyingSettings {
         machine,

@@ -17,6 +17,7 @@ pub mod preset;
 pub mod preview;
 pub mod released;
 mod remedy;
+pub mod scan;
 pub mod simulate;
 pub mod sizing;
 pub mod stages;

@@ -26,6 +26,8 @@ pub enum Request {
     Machine,
     /// A technology table of one's own.
     Technology,
+    /// A scan of the finished part.
+    Scan,
 }
 
 /// Draws the fields of `stage`. Changes go into the document at once.
@@ -54,6 +56,7 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) -
         "export.job_sheet" => Request::JobSheet,
         "technology.table" => Request::Technology,
         "blisk.sections.file" => Request::Sections,
+        "scan.file" => Request::Scan,
         _ => Request::ElectrodeMesh(key),
     })
 }

@@ -12,6 +12,7 @@ pub mod node_table;
 pub mod overlay;
 pub mod picks;
 pub mod plots;
+pub mod scan;
 pub mod scene_tree;
 pub mod sets;
 pub mod sizes;

@@ -28,7 +28,10 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) {
         Stage::Channel => channel(ui, desk, cx),
         Stage::Electrode => electrode(ui, desk, cx),
         Stage::Plan => plan(ui, desk, cx),
-        Stage::Verify => verify(ui, desk, cx),
+        Stage::Verify => {
+            verify(ui, desk, cx);
+            super::scan::show(ui, desk, cx);
+        }
         Stage::Export => export(ui, desk, cx),
     }
 }

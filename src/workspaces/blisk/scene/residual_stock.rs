@@ -1,7 +1,7 @@
 //! The stock left on the surfaces of a channel, or what measured sections are off, as colours: in place, and unfolded into a
 //! plane.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
@@ -9,7 +9,9 @@ use glam::{DAffine3, DMat3, DVec3};
 use crate::widgets::theme::STEEL;
 use crate::workspaces::blisk::scene::{Layer, from_w, layer_id};
 use feed::residual_stock::DeviationMap;
+use geometry::frame::Frame;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
+use measured::deviation::DeviationMap as PointDeviations;
 use render::colour_map::{ColourMap, Legend};
 use render::mesh::RenderMesh;
 use render::scene::{Object, SurfaceValues};
@@ -17,6 +19,10 @@ use wheel::channel::{Channel, Surface};
 
 /// How far before the blisk's own surface the map is shown (mm), so that the one does not shine through the other.
 const BEFORE: f64 = 0.03;
+/// The most points of a scan that are shown.
+const MOST_POINTS: usize = 300_000;
+/// Least and greatest size of a point of a scan (mm).
+const POINT_SIZES: [f64; 2] = [0.03, 1.0];
 /// Room between the unfolded surfaces (mm).
 const ROOM: f64 = 1.5;
 
@@ -45,10 +51,40 @@ impl MapShape {
         Self { shape: Arc::new(shape), values: Arc::new(values), greatest: greatest(map) }
     }
 
+    /// The points of a scan of the part with this `mesh`, each as a small triangle on the part. `frame` is W.
+    pub fn of_points(map: &PointDeviations, mesh: &Mesh, frame: &Frame) -> Self {
+        let (all, every) = (map.list(), map.list().len().div_ceil(MOST_POINTS).max(1));
+        let shown = || all.iter().step_by(every);
+        let size = point_size(map, mesh, every);
+        let (mut spots, mut values) = (Mesh::default(), Vec::new());
+        for of in shown() {
+            let normal = frame.direction_from_parent(normal_times_two_areas(mesh.corners(of.triangle as usize)));
+            let normal = normal.normalize_or(DVec3::Z);
+            let (side, other) = normal.any_orthonormal_pair();
+            let at = frame.from_parent(of.nearest) + BEFORE * normal;
+            let first = spots.vertices.len() as u32;
+            let corners = [side, -0.5 * side + 0.75_f64.sqrt() * other, -0.5 * side - 0.75_f64.sqrt() * other];
+            spots.vertices.extend(corners.map(|corner| at + size * corner));
+            spots.triangles.push([first, first + 1, first + 2]);
+            values.extend([of.distance as f32; 3]);
+        }
+        let greatest = all.iter().fold(0.0, |most: f64, of| most.max(of.distance.abs()));
+        Self { shape: Arc::new(RenderMesh::new(&spots)), values: Arc::new(values), greatest }
+    }
+
     /// Colours of the surface, up to `limit` (mm) either way.
     pub fn values(&self, limit: f64) -> SurfaceValues {
         surface_values(self.values.clone(), limit)
     }
+}
+
+/// Distance of a corner of a point's triangle from the point (mm): as far as the points lie apart on the triangles of the part
+/// that have some.
+fn point_size(map: &PointDeviations, mesh: &Mesh, every: usize) -> f64 {
+    let met: HashSet<u32> = map.list().iter().map(|of| of.triangle).collect();
+    let twice: f64 = met.iter().map(|triangle| normal_times_two_areas(mesh.corners(*triangle as usize)).length()).sum();
+    let each = 0.5 * twice * every as f64 / map.list().len().max(1) as f64;
+    each.sqrt().clamp(POINT_SIZES[0], POINT_SIZES[1])
 }
 
 /// The greatest deviation of `map` either way (mm).
@@ -69,6 +105,8 @@ pub fn colour_limit(greatest: f64, spark_gap: f64) -> f64 {
     round.into_iter().find(|limit| *limit >= most * (1.0 - 1e-6)).unwrap_or(10.0 * decade)
 }
 
+/// Title of the map of what a scan is off.
+pub const SCANNED: &str = "Scan, out of the metal";
 /// Title of the map of what measured sections are off.
 pub const DEVIATION: &str = "Measured, into the channel";
 

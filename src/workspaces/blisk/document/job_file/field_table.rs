@@ -8,6 +8,7 @@ use super::choice_words::{
     JOB_SHEETS, MACHINES, POSTS, SIDES, SIZES, STRATEGIES, TURNED, UNITS, Z_AT,
 };
 use super::electrode_fields::{OWN_ELECTRODE, SINGLE_PARTS};
+use super::scan_fields::SCAN;
 use super::setting_fields::SETTING;
 use super::technology_fields::{BURNING, TECHNOLOGY};
 use super::weight_fields::WEIGHTS;
@@ -406,6 +407,7 @@ const GROUPS: &[Group] = &[
         ],
     },
     SETTING,
+    SCAN,
     Group {
         section: "Export",
         name: "NC program",

@@ -5,6 +5,7 @@ mod blade_fields;
 mod choice_words;
 mod electrode_fields;
 pub mod field_table;
+mod scan_fields;
 mod setting_fields;
 mod technology_fields;
 mod weight_fields;
@@ -16,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use super::machine_file::{is_file, machine_table};
 use crate::workspaces::blisk::document::burning::BurningSection;
 use crate::workspaces::blisk::document::choice::{Channels, DrawnPictures, MeshFrame, WrittenFiles};
+use crate::workspaces::blisk::document::scan::ScanSection;
 use crate::workspaces::blisk::document::setting::SettingSection;
 use burning::project::ProjectTechnology;
 use feed::genetic::{GeneticParams, ReductionMode};
@@ -68,6 +70,9 @@ pub struct PlanJob {
     /// `[setting]`
     #[serde(default)]
     pub setting: SettingSection,
+    /// `[scan]`
+    #[serde(default)]
+    pub scan: ScanSection,
 }
 
 /// `[blisk]`
@@ -306,6 +311,7 @@ impl PlanJob {
             technology: ProjectTechnology::default(),
             burning: BurningSection::default(),
             setting: SettingSection::default(),
+            scan: ScanSection::default(),
         }
     }
 
@@ -350,6 +356,7 @@ impl Validate for PlanJob {
         self.genetic.validate().map_err(|e| other(&e))?;
         self.export.nc.validate().map_err(|e| other(&e))?;
         self.technology.validate().map_err(|problem| problem.within("technology"))?;
+        self.scan.validate().map_err(|problem| problem.within("scan"))?;
         if !self.export.files.any() {
             return Err(Invalid::of("export.files", "no file is chosen, so that nothing would be written; choose one"));
         }
@@ -404,6 +411,9 @@ impl Params for PlanJob {
             && !blades.file.as_os_str().is_empty()
         {
             blades.file = change(&blades.file);
+        }
+        if let Some(scan) = &mut self.scan.file {
+            *scan = change(Path::new(scan)).to_string_lossy().into_owned();
         }
         if self.technology.is_file() {
             let table = &mut self.technology.table;
