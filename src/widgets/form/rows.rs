@@ -76,7 +76,7 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
                                 is_there.then(|| widgets::narrow(ui, &inner, value, column.width, hint)).flatten()
                             });
                             if line > 0 && is_there {
-                                ui.label(RichText::new(column.head.clone()).small().color(palette(ui).faint));
+                                ui.label(RichText::new(column.in_line()).small().color(palette(ui).faint));
                             }
                             self.take(&inner, value, change);
                         }
@@ -139,19 +139,40 @@ impl<P: Clone + PartialEq + Serialize + DeserializeOwned + Validate> Form<P> {
 /// A column of a table.
 struct Column {
     field: Option<&'static Field>,
-    head: String,
+    /// Name and unit, which may be empty.
+    head: [String; 2],
     width: f32,
     line: usize,
+}
+
+impl Column {
+    /// The heading in a line.
+    fn in_line(&self) -> String {
+        let [name, unit] = &self.head;
+        if unit.is_empty() { name.clone() } else { format!("{name} {unit}") }
+    }
 }
 
 /// The columns of a table, in as many lines as the available width requires.
 struct Columns {
     all: Vec<Column>,
     lines: usize,
+    /// Whether units stand below the names in the headings.
+    is_stacked: bool,
 }
 
 impl Columns {
+    /// Columns in as few lines as possible. Units stand below the names where that brings all into a line.
     fn of(ui: &Ui, fields: &'static [Field], extra: Option<(usize, f32)>) -> Self {
+        let in_line = Self::laid_out(ui, fields, extra, false);
+        if in_line.lines == 1 {
+            return in_line;
+        }
+        let stacked = Self::laid_out(ui, fields, extra, true);
+        if stacked.lines == 1 { stacked } else { in_line }
+    }
+
+    fn laid_out(ui: &Ui, fields: &'static [Field], extra: Option<(usize, f32)>, is_stacked: bool) -> Self {
         let room = ui.available_width() - NUMBER - 2.0 * GAP;
         let font = egui::TextStyle::Small.resolve(ui.style());
         // A unit is said once and holds for the columns that follow.
@@ -159,15 +180,16 @@ impl Columns {
         let mut column = |field: &'static Field| {
             let said = if field.unit == unit { "" } else { field.unit };
             unit = field.unit;
-            Self::column(ui, (field, said), &font)
+            Self::column(ui, (field, said), &font, is_stacked)
         };
         let mut all: Vec<Column> = fields.iter().map(&mut column).collect();
         if let Some((after, width)) = extra {
-            all.insert(after.min(all.len()), Column { field: None, head: String::new(), width, line: 0 });
+            all.insert(after.min(all.len()), Column { field: None, head: Default::default(), width, line: 0 });
         }
         let (mut line, mut used) = (0, 0.0);
         for column in &mut all {
-            let label = |line: usize| if line == 0 { 0.0 } else { text_width(ui, &column.head, &font) + GAP };
+            let head = text_width(ui, &column.in_line(), &font) + GAP;
+            let label = |line: usize| if line == 0 { 0.0 } else { head };
             if used > 0.0 && used + column.width + label(line) > room {
                 (line, used) = (line + 1, 0.0);
             }
@@ -179,12 +201,11 @@ impl Columns {
         if let Some(text) = all.iter_mut().find(|c| c.line == 0 && c.field.is_some_and(|f| f.kind == Kind::Text)) {
             text.width += left.clamp(0.0, 120.0);
         }
-        Self { all, lines: line + 1 }
+        Self { all, lines: line + 1, is_stacked }
     }
 
-    fn column(ui: &Ui, (field, unit): (&'static Field, &str), font: &egui::FontId) -> Column {
+    fn column(ui: &Ui, (field, unit): (&'static Field, &str), font: &egui::FontId, is_stacked: bool) -> Column {
         let name = if field.symbol.is_empty() { field.label } else { field.symbol };
-        let head = if unit.is_empty() { name.to_owned() } else { format!("{name} {unit}") };
         let least = match field.kind {
             Kind::Text => 40.0,
             Kind::Choice(_) | Kind::ChoiceOrFile(_) | Kind::Variant { .. } => 62.0,
@@ -192,7 +213,12 @@ impl Columns {
             Kind::Flag => NUMBER,
             _ => 50.0,
         };
-        Column { field: Some(field), width: least.max(text_width(ui, &head, font) + APART), head, line: 0 }
+        let mut column = Column { field: Some(field), width: least, head: [name, unit].map(str::to_owned), line: 0 };
+        let of_text = |text: &str| text_width(ui, text, font) + APART;
+        let [name, unit] = &column.head;
+        let wide = if is_stacked { of_text(name).max(of_text(unit)) } else { of_text(&column.in_line()) };
+        column.width = column.width.max(wide);
+        column
     }
 
     /// The headings of the first line.
@@ -200,9 +226,15 @@ impl Columns {
         ui.horizontal(|ui| {
             cell(ui, NUMBER, |_| ());
             for column in self.all.iter().filter(|column| column.line == 0) {
-                let head = if column.field.is_some() { &column.head } else { extra };
+                let head = match (column.field, self.is_stacked) {
+                    (None, _) => extra.to_owned(),
+                    (_, true) => column.head.join("\n"),
+                    (_, false) => column.in_line(),
+                };
                 let text = RichText::new(head).small().color(palette(ui).faint);
-                let label = cell(ui, column.width, |ui| ui.add(egui::Label::new(text).truncate().selectable(false)));
+                let label = egui::Label::new(text).selectable(false);
+                let label = if self.is_stacked { label } else { label.truncate() };
+                let label = cell(ui, column.width, |ui| ui.add(label));
                 if let Some(field) = column.field {
                     label.on_hover_ui(|ui| tooltip(ui, field, None));
                 }

@@ -194,7 +194,7 @@ fn number_or_dash(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Opti
         .speed(place.field.drag_step())
         .max_decimals(6)
         .custom_formatter(|number, decimals| {
-            kept(if is_there(number) { short(number, decimals) } else { NOTHING.to_owned() }, &shown)
+            kept(if is_there(number) { fitting(number, decimals, width) } else { NOTHING.to_owned() }, &shown)
         })
         .custom_parser(|text| match text.trim() {
             "" | "-" | NOTHING => {
@@ -203,7 +203,10 @@ fn number_or_dash(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Opti
             }
             text if text == *shown.borrow() => Some(before),
             text => {
-                let number = parsed_or(text, &wrong);
+                let number = parsed_or(text, &wrong).filter(|number| *number >= 0.0);
+                if number.is_none() {
+                    *wrong.borrow_mut() = Some(text.to_owned());
+                }
                 is_given.set(is_given.get() || number.is_some());
                 number
             }
@@ -214,7 +217,12 @@ fn number_or_dash(ui: &mut Ui, place: &Place, value: &Value, width: f32) -> Opti
     // Zero and none are the same number to the widget.
     let is_other = is_given.get() != value.is_number() && new != *value;
     let typed = || is_other.then_some(Change::To(new.clone()));
-    wrong.into_inner().map(Change::NoNumber).or_else(|| along(&response, new.clone())).or_else(typed)
+    // A number that is typed and not possible is said to be so.
+    let refused = |text: String| match text.trim().parse::<f64>().map(|_| place.field.parse(&place.key, &text)) {
+        Ok(Err(problem)) => Change::Wrong(problem),
+        _ => Change::NoNumber(text),
+    };
+    wrong.into_inner().map(refused).or_else(|| along(&response, new.clone())).or_else(typed)
 }
 
 fn along(response: &Response, value: Value) -> Option<Change> {

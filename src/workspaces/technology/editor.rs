@@ -8,12 +8,12 @@ use std::path::{Path, PathBuf};
 use burning::duration::Calibrated;
 use burning::project::ProjectTechnology;
 use burning::technology::{TECHNOLOGY_FILE, Technology, TechnologyFile};
-use egui::{Panel, RichText, ScrollArea, Ui};
+use egui::{RichText, ScrollArea, Ui};
 use files::{FileError, History, Invalid, Validate, write_bytes};
 
 use super::fields::FIELDS;
 use super::{plots, read_table};
-use crate::widgets::form::{Form, heading};
+use crate::widgets::form::Form;
 use crate::widgets::panel_parts::{file_name, notice};
 use crate::widgets::theme::palette;
 use crate::workspaces::context::{Context, PathSet};
@@ -135,8 +135,10 @@ impl TechnologyEditor {
     fn show(&mut self, ctx: &egui::Context, project: &ProjectTechnology) -> Option<Wish> {
         let mut is_open = true;
         let room = ctx.content_rect().size() - egui::vec2(40.0, 80.0);
-        let size = egui::vec2(room.x.min(1080.0), room.y.min(720.0));
+        let size = egui::vec2(room.x.min(1400.0), room.y.min(760.0));
+        let at = ctx.content_rect().center() - 0.5 * size;
         let window = egui::Window::new("Technology table").open(&mut is_open).default_size(size).max_size(room);
+        let window = window.default_pos(at).collapsible(false);
         let shown = window.show(ctx, |ui| self.contents(ui, project));
         let wish = shown.and_then(|shown| shown.inner).flatten();
         wish.or((!is_open).then_some(Wish::Close))
@@ -151,11 +153,11 @@ impl TechnologyEditor {
         if let Some(why) = &self.unwritten {
             notice(ui, palette(ui).bad, &format!("Not written. {why}"));
         }
-        Panel::left("technologies").default_size(190.0).show(ui, |ui| {
-            wish = self.list(ui, project).or(wish.take());
-        });
-        let scroll = ScrollArea::vertical().auto_shrink([false, false]);
-        let changed = scroll.show(ui, |ui| self.technology(ui)).inner;
+        wish = self.list(ui, project).or(wish);
+        ui.separator();
+        let scroll = ScrollArea::both().auto_shrink([false, false]);
+        let frame = egui::Frame::new().inner_margin(egui::Margin { right: 12, ..Default::default() });
+        let changed = scroll.show(ui, |ui| frame.show(ui, |ui| self.technology(ui)).inner).inner;
         changed.then(|| self.write(project)).flatten().or(wish)
     }
 
@@ -199,29 +201,31 @@ impl TechnologyEditor {
         wish
     }
 
-    /// Draws the technologies of the table.
+    /// Draws the choice of the technology that is shown, and what can be done with it.
     fn list(&mut self, ui: &mut Ui, project: &ProjectTechnology) -> Option<Wish> {
         let mut wish = None;
-        heading(ui, "Technologies");
-        for (i, technology) in self.table.technology.iter().enumerate() {
-            let is_used = technology.id == project.id;
-            let text = RichText::new(technology.label());
-            let text = if is_used { text.strong() } else { text };
-            let response = ui.selectable_label(i == self.shown, text);
-            let used = if is_used { "; the project uses it" } else { "" };
-            if response.on_hover_text(format!("{}, {}{used}", technology.id, technology.basis)).clicked() {
-                self.shown = i;
-            }
-        }
-        ui.add_space(6.0);
-        let shown = self.table.technology.get(self.shown)?;
-        let hint = "Estimates of the project rest on the technology that it uses";
-        let can_use = shown.id != project.id && self.unwritten.is_none();
-        if ui.add_enabled(can_use, egui::Button::new("Use in the project")).on_hover_text(hint).clicked() {
-            wish = Some(Wish::Take(TableChange::Use(shown.id.clone())));
-        }
-        let is_own = self.file.is_some();
         ui.horizontal(|ui| {
+            let all = &self.table.technology;
+            let used = |technology: &Technology| if technology.id == project.id { ", in use" } else { "" };
+            let name = |technology: &Technology| format!("{}{}", technology.label(), used(technology));
+            let now = all.get(self.shown).map(name).unwrap_or_default();
+            let list = egui::ComboBox::from_id_salt("technologies").selected_text(now).width(300.0);
+            let list = list.show_ui(ui, |ui| {
+                for (i, technology) in all.iter().enumerate() {
+                    let response = ui.selectable_label(i == self.shown, name(technology));
+                    if response.on_hover_text(format!("{}, {}", technology.id, technology.basis)).clicked() {
+                        self.shown = i;
+                    }
+                }
+            });
+            list.response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "Technology"));
+            let Some(shown) = self.table.technology.get(self.shown) else { return };
+            let hint = "Estimates of the project rest on the technology that it uses";
+            let can_use = shown.id != project.id && self.unwritten.is_none();
+            if ui.add_enabled(can_use, egui::Button::new("Use in the project")).on_hover_text(hint).clicked() {
+                wish = Some(Wish::Take(TableChange::Use(shown.id.clone())));
+            }
+            let is_own = self.file.is_some();
             if ui.add_enabled(is_own, egui::Button::new("Duplicate")).clicked() {
                 let (copy, before) = (self.free_copy(self.shown), self.table.clone());
                 self.table.technology.insert(self.shown + 1, copy);

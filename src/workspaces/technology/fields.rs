@@ -73,28 +73,59 @@ const STEPS: Field = Field::rows(
     &[
         Field::text("name", "Name").help("Unique in the technology."),
         Field::text("vendor_code", "Code").help("Code by which the machine calls this setting."),
-        figure("vdi", "VDI", "", -20.0, 60.0).help("Finish that the step leaves (VDI 3400)."),
-        figure("ra_um", "Ra", "µm", 0.01, 100.0).help("Arithmetic mean roughness that the step leaves."),
-        figure("ip_a", "Current", "A", 1e-3, 2000.0).symbol("IP").help("Peak current."),
-        figure("on_us", "On", "µs", 1e-3, 1e5).help("Pulse duration."),
-        figure("off_us", "Off", "µs", 1e-3, 1e5).help("Pause between pulses."),
-        figure("servo_v", "Servo", "V", 0.0, 1000.0).help("Servo voltage."),
-        figure("open_v", "Open", "V", 1.0, 1000.0).help("Open-circuit voltage."),
-        figure("gap_side_mm", "Gap side", "mm", 1e-4, 5.0).help("Spark gap at the sides, a side."),
-        figure("gap_front_mm", "Gap front", "mm", 1e-4, 5.0).help("Spark gap at the front."),
-        figure("rate_mm3_min", "Rate", "mm³/min", 1e-6, 1e5).help("Removal rate, without jumps."),
-        figure("at_area_mm2", "At area", "mm²", 1e-3, 1e7).help("Frontal area at which the rate is stated."),
-        figure("max_density_a_cm2", "Density", "A/cm²", 1e-3, 1e4).help("Greatest peak current per frontal area."),
+        figure("vdi", "VDI", "", -20.0, 60.0).decimals(1).help("Finish that the step leaves (VDI 3400)."),
+        figure("ra_um", "Ra", "µm", 0.01, 100.0).decimals(2).help("Arithmetic mean roughness that the step leaves."),
+        figure("ip_a", "Current", "A", 1e-3, 2000.0).decimals(1).symbol("IP").help("Peak current."),
+        figure("on_us", "On", "µs", 1e-3, 1e5).decimals(1).help("Pulse duration."),
+        figure("off_us", "Off", "µs", 1e-3, 1e5).decimals(1).help("Pause between pulses."),
+        figure("servo_v", "Servo", "V", 0.0, 1000.0).decimals(0).help("Servo voltage."),
+        figure("open_v", "Open", "V", 1.0, 1000.0).decimals(0).help("Open-circuit voltage."),
+        figure("gap_side_mm", "Gap side", "mm", 1e-4, 5.0)
+            .decimals(4)
+            .symbol("side gap")
+            .help("Spark gap at the sides, a side."),
+        figure("gap_front_mm", "Gap front", "mm", 1e-4, 5.0)
+            .decimals(4)
+            .symbol("front")
+            .help("Spark gap at the front."),
+        figure("rate_mm3_min", "Rate", "mm³/min", 1e-6, 1e5)
+            .decimals(2)
+            .symbol("rate")
+            .help("Removal rate, without jumps."),
+        figure("at_area_mm2", "At area", "mm²", 1e-3, 1e7)
+            .decimals(1)
+            .symbol("at area")
+            .help("Frontal area at which the rate is stated."),
+        figure("max_density_a_cm2", "Density", "A/cm²", 1e-3, 1e4)
+            .decimals(2)
+            .symbol("density")
+            .help("Greatest peak current per frontal area."),
         figure("wear_percent", "Wear", "%", 0.0, 1000.0)
+            .decimals(2)
+            .symbol("wear")
             .help("Volume that the electrode loses, in percent of the volume that it removes."),
-        figure("corner_wear_mm", "Corner wear", "mm", 0.0, 50.0).help("Wear of the electrode's edges in one burn."),
-        figure("orbit_mm", "Orbit", "mm", 0.0, 50.0).help("Radius of the orbit."),
+        figure("corner_wear_mm", "Corner wear", "mm", 0.0, 50.0)
+            .decimals(3)
+            .symbol("corner")
+            .help("Wear of the electrode's edges in one burn."),
+        figure("orbit_mm", "Orbit", "mm", 0.0, 50.0).decimals(3).symbol("orbit").help("Radius of the orbit."),
         figure("stock_next_mm", "Stock next", "mm", 1e-4, 50.0)
+            .decimals(4)
+            .symbol("stock")
             .help("Thickness of the layer that the step leaves for the next step."),
-        figure("jump_mm", "Jump", "mm", 0.0, 1000.0).help("Height of a jump."),
-        figure("jump_every_s", "Jump every", "s", 1e-2, 1e5).help("Time of burning between two jumps."),
-        figure("jump_speed", "Jump speed", "mm/min", 1.0, 1e5).help("Speed of a jump, up and down."),
-        figure("recast_um", "Recast", "µm", 0.0, 1000.0).help("Thickness of the recast layer."),
+        figure("jump_mm", "Jump", "mm", 0.0, 1000.0).decimals(2).symbol("jump").help("Height of a jump."),
+        figure("jump_every_s", "Jump every", "s", 1e-2, 1e5)
+            .decimals(2)
+            .symbol("every")
+            .help("Time of burning between two jumps."),
+        figure("jump_speed", "Jump speed", "mm/min", 1.0, 1e5)
+            .decimals(0)
+            .symbol("speed")
+            .help("Speed of a jump, up and down."),
+        figure("recast_um", "Recast", "µm", 0.0, 1000.0)
+            .decimals(1)
+            .symbol("recast")
+            .help("Thickness of the recast layer."),
     ],
     "{ name = \"S\" }",
 )

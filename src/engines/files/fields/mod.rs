@@ -454,6 +454,8 @@ impl Field {
             Kind::ChoiceOrFile(_) => value.is_string(),
             Kind::ChoiceOr(..) => !value.is_null(),
             Kind::File => value.is_string() || value.is_null(),
+            // An empty list may be left out.
+            Kind::Rows { .. } if value.is_null() => true,
             Kind::Rows { fields, .. } => {
                 let Some(rows) = value.as_array() else { return Err(self.refused(key, value)) };
                 for (i, row) in rows.iter().enumerate() {

@@ -81,6 +81,6 @@ fn compared(part: &Part, found: &FoundChannel, scan: &ScanSection, task: &Task) 
     let face_of = part.faces.as_ref().map_or(&[][..], |cad| &cad.face_of);
     let surfaces = Surfaces::of_wheel(&part.mesh, &found.channel, face_of, task).map_err(|e| e.to_string())?;
     let compared = ScannedPart::of(part.mesh.clone(), &surfaces, &points, &judgement, task).map_err(words)?;
-    let shape = MapShape::of_points(&compared.map, &part.mesh, &found.channel.frame);
+    let shape = MapShape::of_points(&compared.map, &part.mesh, &found.channel.frame, |t| surfaces.is_open(t));
     Ok(ScanShown { part: compared, shape })
 }

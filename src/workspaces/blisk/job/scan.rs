@@ -24,6 +24,8 @@ pub struct Surfaces {
     names: Vec<String>,
     /// Number of the channel that each triangle bounds; none of one that bounds none.
     channels: Vec<Option<usize>>,
+    /// Whether each triangle is in a channel and not of the shroud.
+    open: Vec<bool>,
 }
 
 impl Surfaces {
@@ -41,7 +43,14 @@ impl Surfaces {
             bounds.then(|| numbers.at(channel.frame.from_parent(corners.iter().sum::<DVec3>() / 3.0)))
         };
         let names = found.classes.iter().map(|class| name(*class).to_owned()).collect();
-        Ok(Self { names, channels: mesh.iter_corners().zip(&found.classes).map(number).collect() })
+        let is_open = |class: &SurfaceClass| !matches!(class, SurfaceClass::Elsewhere | SurfaceClass::Shroud);
+        let open = found.classes.iter().map(is_open).collect();
+        Ok(Self { names, channels: mesh.iter_corners().zip(&found.classes).map(number).collect(), open })
+    }
+
+    /// Whether a triangle is seen by who looks into a channel without its shroud.
+    pub fn is_open(&self, triangle: u32) -> bool {
+        self.open.get(triangle as usize).copied().unwrap_or(false)
     }
 
     /// Name of the surface of a triangle.

@@ -55,18 +55,25 @@ pub fn show(ui: &mut Ui, desk: &BliskDesk, cx: &mut Context) {
     }
 }
 
-/// A row for each of the parts of a scan: least, mean and greatest deviation, and the share within the tolerance.
+/// A row for each of the parts of a scan: least and greatest deviation, and the share within the tolerance.
 fn table<'a>(ui: &mut Ui, head: &str, rows: impl Iterator<Item = (String, &'a Statistics)>) {
+    /// Room for the figures beside the names (points).
+    const FIGURES: f32 = 185.0;
     let faint = palette(ui).faint;
-    egui::Grid::new(head).num_columns(5).min_col_width(0.0).spacing([8.0, 3.0]).striped(true).show(ui, |ui| {
-        for head in [head, "least mm", "mean", "greatest", "within"] {
+    let names = (ui.available_width() - FIGURES).clamp(60.0, 180.0);
+    egui::Grid::new(head).num_columns(4).min_col_width(0.0).spacing([8.0, 3.0]).striped(true).show(ui, |ui| {
+        for head in [head, "least mm", "greatest", "within"] {
             ui.label(RichText::new(head).small().color(faint));
         }
         ui.end_row();
         for (name, of) in rows {
             let colour = if of.within < of.points { palette(ui).warning } else { ui.visuals().text_color() };
-            ui.add(egui::Label::new(name).truncate()).on_hover_text(format!("{} points", grouped(of.points)));
-            for value in [of.least_mm, of.mean_mm, of.greatest_mm] {
+            ui.scope(|ui| {
+                ui.set_max_width(names);
+                let hint = format!("{name}: {} points, mean {:+.4} mm", grouped(of.points), of.mean_mm);
+                ui.add(egui::Label::new(name).truncate()).on_hover_text(hint);
+            });
+            for value in [of.least_mm, of.greatest_mm] {
                 ui.label(RichText::new(format!("{value:+.3}")).monospace());
             }
             ui.label(RichText::new(format!("{:.1} %", 100.0 * of.share_within)).monospace().color(colour));

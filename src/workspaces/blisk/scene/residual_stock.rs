@@ -1,7 +1,7 @@
 //! The stock left on the surfaces of a channel, or what measured sections are off, as colours: in place, and unfolded into a
 //! plane.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
@@ -11,7 +11,7 @@ use crate::workspaces::blisk::scene::{Layer, from_w, layer_id};
 use feed::residual_stock::DeviationMap;
 use geometry::frame::Frame;
 use geometry::mesh::{Bounds, Mesh, normal_times_two_areas};
-use measured::deviation::DeviationMap as PointDeviations;
+use measured::deviation::{Deviation, DeviationMap as PointDeviations};
 use render::colour_map::{ColourMap, Legend};
 use render::mesh::RenderMesh;
 use render::scene::{Object, SurfaceValues};
@@ -51,13 +51,14 @@ impl MapShape {
         Self { shape: Arc::new(shape), values: Arc::new(values), greatest: greatest(map) }
     }
 
-    /// The points of a scan of the part with this `mesh`, each as a small triangle on the part. `frame` is W.
-    pub fn of_points(map: &PointDeviations, mesh: &Mesh, frame: &Frame) -> Self {
-        let (all, every) = (map.list(), map.list().len().div_ceil(MOST_POINTS).max(1));
-        let shown = || all.iter().step_by(every);
-        let size = point_size(map, mesh, every);
+    /// The points of a scan on the triangles of the part's `mesh` that are `shown`, each as a small triangle on the part.
+    /// `frame` is W.
+    pub fn of_points(map: &PointDeviations, mesh: &Mesh, frame: &Frame, shown: impl Fn(u32) -> bool) -> Self {
+        let all: Vec<&Deviation> = map.list().iter().filter(|of| shown(of.triangle)).collect();
+        let every = all.len().div_ceil(MOST_POINTS).max(1);
+        let size = point_size(&all, mesh, every);
         let (mut spots, mut values) = (Mesh::default(), Vec::new());
-        for of in shown() {
+        for of in all.iter().step_by(every) {
             let normal = frame.direction_from_parent(normal_times_two_areas(mesh.corners(of.triangle as usize)));
             let normal = normal.normalize_or(DVec3::Z);
             let (side, other) = normal.any_orthonormal_pair();
@@ -80,10 +81,10 @@ impl MapShape {
 
 /// Distance of a corner of a point's triangle from the point (mm): as far as the points lie apart on the triangles of the part
 /// that have some.
-fn point_size(map: &PointDeviations, mesh: &Mesh, every: usize) -> f64 {
-    let met: HashSet<u32> = map.list().iter().map(|of| of.triangle).collect();
+fn point_size(all: &[&Deviation], mesh: &Mesh, every: usize) -> f64 {
+    let met: BTreeSet<u32> = all.iter().map(|of| of.triangle).collect();
     let twice: f64 = met.iter().map(|triangle| normal_times_two_areas(mesh.corners(*triangle as usize)).length()).sum();
-    let each = 0.5 * twice * every as f64 / map.list().len().max(1) as f64;
+    let each = 0.5 * twice * every as f64 / all.len().max(1) as f64;
     each.sqrt().clamp(POINT_SIZES[0], POINT_SIZES[1])
 }
 
