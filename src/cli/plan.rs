@@ -14,7 +14,7 @@ use crate::workspaces::blisk::job::plan::{prepare, run_prepared};
 use crate::workspaces::blisk::job::prepared_blisk::PreparedBlisk;
 use crate::workspaces::blisk::job::preset::{Presets, check_presets, read_presets, with_presets};
 use crate::workspaces::blisk::job::sizing::auto_sized;
-use crate::workspaces::blisk::job::stages::{BliskMesh, input_file, read_blisk};
+use crate::workspaces::blisk::job::stages::{BliskMesh, input_file, read_blank, read_blisk};
 use crate::workspaces::blisk::report::{InputFile, Report};
 use files::{ExportFolder, Validate as _};
 use import::Units;
@@ -29,8 +29,8 @@ pub(super) fn plan(
     out: &Path,
     session: &Session,
 ) -> anyhow::Result<Answer> {
-    let presets = presets.map(read_presets).transpose()?;
     let (inputs, files) = load(project, session)?;
+    let presets = presets.or(inputs.job.setup.presets.as_deref().map(Path::new)).map(read_presets).transpose()?;
     finish(inputs, files, presets.as_ref(), out, session)
 }
 
@@ -64,8 +64,11 @@ pub(super) fn load(project: &ProjectArguments, session: &Session) -> anyhow::Res
         files.push(input_file("electrode", path, &own));
         own_electrodes.push(own.mesh.into());
     }
+    let blank = read_blank(&job, &session.task).map_err(anyhow::Error::msg)?;
+    files.extend(blank.as_ref().map(|(_, file)| file.clone()));
+    let blank = blank.map(|(mesh, _)| mesh.into());
     let (blisk, obstacles) = (blisk.into(), obstacles.map(Into::into));
-    Ok((PlanInputs { blisk, obstacles, own_electrodes, sections, job }, files))
+    Ok((PlanInputs { blisk, obstacles, own_electrodes, sections, blank, job }, files))
 }
 
 /// The whole journey on the built-in blisk.

@@ -72,6 +72,7 @@ impl Planned {
             blisk: part.mesh.clone(),
             obstacles: None,
             own_electrodes: Vec::new(),
+            blank: None,
             sections: Arc::default(),
             job: job(axes),
         };

@@ -23,6 +23,7 @@ use nc::measuring_points::measuring_csv;
 use nc::path_csv::{PathCsvError, write_copying_csv, write_path_csv};
 use nc::post::{Post, PostError};
 use nc::program::{NcJob, NcProgram, is_program_for};
+use nc::setup_sheet::{SetUpError, setup_sheet};
 use nc::step_files::{WrittenStep, length, step_words, text, written_step};
 use nc::template::{JobSheet, TemplateError};
 use step::write::{Role, StepPart, StepPatch};
@@ -63,6 +64,8 @@ pub enum PlanFilesError {
     JobSheet(#[from] TemplateError),
     #[error(transparent)]
     Nc(#[from] NcError),
+    #[error("set-up sheet: {0}")]
+    SetUp(#[from] SetUpError),
     #[error("the path of electrode {electrode} was certified but cannot be approved: {source}")]
     NotApproved { electrode: usize, source: NotApproved },
 }
@@ -157,6 +160,9 @@ pub fn write(
             Ok(sheet) => texts.push((JOB_SHEET_FILE, sheet)),
             Err(error) => no_job_sheet = Some(error.to_string()),
         }
+        if let Some(set_up) = inputs.job.setup.set_up() {
+            texts.push((SETUP_SHEET_FILE, setup_sheet(&job, &set_up)?));
+        }
         files.extend(texts.into_iter().map(|(name, text)| (name.to_owned(), text.into_bytes())));
     }
     if let (Some(walls), true) = (&outcome.measured, inputs.job.export.files.report) {
@@ -227,6 +233,8 @@ const RESIDUAL_STOCK_FILE: &str = "leftover.ply";
 /// The schedule of the wheel.
 const SCHEDULE_FILE: &str = "schedule.csv";
 
+/// Datums and measuring points for who sets up.
+const SETUP_SHEET_FILE: &str = "setup_sheet.txt";
 /// The measured points with their deviations.
 const SECTIONS_FILE: &str = "section_deviations.csv";
 

@@ -25,6 +25,10 @@ pub enum BliskPath {
     Technology,
     /// A copy of the technology table.
     TechnologyCopy,
+    /// A table of the electrodes as they are measured.
+    Presets,
+    /// A mesh of the wheel as it comes.
+    Blank,
     /// A scan of the finished part.
     Scan,
     /// A file of a project that is elsewhere now.
@@ -37,7 +41,7 @@ const SCAN_ENDINGS: &[&str] = &["stl", "obj", "ply", "xyz", "csv", "txt"];
 impl PathSet for BliskPath {
     fn table() -> &'static [(Self, PathInfo)] {
         use BliskPath as P;
-        static TABLE: [(P, PathInfo); 11] = [
+        static TABLE: [(P, PathInfo); 13] = [
             (
                 P::Open,
                 PathInfo::open(
@@ -53,6 +57,8 @@ impl PathSet for BliskPath {
             (P::Machine, PathInfo::new("Your own machine", PathKind::Read("Machine", &[TOML], false))),
             (P::Technology, PathInfo::new("Your own technology table", PathKind::Read("Technology", &[TOML], false))),
             (P::TechnologyCopy, PathInfo::new("Copy of the technology table", PathKind::Write("Technology", ".toml"))),
+            (P::Blank, PathInfo::new("The wheel as it comes", PathKind::Read("Meshes", &[MESH_ENDINGS], false))),
+            (P::Presets, PathInfo::new("Electrodes as measured", PathKind::Read("Tables", &[CSV], false))),
             (P::Scan, PathInfo::new("Scan of the finished part", PathKind::Read("Points", &[SCAN_ENDINGS], false))),
             (P::MovedFile, FIND),
         ];

@@ -385,6 +385,8 @@ impl Workspace for BliskWorkspace {
             Some(FormRequest::Machine) => cx.ask(BliskPath::Machine, ""),
             Some(FormRequest::Technology) => cx.ask(BliskPath::Technology, ""),
             Some(FormRequest::Scan) => cx.ask(BliskPath::Scan, ""),
+            Some(FormRequest::Blank) => cx.ask(BliskPath::Blank, ""),
+            Some(FormRequest::Presets) => cx.ask(BliskPath::Presets, ""),
             None => {}
         }
         if wide {
@@ -499,6 +501,8 @@ impl Workspace for BliskWorkspace {
             Some(BliskPath::Post) => self.take_post(&path, cx),
             Some(BliskPath::JobSheet) => self.take_job_sheet(&path, cx),
             Some(BliskPath::Machine) => self.take_machine(&path, cx),
+            Some(BliskPath::Presets) => self.take_file("Presets", "setup.presets", &path, cx),
+            Some(BliskPath::Blank) => self.take_file("Blank", "burning.blank", &path, cx),
             Some(BliskPath::Scan) => self.take_file("Scan", "scan.file", &path, cx),
             Some(BliskPath::Technology) => self.take_technology(&path, cx),
             Some(BliskPath::TechnologyCopy) if self.technology.write_copy(&path, cx) => self.take_technology(&path, cx),

@@ -16,6 +16,7 @@
 //! passage. Beside it the
 //! rings are taken to be turned before. What is left between the shank and a ring is therefore not counted.
 
+mod blank;
 mod cutter;
 mod removed;
 mod surface;
@@ -30,6 +31,8 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::pose::Pose;
+pub use blank::Blank;
+use blank::Stocked;
 use burning::choice::Piece;
 use cutter::{Cutter, CutterError, REACH};
 use geometry::distance_field::DistanceField;
@@ -68,6 +71,8 @@ pub struct Site<'a> {
     pub junctions: Junctions,
     /// Distance to the finished surface that all the motions are proven to keep (mm); 0 if nothing is proven.
     pub proven: f64,
+    /// The wheel before it is burned.
+    pub blank: Blank<'a>,
 }
 
 /// A layer of stock left, or of metal cut too deep, on one surface: all that exceeds the tolerance.
@@ -213,7 +218,7 @@ pub fn residual_stock(site: &Site, burns: &[Burn], task: &Task) -> Result<Residu
         let electrode = burn.electrode;
         cutters.push(Cutter::new(&electrode.mesh, electrode.reference_point, span, motions, &task)?);
     }
-    let removal = Removal { cutters, spark_gap: site.spark_gap };
+    let removal = Removal { cutters, spark_gap: site.spark_gap, blank: Stocked::new(site.blank, site.blisk)? };
     let passage = Passage::new(site.channel).ok_or(ResidualStockError::NoWalls)?;
     let patch = surface::patch(site, &passage, &task.cancel)?;
     let deviation = surface::deviations(&patch, &removal, least_deviation(site), &task)?;
@@ -234,6 +239,7 @@ fn least_deviation(site: &Site) -> f64 {
 struct Removal {
     cutters: Vec<Cutter>,
     spark_gap: f64,
+    blank: Stocked,
 }
 
 impl Removal {

@@ -6,8 +6,7 @@
 //! middle of the burning faces, without stretches on which nothing is removed. The frontal area of a piece is the volume
 //! that is removed on it by its advance: the area of the electrode in the stock, seen along the motion.
 //!
-//! The stock is the channel between the finished walls, hub and shroud, over the span of the blades: a ring that is
-//! turned before. Of a bar that moves straight, volumes are within 2 % and frontal areas within 8 %, less where it enters.
+//! The stock is that of the blank in the channel between the finished walls, hub and shroud, over the span of the blades. Of a bar that moves straight, volumes are within 2 % and frontal areas within 8 %, less where it enters.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -115,6 +114,9 @@ pub(super) fn removed(
             let volume = strip.section * strip.width() / ACROSS as f64;
             for k in 0..ACROSS {
                 let p = strip.point((k as f64 + aside) / ACROSS as f64);
+                if !removal.blank.holds(p) {
+                    continue;
+                }
                 let first = stations.iter().zip(&removal.cutters).enumerate().find_map(|(b, (of, cutter))| {
                     let row = |(m, s): (usize, &Stations)| Some((m, cutter.first_row_within(&s.motion, p, within)?));
                     of.iter().enumerate().find_map(row).map(|(m, row)| (b, m, row))

@@ -130,7 +130,8 @@ pub(super) fn deviations(patch: &Patch, removal: &Removal, enough: f64, task: &T
         .par_chunks(BATCH)
         .map(|batch| {
             task.check()?;
-            let found: Vec<f64> = batch.iter().map(|&p| removal.deviation(p, enough)).collect();
+            let left = |&p: &DVec3| removal.blank.left(p, removal.deviation(p, enough));
+            let found: Vec<f64> = batch.iter().map(left).collect();
             let done = done.fetch_add(batch.len(), Ordering::Relaxed) + batch.len();
             task.report("residual stock", 0.7 * done as f64 / all as f64, "surfaces of the channel");
             Ok(found)

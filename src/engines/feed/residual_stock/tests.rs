@@ -46,7 +46,16 @@ static PART: LazyLock<Part> = LazyLock::new(|| {
 
 fn site() -> Site<'static> {
     let junctions = Junctions::default();
-    Site { blisk: &PART.mesh, channel: &PART.channel, finder: &PART.finder, spark_gap: GAP, junctions, proven: 0.0 }
+    let blank = Blank::Full;
+    Site {
+        blisk: &PART.mesh,
+        channel: &PART.channel,
+        finder: &PART.finder,
+        spark_gap: GAP,
+        junctions,
+        proven: 0.0,
+        blank,
+    }
 }
 
 fn unreduced() -> ElectrodeParams {
@@ -451,4 +460,49 @@ fn what_is_removed_and_what_is_left_make_the_channel() {
     assert!(sum(&found.removed[1]) < 0.9 * sum(&alone[0]), "{} {}", sum(&found.removed[1]), sum(&alone[0]));
     assert!(found.removed.iter().flatten().all(|piece| piece.frontal_area_mm2 > 0.1));
     assert_eq!(found, left_by(&burns), "the order of threads does not count");
+}
+
+/// What electrodes remove of a wheel that comes with an allowance, and what they leave, is the channel within the allowance of
+/// the finished blisk, counted with exact distances at places of its own.
+#[test]
+fn of_a_near_net_wheel_only_its_allowance_is_burned() {
+    const ALLOWANCE: f64 = 0.8;
+    let electrodes = make(&unreduced());
+    // The electrode as it stands and as it comes in from -X.
+    let feed: Vec<crate::pose::Pose> =
+        (0..=40).rev().map(|k| crate::pose::Pose { x: -f64::from(k) * 0.5, ..crate::pose::Pose::FINAL }).collect();
+    let burn = || vec![Burn { electrode: &electrodes[0], feed: feed.clone(), copying: Vec::new() }];
+    let by = |blank| residual_stock(&Site { blank, ..site() }, &burn(), &Task::default()).unwrap();
+    let sum = |found: &ResidualStock| found.removed.iter().flatten().map(|piece| piece.volume_mm3).sum::<f64>();
+    let (full, near) = (by(Blank::Full), by(Blank::Allowance(ALLOWANCE)));
+    // Places all over the channel, from wall to wall.
+    let passage = Passage::new(&PART.channel).unwrap();
+    let [from, to] = PART.channel.span_x();
+    let (mut within, mut all) = (0.0, 0.0);
+    for i in 0..60_u32 {
+        let x = from + (to - from) * (f64::from(i) + 0.5) / 60.0;
+        let (hub, shroud) = PART.channel.radii_at(x);
+        for j in 0..30_u32 {
+            let r = hub + (shroud - hub) * (f64::from(j) + 0.5) / 30.0;
+            let [low, high] = passage.between(x, r);
+            for k in 0..30_u32 {
+                let theta = low + (high - low) * (f64::from(k) + 0.5) / 30.0;
+                let volume = (high - low).max(0.0) * r;
+                all += volume;
+                if PART.exact.signed_distance(Cylindrical { x, r, theta }.point()) <= ALLOWANCE {
+                    within += volume;
+                }
+            }
+        }
+    }
+    let expected = within / all;
+    let found = (sum(&near) + near.stock.left_mm3) / (sum(&full) + full.stock.left_mm3);
+    assert!((found - expected).abs() < 0.03, "{found} of the channel, {expected} expected");
+    assert!(expected < 0.7, "the allowance leaves a channel free");
+    for (full, near) in full.surfaces.iter().zip(&near.surfaces) {
+        assert!(near.left.depth_mm <= full.left.depth_mm.min(ALLOWANCE) + 1e-6, "{:?}", near.surface);
+    }
+    // The same wheel given as a mesh: nothing of the ring is stock but what the finished blisk has.
+    let finished = by(Blank::Solid(&PART.mesh));
+    assert!(sum(&finished) < 0.02 * sum(&full), "{} of {}", sum(&finished), sum(&full));
 }

@@ -158,6 +158,9 @@ fn shells(hub: f64, shroud: f64) -> Vec<[f64; 2]> {
 /// eroded, stays so for as far as it is deep.
 fn ray(removal: &Removal, strip: &Strip) -> Passed {
     let width = strip.width();
+    if !removal.blank.is_full() {
+        return sampled(removal, strip);
+    }
     let mut passed = Passed { channel: width, ..Passed::default() };
     let mut s = 0.0;
     // The part of the last step that may have led into stock.
@@ -174,6 +177,24 @@ fn ray(removal: &Removal, strip: &Strip) -> Passed {
             (passed.depth, passed.at) = (deviation, Some(p));
         }
         s += step;
+    }
+    passed
+}
+
+/// Points from wall to wall, where the stock of the blank need not go on as far as a point is from what is eroded.
+fn sampled(removal: &Removal, strip: &Strip) -> Passed {
+    const POINTS: usize = 32;
+    let width = strip.width();
+    let mut passed = Passed { channel: width, ..Passed::default() };
+    for k in 0..POINTS {
+        let p = strip.point((k as f64 + 0.5) / POINTS as f64);
+        let deviation = removal.deviation(p, 0.0);
+        if deviation > NOTHING && removal.blank.holds(p) {
+            passed.left += width / POINTS as f64;
+            if deviation > passed.depth {
+                (passed.depth, passed.at) = (deviation, Some(p));
+            }
+        }
     }
     passed
 }

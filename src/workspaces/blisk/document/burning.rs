@@ -1,7 +1,10 @@
 //! How a wheel is burned, beside the technology.
 
+use std::path::PathBuf;
+
 use burning::choice::Until;
 use burning::schedule::Order;
+use files::{Invalid, Validate};
 use serde::{Deserialize, Serialize};
 
 /// `[burning]`
@@ -17,6 +20,25 @@ pub struct BurningSection {
     pub indexing_min: f64,
     /// Order of the channels of the wheel.
     pub order: Order,
+    /// Stock on the surfaces of the channels of a wheel that was cast, printed or roughed before (mm); none of a full ring.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub allowance_mm: Option<f64>,
+    /// Mesh of the wheel as it comes, in the coordinates of its own; none of a full ring.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub blank: Option<PathBuf>,
+}
+
+impl Validate for BurningSection {
+    fn validate(&self) -> Result<(), Invalid> {
+        match (&self.blank, self.allowance_mm) {
+            (Some(_), Some(mm)) => Err(Invalid::new(
+                "allowance_mm",
+                mm,
+                "a mesh of the wheel as it comes is given as well; give one of them",
+            )),
+            _ => Ok(()),
+        }
+    }
 }
 
 impl BurningSection {

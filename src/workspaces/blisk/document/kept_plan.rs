@@ -219,6 +219,7 @@ impl KeptPlan {
             technology: _,
             burning: _,
             setting: _,
+            setup: _,
             scan: _,
         } = job.clone();
         for mesh in [&mut blisk.mesh, &mut electrode.mesh] {

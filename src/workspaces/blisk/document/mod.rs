@@ -7,6 +7,7 @@ pub mod kept_plan;
 pub mod machine_file;
 pub mod scan;
 pub mod setting;
+pub mod setup;
 pub mod stage;
 
 use std::path::Path;

@@ -54,6 +54,10 @@ impl Fingerprint {
         if *reading != reading.units.into() {
             add(&mut hash, reading);
         }
+        // Older plans are of full rings.
+        if let Some(blank) = &job.burning.blank {
+            add(&mut hash, blank);
+        }
         if stage >= Stage::Channel {
             add(&mut hash, &job.blisk.options);
         }
@@ -65,11 +69,15 @@ impl Fingerprint {
             add(&mut hash, &(&job.machine, &job.plan, &job.genetic, &job.verify));
             // The motion is simulated in these.
             add(&mut hash, &job.export.channels);
+            // The residual stock is that of the blank.
+            if let Some(allowance) = job.burning.allowance_mm {
+                add(&mut hash, &allowance);
+            }
             // The errors that the feed bears are looked at with its motion.
             add(&mut hash, &job.setting);
         }
         if stage >= Stage::Export {
-            add(&mut hash, &(&job.export, &job.technology, &job.burning));
+            add(&mut hash, &(&job.export, &job.technology, &job.burning, &job.setup));
         }
         Self(hash.finalize().into())
     }

@@ -10,7 +10,7 @@ use super::simulate::{Around, simulate};
 use feed::copying::{Copying, CopyingExtent, CopyingSettings, copying_motion};
 use feed::path::FeedPath;
 use feed::pose::Pose;
-use feed::residual_stock::{Burn, ResidualStock, ResidualStockError, Site, residual_stock};
+use feed::residual_stock::{Blank, Burn, ResidualStock, ResidualStockError, Site, residual_stock};
 use feed::verify::Verifier;
 use feed::verify::setting::{SettingErrors, SettingRoom};
 use geometry::frame::Cylindrical;
@@ -84,7 +84,8 @@ impl<'a> Around<'a> {
         let finder = SurfaceFinder::new(channel.clone())?;
         let is_own = !inputs.own_electrodes.is_empty();
         let junctions = if is_own { Junctions::default() } else { Junctions::of(channel, &inputs.job.electrode)? };
-        Ok(Self { job: &inputs.job, blisk, channel, finder, junctions })
+        let blank = inputs.blank.as_ref().map(|mesh| mesh.in_frame(&channel.frame));
+        Ok(Self { job: &inputs.job, blisk, channel, finder, junctions, blank })
     }
 
     /// Copying motions, and the whole motion on the machine; nothing if not every path is certified.
@@ -219,6 +220,11 @@ fn left_by(
         spark_gap: around.job.electrode.spark_gap_mm,
         junctions: around.junctions.clone(),
         proven,
+        blank: match (&around.blank, around.job.burning.allowance_mm) {
+            (Some(blank), _) => Blank::Solid(blank),
+            (None, Some(mm)) => Blank::Allowance(mm),
+            (None, None) => Blank::Full,
+        },
     };
     residual_stock(&site, &burns, task)
 }

@@ -38,6 +38,8 @@ pub struct PlanInputs {
     pub own_electrodes: Vec<Arc<Mesh>>,
     /// The measured sections that the blisk was made from, in its coordinates; none where it was not.
     pub sections: Arc<[MeasuredSection]>,
+    /// The wheel as it comes (mm, in the coordinates of the finished one); none of a full ring, or of one with an allowance.
+    pub blank: Option<Arc<Mesh>>,
     /// All parameters.
     pub job: PlanJob,
 }
@@ -45,7 +47,8 @@ pub struct PlanInputs {
 impl PlanInputs {
     /// A blisk alone (mm): without obstacles, own electrodes and measured sections.
     pub fn of(blisk: impl Into<Arc<Mesh>>, job: PlanJob) -> Self {
-        Self { blisk: blisk.into(), obstacles: None, own_electrodes: Vec::new(), sections: Arc::default(), job }
+        let (blisk, sections) = (blisk.into(), Arc::default());
+        Self { blisk, obstacles: None, own_electrodes: Vec::new(), sections, blank: None, job }
     }
 
     /// Number of electrodes that are planned.

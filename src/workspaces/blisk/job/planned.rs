@@ -1,7 +1,7 @@
 //! The plan as the window makes and shows it: while it is searched, as it came out, and how its electrodes finish the
 //! channel.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::finish::finish;
@@ -9,6 +9,7 @@ use super::outcome::Finishing;
 use super::outcome::{PlanInputs, PlanJobError, PlanOutcome};
 use super::plan::{replay, run_prepared};
 use super::prepared_blisk::PreparedBlisk;
+use super::preset::{read_presets, with_presets};
 use super::simulate;
 use super::stages::{FoundChannel, Part};
 use crate::workspaces::blisk::document::job_file::PlanJob;
@@ -55,6 +56,7 @@ pub fn inputs_of(part: &Part, job: &PlanJob) -> PlanInputs {
         obstacles: part.obstacles.clone(),
         own_electrodes: part.own_electrodes.clone(),
         sections: part.sections.clone(),
+        blank: part.blank.clone(),
         job: job.clone(),
     }
 }
@@ -99,6 +101,20 @@ impl Planned {
         let (inputs, FoundChannel { channel, blisk, exact, .. }) = (inputs_of(part, job), channel);
         let outcome = replay(&inputs, channel, blisk, exact, kept, task).map_err(|e| FIELDS.labelled(&e))?;
         Ok(Self::new(inputs, part, outcome))
+    }
+
+    /// The plan for electrodes that stand on their holders, and are worn, as the table `presets` says. `blisk` is that of the
+    /// plan, in W.
+    ///
+    /// # Errors
+    /// One line for the user.
+    pub fn as_measured(&self, presets: &str, blisk: &Mesh, task: &Task) -> Result<Self, String> {
+        let presets = read_presets(Path::new(presets)).map_err(|error| error.to_string())?;
+        let outcome = with_presets((*self.outcome).clone(), &self.inputs, blisk, &presets, task);
+        let outcome = outcome.map_err(|error| FIELDS.labelled(&error))?;
+        let shapes = outcome.electrodes.iter().map(|e| Arc::new(RenderMesh::new(&e.burning().mesh))).collect();
+        let (inputs, content) = (self.inputs.clone(), self.content.clone());
+        Ok(Self { inputs, content, outcome: Arc::new(outcome), shapes })
     }
 
     fn new(inputs: PlanInputs, part: &Part, outcome: PlanOutcome) -> Self {

@@ -24,6 +24,8 @@ pub(super) struct Around<'a> {
     pub(super) channel: &'a Arc<Channel>,
     pub(super) finder: SurfaceFinder,
     pub(super) junctions: Junctions,
+    /// The wheel as it comes, in W; none of a full ring, or of one with an allowance.
+    pub(super) blank: Option<Mesh>,
 }
 
 /// Whether a program of this job may only be made after its whole motion was simulated: the machine has bodies, or

@@ -47,6 +47,8 @@ pub struct Part {
     pub own_electrodes: Vec<Arc<Mesh>>,
     /// The measured sections that the blisk was made from, in its coordinates; none where it was not.
     pub sections: Arc<[MeasuredSection]>,
+    /// The wheel as it comes, in the blisk's coordinates (mm); none of a full ring, or of one with an allowance.
+    pub blank: Option<Arc<Mesh>>,
     /// The files for the report, the blisk's first.
     pub files: Vec<InputFile>,
 }
@@ -122,6 +124,8 @@ pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
         files.push(input_file("electrode", path, &own));
         own_electrodes.push(Arc::new(own.mesh));
     }
+    let blank = read_blank(job, task)?;
+    files.extend(blank.as_ref().map(|(_, file)| file.clone()));
     let shape = Arc::new(match &obstacles {
         Some(obstacles) => {
             let mut all = mesh.clone();
@@ -132,7 +136,25 @@ pub fn load(job: &PlanJob, task: &Task) -> Result<Part, String> {
     });
     task.check().map_err(|e| e.to_string())?;
     let (mesh, obstacles, faces) = (Arc::new(mesh), obstacles.map(Arc::new), faces.map(Arc::new));
-    Ok(Part { name: job.part(), mesh, obstacles, shape, report, faces, own_electrodes, sections, files })
+    let blank = blank.map(|(mesh, _)| mesh.into());
+    Ok(Part { name: job.part(), mesh, obstacles, shape, report, faces, own_electrodes, sections, blank, files })
+}
+
+/// Reads the mesh of the wheel as it comes, and what a report says of it; none of a job that has none.
+///
+/// # Errors
+/// One line naming file, place and remedy.
+pub fn read_blank(job: &PlanJob, task: &Task) -> Result<Option<(Mesh, InputFile)>, String> {
+    let Some(path) = &job.burning.blank else { return Ok(None) };
+    let blank = import(path, &job.blisk.reading.units.into(), task)?;
+    if !blank.report.watertight {
+        let path = path.display();
+        return Err(format!(
+            "{path}: the surface of the blank is not closed, so that it has no inside; close it in the program it came from"
+        ));
+    }
+    let file = input_file("blank", path, &blank);
+    Ok(Some((blank.mesh, file)))
 }
 
 /// The blisk of a job.
@@ -213,6 +235,7 @@ fn demonstration() -> Part {
         faces: None,
         own_electrodes: Vec::new(),
         sections: Arc::default(),
+        blank: None,
         files: vec![file],
     }
 }

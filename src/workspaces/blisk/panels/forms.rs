@@ -26,8 +26,12 @@ pub enum Request {
     Machine,
     /// A technology table of one's own.
     Technology,
+    /// A mesh of the wheel as it comes.
+    Blank,
     /// A scan of the finished part.
     Scan,
+    /// A table of the electrodes as they are measured.
+    Presets,
 }
 
 /// Draws the fields of `stage`. Changes go into the document at once.
@@ -56,7 +60,9 @@ pub fn show(ui: &mut Ui, desk: &mut BliskDesk, cx: &mut Context, stage: Stage) -
         "export.job_sheet" => Request::JobSheet,
         "technology.table" => Request::Technology,
         "blisk.sections.file" => Request::Sections,
+        "burning.blank" => Request::Blank,
         "scan.file" => Request::Scan,
+        "setup.presets" => Request::Presets,
         _ => Request::ElectrodeMesh(key),
     })
 }

@@ -77,6 +77,8 @@ enum Wish {
     Table(ElectrodeTable),
 }
 
+type MeasuredKey = (Same<Planned>, String, u64);
+
 /// Everything that is computed for a blisk.
 pub struct BliskWork {
     /// Meshes and plans are large: of each a few are remembered, so that undo is instant.
@@ -87,6 +89,8 @@ pub struct BliskWork {
     /// The blisk made ready for planning with a size of cells (mm). Two would take twice the memory.
     prepared: Memo<(Same<FoundChannel>, f64), PreparedBlisk>,
     planned: Memo<Fingerprint, Planned, Arc<PartialPlan>>,
+    /// Plans for the electrodes as they are measured: by the plan, the table, and how often files were read.
+    measured: Memo<MeasuredKey, Planned>,
     finished: Memo<Same<Planned>, Finished>,
     /// Exports, each under the number of exports before it.
     exported: Memo<(Fingerprint, u64), Exported>,
@@ -116,6 +120,7 @@ impl BliskWork {
             electrodes: Memo::new(scheduler, Lane::Quick, Stage::Electrode.name()).remembering(4),
             prepared: Memo::new(scheduler, Lane::Quick, "Preparation").remembering(1),
             planned: Memo::new(scheduler, Lane::Long, Stage::Plan.name()).remembering(4),
+            measured: Memo::new(scheduler, Lane::Quick, Stage::Verify.name()).remembering(2),
             finished: Memo::new(scheduler, Lane::Long, Stage::Verify.name()).remembering(4),
             exported: Memo::new(scheduler, Lane::Long, Stage::Export.name()).remembering(1),
             exports: (None, 0),
@@ -140,6 +145,7 @@ impl BliskWork {
         self.electrodes.clear();
         self.prepared.clear();
         self.planned.clear();
+        self.measured.clear();
         self.finished.clear();
         self.exported.clear();
         self.looks.clear();
@@ -208,6 +214,7 @@ impl BliskWork {
         self.follow_early_stages();
         self.follow_kept_plan(document);
         self.follow_wishes();
+        self.follow_measured();
         self.follow_finish();
         self.note_plan(document);
         std::mem::take(&mut self.events)
@@ -224,6 +231,7 @@ impl BliskWork {
         drain(events, Stage::Channel, &mut self.channel, done(FoundChannel::sentence));
         drain(events, Stage::Electrode, &mut self.electrodes, done(Electrodes::sentence));
         drain(events, Stage::Plan, &mut self.planned, Planned::sentence);
+        drain(events, Stage::Verify, &mut self.measured, Planned::sentence);
         if drain(events, Stage::Verify, &mut self.finished, Finished::sentence) {
             // What was released without its copying motions is another plan now.
             self.released = self.released.take().filter(Released::is_whole);
@@ -332,9 +340,27 @@ impl BliskWork {
             .ask(&Same(planned.clone()), self.priority, move |work| Finished::of(&planned, &found.blisk, &work.task));
     }
 
-    /// Has the document keep the present plan.
+    fn measured_key(&self) -> Option<MeasuredKey> {
+        let now = self.now.as_ref()?;
+        let presets = now.job.setup.presets.clone()?;
+        let planned = self.planned.get(&now.plan).filter(|planned| planned.outcome.is_verified())?;
+        Some((Same(planned.clone()), presets, self.reloads))
+    }
+
+    /// Rewrites the plan for the electrodes as they are measured, if they are.
+    fn follow_measured(&mut self) {
+        let found = self.now.as_ref().and_then(|now| self.channel.get(&now.channel)).cloned();
+        let (Some(found), Some(key), false) = (found, self.measured_key(), self.is_planning()) else {
+            return self.measured.stop();
+        };
+        let (planned, presets) = (key.0.0.clone(), key.1.clone());
+        self.measured.ask(&key, self.priority, move |work| planned.as_measured(&presets, &found.blisk, &work.task));
+    }
+
+    /// Has the document keep the present plan, for nominal electrodes.
     fn note_plan(&mut self, document: &mut Document) {
-        let Some(planned) = self.current().cloned().map(Same) else { return };
+        let nominal = self.now.as_ref().and_then(|now| self.planned.get(&now.plan));
+        let Some(planned) = nominal.cloned().map(Same) else { return };
         if self.noted.as_ref() == Some(&planned) {
             return;
         }
@@ -403,6 +429,7 @@ impl BliskWork {
         self.channel.cancel();
         self.electrodes.cancel();
         self.planned.cancel();
+        self.measured.cancel();
         self.finished.cancel();
         self.exported.cancel();
     }
@@ -440,6 +467,8 @@ impl BliskWork {
                     state => state,
                 },
                 (State::Failed(_) | State::Running, _) => State::Missing,
+                // A plan that is not rewritten for the measured electrodes yet.
+                (State::Ready, None) => self.measured_key().map_or(State::Missing, |key| self.measured.state(&key)),
                 (state, _) => state,
             },
             Stage::Export => match self.exports {
@@ -495,7 +524,7 @@ impl BliskWork {
 
     /// The plan with its electrodes for the screen, current or not.
     pub fn planned(&self) -> Option<&Arc<Planned>> {
-        self.planned.last().map(|(_, planned)| planned)
+        self.current().or(self.planned.last().map(|(_, planned)| planned))
     }
 
     /// The plan, current or not: see [`state`](Self::state).
@@ -503,9 +532,12 @@ impl BliskWork {
         self.planned().map(|planned| &planned.outcome)
     }
 
-    /// The plan of the present parameters.
+    /// The plan of the present parameters, for the electrodes as they are measured if they are.
     fn current(&self) -> Option<&Arc<Planned>> {
-        self.planned.get(&self.now.as_ref()?.plan)
+        match self.measured_key() {
+            Some(key) => self.measured.get(&key),
+            None => self.planned.get(&self.now.as_ref()?.plan),
+        }
     }
 
     /// The stock that the electrodes of the plan leave, for the screen.

@@ -10,6 +10,7 @@ use super::choice_words::{
 use super::electrode_fields::{OWN_ELECTRODE, SINGLE_PARTS};
 use super::scan_fields::SCAN;
 use super::setting_fields::SETTING;
+use super::setup_fields::{PRESETS, SETUP};
 use super::technology_fields::{BURNING, TECHNOLOGY};
 use super::weight_fields::WEIGHTS;
 use super::{BladesFrom, PlanJob};
@@ -407,6 +408,7 @@ const GROUPS: &[Group] = &[
         ],
     },
     SETTING,
+    PRESETS,
     SCAN,
     Group {
         section: "Export",
@@ -429,6 +431,7 @@ const GROUPS: &[Group] = &[
                 .help("Dwell in the final pose after the stop for the burn; 0 for none."),
         ],
     },
+    SETUP,
     Group {
         section: "Export",
         name: "Files",

@@ -7,6 +7,7 @@ mod electrode_fields;
 pub mod field_table;
 mod scan_fields;
 mod setting_fields;
+mod setup_fields;
 mod technology_fields;
 mod weight_fields;
 
@@ -19,6 +20,7 @@ use crate::workspaces::blisk::document::burning::BurningSection;
 use crate::workspaces::blisk::document::choice::{Channels, DrawnPictures, MeshFrame, WrittenFiles};
 use crate::workspaces::blisk::document::scan::ScanSection;
 use crate::workspaces::blisk::document::setting::SettingSection;
+use crate::workspaces::blisk::document::setup::SetUpSection;
 use burning::project::ProjectTechnology;
 use feed::genetic::{GeneticParams, ReductionMode};
 use feed::machine::MachineParams;
@@ -70,6 +72,9 @@ pub struct PlanJob {
     /// `[setting]`
     #[serde(default)]
     pub setting: SettingSection,
+    /// `[setup]`
+    #[serde(default)]
+    pub setup: SetUpSection,
     /// `[scan]`
     #[serde(default)]
     pub scan: ScanSection,
@@ -311,6 +316,7 @@ impl PlanJob {
             technology: ProjectTechnology::default(),
             burning: BurningSection::default(),
             setting: SettingSection::default(),
+            setup: SetUpSection::default(),
             scan: ScanSection::default(),
         }
     }
@@ -356,6 +362,8 @@ impl Validate for PlanJob {
         self.genetic.validate().map_err(|e| other(&e))?;
         self.export.nc.validate().map_err(|e| other(&e))?;
         self.technology.validate().map_err(|problem| problem.within("technology"))?;
+        self.burning.validate().map_err(|problem| problem.within("burning"))?;
+        self.setup.validate().map_err(|problem| problem.within("setup"))?;
         self.scan.validate().map_err(|problem| problem.within("scan"))?;
         if !self.export.files.any() {
             return Err(Invalid::of("export.files", "no file is chosen, so that nothing would be written; choose one"));
@@ -404,7 +412,8 @@ impl Params for PlanJob {
 
     fn change_paths(&mut self, change: &mut dyn FnMut(&Path) -> PathBuf) {
         let more = self.electrode.more.iter_mut().map(|own| &mut own.mesh).filter(|mesh| !mesh.as_os_str().is_empty());
-        for mesh in [&mut self.blisk.mesh, &mut self.electrode.mesh].into_iter().flatten().chain(more) {
+        let meshes = [&mut self.blisk.mesh, &mut self.electrode.mesh, &mut self.burning.blank];
+        for mesh in meshes.into_iter().flatten().chain(more) {
             *mesh = change(mesh);
         }
         if let BladesFrom::Measured(blades) = &mut self.blisk.sections
@@ -412,8 +421,8 @@ impl Params for PlanJob {
         {
             blades.file = change(&blades.file);
         }
-        if let Some(scan) = &mut self.scan.file {
-            *scan = change(Path::new(scan)).to_string_lossy().into_owned();
+        for file in [&mut self.scan.file, &mut self.setup.presets].into_iter().flatten() {
+            *file = change(Path::new(file)).to_string_lossy().into_owned();
         }
         if self.technology.is_file() {
             let table = &mut self.technology.table;
@@ -433,7 +442,8 @@ impl Params for PlanJob {
 
     /// Meshes and sections are needed; a machine, a post or a template can be chosen later.
     fn needs(&self, path: &Path) -> bool {
-        self.blisk.file().into_iter().chain(self.electrode.own_meshes()).any(|file| file == path)
+        let blank = self.burning.blank.as_deref();
+        self.blisk.file().into_iter().chain(self.electrode.own_meshes()).chain(blank).any(|file| file == path)
     }
 
     /// Axes, travels and speeds of the machine that is named, but for those that are given. What its file does not say

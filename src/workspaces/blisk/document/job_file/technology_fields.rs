@@ -31,5 +31,13 @@ pub(super) const BURNING: Group = Group {
             .help("Turning the wheel to another channel."),
         Field::choice("burning.order", "Order", ORDERS)
             .help("Order in which all channels of the wheel are burned with all electrodes."),
+        Field::number("burning.allowance_mm", "Allowance", "mm", 1e-3, 100.0)
+            .decimals(3)
+            .or_nothing(0.5)
+            .help("Stock on the surfaces of the channels of a wheel that was cast, printed or roughed before; none of a full ring."),
+        Field::file("burning.blank", "Blank").help(
+            "Mesh of the wheel as it comes, in the coordinates of the finished one; none of a full ring. Only what lies in it is \
+             burned.",
+        ),
     ],
 };
